@@ -1,0 +1,66 @@
+//! Events: what happened to a session after, or beside, its samples. Append-only.
+
+use crate::QuestionId;
+use serde::{Deserialize, Serialize};
+
+/// One line of `sessions/<participant>_<session>.events.jsonl`.
+///
+/// Files under `trials/` never change; whatever comes later is an event, joined to the trials by
+/// the store when it reads.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "event", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Event {
+    /// A trial's file was finished.
+    Recorded {
+        /// Trial number.
+        trial: u32,
+        /// BLAKE3 of the whole file, in hexadecimal.
+        blake3: String,
+    },
+    /// A question was answered.
+    Answer {
+        /// Trial number.
+        trial: u32,
+        /// Which question.
+        question: QuestionId,
+        /// The answer as given (not reversed), 1…5.
+        value: u8,
+    },
+    /// The trial was done again; this one no longer counts.
+    Superseded {
+        /// Trial number that no longer counts.
+        trial: u32,
+        /// Trial number that takes its place.
+        by: u32,
+    },
+    /// The trial does not count, for a stated reason.
+    Excluded {
+        /// Trial number.
+        trial: u32,
+        /// Why, in words.
+        reason: String,
+    },
+    /// A remark.
+    Note {
+        /// Trial number, where it belongs to one.
+        trial: Option<u32>,
+        /// The remark.
+        text: String,
+    },
+    /// The sealed order of modes was opened.
+    Unsealed,
+}
+
+impl Event {
+    /// The trial the event speaks of, where it speaks of one.
+    pub fn trial(&self) -> Option<u32> {
+        match self {
+            Self::Recorded { trial, .. }
+            | Self::Answer { trial, .. }
+            | Self::Superseded { trial, .. }
+            | Self::Excluded { trial, .. } => Some(*trial),
+            Self::Note { trial, .. } => *trial,
+            Self::Unsealed => None,
+        }
+    }
+}

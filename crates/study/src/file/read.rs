@@ -1,0 +1,310 @@
+//! From the text of a `study.toml` to a checked study in SI units.
+
+use super::MILLI;
+use super::shape::*;
+use crate::model::{
+    Analysis, Coordinate, Design, Device, Environment, Masses, Mode, Question, Scene, Spring, Study,
+};
+use crate::{SCHEMA_VERSION, StudyError, locate};
+use std::collections::BTreeSet;
+
+/// Movement begins above this velocity: well above a held sensor's jitter, well below a slow push.
+const ONSET_DEG_S: f64 = 10.0;
+/// Movement ends below this velocity (half the onset: hysteresis).
+const OFFSET_DEG_S: f64 = 5.0;
+/// As [`ONSET_DEG_S`], for a linear coordinate.
+const ONSET_MM_S: f64 = 5.0;
+/// As [`OFFSET_DEG_S`], for a linear coordinate.
+const OFFSET_MM_S: f64 = 2.5;
+
+impl Study {
+    /// Reads and checks a `study.toml`. Every problem found is in the error, each with its key and line.
+    pub fn from_toml(text: &str) -> Result<Self, Vec<StudyError>> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let file: File = toml::from_str(text).map_err(|e| vec![locate::toml_error(text, &e)])?;
+        let mut check = Check { text, errors: Vec::new() };
+        let study = check.study(file);
+        if check.errors.is_empty() { Ok(study) } else { Err(check.errors) }
+    }
+}
+
+/// Collects problems while the values are converted.
+struct Check<'a> {
+    text: &'a str,
+    errors: Vec<StudyError>,
+}
+
+impl Check<'_> {
+    fn error(&mut self, key: &str, problem: String) {
+        let line = locate::line_of(self.text, key);
+        self.errors.push(StudyError { line, key: key.to_owned(), problem });
+    }
+
+    fn positive(&mut self, key: &str, value: f64) -> f64 {
+        if !(value.is_finite() && value > 0.0) {
+            self.error(key, format!("{value} must be a number above 0"));
+        }
+        value
+    }
+
+    fn not_negative(&mut self, key: &str, value: f64) -> f64 {
+        if !(value.is_finite() && value >= 0.0) {
+            self.error(key, format!("{value} must be 0 or a number above it"));
+        }
+        value
+    }
+
+    fn finite(&mut self, key: &str, value: f64) -> f64 {
+        if !value.is_finite() {
+            self.error(key, format!("{value} must be a finite number"));
+        }
+        value
+    }
+
+    fn study(&mut self, file: File) -> Study {
+        if file.schema != SCHEMA_VERSION {
+            self.error(
+                "schema",
+                format!("version {} is unknown; this software reads version {SCHEMA_VERSION}", file.schema),
+            );
+        }
+        let device = self.device(&file.device);
+        let coordinate = self.coordinate(file.coordinate.kind, &device);
+        self.unique("environments", file.environments.iter().map(|e| e.id.as_str()));
+        self.unique("modes", file.modes.iter().map(|m| m.id.as_str()));
+        self.unique("questions", file.questions.iter().map(|q| q.id.as_str()));
+        let known: BTreeSet<&str> = file.questions.iter().map(|q| q.id.as_str()).collect();
+        let environments = file
+            .environments
+            .iter()
+            .enumerate()
+            .map(|(i, e)| self.environment(&format!("environments[{i}]"), e, coordinate, &known))
+            .collect();
+        let modes = file.modes.iter().enumerate().map(|(i, m)| self.mode(i, m)).collect();
+        Study {
+            id: file.study.id,
+            title: file.study.title,
+            design: self.design(&file.design),
+            coordinate,
+            device,
+            masses: file.masses.map(|m| Masses {
+                motor_kg: self.positive("masses.motor_g", m.motor_g) * MILLI,
+                brake_kg: self.positive("masses.brake_g", m.brake_g) * MILLI,
+            }),
+            environments,
+            modes,
+            questions: file.questions.into_iter().map(question).collect(),
+            analysis: self.analysis(&file.analysis, coordinate),
+        }
+    }
+
+    fn unique<'b>(&mut self, list: &str, ids: impl Iterator<Item = &'b str>) {
+        let mut seen = BTreeSet::new();
+        let mut empty = true;
+        for (i, id) in ids.enumerate() {
+            empty = false;
+            if !seen.insert(id) {
+                self.error(&format!("{list}[{i}].id"), format!("'{id}' stands twice; ids must differ"));
+            }
+        }
+        if empty && list != "questions" {
+            self.error(list, "the list is empty; a study needs at least one".to_owned());
+        }
+    }
+
+    fn design(&mut self, d: &DesignTable) -> Design {
+        if d.repeats == 0 {
+            self.error("design.repeats", "0 must be at least 1".to_owned());
+        }
+        Design {
+            repeats: d.repeats,
+            familiarisation: d.familiarisation,
+            trial_limit_s: self.positive("design.trial_limit_s", d.trial_limit_s),
+            pause_s: self.not_negative("design.pause_s", d.pause_s),
+        }
+    }
+
+    fn device(&mut self, d: &DeviceTable) -> Device {
+        if let (Some(low), Some(high)) = (d.theta_min_deg, d.theta_max_deg)
+            && low >= high
+        {
+            self.error(
+                "device.theta_max_deg",
+                format!("{high} must lie above theta_min_deg, which is {low}"),
+            );
+        }
+        Device {
+            name: d.name.clone(),
+            lever_m: d.lever_m.map(|v| self.positive("device.lever_m", v)),
+            theta_min_rad: d.theta_min_deg.map(|v| self.finite("device.theta_min_deg", v).to_radians()),
+            theta_max_rad: d.theta_max_deg.map(|v| self.finite("device.theta_max_deg", v).to_radians()),
+            force_rate_hz: d.force_rate_hz.map(|v| self.positive("device.force_rate_hz", v)),
+        }
+    }
+
+    fn coordinate(&mut self, kind: CoordinateKind, device: &Device) -> Coordinate {
+        match (kind, device.lever_m) {
+            (CoordinateKind::Rotational, _) => Coordinate::Rotational,
+            (CoordinateKind::Linear, Some(lever_m)) => Coordinate::Linear { lever_m },
+            (CoordinateKind::Linear, None) => {
+                self.error(
+                    "coordinate.kind",
+                    "a linear coordinate x = L θ needs device.lever_m (1.0 for a slide)".to_owned(),
+                );
+                Coordinate::Rotational
+            }
+        }
+    }
+
+    fn environment(
+        &mut self,
+        at: &str,
+        e: &EnvironmentTable,
+        coordinate: Coordinate,
+        questions: &BTreeSet<&str>,
+    ) -> Environment {
+        if let Some(q) = &e.question
+            && !questions.contains(q.as_str())
+        {
+            self.error(&format!("{at}.question"), format!("'{q}' is not the id of any [[questions]]"));
+        }
+        let scene = match e.kind {
+            SceneKind::None => Scene::None,
+            SceneKind::Free => Scene::Free,
+            SceneKind::Spring => Scene::Spring(self.spring(at, e, coordinate)),
+            SceneKind::SpringWall => Scene::SpringWall {
+                spring: self.spring(at, e, coordinate),
+                wall_rad: self.position(
+                    at,
+                    ["wall_deg", "wall_mm"],
+                    [e.wall_deg, e.wall_mm],
+                    coordinate,
+                    None,
+                ),
+            },
+        };
+        self.refuse_unused(at, e, coordinate);
+        Environment { id: e.id.clone(), label: e.label.clone(), scene, question: e.question.clone() }
+    }
+
+    fn spring(&mut self, at: &str, e: &EnvironmentTable, coordinate: Coordinate) -> Spring {
+        let (key, value, factor) = match coordinate {
+            Coordinate::Rotational => ("stiffness_n_per_rad", e.stiffness_n_per_rad, 1.0),
+            Coordinate::Linear { lever_m } => ("stiffness_n_per_mm", e.stiffness_n_per_mm, lever_m / MILLI),
+        };
+        let key = format!("{at}.{key}");
+        let stiffness = self.required(&key, value);
+        Spring {
+            stiffness_n_per_rad: self.not_negative(&key, stiffness) * factor,
+            rest_rad: self.position(at, ["rest_deg", "rest_mm"], [e.rest_deg, e.rest_mm], coordinate, None),
+        }
+    }
+
+    /// A position or velocity: given in degrees in a rotational study, in millimetres in a linear
+    /// one; returned in radians. `missing` stands in for an absent key; without it the key is required.
+    fn position(
+        &mut self,
+        at: &str,
+        [deg_key, mm_key]: [&str; 2],
+        [deg, mm]: [Option<f64>; 2],
+        coordinate: Coordinate,
+        missing: Option<f64>,
+    ) -> f64 {
+        let (key, given) = match coordinate {
+            Coordinate::Rotational => (deg_key, deg),
+            Coordinate::Linear { .. } => (mm_key, mm),
+        };
+        let key = format!("{at}.{key}");
+        let value = self.required(&key, given.or(missing));
+        let value = self.finite(&key, value);
+        match coordinate {
+            Coordinate::Rotational => value.to_radians(),
+            Coordinate::Linear { lever_m } => value * MILLI / lever_m,
+        }
+    }
+
+    fn required(&mut self, key: &str, value: Option<f64>) -> f64 {
+        if value.is_none() {
+            self.error(key, "is missing; this kind of environment needs it".to_owned());
+        }
+        value.unwrap_or(0.0)
+    }
+
+    /// A key that the environment's kind or the study's coordinate gives no meaning to is a mistake.
+    fn refuse_unused(&mut self, at: &str, e: &EnvironmentTable, coordinate: Coordinate) {
+        let linear = coordinate != Coordinate::Rotational;
+        let spring = matches!(e.kind, SceneKind::Spring | SceneKind::SpringWall);
+        let wall = e.kind == SceneKind::SpringWall;
+        for (name, given, used) in [
+            ("stiffness_n_per_rad", e.stiffness_n_per_rad.is_some(), spring && !linear),
+            ("rest_deg", e.rest_deg.is_some(), spring && !linear),
+            ("wall_deg", e.wall_deg.is_some(), wall && !linear),
+            ("stiffness_n_per_mm", e.stiffness_n_per_mm.is_some(), spring && linear),
+            ("rest_mm", e.rest_mm.is_some(), spring && linear),
+            ("wall_mm", e.wall_mm.is_some(), wall && linear),
+        ] {
+            if given && !used {
+                let problem = "has no meaning for this kind of environment and coordinate; remove it";
+                self.error(&format!("{at}.{name}"), problem.to_owned());
+            }
+        }
+    }
+
+    fn mode(&mut self, i: usize, m: &ModeTable) -> Mode {
+        Mode {
+            id: m.id.clone(),
+            label: m.label.clone(),
+            motor_max_v: m.motor_max_v.map(|v| self.not_negative(&format!("modes[{i}].motor_max_v"), v)),
+            brake_max_v: m.brake_max_v.map(|v| self.not_negative(&format!("modes[{i}].brake_max_v"), v)),
+        }
+    }
+
+    fn analysis(&mut self, a: &AnalysisTable, coordinate: Coordinate) -> Analysis {
+        let linear = coordinate != Coordinate::Rotational;
+        for (name, given, used) in [
+            ("onset_deg_s", a.onset_deg_s, !linear),
+            ("offset_deg_s", a.offset_deg_s, !linear),
+            ("slope_from_deg", a.slope_from_deg, !linear),
+            ("onset_mm_s", a.onset_mm_s, linear),
+            ("offset_mm_s", a.offset_mm_s, linear),
+            ("slope_from_mm", a.slope_from_mm, linear),
+        ] {
+            let key = format!("analysis.{name}");
+            match given {
+                Some(_) if !used => {
+                    self.error(&key, "has no meaning for this coordinate; remove it".to_owned())
+                }
+                Some(value) => _ = self.not_negative(&key, value),
+                None => {}
+            }
+        }
+        if a.grid_points < 2 {
+            self.error("analysis.grid_points", format!("{} must be at least 2", a.grid_points));
+        }
+        if !(a.confidence > 0.0 && a.confidence < 1.0) {
+            self.error("analysis.confidence", format!("{} must lie between 0 and 1", a.confidence));
+        }
+        let (onset, offset) = if linear { (ONSET_MM_S, OFFSET_MM_S) } else { (ONSET_DEG_S, OFFSET_DEG_S) };
+        let mut value =
+            |keys, given, default| self.position("analysis", keys, given, coordinate, Some(default));
+        let analysis = Analysis {
+            onset_rad_s: value(["onset_deg_s", "onset_mm_s"], [a.onset_deg_s, a.onset_mm_s], onset),
+            offset_rad_s: value(["offset_deg_s", "offset_mm_s"], [a.offset_deg_s, a.offset_mm_s], offset),
+            slope_from_rad: value(
+                ["slope_from_deg", "slope_from_mm"],
+                [a.slope_from_deg, a.slope_from_mm],
+                0.0,
+            ),
+            grid_points: a.grid_points,
+            confidence: a.confidence,
+        };
+        if analysis.offset_rad_s > analysis.onset_rad_s {
+            self.error("analysis", "the offset velocity must not exceed the onset velocity".to_owned());
+        }
+        analysis
+    }
+}
+
+fn question(q: QuestionTable) -> Question {
+    Question { id: q.id, text: q.text, group: q.group, reversed: q.reversed }
+}

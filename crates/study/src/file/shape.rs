@@ -1,0 +1,165 @@
+//! The shape of `study.toml`: what serde reads and writes, in the units people type.
+
+use crate::model::Analysis;
+use crate::{EnvironmentId, ModeId, QuestionId, StudyId};
+use serde::{Deserialize, Serialize};
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct File {
+    pub(super) schema: u32,
+    pub(super) study: StudyTable,
+    pub(super) design: DesignTable,
+    #[serde(default)]
+    pub(super) coordinate: CoordinateTable,
+    pub(super) device: DeviceTable,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) masses: Option<MassesTable>,
+    #[serde(default)]
+    pub(super) analysis: AnalysisTable,
+    pub(super) environments: Vec<EnvironmentTable>,
+    pub(super) modes: Vec<ModeTable>,
+    #[serde(default)]
+    pub(super) questions: Vec<QuestionTable>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StudyTable {
+    pub(super) id: StudyId,
+    pub(super) title: String,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DesignTable {
+    pub(super) repeats: u32,
+    #[serde(default)]
+    pub(super) familiarisation: u32,
+    pub(super) trial_limit_s: f64,
+    #[serde(default)]
+    pub(super) pause_s: f64,
+}
+
+#[derive(Serialize, Deserialize, Default, Clone, Copy, PartialEq)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum CoordinateKind {
+    #[default]
+    Rotational,
+    Linear,
+}
+
+#[derive(Serialize, Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CoordinateTable {
+    pub(super) kind: CoordinateKind,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DeviceTable {
+    pub(super) name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lever_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) theta_min_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) theta_max_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) force_rate_hz: Option<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MassesTable {
+    pub(super) motor_g: f64,
+    pub(super) brake_g: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct AnalysisTable {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) onset_deg_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) offset_deg_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) slope_from_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) onset_mm_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) offset_mm_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) slope_from_mm: Option<f64>,
+    pub(super) grid_points: usize,
+    pub(super) confidence: f64,
+}
+
+impl Default for AnalysisTable {
+    fn default() -> Self {
+        let Analysis { grid_points, confidence, .. } = Analysis::default();
+        Self {
+            onset_deg_s: None,
+            offset_deg_s: None,
+            slope_from_deg: None,
+            onset_mm_s: None,
+            offset_mm_s: None,
+            slope_from_mm: None,
+            grid_points,
+            confidence,
+        }
+    }
+}
+
+#[derive(Serialize, Deserialize, Clone, Copy, PartialEq)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum SceneKind {
+    None,
+    Free,
+    Spring,
+    SpringWall,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EnvironmentTable {
+    pub(super) id: EnvironmentId,
+    pub(super) label: String,
+    pub(super) kind: SceneKind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) stiffness_n_per_rad: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) rest_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wall_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) stiffness_n_per_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) rest_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wall_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) question: Option<QuestionId>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ModeTable {
+    pub(super) id: ModeId,
+    pub(super) label: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) motor_max_v: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) brake_max_v: Option<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct QuestionTable {
+    pub(super) id: QuestionId,
+    pub(super) text: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) group: Option<String>,
+    #[serde(default)]
+    pub(super) reversed: bool,
+}

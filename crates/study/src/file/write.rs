@@ -1,0 +1,131 @@
+//! From a study back to the text of its `study.toml`.
+
+use super::MILLI;
+use super::shape::*;
+use crate::SCHEMA_VERSION;
+use crate::model::{Analysis, Coordinate, Environment, Scene, Study};
+
+impl Study {
+    /// The study as `study.toml` text (without comments); [`Study::from_toml`] reads it back.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string_pretty(&File::from(self))
+    }
+}
+
+impl From<&Study> for File {
+    fn from(s: &Study) -> Self {
+        Self {
+            schema: SCHEMA_VERSION,
+            study: StudyTable { id: s.id.clone(), title: s.title.clone() },
+            design: DesignTable {
+                repeats: s.design.repeats,
+                familiarisation: s.design.familiarisation,
+                trial_limit_s: s.design.trial_limit_s,
+                pause_s: s.design.pause_s,
+            },
+            coordinate: CoordinateTable {
+                kind: match s.coordinate {
+                    Coordinate::Rotational => CoordinateKind::Rotational,
+                    Coordinate::Linear { .. } => CoordinateKind::Linear,
+                },
+            },
+            device: DeviceTable {
+                name: s.device.name.clone(),
+                lever_m: s.device.lever_m,
+                theta_min_deg: s.device.theta_min_rad.map(degrees),
+                theta_max_deg: s.device.theta_max_rad.map(degrees),
+                force_rate_hz: s.device.force_rate_hz,
+            },
+            masses: s.masses.map(|m| MassesTable {
+                motor_g: decimal(m.motor_kg / MILLI),
+                brake_g: decimal(m.brake_kg / MILLI),
+            }),
+            analysis: analysis_table(&s.analysis, s.coordinate),
+            environments: s.environments.iter().map(|e| environment_table(e, s.coordinate)).collect(),
+            modes: s
+                .modes
+                .iter()
+                .map(|m| ModeTable {
+                    id: m.id.clone(),
+                    label: m.label.clone(),
+                    motor_max_v: m.motor_max_v,
+                    brake_max_v: m.brake_max_v,
+                })
+                .collect(),
+            questions: s
+                .questions
+                .iter()
+                .map(|q| QuestionTable {
+                    id: q.id.clone(),
+                    text: q.text.clone(),
+                    group: q.group.clone(),
+                    reversed: q.reversed,
+                })
+                .collect(),
+        }
+    }
+}
+
+fn environment_table(e: &Environment, coordinate: Coordinate) -> EnvironmentTable {
+    let (spring, wall) = (e.scene.spring(), e.scene.wall_rad());
+    let mut table = EnvironmentTable {
+        id: e.id.clone(),
+        label: e.label.clone(),
+        kind: match e.scene {
+            Scene::None => SceneKind::None,
+            Scene::Free => SceneKind::Free,
+            Scene::Spring(_) => SceneKind::Spring,
+            Scene::SpringWall { .. } => SceneKind::SpringWall,
+        },
+        stiffness_n_per_rad: None,
+        rest_deg: None,
+        wall_deg: None,
+        stiffness_n_per_mm: None,
+        rest_mm: None,
+        wall_mm: None,
+        question: e.question.clone(),
+    };
+    match coordinate {
+        Coordinate::Rotational => {
+            table.stiffness_n_per_rad = spring.map(|s| s.stiffness_n_per_rad);
+            table.rest_deg = spring.map(|s| degrees(s.rest_rad));
+            table.wall_deg = wall.map(degrees);
+        }
+        Coordinate::Linear { lever_m } => {
+            let mm = |rad: f64| decimal(rad * lever_m / MILLI);
+            table.stiffness_n_per_mm = spring.map(|s| decimal(s.stiffness_n_per_rad / lever_m * MILLI));
+            table.rest_mm = spring.map(|s| mm(s.rest_rad));
+            table.wall_mm = wall.map(mm);
+        }
+    }
+    table
+}
+
+fn analysis_table(a: &Analysis, coordinate: Coordinate) -> AnalysisTable {
+    let mut table =
+        AnalysisTable { grid_points: a.grid_points, confidence: a.confidence, ..AnalysisTable::default() };
+    match coordinate {
+        Coordinate::Rotational => {
+            table.onset_deg_s = Some(degrees(a.onset_rad_s));
+            table.offset_deg_s = Some(degrees(a.offset_rad_s));
+            table.slope_from_deg = Some(degrees(a.slope_from_rad));
+        }
+        Coordinate::Linear { lever_m } => {
+            let mm = |rad: f64| Some(decimal(rad * lever_m / MILLI));
+            table.onset_mm_s = mm(a.onset_rad_s);
+            table.offset_mm_s = mm(a.offset_rad_s);
+            table.slope_from_mm = mm(a.slope_from_rad);
+        }
+    }
+    table
+}
+
+fn degrees(rad: f64) -> f64 {
+    decimal(rad.to_degrees())
+}
+
+/// Takes the last bits of a unit conversion away, so that 26.6 is written as 26.6.
+fn decimal(value: f64) -> f64 {
+    const DIGITS: f64 = 1e9;
+    (value * DIGITS).round() / DIGITS
+}

@@ -1,0 +1,112 @@
+//! Checked ids: nothing a user types becomes a path or a column value unchecked.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Longest id allowed, in characters.
+const MAX_LENGTH: usize = 32;
+
+/// An id that does not match `[A-Za-z0-9_-]{1,32}`.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("'{value}' is not a valid {what} id: use 1 to 32 of the letters A-Z a-z, digits, '_' and '-'")]
+pub struct IdError {
+    /// Which kind of id it should have been.
+    pub what: &'static str,
+    /// The text that was refused.
+    pub value: String,
+}
+
+fn is_id(text: &str) -> bool {
+    (1..=MAX_LENGTH).contains(&text.len())
+        && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-')
+}
+
+macro_rules! ids {
+    ($($(#[$doc:meta])* $name:ident = $what:literal;)*) => {$(
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[serde(try_from = "String", into = "String")]
+        pub struct $name(String);
+
+        impl $name {
+            /// Checks `text`; the error shows the text and what is allowed.
+            pub fn new(text: impl Into<String>) -> Result<Self, IdError> {
+                let value = text.into();
+                if is_id(&value) { Ok(Self(value)) } else { Err(IdError { what: $what, value }) }
+            }
+
+            /// The id as text.
+            pub fn as_str(&self) -> &str {
+                &self.0
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(&self.0)
+            }
+        }
+
+        impl TryFrom<String> for $name {
+            type Error = IdError;
+            fn try_from(text: String) -> Result<Self, IdError> {
+                Self::new(text)
+            }
+        }
+
+        impl std::str::FromStr for $name {
+            type Err = IdError;
+            fn from_str(text: &str) -> Result<Self, IdError> {
+                Self::new(text)
+            }
+        }
+
+        impl From<$name> for String {
+            fn from(id: $name) -> String {
+                id.0
+            }
+        }
+    )*};
+}
+
+ids! {
+    /// A study: the folder's name under `raw/`.
+    StudyId = "study";
+    /// A participant's code. Names of people never enter a file.
+    ParticipantId = "participant";
+    /// A session of one participant.
+    SessionId = "session";
+    /// An environment of the study, such as `spring_wall`.
+    EnvironmentId = "environment";
+    /// A mode of the study, such as `hybrid`.
+    ModeId = "mode";
+    /// A question of the study.
+    QuestionId = "question";
+    /// An actuator or sensor that was characterised, such as `motor`.
+    ActuatorId = "actuator";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_digits_underscore_and_hyphen_make_an_id() {
+        for good in ["P01", "a", "spring_wall", "x-1", &"a".repeat(32)] {
+            assert!(ParticipantId::new(good).is_ok(), "{good}");
+        }
+    }
+
+    #[test]
+    fn nothing_that_could_be_a_path_is_an_id() {
+        for bad in ["", "../x", "a/b", "a\\b", ".", "a.b", "é", "a b", "a\0", "C:", &"a".repeat(33)] {
+            let error = ParticipantId::new(bad).unwrap_err();
+            assert!(error.to_string().contains("participant id"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_bad_id_is_refused_while_a_file_is_read_too() {
+        assert!(serde_json::from_str::<SessionId>("\"../x\"").is_err());
+    }
+}

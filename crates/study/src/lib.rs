@@ -1,0 +1,40 @@
+//! The words of a study: ids, modes, environments, conditions, trials, design; `study.toml` read and
+//! written. No files, no clock: text in, values out.
+//!
+//! Angles are radians and everything else is SI in memory; `study.toml` speaks degrees and
+//! millimetres where people do, and its keys end in their unit.
+
+mod event;
+mod file;
+mod id;
+mod locate;
+mod model;
+mod session;
+mod template;
+mod trial;
+
+pub use event::Event;
+pub use id::{ActuatorId, EnvironmentId, IdError, ModeId, ParticipantId, QuestionId, SessionId, StudyId};
+pub use locate::{line_of, toml_error};
+pub use model::{
+    Analysis, Condition, Coordinate, Design, Device, Environment, Likert, Masses, Mode, Question, Scene,
+    Spring, Study,
+};
+pub use session::{PlannedTrial, SessionRecord};
+pub use template::template;
+pub use trial::{Kind, Source, Status, TrialMeta};
+
+/// The one version of `study.toml` and of the trial files that this software writes and reads.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// One thing wrong in a `study.toml`: where, what, and how to mend it.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {key}: {problem}")]
+pub struct StudyError {
+    /// Line in the file, from 1.
+    pub line: usize,
+    /// The key, as a path: `environments[1].wall_deg`.
+    pub key: String,
+    /// What is wrong, with the value and the remedy.
+    pub problem: String,
+}

@@ -1,0 +1,236 @@
+//! A study as a value: what was planned, in SI units.
+
+use crate::{EnvironmentId, ModeId, QuestionId, StudyId};
+
+/// A whole `study.toml`, checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// The study's id: the folder's name under `raw/`.
+    pub id: StudyId,
+    /// A title for pages and figures.
+    pub title: String,
+    /// Trials and their order.
+    pub design: Design,
+    /// What figures and tables call the coordinate.
+    pub coordinate: Coordinate,
+    /// The device.
+    pub device: Device,
+    /// Actuator masses, for the weight calculation.
+    pub masses: Option<Masses>,
+    /// What is rendered, in the order of the file.
+    pub environments: Vec<Environment>,
+    /// How it is rendered, in the order of the file (figures give each its colour by this order).
+    pub modes: Vec<Mode>,
+    /// What is asked.
+    pub questions: Vec<Question>,
+    /// Numbers the analysis needs.
+    pub analysis: Analysis,
+}
+
+impl Study {
+    /// The environment of that id.
+    pub fn environment(&self, id: &EnvironmentId) -> Option<&Environment> {
+        self.environments.iter().find(|e| e.id == *id)
+    }
+
+    /// The mode of that id.
+    pub fn mode(&self, id: &ModeId) -> Option<&Mode> {
+        self.modes.iter().find(|m| m.id == *id)
+    }
+
+    /// The question of that id.
+    pub fn question(&self, id: &QuestionId) -> Option<&Question> {
+        self.questions.iter().find(|q| q.id == *id)
+    }
+
+    /// Every condition of the study, environments first, in the order of the file.
+    pub fn conditions(&self) -> Vec<Condition> {
+        let of = |e: &Environment, m: &Mode| Condition { environment: e.id.clone(), mode: m.id.clone() };
+        self.environments.iter().flat_map(|e| self.modes.iter().map(move |m| of(e, m))).collect()
+    }
+}
+
+/// Trials and their order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    /// Repeats of each condition in a session.
+    pub repeats: u32,
+    /// Familiarisation trials before a session.
+    pub familiarisation: u32,
+    /// Longest a trial may take, s.
+    pub trial_limit_s: f64,
+    /// Shortest pause between trials, s.
+    pub pause_s: f64,
+}
+
+/// What figures and tables call the coordinate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Coordinate {
+    /// A lever: θ in degrees, stiffness in N/rad.
+    Rotational,
+    /// A slide: x = L θ in millimetres, stiffness in N/mm.
+    Linear {
+        /// The length L that turns θ into x, m.
+        lever_m: f64,
+    },
+}
+
+/// The device, as far as the analysis needs it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Device {
+    /// What it is called.
+    pub name: String,
+    /// Lever length L from the axis to the finger, m. Without it torque stays torque.
+    pub lever_m: Option<f64>,
+    /// Work space, lower end, rad.
+    pub theta_min_rad: Option<f64>,
+    /// Work space, upper end, rad.
+    pub theta_max_rad: Option<f64>,
+    /// Rate at which the force sensor gives new values, Hz.
+    pub force_rate_hz: Option<f64>,
+}
+
+/// Actuator masses (thesis, appendix A).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Masses {
+    /// The motor's mass, kg.
+    pub motor_kg: f64,
+    /// The brake's mass, kg.
+    pub brake_kg: f64,
+}
+
+/// A virtual spring: resisting force `K (θ − θ_rest)` (thesis (8), with a rest angle).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spring {
+    /// Stiffness K at the lever, N/rad.
+    pub stiffness_n_per_rad: f64,
+    /// Angle without force, rad.
+    pub rest_rad: f64,
+}
+
+/// What an environment renders.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scene {
+    /// Nothing is rendered by a device (a questionnaire about something else).
+    None,
+    /// Free motion.
+    Free,
+    /// A spring.
+    Spring(Spring),
+    /// A spring, and from `wall_rad` on a wall.
+    SpringWall {
+        /// The spring.
+        spring: Spring,
+        /// Where the wall begins, rad.
+        wall_rad: f64,
+    },
+}
+
+impl Scene {
+    /// The scene's spring, where it has one.
+    pub fn spring(&self) -> Option<Spring> {
+        match *self {
+            Self::Spring(spring) | Self::SpringWall { spring, .. } => Some(spring),
+            Self::None | Self::Free => None,
+        }
+    }
+
+    /// Where the scene's wall begins, rad.
+    pub fn wall_rad(&self) -> Option<f64> {
+        match *self {
+            Self::SpringWall { wall_rad, .. } => Some(wall_rad),
+            _ => None,
+        }
+    }
+}
+
+/// One environment of the study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Environment {
+    /// Its id.
+    pub id: EnvironmentId,
+    /// What figures call it.
+    pub label: String,
+    /// What is rendered.
+    pub scene: Scene,
+    /// The question asked after each of its trials.
+    pub question: Option<QuestionId>,
+}
+
+/// One mode of the study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mode {
+    /// Its id.
+    pub id: ModeId,
+    /// What figures call it.
+    pub label: String,
+    /// Highest motor voltage used, V.
+    pub motor_max_v: Option<f64>,
+    /// Highest brake voltage used, V.
+    pub brake_max_v: Option<f64>,
+}
+
+/// One question, answered on a five-point scale.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Question {
+    /// Its id.
+    pub id: QuestionId,
+    /// Its wording.
+    pub text: String,
+    /// The group it is tallied with, where it belongs to one.
+    pub group: Option<String>,
+    /// Agreement speaks against: the tally turns the answer a into 6 − a.
+    pub reversed: bool,
+}
+
+/// The five-point scale.
+pub struct Likert;
+
+impl Likert {
+    /// Points of the scale.
+    pub const POINTS: u8 = 5;
+    /// The answers in words, from 1 to 5 (thesis §5.2.3).
+    pub const WORDS: [&'static str; 5] =
+        ["strongly disagree", "disagree", "neutral", "agree", "strongly agree"];
+
+    /// The answer as it counts: 6 − a where the question is reversed.
+    pub fn scored(answer: u8, reversed: bool) -> u8 {
+        if reversed { Self::POINTS + 1 - answer } else { answer }
+    }
+}
+
+/// Environment × mode.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Condition {
+    /// What is rendered.
+    pub environment: EnvironmentId,
+    /// How.
+    pub mode: ModeId,
+}
+
+/// Numbers the analysis needs; each has a default.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Analysis {
+    /// Movement begins where |θ̇| first exceeds this, rad/s.
+    pub onset_rad_s: f64,
+    /// Movement ends where |θ̇| last falls below this, rad/s (smaller than the onset: hysteresis).
+    pub offset_rad_s: f64,
+    /// A spring's slope is fitted on samples at least this far past its rest, rad.
+    pub slope_from_rad: f64,
+    /// Points of a common grid over time or angle.
+    pub grid_points: usize,
+    /// Level of every interval, as a fraction.
+    pub confidence: f64,
+}
+
+impl Default for Analysis {
+    fn default() -> Self {
+        Self {
+            onset_rad_s: 10_f64.to_radians(),
+            offset_rad_s: 5_f64.to_radians(),
+            slope_from_rad: 0.0,
+            grid_points: 401,
+            confidence: 0.95,
+        }
+    }
+}

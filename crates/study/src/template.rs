@@ -1,0 +1,103 @@
+//! The commented `study.toml` that `zwidth new` writes.
+
+use crate::StudyId;
+
+/// A commented `study.toml` for a new study: the thesis' design, ready to edit, valid as it stands.
+pub fn template(id: &StudyId) -> String {
+    TEMPLATE.replace("@ID@", id.as_str())
+}
+
+const TEMPLATE: &str = r#"# What this study is: design, device, environments, modes, questions.
+# Keys end in their unit. `zwidth verify @ID@` checks this file and everything recorded for it.
+
+# Version of this file's form.
+schema = 1
+
+[study]
+# The folder's name under raw/.
+id = "@ID@"
+title = "Coupling a motor and a brake: @ID@"
+
+[design]
+# Repeats of each condition (environment × mode) in a session.
+repeats = 6
+# Practice trials before a session: kept, marked, left out of the analysis.
+familiarisation = 3
+# Longest a trial may take, and the shortest pause after it.
+trial_limit_s = 4.0
+pause_s = 5.0
+
+[coordinate]
+# "rotational": figures and tables speak of degrees. "linear": of millimetres, with x = L θ.
+kind = "rotational"
+
+[device]
+name = "motor and brake on a capstan lever"
+# Lever length from the axis to the finger. Leave it out if unknown: torque then stays torque.
+lever_m = 0.045
+# Work space, between the stops.
+theta_min_deg = -45.0
+theta_max_deg = 45.0
+# New values of the force sensor per second.
+force_rate_hz = 80.0
+
+# Actuator masses, for the weight calculation. Leave the table out if unknown.
+[masses]
+motor_g = 88.0
+brake_g = 27.0
+
+# Numbers of the analysis; these are the defaults, the table may be left out.
+[analysis]
+# Movement begins where |velocity| first exceeds onset, and ends where it last falls below offset.
+onset_deg_s = 10.0
+offset_deg_s = 5.0
+# A spring's slope is fitted on samples at least this far past its rest.
+slope_from_deg = 0.0
+# Points of a common grid, and the level of every interval.
+grid_points = 401
+confidence = 0.95
+
+# What is rendered. kind = "free", "spring", "spring_wall" or "none" (a questionnaire alone).
+[[environments]]
+id = "spring"
+label = "Spring"
+kind = "spring"
+stiffness_n_per_rad = 4.0
+rest_deg = -45.0
+question = "felt_spring"
+
+[[environments]]
+id = "spring_wall"
+label = "Spring + wall"
+kind = "spring_wall"
+stiffness_n_per_rad = 4.0
+rest_deg = -45.0
+wall_deg = 26.6
+question = "felt_wall"
+
+# How it is rendered. Figures give each mode its colour by this order.
+[[modes]]
+id = "active"
+label = "Active"
+motor_max_v = 16.0
+
+[[modes]]
+id = "passive"
+label = "Passive"
+brake_max_v = 8.0
+
+[[modes]]
+id = "hybrid"
+label = "Hybrid"
+motor_max_v = 8.0
+brake_max_v = 8.0
+
+# What is asked after each trial, on a five-point scale. reversed = true: agreement speaks against.
+[[questions]]
+id = "felt_spring"
+text = "During this test I clearly felt forces I would associate with interacting with a linear stiffness."
+
+[[questions]]
+id = "felt_wall"
+text = "During this test I clearly felt forces I would associate with interacting with an infinitely rigid object, such as a wall, in addition to a linear stiffness."
+"#;

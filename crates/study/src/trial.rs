@@ -1,0 +1,98 @@
+//! What is known of a trial besides its samples.
+
+use crate::{Condition, EnvironmentId, ModeId, ParticipantId, SessionId};
+use serde::{Deserialize, Serialize};
+
+macro_rules! words {
+    ($($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $word:literal,)* })*) => {$(
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum $name { $($(#[$vdoc])* $variant,)* }
+
+        impl $name {
+            /// The word as it stands in files.
+            pub fn as_str(self) -> &'static str {
+                match self { $(Self::$variant => $word,)* }
+            }
+
+            /// The value of a word from a file, if it is one.
+            pub fn from_word(word: &str) -> Option<Self> {
+                match word { $($word => Some(Self::$variant),)* _ => None }
+            }
+        }
+    )*};
+}
+
+words! {
+    /// Whether a trial belongs to the experiment.
+    Kind {
+        /// Counts.
+        Trial = "trial",
+        /// Practice before the experiment: kept, marked, left out of every analysis.
+        Familiarisation = "familiarisation",
+    }
+
+    /// Whether a trial was recorded to its end.
+    Status {
+        /// Recorded to its end.
+        Complete = "complete",
+        /// Cut short (recovered from a journal): kept, marked, left out of every analysis.
+        Incomplete = "incomplete",
+    }
+
+    /// Where the numbers come from. A figure made from `twin` data says so on its face.
+    Source {
+        /// Measured by this software on a device.
+        Recorded = "recorded",
+        /// Computed by a simulated device.
+        Twin = "twin",
+        /// Measured by others, converted by `import`.
+        Imported = "imported",
+    }
+}
+
+/// What is known of a trial besides its samples.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TrialMeta {
+    /// Who.
+    pub participant: ParticipantId,
+    /// In which session.
+    pub session: SessionId,
+    /// Number within the session, from 1; the file's name carries it.
+    pub trial: u32,
+    /// Repeat of the condition, from 1.
+    pub repeat: u32,
+    /// Experiment or familiarisation.
+    pub kind: Kind,
+    /// Complete or cut short.
+    pub status: Status,
+    /// The environment that was rendered.
+    pub environment: EnvironmentId,
+    /// The mode (its sealed code until the session is unsealed).
+    pub mode: ModeId,
+    /// The answer given before the file was finished, 1…5.
+    pub likert: Option<u8>,
+    /// Measured, simulated or imported.
+    pub source: Source,
+}
+
+impl TrialMeta {
+    /// The condition: environment × mode.
+    pub fn condition(&self) -> Condition {
+        Condition { environment: self.environment.clone(), mode: self.mode.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_read_back_as_the_values_they_stand_for() {
+        for kind in [Kind::Trial, Kind::Familiarisation] {
+            assert_eq!(Kind::from_word(kind.as_str()), Some(kind));
+        }
+        assert_eq!(Source::from_word("made_up"), None);
+    }
+}
