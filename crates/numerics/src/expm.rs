@@ -1,0 +1,410 @@
+//! The matrix exponential of small matrices, kept as a ladder of doubled spans.
+//!
+//! A linear system `z' = A z` is advanced by `z(t) = exp(A t) z(0)`. For a short span the Taylor
+//! series converges at once; longer spans follow by squaring (Higham 2005, "The scaling and
+//! squaring method for the matrix exponential revisited"). All rungs are kept: they reach any
+//! span, even or uneven, and they bound what happens inside a span.
+//! The series keeps structure that a rational approximation loses: a zero row of `A` gives exactly
+//! a unit row, so that a quantity at rest stays at rest, bit for bit.
+
+/// Highest power kept of the Taylor series. With `RADIUS` the next term is below 1e-21.
+pub const ORDER: usize = 9;
+
+/// The lowest rung spans `RADIUS / growth(A)`: 1/32, so that `ORDER` powers are exact to rounding.
+const RADIUS: f64 = 0.031_25;
+
+/// More rungs than this are never needed: 2^200 shortest spans exceed any span of interest.
+const MOST_RUNGS: usize = 200;
+
+/// A square matrix, stored by columns, so that a product with a vector runs over whole columns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Matrix<const N: usize> {
+    /// `columns[j][i]` is the entry in row `i`, column `j`.
+    pub columns: [[f64; N]; N],
+}
+
+impl<const N: usize> Matrix<N> {
+    /// All entries zero.
+    pub const ZERO: Self = Self {
+        columns: [[0.0; N]; N],
+    };
+
+    /// The identity.
+    pub fn identity() -> Self {
+        Self::from_fn(|i, j| if i == j { 1.0 } else { 0.0 })
+    }
+
+    /// The matrix whose entry in row `i`, column `j` is `entry(i, j)`.
+    pub fn from_fn(entry: impl Fn(usize, usize) -> f64) -> Self {
+        Self {
+            columns: std::array::from_fn(|j| std::array::from_fn(|i| entry(i, j))),
+        }
+    }
+
+    /// Entry in row `i`, column `j`.
+    #[inline]
+    pub fn at(&self, i: usize, j: usize) -> f64 {
+        self.columns[j][i]
+    }
+
+    /// `A v`.
+    #[inline]
+    pub fn apply(&self, v: &[f64; N]) -> [f64; N] {
+        let mut out = [0.0; N];
+        for (column, &x) in self.columns.iter().zip(v) {
+            for (o, &c) in out.iter_mut().zip(column) {
+                *o += c * x;
+            }
+        }
+        out
+    }
+
+    /// `wᵀ A`.
+    pub fn apply_left(&self, w: &[f64; N]) -> [f64; N] {
+        std::array::from_fn(|j| dot(w, &self.columns[j]))
+    }
+
+    /// `A B`.
+    pub fn product(&self, other: &Self) -> Self {
+        Self {
+            columns: std::array::from_fn(|j| self.apply(&other.columns[j])),
+        }
+    }
+
+    /// `Aᵀ W A`, the form `W` seen from before the map `A`.
+    pub fn congruence(&self, form: &Self) -> Self {
+        let right = form.product(self);
+        Self::from_fn(|i, j| dot(&self.columns[i], &right.columns[j]))
+    }
+
+    /// Each entry mapped.
+    pub fn map(&self, f: impl Fn(f64) -> f64) -> Self {
+        Self {
+            columns: self.columns.map(|column| column.map(&f)),
+        }
+    }
+
+    /// Each pair of entries joined.
+    pub fn zip(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Self::from_fn(|i, j| f(self.at(i, j), other.at(i, j)))
+    }
+
+    /// `vᵀ A v`.
+    #[inline]
+    pub fn quadratic(&self, v: &[f64; N]) -> f64 {
+        dot(v, &self.apply(v))
+    }
+
+    /// The inverse by Gauss–Jordan elimination with row pivoting; `None` if the matrix is singular.
+    pub fn inverse(&self) -> Option<Self> {
+        let mut rows: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| self.at(i, j)));
+        let mut inverse: [[f64; N]; N] =
+            std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
+        for k in 0..N {
+            let pivot = (k..N).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
+            rows.swap(k, pivot);
+            inverse.swap(k, pivot);
+            let head = rows[k][k];
+            if !head.is_finite() || head == 0.0 {
+                return None;
+            }
+            for j in 0..N {
+                rows[k][j] /= head;
+                inverse[k][j] /= head;
+            }
+            let (unit, image) = (rows[k], inverse[k]);
+            for i in (0..N).filter(|&i| i != k) {
+                let factor = rows[i][k];
+                for j in 0..N {
+                    rows[i][j] -= factor * unit[j];
+                    inverse[i][j] -= factor * image[j];
+                }
+            }
+        }
+        Some(Self::from_fn(|i, j| inverse[i][j]))
+    }
+
+    /// Largest absolute entry; NaN if any entry is.
+    pub fn largest(&self) -> f64 {
+        self.columns
+            .iter()
+            .flatten()
+            .fold(0.0, |m: f64, x| if x.is_nan() { *x } else { m.max(x.abs()) })
+    }
+}
+
+/// `a · b`.
+#[inline]
+pub fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// `‖Aᵐ‖^(1/m)` for `m = 2^doublings`, largest-entry norm: tends to the spectral radius (Gelfand).
+fn power_root<const N: usize>(matrix: &Matrix<N>, doublings: i32) -> f64 {
+    let (mut power, mut log2_scale) = (*matrix, 0.0_f64);
+    for _ in 0..=doublings {
+        let size = power.largest();
+        if size <= 0.0 || !size.is_finite() {
+            return size;
+        }
+        let exponent = libm::ilogb(size);
+        power = power.map(|x| libm::ldexp(x, -exponent));
+        log2_scale = 2.0 * (log2_scale + f64::from(exponent));
+        power = power.product(&power);
+    }
+    let m = libm::ldexp(1.0, doublings + 1);
+    let size = power.largest();
+    if size <= 0.0 {
+        0.0
+    } else {
+        libm::exp2((log2_scale + libm::log2(size)) / m)
+    }
+}
+
+/// Spectral radius of `A`, to about 1e-9 of itself.
+pub fn spectral_radius<const N: usize>(matrix: &Matrix<N>) -> f64 {
+    /// After 2^40 products what is left of a Jordan block's polynomial growth is below 1e-10.
+    const DOUBLINGS: i32 = 40;
+    power_root(matrix, DOUBLINGS)
+}
+
+/// How fast the terms of `exp(A t)` can grow: an estimate of the spectral radius of `|A|`, 1/s.
+pub fn growth<const N: usize>(matrix: &Matrix<N>) -> f64 {
+    /// The 32nd root hides the scale of one-way couplings, which do not slow convergence.
+    const DOUBLINGS: i32 = 4;
+    power_root(&matrix.map(f64::abs), DOUBLINGS)
+}
+
+/// Taylor coefficients of `z(t) = exp(A t) z0`: `z(t) = Σ c[k] tᵏ`.
+#[inline]
+pub fn taylor<const N: usize>(a: &Matrix<N>, z0: &[f64; N]) -> [[f64; N]; ORDER + 1] {
+    /// Reciprocals 1/k; a multiplication costs a tenth of a division.
+    const INVERSE: [f64; ORDER + 1] = [
+        0.0,
+        1.0,
+        1.0 / 2.0,
+        1.0 / 3.0,
+        1.0 / 4.0,
+        1.0 / 5.0,
+        1.0 / 6.0,
+        1.0 / 7.0,
+        1.0 / 8.0,
+        1.0 / 9.0,
+    ];
+    let mut c = [*z0; ORDER + 1];
+    for k in 1..=ORDER {
+        c[k] = a.apply(&c[k - 1]).map(|x| x * INVERSE[k]);
+    }
+    c
+}
+
+/// Value at `t` of the vector polynomial `Σ c[k] tᵏ`.
+#[inline]
+pub fn evaluate<const N: usize>(c: &[[f64; N]; ORDER + 1], t: f64) -> [f64; N] {
+    let mut out = c[ORDER];
+    for k in (0..ORDER).rev() {
+        for (o, x) in out.iter_mut().zip(&c[k]) {
+            *o = *o * t + x;
+        }
+    }
+    out
+}
+
+/// One rung: the flow over `span` and a bound on all flows inside it.
+#[derive(Debug, Clone)]
+pub struct Rung<const N: usize> {
+    /// Length of the span, s; the lowest rung's times a power of two.
+    pub span: f64,
+    /// `exp(A span)`.
+    pub flow: Matrix<N>,
+    /// Entry by entry at least `|exp(A t)|` for every `t` in `[0, span]`.
+    pub envelope: Matrix<N>,
+}
+
+/// The flows of `z' = A z` over doubled spans.
+#[derive(Debug, Clone)]
+pub struct Ladder<const N: usize> {
+    /// The system's matrix, 1/s.
+    pub a: Matrix<N>,
+    /// Rungs, shortest span first; never empty.
+    pub rungs: Vec<Rung<N>>,
+}
+
+impl<const N: usize> Ladder<N> {
+    /// The ladder of `A` that reaches spans up to `reach` seconds (`reach` > 0, finite).
+    pub fn new(a: Matrix<N>, reach: f64) -> Self {
+        let rate = growth(&a);
+        let longest = libm::ldexp(1.0, libm::ilogb(reach));
+        let wanted = if rate > 0.0 {
+            libm::ldexp(1.0, libm::ilogb(RADIUS / rate))
+        } else {
+            longest
+        };
+        let span = wanted.min(longest);
+        let mut change = series(&a, span);
+        let mut rung = Rung {
+            span,
+            flow: plus_identity(&change),
+            envelope: plus_identity(&series(&a.map(f64::abs), span)),
+        };
+        let mut rungs = Vec::new();
+        while rung.span < reach && rungs.len() < MOST_RUNGS {
+            change = change.zip(&change.product(&change), |x, square| 2.0 * x + square);
+            let next = double(&rung, &change);
+            rungs.push(rung);
+            rung = next;
+        }
+        rungs.push(rung);
+        Self { a, rungs }
+    }
+
+    /// False if the matrix is not finite or so fast that no ladder of useful length reaches as far.
+    pub fn reaches(&self, t: f64) -> bool {
+        let top = &self.rungs[self.rungs.len() - 1];
+        self.rungs[0].span > 0.0 && top.span >= t && top.flow.largest().is_finite()
+    }
+
+    /// `exp(A t) z`, for `0 ≤ t ≤ reach`.
+    #[inline]
+    pub fn advance(&self, z: &[f64; N], t: f64) -> [f64; N] {
+        let (mut z, mut rest) = (*z, t);
+        for rung in self.rungs.iter().rev() {
+            if rung.span <= rest {
+                z = rung.flow.apply(&z);
+                rest -= rung.span;
+            }
+        }
+        if rest > 0.0 {
+            evaluate(&taylor(&self.a, &z), rest)
+        } else {
+            z
+        }
+    }
+
+    /// `exp(A t)` as a matrix.
+    pub fn flow(&self, t: f64) -> Matrix<N> {
+        let identity = Matrix::<N>::identity();
+        Matrix {
+            columns: identity.columns.map(|unit| self.advance(&unit, t)),
+        }
+    }
+
+    /// Index of the shortest rung whose span is at least `t` (the longest if none is).
+    pub fn covering(&self, t: f64) -> usize {
+        self.rungs
+            .iter()
+            .position(|rung| rung.span >= t)
+            .unwrap_or(self.rungs.len() - 1)
+    }
+}
+
+/// `exp(A t) - 1`. The rungs are doubled in this form, `X(2s) = 2 X(s) + X(s)²`, because the change
+/// over a short span keeps its leading digits where the flow itself would lose them to the identity:
+/// the error grows with the number of doublings, not with their product.
+fn series<const N: usize>(a: &Matrix<N>, t: f64) -> Matrix<N> {
+    let scaled = a.map(|x| x * t);
+    let mut sum = Matrix::ZERO;
+    for k in (1..=ORDER).rev() {
+        sum = scaled.product(&plus_identity(&sum)).map(|x| x / k as f64);
+    }
+    sum
+}
+
+fn plus_identity<const N: usize>(change: &Matrix<N>) -> Matrix<N> {
+    change.zip(&Matrix::identity(), |x, unit| x + unit)
+}
+
+/// The next rung, given its change; `|Φ(s + t)| ≤ |Φ(s)| |Φ(t)|` entry by entry carries the envelope over.
+fn double<const N: usize>(rung: &Rung<N>, change: &Matrix<N>) -> Rung<N> {
+    let second = rung.flow.map(f64::abs).product(&rung.envelope);
+    Rung {
+        span: 2.0 * rung.span,
+        flow: plus_identity(change),
+        envelope: rung.envelope.zip(&second, f64::max),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn oscillator(k: f64, b: f64) -> Matrix<2> {
+        let rows = [[0.0, 1.0], [-k, -b]];
+        Matrix::from_fn(|i, j| rows[i][j])
+    }
+
+    #[test]
+    fn a_rotation_is_cosine_and_sine() {
+        let ladder = Ladder::new(oscillator(1.0, 0.0), 10.0);
+        for t in [1e-6, 0.3, 1.0, 7.77] {
+            let z = ladder.advance(&[1.0, 0.0], t);
+            assert!(
+                (z[0] - libm::cos(t)).abs() < 1e-14,
+                "{t}: {}",
+                z[0] - libm::cos(t)
+            );
+            assert!(
+                (z[1] + libm::sin(t)).abs() < 1e-14,
+                "{t}: {}",
+                z[1] + libm::sin(t)
+            );
+        }
+    }
+
+    #[test]
+    fn a_stiff_decay_is_exact_in_both_its_rates() {
+        // z'' + 1001 z' + 1000 z = 0 from (1, 0): (1000 e^-t - e^-1000t) / 999.
+        let ladder = Ladder::new(oscillator(1000.0, 1001.0), 1.0);
+        for t in [1e-4, 1e-2, 1.0] {
+            let exact = (1000.0 * libm::exp(-t) - libm::exp(-1000.0 * t)) / 999.0;
+            assert!((ladder.advance(&[1.0, 0.0], t)[0] - exact).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_zero_row_stays_a_unit_row_bit_for_bit() {
+        let rows = [[0.0, 0.0, 0.0], [3.0, -700.0, 2.0], [0.0, 0.0, 0.0]];
+        let flow = Ladder::<3>::new(Matrix::from_fn(|i, j| rows[i][j]), 3.0).flow(2.9);
+        for j in 0..3 {
+            assert_eq!(
+                flow.at(0, j).to_bits(),
+                if j == 0 { 1.0_f64 } else { 0.0 }.to_bits()
+            );
+        }
+    }
+
+    #[test]
+    fn the_envelope_bounds_every_flow_inside_its_span() {
+        let ladder = Ladder::new(oscillator(400.0, 3.0), 2.0);
+        for rung in &ladder.rungs {
+            for i in 0..=50 {
+                let flow = ladder.flow(rung.span * f64::from(i) / 50.0);
+                let inside = flow.zip(&rung.envelope, |x, e| {
+                    f64::from(u8::from(x.abs() <= e * (1.0 + 1e-12)))
+                });
+                assert!(
+                    inside.columns.iter().flatten().all(|&ok| ok > 0.5),
+                    "{}",
+                    rung.span
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn an_inverse_undoes_its_matrix_and_a_singular_matrix_has_none() {
+        let rows = [[0.0, 2.0, 1.0], [1.0, 0.0, 3.0], [4.0, 1.0, 0.0]];
+        let matrix = Matrix::<3>::from_fn(|i, j| rows[i][j]);
+        let product = matrix.product(&matrix.inverse().unwrap());
+        assert!(product.zip(&Matrix::identity(), |a, b| a - b).largest() < 1e-15);
+        assert!(Matrix::<2>::from_fn(|_, _| 1.0).inverse().is_none());
+    }
+
+    #[test]
+    fn the_spectral_radius_of_a_rotation_is_one_and_of_a_jordan_block_its_eigenvalue() {
+        assert!((spectral_radius(&oscillator(1.0, 0.0)) - 1.0).abs() < 1e-9);
+        let rows = [[2.0, 1.0], [0.0, 2.0]];
+        assert!((spectral_radius(&Matrix::<2>::from_fn(|i, j| rows[i][j])) - 2.0).abs() < 1e-8);
+        assert!(spectral_radius(&Matrix::<2>::ZERO).abs() < 1e-300);
+    }
+}

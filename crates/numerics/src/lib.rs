@@ -1,0 +1,15 @@
+//! Numerical building blocks: least squares, interpolation, quadrature, crossings. Pure functions on slices.
+//!
+//! Nothing here reads a file, knows a unit or draws a random number. Sums run in the order of the input, in
+//! plain loops, so that a result has the same bits on every machine.
+
+pub mod activity;
+mod error;
+pub mod expm;
+pub mod lsq;
+pub mod nonlinear;
+pub mod roots;
+pub mod series;
+pub mod tableau;
+
+pub use error::NumericsError;

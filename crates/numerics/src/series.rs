@@ -1,0 +1,177 @@
+//! Sampled signals: interpolation, integrals, derivatives, threshold crossings, loop area.
+//!
+//! `t` (or `x`) is strictly increasing unless said otherwise; its unit and that of `y` are the caller's.
+
+use crate::error::{NumericsError, same_length};
+
+/// Value of the polyline through (tᵢ, yᵢ) at `at`; `None` outside [t₀, tₙ₋₁] or for an empty series (there is
+/// no extrapolation). At a sample it is that sample, exactly.
+pub fn interpolate(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
+    let after = t.partition_point(|&t| t < at);
+    let (&t1, &y1) = (t.get(after)?, y.get(after)?);
+    if t1 <= at {
+        return Some(y1);
+    }
+    let before = after.checked_sub(1)?;
+    let share = (at - t[before]) / (t1 - t[before]);
+    Some(y[before] + share * (y1 - y[before]))
+}
+
+/// [`interpolate`] at every point of `grid`, in its order.
+pub fn interpolate_all(t: &[f64], y: &[f64], grid: &[f64]) -> Vec<Option<f64>> {
+    grid.iter().map(|&at| interpolate(t, y, at)).collect()
+}
+
+/// ∫ y dt by the trapezoidal rule, unit of `y` times unit of `t`; 0 for fewer than two samples.
+///
+/// # Errors
+/// Unequal lengths.
+pub fn trapezoid(t: &[f64], y: &[f64]) -> Result<f64, NumericsError> {
+    Ok(cumulative_trapezoid(t, y)?.last().copied().unwrap_or(0.0))
+}
+
+/// ∫ y dt from the first sample to each sample, by the trapezoidal rule; as long as `t`, starting with 0.
+///
+/// # Errors
+/// Unequal lengths.
+pub fn cumulative_trapezoid(t: &[f64], y: &[f64]) -> Result<Vec<f64>, NumericsError> {
+    same_length("y", t.len(), y.len())?;
+    let mut sum = 0.0;
+    let mut integral = Vec::with_capacity(t.len());
+    integral.extend(t.first().map(|_| 0.0));
+    for (t, y) in t.windows(2).zip(y.windows(2)) {
+        sum += (t[1] - t[0]) * (y[0] + y[1]) / 2.0;
+        integral.push(sum);
+    }
+    Ok(integral)
+}
+
+/// dy/dt at every sample of an uneven grid, exact for a parabola inside: with h₋, h₊ the steps to either side,
+/// dy/dt = (h₋ s₊ + h₊ s₋) / (h₋ + h₊), s± the slopes of the two segments. At the ends it is the slope of the
+/// end segment (first order). As long as `t`; a single sample has no slope and gives an empty vector.
+///
+/// # Errors
+/// Unequal lengths.
+pub fn central_differences(t: &[f64], y: &[f64]) -> Result<Vec<f64>, NumericsError> {
+    same_length("y", t.len(), y.len())?;
+    let steps: Vec<f64> = t.windows(2).map(|t| t[1] - t[0]).collect();
+    let slopes: Vec<f64> = y.windows(2).zip(&steps).map(|(y, h)| (y[1] - y[0]) / h).collect();
+    let inner = steps
+        .windows(2)
+        .zip(slopes.windows(2))
+        .map(|(h, s)| (h[0] * s[1] + h[1] * s[0]) / (h[0] + h[1]));
+    Ok(slopes
+        .first()
+        .copied()
+        .into_iter()
+        .chain(inner)
+        .chain(slopes.last().copied())
+        .collect())
+}
+
+/// First excursion of |v| with hysteresis: the first index where |v| exceeds `on`, and the last index before
+/// |v| falls below `off` after that (the last sample, where it never does). `None` if `on` is never exceeded.
+/// With `off` < `on` noise about one threshold cannot end the excursion. Unit of `on` and `off` as `v`.
+pub fn crossings_with_hysteresis(v: &[f64], on: f64, off: f64) -> Option<(usize, usize)> {
+    let start = v.iter().position(|v| v.abs() > on)?;
+    let length = v[start..]
+        .iter()
+        .position(|v| v.abs() < off)
+        .unwrap_or(v.len() - start);
+    Some((start, start + length.max(1) - 1))
+}
+
+/// Signed area ∮ y dx enclosed by the path (xᵢ, yᵢ), closed from its last point to its first (shoelace
+/// formula): positive if run clockwise. With displacement and resisting force it is the energy taken from
+/// the user over the loop. `x` need not be ordered.
+///
+/// # Errors
+/// Unequal lengths.
+pub fn loop_area(x: &[f64], y: &[f64]) -> Result<f64, NumericsError> {
+    same_length("y", x.len(), y.len())?;
+    let (Some(&x0), Some(&y0), Some(&xn), Some(&yn)) = (x.first(), y.first(), x.last(), y.last()) else {
+        return Ok(0.0);
+    };
+    Ok(trapezoid(x, y)? + (x0 - xn) * (yn + y0) / 2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const T: [f64; 5] = [0.0, 0.5, 2.0, 3.0, 3.5];
+
+    #[test]
+    fn interpolation_is_exact_on_samples_and_lines_and_absent_outside() {
+        let y = T.map(|t| 2.0 * t - 1.0);
+        for (at, expected) in [
+            (0.0, Some(-1.0)),
+            (2.0, Some(3.0)),
+            (1.0, Some(1.0)),
+            (3.5, Some(6.0)),
+        ] {
+            assert_eq!(interpolate(&T, &y, at), expected);
+        }
+        assert_eq!(
+            interpolate_all(&T, &y, &[-1e-9, 3.6, f64::NAN]),
+            [None, None, None]
+        );
+        assert_eq!(interpolate(&[], &[], 0.0), None);
+        assert_eq!(interpolate(&[1.0], &[7.0], 1.0), Some(7.0));
+    }
+
+    #[test]
+    fn the_trapezoidal_rule_is_exact_for_lines_and_second_order_for_a_sine() {
+        assert_eq!(trapezoid(&T, &T), Ok(3.5 * 3.5 / 2.0));
+        assert_eq!(cumulative_trapezoid(&T, &T).unwrap(), T.map(|t| t * t / 2.0));
+        let error = |n: u32| {
+            let t: Vec<f64> = (0..=n)
+                .map(|i| f64::from(i) * core::f64::consts::PI / f64::from(n))
+                .collect();
+            let y: Vec<f64> = t.iter().map(|&t| libm::sin(t)).collect();
+            (trapezoid(&t, &y).unwrap() - 2.0).abs()
+        };
+        assert!((error(50) / error(100) - 4.0).abs() < 0.01);
+        assert_eq!(trapezoid(&[], &[]), Ok(0.0));
+    }
+
+    #[test]
+    fn central_differences_are_exact_for_a_parabola_on_an_uneven_grid() {
+        let slope = central_differences(&T, &T.map(|t| t * t - 3.0 * t)).unwrap();
+        for i in 1..4 {
+            assert!((slope[i] - (2.0 * T[i] - 3.0)).abs() < 1e-14);
+        }
+        assert_eq!(central_differences(&T, &T).unwrap(), [1.0; 5]);
+        assert!(central_differences(&[1.0], &[1.0]).unwrap().is_empty());
+        assert!(central_differences(&T, &[1.0]).is_err());
+    }
+
+    #[test]
+    fn an_excursion_ends_below_the_lower_threshold_only() {
+        let v = [0.0, 0.2, -0.6, 0.4, 0.3, 0.6, 0.1, 0.9];
+        assert_eq!(crossings_with_hysteresis(&v, 0.5, 0.2), Some((2, 5)));
+        assert_eq!(crossings_with_hysteresis(&v, 0.8, 0.2), Some((7, 7)));
+        assert_eq!(crossings_with_hysteresis(&v, 0.5, 0.05), Some((2, 7)));
+        assert_eq!(crossings_with_hysteresis(&v, 1.0, 0.2), None);
+    }
+
+    #[test]
+    fn loop_area_is_signed_and_closes_the_path() {
+        let (x, y) = ([0.0, 0.0, 2.0, 2.0], [0.0, 3.0, 3.0, 0.0]);
+        assert_eq!(loop_area(&x, &y), Ok(6.0));
+        let reversed = |v: [f64; 4]| [v[3], v[2], v[1], v[0]];
+        assert_eq!(loop_area(&reversed(x), &reversed(y)), Ok(-6.0));
+        assert_eq!(loop_area(&[], &[]), Ok(0.0));
+    }
+
+    /// x = 2 cos φ, y = 0.5 sin φ encloses π; the inscribed polygon of n corners n/(2π) sin(2π/n) times that.
+    #[test]
+    fn the_area_of_an_ellipse_is_that_of_its_polygon() {
+        let n = 360;
+        let angle = |i: i32| f64::from(i) * core::f64::consts::TAU / f64::from(n);
+        let (x, y): (Vec<_>, Vec<_>) = (0..n)
+            .map(|i| (2.0 * libm::cos(angle(i)), -0.5 * libm::sin(angle(i))))
+            .unzip();
+        assert!((loop_area(&x, &y).unwrap() - f64::from(n) / 2.0 * libm::sin(angle(1))).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,154 @@
+//! Standard errors for fits to recordings, whose samples are neither independent nor of one variance.
+
+use crate::error::StatsError;
+use zwidth_numerics::NumericsError;
+use zwidth_numerics::lsq::LinearFit;
+
+/// Covariance of the coefficients of a linear fit that holds under autocorrelation and unequal variance
+/// (Newey & West 1987, Econometrica 55:703): (XᵀX)⁻¹ S (XᵀX)⁻¹ with
+/// S = Γ₀ + Σₗ (1 − l / (L + 1)) (Γₗ + Γₗᵀ), Γₗ = Σᵢ eᵢ eᵢ₋ₗ xᵢ xᵢ₋ₗᵀ, L = `lags`.
+///
+/// `columns` are those of the fit, in the order of recording; p × p, in the units of the coefficients. There is
+/// no small-sample factor, as in statsmodels' `cov_type="HAC"`. `lags` should span the time over which
+/// residuals stay correlated; 0 gives White's heteroscedasticity-consistent covariance. Lags beyond the
+/// recording add nothing.
+///
+/// # Errors
+/// Columns that are not those of the fit (number or length).
+pub fn newey_west(columns: &[&[f64]], fit: &LinearFit, lags: usize) -> Result<Vec<Vec<f64>>, StatsError> {
+    check_columns(columns, fit)?;
+    let scores: Vec<Vec<f64>> =
+        columns.iter().map(|c| c.iter().zip(&fit.residuals).map(|(x, e)| x * e).collect()).collect();
+    let meat = long_run_sum(&scores, lags);
+    Ok(product(&product(&fit.xtx_inverse, &meat), &fit.xtx_inverse))
+}
+
+fn check_columns(columns: &[&[f64]], fit: &LinearFit) -> Result<(), NumericsError> {
+    let expect = |what, expected, found| match expected == found {
+        true => Ok(()),
+        false => Err(NumericsError::LengthMismatch { what, expected, found }),
+    };
+    expect("the list of columns", fit.coefficients.len(), columns.len())?;
+    columns.iter().try_for_each(|c| expect("a column", fit.residuals.len(), c.len()))
+}
+
+/// S: the Bartlett-weighted sum of the scores' autocovariances.
+fn long_run_sum(scores: &[Vec<f64>], lags: usize) -> Vec<Vec<f64>> {
+    let p = scores.len();
+    let mut sum = vec![vec![0.0; p]; p];
+    for lag in 0..=lags {
+        let weight = 1.0 - lag as f64 / (lags as f64 + 1.0);
+        for j in 0..p {
+            for k in 0..p {
+                let gamma = lagged_product(&scores[j], &scores[k], lag);
+                sum[j][k] += weight * gamma;
+                if lag > 0 {
+                    sum[k][j] += weight * gamma;
+                }
+            }
+        }
+    }
+    sum
+}
+
+/// Σᵢ aᵢ bᵢ₋ₗ.
+fn lagged_product(a: &[f64], b: &[f64], lag: usize) -> f64 {
+    a.iter().skip(lag).zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let entry = |row: &[f64], k: usize| row.iter().zip(b).map(|(x, b_row)| x * b_row[k]).sum();
+    a.iter().map(|row| (0..b.len()).map(|k| entry(row, k)).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_numerics::lsq;
+
+    /// 24 rows made from whole numbers, so that another program has the same bits: an intercept, a ramp, a
+    /// scrambled column, and errors of an AR(1) process with coefficient 0.7.
+    fn design() -> (Vec<Vec<f64>>, Vec<f64>) {
+        let rows = 0..24u32;
+        let x: Vec<f64> = rows.clone().map(|i| f64::from(i) * 0.5).collect();
+        let z: Vec<f64> = rows.clone().map(|i| f64::from(i * 7 % 11) / 11.0).collect();
+        let mut u = 0.0;
+        let y = rows.map(|i| {
+            u = 0.7 * u + f64::from(i * i * 3 % 17) / 17.0 - 0.5;
+            1.5 + 0.8 * x[i as usize] - 2.0 * z[i as usize] + u
+        });
+        let y = y.collect();
+        (vec![vec![1.0; 24], x, z], y)
+    }
+
+    /// statsmodels: `OLS(y, X).fit(cov_type="HAC", cov_kwds={"maxlags": L}).cov_params()`, upper triangle.
+    #[test]
+    fn covariances_agree_with_statsmodels() {
+        let statsmodels: [(usize, [f64; 6]); 4] = [
+            (
+                0,
+                [
+                    0.016374771043891904,
+                    -0.0017240349426456162,
+                    -0.01049990508339924,
+                    0.0002821035616341792,
+                    0.00033303167651565314,
+                    0.025210331897950505,
+                ],
+            ),
+            (
+                1,
+                [
+                    0.022975022673867536,
+                    -0.002741180818154846,
+                    -0.009890030651085957,
+                    0.00043768245591946164,
+                    0.000687617941443158,
+                    0.022036817106299785,
+                ],
+            ),
+            (
+                4,
+                [
+                    0.02298566412212511,
+                    -0.002700548359541131,
+                    -0.007567546374523853,
+                    0.00038020983825328916,
+                    0.0008841070039062771,
+                    0.00935918816169004,
+                ],
+            ),
+            (
+                8,
+                [
+                    0.014681564569649723,
+                    -0.001658012059621575,
+                    -0.00649237859377203,
+                    0.00021749201554788685,
+                    0.0006679631340582704,
+                    0.007823176922153712,
+                ],
+            ),
+        ];
+        let (columns, y) = design();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let fit = lsq::fit(&columns, &y).unwrap();
+        for (lags, expected) in statsmodels {
+            let c = newey_west(&columns, &fit, lags).unwrap();
+            let found = [c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]];
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found / expected - 1.0).abs() < 1e-10, "{lags} lags: {found} {expected}");
+            }
+            assert!((c[0][2] - c[2][0]).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn columns_of_another_fit_are_refused() {
+        let (columns, y) = design();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let fit = lsq::fit(&columns[..2], &y).unwrap();
+        assert!(newey_west(&columns, &fit, 1).is_err());
+        assert!(newey_west(&[&y[..5], &y[..5]], &fit, 1).is_err());
+    }
+}

@@ -1,0 +1,16 @@
+//! Statistics a reviewer accepts: intervals, bootstraps, information criteria, residual checks.
+//!
+//! Pure functions on slices: no files, no clock, no hidden random state. A result that does not exist (the
+//! interval of one value) is `None`, never NaN.
+
+pub mod aicc;
+pub mod autocorrelation;
+pub mod band;
+pub mod bootstrap;
+mod error;
+pub mod hac;
+pub mod interval;
+pub mod recording;
+pub mod student_t;
+
+pub use error::StatsError;
