@@ -1,0 +1,81 @@
+//! One error type: what happened, where (file, column, row), what to do.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Something wrong with a file of the store, or in reading or writing one.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub struct StoreError {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// The column, where the problem is in one.
+    pub column: Option<String>,
+    /// The row, from 1, where the problem is in one.
+    pub row: Option<usize>,
+    /// What is wrong, with the value.
+    pub what: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+impl StoreError {
+    /// An error about a whole file.
+    pub fn new(path: &Path, what: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { path: path.to_owned(), column: None, row: None, what: what.into(), remedy: remedy.into() }
+    }
+
+    /// The same error, in a column.
+    #[must_use]
+    pub fn column(mut self, column: impl Into<String>) -> Self {
+        self.column = Some(column.into());
+        self
+    }
+
+    /// The same error, in a row counted from 0 (shown from 1).
+    #[must_use]
+    pub fn row0(mut self, row: usize) -> Self {
+        self.row = Some(row + 1);
+        self
+    }
+
+    /// An input or output error, with a remedy for the usual causes.
+    pub fn io(path: &Path, doing: &str, error: &std::io::Error) -> Self {
+        use std::io::ErrorKind;
+        let remedy = match error.kind() {
+            ErrorKind::NotFound => "check the path",
+            ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+                "make the folder writable for this user, or choose another with --root"
+            }
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+                "free some space and run the command again; nothing was left half-written"
+            }
+            ErrorKind::AlreadyExists => "finished files never change; choose another number or folder",
+            _ => "see the message of the system",
+        };
+        Self::new(path, format!("cannot {doing}: {error}"), remedy)
+    }
+}
+
+impl fmt::Display for StoreError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.path.display())?;
+        if let Some(column) = &self.column {
+            write!(f, ", column {column}")?;
+        }
+        if let Some(row) = self.row {
+            write!(f, ", row {row}")?;
+        }
+        write!(f, ": {}; {}", self.what, self.remedy)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_says_file_column_row_what_and_remedy() {
+        let error = StoreError::new(Path::new("a.parquet"), "NaN", "mend it").column("t_s").row0(2);
+        assert_eq!(error.to_string(), "a.parquet, column t_s, row 3: NaN; mend it");
+    }
+}

@@ -1,0 +1,225 @@
+//! Everything an import makes, as bytes; and writing it, all or nothing.
+
+use super::identity::Identity;
+use super::report::{FileReport, Report};
+use super::{Context, Errors};
+use crate::{Files, Layout, StoreError, append_events, write_new};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use zwidth_study::{Event, PlannedTrial, SCHEMA_VERSION, SessionRecord, Source};
+
+/// What an import is about to write.
+#[derive(Debug, Default)]
+pub(super) struct Batch {
+    /// New files, whole.
+    pub(super) outputs: Vec<(PathBuf, Vec<u8>)>,
+    /// New event logs.
+    pub(super) logs: Vec<(PathBuf, Vec<Event>)>,
+    /// The report on every file read.
+    pub(super) files: Vec<FileReport>,
+}
+
+impl Batch {
+    /// Adds a session record and an event log for every session among `trials`, which stand in the
+    /// order of `identities`; `events` are those of each trial.
+    pub(super) fn add_sessions(
+        &mut self,
+        context: &Context,
+        identities: &[Identity],
+        trials: &[PlannedTrial],
+        events: Vec<Vec<Event>>,
+    ) -> Result<(), StoreError> {
+        let mut sessions: BTreeMap<_, Vec<(&PlannedTrial, Vec<Event>)>> = BTreeMap::new();
+        for ((i, trial), events) in identities.iter().zip(trials).zip(events) {
+            sessions.entry((&i.participant, &i.session)).or_default().push((trial, events));
+        }
+        for ((participant, session), mut trials) in sessions {
+            trials.sort_by_key(|(t, _)| t.trial);
+            let record = SessionRecord {
+                schema_version: SCHEMA_VERSION,
+                participant: participant.clone(),
+                session: session.clone(),
+                source: Source::Imported,
+                software: context.software.to_owned(),
+                study_blake3: context.study_blake3.clone(),
+                trials: trials.iter().map(|(t, _)| (*t).clone()).collect(),
+            };
+            let path = context.layout.session(participant, session);
+            let mut json = serde_json::to_vec_pretty(&record).map_err(|e| {
+                StoreError::new(&path, e.to_string(), "this is a defect of zwidth; please report it")
+            })?;
+            json.push(b'\n');
+            self.outputs.push((path, json));
+            let events: Vec<Event> = trials.into_iter().flat_map(|(_, events)| events).collect();
+            self.logs.push((context.layout.events(participant, session), events));
+        }
+        Ok(())
+    }
+
+    /// The report on the whole import.
+    pub(super) fn report(self, layout: &Layout) -> Report {
+        let below =
+            |folder: PathBuf| self.outputs.iter().filter(|(path, _)| path.starts_with(&folder)).count();
+        let is_answer = |e: &&Event| matches!(e, Event::Answer { .. });
+        Report {
+            study: layout.study().clone(),
+            trials: below(layout.trials()),
+            sweeps: below(layout.sweeps()),
+            sessions: below(layout.sessions()),
+            answers: self.logs.iter().flat_map(|(_, events)| events).filter(is_answer).count(),
+            files: self.files,
+        }
+    }
+
+    /// Writes everything, or nothing: when a write fails, what was written before is removed again.
+    ///
+    /// # Errors
+    /// The write that failed, saying what was removed, and any file that could not be removed.
+    pub(super) fn write(&self, disk: &dyn Files, utc: &str) -> Result<(), Errors> {
+        let mut made = Made { disk, files: Vec::new(), folders: BTreeSet::new() };
+        let mut write = || {
+            for (path, bytes) in &self.outputs {
+                made.file(path, |disk| write_new(disk, path, bytes))?;
+            }
+            for (path, events) in &self.logs {
+                made.file(path, |disk| append_events(disk, path, utc, events))?;
+            }
+            Ok(())
+        };
+        let written = write();
+        written.map_err(|error| made.undo(error))
+    }
+}
+
+/// What has been made on the disk so far.
+struct Made<'a> {
+    disk: &'a dyn Files,
+    files: Vec<PathBuf>,
+    folders: BTreeSet<PathBuf>,
+}
+
+impl Made<'_> {
+    /// Makes one new file with `write`, and remembers it and the folders made for it.
+    fn file(
+        &mut self,
+        path: &Path,
+        write: impl FnOnce(&dyn Files) -> Result<(), StoreError>,
+    ) -> Result<(), StoreError> {
+        if path.exists() {
+            return Err(StoreError::new(path, "it exists already", "finished files never change"));
+        }
+        self.folders.extend(path.ancestors().skip(1).take_while(|p| !p.exists()).map(Path::to_owned));
+        // Remembered before it is written: a write that fails at its last step leaves the file there.
+        self.files.push(path.to_owned());
+        write(self.disk)
+    }
+
+    /// Removes everything made so far, deepest folders first; returns the error with what came of it.
+    fn undo(&self, mut error: StoreError) -> Errors {
+        let there: Vec<&PathBuf> = self.files.iter().filter(|p| p.exists()).collect();
+        let left: Vec<StoreError> = there
+            .iter()
+            .filter_map(|p| self.disk.remove(p).err().map(|e| StoreError::io(p, "remove again", &e)))
+            .collect();
+        for folder in self.folders.iter().rev().filter(|p| p.exists()) {
+            // A folder that stays is empty, or holds a file named in `left`.
+            let _ = self.disk.remove_folder(folder);
+        }
+        let removed = there.len() - left.len();
+        error.what += &match (removed, left.len()) {
+            (0, 0) => "; nothing was imported".to_owned(),
+            (n, 0) => format!("; nothing was imported, and {n} files written before were removed again"),
+            (_, n) => format!("; {n} files written before could not be removed again"),
+        };
+        Errors(std::iter::once(error).chain(left).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::{FORCE, ONE, World, trials_map};
+    use crate::faulty::Faulty;
+    use std::path::PathBuf;
+
+    fn two_trials(world: &World) -> Vec<PathBuf> {
+        ["a.csv", "b.csv"].map(|n| world.file(n, "t,f\n0,1\n1,2\n")).to_vec()
+    }
+
+    #[test]
+    fn a_full_disk_at_any_step_leaves_nothing_and_the_error_says_so() {
+        let map = trials_map(&[ONE, FORCE]);
+        for fault in 0.. {
+            let world = World::new();
+            let Err(errors) = world.import_on(&map, &two_trials(&world), &Faulty::at(fault)) else {
+                // Two trials and a record at 4 steps each, a log at 2: every step was tried.
+                assert_eq!(fault, 14);
+                assert_eq!(world.load().counting().count(), 2);
+                break;
+            };
+            assert_eq!(world.written(), ["study.toml"], "fault {fault}");
+            let [error] = errors.as_slice() else { panic!("{errors:?}") };
+            assert!(error.what.contains("nothing was imported"), "{error}");
+            assert!(error.remedy.contains("free some space"), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_removed_again_is_named() {
+        let world = World::new();
+        let disk = Faulty::stuck_at(6);
+        let errors = world.import_on(&trials_map(&[ONE, FORCE]), &two_trials(&world), &disk).unwrap_err();
+        assert!(errors[0].what.contains("could not be removed again"), "{errors:?}");
+        assert!(errors[1].path.ends_with("trial-001.parquet"), "{errors:?}");
+    }
+
+    /// Where a mount of its own is made for the test below, and the kind of disk it is.
+    const DISK: &str = "ZWIDTH_TEST_DISK";
+
+    /// Runs the next test again in a user and mount namespace, on a disk of its own.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_disk_that_is_full_or_read_only_leaves_nothing() {
+        for (disk, size) in [("full", "24k"), ("read-only", "1m")] {
+            let folder = tempfile::tempdir().unwrap();
+            let script = format!(
+                "mount -t tmpfs -o size={size} none \"$1\" && cd \"$1\" && exec \"$2\" --nocapture --exact \"$3\""
+            );
+            let mut command = std::process::Command::new("unshare");
+            command.args(["-Urm", "sh", "-c", &script, "sh"]).arg(folder.path());
+            command.arg(std::env::current_exe().unwrap()).arg("import::batch::tests::on_a_disk_of_its_own");
+            let Ok(output) = command.env(DISK, disk).output() else {
+                println!("skipped: there is no `unshare` here");
+                return;
+            };
+            let said = format!(
+                "{}{}",
+                String::from_utf8_lossy(&output.stdout),
+                String::from_utf8_lossy(&output.stderr)
+            );
+            if said.contains("unshare:") || said.contains("mount:") {
+                println!("skipped: no mount of one's own here: {said}");
+                return;
+            }
+            assert!(output.status.success() && said.contains("1 passed"), "{said}");
+        }
+    }
+
+    #[test]
+    fn on_a_disk_of_its_own() {
+        let Ok(disk) = std::env::var(DISK) else { return };
+        let here = std::env::current_dir().unwrap();
+        let study = zwidth_study::template(&"demo".parse().unwrap());
+        let world = World::below(&here, &study);
+        let files = two_trials(&world);
+        if disk == "read-only" {
+            let mut mount = std::process::Command::new("mount");
+            assert!(mount.args(["-o", "remount,ro", "."]).status().unwrap().success());
+        }
+        let errors = world.import(&trials_map(&[ONE, FORCE]), &files).unwrap_err();
+        let [error] = errors.as_slice() else { panic!("{errors:?}") };
+        assert!(error.what.contains("nothing was imported"), "{error}");
+        let remedy = if disk == "full" { "free some space" } else { "make the folder writable" };
+        assert!(error.remedy.contains(remedy), "{error}");
+        assert_eq!(world.written(), ["study.toml"]);
+    }
+}

@@ -1,0 +1,159 @@
+//! What every format becomes: a table of text or number columns, not yet interpreted.
+
+use arrow::array::{Array, Float64Array, LargeStringArray};
+use serde::Deserialize;
+use std::fmt;
+
+/// A column, by its name or by its place (from 1).
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(untagged, expecting = "expected a column's name, or its position from 1")]
+pub(super) enum ColumnRef {
+    Position(usize),
+    Name(String),
+}
+
+impl fmt::Display for ColumnRef {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Position(n) => write!(f, "{n}"),
+            Self::Name(name) => f.write_str(name),
+        }
+    }
+}
+
+/// The cells of a column.
+#[derive(Debug, Clone)]
+pub(super) enum Cells {
+    /// As text, empty cells null.
+    Text(LargeStringArray),
+    /// As numbers, missing ones null.
+    Numbers(Float64Array),
+    /// Neither: why, in words.
+    Other(String),
+}
+
+/// One cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Cell<'a> {
+    Empty,
+    Text(&'a str),
+    Number(f64),
+}
+
+impl fmt::Display for Cell<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => Ok(()),
+            Self::Text(text) => f.write_str(text),
+            Self::Number(number) => write!(f, "{number}"),
+        }
+    }
+}
+
+impl Cells {
+    /// How many cells.
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Text(cells) => cells.len(),
+            Self::Numbers(cells) => cells.len(),
+            Self::Other(_) => 0,
+        }
+    }
+
+    /// The cell in `row`, from 0.
+    pub(super) fn cell(&self, row: usize) -> Cell<'_> {
+        match self {
+            Self::Text(cells) if cells.is_valid(row) => Cell::Text(cells.value(row)),
+            Self::Numbers(cells) if cells.is_valid(row) => Cell::Number(cells.value(row)),
+            _ => Cell::Empty,
+        }
+    }
+}
+
+/// A file's columns. Columns of a MAT file may differ in length.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Table {
+    /// The columns' names; `None` where the file has no header.
+    pub(super) names: Option<Vec<String>>,
+    /// The columns.
+    pub(super) columns: Vec<Cells>,
+    /// For text files the line (from 1) of every row.
+    pub(super) lines: Vec<u64>,
+}
+
+/// How many names an error lists before it stops.
+const NAMES_SHOWN: usize = 20;
+
+impl Table {
+    /// The place (from 0) of the column meant; `Err` says what there is instead.
+    pub(super) fn find(&self, column: &ColumnRef) -> Result<usize, String> {
+        let found = match (column, &self.names) {
+            (ColumnRef::Position(n), _) => (1..=self.columns.len()).contains(n).then(|| n - 1),
+            (ColumnRef::Name(_), None) => {
+                let n = self.columns.len();
+                return Err(format!("the file has no header; name the column by its position, 1 to {n}"));
+            }
+            (ColumnRef::Name(name), Some(names)) => {
+                if names.iter().filter(|n| *n == name).count() > 1 {
+                    return Err("two columns have this name; name the one meant by its position".to_owned());
+                }
+                names.iter().position(|n| n == name)
+            }
+        };
+        let index = found.ok_or_else(|| format!("the column is missing; the file has {}", self.listing()))?;
+        match &self.columns[index] {
+            Cells::Other(why) => Err(format!("the column cannot be used: {why}")),
+            _ => Ok(index),
+        }
+    }
+
+    /// The name of a column for people: its header, or its position.
+    pub(super) fn name(&self, index: usize) -> String {
+        let named = self.names.as_ref().and_then(|names| names.get(index));
+        named.cloned().unwrap_or_else(|| (index + 1).to_string())
+    }
+
+    fn listing(&self) -> String {
+        let n = self.columns.len();
+        match &self.names {
+            None => format!("{n} columns"),
+            Some(names) if n > NAMES_SHOWN => format!("{}, … ({n} columns)", names[..NAMES_SHOWN].join(", ")),
+            Some(names) => names.join(", "),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(names: Option<&[&str]>) -> Table {
+        let cells = || Cells::Numbers(Float64Array::from(vec![Some(1.0), None]));
+        let columns = vec![cells(), cells(), Cells::Other("a struct".to_owned())];
+        let names = names.map(|n| n.iter().map(|s| (*s).to_owned()).collect());
+        Table { names, columns, lines: Vec::new() }
+    }
+
+    #[test]
+    fn columns_are_found_by_name_and_by_position() {
+        let table = table(Some(&["a", "b", "c"]));
+        assert_eq!(table.find(&ColumnRef::Name("b".to_owned())), Ok(1));
+        assert_eq!(table.find(&ColumnRef::Position(1)), Ok(0));
+        assert_eq!(table.columns[0].cell(0), Cell::Number(1.0));
+        assert_eq!(table.columns[0].cell(1), Cell::Empty);
+    }
+
+    #[test]
+    fn what_cannot_be_found_is_said_with_what_there_is() {
+        let check = |names, column, words: &str| {
+            let error = table(names).find(&column).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        };
+        let name = |n: &str| ColumnRef::Name(n.to_owned());
+        check(Some(&["a", "b", "c"]), name("x"), "missing; the file has a, b, c");
+        check(Some(&["a", "a", "c"]), name("a"), "two columns");
+        check(Some(&["a", "b", "c"]), name("c"), "a struct");
+        check(None, name("a"), "no header");
+        check(None, ColumnRef::Position(4), "3 columns");
+    }
+}

@@ -1,0 +1,91 @@
+//! Where everything lies under the root (`docs/data.md`, "Layout").
+
+use std::path::{Path, PathBuf};
+use zwidth_study::{ActuatorId, ParticipantId, SessionId, StudyId};
+
+/// The three data folders under one root, for one study.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Layout {
+    root: PathBuf,
+    study: StudyId,
+}
+
+impl Layout {
+    /// The layout of `study` under `root`.
+    pub fn new(root: &Path, study: StudyId) -> Self {
+        Self { root: root.to_owned(), study }
+    }
+
+    /// The study's id.
+    pub fn study(&self) -> &StudyId {
+        &self.study
+    }
+
+    /// The folder that holds `raw/`, `derived/` and `reports/`.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// `raw/<study>`: only acquisition and import write here.
+    pub fn raw(&self) -> PathBuf {
+        self.root.join("raw").join(self.study.as_str())
+    }
+
+    /// `derived/<study>`: written by stages, safe to delete.
+    pub fn derived(&self) -> PathBuf {
+        self.root.join("derived").join(self.study.as_str())
+    }
+
+    /// `reports/<study>`: figures, tables, the summary.
+    pub fn reports(&self) -> PathBuf {
+        self.root.join("reports").join(self.study.as_str())
+    }
+
+    /// The study's `study.toml`.
+    pub fn study_toml(&self) -> PathBuf {
+        self.raw().join("study.toml")
+    }
+
+    /// The tree that holds trial files and nothing else.
+    pub fn trials(&self) -> PathBuf {
+        self.raw().join("trials")
+    }
+
+    /// The tree that holds sweep files and nothing else.
+    pub fn sweeps(&self) -> PathBuf {
+        self.raw().join("sweeps")
+    }
+
+    /// The folder of session records and event logs.
+    pub fn sessions(&self) -> PathBuf {
+        self.raw().join("sessions")
+    }
+
+    /// One trial's file.
+    pub fn trial(&self, participant: &ParticipantId, session: &SessionId, trial: u32) -> PathBuf {
+        self.trials()
+            .join(format!("participant={participant}"))
+            .join(format!("session={session}"))
+            .join(format!("trial-{trial:03}.parquet"))
+    }
+
+    /// One sweep's file.
+    pub fn sweep(&self, actuator: &ActuatorId, sweep: u32) -> PathBuf {
+        self.sweeps().join(format!("actuator={actuator}")).join(format!("sweep-{sweep:02}.parquet"))
+    }
+
+    /// One session's record.
+    pub fn session(&self, participant: &ParticipantId, session: &SessionId) -> PathBuf {
+        self.sessions().join(format!("{participant}_{session}.json"))
+    }
+
+    /// One session's event log.
+    pub fn events(&self, participant: &ParticipantId, session: &SessionId) -> PathBuf {
+        self.sessions().join(format!("{participant}_{session}.events.jsonl"))
+    }
+
+    /// A path as shown to people: relative to the root where it lies below it.
+    pub fn shown<'a>(&self, path: &'a Path) -> &'a Path {
+        path.strip_prefix(&self.root).unwrap_or(path)
+    }
+}

@@ -1,0 +1,37 @@
+//! The one store: the trial and sweep schema, Parquet files written atomically and read strictly,
+//! the event log, `verify`, and `import`.
+//!
+//! Layout and promises are those of `docs/data.md`. Recording writes with arrow/parquet; the files
+//! are the boundary to the analysis. Whatever is wrong with a file is one [`StoreError`] that says
+//! which file, which column, which row, and what to do.
+
+mod atomic;
+mod encode;
+mod error;
+mod events;
+#[cfg(test)]
+mod faulty;
+mod hash;
+pub mod import;
+mod layout;
+mod read;
+mod signal;
+mod study;
+mod sweep;
+mod trial;
+mod verify;
+mod write;
+
+pub use atomic::{Files, RealFiles, replace, write_new};
+pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
+pub use error::StoreError;
+pub use events::{append_events, read_events};
+pub use hash::{file_blake3, hex_blake3};
+pub use layout::Layout;
+pub use read::{read_meta, read_parquet, read_trial};
+pub use signal::{COLUMNS, Column, Signal, Storage};
+pub use study::{Answer, SessionLog, StudyData, SweepEntry, TrialEntry};
+pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
+pub use trial::{Samples, Trial, TrialFile};
+pub use verify::{left_out, verify};
+pub use write::{described, trial_bytes, write_parquet};

@@ -1,0 +1,360 @@
+//! Reading strictly: a file that is not exactly what it should be is one clear error.
+
+use crate::write::{DIGEST, FOOTER_DIGEST, VERSION, column_digest, described, footer_digest};
+use crate::{Column, Samples, Signal, Storage, StoreError, Trial, TrialFile};
+use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
+use arrow::compute::concat_batches;
+use arrow::datatypes::{DataType, Field, Float32Type, Float64Type, SchemaRef, UInt16Type};
+use bytes::Bytes;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use zwidth_study::{Kind, ParticipantId, SCHEMA_VERSION, SessionId, Source, Status, TrialMeta};
+
+const DAMAGED: &str = "restore the file from a copy, or exclude the trial";
+
+/// Reads what a trial file says of itself, without its samples. Participant and session come from
+/// the path. Returns the trial's meta data, the remaining footer keys, and the number of samples.
+pub fn read_meta(path: &Path) -> Result<(TrialMeta, TrialFile, usize), StoreError> {
+    let file = ParquetFile::open_recording(path)?;
+    let (meta, rest) = meta_from(path, file.footer.clone())?;
+    Ok((meta, rest, file.rows))
+}
+
+/// Reads a trial, with only the `signals` asked for (all: `Signal::all()`). Time is always read.
+///
+/// Every column read is checked: type, unit, digest, finite values, time that runs forward.
+pub fn read_trial(path: &Path, signals: impl IntoIterator<Item = Signal>) -> Result<Trial, StoreError> {
+    let file = ParquetFile::open_recording(path)?;
+    let (meta, rest) = meta_from(path, file.footer.clone())?;
+    let mut wanted: Vec<Signal> = signals.into_iter().chain([Signal::Time]).collect();
+    wanted.sort();
+    wanted.dedup();
+    let names: Vec<&str> = wanted.iter().map(|s| s.name()).collect();
+    for signal in &wanted {
+        check_field(path, &file.schema, signal.column())?;
+    }
+    let batch = file.read(&names)?;
+    let mut samples = Samples::default();
+    for signal in wanted {
+        if let Some(values) = signal_values(path, &batch, signal.column(), &file.footer)? {
+            samples.set(signal, values);
+        }
+    }
+    samples.check(path)?;
+    Ok(Trial { meta, file: rest, samples })
+}
+
+/// Reads any Parquet file that [`crate::write_parquet`] wrote, whole: its rows and its footer.
+pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
+    let file = ParquetFile::open(path)?;
+    let schema = file.schema.clone();
+    let names: Vec<&str> = schema.fields().iter().map(|f| f.name().as_str()).collect();
+    let batch = file.read(&names)?;
+    Ok((batch, file.footer))
+}
+
+/// An opened Parquet file of ours: footer checked, columns not read yet.
+pub(crate) struct ParquetFile {
+    path: std::path::PathBuf,
+    bytes: Bytes,
+    pub(crate) footer: BTreeMap<String, String>,
+    pub(crate) schema: SchemaRef,
+    pub(crate) rows: usize,
+}
+
+impl ParquetFile {
+    /// Opens `path`, checks version and footer digest.
+    pub(crate) fn open(path: &Path) -> Result<Self, StoreError> {
+        let bytes = std::fs::read(path).map_err(|e| StoreError::io(path, "read", &e))?;
+        if bytes.is_empty() {
+            return Err(StoreError::new(path, "the file is empty", DAMAGED));
+        }
+        let bytes = Bytes::from(bytes);
+        let builder = guarded(path, DAMAGED, || ParquetRecordBatchReaderBuilder::try_new(bytes.clone()))?;
+        let metadata = builder.metadata().file_metadata();
+        let footer: BTreeMap<String, String> = metadata
+            .key_value_metadata()
+            .into_iter()
+            .flatten()
+            .map(|kv| (kv.key.clone(), kv.value.clone().unwrap_or_default()))
+            .filter(|(key, _)| key != "ARROW:schema")
+            .collect();
+        let rows = usize::try_from(metadata.num_rows()).unwrap_or(0);
+        let schema = builder.schema().clone();
+        check_version(path, &footer)?;
+        if footer.get(FOOTER_DIGEST) != Some(&footer_digest(&footer)) {
+            let what = "the file is damaged: its footer does not match its digest";
+            return Err(StoreError::new(path, what, DAMAGED));
+        }
+        Ok(Self { path: path.to_owned(), bytes, footer, schema, rows })
+    }
+
+    /// Opens a recording: a file without rows is none.
+    pub(crate) fn open_recording(path: &Path) -> Result<Self, StoreError> {
+        let file = Self::open(path)?;
+        if file.rows == 0 {
+            return Err(StoreError::new(path, "the file has 0 rows", DAMAGED));
+        }
+        Ok(file)
+    }
+
+    /// The columns of these names, as one batch.
+    pub(crate) fn read(&self, names: &[&str]) -> Result<RecordBatch, StoreError> {
+        guarded(&self.path, DAMAGED, || {
+            let builder = ParquetRecordBatchReaderBuilder::try_new(self.bytes.clone())?;
+            let mask = ProjectionMask::columns(builder.parquet_schema(), names.iter().copied());
+            let reader = builder.with_projection(mask).with_batch_size(self.rows.max(1)).build()?;
+            let schema = arrow::array::RecordBatchReader::schema(&reader);
+            let batches = reader.collect::<Result<Vec<_>, _>>()?;
+            Ok(concat_batches(&schema, &batches)?)
+        })
+    }
+}
+
+/// Runs a decoder on bytes that may be damaged: an error, or a panic of the decoder, is one error of ours.
+pub(crate) fn guarded<T>(
+    path: &Path,
+    remedy: &str,
+    decode: impl FnOnce() -> Result<T, parquet::errors::ParquetError>,
+) -> Result<T, StoreError> {
+    let damaged = |why: String| StoreError::new(path, format!("not a readable Parquet file: {why}"), remedy);
+    match catch_unwind(AssertUnwindSafe(decode)) {
+        Ok(result) => result.map_err(|e| damaged(e.to_string())),
+        Err(_) => Err(damaged("the decoder gave up on it".to_owned())),
+    }
+}
+
+fn check_version(path: &Path, footer: &BTreeMap<String, String>) -> Result<(), StoreError> {
+    let error = |what: String| {
+        let remedy =
+            format!("this software reads version {SCHEMA_VERSION}; use `zwidth import` for other files");
+        Err(StoreError::new(path, what, remedy))
+    };
+    match footer.get(VERSION) {
+        None => error("not a zwidth file: no schema version in its footer".to_owned()),
+        Some(v) if *v != SCHEMA_VERSION.to_string() => error(format!("schema version {v} is unknown")),
+        Some(_) => Ok(()),
+    }
+}
+
+/// Checks a column's presence, type and unit.
+pub(crate) fn check_field(path: &Path, schema: &SchemaRef, c: &Column) -> Result<(), StoreError> {
+    let expected = match c.storage {
+        Storage::F64 => DataType::Float64,
+        Storage::F32 => DataType::Float32,
+        Storage::U16 => DataType::UInt16,
+    };
+    check_described(path, schema, &described(c.name, expected, true, c.unit, c.description))
+}
+
+/// Checks that `schema` has `expected`, with its type and unit.
+pub(crate) fn check_described(path: &Path, schema: &SchemaRef, expected: &Field) -> Result<(), StoreError> {
+    let name = expected.name();
+    let remedy = "convert the file with `zwidth import`";
+    let Ok(found) = schema.field_with_name(name) else {
+        return Err(StoreError::new(path, "the column is missing", remedy).column(name));
+    };
+    if found.data_type() != expected.data_type() {
+        let what = format!("its type is {} where {} belongs", found.data_type(), expected.data_type());
+        return Err(StoreError::new(path, what, remedy).column(name));
+    }
+    let unit = |f: &Field| f.metadata().get("unit").cloned().unwrap_or_default();
+    if unit(found) != unit(expected) {
+        let what = format!("its unit is '{}' where '{}' belongs", unit(found), unit(expected));
+        return Err(StoreError::new(path, what, remedy).column(name));
+    }
+    Ok(())
+}
+
+/// The values of one column of a trial; `None` where the column is null throughout.
+fn signal_values(
+    path: &Path,
+    batch: &RecordBatch,
+    c: &Column,
+    footer: &BTreeMap<String, String>,
+) -> Result<Option<Vec<f64>>, StoreError> {
+    let Some(array) = batch.column_by_name(c.name) else {
+        return Err(StoreError::new(path, "the column is missing", DAMAGED).column(c.name));
+    };
+    let digest = footer.get(&format!("{DIGEST}{}", c.name));
+    if array.null_count() == array.len() && digest.is_none() {
+        return Ok(None);
+    }
+    if let Some(row) = (0..array.len()).find(|i| array.is_null(*i)) {
+        let what = "the value is null in a column that has others";
+        return Err(StoreError::new(path, what, DAMAGED).column(c.name).row0(row));
+    }
+    let values = floats(array);
+    if digest != Some(&column_digest(&values, c.storage)) {
+        let what = "the column is damaged: its values do not match their digest";
+        return Err(StoreError::new(path, what, DAMAGED).column(c.name));
+    }
+    Ok(Some(values))
+}
+
+/// A numeric column as `f64`; its type was checked before.
+pub(crate) fn floats(array: &ArrayRef) -> Vec<f64> {
+    match array.data_type() {
+        DataType::Float64 => array.as_primitive::<Float64Type>().values().to_vec(),
+        DataType::Float32 => {
+            array.as_primitive::<Float32Type>().values().iter().map(|v| f64::from(*v)).collect()
+        }
+        DataType::UInt16 => {
+            array.as_primitive::<UInt16Type>().values().iter().map(|v| f64::from(*v)).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Takes the trial's own keys out of the footer; the rest is what the file says of itself besides.
+fn meta_from(
+    path: &Path,
+    mut footer: BTreeMap<String, String>,
+) -> Result<(TrialMeta, TrialFile), StoreError> {
+    let bad = |key: &str, value: &str| {
+        StoreError::new(path, format!("footer key '{key}' has the value '{value}'"), DAMAGED)
+    };
+    let mut take = |key: &str| {
+        footer
+            .remove(key)
+            .ok_or_else(|| StoreError::new(path, format!("footer key '{key}' is missing"), DAMAGED))
+    };
+    let number = |key: &str, text: String| text.parse::<u32>().map_err(|_| bad(key, &text));
+    let kind = take("kind")?;
+    let status = take("status")?;
+    let source = take("source")?;
+    let likert = take("likert")?;
+    let (environment, mode) = (take("environment")?, take("mode")?);
+    let meta = TrialMeta {
+        participant: from_path(path, "participant").and_then(|t| {
+            ParticipantId::new(t).map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
+        })?,
+        session: from_path(path, "session").and_then(|t| {
+            SessionId::new(t).map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
+        })?,
+        trial: number("trial", take("trial")?)?,
+        repeat: number("repeat", take("repeat")?)?,
+        kind: Kind::from_word(&kind).ok_or_else(|| bad("kind", &kind))?,
+        status: Status::from_word(&status).ok_or_else(|| bad("status", &status))?,
+        environment: environment.clone().try_into().map_err(|_| bad("environment", &environment))?,
+        mode: mode.clone().try_into().map_err(|_| bad("mode", &mode))?,
+        likert: match likert.as_str() {
+            "" => None,
+            text => {
+                Some(text.parse().ok().filter(|v| (1..=5).contains(v)).ok_or_else(|| bad("likert", text))?)
+            }
+        },
+        source: Source::from_word(&source).ok_or_else(|| bad("source", &source))?,
+    };
+    footer.retain(|key, _| {
+        !key.starts_with(DIGEST) && ![VERSION, FOOTER_DIGEST, "units"].contains(&key.as_str())
+    });
+    Ok((meta, footer))
+}
+
+/// The value of a Hive partition folder (`key=value`) in a path.
+pub(crate) fn from_path(path: &Path, key: &str) -> Result<String, StoreError> {
+    let prefix = format!("{key}=");
+    path.iter()
+        .filter_map(|part| part.to_str())
+        .rev()
+        .find_map(|part| part.strip_prefix(&prefix).map(str::to_owned))
+        .ok_or_else(|| {
+            let what = format!("the path has no folder '{key}=…'");
+            StoreError::new(path, what, "move the file to where the layout wants it")
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{RealFiles, trial_bytes, write_new};
+    use std::path::PathBuf;
+
+    pub(crate) fn sample_trial() -> Trial {
+        let mut samples = Samples::default();
+        let t: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.0083).collect();
+        samples.set(Signal::Theta, t.iter().map(|t| libm::sin(*t)).collect());
+        samples.set(Signal::Flags, t.iter().map(|t| f64::from(u8::from(*t > 1.0))).collect());
+        samples.set(Signal::VoltageMotor, t.iter().map(|t| t * 0.1).collect());
+        samples.set(Signal::Time, t);
+        let meta = TrialMeta {
+            participant: ParticipantId::new("P01").unwrap(),
+            session: SessionId::new("S01").unwrap(),
+            trial: 17,
+            repeat: 3,
+            kind: Kind::Trial,
+            status: Status::Complete,
+            environment: "spring".parse().unwrap(),
+            mode: "hybrid".parse().unwrap(),
+            likert: Some(4),
+            source: Source::Twin,
+        };
+        let file = [("seed".to_owned(), "1".to_owned())].into();
+        Trial { meta, file, samples }
+    }
+
+    fn written(folder: &Path) -> (Trial, PathBuf) {
+        let trial = sample_trial();
+        let path = folder.join("participant=P01/session=S01/trial-017.parquet");
+        write_new(&RealFiles, &path, &trial_bytes(&trial, &path).unwrap()).unwrap();
+        (trial, path)
+    }
+
+    #[test]
+    fn a_trial_comes_back_as_it_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let (trial, path) = written(folder.path());
+        let again = read_trial(&path, Signal::all()).unwrap();
+        assert_eq!(again.meta, trial.meta);
+        assert_eq!(again.file, trial.file);
+        assert_eq!(again.samples.get(Signal::Theta), trial.samples.get(Signal::Theta));
+        assert_eq!(again.samples.get(Signal::ForceEx), None);
+    }
+
+    #[test]
+    fn the_same_trial_gives_the_same_bytes() {
+        let path = Path::new("x");
+        assert_eq!(trial_bytes(&sample_trial(), path), trial_bytes(&sample_trial(), path));
+    }
+
+    #[test]
+    fn only_the_columns_asked_for_are_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let trial = read_trial(&path, [Signal::Theta]).unwrap();
+        assert!(trial.samples.get(Signal::Time).is_some());
+        assert!(trial.samples.get(Signal::Flags).is_none());
+    }
+
+    #[test]
+    fn a_file_cut_anywhere_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let bytes = std::fs::read(&path).unwrap();
+        for cut in (0..bytes.len()).step_by(97) {
+            std::fs::write(&path, &bytes[..cut]).unwrap();
+            let error = read_trial(&path, Signal::all()).unwrap_err();
+            assert!(!error.what.is_empty() && !error.remedy.is_empty());
+        }
+    }
+
+    #[test]
+    fn a_flipped_bit_gives_an_error_or_the_same_trial_never_another_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let good = read_trial(&path, Signal::all()).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        for i in (0..bytes.len()).step_by(3) {
+            let mut bad = bytes.clone();
+            bad[i] ^= 1 << (i % 8);
+            std::fs::write(&path, &bad).unwrap();
+            if let Ok(trial) = read_trial(&path, Signal::all()) {
+                assert_eq!(trial, good, "byte {i}");
+            }
+        }
+    }
+}

@@ -1,0 +1,338 @@
+//! A whole study: every trial, sweep and session there is, joined with the events.
+
+use crate::{Layout, StoreError, TrialFile, read_events, read_meta};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use zwidth_study::{
+    ActuatorId, Condition, Event, Kind, ParticipantId, QuestionId, SessionId, SessionRecord, Status, Study,
+    TrialMeta,
+};
+
+/// One trial file, and what the events say of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialEntry {
+    /// Its file.
+    pub path: PathBuf,
+    /// What is known of it.
+    pub meta: TrialMeta,
+    /// What the file says of itself.
+    pub file: TrialFile,
+    /// Number of samples.
+    pub rows: usize,
+    /// The trial that took its place.
+    pub superseded_by: Option<u32>,
+    /// Why it was excluded.
+    pub excluded: Option<String>,
+}
+
+impl TrialEntry {
+    /// Whether the trial may enter a mean, a metric table or a tally: of the experiment, complete,
+    /// neither superseded nor excluded.
+    pub fn counts(&self) -> bool {
+        self.why_not().is_none()
+    }
+
+    /// Why the trial does not count, in words.
+    pub fn why_not(&self) -> Option<String> {
+        if self.meta.kind == Kind::Familiarisation {
+            return Some("familiarisation".to_owned());
+        }
+        if self.meta.status == Status::Incomplete {
+            return Some("incomplete".to_owned());
+        }
+        if let Some(by) = self.superseded_by {
+            return Some(format!("superseded by trial {by}"));
+        }
+        self.excluded.as_ref().map(|reason| format!("excluded: {reason}"))
+    }
+}
+
+/// One sweep file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SweepEntry {
+    /// Its file.
+    pub path: PathBuf,
+    /// What was characterised.
+    pub actuator: ActuatorId,
+}
+
+/// A session's record and its events.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SessionLog {
+    /// The session's record.
+    pub record: SessionRecord,
+    /// The record's file.
+    pub path: PathBuf,
+    /// Its events, in order.
+    pub events: Vec<Event>,
+    /// The events' file.
+    pub events_path: PathBuf,
+}
+
+/// One answer that counts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Answer {
+    /// Who.
+    pub participant: ParticipantId,
+    /// In which session.
+    pub session: SessionId,
+    /// After which trial.
+    pub trial: u32,
+    /// The trial's condition.
+    pub condition: Condition,
+    /// The question.
+    pub question: QuestionId,
+    /// The answer as given, 1…5.
+    pub value: u8,
+}
+
+/// A study as it lies on the disk.
+#[derive(Debug, Clone)]
+pub struct StudyData {
+    /// Where it lies.
+    pub layout: Layout,
+    /// What was planned.
+    pub study: Study,
+    /// Every readable trial, by participant, session and number.
+    pub trials: Vec<TrialEntry>,
+    /// Every sweep, by actuator and number.
+    pub sweeps: Vec<SweepEntry>,
+    /// Every session.
+    pub sessions: Vec<SessionLog>,
+    /// What could not be read, and was left out.
+    pub problems: Vec<StoreError>,
+}
+
+impl StudyData {
+    /// Reads the study: its `study.toml`, all footers, sessions and events. Samples are not read.
+    ///
+    /// # Errors
+    /// A missing or wrong `study.toml`, one error per finding. Anything else that cannot be read is
+    /// left out and listed in `problems`.
+    pub fn load(layout: &Layout) -> Result<Self, Vec<StoreError>> {
+        let study = read_study(layout)?;
+        let mut problems = Vec::new();
+        let mut trials = keep(&mut problems, read_trials(layout));
+        let sweeps = keep(&mut problems, list_sweeps(layout));
+        let (sessions, unreadable) = read_sessions(layout, &mut problems);
+        join_events(&mut trials, &sessions);
+        leave_out_unreadable(&mut trials, &unreadable);
+        Ok(Self { layout: layout.clone(), study, trials, sweeps, sessions, problems })
+    }
+
+    /// The trials that may enter a mean, a metric table or a tally.
+    pub fn counting(&self) -> impl Iterator<Item = &TrialEntry> {
+        self.trials.iter().filter(|t| t.counts())
+    }
+
+    /// Every answer that counts: from events, and from trial files for their environment's question
+    /// (an event overrides the file). Sorted by participant, session, trial and question.
+    pub fn answers(&self) -> Vec<Answer> {
+        let mut answers = BTreeMap::new();
+        for t in self.counting() {
+            let question = self.study.environment(&t.meta.environment).and_then(|e| e.question.clone());
+            if let (Some(question), Some(value)) = (question, t.meta.likert) {
+                let m = &t.meta;
+                let who = (m.participant.clone(), m.session.clone(), m.trial);
+                let answer = new_answer(&who, m.condition(), &question, value);
+                answers.insert((who, question), answer);
+            }
+        }
+        for log in &self.sessions {
+            let conditions = self.counting_conditions(log);
+            for event in &log.events {
+                let Event::Answer { trial, question, value } = event else { continue };
+                let Some(condition) = conditions.get(trial) else { continue };
+                let who = (log.record.participant.clone(), log.record.session.clone(), *trial);
+                let answer = new_answer(&who, condition.clone(), question, *value);
+                answers.insert((who, question.clone()), answer);
+            }
+        }
+        answers.into_values().collect()
+    }
+
+    /// The conditions of a session's trials that count, with or without samples.
+    fn counting_conditions(&self, log: &SessionLog) -> BTreeMap<u32, Condition> {
+        let of_session = |t: &&TrialEntry| {
+            t.meta.participant == log.record.participant && t.meta.session == log.record.session
+        };
+        let mut conditions: BTreeMap<u32, Condition> = log
+            .record
+            .trials
+            .iter()
+            .filter(|p| p.kind == Kind::Trial && !p.samples && !left_out(&log.events, p.trial))
+            .map(|p| (p.trial, Condition { environment: p.environment.clone(), mode: p.mode.clone() }))
+            .collect();
+        conditions.extend(self.counting().filter(of_session).map(|t| (t.meta.trial, t.meta.condition())));
+        conditions
+    }
+}
+
+fn new_answer(
+    (participant, session, trial): &(ParticipantId, SessionId, u32),
+    condition: Condition,
+    question: &QuestionId,
+    value: u8,
+) -> Answer {
+    Answer {
+        participant: participant.clone(),
+        session: session.clone(),
+        trial: *trial,
+        condition,
+        question: question.clone(),
+        value,
+    }
+}
+
+fn left_out(events: &[Event], trial: u32) -> bool {
+    events
+        .iter()
+        .any(|e| matches!(e, Event::Superseded { .. } | Event::Excluded { .. }) && e.trial() == Some(trial))
+}
+
+fn keep<T>(problems: &mut Vec<StoreError>, results: Vec<Result<T, StoreError>>) -> Vec<T> {
+    let mut good = Vec::new();
+    for result in results {
+        match result {
+            Ok(value) => good.push(value),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    good
+}
+
+fn read_study(layout: &Layout) -> Result<Study, Vec<StoreError>> {
+    let path = layout.study_toml();
+    let text = std::fs::read_to_string(&path).map_err(|e| vec![StoreError::io(&path, "read", &e)])?;
+    let study = Study::from_toml(&text).map_err(|errors| {
+        errors.iter().map(|e| StoreError::new(&path, e.to_string(), "mend the line")).collect::<Vec<_>>()
+    })?;
+    if study.id != *layout.study() {
+        let what = format!("study.id is '{}' in the folder '{}'", study.id, layout.study());
+        return Err(vec![StoreError::new(&path, what, "make the id and the folder's name equal")]);
+    }
+    Ok(study)
+}
+
+fn read_trials(layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
+    let files = match files_below(&layout.trials()) {
+        Ok(files) => files,
+        Err(error) => return vec![Err(error)],
+    };
+    files
+        .into_par_iter()
+        .map(|path| {
+            let (meta, file, rows) = read_meta(&path)?;
+            let expected = layout.trial(&meta.participant, &meta.session, meta.trial);
+            if expected != path {
+                let what = format!("the file is trial {} by its footer, but not by its name", meta.trial);
+                let remedy = format!("it belongs at {}; a trial must not exist twice", expected.display());
+                return Err(StoreError::new(&path, what, remedy));
+            }
+            Ok(TrialEntry { path, meta, file, rows, superseded_by: None, excluded: None })
+        })
+        .collect()
+}
+
+fn list_sweeps(layout: &Layout) -> Vec<Result<SweepEntry, StoreError>> {
+    let files = match files_below(&layout.sweeps()) {
+        Ok(files) => files,
+        Err(error) => return vec![Err(error)],
+    };
+    files
+        .into_iter()
+        .map(|path| {
+            let actuator = crate::read::from_path(&path, "actuator")?;
+            let actuator = ActuatorId::new(actuator)
+                .map_err(|e| StoreError::new(&path, e.to_string(), "rename the folder"))?;
+            Ok(SweepEntry { path, actuator })
+        })
+        .collect()
+}
+
+/// Every readable session, and the names (`<participant>_<session>`) of those that are not.
+fn read_sessions(layout: &Layout, problems: &mut Vec<StoreError>) -> (Vec<SessionLog>, BTreeSet<String>) {
+    let (mut sessions, mut unreadable) = (Vec::new(), BTreeSet::new());
+    let files = files_below(&layout.sessions()).unwrap_or_else(|error| {
+        problems.push(error);
+        Vec::new()
+    });
+    let name = |path: &PathBuf| {
+        let name = path.file_name()?.to_str()?;
+        name.strip_suffix(".events.jsonl").or(name.strip_suffix(".json")).map(str::to_owned)
+    };
+    let names: BTreeSet<String> = files.iter().filter_map(name).collect();
+    for name in names {
+        match read_session(layout, &name) {
+            Ok(session) => sessions.push(session),
+            Err(problem) => {
+                problems.push(problem);
+                unreadable.insert(name);
+            }
+        }
+    }
+    (sessions, unreadable)
+}
+
+fn read_session(layout: &Layout, name: &str) -> Result<SessionLog, StoreError> {
+    let path = layout.sessions().join(format!("{name}.json"));
+    let text = std::fs::read_to_string(&path).map_err(|e| StoreError::io(&path, "read", &e))?;
+    let record: SessionRecord = serde_json::from_str(&text).map_err(|e| {
+        StoreError::new(&path, format!("not a session record: {e}"), "restore the file from a copy")
+    })?;
+    let events_path = layout.events(&record.participant, &record.session);
+    let events = read_events(&events_path)?;
+    Ok(SessionLog { record, path, events, events_path })
+}
+
+/// Without its events nobody knows which trials of a session were superseded or excluded: none counts.
+fn leave_out_unreadable(trials: &mut [TrialEntry], unreadable: &BTreeSet<String>) {
+    for trial in trials {
+        if unreadable.contains(&format!("{}_{}", trial.meta.participant, trial.meta.session)) {
+            trial.excluded = Some("the session's record or event log cannot be read".to_owned());
+        }
+    }
+}
+
+fn join_events(trials: &mut [TrialEntry], sessions: &[SessionLog]) {
+    for trial in trials {
+        let of_session = sessions.iter().find(|s| {
+            s.record.participant == trial.meta.participant && s.record.session == trial.meta.session
+        });
+        for event in of_session.into_iter().flat_map(|s| &s.events) {
+            match event {
+                Event::Superseded { trial: n, by } if *n == trial.meta.trial => {
+                    trial.superseded_by = Some(*by)
+                }
+                Event::Excluded { trial: n, reason } if *n == trial.meta.trial => {
+                    trial.excluded = Some(reason.clone());
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Every file below a folder, sorted; hidden files (unfinished writes) are passed by. A missing
+/// folder has none.
+pub(crate) fn files_below(folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
+    let mut files = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        if !folder.exists() {
+            continue;
+        }
+        let entries = std::fs::read_dir(&folder).map_err(|e| StoreError::io(&folder, "list", &e))?;
+        for entry in entries {
+            let path = entry.map_err(|e| StoreError::io(&folder, "list", &e))?.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if !path.file_name().is_some_and(|n| n.to_string_lossy().starts_with('.')) {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    Ok(files)
+}

@@ -1,0 +1,133 @@
+//! A trial in memory: what is known of it, and its samples.
+
+use crate::{COLUMNS, Signal, StoreError};
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_study::TrialMeta;
+
+/// The samples of a trial: a column a signal, all of one length; absent where not recorded.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Samples {
+    columns: [Option<Vec<f64>>; Signal::COUNT],
+}
+
+impl Samples {
+    /// The column of `signal`, where the recording has it.
+    pub fn get(&self, signal: Signal) -> Option<&[f64]> {
+        self.columns[signal as usize].as_deref()
+    }
+
+    /// Sets the column of `signal`.
+    pub fn set(&mut self, signal: Signal, values: Vec<f64>) {
+        self.columns[signal as usize] = Some(values);
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.columns.iter().flatten().map(Vec::len).max().unwrap_or(0)
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Checks what every trial file promises: samples there, one length, finite numbers that fit
+    /// their storage, and a time that runs forward. The error names column and row.
+    pub fn check(&self, path: &Path) -> Result<(), StoreError> {
+        if self.get(Signal::Time).is_none() {
+            let remedy = "a trial needs its time; give the recording's rate where it has no time column";
+            return Err(StoreError::new(path, "the column is missing", remedy).column("t_s"));
+        }
+        if self.is_empty() {
+            return Err(StoreError::new(
+                path,
+                "there is no sample",
+                "record the trial again, or leave it out",
+            ));
+        }
+        for (spec, column) in COLUMNS.iter().zip(&self.columns) {
+            let Some(values) = column else { continue };
+            if values.len() != self.len() {
+                let what = format!("it has {} values where others have {}", values.len(), self.len());
+                return Err(StoreError::new(path, what, "columns must be equally long").column(spec.name));
+            }
+            if let Some(row) = values.iter().position(|v| !fits(*v, spec.storage)) {
+                let what = format!("{} is not a number this column can hold", values[row]);
+                let remedy = "mend or drop the row; a gap is a null column, never a NaN";
+                return Err(StoreError::new(path, what, remedy).column(spec.name).row0(row));
+            }
+        }
+        self.check_time(path)
+    }
+
+    fn check_time(&self, path: &Path) -> Result<(), StoreError> {
+        let t = self.get(Signal::Time).unwrap_or_default();
+        match t.windows(2).position(|w| w[1] <= w[0]) {
+            None => Ok(()),
+            Some(i) => {
+                let what = format!("time runs backwards or stands still: {} s after {} s", t[i + 1], t[i]);
+                Err(StoreError::new(path, what, "sort or mend the recording").column("t_s").row0(i + 1))
+            }
+        }
+    }
+}
+
+fn fits(value: f64, storage: crate::Storage) -> bool {
+    match storage {
+        crate::Storage::F64 | crate::Storage::F32 => value.is_finite(),
+        crate::Storage::U16 => (0.0..=f64::from(u16::MAX)).contains(&value) && value.fract() == 0.0,
+    }
+}
+
+/// What a trial file says of itself besides the trial: key → value, in the file's footer.
+///
+/// Known keys: `study_blake3`, `calibration_blake3`, `device`, `software`, `start_utc`, `seed`,
+/// `made_by_import` (what import computed, such as a derivative), `source_blake3` and `mapping_blake3`
+/// (the imported file and the mapping it came through).
+pub type TrialFile = BTreeMap<String, String>;
+
+/// A trial: what is known of it, what its file says of itself, and its samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// What is known of the trial.
+    pub meta: TrialMeta,
+    /// What the file says of itself.
+    pub file: TrialFile,
+    /// The samples.
+    pub samples: Samples,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(columns: &[(Signal, &[f64])], words: &str, row: Option<usize>) {
+        let mut samples = Samples::default();
+        for (signal, values) in columns {
+            samples.set(*signal, values.to_vec());
+        }
+        let error = samples.check(Path::new("x")).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+        assert_eq!(error.row, row, "{error}");
+    }
+
+    #[test]
+    fn samples_that_break_a_promise_are_refused_with_column_and_row() {
+        use Signal::{Flags, Theta, Time};
+        check(&[(Theta, &[0.0])], "t_s: the column is missing", None);
+        check(&[(Time, &[])], "no sample", None);
+        check(&[(Time, &[0.0, 1.0]), (Theta, &[0.0])], "1 values where others have 2", None);
+        check(&[(Time, &[0.0, 1.0]), (Theta, &[0.0, f64::NAN])], "theta_rad, row 2: NaN", Some(2));
+        check(&[(Time, &[0.0, 1.0]), (Flags, &[0.0, 0.5])], "flags, row 2: 0.5", Some(2));
+        check(&[(Time, &[0.0, 1.0, 1.0])], "runs backwards or stands still: 1 s after 1 s", Some(3));
+    }
+
+    #[test]
+    fn denormals_are_numbers_like_any_other() {
+        let mut samples = Samples::default();
+        samples.set(Signal::Time, vec![0.0, 1.0]);
+        samples.set(Signal::Theta, vec![1e-321, -1e-321]);
+        assert_eq!(samples.check(Path::new("x")), Ok(()));
+    }
+}

@@ -1,0 +1,180 @@
+//! `verify`: every finding in a study, not only the first.
+
+use crate::study::files_below;
+use crate::{
+    Layout, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry, file_blake3, read_sweep,
+    read_trial,
+};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::path::Path;
+use zwidth_study::{Event, Kind, Study};
+
+/// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit at
+/// which the safety layer cuts the voltage).
+const WORK_SPACE_SLACK_RAD: f64 = 0.034_906_585_039_886_59;
+
+/// Checks a whole study: `study.toml`, every file byte by byte, every event. An empty list is a clean study.
+pub fn verify(layout: &Layout) -> Vec<StoreError> {
+    let data = match StudyData::load(layout) {
+        Ok(data) => data,
+        Err(findings) => return findings,
+    };
+    let mut findings = data.problems.clone();
+    findings.extend(data.trials.par_iter().flat_map_iter(|t| trial(&data, t)).collect::<Vec<_>>());
+    findings.extend(data.sweeps.par_iter().filter_map(|s| read_sweep(&s.path).err()).collect::<Vec<_>>());
+    findings.extend(data.sessions.iter().flat_map(|s| session(&data, s)));
+    findings.extend(strays(layout));
+    findings.sort_by(|a, b| (&a.path, &a.column, a.row).cmp(&(&b.path, &b.column, b.row)));
+    findings.dedup();
+    findings
+}
+
+fn trial(data: &StudyData, entry: &TrialEntry) -> Vec<StoreError> {
+    let read = match read_trial(&entry.path, Signal::all()) {
+        Ok(trial) => trial,
+        Err(error) => return vec![error],
+    };
+    let mut findings = words(&data.study, entry);
+    findings.extend(work_space(&data.study, &entry.path, &read.samples));
+    findings.extend(recorded(data, entry));
+    findings
+}
+
+fn words(study: &Study, entry: &TrialEntry) -> Vec<StoreError> {
+    let unknown = |what: &str, id: &str| {
+        let text = format!("{what} '{id}' is not in study.toml");
+        StoreError::new(&entry.path, text, format!("add the {what} to study.toml")).column(what)
+    };
+    let meta = &entry.meta;
+    let environment = study.environment(&meta.environment).is_none();
+    let mode = study.mode(&meta.mode).is_none();
+    let environment = environment.then(|| unknown("environment", meta.environment.as_str()));
+    let mode = mode.then(|| unknown("mode", meta.mode.as_str()));
+    environment.into_iter().chain(mode).collect()
+}
+
+fn work_space(study: &Study, path: &Path, samples: &Samples) -> Option<StoreError> {
+    let theta = samples.get(Signal::Theta)?;
+    let low = study.device.theta_min_rad.unwrap_or(f64::NEG_INFINITY) - WORK_SPACE_SLACK_RAD;
+    let high = study.device.theta_max_rad.unwrap_or(f64::INFINITY) + WORK_SPACE_SLACK_RAD;
+    let row = theta.iter().position(|v| !(low..=high).contains(v))?;
+    let what = format!("{:.2}° lies more than 2° outside of the work space", theta[row].to_degrees());
+    let remedy =
+        "exclude the trial if the angle was lost, or mend theta_min_deg and theta_max_deg in study.toml";
+    Some(StoreError::new(path, what, remedy).column(Signal::Theta.name()).row0(row))
+}
+
+/// Whether the file is the one whose hash the session's log holds.
+fn recorded(data: &StudyData, entry: &TrialEntry) -> Option<StoreError> {
+    let of_session = |s: &&SessionLog| {
+        s.record.participant == entry.meta.participant && s.record.session == entry.meta.session
+    };
+    let log = data.sessions.iter().find(of_session);
+    let hash = log.into_iter().flat_map(|s| &s.events).find_map(|e| match e {
+        Event::Recorded { trial, blake3 } if *trial == entry.meta.trial => Some(blake3),
+        _ => None,
+    });
+    let found = match file_blake3(&entry.path) {
+        Ok(found) => found,
+        Err(error) => return Some(error),
+    };
+    match hash {
+        None => Some(StoreError::new(
+            &entry.path,
+            "no session log speaks of this trial",
+            "restore the session's files, or import the trial again",
+        )),
+        Some(hash) if *hash != found => Some(StoreError::new(
+            &entry.path,
+            "the file is not the one that was recorded: its hash differs from the session's log",
+            "restore the file from a copy, or exclude the trial",
+        )),
+        Some(_) => None,
+    }
+}
+
+fn session(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
+    let mut findings = Vec::new();
+    let known: BTreeSet<u32> = log.record.trials.iter().map(|t| t.trial).collect();
+    for planned in &log.record.trials {
+        let path = data.layout.trial(&log.record.participant, &log.record.session, planned.trial);
+        if planned.samples && !path.exists() {
+            let what = "the session's record speaks of this trial, but its file is missing";
+            findings.push(StoreError::new(&path, what, "restore the file from a copy"));
+        }
+    }
+    for (row, event) in log.events.iter().enumerate() {
+        findings.extend(event_finding(data, log, &known, event).map(|e| e.row0(row)));
+    }
+    findings
+}
+
+fn event_finding(
+    data: &StudyData,
+    log: &SessionLog,
+    known: &BTreeSet<u32>,
+    event: &Event,
+) -> Option<StoreError> {
+    let finding = |what: String| {
+        Some(StoreError::new(&log.events_path, what, "the log only grows: add an event that puts it right"))
+    };
+    if let Some(trial) = event.trial().filter(|t| !known.contains(t)) {
+        return finding(format!(
+            "the event speaks of trial {trial}, which the session's record does not know"
+        ));
+    }
+    match event {
+        Event::Answer { question, .. } if data.study.question(question).is_none() => {
+            finding(format!("question '{question}' is not in study.toml"))
+        }
+        Event::Answer { trial, value, .. } if !(1..=5).contains(value) => {
+            finding(format!("the answer to trial {trial} is {value}; answers are 1 to 5"))
+        }
+        Event::Superseded { by, .. } if !known.contains(by) => {
+            finding(format!("trial {by}, said to take a trial's place, is not in the session's record"))
+        }
+        _ => None,
+    }
+}
+
+/// Files that do not belong where they lie, and left-overs of unfinished writes.
+fn strays(layout: &Layout) -> Vec<StoreError> {
+    let stray = |path: &Path, what: &str, remedy: &str| StoreError::new(path, what, remedy);
+    let mut findings = Vec::new();
+    for tree in [layout.trials(), layout.sweeps()] {
+        for path in files_below(&tree).unwrap_or_default() {
+            if path.extension().is_none_or(|e| e != "parquet") {
+                let what = "only Parquet files belong in this tree";
+                findings.push(stray(&path, what, "move the file elsewhere; other tools read the whole tree"));
+            }
+        }
+    }
+    for path in unfinished(&layout.raw()) {
+        findings.push(stray(&path, "a write was cut short here", "remove the file; nothing refers to it"));
+    }
+    findings
+}
+
+fn unfinished(folder: &Path) -> Vec<std::path::PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut found = Vec::new();
+    for path in entries.flatten().map(|e| e.path()) {
+        if path.is_dir() {
+            found.extend(unfinished(&path));
+        } else if path.extension().is_some_and(|e| e == "tmp") {
+            found.push(path);
+        }
+    }
+    found
+}
+
+/// Trials that do not count, each with its reason, in words a person reads.
+pub fn left_out(data: &StudyData) -> Vec<String> {
+    let line = |t: &TrialEntry| {
+        let why = t.why_not().filter(|_| t.meta.kind == Kind::Trial)?;
+        let m = &t.meta;
+        Some(format!("{} {} trial {}: {why}", m.participant, m.session, m.trial))
+    };
+    data.trials.iter().filter_map(line).collect()
+}

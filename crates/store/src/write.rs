@@ -1,0 +1,173 @@
+//! From a trial (or any record batch) to the bytes of a Parquet file.
+
+use crate::encode::{encoding_of, properties};
+use crate::hash::hex_blake3;
+use crate::{COLUMNS, Column, Samples, Storage, StoreError, Trial};
+use arrow::array::{
+    ArrayRef, DictionaryArray, Float32Array, Float64Array, Int32Array, RecordBatch, StringArray, UInt16Array,
+    new_null_array,
+};
+use arrow::datatypes::{DataType, Field, Int32Type, Schema};
+use parquet::arrow::ArrowWriter;
+use parquet::file::metadata::KeyValue;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use zwidth_study::SCHEMA_VERSION;
+
+/// Prefix of the footer keys that carry a column's digest.
+pub(crate) const DIGEST: &str = "blake3:";
+/// Footer key of the digest over all other keys.
+pub(crate) const FOOTER_DIGEST: &str = "footer_blake3";
+/// Footer key of the schema version.
+pub(crate) const VERSION: &str = "schema_version";
+/// Footer key of the units of all columns, for readers that do not show Arrow field metadata.
+const UNITS: &str = "units";
+
+/// The bytes of a trial's file. The same trial gives the same bytes.
+///
+/// # Errors
+/// Samples that break a promise of the schema, with column and row ([`Samples::check`]). `path` only
+/// names the file in errors.
+pub fn trial_bytes(trial: &Trial, path: &Path) -> Result<Vec<u8>, StoreError> {
+    trial.samples.check(path)?;
+    let mut columns: Vec<(Field, ArrayRef)> =
+        COLUMNS.iter().map(|c| signal_column(c, &trial.samples)).collect();
+    columns.extend(constant_columns(trial));
+    let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
+    let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
+        .map_err(|e| StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it"))?;
+    write_parquet(&batch, footer(trial), path)
+}
+
+/// The bytes of a Parquet file with one row group, our encodings, and `footer` as its key-value
+/// metadata (in key order), to which the schema version, the units and a digest are added.
+pub fn write_parquet(
+    batch: &RecordBatch,
+    mut footer: BTreeMap<String, String>,
+    path: &Path,
+) -> Result<Vec<u8>, StoreError> {
+    footer.insert(VERSION.to_owned(), SCHEMA_VERSION.to_string());
+    footer.insert(UNITS.to_owned(), units(batch));
+    footer.insert(FOOTER_DIGEST.to_owned(), footer_digest(&footer));
+    let footer = footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect();
+    let schema = batch.schema();
+    let names = schema.fields().iter().map(|f| f.name().as_str());
+    let bytes = (|| {
+        let properties = properties(names, footer, encoding_of)?;
+        let mut bytes = Vec::new();
+        let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties))?;
+        writer.write(batch)?;
+        writer.close()?;
+        Ok(bytes)
+    })();
+    bytes.map_err(|e: parquet::errors::ParquetError| {
+        StoreError::new(path, format!("cannot encode: {e}"), "this is a defect of zwidth; please report it")
+    })
+}
+
+/// An Arrow field that carries `unit` and `description`.
+pub fn described(name: &str, data_type: DataType, nullable: bool, unit: &str, about: &str) -> Field {
+    let metadata = [("unit", unit), ("description", about)];
+    Field::new(name, data_type, nullable)
+        .with_metadata(metadata.map(|(k, v)| (k.to_owned(), v.to_owned())).into())
+}
+
+fn field(c: &Column) -> Field {
+    let data_type = match c.storage {
+        Storage::F64 => DataType::Float64,
+        Storage::F32 => DataType::Float32,
+        Storage::U16 => DataType::UInt16,
+    };
+    described(c.name, data_type, true, c.unit, c.description)
+}
+
+/// A signal as a column; null throughout where the recording lacks it.
+/// The storage types hold the values: floats are narrowed as the schema says, counts were checked.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(crate) fn signal_column(c: &Column, samples: &Samples) -> (Field, ArrayRef) {
+    let field = field(c);
+    let array: ArrayRef = match (samples.get(c.signal), c.storage) {
+        (None, _) => new_null_array(field.data_type(), samples.len()),
+        (Some(v), Storage::F64) => Arc::new(Float64Array::from(v.to_vec())),
+        (Some(v), Storage::F32) => Arc::new(v.iter().map(|v| *v as f32).collect::<Float32Array>()),
+        (Some(v), Storage::U16) => Arc::new(v.iter().map(|v| *v as u16).collect::<UInt16Array>()),
+    };
+    (field, array)
+}
+
+/// The values that are constant in a file, as columns, so that any reader can group by them.
+fn constant_columns(trial: &Trial) -> Vec<(Field, ArrayRef)> {
+    let n = trial.samples.len();
+    let meta = &trial.meta;
+    let integer = |name: &str, value: Option<i32>, about: &str| {
+        let array: ArrayRef = Arc::new(Int32Array::from(vec![value; n]));
+        (described(name, DataType::Int32, value.is_none() || name == "likert", "1", about), array)
+    };
+    let word = |name: &str, value: &str, about: &str| {
+        let keys = Int32Array::from(vec![0; n]);
+        let words: ArrayRef = Arc::new(StringArray::from(vec![value]));
+        let array: ArrayRef = Arc::new(DictionaryArray::<Int32Type>::new(keys, words));
+        (described(name, array.data_type().clone(), false, "1", about), array)
+    };
+    vec![
+        integer("trial", i32::try_from(meta.trial).ok(), "number within the session, from 1"),
+        integer("repeat", i32::try_from(meta.repeat).ok(), "repeat of the condition, from 1"),
+        word("kind", meta.kind.as_str(), "trial or familiarisation"),
+        word("status", meta.status.as_str(), "complete or incomplete"),
+        word("environment", meta.environment.as_str(), "what was rendered"),
+        word("mode", meta.mode.as_str(), "how; a sealed code until the session is unsealed"),
+        integer("likert", meta.likert.map(i32::from), "answer 1…5, where given before the file was finished"),
+    ]
+}
+
+fn footer(trial: &Trial) -> BTreeMap<String, String> {
+    let meta = &trial.meta;
+    let mut footer = trial.file.clone();
+    for (key, value) in [
+        ("trial", meta.trial.to_string()),
+        ("repeat", meta.repeat.to_string()),
+        ("kind", meta.kind.as_str().to_owned()),
+        ("status", meta.status.as_str().to_owned()),
+        ("environment", meta.environment.to_string()),
+        ("mode", meta.mode.to_string()),
+        ("likert", meta.likert.map(|v| v.to_string()).unwrap_or_default()),
+        ("source", meta.source.as_str().to_owned()),
+    ] {
+        footer.insert(key.to_owned(), value);
+    }
+    for c in &COLUMNS {
+        if let Some(values) = trial.samples.get(c.signal) {
+            footer.insert(format!("{DIGEST}{}", c.name), column_digest(values, c.storage));
+        }
+    }
+    footer
+}
+
+fn units(batch: &RecordBatch) -> String {
+    let units: BTreeMap<_, _> = batch
+        .schema()
+        .fields()
+        .iter()
+        .filter_map(|f| f.metadata().get("unit").map(|u| (f.name().clone(), u.clone())))
+        .collect();
+    serde_json::to_string(&units).unwrap_or_default()
+}
+
+/// Digest of a column's values as they come back from the file.
+#[allow(clippy::cast_possible_truncation)]
+pub(crate) fn column_digest(values: &[f64], storage: Storage) -> String {
+    let mut bytes = Vec::with_capacity(values.len() * 8);
+    for value in values {
+        let stored = if storage == Storage::F32 { f64::from(*value as f32) } else { *value };
+        bytes.extend_from_slice(&stored.to_le_bytes());
+    }
+    hex_blake3(&bytes)
+}
+
+/// Digest of all footer keys but the digest itself.
+pub(crate) fn footer_digest(footer: &BTreeMap<String, String>) -> String {
+    let ours = footer.iter().filter(|(k, _)| *k != FOOTER_DIGEST && *k != "ARROW:schema");
+    let text: String = ours.map(|(k, v)| format!("{}:{k}={}:{v};", k.len(), v.len())).collect();
+    hex_blake3(text.as_bytes())
+}
