@@ -1,0 +1,323 @@
+//! Draws one of every kind of figure, from made-up numbers, into the folder named on the command line.
+//!
+//! `cargo run -p zwidth-draw --example gallery -- target/gallery`
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+
+use zwidth_draw::{
+    Axis, Band, Cell, DEFAULT_DPI, Direction, Figure, Intervals, Layer, Likert, LikertScale, Line,
+    ONE_COLUMN_MM, Panel, Points, Range, Reference, Text, TextPlace, dodge, draw, style,
+};
+
+const MODES: [&str; 3] = ["active", "passive", "hybrid"];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "target/gallery".into()));
+    std::fs::create_dir_all(&folder)?;
+    for (name, figure) in figures() {
+        let drawing = draw(&figure)?;
+        std::fs::write(folder.join(format!("{name}.svg")), drawing.svg())?;
+        std::fs::write(folder.join(format!("{name}.png")), drawing.png(DEFAULT_DPI)?)?;
+        std::fs::write(folder.join(format!("{name}.pdf")), drawing.pdf()?)?;
+    }
+    Ok(())
+}
+
+/// Every figure of the gallery with its name.
+pub fn figures() -> Vec<(&'static str, Figure)> {
+    vec![
+        ("four-panels", four_panels()),
+        ("one-mode", one_mode()),
+        ("characteristic", characteristic()),
+        ("likert", likert()),
+        ("intervals", intervals()),
+        ("note", note()),
+    ]
+}
+
+/// Reproducible noise, −1 … 1.
+struct Noise(u32);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(self.0 >> 8) / f64::from(1 << 23) - 1.0
+    }
+}
+
+/// Time, angle, force and velocity of one push against a spring with a wall at 26.6°.
+struct Push {
+    t_s: Vec<f64>,
+    theta_deg: Vec<f64>,
+    force_n: Vec<f64>,
+    velocity_deg_s: Vec<f64>,
+}
+
+const WALL_DEG: f64 = 26.6;
+
+fn push(mode: usize, repeat: u32) -> Push {
+    let mut noise = Noise(repeat * 97 + mode as u32 * 13 + 5);
+    let (reach, drop) = ([36.0, 27.4, 27.0][mode] + 0.8 * noise.next(), [0.0, 5.0, 2.2][mode]);
+    let (period, lag) = (2.6 + 0.15 * noise.next(), 0.05 * noise.next());
+    let (phase, depth) = (TAU * noise.next(), [0.05, 0.12, 0.03][mode]);
+    let mut run = Push { t_s: vec![], theta_deg: vec![], force_n: vec![], velocity_deg_s: vec![] };
+    for i in 0..3000 {
+        let t = f64::from(i) / 1000.0;
+        let way = (TAU * (t - lag) / period / 2.0).sin().max(0.0);
+        let speed = if way > 0.0 { (TAU * (t - lag) / period / 2.0).cos() * TAU / period / 2.0 } else { 0.0 };
+        let theta = reach * way;
+        let wall = if theta > WALL_DEG { (theta - WALL_DEG) * [0.2, 4.0, 4.2][mode] } else { 0.0 };
+        let spring = 0.14 * theta - if speed < 0.0 { drop * way.min(0.4) } else { 0.0 };
+        run.t_s.push(t);
+        run.theta_deg.push(theta);
+        run.force_n.push((spring + wall + depth * (40.0 * t + phase).sin() + 0.04 * noise.next()).max(0.0));
+        run.velocity_deg_s.push(reach * speed + 1.5 * noise.next());
+    }
+    run
+}
+
+fn quantity<'a>(run: &'a Push, name: &str) -> &'a [f64] {
+    match name {
+        "t" => &run.t_s,
+        "θ" => &run.theta_deg,
+        "F" => &run.force_n,
+        _ => &run.velocity_deg_s,
+    }
+}
+
+/// Mean and standard deviation over the repeats, sample by sample.
+fn mean_sd(runs: &[Push], name: &str) -> Vec<(f64, f64)> {
+    let at = |i: usize| {
+        let values: Vec<f64> = runs.iter().map(|run| quantity(run, name)[i]).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let sum2 = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();
+        (mean, (sum2 / (values.len() - 1) as f64).sqrt())
+    };
+    (0..runs[0].t_s.len()).map(at).collect()
+}
+
+fn mode_layers(x: &str, y: &str) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    let all: Vec<Vec<Push>> = (0..3).map(|mode| (0..6).map(|repeat| push(mode, repeat)).collect()).collect();
+    for (mode, runs) in all.iter().enumerate() {
+        let colour = style::mode_colour(mode);
+        layers.extend(runs.iter().map(|run| {
+            let (x, y) = (quantity(run, x).to_vec(), quantity(run, y).to_vec());
+            Layer::Line(Line { x, y, stroke: style::faint(colour), ..Line::default() })
+        }));
+    }
+    for (mode, runs) in all.iter().enumerate() {
+        let (colour, name) = (style::mode_colour(mode), Some(MODES[mode].to_owned()));
+        let (along, across) = (mean_sd(runs, x), mean_sd(runs, y));
+        let x: Vec<f64> = along.iter().map(|(mean, _)| *mean).collect();
+        let y: Vec<f64> = across.iter().map(|(mean, _)| *mean).collect();
+        if along[1].1 == 0.0 {
+            let (low, high) =
+                across.iter().map(|(mean, sd)| (mean - 2.57 * sd / 2.45, mean + 2.57 * sd / 2.45)).unzip();
+            layers.push(Layer::Band(Band { x: x.clone(), low, high, colour, name: name.clone() }));
+        }
+        let dotted = mean_sd(runs, "θ").iter().map(|(theta, _)| *theta > WALL_DEG).collect();
+        layers.push(Layer::Line(Line { x, y, dotted, stroke: style::mean(colour), name }));
+    }
+    layers
+}
+
+fn wall(direction: Direction, label: Option<&str>) -> Layer {
+    let label = label.map(str::to_owned);
+    Layer::Reference(Reference { direction, at: WALL_DEG, label, stroke: style::reference(), name: None })
+}
+
+fn four_panels() -> Figure {
+    let t = || Axis::new("*t*", "s").ranged(Range::Tight).linked("t");
+    let (theta, force) = (Axis::new("*θ*", "°").linked("θ"), Axis::new("*F*_{ex}", "N").linked("F"));
+    let mut angle = mode_layers("t", "θ");
+    angle.push(wall(Direction::Horizontal, None));
+    let mut loops = mode_layers("θ", "F");
+    loops.push(wall(Direction::Vertical, Some("wall 26.6°")));
+    Figure {
+        description: "Angle, force and velocity against time, and force against angle, mean of six per mode".into(),
+        panels: vec![
+            Panel::new(Cell::at(0, 0), t(), theta.clone(), angle).titled("**a**"),
+            Panel::new(Cell::at(1, 0), t(), force.clone(), mode_layers("t", "F")).titled("**b**"),
+            Panel::new(Cell::at(2, 0), t(), Axis::new("*θ̇*", "°/s"), mode_layers("t", "θ̇")).titled("**c**"),
+            Panel::new(Cell::at(0, 1).spanning(3, 1), theta, force, loops).titled("**d**"),
+        ],
+        footnotes: vec![
+            "Mean of *n* = 6 repeats with pointwise 95 % band; every repeat faint behind. Dotted: past the wall. \
+             Within this participant."
+                .into(),
+        ],
+        mark: Some("SYNTHETIC".into()),
+        provenance: Some("zwidth gallery".into()),
+        ..Figure::default()
+    }
+}
+
+fn one_mode() -> Figure {
+    let layers = |x: &str, y: &str| -> Vec<Layer> {
+        let repeat = |i: u32| {
+            let run = push(2, i);
+            let (x, y) = (quantity(&run, x).to_vec(), quantity(&run, y).to_vec());
+            let stroke = style::single(style::repeat_colour(style::mode_colour(2), i as usize, 6));
+            Layer::Line(Line { x, y, stroke, name: Some(format!("repeat {}", i + 1)), ..Line::default() })
+        };
+        (0..6).map(repeat).collect()
+    };
+    let mut force = layers("θ", "F");
+    force.push(Layer::Line(Line {
+        x: vec![0.0, WALL_DEG, WALL_DEG, 28.0],
+        y: vec![0.0, 0.14 * WALL_DEG, 10.0, 10.0],
+        stroke: style::commanded(),
+        name: Some("commanded".into()),
+        ..Line::default()
+    }));
+    let t = || Axis::new("*t*", "s").ranged(Range::Tight).linked("t");
+    Figure {
+        title: Some("Hybrid, spring + wall: all repeats".into()),
+        width_mm: ONE_COLUMN_MM,
+        panels: vec![
+            Panel::new(Cell::at(0, 0), Axis::new("*θ*", "°"), Axis::new("*F*", "N"), force),
+            Panel::new(Cell::at(1, 0), t(), Axis::new("*θ*", "°"), layers("t", "θ")),
+            Panel::new(Cell::at(2, 0), t(), Axis::new("*θ̇*", "°/s"), layers("t", "θ̇")),
+        ],
+        mark: Some("SYNTHETIC".into()),
+        ..Figure::default()
+    }
+}
+
+fn characteristic() -> Figure {
+    let mut noise = Noise(3);
+    let voltage: Vec<f64> = (0..1600).map(|i| 16.0 * f64::from(i % 320) / 319.0).collect();
+    let force = voltage.iter().map(|v| (0.26 * v - 0.05).max(0.0) + 0.12 * noise.next()).collect();
+    let line: Vec<f64> = (0..=160).map(|i| f64::from(i) / 10.0).collect();
+    let fit = |off: f64| -> Vec<f64> { line.iter().map(|v| 0.26 * v - 0.05 + off).collect() };
+    let colour = style::mode_colour(0);
+    let layers = vec![
+        Layer::Points(Points {
+            x: voltage,
+            y: force,
+            colour,
+            opacity: 0.35,
+            diameter_pt: 1.6,
+            name: Some("measured, 5 sweeps".into()),
+        }),
+        Layer::Band(Band {
+            x: line.clone(),
+            low: fit(-0.14),
+            high: fit(0.14),
+            colour: style::INK,
+            name: Some("95 % prediction".into()),
+        }),
+        Layer::Line(Line {
+            x: line.clone(),
+            y: fit(0.0),
+            name: Some("first-order fit".into()),
+            ..Line::default()
+        }),
+        Layer::Text(Text {
+            lines: vec!["*F* = 0.260 *U* − 0.05".into(), "*R*² = 0.998".into()],
+            place: TextPlace::EmptiestCorner,
+        }),
+    ];
+    let panel = Panel::new(
+        Cell::at(0, 0),
+        Axis::new("*U*", "V").ranged(Range::Fixed(0.0, 16.0)),
+        Axis::new("*F*", "N"),
+        layers,
+    );
+    Figure { width_mm: ONE_COLUMN_MM, panels: vec![panel], ..Figure::default() }
+}
+
+fn likert() -> Figure {
+    let panel = |column: usize, title: &str, rows: [[u32; 5]; 3]| {
+        let answers = ["strongly disagree", "disagree", "neutral", "agree", "strongly agree"];
+        let layer = Layer::Likert(Likert {
+            answers: answers.map(String::from).to_vec(),
+            rows: rows.map(|row| row.to_vec()).to_vec(),
+            scale: LikertScale::Counts,
+        });
+        let mut x = Axis::new("← negative     answers     positive →", "").linked("answers");
+        x.ticks = zwidth_draw::Ticks::Magnitudes;
+        let modes = Axis::categories(MODES).linked("modes");
+        Panel::new(Cell::at(0, column), x, modes, vec![layer]).titled(title)
+    };
+    Figure {
+        description: "Answers to two statements by mode".into(),
+        panels: vec![
+            panel(0, "**a**  Spring", [[0, 1, 2, 5, 4], [5, 4, 2, 1, 0], [0, 0, 1, 6, 5]]),
+            panel(1, "**b**  Spring + wall", [[7, 4, 0, 1, 0], [1, 3, 4, 3, 1], [0, 1, 1, 4, 6]]),
+        ],
+        mark: Some("SYNTHETIC".into()),
+        ..Figure::default()
+    }
+}
+
+fn intervals() -> Figure {
+    let sessions = ["session 9", "session 10", "session 11", "session 12"];
+    let panel = |column: usize, label: &str, unit: &str, size: f64, seed: u32| {
+        let mut noise = Noise(seed);
+        let mut layers = vec![Layer::Reference(Reference {
+            direction: Direction::Horizontal,
+            at: 0.0,
+            label: None,
+            stroke: style::zero(),
+            name: None,
+        })];
+        let markers = [style::Marker::Disc, style::Marker::Square, style::Marker::Diamond];
+        for (mode, name) in ["none", "feedforward", "closed loop"].into_iter().enumerate() {
+            let at: Vec<f64> = (0..4).map(|i| f64::from(i) + dodge(mode, 3)).collect();
+            let estimate: Vec<f64> =
+                at.iter().map(|_| size * (1.0 - 0.4 * mode as f64 + 0.15 * noise.next())).collect();
+            let half: Vec<f64> = at.iter().map(|_| size * (0.12 + 0.08 * noise.next())).collect();
+            let low = estimate.iter().zip(&half).map(|(e, h)| e - h).collect();
+            let high = estimate.iter().zip(&half).map(|(e, h)| e + h).collect();
+            let (colour, marker) = (style::mode_colour(mode), markers[mode]);
+            let (direction, name) = (Direction::Vertical, Some(name.to_owned()));
+            layers.push(Layer::Intervals(Intervals {
+                direction,
+                at,
+                estimate,
+                low,
+                high,
+                colour,
+                marker,
+                name,
+            }));
+        }
+        Panel::new(Cell::at(0, column), Axis::categories(sessions), Axis::new(label, unit), layers)
+    };
+    Figure {
+        panels: vec![
+            panel(0, "offset *c*", "N·m", 0.004, 1),
+            panel(1, "inertia *I*", "kg·m²", 1.7e-4, 2),
+            panel(2, "damping *b*", "N·m·s/rad", 0.0021, 3),
+        ],
+        footnotes: vec![
+            "Plane fit torque = *c* + *I*·acceleration + *b*·velocity, 95 % block-bootstrap intervals."
+                .into(),
+        ],
+        ..Figure::default()
+    }
+}
+
+fn note() -> Figure {
+    let t = || Axis::new("*t*", "s").ranged(Range::Tight).linked("t");
+    let force = Axis::new("torque", "N·m");
+    let mut panel = Panel::new(Cell::at(1, 0), t(), force, mode_layers("t", "F"));
+    panel.layers.truncate(6);
+    Figure {
+        width_mm: ONE_COLUMN_MM,
+        panels: vec![
+            Panel::with_note(
+                Cell::at(0, 0),
+                t(),
+                Axis::new("*θ*", "°"),
+                "no angle was recorded, and its integral drifts by a radian",
+            ),
+            panel,
+        ],
+        ..Figure::default()
+    }
+}

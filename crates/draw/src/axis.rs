@@ -1,0 +1,226 @@
+//! One axis, planned: its ticks with their labels set, its own label, and the room all that takes.
+
+use crate::error::Error;
+use crate::figure::{Axis, Direction, Ticks};
+use crate::font::{self, Fonts, Label};
+use crate::scale::{Ends, Scale};
+use crate::style::{LABEL_PT, SMALL_PT, TICK_PT};
+use crate::ticks;
+
+/// Between a tick and its label, in pt.
+pub(crate) const TICK_GAP_PT: f64 = 2.0;
+/// Between tick labels and the axis' label, in pt.
+pub(crate) const LABEL_GAP_PT: f64 = 2.5;
+/// Least room between neighbouring tick labels along a horizontal axis, in pt.
+const LABELS_APART_PT: f64 = 7.0;
+/// Least distance of ticks along a horizontal axis, in pt.
+const TICKS_APART_X_PT: f64 = 20.0;
+/// Least distance of ticks along a vertical axis, in pt.
+const TICKS_APART_Y_PT: f64 = 16.0;
+
+/// A tick with its label set in lines.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PlannedTick {
+    pub(crate) at: f64,
+    pub(crate) lines: Vec<Label>,
+}
+
+/// An axis ready to be drawn.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct AxisPlan {
+    pub(crate) ends: Option<Ends>,
+    pub(crate) ticks: Vec<PlannedTick>,
+    /// Names of categories that found no room side by side read upwards.
+    pub(crate) turned: bool,
+    /// Names get no tick mark and no grid line.
+    pub(crate) named: bool,
+    pub(crate) label: Vec<Label>,
+}
+
+impl AxisPlan {
+    /// Room that tick labels take across the axis.
+    pub(crate) fn ticks_depth_pt(&self, direction: Direction) -> f64 {
+        let depth = |tick: &PlannedTick| match (direction, self.turned) {
+            (Direction::Horizontal, false) => font::height_pt(&tick.lines),
+            _ => font::widest_pt(&tick.lines),
+        };
+        self.ticks.iter().map(depth).fold(0.0, f64::max)
+    }
+
+    /// Room from the plot's edge outwards.
+    pub(crate) fn depth_pt(&self, direction: Direction) -> f64 {
+        let ticks = if self.ticks.iter().any(|tick| !tick.lines.is_empty()) {
+            TICK_PT + TICK_GAP_PT + self.ticks_depth_pt(direction)
+        } else {
+            TICK_PT
+        };
+        let label = if self.label.is_empty() { 0.0 } else { LABEL_GAP_PT + font::height_pt(&self.label) };
+        ticks + label
+    }
+
+    /// How far the outermost tick labels stick out beyond the axis' ends, before and after.
+    pub(crate) fn overhang_pt(&self, direction: Direction, length_pt: f64) -> (f64, f64) {
+        let Some(ends) = self.ends else { return (0.0, 0.0) };
+        let scale = Scale { ends, page_pt: (0.0, length_pt) };
+        let half = |tick: &PlannedTick| match (direction, self.turned) {
+            (Direction::Horizontal, false) => font::widest_pt(&tick.lines) / 2.0,
+            _ => font::height_pt(&tick.lines) / 2.0,
+        };
+        let over = |out: &dyn Fn(&PlannedTick) -> f64| self.ticks.iter().map(out).fold(0.0, f64::max);
+        (
+            over(&|tick| half(tick) - scale.pt(tick.at)),
+            over(&|tick| scale.pt(tick.at) + half(tick) - length_pt),
+        )
+    }
+}
+
+/// Plans an axis of the given length on paper; an axis that is not `numbered` has bare ticks.
+pub(crate) fn plan(
+    fonts: &Fonts,
+    axis: &Axis,
+    ends: Option<Ends>,
+    direction: Direction,
+    length_pt: f64,
+    numbered: bool,
+) -> Result<AxisPlan, Error> {
+    let mut plan = AxisPlan { ends, ..AxisPlan::default() };
+    let mut exponent = 0;
+    if let (Some(ends), Ticks::Categories(names)) = (ends, &axis.ticks) {
+        plan.named = true;
+        (plan.ticks, plan.turned) = categories(fonts, names, ends, direction, length_pt)?;
+    } else if let Some(ends) = ends {
+        let whole = axis.ticks == Ticks::Magnitudes;
+        let fits = |ticks: &ticks::Ticks| apart(fonts, ticks, ends, direction, length_pt);
+        let chosen = ticks::choose(ends.0, ends.1, whole, fits);
+        exponent = chosen.exponent;
+        for tick in &chosen.ticks {
+            plan.ticks.push(PlannedTick { at: tick.at, lines: vec![fonts.label(&tick.label, SMALL_PT)?] });
+        }
+    }
+    if numbered {
+        plan.label = fonts.block(&label(axis, exponent), LABEL_PT, length_pt)?;
+    } else {
+        plan.ticks.iter_mut().for_each(|tick| tick.lines.clear());
+    }
+    Ok(plan)
+}
+
+/// Quantity, and in parentheses the power of ten and the unit.
+fn label(axis: &Axis, exponent: i32) -> String {
+    let power = match exponent {
+        0 => String::new(),
+        n if n < 0 => format!("10^{{−{}}}", -n),
+        n => format!("10^{{{n}}}"),
+    };
+    let space = if power.is_empty() || axis.unit.is_empty() { "" } else { "\u{a0}" };
+    match format!("{power}{space}{}", axis.unit) {
+        scale if scale.is_empty() => axis.label.clone(),
+        scale => format!("{} ({scale})", axis.label),
+    }
+}
+
+/// Whether neighbouring ticks and their labels keep their distance.
+fn apart(fonts: &Fonts, ticks: &ticks::Ticks, ends: Ends, direction: Direction, length_pt: f64) -> bool {
+    let width = |label: &str| fonts.label(label, SMALL_PT).map_or(0.0, |label| label.width_pt);
+    ticks.ticks.windows(2).all(|pair| {
+        let spacing = (pair[1].at - pair[0].at) / (ends.1 - ends.0) * length_pt;
+        match direction {
+            Direction::Vertical => spacing >= TICKS_APART_Y_PT,
+            Direction::Horizontal => {
+                let labels = (width(&pair[0].label) + width(&pair[1].label)) / 2.0;
+                spacing >= TICKS_APART_X_PT.max(labels + LABELS_APART_PT)
+            }
+        }
+    })
+}
+
+/// Share of a horizontal axis' slot that a name may fill.
+const SLOT_SHARE: f64 = 0.92;
+/// Widths that names beside a vertical axis may take, in pt: the first at which all are lower than their rows.
+const NAME_PT: [f64; 4] = [80.0, 120.0, 160.0, 220.0];
+/// Longest name that reads upwards under a horizontal axis, in pt.
+const TURNED_PT: f64 = 60.0;
+
+/// Names in lines, and whether they had to be turned.
+fn categories(
+    fonts: &Fonts,
+    names: &[String],
+    ends: Ends,
+    direction: Direction,
+    length_pt: f64,
+) -> Result<(Vec<PlannedTick>, bool), Error> {
+    let set = |width_pt: f64| -> Result<Vec<PlannedTick>, Error> {
+        let tick = |(i, name): (usize, &String)| {
+            Ok(PlannedTick { at: i as f64, lines: fonts.block(name, SMALL_PT, width_pt)? })
+        };
+        names.iter().enumerate().map(tick).collect()
+    };
+    let slot_pt = length_pt / (ends.1 - ends.0);
+    if direction == Direction::Vertical {
+        let mut highest_pt = 0.0;
+        for width_pt in NAME_PT {
+            let ticks = set(width_pt)?;
+            highest_pt = ticks.iter().map(|tick| font::height_pt(&tick.lines)).fold(0.0, f64::max);
+            if highest_pt <= slot_pt {
+                return Ok((ticks, false));
+            }
+        }
+        return Err(Error::TextTooLong { text: names.join(" / "), need_pt: highest_pt, have_pt: slot_pt });
+    }
+    match set(SLOT_SHARE * slot_pt) {
+        Err(Error::TextTooLong { .. }) => Ok((set(TURNED_PT)?, true)),
+        upright => Ok((upright?, false)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn horizontal(axis: &Axis, ends: Ends, length_pt: f64) -> AxisPlan {
+        plan(&Fonts::bundled().unwrap(), axis, Some(ends), Direction::Horizontal, length_pt, true).unwrap()
+    }
+
+    fn text(lines: &[Label]) -> String {
+        lines.iter().map(Label::text).collect::<Vec<_>>().join("/")
+    }
+
+    #[test]
+    fn tick_labels_never_come_closer_than_they_may() {
+        for length_pt in [30.0, 60.0, 120.0, 300.0] {
+            for ends in [(0.0, 4.16), (-12_345.0, 98_765.0), (0.001, 0.0013), (-5.0, 5e6)] {
+                let plan = horizontal(&Axis::new("t", "s"), ends, length_pt);
+                let scale = Scale { ends, page_pt: (0.0, length_pt) };
+                let spans = plan.ticks.iter().map(|tick| {
+                    let half = font::widest_pt(&tick.lines) / 2.0;
+                    (scale.pt(tick.at) - half, scale.pt(tick.at) + half)
+                });
+                let spans: Vec<_> = spans.collect();
+                let free = spans.windows(2).all(|pair| pair[1].0 - pair[0].1 > 1.0);
+                assert!(free || spans.len() == 2, "{ends:?} on {length_pt} pt: {spans:?}");
+                assert!(spans.len() >= 2, "{ends:?} on {length_pt} pt");
+            }
+        }
+    }
+
+    #[test]
+    fn the_power_of_ten_stands_with_the_unit() {
+        let plan = horizontal(&Axis::new("*I*", "kg·m²"), (0.0, 4e-4), 120.0);
+        assert_eq!(text(&plan.label), "I (10−6\u{a0}kg·m2)");
+    }
+
+    #[test]
+    fn long_names_wrap_and_those_that_cannot_are_turned() {
+        let wrapped = horizontal(&Axis::categories(["session 9", "session 10"]), (-0.5, 1.5), 50.0);
+        assert_eq!((text(&wrapped.ticks[0].lines).as_str(), wrapped.turned), ("session/9", false));
+        let turned = horizontal(&Axis::categories(["administration", "configuration"]), (-0.5, 1.5), 40.0);
+        assert!(turned.turned);
+    }
+
+    #[test]
+    fn an_axis_without_ends_has_its_label_and_no_ticks() {
+        let fonts = Fonts::bundled().unwrap();
+        let plan = plan(&fonts, &Axis::new("*θ*", "°"), None, Direction::Vertical, 60.0, true).unwrap();
+        assert!(plan.ticks.is_empty() && !plan.label.is_empty());
+    }
+}

@@ -1,0 +1,345 @@
+//! The bundled font: letters to placed glyphs, glyphs to outlines.
+//!
+//! Noto Sans (SIL Open Font Licence) in three faces. Letters are shaped as a text engine would (kerning,
+//! and marks such as the dot of θ̇ set over their letter), so widths measured here are widths on paper.
+
+use rustybuzz::ttf_parser::{GlyphId, OutlineBuilder};
+use rustybuzz::{BufferClusterLevel, Face, UnicodeBuffer};
+
+use crate::error::Error;
+use crate::markup::{self, Run, Script};
+use crate::style::LEAST_PT;
+use crate::svg::number;
+
+/// Family name of the bundled font.
+pub(crate) const FAMILY: &str = "Noto Sans";
+/// Height of capitals and figures over the base line, in em.
+pub(crate) const CAP_EM: f64 = 0.714;
+/// Height kept free over the base line, in em: a dotted letter fits.
+pub(crate) const ASCENT_EM: f64 = 0.97;
+/// Depth kept free under the base line, in em: descenders and subscripts fit.
+pub(crate) const DESCENT_EM: f64 = 0.28;
+/// Size of lowered and raised letters, relative to the others.
+const SCRIPT_SIZE: f64 = 0.7;
+/// How far lowered letters go down, in em.
+const SUB_EM: f64 = 0.18;
+/// How far raised letters go up, in em.
+const SUPER_EM: f64 = 0.36;
+
+/// Which face of the family.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Style {
+    Regular,
+    Italic,
+    Bold,
+}
+
+impl Style {
+    /// The face's file.
+    pub(crate) fn bytes(self) -> &'static [u8] {
+        match self {
+            Style::Regular => notosans::REGULAR_TTF,
+            Style::Italic => notosans::ITALIC_TTF,
+            Style::Bold => notosans::BOLD_TTF,
+        }
+    }
+
+    pub(crate) const ALL: [Style; 3] = [Style::Regular, Style::Italic, Style::Bold];
+}
+
+/// A glyph with its place in the line.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Glyph {
+    pub(crate) id: u16,
+    /// Place relative to its piece's start, in font units.
+    pub(crate) x: i32,
+    pub(crate) y: i32,
+}
+
+/// Letters of one style, placed.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Piece {
+    pub(crate) style: Style,
+    pub(crate) text: String,
+    /// Start relative to the line's start, y downwards.
+    pub(crate) x_pt: f64,
+    pub(crate) y_pt: f64,
+    pub(crate) size_pt: f64,
+    pub(crate) glyphs: Vec<Glyph>,
+}
+
+/// A line of text, measured and ready to be drawn.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Label {
+    pub(crate) size_pt: f64,
+    pub(crate) width_pt: f64,
+    pub(crate) pieces: Vec<Piece>,
+}
+
+impl Label {
+    /// Height of a line of this size, without room between lines.
+    pub(crate) fn height_pt(&self) -> f64 {
+        (ASCENT_EM + DESCENT_EM) * self.size_pt
+    }
+
+    /// The letters, without markup.
+    #[cfg(test)]
+    pub(crate) fn text(&self) -> String {
+        self.pieces.iter().map(|piece| piece.text.as_str()).collect()
+    }
+}
+
+/// The faces, parsed.
+pub(crate) struct Fonts {
+    faces: [Face<'static>; 3],
+}
+
+impl Fonts {
+    pub(crate) fn bundled() -> Result<Self, Error> {
+        let face = |style: Style| Face::from_slice(style.bytes(), 0).ok_or(Error::Font);
+        Ok(Self { faces: [face(Style::Regular)?, face(Style::Italic)?, face(Style::Bold)?] })
+    }
+
+    fn face(&self, style: Style) -> &Face<'static> {
+        &self.faces[style as usize]
+    }
+
+    /// Font units an em.
+    pub(crate) fn units_per_em(&self, style: Style) -> f64 {
+        f64::from(self.face(style).units_per_em())
+    }
+
+    /// Sets one line of markup.
+    pub(crate) fn label(&self, markup: &str, size_pt: f64) -> Result<Label, Error> {
+        self.line(&markup::parse(markup), size_pt, markup)
+    }
+
+    /// Sets runs one after the other; `markup` is where they come from, for errors.
+    fn line(&self, runs: &[Run], size_pt: f64, markup: &str) -> Result<Label, Error> {
+        let mut label = Label { size_pt, ..Label::default() };
+        for run in runs {
+            let (piece, advance_pt) = self.piece(run, size_pt, label.width_pt, markup)?;
+            label.width_pt += advance_pt;
+            label.pieces.push(piece);
+        }
+        Ok(label)
+    }
+
+    fn piece(&self, run: &Run, size_pt: f64, x_pt: f64, markup: &str) -> Result<(Piece, f64), Error> {
+        let style = match run {
+            Run { bold: true, .. } => Style::Bold,
+            Run { italic: true, .. } => Style::Italic,
+            _ => Style::Regular,
+        };
+        let (scale, raise_em) = match run.script {
+            Script::Base => (1.0, 0.0),
+            Script::Sub => (SCRIPT_SIZE, -SUB_EM),
+            Script::Super => (SCRIPT_SIZE, SUPER_EM),
+        };
+        let (glyphs, advance) = self.shape(&run.text, style, markup)?;
+        let piece_size = scale * size_pt;
+        let piece = Piece {
+            style,
+            text: run.text.clone(),
+            x_pt,
+            y_pt: -raise_em * size_pt,
+            size_pt: piece_size,
+            glyphs,
+        };
+        Ok((piece, f64::from(advance) * piece_size / self.units_per_em(style)))
+    }
+
+    /// Glyphs of a text and its whole advance, in font units.
+    fn shape(&self, text: &str, style: Style, markup: &str) -> Result<(Vec<Glyph>, i32), Error> {
+        let face = self.face(style);
+        if let Some(letter) = text.chars().find(|&c| face.glyph_index(c).is_none()) {
+            return Err(Error::Letter { text: markup.to_owned(), letter });
+        }
+        let mut buffer = UnicodeBuffer::new();
+        buffer.push_str(text);
+        buffer.guess_segment_properties();
+        buffer.set_cluster_level(BufferClusterLevel::Characters);
+        let shaped = rustybuzz::shape(face, &[], buffer);
+        let mut pen = 0;
+        let mut glyphs: Vec<Glyph> = Vec::new();
+        let mut base = None;
+        for (info, place) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {
+            let glyph = Glyph { id: info.glyph_id as u16, x: pen + place.x_offset, y: place.y_offset };
+            let letter = text.get(info.cluster as usize..).and_then(|rest| rest.chars().next());
+            match &base {
+                Some(base) if letter.is_some_and(is_mark) => glyphs.push(self.over(base, glyph, style)),
+                _ => {
+                    base = Some(glyph.clone());
+                    glyphs.push(glyph);
+                }
+            }
+            pen += place.x_advance;
+        }
+        Ok((glyphs, pen))
+    }
+
+    /// A mark moved to stand over its letter: the font knows where for Latin letters, not for Greek ones.
+    fn over(&self, base: &Glyph, mark: Glyph, style: Style) -> Glyph {
+        /// Between a letter and its mark, in font units.
+        const GAP: i32 = 70;
+        /// How far an italic letter leans at the height of its mark, in font units.
+        const LEAN: i32 = 85;
+        let face = self.face(style);
+        let bounds = |glyph: &Glyph| face.glyph_bounding_box(GlyphId(glyph.id));
+        let (Some(under), Some(dot)) = (bounds(base), bounds(&mark)) else {
+            return mark;
+        };
+        let middle = |low: i16, high: i16| (i32::from(low) + i32::from(high)) / 2;
+        let lean = if style == Style::Italic { LEAN } else { 0 };
+        let x = base.x + middle(under.x_min, under.x_max) + lean - middle(dot.x_min, dot.x_max);
+        let y = base.y + i32::from(under.y_max) + GAP - i32::from(dot.y_min);
+        Glyph { x, y, ..mark }
+    }
+
+    /// A glyph's outline as SVG path data in font units, y upwards; empty for a space.
+    pub(crate) fn outline(&self, style: Style, id: u16) -> String {
+        let mut path = PathData(String::new());
+        self.face(style).outline_glyph(GlyphId(id), &mut path);
+        path.0
+    }
+
+    /// Breaks markup at its spaces so that no line is wider than `width_pt`; a single long word may still be.
+    pub(crate) fn wrap(&self, markup: &str, size_pt: f64, width_pt: f64) -> Result<Vec<Label>, Error> {
+        let mut lines: Vec<(Vec<Run>, Label)> = Vec::new();
+        for word in markup::words(markup) {
+            if let Some((line, label)) = lines.last_mut() {
+                let longer = markup::join(line, &word);
+                let set = self.line(&longer, size_pt, markup)?;
+                if set.width_pt <= width_pt {
+                    (*line, *label) = (longer, set);
+                    continue;
+                }
+            }
+            let label = self.line(&word, size_pt, markup)?;
+            lines.push((word, label));
+        }
+        Ok(lines.into_iter().map(|(_, label)| label).collect())
+    }
+
+    /// Sets markup in lines no wider than `width_pt`: at `size_pt`, or smaller down to [`LEAST_PT`] where a word is
+    /// too long.
+    pub(crate) fn block(&self, markup: &str, size_pt: f64, width_pt: f64) -> Result<Vec<Label>, Error> {
+        let mut widest = 0.0;
+        for size_pt in [size_pt, (size_pt + LEAST_PT) / 2.0, LEAST_PT] {
+            let lines = self.wrap(markup, size_pt, width_pt)?;
+            widest = widest_pt(&lines);
+            if widest <= width_pt {
+                return Ok(lines);
+            }
+        }
+        Err(Error::TextTooLong { text: markup.to_owned(), need_pt: widest, have_pt: width_pt })
+    }
+}
+
+/// Width of the widest line.
+pub(crate) fn widest_pt(lines: &[Label]) -> f64 {
+    lines.iter().map(|line| line.width_pt).fold(0.0, f64::max)
+}
+
+/// Height of lines set one under the other.
+pub(crate) fn height_pt(lines: &[Label]) -> f64 {
+    lines.iter().map(Label::height_pt).sum()
+}
+
+/// Accents and dots that stand over the letter before them.
+pub(crate) fn is_mark(letter: char) -> bool {
+    ('\u{300}'..='\u{315}').contains(&letter)
+}
+
+struct PathData(String);
+
+impl PathData {
+    fn add(&mut self, command: char, values: &[f32]) {
+        self.0.push(command);
+        for (i, &value) in values.iter().enumerate() {
+            let text = number(f64::from(value));
+            if i > 0 && !text.starts_with('-') {
+                self.0.push(' ');
+            }
+            self.0.push_str(&text);
+        }
+    }
+}
+
+impl OutlineBuilder for PathData {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.add('M', &[x, y]);
+    }
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.add('L', &[x, y]);
+    }
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        self.add('Q', &[x1, y1, x, y]);
+    }
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        self.add('C', &[x1, y1, x2, y2, x, y]);
+    }
+    fn close(&mut self) {
+        self.0.push('Z');
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn width(markup: &str) -> f64 {
+        Fonts::bundled().unwrap().label(markup, 10.0).unwrap().width_pt
+    }
+
+    #[test]
+    fn the_dot_of_theta_dot_takes_no_room_and_sits_over_its_letter() {
+        assert_eq!(width("θ̇"), width("θ"));
+        let fonts = Fonts::bundled().unwrap();
+        let label = fonts.label("*θ̇*", 10.0).unwrap();
+        let [theta, dot] = &label.pieces[0].glyphs[..] else { panic!("two glyphs") };
+        let face = fonts.face(Style::Italic);
+        let bounds = |glyph: &Glyph| face.glyph_bounding_box(GlyphId(glyph.id)).unwrap();
+        let (under, over) = (bounds(theta), bounds(dot));
+        assert!(dot.y + i32::from(over.y_min) > i32::from(under.y_max), "clear of the letter");
+        assert!(dot.x + i32::from(over.x_min) > i32::from(under.x_min), "not left of the letter");
+        assert!(dot.x + i32::from(over.x_max) < i32::from(under.x_max) + 40, "not right of the letter");
+    }
+
+    #[test]
+    fn every_digit_is_equally_wide_so_ticks_line_up() {
+        for digit in "123456789".chars() {
+            assert_eq!(width(&digit.to_string()), width("0"));
+        }
+    }
+
+    #[test]
+    fn subscripts_are_smaller_than_the_letters_before_them() {
+        assert!(width("_{ex}") < width("ex"));
+        assert!((width("_{ex}") - SCRIPT_SIZE * width("ex")).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_letter_the_font_lacks_is_named() {
+        let error = Fonts::bundled().unwrap().label("mode 中", 8.0).unwrap_err();
+        assert!(error.to_string().contains("U+4E2D"), "{error}");
+    }
+
+    #[test]
+    fn wrapped_lines_fit_and_lose_no_word() {
+        let fonts = Fonts::bundled().unwrap();
+        let text = "within this participant, mean of six repeats with a 95 % band";
+        let lines = fonts.wrap(text, 7.0, 80.0).unwrap();
+        assert!(lines.len() > 1);
+        assert!(lines.iter().all(|line| line.width_pt <= 80.0));
+        let texts: Vec<String> = lines.iter().map(Label::text).collect();
+        assert_eq!(texts.join(" "), text);
+    }
+
+    #[test]
+    fn a_text_that_cannot_fit_says_how_long_it_is() {
+        let fonts = Fonts::bundled().unwrap();
+        assert!(fonts.block("short", 8.0, 100.0).is_ok());
+        assert!(matches!(fonts.block("interminable", 8.0, 20.0), Err(Error::TextTooLong { .. })));
+    }
+}

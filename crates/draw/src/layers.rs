@@ -1,0 +1,225 @@
+//! Draws a panel's layers with plotters, in the data's own coordinates.
+
+use std::collections::BTreeSet;
+
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::coord::types::RangedCoordf64;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::element::{Circle, Rectangle, Text as Words};
+use plotters::style::{Color as _, IntoFont as _, RGBColor, TextStyle};
+use plotters_backend::text_anchor::{HPos, Pos, VPos};
+
+use crate::backend::{Curve, Ink, Mark, Pen, UNITS_PER_PT, units};
+use crate::curve::{self, COLUMN_PT, Point, Window};
+use crate::error::Error;
+use crate::figure::{Band, Direction, Intervals, Layer, Likert, Line, Points, Reference};
+use crate::likert::{self, Segment};
+use crate::panel::PanelPlan;
+use crate::scale::{Ends, Scale};
+use crate::style::{self, BAND_OPACITY, Colour, Dash, LEAST_PT, SMALL_PT, Stroke};
+use crate::svg::Svg;
+
+/// A panel's plot area as plotters sees it.
+struct Plot<'s, 'f> {
+    area: DrawingArea<Pen<'s, 'f>, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
+    window: Window,
+    x: Scale,
+    y: Scale,
+}
+
+type Outcome = Result<(), Error>;
+
+fn refused<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> Error {
+    Error::Encode { format: "SVG", reason: error.to_string() }
+}
+
+fn rgb(Colour { r, g, b }: Colour) -> RGBColor {
+    RGBColor(r, g, b)
+}
+
+/// Draws all layers of a panel that has data.
+pub(crate) fn draw(svg: &mut Svg<'_>, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> Outcome {
+    let (Some(x), Some(y)) = (plan.x_scale(), plan.y_scale()) else {
+        return Ok(());
+    };
+    let pixels = |scale: &Scale| units(scale.page_pt.0)..units(scale.page_pt.1);
+    let coordinates = Cartesian2d::new(x.ends.0..x.ends.1, y.ends.0..y.ends.1, (pixels(&x), pixels(&y)));
+    let area = Pen { svg, size_pt }.into_drawing_area().apply_coord_spec(coordinates);
+    let plot = Plot { area, window: Window { x: x.ends, y: y.ends }, x, y };
+    plan.panel.layers.iter().try_for_each(|layer| match layer {
+        Layer::Line(line) => plot.line(line),
+        Layer::Band(band) => plot.band(band),
+        Layer::Points(points) => plot.points(points),
+        Layer::Reference(reference) => plot.reference(reference),
+        Layer::Intervals(intervals) => plot.intervals(intervals),
+        Layer::Likert(likert) => plot.likert(likert),
+        Layer::Text(_) => Ok(()), // laid out with the panel, so that it can avoid the data
+    })
+}
+
+impl Plot<'_, '_> {
+    fn curve(&self, points: Vec<Point>, ink: Ink) -> Outcome {
+        self.area.draw(&Curve { points, ink }).map_err(refused)
+    }
+
+    fn disc(&self, at: Point, diameter_pt: f64, colour: Colour, opacity: f64) -> Outcome {
+        let style = rgb(colour).mix(opacity).filled();
+        self.area.draw(&Circle::new(at, units(diameter_pt / 2.0), style)).map_err(refused)
+    }
+
+    /// The points that print needs, in data coordinates.
+    fn thinned(&self, points: Vec<Point>) -> Vec<Point> {
+        let page: Vec<Point> = points.iter().map(|&(x, y)| (self.x.pt(x), self.y.pt(y))).collect();
+        curve::thin(&page).into_iter().map(|i| points[i]).collect()
+    }
+
+    fn line(&self, line: &Line) -> Outcome {
+        let points: Vec<Point> = line.x.iter().copied().zip(line.y.iter().copied()).collect();
+        let dotted = |i: usize| line.dotted.get(i).copied().unwrap_or(false);
+        for (dotted, stretch) in curve::stretches(&points, dotted) {
+            let dash = if dotted { Dash::Dotted } else { line.stroke.dash };
+            let stroke = line.stroke.dashed(dash);
+            if let [lone] = stretch[..] {
+                self.lone_point(lone, &stroke)?;
+            }
+            for part in curve::cut_line(&stretch, &self.window) {
+                self.curve(self.thinned(part), Ink::Stroke(stroke))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A value between two gaps would vanish as a line: it is drawn as a dot.
+    fn lone_point(&self, at: Point, stroke: &Stroke) -> Outcome {
+        if !self.window.holds(at) {
+            return Ok(());
+        }
+        self.disc(at, 1.5 * stroke.width_pt, stroke.colour, stroke.opacity)
+    }
+
+    fn band(&self, band: &Band) -> Outcome {
+        let edge = |edge: &[f64]| -> Vec<Point> {
+            // a gap in either edge is a gap in both
+            let whole = |i: usize| band.low[i].is_finite() && band.high[i].is_finite();
+            (0..edge.len()).map(|i| (band.x[i], if whole(i) { edge[i] } else { f64::NAN })).collect()
+        };
+        let lows = curve::stretches(&edge(&band.low), |_| false);
+        let highs = curve::stretches(&edge(&band.high), |_| false);
+        for ((_, low), (_, high)) in lows.into_iter().zip(highs) {
+            let mut outline = self.thinned(low);
+            outline.extend(self.thinned(high).into_iter().rev());
+            self.curve(curve::cut_area(&outline, &self.window), Ink::Fill(band.colour, BAND_OPACITY))?;
+        }
+        Ok(())
+    }
+
+    /// Points inside the plot; of those that fall on the same spot of print (200 to the inch) only the first.
+    fn points(&self, points: &Points) -> Outcome {
+        let mut taken = BTreeSet::new();
+        for at in points.x.iter().copied().zip(points.y.iter().copied()) {
+            let spot = [self.x.pt(at.0), self.y.pt(at.1)].map(|pt| (pt / COLUMN_PT).floor() as i64);
+            if self.window.holds(at) && taken.insert(spot) {
+                self.disc(at, points.diameter_pt, points.colour, points.opacity)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, reference: &Reference) -> Outcome {
+        let (at, Window { x, y }) = (reference.at, self.window);
+        let ends = match reference.direction {
+            Direction::Horizontal => [(x.0, at), (x.1, at)],
+            Direction::Vertical => [(at, y.0), (at, y.1)],
+        };
+        let parts = curve::cut_line(&ends, &self.window);
+        parts.into_iter().try_for_each(|part| self.curve(part, Ink::Stroke(reference.stroke)))
+    }
+
+    fn intervals(&self, intervals: &Intervals) -> Outcome {
+        let point = |at: f64, value: f64| match intervals.direction {
+            Direction::Horizontal => (value, at),
+            Direction::Vertical => (at, value),
+        };
+        let stroke = Stroke { width_pt: style::WHISKER_PT, ..style::mean(intervals.colour) };
+        for (i, &at) in intervals.at.iter().enumerate() {
+            let whisker = [point(at, intervals.low[i]), point(at, intervals.high[i])];
+            for part in curve::cut_line(&whisker, &self.window) {
+                self.curve(part, Ink::Stroke(stroke))?;
+            }
+            let estimate = point(at, intervals.estimate[i]);
+            if self.window.holds(estimate) {
+                let mark = Mark { at: estimate, marker: intervals.marker, colour: intervals.colour };
+                self.area.draw(&mark).map_err(refused)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn likert(&self, likert: &Likert) -> Outcome {
+        let zero = curve::cut_line(&[(0.0, self.window.y.0), (0.0, self.window.y.1)], &self.window);
+        zero.into_iter().try_for_each(|zero| self.curve(zero, Ink::Stroke(style::zero())))?;
+        for (row, counts) in likert.rows.iter().enumerate() {
+            let mut taken_pt = f64::NEG_INFINITY;
+            for segment in likert::segments(counts, likert.scale) {
+                let colour = style::likert_colour(segment.answer, likert.answers.len());
+                if let Some(room_pt) = self.segment(&segment, row as f64, colour)? {
+                    taken_pt = self.count(segment.count, row as f64, room_pt, colour, taken_pt)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws the part of a box that the plot shows and says where on the page it begins and ends.
+    fn segment(&self, segment: &Segment, row: f64, colour: Colour) -> Result<Option<Ends>, Error> {
+        let (from, to) = (segment.from.max(self.window.x.0), segment.to.min(self.window.x.1));
+        if from >= to {
+            return Ok(None);
+        }
+        let page = (self.x.pt(from), self.x.pt(to));
+        let seam = SEAM_PT.min((page.1 - page.0) / 4.0) * (to - from) / (page.1 - page.0);
+        let corners = [(from + seam, row - HALF_BAR), (to - seam, row + HALF_BAR)];
+        self.area.draw(&Rectangle::new(corners, rgb(colour).filled())).map_err(refused)?;
+        Ok(Some(page))
+    }
+
+    /// Writes a count into its box, or over it if it is too narrow, clear of the count that ends at `taken_pt`. Says
+    /// how far the room over the bar is taken then.
+    fn count(
+        &self,
+        count: u32,
+        row: f64,
+        room_pt: Ends,
+        ground: Colour,
+        taken_pt: f64,
+    ) -> Result<f64, Error> {
+        let (text, middle_pt) = (count.to_string(), (room_pt.0 + room_pt.1) / 2.0);
+        let style = |size_pt: f64, ink: Colour, vertical| {
+            let font = ("sans-serif", size_pt * UNITS_PER_PT).into_font();
+            TextStyle { font, color: rgb(ink).to_backend_color(), pos: Pos::new(HPos::Center, vertical) }
+        };
+        let mut width_pt = 0.0;
+        for size_pt in [SMALL_PT, LEAST_PT] {
+            let inside = style(size_pt, style::text_on(ground), VPos::Center);
+            let (width, _) = self.area.estimate_text_size(&text, &inside).map_err(refused)?;
+            width_pt = f64::from(width) / UNITS_PER_PT;
+            if width_pt <= room_pt.1 - room_pt.0 - 2.0 * SEAM_PT {
+                let words = Words::new(text, (self.x.value(middle_pt), row), inside);
+                return self.area.draw(&words).map_err(refused).map(|()| taken_pt);
+            }
+        }
+        let middle_pt = middle_pt.max(taken_pt + width_pt / 2.0 + COUNTS_APART_PT);
+        let over = (self.x.value(middle_pt), row - HALF_BAR - COUNT_OFF);
+        let words = Words::new(text, over, style(LEAST_PT, style::INK, VPos::Bottom));
+        self.area.draw(&words).map_err(refused).map(|()| middle_pt + width_pt / 2.0)
+    }
+}
+
+/// Half the height of a Likert bar, in rows.
+const HALF_BAR: f64 = 0.34;
+/// Distance of a count from the bar it stands over, in rows.
+const COUNT_OFF: f64 = 0.05;
+/// Room between two counts over a bar, in pt.
+const COUNTS_APART_PT: f64 = 1.5;
+/// Half the white seam between neighbouring boxes, in pt.
+const SEAM_PT: f64 = 0.3;

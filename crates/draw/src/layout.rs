@@ -1,0 +1,240 @@
+//! Where everything stands on the page.
+//!
+//! From top to bottom: heading and stamp, legend, the grid of panels, legend (if below), footnotes. The grid is
+//! solved in rounds, because the room for tick labels depends on the ticks, and those on the size of the plot.
+
+use crate::error::Error;
+use crate::figure::{Cell, Figure, LegendPlace, Panel, Ticks};
+use crate::font::{self, CAP_EM, Fonts, Label};
+use crate::grid::{self, Decor};
+use crate::legend::{self, Legend};
+use crate::panel::{self, PanelPlan};
+use crate::scale;
+use crate::style::{SMALL_PT, TITLE_PT};
+use crate::svg::{At, PT_PER_MM, Rect};
+
+/// Free edge of the page, in pt: nothing is cut off by a hair.
+const PAGE_MARGIN_PT: f64 = 2.0;
+/// Between columns, and between rows, of the grid, in pt.
+const GRID_GAP_PT: (f64, f64) = (14.0, 7.0);
+/// Between the page's blocks (heading, legend, grid, footnotes), in pt.
+const BLOCK_GAP_PT: f64 = 5.0;
+/// Between the figure's heading and the legend under it, in pt.
+const TITLE_GAP_PT: f64 = 1.5;
+/// Rounds of the grid's solution; ticks settle in two.
+const ROUNDS: usize = 3;
+/// Room inside the stamp around its letters, in pt: sideways, up and down.
+pub(crate) const MARK_PAD_PT: (f64, f64) = (4.0, 2.2);
+
+/// The whole page.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Plan<'a> {
+    pub(crate) width_pt: f64,
+    pub(crate) height_pt: f64,
+    pub(crate) title: Vec<Label>,
+    pub(crate) mark: Option<(Label, Rect)>,
+    pub(crate) legend: (Legend, At),
+    pub(crate) panels: Vec<PanelPlan<'a>>,
+    pub(crate) footnotes: (Vec<Label>, f64),
+}
+
+/// Where heading text starts, in pt from the page's top left.
+pub(crate) fn title_at() -> At {
+    (PAGE_MARGIN_PT, PAGE_MARGIN_PT)
+}
+
+/// The most that a page may measure, in mm: ISO A0.
+const MOST_MM: f64 = 1189.0;
+
+fn sensible(what: &'static str, value: f64, most: f64) -> Result<(), Error> {
+    if value > 0.0 && value <= most { Ok(()) } else { Err(Error::Size { what, value, most }) }
+}
+
+fn check(figure: &Figure) -> Result<(), Error> {
+    if figure.panels.is_empty() {
+        return Err(Error::NoPanels);
+    }
+    sensible("width_mm", figure.width_mm, MOST_MM)?;
+    figure.height_mm.map_or(Ok(()), |height| sensible("height_mm", height, MOST_MM))?;
+    for panel in &figure.panels {
+        panel.height_mm.map_or(Ok(()), |height| sensible("a panel's height_mm", height, MOST_MM))?;
+        scale::check(panel)?;
+    }
+    for &weight in &figure.column_weights {
+        sensible("a column's weight", weight, 1e6)?;
+    }
+    match grid::clash(&cells(figure)) {
+        Some(i) => Err(Error::Grid { panel: scale::name(&figure.panels[i]) }),
+        None => Ok(()),
+    }
+}
+
+fn cells(figure: &Figure) -> Vec<Cell> {
+    figure.panels.iter().map(|panel| panel.cell).collect()
+}
+
+/// Plans the page of a figure, refusing what cannot be drawn.
+pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Error> {
+    check(figure)?;
+    let width_pt = figure.width_mm * PT_PER_MM;
+    let inner_pt = width_pt - 2.0 * PAGE_MARGIN_PT;
+    let mark = mark(figure, fonts, width_pt)?;
+    let (mark_width, mark_height) =
+        mark.as_ref().map_or((0.0, 0.0), |(_, frame)| (frame.width() + BLOCK_GAP_PT, frame.height()));
+    let beside_mark_pt = inner_pt - mark_width;
+    let title = title(figure, fonts, beside_mark_pt)?;
+    let below = figure.legend == LegendPlace::Below;
+    let legend_room_pt = if below { inner_pt } else { beside_mark_pt };
+    let legend = legend::plan(figure, fonts, legend_room_pt)?;
+    let footnotes = footnotes(figure, fonts, inner_pt)?;
+
+    let title_pt = if title.is_empty() { 0.0 } else { font::height_pt(&title) + TITLE_GAP_PT };
+    let (above_pt, below_pt) =
+        if below { (0.0, spaced(legend.height_pt())) } else { (legend.height_pt(), 0.0) };
+    let top = PAGE_MARGIN_PT + spaced((title_pt + above_pt).max(mark_height));
+    let foot_pt = below_pt + spaced(font::height_pt(&footnotes)) + PAGE_MARGIN_PT;
+    let grid_pt = figure.height_mm.map(|mm| mm * PT_PER_MM - top - foot_pt);
+    let (panels, bottom) = solve(figure, fonts, top, grid_pt)?;
+
+    let plots_left = panels.iter().map(|panel| panel.plot.left).fold(width_pt, f64::min);
+    let last_left = PAGE_MARGIN_PT + legend_room_pt - legend.width_pt();
+    let legend_top = if below { bottom + BLOCK_GAP_PT } else { PAGE_MARGIN_PT + title_pt };
+    Ok(Plan {
+        width_pt,
+        height_pt: bottom + foot_pt,
+        title,
+        mark,
+        legend: (legend, (plots_left.min(last_left).max(PAGE_MARGIN_PT), legend_top)),
+        panels,
+        footnotes: (footnotes, bottom + below_pt + BLOCK_GAP_PT),
+    })
+}
+
+fn title(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Vec<Label>, Error> {
+    match &figure.title {
+        Some(title) => fonts.block(&format!("**{title}**"), TITLE_PT, width_pt),
+        None => Ok(Vec::new()),
+    }
+}
+
+/// Height of a block with its distance from the next, nothing if it is empty.
+fn spaced(height_pt: f64) -> f64 {
+    if height_pt > 0.0 { height_pt + BLOCK_GAP_PT } else { 0.0 }
+}
+
+/// The stamp: its letters and its frame in the page's upper right corner.
+fn mark(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Option<(Label, Rect)>, Error> {
+    let Some(mark) = &figure.mark else { return Ok(None) };
+    let label = fonts.label(&format!("**{mark}**"), SMALL_PT)?;
+    let room_pt = width_pt / 2.0;
+    if label.width_pt > room_pt {
+        return Err(Error::TextTooLong { text: mark.clone(), need_pt: label.width_pt, have_pt: room_pt });
+    }
+    let right = width_pt - PAGE_MARGIN_PT;
+    let left = right - label.width_pt - 2.0 * MARK_PAD_PT.0;
+    let bottom = PAGE_MARGIN_PT + CAP_EM * SMALL_PT + 2.0 * MARK_PAD_PT.1;
+    Ok(Some((label, Rect { left, right, top: PAGE_MARGIN_PT, bottom })))
+}
+
+fn footnotes(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Vec<Label>, Error> {
+    let mut lines = Vec::new();
+    for note in &figure.footnotes {
+        lines.extend(fonts.block(note, SMALL_PT, width_pt)?);
+    }
+    Ok(lines)
+}
+
+/// Plans all panels from `top` down and says where the lowest ends. The grid is `height_pt` high, or as high as
+/// suits the panels.
+fn solve<'a>(
+    figure: &'a Figure,
+    fonts: &Fonts,
+    top: f64,
+    height_pt: Option<f64>,
+) -> Result<(Vec<PanelPlan<'a>>, f64), Error> {
+    let cells = cells(figure);
+    let ends = scale::ends(figure)?;
+    let mut decor = vec![FIRST_GUESS; cells.len()];
+    let mut panels: Vec<PanelPlan<'a>> = Vec::new();
+    let mut bottom = top;
+    for _ in 0..ROUNDS {
+        let (plots, low) = place(figure, &cells, &decor, top, height_pt);
+        bottom = low;
+        panels.clear();
+        for ((panel, &ends), plot) in figure.panels.iter().zip(&ends).zip(plots) {
+            panels.push(panel::plan(figure, fonts, panel, ends, plot)?);
+        }
+        decor = panels.iter().map(|panel| panel.decor).collect();
+    }
+    let margins = grid::column_margins(&cells, &decor);
+    for panel in &mut panels {
+        panel.left_pt = margins[panel.panel.cell.column].0;
+    }
+    Ok((panels, bottom))
+}
+
+/// Plot areas of the panels, given the room each needs around its own, and the lower end of the grid.
+fn place(
+    figure: &Figure,
+    cells: &[Cell],
+    decor: &[Decor],
+    top: f64,
+    height_pt: Option<f64>,
+) -> (Vec<Rect>, f64) {
+    let inner_pt = figure.width_mm * PT_PER_MM - 2.0 * PAGE_MARGIN_PT;
+    let weight = |column: usize| figure.column_weights.get(column).copied().unwrap_or(1.0);
+    let weights: Vec<f64> = (0..grid::size(cells).1).map(weight).collect();
+    let margins = grid::column_margins(cells, decor);
+    let widths = grid::share(inner_pt, &margins, GRID_GAP_PT.0, &weights);
+    let columns = grid::tracks(PAGE_MARGIN_PT, &margins, GRID_GAP_PT.0, &widths);
+
+    let margins = grid::row_margins(cells, decor);
+    let mut heights = row_heights(figure, &widths);
+    if let Some(height_pt) = height_pt {
+        heights = grid::share(height_pt, &margins, GRID_GAP_PT.1, &heights);
+    }
+    let rows = grid::tracks(top, &margins, GRID_GAP_PT.1, &heights);
+    let bottom = rows.last().zip(margins.last()).map_or(top, |(row, margin)| row.1 + margin.1);
+    (cells.iter().map(|cell| grid::plot(cell, &columns, &rows)).collect(), bottom)
+}
+
+/// Room around a plot before anything is measured.
+const FIRST_GUESS: Decor = Decor { left: 36.0, right: 6.0, top: 12.0, bottom: 28.0 };
+
+/// Heights of the rows in pt: the most that a panel of that row alone asks for.
+fn row_heights(figure: &Figure, widths: &[f64]) -> Vec<f64> {
+    let rows = grid::size(&cells(figure)).0;
+    let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
+    let usual = usual_height_pt(rows, narrowest);
+    let of_row = |row: usize| {
+        let alone = figure.panels.iter().filter(|panel| panel.cell.row == row && panel.cell.rows == 1);
+        let asked =
+            alone.map(|panel| panel.height_mm.map_or(own_height_pt(panel, usual), |mm| mm * PT_PER_MM));
+        asked.reduce(f64::max).unwrap_or(usual)
+    };
+    (0..rows).map(of_row).collect()
+}
+
+/// Height of a row of a named y axis, in pt.
+const NAMED_ROW_PT: f64 = 19.0;
+
+/// Height of a panel that has only a note, in pt.
+const NOTE_PT: f64 = 56.0;
+
+fn own_height_pt(panel: &Panel, usual: f64) -> f64 {
+    match &panel.y.ticks {
+        Ticks::Categories(names) => NAMED_ROW_PT * names.len().max(1) as f64,
+        _ if panel.note.is_some() => NOTE_PT.min(usual),
+        _ => usual,
+    }
+}
+
+/// Height of a plot area that is `width_pt` wide: two thirds of it, less where several are stacked.
+fn usual_height_pt(rows: usize, width_pt: f64) -> f64 {
+    let (share, least_mm, most_mm) = match rows {
+        1 => (0.68, 35.0, 62.0),
+        2 => (0.6, 30.0, 45.0),
+        _ => (0.5, 22.0, 26.0),
+    };
+    (share * width_pt).clamp(least_mm * PT_PER_MM, most_mm * PT_PER_MM)
+}

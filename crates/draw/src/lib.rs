@@ -1,0 +1,146 @@
+//! Figures: one style, axes, bands, bars; SVG once, PNG and PDF from that SVG.
+//!
+//! A [`Figure`] is plain data. [`draw`] lays it out and gives a [`Drawing`], which gives the bytes of an SVG, a PNG
+//! and a PDF: the same bytes on every run. Nothing here knows studies, files or the clock.
+//!
+//! ```
+//! use zwidth_draw::{Axis, Cell, Figure, Layer, Line, ONE_COLUMN_MM, Panel, draw, style};
+//!
+//! let line = Line {
+//!     x: vec![0.0, 1.0, 2.0],
+//!     y: vec![0.0, 2.5, 4.0],
+//!     stroke: style::mean(style::mode_colour(0)),
+//!     name: Some("active".into()),
+//!     ..Line::default()
+//! };
+//! let (x, y) = (Axis::new("*θ*", "°"), Axis::new("*F*_{ex}", "N"));
+//! let panel = Panel::new(Cell::at(0, 0), x, y, vec![Layer::Line(line)]);
+//! let figure = Figure { width_mm: ONE_COLUMN_MM, panels: vec![panel], ..Figure::default() };
+//!
+//! let drawing = draw(&figure)?;
+//! assert!(drawing.svg().starts_with("<?xml"));
+//! # Ok::<(), zwidth_draw::Error>(())
+//! ```
+//!
+//! **Thinning.** A curve keeps of every run of points within 1/200 inch the first, lowest, highest and last, and of
+//! those the ones that lie more than 0.04 pt (14 µm) off the straight line through their neighbours. Of points that
+//! fall on one spot of 1/200 inch one is drawn. What is left out could not be seen in print.
+
+#![cfg_attr(test, allow(clippy::float_cmp))] // tests compare exact results exactly
+
+mod axis;
+mod backend;
+mod curve;
+mod error;
+mod export;
+mod figure;
+mod font;
+mod grid;
+mod layers;
+mod layout;
+mod legend;
+mod likert;
+pub mod markup;
+mod page;
+mod panel;
+mod references;
+mod scale;
+pub mod style;
+mod svg;
+mod ticks;
+mod words;
+
+pub use error::Error;
+pub use figure::{
+    Axis, Band, Cell, Direction, Figure, Intervals, Layer, LegendPlace, Likert, LikertScale, Line,
+    ONE_COLUMN_MM, Panel, Points, Range, Reference, TWO_COLUMNS_MM, Text, TextPlace, Ticks, dodge,
+};
+
+use font::Fonts;
+use svg::{Head, Svg, TextAs};
+
+/// Resolution of PNGs for screens, in dots an inch.
+pub const DEFAULT_DPI: f64 = 200.0;
+
+/// A figure that has been laid out and drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// Words as outlines.
+    outlined: String,
+    /// Words as text, for the PDF.
+    written: String,
+    size_pt: (f64, f64),
+    title: String,
+    description: String,
+    provenance: Option<String>,
+}
+
+/// Lays a figure out and draws it.
+///
+/// # Errors
+/// Data that do not fit together, nothing to draw, an impossible range or size, a text that finds no room: see
+/// [`Error`].
+pub fn draw(figure: &Figure) -> Result<Drawing, Error> {
+    let fonts = Fonts::bundled()?;
+    let plan = layout::plan(figure, &fonts)?;
+    let title = figure.title.as_deref().map(markup::plain).unwrap_or_default();
+    let document = |text_as| -> Result<String, Error> {
+        let mut svg = Svg::new(&fonts, text_as);
+        page::draw(&mut svg, &plan)?;
+        let head = Head {
+            title: &title,
+            description: &figure.description,
+            provenance: figure.provenance.as_deref(),
+        };
+        Ok(svg.finish(plan.width_pt, plan.height_pt, &head))
+    };
+    Ok(Drawing {
+        outlined: document(TextAs::Outlines)?,
+        written: document(TextAs::Text)?,
+        size_pt: (plan.width_pt, plan.height_pt),
+        description: figure.description.clone(),
+        provenance: figure.provenance.clone(),
+        title,
+    })
+}
+
+impl Drawing {
+    /// The SVG: words as outlines, title, description and provenance inside, nothing outside needed to show it.
+    pub fn svg(&self) -> &str {
+        &self.outlined
+    }
+
+    /// An opaque PNG at `dpi` dots an inch ([`DEFAULT_DPI`] for screens), provenance in its `Comment`.
+    ///
+    /// # Errors
+    /// [`Error::Size`] if `dpi` is not positive or the image would pass 100 megapixels, [`Error::Encode`] if the
+    /// libraries refuse the drawing.
+    pub fn png(&self, dpi: f64) -> Result<Vec<u8>, Error> {
+        export::png(&self.outlined, dpi, self.provenance.as_deref())
+    }
+
+    /// A one-page PDF of the figure's size, its font embedded so that words can be searched and copied,
+    /// provenance among its keywords.
+    ///
+    /// # Errors
+    /// [`Error::Encode`] if the libraries refuse the drawing.
+    pub fn pdf(&self) -> Result<Vec<u8>, Error> {
+        let (title, description) = (&self.title, &self.description);
+        let head = export::PdfHead { title, description, keywords: self.provenance.as_deref() };
+        export::pdf(&self.written, self.size_pt, head)
+    }
+
+    /// Width and height on paper, in mm.
+    pub fn size_mm(&self) -> (f64, f64) {
+        (self.size_pt.0 / svg::PT_PER_MM, self.size_pt.1 / svg::PT_PER_MM)
+    }
+}
+
+#[cfg(test)]
+extern crate self as zwidth_draw; // the gallery names this crate as its users do
+#[cfg(test)]
+#[path = "../examples/gallery.rs"]
+#[allow(dead_code, unreachable_pub)]
+mod gallery;
+#[cfg(test)]
+mod tests;

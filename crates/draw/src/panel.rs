@@ -1,0 +1,135 @@
+//! One panel, planned: its axes, its words, and the room they take around the plot area.
+
+use crate::axis::{self, AxisPlan};
+use crate::error::Error;
+use crate::figure::{Cell, Direction, Figure, Panel};
+use crate::font::{self, ASCENT_EM, Fonts, Label};
+use crate::grid::Decor;
+use crate::references::{self, Word};
+use crate::scale::{self, Ends, Scale};
+use crate::style::{LABEL_PT, SMALL_PT};
+use crate::svg::Rect;
+
+/// Between a plot area and its heading or the words at a reference line's end, in pt.
+pub(crate) const GAP_PT: f64 = 2.0;
+/// Least side of a plot area, in pt.
+const LEAST_PLOT_PT: f64 = 20.0;
+/// Share of a panel's width that its note may fill.
+const NOTE_SHARE: f64 = 0.7;
+
+/// A panel with its place on the page.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PanelPlan<'a> {
+    pub(crate) panel: &'a Panel,
+    pub(crate) plot: Rect,
+    pub(crate) x: AxisPlan,
+    pub(crate) y: AxisPlan,
+    pub(crate) title: Vec<Label>,
+    pub(crate) note: Vec<Label>,
+    pub(crate) references: Vec<Word>,
+    /// Room around the plot that this panel needs.
+    pub(crate) decor: Decor,
+    /// Room left of the plot that its column has: axis labels of a column line up at its far side.
+    pub(crate) left_pt: f64,
+}
+
+impl PanelPlan<'_> {
+    pub(crate) fn x_scale(&self) -> Option<Scale> {
+        x_scale(&self.x, &self.plot)
+    }
+
+    pub(crate) fn y_scale(&self) -> Option<Scale> {
+        y_scale(&self.y, &self.plot)
+    }
+}
+
+fn x_scale(x: &AxisPlan, plot: &Rect) -> Option<Scale> {
+    x.ends.map(|ends| Scale { ends, page_pt: (plot.left, plot.right) })
+}
+
+/// Numbers count upwards, names downwards.
+fn y_scale(y: &AxisPlan, plot: &Rect) -> Option<Scale> {
+    let page_pt = if y.named { (plot.top, plot.bottom) } else { (plot.bottom, plot.top) };
+    y.ends.map(|ends| Scale { ends, page_pt })
+}
+
+/// Plans a panel whose plot area is `plot` and whose axes run between `ends`.
+pub(crate) fn plan<'a>(
+    figure: &Figure,
+    fonts: &Fonts,
+    panel: &'a Panel,
+    ends: [Option<Ends>; 2],
+    plot: Rect,
+) -> Result<PanelPlan<'a>, Error> {
+    let have_pt = plot.width().min(plot.height());
+    if have_pt < LEAST_PLOT_PT {
+        return Err(Error::NoRoom { panel: scale::name(panel), have_pt, need_pt: LEAST_PLOT_PT });
+    }
+    let [x_numbered, y_numbered] = numbered(figure, panel);
+    let x = axis::plan(fonts, &panel.x, ends[0], Direction::Horizontal, plot.width(), x_numbered)?;
+    let y = axis::plan(fonts, &panel.y, ends[1], Direction::Vertical, plot.height(), y_numbered)?;
+    let block = |markup: &Option<String>, size_pt, width_pt| match markup {
+        Some(markup) => fonts.block(markup, size_pt, width_pt),
+        None => Ok(Vec::new()),
+    };
+    let title = block(&panel.title, LABEL_PT, plot.width())?;
+    let note = block(&panel.note, SMALL_PT, NOTE_SHARE * plot.width())?;
+    let references = match panel.note {
+        None => references::plan(fonts, panel, (x_scale(&x, &plot), y_scale(&y, &plot)), &title, &plot)?,
+        Some(_) => Vec::new(),
+    };
+    let decor = decor(&x, &y, &title, &references, &plot);
+    Ok(PanelPlan { panel, plot, x, y, title, note, references, decor, left_pt: decor.left })
+}
+
+/// Room that a panel needs on its four sides.
+fn decor(x: &AxisPlan, y: &AxisPlan, title: &[Label], references: &[Word], plot: &Rect) -> Decor {
+    let (x_before, x_after) = x.overhang_pt(Direction::Horizontal, plot.width());
+    let (y_before, y_after) = y.overhang_pt(Direction::Vertical, plot.height());
+    let words_right = references.iter().map(|word| word.at.0 + word.label.width_pt - plot.right);
+    let words_top = references.iter().map(|word| plot.top - word.at.1 + ASCENT_EM * word.label.size_pt);
+    let heading = if title.is_empty() { 0.0 } else { GAP_PT + font::height_pt(title) };
+    Decor {
+        left: y.depth_pt(Direction::Vertical).max(x_before),
+        right: words_right.fold(x_after, f64::max),
+        top: words_top.fold(heading.max(y_after), f64::max),
+        bottom: x.depth_pt(Direction::Horizontal).max(y_before),
+    }
+}
+
+/// Whether a panel's x and y axis carry numbers: not where the panel below, or to the left, shares that axis.
+fn numbered(figure: &Figure, panel: &Panel) -> [bool; 2] {
+    let same = |a: &Option<String>, b: &Option<String>| a.is_some() && a == b;
+    let any =
+        |holds: &dyn Fn(&Panel, Cell) -> bool| figure.panels.iter().any(|other| holds(other, other.cell));
+    let cell = panel.cell;
+    let below = any(&|other, o| {
+        o.row == cell.row + cell.rows
+            && (o.column, o.columns) == (cell.column, cell.columns)
+            && same(&panel.x.link, &other.x.link)
+    });
+    let left = any(&|other, o| {
+        o.column + o.columns == cell.column
+            && (o.row, o.rows) == (cell.row, cell.rows)
+            && same(&panel.y.link, &other.y.link)
+    });
+    [!below, !left]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::Axis;
+
+    #[test]
+    fn stacked_panels_number_a_shared_axis_once() {
+        let axis = |link: &str| Axis::new("t", "s").linked(link);
+        let panel =
+            |row, link: &str| Panel::new(Cell::at(row, 0), axis(link), Axis::new("F", "N"), Vec::new());
+        let figure =
+            Figure { panels: vec![panel(0, "t"), panel(1, "t"), panel(2, "other")], ..Figure::default() };
+        let x_numbered: Vec<bool> = figure.panels.iter().map(|panel| numbered(&figure, panel)[0]).collect();
+        assert_eq!(x_numbered, [false, true, true]);
+        assert!(figure.panels.iter().all(|panel| numbered(&figure, panel)[1]));
+    }
+}

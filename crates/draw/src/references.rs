@@ -1,0 +1,110 @@
+//! Words at the ends of reference lines, outside of the plot area and clear of each other.
+
+use crate::axis::LABEL_GAP_PT;
+use crate::error::Error;
+use crate::figure::{Direction, Layer, Panel, Reference};
+use crate::font::{CAP_EM, DESCENT_EM, Fonts, Label};
+use crate::panel::GAP_PT;
+use crate::scale::Scale;
+use crate::style::SMALL_PT;
+use crate::svg::{At, Rect};
+
+/// A label and where its base line starts.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Word {
+    pub(crate) label: Label,
+    pub(crate) at: At,
+}
+
+/// Places the labels of a panel's reference lines: those of horizontal lines right of the plot, those of vertical
+/// lines over it, beside its heading where there is room.
+pub(crate) fn plan(
+    fonts: &Fonts,
+    panel: &Panel,
+    (x, y): (Option<Scale>, Option<Scale>),
+    title: &[Label],
+    plot: &Rect,
+) -> Result<Vec<Word>, Error> {
+    let title_ends = title.iter().rev().map(|line| plot.left + line.width_pt).collect();
+    let mut words = over(labels(fonts, panel, Direction::Vertical, x)?, title_ends, plot);
+    words.extend(beside(labels(fonts, panel, Direction::Horizontal, y)?, plot));
+    Ok(words)
+}
+
+/// Labels of the lines of one direction with their places on the page, in order. Lines outside of the axis have
+/// none.
+fn labels(
+    fonts: &Fonts,
+    panel: &Panel,
+    direction: Direction,
+    scale: Option<Scale>,
+) -> Result<Vec<(f64, Label)>, Error> {
+    let Some(scale) = scale else { return Ok(Vec::new()) };
+    let seen = |line: &&Reference| (scale.ends.0..=scale.ends.1).contains(&line.at);
+    let lines = panel.layers.iter().filter_map(|layer| match layer {
+        Layer::Reference(line) if line.direction == direction => Some(line),
+        _ => None,
+    });
+    let mut labels = Vec::new();
+    for line in lines.filter(seen) {
+        if let Some(markup) = &line.label {
+            labels.push((scale.pt(line.at), fonts.label(markup, SMALL_PT)?));
+        }
+    }
+    labels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(labels)
+}
+
+/// Rows over the plot; `row_ends` says how far each row, from the lowest up, is taken already.
+fn over(labels: Vec<(f64, Label)>, mut row_ends: Vec<f64>, plot: &Rect) -> Vec<Word> {
+    let mut words = Vec::new();
+    for (at, label) in labels {
+        let left = (at - label.width_pt / 2.0).min(plot.right - label.width_pt).max(plot.left);
+        let free = row_ends.iter().position(|&end| end + LABEL_GAP_PT < left);
+        let row = free.unwrap_or(row_ends.len());
+        row_ends.resize(row_ends.len().max(row + 1), 0.0);
+        row_ends[row] = left + label.width_pt;
+        let base = plot.top - GAP_PT - DESCENT_EM * label.size_pt - row as f64 * label.height_pt();
+        words.push(Word { label, at: (left, base) });
+    }
+    words
+}
+
+/// A column right of the plot, each label no higher than the one before it allows.
+fn beside(labels: Vec<(f64, Label)>, plot: &Rect) -> Vec<Word> {
+    let mut lowest = f64::NEG_INFINITY;
+    let mut words = Vec::new();
+    for (at, label) in labels {
+        let base = (at + CAP_EM * label.size_pt / 2.0).max(lowest + label.height_pt());
+        lowest = base;
+        words.push(Word { label, at: (plot.right + GAP_PT, base) });
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLOT: Rect = Rect { left: 50.0, top: 50.0, right: 150.0, bottom: 100.0 };
+
+    fn label(markup: &str) -> Label {
+        Fonts::bundled().unwrap().label(markup, SMALL_PT).unwrap()
+    }
+
+    #[test]
+    fn a_word_over_the_plot_stays_between_its_edges() {
+        let words = over(vec![(50.0, label("start")), (150.0, label("wall"))], Vec::new(), &PLOT);
+        assert_eq!(words[0].at.0, PLOT.left);
+        assert!(words[1].at.0 + words[1].label.width_pt <= PLOT.right);
+        assert_eq!(words[0].at.1, words[1].at.1);
+    }
+
+    #[test]
+    fn words_that_would_touch_go_to_different_rows() {
+        let words = over(vec![(100.0, label("wall")), (104.0, label("stop"))], Vec::new(), &PLOT);
+        assert!(words[1].at.1 < words[0].at.1 - SMALL_PT);
+        let beside = beside(vec![(70.0, label("wall")), (71.0, label("stop"))], &PLOT);
+        assert!(beside[1].at.1 > beside[0].at.1 + SMALL_PT);
+    }
+}

@@ -1,0 +1,276 @@
+//! Checks a figure's data and finds the ends of its axes.
+
+use std::collections::BTreeMap;
+
+use crate::error::Error;
+use crate::figure::{Axis, Direction, Figure, Layer, Panel, Range, Text, TextPlace, Ticks};
+use crate::likert;
+
+/// Ends of an axis: low, high.
+pub(crate) type Ends = (f64, f64);
+
+/// Share of the data's extent that `Range::Auto` leaves free on either side.
+const ROOM: f64 = 0.04;
+/// An extent narrower than this share of its place is drawn as if it were this wide: rounding is not data.
+const NARROWEST: f64 = 1e-12;
+/// Values below this are nothing on any axis; ticks would leave the range of f64.
+const SMALLEST: f64 = 1e-270;
+/// Values above this leave no room to compute ticks in.
+const LARGEST: f64 = 1e300;
+
+/// A straight map from an axis to the page.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Scale {
+    pub(crate) ends: Ends,
+    /// Where the ends lie on the page.
+    pub(crate) page_pt: (f64, f64),
+}
+
+impl Scale {
+    pub(crate) fn pt(&self, value: f64) -> f64 {
+        let share = (value - self.ends.0) / (self.ends.1 - self.ends.0);
+        self.page_pt.0 + share * (self.page_pt.1 - self.page_pt.0)
+    }
+
+    /// The value at a place on the page.
+    pub(crate) fn value(&self, pt: f64) -> f64 {
+        let share = (pt - self.page_pt.0) / (self.page_pt.1 - self.page_pt.0);
+        self.ends.0 + share * (self.ends.1 - self.ends.0)
+    }
+}
+
+/// Row and column as errors name them.
+pub(crate) fn name(panel: &Panel) -> String {
+    format!("({}, {})", panel.cell.row.saturating_add(1), panel.cell.column.saturating_add(1))
+}
+
+/// Refuses arrays of unequal length, infinities, and panels with nothing in them.
+pub(crate) fn check(panel: &Panel) -> Result<(), Error> {
+    if panel.note.is_some() {
+        return Ok(());
+    }
+    panel.layers.iter().try_for_each(|layer| check_layer(panel, layer))?;
+    let drawn = panel.layers.iter().any(has_data);
+    if drawn { Ok(()) } else { Err(Error::NoData { panel: name(panel) }) }
+}
+
+fn check_layer(panel: &Panel, layer: &Layer) -> Result<(), Error> {
+    let arrays = arrays(layer);
+    for pair in arrays.windows(2) {
+        let ((first, a), (second, b)) = (pair[0], pair[1]);
+        same_length(panel, (first, a.len()), (second, b.len()))?;
+    }
+    for (what, values) in arrays {
+        if let Some(index) = values.iter().position(|v| v.is_infinite()) {
+            return Err(Error::Infinite { panel: name(panel), what, index, value: values[index] });
+        }
+    }
+    match layer {
+        Layer::Line(line) if !line.dotted.is_empty() => {
+            same_length(panel, ("x", line.x.len()), ("dotted", line.dotted.len()))
+        }
+        Layer::Reference(reference) => place(panel, "a reference line", &[reference.at]),
+        Layer::Text(Text { place: TextPlace::Over(x, y), .. }) => place(panel, "a text", &[*x, *y]),
+        Layer::Likert(likert) => likert::check(likert, panel),
+        _ => Ok(()),
+    }
+}
+
+/// The place of a single thing is a number: it cannot be missing.
+fn place(panel: &Panel, what: &'static str, at: &[f64]) -> Result<(), Error> {
+    match at.iter().find(|value| !value.is_finite()) {
+        Some(&value) => Err(Error::Place { panel: name(panel), what, value }),
+        None => Ok(()),
+    }
+}
+
+fn same_length(
+    panel: &Panel,
+    (first, first_len): (&'static str, usize),
+    (second, second_len): (&'static str, usize),
+) -> Result<(), Error> {
+    if first_len == second_len {
+        return Ok(());
+    }
+    Err(Error::Lengths { panel: name(panel), first, first_len, second, second_len })
+}
+
+/// The arrays of a layer that must be equally long, with their names.
+fn arrays(layer: &Layer) -> Vec<(&'static str, &[f64])> {
+    match layer {
+        Layer::Line(l) => vec![("x", &l.x), ("y", &l.y)],
+        Layer::Points(p) => vec![("x", &p.x), ("y", &p.y)],
+        Layer::Band(b) => vec![("x", &b.x), ("low", &b.low), ("high", &b.high)],
+        Layer::Intervals(i) => {
+            vec![("at", &i.at), ("estimate", &i.estimate), ("low", &i.low), ("high", &i.high)]
+        }
+        Layer::Reference(_) | Layer::Text(_) | Layer::Likert(_) => Vec::new(),
+    }
+}
+
+fn has_data(layer: &Layer) -> bool {
+    match layer {
+        Layer::Reference(_) | Layer::Text(_) => false,
+        Layer::Likert(likert) => likert.rows.iter().flatten().any(|&count| count > 0),
+        _ => match arrays(layer)[..] {
+            [(_, a), (_, b), ..] => a.iter().zip(b).any(|(a, b)| a.is_finite() && b.is_finite()),
+            _ => false,
+        },
+    }
+}
+
+/// What a layer covers on x and on y.
+fn extent(layer: &Layer) -> [Option<Ends>; 2] {
+    match layer {
+        Layer::Line(l) => [cover([&l.x]), cover([&l.y])],
+        Layer::Points(p) => [cover([&p.x]), cover([&p.y])],
+        Layer::Band(b) => [cover([&b.x]), cover([&b.low, &b.high])],
+        Layer::Intervals(i) => {
+            let (at, reach) = (cover([&i.at]), cover([&i.estimate, &i.low, &i.high]));
+            along(i.direction, reach, at)
+        }
+        Layer::Reference(r) => along(r.direction, None, Some((r.at, r.at))),
+        Layer::Likert(likert) => [likert::extent(likert), None],
+        Layer::Text(_) => [None, None],
+    }
+}
+
+/// `[x, y]` of something that has one extent along its direction and another across.
+fn along(direction: Direction, along: Option<Ends>, across: Option<Ends>) -> [Option<Ends>; 2] {
+    match direction {
+        Direction::Horizontal => [along, across],
+        Direction::Vertical => [across, along],
+    }
+}
+
+fn cover<const N: usize>(arrays: [&Vec<f64>; N]) -> Option<Ends> {
+    let finite = arrays.into_iter().flatten().copied().filter(|v| v.is_finite());
+    finite.fold(None, |ends: Option<Ends>, v| Some(ends.map_or((v, v), |(a, b)| (a.min(v), b.max(v)))))
+}
+
+fn union(a: Option<Ends>, b: Option<Ends>) -> Option<Ends> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+        (a, b) => a.or(b),
+    }
+}
+
+/// The ends of every panel's x and y axis; `None` where there is neither data nor a fixed range.
+pub(crate) fn ends(figure: &Figure) -> Result<Vec<[Option<Ends>; 2]>, Error> {
+    let mut own = Vec::new();
+    for panel in &figure.panels {
+        own.push([panel_ends(panel, 0)?, panel_ends(panel, 1)?]);
+    }
+    let mut shared: BTreeMap<&str, Option<Ends>> = BTreeMap::new();
+    for (panel, ends) in figure.panels.iter().zip(&own) {
+        for (axis, &ends) in [&panel.x, &panel.y].into_iter().zip(ends) {
+            if let Some(key) = axis.link.as_deref() {
+                let so_far = shared.entry(key).or_default();
+                *so_far = union(*so_far, ends);
+            }
+        }
+    }
+    let linked =
+        |axis: &Axis, own| axis.link.as_deref().and_then(|key| shared.get(key).copied()).unwrap_or(own);
+    Ok(figure
+        .panels
+        .iter()
+        .zip(own)
+        .map(|(panel, [x, y])| [linked(&panel.x, x), linked(&panel.y, y)])
+        .collect())
+}
+
+/// The ends of one panel's own x (0) or y (1) axis.
+fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
+    let axis = [&panel.x, &panel.y][which];
+    let covered = match panel.note {
+        Some(_) => None,
+        None => panel.layers.iter().map(|layer| extent(layer)[which]).fold(None, union),
+    };
+    let ends = match (&axis.ticks, axis.range) {
+        (Ticks::Categories(names), _) => Some((-0.5, names.len() as f64 - 0.5)),
+        (_, Range::Fixed(low, high)) => Some((low, high)),
+        (_, Range::Tight) => covered.map(|ends| widen(ends, 0.0)),
+        (_, Range::Auto) => covered.map(|ends| widen(ends, ROOM)),
+    };
+    let drawable = |(low, high): Ends| {
+        high - low > NARROWEST * low.abs().max(high.abs()).max(SMALLEST)
+            && low.abs().max(high.abs()) < LARGEST
+    };
+    match ends {
+        Some(ends) if !drawable(ends) => Err(Error::Range { panel: name(panel), low: ends.0, high: ends.1 }),
+        ends => Ok(ends),
+    }
+}
+
+/// Adds room on both sides; a single value gets room to be seen in.
+fn widen((low, high): Ends, share: f64) -> Ends {
+    let place = low.abs().max(high.abs());
+    if high - low <= 2.0 * NARROWEST * place.max(SMALLEST) {
+        let room = if place < SMALLEST { 1.0 } else { 0.1 * place };
+        return (low - room, high + room);
+    }
+    let room = share * (high - low);
+    (low - room, high + room)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::{Cell, Line};
+
+    fn panel(x: Vec<f64>, y: Vec<f64>) -> Panel {
+        let line = Layer::Line(Line { x, y, ..Line::default() });
+        Panel::new(Cell::at(0, 0), Axis::new("x", ""), Axis::new("y", ""), vec![line])
+    }
+
+    #[test]
+    fn unequal_arrays_are_refused_with_both_lengths() {
+        let error = check(&panel(vec![0.0, 1.0, 2.0], vec![0.0])).unwrap_err().to_string();
+        assert!(error.contains("x has 3") && error.contains("y has 1"), "{error}");
+    }
+
+    #[test]
+    fn infinities_are_refused_and_gaps_are_not() {
+        assert!(check(&panel(vec![0.0, 1.0], vec![f64::NAN, 1.0])).is_ok());
+        let error = check(&panel(vec![0.0, 1.0], vec![0.0, f64::INFINITY])).unwrap_err();
+        assert!(matches!(error, Error::Infinite { what: "y", index: 1, .. }));
+    }
+
+    #[test]
+    fn a_panel_without_any_value_asks_for_a_note() {
+        assert!(matches!(check(&panel(vec![1.0, f64::NAN], vec![f64::NAN, 1.0])), Err(Error::NoData { .. })));
+        let axis = || Axis::new("x", "");
+        assert!(check(&Panel::with_note(Cell::at(0, 0), axis(), axis(), "not recorded")).is_ok());
+    }
+
+    #[test]
+    fn a_constant_curve_still_gets_an_axis() {
+        assert_eq!(widen((0.0, 0.0), ROOM), (-1.0, 1.0));
+        assert_eq!(widen((5.0, 5.0), ROOM), (4.5, 5.5));
+        assert_eq!(widen((0.0, 10.0), 0.1), (-1.0, 11.0));
+    }
+
+    #[test]
+    fn linked_axes_share_one_range_even_x_with_y() {
+        let mut a = panel(vec![0.0, 1.0], vec![0.0, 30.0]);
+        let mut b = panel(vec![-5.0, 10.0], vec![0.0, 1.0]);
+        a.y = Axis::new("θ", "°").ranged(Range::Tight).linked("theta");
+        b.x = Axis::new("θ", "°").ranged(Range::Tight).linked("theta");
+        let ends = ends(&Figure { panels: vec![a, b], ..Figure::default() }).unwrap();
+        assert_eq!(ends[0][1], Some((-5.0, 30.0)));
+        assert_eq!(ends[1][0], ends[0][1]);
+    }
+
+    #[test]
+    fn a_range_that_is_no_range_is_refused() {
+        for (low, high) in [(1.0, 1.0), (2.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY), (-1e308, 1e308)] {
+            let mut bad = panel(vec![0.0, 1.0], vec![0.0, 1.0]);
+            bad.x.range = Range::Fixed(low, high);
+            assert!(matches!(
+                ends(&Figure { panels: vec![bad], ..Figure::default() }),
+                Err(Error::Range { .. })
+            ));
+        }
+    }
+}

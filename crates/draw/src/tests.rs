@@ -1,0 +1,278 @@
+//! Facts about whole figures: every one of the gallery, and figures of odd numbers.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use proptest::prelude::*;
+use resvg::usvg::{Node, Rect};
+
+use super::*;
+
+static GALLERY: LazyLock<BTreeMap<&str, Drawing>> = LazyLock::new(|| {
+    let figures = gallery::figures().into_iter().chain(crowded());
+    figures.map(|(name, figure)| (name, draw(&figure).unwrap())).collect()
+});
+
+/// Figures with as little room as they can do with.
+fn crowded() -> Vec<(&'static str, Figure)> {
+    let row = |i: u32| vec![1, i % 7, 90 - i % 7, 0, 1 + i % 3, 2, 1];
+    let items = (0..24).map(|i| format!("{i}. I felt that the virtual shoes moved as my own would"));
+    let survey = Likert {
+        answers: (1..=7).map(|i| format!("answer {i}")).collect(),
+        rows: (0..24).map(row).collect(),
+        scale: LikertScale::Percent,
+    };
+    let mut share = Axis::new("answers", "%");
+    share.ticks = Ticks::Magnitudes;
+    let survey = Panel::new(Cell::at(0, 0), share, Axis::categories(items), vec![Layer::Likert(survey)]);
+    let names = ["administration", "configuration", "closed loop", "none"];
+    let whiskers = |direction| {
+        let at: Vec<f64> = (0..4).map(f64::from).collect();
+        let estimate = vec![-12_345.6, 99_000.0, 1e5, f64::NAN];
+        let (low, high) =
+            (estimate.iter().map(|v| v - 2e4).collect(), estimate.iter().map(|v| v + 1e4).collect());
+        let (colour, marker) = (style::mode_colour(3), style::Marker::Diamond);
+        Layer::Intervals(Intervals {
+            direction,
+            at,
+            estimate,
+            low,
+            high,
+            colour,
+            marker,
+            name: Some("95 %".into()),
+        })
+    };
+    let wall = |direction, at, label: &str| {
+        let label = Some(label.to_owned());
+        Layer::Reference(Reference {
+            direction,
+            at,
+            label,
+            stroke: style::reference(),
+            name: Some("limit".into()),
+        })
+    };
+    let upright = vec![
+        whiskers(Direction::Vertical),
+        wall(Direction::Horizontal, 0.0, "none"),
+        wall(Direction::Horizontal, 500.0, "low"),
+    ];
+    let across = vec![
+        whiskers(Direction::Horizontal),
+        wall(Direction::Vertical, 0.0, "none"),
+        wall(Direction::Vertical, 500.0, "low"),
+    ];
+    let value = || Axis::new("stiffness of the wall", "N/m");
+    let panels = vec![
+        Panel::new(Cell::at(0, 0), Axis::categories(names), value(), upright).titled("**a**  one"),
+        Panel::new(Cell::at(0, 1), value(), Axis::categories(names), across)
+            .titled("**b**  a heading of two lines"),
+    ];
+    let narrow =
+        Figure { width_mm: ONE_COLUMN_MM, mark: Some("SYNTHETIC".into()), panels, ..Figure::default() };
+    vec![("survey", Figure { panels: vec![survey], ..Figure::default() }), ("narrow", narrow)]
+}
+
+/// All shapes of a drawing with their extent on the page, strokes included.
+fn shapes(node: &Node, found: &mut Vec<Rect>) {
+    match node {
+        Node::Group(group) => group.children().iter().for_each(|child| shapes(child, found)),
+        Node::Text(text) => found.extend(ink(text)),
+        leaf => found.push(leaf.abs_stroke_bounding_box()),
+    }
+}
+
+/// What the letters of a text cover on the page.
+fn ink(text: &resvg::usvg::Text) -> Option<Rect> {
+    text.flattened().bounding_box().transform(text.abs_transform())
+}
+
+/// Extents of the words of a drawing whose words are text.
+fn words(node: &Node, found: &mut Vec<(String, Rect)>) {
+    match node {
+        Node::Group(group) => group.children().iter().for_each(|child| words(child, found)),
+        Node::Text(text) => {
+            let content = text.chunks().iter().map(|chunk| chunk.text()).collect();
+            found.extend(ink(text).map(|ink| (content, ink)));
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn nothing_lies_outside_of_the_page() {
+    for (name, drawing) in GALLERY.iter() {
+        for svg in [&drawing.outlined, &drawing.written] {
+            let tree = export::tree(svg).unwrap();
+            let mut found = Vec::new();
+            tree.root().children().iter().for_each(|node| shapes(node, &mut found));
+            assert!(found.len() > 20, "{name}: only {} shapes", found.len());
+            let (width, height) = (tree.size().width() + 0.01, tree.size().height() + 0.01);
+            for shape in found {
+                let inside = shape.left() > -0.01
+                    && shape.top() > -0.01
+                    && shape.right() < width
+                    && shape.bottom() < height;
+                assert!(inside, "{name}: {shape:?} on {width} × {height}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_two_words_overlap() {
+    for (name, drawing) in GALLERY.iter() {
+        let mut found = Vec::new();
+        let tree = export::tree(&drawing.written).unwrap();
+        tree.root().children().iter().for_each(|node| words(node, &mut found));
+        assert!(found.len() > 5, "{name}: only {} words", found.len());
+        for (i, (a, left)) in found.iter().enumerate() {
+            for (b, right) in &found[..i] {
+                // an italic letter may lean over the subscript after it
+                let lean = 1.5;
+                let apart = left.right() <= right.left() + lean
+                    || right.right() <= left.left() + lean
+                    || left.bottom() <= right.top() + lean
+                    || right.bottom() <= left.top() + lean;
+                assert!(apart, "{name}: \"{a}\" and \"{b}\" overlap");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_figure_gives_the_same_bytes() {
+    for (name, figure) in gallery::figures() {
+        let (first, second) = (&GALLERY[name], draw(&figure).unwrap());
+        assert_eq!(first, &second, "{name}");
+        assert!(first.png(50.0).unwrap() == second.png(50.0).unwrap(), "{name}: PNGs differ");
+        assert!(first.pdf().unwrap() == second.pdf().unwrap(), "{name}: PDFs differ");
+    }
+}
+
+#[test]
+fn the_svg_needs_nothing_from_outside() {
+    for (name, drawing) in GALLERY.iter() {
+        let svg = drawing.svg();
+        assert!(!svg.contains("<text") && !svg.contains("font-family"), "{name}: words must be outlines");
+        let links = svg.matches("href=\"").count();
+        assert_eq!(links, svg.matches("href=\"#").count(), "{name}: links must stay inside");
+    }
+}
+
+#[test]
+fn the_files_carry_title_description_provenance_and_mark() {
+    let drawing = &GALLERY["four-panels"];
+    assert!(drawing.svg().contains("<desc>Angle, force and velocity"));
+    assert!(drawing.svg().contains("<metadata>zwidth gallery</metadata>"));
+    assert!(drawing.svg().contains("aria-label=\"SYNTHETIC\""));
+    let png = drawing.png(100.0).unwrap();
+    assert!(png.windows(14).any(|bytes| bytes == b"zwidth gallery"));
+    let pdf = drawing.pdf().unwrap();
+    assert!(pdf.starts_with(b"%PDF-") && pdf.windows(9).any(|bytes| bytes == b"FontFile2"), "font embedded");
+}
+
+#[test]
+fn an_image_has_the_size_on_paper_that_its_figure_asks_for() {
+    let drawing = &GALLERY["characteristic"];
+    let image = png::Decoder::new(std::io::Cursor::new(drawing.png(200.0).unwrap())).read_info().unwrap();
+    let info = image.info();
+    assert_eq!(info.width, (ONE_COLUMN_MM / 25.4 * 200.0).round() as u32);
+    assert_eq!(info.pixel_dims.unwrap().xppu, 7874);
+    assert!(matches!(drawing.png(0.0), Err(Error::Size { what: "dpi", .. })));
+    assert!(matches!(drawing.png(1e9), Err(Error::Size { what: "dpi", .. })));
+    assert!(matches!(drawing.png(f64::NAN), Err(Error::Size { what: "dpi", .. })));
+}
+
+#[test]
+fn a_figure_of_fixed_height_is_that_high() {
+    for (_, mut figure) in gallery::figures() {
+        figure.height_mm = Some(120.0);
+        let (width_mm, height_mm) = draw(&figure).unwrap().size_mm();
+        assert!((height_mm - 120.0).abs() < 1e-9 && (width_mm - figure.width_mm).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_long_recording_makes_a_small_file() {
+    let x: Vec<f64> = (0..200_000).map(|i| f64::from(i) / 1000.0).collect();
+    let y = x.iter().map(|x| (x / 20.0).sin()).collect();
+    let line = Layer::Line(Line { x, y, ..Line::default() });
+    let panel = Panel::new(Cell::at(0, 0), Axis::new("t", "s"), Axis::new("x", "m"), vec![line]);
+    let drawing = draw(&Figure { panels: vec![panel], ..Figure::default() }).unwrap();
+    assert!(drawing.svg().len() < 30_000, "{} bytes", drawing.svg().len());
+}
+
+/// Numbers that have broken plots before, among ordinary ones.
+fn number() -> impl Strategy<Value = f64> {
+    let odd = [0.0, -0.0, 1.0, 1e-321, 1e-9, 1e300, -1e308, f64::MAX, f64::NAN, f64::INFINITY, 1e6 + 1e-9];
+    prop_oneof![-10.0..10.0, proptest::sample::select(odd.to_vec())]
+}
+
+fn any_axis() -> impl Strategy<Value = Axis> {
+    let range = prop_oneof![
+        Just(Range::Auto),
+        Just(Range::Tight),
+        (number(), number()).prop_map(|(low, high)| Range::Fixed(low, high))
+    ];
+    (range, any::<bool>(), "[a-zθ*_^{}\\\\ ]{0,12}", any::<bool>()).prop_map(
+        |(range, linked, label, named)| {
+            let axis = if named { Axis::categories(["a", "b c"]) } else { Axis::new(label, "N") };
+            let axis = axis.ranged(range);
+            if linked { axis.linked("shared") } else { axis }
+        },
+    )
+}
+
+fn any_layer() -> impl Strategy<Value = Layer> {
+    let numbers = || proptest::collection::vec(number(), 4);
+    (0..6, numbers(), numbers(), numbers(), number()).prop_map(|(kind, x, low, high, at)| match kind {
+        0 => Layer::Line(Line {
+            x,
+            y: low,
+            dotted: high.iter().map(|v| *v > 0.0).collect(),
+            ..Line::default()
+        }),
+        1 => Layer::Band(Band { x, low, high, ..Band::default() }),
+        2 => Layer::Points(Points { x, y: low, ..Points::default() }),
+        3 => Layer::Intervals(Intervals {
+            direction: Direction::Vertical,
+            estimate: low.clone(),
+            at: x,
+            low,
+            high,
+            colour: style::INK,
+            marker: style::Marker::Diamond,
+            name: Some("interval".into()),
+        }),
+        4 => Layer::Likert(Likert {
+            answers: ["no", "", "yes"].map(String::from).to_vec(),
+            rows: [x, low].map(|row| row[..3].iter().map(|v| *v as u32).collect()).to_vec(),
+            scale: LikertScale::Counts,
+        }),
+        _ => Layer::Reference(Reference {
+            direction: Direction::Horizontal,
+            label: Some("here".into()),
+            stroke: style::reference(),
+            name: None,
+            at,
+        }),
+    })
+}
+
+proptest! {
+    #[test]
+    fn any_numbers_give_a_drawing_or_an_error_never_a_panic(
+        (x, y) in (any_axis(), any_axis()),
+        layers in proptest::collection::vec(any_layer(), 0..4),
+        width_mm in prop_oneof![1.0..300.0, number()],
+    ) {
+        let panel = Panel::new(Cell::at(0, 0), x, y, layers);
+        let below = Panel { cell: Cell::at(1, 0), ..panel.clone() };
+        if let Ok(drawing) = draw(&Figure { width_mm, panels: vec![panel, below], ..Figure::default() }) {
+            prop_assert!(export::tree(drawing.svg()).is_ok());
+            prop_assert!(!drawing.svg().contains("NaN") && !drawing.svg().contains("inf"));
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Where the ticks of a numeric axis stand, and what is written there.
+
+/// A tick: its place on the axis, its label.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Tick {
+    pub(crate) at: f64,
+    pub(crate) label: String,
+}
+
+/// Ticks of an axis; their labels count in units of 10^`exponent`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Ticks {
+    pub(crate) ticks: Vec<Tick>,
+    pub(crate) exponent: i32,
+}
+
+/// A step of 1, 2 or 5 × 10ⁿ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step {
+    digit: i64,
+    power: i32,
+}
+
+impl Step {
+    fn size(self) -> f64 {
+        multiple(self, 1)
+    }
+
+    fn next(self) -> Self {
+        match self.digit {
+            1 => Self { digit: 2, ..self },
+            2 => Self { digit: 5, ..self },
+            _ => Self { digit: 1, power: self.power + 1 },
+        }
+    }
+}
+
+/// `count` steps, rounded once, so that 3 × 0.1 is 0.3.
+fn multiple(step: Step, count: i64) -> f64 {
+    let whole = (step.digit * count) as f64;
+    if step.power < 0 {
+        whole / libm::exp10(f64::from(-step.power))
+    } else {
+        whole * libm::exp10(f64::from(step.power))
+    }
+}
+
+/// More ticks than this crowd any axis.
+const MOST_TICKS: f64 = 12.0;
+
+/// The densest ticks from `low` to `high` (`low < high`, both finite) that `fits` accepts. `whole` keeps to whole
+/// numbers and leaves the sign off.
+pub(crate) fn choose(low: f64, high: f64, whole: bool, fits: impl Fn(&Ticks) -> bool) -> Ticks {
+    let power = libm::floor(libm::log10((high - low) / MOST_TICKS)) as i32;
+    let mut step = Step { digit: 1, power: if whole { power.max(0) } else { power } };
+    while (high - low) / step.size() > MOST_TICKS {
+        step = step.next();
+    }
+    let mut denser = every(step, low, high, whole);
+    while denser.ticks.len() > 2 && !fits(&denser) {
+        step = step.next();
+        let sparser = every(step, low, high, whole);
+        if sparser.ticks.len() < 2 {
+            let ends = [denser.ticks.first().cloned(), denser.ticks.last().cloned()];
+            return Ticks { ticks: ends.into_iter().flatten().collect(), ..denser };
+        }
+        denser = sparser;
+    }
+    denser
+}
+
+fn every(step: Step, low: f64, high: f64, unsigned: bool) -> Ticks {
+    /// Share of a step by which an axis may miss its last tick and still have it: rounding of the ends.
+    const SLACK: f64 = 1e-9;
+    let first = libm::ceil(low / step.size() - SLACK) as i64;
+    let last = libm::floor(high / step.size() + SLACK) as i64;
+    let exponent = shared_exponent(low.abs().max(high.abs()));
+    let tick = |count: i64| {
+        let shown = if unsigned { count.abs() } else { count };
+        Tick { at: multiple(step, count), label: write(shown * step.digit, step.power - exponent) }
+    };
+    Ticks { ticks: (first..=last).map(tick).collect(), exponent }
+}
+
+/// The power of ten taken out of the labels: none from 0.01 up to 99,999, else a multiple of three.
+fn shared_exponent(largest: f64) -> i32 {
+    let power = libm::floor(libm::log10(largest)) as i32;
+    if (-2..5).contains(&power) { 0 } else { power.div_euclid(3) * 3 }
+}
+
+/// `digits` × 10^`power` in decimals, exactly, with a true minus sign.
+fn write(digits: i64, power: i32) -> String {
+    let sign = if digits < 0 { "−" } else { "" };
+    let size = digits.unsigned_abs();
+    if power >= 0 {
+        let zeros = if size == 0 { 0 } else { power as usize };
+        return format!("{sign}{size}{}", "0".repeat(zeros));
+    }
+    let places = power.unsigned_abs() as usize;
+    let padded = format!("{size:0>width$}", width = places + 1);
+    let (whole, rest) = padded.split_at(padded.len() - places);
+    format!("{sign}{whole}.{rest}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(low: f64, high: f64, most: usize, expect: &str) {
+        let ticks = choose(low, high, false, |ticks| ticks.ticks.len() <= most);
+        let labels: Vec<_> = ticks.ticks.iter().map(|tick| tick.label.as_str()).collect();
+        assert_eq!(labels.join(" "), expect, "{low} … {high}");
+    }
+
+    #[test]
+    fn ticks_step_by_one_two_or_five() {
+        check(0.0, 4.16, 6, "0 1 2 3 4");
+        check(0.0, 32.0, 5, "0 10 20 30");
+        check(-0.04, 1.04, 6, "0.0 0.2 0.4 0.6 0.8 1.0");
+        check(0.0, 45.0, 6, "0 10 20 30 40");
+        check(0.0, 20.0, 5, "0 5 10 15 20");
+    }
+
+    #[test]
+    fn negative_numbers_have_a_true_minus_and_zero_has_none() {
+        check(-210.0, 205.0, 6, "−200 −100 0 100 200");
+        check(-0.3, 0.3, 3, "−0.2 0.0 0.2");
+    }
+
+    #[test]
+    fn ticks_stand_at_the_decimal_number_they_name() {
+        let ticks = choose(0.0, 1.0, false, |_| true);
+        assert!(ticks.ticks.iter().any(|tick| tick.at == 0.3 && tick.label == "0.3"), "{ticks:?}");
+    }
+
+    #[test]
+    fn very_small_and_very_large_numbers_share_a_power_of_ten() {
+        let small = choose(0.0, 4.2e-4, false, |ticks| ticks.ticks.len() <= 5);
+        assert_eq!((small.exponent, small.ticks[1].label.as_str()), (-6, "100"));
+        let large = choose(0.0, 2.5e6, false, |ticks| ticks.ticks.len() <= 4);
+        assert_eq!((large.exponent, large.ticks[1].label.as_str()), (6, "1"));
+    }
+
+    #[test]
+    fn counts_are_whole_and_without_sign() {
+        let ticks = choose(-3.4, 3.4, true, |_| true);
+        let labels: Vec<_> = ticks.ticks.iter().map(|tick| tick.label.as_str()).collect();
+        assert_eq!(labels, ["3", "2", "1", "0", "1", "2", "3"]);
+    }
+
+    #[test]
+    fn an_axis_with_room_for_two_keeps_its_outermost_ticks() {
+        check(-0.9, 1.9, 2, "0 1");
+        check(-0.9, 0.9, 2, "−0.5 0.5");
+    }
+
+    #[test]
+    fn an_axis_far_from_zero_still_has_ticks() {
+        check(1e6, 1e6 + 0.1, 3, "1.00000000 1.00000005 1.00000010");
+    }
+}
