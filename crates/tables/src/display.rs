@@ -1,0 +1,149 @@
+//! From the units of files to the units of screens.
+
+use crate::unit::{self, Conversion};
+use crate::{Column, Field, Table, TableError, Values};
+use zwidth_study::Coordinate;
+
+/// A table whose every torque is smaller than this, N·m, speaks of mN·m.
+const SMALL_TORQUE_NM: f64 = 0.1;
+const TORQUE: &str = "N·m";
+
+/// The table as people read it: other units, and names that follow them; descriptions, title and notes stay.
+///
+/// | in the table | lever ([`Coordinate::Rotational`]) | slide ([`Coordinate::Linear`], x = L θ) |
+/// |---|---|---|
+/// | `theta_max_rad` rad | `theta_max_deg` ° | `x_max_mm` mm, × 1000 L |
+/// | `theta_dot_rad_s` rad/s | `theta_dot_deg_s` °/s | `x_dot_mm_s` mm/s, × 1000 L |
+/// | `slope_n_per_rad` N/rad | as it is | `slope_n_per_mm` N/mm, ÷ 1000 L |
+/// | N·s/rad, N·s²/rad | as they are | N·s/mm, N·s²/mm, ÷ 1000 L |
+/// | `torque_nm` N·m | mN·m if every torque of the table is below 0.1 N·m | likewise |
+///
+/// Everything else is left alone: pure numbers, texts, yes and no, whole numbers, and all other units.
+/// The torques of a table are decided on together, so that an estimate and its standard error keep one unit.
+///
+/// # Errors
+/// A lever length that makes a value infinite, or two columns that would get one name.
+pub fn for_people(table: &Table, coordinate: Coordinate) -> Result<Table, TableError> {
+    let columns = table.columns()?;
+    let torques_small = torques_are_small(&columns);
+    let columns = columns.into_iter().map(|c| converted(c, coordinate, torques_small)).collect();
+    let shown = Table::new(table.name(), table.title(), columns)?;
+    Ok(table.notes().iter().fold(shown, |t, note| t.with_note(note.as_str())))
+}
+
+fn torques_are_small(columns: &[Column]) -> bool {
+    columns.iter().filter(|c| c.field.unit == TORQUE).all(|c| match &c.values {
+        Values::Float(values) => values.iter().flatten().all(|v| v.abs() < SMALL_TORQUE_NM),
+        _ => true,
+    })
+}
+
+fn converted(column: Column, coordinate: Coordinate, torques_small: bool) -> Column {
+    let Values::Float(values) = column.values else {
+        return column;
+    };
+    let conversion = if column.field.unit == TORQUE && torques_small {
+        Some(unit::small_torque())
+    } else {
+        unit::for_people(&column.field.unit, coordinate)
+    };
+    let Some(conversion) = conversion else {
+        return Column { field: column.field, values: Values::Float(values) };
+    };
+    let values = values.into_iter().map(|v| v.map(|v| v * conversion.factor)).collect();
+    Column { field: renamed(column.field, conversion), values: Values::Float(values) }
+}
+
+fn renamed(field: Field, conversion: Conversion) -> Field {
+    let (stem, suffix) = unit::stem(&field.name, &field.unit);
+    let linear = field.unit.starts_with("rad") && conversion.unit.starts_with("mm");
+    let stem = if linear { theta_to_x(stem) } else { stem.to_owned() };
+    let suffix = suffix.map(|i| unit::suffixes(&conversion.unit).swap_remove(i)).unwrap_or_default();
+    Field { name: (stem + &suffix).into(), unit: conversion.unit.into(), ..field }
+}
+
+fn theta_to_x(stem: &str) -> String {
+    stem.split('_').map(|word| if word == "theta" { "x" } else { word }).collect::<Vec<_>>().join("_")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINEAR: Coordinate = Coordinate::Linear { lever_m: 0.05 };
+
+    fn check(column: (&'static str, &'static str, f64), coordinate: Coordinate, expect: (&str, &str, f64)) {
+        let (name, unit, value) = column;
+        let table =
+            Table::new("t", "T", vec![Column::float(name, unit, "what it is", [Some(value), None])]).unwrap();
+        let shown = for_people(&table.with_note("a note"), coordinate).unwrap();
+        let field = &shown.fields()[0];
+        assert_eq!((field.name.as_ref(), field.unit.as_ref()), (expect.0, expect.1));
+        assert_eq!(
+            (field.description.as_ref(), shown.notes()),
+            ("what it is", ["a note".to_owned()].as_slice())
+        );
+        let values = shown.floats(expect.0).unwrap();
+        assert!((values[0].unwrap() - expect.2).abs() < 1e-12 * expect.2.abs(), "{values:?}");
+        assert_eq!(values[1], None);
+    }
+
+    #[test]
+    fn a_lever_is_read_in_degrees_and_its_stiffness_in_newtons_per_radian() {
+        let turn = Coordinate::Rotational;
+        check(("theta_max_rad", "rad", std::f64::consts::PI), turn, ("theta_max_deg", "°", 180.0));
+        check(("theta_dot_rad_s", "rad/s", 1.0), turn, ("theta_dot_deg_s", "°/s", 57.295_779_513_082_32));
+        check(
+            ("theta_ddot_rad_s2", "rad/s²", 1.0),
+            turn,
+            ("theta_ddot_deg_s2", "°/s²", 57.295_779_513_082_32),
+        );
+        check(("slope_n_per_rad", "N/rad", 4.0), turn, ("slope_n_per_rad", "N/rad", 4.0));
+    }
+
+    #[test]
+    fn a_slide_is_read_in_millimetres() {
+        check(("theta_max_rad", "rad", 0.2), LINEAR, ("x_max_mm", "mm", 10.0));
+        check(("theta_dot_peak_rad_s", "rad/s", 2.0), LINEAR, ("x_dot_peak_mm_s", "mm/s", 100.0));
+        check(("slope_ci_low_n_per_rad", "N/rad", 100.0), LINEAR, ("slope_ci_low_n_per_mm", "N/mm", 2.0));
+        check(("damping_ns_per_rad", "N·s/rad", 5.0), LINEAR, ("damping_ns_per_mm", "N·s/mm", 0.1));
+        check(("onset_rad", "rad", 0.2), LINEAR, ("onset_mm", "mm", 10.0));
+        check(("loop_area_j", "J", 0.3), LINEAR, ("loop_area_j", "J", 0.3));
+    }
+
+    #[test]
+    fn the_name_follows_its_unit_only_where_it_carried_one() {
+        check(("angle", "rad", 1.0), LINEAR, ("angle", "mm", 50.0));
+    }
+
+    #[test]
+    fn torques_are_milli_only_if_all_of_the_table_are_small() {
+        check(("torque_nm", "N·m", -0.04), LINEAR, ("torque_mnm", "mN·m", -40.0));
+        check(("torque_nm", "N·m", 0.1), LINEAR, ("torque_nm", "N·m", 0.1));
+        let columns = vec![
+            Column::float("torque_nm", "N·m", "", [Some(0.2)]),
+            Column::float("torque_std_error_nm", "N·m", "", [Some(0.001)]),
+        ];
+        let shown = for_people(&Table::new("t", "T", columns).unwrap(), LINEAR).unwrap();
+        assert_eq!(shown.floats("torque_std_error_nm").unwrap(), [Some(0.001)]);
+    }
+
+    #[test]
+    fn numbers_and_texts_are_untouched() {
+        let columns = vec![
+            Column::text("mode", "", [Some("rad".to_owned())]),
+            Column::integer("trial", "1", "", [Some(3)]),
+            Column::flag("wall_reached", "", [Some(true)]),
+            Column::float("r2", "1", "", [Some(0.5)]),
+        ];
+        let table = Table::new("t", "T", columns).unwrap();
+        assert_eq!(for_people(&table, LINEAR).unwrap().columns().unwrap(), table.columns().unwrap());
+    }
+
+    #[test]
+    fn a_lever_without_length_is_an_error_and_no_infinity() {
+        let table =
+            Table::new("t", "T", vec![Column::float("k_n_per_rad", "N/rad", "", [Some(1.0)])]).unwrap();
+        assert!(for_people(&table, Coordinate::Linear { lever_m: 0.0 }).is_err());
+    }
+}

@@ -1,0 +1,53 @@
+//! What can be wrong with a table.
+
+use zwidth_store::StoreError;
+
+/// What can be wrong with a table.
+#[derive(Debug, thiserror::Error)]
+pub enum TableError {
+    /// No column of that name.
+    #[error("table '{table}' has no column '{column}'; it has {has}")]
+    NoColumn {
+        /// The table.
+        table: String,
+        /// The column asked for.
+        column: String,
+        /// The columns there are.
+        has: String,
+    },
+    /// The column has another type.
+    #[error("column '{column}' of table '{table}' is not of type {wanted:?}")]
+    WrongType {
+        /// The table.
+        table: String,
+        /// The column asked for.
+        column: String,
+        /// The type asked for.
+        wanted: crate::Type,
+    },
+    /// A value that is not a number reached a table.
+    #[error(
+        "column '{column}' of table '{table}', row {row}: {value} is not a number; a missing value is null"
+    )]
+    NotFinite {
+        /// The table.
+        table: String,
+        /// The column.
+        column: String,
+        /// The row, from 1.
+        row: usize,
+        /// The value.
+        value: f64,
+    },
+    /// Polars refused.
+    #[error("table '{table}': {source}")]
+    Polars {
+        /// The table.
+        table: String,
+        /// What polars said.
+        source: polars::error::PolarsError,
+    },
+    /// The file could not be read or written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}

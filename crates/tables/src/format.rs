@@ -1,0 +1,102 @@
+//! The formats there are, by name.
+
+use crate::{Table, TableError, csv, for_people, html, latex, markdown, typst};
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_study::Coordinate;
+
+/// A format a table can be written in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Format {
+    /// Comma-separated values, for programs: SI, every digit.
+    Csv,
+    /// GitHub Flavored Markdown.
+    Markdown,
+    /// LaTeX with booktabs and siunitx.
+    Latex,
+    /// Typst.
+    Typst,
+    /// An HTML `<table>`.
+    Html,
+    /// Parquet, for programs: SI, every bit, units and meanings in the schema.
+    Parquet,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Self; 6] =
+        [Self::Csv, Self::Markdown, Self::Latex, Self::Typst, Self::Html, Self::Parquet];
+
+    /// The extension of its files, without a dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Markdown => "md",
+            Self::Latex => "tex",
+            Self::Typst => "typ",
+            Self::Html => "html",
+            Self::Parquet => "parquet",
+        }
+    }
+
+    /// The format of files with that extension, given without a dot.
+    pub fn from_extension(extension: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|f| f.extension() == extension)
+    }
+}
+
+impl Table {
+    /// The bytes of the table's file: CSV and Parquet in SI units as the table is, the others
+    /// [`for_people`] of it.
+    ///
+    /// `provenance` goes into the footer of a Parquet file, `path` into errors about it.
+    ///
+    /// # Errors
+    /// Those of [`for_people`] and [`Table::to_parquet`].
+    pub fn to_bytes(
+        &self,
+        format: Format,
+        coordinate: Coordinate,
+        provenance: &BTreeMap<String, String>,
+        path: &Path,
+    ) -> Result<Vec<u8>, TableError> {
+        let people = || for_people(self, coordinate);
+        Ok(match format {
+            Format::Csv => csv(self)?.into_bytes(),
+            Format::Markdown => markdown(&people()?)?.into_bytes(),
+            Format::Latex => latex(&people()?)?.into_bytes(),
+            Format::Typst => typst(&people()?)?.into_bytes(),
+            Format::Html => html(&people()?)?.into_bytes(),
+            Format::Parquet => self.to_parquet(provenance, path)?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Column;
+
+    #[test]
+    fn a_format_is_found_again_by_its_extension() {
+        for format in Format::ALL {
+            assert_eq!(Format::from_extension(format.extension()), Some(format));
+        }
+        assert_eq!(Format::from_extension("xlsx"), None);
+    }
+
+    #[test]
+    fn programs_get_radians_and_people_degrees() {
+        let column = Column::float("theta_rad", "rad", "angle", [Some(std::f64::consts::FRAC_PI_2)]);
+        let table = Table::new("t", "T", vec![column]).unwrap();
+        let text = |format| {
+            let bytes = table.to_bytes(format, Coordinate::Rotational, &BTreeMap::new(), Path::new("t"));
+            String::from_utf8_lossy(&bytes.unwrap()).into_owned()
+        };
+        assert_eq!(text(Format::Csv), "theta_rad\r\n1.5707963267948966\r\n");
+        for format in [Format::Markdown, Format::Latex, Format::Typst, Format::Html] {
+            assert!(text(format).contains("90"), "{format:?}");
+        }
+        assert!(text(Format::Parquet).starts_with("PAR1"));
+    }
+}

@@ -1,0 +1,96 @@
+//! Markdown, as GitHub reads it.
+
+use crate::shown::{Shown, one_line, rows, shown};
+use crate::{Table, TableError};
+
+/// The table in GitHub Flavored Markdown: the title in bold, the table, the notes as paragraphs. Rounded for
+/// people.
+///
+/// # Errors
+/// Of polars, never in practice.
+pub fn markdown(table: &Table) -> Result<String, TableError> {
+    let columns = shown(table)?;
+    let headings = columns.iter().map(|c| escape(&c.heading()));
+    let rules = columns.iter().map(|c| rule(c).to_owned());
+    let mut lines = vec![line(headings), line(rules)];
+    lines.extend(rows(&columns).map(|cells| line(cells.iter().map(|c| escape(&c.typeset())))));
+    let title = format!("**{}**", escape(table.title()));
+    let notes = table.notes().iter().map(|note| escape(note));
+    let parts: Vec<String> = [title, lines.join("\n")].into_iter().chain(notes).collect();
+    Ok(parts.join("\n\n") + "\n")
+}
+
+fn rule(column: &Shown) -> &'static str {
+    if column.numeric { "---:" } else { "---" }
+}
+
+fn line(cells: impl Iterator<Item = String>) -> String {
+    format!("| {} |", cells.collect::<Vec<_>>().join(" | "))
+}
+
+/// `text` such that Markdown sets it as it stands, on one line: in a paragraph, a list item or a table's cell.
+pub fn escape(text: &str) -> String {
+    let text = one_line(text);
+    let block = block_sign(&text);
+    let mut escaped = String::new();
+    for (i, letter) in text.char_indices() {
+        let inline =
+            matches!(letter, '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '|' | '~' | '$' | '&' | '#');
+        if inline || Some(i) == block {
+            escaped.push('\\');
+        }
+        escaped.push(letter);
+    }
+    escaped
+}
+
+/// Where the sign stands that would make a line a list, a heading or a rule: `- a`, `1. a`, `---`.
+fn block_sign(text: &str) -> Option<usize> {
+    let at = text.find(|c: char| !c.is_ascii_digit())?;
+    let mut rest = text[at..].chars();
+    let (sign, next) = (rest.next()?, rest.next().unwrap_or(' '));
+    let numbered = at > 0 && matches!(sign, '.' | ')') && next == ' ';
+    let bulleted = at == 0 && matches!(sign, '-' | '+' | '=') && (next == ' ' || next == sign);
+    (numbered || bulleted).then_some(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shown::tests::sample;
+
+    #[test]
+    fn the_sample_is_a_table_with_its_note_below() {
+        let expect = "\
+**Slope, 100 %**
+
+| mode | trial | slope (N/rad) | slope std. error (N/rad) | wall reached |
+| --- | ---: | ---: | ---: | --- |
+| a\\|b \\& \\<c\\> | −3 | −4.123 | 0.032 | yes |
+| – | 12 | 5 | – | – |
+
+Unit: one\\_trial.
+";
+        assert_eq!(markdown(&sample()).unwrap(), expect);
+    }
+
+    #[test]
+    fn every_sign_of_markdown_is_escaped() {
+        for (text, expect) in [
+            (r"\`*_[]<>|~$&#", r"\\\`\*\_\[\]\<\>\|\~\$\&\#"),
+            ("- a", "\\- a"),
+            ("+ a - b", "\\+ a - b"),
+            ("12. a 3. b", "12\\. a 3. b"),
+            ("1) a", "1\\) a"),
+            ("===", "\\==="),
+            ("1.5 N", "1.5 N"),
+            ("-3", "-3"),
+            ("---", "\\---"),
+            ("7.", "7\\."),
+            ("two\nlines", "two lines"),
+            ("θ̇ in °", "θ̇ in °"),
+        ] {
+            assert_eq!(escape(text), expect);
+        }
+    }
+}

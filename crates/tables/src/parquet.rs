@@ -1,0 +1,125 @@
+//! Derived tables as Parquet files, through the store.
+
+use crate::{Column, Field, Table, TableError, Type, Values};
+use arrow::array::{
+    Array, ArrayRef, AsArray, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray,
+};
+use arrow::datatypes::{DataType, Float64Type, Int64Type, Schema};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use zwidth_store::{StoreError, described, read_parquet, write_parquet};
+
+const NAME: &str = "table_name";
+const TITLE: &str = "table_title";
+const NOTES: &str = "table_notes";
+
+impl Table {
+    /// The bytes of the table's Parquet file: SI units, units and meanings in the field metadata,
+    /// `provenance` in the footer.
+    pub fn to_parquet(
+        &self,
+        provenance: &BTreeMap<String, String>,
+        path: &Path,
+    ) -> Result<Vec<u8>, TableError> {
+        let columns = self.columns()?;
+        let fields: Vec<_> = columns.iter().map(|c| arrow_field(&c.field)).collect();
+        let arrays = columns.into_iter().map(|c| array(c.values)).collect();
+        let batch =
+            RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).map_err(|e| defect(path, &e))?;
+        let mut footer = provenance.clone();
+        footer.insert(NAME.to_owned(), self.name().to_owned());
+        footer.insert(TITLE.to_owned(), self.title().to_owned());
+        footer.insert(NOTES.to_owned(), self.notes().join("\n"));
+        Ok(write_parquet(&batch, footer, path)?)
+    }
+
+    /// Reads a table back from its Parquet file.
+    pub fn from_parquet(path: &Path) -> Result<Self, TableError> {
+        let (batch, footer) = read_parquet(path)?;
+        let text = |key: &str| footer.get(key).cloned().unwrap_or_default();
+        let columns = batch
+            .schema()
+            .fields()
+            .iter()
+            .zip(batch.columns())
+            .map(|(f, a)| {
+                let values = values(a).ok_or_else(|| {
+                    let what = format!("its type {} is not one of a table", f.data_type());
+                    StoreError::new(path, what, "delete derived/ and run again").column(f.name())
+                })?;
+                let meta = |key: &str| f.metadata().get(key).cloned().unwrap_or_default();
+                let (unit, description) = (meta("unit").into(), meta("description").into());
+                let kind = kind_of(&values);
+                Ok(Column { field: Field { name: f.name().clone().into(), unit, description, kind }, values })
+            })
+            .collect::<Result<Vec<_>, StoreError>>()?;
+        let table = Self::new(&text(NAME), &text(TITLE), columns)?;
+        Ok(text(NOTES).lines().fold(table, Self::with_note))
+    }
+}
+
+fn defect(path: &Path, e: &arrow::error::ArrowError) -> StoreError {
+    StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
+}
+
+fn arrow_field(f: &Field) -> arrow::datatypes::Field {
+    let data_type = match f.kind {
+        Type::Float => DataType::Float64,
+        Type::Integer => DataType::Int64,
+        Type::Text => DataType::Utf8,
+        Type::Flag => DataType::Boolean,
+    };
+    described(&f.name, data_type, true, &f.unit, &f.description)
+}
+
+fn array(values: Values) -> ArrayRef {
+    match values {
+        Values::Float(v) => Arc::new(Float64Array::from(v)),
+        Values::Integer(v) => Arc::new(Int64Array::from(v)),
+        Values::Text(v) => Arc::new(StringArray::from(v)),
+        Values::Flag(v) => Arc::new(BooleanArray::from(v)),
+    }
+}
+
+fn kind_of(values: &Values) -> Type {
+    match values {
+        Values::Float(_) => Type::Float,
+        Values::Integer(_) => Type::Integer,
+        Values::Text(_) => Type::Text,
+        Values::Flag(_) => Type::Flag,
+    }
+}
+
+fn values(a: &ArrayRef) -> Option<Values> {
+    Some(match a.data_type() {
+        DataType::Float64 => Values::Float(a.as_primitive::<Float64Type>().iter().collect()),
+        DataType::Int64 => Values::Integer(a.as_primitive::<Int64Type>().iter().collect()),
+        DataType::Utf8 => Values::Text(a.as_string::<i32>().iter().map(|v| v.map(str::to_owned)).collect()),
+        DataType::Boolean => Values::Flag(a.as_boolean().iter().collect()),
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_survives_parquet_with_units_titles_and_nulls() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.parquet");
+        let columns = vec![
+            Column::text("mode", "the mode", [Some("a".to_owned()), None]),
+            Column::float("force_n", "N", "a force", [None, Some(2.0)]),
+            Column::integer("trial", "1", "number", [Some(1), Some(2)]),
+            Column::flag("wall_reached", "whether", [Some(true), None]),
+        ];
+        let table = Table::new("t", "Title", columns).unwrap().with_note("a note");
+        let bytes = table.to_parquet(&BTreeMap::new(), &path).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+        let again = Table::from_parquet(&path).unwrap();
+        assert_eq!(again.columns().unwrap(), table.columns().unwrap());
+        assert_eq!((again.title(), again.notes()), ("Title", ["a note".to_owned()].as_slice()));
+    }
+}

@@ -1,0 +1,176 @@
+//! Numbers as people read them: rounded by their uncertainty.
+
+/// Significant digits of an uncertainty (GUM, JCGM 100:2008, 7.2.6).
+const UNCERTAINTY_DIGITS: usize = 2;
+/// Significant digits of a number of unknown uncertainty.
+const PLAIN_DIGITS: usize = 4;
+/// From 10 to this power on, a number is shown with a power of ten.
+const LARGE: i32 = 6;
+/// A number whose last digit stands below 10 to this power is shown with a power of ten.
+const SMALL: i32 = -7;
+
+/// A rounded number: `mantissa × 10^exponent`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Decimal {
+    /// Digits with a point and an ASCII sign: `-12.30`.
+    pub(crate) mantissa: String,
+    /// The power of ten, where one is used.
+    pub(crate) exponent: Option<i32>,
+}
+
+impl Decimal {
+    fn new(mantissa: String, exponent: Option<i32>) -> Self {
+        let zero = !mantissa.contains(|c| matches!(c, '1'..='9'));
+        let mantissa = if zero { mantissa.trim_start_matches('-').to_owned() } else { mantissa };
+        Self { mantissa, exponent }
+    }
+
+    /// A whole number, all its digits.
+    pub(crate) fn integer(value: i64) -> Self {
+        Self { mantissa: value.to_string(), exponent: None }
+    }
+
+    /// For programs: `-1.23e-7`.
+    pub(crate) fn ascii(&self) -> String {
+        self.exponent.map_or_else(|| self.mantissa.clone(), |e| format!("{}e{e}", self.mantissa))
+    }
+
+    /// For people: `−1.23 × 10⁻⁷`, with spaces that do not break.
+    pub(crate) fn typeset(&self) -> String {
+        let mantissa = self.mantissa.replace('-', "−");
+        self.exponent.map_or_else(|| mantissa.clone(), |e| format!("{mantissa}\u{a0}×\u{a0}10{}", raised(e)))
+    }
+}
+
+fn raised(exponent: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raise = |c: char| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize]);
+    exponent.to_string().chars().map(raise).collect()
+}
+
+/// `value` to the digits its `uncertainty` allows (same unit), or to four where that is not known or zero.
+pub(crate) fn rounded(value: f64, uncertainty: Option<f64>) -> Decimal {
+    match uncertainty.filter(|u| *u > 0.0) {
+        Some(u) => at_place(value, last_place(u, UNCERTAINTY_DIGITS)),
+        None => without_uncertainty(value),
+    }
+}
+
+fn without_uncertainty(value: f64) -> Decimal {
+    let place = last_place(value, PLAIN_DIGITS);
+    let whole = leading_power(value, PLAIN_DIGITS) < LARGE;
+    let shown = at_place(value, if whole { place.min(0) } else { place });
+    let is_exact = shown.ascii().parse::<f64>().is_ok_and(|v| v.total_cmp(&(value + 0.0)).is_eq());
+    if is_exact && shown.mantissa.contains('.') {
+        let mantissa = shown.mantissa.trim_end_matches('0').trim_end_matches('.');
+        return Decimal::new(mantissa.to_owned(), shown.exponent);
+    }
+    shown
+}
+
+/// The power of ten of the last of `digits` significant digits.
+fn last_place(value: f64, digits: usize) -> i32 {
+    leading_power(value, digits) - digits as i32 + 1
+}
+
+/// The power of ten of the first digit of `value`, once it is rounded to `digits`; 0 for 0.
+fn leading_power(value: f64, digits: usize) -> i32 {
+    power_of(&format!("{value:.*e}", digits - 1))
+}
+
+fn power_of(scientific: &str) -> i32 {
+    scientific.rsplit('e').next().and_then(|power| power.parse().ok()).unwrap_or(0)
+}
+
+/// `value` rounded to a multiple of 10^place (ties of the exact binary value to even).
+fn at_place(value: f64, place: i32) -> Decimal {
+    let digits = usize::try_from(floor_power(value) - place + 1).unwrap_or(0);
+    let power = if digits == 0 { place } else { leading_power(value, digits) };
+    if place >= SMALL && power < LARGE {
+        return Decimal::new(plain(value, place), None);
+    }
+    if digits == 0 || value.abs() <= 0.0 {
+        return Decimal::new("0".to_owned(), None);
+    }
+    let text = format!("{value:.*e}", power.abs_diff(place) as usize);
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    Decimal::new(mantissa.to_owned(), exponent.parse().ok())
+}
+
+/// The power of ten of the first digit of `value` as it is; 0 for 0.
+fn floor_power(value: f64) -> i32 {
+    power_of(&format!("{value:e}"))
+}
+
+fn plain(value: f64, place: i32) -> String {
+    if place <= 0 {
+        return format!("{value:.*}", place.unsigned_abs() as usize);
+    }
+    let step = 10_i32.pow(place.unsigned_abs());
+    format!("{:.0}", (value / f64::from(step)).round_ties_even() * f64::from(step))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(value: f64, uncertainty: Option<f64>, expect: &str) {
+        assert_eq!(rounded(value, uncertainty).ascii(), expect, "{value} ± {uncertainty:?}");
+    }
+
+    #[test]
+    fn two_digits_of_the_uncertainty_decide() {
+        check(0.276_543, Some(0.012_34), "0.277");
+        check(0.012_34, Some(0.012_34), "0.012");
+        check(5.0, Some(0.25), "5.00");
+        check(5.38, Some(0.996), "5.4");
+        check(12_345.6, Some(234.0), "12350");
+        check(-0.001, Some(0.3), "0.00");
+        check(3.0, Some(2_000.0), "0");
+        check(1.234_567e-7, Some(2.1e-9), "1.235e-7");
+        check(2.1e-9, Some(2.1e-9), "2.1e-9");
+        check(1_234_567.0, Some(1_200.0), "1.2346e6");
+        check(1.0e-12, Some(1.0e-9), "0");
+    }
+
+    #[test]
+    fn an_uncertainty_that_rounds_up_a_power_of_ten_takes_its_digits_along() {
+        check(9.87, Some(0.099_9), "9.87");
+        check(0.099_9, Some(0.099_9), "0.10");
+    }
+
+    #[test]
+    fn without_an_uncertainty_there_are_four_digits() {
+        check(5.379_8, None, "5.380");
+        check(0.001_234_56, None, "0.001235");
+        check(12_345.6, None, "12346");
+        check(1.234_56e-5, None, "1.235e-5");
+        check(9_999_999.0, None, "1.000e7");
+        check(-1.5e300, None, "-1.5e300");
+        check(9.999_96, None, "10.00");
+        check(9.999_96e-9, None, "1.000e-8");
+        check(1e-321, Some(0.0), "9.98e-322");
+    }
+
+    #[test]
+    fn an_exact_number_has_no_trailing_zeros() {
+        check(0.1, None, "0.1");
+        check(2.0, None, "2");
+        check(1000.0, None, "1000");
+        check(1e9, None, "1e9");
+    }
+
+    #[test]
+    fn zero_has_no_sign() {
+        check(0.0, None, "0");
+        check(-0.0, None, "0");
+        check(-0.0, Some(0.01), "0.000");
+        check(-0.0, Some(1e-12), "0");
+    }
+
+    #[test]
+    fn people_read_a_real_minus_and_a_raised_power() {
+        assert_eq!(rounded(-1.234_56e-10, None).typeset(), "−1.235\u{a0}×\u{a0}10⁻¹⁰");
+        assert_eq!(Decimal::integer(-3).typeset(), "−3");
+    }
+}

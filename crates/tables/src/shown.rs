@@ -1,0 +1,171 @@
+//! A table as people see it, before any format: headings and rounded cells.
+
+use crate::heading::{Part, bracketed, quantity, words};
+use crate::rounding::{Decimal, rounded};
+use crate::{Column, Field, Table, TableError, Values};
+
+/// What stands where there is no value.
+pub(crate) const MISSING: &str = "–";
+
+/// One cell.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Cell {
+    Missing,
+    Text(String),
+    Number(Decimal),
+}
+
+impl Cell {
+    /// The cell in Unicode, not yet escaped.
+    pub(crate) fn typeset(&self) -> String {
+        match self {
+            Self::Missing => MISSING.to_owned(),
+            Self::Text(text) => text.clone(),
+            Self::Number(number) => number.typeset(),
+        }
+    }
+}
+
+/// One column.
+#[derive(Debug, Clone)]
+pub(crate) struct Shown {
+    pub(crate) words: String,
+    /// The unit in brackets, unless it is 1.
+    pub(crate) unit: Option<String>,
+    pub(crate) description: String,
+    /// Whether its cells are numbers.
+    pub(crate) numeric: bool,
+    pub(crate) cells: Vec<Cell>,
+}
+
+impl Shown {
+    /// Words and unit.
+    pub(crate) fn heading(&self) -> String {
+        self.unit.as_ref().map_or_else(|| self.words.clone(), |unit| format!("{} {unit}", self.words))
+    }
+}
+
+/// The columns of a table, rounded.
+pub(crate) fn shown(table: &Table) -> Result<Vec<Shown>, TableError> {
+    let columns = table.columns()?;
+    Ok(columns.iter().map(|c| show(c, &columns)).collect())
+}
+
+/// The rows of columns: one cell from each.
+pub(crate) fn rows(columns: &[Shown]) -> impl Iterator<Item = Vec<&Cell>> {
+    let height = columns.first().map_or(0, |c| c.cells.len());
+    (0..height).map(|row| columns.iter().filter_map(|c| c.cells.get(row)).collect())
+}
+
+/// One line, without control signs: what a cell, a title or a note can hold in any format.
+pub(crate) fn one_line(text: &str) -> String {
+    let spaced: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    spaced.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn show(column: &Column, all: &[Column]) -> Shown {
+    let field = &column.field;
+    let cells = match &column.values {
+        Values::Float(values) => numbers(values, &uncertainties(field, all)),
+        Values::Integer(values) => cells(values, |v| Cell::Number(Decimal::integer(*v))),
+        Values::Text(values) => cells(values, |v| Cell::Text(one_line(v))),
+        Values::Flag(values) => cells(values, |v| Cell::Text(if *v { "yes" } else { "no" }.to_owned())),
+    };
+    Shown {
+        words: words(field),
+        unit: bracketed(field),
+        description: field.description.to_string(),
+        numeric: matches!(column.values, Values::Float(_) | Values::Integer(_)),
+        cells,
+    }
+}
+
+fn cells<T>(values: &[Option<T>], cell: impl Fn(&T) -> Cell) -> Vec<Cell> {
+    values.iter().map(|v| v.as_ref().map_or(Cell::Missing, &cell)).collect()
+}
+
+fn numbers(values: &[Option<f64>], uncertainties: &[Option<f64>]) -> Vec<Cell> {
+    let number = |(i, v): (usize, &Option<f64>)| {
+        let uncertainty = uncertainties.get(i).copied().flatten();
+        v.map_or(Cell::Missing, |v| Cell::Number(rounded(v, uncertainty)))
+    };
+    values.iter().enumerate().map(number).collect()
+}
+
+/// Row by row, the uncertainty of the quantity that `field` is part of: its standard error, or else half
+/// its interval.
+fn uncertainties(field: &Field, all: &[Column]) -> Vec<Option<f64>> {
+    let part = |part| sibling(field, part, all);
+    let std_errors = part(Part::StdError);
+    let (low, high) = (part(Part::CiLow), part(Part::CiHigh));
+    let height = std_errors.len().max(low.len());
+    let at = |values: &[Option<f64>], row: usize| values.get(row).copied().flatten();
+    let uncertainty = |row| {
+        let half = || Some((at(high, row)? - at(low, row)?).abs() / 2.0);
+        at(std_errors, row).filter(|u| *u > 0.0).or_else(half)
+    };
+    (0..height).map(uncertainty).collect()
+}
+
+/// The column that plays `part` in the quantity of `field`; empty where there is none.
+fn sibling<'a>(field: &Field, part: Part, all: &'a [Column]) -> &'a [Option<f64>] {
+    let wanted = (quantity(field).0, part);
+    let found = all.iter().find(|c| c.field.unit == field.unit && quantity(&c.field) == wanted);
+    match found.map(|c| &c.values) {
+        Some(Values::Float(values)) => values,
+        _ => &[],
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A small table with all there is: numbers with an uncertainty, nulls, signs that every format must
+    /// escape, a note.
+    pub(crate) fn sample() -> Table {
+        let columns = vec![
+            Column::text("mode", "the mode", [Some("a|b & <c>".to_owned()), None]),
+            Column::integer("trial", "1", "its number", [Some(-3), Some(12)]),
+            Column::float("slope_n_per_rad", "N/rad", "the slope", [Some(-4.1234), Some(5.0)]),
+            Column::float("slope_std_error_n_per_rad", "N/rad", "its error", [Some(0.0321), None]),
+            Column::flag("wall_reached", "whether", [Some(true), None]),
+        ];
+        Table::new("spring_rendering", "Slope, 100 %", columns).unwrap().with_note("Unit: one_trial.")
+    }
+
+    fn texts(table: &Table, column: usize) -> Vec<String> {
+        shown(table).unwrap()[column].cells.iter().map(Cell::typeset).collect()
+    }
+
+    #[test]
+    fn an_estimate_is_rounded_by_its_standard_error_row_by_row() {
+        assert_eq!(texts(&sample(), 2), ["−4.123", "5"]);
+        assert_eq!(texts(&sample(), 3), ["0.032", "–"]);
+    }
+
+    #[test]
+    fn an_interval_rounds_where_there_is_no_standard_error() {
+        let columns = vec![
+            Column::float("estimate", "1", "", [Some(1.234_56)]),
+            Column::float("ci_low", "1", "", [Some(1.0)]),
+            Column::float("ci_high", "1", "", [Some(1.5)]),
+        ];
+        let table = Table::new("t", "", columns).unwrap();
+        assert_eq!([0, 1, 2].map(|c| texts(&table, c).remove(0)), ["1.23", "1.00", "1.50"]);
+    }
+
+    #[test]
+    fn a_standard_error_of_another_unit_is_of_another_quantity() {
+        let columns = vec![
+            Column::float("slope_n_per_rad", "N/rad", "", [Some(1.234_56)]),
+            Column::float("slope_std_error_n_per_mm", "N/mm", "", [Some(0.1)]),
+        ];
+        assert_eq!(texts(&Table::new("t", "", columns).unwrap(), 0), ["1.235"]);
+    }
+
+    #[test]
+    fn a_line_break_or_a_control_sign_becomes_a_space() {
+        assert_eq!(one_line(" a\r\nb\u{0}c\t d "), "a b c d");
+    }
+}

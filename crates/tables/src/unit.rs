@@ -1,0 +1,124 @@
+//! Units as texts: their suffix in a column's name, and what they become on a screen.
+
+use zwidth_study::Coordinate;
+
+/// Millimetres in a metre, and any other thousandth in a unit.
+const MILLI: f64 = 1000.0;
+
+/// Numerators of a stiffness, a damping and a mass: per radian in files, per millimetre of x = L θ in a
+/// linear study. A numerator with a torque in it has no such reading and stays per radian.
+const PER_ANGLE: [&str; 3] = ["N", "N·s", "N·s²"];
+
+/// What a value must be multiplied by to be in another unit.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Conversion {
+    pub(crate) unit: String,
+    pub(crate) factor: f64,
+}
+
+/// The unit in which people read `unit`, where it is another one.
+///
+/// Rotational: rad… → °…; N/rad stays (the study's own word for stiffness). Linear, with x = L θ:
+/// rad… → mm…, factor 1000 L; N/rad → N/mm, factor 1 / (1000 L); so too N·s/rad and N·s²/rad.
+pub(crate) fn for_people(unit: &str, coordinate: Coordinate) -> Option<Conversion> {
+    let rest = unit.strip_prefix("rad").filter(|rest| rest.is_empty() || rest.starts_with('/'));
+    let per_angle = unit.strip_suffix("/rad").filter(|numerator| PER_ANGLE.contains(numerator));
+    match (coordinate, rest, per_angle) {
+        (Coordinate::Rotational, Some(rest), _) => {
+            Some(Conversion { unit: format!("°{rest}"), factor: 1_f64.to_degrees() })
+        }
+        (Coordinate::Linear { lever_m }, Some(rest), _) => {
+            Some(Conversion { unit: format!("mm{rest}"), factor: MILLI * lever_m })
+        }
+        (Coordinate::Linear { lever_m }, _, Some(numerator)) => {
+            Some(Conversion { unit: format!("{numerator}/mm"), factor: 1.0 / (MILLI * lever_m) })
+        }
+        _ => None,
+    }
+}
+
+/// N·m as mN·m.
+pub(crate) fn small_torque() -> Conversion {
+    Conversion { unit: "mN·m".to_owned(), factor: MILLI }
+}
+
+/// The suffixes by which a name may carry its unit, the longest first; none for the unit `1`. The product
+/// sign may be left out or be an underscore: `N·m·s/rad` is `nms_per_rad` or `nm_s_per_rad`.
+pub(crate) fn suffixes(unit: &str) -> Vec<String> {
+    if unit == "1" || unit.is_empty() {
+        return Vec::new();
+    }
+    let product = |solidus| ["_", ""].map(|dot| format!("_{}", slug(unit, solidus, dot)));
+    let mut suffixes: Vec<String> = ["_per_", "_"].into_iter().flat_map(product).collect();
+    // Newton metres are one word in every compound.
+    let metres: Vec<String> = suffixes.iter().map(|s| s.replace("_n_m", "_nm")).collect();
+    suffixes.extend(metres);
+    suffixes.sort_by_key(|s| std::cmp::Reverse(s.len()));
+    suffixes.dedup();
+    suffixes
+}
+
+fn slug(unit: &str, solidus: &str, dot: &str) -> String {
+    let mut slug = String::new();
+    for letter in unit.chars() {
+        match letter {
+            '/' => slug.push_str(solidus),
+            '·' => slug.push_str(dot),
+            ' ' => {}
+            '²' => slug.push('2'),
+            '³' => slug.push('3'),
+            '°' => slug.push_str("deg"),
+            'µ' | 'μ' => slug.push('u'),
+            'Ω' => slug.push_str("ohm"),
+            '%' => slug.push_str("percent"),
+            other => slug.extend(other.to_lowercase()),
+        }
+    }
+    slug
+}
+
+/// `name` without the suffix of `unit`, and that suffix's place in [`suffixes`]; the whole name where it
+/// carries none.
+pub(crate) fn stem<'a>(name: &'a str, unit: &str) -> (&'a str, Option<usize>) {
+    let found =
+        suffixes(unit).iter().enumerate().find_map(|(i, s)| Some((name.strip_suffix(s.as_str())?, i)));
+    found.map_or((name, None), |(stem, i)| (stem, Some(i)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_ends_in_its_unit() {
+        for (name, unit, expect) in [
+            ("theta_max_rad", "rad", "theta_max"),
+            ("theta_dot_rad_s", "rad/s", "theta_dot"),
+            ("theta_ddot_rad_s2", "rad/s²", "theta_ddot"),
+            ("slope_std_error_n_per_rad", "N/rad", "slope_std_error"),
+            ("damping_ns_per_rad", "N·s/rad", "damping"),
+            ("torque_ex_nm", "N·m", "torque_ex"),
+            ("inertia_kg_m2", "kg·m²", "inertia"),
+            ("damping_std_error_nm_s_per_rad", "N·m·s/rad", "damping_std_error"),
+            ("wall_impulse_n_s", "N·s", "wall_impulse"),
+            ("x_mm", "mm", "x"),
+            ("share_percent", "%", "share"),
+            ("r2", "1", "r2"),
+            ("command", "V", "command"),
+            ("n", "N", "n"),
+        ] {
+            assert_eq!(stem(name, unit).0, expect, "{name} {unit}");
+        }
+    }
+
+    #[test]
+    fn units_without_an_angle_are_left_alone() {
+        for unit in ["1", "N", "J", "s", "N·m", "kg·m²", "radius"] {
+            for coordinate in [Coordinate::Rotational, Coordinate::Linear { lever_m: 0.1 }] {
+                assert_eq!(for_people(unit, coordinate), None, "{unit}");
+            }
+        }
+        assert_eq!(for_people("N·m/rad", Coordinate::Linear { lever_m: 0.1 }), None);
+        assert_eq!(for_people("N/rad", Coordinate::Rotational), None);
+    }
+}
