@@ -1,0 +1,304 @@
+//! The average of one condition's repeats.
+
+use crate::align::{Aligned, average_length_s, check_lengths, grid};
+use crate::{AverageError, WhyNot};
+use zwidth_stats::band::{Band, band};
+use zwidth_store::{Signal, Trial};
+use zwidth_study::{Condition, ParticipantId, Scene, SessionId, Source, Study};
+
+/// A quantity that is averaged: the signal, and how its columns are called.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Quantity {
+    /// The signal.
+    pub signal: Signal,
+    /// What the columns' names begin with.
+    pub stem: &'static str,
+    /// The unit as it ends the columns' names.
+    pub suffix: &'static str,
+}
+
+const fn quantity(signal: Signal, stem: &'static str, suffix: &'static str) -> Quantity {
+    Quantity { signal, stem, suffix }
+}
+
+/// Everything that is averaged, in the order of the columns.
+pub const QUANTITIES: [Quantity; 5] = [
+    quantity(Signal::Theta, "theta", "rad"),
+    quantity(Signal::ThetaDot, "theta_dot", "rad_s"),
+    quantity(Signal::ForceEx, "force_ex", "n"),
+    quantity(Signal::TorqueEx, "torque_ex", "nm"),
+    quantity(Signal::ForceCmd, "force_cmd", "n"),
+];
+
+/// One repeat that entered the average.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Repeat {
+    /// Its trial's number.
+    pub trial: u32,
+    /// Which repeat of the condition it is.
+    pub repeat: u32,
+    /// Its onset on its own clock, s: where the average's t = 0 lies.
+    pub onset_s: f64,
+    /// Onset to last sample, s.
+    pub length_s: f64,
+}
+
+/// One repeat that did not enter the average.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Its trial's number.
+    pub trial: u32,
+    /// Why.
+    pub why: WhyNot,
+}
+
+/// A quantity over the grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    /// Which quantity.
+    pub quantity: Quantity,
+    /// Each repeat on the grid, in the order of [`Average::repeats`]; null where it has ended.
+    pub repeats: Vec<Vec<Option<f64>>>,
+    /// Their mean, SD and band.
+    pub band: Band,
+}
+
+/// The mean course of one condition's repeats by one participant in one session.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Average {
+    /// Who.
+    pub participant: ParticipantId,
+    /// In which session.
+    pub session: SessionId,
+    /// The condition.
+    pub condition: Condition,
+    /// Where the numbers come from: `twin` if any repeat does, else as the first.
+    pub source: Source,
+    /// The grid: time since onset, s.
+    pub t_s: Vec<f64>,
+    /// Repeats that reach each time.
+    pub n: Vec<usize>,
+    /// The repeats averaged.
+    pub repeats: Vec<Repeat>,
+    /// The repeats that could not be.
+    pub left_out: Vec<LeftOut>,
+    /// Each quantity that all repeats have.
+    pub courses: Vec<Course>,
+}
+
+impl Average {
+    /// In words: that the average ends before the longest repeat does, and which trials are not in it.
+    pub fn notes(&self) -> Vec<String> {
+        let longest = self.repeats.iter().map(|r| r.length_s).fold(0.0, f64::max);
+        let end = self.t_s.last().copied().unwrap_or(0.0);
+        let total = self.repeats.len();
+        let name = format!(
+            "{} {} {} {}",
+            self.participant, self.session, self.condition.environment, self.condition.mode
+        );
+        let ended = (end < longest).then(|| {
+            format!("{name}: the average ends at {end:.3} s; after that fewer than half of the {total} repeats remain.")
+        });
+        let left_out =
+            self.left_out.iter().map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
+        ended.into_iter().chain(left_out).collect()
+    }
+}
+
+/// The mean course of `trials`: the repeats of one condition by one participant in one session, in any number.
+///
+/// A repeat that cannot be placed (no velocity, no movement) is left out and listed; the result says so.
+///
+/// # Errors
+/// [`AverageError::WhyNot`] where there is no average and no fault: free motion, or no repeat that can be placed
+/// (the first one's reason). Otherwise: no trial, trials of different conditions, an environment that is not in the
+/// study, columns of unequal length.
+pub fn average(trials: &[Trial], study: &Study) -> Result<Average, AverageError> {
+    let first = trials.first().ok_or(AverageError::Empty)?;
+    check_together(trials)?;
+    check_scene(first, study)?;
+    let (aligned, left_out) = align(trials, study)?;
+    let points = study.analysis.grid_points;
+    if points < 2 {
+        return Err(AverageError::Grid { points });
+    }
+    let t_s = grid(average_length_s(aligned.iter().map(Aligned::length_s).collect()), points);
+    let count = |t: &f64| aligned.iter().filter(|a| a.length_s() >= *t).count();
+    let twin = trials.iter().any(|t| t.meta.source == Source::Twin);
+    Ok(Average {
+        participant: first.meta.participant.clone(),
+        session: first.meta.session.clone(),
+        condition: first.meta.condition(),
+        source: if twin { Source::Twin } else { first.meta.source },
+        n: t_s.iter().map(count).collect(),
+        courses: courses(&aligned, &t_s, study.analysis.confidence)?,
+        repeats: aligned.iter().map(repeat).collect(),
+        left_out,
+        t_s,
+    })
+}
+
+fn check_together(trials: &[Trial]) -> Result<(), AverageError> {
+    let key = |t: &Trial| (t.meta.participant.clone(), t.meta.session.clone(), t.meta.condition());
+    match trials.iter().find(|t| key(t) != key(&trials[0])) {
+        Some(other) => Err(AverageError::Mixed { trial: other.meta.trial }),
+        None => trials.iter().try_for_each(check_lengths),
+    }
+}
+
+fn check_scene(trial: &Trial, study: &Study) -> Result<(), AverageError> {
+    let id = &trial.meta.environment;
+    let unknown = || AverageError::UnknownEnvironment { environment: id.clone() };
+    match study.environment(id).ok_or_else(unknown)?.scene {
+        Scene::Free => Err(WhyNot::FreeMotion.into()),
+        Scene::None => Err(WhyNot::NothingRendered.into()),
+        Scene::Spring(_) | Scene::SpringWall { .. } => Ok(()),
+    }
+}
+
+/// The repeats that can be placed, and those that cannot. If none can: the first one's reason.
+fn align<'a>(trials: &'a [Trial], study: &Study) -> Result<(Vec<Aligned<'a>>, Vec<LeftOut>), WhyNot> {
+    let (mut aligned, mut left_out) = (Vec::new(), Vec::new());
+    for trial in trials {
+        match Aligned::new(trial, &study.analysis) {
+            Ok(repeat) => aligned.push(repeat),
+            Err(why) => left_out.push(LeftOut { trial: trial.meta.trial, why }),
+        }
+    }
+    match (aligned.is_empty(), left_out.first()) {
+        (true, Some(first)) => Err(first.why.clone()),
+        _ => Ok((aligned, left_out)),
+    }
+}
+
+fn repeat(aligned: &Aligned) -> Repeat {
+    let meta = &aligned.trial().meta;
+    Repeat { trial: meta.trial, repeat: meta.repeat, onset_s: aligned.onset_s, length_s: aligned.length_s() }
+}
+
+fn courses(aligned: &[Aligned], t_s: &[f64], level: f64) -> Result<Vec<Course>, AverageError> {
+    let mut courses = Vec::new();
+    for quantity in QUANTITIES {
+        let rows: Option<Vec<_>> = aligned.iter().map(|a| a.on_grid(quantity.signal, t_s)).collect();
+        let Some(repeats) = rows else { continue };
+        courses.push(Course { quantity, band: band(&repeats, level)?, repeats });
+    }
+    Ok(courses)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{RATE_HZ, repeat, study};
+
+    fn course(average: &Average, signal: Signal) -> &Course {
+        average.courses.iter().find(|c| c.quantity.signal == signal).unwrap()
+    }
+
+    #[test]
+    fn repeats_that_start_at_different_times_meet_at_their_onset() {
+        let trials = [repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.8, 1.0, 3.5), repeat(3, 0.5, 1.0, 3.2)];
+        let found = average(&trials, &study()).unwrap();
+        let theta = course(&found, Signal::Theta);
+        // the same movement, shifted by whole samples: no spread beyond the rounding of t − onset
+        assert!(theta.band.sd.iter().all(|sd| sd.unwrap() < 1e-12));
+        assert_eq!(found.n, vec![3; study().analysis.grid_points]);
+        let onsets: Vec<f64> = found.repeats.iter().map(|r| r.onset_s).collect();
+        assert!((onsets[1] - onsets[0] - 0.5).abs() < 1e-12);
+    }
+
+    /// Three repeats scaled 0.9, 1.0, 1.1: mean 1, SD 0.1, half width t(0.975, 2) 0.1 / √3, of θ − rest.
+    #[test]
+    fn mean_sd_and_band_are_those_of_the_repeats_at_each_time() {
+        let trials = [repeat(1, 0.3, 0.9, 3.0), repeat(2, 0.3, 1.0, 3.0), repeat(3, 0.3, 1.1, 3.0)];
+        let mut study = study();
+        study.analysis.onset_rad_s = 1e-9; // all three begin at the same sample
+        let found = average(&trials, &study).unwrap();
+        let force = course(&found, Signal::ForceEx);
+        let unit = &force.repeats[1];
+        let half = 4.302652729749462 * 0.1 / 3_f64.sqrt(); // scipy.stats.t.ppf(0.975, 2)
+        for (i, unit) in unit.iter().enumerate() {
+            let u = unit.unwrap();
+            assert!((force.band.mean[i].unwrap() - u).abs() < 1e-12);
+            assert!((force.band.sd[i].unwrap() - 0.1 * u.abs()).abs() < 1e-12);
+            assert!((force.band.ci_high[i].unwrap() - u - half * u.abs()).abs() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn the_average_ends_where_fewer_than_half_remain_and_says_so() {
+        let lengths = [3.0, 3.5, 4.0, 2.9, 2.8];
+        let trials: Vec<_> = (1..).zip(lengths).map(|(i, s)| repeat(i, 0.3, 1.0, s)).collect();
+        let found = average(&trials, &study()).unwrap();
+        let third_longest = found.repeats[0].length_s;
+        assert_eq!(found.t_s.last(), Some(&third_longest));
+        assert_eq!((found.n[0], found.n.last()), (5, Some(&3)));
+        assert!(found.notes()[0].contains("fewer than half of the 5 repeats"), "{:?}", found.notes());
+        let even = average(&[repeat(1, 0.3, 1.0, 3.0)], &study()).unwrap();
+        assert!(even.notes().is_empty());
+    }
+
+    #[test]
+    fn one_repeat_has_a_mean_and_no_band() {
+        let found = average(&[repeat(1, 0.3, 1.0, 3.0)], &study()).unwrap();
+        let theta = course(&found, Signal::Theta);
+        assert!(theta.band.mean.iter().all(Option::is_some));
+        assert!(theta.band.sd.iter().chain(&theta.band.ci_low).all(Option::is_none));
+    }
+
+    #[test]
+    fn a_quantity_that_one_repeat_lacks_is_left_out() {
+        let mut trials = [repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 1.0, 3.0)];
+        let samples = trials[0].samples.len();
+        trials[0].samples.set(Signal::ForceCmd, vec![0.0; samples]);
+        let found = average(&trials, &study()).unwrap();
+        let signals: Vec<_> = found.courses.iter().map(|c| c.quantity.signal).collect();
+        assert_eq!(signals, [Signal::Theta, Signal::ThetaDot, Signal::ForceEx]);
+    }
+
+    #[test]
+    fn a_repeat_without_movement_is_left_out_and_named() {
+        let trials = [repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 0.0, 3.0)];
+        let found = average(&trials, &study()).unwrap();
+        assert_eq!(found.left_out, [LeftOut { trial: 2, why: WhyNot::NoMovement }]);
+        assert_eq!(found.n[0], 1);
+        assert!(found.notes()[0].contains("trial 2 is not averaged"), "{:?}", found.notes());
+    }
+
+    fn check_reason(change: impl FnOnce(&mut Trial, &mut Study), expect: AverageError) {
+        let (mut trial, mut study) = (repeat(1, 0.3, 1.0, 3.0), study());
+        change(&mut trial, &mut study);
+        assert_eq!(average(&[trial], &study), Err(expect));
+    }
+
+    fn keep(trial: &mut Trial, signals: &[Signal]) {
+        let mut samples = zwidth_store::Samples::default();
+        for &signal in signals {
+            samples.set(signal, trial.samples.get(signal).unwrap().to_vec());
+        }
+        trial.samples = samples;
+    }
+
+    #[test]
+    fn where_there_is_no_average_there_is_a_reason() {
+        check_reason(|_, s| s.environments[0].scene = Scene::Free, WhyNot::FreeMotion.into());
+        check_reason(|_, s| s.environments[0].scene = Scene::None, WhyNot::NothingRendered.into());
+        check_reason(|t, _| keep(t, &[Signal::Time, Signal::ThetaDot]), WhyNot::NoAngle.into());
+        check_reason(|t, _| keep(t, &[Signal::Time, Signal::Theta]), WhyNot::NoVelocity.into());
+        check_reason(|_, s| s.analysis.onset_rad_s = 1e9, WhyNot::NoMovement.into());
+        assert!(WhyNot::NoAngle.to_string().starts_with("no angle was recorded"));
+    }
+
+    #[test]
+    fn requests_that_make_no_sense_are_refused() {
+        assert_eq!(average(&[], &study()), Err(AverageError::Empty));
+        let mut other = repeat(2, 0.3, 1.0, 3.0);
+        other.meta.session = SessionId::new("S02").unwrap();
+        let mixed = average(&[repeat(1, 0.3, 1.0, 3.0), other], &study());
+        assert_eq!(mixed, Err(AverageError::Mixed { trial: 2 }));
+        check_reason(|_, s| s.analysis.grid_points = 1, AverageError::Grid { points: 1 });
+        let found = (3.0 * RATE_HZ) as usize + 1;
+        let ragged = AverageError::Ragged { trial: 1, column: "force_ex_n", expected: found, found: 1 };
+        check_reason(|t, _| t.samples.set(Signal::ForceEx, vec![0.0]), ragged);
+    }
+}

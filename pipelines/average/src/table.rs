@@ -1,0 +1,132 @@
+//! Averages as tables: SI units, one row a point of the grid.
+
+use crate::average::{Average, Course, QUANTITIES, Quantity};
+use std::borrow::Cow;
+use zwidth_stats::band::Band;
+use zwidth_tables::{Column, Table, TableError};
+
+/// The four columns of a quantity: what stands between stem and unit in the name, the meaning, the values.
+type Part = (&'static str, &'static str, fn(&Band) -> &[Option<f64>]);
+
+const PARTS: [Part; 4] = [
+    ("mean", "mean of the repeats", |b| &b.mean),
+    ("sd", "standard deviation of the repeats", |b| &b.sd),
+    ("ci_low", "lower end of the mean's pointwise t interval", |b| &b.ci_low),
+    ("ci_high", "upper end of the mean's pointwise t interval", |b| &b.ci_high),
+];
+
+/// One row a point of time of each average: participant, session, environment, mode, source, `t_s` since onset, `n`
+/// repeats, and mean, SD and band of each quantity (null where not every repeat has it). Notes say where an
+/// average ends early and which trials are not in it.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn table(averages: &[Average]) -> Result<Table, TableError> {
+    let rows = || averages.iter().flat_map(|a| (0..a.t_s.len()).map(move |i| (a, i)));
+    let mut columns = identity(rows);
+    columns.push(Column::float("t_s", "s", "time since movement onset", rows().map(|(a, i)| Some(a.t_s[i]))));
+    let n = rows().map(|(a, i)| Some(a.n[i] as i64));
+    columns.push(Column::integer("n", "1", "repeats averaged at this time", n));
+    for quantity in QUANTITIES {
+        for (part, meaning, values) in PARTS {
+            let value = |(a, i): (&Average, usize)| values(&course(a, quantity)?.band)[i];
+            let name = format!("{}_{part}_{}", quantity.stem, quantity.suffix);
+            let description = format!("{}: {meaning}", quantity.signal.column().description);
+            columns.push(renamed(quantity, name, description, rows().map(value).collect()));
+        }
+    }
+    let table = Table::new("average", "Mean of the repeats, aligned at movement onset", columns)?;
+    Ok(averages.iter().flat_map(Average::notes).fold(table, Table::with_note))
+}
+
+/// The repeats themselves on the grid of their average, one row a repeat and point of time: for drawing every repeat
+/// behind the mean. Null where a repeat has ended. Columns: as [`table`], with `trial`, `repeat` and the quantities.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn repeats_table(averages: &[Average]) -> Result<Table, TableError> {
+    let repeats = || averages.iter().flat_map(|a| (0..a.repeats.len()).map(move |r| (a, r)));
+    let rows = || repeats().flat_map(|(a, r)| (0..a.t_s.len()).map(move |i| (a, r, i)));
+    let mut columns = identity(|| rows().map(|(a, _, i)| (a, i)));
+    let number = |name, meaning, get: fn(&crate::Repeat) -> u32| {
+        Column::integer(name, "1", meaning, rows().map(move |(a, r, _)| Some(i64::from(get(&a.repeats[r])))))
+    };
+    columns.push(number("trial", "number within the session", |r| r.trial));
+    columns.push(number("repeat", "repeat of the condition", |r| r.repeat));
+    columns.push(Column::float(
+        "t_s",
+        "s",
+        "time since movement onset",
+        rows().map(|(a, _, i)| Some(a.t_s[i])),
+    ));
+    for quantity in QUANTITIES {
+        let value = |(a, r, i): (&Average, usize, usize)| course(a, quantity)?.repeats[r][i];
+        let column = quantity.signal.column();
+        let (name, description) = (column.name.to_owned(), column.description.to_owned());
+        columns.push(renamed(quantity, name, description, rows().map(value).collect()));
+    }
+    Table::new("repeats", "Every repeat, aligned at movement onset", columns)
+}
+
+fn course(average: &Average, quantity: Quantity) -> Option<&Course> {
+    average.courses.iter().find(|c| c.quantity == quantity)
+}
+
+fn identity<'a, I: Iterator<Item = (&'a Average, usize)>>(rows: impl Fn() -> I) -> Vec<Column> {
+    let text = |name, description, get: fn(&Average) -> &str| {
+        Column::text(name, description, rows().map(|(a, _)| Some(get(a).to_owned())))
+    };
+    vec![
+        text("participant", "participant's code", |a| a.participant.as_str()),
+        text("session", "session", |a| a.session.as_str()),
+        text("environment", "what was rendered", |a| a.condition.environment.as_str()),
+        text("mode", "how it was rendered", |a| a.condition.mode.as_str()),
+        text("source", "recorded, twin or imported", |a| a.source.as_str()),
+    ]
+}
+
+/// A column whose name and description are made here rather than written out.
+fn renamed(quantity: Quantity, name: String, description: String, values: Vec<Option<f64>>) -> Column {
+    let mut column = Column::float("", quantity.signal.column().unit, "", values);
+    column.field.name = Cow::Owned(name);
+    column.field.description = Cow::Owned(description);
+    column
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::average;
+    use crate::testing::{repeat, study};
+
+    fn averages() -> Vec<Average> {
+        let trials = [repeat(1, 0.3, 0.9, 3.0), repeat(2, 0.3, 1.1, 3.1), repeat(3, 0.3, 1.0, 3.4)];
+        vec![average(&trials, &study()).unwrap(), average(&trials[..1], &study()).unwrap()]
+    }
+
+    #[test]
+    fn means_of_conditions_stand_below_each_other_with_their_notes() {
+        let averages = averages();
+        let table = table(&averages).unwrap();
+        let points = study().analysis.grid_points;
+        assert_eq!(table.height(), 2 * points);
+        let mean = table.floats("theta_mean_rad").unwrap();
+        assert_eq!(mean[..points], averages[0].courses[0].band.mean);
+        assert!(table.floats("theta_ci_low_rad").unwrap()[points..].iter().all(Option::is_none));
+        assert!(table.floats("force_cmd_mean_n").unwrap().iter().all(Option::is_none));
+        assert_eq!(table.notes().len(), 1);
+        let field = table.fields().iter().find(|f| f.name == "theta_dot_sd_rad_s").unwrap();
+        assert_eq!(field.unit, "rad/s");
+    }
+
+    #[test]
+    fn every_repeat_lies_on_the_grid_of_its_mean() {
+        let averages = averages();
+        let table = repeats_table(&averages).unwrap();
+        let points = study().analysis.grid_points;
+        assert_eq!(table.height(), 4 * points);
+        let force = table.floats("force_ex_n").unwrap();
+        assert_eq!(force[points..2 * points], averages[0].courses[2].repeats[1]);
+        assert_eq!(table.integers("trial").unwrap()[2 * points], Some(3));
+    }
+}

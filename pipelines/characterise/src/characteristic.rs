@@ -1,0 +1,128 @@
+//! What is found: plain data, ready for a table.
+
+use crate::models::Quantity;
+use crate::verdict::Verdict;
+
+/// How to characterise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Bootstrap resamples; 0 gives no intervals.
+    pub resamples: usize,
+    /// Seed of the bootstrap: part of the result.
+    pub seed: u64,
+    /// Confidence level of all intervals, such as 0.95.
+    pub level: f64,
+    /// Unit of the command, for parameters and verdicts.
+    pub command_unit: String,
+    /// Unit of the response.
+    pub response_unit: String,
+}
+
+/// What is left out in cross-validation, and drawn in the bootstrap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Grouping {
+    /// Whole sweeps.
+    Sweep,
+    /// Contiguous blocks of the only sweep.
+    Block,
+}
+
+impl Grouping {
+    /// `sweep` or `block`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sweep => "sweep",
+            Self::Block => "block",
+        }
+    }
+}
+
+/// What an actuator or sensor does with its command.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Characteristic {
+    /// Sweeps with samples in them.
+    pub sweeps: usize,
+    /// Samples in all sweeps.
+    pub points: usize,
+    /// Lowest command.
+    pub command_min: f64,
+    /// Highest command.
+    pub command_max: f64,
+    /// Scatter that no curve explains, unit of the response: pooled standard deviation of the response about
+    /// local straight lines over the command, one for each run of five neighbouring samples of a sweep
+    /// (√(Σ rss / Σ df)). `None` without a degree of freedom.
+    pub noise: Option<f64>,
+    /// Whether sweeps or blocks were left out and drawn.
+    pub grouping: Grouping,
+    /// How many of them were left out in turn.
+    pub folds: usize,
+    /// Every candidate, simplest first.
+    pub candidates: Vec<Candidate>,
+    /// Index of the chosen one in `candidates`.
+    pub chosen: usize,
+    /// Why it was chosen, in one sentence.
+    pub reason: String,
+}
+
+/// One candidate on these sweeps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Name of the model, as in [`crate::models::Model::name`].
+    pub name: &'static str,
+    /// Its equation.
+    pub formula: &'static str,
+    /// Number of parameters.
+    pub complexity: usize,
+    /// The parameters, in the model's order; empty if it could not be fitted.
+    pub parameters: Vec<Parameter>,
+    /// How good the fit is; `None` if it could not be fitted.
+    pub quality: Option<Quality>,
+    /// Chosen or not.
+    pub verdict: Verdict,
+    /// The verdict with its reason, in words.
+    pub verdict_text: String,
+    /// The parameters on each resample that could be fitted, in the model's order: what bands are drawn from.
+    pub resampled: Vec<Vec<f64>>,
+}
+
+/// A parameter with its bootstrap interval.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Its symbol in the formula.
+    pub name: &'static str,
+    /// What it stands for.
+    pub quantity: Quantity,
+    /// Its unit; empty for a pure number.
+    pub unit: String,
+    /// Least-squares estimate.
+    pub estimate: f64,
+    /// Standard deviation over the resamples; `None` with fewer than two.
+    pub std_error: Option<f64>,
+    /// Lower end of the percentile interval.
+    pub ci_low: Option<f64>,
+    /// Upper end of the percentile interval.
+    pub ci_high: Option<f64>,
+    /// What the number must not be taken for, such as `≤ 0 V (edge of the data): not identifiable`.
+    pub note: Option<String>,
+}
+
+/// How good a fit is. Errors are in the unit of the response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quality {
+    /// Degrees of freedom: samples less parameters.
+    pub df: usize,
+    /// √(Σ r² / n) over all samples.
+    pub rms: f64,
+    /// 1 − Σ r² / Σ (y − ȳ)²; `None` for a constant response.
+    pub r2: Option<f64>,
+    /// Root mean square error on what was left out.
+    pub cv_rms: f64,
+    /// Standard error of `cv_rms`, from the spread over what was left out.
+    pub cv_std_error: f64,
+    /// AICc of the residuals' means in at most 50 equal bins of the command: reported, not decisive.
+    pub aicc: Option<f64>,
+    /// First-order autocorrelation of the residuals, within sweeps, in the order of recording.
+    pub autocorrelation: Option<f64>,
+    /// `rms` over the noise; `None` without noise.
+    pub rms_over_noise: Option<f64>,
+}

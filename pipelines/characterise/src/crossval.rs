@@ -1,0 +1,82 @@
+//! The error on data that a fit has not seen.
+
+use crate::models::Model;
+use crate::samples::{Samples, split};
+use core::ops::Range;
+
+/// Blocks a single sweep is cut into.
+const BLOCKS: usize = 10;
+/// A shorter block would test one sample against its neighbours.
+const MIN_BLOCK: usize = 2;
+
+/// Error on left-out data, in the unit of the response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LeftOut {
+    pub(crate) rms: f64,
+    pub(crate) std_error: f64,
+}
+
+/// What is left out, one at a time: each sweep, or of a single sweep ten contiguous blocks of two samples or more.
+pub(crate) fn folds(samples: &Samples) -> Vec<Range<usize>> {
+    match samples.sweeps.as_slice() {
+        [only] => split(only, (only.len() / MIN_BLOCK).clamp(1, BLOCKS)),
+        sweeps => sweeps.to_vec(),
+    }
+}
+
+/// Root of the mean over folds of the mean squared error on the fold left out, and its standard error: that of
+/// the mean over folds, SD / √K, carried through the root. `None` if a fit without one fold is impossible.
+pub(crate) fn cross_validate(
+    model: &dyn Model,
+    samples: &Samples,
+    folds: &[Range<usize>],
+) -> Option<LeftOut> {
+    let errors: Option<Vec<f64>> = folds.iter().map(|fold| error_on(model, samples, fold)).collect();
+    let errors = errors?;
+    let k = errors.len() as f64;
+    let mean = errors.iter().sum::<f64>() / k;
+    let variance = errors.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / (k - 1.0);
+    let rms = mean.sqrt();
+    let std_error = if rms > 0.0 { (variance / k).sqrt() / (2.0 * rms) } else { 0.0 };
+    Some(LeftOut { rms, std_error })
+}
+
+/// Mean squared error on `fold` of a fit to all other samples.
+fn error_on(model: &dyn Model, samples: &Samples, fold: &Range<usize>) -> Option<f64> {
+    let mut weight = vec![1.0; samples.len()];
+    weight[fold.clone()].fill(0.0);
+    let parameters = model.fit(&samples.points(&samples.response, &weight))?;
+    let squares = fold.clone().map(|i| samples.response[i] - model.predict(&parameters, samples.command[i]));
+    Some(squares.map(|r| r * r).sum::<f64>() / fold.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::Line;
+    use crate::samples::Sweep;
+
+    #[test]
+    fn sweeps_are_folds_and_a_single_sweep_is_cut_into_blocks() {
+        let x: Vec<f64> = (0..50).map(f64::from).collect();
+        let lengths = |n: &[usize]| {
+            let sweeps: Vec<_> = n.iter().map(|&n| Sweep { command: &x[..n], response: &x[..n] }).collect();
+            folds(&Samples::new(&sweeps).unwrap()).iter().map(Range::len).collect::<Vec<_>>()
+        };
+        assert_eq!(lengths(&[30, 20]), [30, 20]);
+        assert_eq!(lengths(&[50]), [5; 10]);
+        assert_eq!(lengths(&[21]), [2, 2, 2, 2, 2, 2, 2, 2, 2, 3]);
+        assert_eq!(lengths(&[7]), [2, 2, 3]);
+    }
+
+    /// Two sweeps y = x and y = x + 1: each misses the other by 1 everywhere.
+    #[test]
+    fn the_error_is_that_on_the_sweep_left_out() {
+        let x = [0.0, 1.0, 2.0, 3.0];
+        let sweeps =
+            [Sweep { command: &x, response: &x }, Sweep { command: &x, response: &x.map(|x| x + 1.0) }];
+        let samples = Samples::new(&sweeps).unwrap();
+        let found = cross_validate(&Line, &samples, &folds(&samples)).unwrap();
+        assert!((found.rms - 1.0).abs() < 1e-14 && found.std_error < 1e-14);
+    }
+}

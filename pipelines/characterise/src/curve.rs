@@ -1,0 +1,104 @@
+//! A fitted curve on a grid, with its bands: what a figure draws.
+
+use crate::characteristic::Candidate;
+use crate::error::CharacteriseError;
+use crate::models;
+use zwidth_stats::bootstrap::percentile_interval;
+use zwidth_stats::student_t::critical_value;
+
+/// A curve with the pointwise band of its mean and the band for one new response. All columns have one length;
+/// units are those of command and response.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Curve {
+    /// The grid.
+    pub command: Vec<f64>,
+    /// The fitted response.
+    pub fit: Vec<f64>,
+    /// Lower end of the band of the mean.
+    pub ci_low: Vec<f64>,
+    /// Upper end of the band of the mean.
+    pub ci_high: Vec<f64>,
+    /// Lower end of the band for a new response.
+    pub prediction_low: Vec<f64>,
+    /// Upper end of the band for a new response.
+    pub prediction_high: Vec<f64>,
+}
+
+impl Curve {
+    pub(crate) fn push(&mut self, x: f64, fit: f64, mean: (f64, f64), new: (f64, f64)) {
+        self.command.push(x);
+        self.fit.push(fit);
+        self.ci_low.push(mean.0);
+        self.ci_high.push(mean.1);
+        self.prediction_low.push(new.0);
+        self.prediction_high.push(new.1);
+    }
+}
+
+/// `candidate` on `grid` at confidence `level`.
+///
+/// The band of the mean holds the middle share `level` of the resampled curves at each command, widened to
+/// include the fit itself. The band for a new response adds the residuals' spread, as independent of it:
+/// distance² = (distance of the mean's band)² + (t s)², s² = n rms² / df. `None` for a candidate that was
+/// not fitted or has no resamples.
+///
+/// # Errors
+/// `level` outside (0, 1).
+pub fn curve(candidate: &Candidate, grid: &[f64], level: f64) -> Result<Option<Curve>, CharacteriseError> {
+    let Some((model, quality)) = models::by_name(candidate.name).zip(candidate.quality) else {
+        return Ok(None);
+    };
+    let (df, n) = (quality.df as f64, (quality.df + candidate.complexity) as f64);
+    let spread = critical_value(level, df)? * quality.rms * (n / df).sqrt();
+    let fitted: Vec<f64> = candidate.parameters.iter().map(|p| p.estimate).collect();
+    let mut curve = Curve::default();
+    for &x in grid {
+        let fit = model.predict(&fitted, x);
+        let resampled: Vec<f64> = candidate.resampled.iter().map(|p| model.predict(p, x)).collect();
+        let Some((low, high)) = percentile_interval(&resampled, level)? else {
+            return Ok(None);
+        };
+        let mean = (low.min(fit), high.max(fit));
+        let new = (fit - libm::hypot(fit - mean.0, spread), fit + libm::hypot(mean.1 - fit, spread));
+        curve.push(x, fit, mean, new);
+    }
+    Ok(Some(curve))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Settings, Sweep, characterise, first_order};
+
+    /// With independent errors about a true line the bootstrap's bands are near the textbook's.
+    #[test]
+    fn the_bands_of_a_line_are_near_those_of_the_first_order_fit() {
+        let x: Vec<f64> = (0..400).map(|i| f64::from(i) / 40.0).collect();
+        let y: Vec<f64> =
+            (0..400).map(|i| f64::from(i) / 40.0 + f64::from(i * i * 7 % 401) / 401.0).collect();
+        let sweeps = [Sweep { command: &x, response: &y }];
+        let (command_unit, response_unit) = ("V".to_owned(), "N".to_owned());
+        let settings = Settings { resamples: 1000, seed: 2, level: 0.95, command_unit, response_unit };
+        let grid = [0.0, 5.0, 12.0];
+        let found = characterise(&sweeps, &settings).unwrap();
+        let ours = curve(&found.candidates[0], &grid, 0.95).unwrap().unwrap();
+        let textbook = first_order(&sweeps, 0.95).unwrap().curve(&grid);
+        for i in 0..grid.len() {
+            assert!((ours.fit[i] - textbook.fit[i]).abs() < 1e-12);
+            let width = |low: &[f64], high: &[f64]| high[i] - low[i];
+            let mean = width(&ours.ci_low, &ours.ci_high) / width(&textbook.ci_low, &textbook.ci_high);
+            let new = width(&ours.prediction_low, &ours.prediction_high)
+                / width(&textbook.prediction_low, &textbook.prediction_high);
+            assert!(mean > 0.5 && mean < 1.5 && (new - 1.0).abs() < 0.01, "{mean} {new}");
+        }
+    }
+
+    #[test]
+    fn without_resamples_there_is_no_band() {
+        let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let (command_unit, response_unit) = ("V".to_owned(), "N".to_owned());
+        let settings = Settings { resamples: 0, seed: 2, level: 0.95, command_unit, response_unit };
+        let found = characterise(&[Sweep { command: &x, response: &x }], &settings).unwrap();
+        assert_eq!(curve(&found.candidates[0], &x, 0.95), Ok(None));
+    }
+}

@@ -1,0 +1,114 @@
+//! The straight line of the thesis, with the textbook's intervals.
+
+use crate::curve::Curve;
+use crate::error::CharacteriseError;
+use crate::samples::{Samples, Sweep};
+use zwidth_numerics::lsq;
+use zwidth_stats::interval::{Estimate, t_interval};
+use zwidth_stats::student_t::critical_value;
+
+/// y = intercept + slope · x by ordinary least squares over all samples of all sweeps.
+///
+/// Its intervals take samples as independent, as the thesis does. Samples of a recording are not: the bootstrap
+/// intervals of [`crate::Candidate`] are the ones to trust.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FirstOrder {
+    /// Response per command.
+    pub slope: Estimate,
+    /// Response at command 0.
+    pub intercept: Estimate,
+    /// R².
+    pub r2: Option<f64>,
+    /// Residual standard deviation √(rss / (n − 2)), unit of the response.
+    pub residual_sd: f64,
+    /// Samples.
+    pub n: usize,
+    /// Confidence level of the intervals and bands.
+    pub level: f64,
+    /// t of that level, df = n − 2.
+    pub critical: f64,
+    /// (XᵀX)⁻¹ for (intercept, slope).
+    pub xtx_inverse: [[f64; 2]; 2],
+}
+
+/// Fits the first-order characteristic at confidence `level`.
+///
+/// # Errors
+/// As [`crate::characterise`].
+pub fn first_order(sweeps: &[Sweep], level: f64) -> Result<FirstOrder, CharacteriseError> {
+    let samples = Samples::new(sweeps)?;
+    let fit = lsq::fit(&[&vec![1.0; samples.len()], &samples.command], &samples.response)?;
+    let (se, df, v) = (fit.std_errors(), fit.df as f64, &fit.xtx_inverse);
+    Ok(FirstOrder {
+        intercept: t_interval(fit.coefficients[0], se[0], df, level)?,
+        slope: t_interval(fit.coefficients[1], se[1], df, level)?,
+        r2: fit.r2,
+        residual_sd: fit.residual_variance().sqrt(),
+        n: samples.len(),
+        level,
+        critical: critical_value(level, df)?,
+        xtx_inverse: [[v[0][0], v[0][1]], [v[1][0], v[1][1]]],
+    })
+}
+
+impl FirstOrder {
+    /// The line on `grid` with the band of its mean, ± t s √(x'(XᵀX)⁻¹x), and that of a single new response,
+    /// ± t s √(1 + x'(XᵀX)⁻¹x) (Draper & Smith 1998, *Applied Regression Analysis*, §3.1).
+    pub fn curve(&self, grid: &[f64]) -> Curve {
+        let half = self.critical * self.residual_sd;
+        let [[v00, v01], [v10, v11]] = self.xtx_inverse;
+        let mut curve = Curve::default();
+        for &x in grid {
+            let (fit, leverage) =
+                (self.intercept.estimate + self.slope.estimate * x, v00 + x * (v01 + v10 + x * v11));
+            let (mean, new) = (half * leverage.sqrt(), half * (1.0 + leverage).sqrt());
+            curve.push(x, fit, (fit - mean, fit + mean), (fit - new, fit + new));
+        }
+        curve
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// statsmodels: `OLS(y, add_constant(x)).fit()`, `conf_int()`, `get_prediction([1, 3.5]).summary_frame()`.
+    #[test]
+    fn intervals_and_bands_are_those_of_statsmodels() {
+        let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let y = [0.1, 0.9, 2.3, 2.8, 4.4, 4.9, 6.2];
+        let fit = first_order(&[Sweep { command: &x, response: &y }], 0.95).unwrap();
+        let at = fit.curve(&[3.5]);
+        let found = [
+            fit.intercept.estimate,
+            fit.intercept.ci_low,
+            fit.intercept.ci_high,
+            fit.slope.estimate,
+            fit.slope.ci_low,
+            fit.slope.ci_high,
+            fit.r2.unwrap(),
+            at.fit[0],
+            at.ci_low[0],
+            at.ci_high[0],
+            at.prediction_low[0],
+            at.prediction_high[0],
+        ];
+        for (found, expected) in found.iter().zip(STATSMODELS) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+    const STATSMODELS: [f64; 12] = [
+        0.04285714285714182,
+        -0.3882229851593076,
+        0.4739372708735912,
+        1.0142857142857147,
+        0.894725598485954,
+        1.1338458300854755,
+        0.9895956026698076,
+        3.5928571428571434,
+        3.3463776498303974,
+        3.8393366358838894,
+        2.913886203417036,
+        4.271828082297251,
+    ];
+}

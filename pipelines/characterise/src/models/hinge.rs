@@ -1,0 +1,222 @@
+//! A line above a free break, constant below it: a dead zone.
+
+use super::{Model, Points, Quantity};
+use core::ops::{Add, Sub};
+
+/// Two sums of squares closer than this share of the total are the same but for rounding; then the lower break
+/// is taken.
+const SAME: f64 = 1e-12;
+
+/// y = a for x ≤ x0, y = a + b (x − x0) above.
+#[derive(Debug, Clone, Copy)]
+pub struct Hinge;
+
+impl Model for Hinge {
+    fn name(&self) -> &'static str {
+        "hinge"
+    }
+
+    fn formula(&self) -> &'static str {
+        "y = a + b max(x - x0, 0)"
+    }
+
+    fn parameters(&self) -> &'static [(&'static str, Quantity)] {
+        &[("a", Quantity::Response), ("b", Quantity::Slope), ("x0", Quantity::Break)]
+    }
+
+    /// The global minimum, without a starting value (Hudson 1966, J. Amer. Statist. Assoc. 61:1097): between
+    /// two neighbouring commands the samples split in a fixed way, so the best break there is where the mean of
+    /// the lower ones meets the line through the upper ones, or else one of the two commands. Running sums make
+    /// each case O(1). The constant part has two commands or none.
+    fn fit(&self, points: &Points) -> Option<Vec<f64>> {
+        let (lowest, highest) = points.break_range()?;
+        if !points.can_determine(self.parameters().len()) {
+            return None;
+        }
+        let scale = Scale::of(points);
+        let cuts = cuts(points, &scale, highest);
+        let total = cuts.first()?.all();
+        let mut best: Option<Fit> = None;
+        let neighbours = cuts.windows(2).filter_map(|pair| pair[0].break_between(pair[1].level));
+        let candidates = cuts.iter().filter_map(Cut::break_here).chain(neighbours);
+        for fit in candidates {
+            if best.as_ref().is_none_or(|b| fit.rss < b.rss - SAME * total.yy) {
+                best = Some(fit);
+            }
+        }
+        best.map(|fit| vec![scale.response(fit.a), fit.b / scale.span, (scale.command(fit.x0)).max(lowest)])
+    }
+
+    fn predict(&self, parameters: &[f64], command: f64) -> f64 {
+        parameters[0] + parameters[1] * (command - parameters[2]).max(0.0)
+    }
+}
+
+/// Commands from 0 to 1 and responses about their mean: running sums of squares keep their digits.
+struct Scale {
+    origin: f64,
+    span: f64,
+    mean: f64,
+}
+
+impl Scale {
+    fn of(points: &Points) -> Self {
+        let (weight, sum) = points.weighted().fold((0.0, 0.0), |(sw, sy), (_, y, w)| (sw + w, sy + w * y));
+        let origin = points.levels[0];
+        Self { origin, span: points.levels[points.levels.len() - 1] - origin, mean: sum / weight }
+    }
+
+    fn command(&self, x: f64) -> f64 {
+        self.origin + self.span * x
+    }
+
+    fn response(&self, y: f64) -> f64 {
+        self.mean + y
+    }
+}
+
+/// Weighted sums over some samples.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    w: f64,
+    x: f64,
+    y: f64,
+    xx: f64,
+    xy: f64,
+    yy: f64,
+}
+
+impl Add for Sums {
+    type Output = Self;
+    fn add(self, o: Self) -> Self {
+        Self {
+            w: self.w + o.w,
+            x: self.x + o.x,
+            y: self.y + o.y,
+            xx: self.xx + o.xx,
+            xy: self.xy + o.xy,
+            yy: self.yy + o.yy,
+        }
+    }
+}
+
+impl Sub for Sums {
+    type Output = Self;
+    fn sub(self, o: Self) -> Self {
+        self + Self { w: -o.w, x: -o.x, y: -o.y, xx: -o.xx, xy: -o.xy, yy: -o.yy }
+    }
+}
+
+/// The samples split at one command: those at or below it, and those above.
+#[derive(Debug, Clone, Copy)]
+struct Cut {
+    level: f64,
+    /// Different commands of positive weight at or below the level.
+    commands_below: usize,
+    below: Sums,
+    above: Sums,
+}
+
+struct Fit {
+    a: f64,
+    b: f64,
+    x0: f64,
+    rss: f64,
+}
+
+/// One cut at each level up to `highest`, rising.
+fn cuts(points: &Points, scale: &Scale, highest: f64) -> Vec<Cut> {
+    let (mut cuts, mut below) = (Vec::new(), Sums::default());
+    let mut commands_below = 0;
+    for level in points.order.chunk_by(|&i, &j| points.command[i] >= points.command[j]) {
+        let x = (points.command[level[0]] - scale.origin) / scale.span;
+        let here = level.iter().fold(Sums::default(), |sums, &i| {
+            let (y, w) = (points.response[i] - scale.mean, points.weight[i]);
+            sums + Sums { w, x: w * x, y: w * y, xx: w * x * x, xy: w * x * y, yy: w * y * y }
+        });
+        below = below + here;
+        commands_below += usize::from(here.w > 0.0);
+        if points.command[level[0]] <= highest {
+            cuts.push(Cut { level: x, commands_below, below, above: Sums::default() });
+        }
+    }
+    cuts.iter_mut().for_each(|cut| cut.above = below - cut.below);
+    cuts
+}
+
+impl Cut {
+    fn all(&self) -> Sums {
+        self.below + self.above
+    }
+
+    /// The best fit with its break at this level: a regression on h = max(x − level, 0).
+    fn break_here(&self) -> Option<Fit> {
+        let (all, up, v) = (self.all(), self.above, self.level);
+        let h = up.x - v * up.w;
+        let hh = up.xx - 2.0 * v * up.x + v * v * up.w - h * h / all.w;
+        let hy = up.xy - v * up.y - h * all.y / all.w;
+        let b = hy / hh;
+        (hh > 0.0).then(|| Fit {
+            a: (all.y - b * h) / all.w,
+            b,
+            x0: v,
+            rss: all.yy - all.y * all.y / all.w - b * hy,
+        })
+    }
+
+    /// The best fit with its break strictly between this level and the `next`, if there is one. A constant part
+    /// that rests on one command is none: that would be a line with an odd first point.
+    fn break_between(&self, next: f64) -> Option<Fit> {
+        let (low, up) = (self.below, self.above);
+        let (xx, xy) = (up.xx - up.x * up.x / up.w, up.xy - up.x * up.y / up.w);
+        let (a, b) = (low.y / low.w, xy / xx);
+        let x0 = (a - (up.y - b * up.x) / up.w) / b;
+        let rss = low.yy - low.y * a + up.yy - up.y * up.y / up.w - b * xy;
+        (self.commands_below > 1 && xx > 0.0 && x0 > self.level && x0 < next).then_some(Fit { a, b, x0, rss })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check;
+    use super::*;
+
+    #[test]
+    fn a_hinge_is_recovered_on_and_between_commands() {
+        for break_at in [2.0, 3.517, 9.0] {
+            check::recovers(&Hinge, &[0.3, 1.7, break_at]);
+            check::recovers(&Hinge, &[-40.0, -0.2, break_at]);
+        }
+    }
+
+    #[test]
+    fn a_line_is_a_hinge_that_breaks_at_its_first_command() {
+        let x = check::ramp();
+        let y: Vec<f64> = x.iter().map(|x| 2.0 - 0.5 * x).collect();
+        let found = check::fit(&Hinge, &x, &y, &vec![1.0; x.len()]).unwrap();
+        assert_eq!(found[2..], [0.0]);
+        assert!((found[0] - 2.0).abs() < 1e-9 && (found[1] + 0.5).abs() < 1e-9);
+    }
+
+    /// Compared with every break of a fine grid, each with its own regression.
+    #[test]
+    fn no_other_break_fits_a_scattered_curve_better() {
+        let x = check::ramp();
+        let y: Vec<f64> =
+            x.iter().enumerate().map(|(i, x)| x * x / 10.0 + f64::from(i as u32 * 7 % 13) / 5.0).collect();
+        let rss = |p: &[f64]| x.iter().zip(&y).map(|(x, y)| (y - Hinge.predict(p, *x)).powi(2)).sum::<f64>();
+        let found = rss(&check::fit(&Hinge, &x, &y, &vec![1.0; x.len()]).unwrap());
+        for step in 0..990 {
+            let x0 = f64::from(step) * 0.01;
+            let points = x.iter().zip(&y).map(|(x, y)| ((x - x0).max(0.0), *y, 1.0));
+            let (a, b) = super::super::weighted_line(points).unwrap();
+            assert!(found <= rss(&[a, b, x0]) * (1.0 + 1e-9), "a break at {x0} is better");
+        }
+    }
+
+    #[test]
+    fn three_commands_leave_no_room_for_a_break() {
+        let (x, y) = ([0.0, 0.0, 1.0, 1.0, 2.0, 2.0], [0.0, 0.0, 0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(check::fit(&Hinge, &x, &y, &[1.0; 6]), None);
+    }
+}

@@ -1,0 +1,97 @@
+//! Parameters of resampled data.
+
+use crate::characteristic::Settings;
+use crate::models::Model;
+use crate::samples::Samples;
+use core::ops::Range;
+use zwidth_stats::bootstrap::resample;
+
+/// Blocks of residuals are this share of a single sweep long, and two samples at least.
+const BLOCK_SHARE: usize = 10;
+const MIN_BLOCK: usize = 2;
+
+/// The parameters of `model` on each resample of the data it could be fitted to, `fitted` being those of the
+/// data themselves: whole sweeps drawn with replacement, or blocks of residuals if there is but one sweep.
+pub(crate) fn resampled(
+    model: &dyn Model,
+    samples: &Samples,
+    fitted: &[f64],
+    settings: &Settings,
+) -> Vec<Vec<f64>> {
+    let fits = match samples.sweeps.as_slice() {
+        [only] => by_block(model, samples, only.len(), fitted, settings),
+        _ => by_sweep(model, samples, settings),
+    };
+    fits.into_iter().flatten().collect()
+}
+
+/// A sweep drawn twice weighs twice.
+fn by_sweep(model: &dyn Model, samples: &Samples, settings: &Settings) -> Vec<Option<Vec<f64>>> {
+    resample(&samples.sweeps, samples.sweeps.len(), settings.resamples, settings.seed, |drawn| {
+        let mut weight = vec![0.0; samples.len()];
+        drawn.iter().for_each(|sweep| weight[(*sweep).clone()].iter_mut().for_each(|w| *w += 1.0));
+        model.fit(&samples.points(&samples.response, &weight))
+    })
+}
+
+/// The fitted curve plus blocks of residuals drawn from anywhere in the sweep (Künsch 1989; Davison & Hinkley
+/// 1997, *Bootstrap Methods and their Application*, §8.2.3), enlarged by √(n / (n − p)) because a fit makes its
+/// residuals too small.
+fn by_block(
+    model: &dyn Model,
+    samples: &Samples,
+    n: usize,
+    fitted: &[f64],
+    settings: &Settings,
+) -> Vec<Option<Vec<f64>>> {
+    let curve: Vec<f64> = samples.command.iter().map(|&x| model.predict(fitted, x)).collect();
+    let enlarge = (n as f64 / (n - fitted.len()) as f64).sqrt();
+    let residuals: Vec<f64> = samples.response.iter().zip(&curve).map(|(y, f)| enlarge * (y - f)).collect();
+    let length = n.div_ceil(BLOCK_SHARE).max(MIN_BLOCK);
+    let blocks: Vec<Range<usize>> = (0..=n - length).map(|start| start..start + length).collect();
+    let weight = vec![1.0; n];
+    resample(&blocks, n.div_ceil(length), settings.resamples, settings.seed, |drawn| {
+        let errors = drawn.iter().flat_map(|block| &residuals[(*block).clone()]);
+        let response: Vec<f64> = curve.iter().zip(errors).map(|(f, e)| f + e).collect();
+        model.fit(&samples.points(&response, &weight))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::Line;
+    use crate::samples::Sweep;
+
+    const SETTINGS: Settings = Settings {
+        resamples: 300,
+        seed: 1,
+        level: 0.95,
+        command_unit: String::new(),
+        response_unit: String::new(),
+    };
+    const X: [f64; 6] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+
+    fn slopes(responses: &[[f64; 6]]) -> Vec<f64> {
+        let sweeps: Vec<_> = responses.iter().map(|response| Sweep { command: &X, response }).collect();
+        let samples = Samples::new(&sweeps).unwrap();
+        let fitted = Line.fit(&samples.points(&samples.response, &vec![1.0; samples.len()])).unwrap();
+        resampled(&Line, &samples, &fitted, &SETTINGS).iter().map(|p| p[1]).collect()
+    }
+
+    #[test]
+    fn an_exact_line_has_no_spread() {
+        let slopes = slopes(&[X.map(|x| 2.0 * x)]);
+        assert_eq!(slopes.len(), 300);
+        assert!(slopes.iter().all(|b| (b - 2.0).abs() < 1e-14));
+    }
+
+    /// Slopes 1 and 3, both drawn or one of them twice: 1, 2 or 3, in the shares 1 : 2 : 1.
+    #[test]
+    fn sweeps_are_drawn_whole() {
+        let slopes = slopes(&[X, X.map(|x| 3.0 * x)]);
+        let near = |b: f64| slopes.iter().filter(|s| (*s - b).abs() < 1e-12).count();
+        assert_eq!(near(1.0) + near(2.0) + near(3.0), 300);
+        assert!(near(2.0) > 120 && near(2.0) < 180, "{}", near(2.0));
+    }
+}

@@ -1,0 +1,113 @@
+//! What the figures of trials are made from.
+
+use zwidth_store::{Signal, Trial};
+use zwidth_study::{Environment, Source, Study};
+use zwidth_tables::{Table, TableError};
+
+/// One trial of a figure, and when its movement began.
+#[derive(Debug, Clone, Copy)]
+pub struct Repeat<'a> {
+    /// The trial.
+    pub trial: &'a Trial,
+    /// Movement onset, s; time axes count from it. Without one they count from the trial's start.
+    pub onset_s: Option<f64>,
+}
+
+impl Repeat<'_> {
+    /// Time since onset, s.
+    pub(crate) fn time(&self) -> Vec<f64> {
+        let zero = self.onset_s.unwrap_or(0.0);
+        self.trial.samples.get(Signal::Time).unwrap_or_default().iter().map(|t| t - zero).collect()
+    }
+
+    /// A signal; none where it was not recorded.
+    pub(crate) fn signal(&self, signal: Signal) -> Option<&[f64]> {
+        self.trial.samples.get(signal)
+    }
+}
+
+/// One mode of a figure: its place among the study's modes, its repeats, and their mean.
+#[derive(Debug, Clone)]
+pub struct ModeData<'a> {
+    /// Index among the study's modes: gives the colour.
+    pub index: usize,
+    /// Name in the legend.
+    pub label: &'a str,
+    /// The repeats.
+    pub repeats: Vec<Repeat<'a>>,
+    /// Their mean, as the stage `average` made it.
+    pub average: Option<&'a Table>,
+}
+
+/// One environment of one session, with every mode tried in it.
+#[derive(Debug, Clone)]
+pub struct Scene<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// The environment.
+    pub environment: &'a Environment,
+    /// Who and when, for the description: `P01 S01`.
+    pub who: String,
+    /// The modes, in the study's order.
+    pub modes: Vec<ModeData<'a>>,
+    /// What is to be said of the means: why there is none, or where it ends.
+    pub notes: Vec<String>,
+}
+
+impl Scene<'_> {
+    /// Where all repeats come from.
+    pub(crate) fn sources(&self) -> impl Iterator<Item = Source> + '_ {
+        self.modes.iter().flat_map(|m| &m.repeats).map(|r| r.trial.meta.source)
+    }
+
+    /// Whether any repeat has the signal.
+    pub(crate) fn has(&self, signal: Signal) -> bool {
+        self.modes.iter().flat_map(|m| &m.repeats).any(|r| r.signal(signal).is_some())
+    }
+
+    /// The force, or the torque where no lever length made it one.
+    pub(crate) fn load(&self) -> Signal {
+        if self.has(Signal::ForceEx) || !self.has(Signal::TorqueEx) {
+            Signal::ForceEx
+        } else {
+            Signal::TorqueEx
+        }
+    }
+}
+
+/// A column of an average with its band; null becomes a gap.
+pub(crate) struct MeanCurve {
+    pub(crate) mean: Vec<f64>,
+    pub(crate) low: Vec<f64>,
+    pub(crate) high: Vec<f64>,
+}
+
+/// Name of a signal's columns in a table of the stage `average`: stem and unit suffix.
+pub(crate) fn stem(signal: Signal) -> Option<(&'static str, &'static str)> {
+    Some(match signal {
+        Signal::Theta => ("theta", "rad"),
+        Signal::ThetaDot => ("theta_dot", "rad_s"),
+        Signal::ForceEx => ("force_ex", "n"),
+        Signal::ForceCmd => ("force_cmd", "n"),
+        _ => return None,
+    })
+}
+
+/// The mean of a signal and its band; `None` where the average has none.
+pub(crate) fn mean_curve(average: &Table, signal: Signal) -> Result<Option<MeanCurve>, TableError> {
+    let Some((stem, unit)) = stem(signal) else { return Ok(None) };
+    let name = |what: &str| format!("{stem}_{what}_{unit}");
+    if !average.fields().iter().any(|f| f.name == name("mean")) {
+        return Ok(None);
+    }
+    let column = |what: &str| Ok::<_, TableError>(gaps(average.floats(&name(what))?));
+    if column("mean")?.iter().all(|v| v.is_nan()) {
+        return Ok(None);
+    }
+    Ok(Some(MeanCurve { mean: column("mean")?, low: column("ci_low")?, high: column("ci_high")? }))
+}
+
+/// Null becomes a gap in a curve.
+pub(crate) fn gaps(values: Vec<Option<f64>>) -> Vec<f64> {
+    values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect()
+}

@@ -1,0 +1,60 @@
+//! Force against position for every environment side by side: the force discrepancy at a glance (Fig. 31).
+
+use crate::data::{ModeData, Scene};
+use crate::panels::{axis, mean_loop, repeat_loop};
+use crate::words::{Words, mark, plain};
+use zwidth_draw::style::{self, Colour};
+use zwidth_draw::{Cell, Figure, Layer, Line, Panel};
+use zwidth_store::Signal;
+use zwidth_study::Study;
+use zwidth_tables::TableError;
+
+/// Height of a panel, mm.
+const PANEL_MM: f64 = 55.0;
+
+/// One panel a mode, one loop an environment.
+pub fn loops(study: &Study, scenes: &[Scene]) -> Result<Figure, TableError> {
+    let words = Words::new(study.coordinate);
+    let load = scenes.first().map_or(Signal::ForceEx, Scene::load);
+    let mut panels = Vec::new();
+    for (index, mode) in study.modes.iter().enumerate() {
+        let mut layers = Vec::new();
+        for (i, scene) in scenes.iter().enumerate() {
+            let Some(data) = scene.modes.iter().find(|m| m.index == index) else { continue };
+            layers.extend(one(scene, words, data, style::mode_colour(i))?);
+        }
+        if layers.is_empty() {
+            continue;
+        }
+        let cell = Cell::at(0, panels.len());
+        let y = axis(words, load).linked("force");
+        let panel = Panel::new(cell, words.position_axis(), y, layers).titled(plain(&mode.label));
+        panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+    }
+    Ok(Figure {
+        title: Some(plain(&format!("{}: force against {}", study.title, words.position_word()))),
+        description: format!(
+            "{}: force against {} there and back, one panel a mode, one loop an environment.",
+            scenes.first().map(|s| s.who.as_str()).unwrap_or_default(),
+            words.position_word()
+        ),
+        width_mm: if panels.len() == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
+        panels,
+        mark: mark(scenes.iter().flat_map(Scene::sources)),
+        ..Figure::default()
+    })
+}
+
+/// The mean loop, or every repeat's where there is no mean.
+fn one(scene: &Scene, words: Words, mode: &ModeData, colour: Colour) -> Result<Vec<Layer>, TableError> {
+    let load = scene.load();
+    let name = plain(&scene.environment.label);
+    let named = |line: Line| Layer::Line(Line { name: Some(name.clone()), ..line });
+    if mode.repeats.len() > 1
+        && let Some(line) = mean_loop(scene, words, mode, load, colour)?
+    {
+        return Ok(vec![named(line)]);
+    }
+    let lines = mode.repeats.iter().filter(|r| r.signal(Signal::Theta).is_some());
+    Ok(lines.filter_map(|r| repeat_loop(words, r, load, style::single(colour))).map(named).collect())
+}

@@ -1,0 +1,115 @@
+//! Figures 28 and 29: position, force and velocity against time, force against position; the mean of
+//! each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall.
+
+use crate::data::Scene;
+use crate::panels::{axis, mean_loop, mean_over_time, repeat_loop, repeat_over_time, wall_line};
+use crate::words::{Words, mark, plain, time_axis};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, style};
+use zwidth_store::Signal;
+use zwidth_tables::TableError;
+
+/// Height of one of the three panels against time, mm.
+const PANEL_MM: f64 = 30.0;
+
+/// The four-panel figure of one environment.
+pub fn modes(scene: &Scene) -> Result<Figure, TableError> {
+    let words = Words::new(scene.study.coordinate);
+    let load = scene.load();
+    let mut panels = Vec::new();
+    for (row, signal) in [Signal::Theta, load, Signal::ThetaDot].into_iter().enumerate() {
+        let time = time_axis(if row == 2 { time_label(scene) } else { "" });
+        panels.push(over_time(scene, words, Cell::at(row, 0), time, signal)?);
+    }
+    panels.push(loop_panel(scene, words, load)?);
+    Ok(Figure {
+        title: Some(plain(&format!("{}: {}", scene.study.title, scene.environment.label))),
+        description: describe(scene, words),
+        panels,
+        column_weights: vec![1.15, 1.0],
+        footnotes: scene.notes.iter().map(|n| plain(n)).collect(),
+        mark: mark(scene.sources()),
+        ..Figure::default()
+    })
+}
+
+fn time_label(scene: &Scene) -> &'static str {
+    let aligned = scene.modes.iter().flat_map(|m| &m.repeats).any(|r| r.onset_s.is_some());
+    if aligned { "time since movement onset" } else { "time" }
+}
+
+fn describe(scene: &Scene, words: Words) -> String {
+    let counts: Vec<String> =
+        scene.modes.iter().map(|m| format!("{} {}", m.repeats.len(), m.label.to_lowercase())).collect();
+    format!(
+        "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}. Thick: mean of \
+         the repeats with its pointwise 95 % band; thin: every repeat.",
+        scene.who,
+        scene.environment.label,
+        words.position_word(),
+        words.position_word(),
+        counts.join(", "),
+    )
+}
+
+fn over_time(
+    scene: &Scene,
+    words: Words,
+    cell: Cell,
+    time: Axis,
+    signal: Signal,
+) -> Result<Panel, TableError> {
+    let y = axis(words, signal);
+    if !scene.has(signal) {
+        let note = format!("no {} was recorded", recorded_word(words, signal));
+        return Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::with_note(cell, time, y, note) });
+    }
+    let mut layers: Vec<Layer> = Vec::new();
+    for mode in &scene.modes {
+        let single = mode.average.is_none();
+        let colour = style::mode_colour(mode.index);
+        let stroke = if single { style::single(colour) } else { style::faint(colour) };
+        let lines = mode.repeats.iter().filter_map(|r| repeat_over_time(words, r, signal, stroke));
+        layers.extend(lines.enumerate().map(|(i, mut line)| {
+            line.name = (single && i == 0).then(|| plain(mode.label));
+            Layer::Line(line)
+        }));
+    }
+    for mode in &scene.modes {
+        layers.extend(mean_over_time(scene, words, mode, signal)?);
+    }
+    if signal == Signal::Theta {
+        layers.extend(wall_line(scene, words, Direction::Horizontal));
+    }
+    Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::new(cell, time, y, layers) })
+}
+
+fn loop_panel(scene: &Scene, words: Words, load: Signal) -> Result<Panel, TableError> {
+    let cell = Cell::at(0, 1).spanning(3, 1);
+    let (x, y) = (words.position_axis(), axis(words, load));
+    if !(scene.has(Signal::Theta) && scene.has(load)) {
+        let missing = if scene.has(Signal::Theta) { load } else { Signal::Theta };
+        let note = format!("no {} was recorded", recorded_word(words, missing));
+        return Ok(Panel::with_note(cell, x, y, note));
+    }
+    let mut layers: Vec<Layer> = Vec::new();
+    for mode in &scene.modes {
+        let colour = style::mode_colour(mode.index);
+        let stroke = if mode.average.is_none() { style::single(colour) } else { style::faint(colour) };
+        layers
+            .extend(mode.repeats.iter().filter_map(|r| repeat_loop(words, r, load, stroke)).map(Layer::Line));
+    }
+    for mode in &scene.modes {
+        layers.extend(mean_loop(scene, words, mode, load, style::mode_colour(mode.index))?.map(Layer::Line));
+    }
+    layers.extend(wall_line(scene, words, Direction::Vertical));
+    Ok(Panel::new(cell, x, y, layers))
+}
+
+fn recorded_word(words: Words, signal: Signal) -> &'static str {
+    match signal {
+        Signal::Theta => words.position_word(),
+        Signal::ThetaDot => "velocity",
+        Signal::TorqueEx => "torque",
+        _ => "force",
+    }
+}

@@ -1,0 +1,107 @@
+//! What several figures share: curves of repeats and means, wall lines, axes of the force.
+
+use crate::data::{ModeData, Repeat, Scene, gaps, mean_curve};
+use crate::words::{Words, plain};
+use zwidth_draw::style::{self, Colour, Stroke};
+use zwidth_draw::{Axis, Band, Direction, Layer, Line, Reference};
+use zwidth_store::Signal;
+use zwidth_tables::TableError;
+
+/// A signal as it stands on its axis: angles in degrees or millimetres, everything else as it is.
+pub(crate) fn on_axis(words: Words, signal: Signal, values: &[f64]) -> Vec<f64> {
+    match signal {
+        Signal::Theta | Signal::ThetaDot => words.positions(values.iter().copied().map(Some)),
+        _ => values.to_vec(),
+    }
+}
+
+/// Axis of a signal.
+pub(crate) fn axis(words: Words, signal: Signal) -> Axis {
+    match signal {
+        Signal::Theta => words.position_axis(),
+        Signal::ThetaDot => words.velocity_axis(),
+        Signal::TorqueEx => Axis::new("*T*_{ex}", "N·m"),
+        Signal::ForceCmd => Axis::new("*F*_{cmd}", "N"),
+        _ => Axis::new("*F*_{ex}", "N"),
+    }
+}
+
+/// Which samples lie at or past the wall; empty without a wall or an angle.
+pub(crate) fn past_wall(scene: &Scene, theta_rad: &[f64]) -> Vec<bool> {
+    match scene.environment.scene.wall_rad() {
+        Some(wall) => theta_rad.iter().map(|theta| *theta >= wall).collect(),
+        None => Vec::new(),
+    }
+}
+
+/// One repeat's signal against time.
+pub(crate) fn repeat_over_time(
+    words: Words,
+    repeat: &Repeat,
+    signal: Signal,
+    stroke: Stroke,
+) -> Option<Line> {
+    let y = on_axis(words, signal, repeat.signal(signal)?);
+    Some(Line { x: repeat.time(), y, stroke, ..Line::default() })
+}
+
+/// One repeat's force against position.
+pub(crate) fn repeat_loop(words: Words, repeat: &Repeat, load: Signal, stroke: Stroke) -> Option<Line> {
+    let x = on_axis(words, Signal::Theta, repeat.signal(Signal::Theta)?);
+    Some(Line { x, y: repeat.signal(load)?.to_vec(), stroke, ..Line::default() })
+}
+
+/// The mean of a mode's repeats against time, with its band; dotted past the wall.
+pub(crate) fn mean_over_time(
+    scene: &Scene,
+    words: Words,
+    mode: &ModeData,
+    signal: Signal,
+) -> Result<Vec<Layer>, TableError> {
+    let Some(average) = mode.average else { return Ok(Vec::new()) };
+    let Some(curve) = mean_curve(average, signal)? else { return Ok(Vec::new()) };
+    let x = gaps(average.floats("t_s")?);
+    let colour = style::mode_colour(mode.index);
+    let dotted = mean_curve(average, Signal::Theta)?.map_or(Vec::new(), |c| past_wall(scene, &c.mean));
+    let shown = |values: &[f64]| on_axis(words, signal, values);
+    let name = Some(plain(mode.label));
+    let mut layers = Vec::new();
+    if curve.low.iter().any(|v| v.is_finite()) {
+        let (low, high) = (shown(&curve.low), shown(&curve.high));
+        layers.push(Layer::Band(Band { x: x.clone(), low, high, colour, name: name.clone() }));
+    }
+    layers.push(Layer::Line(Line { x, y: shown(&curve.mean), dotted, stroke: style::mean(colour), name }));
+    Ok(layers)
+}
+
+/// The mean force of a mode's repeats against their mean position; dotted past the wall.
+pub(crate) fn mean_loop(
+    scene: &Scene,
+    words: Words,
+    mode: &ModeData,
+    load: Signal,
+    colour: Colour,
+) -> Result<Option<Line>, TableError> {
+    let Some(average) = mode.average else { return Ok(None) };
+    let (Some(theta), Some(force)) = (mean_curve(average, Signal::Theta)?, mean_curve(average, load)?) else {
+        return Ok(None);
+    };
+    Ok(Some(Line {
+        x: on_axis(words, Signal::Theta, &theta.mean),
+        y: force.mean,
+        dotted: past_wall(scene, &theta.mean),
+        stroke: style::mean(colour),
+        name: Some(plain(mode.label)),
+    }))
+}
+
+/// The line where the wall begins, across an axis that shows positions.
+pub(crate) fn wall_line(scene: &Scene, words: Words, direction: Direction) -> Option<Layer> {
+    let wall = scene.environment.scene.wall_rad()?;
+    let label = match direction {
+        Direction::Vertical => Some(format!("wall {}", words.place(wall))),
+        Direction::Horizontal => None,
+    };
+    let at = words.position(wall);
+    Some(Layer::Reference(Reference { direction, at, label, stroke: style::reference(), name: None }))
+}

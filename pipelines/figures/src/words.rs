@@ -1,0 +1,100 @@
+//! What a study calls its coordinate, and in which unit it stands on axes.
+
+use zwidth_draw::{Axis, markup};
+use zwidth_study::{Coordinate, Source};
+
+/// The stamp of a figure made from simulated data; none otherwise.
+pub fn mark(sources: impl IntoIterator<Item = Source>) -> Option<String> {
+    let simulated = sources.into_iter().any(|s| s == Source::Twin);
+    simulated.then(|| "SYNTHETIC: simulated, not measured".to_owned())
+}
+
+/// Symbols and units of a study's axes: degrees for a lever, millimetres for a slide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Words {
+    coordinate: Coordinate,
+}
+
+impl Words {
+    /// The words of a study with this coordinate.
+    pub fn new(coordinate: Coordinate) -> Self {
+        Self { coordinate }
+    }
+
+    /// An angle as it stands on the axis: degrees, or millimetres along the slide.
+    pub fn position(self, theta_rad: f64) -> f64 {
+        match self.coordinate {
+            Coordinate::Rotational => theta_rad.to_degrees(),
+            Coordinate::Linear { lever_m } => theta_rad * lever_m * 1e3,
+        }
+    }
+
+    /// Positions as they stand on the axis; null becomes a gap.
+    pub(crate) fn positions(self, values: impl IntoIterator<Item = Option<f64>>) -> Vec<f64> {
+        values.into_iter().map(|v| v.map_or(f64::NAN, |v| self.position(v))).collect()
+    }
+
+    /// Axis of the position.
+    pub(crate) fn position_axis(self) -> Axis {
+        match self.coordinate {
+            Coordinate::Rotational => Axis::new("*θ*", "°"),
+            Coordinate::Linear { .. } => Axis::new("*x*", "mm"),
+        }
+    }
+
+    /// Axis of the velocity.
+    pub(crate) fn velocity_axis(self) -> Axis {
+        match self.coordinate {
+            Coordinate::Rotational => Axis::new("*θ̇*", "°/s"),
+            Coordinate::Linear { .. } => Axis::new("*ẋ*", "mm/s"),
+        }
+    }
+
+    /// Word for the position, in notes.
+    pub(crate) fn position_word(self) -> &'static str {
+        match self.coordinate {
+            Coordinate::Rotational => "angle",
+            Coordinate::Linear { .. } => "displacement",
+        }
+    }
+
+    /// A place as text, as at a wall line: `26.6°`, `12 mm`.
+    pub(crate) fn place(self, theta_rad: f64) -> String {
+        let value = (self.position(theta_rad) * 10.0).round() / 10.0;
+        match self.coordinate {
+            Coordinate::Rotational => format!("{value}°"),
+            Coordinate::Linear { .. } => format!("{value} mm"),
+        }
+    }
+}
+
+/// A name from a study as it stands: its stars and underscores are no markup.
+pub(crate) fn plain(name: &str) -> String {
+    markup::escape(name)
+}
+
+/// Axis of time.
+pub(crate) fn time_axis(label: &str) -> Axis {
+    Axis::new(label, "s").ranged(zwidth_draw::Range::Tight).linked("time")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lever_speaks_degrees_and_a_slide_millimetres() {
+        let lever = Words::new(Coordinate::Rotational);
+        let slide = Words::new(Coordinate::Linear { lever_m: 0.5 });
+        assert!((lever.position(std::f64::consts::PI) - 180.0).abs() < 1e-12);
+        assert!((slide.position(0.02) - 10.0).abs() < 1e-12);
+        assert_eq!(lever.place(26.6_f64.to_radians()), "26.6°");
+        assert_eq!(slide.place(0.02), "10 mm");
+    }
+
+    #[test]
+    fn one_simulated_trial_marks_the_whole_figure() {
+        assert!(mark([Source::Imported, Source::Twin]).is_some());
+        assert!(mark([Source::Imported, Source::Recorded]).is_none());
+    }
+}

@@ -1,0 +1,184 @@
+//! The plane through one recording.
+
+use zwidth_numerics::{NumericsError, lsq};
+use zwidth_stats::StatsError;
+use zwidth_stats::interval::Estimate;
+use zwidth_stats::recording::recording_fit;
+use zwidth_store::{Samples, Signal, Trial};
+use zwidth_study::{Study, TrialMeta};
+
+/// Why a trial has no plane fit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FreeMotionError {
+    /// No torque and nothing to make it from.
+    #[error("no torque was recorded, and no force with a lever length (device.lever_m) to make it from")]
+    NoTorque,
+    /// A signal the plane needs was not recorded.
+    #[error("no {column} was recorded: a plane fit needs torque, acceleration and velocity")]
+    Missing {
+        /// The column.
+        column: &'static str,
+    },
+    /// The fit was refused: too few samples, or motion too plain to tell inertia from damping.
+    #[error(transparent)]
+    Numerics(#[from] NumericsError),
+    /// A statistic was refused.
+    #[error(transparent)]
+    Stats(#[from] StatsError),
+}
+
+/// τ = c + I θ̈ + b θ̇ for one recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlaneFit {
+    /// Which trial.
+    pub meta: TrialMeta,
+    /// c, N·m.
+    pub offset_nm: Estimate,
+    /// I, kg·m².
+    pub inertia_kg_m2: Estimate,
+    /// b, N·m·s/rad.
+    pub damping_nm_s_per_rad: Estimate,
+    /// R² of the plane.
+    pub r2: Option<f64>,
+    /// √mean residual², N·m.
+    pub rms_nm: f64,
+    /// Samples.
+    pub samples: usize,
+    /// Lags of the covariance, samples.
+    pub lags: usize,
+    /// The same in time, lags × the mean sample interval, s.
+    pub bandwidth_s: f64,
+}
+
+/// The plane through `trial`'s samples; the torque is the recorded one, or L F_ex where a force and a lever length
+/// are there instead. Intervals at `study.analysis.confidence`.
+///
+/// # Errors
+/// A signal that is not recorded; too few samples; an acceleration or velocity that does not vary, or that are
+/// proportional to each other.
+pub fn plane_fit(trial: &Trial, study: &Study) -> Result<PlaneFit, FreeMotionError> {
+    let column =
+        |signal: Signal| trial.samples.get(signal).ok_or(FreeMotionError::Missing { column: signal.name() });
+    let torque = torque(&trial.samples, study.device.lever_m)?;
+    let ones = vec![1.0; torque.len()];
+    let columns = [&ones[..], column(Signal::ThetaDdot)?, column(Signal::ThetaDot)?];
+    let fit = lsq::fit(&columns, &torque)?;
+    let intervals = recording_fit(&columns, &fit, study.analysis.confidence)?;
+    Ok(PlaneFit {
+        meta: trial.meta.clone(),
+        offset_nm: intervals.estimates[0],
+        inertia_kg_m2: intervals.estimates[1],
+        damping_nm_s_per_rad: intervals.estimates[2],
+        r2: fit.r2,
+        rms_nm: (fit.rss / torque.len() as f64).sqrt(),
+        samples: torque.len(),
+        lags: intervals.lags,
+        bandwidth_s: intervals.lags as f64 * sample_interval_s(column(Signal::Time)?),
+    })
+}
+
+fn torque(samples: &Samples, lever_m: Option<f64>) -> Result<Vec<f64>, FreeMotionError> {
+    if let Some(torque) = samples.get(Signal::TorqueEx) {
+        return Ok(torque.to_vec());
+    }
+    let (force, lever_m) = samples.get(Signal::ForceEx).zip(lever_m).ok_or(FreeMotionError::NoTorque)?;
+    Ok(force.iter().map(|force| lever_m * force).collect())
+}
+
+/// Mean over the recording; the fit has seen to it that there is more than one sample.
+fn sample_interval_s(t: &[f64]) -> f64 {
+    (t[t.len() - 1] - t[0]) / (t.len() - 1) as f64
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use zwidth_study::{EnvironmentId, Kind, ModeId, ParticipantId, SessionId, Source, Status, StudyId};
+
+    pub(crate) fn study() -> Study {
+        Study::from_toml(&zwidth_study::template(&StudyId::new("free").unwrap())).unwrap()
+    }
+
+    pub(crate) fn trial(columns: [(Signal, Vec<f64>); 4]) -> Trial {
+        let meta = TrialMeta {
+            participant: ParticipantId::new("P01").unwrap(),
+            session: SessionId::new("S01").unwrap(),
+            trial: 1,
+            repeat: 1,
+            kind: Kind::Trial,
+            status: Status::Complete,
+            environment: EnvironmentId::new("free").unwrap(),
+            mode: ModeId::new("active").unwrap(),
+            likert: None,
+            source: Source::Twin,
+        };
+        let mut samples = Samples::default();
+        for (signal, values) in columns {
+            samples.set(signal, values);
+        }
+        Trial { meta, file: Default::default(), samples }
+    }
+
+    /// Whole numbers that vary without pattern: t, acceleration, velocity.
+    fn motion(n: u32) -> [Vec<f64>; 3] {
+        let series = |f: fn(u32) -> u32| (0..n).map(|i| f64::from(f(i)) - 8.0).collect();
+        let t = (0..n).map(|i| f64::from(i) * 0.005).collect();
+        [t, series(|i| i * i * 7 % 17), series(|i| (i / 3) * (i / 3) * 5 % 19)]
+    }
+
+    fn plane(measured: Signal, scale: f64) -> Trial {
+        let [t, acc, vel] = motion(400);
+        let torque = acc.iter().zip(&vel).map(|(a, v)| (0.01 + 0.5 * a - 0.25 * v) * scale).collect();
+        trial([(Signal::Time, t), (Signal::ThetaDdot, acc), (Signal::ThetaDot, vel), (measured, torque)])
+    }
+
+    #[test]
+    fn an_exact_plane_is_recovered() {
+        let fit = plane_fit(&plane(Signal::TorqueEx, 1.0), &study()).unwrap();
+        for (found, expect) in
+            [(fit.offset_nm, 0.01), (fit.inertia_kg_m2, 0.5), (fit.damping_nm_s_per_rad, -0.25)]
+        {
+            assert!((found.estimate - expect).abs() < 1e-13, "{found:?}");
+        }
+        assert!(fit.rms_nm < 1e-13 && (fit.r2.unwrap() - 1.0).abs() < 1e-13);
+        assert_eq!((fit.samples, fit.lags), (400, 40));
+        assert!((fit.bandwidth_s - 0.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_force_becomes_a_torque_by_the_lever_length() {
+        let lever_m = study().device.lever_m.unwrap();
+        let fit = plane_fit(&plane(Signal::ForceEx, 1.0 / lever_m), &study()).unwrap();
+        assert!((fit.inertia_kg_m2.estimate - 0.5).abs() < 1e-13);
+        let mut without = study();
+        without.device.lever_m = None;
+        let refused = plane_fit(&plane(Signal::ForceEx, 1.0), &without);
+        assert_eq!(refused, Err(FreeMotionError::NoTorque));
+    }
+
+    #[test]
+    fn a_recording_without_acceleration_is_refused_by_name() {
+        let [t, acc, vel] = motion(50);
+        let without = trial([
+            (Signal::Time, t),
+            (Signal::Theta, acc),
+            (Signal::ThetaDot, vel.clone()),
+            (Signal::TorqueEx, vel),
+        ]);
+        let error = plane_fit(&without, &study()).unwrap_err();
+        assert!(error.to_string().contains("no theta_ddot_rad_s2"), "{error}");
+    }
+
+    #[test]
+    fn motion_that_cannot_tell_inertia_from_damping_is_refused() {
+        let [t, _, vel] = motion(50);
+        let acc = vec![0.0; 50];
+        let still = trial([
+            (Signal::Time, t),
+            (Signal::ThetaDdot, acc),
+            (Signal::ThetaDot, vel.clone()),
+            (Signal::TorqueEx, vel),
+        ]);
+        assert!(matches!(plane_fit(&still, &study()), Err(FreeMotionError::Numerics(_))));
+    }
+}

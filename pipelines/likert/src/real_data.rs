@@ -1,0 +1,93 @@
+//! The tally against a questionnaire collected by others; the test says so where it is not there.
+
+use crate::tally;
+use std::path::PathBuf;
+use zwidth_store::Answer;
+use zwidth_study::{
+    Condition, EnvironmentId, Mode, ModeId, ParticipantId, Question, QuestionId, Scene, SessionId, Study,
+    StudyId,
+};
+use zwidth_tables::Table;
+
+/// Columns before the first question: time, participant, condition, order.
+const BEFORE: usize = 4;
+/// Column of the participant, and of the condition.
+const PARTICIPANT: usize = 1;
+const CONDITION: usize = 2;
+/// Marks a question that is not on the five-point scale.
+const OTHER_SCALE: &str = "-2";
+
+fn rows(path: PathBuf) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let row = |line: &str| line.split(';').map(|v| v.trim().to_owned()).collect();
+    text.lines().skip(1).map(row).collect()
+}
+
+/// The questions on the five-point scale with their column; `-1` marks a reversed one.
+fn questions(rows: &[Vec<String>]) -> Vec<(usize, Question)> {
+    let question = |(i, row): (usize, &Vec<String>)| {
+        let id = QuestionId::new(format!("q{i}")).unwrap();
+        let (group, text, reversed) = (Some(row[0].clone()), row[1].clone(), row[2] == "-1");
+        (row[2] != OTHER_SCALE).then_some((BEFORE + i, Question { id, text, group, reversed }))
+    };
+    rows.iter().enumerate().filter_map(question).collect()
+}
+
+fn study(questions: &[(usize, Question)]) -> Study {
+    let mut study = Study::from_toml(&zwidth_study::template(&StudyId::new("shoes").unwrap())).unwrap();
+    let mode = |id: &str| Mode {
+        id: ModeId::new(id).unwrap(),
+        label: id.to_owned(),
+        motor_max_v: None,
+        brake_max_v: None,
+    };
+    study.modes = ["HED", "HIP", "STF", "AVG"].map(mode).to_vec();
+    study.environments.truncate(1);
+    study.environments[0].scene = Scene::None;
+    study.questions = questions.iter().map(|(_, q)| q.clone()).collect();
+    study
+}
+
+fn answer(row: &[String], value: &str, question: &QuestionId) -> Answer {
+    Answer {
+        participant: ParticipantId::new(row[PARTICIPANT].clone()).unwrap(),
+        session: SessionId::new("S01").unwrap(),
+        trial: 1,
+        condition: Condition {
+            environment: EnvironmentId::new("spring").unwrap(),
+            mode: ModeId::new(row[CONDITION].clone()).unwrap(),
+        },
+        question: question.clone(),
+        value: value.parse().unwrap(),
+    }
+}
+
+/// The counts 1 … 5 of the pooled row of `group`, for each mode.
+fn pooled(table: &Table, group: &str) -> Vec<[i64; 5]> {
+    let (flags, groups) = (table.flags("pooled").unwrap(), table.texts("group").unwrap());
+    let counts = ["count_1", "count_2", "count_3", "count_4", "count_5"].map(|c| table.integers(c).unwrap());
+    let rows = (0..table.height()).filter(|&i| flags[i] == Some(true) && groups[i].as_deref() == Some(group));
+    rows.map(|i| counts.each_ref().map(|c| c[i].unwrap())).collect()
+}
+
+/// Python, from the two files: `Counter(6 - a if inverted == "-1" else a)` over the group's columns, by condition.
+#[test]
+fn pooled_counts_with_reversed_items_are_those_of_an_independent_count() {
+    let Some(root) = std::env::var_os("ZWIDTH_REAL_DATA").map(PathBuf::from) else {
+        println!("skipped: ZWIDTH_REAL_DATA is not set");
+        return;
+    };
+    let folder = root.join("likert_vr_shoes");
+    let questions = questions(&rows(folder.join("UXdata_questions2023-04-17.csv")));
+    let people = rows(folder.join("UXdata2023-04-28.csv"));
+    let of =
+        |row: &Vec<String>| questions.iter().map(|(i, q)| answer(row, &row[*i], &q.id)).collect::<Vec<_>>();
+    let answers: Vec<Answer> = people.iter().flat_map(of).collect();
+    assert_eq!((questions.len(), answers.len()), (45, 3600));
+    let table = tally(&answers, &study(&questions)).unwrap();
+    let ease = [[12, 26, 24, 44, 34], [2, 24, 18, 47, 49], [2, 17, 24, 59, 38], [6, 18, 24, 43, 49]];
+    let presence = [[2, 12, 13, 32, 21], [4, 9, 11, 25, 31], [2, 10, 10, 30, 28], [2, 8, 9, 28, 33]];
+    assert_eq!(pooled(&table, "Ease of Use"), ease);
+    assert_eq!(pooled(&table, "Presence"), presence);
+    assert!(table.integers("participants").unwrap().iter().all(|n| *n == Some(20)));
+}

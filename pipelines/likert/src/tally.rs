@@ -1,0 +1,277 @@
+//! From answers to the table of counts.
+
+use crate::counts::Counts;
+use std::collections::BTreeMap;
+use zwidth_store::Answer;
+use zwidth_study::{Condition, EnvironmentId, Likert, ModeId, Question, QuestionId, Study};
+use zwidth_tables::{Column, Table, TableError};
+
+/// Why answers could not be tallied.
+#[derive(Debug, thiserror::Error)]
+pub enum LikertError {
+    /// An answer off the scale.
+    #[error(
+        "{participant} {session} trial {trial}: the answer {value} to '{question}' is not on the scale 1 … 5"
+    )]
+    OffScale {
+        /// Who.
+        participant: String,
+        /// Session.
+        session: String,
+        /// Trial.
+        trial: u32,
+        /// Question.
+        question: QuestionId,
+        /// The answer.
+        value: u8,
+    },
+    /// An answer to a question, or after a condition, that the study does not have.
+    #[error("{what} '{id}' of trial {trial} is not in study.toml: add it there, or mend the answer")]
+    Unknown {
+        /// `question`, `environment` or `mode`.
+        what: &'static str,
+        /// Its id.
+        id: String,
+        /// Trial.
+        trial: u32,
+    },
+    /// The table was refused.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
+
+/// One row of the table.
+struct Row<'a> {
+    environment: &'a EnvironmentId,
+    mode: &'a ModeId,
+    /// `None` where a group is pooled.
+    question: Option<&'a Question>,
+    group: Option<&'a str>,
+    counts: Counts,
+}
+
+type ByQuestion = BTreeMap<(Condition, QuestionId), Counts>;
+
+/// The table of counts, in the order of the study file: for each environment and mode first a row a question,
+/// then a row a group. Columns: `environment`, `mode`, `question` and `reversed` (null in a pooled row), `group`,
+/// `pooled`, `participants`, `n`, `count_1` … `count_5` (as scored), `median_low` and `median_high` (the two
+/// middle answers; equal for odd n).
+///
+/// # Errors
+/// An answer off the scale; a question, environment or mode that the study does not have.
+pub fn tally(answers: &[Answer], study: &Study) -> Result<Table, LikertError> {
+    let counts = count(answers, study)?;
+    let mut rows = Vec::new();
+    for environment in &study.environments {
+        for mode in &study.modes {
+            let condition = Condition { environment: environment.id.clone(), mode: mode.id.clone() };
+            let questions = questions(&counts, &condition, study);
+            let row = |question, group, counts| Row {
+                environment: &environment.id,
+                mode: &mode.id,
+                question,
+                group,
+                counts,
+            };
+            rows.extend(questions.iter().map(|(q, c)| row(Some(*q), q.group.as_deref(), (*c).clone())));
+            rows.extend(pooled(&questions).into_iter().map(|(group, c)| row(None, Some(group), c)));
+        }
+    }
+    Ok(Table::new(
+        "likert",
+        "Answers on the five-point scale (reversed questions scored 6 - a)",
+        columns(&rows),
+    )?)
+}
+
+fn count(answers: &[Answer], study: &Study) -> Result<ByQuestion, LikertError> {
+    let mut counts = ByQuestion::new();
+    for answer in answers {
+        let question = check(answer, study)?;
+        let scored = Likert::scored(answer.value, question.reversed);
+        let key = (answer.condition.clone(), answer.question.clone());
+        counts.entry(key).or_default().add(scored, &answer.participant);
+    }
+    Ok(counts)
+}
+
+/// The answer's question, if the answer and all it refers to are there.
+fn check<'s>(answer: &Answer, study: &'s Study) -> Result<&'s Question, LikertError> {
+    if !(1..=Likert::POINTS).contains(&answer.value) {
+        return Err(LikertError::OffScale {
+            participant: answer.participant.to_string(),
+            session: answer.session.to_string(),
+            trial: answer.trial,
+            question: answer.question.clone(),
+            value: answer.value,
+        });
+    }
+    let unknown = |what, id: &str| LikertError::Unknown { what, id: id.to_owned(), trial: answer.trial };
+    let Condition { environment, mode } = &answer.condition;
+    study.environment(environment).ok_or_else(|| unknown("environment", environment.as_str()))?;
+    study.mode(mode).ok_or_else(|| unknown("mode", mode.as_str()))?;
+    study.question(&answer.question).ok_or_else(|| unknown("question", answer.question.as_str()))
+}
+
+/// The questions answered after `condition`, in the study's order.
+fn questions<'s, 'c>(
+    counts: &'c ByQuestion,
+    condition: &Condition,
+    study: &'s Study,
+) -> Vec<(&'s Question, &'c Counts)> {
+    study
+        .questions
+        .iter()
+        .filter_map(|q| Some((q, counts.get(&(condition.clone(), q.id.clone()))?)))
+        .collect()
+}
+
+/// The groups of the questions, in the order of their first one, each with its questions' answers together.
+fn pooled<'s>(questions: &[(&'s Question, &Counts)]) -> Vec<(&'s str, Counts)> {
+    let mut groups: Vec<(&str, Counts)> = Vec::new();
+    for (question, counts) in questions {
+        let Some(group) = question.group.as_deref() else {
+            continue;
+        };
+        let at = groups.iter().position(|(g, _)| *g == group).unwrap_or_else(|| {
+            groups.push((group, Counts::default()));
+            groups.len() - 1
+        });
+        groups[at].1.merge(counts);
+    }
+    groups
+}
+
+fn columns(rows: &[Row]) -> Vec<Column> {
+    let text =
+        |name, meaning, get: fn(&Row) -> Option<String>| Column::text(name, meaning, rows.iter().map(get));
+    let number = |name, meaning, get: fn(&Row) -> Option<i64>| {
+        Column::integer(name, "1", meaning, rows.iter().map(get))
+    };
+    vec![
+        text("environment", "what was rendered", |r| Some(r.environment.to_string())),
+        text("mode", "how it was rendered", |r| Some(r.mode.to_string())),
+        text("question", "the question; null where a group is pooled", |r| {
+            r.question.map(|q| q.id.to_string())
+        }),
+        text("group", "the group of questions", |r| r.group.map(str::to_owned)),
+        Column::flag(
+            "pooled",
+            "whether the row pools a group",
+            rows.iter().map(|r| Some(r.question.is_none())),
+        ),
+        Column::flag(
+            "reversed",
+            "whether agreement speaks against, so that a counts as 6 - a; null where pooled",
+            rows.iter().map(|r| r.question.map(|q| q.reversed)),
+        ),
+        number("participants", "people who answered", |r| Some(r.counts.participants.len() as i64)),
+        number("n", "answers", |r| Some(r.counts.n() as i64)),
+        number("count_1", "answers 1 as scored: strongly disagree", |r| Some(r.counts.of[0] as i64)),
+        number("count_2", "answers 2 as scored: disagree", |r| Some(r.counts.of[1] as i64)),
+        number("count_3", "answers 3 as scored: neutral", |r| Some(r.counts.of[2] as i64)),
+        number("count_4", "answers 4 as scored: agree", |r| Some(r.counts.of[3] as i64)),
+        number("count_5", "answers 5 as scored: strongly agree", |r| Some(r.counts.of[4] as i64)),
+        number("median_low", "median; for even n the lower of the two middle answers", |r| {
+            r.counts.medians().map(|m| m.0)
+        }),
+        number("median_high", "median; for even n the upper of the two middle answers", |r| {
+            r.counts.medians().map(|m| m.1)
+        }),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_study::{ParticipantId, SessionId, StudyId};
+
+    /// The template's study with three questions: q1 and q2 (reversed) in a group, q3 alone.
+    fn study() -> Study {
+        let mut study = Study::from_toml(&zwidth_study::template(&StudyId::new("demo").unwrap())).unwrap();
+        let question = |id: &str, group: Option<&str>, reversed| Question {
+            id: QuestionId::new(id).unwrap(),
+            text: String::new(),
+            group: group.map(str::to_owned),
+            reversed,
+        };
+        study.questions = vec![
+            question("q1", Some("ease"), false),
+            question("q2", Some("ease"), true),
+            question("q3", None, false),
+        ];
+        study
+    }
+
+    fn answer(participant: &str, mode: &str, question: &str, value: u8) -> Answer {
+        Answer {
+            participant: ParticipantId::new(participant).unwrap(),
+            session: SessionId::new("S01").unwrap(),
+            trial: 7,
+            condition: Condition {
+                environment: EnvironmentId::new("spring").unwrap(),
+                mode: ModeId::new(mode).unwrap(),
+            },
+            question: QuestionId::new(question).unwrap(),
+            value,
+        }
+    }
+
+    fn texts(table: &Table, column: &str) -> Vec<String> {
+        table.texts(column).unwrap().into_iter().map(Option::unwrap_or_default).collect()
+    }
+
+    fn numbers(table: &Table, column: &str) -> Vec<i64> {
+        table.integers(column).unwrap().into_iter().map(Option::unwrap).collect()
+    }
+
+    #[test]
+    fn questions_and_then_groups_are_counted_in_the_order_of_the_study() {
+        let answers = [
+            answer("P02", "hybrid", "q3", 1),
+            answer("P01", "active", "q2", 1),
+            answer("P01", "active", "q1", 4),
+            answer("P02", "active", "q1", 2),
+        ];
+        let table = tally(&answers, &study()).unwrap();
+        assert_eq!(texts(&table, "mode"), ["active", "active", "active", "hybrid"]);
+        assert_eq!(texts(&table, "question"), ["q1", "q2", "", "q3"]);
+        assert_eq!(texts(&table, "group"), ["ease", "ease", "ease", ""]);
+        assert_eq!(table.flags("pooled").unwrap(), [Some(false), Some(false), Some(true), Some(false)]);
+        assert_eq!(table.flags("reversed").unwrap(), [Some(false), Some(true), None, Some(false)]);
+        assert_eq!(numbers(&table, "n"), [2, 1, 3, 1]);
+        assert_eq!(numbers(&table, "participants"), [2, 1, 2, 1]);
+        assert_eq!(numbers(&table, "count_1"), [0, 0, 0, 1]);
+        assert_eq!(numbers(&table, "count_5"), [0, 1, 1, 0], "1 to a reversed question counts as 5");
+        assert_eq!(numbers(&table, "median_low"), [2, 5, 4, 1]);
+        assert_eq!(numbers(&table, "median_high"), [4, 5, 4, 1]);
+    }
+
+    #[test]
+    fn what_nobody_answered_has_no_row_and_is_not_zero() {
+        assert_eq!(tally(&[], &study()).unwrap().height(), 0);
+        let table = tally(&[answer("P01", "passive", "q3", 3)], &study()).unwrap();
+        assert_eq!((table.height(), numbers(&table, "count_3")), (1, vec![1]));
+    }
+
+    #[test]
+    fn the_order_of_the_answers_does_not_matter() {
+        let mut answers: Vec<_> = (1..=5).map(|v| answer("P01", "active", "q1", v)).collect();
+        let forward = tally(&answers, &study()).unwrap().columns().unwrap();
+        answers.reverse();
+        assert_eq!(tally(&answers, &study()).unwrap().columns().unwrap(), forward);
+    }
+
+    #[test]
+    fn answers_that_cannot_be_are_refused_by_name() {
+        for (answer, words) in [
+            (answer("P01", "active", "q1", 0), "the answer 0 to 'q1'"),
+            (answer("P01", "active", "q1", 6), "the answer 6 to 'q1'"),
+            (answer("P01", "sealed-3", "q1", 3), "mode 'sealed-3' of trial 7"),
+            (answer("P01", "active", "q9", 3), "question 'q9' of trial 7"),
+        ] {
+            let error = tally(&[answer], &study()).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}

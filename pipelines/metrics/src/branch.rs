@@ -1,0 +1,82 @@
+//! Compression and decompression as two single-valued curves F(θ) on a common grid.
+
+use crate::signals::Phases;
+use zwidth_numerics::series::interpolate_all;
+
+/// F over strictly increasing θ.
+pub(crate) struct Branch {
+    theta: Vec<f64>,
+    force: Vec<f64>,
+}
+
+/// The two branches on a grid of evenly spaced angles that both of them reach.
+pub(crate) struct Branches {
+    pub(crate) theta: Vec<f64>,
+    pub(crate) forward: Vec<f64>,
+    pub(crate) backward: Vec<f64>,
+}
+
+/// The samples at which the lever is farther along than ever before on its way: they make F a function of θ. A
+/// lever that jitters or turns back for a moment adds nothing until it is past its farthest point again.
+fn advancing(theta: &[f64], force: &[f64], direction: f64) -> Branch {
+    let mut branch = Branch { theta: Vec::new(), force: Vec::new() };
+    for (&theta, &force) in theta.iter().zip(force) {
+        if branch.theta.last().is_none_or(|&farthest| direction * theta > direction * farthest) {
+            branch.theta.push(theta);
+            branch.force.push(force);
+        }
+    }
+    if direction < 0.0 {
+        branch.theta.reverse();
+        branch.force.reverse();
+    }
+    branch
+}
+
+/// Both branches by linear interpolation on `points` angles over the range that both cover; `None` where there
+/// is no such range. The sample of the reversal itself belongs to the compression alone.
+pub(crate) fn branches(theta: &[f64], force: &[f64], phases: Phases, points: usize) -> Option<Branches> {
+    let Phases { onset, reversal, end } = phases;
+    let forward = advancing(&theta[onset..=reversal], &force[onset..=reversal], 1.0);
+    let backward = advancing(&theta[reversal + 1..=end], &force[reversal + 1..=end], -1.0);
+    let low = forward.theta.first()?.max(*backward.theta.first()?);
+    let high = forward.theta.last()?.min(*backward.theta.last()?);
+    if high <= low || points < 2 {
+        return None;
+    }
+    let grid: Vec<f64> = (0..points).map(|i| grid_point(low, high, i, points)).collect();
+    let on_grid =
+        |b: &Branch| -> Option<Vec<f64>> { interpolate_all(&b.theta, &b.force, &grid).into_iter().collect() };
+    Some(Branches { forward: on_grid(&forward)?, backward: on_grid(&backward)?, theta: grid })
+}
+
+/// Point `i` of an even grid that begins with `low` and ends with `high`, both exactly.
+fn grid_point(low: f64, high: f64, i: usize, points: usize) -> f64 {
+    if i + 1 == points {
+        return high;
+    }
+    (low + (high - low) * (i as f64 / (points - 1) as f64)).min(high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jitter_and_turning_back_add_nothing_to_a_branch() {
+        let theta = [0.0, 1.0, 0.5, 0.8, 1.0, 2.0, 1.5, 1.6, 0.0];
+        let force = [0.0, 1.0, 9.0, 9.0, 9.0, 2.0, 1.0, 9.0, -1.0];
+        let phases = Phases { onset: 0, reversal: 5, end: 8 };
+        let found = branches(&theta, &force, phases, 4).unwrap();
+        assert_eq!(found.theta, [0.0, 0.5, 1.0, 1.5]);
+        assert_eq!(found.forward, [0.0, 0.5, 1.0, 1.5]);
+        let expect = [-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0];
+        assert!(found.backward.iter().zip(expect).all(|(f, e)| (f - e).abs() < 1e-15));
+    }
+
+    #[test]
+    fn a_movement_without_a_way_back_has_no_common_range() {
+        let phases = Phases { onset: 0, reversal: 2, end: 2 };
+        assert!(branches(&[0.0, 1.0, 2.0], &[0.0; 3], phases, 11).is_none());
+    }
+}

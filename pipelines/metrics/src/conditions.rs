@@ -1,0 +1,113 @@
+//! The metrics by condition: mean and standard deviation of the repeats, by polars.
+
+use polars::prelude::{self as pl, IntoLazy as _};
+use std::borrow::Cow;
+use zwidth_tables::{Field, Table, TableError, Type};
+
+/// What the repeats of a condition share: the unit of analysis is one participant in one session.
+const GROUP: [&str; 4] = ["participant", "session", "environment", "mode"];
+
+/// The metrics that are summarised.
+const SUMMARISED: [&str; 8] = [
+    "duration_s",
+    "theta_max_rad",
+    "discrepancy_mean_n",
+    "discrepancy_step_n",
+    "loop_area_j",
+    "stiffness_n_per_rad",
+    "wall_past_max_rad",
+    "wall_dwell_s",
+];
+
+/// One row a participant, session and condition, in the order of the trials: number of trials, then
+/// mean and standard deviation (n − 1) of each summarised metric over the trials that have it. Null
+/// where none has; the deviation is null for a single trial. A metric that no trial has is left out.
+///
+/// # Errors
+/// A table that is not the stage's.
+pub fn by_condition(metrics: &Table) -> Result<Table, TableError> {
+    let present: Vec<&Field> = SUMMARISED
+        .iter()
+        .filter_map(|name| metrics.fields().iter().find(|f| f.name == *name))
+        .filter(|f| metrics.floats(&f.name).is_ok_and(|v| v.iter().any(Option::is_some)))
+        .collect();
+    let mut aggregates = vec![pl::len().cast(pl::DataType::Int64).alias("n")];
+    for field in &present {
+        aggregates.push(pl::col(field.name.as_ref()).mean());
+        aggregates.push(pl::col(field.name.as_ref()).std(1).alias(deviation(field)));
+    }
+    let frame = metrics
+        .frame()
+        .clone()
+        .lazy()
+        .group_by_stable(GROUP.map(pl::col))
+        .agg(aggregates)
+        .collect()
+        .map_err(|source| TableError::Polars { table: "conditions".to_owned(), source })?;
+    Table::from_frame(
+        "conditions",
+        "Metrics by condition: mean and SD of the repeats",
+        fields(metrics, &present),
+        frame,
+    )
+}
+
+fn fields(metrics: &Table, present: &[&Field]) -> Vec<Field> {
+    let keys = metrics.fields().iter().filter(|f| GROUP.contains(&f.name.as_ref())).cloned();
+    let n = Field { name: "n".into(), unit: "1".into(), description: "trials".into(), kind: Type::Integer };
+    let numbers = present.iter().flat_map(|f| {
+        let mean = Field { description: format!("mean of: {}", f.description).into(), ..(*f).clone() };
+        let sd = Field {
+            name: Cow::Owned(deviation(f)),
+            description: format!("standard deviation of: {}", f.description).into(),
+            ..(*f).clone()
+        };
+        [mean, sd]
+    });
+    keys.chain([n]).chain(numbers).collect()
+}
+
+/// `stiffness_n_per_rad` → `stiffness_sd_n_per_rad`: the unit stays last.
+fn deviation(field: &Field) -> String {
+    const UNITS: [&str; 6] = ["_n_per_rad", "_rad", "_s", "_n", "_j", "_m"];
+    let name = field.name.as_ref();
+    match UNITS.iter().find_map(|unit| name.strip_suffix(unit).map(|stem| (stem, unit))) {
+        Some((stem, unit)) => format!("{stem}_sd{unit}"),
+        None => format!("{name}_sd"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_tables::Column;
+
+    fn metrics(rows: &[(&str, Option<f64>)]) -> Table {
+        let same = |name, value: &str| Column::text(name, "", rows.iter().map(|_| Some(value.to_owned())));
+        let columns = vec![
+            same("participant", "P01"),
+            same("session", "S01"),
+            same("environment", "spring"),
+            Column::text("mode", "", rows.iter().map(|(mode, _)| Some((*mode).to_owned()))),
+            Column::float("duration_s", "s", "duration", rows.iter().map(|(_, v)| *v)),
+            Column::float("wall_dwell_s", "s", "time past the wall", rows.iter().map(|_| None)),
+        ];
+        Table::new("metrics", "", columns).unwrap()
+    }
+
+    #[test]
+    fn repeats_become_mean_and_deviation_of_their_condition() {
+        let rows = [("b", Some(1.0)), ("a", Some(5.0)), ("b", Some(3.0)), ("b", None)];
+        let table = by_condition(&metrics(&rows)).unwrap();
+        assert_eq!(table.texts("mode").unwrap(), [Some("b".to_owned()), Some("a".to_owned())]);
+        assert_eq!(table.integers("n").unwrap(), [Some(3), Some(1)]);
+        assert_eq!(table.floats("duration_s").unwrap(), [Some(2.0), Some(5.0)]);
+        assert_eq!(table.floats("duration_sd_s").unwrap(), [Some(std::f64::consts::SQRT_2), None]);
+    }
+
+    #[test]
+    fn a_metric_that_no_trial_has_is_left_out() {
+        let table = by_condition(&metrics(&[("a", Some(1.0))])).unwrap();
+        assert!(table.floats("wall_dwell_s").is_err());
+    }
+}

@@ -1,0 +1,35 @@
+//! What can be wrong with a trial whose metrics are asked for.
+
+use zwidth_numerics::NumericsError;
+use zwidth_stats::StatsError;
+use zwidth_study::EnvironmentId;
+
+/// Why a trial has no metrics. What is merely not recorded is null, not an error.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MetricsError {
+    /// The trial's environment is not in the study.
+    #[error("environment '{environment}' is not in study.toml: add it there, or mend the trial's")]
+    UnknownEnvironment {
+        /// The environment.
+        environment: EnvironmentId,
+    },
+    /// No time.
+    #[error("the trial has no sample with a time: record it again, or leave it out")]
+    NoTime,
+    /// A column that is not as long as time.
+    #[error("column {column} has {found} samples where t_s has {expected}: columns must be equally long")]
+    Ragged {
+        /// The column.
+        column: &'static str,
+        /// Samples of time.
+        expected: usize,
+        /// Samples of the column.
+        found: usize,
+    },
+    /// A numerical routine refused.
+    #[error(transparent)]
+    Numerics(#[from] NumericsError),
+    /// A statistic was refused.
+    #[error(transparent)]
+    Stats(#[from] StatsError),
+}

@@ -1,0 +1,130 @@
+//! Stage: the metrics of a trial, one row a trial.
+//!
+//! [`trial_metrics`] turns one trial into a [`Row`]; [`table`] puts rows together. Nothing here reads a file or a
+//! clock, and sums run in the order of the samples, so the same trial gives the same bits anywhere.
+//! Only trials that count may come in (`StudyData::counting`): the caller filters.
+//!
+//! # Conventions
+//! * θ grows into the object, and a force is positive where it pushes into the object, so that F dx > 0 is work of
+//!   the user on the device. x = L θ, L the lever length; without one everything in metres or joules is null.
+//! * **Compression** is onset → reversal, **decompression** reversal → end; the reversal is the first sample of
+//!   the largest θ. Without a recorded velocity there is neither onset nor end, and the whole recording stands
+//!   in for the movement.
+//! * A metric is null (`None`) where the recording lacks what it needs, or where it does not apply; it is never
+//!   0 for want of data.
+//!
+//! The definitions stand at the fields of [`Movement`], [`Discrepancy`], [`SpringRendering`] and [`WallContact`].
+
+mod branch;
+mod conditions;
+mod discrepancy;
+mod error;
+mod movement;
+#[cfg(test)]
+mod real_data;
+mod signals;
+mod spring;
+mod table;
+#[cfg(test)]
+mod testing;
+mod wall;
+
+pub use conditions::by_condition;
+pub use discrepancy::Discrepancy;
+pub use error::MetricsError;
+pub use movement::Movement;
+pub use spring::SpringRendering;
+pub use table::table;
+pub use wall::WallContact;
+
+use signals::Signals;
+use zwidth_store::Trial;
+use zwidth_study::{Study, TrialMeta};
+
+/// Version of the algorithms here: a change of any number they give raises it.
+pub const VERSION: u32 = 1;
+
+/// The metrics of one trial.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Which trial.
+    pub meta: TrialMeta,
+    /// When and how fast it moved.
+    pub movement: Movement,
+    /// How far compression and decompression differ in force; all null where the environment has no spring.
+    pub discrepancy: Discrepancy,
+    /// How the spring was rendered; all null where the environment has none.
+    pub spring: SpringRendering,
+    /// What happened at the wall; all null where the environment has none.
+    pub wall: WallContact,
+}
+
+/// The metrics of `trial`, with the thresholds, grid and confidence level of `study.analysis`.
+///
+/// # Errors
+/// An environment the study does not have; samples without time or of unequal length; a number that is none.
+pub fn trial_metrics(trial: &Trial, study: &Study) -> Result<Row, MetricsError> {
+    let environment = study
+        .environment(&trial.meta.environment)
+        .ok_or_else(|| MetricsError::UnknownEnvironment { environment: trial.meta.environment.clone() })?;
+    let signals = Signals::of(trial, study)?;
+    let analysis = &study.analysis;
+    let (spring, wall_rad) = (environment.scene.spring(), environment.scene.wall_rad());
+    let discrepancy = spring.map(|_| discrepancy::discrepancy(&signals, analysis.grid_points));
+    let rendering = spring.map(|spring| spring::spring_rendering(&signals, spring, wall_rad, analysis));
+    Ok(Row {
+        meta: trial.meta.clone(),
+        movement: movement::movement(&signals, &study.device)?,
+        discrepancy: discrepancy.transpose()?.unwrap_or_default(),
+        spring: rendering.transpose()?.unwrap_or_default(),
+        wall: wall_rad.map(|wall| wall::wall_contact(&signals, wall)).unwrap_or_default(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{spring_study, stroke, trial};
+    use zwidth_store::Signal;
+
+    #[test]
+    fn an_environment_the_study_lacks_is_an_error_that_names_it() {
+        let mut trial = trial(&stroke(1.0, 0.5), |_, _| 0.0);
+        trial.meta.environment = zwidth_study::EnvironmentId::new("elsewhere").unwrap();
+        let error = trial_metrics(&trial, &spring_study(4.0, 0.0)).unwrap_err();
+        assert!(error.to_string().contains("'elsewhere'"), "{error}");
+    }
+
+    #[test]
+    fn free_motion_has_movement_and_nothing_that_was_not_rendered() {
+        let mut study = spring_study(4.0, 0.0);
+        study.environments[0].scene = zwidth_study::Scene::Free;
+        let row = trial_metrics(&trial(&stroke(1.0, 0.5), |_, v| v), &study).unwrap();
+        assert!(row.movement.velocity_forward_peak_rad_s.is_some());
+        let rest = (row.discrepancy, row.spring, row.wall);
+        assert_eq!(rest, (Discrepancy::default(), SpringRendering::default(), WallContact::default()));
+    }
+
+    #[test]
+    fn a_torque_only_recording_has_movement_and_null_forces() {
+        let mut trial = trial(&stroke(1.0, 0.5), |_, _| 0.0);
+        let mut samples = zwidth_store::Samples::default();
+        for signal in [Signal::Time, Signal::Theta, Signal::ThetaDot] {
+            samples.set(signal, trial.samples.get(signal).unwrap().to_vec());
+        }
+        samples.set(Signal::TorqueEx, vec![0.1; samples.len()]);
+        trial.samples = samples;
+        let row = trial_metrics(&trial, &spring_study(4.0, 0.0)).unwrap();
+        assert!(row.movement.onset_s.is_some());
+        assert_eq!(row.discrepancy, Discrepancy::default());
+        assert_eq!(row.spring, SpringRendering::default());
+    }
+
+    #[test]
+    fn samples_of_unequal_length_are_refused() {
+        let mut trial = trial(&stroke(1.0, 0.5), |_, _| 0.0);
+        trial.samples.set(Signal::ForceEx, vec![0.0]);
+        let error = trial_metrics(&trial, &spring_study(4.0, 0.0)).unwrap_err();
+        assert!(error.to_string().contains("force_ex_n"), "{error}");
+    }
+}

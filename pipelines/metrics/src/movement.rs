@@ -1,0 +1,156 @@
+//! When the lever moves, how far and how fast.
+
+use crate::MetricsError;
+use crate::signals::Signals;
+use zwidth_numerics::series::trapezoid;
+use zwidth_study::Device;
+
+/// When the lever moves, how far and how fast. Times are the trial's own `t_s`, to the sample.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Movement {
+    /// First time with |θ̇| above `analysis.onset_rad_s`, s. Null if never, or without θ̇.
+    pub onset_s: Option<f64>,
+    /// First time of the largest θ between onset and end, s.
+    pub reversal_s: Option<f64>,
+    /// First time with |θ̇| below `analysis.offset_rad_s` after |θ̇| last exceeded the onset's threshold, s. Null
+    /// if the recording stops before; the decompression then runs to its last sample.
+    pub end_s: Option<f64>,
+    /// End − onset, s.
+    pub duration_s: Option<f64>,
+    /// Largest θ of the whole recording, rad.
+    pub theta_max_rad: Option<f64>,
+    /// Mean |θ̇| over time, onset to reversal: ∫|θ̇| dt / Δt by the trapezoidal rule, rad/s.
+    pub velocity_forward_mean_rad_s: Option<f64>,
+    /// Largest |θ̇|, onset to reversal, rad/s.
+    pub velocity_forward_peak_rad_s: Option<f64>,
+    /// Mean |θ̇| over time, reversal to end, rad/s.
+    pub velocity_backward_mean_rad_s: Option<f64>,
+    /// Largest |θ̇|, reversal to end, rad/s.
+    pub velocity_backward_peak_rad_s: Option<f64>,
+    /// How often θ arrives at or below the work space's lower end, from within it, in the whole recording. A
+    /// spring that rests at the stop brings the lever there at the end of every trial.
+    pub work_space_hits_low: Option<i64>,
+    /// How often θ arrives at or above the work space's upper end, from within it, in the whole recording.
+    pub work_space_hits_high: Option<i64>,
+}
+
+pub(crate) fn movement(signals: &Signals, device: &Device) -> Result<Movement, MetricsError> {
+    let Signals { t, theta, theta_dot, activity, phases, .. } = *signals;
+    let onset_s = activity.map(|a| t[a.onset]);
+    let end_s = activity.and_then(|a| a.end).map(|i| t[i]);
+    let speed = |from: usize, to: usize| theta_dot.map(|v| speed(&t[from..=to], &v[from..=to])).transpose();
+    let forward = phases.map(|p| speed(p.onset, p.reversal)).transpose()?.flatten();
+    let backward = phases.map(|p| speed(p.reversal, p.end)).transpose()?.flatten();
+    let hits = |limit: Option<f64>, sign: f64| Some(arrivals(theta?, limit?, sign));
+    Ok(Movement {
+        onset_s,
+        reversal_s: phases.map(|p| t[p.reversal]),
+        end_s,
+        duration_s: onset_s.zip(end_s).map(|(onset, end)| end - onset),
+        theta_max_rad: theta.and_then(|theta| theta.iter().copied().reduce(f64::max)),
+        velocity_forward_mean_rad_s: forward.and_then(|s| s.mean),
+        velocity_forward_peak_rad_s: forward.map(|s| s.peak),
+        velocity_backward_mean_rad_s: backward.and_then(|s| s.mean),
+        velocity_backward_peak_rad_s: backward.map(|s| s.peak),
+        work_space_hits_low: hits(device.theta_min_rad, -1.0),
+        work_space_hits_high: hits(device.theta_max_rad, 1.0),
+    })
+}
+
+#[derive(Clone, Copy)]
+struct Speed {
+    /// `None` for a single sample.
+    mean: Option<f64>,
+    peak: f64,
+}
+
+fn speed(t: &[f64], v: &[f64]) -> Result<Speed, MetricsError> {
+    let v: Vec<f64> = v.iter().map(|v| v.abs()).collect();
+    let mean = match t {
+        [first, .., last] => Some(trapezoid(t, &v)? / (last - first)),
+        _ => None,
+    };
+    Ok(Speed { mean, peak: v.iter().copied().fold(0.0, f64::max) })
+}
+
+/// How often sign · θ comes from below sign · limit to it or beyond.
+fn arrivals(theta: &[f64], limit: f64, sign: f64) -> i64 {
+    let within = |theta: f64| sign * theta < sign * limit;
+    theta.windows(2).map(|w| i64::from(within(w[0]) && !within(w[1]))).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{RATE_HZ, REST_RAD, spring_study, stroke, trial};
+    use crate::trial_metrics;
+    use zwidth_store::{Signal, Trial};
+
+    /// One sample's worth of time.
+    const SAMPLE_S: f64 = 1.0 / RATE_HZ;
+
+    fn metrics(trial: &Trial) -> Movement {
+        trial_metrics(trial, &spring_study(4.0, REST_RAD)).unwrap().movement
+    }
+
+    /// θ = rest + A (1 − cos ωt)/2, θ̇ = A ω/2 sin ωt: the onset is at asin(threshold / (A ω/2)) / ω.
+    #[test]
+    fn a_raised_cosine_begins_turns_and_ends_where_its_formula_says() {
+        let (stroke_rad, period_s) = (1.2, 2.0);
+        let found = metrics(&trial(&stroke(stroke_rad, period_s), |_, _| 0.0));
+        let omega = core::f64::consts::TAU / period_s;
+        let peak = stroke_rad * omega / 2.0;
+        let crossing = |threshold_deg_s: f64| libm::asin(threshold_deg_s.to_radians() / peak) / omega;
+        // the generator rests half a second before and after the movement
+        assert!((found.onset_s.unwrap() - (0.5 + crossing(10.0))).abs() <= SAMPLE_S);
+        assert!((found.end_s.unwrap() - (0.5 + period_s - crossing(5.0))).abs() <= SAMPLE_S);
+        assert!((found.reversal_s.unwrap() - (0.5 + period_s / 2.0)).abs() <= SAMPLE_S);
+        assert!((found.theta_max_rad.unwrap() - (REST_RAD + stroke_rad)).abs() < 1e-12);
+        assert!((found.velocity_forward_peak_rad_s.unwrap() - peak).abs() < 1e-5);
+        assert!((found.velocity_backward_peak_rad_s.unwrap() - peak).abs() < 1e-5);
+        // onset to reversal: the way left to go over the time left
+        let onset = found.onset_s.unwrap() - 0.5;
+        let way = stroke_rad * (1.0 + libm::cos(omega * onset)) / 2.0;
+        let mean = way / (period_s / 2.0 - onset);
+        assert!((found.velocity_forward_mean_rad_s.unwrap() / mean - 1.0).abs() < 1e-4);
+        assert_eq!(found.duration_s, Some(found.end_s.unwrap() - found.onset_s.unwrap()));
+    }
+
+    #[test]
+    fn a_recording_that_stops_in_mid_movement_has_no_end() {
+        let points: Vec<_> = stroke(1.2, 2.0).into_iter().filter(|p| p.0 < 2.0).collect();
+        let found = metrics(&trial(&points, |_, _| 0.0));
+        assert_eq!((found.end_s, found.duration_s), (None, None));
+        assert!(found.velocity_backward_mean_rad_s.is_some());
+    }
+
+    #[test]
+    fn a_lever_that_does_not_move_has_an_angle_and_no_movement() {
+        let found = metrics(&trial(&[(0.0, 0.1, 0.0), (0.1, 0.1, 0.01)], |_, _| 0.0));
+        assert_eq!(found.theta_max_rad, Some(0.1));
+        assert_eq!((found.onset_s, found.reversal_s, found.velocity_forward_mean_rad_s), (None, None, None));
+    }
+
+    #[test]
+    fn without_a_velocity_the_recording_stands_in_for_the_movement() {
+        let mut trial = trial(&stroke(1.2, 2.0), |_, _| 0.0);
+        let mut samples = zwidth_store::Samples::default();
+        for signal in [Signal::Time, Signal::Theta] {
+            samples.set(signal, trial.samples.get(signal).unwrap().to_vec());
+        }
+        trial.samples = samples;
+        let found = metrics(&trial);
+        assert_eq!((found.onset_s, found.velocity_forward_peak_rad_s), (None, None));
+        assert!(found.reversal_s.is_some());
+    }
+
+    #[test]
+    fn a_stop_is_hit_when_the_lever_arrives_not_while_it_stays_or_leaves() {
+        let mut study = spring_study(4.0, 0.0);
+        (study.device.theta_min_rad, study.device.theta_max_rad) = (Some(0.0), Some(1.0));
+        let angles = [0.0, 0.5, 1.0, 1.0, 0.9, 1.1, 0.5, 0.0, 0.0];
+        let points: Vec<_> = (0..).zip(angles).map(|(i, a)| (f64::from(i), a, 0.0)).collect();
+        let found = trial_metrics(&trial(&points, |_, _| 0.0), &study).unwrap().movement;
+        assert_eq!((found.work_space_hits_low, found.work_space_hits_high), (Some(1), Some(2)));
+    }
+}

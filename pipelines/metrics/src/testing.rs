@@ -1,0 +1,64 @@
+//! Small closed-form trials and studies for the tests of this crate.
+
+use zwidth_store::{Samples, Signal, Trial, TrialFile};
+use zwidth_study::{
+    EnvironmentId, Kind, ModeId, ParticipantId, Scene, SessionId, Source, Status, Study, StudyId, TrialMeta,
+};
+
+pub(crate) const RATE_HZ: f64 = 1000.0;
+pub(crate) const REST_RAD: f64 = -core::f64::consts::FRAC_PI_4;
+pub(crate) const LEVER_M: f64 = 0.045;
+
+/// (t, θ, θ̇): half a second of rest, one raised cosine of `stroke_rad` in `period_s`, half a second of rest.
+pub(crate) fn stroke(stroke_rad: f64, period_s: f64) -> Vec<(f64, f64, f64)> {
+    let omega = core::f64::consts::TAU / period_s;
+    let samples = ((period_s + 1.0) * RATE_HZ) as u32;
+    let point = |i: u32| {
+        let t = f64::from(i) / RATE_HZ;
+        let phase = omega * (t - 0.5).clamp(0.0, period_s);
+        let theta = REST_RAD + stroke_rad * (1.0 - libm::cos(phase)) / 2.0;
+        (t, theta, stroke_rad * omega / 2.0 * libm::sin(phase))
+    };
+    (0..=samples).map(point).collect()
+}
+
+/// A trial in the environment `spring` with the given motion and F(θ, θ̇).
+pub(crate) fn trial(points: &[(f64, f64, f64)], force: impl Fn(f64, f64) -> f64) -> Trial {
+    let mut samples = Samples::default();
+    samples.set(Signal::Time, points.iter().map(|p| p.0).collect());
+    samples.set(Signal::Theta, points.iter().map(|p| p.1).collect());
+    samples.set(Signal::ThetaDot, points.iter().map(|p| p.2).collect());
+    samples.set(Signal::ForceEx, points.iter().map(|p| force(p.1, p.2)).collect());
+    Trial { meta: meta(), file: TrialFile::new(), samples }
+}
+
+pub(crate) fn meta() -> TrialMeta {
+    TrialMeta {
+        participant: ParticipantId::new("P01").unwrap(),
+        session: SessionId::new("S01").unwrap(),
+        trial: 1,
+        repeat: 1,
+        kind: Kind::Trial,
+        status: Status::Complete,
+        environment: EnvironmentId::new("spring").unwrap(),
+        mode: ModeId::new("hybrid").unwrap(),
+        likert: None,
+        source: Source::Twin,
+    }
+}
+
+/// The template's study, its first environment a spring K (θ − rest).
+pub(crate) fn spring_study(stiffness_n_per_rad: f64, rest_rad: f64) -> Study {
+    let text = zwidth_study::template(&StudyId::new("demo").unwrap());
+    let mut study = Study::from_toml(&text).unwrap();
+    study.environments[0].scene = Scene::Spring(zwidth_study::Spring { stiffness_n_per_rad, rest_rad });
+    study
+}
+
+/// The same with a wall.
+pub(crate) fn wall_study(stiffness_n_per_rad: f64, rest_rad: f64, wall_rad: f64) -> Study {
+    let mut study = spring_study(stiffness_n_per_rad, rest_rad);
+    let spring = zwidth_study::Spring { stiffness_n_per_rad, rest_rad };
+    study.environments[0].scene = Scene::SpringWall { spring, wall_rad };
+    study
+}

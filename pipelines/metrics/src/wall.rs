@@ -1,0 +1,154 @@
+//! What happened at the wall.
+
+use crate::signals::Signals;
+
+/// A rebound is a retreat from the wall by more than this share of the angles travelled; less is taken for the
+/// angle sensor's jitter.
+const REBOUND_SHARE: f64 = 0.01;
+
+/// What happened at a wall that begins at θ_wall; over the whole recording. All null where the environment has
+/// none or θ is not recorded; all but `reached` null where θ never exceeds θ_wall.
+///
+/// Between samples θ and F are taken as straight lines, and only the part of an interval with θ > θ_wall counts.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WallContact {
+    /// Whether θ exceeds θ_wall.
+    pub reached: Option<bool>,
+    /// Largest θ − θ_wall, rad.
+    pub past_max_rad: Option<f64>,
+    /// The same at the lever, L (θ − θ_wall), m. Null without a lever length.
+    pub past_max_m: Option<f64>,
+    /// Time with θ > θ_wall, s.
+    pub dwell_s: Option<f64>,
+    /// ∫F dt past the wall, N·s.
+    pub impulse_n_s: Option<f64>,
+    /// ∫F dx past the wall, J: what the wall takes from the user in all; below 0 it gives energy out. Null without
+    /// a lever length.
+    pub energy_j: Option<f64>,
+    /// θ̇ where θ first passes θ_wall, rad/s. Null if the recording begins past it.
+    pub impact_velocity_rad_s: Option<f64>,
+    /// How often the lever passes the wall again after a retreat of more than 1 % of the angles travelled.
+    pub rebounds: Option<i64>,
+}
+
+pub(crate) fn wall_contact(signals: &Signals, wall_rad: f64) -> WallContact {
+    let Some(theta) = signals.theta else {
+        return WallContact::default();
+    };
+    let highest = theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if highest <= wall_rad {
+        return WallContact { reached: Some(false), ..WallContact::default() };
+    }
+    let past = pieces(theta, wall_rad);
+    let duration = |p: &Piece| (p.to - p.from) * (signals.t[p.i + 1] - signals.t[p.i]);
+    let way = |p: &Piece| (p.to - p.from) * (theta[p.i + 1] - theta[p.i]);
+    let over_pieces = |step: &dyn Fn(&Piece) -> f64| {
+        signals.force.map(|f| past.iter().map(|p| at(f, p.i, (p.from + p.to) / 2.0) * step(p)).sum::<f64>())
+    };
+    WallContact {
+        reached: Some(true),
+        past_max_rad: Some(highest - wall_rad),
+        past_max_m: signals.lever_m.map(|lever_m| lever_m * (highest - wall_rad)),
+        dwell_s: Some(past.iter().map(duration).sum()),
+        impulse_n_s: over_pieces(&duration),
+        energy_j: signals.lever_m.zip(over_pieces(&way)).map(|(lever_m, integral)| lever_m * integral),
+        impact_velocity_rad_s: impact_velocity(theta, signals.theta_dot, &past, wall_rad),
+        rebounds: Some(rebounds(theta, wall_rad)),
+    }
+}
+
+/// The part of the interval between samples i and i + 1 that lies past the wall, as shares of the interval.
+struct Piece {
+    i: usize,
+    from: f64,
+    to: f64,
+}
+
+fn pieces(theta: &[f64], wall: f64) -> Vec<Piece> {
+    let piece = |(i, w): (usize, &[f64])| {
+        let crossing = (wall - w[0]) / (w[1] - w[0]);
+        match (w[0] > wall, w[1] > wall) {
+            (true, true) => Some(Piece { i, from: 0.0, to: 1.0 }),
+            (false, true) => Some(Piece { i, from: crossing, to: 1.0 }),
+            (true, false) => Some(Piece { i, from: 0.0, to: crossing }),
+            (false, false) => None,
+        }
+    };
+    theta.windows(2).enumerate().filter_map(piece).collect()
+}
+
+/// The value a share of the interval after sample `i`.
+fn at(values: &[f64], i: usize, share: f64) -> f64 {
+    values[i] + share * (values[i + 1] - values[i])
+}
+
+fn impact_velocity(theta: &[f64], theta_dot: Option<&[f64]>, past: &[Piece], wall: f64) -> Option<f64> {
+    let first = past.first().filter(|_| theta[0] <= wall)?;
+    Some(at(theta_dot?, first.i, first.from))
+}
+
+fn rebounds(theta: &[f64], wall: f64) -> i64 {
+    let lowest = theta.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let retreat = wall - REBOUND_SHARE * (highest - lowest);
+    let (mut past, mut entries) = (false, 0);
+    for &theta in theta {
+        if !past && theta > wall {
+            (past, entries) = (true, entries + 1);
+        } else if theta < retreat {
+            past = false;
+        }
+    }
+    entries - 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{LEVER_M, REST_RAD, stroke, trial, wall_study};
+    use crate::trial_metrics;
+
+    fn check(found: Option<f64>, expect: f64, tolerance: f64) {
+        let found = found.unwrap();
+        assert!((found - expect).abs() < tolerance, "{found} against {expect}");
+    }
+
+    fn contact(points: &[(f64, f64, f64)], wall_rad: f64, force: impl Fn(f64, f64) -> f64) -> WallContact {
+        trial_metrics(&trial(points, force), &wall_study(4.0, REST_RAD, wall_rad)).unwrap().wall
+    }
+
+    #[test]
+    fn a_wall_not_reached_is_null_and_never_zero() {
+        let found = contact(&stroke(1.0, 2.0), REST_RAD + 1.0 + 1e-9, |_, _| 1.0);
+        assert_eq!(found, WallContact { reached: Some(false), ..WallContact::default() });
+    }
+
+    /// A triangle at 2 rad/s up and 1 rad/s down, 0.25 rad past the wall, F = 5 N in and 3 N out.
+    #[test]
+    fn a_triangle_past_the_wall_has_the_numbers_of_its_geometry() {
+        let points = [(0.0, 0.0, 2.0), (0.5, 1.0, 2.0), (0.5 + 1e-9, 1.0, -1.0), (1.5 + 1e-9, 0.0, -1.0)];
+        let found = contact(&points, 0.75, |_, v| if v > 0.0 { 5.0 } else { 3.0 });
+        check(found.past_max_rad, 0.25, 1e-15);
+        check(found.past_max_m, LEVER_M * 0.25, 1e-15);
+        check(found.dwell_s, 0.125 + 0.25, 1e-8);
+        check(found.impulse_n_s, 5.0 * 0.125 + 3.0 * 0.25, 1e-7);
+        check(found.energy_j, LEVER_M * (5.0 - 3.0) * 0.25, 1e-12);
+        check(found.impact_velocity_rad_s, 2.0, 1e-15);
+        assert_eq!(found.rebounds, Some(0));
+    }
+
+    #[test]
+    fn rebounds_are_retreats_and_jitter_is_not() {
+        let angles = [0.0, 0.8, 0.749, 0.8, 0.6, 0.9, 0.7, 0.8, 0.0];
+        let points: Vec<_> = (0..).zip(angles).map(|(i, a)| (f64::from(i), a, 1.0)).collect();
+        assert_eq!(contact(&points, 0.75, |_, _| 0.0).rebounds, Some(2));
+    }
+
+    #[test]
+    fn a_recording_that_begins_past_the_wall_has_no_impact() {
+        let points = [(0.0, 1.0, 0.0), (1.0, 0.0, -1.0)];
+        let found = contact(&points, 0.5, |_, _| 1.0);
+        assert_eq!(found.impact_velocity_rad_s, None);
+        check(found.dwell_s, 0.5, 1e-15);
+    }
+}

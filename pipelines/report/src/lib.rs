@@ -1,0 +1,184 @@
+//! Stage: the summary a person reads first.
+//!
+//! [`summary_markdown`] turns what is known of a run into one page of text. No files and no clock: data in,
+//! text out.
+
+mod people;
+
+use people::{count, participants, sources};
+use std::collections::BTreeMap;
+use zwidth_study::Source;
+use zwidth_tables::escape_markdown as escape;
+
+/// What the summary speaks of.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Summary {
+    /// The study's title.
+    pub title: String,
+    /// What the device is called; empty where there is none.
+    pub device: String,
+    /// Participants with at least one trial that counts.
+    pub participants: usize,
+    /// Sessions (of all participants together) with at least one trial that counts.
+    pub sessions: usize,
+    /// Trials that count: neither familiarisation nor superseded, excluded or incomplete.
+    pub trials: usize,
+    /// Sweeps of actuators and sensors.
+    pub sweeps: usize,
+    /// How many of these trials and sweeps come from where.
+    pub sources: BTreeMap<Source, usize>,
+    /// The figures, the one to look at first in front.
+    pub figures: Vec<Made>,
+    /// The tables, likewise.
+    pub tables: Vec<Made>,
+    /// What was left out.
+    pub left_out: Vec<LeftOut>,
+    /// What these data cannot show: whole sentences.
+    pub limits: Vec<String>,
+}
+
+/// A figure or a table that was made.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Made {
+    /// Its file, from the summary's folder on, with `/`; of checked ids, so that a link needs no escape.
+    pub path: String,
+    /// What it shows, one line.
+    pub caption: String,
+}
+
+/// Something that was left out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// What: a trial, a panel, a figure.
+    pub what: String,
+    /// Why.
+    pub why: String,
+}
+
+/// The summary in Markdown: what the study is, what was made, what was left out and why, what it cannot show.
+///
+/// Simulated data are called so before anything else is said. With one participant, the text says that it
+/// speaks of nobody else. All texts given are escaped: they are set as they stand.
+pub fn summary_markdown(summary: &Summary) -> String {
+    let facts = [sources(&summary.sources), Some(what_it_is(summary)), participants(summary.participants)];
+    let mut parts = vec![format!("# {}", escape(&summary.title))];
+    parts.extend(facts.into_iter().flatten());
+    parts.extend([
+        section("Figures", &summary.figures, made, "No figure was made."),
+        section("Tables", &summary.tables, made, "No table was made."),
+        section("Left out", &summary.left_out, left_out, "Nothing was left out."),
+    ]);
+    if !summary.limits.is_empty() {
+        parts.push(section("What these data cannot show", &summary.limits, |limit| escape(limit), ""));
+    }
+    parts.join("\n\n") + "\n"
+}
+
+/// Device, participants, sessions, trials and sweeps, as far as there are any.
+fn what_it_is(summary: &Summary) -> String {
+    let counts = [
+        (summary.participants, "participant"),
+        (summary.sessions, "session"),
+        (summary.trials, "trial that counts"),
+        (summary.sweeps, "sweep"),
+    ];
+    let counted: Vec<String> =
+        counts.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(n, what)).collect();
+    let counted =
+        if counted.is_empty() { "no trial that counts, no sweep".to_owned() } else { counted.join(", ") };
+    let device = (!summary.device.is_empty()).then(|| format!("Device: {}. ", escape(&summary.device)));
+    format!("{}Data: {counted}.", device.unwrap_or_default())
+}
+
+fn section<T>(title: &str, items: &[T], line: impl Fn(&T) -> String, none: &str) -> String {
+    let lines: Vec<String> = items.iter().map(|item| format!("- {}", line(item))).collect();
+    let body = if lines.is_empty() { none.to_owned() } else { lines.join("\n") };
+    format!("## {title}\n\n{body}")
+}
+
+fn made(made: &Made) -> String {
+    format!("[{}]({})", escape(&made.caption), made.path)
+}
+
+fn left_out(left_out: &LeftOut) -> String {
+    format!("{}: {}", escape(&left_out.what), escape(&left_out.why))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Summary {
+        Summary {
+            title: "A spring, a wall & 3 modes".to_owned(),
+            device: "lever_2".to_owned(),
+            participants: 2,
+            sessions: 4,
+            trials: 142,
+            sweeps: 0,
+            sources: BTreeMap::from([(Source::Recorded, 142)]),
+            figures: vec![Made {
+                path: "figures/spring.svg".to_owned(),
+                caption: "Spring: θ, F, θ̇, mean of six".to_owned(),
+            }],
+            tables: vec![Made {
+                path: "tables/metrics.md".to_owned(),
+                caption: "Metrics, a row a trial".to_owned(),
+            }],
+            left_out: vec![LeftOut {
+                what: "P01 S01 trial 17".to_owned(),
+                why: "excluded: cable caught".to_owned(),
+            }],
+            limits: vec!["Two participants cannot show an effect after Holm.".to_owned()],
+        }
+    }
+
+    #[test]
+    fn the_summary_says_what_was_made_and_what_was_not() {
+        let expect = "\
+# A spring, a wall \\& 3 modes
+
+All data were recorded on the device.
+
+Device: lever\\_2. Data: 2 participants, 4 sessions, 142 trials that count.
+
+## Figures
+
+- [Spring: θ, F, θ̇, mean of six](figures/spring.svg)
+
+## Tables
+
+- [Metrics, a row a trial](tables/metrics.md)
+
+## Left out
+
+- P01 S01 trial 17: excluded: cable caught
+
+## What these data cannot show
+
+- Two participants cannot show an effect after Holm.
+";
+        assert_eq!(summary_markdown(&sample()), expect);
+    }
+
+    #[test]
+    fn one_participant_is_said_to_stand_for_nobody_else() {
+        let text = summary_markdown(&Summary { participants: 1, sessions: 1, trials: 1, ..sample() });
+        assert!(text.contains("1 participant, 1 session, 1 trial that counts."), "{text}");
+        assert!(text.contains("describes this one participant and nobody else"), "{text}");
+    }
+
+    #[test]
+    fn simulated_data_are_called_so_before_anything_else() {
+        let text = summary_markdown(&Summary { sources: BTreeMap::from([(Source::Twin, 142)]), ..sample() });
+        assert_eq!(text.lines().nth(2), Some("**All data are simulated: nothing here was measured.**"));
+    }
+
+    #[test]
+    fn a_run_that_made_nothing_says_so() {
+        let text = summary_markdown(&Summary { title: "Empty".to_owned(), ..Summary::default() });
+        let expect = "# Empty\n\nData: no trial that counts, no sweep.\n\n## Figures\n\nNo figure was made.\n\n\
+                      ## Tables\n\nNo table was made.\n\n## Left out\n\nNothing was left out.\n";
+        assert_eq!(text, expect);
+    }
+}

@@ -1,0 +1,72 @@
+//! Sentences on whom the data are about and where they come from.
+
+use std::collections::BTreeMap;
+use zwidth_study::Source;
+
+/// `1 sweep`, `3 sweeps`; `1 trial that counts`, `3 trials that count`.
+pub(crate) fn count(n: usize, what: &str) -> String {
+    match (n, what.split_once(" that counts")) {
+        (1, _) => format!("1 {what}"),
+        (_, Some((noun, _))) => format!("{n} {noun}s that count"),
+        _ => format!("{n} {what}s"),
+    }
+}
+
+/// With one participant, nothing is known of anybody else.
+pub(crate) fn participants(n: usize) -> Option<String> {
+    (n == 1).then(|| "Every number here describes this one participant and nobody else.".to_owned())
+}
+
+/// Where the data come from; simulated data stand out.
+pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<String> {
+    let present: Vec<(Source, usize)> =
+        sources.iter().map(|(s, n)| (*s, *n)).filter(|(_, n)| *n > 0).collect();
+    match present.as_slice() {
+        [] => None,
+        [(Source::Twin, _)] => Some("**All data are simulated: nothing here was measured.**".to_owned()),
+        [(source, _)] => Some(format!("All data were {}.", origin(*source))),
+        several => Some(mixed(several)),
+    }
+}
+
+fn mixed(several: &[(Source, usize)]) -> String {
+    let total: usize = several.iter().map(|(_, n)| n).sum();
+    let parts: Vec<String> = several.iter().map(|(s, n)| format!("{n} {}", origin(*s))).collect();
+    let text = format!("Of {total} trials and sweeps: {}.", parts.join(", "));
+    let simulated = several.iter().any(|(s, _)| *s == Source::Twin);
+    if simulated { format!("**Some data are simulated.** {text}") } else { text }
+}
+
+fn origin(source: Source) -> &'static str {
+    match source {
+        Source::Recorded => "recorded on the device",
+        Source::Twin => "simulated",
+        Source::Imported => "measured by others and imported",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_thing_is_not_many() {
+        assert_eq!(count(1, "session"), "1 session");
+        assert_eq!(count(0, "session"), "0 sessions");
+        assert_eq!(count(1, "trial that counts"), "1 trial that counts");
+        assert_eq!(count(2, "trial that counts"), "2 trials that count");
+    }
+
+    #[test]
+    fn the_sources_of_mixed_data_are_counted() {
+        let text =
+            sources(&BTreeMap::from([(Source::Recorded, 30), (Source::Twin, 10), (Source::Imported, 0)]));
+        let expect =
+            "**Some data are simulated.** Of 40 trials and sweeps: 30 recorded on the device, 10 simulated.";
+        assert_eq!(text.as_deref(), Some(expect));
+        assert_eq!(
+            sources(&BTreeMap::from([(Source::Imported, 3)])).as_deref(),
+            Some("All data were measured by others and imported.")
+        );
+    }
+}
