@@ -1,0 +1,43 @@
+//! `zwidth import`: recordings of other rigs, as a mapping file says.
+
+use super::together;
+use crate::args::Import;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::Context as _;
+use std::path::Path;
+use zwidth_store::import::{Mapping, import as import_files};
+use zwidth_store::{Layout, RealFiles};
+use zwidth_study::Study;
+
+pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = Layout::new(root, command.study.clone());
+    let study = read_study(&layout)?;
+    let text = read(&command.map)?;
+    let mapping = Mapping::from_toml(&text, &command.map).map_err(|findings| together(&findings))?;
+    let utc = jiff::Timestamp::now().to_string();
+    let software = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
+    let report = import_files(&layout, &study, &mapping, &command.files, &utc, software, &RealFiles)
+        .map_err(|findings| together(&findings))?;
+    if screen.json {
+        screen.listing(&report)?;
+    } else {
+        screen.result(report.to_string());
+    }
+    Ok(Exit::Fine)
+}
+
+fn read_study(layout: &Layout) -> anyhow::Result<Study> {
+    let path = layout.study_toml();
+    let text = read(&path).with_context(|| {
+        format!("the study needs its study.toml first (`zwidth new {}` writes one)", layout.study())
+    })?;
+    Study::from_toml(&text).map_err(|errors| {
+        let lines: Vec<String> = errors.iter().map(|e| format!("{}: {e}", path.display())).collect();
+        anyhow::anyhow!("{}", lines.join("\n       "))
+    })
+}
+
+fn read(path: &Path) -> anyhow::Result<String> {
+    std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+}

@@ -1,0 +1,104 @@
+//! `zwidth list`: studies, sessions, trials, and what is missing.
+
+use super::{studies, together};
+use crate::exit::Exit;
+use crate::screen::Screen;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_store::{Layout, StudyData, TrialEntry};
+use zwidth_study::{Condition, Kind, StudyId};
+
+#[derive(Serialize)]
+struct Listing {
+    study: String,
+    title: String,
+    sessions: Vec<Session>,
+    sweeps: BTreeMap<String, usize>,
+    unreadable: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Session {
+    participant: String,
+    session: String,
+    source: &'static str,
+    trials_that_count: usize,
+    familiarisation: usize,
+    left_out: Vec<String>,
+    missing: Vec<String>,
+}
+
+pub(crate) fn list(root: &Path, study: Option<StudyId>, screen: &Screen) -> anyhow::Result<Exit> {
+    let layouts = studies(root, study.into_iter().collect())?;
+    let listings = layouts.iter().map(listing).collect::<anyhow::Result<Vec<_>>>()?;
+    if screen.json {
+        screen.listing(&listings)?;
+    } else {
+        listings.iter().for_each(|l| screen.result(text(l)));
+    }
+    let complete = listings.iter().all(|l| l.unreadable.is_empty());
+    Ok(if complete { Exit::Fine } else { Exit::Partly })
+}
+
+fn listing(layout: &Layout) -> anyhow::Result<Listing> {
+    let data = StudyData::load(layout).map_err(|findings| together(&findings))?;
+    let mut sweeps = BTreeMap::new();
+    for sweep in &data.sweeps {
+        *sweeps.entry(sweep.actuator.to_string()).or_default() += 1;
+    }
+    Ok(Listing {
+        study: layout.study().to_string(),
+        title: data.study.title.clone(),
+        sessions: data.sessions.iter().map(|log| session(&data, log)).collect(),
+        sweeps,
+        unreadable: data.problems.iter().map(ToString::to_string).collect(),
+    })
+}
+
+fn session(data: &StudyData, log: &zwidth_store::SessionLog) -> Session {
+    let trials: Vec<&TrialEntry> = data
+        .trials
+        .iter()
+        .filter(|t| t.meta.participant == log.record.participant && t.meta.session == log.record.session)
+        .collect();
+    let count = |kind| trials.iter().filter(|t| t.meta.kind == kind).count();
+    let left_out = trials.iter().filter(|t| t.meta.kind == Kind::Trial);
+    Session {
+        participant: log.record.participant.to_string(),
+        session: log.record.session.to_string(),
+        source: log.record.source.as_str(),
+        trials_that_count: trials.iter().filter(|t| t.counts()).count(),
+        familiarisation: count(Kind::Familiarisation),
+        left_out: left_out
+            .filter_map(|t| Some(format!("trial {}: {}", t.meta.trial, t.why_not()?)))
+            .collect(),
+        missing: missing(data, &trials),
+    }
+}
+
+/// Conditions with fewer repeats than the design wants, for sessions that have samples at all.
+fn missing(data: &StudyData, trials: &[&TrialEntry]) -> Vec<String> {
+    let repeats = data.study.design.repeats as usize;
+    let have = |c: &Condition| trials.iter().filter(|t| t.counts() && t.meta.condition() == *c).count();
+    let line = |c: &Condition| {
+        let n = have(c);
+        (n < repeats).then(|| format!("{} × {}: {n} of {repeats}", c.environment, c.mode))
+    };
+    if trials.is_empty() { Vec::new() } else { data.study.conditions().iter().filter_map(line).collect() }
+}
+
+fn text(l: &Listing) -> String {
+    let mut lines = vec![format!("{}  {}", l.study, l.title)];
+    for s in &l.sessions {
+        lines.push(format!(
+            "  {} {}  {} trials, {} familiarisation ({})",
+            s.participant, s.session, s.trials_that_count, s.familiarisation, s.source
+        ));
+        lines.extend(s.left_out.iter().map(|t| format!("    left out: {t}")));
+        lines.extend(s.missing.iter().map(|t| format!("    missing: {t}")));
+    }
+    lines.extend(l.sweeps.iter().map(|(actuator, n)| format!("  {actuator}  {n} sweeps")));
+    lines.extend(l.unreadable.iter().map(|e| format!("  unreadable: {e}")));
+    lines.join("\n")
+}

@@ -1,0 +1,41 @@
+//! The commands, one file each.
+
+pub(crate) mod import;
+pub(crate) mod list;
+pub(crate) mod new;
+pub(crate) mod run;
+pub(crate) mod shell;
+pub(crate) mod table;
+pub(crate) mod verify;
+
+use anyhow::{Context as _, bail};
+use std::path::Path;
+use zwidth_store::{Layout, StoreError};
+use zwidth_study::StudyId;
+
+/// The studies named, or all there are under `raw/`.
+fn studies(root: &Path, named: Vec<StudyId>) -> anyhow::Result<Vec<Layout>> {
+    let ids = if named.is_empty() { all(root)? } else { named };
+    Ok(ids.into_iter().map(|id| Layout::new(root, id)).collect())
+}
+
+fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {
+    let raw = root.join("raw");
+    let list = std::fs::read_dir(&raw)
+        .with_context(|| format!("cannot list {}; choose the data folder with --root", raw.display()))?;
+    let mut ids: Vec<StudyId> = list
+        .flatten()
+        .filter(|entry| entry.path().join("study.toml").exists())
+        .filter_map(|entry| StudyId::new(entry.file_name().to_string_lossy()).ok())
+        .collect();
+    ids.sort();
+    if ids.is_empty() {
+        bail!("there is no study under {}; make one with `zwidth new STUDY`", raw.display());
+    }
+    Ok(ids)
+}
+
+/// Several findings as one error, a line each.
+fn together(findings: &[StoreError]) -> anyhow::Error {
+    anyhow::anyhow!("{}", findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n       "))
+}

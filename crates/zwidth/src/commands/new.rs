@@ -1,0 +1,15 @@
+//! `zwidth new`: a commented study.toml.
+
+use crate::exit::Exit;
+use crate::screen::Screen;
+use std::path::Path;
+use zwidth_store::{Layout, RealFiles, write_new};
+use zwidth_study::{StudyId, template};
+
+pub(crate) fn new(root: &Path, study: StudyId, screen: &Screen) -> anyhow::Result<Exit> {
+    let path = Layout::new(root, study.clone()).study_toml();
+    write_new(&RealFiles, &path, template(&study).as_bytes())?;
+    screen.result(format!("{}", path.display()));
+    screen.say(format!("Edit it, then check it with `zwidth verify {study}`."));
+    Ok(Exit::Fine)
+}

@@ -1,0 +1,135 @@
+//! `zwidth run`: the main job. Raw data to every figure, table and summary; does only what changed.
+
+use super::{studies, together};
+use crate::args::Run;
+use crate::exit::Exit;
+use crate::plan;
+use crate::screen::Screen;
+use serde::Serialize;
+use std::path::Path;
+use std::time::Instant;
+use zwidth_runner::{Job, Options, Report, Verdict, run as run_jobs};
+use zwidth_store::{Layout, RealFiles, StudyData};
+
+/// What `--json` prints of a study.
+#[derive(Serialize)]
+struct Outcome {
+    study: String,
+    made: Vec<Entry>,
+    up_to_date: usize,
+    failed: Vec<Entry>,
+    left_out: Vec<String>,
+    seconds: f64,
+}
+
+#[derive(Serialize)]
+struct Entry {
+    stage: &'static str,
+    name: String,
+    why: String,
+}
+
+pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result<Exit> {
+    let mut exit = Exit::Fine;
+    let mut outcomes = Vec::new();
+    for layout in studies(root, command.studies.clone())? {
+        let outcome = one(&layout, command, screen)?;
+        if !outcome.failed.is_empty() || !outcome.left_out.is_empty() {
+            exit = Exit::Partly;
+        }
+        outcomes.push(outcome);
+    }
+    if screen.json {
+        screen.listing(&outcomes)?;
+    }
+    Ok(exit)
+}
+
+fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcome> {
+    let start = Instant::now();
+    let data = StudyData::load(layout).map_err(|findings| together(&findings))?;
+    let jobs = plan::jobs(&data);
+    check_only(&jobs, command)?;
+    let options = Options { fresh: command.fresh, dry_run: command.dry_run, only: command.only.clone() };
+    let bar = screen.bar(jobs.len());
+    let records = layout.derived().join("records.json");
+    let done = |report: &Report| {
+        bar.set_message(report.name.clone());
+        bar.inc(1);
+    };
+    let reports = run_jobs(&jobs, layout.root(), &records, &RealFiles, &options, &done)?;
+    bar.finish_and_clear();
+    let outcome = outcome(&data, &reports, start.elapsed().as_secs_f64());
+    if !screen.json {
+        tell(&data, &reports, &outcome, command, screen);
+    }
+    Ok(outcome)
+}
+
+/// `--only` must name something there is.
+fn check_only(jobs: &[Job], command: &Run) -> anyhow::Result<()> {
+    let Some(only) = &command.only else { return Ok(()) };
+    let stem = |p: &std::path::PathBuf| p.file_stem().is_some_and(|s| s == only.as_str());
+    if jobs.iter().any(|j| j.stage == only || j.name == *only || j.outputs.iter().any(stem)) {
+        return Ok(());
+    }
+    let figures = jobs.iter().filter(|j| j.stage == "figures").map(|j| j.name.trim_start_matches("figure "));
+    anyhow::bail!(
+        "--only {only}: there is no such stage, figure or table; the stages are {}; the figures are {}",
+        plan::STAGES.join(", "),
+        figures.collect::<Vec<_>>().join(", ")
+    )
+}
+
+fn outcome(data: &StudyData, reports: &[Report], seconds: f64) -> Outcome {
+    let entry = |r: &Report, why: &str| Entry { stage: r.stage, name: r.name.clone(), why: why.to_owned() };
+    let made = reports.iter().filter_map(|r| match &r.verdict {
+        Verdict::Made(why) => Some(entry(r, why)),
+        _ => None,
+    });
+    let failed = reports.iter().filter_map(|r| match &r.verdict {
+        Verdict::Failed(why) | Verdict::Blocked(why) => Some(entry(r, why)),
+        _ => None,
+    });
+    let unreadable = data.problems.iter().map(ToString::to_string);
+    let mut left_out: Vec<String> =
+        unreadable.chain(reports.iter().flat_map(|r| r.problems.iter().cloned())).collect();
+    left_out.sort();
+    left_out.dedup();
+    Outcome {
+        study: data.layout.study().to_string(),
+        made: made.collect(),
+        failed: failed.collect(),
+        up_to_date: reports.iter().filter(|r| r.verdict == Verdict::UpToDate).count(),
+        left_out,
+        seconds,
+    }
+}
+
+fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, screen: &Screen) {
+    let verb = if command.dry_run { "to make" } else { "made" };
+    for stage in plan::STAGES {
+        let of_stage: Vec<_> = reports.iter().filter(|r| r.stage == stage).collect();
+        if !of_stage.is_empty() {
+            let made = of_stage.iter().filter(|r| matches!(r.verdict, Verdict::Made(_))).count();
+            let fresh = of_stage.iter().filter(|r| r.verdict == Verdict::UpToDate).count();
+            screen.say(format!("{stage:>13}  {made:>3} {verb}  {fresh:>3} up to date"));
+        }
+    }
+    if screen.verbose || command.dry_run {
+        outcome.made.iter().for_each(|e| screen.say(format!("  {}: {}", e.name, e.why)));
+    }
+    outcome.left_out.iter().for_each(|what| screen.warn(format!("left out: {what}")));
+    outcome.failed.iter().for_each(|e| screen.warn(format!("{} could not be made: {}", e.name, e.why)));
+    let layout = &data.layout;
+    screen.result(format!(
+        "{}: {} {verb}, {} up to date, in {:.2} s",
+        outcome.study,
+        outcome.made.len(),
+        outcome.up_to_date,
+        outcome.seconds
+    ));
+    if !command.dry_run {
+        screen.result(format!("Look first at {}", layout.shown(&plan::summary_file(data)).display()));
+    }
+}

@@ -1,0 +1,50 @@
+//! `zwidth verify`: every finding, with file, column, row and remedy.
+
+use super::studies;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use serde::Serialize;
+use std::path::Path;
+use zwidth_store::StoreError;
+use zwidth_study::StudyId;
+
+#[derive(Serialize)]
+struct Finding<'a> {
+    study: &'a str,
+    file: String,
+    column: Option<&'a str>,
+    row: Option<usize>,
+    what: &'a str,
+    remedy: &'a str,
+}
+
+pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyhow::Result<Exit> {
+    let checked: Vec<_> =
+        studies(root, named)?.into_iter().map(|l| (l.study().clone(), zwidth_store::verify(&l))).collect();
+    if screen.json {
+        let rows = checked.iter().flat_map(|(study, all)| all.iter().map(|f| finding(study, f)));
+        screen.listing(&rows.collect::<Vec<_>>())?;
+    } else {
+        for (study, findings) in &checked {
+            findings.iter().for_each(|f| screen.result(f.to_string()));
+            screen.result(match findings.len() {
+                0 => format!("{study}: no findings"),
+                1 => format!("{study}: 1 finding"),
+                n => format!("{study}: {n} findings"),
+            });
+        }
+    }
+    let clean = checked.iter().all(|(_, findings)| findings.is_empty());
+    Ok(if clean { Exit::Fine } else { Exit::Failed })
+}
+
+fn finding<'a>(study: &'a StudyId, f: &'a StoreError) -> Finding<'a> {
+    Finding {
+        study: study.as_str(),
+        file: f.path.display().to_string(),
+        column: f.column.as_deref(),
+        row: f.row,
+        what: &f.what,
+        remedy: &f.remedy,
+    }
+}

@@ -1,0 +1,42 @@
+//! The command line: `zwidth`. This file is the table of contents; each command is a file of its own.
+
+mod args;
+mod commands;
+mod exit;
+mod plan;
+mod screen;
+
+use args::{Args, Command};
+use clap::Parser;
+use exit::Exit;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    // A decoder's panic on a damaged file is caught and told as an error of that file; its own words would only confuse.
+    std::panic::set_hook(Box::new(|_| {}));
+    let args = Args::parse();
+    let screen = screen::Screen::new(args.quiet, args.verbose, args.json);
+    let result = exit::guarded(|| run(args, &screen));
+    let exit = result.unwrap_or_else(|error| {
+        screen.error(&error);
+        Exit::Failed
+    });
+    ExitCode::from(exit as u8)
+}
+
+fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
+    if let Some(threads) = args.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    }
+    let root = args.root.as_path();
+    match args.command {
+        Command::Run(command) => commands::run::run(root, &command, screen),
+        Command::New { study } => commands::new::new(root, study, screen),
+        Command::Import(command) => commands::import::import(root, &command, screen),
+        Command::Verify { studies } => commands::verify::verify(root, studies, screen),
+        Command::List { study } => commands::list::list(root, study, screen),
+        Command::Table(command) => commands::table::table(root, &command, screen),
+        Command::Completions { shell } => commands::shell::completions(shell, screen),
+        Command::Man => commands::shell::man(screen),
+    }
+}

@@ -1,0 +1,270 @@
+//! Stage `figures`: each figure as SVG, PDF and PNG, with its data beside it.
+
+use super::{
+    JobError, Session, average, characterise, freemotion, likert_figures, metrics, paths, read_all, sessions,
+};
+use std::path::PathBuf;
+use zwidth_draw::{DEFAULT_DPI, Figure, draw};
+use zwidth_figures::{ModeData, Repeat, Scene};
+use zwidth_runner::{Job, Made, Provenance};
+use zwidth_store::{Layout, StudyData, Trial};
+use zwidth_study::{Environment, Study};
+use zwidth_tables::Table;
+
+const STAGE: &str = "figures";
+
+/// Files of a figure: SVG, PDF, PNG, and its data.
+pub(crate) fn files_of(layout: &Layout, name: &str) -> Vec<PathBuf> {
+    let folder = layout.reports().join("figures");
+    ["svg", "pdf", "png", "parquet"].iter().map(|e| folder.join(format!("{name}.{e}"))).collect()
+}
+
+pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
+    let mut jobs = Vec::new();
+    for session in sessions(data) {
+        let mut scenes: Vec<&Environment> =
+            data.study.environments.iter().filter(|e| !session.of(e).is_empty()).collect();
+        for environment in &scenes {
+            jobs.push(modes_job(data, &session, environment));
+            jobs.extend(repeats_jobs(data, &session, environment));
+        }
+        scenes.retain(|e| e.scene.spring().is_some());
+        if !scenes.is_empty() {
+            jobs.push(loops_job(data, &session, &scenes));
+        }
+    }
+    jobs.extend(characterise::actuators(data).into_iter().map(|(actuator, files)| {
+        characteristic_job(data, actuator.as_str(), files, characterise::tables_of(&data.layout, actuator))
+    }));
+    if !freemotion::jobs(data).is_empty() {
+        jobs.push(free_motion_job(data));
+    }
+    jobs.extend(likert_figures::jobs(data));
+    jobs
+}
+
+/// A figure, and what had to be left out of it.
+pub(super) type Described = Result<(Figure, Vec<String>), JobError>;
+
+/// A job that draws one figure.
+pub(super) fn figure_job<'a>(
+    data: &'a StudyData,
+    name: &str,
+    inputs: Vec<PathBuf>,
+    parameters: String,
+    describe: impl Fn() -> Described + Send + Sync + 'a,
+) -> Job<'a> {
+    let outputs = files_of(&data.layout, name);
+    let (out, stem) = (outputs.clone(), name.to_owned());
+    Job {
+        stage: STAGE,
+        name: format!("figure {name}"),
+        version: zwidth_figures::VERSION,
+        parameters,
+        inputs,
+        outputs,
+        make: Box::new(move |from| {
+            let (figure, problems) = describe()?;
+            Ok(Made { outputs: rendered(&stem, figure, from, &out)?, problems })
+        }),
+    }
+}
+
+fn rendered(
+    name: &str,
+    figure: Figure,
+    from: &Provenance,
+    out: &[PathBuf],
+) -> Result<Vec<Vec<u8>>, JobError> {
+    let table = zwidth_figures::data_table(name, &figure)?;
+    let drawing = draw(&Figure { provenance: Some(serde_json::to_string(from)?), ..figure })?;
+    Ok(vec![
+        drawing.svg().as_bytes().to_vec(),
+        drawing.pdf()?,
+        drawing.png(DEFAULT_DPI)?,
+        table.to_parquet(from, &out[3])?,
+    ])
+}
+
+/// What figures of trials depend on besides files: names, scenes, coordinate.
+fn parameters(study: &Study) -> String {
+    format!("{:?}", (&study.title, study.coordinate, &study.environments, &study.modes))
+}
+
+/// Everything read for one environment of one session; figures borrow from it.
+struct Loaded<'a> {
+    data: &'a StudyData,
+    environment: &'a Environment,
+    who: String,
+    trials: Vec<Trial>,
+    onsets: Vec<Option<f64>>,
+    averages: Vec<Option<Table>>,
+    notes: Vec<String>,
+}
+
+/// What one environment of one session is read from.
+#[derive(Clone)]
+struct Recorded<'a> {
+    data: &'a StudyData,
+    environment: &'a Environment,
+    who: String,
+    trials: Vec<PathBuf>,
+    metrics: PathBuf,
+    averages: Vec<Option<PathBuf>>,
+}
+
+impl<'a> Recorded<'a> {
+    fn new(data: &'a StudyData, session: &Session, environment: &'a Environment) -> Self {
+        let made = |m| average::of_condition(data, session, environment, m);
+        Self {
+            data,
+            environment,
+            who: session.who(),
+            trials: paths(&session.of(environment)),
+            metrics: metrics::of_session(&data.layout, session),
+            averages: data.study.modes.iter().map(made).collect(),
+        }
+    }
+
+    fn inputs(&self) -> Vec<PathBuf> {
+        let fixed = self.trials.iter().chain([&self.metrics]);
+        fixed.chain(self.averages.iter().flatten()).cloned().collect()
+    }
+
+    fn load(&self) -> Result<(Loaded<'a>, Vec<String>), JobError> {
+        let (trials, problems) = read_all(&self.trials);
+        let metrics = Table::from_parquet(&self.metrics)?;
+        let (numbers, onsets) = (metrics.integers("trial")?, metrics.floats("onset_s")?);
+        let onset = |t: &Trial| {
+            let row = numbers.iter().position(|n| *n == Some(i64::from(t.meta.trial)))?;
+            onsets[row]
+        };
+        let read = |path: &Option<PathBuf>| path.as_deref().map(Table::from_parquet).transpose();
+        let averages = self.averages.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        let notes = footnotes(averages.iter().flatten())?;
+        let averages = averages.into_iter().map(|t| t.filter(|t| t.height() > 0)).collect();
+        let loaded = Loaded {
+            data: self.data,
+            environment: self.environment,
+            who: self.who.clone(),
+            onsets: trials.iter().map(onset).collect(),
+            trials,
+            averages,
+            notes,
+        };
+        Ok((loaded, problems))
+    }
+}
+
+/// Why there is no mean, each reason once; and where the earliest mean ends before all of its repeats do.
+fn footnotes<'t>(averages: impl Iterator<Item = &'t Table> + Clone) -> Result<Vec<String>, JobError> {
+    let without = averages.clone().filter(|t| t.height() == 0).flat_map(|t| t.notes().iter().cloned());
+    let mut notes: Vec<String> = without.collect();
+    notes.sort();
+    notes.dedup();
+    let mut ends = Vec::new();
+    for average in averages.filter(|t| t.height() > 0 && !t.notes().is_empty()) {
+        ends.extend(average.floats("t_s")?.into_iter().flatten().max_by(f64::total_cmp));
+    }
+    if let Some(first) = ends.into_iter().min_by(f64::total_cmp) {
+        notes.push(format!(
+            "Each mean ends where fewer than half of its repeats remain (the first at {first:.2} s)."
+        ));
+    }
+    Ok(notes)
+}
+
+impl Loaded<'_> {
+    fn scene(&self) -> Scene<'_> {
+        let mode = |(index, mode): (usize, &'_ zwidth_study::Mode)| {
+            let mine = self.trials.iter().zip(&self.onsets).filter(|(t, _)| t.meta.mode == mode.id);
+            let repeats: Vec<_> = mine.map(|(trial, onset)| Repeat { trial, onset_s: *onset }).collect();
+            let data = ModeData {
+                index,
+                label: &self.data.study.modes[index].label,
+                repeats,
+                average: self.averages[index].as_ref(),
+            };
+            (!data.repeats.is_empty()).then_some(data)
+        };
+        Scene {
+            study: &self.data.study,
+            environment: self.environment,
+            who: self.who.clone(),
+            modes: self.data.study.modes.iter().enumerate().filter_map(mode).collect(),
+            notes: self.notes.clone(),
+        }
+    }
+}
+
+fn modes_job<'a>(data: &'a StudyData, session: &Session, environment: &'a Environment) -> Job<'a> {
+    let source = Recorded::new(data, session, environment);
+    let name = format!("modes.{}.{}", session.key(), environment.id);
+    figure_job(data, &name, source.inputs(), parameters(&data.study), move || {
+        let (loaded, problems) = source.load()?;
+        Ok((zwidth_figures::modes(&loaded.scene())?, problems))
+    })
+}
+
+fn repeats_jobs<'a>(data: &'a StudyData, session: &Session, environment: &'a Environment) -> Vec<Job<'a>> {
+    let mut jobs = Vec::new();
+    for mode in &data.study.modes {
+        let mine: Vec<_> = session.of(environment).into_iter().filter(|t| t.meta.mode == mode.id).collect();
+        if mine.len() < 2 {
+            continue; // one recording is whole in the figure of the modes
+        }
+        let mut source = Recorded::new(data, session, environment);
+        source.trials = paths(&mine);
+        source.averages.iter_mut().for_each(|a| *a = None);
+        let name = format!("repeats.{}.{}.{}", session.key(), environment.id, mode.id);
+        jobs.push(figure_job(data, &name, source.inputs(), parameters(&data.study), move || {
+            let (loaded, problems) = source.load()?;
+            let scene = loaded.scene();
+            let first = scene.modes.first().ok_or("no trial could be read")?;
+            Ok((zwidth_figures::repeats(&scene, first), problems))
+        }));
+    }
+    jobs
+}
+
+fn loops_job<'a>(data: &'a StudyData, session: &Session, environments: &[&'a Environment]) -> Job<'a> {
+    let sources: Vec<_> = environments.iter().map(|e| Recorded::new(data, session, e)).collect();
+    let mut inputs: Vec<PathBuf> = sources.iter().flat_map(Recorded::inputs).collect();
+    inputs.sort();
+    inputs.dedup();
+    let name = format!("loops.{}", session.key());
+    figure_job(data, &name, inputs, parameters(&data.study), move || {
+        let mut problems = Vec::new();
+        let mut all = Vec::new();
+        for source in &sources {
+            let (loaded, more) = source.load()?;
+            problems.extend(more);
+            all.push(loaded);
+        }
+        let scenes: Vec<Scene> = all.iter().map(Loaded::scene).collect();
+        Ok((zwidth_figures::loops(&data.study, &scenes)?, problems))
+    })
+}
+
+fn characteristic_job<'a>(
+    data: &'a StudyData,
+    actuator: &'a str,
+    sweeps: Vec<PathBuf>,
+    tables: Vec<PathBuf>,
+) -> Job<'a> {
+    let inputs = sweeps.iter().chain(&tables).cloned().collect();
+    figure_job(data, &format!("characteristic.{actuator}"), inputs, String::new(), move || {
+        let (read, problems) = characterise::read_sweeps(&sweeps);
+        let (models, curve) = (Table::from_parquet(&tables[0])?, Table::from_parquet(&tables[2])?);
+        Ok((zwidth_figures::characteristic(actuator, &read, &models, &curve)?, problems))
+    })
+}
+
+fn free_motion_job(data: &StudyData) -> Job<'_> {
+    let tables = freemotion::tables_of(&data.layout);
+    let inputs = tables.clone();
+    figure_job(data, "free_motion", inputs, parameters(&data.study), move || {
+        let fits = Table::from_parquet(&tables[0])?;
+        Ok((zwidth_figures::free_motion(&data.study, &fits)?, Vec::new()))
+    })
+}

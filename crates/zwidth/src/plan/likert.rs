@@ -1,0 +1,37 @@
+//! Stage `likert`: tallies by question, and by group of questions.
+
+use super::{derived, made};
+use std::path::PathBuf;
+use zwidth_runner::Job;
+use zwidth_store::{Layout, StudyData};
+
+/// The tallies of the study.
+pub(super) fn tally_of(layout: &Layout) -> PathBuf {
+    derived(layout, "likert.parquet")
+}
+
+/// Files an answer can stand in: trials that count, session records, event logs.
+fn inputs(data: &StudyData) -> Vec<PathBuf> {
+    let trials = data.counting().map(|t| t.path.clone());
+    let logs = data.sessions.iter().flat_map(|s| [s.path.clone(), s.events_path.clone()]);
+    trials.chain(logs).collect()
+}
+
+pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
+    if data.answers().is_empty() {
+        return Vec::new();
+    }
+    let outputs = vec![tally_of(&data.layout)];
+    let out = outputs.clone();
+    let make =
+        move |from: &_| made(&[zwidth_likert::tally(&data.answers(), &data.study)?], &out, from, Vec::new());
+    vec![Job {
+        stage: "likert",
+        name: "likert tallies".to_owned(),
+        version: zwidth_likert::VERSION,
+        parameters: format!("{:?}", (&data.study.questions, data.study.conditions())),
+        inputs: inputs(data),
+        outputs,
+        make: Box::new(make),
+    }]
+}

@@ -1,0 +1,122 @@
+//! The plan: which jobs a study's data give. Each file binds one stage, a pure function, to the files it
+//! reads and makes.
+
+mod average;
+mod characterise;
+mod figures;
+mod freemotion;
+mod likert;
+mod likert_figures;
+mod metrics;
+mod summary;
+mod tables;
+
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use zwidth_runner::{Job, Made, Provenance};
+use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry, read_trial};
+use zwidth_study::{Environment, ParticipantId, SessionId};
+use zwidth_tables::{Table, TableError};
+
+/// What a job's function can fail with.
+type JobError = Box<dyn Error + Send + Sync>;
+
+/// Every job of a study.
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
+    let mut jobs = Vec::new();
+    jobs.extend(characterise::jobs(data));
+    jobs.extend(metrics::jobs(data));
+    jobs.extend(average::jobs(data));
+    jobs.extend(freemotion::jobs(data));
+    jobs.extend(likert::jobs(data));
+    jobs.extend(figures::jobs(data));
+    let tables = tables::jobs(data, &jobs);
+    jobs.extend(tables);
+    let summary = summary::job(data, &jobs);
+    jobs.push(summary);
+    jobs
+}
+
+/// The stages, in the order in which a person thinks of them.
+pub(crate) const STAGES: [&str; 8] =
+    ["characterise", "metrics", "average", "freemotion", "likert", "figures", "tables", "summary"];
+
+/// One session's trials that count.
+struct Session<'a> {
+    participant: &'a ParticipantId,
+    session: &'a SessionId,
+    trials: Vec<&'a TrialEntry>,
+}
+
+impl<'a> Session<'a> {
+    /// `P01 S01`, for people.
+    fn who(&self) -> String {
+        format!("{} {}", self.participant, self.session)
+    }
+
+    /// `P01.S01`: ids have no dots, so names made from them cannot collide.
+    fn key(&self) -> String {
+        format!("{}.{}", self.participant, self.session)
+    }
+
+    /// The trials of one environment.
+    fn of(&self, environment: &Environment) -> Vec<&'a TrialEntry> {
+        self.trials.iter().copied().filter(|t| t.meta.environment == environment.id).collect()
+    }
+}
+
+/// The sessions with trials that count, each trial in a known condition.
+fn sessions(data: &StudyData) -> Vec<Session<'_>> {
+    let mut sessions: BTreeMap<_, Vec<&TrialEntry>> = BTreeMap::new();
+    for trial in data.counting() {
+        sessions.entry((&trial.meta.participant, &trial.meta.session)).or_default().push(trial);
+    }
+    let session = |((participant, session), trials)| Session { participant, session, trials };
+    sessions.into_iter().map(session).collect()
+}
+
+fn paths(trials: &[&TrialEntry]) -> Vec<PathBuf> {
+    trials.iter().map(|t| t.path.clone()).collect()
+}
+
+/// Reads trials in parallel; what cannot be read is left out and told.
+fn read_all(files: &[PathBuf]) -> (Vec<Trial>, Vec<String>) {
+    let results: Vec<_> = files.par_iter().map(|path| read_trial(path, Signal::all())).collect();
+    split(results)
+}
+
+/// The good results, and the bad ones in words.
+fn split<T, E: ToString>(results: Vec<Result<T, E>>) -> (Vec<T>, Vec<String>) {
+    let mut problems = Vec::new();
+    let good = results.into_iter().filter_map(|r| r.map_err(|e| problems.push(e.to_string())).ok()).collect();
+    (good, problems)
+}
+
+/// A job's result: tables as Parquet files, in the order of its outputs.
+fn made(
+    tables: &[Table],
+    outputs: &[PathBuf],
+    from: &Provenance,
+    problems: Vec<String>,
+) -> Result<Made, JobError> {
+    let bytes = |(t, path): (&Table, &PathBuf)| t.to_parquet(from, path);
+    let outputs = tables.iter().zip(outputs).map(bytes).collect::<Result<_, TableError>>()?;
+    Ok(Made { outputs, problems })
+}
+
+/// Whatever the analysis of a trial depends on besides its file.
+fn analysis_parameters(data: &StudyData) -> String {
+    let s = &data.study;
+    let scenes: Vec<_> = s.environments.iter().map(|e| (e.id.as_str(), e.scene)).collect();
+    format!("{:?}", (s.analysis, &s.device, s.coordinate, scenes))
+}
+
+/// A file under `derived/<study>`.
+fn derived(layout: &Layout, name: impl AsRef<Path>) -> PathBuf {
+    layout.derived().join(name)
+}
+
+pub(crate) use summary::file as summary_file;
+pub(crate) use tables::printed as printed_tables;
