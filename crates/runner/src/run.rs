@@ -50,7 +50,8 @@ pub struct Report {
 /// `done` is called after each job, from any thread. Paths are shown relative to `root`.
 ///
 /// # Errors
-/// The records cannot be written. Whatever goes wrong in a job is in its [`Report`].
+/// An output or the records cannot be written; then no further level of jobs is begun. Whatever else goes wrong
+/// in a job is in its [`Report`].
 pub fn run(
     jobs: &[Job],
     root: &Path,
@@ -66,17 +67,23 @@ pub fn run(
     let mut reports: Vec<Option<Report>> = jobs.iter().map(|_| None).collect();
     for level in levels(jobs) {
         let work: Vec<usize> = level.into_iter().filter(|i| wanted[*i]).collect();
-        let results: Vec<(Report, Option<Record>)> = work
+        let results: Vec<Result<(Report, Option<Record>), StoreError>> = work
             .par_iter()
             .map(|i| {
                 let before = if options.fresh { None } else { records.0.get(&jobs[*i].name) };
                 let result = one(&jobs[*i], before, root, files, options, &hashes, &failed);
-                done(&result.0);
-                result
+                result.inspect(|(report, _)| done(report))
             })
             .collect();
-        let mut changed = false;
-        for (i, (report, record)) in work.into_iter().zip(results) {
+        let (mut changed, mut disk) = (false, None);
+        for (i, result) in work.into_iter().zip(results) {
+            let (report, record) = match result {
+                Ok(result) => result,
+                Err(error) => {
+                    disk.get_or_insert(error);
+                    continue;
+                }
+            };
             match (&report.verdict, record) {
                 (Verdict::Made(_), Some(record)) => {
                     records.0.insert(jobs[i].name.clone(), record);
@@ -89,6 +96,11 @@ pub fn run(
                 _ => {}
             }
             reports[i] = Some(report);
+        }
+        if let Some(error) = disk {
+            // What was made is remembered where there is room for that; the first error is the one to report.
+            let _ = records.write(files, records_path);
+            return Err(error);
         }
         if changed && !options.dry_run {
             records.write(files, records_path)?;
@@ -114,11 +126,11 @@ fn one(
     options: &Options,
     hashes: &Hashes,
     failed: &BTreeSet<&PathBuf>,
-) -> (Report, Option<Record>) {
+) -> Result<(Report, Option<Record>), StoreError> {
     let report = |verdict, problems| Report { stage: job.stage, name: job.name.clone(), verdict, problems };
     if let Some(input) = job.inputs.iter().find(|i| failed.contains(i)) {
         let why = format!("it needs {}, which could not be made", shown(root, input));
-        return (report(Verdict::Blocked(why), Vec::new()), None);
+        return Ok((report(Verdict::Blocked(why), Vec::new()), None));
     }
     let mut record = Record {
         stage: job.stage.to_owned(),
@@ -129,13 +141,14 @@ fn one(
         problems: Vec::new(),
     };
     let Some(why) = reason(before, &record) else {
-        return (report(Verdict::UpToDate, before.map(|b| b.problems.clone()).unwrap_or_default()), None);
+        let problems = before.map(|b| b.problems.clone()).unwrap_or_default();
+        return Ok((report(Verdict::UpToDate, problems), None));
     };
     if options.dry_run {
         hashes.forget(&job.outputs);
-        return (report(Verdict::Made(why), Vec::new()), None);
+        return Ok((report(Verdict::Made(why), Vec::new()), None));
     }
-    match make(job, &record, files) {
+    Ok(match make(job, &record, files)? {
         Err(error) => (report(Verdict::Failed(error), Vec::new()), None),
         Ok(made) => {
             for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
@@ -146,18 +159,24 @@ fn one(
             record.problems.clone_from(&made.problems);
             (report(Verdict::Made(why), made.problems), Some(record))
         }
-    }
+    })
 }
 
-fn make(job: &Job, record: &Record, files: &dyn Files) -> Result<Made, String> {
-    let made = (job.make)(&provenance(record)).map_err(|e| e.to_string())?;
-    if made.outputs.len() != job.outputs.len() {
-        return Err(format!("it made {} outputs and declares {}", made.outputs.len(), job.outputs.len()));
+/// Makes a job's outputs and writes them. The job's own failure is the inner error: the others go on. An output
+/// that cannot be written is the outer one: the disk is full or read-only, for the others too.
+fn make(job: &Job, record: &Record, files: &dyn Files) -> Result<Result<Made, String>, StoreError> {
+    let made = match (job.make)(&provenance(record)) {
+        Ok(made) => made,
+        Err(error) => return Ok(Err(error.to_string())),
+    };
+    let (n, declared) = (made.outputs.len(), job.outputs.len());
+    if n != declared {
+        return Ok(Err(format!("it made {n} outputs and declares {declared}")));
     }
     for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
-        replace(files, path, bytes).map_err(|e| e.to_string())?;
+        replace(files, path, bytes)?;
     }
-    Ok(made)
+    Ok(Ok(made))
 }
 
 fn provenance(record: &Record) -> Provenance {
@@ -308,6 +327,20 @@ mod tests {
         assert!(matches!(&results[0].1, Verdict::Blocked(why) if why.contains("A.txt")));
         assert_eq!(results[1].1, Verdict::Failed("a bad input".to_owned()));
         assert!(matches!(results[2].1, Verdict::Made(_)));
+    }
+
+    #[test]
+    fn an_output_that_cannot_be_written_ends_the_run_with_one_error() {
+        let folder = folder();
+        let root = folder.path();
+        fs::create_dir(root.join("A.txt")).unwrap();
+        let records = root.join("records.json");
+        let run = || run(&jobs(root, 1), root, &records, &RealFiles, &Options::default(), &|_| {});
+        assert_eq!(run().unwrap_err().path, root.join("A.txt"));
+        assert!(root.join("B.txt").exists() && !root.join("AB.txt").exists());
+        fs::remove_dir(root.join("A.txt")).unwrap();
+        let made = run().unwrap().into_iter().filter(|r| r.verdict != Verdict::UpToDate).map(|r| r.stage);
+        assert_eq!(made.collect::<Vec<_>>(), ["both", "upper"], "what was made before is remembered");
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod hash;
 pub mod import;
 mod layout;
 mod read;
+mod sessions;
 mod signal;
 mod study;
 mod sweep;

@@ -1,8 +1,9 @@
 //! A whole study: every trial, sweep and session there is, joined with the events.
 
-use crate::{Layout, StoreError, TrialFile, read_events, read_meta};
+use crate::sessions::{join, left_out, read_sessions};
+use crate::{Layout, StoreError, TrialFile, read_meta};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_study::{
     ActuatorId, Condition, Event, Kind, ParticipantId, QuestionId, SessionId, SessionRecord, Status, Study,
@@ -116,8 +117,7 @@ impl StudyData {
         let mut trials = keep(&mut problems, read_trials(layout));
         let sweeps = keep(&mut problems, list_sweeps(layout));
         let (sessions, unreadable) = read_sessions(layout, &mut problems);
-        join_events(&mut trials, &sessions);
-        leave_out_unreadable(&mut trials, &unreadable);
+        problems.extend(join(layout, &mut trials, &sessions, &unreadable));
         Ok(Self { layout: layout.clone(), study, trials, sweeps, sessions, problems })
     }
 
@@ -185,12 +185,6 @@ fn new_answer(
     }
 }
 
-fn left_out(events: &[Event], trial: u32) -> bool {
-    events
-        .iter()
-        .any(|e| matches!(e, Event::Superseded { .. } | Event::Excluded { .. }) && e.trial() == Some(trial))
-}
-
 fn keep<T>(problems: &mut Vec<StoreError>, results: Vec<Result<T, StoreError>>) -> Vec<T> {
     let mut good = Vec::new();
     for result in results {
@@ -216,7 +210,7 @@ fn read_study(layout: &Layout) -> Result<Study, Vec<StoreError>> {
 }
 
 fn read_trials(layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
-    let files = match files_below(&layout.trials()) {
+    let files = match parquet_below(&layout.trials()) {
         Ok(files) => files,
         Err(error) => return vec![Err(error)],
     };
@@ -236,7 +230,7 @@ fn read_trials(layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
 }
 
 fn list_sweeps(layout: &Layout) -> Vec<Result<SweepEntry, StoreError>> {
-    let files = match files_below(&layout.sweeps()) {
+    let files = match parquet_below(&layout.sweeps()) {
         Ok(files) => files,
         Err(error) => return vec![Err(error)],
     };
@@ -251,67 +245,11 @@ fn list_sweeps(layout: &Layout) -> Vec<Result<SweepEntry, StoreError>> {
         .collect()
 }
 
-/// Every readable session, and the names (`<participant>_<session>`) of those that are not.
-fn read_sessions(layout: &Layout, problems: &mut Vec<StoreError>) -> (Vec<SessionLog>, BTreeSet<String>) {
-    let (mut sessions, mut unreadable) = (Vec::new(), BTreeSet::new());
-    let files = files_below(&layout.sessions()).unwrap_or_else(|error| {
-        problems.push(error);
-        Vec::new()
-    });
-    let name = |path: &PathBuf| {
-        let name = path.file_name()?.to_str()?;
-        name.strip_suffix(".events.jsonl").or(name.strip_suffix(".json")).map(str::to_owned)
-    };
-    let names: BTreeSet<String> = files.iter().filter_map(name).collect();
-    for name in names {
-        match read_session(layout, &name) {
-            Ok(session) => sessions.push(session),
-            Err(problem) => {
-                problems.push(problem);
-                unreadable.insert(name);
-            }
-        }
-    }
-    (sessions, unreadable)
-}
-
-fn read_session(layout: &Layout, name: &str) -> Result<SessionLog, StoreError> {
-    let path = layout.sessions().join(format!("{name}.json"));
-    let text = std::fs::read_to_string(&path).map_err(|e| StoreError::io(&path, "read", &e))?;
-    let record: SessionRecord = serde_json::from_str(&text).map_err(|e| {
-        StoreError::new(&path, format!("not a session record: {e}"), "restore the file from a copy")
-    })?;
-    let events_path = layout.events(&record.participant, &record.session);
-    let events = read_events(&events_path)?;
-    Ok(SessionLog { record, path, events, events_path })
-}
-
-/// Without its events nobody knows which trials of a session were superseded or excluded: none counts.
-fn leave_out_unreadable(trials: &mut [TrialEntry], unreadable: &BTreeSet<String>) {
-    for trial in trials {
-        if unreadable.contains(&format!("{}_{}", trial.meta.participant, trial.meta.session)) {
-            trial.excluded = Some("the session's record or event log cannot be read".to_owned());
-        }
-    }
-}
-
-fn join_events(trials: &mut [TrialEntry], sessions: &[SessionLog]) {
-    for trial in trials {
-        let of_session = sessions.iter().find(|s| {
-            s.record.participant == trial.meta.participant && s.record.session == trial.meta.session
-        });
-        for event in of_session.into_iter().flat_map(|s| &s.events) {
-            match event {
-                Event::Superseded { trial: n, by } if *n == trial.meta.trial => {
-                    trial.superseded_by = Some(*by)
-                }
-                Event::Excluded { trial: n, reason } if *n == trial.meta.trial => {
-                    trial.excluded = Some(reason.clone());
-                }
-                _ => {}
-            }
-        }
-    }
+/// The Parquet files below a folder, sorted. What else lies there is a finding of `verify`.
+fn parquet_below(folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
+    let mut files = files_below(folder)?;
+    files.retain(|path| path.extension().is_some_and(|e| e == "parquet"));
+    Ok(files)
 }
 
 /// Every file below a folder, sorted; hidden files (unfinished writes) are passed by. A missing

@@ -79,31 +79,16 @@ fn recorded(data: &StudyData, entry: &TrialEntry) -> Option<StoreError> {
         Ok(found) => found,
         Err(error) => return Some(error),
     };
-    match hash {
-        None => Some(StoreError::new(
-            &entry.path,
-            "no session log speaks of this trial",
-            "restore the session's files, or import the trial again",
-        )),
-        Some(hash) if *hash != found => Some(StoreError::new(
-            &entry.path,
-            "the file is not the one that was recorded: its hash differs from the session's log",
-            "restore the file from a copy, or exclude the trial",
-        )),
-        Some(_) => None,
-    }
+    // A trial that no log speaks of was told when the study was loaded.
+    hash.filter(|hash| **hash != found).map(|_| {
+        let what = "the file is not the one that was recorded: its hash differs from the session's log";
+        StoreError::new(&entry.path, what, "restore the file from a copy, or exclude the trial")
+    })
 }
 
 fn session(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
     let mut findings = Vec::new();
     let known: BTreeSet<u32> = log.record.trials.iter().map(|t| t.trial).collect();
-    for planned in &log.record.trials {
-        let path = data.layout.trial(&log.record.participant, &log.record.session, planned.trial);
-        if planned.samples && !path.exists() {
-            let what = "the session's record speaks of this trial, but its file is missing";
-            findings.push(StoreError::new(&path, what, "restore the file from a copy"));
-        }
-    }
     for (row, event) in log.events.iter().enumerate() {
         findings.extend(event_finding(data, log, &known, event).map(|e| e.row0(row)));
     }

@@ -20,7 +20,7 @@ pub(crate) struct Args {
     /// Number of threads [default: all cores]
     #[arg(long, global = true, value_name = "N")]
     pub(crate) threads: Option<usize>,
-    /// Only errors
+    /// Only results, warnings and errors
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
     /// Say why each thing is made again

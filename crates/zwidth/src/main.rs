@@ -9,6 +9,7 @@ mod screen;
 use args::{Args, Command};
 use clap::Parser;
 use exit::Exit;
+use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -28,7 +29,8 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
     if let Some(threads) = args.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    let root = args.root.as_path();
+    // "./raw" reads as "raw" in everything that is printed.
+    let root = if args.root == Path::new(".") { Path::new("") } else { &args.root };
     match args.command {
         Command::Run(command) => commands::run::run(root, &command, screen),
         Command::New { study } => commands::new::new(root, study, screen),

@@ -20,6 +20,8 @@ mod loops;
 mod modes;
 mod panels;
 mod repeats;
+#[cfg(test)]
+mod tests;
 mod words;
 
 pub use characteristic::characteristic;

@@ -128,7 +128,8 @@ impl Made<'_> {
         let removed = there.len() - left.len();
         error.what += &match (removed, left.len()) {
             (0, 0) => "; nothing was imported".to_owned(),
-            (n, 0) => format!("; nothing was imported, and {n} files written before were removed again"),
+            (1, 0) => "; nothing was imported, and the file written before was removed again".to_owned(),
+            (n, 0) => format!("; nothing was imported, and the {n} files written before were removed again"),
             (_, n) => format!("; {n} files written before could not be removed again"),
         };
         Errors(std::iter::once(error).chain(left).collect())

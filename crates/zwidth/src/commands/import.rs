@@ -1,6 +1,6 @@
 //! `zwidth import`: recordings of other rigs, as a mapping file says.
 
-use super::together;
+use super::{study, together};
 use crate::args::Import;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -11,7 +11,7 @@ use zwidth_store::{Layout, RealFiles};
 use zwidth_study::Study;
 
 pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = Layout::new(root, command.study.clone());
+    let layout = study(root, command.study.clone())?;
     let study = read_study(&layout)?;
     let text = read(&command.map)?;
     let mapping = Mapping::from_toml(&text, &command.map).map_err(|findings| together(&findings))?;
@@ -29,9 +29,7 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
 
 fn read_study(layout: &Layout) -> anyhow::Result<Study> {
     let path = layout.study_toml();
-    let text = read(&path).with_context(|| {
-        format!("the study needs its study.toml first (`zwidth new {}` writes one)", layout.study())
-    })?;
+    let text = read(&path)?;
     Study::from_toml(&text).map_err(|errors| {
         let lines: Vec<String> = errors.iter().map(|e| format!("{}: {e}", path.display())).collect();
         anyhow::anyhow!("{}", lines.join("\n       "))

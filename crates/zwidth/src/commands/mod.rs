@@ -16,7 +16,24 @@ use zwidth_study::StudyId;
 /// The studies named, or all there are under `raw/`.
 fn studies(root: &Path, named: Vec<StudyId>) -> anyhow::Result<Vec<Layout>> {
     let ids = if named.is_empty() { all(root)? } else { named };
-    Ok(ids.into_iter().map(|id| Layout::new(root, id)).collect())
+    ids.into_iter().map(|id| study(root, id)).collect()
+}
+
+/// A study that must be there.
+fn study(root: &Path, id: StudyId) -> anyhow::Result<Layout> {
+    let layout = Layout::new(root, id);
+    if !layout.study_toml().exists() {
+        let there = all(root).unwrap_or_default();
+        let there: Vec<&str> = there.iter().map(StudyId::as_str).collect();
+        let id = layout.study();
+        bail!(
+            "there is no study '{id}': {} is missing; make it with `zwidth new {id}`, or name another (there {}: {})",
+            layout.study_toml().display(),
+            if there.len() == 1 { "is" } else { "are" },
+            if there.is_empty() { "none".to_owned() } else { there.join(", ") },
+        );
+    }
+    Ok(layout)
 }
 
 fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {

@@ -57,8 +57,9 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
         bar.set_message(report.name.clone());
         bar.inc(1);
     };
-    let reports = run_jobs(&jobs, layout.root(), &records, &RealFiles, &options, &done)?;
+    let reports = run_jobs(&jobs, layout.root(), &records, &RealFiles, &options, &done);
     bar.finish_and_clear();
+    let reports = reports?;
     let outcome = outcome(&data, &reports, start.elapsed().as_secs_f64());
     if !screen.json {
         tell(&data, &reports, &outcome, command, screen);
@@ -129,7 +130,9 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
         outcome.up_to_date,
         outcome.seconds
     ));
-    if !command.dry_run {
+    let is_there =
+        |r: &Report| r.stage == "summary" && matches!(r.verdict, Verdict::Made(_) | Verdict::UpToDate);
+    if !command.dry_run && reports.iter().any(is_there) {
         screen.result(format!("Look first at {}", layout.shown(&plan::summary_file(data)).display()));
     }
 }

@@ -8,7 +8,7 @@ use anyhow::bail;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
-use zwidth_store::{Layout, StudyData};
+use zwidth_store::StudyData;
 use zwidth_tables::Table;
 
 #[derive(Serialize)]
@@ -19,7 +19,7 @@ struct Entry {
 }
 
 pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = Layout::new(root, asked.study.clone());
+    let layout = super::study(root, asked.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::together(&findings))?;
     let files: Vec<_> = plan::printed_tables(&data).into_iter().filter(|f| f.exists()).collect();
     if files.is_empty() {

@@ -60,7 +60,8 @@ fn job<'a>(data: &'a StudyData, actuator: &'a ActuatorId, inputs: Vec<PathBuf>) 
         outputs,
         make: Box::new(move |from| {
             let (sweeps, problems) = read_sweeps(&files);
-            let first = sweeps.first().ok_or("no sweep could be read")?;
+            let first =
+                sweeps.first().ok_or_else(|| format!("no sweep could be read: {}", problems.join("; ")))?;
             let (command_unit, response_unit) = (&first.command.unit, &first.response.unit);
             let settings = Settings {
                 resamples: RESAMPLES,

@@ -220,7 +220,8 @@ fn repeats_jobs<'a>(data: &'a StudyData, session: &Session, environment: &'a Env
         jobs.push(figure_job(data, &name, source.inputs(), parameters(&data.study), move || {
             let (loaded, problems) = source.load()?;
             let scene = loaded.scene();
-            let first = scene.modes.first().ok_or("no trial could be read")?;
+            let none = || format!("no trial could be read: {}", problems.join("; "));
+            let first = scene.modes.first().ok_or_else(none)?;
             Ok((zwidth_figures::repeats(&scene, first), problems))
         }));
     }

@@ -1,0 +1,137 @@
+//! Sessions: their records and event logs, and what the events say of the trials.
+
+use crate::study::files_below;
+use crate::{Layout, SessionLog, StoreError, TrialEntry, read_events};
+use serde::Deserialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use zwidth_study::{Event, SCHEMA_VERSION, SessionRecord};
+
+/// What can be done about a session that is not whole.
+const RESTORE: &str = "restore the session's files from a copy, or import the session again";
+
+/// Every readable session, and the names (`<participant>_<session>`) of those that are not.
+pub(crate) fn read_sessions(
+    layout: &Layout,
+    problems: &mut Vec<StoreError>,
+) -> (Vec<SessionLog>, BTreeSet<String>) {
+    let (mut sessions, mut unreadable) = (Vec::new(), BTreeSet::new());
+    let files = files_below(&layout.sessions()).unwrap_or_else(|error| {
+        problems.push(error);
+        Vec::new()
+    });
+    let name = |path: &PathBuf| {
+        let name = path.file_name()?.to_str()?;
+        name.strip_suffix(".events.jsonl").or(name.strip_suffix(".json")).map(str::to_owned)
+    };
+    let names: BTreeSet<String> = files.iter().filter_map(name).collect();
+    for name in names {
+        match read_session(layout, &name) {
+            Ok(session) => sessions.push(session),
+            Err(problem) => {
+                problems.push(problem);
+                unreadable.insert(name);
+            }
+        }
+    }
+    (sessions, unreadable)
+}
+
+fn read_session(layout: &Layout, name: &str) -> Result<SessionLog, StoreError> {
+    let path = layout.sessions().join(format!("{name}.json"));
+    let text = std::fs::read_to_string(&path).map_err(|e| StoreError::io(&path, "read", &e))?;
+    let record = record_from(&path, &text)?;
+    if path != layout.session(&record.participant, &record.session) {
+        let what = format!("by its content it is the record of {} {}", record.participant, record.session);
+        return Err(StoreError::new(&path, what, RESTORE));
+    }
+    let events_path = layout.events(&record.participant, &record.session);
+    let events = read_events(&events_path)?;
+    Ok(SessionLog { record, path, events, events_path })
+}
+
+/// The version alone: read first, because another version may have other fields.
+#[derive(Deserialize)]
+struct Version {
+    schema_version: u32,
+}
+
+fn record_from(path: &Path, text: &str) -> Result<SessionRecord, StoreError> {
+    let error = |e: serde_json::Error| StoreError::new(path, format!("not a session record: {e}"), RESTORE);
+    let Version { schema_version } = serde_json::from_str(text).map_err(error)?;
+    if schema_version != SCHEMA_VERSION {
+        let remedy =
+            format!("this software reads version {SCHEMA_VERSION}; use the one that wrote the session");
+        return Err(StoreError::new(path, format!("schema version {schema_version} is unknown"), remedy));
+    }
+    serde_json::from_str(text).map_err(error)
+}
+
+/// Joins the events to the trials, and says what does not fit together.
+///
+/// A trial that no log calls recorded does not count: nobody knows whether it was superseded or excluded. Those of
+/// `unreadable` sessions are not told again.
+pub(crate) fn join(
+    layout: &Layout,
+    trials: &mut [TrialEntry],
+    sessions: &[SessionLog],
+    unreadable: &BTreeSet<String>,
+) -> Vec<StoreError> {
+    let named = |s| (name(s), s);
+    let logs: BTreeMap<String, &SessionLog> = sessions.iter().map(named).collect();
+    let mut silent: BTreeMap<PathBuf, Vec<String>> = BTreeMap::new();
+    for trial in trials {
+        let m = &trial.meta;
+        let name = format!("{}_{}", m.participant, m.session);
+        if logs.get(&name).is_some_and(|log| join_one(trial, &log.events)) {
+            continue;
+        }
+        if !unreadable.contains(&name) {
+            let path = layout.events(&trial.meta.participant, &trial.meta.session);
+            silent.entry(path).or_default().push(trial.meta.trial.to_string());
+        }
+        trial.excluded = Some("no event log that can be read speaks of it".to_owned());
+    }
+    let silent = silent.iter().map(|(path, trials)| {
+        let words = if trials.len() == 1 { "trial" } else { "trials" };
+        let what = format!("the log does not speak of {words} {}: left out", trials.join(", "));
+        StoreError::new(path, what, RESTORE)
+    });
+    silent.chain(sessions.iter().flat_map(|log| lost(layout, log))).collect()
+}
+
+fn name(log: &SessionLog) -> String {
+    format!("{}_{}", log.record.participant, log.record.session)
+}
+
+/// Joins a session's events to one of its trials; whether one of them says that it was recorded.
+fn join_one(trial: &mut TrialEntry, events: &[Event]) -> bool {
+    let mut recorded = false;
+    for event in events.iter().filter(|e| e.trial() == Some(trial.meta.trial)) {
+        match event {
+            Event::Recorded { .. } => recorded = true,
+            Event::Superseded { by, .. } => trial.superseded_by = Some(*by),
+            Event::Excluded { reason, .. } => trial.excluded = Some(reason.clone()),
+            Event::Answer { .. } | Event::Note { .. } | Event::Unsealed => {}
+        }
+    }
+    recorded
+}
+
+/// Whether the events leave a trial out.
+pub(crate) fn left_out(events: &[Event], trial: u32) -> bool {
+    let leaves_out = |e: &Event| matches!(e, Event::Superseded { .. } | Event::Excluded { .. });
+    events.iter().any(|e| leaves_out(e) && e.trial() == Some(trial))
+}
+
+/// Trials of a session that were recorded and not left out since, but whose files are gone.
+fn lost(layout: &Layout, log: &SessionLog) -> Vec<StoreError> {
+    let gone = |event: &Event| {
+        let Event::Recorded { trial, .. } = event else { return None };
+        let path = layout.trial(&log.record.participant, &log.record.session, *trial);
+        let what = "the trial was recorded, but its file is missing";
+        let error = || StoreError::new(&path, what, "restore the file from a copy, or exclude the trial");
+        (!path.exists() && !left_out(&log.events, *trial)).then(error)
+    };
+    log.events.iter().filter_map(gone).collect()
+}

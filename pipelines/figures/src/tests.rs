@@ -1,0 +1,135 @@
+//! Facts about the figures of trials, on small made-up data.
+
+use crate::{ModeData, Repeat, Scene, loops, modes, repeats};
+use zwidth_draw::{Figure, Layer, Line};
+use zwidth_store::{Samples, Signal, Trial};
+use zwidth_study::{Kind, Source, Status, Study, TrialMeta, template};
+use zwidth_tables::{Column, Table};
+
+fn study() -> Study {
+    Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+}
+
+/// A movement from −45° to 35° with a force of 3 N.
+fn trial(source: Source, signals: &[Signal]) -> Trial {
+    let mut samples = Samples::default();
+    samples.set(Signal::Time, (0..81).map(f64::from).collect());
+    for signal in signals {
+        let value = |i: i32| match signal {
+            Signal::Theta => f64::from(i - 45).to_radians(),
+            _ => 3.0,
+        };
+        samples.set(*signal, (0..81).map(value).collect());
+    }
+    let meta = TrialMeta {
+        participant: "P01".parse().unwrap(),
+        session: "S01".parse().unwrap(),
+        trial: 1,
+        repeat: 1,
+        kind: Kind::Trial,
+        status: Status::Complete,
+        environment: "spring_wall".parse().unwrap(),
+        mode: "active".parse().unwrap(),
+        likert: None,
+        source,
+    };
+    Trial { meta, file: Default::default(), samples }
+}
+
+/// The mean of `trial` alone, as the stage `average` names its columns.
+fn average(trial: &Trial) -> Table {
+    let column = |name, signal| {
+        let values = trial.samples.get(signal).unwrap().iter().copied().map(Some);
+        Column::float(name, "", "", values.collect::<Vec<_>>())
+    };
+    let none = |name| Column::float(name, "", "", vec![None; 81]);
+    let mut columns = vec![column("t_s", Signal::Time)];
+    columns.push(column("theta_mean_rad", Signal::Theta));
+    columns.push(column("force_ex_mean_n", Signal::ForceEx));
+    let bands = ["theta_ci_low_rad", "theta_ci_high_rad", "force_ex_ci_low_n", "force_ex_ci_high_n"];
+    columns.extend(bands.map(none));
+    Table::new("average", "Average", columns).unwrap()
+}
+
+fn scene<'a>(study: &'a Study, trial: &'a Trial, average: Option<&'a Table>) -> Scene<'a> {
+    let repeats = vec![Repeat { trial, onset_s: Some(1.0) }];
+    Scene {
+        study,
+        environment: &study.environments[1],
+        who: "P01 S01".to_owned(),
+        modes: vec![ModeData { index: 0, label: "Active", repeats, average }],
+        notes: Vec::new(),
+    }
+}
+
+fn line(layer: &Layer) -> Option<&Line> {
+    if let Layer::Line(line) = layer { Some(line) } else { None }
+}
+
+fn lines(figure: &Figure, panel: usize) -> Vec<&Line> {
+    figure.panels[panel].layers.iter().filter_map(line).collect()
+}
+
+const ALL: [Signal; 3] = [Signal::Theta, Signal::ThetaDot, Signal::ForceEx];
+
+#[test]
+fn the_mean_is_dotted_exactly_where_it_lies_past_the_wall() {
+    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
+    let mean = average(&trial);
+    let figure = modes(&scene(&study, &trial, Some(&mean))).unwrap();
+    let curve = lines(&figure, 0).into_iter().find(|l| !l.dotted.is_empty()).unwrap();
+    for (theta_deg, dotted) in curve.y.iter().zip(&curve.dotted) {
+        assert_eq!(*dotted, *theta_deg >= 26.6, "{theta_deg}");
+    }
+    assert!(curve.dotted.contains(&true) && curve.dotted.contains(&false));
+}
+
+#[test]
+fn time_counts_from_onset_and_angles_stand_in_degrees() {
+    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
+    let figure = modes(&scene(&study, &trial, None)).unwrap();
+    let curve = lines(&figure, 0)[0];
+    assert!((curve.x[0] + 1.0).abs() < 1e-12);
+    assert!((curve.y[0] + 45.0).abs() < 1e-12 && (curve.y[80] - 35.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_mean_without_a_band_draws_none() {
+    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
+    let mean = average(&trial);
+    let figure = modes(&scene(&study, &trial, Some(&mean))).unwrap();
+    assert!(!figure.panels.iter().flat_map(|p| &p.layers).any(|l| matches!(l, Layer::Band(_))));
+}
+
+#[test]
+fn a_signal_that_was_not_recorded_leaves_a_panel_that_says_so() {
+    let (study, trial) = (study(), trial(Source::Imported, &[Signal::ThetaDot, Signal::TorqueEx]));
+    let figure = modes(&scene(&study, &trial, None)).unwrap();
+    assert_eq!(figure.panels[0].note.as_deref(), Some("no angle was recorded"));
+    assert_eq!(figure.panels[3].note.as_deref(), Some("no angle was recorded"));
+    assert_eq!(figure.panels[1].y.unit, "N·m", "torque stays torque");
+}
+
+#[test]
+fn every_figure_of_a_simulated_trial_says_so_and_none_of_a_measured_one() {
+    let study = study();
+    for (source, marked) in [(Source::Twin, true), (Source::Recorded, false), (Source::Imported, false)] {
+        let trial = trial(source, &ALL);
+        let scene = scene(&study, &trial, None);
+        let figures = [
+            modes(&scene).unwrap(),
+            repeats(&scene, &scene.modes[0]),
+            loops(&study, std::slice::from_ref(&scene)).unwrap(),
+        ];
+        assert!(figures.iter().all(|f| f.mark.is_some() == marked), "{source:?}");
+    }
+}
+
+#[test]
+fn stars_and_underscores_in_names_are_no_markup() {
+    let mut study = study();
+    study.environments[1].label = "a*b*_c".to_owned();
+    let trial = trial(Source::Recorded, &ALL);
+    let figure = modes(&scene(&study, &trial, None)).unwrap();
+    assert!(zwidth_draw::markup::plain(&figure.title.unwrap()).ends_with("a*b*_c"));
+}
