@@ -1,0 +1,48 @@
+"""Tables and figures of a study, read by others: CSV against Parquet, the text of the PDFs."""
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+from pypdf import PdfReader
+
+from checks import check, equal
+
+MARK = "SYNTHETIC: simulated, not measured"
+
+
+def tables(label, folder):
+    """A table's CSV holds the numbers of its Parquet file, bit for bit; every column has unit and description."""
+    files = sorted(folder.glob("*.parquet"))
+    check(f"{label}: there are tables", bool(files), folder)
+    for file in files:
+        frame = pd.read_parquet(file)
+        text = pd.read_csv(file.with_suffix(".csv"), float_precision="round_trip")
+        same = list(frame.columns) == list(text.columns) and all(alike(frame[c], text[c]) for c in frame.columns)
+        check(f"{label}: {file.stem}.csv and .parquet hold the same", same, frame.columns)
+        silent = [f.name for f in pq.read_schema(file) if not {b"unit", b"description"} <= set(f.metadata or {})]
+        equal(f"{label}: columns of {file.stem}.parquet without unit or description", silent, [])
+
+
+def alike(a, b):
+    """Whether two columns are equal; an empty cell is null, whatever the type."""
+    if pd.api.types.is_float_dtype(a):
+        return np.array_equal(a.to_numpy(float), b.to_numpy(float), equal_nan=True)
+    return a.astype("string").fillna("").tolist() == words(b, a)
+
+
+def words(column, like):
+    """A CSV column as the words of its Parquet counterpart; counts with gaps were read as floats."""
+    if pd.api.types.is_numeric_dtype(like) and not pd.api.types.is_bool_dtype(like):
+        column = column.astype("Int64")
+    return column.astype("string").fillna("").tolist()
+
+
+def figures(label, folder, synthetic):
+    """Every PDF has text, and the mark of simulated data exactly where the study is simulated."""
+    files = sorted(folder.glob("*.pdf"))
+    check(f"{label}: there are figures", bool(files), folder)
+    for file in files:
+        text = " ".join(" ".join(page.extract_text() for page in PdfReader(file).pages).split())
+        check(f"{label}: {file.name} has text", len(text) > 100, text)
+        what = "bears the mark of simulated data" if synthetic else "bears no mark of simulated data"
+        equal(f"{label}: {file.name} {what}", MARK in text, synthetic)

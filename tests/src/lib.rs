@@ -1,0 +1,1 @@
+//! Workspace tests: architecture, whole runs, bad input, real recordings.

@@ -1,0 +1,115 @@
+//! The floors of the house, proved from `cargo metadata`: arrows point down only.
+
+use crate::folders::workspace;
+use cargo_metadata::{Metadata, MetadataCommand, Package};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// What lies on which floor. A place is a folder of the workspace; `pipelines/*` is every folder in it.
+const FLOORS: [(u8, &[&str]); 6] = [
+    (0, &["crates/study", "crates/numerics"]),
+    (1, &["crates/dynamics", "crates/store", "crates/stats"]),
+    (2, &["crates/device", "crates/draw", "crates/tables"]),
+    (3, &["crates/runner", "pipelines/*"]),
+    (4, &["crates/acquire", "crates/zwidth"]),
+    (TOP, &["tests", "benches", "xtask"]),
+];
+
+/// Chores, tests and comparisons look at everything, and at peers; nothing looks at them.
+const TOP: u8 = 5;
+
+/// Libraries of other people that stay where they are below the top floor, and the places that may know them.
+const CONFINED: [(&str, &[&str]); 8] = [
+    ("arrow", &["crates/store", "crates/tables"]),
+    ("parquet", &["crates/store"]),
+    ("polars", &["crates/tables", "pipelines/*"]),
+    ("csv", &["crates/store"]),
+    ("plotters", &["crates/draw"]),
+    ("serialport", &["crates/device"]),
+    ("clap", &["crates/zwidth"]),
+    ("anyhow", &["crates/zwidth"]),
+];
+
+fn metadata() -> Metadata {
+    MetadataCommand::new().manifest_path(workspace().join("Cargo.toml")).no_deps().exec().unwrap()
+}
+
+/// A member's folder, from the workspace's on: `crates/study`.
+fn place(package: &Package) -> String {
+    let folder = package.manifest_path.parent().unwrap().as_std_path();
+    folder.strip_prefix(workspace()).unwrap().to_str().unwrap().replace('\\', "/")
+}
+
+fn is_at(place: &str, pattern: &str) -> bool {
+    match pattern.strip_suffix('*') {
+        Some(folder) => place.starts_with(folder),
+        None => place == pattern,
+    }
+}
+
+fn floor(place: &str) -> u8 {
+    let found = FLOORS.iter().find(|(_, patterns)| patterns.iter().any(|p| is_at(place, p)));
+    found
+        .unwrap_or_else(|| panic!("{place} is on no floor; give it one in this test and in ARCHITECTURE.md"))
+        .0
+}
+
+#[test]
+fn every_arrow_points_down() {
+    let metadata = metadata();
+    let places: BTreeMap<&str, String> =
+        metadata.packages.iter().map(|p| (p.name.as_str(), place(p))).collect();
+    let mut arrows = 0;
+    for package in &metadata.packages {
+        let from = place(package);
+        for to in package.dependencies.iter().filter_map(|d| places.get(d.name.as_str())) {
+            assert!(floor(to) < floor(&from), "{from} must not know {to}: arrows point down only");
+            arrows += 1;
+        }
+    }
+    assert!(arrows > 20, "only {arrows} arrows: were the members found?");
+}
+
+#[test]
+fn a_member_is_named_after_its_folder() {
+    for package in metadata().packages {
+        let place = place(&package);
+        let folder = Path::new(&place).file_name().unwrap().to_str().unwrap();
+        let expect = match folder {
+            "zwidth" | "xtask" => folder.to_owned(),
+            other => format!("zwidth-{other}"),
+        };
+        assert_eq!(package.name.as_str(), expect);
+    }
+}
+
+#[test]
+fn libraries_of_one_purpose_stay_where_they_belong() {
+    for package in metadata().packages {
+        let place = place(&package);
+        for (library, places) in CONFINED {
+            let knows = package.dependencies.iter().any(|d| d.name == library);
+            let may = floor(&place) == TOP || places.iter().any(|p| is_at(&place, p));
+            assert!(may || !knows, "{place} must not know {library}; only {places:?} may");
+        }
+    }
+}
+
+#[test]
+fn unsafe_code_is_forbidden_in_every_member() {
+    let table = |path: &Path| toml::from_str::<toml::Table>(&fs::read_to_string(path).unwrap()).unwrap();
+    let root = table(&workspace().join("Cargo.toml"));
+    assert_eq!(root["workspace"]["lints"]["rust"]["unsafe_code"].as_str(), Some("forbid"));
+    for package in metadata().packages {
+        let member = table(package.manifest_path.as_std_path());
+        assert_eq!(member["lints"]["workspace"].as_bool(), Some(true), "{}", package.name);
+    }
+}
+
+#[test]
+fn cargo_run_means_the_program() {
+    let metadata = metadata();
+    let default: Vec<&str> = metadata.workspace_default_packages().iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(default, ["zwidth"]);
+}

@@ -1,0 +1,67 @@
+//! A magnetic-particle brake: torque against set point, a dead region and strong curvature.
+
+use super::{Real, close, floats, labels, recordings};
+use std::fs;
+use std::sync::LazyLock;
+
+static RUN: LazyLock<Option<Real>> = LazyLock::new(|| {
+    let folder = recordings("brake_b5zd")?;
+    let real = Real::new("brake_b5zd");
+    let report = real.import("map.toml", &[folder.join("test_rig_treadmill.csv")]);
+    assert!(report.contains("6554 rows read, 6554 kept"), "{report}");
+    Some(real.run())
+});
+
+/// Model → its RMS (mN·m) and what is said of it.
+fn models(real: &Real) -> Vec<(String, f64, String)> {
+    let table = real.derived("characterise/characteristic.brake.parquet");
+    let texts = |column| table.texts(column).unwrap().into_iter().flatten().collect::<Vec<_>>();
+    let names = texts("model").into_iter().zip(floats(&table, "rms")).zip(texts("verdict"));
+    names.map(|((model, rms), verdict)| (model, rms, verdict)).collect()
+}
+
+#[test]
+fn a_line_and_a_hinge_are_rejected_and_the_power_law_is_chosen() {
+    let Some(real) = &*RUN else { return };
+    let found = models(real);
+    let expect = [("line", 3.09, "rejected"), ("hinge", 1.34, "rejected"), ("power_law", 0.33, "chosen")];
+    assert_eq!(found.len(), expect.len());
+    for ((model, rms, verdict), (name, published, word)) in found.iter().zip(expect) {
+        assert_eq!(model, name);
+        close(*rms, published, 0.005);
+        assert!(verdict.starts_with(word), "{model}: {verdict}");
+    }
+    assert!(found[2].1 <= 0.4, "RMS of the chosen model, mN·m");
+}
+
+#[test]
+fn the_printed_table_says_why() {
+    let Some(real) = &*RUN else { return };
+    let table = fs::read_to_string(real.report("tables/characteristic.brake.md")).unwrap();
+    for words in [
+        "rejected: RMS 3.09 mN·m is",
+        "rejected: RMS 1.34 mN·m is",
+        "times the noise, residual autocorrelation 0.9",
+        "chosen: RMS 0.326 mN·m is 1.0 times the noise",
+        "10 blocks",
+        "1 sweep, 6554 points",
+    ] {
+        assert!(table.contains(words), "'{words}' is not in {table}");
+    }
+}
+
+/// 0 … 47 mN·m over 0 … 26,212 counts, noise about 0.36 mN·m.
+#[test]
+fn the_curve_spans_the_published_torque_and_its_units_are_those_of_the_sweep() {
+    let Some(real) = &*RUN else { return };
+    let curve = real.derived("characterise/curve.brake.parquet");
+    let command = floats(&curve, "command");
+    assert_eq!((command[0], *command.last().unwrap()), (0.0, 26212.0));
+    let fields: Vec<_> =
+        curve.fields().iter().filter(|f| f.name == "command").map(|f| f.unit.to_string()).collect();
+    assert_eq!(fields, ["counts"]);
+    let figure = labels(&real.report("figures/characteristic.brake.svg"));
+    for unit in ["(counts)", "(mN·m)"] {
+        assert!(figure.iter().any(|l| l.contains(unit)), "{figure:?}");
+    }
+}

@@ -1,0 +1,78 @@
+//! What must be absent from the sources of the lower floors and of the stages: files, clock, environment.
+
+use crate::folders::{files, workspace};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Places that compute and nothing else: same input, same output, on any machine, at any time.
+const PURE: [&str; 5] = ["crates/study", "crates/numerics", "crates/dynamics", "crates/stats", "pipelines"];
+/// Ways to the world outside.
+const OUTSIDE: [&str; 6] = ["std::fs", "std::env", "std::net", "std::process", "SystemTime", "Instant"];
+
+/// Sources below a place, but for tests, benches and examples.
+fn sources(place: &Path) -> Vec<PathBuf> {
+    let mut sources = files(place, "rs");
+    sources.retain(|p| p.iter().any(|part| part == "src"));
+    sources
+}
+
+/// The modules that a source declares for tests only: `#[cfg(test)]`, and `mod name;` on the next line.
+fn test_modules(text: &str) -> Vec<&str> {
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let pairs = lines.windows(2).filter(|w| w[0] == "#[cfg(test)]");
+    pairs.filter_map(|w| Some(w[1].strip_suffix(';')?.split_once("mod ")?.1)).collect()
+}
+
+/// A source without its comments and without the module of tests at its end.
+fn code(text: &str) -> String {
+    let before_tests = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let without_comment = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
+    before_tests.lines().map(without_comment).collect::<Vec<_>>().join("\n")
+}
+
+/// Whether `path` is the source of one of these modules, or lies in its folder.
+fn is_of(path: &Path, modules: &[(PathBuf, String)]) -> bool {
+    modules.iter().any(|(folder, name)| {
+        path == folder.join(format!("{name}.rs")) || path.starts_with(folder.join(name))
+    })
+}
+
+/// Where the modules of the source at `path` lie.
+fn folder_of_modules(path: &Path) -> PathBuf {
+    let folder = path.parent().unwrap();
+    match path.file_stem().unwrap().to_str().unwrap() {
+        "lib" | "main" | "mod" => folder.to_owned(),
+        stem => folder.join(stem),
+    }
+}
+
+#[test]
+fn the_lower_floors_and_the_stages_touch_no_file_no_clock_and_no_environment() {
+    let mut read = 0;
+    for place in PURE {
+        let sources = sources(&workspace().join(place));
+        let text = |path: &PathBuf| fs::read_to_string(path).unwrap();
+        let tests: Vec<(PathBuf, String)> = sources
+            .iter()
+            .flat_map(|p| {
+                let names: Vec<String> = test_modules(&text(p)).into_iter().map(str::to_owned).collect();
+                names.into_iter().map(|name| (folder_of_modules(p), name))
+            })
+            .collect();
+        for path in sources.iter().filter(|p| !is_of(p, &tests)) {
+            let code = code(&text(path));
+            for word in OUTSIDE {
+                assert!(!code.contains(word), "{} speaks of {word}", path.display());
+            }
+            read += 1;
+        }
+    }
+    assert!(read > 50, "only {read} sources: were they found?");
+}
+
+#[test]
+fn modules_of_tests_are_told_from_others() {
+    let text = "mod a;\n#[cfg(test)]\nmod real_data;\n#[cfg(test)]\npub(crate) mod b;\n#[cfg(test)]\nuse x::y;\nmod c;";
+    assert_eq!(test_modules(text), ["real_data", "b"]);
+    assert_eq!(code("a // std::fs\nb\n#[cfg(test)]\nmod tests {\nstd::fs"), "a \nb");
+}

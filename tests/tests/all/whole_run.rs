@@ -1,0 +1,297 @@
+//! The main job on the study that comes with the software, through the program.
+
+use crate::binary::zwidth;
+use crate::folders::{files, listing, workspace};
+use crate::{demo, small};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use zwidth_store::{RealFiles, append_events, read_sweep, sweep_bytes};
+use zwidth_study::{Event, Source};
+use zwidth_tables::Table;
+
+const CONDITIONS: [&str; 6] = [
+    "spring.active",
+    "spring.passive",
+    "spring.hybrid",
+    "spring_wall.active",
+    "spring_wall.passive",
+    "spring_wall.hybrid",
+];
+
+/// Every figure of the study, by name.
+fn figures() -> BTreeSet<String> {
+    let fixed = ["modes.P01.S01.spring", "modes.P01.S01.spring_wall", "loops.P01.S01"];
+    let more = ["characteristic.brake", "characteristic.motor", "likert"];
+    let repeats = CONDITIONS.map(|c| format!("repeats.P01.S01.{c}"));
+    fixed.into_iter().chain(more).map(str::to_owned).chain(repeats).collect()
+}
+
+/// Every printed table of the study, by name.
+const TABLES: [&str; 7] = [
+    "characteristic.brake",
+    "characteristic.motor",
+    "conditions",
+    "likert",
+    "metrics",
+    "parameters.brake",
+    "parameters.motor",
+];
+
+/// The stems of the files with this extension.
+fn stems(folder: &Path, extension: &str) -> BTreeSet<String> {
+    files(folder, extension).iter().map(|p| p.file_stem().unwrap().to_str().unwrap().to_owned()).collect()
+}
+
+fn strings(words: &[&str]) -> Vec<String> {
+    words.iter().map(|w| (*w).to_owned()).collect()
+}
+
+#[test]
+fn a_run_makes_every_figure_as_svg_png_pdf_and_data() {
+    let folder = demo::folder().join("reports/demo/figures");
+    for (extension, begins) in
+        [("svg", "<?xml".as_bytes()), ("png", b"\x89PNG"), ("pdf", b"%PDF"), ("parquet", b"PAR1")]
+    {
+        assert_eq!(stems(&folder, extension), figures(), "{extension}");
+        for path in files(&folder, extension) {
+            assert!(fs::read(&path).unwrap().starts_with(begins), "{}", path.display());
+        }
+    }
+}
+
+#[test]
+fn a_run_makes_every_table_in_six_formats_and_they_agree_on_the_number_of_rows() {
+    let folder = demo::folder().join("reports/demo/tables");
+    for extension in ["csv", "md", "tex", "typ", "html", "parquet"] {
+        assert_eq!(stems(&folder, extension), TABLES.map(str::to_owned).into(), "{extension}");
+    }
+    for path in files(&folder, "parquet") {
+        let rows = Table::from_parquet(&path).unwrap().height();
+        let csv = fs::read_to_string(path.with_extension("csv")).unwrap();
+        assert!(rows > 0 && csv.lines().count() == rows + 1, "{}", path.display());
+    }
+}
+
+#[test]
+fn the_summary_links_every_figure_and_table_and_names_what_was_left_out() {
+    let reports = demo::folder().join("reports/demo");
+    let summary = fs::read_to_string(reports.join("summary.md")).unwrap();
+    let links: BTreeSet<&str> = summary.split("](").skip(1).map(|s| s.split(')').next().unwrap()).collect();
+    assert_eq!(links.len(), figures().len() + TABLES.len());
+    for link in links {
+        assert!(reports.join(link).is_file(), "{link}");
+    }
+    assert!(summary.contains("36 trials that count"), "{summary}");
+    assert!(summary.contains("P01 S01 trial 20: superseded by trial 40"), "{summary}");
+}
+
+#[test]
+fn a_run_leaves_the_raw_data_as_they_were() {
+    assert_eq!(listing(&demo::folder().join("raw")), listing(&demo::raw().path().join("raw")));
+}
+
+#[test]
+fn a_second_run_makes_nothing_and_touches_nothing() {
+    let root = demo::finished();
+    let before = listing(root.path());
+    let again = zwidth(root.path(), &["run"]).exits(0);
+    assert!(again.out.contains("demo: 0 made, 31 up to date"), "{again:#?}");
+    assert!(zwidth(root.path(), &["run", "--json"]).exits(0).made().is_empty());
+    assert_eq!(listing(root.path()), before);
+}
+
+#[test]
+fn one_thread_and_four_give_the_same_bytes() {
+    let root = demo::finished();
+    let before = listing(root.path());
+    let fresh = zwidth(root.path(), &["--threads", "1", "--json", "run", "demo", "--fresh"]).exits(0);
+    assert_eq!(fresh.json()[0]["up_to_date"], 0);
+    assert_eq!(fresh.made().len(), 31);
+    assert_eq!(listing(root.path()), before);
+}
+
+#[test]
+fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
+    let root = demo::finished();
+    let log = root.path().join("raw/demo/sessions/P01_S01.events.jsonl");
+    append_events(&RealFiles, &log, "2026-01-02T00:00:00Z", &[Event::Superseded { trial: 5, by: 7 }])
+        .unwrap();
+    let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
+    // The metrics of the session hold every onset, so that each of its figures depends on them. No other
+    // condition's mean does, nor anything about the actuators.
+    let repeats = CONDITIONS.map(|c| format!("figure repeats.P01.S01.{c}"));
+    let mut expect = strings(&[
+        "average P01 S01 spring hybrid",
+        "figure likert",
+        "figure loops.P01.S01",
+        "figure modes.P01.S01.spring",
+        "figure modes.P01.S01.spring_wall",
+        "likert tallies",
+        "metrics P01 S01",
+        "metrics of the study",
+        "summary",
+        "table conditions",
+        "table likert",
+        "table metrics",
+    ]);
+    expect.extend(repeats);
+    expect.sort();
+    assert_eq!(ran.made(), expect);
+    let metrics = Table::from_parquet(&root.path().join("derived/demo/metrics.parquet")).unwrap();
+    assert!(!metrics.integers("trial").unwrap().contains(&Some(5)));
+    assert!(zwidth(root.path(), &["run", "--json"]).made().is_empty());
+}
+
+#[test]
+fn a_changed_sweep_remakes_its_own_characteristic_and_nothing_else() {
+    let root = demo::finished();
+    let path = root.path().join("raw/demo/sweeps/actuator=motor/sweep-02.parquet");
+    let mut sweep = read_sweep(&path).unwrap();
+    sweep.response_values[10] += 0.1;
+    fs::write(&path, sweep_bytes(&sweep, &path).unwrap()).unwrap();
+    let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
+    let expect = [
+        "characteristic of motor",
+        "figure characteristic.motor",
+        "summary",
+        "table characteristic.motor",
+        "table parameters.motor",
+    ];
+    assert_eq!(ran.made(), expect);
+    let why = ran.json()[0]["made"][0]["why"].as_str().unwrap().to_owned();
+    assert_eq!(why, "input raw/demo/sweeps/actuator=motor/sweep-02.parquet changed");
+}
+
+#[test]
+fn a_removed_result_is_made_again_to_the_same_bytes() {
+    let root = demo::finished();
+    let before = listing(root.path());
+    fs::remove_file(root.path().join("reports/demo/figures/likert.png")).unwrap();
+    fs::write(root.path().join("reports/demo/tables/likert.csv"), "edited by hand\n").unwrap();
+    let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
+    assert_eq!(ran.made(), ["figure likert", "table likert"]);
+    assert_eq!(listing(root.path()), before);
+}
+
+#[test]
+fn only_makes_a_stage_a_figure_or_a_table_and_what_it_needs() {
+    let root = demo::raw();
+    let only = |name: &str| zwidth(root.path(), &["run", "--json", "--only", name]).exits(0).made();
+    assert_eq!(only("likert tallies"), ["likert tallies"]);
+    assert_eq!(only("conditions"), ["metrics P01 S01", "metrics of the study", "table conditions"]);
+    assert_eq!(only("repeats.P01.S01.spring.active"), ["figure repeats.P01.S01.spring.active"]);
+    assert!(!root.path().join("reports/demo/summary.md").exists());
+    let again = zwidth(root.path(), &["run", "--only", "likert tallies"]).exits(0);
+    assert!(!again.out.contains("summary.md"), "it is not there to be looked at: {again:#?}");
+    zwidth(root.path(), &["run", "--only", "nonsense"]).exits(1).says(&[
+        "nonsense",
+        "characterise",
+        "loops.P01.S01",
+    ]);
+}
+
+#[test]
+fn a_dry_run_says_what_would_be_made_and_makes_nothing() {
+    let root = demo::raw();
+    let before = listing(root.path());
+    let dry = zwidth(root.path(), &["run", "--dry-run", "--json"]).exits(0);
+    assert_eq!(dry.made().len(), 31);
+    assert_eq!(listing(root.path()), before);
+    zwidth(root.path(), &["run", "--dry-run"]).exits(0).says(&["metrics P01 S01: never made"]);
+}
+
+#[test]
+fn every_listing_is_json_where_it_is_asked_for() {
+    let root = demo::finished();
+    let json = |arguments: &[&str]| zwidth(root.path(), arguments).exits(0).json();
+    let list = json(&["list", "--json"]);
+    assert_eq!(list[0]["sessions"][0]["trials_that_count"], 36);
+    assert_eq!(list[0]["sessions"][0]["familiarisation"], 3);
+    assert_eq!(list[0]["sessions"][0]["left_out"][0], "trial 20: superseded by trial 40");
+    assert_eq!(list[0]["sweeps"]["motor"], 3);
+    assert_eq!(json(&["verify", "--json"]), serde_json::json!([]));
+    assert_eq!(json(&["table", "demo", "--json"]).as_array().unwrap().len(), TABLES.len());
+}
+
+#[test]
+fn the_exit_code_is_1_where_it_failed_and_2_where_the_arguments_are_bad() {
+    let empty = tempfile::tempdir().unwrap();
+    zwidth(empty.path(), &["run"]).exits(1).one_error().says(&["raw", "--root"]);
+    fs::create_dir(empty.path().join("raw")).unwrap();
+    zwidth(empty.path(), &["run"]).exits(1).one_error().says(&["there is no study", "zwidth new"]);
+    zwidth(empty.path(), &["run", "nothing"])
+        .exits(1)
+        .says(&["raw/nothing/study.toml", "zwidth new nothing"]);
+    for bad in
+        [&["run", "--nonsense"][..], &["nonsense"], &["--threads", "many", "run"], &["import", "demo"], &[]]
+    {
+        zwidth(empty.path(), bad).exits(2);
+    }
+}
+
+/// Whether a figure bears the mark of simulated data, in letters that are drawn.
+fn is_marked(svg: &Path) -> bool {
+    const MARK: &str = "SYNTHETIC: simulated, not measured";
+    let text = fs::read_to_string(svg).unwrap();
+    let Some((_, group)) = text.split_once(&format!("<g aria-label=\"{MARK}\"")) else { return false };
+    let letters = group.split_once("</g>").unwrap().0.matches("<use ").count();
+    assert_eq!(letters, MARK.replace(' ', "").len(), "{}", svg.display());
+    true
+}
+
+#[test]
+fn every_figure_of_simulated_data_says_so_on_its_face() {
+    let reports = demo::folder().join("reports/demo");
+    for svg in files(&reports, "svg") {
+        assert!(is_marked(&svg), "{}", svg.display());
+    }
+    let summary = fs::read_to_string(reports.join("summary.md")).unwrap();
+    assert!(summary.contains("**All data are simulated: nothing here was measured.**"), "{summary}");
+}
+
+#[test]
+fn a_figure_is_marked_exactly_where_it_holds_simulated_data() {
+    let study = small::Study::new("mixed");
+    let answered = |trial| small::Draft { likert: Some(4), ..small::draft(trial, "spring", "hybrid") };
+    study.session("P01", &[answered(1), answered(2)]);
+    study.session("P02", &[answered(1), answered(2)].map(|d| small::Draft { source: Source::Twin, ..d }));
+    study.sweep();
+    zwidth(study.root(), &["run"]).exits(0);
+    let marked = |svg: &std::path::PathBuf| {
+        is_marked(svg).then(|| svg.file_stem().unwrap().to_str().unwrap().to_owned())
+    };
+    let all = files(&study.layout().reports(), "svg");
+    let found: Vec<String> = all.iter().filter_map(marked).collect();
+    assert_eq!(all.len(), 8);
+    assert_eq!(found, ["likert", "loops.P02.S01", "modes.P02.S01.spring", "repeats.P02.S01.spring.hybrid"]);
+}
+
+#[test]
+fn a_damaged_trial_is_told_skipped_and_listed_by_every_run() {
+    let study = small::Study::new("demo2");
+    study.session("P01", &small::repeats("spring", "hybrid", 1..=4));
+    let path = study.trial("P01", 3);
+    let root = study.root();
+    zwidth(root, &["run"]).exits(0);
+    // The first bytes after the magic number are those of the first column's pages.
+    crate::folders::flip_bit(&path, 60);
+    for run in 1..=2 {
+        let ran = zwidth(root, &["run", "--json"]).exits(3);
+        assert!(ran.left_out().iter().any(|l| l.contains("trial-003.parquet")), "run {run}: {ran:#?}");
+        assert_eq!(ran.made().is_empty(), run == 2, "{ran:#?}");
+        zwidth(root, &["run"]).exits(3).says(&[
+            "warning: left out: ",
+            "trial-003.parquet",
+            "restore the file",
+        ]);
+    }
+    let metrics = Table::from_parquet(&root.join("derived/demo2/metrics.parquet")).unwrap();
+    assert_eq!(metrics.integers("trial").unwrap(), [Some(1), Some(2), Some(4)]);
+}
+
+#[test]
+fn the_study_that_comes_along_has_no_findings() {
+    let found = zwidth(workspace(), &["verify", "demo"]).exits(0);
+    assert_eq!(found.out, "demo: no findings\n");
+}
