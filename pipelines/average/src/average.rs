@@ -6,6 +6,9 @@ use zwidth_stats::band::{Band, band};
 use zwidth_store::{Signal, Trial};
 use zwidth_study::{Condition, ParticipantId, Scene, SessionId, Source, Study};
 
+/// How the note that tells where an average ends tells it.
+pub const ENDS_AT: &str = "the average ends at";
+
 /// A quantity that is averaged: the signal, and how its columns are called.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quantity {
@@ -57,9 +60,7 @@ pub struct LeftOut {
 pub struct Course {
     /// Which quantity.
     pub quantity: Quantity,
-    /// Each repeat on the grid, in the order of [`Average::repeats`]; null where it has ended.
-    pub repeats: Vec<Vec<Option<f64>>>,
-    /// Their mean, SD and band.
+    /// Mean, SD and band of the repeats at each time of the grid.
     pub band: Band,
 }
 
@@ -97,7 +98,7 @@ impl Average {
             self.participant, self.session, self.condition.environment, self.condition.mode
         );
         let ended = (end < longest).then(|| {
-            format!("{name}: the average ends at {end:.3} s; after that fewer than half of the {total} repeats remain.")
+            format!("{name}: {ENDS_AT} {end:.3} s; after that fewer than half of the {total} repeats remain.")
         });
         let left_out =
             self.left_out.iter().map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
@@ -181,7 +182,7 @@ fn courses(aligned: &[Aligned], t_s: &[f64], level: f64) -> Result<Vec<Course>, 
     for quantity in QUANTITIES {
         let rows: Option<Vec<_>> = aligned.iter().map(|a| a.on_grid(quantity.signal, t_s)).collect();
         let Some(repeats) = rows else { continue };
-        courses.push(Course { quantity, band: band(&repeats, level)?, repeats });
+        courses.push(Course { quantity, band: band(&repeats, level)? });
     }
     Ok(courses)
 }
@@ -215,7 +216,8 @@ mod tests {
         study.analysis.onset_rad_s = 1e-9; // all three begin at the same sample
         let found = average(&trials, &study).unwrap();
         let force = course(&found, Signal::ForceEx);
-        let unit = &force.repeats[1];
+        let middle = average(&trials[1..2], &study).unwrap();
+        let unit = &course(&middle, Signal::ForceEx).band.mean;
         let half = 4.302652729749462 * 0.1 / 3_f64.sqrt(); // scipy.stats.t.ppf(0.975, 2)
         for (i, unit) in unit.iter().enumerate() {
             let u = unit.unwrap();

@@ -1,8 +1,7 @@
 //! Stage: the mean of the repeats of a condition, aligned at movement onset, with its band.
 //!
 //! [`average`] takes the repeats of one condition by one participant in one session and gives their mean course in
-//! time, or the reason why there is none; [`table`] puts the means of many conditions together and
-//! [`repeats_table`] the repeats themselves, on the same grid.
+//! time, or the reason why there is none; [`table`] puts the means of many conditions together.
 //!
 //! * **Alignment**: t = 0 is each repeat's movement onset, its first sample with |θ̇| above
 //!   `analysis.onset_rad_s`. A repeat lasts from there to its last sample; what lies before is left out.
@@ -26,9 +25,9 @@ mod table;
 #[cfg(test)]
 mod testing;
 
-pub use average::{Average, Course, LeftOut, QUANTITIES, Quantity, Repeat, average};
+pub use average::{Average, Course, ENDS_AT, LeftOut, QUANTITIES, Quantity, Repeat, average};
 pub use error::{AverageError, WhyNot};
-pub use table::{repeats_table, table};
+pub use table::table;
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 1;

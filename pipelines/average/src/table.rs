@@ -39,35 +39,6 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
     Ok(averages.iter().flat_map(Average::notes).fold(table, Table::with_note))
 }
 
-/// The repeats themselves on the grid of their average, one row a repeat and point of time: for drawing every repeat
-/// behind the mean. Null where a repeat has ended. Columns: as [`table`], with `trial`, `repeat` and the quantities.
-///
-/// # Errors
-/// A number that is not finite.
-pub fn repeats_table(averages: &[Average]) -> Result<Table, TableError> {
-    let repeats = || averages.iter().flat_map(|a| (0..a.repeats.len()).map(move |r| (a, r)));
-    let rows = || repeats().flat_map(|(a, r)| (0..a.t_s.len()).map(move |i| (a, r, i)));
-    let mut columns = identity(|| rows().map(|(a, _, i)| (a, i)));
-    let number = |name, meaning, get: fn(&crate::Repeat) -> u32| {
-        Column::integer(name, "1", meaning, rows().map(move |(a, r, _)| Some(i64::from(get(&a.repeats[r])))))
-    };
-    columns.push(number("trial", "number within the session", |r| r.trial));
-    columns.push(number("repeat", "repeat of the condition", |r| r.repeat));
-    columns.push(Column::float(
-        "t_s",
-        "s",
-        "time since movement onset",
-        rows().map(|(a, _, i)| Some(a.t_s[i])),
-    ));
-    for quantity in QUANTITIES {
-        let value = |(a, r, i): (&Average, usize, usize)| course(a, quantity)?.repeats[r][i];
-        let column = quantity.signal.column();
-        let (name, description) = (column.name.to_owned(), column.description.to_owned());
-        columns.push(renamed(quantity, name, description, rows().map(value).collect()));
-    }
-    Table::new("repeats", "Every repeat, aligned at movement onset", columns)
-}
-
 fn course(average: &Average, quantity: Quantity) -> Option<&Course> {
     average.courses.iter().find(|c| c.quantity == quantity)
 }
@@ -117,16 +88,5 @@ mod tests {
         assert_eq!(table.notes().len(), 1);
         let field = table.fields().iter().find(|f| f.name == "theta_dot_sd_rad_s").unwrap();
         assert_eq!(field.unit, "rad/s");
-    }
-
-    #[test]
-    fn every_repeat_lies_on_the_grid_of_its_mean() {
-        let averages = averages();
-        let table = repeats_table(&averages).unwrap();
-        let points = study().analysis.grid_points;
-        assert_eq!(table.height(), 4 * points);
-        let force = table.floats("force_ex_n").unwrap();
-        assert_eq!(force[points..2 * points], averages[0].courses[2].repeats[1]);
-        assert_eq!(table.integers("trial").unwrap()[2 * points], Some(3));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::PlaneFit;
 use zwidth_stats::interval::Estimate;
-use zwidth_tables::{Column, Table, TableError};
+use zwidth_tables::{Column, Table, TableError, identity};
 
 type Get = fn(&PlaneFit) -> Estimate;
 /// What a coefficient is, the names of its four columns, its unit, and where it stands.
@@ -50,7 +50,7 @@ const PARTS: [Part; 4] = [
 /// # Errors
 /// A number that is not finite.
 pub fn table(fits: &[PlaneFit]) -> Result<Table, TableError> {
-    let mut columns = identity(fits);
+    let mut columns = identity(&fits.iter().map(|f| &f.meta).collect::<Vec<_>>());
     for (what, names, unit, get) in COEFFICIENTS {
         for (name, (meaning, part)) in names.into_iter().zip(PARTS) {
             let mut column = Column::float(name, unit, meaning, fits.iter().map(|f| Some(part(get(f)))));
@@ -78,24 +78,6 @@ fn doubts(fits: &[PlaneFit]) -> Option<String> {
             fits.len()
         )
     })
-}
-
-fn identity(fits: &[PlaneFit]) -> Vec<Column> {
-    let text = |name, description, get: fn(&PlaneFit) -> &str| {
-        Column::text(name, description, fits.iter().map(|f| Some(get(f).to_owned())))
-    };
-    let number = |name, description, get: fn(&PlaneFit) -> u32| {
-        Column::integer(name, "1", description, fits.iter().map(|f| Some(i64::from(get(f)))))
-    };
-    vec![
-        text("participant", "participant's code", |f| f.meta.participant.as_str()),
-        text("session", "session", |f| f.meta.session.as_str()),
-        number("trial", "number within the session", |f| f.meta.trial),
-        number("repeat", "repeat of the condition", |f| f.meta.repeat),
-        text("environment", "what was rendered", |f| f.meta.environment.as_str()),
-        text("mode", "how it was rendered", |f| f.meta.mode.as_str()),
-        text("source", "recorded, twin or imported", |f| f.meta.source.as_str()),
-    ]
 }
 
 fn quality(fits: &[PlaneFit]) -> Vec<Column> {

@@ -1,7 +1,7 @@
 //! The rows as a table: SI units, one row a trial.
 
 use crate::Row;
-use zwidth_tables::{Column, Table, TableError};
+use zwidth_tables::{Column, Table, TableError, identity};
 
 /// Name, unit, meaning, and where the number stands in a row.
 type Float = (&'static str, &'static str, &'static str, fn(&Row) -> Option<f64>);
@@ -96,7 +96,7 @@ const REBOUNDS: [Count; 1] =
 /// # Errors
 /// A metric that is not finite.
 pub fn table(rows: &[Row]) -> Result<Table, TableError> {
-    let mut columns = identity(rows);
+    let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
     columns.extend(floats(rows, &MOVEMENT));
     columns.extend(counts(rows, &HITS));
     columns.extend(floats(rows, &DISCREPANCY));
@@ -110,24 +110,6 @@ pub fn table(rows: &[Row]) -> Result<Table, TableError> {
     columns.extend(floats(rows, &WALL));
     columns.extend(counts(rows, &REBOUNDS));
     Table::new("metrics", "Metrics, one row a trial", columns)
-}
-
-fn identity(rows: &[Row]) -> Vec<Column> {
-    let text = |name, description, get: fn(&Row) -> &str| {
-        Column::text(name, description, rows.iter().map(|r| Some(get(r).to_owned())))
-    };
-    let number = |name, description, get: fn(&Row) -> u32| {
-        Column::integer(name, "1", description, rows.iter().map(|r| Some(i64::from(get(r)))))
-    };
-    vec![
-        text("participant", "participant's code", |r| r.meta.participant.as_str()),
-        text("session", "session", |r| r.meta.session.as_str()),
-        number("trial", "number within the session", |r| r.meta.trial),
-        number("repeat", "repeat of the condition", |r| r.meta.repeat),
-        text("environment", "what was rendered", |r| r.meta.environment.as_str()),
-        text("mode", "how it was rendered", |r| r.meta.mode.as_str()),
-        text("source", "recorded, twin or imported", |r| r.meta.source.as_str()),
-    ]
 }
 
 fn floats(rows: &[Row], specs: &[Float]) -> Vec<Column> {

@@ -163,8 +163,12 @@ fn footnotes<'t>(averages: impl Iterator<Item = &'t Table> + Clone) -> Result<Ve
     notes.sort();
     notes.dedup();
     let mut ends = Vec::new();
-    for average in averages.filter(|t| t.height() > 0 && !t.notes().is_empty()) {
-        ends.extend(average.floats("t_s")?.into_iter().flatten().max_by(f64::total_cmp));
+    for average in averages.filter(|t| t.height() > 0) {
+        let (early, other): (Vec<_>, Vec<_>) = average.notes().iter().partition(|n| ends_early(n));
+        notes.extend(other.into_iter().cloned());
+        if !early.is_empty() {
+            ends.extend(average.floats("t_s")?.into_iter().flatten().max_by(f64::total_cmp));
+        }
     }
     if let Some(first) = ends.into_iter().min_by(f64::total_cmp) {
         notes.push(format!(
@@ -172,6 +176,11 @@ fn footnotes<'t>(averages: impl Iterator<Item = &'t Table> + Clone) -> Result<Ve
         ));
     }
     Ok(notes)
+}
+
+/// Whether an average's note tells where it ends.
+fn ends_early(note: &str) -> bool {
+    note.contains(zwidth_average::ENDS_AT)
 }
 
 impl Loaded<'_> {

@@ -93,9 +93,7 @@ fn notes(tables: &[PathBuf]) -> Result<Vec<String>, TableError> {
     let mut notes = BTreeSet::new();
     for path in tables {
         let table = Table::from_parquet(path)?;
-        if table.name() != "average" || table.height() == 0 {
-            notes.extend(table.notes().iter().cloned());
-        }
+        notes.extend(table.notes().iter().filter(|n| !n.contains(zwidth_average::ENDS_AT)).cloned());
     }
     Ok(notes.into_iter().collect())
 }
