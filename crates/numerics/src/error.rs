@@ -50,21 +50,13 @@ pub(crate) fn same_length(what: &'static str, expected: usize, found: usize) -> 
     if expected == found {
         return Ok(());
     }
-    Err(NumericsError::LengthMismatch {
-        what,
-        expected,
-        found,
-    })
+    Err(NumericsError::LengthMismatch { what, expected, found })
 }
 
 /// Checks that every value is finite, naming the input `what` and the first bad row otherwise.
 pub(crate) fn all_finite(what: impl Fn() -> String, values: &[f64]) -> Result<(), NumericsError> {
     match values.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
-        Some(row) => Err(NumericsError::NonFinite {
-            what: what(),
-            row,
-            value: values[row],
-        }),
+        Some(row) => Err(NumericsError::NonFinite { what: what(), row, value: values[row] }),
     }
 }

@@ -36,11 +36,7 @@ impl LinearFit {
     /// not independent: use a heteroscedasticity and autocorrelation consistent covariance there.
     pub fn std_errors(&self) -> Vec<f64> {
         let s2 = self.residual_variance();
-        self.xtx_inverse
-            .iter()
-            .enumerate()
-            .map(|(j, row)| (s2 * row[j]).sqrt())
-            .collect()
+        self.xtx_inverse.iter().enumerate().map(|(j, row)| (s2 * row[j]).sqrt()).collect()
     }
 }
 
@@ -76,10 +72,7 @@ fn check_input(columns: &[&[f64]], y: &[f64]) -> Result<(), NumericsError> {
     }
     all_finite(|| "y".to_owned(), y)?;
     if y.len() <= columns.len() {
-        return Err(NumericsError::TooFewRows {
-            rows: y.len(),
-            parameters: columns.len(),
-        });
+        return Err(NumericsError::TooFewRows { rows: y.len(), parameters: columns.len() });
     }
     Ok(())
 }
@@ -103,8 +96,7 @@ fn triangularise(columns: &mut [Vec<f64>], y: &mut [f64]) -> Result<Vec<Vec<f64>
         column[j] -= r[j][j];
         let v = &column[j..];
         let v_norm2 = dot(v, v);
-        rest.iter_mut()
-            .for_each(|other| reflect(v, v_norm2, &mut other[j..]));
+        rest.iter_mut().for_each(|other| reflect(v, v_norm2, &mut other[j..]));
         reflect(v, v_norm2, &mut y[j..]);
     }
     Ok(r)
@@ -132,9 +124,7 @@ fn invert_upper(r: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 fn times_own_transpose(a: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    a.iter()
-        .map(|row| a.iter().map(|other| dot(row, other)).collect())
-        .collect()
+    a.iter().map(|row| a.iter().map(|other| dot(row, other)).collect()).collect()
 }
 
 fn residuals(columns: &[&[f64]], y: &[f64], coefficients: &[f64]) -> Vec<f64> {
@@ -160,10 +150,7 @@ mod tests {
     use super::*;
 
     fn check_close(found: f64, certified: f64, relative: f64) {
-        assert!(
-            (found / certified - 1.0).abs() < relative,
-            "{found} against {certified}"
-        );
+        assert!((found / certified - 1.0).abs() < relative, "{found} against {certified}");
     }
 
     /// NIST StRD, Norris: certified values.
@@ -216,19 +203,7 @@ mod tests {
             118734.0, 120445.0, 121950.0, 123366.0, 125368.0, 127852.0, 130081.0,
         ];
         let year: Vec<f64> = (1947..1963).map(f64::from).collect();
-        let fit = fit(
-            &[
-                &[1.0; 16],
-                &deflator,
-                &gnp,
-                &unemployed,
-                &forces,
-                &population,
-                &year,
-            ],
-            &y,
-        )
-        .unwrap();
+        let fit = fit(&[&[1.0; 16], &deflator, &gnp, &unemployed, &forces, &population, &year], &y).unwrap();
         let certified = [
             (-3482258.63459582, 890420.383607373),
             (15.0618722713733, 84.9149257747669),
@@ -264,28 +239,9 @@ mod tests {
     fn bad_input_is_named() {
         let x = [1.0, 2.0, 3.0];
         let check = |columns: &[&[f64]], y: &[f64], error| assert_eq!(fit(columns, y).unwrap_err(), error);
-        check(
-            &[&x, &x],
-            &x[..2],
-            NumericsError::LengthMismatch {
-                what: "a column",
-                expected: 2,
-                found: 3,
-            },
-        );
-        check(
-            &[&x, &x, &x],
-            &x,
-            NumericsError::TooFewRows {
-                rows: 3,
-                parameters: 3,
-            },
-        );
-        check(
-            &[&x, &[2.0, 4.0, 6.0]],
-            &x,
-            NumericsError::RankDeficient { column: 1 },
-        );
+        check(&[&x, &x], &x[..2], NumericsError::LengthMismatch { what: "a column", expected: 2, found: 3 });
+        check(&[&x, &x, &x], &x, NumericsError::TooFewRows { rows: 3, parameters: 3 });
+        check(&[&x, &[2.0, 4.0, 6.0]], &x, NumericsError::RankDeficient { column: 1 });
         check(&[&[0.0; 3]], &x, NumericsError::RankDeficient { column: 0 });
         let nan = fit(&[&x, &[1.0, f64::NAN, 0.0]], &x).unwrap_err();
         assert!(matches!(nan, NumericsError::NonFinite { what, row: 1, .. } if what == "column 1"));

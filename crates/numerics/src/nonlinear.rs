@@ -42,10 +42,7 @@ pub struct Bounds<const P: usize> {
 
 impl<const P: usize> Bounds<P> {
     /// No bounds.
-    pub const NONE: Self = Self {
-        lower: [f64::NEG_INFINITY; P],
-        upper: [f64::INFINITY; P],
-    };
+    pub const NONE: Self = Self { lower: [f64::NEG_INFINITY; P], upper: [f64::INFINITY; P] };
 
     fn project(&self, parameters: [f64; P]) -> [f64; P] {
         core::array::from_fn(|j| parameters[j].max(self.lower[j]).min(self.upper[j]))
@@ -87,12 +84,7 @@ pub fn least_squares<const P: usize>(
         let trial = bounds.project(step(&parameters, &sums, damping, bounds));
         let promised = predicted_reduction(&parameters, &trial, &sums);
         if promised <= REDUCTION_TOLERANCE * sums.rss || nearly_equal(&parameters, &trial) {
-            return Ok(Minimum {
-                parameters,
-                rss: sums.rss,
-                iterations,
-                converged: true,
-            });
+            return Ok(Minimum { parameters, rss: sums.rss, iterations, converged: true });
         }
         let there = sum_up(samples, &residual, &trial);
         if there.rss < sums.rss {
@@ -105,12 +97,7 @@ pub fn least_squares<const P: usize>(
             growth *= 2.0;
         }
     }
-    Ok(Minimum {
-        parameters,
-        rss: sums.rss,
-        iterations: MAX_ITERATIONS,
-        converged: false,
-    })
+    Ok(Minimum { parameters, rss: sums.rss, iterations: MAX_ITERATIONS, converged: false })
 }
 
 fn sum_up<const P: usize>(
@@ -118,11 +105,7 @@ fn sum_up<const P: usize>(
     residual: &impl Fn(usize, &[f64; P]) -> (f64, [f64; P]),
     parameters: &[f64; P],
 ) -> Sums<P> {
-    let mut sums = Sums {
-        rss: 0.0,
-        gradient: [0.0; P],
-        hessian: [[0.0; P]; P],
-    };
+    let mut sums = Sums { rss: 0.0, gradient: [0.0; P], hessian: [[0.0; P]; P] };
     for i in 0..samples {
         let (r, slope) = residual(i, parameters);
         sums.rss += r * r;
@@ -178,15 +161,11 @@ fn solve_symmetric<const P: usize>(mut a: [[f64; P]; P], mut b: [f64; P]) -> [f6
 fn predicted_reduction<const P: usize>(from: &[f64; P], to: &[f64; P], sums: &Sums<P>) -> f64 {
     let delta: [f64; P] = core::array::from_fn(|j| to[j] - from[j]);
     let curvature = |j: usize| (0..P).map(|k| sums.hessian[j][k] * delta[k]).sum::<f64>();
-    (0..P)
-        .map(|j| -delta[j] * (2.0 * sums.gradient[j] + curvature(j)))
-        .sum()
+    (0..P).map(|j| -delta[j] * (2.0 * sums.gradient[j] + curvature(j))).sum()
 }
 
 fn nearly_equal<const P: usize>(a: &[f64; P], b: &[f64; P]) -> bool {
-    a.iter()
-        .zip(b)
-        .all(|(a, b)| (a - b).abs() <= STEP_TOLERANCE * a.abs())
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= STEP_TOLERANCE * a.abs())
 }
 
 fn cube(x: f64) -> f64 {
@@ -202,19 +181,13 @@ mod tests {
         for (b, b0) in found.parameters.iter().zip(certified) {
             assert!((b / b0 - 1.0).abs() < 1e-8, "{b} against {b0}");
         }
-        assert!(
-            (found.rss / rss - 1.0).abs() < 1e-9,
-            "{} against {rss}",
-            found.rss
-        );
+        assert!((found.rss / rss - 1.0).abs() < 1e-9, "{} against {rss}", found.rss);
     }
 
-    const MISRA_Y: [f64; 14] = [
-        10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.40, 75.47, 81.78,
-    ];
-    const MISRA_X: [f64; 14] = [
-        77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1, 689.1, 760.0,
-    ];
+    const MISRA_Y: [f64; 14] =
+        [10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.40, 75.47, 81.78];
+    const MISRA_X: [f64; 14] =
+        [77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1, 689.1, 760.0];
 
     /// y = b₁ (1 − exp(−b₂ x)).
     fn misra(i: usize, b: &[f64; 2]) -> (f64, [f64; 2]) {
@@ -245,29 +218,19 @@ mod tests {
     /// With b₂ held at its bound the problem is linear in b₁ and has a closed form.
     #[test]
     fn a_parameter_pushed_against_its_bound_stays_there_and_the_rest_is_optimal() {
-        let bounds = Bounds {
-            lower: [0.0, 6e-4],
-            upper: [1e3, 1.0],
-        };
+        let bounds = Bounds { lower: [0.0, 6e-4], upper: [1e3, 1.0] };
         let found = least_squares(14, misra, [500.0, 1e-2], &bounds).unwrap();
         let shape = MISRA_X.map(|x| 1.0 - libm::exp(-6e-4 * x));
-        let (sy, ss) = shape
-            .iter()
-            .zip(MISRA_Y)
-            .fold((0.0, 0.0), |(a, b), (s, y)| (a + s * y, b + s * s));
+        let (sy, ss) = shape.iter().zip(MISRA_Y).fold((0.0, 0.0), |(a, b), (s, y)| (a + s * y, b + s * s));
         assert_eq!(found.parameters[1..], [6e-4]);
         assert!((found.parameters[0] / (sy / ss) - 1.0).abs() < 1e-8);
     }
 
     #[test]
     fn a_parameter_without_any_effect_stays_at_its_start() {
-        let found = least_squares(
-            3,
-            |i, b: &[f64; 2]| (b[0] - i as f64, [1.0, 0.0]),
-            [9.0, 4.0],
-            &Bounds::NONE,
-        )
-        .unwrap();
+        let found =
+            least_squares(3, |i, b: &[f64; 2]| (b[0] - i as f64, [1.0, 0.0]), [9.0, 4.0], &Bounds::NONE)
+                .unwrap();
         assert!((found.parameters[0] - 1.0).abs() < 1e-6);
         assert_eq!(found.parameters[1..], [4.0]);
     }

@@ -45,6 +45,14 @@ fn descend(search: &Search, left_over: &mut u32, left: [f64; 2], right: [f64; 2]
     if left[1].min(right[1]) >= search.sag * width * width {
         return None;
     }
+    // The slope stays within max|p''| width of the chord's: where that is below zero there is one crossing.
+    let steepest = 8.0 * search.sag * width;
+    if right[1] < 0.0
+        && (right[1] - left[1]) / width + steepest < 0.0
+        && let Some(t) = just_below(search, left, right)
+    {
+        return Some(t);
+    }
     if *left_over == 0 {
         return Some(left[0]);
     }
@@ -61,8 +69,17 @@ fn descend(search: &Search, left_over: &mut u32, left: [f64; 2], right: [f64; 2]
     first.or_else(|| descend(search, left_over, centre, right))
 }
 
+/// The single crossing between two points: the root, moved on by some units in the last place until the
+/// polynomial is below zero there. `None` if it hardly falls; then halving has to find it.
+fn just_below(search: &Search, left: [f64; 2], right: [f64; 2]) -> Option<f64> {
+    let p = |t: f64| polynomial(search.c, t);
+    let root = bracketed(p, left[0], right[0], search.resolution);
+    let ulp = root.abs().max(search.resolution) * f64::EPSILON;
+    [0.0, 1.0, 4.0, 16.0, 64.0].iter().map(|k| root + k * ulp).find(|&t| t <= right[0] && p(t) < 0.0)
+}
+
 /// Root of `f` in `[left, right]` by the Illinois variant of regula falsi (Dowell & Jarratt 1971),
-/// to within `resolution`. The signs of `f` at the ends must differ; else the nearer end is returned.
+/// to within about `resolution`. The signs of `f` at the ends must differ; else the nearer end is returned.
 pub fn bracketed(mut f: impl FnMut(f64) -> f64, left: f64, right: f64, resolution: f64) -> f64 {
     /// Illinois converges superlinearly; bisection from 1 to 1e-16 would take 54.
     const MOST_STEPS: usize = 200;
@@ -71,17 +88,18 @@ pub fn bracketed(mut f: impl FnMut(f64) -> f64, left: f64, right: f64, resolutio
         return if a[1].abs() <= b[1].abs() { left } else { right };
     }
     for _ in 0..MOST_STEPS {
-        if (b[0] - a[0]).abs() <= resolution || b[1].abs() <= f64::MIN_POSITIVE {
-            break;
-        }
         let secant = b[0] - b[1] * (b[0] - a[0]) / (b[1] - a[1]);
         let new = [secant, f(secant)];
+        let settled = (new[0] - b[0]).abs() <= resolution || new[1].abs() <= f64::MIN_POSITIVE;
         if (new[1] > 0.0) == (b[1] > 0.0) {
             a[1] *= 0.5;
         } else {
             a = b;
         }
         b = new;
+        if settled || (b[0] - a[0]).abs() <= resolution {
+            break;
+        }
     }
     b[0]
 }

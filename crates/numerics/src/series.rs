@@ -56,17 +56,9 @@ pub fn central_differences(t: &[f64], y: &[f64]) -> Result<Vec<f64>, NumericsErr
     same_length("y", t.len(), y.len())?;
     let steps: Vec<f64> = t.windows(2).map(|t| t[1] - t[0]).collect();
     let slopes: Vec<f64> = y.windows(2).zip(&steps).map(|(y, h)| (y[1] - y[0]) / h).collect();
-    let inner = steps
-        .windows(2)
-        .zip(slopes.windows(2))
-        .map(|(h, s)| (h[0] * s[1] + h[1] * s[0]) / (h[0] + h[1]));
-    Ok(slopes
-        .first()
-        .copied()
-        .into_iter()
-        .chain(inner)
-        .chain(slopes.last().copied())
-        .collect())
+    let inner =
+        steps.windows(2).zip(slopes.windows(2)).map(|(h, s)| (h[0] * s[1] + h[1] * s[0]) / (h[0] + h[1]));
+    Ok(slopes.first().copied().into_iter().chain(inner).chain(slopes.last().copied()).collect())
 }
 
 /// First excursion of |v| with hysteresis: the first index where |v| exceeds `on`, and the last index before
@@ -74,10 +66,7 @@ pub fn central_differences(t: &[f64], y: &[f64]) -> Result<Vec<f64>, NumericsErr
 /// With `off` < `on` noise about one threshold cannot end the excursion. Unit of `on` and `off` as `v`.
 pub fn crossings_with_hysteresis(v: &[f64], on: f64, off: f64) -> Option<(usize, usize)> {
     let start = v.iter().position(|v| v.abs() > on)?;
-    let length = v[start..]
-        .iter()
-        .position(|v| v.abs() < off)
-        .unwrap_or(v.len() - start);
+    let length = v[start..].iter().position(|v| v.abs() < off).unwrap_or(v.len() - start);
     Some((start, start + length.max(1) - 1))
 }
 
@@ -104,18 +93,10 @@ mod tests {
     #[test]
     fn interpolation_is_exact_on_samples_and_lines_and_absent_outside() {
         let y = T.map(|t| 2.0 * t - 1.0);
-        for (at, expected) in [
-            (0.0, Some(-1.0)),
-            (2.0, Some(3.0)),
-            (1.0, Some(1.0)),
-            (3.5, Some(6.0)),
-        ] {
+        for (at, expected) in [(0.0, Some(-1.0)), (2.0, Some(3.0)), (1.0, Some(1.0)), (3.5, Some(6.0))] {
             assert_eq!(interpolate(&T, &y, at), expected);
         }
-        assert_eq!(
-            interpolate_all(&T, &y, &[-1e-9, 3.6, f64::NAN]),
-            [None, None, None]
-        );
+        assert_eq!(interpolate_all(&T, &y, &[-1e-9, 3.6, f64::NAN]), [None, None, None]);
         assert_eq!(interpolate(&[], &[], 0.0), None);
         assert_eq!(interpolate(&[1.0], &[7.0], 1.0), Some(7.0));
     }
@@ -125,9 +106,7 @@ mod tests {
         assert_eq!(trapezoid(&T, &T), Ok(3.5 * 3.5 / 2.0));
         assert_eq!(cumulative_trapezoid(&T, &T).unwrap(), T.map(|t| t * t / 2.0));
         let error = |n: u32| {
-            let t: Vec<f64> = (0..=n)
-                .map(|i| f64::from(i) * core::f64::consts::PI / f64::from(n))
-                .collect();
+            let t: Vec<f64> = (0..=n).map(|i| f64::from(i) * core::f64::consts::PI / f64::from(n)).collect();
             let y: Vec<f64> = t.iter().map(|&t| libm::sin(t)).collect();
             (trapezoid(&t, &y).unwrap() - 2.0).abs()
         };
@@ -169,9 +148,8 @@ mod tests {
     fn the_area_of_an_ellipse_is_that_of_its_polygon() {
         let n = 360;
         let angle = |i: i32| f64::from(i) * core::f64::consts::TAU / f64::from(n);
-        let (x, y): (Vec<_>, Vec<_>) = (0..n)
-            .map(|i| (2.0 * libm::cos(angle(i)), -0.5 * libm::sin(angle(i))))
-            .unzip();
+        let (x, y): (Vec<_>, Vec<_>) =
+            (0..n).map(|i| (2.0 * libm::cos(angle(i)), -0.5 * libm::sin(angle(i)))).unzip();
         assert!((loop_area(&x, &y).unwrap() - f64::from(n) / 2.0 * libm::sin(angle(1))).abs() < 1e-12);
     }
 }

@@ -1,0 +1,50 @@
+//! The fingertip between the user's force and the lever.
+
+use serde::{Deserialize, Serialize};
+
+use super::table3;
+use crate::error::{Result, not_negative, positive};
+
+/// In which frame the finger's mass is accelerated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FingerLaw {
+    /// (11) as printed, M_F ẍ2 = F_F + F_ex: the lever's acceleration is left out, so energy is not kept.
+    Thesis,
+    /// M_F (ẍ2 + L θ̈) = F_F + F_ex. Bottoming is inelastic and keeps momentum.
+    Consistent,
+}
+
+/// A mass on tissue: F_F = −K_F x2 − B_F ẋ2 (9), |x2| ≤ L_F0, where the tissue is a rigid stop.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Finger {
+    /// In which frame the mass is accelerated.
+    pub law: FingerLaw,
+    /// M_F, kg.
+    pub mass_kg: f64,
+    /// K_F, N/m.
+    pub stiffness_n_per_m: f64,
+    /// B_F, N s/m.
+    pub damping_ns_per_m: f64,
+    /// L_F0, m; without it the tissue never bottoms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_m: Option<f64>,
+}
+
+impl Finger {
+    /// Adds name, value and usual size of each parameter.
+    pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
+        list.push(("finger.mass_kg", self.mass_kg, table3::FINGER_MASS_KG));
+        list.push(("finger.stiffness_n_per_m", self.stiffness_n_per_m, table3::FINGER_STIFFNESS_N_PER_M));
+        list.push(("finger.damping_ns_per_m", self.damping_ns_per_m, table3::FINGER_DAMPING_NS_PER_M));
+        list.extend(self.length_m.map(|length| ("finger.length_m", length, table3::FINGER_LENGTH_M)));
+    }
+
+    pub(crate) fn check(&self) -> Result<()> {
+        positive("finger.mass_kg", self.mass_kg)?;
+        not_negative("finger.stiffness_n_per_m", self.stiffness_n_per_m)?;
+        not_negative("finger.damping_ns_per_m", self.damping_ns_per_m)?;
+        self.length_m.map_or(Ok(()), |length| positive("finger.length_m", length))
+    }
+}

@@ -1,0 +1,240 @@
+//! Inputs (5)–(7) and recorded series, as spans in each of which x¨ = −ω² (x − mean): ω = 0 is a straight
+//! line, and a sine is exact.
+
+use std::f64::consts::FRAC_PI_2;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Result, check, finite, not_negative, positive};
+
+/// A recorded signal: straight lines between its samples (first-order hold), constant after the last.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Series {
+    /// Sample times, s; increasing, uneven steps allowed; two equal times are a jump.
+    pub t_s: Vec<f64>,
+    /// Values, N for a force, rad for a displacement.
+    pub value: Vec<f64>,
+}
+
+/// A signal of time. The magnitudes of (5)–(7) push into the object: the thesis' minus in (7) is dropped.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Input {
+    /// value + rate · t.
+    Line {
+        /// Value at t = 0.
+        value: f64,
+        /// Change per second.
+        #[serde(default)]
+        rate: f64,
+    },
+    /// (5): 2a and 0 in turn, each for a quarter of the period.
+    Step {
+        /// a.
+        magnitude: f64,
+        /// T, s.
+        period_s: f64,
+    },
+    /// (6): 0 → 2a → 0 → 2a → 0 in straight lines over the period.
+    Ramp {
+        /// a.
+        magnitude: f64,
+        /// T, s.
+        period_s: f64,
+    },
+    /// (7): a + a sin(ω t).
+    Sine {
+        /// a.
+        magnitude: f64,
+        /// ω, rad/s; π/2 in the thesis.
+        omega_rad_s: f64,
+    },
+    /// A recorded signal.
+    Series(Series),
+}
+
+/// From `t_s` on the signal starts at `value` with `rate`, and x¨ = −ω² (x − mean).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Span {
+    /// End of the span, s; infinite for the last.
+    pub(crate) end_s: f64,
+    /// Start of the span, s.
+    pub(crate) start_s: f64,
+    /// Value at the start.
+    pub(crate) value: f64,
+    /// Rate at the start, 1/s.
+    pub(crate) rate: f64,
+}
+
+impl Input {
+    /// (5) with the thesis' T = 4 s.
+    pub fn step(magnitude: f64) -> Self {
+        Self::Step { magnitude, period_s: super::table3::DURATION_S }
+    }
+
+    /// (6) with the thesis' T = 4 s.
+    pub fn ramp(magnitude: f64) -> Self {
+        Self::Ramp { magnitude, period_s: super::table3::DURATION_S }
+    }
+
+    /// (7) with the thesis' π/2 rad/s.
+    pub fn sine(magnitude: f64) -> Self {
+        Self::Sine { magnitude, omega_rad_s: FRAC_PI_2 }
+    }
+
+    /// The same value for ever.
+    pub fn constant(value: f64) -> Self {
+        Self::Line { value, rate: 0.0 }
+    }
+
+    /// ω and the mean value about which the signal swings; both 0 unless it is a sine.
+    pub(crate) fn swing(&self) -> (f64, f64) {
+        match *self {
+            Self::Sine { magnitude, omega_rad_s } => (omega_rad_s, magnitude),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    /// Span number `i`; beyond the last one the last is repeated.
+    pub(crate) fn span(&self, i: usize) -> Span {
+        let endless = |value, rate| Span { start_s: 0.0, end_s: f64::INFINITY, value, rate };
+        match self {
+            Self::Line { value, rate } => endless(*value, *rate),
+            Self::Sine { magnitude, omega_rad_s } => endless(*magnitude, magnitude * omega_rad_s),
+            Self::Step { magnitude, period_s } => quarter(i, *period_s, [2.0 * magnitude, 0.0], [0.0, 0.0]),
+            Self::Ramp { magnitude, period_s } => {
+                let rate = 8.0 * magnitude / period_s;
+                quarter(i, *period_s, [0.0, 2.0 * magnitude], [rate, -rate])
+            }
+            Self::Series(series) => series.span(i),
+        }
+    }
+
+    /// Number of a span that does not end after the one that holds at `t`, not below `number`: a start for the
+    /// search of that one, so that short periods do not make it long.
+    pub(crate) fn number_near(&self, t: f64, number: usize) -> usize {
+        match self {
+            Self::Step { period_s, .. } | Self::Ramp { period_s, .. } => {
+                number.max(((4.0 * t / period_s) as usize).saturating_sub(1))
+            }
+            _ => number,
+        }
+    }
+
+    /// Value and rate at `t` seconds, within `span`.
+    pub(crate) fn at(&self, span: &Span, t: f64) -> [f64; 2] {
+        let (omega, mean) = self.swing();
+        let dt = t - span.start_s;
+        if omega > 0.0 {
+            let (sine, cosine) = libm::sincos(omega * dt);
+            let (offset, quick) = (span.value - mean, span.rate / omega);
+            return [mean + offset * cosine + quick * sine, omega * (quick * cosine - offset * sine)];
+        }
+        [span.value + span.rate * dt, span.rate]
+    }
+
+    pub(crate) fn check(&self, name: &str, duration_s: f64) -> Result<()> {
+        /// More periods than this in a run could not be told apart in time.
+        const MOST_PERIODS: f64 = 1e9;
+        let of = |field: &str| format!("{name}.{field}");
+        match self {
+            Self::Line { value, rate } => {
+                finite(&of("value"), *value)?;
+                finite(&of("rate"), *rate)
+            }
+            Self::Step { magnitude, period_s } | Self::Ramp { magnitude, period_s } => {
+                not_negative(&of("magnitude"), *magnitude)?;
+                let slow = *period_s * MOST_PERIODS >= duration_s;
+                let allowed = "finite and at least a billionth of duration_s";
+                check(&of("period_s"), *period_s, slow && period_s.is_finite(), allowed)
+            }
+            Self::Sine { magnitude, omega_rad_s } => {
+                not_negative(&of("magnitude"), *magnitude)?;
+                positive(&of("omega_rad_s"), *omega_rad_s)
+            }
+            Self::Series(series) => series.check(name),
+        }
+    }
+}
+
+/// Quarter `i` of a period: even quarters start at the first of the pairs, odd ones at the second.
+fn quarter(i: usize, period_s: f64, values: [f64; 2], rates: [f64; 2]) -> Span {
+    let edge = |k: usize| k as f64 * period_s / 4.0;
+    Span { start_s: edge(i), end_s: edge(i + 1), value: values[i % 2], rate: rates[i % 2] }
+}
+
+impl Series {
+    fn span(&self, i: usize) -> Span {
+        let last = self.t_s.len() - 1;
+        if i >= last {
+            let (start_s, value) = (self.t_s[last], self.value[last]);
+            return Span { start_s, end_s: f64::INFINITY, value, rate: 0.0 };
+        }
+        let (start_s, end_s) = (self.t_s[i], self.t_s[i + 1]);
+        let step = end_s - start_s;
+        let rate = if step > 0.0 { (self.value[i + 1] - self.value[i]) / step } else { 0.0 };
+        Span { start_s, end_s, value: self.value[i], rate }
+    }
+
+    fn check(&self, name: &str) -> Result<()> {
+        let counts = (self.t_s.len() as f64, self.value.len() as f64);
+        check(&format!("{name}.series.t_s.len()"), counts.0, counts.0 > 0.0, "at least 1")?;
+        let same = self.t_s.len() == self.value.len();
+        check(&format!("{name}.series.value.len()"), counts.1, same, "the number of times")?;
+        let of = |field: &str, i: usize| format!("{name}.series.{field}[{i}]");
+        for (i, (&t, &value)) in self.t_s.iter().zip(&self.value).enumerate() {
+            finite(&of("t_s", i), t)?;
+            finite(&of("value", i), value)?;
+            let before = if i == 0 { 0.0 } else { self.t_s[i - 1] };
+            let first = i > 0 || t <= 0.0;
+            check(
+                &of("t_s", i),
+                t,
+                first && (i == 0 || t >= before),
+                "0 at first, then never running backwards",
+            )?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(input: &Input, t: f64) -> f64 {
+        let mut i = 0;
+        while input.span(i).end_s <= t {
+            i += 1;
+        }
+        input.at(&input.span(i), t)[0]
+    }
+
+    fn check(input: &Input, points: &[(f64, f64)]) {
+        for &(t, expect) in points {
+            let found = value(input, t);
+            assert!((found - expect).abs() < 1e-14, "{input:?} at {t}: {found} instead of {expect}");
+        }
+    }
+
+    #[test]
+    fn the_inputs_are_the_magnitudes_of_equations_5_to_7() {
+        check(&Input::step(2.0), &[(0.0, 4.0), (0.99, 4.0), (1.0, 0.0), (2.5, 4.0), (3.5, 0.0)]);
+        check(&Input::ramp(2.0), &[(0.0, 0.0), (0.5, 2.0), (1.0, 4.0), (1.75, 1.0), (2.5, 2.0), (3.75, 1.0)]);
+        check(&Input::sine(2.0), &[(0.0, 2.0), (1.0, 4.0), (2.0, 2.0), (3.0, 0.0)]);
+    }
+
+    #[test]
+    fn a_series_is_held_in_straight_lines_over_uneven_steps_and_jumps_at_equal_times() {
+        let series = Series { t_s: vec![0.0, 1.0, 1.0, 4.0], value: vec![0.0, 2.0, 5.0, 8.0] };
+        check(&Input::Series(series), &[(0.5, 1.0), (1.0, 5.0), (3.0, 7.0), (9.0, 8.0)]);
+    }
+
+    #[test]
+    fn time_that_runs_backwards_is_named() {
+        let input = Input::Series(Series { t_s: vec![0.0, 2.0, 1.0], value: vec![0.0; 3] });
+        let error = input.check("input", 4.0).unwrap_err().to_string();
+        assert!(error.contains("input.series.t_s[2] is 1"), "{error}");
+    }
+}

@@ -1,0 +1,174 @@
+//! A scene: environment, mode, plant, actuators, input, and the terms a model has on top. A plain value.
+
+pub(crate) mod actuators;
+pub(crate) mod environment;
+pub(crate) mod finger;
+pub(crate) mod friction;
+pub(crate) mod gravity;
+pub(crate) mod input;
+pub(crate) mod plant;
+pub(crate) mod pull;
+pub mod table3;
+
+use actuators::{Brake, Mode, Motor};
+use environment::Environment;
+use finger::Finger;
+use friction::Friction;
+use gravity::Gravity;
+use input::Input;
+use plant::{Plant, Start};
+use pull::Pull;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{DynamicsError, Result, positive};
+
+/// What is simulated. Terms that are `None` are left out of the equations and cost nothing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// What a listing calls it.
+    pub name: String,
+    /// Which actuators render the environment.
+    pub mode: Mode,
+    /// Length of the run T, s; above 0.
+    pub duration_s: f64,
+    /// Time between samples h, s; above 0. Fixed-step methods step by it.
+    pub step_s: f64,
+    /// The rendered object.
+    pub environment: Environment,
+    /// The moving mass and its stops.
+    pub plant: Plant,
+    /// The motor.
+    pub motor: Motor,
+    /// The brake.
+    pub brake: Brake,
+    /// Force of the user on the lever's end F_ex, N; above 0 pushes into the object (+θ).
+    pub input: Input,
+    /// State at t = 0.
+    #[serde(default)]
+    pub start: Start,
+    /// The user's finger between F_ex and the lever.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub finger: Option<Finger>,
+    /// Dry and viscous friction of the drive train.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<Friction>,
+    /// The lever's weight.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Gravity>,
+    /// A spring between the lever and a point that is moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pull: Option<Pull>,
+}
+
+impl Scene {
+    /// Reads a scene from TOML text.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Toml`] if the text is no scene; its values are checked by [`crate::System::new`].
+    pub fn from_toml(text: &str) -> std::result::Result<Self, DynamicsError> {
+        toml::from_str(text).map_err(|e| DynamicsError::Toml(e.to_string()))
+    }
+
+    /// The scene as TOML text, which [`Scene::from_toml`] reads back.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Toml`] if a value cannot be written.
+    pub fn to_toml(&self) -> std::result::Result<String, DynamicsError> {
+        toml::to_string(self).map_err(|e| DynamicsError::Toml(e.to_string()))
+    }
+
+    /// The parameter furthest (in powers of ten) from the size it has in Table 3, for errors of extreme runs.
+    pub(crate) fn suspect(&self) -> String {
+        let mut list = vec![
+            ("plant.mass_kg", self.plant.mass_kg, table3::OBJECT_MASS_KG),
+            ("plant.lever_m", self.plant.lever_m, table3::LEVER_M),
+            ("motor.max_n", self.motor.max_n, table3::MOTOR_N),
+            ("brake.max_n", self.brake.max_n, table3::BRAKE_N),
+            ("step_s", self.step_s, table3::STEP_S),
+            ("duration_s", self.duration_s, table3::DURATION_S),
+        ];
+        self.environment.list(&mut list);
+        if let Some(finger) = &self.finger {
+            finger.list(&mut list);
+        }
+        list.extend(self.motor.lag_s.map(|lag| ("motor.lag_s", lag, table3::STEP_S)));
+        list.extend(self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)));
+        list.extend(self.pull.as_ref().map(|p| ("pull.stiffness_n_per_rad", p.stiffness_n_per_rad, 1.0)));
+        let distance =
+            |value: f64, usual: f64| if value > 0.0 { libm::log10(value / usual).abs() } else { 0.0 };
+        let furthest = list.into_iter().max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
+        furthest.map_or_else(String::new, |(name, value, _)| format!("{name} = {value}"))
+    }
+
+    /// Every parameter checked; the first that makes no sense is named.
+    pub(crate) fn check(&self) -> Result<()> {
+        positive("duration_s", self.duration_s)?;
+        positive("step_s", self.step_s)?;
+        self.environment.check()?;
+        self.plant.check()?;
+        self.motor.check()?;
+        self.brake.check()?;
+        self.input.check("input", self.duration_s)?;
+        self.start.check(&self.plant)?;
+        self.finger.as_ref().map_or(Ok(()), Finger::check)?;
+        self.friction.as_ref().map_or(Ok(()), Friction::check)?;
+        self.gravity.as_ref().map_or(Ok(()), Gravity::check)?;
+        self.pull.as_ref().map_or(Ok(()), |pull| pull.check(self.duration_s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_survives_toml() {
+        let scene = table3::with_finger(table3::scene(Mode::Hybrid, Input::sine(2.15)));
+        let text = scene.to_toml().unwrap();
+        assert_eq!(Scene::from_toml(&text).unwrap(), scene);
+    }
+
+    #[test]
+    fn a_scene_written_by_hand_is_read() {
+        let scene = Scene::from_toml(
+            r#"
+            name = "sponge with a wall, recorded push"
+            mode = "hybrid"
+            duration_s = 2.0
+            step_s = 0.001
+            plant = { mass_kg = 0.005, lever_m = 0.045, stops_rad = [-0.7854, 0.7854] }
+            motor = { max_n = 2.08 }
+            brake = { max_n = 13.0, law = "coulomb", let_go_n = 1.0 }
+            start = { theta_rad = -0.7854 }
+            friction = { static_n = 0.2, kinetic_n = 0.15, viscous_ns_per_rad = 0.02 }
+            input.series = { t_s = [0.0, 0.8, 1.1], value = [0.0, 5.0, 2.0] }
+
+            [environment]
+            name = "sponge_wall"
+            [[environment.zones]]
+            demand.spring = { stiffness_n_per_rad = 2.0, damping_ns_per_rad = 3.0, rest_rad = -0.7854 }
+            [[environment.zones]]
+            from_rad = 0.464
+            demand = "full"
+            "#,
+        );
+        assert!(crate::System::new(scene.unwrap()).is_ok());
+    }
+
+    #[test]
+    fn an_unknown_word_is_an_error_that_names_it() {
+        let text = table3::scene(Mode::Active, Input::step(1.0)).to_toml().unwrap();
+        let text = text.replace("lever_m", "lever_mm");
+        let error = Scene::from_toml(&text).unwrap_err().to_string();
+        assert!(error.contains("lever_mm"), "{error}");
+    }
+
+    #[test]
+    fn a_wrong_value_is_named_with_its_unit() {
+        let mut scene = table3::scene(Mode::Active, Input::step(1.0));
+        scene.plant.mass_kg = f64::NAN;
+        let error = scene.check().unwrap_err().to_string();
+        assert!(error.contains("plant.mass_kg is NaN"), "{error}");
+    }
+}

@@ -1,0 +1,115 @@
+//! The thesis' Table 3 as constants, and the scenes made of it.
+
+use super::Scene;
+use super::actuators::{Brake, BrakeLaw, Mode, Motor};
+use super::environment::Environment;
+use super::finger::{Finger, FingerLaw};
+use super::input::Input;
+use super::plant::{Plant, Start};
+
+/// M_O: mass of the object, kg; "to resemble a steel spring".
+pub const OBJECT_MASS_KG: f64 = 0.005;
+/// M_F: mass of the fingertip, kg; half flexion, Bi et al., the thesis' reference 16.
+pub const FINGER_MASS_KG: f64 = 0.021;
+/// K_O: stiffness of the virtual spring, N at the lever's end per rad.
+pub const OBJECT_STIFFNESS_N_PER_RAD: f64 = 4.0;
+/// B_O: damping of the object, N s/rad; found by trial and error in the thesis.
+pub const OBJECT_DAMPING_NS_PER_RAD: f64 = 1.0;
+/// K_F: stiffness of the fingertip, N/m; same source as its mass.
+pub const FINGER_STIFFNESS_N_PER_M: f64 = 584.6;
+/// B_F: damping of the fingertip, kg/s; same source as its mass.
+pub const FINGER_DAMPING_NS_PER_M: f64 = 1.53;
+/// L_F0: thickness of the fingertip's tissue, m; measured on one person.
+pub const FINGER_LENGTH_M: f64 = 0.006;
+/// T: length of a run, s.
+pub const DURATION_S: f64 = 4.0;
+/// h: step, s; the prototype's control loop ran at it.
+pub const STEP_S: f64 = 0.008_3;
+/// Half the work space, rad: the stops stand at ±45°.
+pub const HALF_STROKE_RAD: f64 = std::f64::consts::FRAC_PI_4;
+/// Lever length with which the thesis' figures are reproduced, m: (10) read as M_O θ̈. Inferred: with
+/// less than 0.5889 m its step lies outside the stability region of its method.
+pub const LEVER_M: f64 = 1.0;
+/// Largest motor force of the simulation's chattering scene, N.
+pub const MOTOR_N: f64 = 3.25;
+/// Largest brake force, N at 8 V (§5.1).
+pub const BRAKE_N: f64 = 13.0;
+/// Angle of the virtual wall, rad: 26.6° (§5.3.2).
+pub const WALL_RAD: f64 = 26.6 * std::f64::consts::PI / 180.0;
+
+/// The spring of Table 3; it rests at the lower stop (inferred from the wall's 26.6° at 5 N).
+pub fn spring() -> Environment {
+    Environment::spring(OBJECT_STIFFNESS_N_PER_RAD, OBJECT_DAMPING_NS_PER_RAD, -HALF_STROKE_RAD)
+}
+
+/// The same spring with the wall at 26.6°.
+pub fn spring_wall() -> Environment {
+    spring().with_wall(WALL_RAD)
+}
+
+/// Table 3 without finger, at rest on the lower stop, F_m = 3.25 N, F_b = 13 N, set-valued brake.
+pub fn scene(mode: Mode, input: Input) -> Scene {
+    Scene {
+        name: "table 3".to_owned(),
+        mode,
+        duration_s: DURATION_S,
+        step_s: STEP_S,
+        environment: spring(),
+        plant: Plant {
+            mass_kg: OBJECT_MASS_KG,
+            lever_m: LEVER_M,
+            stops_rad: Some([-HALF_STROKE_RAD, HALF_STROKE_RAD]),
+        },
+        motor: Motor { max_n: MOTOR_N, lag_s: None },
+        brake: Brake {
+            max_n: BRAKE_N,
+            law: BrakeLaw::Coulomb,
+            dead_zone_n: 0.0,
+            lag_on_off_s: None,
+            let_go_n: None,
+        },
+        input,
+        start: Start { theta_rad: -HALF_STROKE_RAD, theta_dot_rad_s: 0.0 },
+        finger: None,
+        friction: None,
+        gravity: None,
+        pull: None,
+    }
+}
+
+/// Table 3's fingertip.
+pub fn finger(law: FingerLaw) -> Finger {
+    Finger {
+        law,
+        mass_kg: FINGER_MASS_KG,
+        stiffness_n_per_m: FINGER_STIFFNESS_N_PER_M,
+        damping_ns_per_m: FINGER_DAMPING_NS_PER_M,
+        length_m: Some(FINGER_LENGTH_M),
+    }
+}
+
+/// `scene` with Table 3's fingertip in the consistent form.
+pub fn with_finger(scene: Scene) -> Scene {
+    Scene { finger: Some(finger(FingerLaw::Consistent)), ..scene }
+}
+
+/// The linear two-mass model (1)–(4) with Table 3's numbers, in compression coordinates: q = L_O0 − x1 is how
+/// far the object is pressed and p = L_F0 − (x2 − x1) how far the finger is. Then (3) and (4) read
+/// M_O q̈ = F_O + F_F and M_F (q̈ + p̈) = F_ex − F_F: the rotational model with the consistent finger, a
+/// lever of 1 m, an object that rests at 0, no stops, and metres for radians. Brake to motor is 4 : 1.
+/// L_O0 drops out; the largest brake force is not given in the thesis.
+pub fn linear(mode: Mode, input: Input, brake_n: f64) -> Scene {
+    /// Largest brake force over largest motor force (1).
+    const FORCE_RATIO: f64 = 4.0;
+    let mut scene = with_finger(scene(mode, input));
+    scene.name = "table 3, linear".to_owned();
+    scene.environment = Environment::spring(OBJECT_STIFFNESS_N_PER_RAD, OBJECT_DAMPING_NS_PER_RAD, 0.0);
+    scene.plant.stops_rad = None;
+    scene.start = Start::default();
+    scene.brake.max_n = brake_n;
+    scene.motor.max_n = brake_n / FORCE_RATIO;
+    if let Some(finger) = &mut scene.finger {
+        finger.length_m = None;
+    }
+    scene
+}

@@ -1,0 +1,122 @@
+//! The exact solver: in every region the flow is one matrix exponential; events are roots of linear
+//! functionals of it; a lever held by a set-valued force is a region of its own.
+//!
+//! Piecewise affine systems: Sontag 1981; sliding and sticking: Filippov 1988, Acary & Brogliato 2008.
+//! The exponential: see `zwidth_numerics::expm`.
+
+mod compiled;
+mod run;
+mod uneven;
+mod work;
+
+use super::{Grid, Solver, with_length};
+use crate::error::{DynamicsError, Result};
+use crate::system::System;
+use crate::trajectory::Trajectory;
+use run::Run;
+
+/// Exact in every region, up to rounding. Refuses models that are not piecewise affine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Exact {
+    /// A run with more events ends in an error: a lever may bounce without end.
+    pub most_events: u64,
+    /// A run that must look at more pieces of its intervals for events ends in an error.
+    pub most_pieces: u64,
+    /// Whether to integrate the work of every part; exact too, and several times the cost.
+    pub energy: bool,
+}
+
+impl Default for Exact {
+    fn default() -> Self {
+        /// A thousand times what a device scene needs; a tenth of a second of work.
+        const MOST_EVENTS: u64 = 200_000;
+        /// Half a second of work.
+        const MOST_PIECES: u64 = 5_000_000;
+        Self { most_events: MOST_EVENTS, most_pieces: MOST_PIECES, energy: false }
+    }
+}
+
+/// A system made ready: regions that were met are kept, so that later runs start at full speed.
+pub trait Prepared {
+    /// Runs from the system's start over a grid whose steps are no longer than those it was prepared for, into a
+    /// trajectory that is emptied first and keeps its memory.
+    ///
+    /// # Errors
+    /// As [`Solver::run`].
+    fn run_into(&mut self, grid: &Grid, out: &mut Trajectory) -> std::result::Result<(), DynamicsError>;
+
+    /// The same without keeping samples: `visit(t, state)` sees each of them. Memory does not grow with the grid.
+    ///
+    /// # Errors
+    /// As [`Solver::run`].
+    fn visit(
+        &mut self,
+        grid: &Grid,
+        visit: &mut dyn FnMut(f64, &[f64]),
+    ) -> std::result::Result<Trajectory, DynamicsError>;
+}
+
+impl Solver for Exact {
+    fn name(&self) -> String {
+        "exact".to_owned()
+    }
+
+    fn citation(&self) -> &'static str {
+        "E. Sontag, IEEE Trans. Autom. Control 26 (1981) 346-358; A. F. Filippov (1988); N. Higham, SIAM J. \
+         Matrix Anal. Appl. 26 (2005) 1179-1193"
+    }
+
+    fn run(&self, system: &System, grid: &Grid) -> std::result::Result<Trajectory, DynamicsError> {
+        let mut out = Trajectory::new(system.layout, grid.samples());
+        self.prepare(system, grid)?.run_into(grid, &mut out)?;
+        Ok(out)
+    }
+}
+
+impl Exact {
+    /// Makes a system ready for runs over grids with steps up to those of `grid`.
+    ///
+    /// # Errors
+    /// A bad grid, or a model that is not piecewise affine.
+    pub fn prepare<'a>(
+        &self,
+        system: &'a System,
+        grid: &Grid,
+    ) -> std::result::Result<Box<dyn Prepared + 'a>, DynamicsError> {
+        if let Some(term) = system.nonlinear_term() {
+            return Err(DynamicsError::NotPiecewiseAffine { term });
+        }
+        grid.check()?;
+        with_length!(system.layout.n, self.prepare_n(system, grid))
+    }
+
+    /// Runs without keeping samples; see [`Prepared::visit`].
+    ///
+    /// # Errors
+    /// As [`Solver::run`].
+    pub fn visit(
+        &self,
+        system: &System,
+        grid: &Grid,
+        mut visit: impl FnMut(f64, &[f64]),
+    ) -> std::result::Result<Trajectory, DynamicsError> {
+        self.prepare(system, grid)?.visit(grid, &mut visit)
+    }
+
+    /// A region has at most four guards of the lever and actuators, and two of a finger.
+    fn prepare_n<'a, const N: usize>(
+        &self,
+        system: &'a System,
+        grid: &Grid,
+    ) -> Result<Box<dyn Prepared + 'a>> {
+        let longest_s = grid.longest_step();
+        let reach_s = if longest_s > 0.0 { longest_s } else { 1.0 };
+        Ok(match system.layout.finger {
+            Some(_) => Box::new(Run::<N, 6>::new(*self, system, reach_s)),
+            None => Box::new(Run::<N, 4>::new(*self, system, reach_s)),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,68 @@
+//! The loop all fixed-step methods share: inputs at the stage times, one step a sample, stops after it.
+
+use super::{Grid, shorten};
+use crate::error::{DynamicsError, Result};
+use crate::system::direct::{Law, direction};
+use crate::system::{Cursor, OMEGA, System};
+use crate::trajectory::Trajectory;
+
+/// The inputs, read at times that do not run backwards, and whether the brake is kept on.
+pub(crate) struct Reader<'a> {
+    system: &'a System,
+    cursor: Cursor,
+    held: bool,
+}
+
+impl Reader<'_> {
+    /// The law of a velocity.
+    #[inline]
+    pub(crate) fn law(&self, omega: f64) -> Law {
+        Law { direction: direction(omega), held: self.held }
+    }
+
+    /// Writes the inputs at `t` into the state.
+    #[inline]
+    pub(crate) fn read(&mut self, t: f64, z: &mut [f64]) {
+        if t >= self.cursor.end_s {
+            self.system.pass(&mut self.cursor, t, z);
+        } else {
+            self.system.write_inputs(&self.cursor, t, z);
+        }
+    }
+}
+
+/// Steps a system along a grid; `advance(reader, z, t, h)` is the method. `z` holds the inputs at `t`.
+pub(crate) fn run<const N: usize>(
+    system: &System,
+    grid: &Grid,
+    evaluations_per_step: u64,
+    mut advance: impl FnMut(&mut Reader, &mut [f64; N], f64, f64),
+) -> Result<Trajectory> {
+    grid.check()?;
+    let (full, cursor) = system.start();
+    let (mut z, mut reader) = (shorten::<N>(&full), Reader { system, cursor, held: false });
+    let mut out = Trajectory::new(system.layout, grid.samples());
+    reader.read(grid.time(0), &mut z);
+    record(system, &mut out, grid.time(0), &z);
+    for i in 0..grid.samples() - 1 {
+        let t = grid.time(i);
+        advance(&mut reader, &mut z, t, grid.step(i));
+        system.constrain(&mut z);
+        reader.read(grid.time(i + 1), &mut z);
+        reader.held = system.keeps_brake(reader.held, &z);
+        if !z.iter().all(|x| x.is_finite()) {
+            return Err(DynamicsError::NotFinite { t_s: grid.time(i + 1), suspect: system.suspect() });
+        }
+        record(system, &mut out, grid.time(i + 1), &z);
+    }
+    out.work.steps = grid.samples() as u64 - 1;
+    out.work.evaluations = evaluations_per_step * out.work.steps;
+    Ok(out)
+}
+
+fn record<const N: usize>(system: &System, out: &mut Trajectory, t: f64, z: &[f64; N]) {
+    let at_rest = z[OMEGA] == 0.0;
+    let region = if at_rest { system.first_region(z) } else { system.direct_region(z) };
+    let region = out.region_number(&region);
+    out.push(t, z, region);
+}

@@ -1,0 +1,190 @@
+//! The equations as the thesis writes them: one right-hand side that switches on the sign of θ̇.
+//!
+//! Fixed-step methods use it, per stage or once a step. Nothing here looks for events.
+
+use super::command::Actuator;
+use super::region::{Branch, Contact, Motion, Region, Side};
+use super::{OMEGA, System, THETA};
+use crate::scene::environment::Demand;
+use crate::scene::finger::{Finger, FingerLaw};
+
+impl System {
+    /// ż by a law; the input entries of `out` are left alone.
+    #[inline]
+    pub(crate) fn slope(&self, z: &[f64], law: Law, out: &mut [f64]) {
+        let force = self.force(z, law);
+        out[THETA] = z[OMEGA];
+        out[OMEGA] = (force.lever + force.tip) / self.inertia();
+        if let (Some(finger), Some(at)) = (&self.scene.finger, self.layout.finger) {
+            self.finger_slope(finger, at, &force, z, out);
+        }
+        if let (Some(at), Some(lag)) = (self.layout.motor, self.scene.motor.lag_s) {
+            out[at] = (force.motor_command - z[at]) / lag;
+        }
+        if let (Some(at), Some([on, off])) = (self.layout.brake, self.scene.brake.lag_on_off_s) {
+            let lag = if force.engaged { on } else { off };
+            out[at] = (force.level_command - z[at]) / lag;
+        }
+    }
+
+    /// Finger free: (11). Finger rigid: both masses as one (consistent), or F_ex passed through (thesis).
+    fn finger_slope(&self, finger: &Finger, at: usize, force: &Direct, z: &[f64], out: &mut [f64]) {
+        let (lever, external) = (self.scene.plant.lever_m, z[self.layout.force]);
+        let drag = if finger.law == FingerLaw::Consistent { finger.mass_kg * lever } else { 0.0 };
+        let length = finger.length_m.unwrap_or(f64::INFINITY);
+        if z[at].abs() >= length {
+            let rigid = (force.lever + external) / (self.inertia() + drag);
+            let sign = z[at].signum();
+            let press = sign * (external - drag * rigid) - finger.stiffness_n_per_m * length;
+            if press > 0.0 && sign * z[at + 1] >= 0.0 {
+                out[OMEGA] = rigid;
+                out[at] = 0.0;
+                out[at + 1] = 0.0;
+                return;
+            }
+        }
+        out[at] = z[at + 1];
+        out[at + 1] = (external - force.tip) / finger.mass_kg - drag / finger.mass_kg * out[OMEGA];
+    }
+
+    /// The forces on the lever by a law.
+    #[inline]
+    fn force(&self, z: &[f64], law: Law) -> Direct {
+        let direction = law.direction;
+        let (actuator, value) = self.commanded_value(z, if law.held { Side::Up } else { side(direction) });
+        let motor_command = if actuator == Actuator::Motor { -value } else { 0.0 };
+        let level_command = if actuator == Actuator::Brake { value } else { 0.0 };
+        let motor = self.layout.motor.map_or(motor_command, |at| z[at]);
+        let level = self.layout.brake.map_or(level_command, |at| z[at]);
+        let signed = if actuator == Actuator::SignedBrake { -value } else { 0.0 };
+        let mut lever = motor + signed - direction * level;
+        if let Some(friction) = &self.scene.friction {
+            lever -= direction * friction.kinetic_n + friction.viscous_ns_per_rad * z[OMEGA];
+        }
+        if let (Some(pull), Some(at)) = (&self.scene.pull, self.layout.pull) {
+            lever += pull.stiffness_n_per_rad * (z[at] - z[THETA]);
+        }
+        if self.scene.gravity.is_some() {
+            lever += self.gravity_n() * libm::sin(z[THETA]);
+        }
+        let tip = match (&self.scene.finger, self.layout.finger) {
+            (Some(f), Some(at)) => f.stiffness_n_per_m * z[at] + f.damping_ns_per_m * z[at + 1],
+            _ => z[self.layout.force],
+        };
+        Direct { lever, tip, motor_command, level_command, engaged: actuator == Actuator::Brake }
+    }
+
+    /// Who acts on a side, and the clamped value it is asked for.
+    #[inline]
+    fn commanded_value(&self, z: &[f64], side: Side) -> (Actuator, f64) {
+        let scene = &self.scene;
+        let actuator = super::command::actuator(scene.mode, scene.brake.law, side);
+        let zone = self.zone(z[THETA], Side::Up);
+        let (low, high, offset) = match actuator {
+            Actuator::Nobody => return (actuator, 0.0),
+            Actuator::Motor => (-scene.motor.max_n, scene.motor.max_n, 0.0),
+            Actuator::SignedBrake => (-scene.brake.max_n, scene.brake.max_n, 0.0),
+            Actuator::Brake => (0.0, scene.brake.max_n, scene.brake.dead_zone_n),
+        };
+        let damped = actuator != Actuator::Brake || side == Side::Up;
+        let asked = match scene.environment.zones[usize::from(zone)].demand {
+            Demand::Spring { stiffness_n_per_rad: k, damping_ns_per_rad: b, rest_rad } => {
+                k * (z[THETA] - rest_rad) + if damped { b * z[OMEGA] } else { 0.0 } - offset
+            }
+            Demand::Full => high,
+            Demand::FullUp => {
+                if actuator == Actuator::Brake {
+                    high
+                } else {
+                    low
+                }
+            }
+        };
+        (actuator, asked.max(low).min(high))
+    }
+
+    /// Whether the brake is kept on after a step: it engages while θ̇ > 0 and lets go once θ̇ ≤ 0 and the user's
+    /// force is below the threshold.
+    #[inline]
+    pub(crate) fn keeps_brake(&self, held: bool, z: &[f64]) -> bool {
+        let Some(threshold) = self.let_go_n() else { return false };
+        z[OMEGA] > 0.0 || (held && z[self.layout.force] >= threshold)
+    }
+
+    /// After a step: back inside the stops and the tissue, velocities into them lost.
+    #[inline]
+    pub(crate) fn constrain(&self, z: &mut [f64]) {
+        if let (Some(finger), Some(at)) = (&self.scene.finger, self.layout.finger) {
+            let length = finger.length_m.unwrap_or(f64::INFINITY);
+            if z[at].abs() >= length && z[at] * z[at + 1] >= 0.0 {
+                self.press_finger(z);
+            }
+        }
+        let Some([low, high]) = self.scene.plant.stops_rad else { return };
+        if z[THETA] > high || z[THETA] < low {
+            let into = if z[THETA] > high { z[OMEGA] > 0.0 } else { z[OMEGA] < 0.0 };
+            z[THETA] = z[THETA].clamp(low, high);
+            if into {
+                self.stop_lever(Contact::Free, z);
+            }
+        }
+    }
+
+    /// The region a fixed-step state stands in, for its forces by part.
+    pub(crate) fn direct_region(&self, z: &[f64]) -> Region {
+        let side = side(z[OMEGA]);
+        let length = self.scene.finger.and_then(|finger| finger.length_m).unwrap_or(f64::INFINITY);
+        let contact = match self.layout.finger {
+            Some(at) if z[at] >= length => Contact::Pressed,
+            Some(at) if z[at] <= -length => Contact::Stretched,
+            _ => Contact::Free,
+        };
+        let zone = self.zone(z[THETA], Side::Up);
+        let branch = self.command(side, zone).branch(z);
+        let motion = if side == Side::Up { Motion::Forward } else { Motion::Backward };
+        let (branch_up, branch_down) =
+            if side == Side::Up { (branch, Branch::Linear) } else { (Branch::Linear, branch) };
+        Region {
+            motion,
+            zone_up: zone,
+            zone_down: zone,
+            branch_up,
+            branch_down,
+            contact,
+            stop: None,
+            held: false,
+            motor_holds: false,
+            motor_share: 0.0,
+        }
+    }
+}
+
+/// What the switching right-hand side switches on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Law {
+    /// Sign of θ̇, 0 at rest.
+    pub(crate) direction: f64,
+    /// The let-go rule keeps the brake on, whatever the direction.
+    pub(crate) held: bool,
+}
+
+/// Sign of a velocity, 0 at rest.
+#[inline]
+pub(crate) fn direction(omega: f64) -> f64 {
+    f64::from(i8::from(omega > 0.0) - i8::from(omega < 0.0))
+}
+
+/// The side whose law holds: compressing while θ̇ > 0, holding or releasing otherwise.
+#[inline]
+fn side(direction: f64) -> Side {
+    if direction > 0.0 { Side::Up } else { Side::Down }
+}
+
+/// Forces on the lever, N: all but the tip's, the tip's, and what lagging actuators are asked for.
+struct Direct {
+    lever: f64,
+    tip: f64,
+    motor_command: f64,
+    level_command: f64,
+    engaged: bool,
+}

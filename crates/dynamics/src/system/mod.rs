@@ -1,0 +1,199 @@
+//! A checked scene as a hybrid system: an augmented state, regions with affine flows, and rules between them.
+//!
+//! The augmented state is z = (θ, θ̇, [x2, ẋ2], [motor force], [brake level], F_ex, Ḟ_ex, [d, ḋ], 1); entries
+//! in brackets exist only in scenes that ask for them. Inputs are part of it, so that a region's flow
+//! ż = A z is autonomous and its exponential is exact, for a sine too.
+
+pub(crate) mod command;
+pub(crate) mod direct;
+pub(crate) mod flow;
+pub(crate) mod forces;
+pub(crate) mod guards;
+pub(crate) mod region;
+pub(crate) mod row;
+pub(crate) mod transition;
+
+use crate::error::DynamicsError;
+use crate::scene::Scene;
+use crate::scene::actuators::BrakeLaw;
+use crate::scene::input::{Input, Span};
+use row::{MOST, Row};
+
+/// Index of θ in the augmented state.
+pub(crate) const THETA: usize = 0;
+/// Index of θ̇.
+pub(crate) const OMEGA: usize = 1;
+
+/// Where each quantity stands in the augmented state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    /// Number of entries.
+    pub n: usize,
+    /// Number of entries before the inputs.
+    pub dynamic: usize,
+    /// x2; ẋ2 follows it.
+    pub finger: Option<usize>,
+    /// The lagged motor force.
+    pub motor: Option<usize>,
+    /// The lagged brake level.
+    pub brake: Option<usize>,
+    /// F_ex; its rate follows it.
+    pub force: usize,
+    /// d; its rate follows it.
+    pub pull: Option<usize>,
+}
+
+impl Layout {
+    fn of(scene: &Scene) -> Self {
+        let mut n = 2;
+        let mut take = |wanted: bool, entries: usize| {
+            let at = n;
+            n += if wanted { entries } else { 0 };
+            wanted.then_some(at)
+        };
+        let finger = take(scene.finger.is_some(), 2);
+        let motor = take(scene.motor.lag_s.is_some(), 1);
+        let brake = take(scene.brake.lag_on_off_s.is_some(), 1);
+        let dynamic = n;
+        let force = dynamic;
+        n += 2;
+        let pull = scene.pull.is_some().then_some(n);
+        n += if pull.is_some() { 3 } else { 1 };
+        Self { n, dynamic, finger, motor, brake, force, pull }
+    }
+
+    /// Index of the entry that is always 1.
+    pub(crate) fn one(&self) -> usize {
+        self.n - 1
+    }
+}
+
+/// A scene checked and laid out; immutable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct System {
+    pub(crate) scene: Scene,
+    pub(crate) layout: Layout,
+}
+
+/// Which span of each input holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cursor {
+    force: (usize, Span),
+    pull: Option<(usize, Span)>,
+    /// End of the current spans, s.
+    pub(crate) end_s: f64,
+}
+
+/// The span of an input that holds from `t` on, searched from the one that held before.
+fn forward(input: &Input, (mut number, mut span): (usize, Span), t: f64) -> (usize, Span) {
+    if span.end_s <= t {
+        number = input.number_near(t, number);
+        span = input.span(number);
+    }
+    while span.end_s <= t {
+        number += 1;
+        span = input.span(number);
+    }
+    (number, span)
+}
+
+impl System {
+    /// Checks every parameter of a scene and lays out its state.
+    ///
+    /// # Errors
+    /// The first parameter that makes no sense, by name and value, or two parts that do not go together.
+    pub fn new(scene: Scene) -> std::result::Result<Self, DynamicsError> {
+        scene.check()?;
+        if scene.brake.law == BrakeLaw::Thesis && scene.brake.lag_on_off_s.is_some() {
+            let what = "brake.lag_on_off_s needs the level of a set-valued brake";
+            return Err(DynamicsError::Combination { what, remedy: "set brake.law to \"coulomb\"" });
+        }
+        let layout = Layout::of(&scene);
+        Ok(Self { scene, layout })
+    }
+
+    /// The scene this system was made of.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Where each quantity stands in the augmented state.
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// The term that keeps the system from being piecewise affine, if there is one.
+    pub fn nonlinear_term(&self) -> Option<&'static str> {
+        self.scene.gravity.is_some().then_some("gravity")
+    }
+
+    /// The augmented state at t = 0, and the inputs' first spans.
+    pub(crate) fn start(&self) -> ([f64; MOST], Cursor) {
+        let mut z = [0.0; MOST];
+        z[THETA] = self.scene.start.theta_rad;
+        z[OMEGA] = self.scene.start.theta_dot_rad_s;
+        z[self.layout.one()] = 1.0;
+        let pull = self.scene.pull.as_ref().map(|pull| (0, pull.displacement.span(0)));
+        let force = (0, self.scene.input.span(0));
+        let mut cursor = Cursor { force, pull, end_s: f64::NEG_INFINITY };
+        self.pass(&mut cursor, 0.0, &mut z);
+        (z, cursor)
+    }
+
+    /// Moves the cursor to the spans that hold from `t` on and writes the inputs at `t` into `z`.
+    /// True if an input jumps there.
+    #[inline]
+    pub(crate) fn pass(&self, cursor: &mut Cursor, t: f64, z: &mut [f64]) -> bool {
+        let old = self.inputs(z);
+        cursor.force = forward(&self.scene.input, cursor.force, t);
+        cursor.end_s = cursor.force.1.end_s;
+        if let (Some(pull), Some(at)) = (&self.scene.pull, &mut cursor.pull) {
+            *at = forward(&pull.displacement, *at, t);
+            cursor.end_s = cursor.end_s.min(at.1.end_s);
+        }
+        self.write_inputs(cursor, t, z);
+        jumped(old, self.inputs(z))
+    }
+
+    /// The inputs at `t`, within the cursor's spans, from their closed forms.
+    #[inline]
+    pub(crate) fn write_inputs(&self, cursor: &Cursor, t: f64, z: &mut [f64]) {
+        let at = self.layout.force;
+        z[at..at + 2].copy_from_slice(&self.scene.input.at(&cursor.force.1, t));
+        if let (Some(at), Some(pull), Some((_, span))) = (self.layout.pull, &self.scene.pull, &cursor.pull) {
+            z[at..at + 2].copy_from_slice(&pull.displacement.at(span, t));
+        }
+    }
+
+    fn inputs(&self, z: &[f64]) -> [f64; 2] {
+        [z[self.layout.force], self.layout.pull.map_or(0.0, |at| z[at])]
+    }
+
+    /// The parameter furthest from its usual size.
+    pub(crate) fn suspect(&self) -> String {
+        self.scene.suspect()
+    }
+
+    /// True if an input is a sine.
+    pub(crate) fn swings(&self) -> bool {
+        let pull = self.scene.pull.as_ref().map_or(0.0, |pull| pull.displacement.swing().0);
+        self.scene.input.swing().0 > 0.0 || pull > 0.0
+    }
+
+    /// `value` as a functional.
+    pub(crate) fn constant(&self, value: f64) -> Row {
+        Row::entry(self.layout.one(), value)
+    }
+
+    /// M_O L: what a force at the lever's end accelerates, kg m.
+    pub(crate) fn inertia(&self) -> f64 {
+        self.scene.plant.mass_kg * self.scene.plant.lever_m
+    }
+}
+
+/// More than the rounding between the end of one span and the start of the next.
+fn jumped(old: [f64; 2], new: [f64; 2]) -> bool {
+    /// Relative size of a step in a signal that counts as a jump.
+    const JUMP: f64 = 1e-12;
+    old.iter().zip(new).any(|(a, b)| (a - b).abs() > JUMP * (a.abs() + b.abs()))
+}

@@ -1,0 +1,255 @@
+//! From region to region: what an event does to the state, and which region holds then.
+
+use super::flow::Functional;
+use super::region::{Branch, Contact, Motion, Region, Side};
+use super::{OMEGA, System, THETA};
+use crate::scene::actuators::Mode;
+use crate::scene::finger::FingerLaw;
+
+/// Why a region is left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EventKind {
+    /// θ̇ reaches zero.
+    Reversal,
+    /// The lever enters the next zone of the environment.
+    Zone,
+    /// The lever hits a stop.
+    Stop,
+    /// The actuator in charge reaches its lower limit.
+    SaturatedLow,
+    /// The actuator in charge reaches its upper limit.
+    SaturatedHigh,
+    /// The actuator in charge leaves its limit.
+    Unsaturated,
+    /// A lever at rest starts forward.
+    DepartUp,
+    /// A lever at rest starts backward.
+    DepartDown,
+    /// The user's force crosses the brake's let-go threshold.
+    LetGo,
+    /// The finger's tissue is fully pressed.
+    Bottomed,
+    /// The finger's tissue springs back.
+    LiftedOff,
+    /// An input jumps.
+    Input,
+}
+
+impl System {
+    /// The region that holds at the start.
+    pub(crate) fn first_region(&self, z: &[f64]) -> Region {
+        self.settle(z, Contact::Free, None)
+    }
+
+    /// Carries an event out: snaps the state to where the event happened, applies impacts, and finds the next
+    /// region.
+    pub(crate) fn transit(&self, region: &Region, kind: EventKind, z: &mut [f64]) -> Region {
+        let moving = if region.motion == Motion::Forward { Side::Up } else { Side::Down };
+        match kind {
+            EventKind::Reversal => {
+                z[OMEGA] = 0.0;
+                self.settle(z, region.contact, None)
+            }
+            EventKind::Zone => self.enter_zone(region, moving, z),
+            EventKind::Stop => self.hit_stop(region, moving, z),
+            EventKind::SaturatedLow => on_branch(region, moving, Branch::Low),
+            EventKind::SaturatedHigh => on_branch(region, moving, Branch::High),
+            EventKind::Unsaturated => on_branch(region, moving, Branch::Linear),
+            EventKind::DepartUp => self.moving_region(Side::Up, region.contact, z),
+            EventKind::DepartDown => self.moving_region(Side::Down, region.contact, z),
+            EventKind::LetGo => self.settle(z, region.contact, Some(!region.held)),
+            EventKind::Bottomed => self.bottom(region, z),
+            EventKind::LiftedOff => self.lift_off(region, z),
+            EventKind::Input => self.settle(z, region.contact, None),
+        }
+    }
+
+    /// The region that holds in a state. A rigid finger that would have to pull lifts off.
+    pub(crate) fn settle(&self, z: &[f64], contact: Contact, held: Option<bool>) -> Region {
+        let region = self.region_with(z, contact, held);
+        if contact != Contact::Free && self.press(&region).is_some_and(|press| press.of(z) < 0.0) {
+            return self.region_with(z, Contact::Free, held);
+        }
+        region
+    }
+
+    fn press(&self, region: &Region) -> Option<Functional> {
+        let finger = self.scene.finger?;
+        let sign = if region.contact == Contact::Pressed { 1.0 } else { -1.0 };
+        Some(self.stop_press(&finger, finger.length_m?, sign, self.acceleration_in(region)))
+    }
+
+    fn region_with(&self, z: &[f64], contact: Contact, held: Option<bool>) -> Region {
+        if z[OMEGA] > 0.0 {
+            return self.moving_region(Side::Up, contact, z);
+        }
+        if z[OMEGA] < 0.0 {
+            return self.moving_region(Side::Down, contact, z);
+        }
+        let rest = self.rest_region(contact, held, z);
+        let may = |side| rest.stop != Some(side);
+        if may(Side::Down) && !rest.held && self.departing_force(&rest, Side::Down).of(z) < 0.0 {
+            self.moving_region(Side::Down, contact, z)
+        } else if may(Side::Up) && self.departing_force(&rest, Side::Up).of(z) > 0.0 {
+            self.moving_region(Side::Up, contact, z)
+        } else {
+            rest
+        }
+    }
+
+    /// The region of motion to a side.
+    pub(crate) fn moving_region(&self, side: Side, contact: Contact, z: &[f64]) -> Region {
+        let zone = self.zone(z[THETA], side);
+        let motion = if side == Side::Up { Motion::Forward } else { Motion::Backward };
+        let region = Region {
+            motion,
+            zone_up: zone,
+            zone_down: zone,
+            branch_up: Branch::Linear,
+            branch_down: Branch::Linear,
+            contact,
+            stop: None,
+            held: false,
+            motor_holds: false,
+            motor_share: 0.0,
+        };
+        on_branch(&region, side, self.command(side, zone).branch(z))
+    }
+
+    /// The region of rest at an angle; its forces on both sides decide when it is left.
+    pub(crate) fn rest_region(&self, contact: Contact, held: Option<bool>, z: &[f64]) -> Region {
+        let theta = z[THETA];
+        let (zone_up, zone_down) = (self.zone(theta, Side::Up), self.zone(theta, Side::Down));
+        let stop = match self.scene.plant.stops_rad {
+            Some([_, high]) if theta >= high => Some(Side::Up),
+            Some([low, _]) if theta <= low => Some(Side::Down),
+            _ => None,
+        };
+        let above = self.let_go_n().is_some_and(|threshold| z[self.layout.force] >= threshold);
+        let rest = Region {
+            motion: Motion::Rest,
+            zone_up,
+            zone_down,
+            branch_up: self.command(Side::Up, zone_up).branch(z),
+            branch_down: self.command(Side::Down, zone_down).branch(z),
+            contact,
+            stop,
+            held: held.unwrap_or(above),
+            motor_holds: false,
+            motor_share: 0.0,
+        };
+        if self.scene.mode != Mode::Hybrid || rest.held {
+            return rest;
+        }
+        let (command, branch) = self.commanded(&rest, Side::Down);
+        let asked = command.on(branch, self).of(z);
+        let rest = Region { motor_holds: asked > 0.0, ..rest };
+        Region { motor_share: self.motor_share(&rest, asked, z), ..rest }
+    }
+
+    /// Motor command over the width of the cone of forces that hold the lever at rest.
+    fn motor_share(&self, rest: &Region, asked: f64, z: &[f64]) -> f64 {
+        if self.layout.motor.is_none() || self.layout.brake.is_some() {
+            return 0.0;
+        }
+        let cone = self.departing_force(rest, Side::Down).of(z) - self.departing_force(rest, Side::Up).of(z);
+        if cone > 0.0 && asked > 0.0 { asked / cone } else { 0.0 }
+    }
+
+    /// Across an edge of the environment. Where the forces on both sides push back to the edge, ever smaller
+    /// bounces follow; once they are too small to see the lever rests there.
+    fn enter_zone(&self, region: &Region, side: Side, z: &mut [f64]) -> Region {
+        /// A bounce of less than this is rest, rad: a millionth of a step of the device's angle sensor.
+        const NO_BOUNCE_RAD: f64 = 2e-10;
+        let zones = &self.scene.environment.zones;
+        let edge = usize::from(region.zone_up) + usize::from(side == Side::Up);
+        z[THETA] = zones[edge].from_rad;
+        let rest = self.rest_region(region.contact, None, z);
+        let up = self.departing_force(&rest, Side::Up).of(z);
+        let down = self.departing_force(&rest, Side::Down).of(z);
+        let bounce = z[OMEGA] * z[OMEGA] * self.inertia();
+        if up < 0.0 && down > 0.0 && bounce < 2.0 * NO_BOUNCE_RAD * down.min(-up) {
+            z[OMEGA] = 0.0;
+            return rest;
+        }
+        self.moving_region(side, region.contact, z)
+    }
+
+    /// The lever stops dead; a finger on soft tissue keeps its own velocity.
+    fn hit_stop(&self, region: &Region, side: Side, z: &mut [f64]) -> Region {
+        if let Some([low, high]) = self.scene.plant.stops_rad {
+            z[THETA] = if side == Side::Up { high } else { low };
+        }
+        let contact = self.stop_lever(region.contact, z);
+        self.settle(z, contact, None)
+    }
+
+    /// θ̇ becomes 0; ẋ2, which is measured from the lever, changes by as much where the finger is free to.
+    pub(crate) fn stop_lever(&self, contact: Contact, z: &mut [f64]) -> Contact {
+        let velocity = self.scene.plant.lever_m * z[OMEGA];
+        z[OMEGA] = 0.0;
+        let consistent = self.scene.finger.is_some_and(|finger| finger.law == FingerLaw::Consistent);
+        let (Some(at), true) = (self.layout.finger, consistent) else { return contact };
+        let pressed_on = match contact {
+            Contact::Free => self.nearly_rigid(z[at], velocity),
+            Contact::Pressed => velocity > 0.0,
+            Contact::Stretched => velocity < 0.0,
+        };
+        if pressed_on {
+            let contact = self.press_finger(z);
+            z[OMEGA] = 0.0;
+            return contact;
+        }
+        z[at + 1] += velocity;
+        Contact::Free
+    }
+
+    /// A finger this close to its rigid stop and moving into it bottoms together with the lever: else the
+    /// two would hit their stops in turn for ever.
+    fn nearly_rigid(&self, x2: f64, velocity: f64) -> bool {
+        /// Share of L_F0.
+        const NEAR: f64 = 1e-9;
+        let length = self.scene.finger.and_then(|finger| finger.length_m);
+        length.is_some_and(|length| x2 * velocity.signum() >= length * (1.0 - NEAR))
+    }
+
+    /// The tissue bottoms: inelastic, momentum kept (consistent law), or the finger just stops (thesis).
+    fn bottom(&self, region: &Region, z: &mut [f64]) -> Region {
+        let contact = self.press_finger(z);
+        let against = region.stop.is_some_and(|side| z[OMEGA] * side.sign() > 0.0);
+        if against {
+            z[OMEGA] = 0.0;
+        }
+        self.settle(z, contact, None)
+    }
+
+    /// Sets the finger on its rigid stop and shares its momentum with the lever.
+    pub(crate) fn press_finger(&self, z: &mut [f64]) -> Contact {
+        let (Some(finger), Some(at)) = (self.scene.finger, self.layout.finger) else { return Contact::Free };
+        let contact = if z[at] > 0.0 { Contact::Pressed } else { Contact::Stretched };
+        let sign = if contact == Contact::Pressed { 1.0 } else { -1.0 };
+        z[at] = sign * finger.length_m.unwrap_or(z[at].abs());
+        if finger.law == FingerLaw::Consistent {
+            let share = finger.mass_kg / (finger.mass_kg + self.scene.plant.mass_kg);
+            z[OMEGA] += share * z[at + 1] / self.scene.plant.lever_m;
+        }
+        z[at + 1] = 0.0;
+        contact
+    }
+
+    /// The tissue springs back; the lever goes on as it did.
+    fn lift_off(&self, region: &Region, z: &[f64]) -> Region {
+        match region.motion {
+            Motion::Rest => self.region_with(z, Contact::Free, Some(region.held)),
+            _ => Region { contact: Contact::Free, ..*region },
+        }
+    }
+}
+
+/// The region with the command of a side on another line.
+fn on_branch(region: &Region, side: Side, branch: Branch) -> Region {
+    match side {
+        Side::Up => Region { branch_up: branch, ..*region },
+        Side::Down => Region { branch_down: branch, ..*region },
+    }
+}

@@ -1,0 +1,177 @@
+//! What a run returns: states at the grid's times, their regions, the events between them, and the work done.
+
+use crate::energy::EnergyBalance;
+use crate::system::region::Region;
+use crate::system::transition::EventKind;
+use crate::system::{Layout, OMEGA, System, THETA};
+
+/// Forces on the lever's end by part, N; above 0 pushes to +θ, into the object.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Forces {
+    /// The user's force F_ex.
+    pub external_n: f64,
+    /// What arrives at the lever of it: through the finger, or the user's force itself.
+    pub tip_n: f64,
+    /// The share of the finger's tissue, K_F x2 + B_F ẋ2.
+    pub tissue_n: f64,
+    /// The motor.
+    pub motor_n: f64,
+    /// The brake.
+    pub brake_n: f64,
+    /// Dry and viscous friction.
+    pub friction_n: f64,
+    /// The moved spring.
+    pub pull_n: f64,
+    /// The lever's weight.
+    pub gravity_n: f64,
+    /// A mechanical stop.
+    pub stop_n: f64,
+}
+
+/// Something that happened between samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Event {
+    /// When, s.
+    pub t_s: f64,
+    /// What.
+    pub kind: EventKind,
+    /// θ there, rad.
+    pub theta_rad: f64,
+    /// The region that holds from then on.
+    pub region: Region,
+}
+
+/// Work counts, to compare methods by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct WorkCounts {
+    /// Steps taken, or exact pieces.
+    pub steps: u64,
+    /// Steps rejected by an error estimate.
+    pub rejected: u64,
+    /// Evaluations of the right-hand side, or products with a flow matrix.
+    pub evaluations: u64,
+    /// Matrix exponentials or factorisations.
+    pub factorisations: u64,
+}
+
+/// A run. States are augmented (see [`Layout`]), one row of `layout.n` numbers a sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory {
+    /// Where each quantity stands in a state.
+    pub layout: Layout,
+    /// Sample times, s.
+    pub t_s: Vec<f64>,
+    /// States, row after row.
+    pub states: Vec<f64>,
+    /// Index into `regions` for each sample.
+    pub region: Vec<u16>,
+    /// The regions that were met.
+    pub regions: Vec<Region>,
+    /// The events, in order of time; empty for methods that do not look for them.
+    pub events: Vec<Event>,
+    /// Work counts.
+    pub work: WorkCounts,
+    /// For the exact solver, the largest condition number of a step's exponential over the regions met, at
+    /// least 1. The error of a run is below about 1e-14 times this, relative to the largest signal.
+    pub condition: Option<f64>,
+    /// Where the energy went, if the method was asked to integrate it.
+    pub energy: Option<EnergyBalance>,
+}
+
+impl Trajectory {
+    pub(crate) fn new(layout: Layout, samples: usize) -> Self {
+        Self {
+            layout,
+            t_s: Vec::with_capacity(samples),
+            states: Vec::with_capacity(samples * layout.n),
+            region: Vec::with_capacity(samples),
+            regions: Vec::new(),
+            events: Vec::new(),
+            work: WorkCounts::default(),
+            condition: None,
+            energy: None,
+        }
+    }
+
+    /// Empties it, keeping its memory, for a run of so many samples.
+    pub(crate) fn clear(&mut self, layout: Layout, samples: usize) {
+        self.layout = layout;
+        self.t_s.clear();
+        self.states.clear();
+        self.region.clear();
+        self.regions.clear();
+        self.events.clear();
+        self.t_s.reserve(samples);
+        self.states.reserve(samples * layout.n);
+        self.region.reserve(samples);
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.t_s.len()
+    }
+
+    /// True without samples.
+    pub fn is_empty(&self) -> bool {
+        self.t_s.is_empty()
+    }
+
+    /// The augmented state of sample `i`.
+    pub fn state(&self, i: usize) -> &[f64] {
+        &self.states[i * self.layout.n..(i + 1) * self.layout.n]
+    }
+
+    /// θ of every sample, rad.
+    pub fn theta_rad(&self) -> impl Iterator<Item = f64> {
+        self.states.chunks_exact(self.layout.n).map(|z| z[THETA])
+    }
+
+    /// θ̇ of every sample, rad/s.
+    pub fn theta_dot_rad_s(&self) -> impl Iterator<Item = f64> {
+        self.states.chunks_exact(self.layout.n).map(|z| z[OMEGA])
+    }
+
+    /// Tissue compression x2 of every sample, m; empty without a finger.
+    pub fn finger_m(&self) -> impl Iterator<Item = f64> {
+        let at = self.layout.finger;
+        self.states.chunks_exact(self.layout.n).filter_map(move |z| at.map(|i| z[i]))
+    }
+
+    /// The forces by part at sample `i`, by the system that was run.
+    pub fn forces(&self, system: &System, i: usize) -> Forces {
+        system.forces(&self.regions[usize::from(self.region[i])], self.state(i))
+    }
+
+    /// Sign changes of θ̇ between samples, zeros skipped.
+    pub fn reversals(&self) -> usize {
+        let mut last = 0.0;
+        let mut count = 0;
+        for omega in self.theta_dot_rad_s().filter(|omega| *omega != 0.0) {
+            count += usize::from(last * omega < 0.0);
+            last = omega.signum();
+        }
+        count
+    }
+
+    /// Changes of the lever's motion (forward, backward, rest) along the events; saturation is none.
+    pub fn motion_changes(&self) -> usize {
+        let motions: Vec<_> = self.events.iter().map(|event| event.region.motion).collect();
+        motions.windows(2).filter(|pair| pair[0] != pair[1]).count()
+    }
+
+    /// Number of a region, which is added if new.
+    pub(crate) fn region_number(&mut self, region: &Region) -> u16 {
+        let found = self.regions.iter().position(|known| known.resembles(region));
+        found.unwrap_or_else(|| {
+            self.regions.push(*region);
+            self.regions.len() - 1
+        }) as u16
+    }
+
+    #[inline]
+    pub(crate) fn push(&mut self, t_s: f64, z: &[f64], region: u16) {
+        self.t_s.push(t_s);
+        self.states.extend_from_slice(&z[..self.layout.n]);
+        self.region.push(region);
+    }
+}
