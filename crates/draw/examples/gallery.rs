@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use zwidth_draw::{
     Axis, Band, Cell, DEFAULT_DPI, Direction, Figure, Intervals, Layer, Likert, LikertScale, Line,
-    ONE_COLUMN_MM, Panel, Points, Range, Reference, Text, TextPlace, dodge, draw, style,
+    ONE_COLUMN_MM, Panel, Points, Range, Reference, Text, TextPlace, Ticks, dodge, draw, style,
 };
 
 const MODES: [&str; 3] = ["active", "passive", "hybrid"];
@@ -34,6 +34,7 @@ pub fn figures() -> Vec<(&'static str, Figure)> {
         ("likert", likert()),
         ("intervals", intervals()),
         ("note", note()),
+        ("powers", powers()),
     ]
 }
 
@@ -239,7 +240,7 @@ fn likert() -> Figure {
             scale: LikertScale::Counts,
         });
         let mut x = Axis::new("← negative     answers     positive →", "").linked("answers");
-        x.ticks = zwidth_draw::Ticks::Magnitudes;
+        x.ticks = Ticks::Magnitudes;
         let modes = Axis::categories(MODES).linked("modes");
         Panel::new(Cell::at(0, column), x, modes, vec![layer]).titled(title)
     };
@@ -300,6 +301,22 @@ fn intervals() -> Figure {
         ],
         ..Figure::default()
     }
+}
+
+/// Errors that fall with the first and the fourth power of the step, on axes of logarithms.
+fn powers() -> Figure {
+    let steps: Vec<f64> = (0..9).map(|i| -1.0 - 0.25 * f64::from(i)).collect();
+    let mut layers = Vec::new();
+    for (i, (name, order)) in [("Euler", 1.0), ("Runge–Kutta", 4.0)].into_iter().enumerate() {
+        let (x, y) = (steps.clone(), steps.iter().map(|h| order * h - 1.0).collect::<Vec<f64>>());
+        let colour = style::mode_colour(i);
+        layers.push(Layer::Points(Points { x: x.clone(), y: y.clone(), colour, ..Points::default() }));
+        let name = Some(name.to_owned());
+        layers.push(Layer::Line(Line { x, y, stroke: style::single(colour), name, ..Line::default() }));
+    }
+    let axis = |label: &str, unit: &str| Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) };
+    let panel = Panel::new(Cell::at(0, 0), axis("step *h*", "s"), axis("largest error", "rad"), layers);
+    Figure { width_mm: ONE_COLUMN_MM, panels: vec![panel], ..Figure::default() }
 }
 
 fn note() -> Figure {

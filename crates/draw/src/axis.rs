@@ -18,11 +18,16 @@ const TICKS_APART_X_PT: f64 = 20.0;
 /// Least distance of ticks along a vertical axis, in pt.
 const TICKS_APART_Y_PT: f64 = 16.0;
 
+/// Least length of a decade whose inner ticks are told apart, in pt.
+const DECADE_PT: f64 = 30.0;
+
 /// A tick with its label set in lines.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlannedTick {
     pub(crate) at: f64,
     pub(crate) lines: Vec<Label>,
+    /// Between two powers of ten: shorter, without label and grid line.
+    pub(crate) minor: bool,
 }
 
 /// An axis ready to be drawn.
@@ -89,12 +94,16 @@ pub(crate) fn plan(
         plan.named = true;
         (plan.ticks, plan.turned) = categories(fonts, names, ends, direction, length_pt)?;
     } else if let Some(ends) = ends {
-        let whole = axis.ticks == Ticks::Magnitudes;
         let fits = |ticks: &ticks::Ticks| apart(fonts, ticks, ends, direction, length_pt);
-        let chosen = ticks::choose(ends.0, ends.1, whole, fits);
+        let chosen = ticks::choose(ends.0, ends.1, &axis.ticks, fits);
         exponent = chosen.exponent;
         for tick in &chosen.ticks {
-            plan.ticks.push(PlannedTick { at: tick.at, lines: vec![fonts.label(&tick.label, SMALL_PT)?] });
+            let lines = vec![fonts.label(&tick.label, SMALL_PT)?];
+            plan.ticks.push(PlannedTick { at: tick.at, lines, minor: false });
+        }
+        if axis.ticks == Ticks::Powers && length_pt / (ends.1 - ends.0) >= DECADE_PT {
+            let minor = |at| PlannedTick { at, lines: Vec::new(), minor: true };
+            plan.ticks.extend(ticks::between_powers(ends.0, ends.1).map(minor));
         }
     }
     if numbered {
@@ -151,7 +160,7 @@ fn categories(
 ) -> Result<(Vec<PlannedTick>, bool), Error> {
     let set = |width_pt: f64| -> Result<Vec<PlannedTick>, Error> {
         let tick = |(i, name): (usize, &String)| {
-            Ok(PlannedTick { at: i as f64, lines: fonts.block(name, SMALL_PT, width_pt)? })
+            Ok(PlannedTick { at: i as f64, lines: fonts.block(name, SMALL_PT, width_pt)?, minor: false })
         };
         names.iter().enumerate().map(tick).collect()
     };
@@ -207,6 +216,14 @@ mod tests {
     fn the_power_of_ten_stands_with_the_unit() {
         let plan = horizontal(&Axis::new("*I*", "kg·m²"), (0.0, 4e-4), 120.0);
         assert_eq!(text(&plan.label), "I (10−6\u{a0}kg·m2)");
+    }
+
+    #[test]
+    fn decades_have_inner_ticks_only_where_they_can_be_told_apart() {
+        let powers = Axis { ticks: Ticks::Powers, ..Axis::new("*h*", "s") };
+        let minors =
+            |length_pt| horizontal(&powers, (-4.0, -2.0), length_pt).ticks.iter().filter(|t| t.minor).count();
+        assert_eq!((minors(100.0), minors(50.0)), (16, 0));
     }
 
     #[test]

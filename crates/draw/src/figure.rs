@@ -184,6 +184,9 @@ pub enum Ticks {
     Numbers,
     /// Whole numbers without their sign: counts of answers to either side of zero.
     Magnitudes,
+    /// Powers of ten: the data are logarithms to base ten, and a whole number *n* reads 10ⁿ. Bare ticks stand at the
+    /// two- to ninefold of each power where there is room. The axis always holds two powers, unless its range is fixed.
+    Powers,
     /// These names at 0, 1, 2, …; none is left out, long ones wrap or turn.
     Categories(Vec<String>),
 }

@@ -78,6 +78,13 @@ fn draw_panel(svg: &mut Svg<'_>, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> R
     Ok(())
 }
 
+/// Length of a tick between two powers of ten, in pt.
+const MINOR_TICK_PT: f64 = 0.5 * TICK_PT;
+
+fn length_pt(tick: &PlannedTick) -> f64 {
+    if tick.minor { MINOR_TICK_PT } else { TICK_PT }
+}
+
 /// Each tick with its place on the page.
 fn places(ticks: &[PlannedTick], scale: Option<Scale>) -> impl Iterator<Item = (&PlannedTick, f64)> {
     ticks.iter().filter_map(move |tick| scale.map(|scale| (tick, scale.pt(tick.at))))
@@ -89,10 +96,10 @@ fn grid_lines(svg: &mut Svg<'_>, plan: &PanelPlan<'_>) {
     }
     let pen = Stroke { colour: GRID, width_pt: GRID_PT, opacity: 1.0, dash: Dash::Solid };
     let Rect { left, top, right, bottom } = plan.plot;
-    for (_, x) in places(&plan.x.ticks, plan.x_scale()).filter(|_| !plan.x.named) {
+    for (_, x) in places(&plan.x.ticks, plan.x_scale()).filter(|(tick, _)| !plan.x.named && !tick.minor) {
         svg.stroke(&[(x, top), (x, bottom)], &pen);
     }
-    for (_, y) in places(&plan.y.ticks, plan.y_scale()).filter(|_| !plan.y.named) {
+    for (_, y) in places(&plan.y.ticks, plan.y_scale()).filter(|(tick, _)| !plan.y.named && !tick.minor) {
         svg.stroke(&[(left, y), (right, y)], &pen);
     }
 }
@@ -103,11 +110,11 @@ fn axis_lines(svg: &mut Svg<'_>, plan: &PanelPlan<'_>) {
     let Rect { left, top, right, bottom } = plan.plot;
     let corner = [(left, top), (left, bottom), (right, bottom)];
     svg.stroke(if plan.y.named { &corner[1..] } else { &corner }, &pen);
-    for (_, x) in places(&plan.x.ticks, plan.x_scale()).filter(|_| !plan.x.named) {
-        svg.stroke(&[(x, bottom), (x, bottom + TICK_PT)], &pen);
+    for (tick, x) in places(&plan.x.ticks, plan.x_scale()).filter(|_| !plan.x.named) {
+        svg.stroke(&[(x, bottom), (x, bottom + length_pt(tick))], &pen);
     }
-    for (_, y) in places(&plan.y.ticks, plan.y_scale()).filter(|_| !plan.y.named) {
-        svg.stroke(&[(left, y), (left - TICK_PT, y)], &pen);
+    for (tick, y) in places(&plan.y.ticks, plan.y_scale()).filter(|_| !plan.y.named) {
+        svg.stroke(&[(left, y), (left - length_pt(tick), y)], &pen);
     }
 }
 

@@ -17,6 +17,8 @@ const NARROWEST: f64 = 1e-12;
 const SMALLEST: f64 = 1e-270;
 /// Values above this leave no room to compute ticks in.
 const LARGEST: f64 = 1e300;
+/// The same as a power of ten, for axes of logarithms.
+const LARGEST_POWER: f64 = 300.0;
 
 /// A straight map from an axis to the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -190,17 +192,26 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
     let ends = match (&axis.ticks, axis.range) {
         (Ticks::Categories(names), _) => Some((-0.5, names.len() as f64 - 0.5)),
         (_, Range::Fixed(low, high)) => Some((low, high)),
+        (Ticks::Powers, _) => covered.map(|ends| two_powers(widen(ends, ROOM))),
         (_, Range::Tight) => covered.map(|ends| widen(ends, 0.0)),
         (_, Range::Auto) => covered.map(|ends| widen(ends, ROOM)),
     };
+    let largest = if axis.ticks == Ticks::Powers { LARGEST_POWER } else { LARGEST };
     let drawable = |(low, high): Ends| {
         high - low > NARROWEST * low.abs().max(high.abs()).max(SMALLEST)
-            && low.abs().max(high.abs()) < LARGEST
+            && low.abs().max(high.abs()) < largest
     };
     match ends {
         Some(ends) if !drawable(ends) => Err(Error::Range { panel: name(panel), low: ends.0, high: ends.1 }),
         ends => Ok(ends),
     }
+}
+
+/// Logarithms between which fewer than two whole powers lie reach to the ones around them: with one number alone an
+/// axis says nothing.
+fn two_powers((low, high): Ends) -> Ends {
+    let (inner, outer) = ((libm::ceil(low), libm::floor(high)), (libm::floor(low), libm::ceil(high)));
+    if inner.1 > inner.0 { (low, high) } else { outer }
 }
 
 /// Adds room on both sides; a single value gets room to be seen in.
@@ -249,6 +260,17 @@ mod tests {
         assert_eq!(widen((0.0, 0.0), ROOM), (-1.0, 1.0));
         assert_eq!(widen((5.0, 5.0), ROOM), (4.5, 5.5));
         assert_eq!(widen((0.0, 10.0), 0.1), (-1.0, 11.0));
+    }
+
+    #[test]
+    fn an_axis_of_powers_holds_at_least_two() {
+        assert_eq!(two_powers((-1.2, 0.3)), (-1.2, 0.3));
+        assert_eq!(two_powers((0.2, 0.7)), (0.0, 1.0));
+        assert_eq!(two_powers((-0.5, 0.5)), (-1.0, 1.0));
+        let mut far = panel(vec![0.0, 1.0], vec![0.0, 400.0]);
+        far.y.ticks = Ticks::Powers;
+        let error = ends(&Figure { panels: vec![far], ..Figure::default() });
+        assert!(matches!(error, Err(Error::Range { .. })), "10^400 is no number");
     }
 
     #[test]

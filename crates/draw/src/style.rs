@@ -51,9 +51,32 @@ const MODES: [Colour; 6] = [
     Colour::hex(0xcc_33_11), // red
 ];
 
+/// The brake, in figures of forces by part.
+pub const BRAKE: Colour = MODES[0];
+/// The motor, in figures of forces by part.
+pub const MOTOR: Colour = MODES[5];
+/// The fingertip's tissue, in figures of forces by part.
+pub const TISSUE: Colour = MODES[2];
+
 /// The colour of the study's `index`-th mode, the same in every figure. After the sixth they start again.
 pub fn mode_colour(index: usize) -> Colour {
     MODES[index % MODES.len()]
+}
+
+/// Paul Tol's "muted" scheme: told apart from the modes' colours too.
+const ENVIRONMENTS: [Colour; 7] = [
+    Colour::hex(0x33_22_88), // indigo
+    Colour::hex(0x99_99_33), // olive
+    Colour::hex(0x88_22_55), // wine
+    Colour::hex(0x44_aa_99), // pale teal
+    Colour::hex(0xcc_66_77), // rose
+    Colour::hex(0x11_77_33), // green
+    Colour::hex(0xaa_44_99), // purple
+];
+
+/// The colour of the study's `index`-th environment, where curves of one mode differ by environment.
+pub fn environment_colour(index: usize) -> Colour {
+    ENVIRONMENTS[index % ENVIRONMENTS.len()]
 }
 
 /// The colour of the `index`-th of `count` repeats of one mode: from a dark to a light shade of the mode's own.

@@ -216,13 +216,15 @@ fn any_axis() -> impl Strategy<Value = Axis> {
         Just(Range::Tight),
         (number(), number()).prop_map(|(low, high)| Range::Fixed(low, high))
     ];
-    (range, any::<bool>(), "[a-zθ*_^{}\\\\ ]{0,12}", any::<bool>()).prop_map(
-        |(range, linked, label, named)| {
-            let axis = if named { Axis::categories(["a", "b c"]) } else { Axis::new(label, "N") };
-            let axis = axis.ranged(range);
-            if linked { axis.linked("shared") } else { axis }
-        },
-    )
+    (range, any::<bool>(), "[a-zθ*_^{}\\\\ ]{0,12}", 0..3).prop_map(|(range, linked, label, kind)| {
+        let axis = match kind {
+            0 => Axis::categories(["a", "b c"]),
+            1 => Axis { ticks: Ticks::Powers, ..Axis::new(label, "N") },
+            _ => Axis::new(label, "N"),
+        };
+        let axis = axis.ranged(range);
+        if linked { axis.linked("shared") } else { axis }
+    })
 }
 
 fn any_layer() -> impl Strategy<Value = Layer> {

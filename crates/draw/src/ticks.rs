@@ -1,5 +1,7 @@
 //! Where the ticks of a numeric axis stand, and what is written there.
 
+use crate::figure;
+
 /// A tick: its place on the axis, its label.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tick {
@@ -48,18 +50,19 @@ fn multiple(step: Step, count: i64) -> f64 {
 /// More ticks than this crowd any axis.
 const MOST_TICKS: f64 = 12.0;
 
-/// The densest ticks from `low` to `high` (`low < high`, both finite) that `fits` accepts. `whole` keeps to whole
-/// numbers and leaves the sign off.
-pub(crate) fn choose(low: f64, high: f64, whole: bool, fits: impl Fn(&Ticks) -> bool) -> Ticks {
+/// The densest ticks from `low` to `high` (`low < high`, both finite) that `fits` accepts. All kinds but plain numbers
+/// keep to whole numbers.
+pub(crate) fn choose(low: f64, high: f64, kind: &figure::Ticks, fits: impl Fn(&Ticks) -> bool) -> Ticks {
     let power = libm::floor(libm::log10((high - low) / MOST_TICKS)) as i32;
+    let whole = *kind != figure::Ticks::Numbers;
     let mut step = Step { digit: 1, power: if whole { power.max(0) } else { power } };
     while (high - low) / step.size() > MOST_TICKS {
         step = step.next();
     }
-    let mut denser = every(step, low, high, whole);
+    let mut denser = every(step, low, high, kind);
     while denser.ticks.len() > 2 && !fits(&denser) {
         step = step.next();
-        let sparser = every(step, low, high, whole);
+        let sparser = every(step, low, high, kind);
         if sparser.ticks.len() < 2 {
             let ends = [denser.ticks.first().cloned(), denser.ticks.last().cloned()];
             return Ticks { ticks: ends.into_iter().flatten().collect(), ..denser };
@@ -69,17 +72,26 @@ pub(crate) fn choose(low: f64, high: f64, whole: bool, fits: impl Fn(&Ticks) -> 
     denser
 }
 
-fn every(step: Step, low: f64, high: f64, unsigned: bool) -> Ticks {
+fn every(step: Step, low: f64, high: f64, kind: &figure::Ticks) -> Ticks {
     /// Share of a step by which an axis may miss its last tick and still have it: rounding of the ends.
     const SLACK: f64 = 1e-9;
     let first = libm::ceil(low / step.size() - SLACK) as i64;
     let last = libm::floor(high / step.size() + SLACK) as i64;
-    let exponent = shared_exponent(low.abs().max(high.abs()));
+    let powers = *kind == figure::Ticks::Powers;
+    let exponent = if powers { 0 } else { shared_exponent(low.abs().max(high.abs())) };
     let tick = |count: i64| {
-        let shown = if unsigned { count.abs() } else { count };
-        Tick { at: multiple(step, count), label: write(shown * step.digit, step.power - exponent) }
+        let shown = if *kind == figure::Ticks::Magnitudes { count.abs() } else { count };
+        let number = write(shown * step.digit, step.power - exponent);
+        Tick { at: multiple(step, count), label: if powers { format!("10^{{{number}}}") } else { number } }
     };
     Ticks { ticks: (first..=last).map(tick).collect(), exponent }
+}
+
+/// Places of the two- to ninefold of every power of ten between 10^`low` and 10^`high`, as logarithms.
+pub(crate) fn between_powers(low: f64, high: f64) -> impl Iterator<Item = f64> {
+    let powers = libm::floor(low) as i64..=libm::floor(high) as i64;
+    let places = powers.flat_map(|n| (2..=9).map(move |k| n as f64 + libm::log10(f64::from(k))));
+    places.filter(move |at| (low..=high).contains(at))
 }
 
 /// The power of ten taken out of the labels: none from 0.01 up to 99,999, else a multiple of three.
@@ -107,7 +119,7 @@ mod tests {
     use super::*;
 
     fn check(low: f64, high: f64, most: usize, expect: &str) {
-        let ticks = choose(low, high, false, |ticks| ticks.ticks.len() <= most);
+        let ticks = choose(low, high, &figure::Ticks::Numbers, |ticks| ticks.ticks.len() <= most);
         let labels: Vec<_> = ticks.ticks.iter().map(|tick| tick.label.as_str()).collect();
         assert_eq!(labels.join(" "), expect, "{low} … {high}");
     }
@@ -129,23 +141,40 @@ mod tests {
 
     #[test]
     fn ticks_stand_at_the_decimal_number_they_name() {
-        let ticks = choose(0.0, 1.0, false, |_| true);
+        let ticks = choose(0.0, 1.0, &figure::Ticks::Numbers, |_| true);
         assert!(ticks.ticks.iter().any(|tick| tick.at == 0.3 && tick.label == "0.3"), "{ticks:?}");
     }
 
     #[test]
     fn very_small_and_very_large_numbers_share_a_power_of_ten() {
-        let small = choose(0.0, 4.2e-4, false, |ticks| ticks.ticks.len() <= 5);
+        let small = choose(0.0, 4.2e-4, &figure::Ticks::Numbers, |ticks| ticks.ticks.len() <= 5);
         assert_eq!((small.exponent, small.ticks[1].label.as_str()), (-6, "100"));
-        let large = choose(0.0, 2.5e6, false, |ticks| ticks.ticks.len() <= 4);
+        let large = choose(0.0, 2.5e6, &figure::Ticks::Numbers, |ticks| ticks.ticks.len() <= 4);
         assert_eq!((large.exponent, large.ticks[1].label.as_str()), (6, "1"));
     }
 
     #[test]
     fn counts_are_whole_and_without_sign() {
-        let ticks = choose(-3.4, 3.4, true, |_| true);
+        let ticks = choose(-3.4, 3.4, &figure::Ticks::Magnitudes, |_| true);
         let labels: Vec<_> = ticks.ticks.iter().map(|tick| tick.label.as_str()).collect();
         assert_eq!(labels, ["3", "2", "1", "0", "1", "2", "3"]);
+    }
+
+    #[test]
+    fn logarithms_are_written_as_powers_of_ten_and_skip_some_where_there_is_no_room_for_all() {
+        let powers = |low, high, most: usize| {
+            let ticks = choose(low, high, &figure::Ticks::Powers, |ticks| ticks.ticks.len() <= most);
+            assert!(ticks.exponent == 0 && ticks.ticks.iter().all(|tick| tick.at == tick.at.round()));
+            ticks.ticks.into_iter().map(|tick| tick.label).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(powers(-1.3, 1.0, 9), "10^{−1} 10^{0} 10^{1}");
+        assert_eq!(powers(-6.0, 2.0, 5), "10^{−6} 10^{−4} 10^{−2} 10^{0} 10^{2}");
+    }
+
+    #[test]
+    fn between_two_powers_of_ten_stand_their_multiples() {
+        let found: Vec<f64> = between_powers(0.5, 1.5).map(|at| 10_f64.powf(at).round()).collect();
+        assert_eq!(found, [4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 20.0, 30.0]);
     }
 
     #[test]

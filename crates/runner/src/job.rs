@@ -34,6 +34,8 @@ pub struct Job<'a> {
     pub inputs: Vec<PathBuf>,
     /// Files it makes.
     pub outputs: Vec<PathBuf>,
+    /// Whether it is made even when some of its inputs could not be: they are then missing files.
+    pub tolerant: bool,
     /// Makes them.
     pub make: Make<'a>,
 }

@@ -92,6 +92,7 @@ pub fn run(
                 (Verdict::Failed(_) | Verdict::Blocked(_), _) => {
                     changed |= records.0.remove(&jobs[i].name).is_some();
                     failed.extend(&jobs[i].outputs);
+                    withdraw(&jobs[i], files, options, &hashes);
                 }
                 _ => {}
             }
@@ -128,7 +129,7 @@ fn one(
     failed: &BTreeSet<&PathBuf>,
 ) -> Result<(Report, Option<Record>), StoreError> {
     let report = |verdict, problems| Report { stage: job.stage, name: job.name.clone(), verdict, problems };
-    if let Some(input) = job.inputs.iter().find(|i| failed.contains(i)) {
+    if let Some(input) = job.inputs.iter().find(|i| failed.contains(i) && !job.tolerant) {
         let why = format!("it needs {}, which could not be made", shown(root, input));
         return Ok((report(Verdict::Blocked(why), Vec::new()), None));
     }
@@ -177,6 +178,18 @@ fn make(job: &Job, record: &Record, files: &dyn Files) -> Result<Result<Made, St
         replace(files, path, bytes)?;
     }
     Ok(Ok(made))
+}
+
+/// What a failed job made before must not pass for current.
+fn withdraw(job: &Job, files: &dyn Files, options: &Options, hashes: &Hashes) {
+    if options.dry_run {
+        return;
+    }
+    for path in &job.outputs {
+        // A file that is not there is as good as removed.
+        let _ = files.remove(path);
+        hashes.set(path, String::new());
+    }
 }
 
 fn provenance(record: &Record) -> Provenance {
@@ -250,7 +263,7 @@ mod tests {
 
     /// a.txt → upper (A.txt) → both (with b.txt: AB.txt); b.txt → other (B.txt).
     fn jobs(root: &Path, version: u32) -> Vec<Job<'static>> {
-        let job = |stage, inputs: &[&str], output: &str, version| {
+        let job = |stage: &'static str, inputs: &[&str], output: &str, version| {
             let inputs: Vec<PathBuf> = inputs.iter().map(|i| root.join(i)).collect();
             let read = inputs.clone();
             let make: crate::job::Make = Box::new(move |_| {
@@ -264,7 +277,8 @@ mod tests {
                 Ok(Made { outputs: vec![text.to_uppercase().into_bytes()], problems: Vec::new() })
             });
             let outputs = vec![root.join(output)];
-            Job { stage, name: stage.to_owned(), version, parameters: String::new(), inputs, outputs, make }
+            let (name, parameters) = (stage.to_owned(), String::new());
+            Job { stage, name, version, parameters, inputs, outputs, tolerant: false, make }
         };
         vec![
             job("both", &["A.txt", "b.txt"], "AB.txt", 1),
@@ -341,6 +355,30 @@ mod tests {
         fs::remove_dir(root.join("A.txt")).unwrap();
         let made = run().unwrap().into_iter().filter(|r| r.verdict != Verdict::UpToDate).map(|r| r.stage);
         assert_eq!(made.collect::<Vec<_>>(), ["both", "upper"], "what was made before is remembered");
+    }
+
+    #[test]
+    fn what_a_failed_job_made_before_does_not_stay() {
+        let folder = folder();
+        let root = folder.path();
+        go(root, 1, &Options::default());
+        fs::write(root.join("a.txt"), "bad").unwrap();
+        go(root, 1, &Options::default());
+        assert!(!root.join("A.txt").exists() && !root.join("AB.txt").exists());
+        assert!(root.join("B.txt").exists());
+    }
+
+    #[test]
+    fn a_tolerant_job_is_made_without_the_inputs_that_could_not_be() {
+        let folder = folder();
+        let root = folder.path();
+        fs::write(root.join("a.txt"), "bad").unwrap();
+        let mut jobs = jobs(root, 1);
+        jobs[0].tolerant = true;
+        jobs[0].make = Box::new(|_| Ok(Made { outputs: vec![b"without".to_vec()], problems: Vec::new() }));
+        let records = root.join("records.json");
+        let reports = run(&jobs, root, &records, &RealFiles, &Options::default(), &|_| {}).unwrap();
+        assert!(matches!(reports[0].verdict, Verdict::Made(_)));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Reading strictly: a file that is not exactly what it should be is one clear error.
 
+use crate::hash::hex_blake3;
 use crate::write::{DIGEST, FOOTER_DIGEST, VERSION, column_digest, described, footer_digest};
 use crate::{Column, Samples, Signal, Storage, StoreError, Trial, TrialFile};
 use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
@@ -15,12 +16,29 @@ use zwidth_study::{Kind, ParticipantId, SCHEMA_VERSION, SessionId, Source, Statu
 
 const DAMAGED: &str = "restore the file from a copy, or exclude the trial";
 
+/// What a trial file says of itself, without its samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialFooter {
+    /// What is known of the trial.
+    pub meta: TrialMeta,
+    /// The remaining footer keys.
+    pub file: TrialFile,
+    /// The signals that were recorded, in file order.
+    pub signals: Vec<Signal>,
+    /// Number of samples.
+    pub rows: usize,
+    /// BLAKE3 of the whole file, hexadecimal.
+    pub blake3: String,
+}
+
 /// Reads what a trial file says of itself, without its samples. Participant and session come from
-/// the path. Returns the trial's meta data, the remaining footer keys, and the number of samples.
-pub fn read_meta(path: &Path) -> Result<(TrialMeta, TrialFile, usize), StoreError> {
-    let file = ParquetFile::open_recording(path)?;
-    let (meta, rest) = meta_from(path, file.footer.clone())?;
-    Ok((meta, rest, file.rows))
+/// the path.
+pub fn read_footer(path: &Path) -> Result<TrialFooter, StoreError> {
+    let opened = ParquetFile::open_recording(path)?;
+    let (meta, file) = meta_from(path, opened.footer.clone())?;
+    let is_recorded = |s: &Signal| opened.footer.contains_key(&format!("{DIGEST}{}", s.name()));
+    let signals = Signal::all().filter(is_recorded).collect();
+    Ok(TrialFooter { meta, file, signals, rows: opened.rows, blake3: hex_blake3(&opened.bytes) })
 }
 
 /// Reads a trial, with only the `signals` asked for (all: `Signal::all()`). Time is always read.

@@ -1,7 +1,7 @@
 //! Sessions: their records and event logs, and what the events say of the trials.
 
 use crate::study::files_below;
-use crate::{Layout, SessionLog, StoreError, TrialEntry, read_events};
+use crate::{Layout, SessionLog, Signal, StoreError, TrialEntry, read_events, read_trial};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -80,11 +80,18 @@ pub(crate) fn join(
     let named = |s| (name(s), s);
     let logs: BTreeMap<String, &SessionLog> = sessions.iter().map(named).collect();
     let mut silent: BTreeMap<PathBuf, Vec<String>> = BTreeMap::new();
+    let mut changed = Vec::new();
     for trial in trials {
         let m = &trial.meta;
         let name = format!("{}_{}", m.participant, m.session);
-        if logs.get(&name).is_some_and(|log| join_one(trial, &log.events)) {
-            continue;
+        match logs.get(&name).and_then(|log| join_one(trial, &log.events)) {
+            Some(hash) if hash == trial.blake3 => continue,
+            Some(_) => {
+                changed.push(difference(&trial.path));
+                trial.excluded = Some("the file is not the one that was recorded".to_owned());
+                continue;
+            }
+            None => {}
         }
         if !unreadable.contains(&name) {
             let path = layout.events(&trial.meta.participant, &trial.meta.session);
@@ -97,19 +104,27 @@ pub(crate) fn join(
         let what = format!("the log does not speak of {words} {}: left out", trials.join(", "));
         StoreError::new(path, what, RESTORE)
     });
-    silent.chain(sessions.iter().flat_map(|log| lost(layout, log))).collect()
+    silent.chain(changed).chain(sessions.iter().flat_map(|log| lost(layout, log))).collect()
+}
+
+/// How a file whose hash is not the log's came to differ: damage where that can be seen.
+fn difference(path: &Path) -> StoreError {
+    read_trial(path, Signal::all()).err().unwrap_or_else(|| {
+        let what = "the file is not the one that was recorded: its hash differs from the session's log";
+        StoreError::new(path, what, "restore the file from a copy, or exclude the trial")
+    })
 }
 
 fn name(log: &SessionLog) -> String {
     format!("{}_{}", log.record.participant, log.record.session)
 }
 
-/// Joins a session's events to one of its trials; whether one of them says that it was recorded.
-fn join_one(trial: &mut TrialEntry, events: &[Event]) -> bool {
-    let mut recorded = false;
+/// Joins a session's events to one of its trials; the hash with which it was recorded, if it was.
+fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
+    let mut recorded = None;
     for event in events.iter().filter(|e| e.trial() == Some(trial.meta.trial)) {
         match event {
-            Event::Recorded { .. } => recorded = true,
+            Event::Recorded { blake3, .. } => recorded = Some(blake3.clone()),
             Event::Superseded { by, .. } => trial.superseded_by = Some(*by),
             Event::Excluded { reason, .. } => trial.excluded = Some(reason.clone()),
             Event::Answer { .. } | Event::Note { .. } | Event::Unsealed => {}
@@ -124,14 +139,16 @@ pub(crate) fn left_out(events: &[Event], trial: u32) -> bool {
     events.iter().any(|e| leaves_out(e) && e.trial() == Some(trial))
 }
 
-/// Trials of a session that were recorded and not left out since, but whose files are gone.
+/// Trials of a session, by its record or its log, that were not left out and whose files are gone.
 fn lost(layout: &Layout, log: &SessionLog) -> Vec<StoreError> {
-    let gone = |event: &Event| {
-        let Event::Recorded { trial, .. } = event else { return None };
-        let path = layout.trial(&log.record.participant, &log.record.session, *trial);
-        let what = "the trial was recorded, but its file is missing";
+    let recorded = log.events.iter().filter(|e| matches!(e, Event::Recorded { .. })).filter_map(Event::trial);
+    let planned = log.record.trials.iter().filter(|t| t.samples).map(|t| t.trial);
+    let trials: BTreeSet<u32> = recorded.chain(planned).collect();
+    let gone = |trial: u32| {
+        let path = layout.trial(&log.record.participant, &log.record.session, trial);
+        let what = "the trial belongs to the session, but its file is missing";
         let error = || StoreError::new(&path, what, "restore the file from a copy, or exclude the trial");
-        (!path.exists() && !left_out(&log.events, *trial)).then(error)
+        (!path.exists() && !left_out(&log.events, trial)).then(error)
     };
-    log.events.iter().filter_map(gone).collect()
+    trials.into_iter().filter_map(gone).collect()
 }

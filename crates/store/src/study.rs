@@ -1,7 +1,9 @@
 //! A whole study: every trial, sweep and session there is, joined with the events.
 
+use crate::read::TrialFooter;
 use crate::sessions::{join, left_out, read_sessions};
-use crate::{Layout, StoreError, TrialFile, read_meta};
+use crate::sweep::check_place;
+use crate::{Layout, Signal, StoreError, TrialFile, read_footer};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -19,8 +21,12 @@ pub struct TrialEntry {
     pub meta: TrialMeta,
     /// What the file says of itself.
     pub file: TrialFile,
+    /// The signals that were recorded, in file order.
+    pub signals: Vec<Signal>,
     /// Number of samples.
     pub rows: usize,
+    /// BLAKE3 of the file, hexadecimal.
+    pub blake3: String,
     /// The trial that took its place.
     pub superseded_by: Option<u32>,
     /// Why it was excluded.
@@ -118,6 +124,7 @@ impl StudyData {
         let sweeps = keep(&mut problems, list_sweeps(layout));
         let (sessions, unreadable) = read_sessions(layout, &mut problems);
         problems.extend(join(layout, &mut trials, &sessions, &unreadable));
+        problems.extend(trials.iter_mut().filter_map(|trial| unfit(&study, trial)));
         Ok(Self { layout: layout.clone(), study, trials, sweeps, sessions, problems })
     }
 
@@ -164,9 +171,42 @@ impl StudyData {
             .filter(|p| p.kind == Kind::Trial && !p.samples && !left_out(&log.events, p.trial))
             .map(|p| (p.trial, Condition { environment: p.environment.clone(), mode: p.mode.clone() }))
             .collect();
+        conditions.retain(|_, c| {
+            self.study.environment(&c.environment).is_some() && self.study.mode(&c.mode).is_some()
+        });
         conditions.extend(self.counting().filter(of_session).map(|t| (t.meta.trial, t.meta.condition())));
         conditions
     }
+}
+
+/// What keeps a trial from being analysed by this `study.toml`; it then does not count.
+fn unfit(study: &Study, trial: &mut TrialEntry) -> Option<StoreError> {
+    let meta = &trial.meta;
+    let unknown = |what: &str, id: &str| {
+        let remedy = format!("add the {what} to study.toml");
+        (format!("{what} '{id}' is not in study.toml"), remedy, Some(what.to_owned()))
+    };
+    let (what, remedy, column) = if study.environment(&meta.environment).is_none() {
+        unknown("environment", meta.environment.as_str())
+    } else if study.mode(&meta.mode).is_none() {
+        unknown("mode", meta.mode.as_str())
+    } else if let Some(lever) = trial.file.get("lever_m").filter(|l| !is_lever(study, l)) {
+        let now = study.device.lever_m.map_or_else(|| "none".to_owned(), |l| format!("{l} m"));
+        let what = format!("it was converted with a lever of {lever} m, and device.lever_m is {now}");
+        (what, "put device.lever_m back, or import the recording again".to_owned(), None)
+    } else {
+        return None;
+    };
+    trial.excluded = Some(what.clone());
+    let error = StoreError::new(&trial.path, format!("{what}: left out"), remedy);
+    Some(match column {
+        Some(column) => error.column(column),
+        None => error,
+    })
+}
+
+fn is_lever(study: &Study, text: &str) -> bool {
+    study.device.lever_m.is_some_and(|lever_m| lever_m.to_string() == text)
 }
 
 fn new_answer(
@@ -196,11 +236,24 @@ fn keep<T>(problems: &mut Vec<StoreError>, results: Vec<Result<T, StoreError>>) 
     good
 }
 
-fn read_study(layout: &Layout) -> Result<Study, Vec<StoreError>> {
+/// Reads a study's `study.toml`.
+///
+/// # Errors
+/// A missing file; every problem in it, with key and line; an id that is not the folder's.
+pub fn read_study(layout: &Layout) -> Result<Study, Vec<StoreError>> {
     let path = layout.study_toml();
     let text = std::fs::read_to_string(&path).map_err(|e| vec![StoreError::io(&path, "read", &e)])?;
     let study = Study::from_toml(&text).map_err(|errors| {
-        errors.iter().map(|e| StoreError::new(&path, e.to_string(), "mend the line")).collect::<Vec<_>>()
+        errors
+            .iter()
+            .map(|e| {
+                StoreError::new(
+                    &path,
+                    e.to_string(),
+                    "see the comments of a study.toml that `zwidth new` writes",
+                )
+            })
+            .collect::<Vec<_>>()
     })?;
     if study.id != *layout.study() {
         let what = format!("study.id is '{}' in the folder '{}'", study.id, layout.study());
@@ -217,14 +270,14 @@ fn read_trials(layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
     files
         .into_par_iter()
         .map(|path| {
-            let (meta, file, rows) = read_meta(&path)?;
+            let TrialFooter { meta, file, signals, rows, blake3 } = read_footer(&path)?;
             let expected = layout.trial(&meta.participant, &meta.session, meta.trial);
             if expected != path {
                 let what = format!("the file is trial {} by its footer, but not by its name", meta.trial);
                 let remedy = format!("it belongs at {}; a trial must not exist twice", expected.display());
                 return Err(StoreError::new(&path, what, remedy));
             }
-            Ok(TrialEntry { path, meta, file, rows, superseded_by: None, excluded: None })
+            Ok(TrialEntry { path, meta, file, signals, rows, blake3, superseded_by: None, excluded: None })
         })
         .collect()
 }
@@ -240,6 +293,7 @@ fn list_sweeps(layout: &Layout) -> Vec<Result<SweepEntry, StoreError>> {
             let actuator = crate::read::from_path(&path, "actuator")?;
             let actuator = ActuatorId::new(actuator)
                 .map_err(|e| StoreError::new(&path, e.to_string(), "rename the folder"))?;
+            check_place(layout, &path, &actuator)?;
             Ok(SweepEntry { path, actuator })
         })
         .collect()

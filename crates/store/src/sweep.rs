@@ -2,7 +2,7 @@
 
 use crate::read::{ParquetFile, check_described, floats, from_path};
 use crate::write::{DIGEST, column_digest, described};
-use crate::{Storage, StoreError, write_parquet};
+use crate::{Layout, Storage, StoreError, write_parquet};
 use arrow::array::{ArrayRef, Float64Array, RecordBatch, new_null_array};
 use arrow::datatypes::{DataType, Field, Schema};
 use std::collections::BTreeMap;
@@ -83,6 +83,7 @@ pub fn sweep_bytes(sweep: &Sweep, path: &Path) -> Result<Vec<u8>, StoreError> {
         footer.insert(key.to_owned(), value.to_owned());
     }
     footer.insert("sweep".to_owned(), sweep.sweep.to_string());
+    footer.insert("actuator".to_owned(), sweep.actuator.to_string());
     let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
     let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
         .map_err(|e| StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it"))?;
@@ -116,6 +117,22 @@ fn column(
     Ok((field, Arc::new(Float64Array::from(values.to_vec()))))
 }
 
+/// Checks that a sweep lies where its footer says it belongs, so that none exists twice.
+pub(crate) fn check_place(layout: &Layout, path: &Path, actuator: &ActuatorId) -> Result<(), StoreError> {
+    let footer = ParquetFile::open_recording(path)?.footer;
+    let says = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default();
+    let number = says("sweep").parse::<u32>().ok();
+    if says("actuator") == actuator.as_str() && number.is_some_and(|n| layout.sweep(actuator, n) == path) {
+        return Ok(());
+    }
+    let what = format!(
+        "the file is sweep {} of '{}' by its footer, but not by its name",
+        says("sweep"),
+        says("actuator")
+    );
+    Err(StoreError::new(path, what, "give it its own name again; a sweep must not exist twice"))
+}
+
 /// Reads a sweep; the actuator comes from the path. Checks are those of a trial.
 pub fn read_sweep(path: &Path) -> Result<Sweep, StoreError> {
     let file = ParquetFile::open_recording(path)?;
@@ -146,7 +163,7 @@ pub fn read_sweep(path: &Path) -> Result<Sweep, StoreError> {
         Ok(Some(values))
     };
     let missing = |name: &str| StoreError::new(path, "the column has no digest", remedy).column(name);
-    let known = ["source", "command", "command_unit", "response", "response_unit", "sweep"];
+    let known = ["actuator", "source", "command", "command_unit", "response", "response_unit", "sweep"];
     Ok(Sweep {
         actuator: ActuatorId::new(from_path(path, "actuator")?)
             .map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))?,

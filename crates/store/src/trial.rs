@@ -75,7 +75,8 @@ impl Samples {
 
 fn fits(value: f64, storage: crate::Storage) -> bool {
     match storage {
-        crate::Storage::F64 | crate::Storage::F32 => value.is_finite(),
+        crate::Storage::F64 => value.is_finite(),
+        crate::Storage::F32 => value.abs() <= f64::from(f32::MAX),
         crate::Storage::U16 => (0.0..=f64::from(u16::MAX)).contains(&value) && value.fract() == 0.0,
     }
 }
@@ -83,7 +84,7 @@ fn fits(value: f64, storage: crate::Storage) -> bool {
 /// What a trial file says of itself besides the trial: key → value, in the file's footer.
 ///
 /// Known keys: `study_blake3`, `calibration_blake3`, `device`, `software`, `start_utc`, `seed`,
-/// `made_by_import` (what import computed, such as a derivative), `source_blake3` and `mapping_blake3`
+/// `lever_m` (the lever length that turned lengths into angles or torques into forces), `made_by_import` (what import computed, such as a derivative), `source_blake3` and `mapping_blake3`
 /// (the imported file and the mapping it came through).
 pub type TrialFile = BTreeMap<String, String>;
 
@@ -120,6 +121,11 @@ mod tests {
         check(&[(Time, &[0.0, 1.0]), (Theta, &[0.0])], "1 values where others have 2", None);
         check(&[(Time, &[0.0, 1.0]), (Theta, &[0.0, f64::NAN])], "theta_rad, row 2: NaN", Some(2));
         check(&[(Time, &[0.0, 1.0]), (Flags, &[0.0, 0.5])], "flags, row 2: 0.5", Some(2));
+        check(
+            &[(Time, &[0.0, 1.0]), (Signal::VoltageMotor, &[0.0, 1e39])],
+            "voltage_motor_v, row 2",
+            Some(2),
+        );
         check(&[(Time, &[0.0, 1.0, 1.0])], "runs backwards or stands still: 1 s after 1 s", Some(3));
     }
 

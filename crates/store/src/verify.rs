@@ -1,14 +1,11 @@
 //! `verify`: every finding in a study, not only the first.
 
 use crate::study::files_below;
-use crate::{
-    Layout, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry, file_blake3, read_sweep,
-    read_trial,
-};
+use crate::{Layout, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry, read_sweep, read_trial};
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use zwidth_study::{Event, Kind, Study};
+use zwidth_study::{Event, Study};
 
 /// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit at
 /// which the safety layer cuts the voltage).
@@ -24,6 +21,7 @@ pub fn verify(layout: &Layout) -> Vec<StoreError> {
     findings.extend(data.trials.par_iter().flat_map_iter(|t| trial(&data, t)).collect::<Vec<_>>());
     findings.extend(data.sweeps.par_iter().filter_map(|s| read_sweep(&s.path).err()).collect::<Vec<_>>());
     findings.extend(data.sessions.iter().flat_map(|s| session(&data, s)));
+    findings.extend(doubled(&data));
     findings.extend(strays(layout));
     findings.sort_by(|a, b| (&a.path, &a.column, a.row).cmp(&(&b.path, &b.column, b.row)));
     findings.dedup();
@@ -35,23 +33,42 @@ fn trial(data: &StudyData, entry: &TrialEntry) -> Vec<StoreError> {
         Ok(trial) => trial,
         Err(error) => return vec![error],
     };
-    let mut findings = words(&data.study, entry);
-    findings.extend(work_space(&data.study, &entry.path, &read.samples));
-    findings.extend(recorded(data, entry));
-    findings
+    // Whether it fits study.toml and its session's log was told when the study was loaded.
+    let findings = [
+        work_space(&data.study, &entry.path, &read.samples),
+        too_long(&data.study, &entry.path, &read.samples),
+    ];
+    findings.into_iter().flatten().collect()
 }
 
-fn words(study: &Study, entry: &TrialEntry) -> Vec<StoreError> {
-    let unknown = |what: &str, id: &str| {
-        let text = format!("{what} '{id}' is not in study.toml");
-        StoreError::new(&entry.path, text, format!("add the {what} to study.toml")).column(what)
-    };
-    let meta = &entry.meta;
-    let environment = study.environment(&meta.environment).is_none();
-    let mode = study.mode(&meta.mode).is_none();
-    let environment = environment.then(|| unknown("environment", meta.environment.as_str()));
-    let mode = mode.then(|| unknown("mode", meta.mode.as_str()));
-    environment.into_iter().chain(mode).collect()
+/// A trial longer than the design allows: usually milliseconds taken for seconds.
+fn too_long(study: &Study, path: &Path, samples: &Samples) -> Option<StoreError> {
+    let t = samples.get(Signal::Time)?;
+    let (length, limit) = (t.last()? - t.first()?, study.design.trial_limit_s);
+    let what = format!("it lasts {length} s, longer than design.trial_limit_s = {limit} s");
+    let remedy = "check the unit of its time, or raise the limit in study.toml";
+    (length > limit).then(|| StoreError::new(path, what, remedy).column(Signal::Time.name()))
+}
+
+/// Two trials that count as one repeat: one of them was meant to be superseded or excluded.
+fn doubled(data: &StudyData) -> Vec<StoreError> {
+    let mut seen = BTreeMap::new();
+    let mut findings = Vec::new();
+    for t in data.counting() {
+        let m = &t.meta;
+        if let Some(first) = seen.insert((&m.participant, &m.session, m.condition(), m.repeat), m.trial) {
+            let what = format!(
+                "trials {first} and {} both count as repeat {} of {} × {}",
+                m.trial, m.repeat, m.environment, m.mode
+            );
+            findings.push(StoreError::new(
+                &t.path,
+                what,
+                "exclude or supersede one of them, or number the repeats",
+            ));
+        }
+    }
+    findings
 }
 
 fn work_space(study: &Study, path: &Path, samples: &Samples) -> Option<StoreError> {
@@ -63,27 +80,6 @@ fn work_space(study: &Study, path: &Path, samples: &Samples) -> Option<StoreErro
     let remedy =
         "exclude the trial if the angle was lost, or mend theta_min_deg and theta_max_deg in study.toml";
     Some(StoreError::new(path, what, remedy).column(Signal::Theta.name()).row0(row))
-}
-
-/// Whether the file is the one whose hash the session's log holds.
-fn recorded(data: &StudyData, entry: &TrialEntry) -> Option<StoreError> {
-    let of_session = |s: &&SessionLog| {
-        s.record.participant == entry.meta.participant && s.record.session == entry.meta.session
-    };
-    let log = data.sessions.iter().find(of_session);
-    let hash = log.into_iter().flat_map(|s| &s.events).find_map(|e| match e {
-        Event::Recorded { trial, blake3 } if *trial == entry.meta.trial => Some(blake3),
-        _ => None,
-    });
-    let found = match file_blake3(&entry.path) {
-        Ok(found) => found,
-        Err(error) => return Some(error),
-    };
-    // A trial that no log speaks of was told when the study was loaded.
-    hash.filter(|hash| **hash != found).map(|_| {
-        let what = "the file is not the one that was recorded: its hash differs from the session's log";
-        StoreError::new(&entry.path, what, "restore the file from a copy, or exclude the trial")
-    })
 }
 
 fn session(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
@@ -152,14 +148,4 @@ fn unfinished(folder: &Path) -> Vec<std::path::PathBuf> {
         }
     }
     found
-}
-
-/// Trials that do not count, each with its reason, in words a person reads.
-pub fn left_out(data: &StudyData) -> Vec<String> {
-    let line = |t: &TrialEntry| {
-        let why = t.why_not().filter(|_| t.meta.kind == Kind::Trial)?;
-        let m = &t.meta;
-        Some(format!("{} {} trial {}: {why}", m.participant, m.session, m.trial))
-    };
-    data.trials.iter().filter_map(line).collect()
 }

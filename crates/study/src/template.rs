@@ -28,7 +28,8 @@ trial_limit_s = 4.0
 pause_s = 5.0
 
 [coordinate]
-# "rotational": figures and tables speak of degrees. "linear": of millimetres, with x = L θ.
+# "rotational": figures and tables speak of degrees. "linear": of millimetres, with x = L θ; the keys below
+# then end in _mm instead of _deg and in _n_per_mm instead of _n_per_rad (lever_m = 1.0 for a slide).
 kind = "rotational"
 
 [device]

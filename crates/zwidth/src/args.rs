@@ -1,7 +1,9 @@
 //! What can be typed. Parsed here, resolved into work by the commands.
 
+use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
 use zwidth_study::StudyId;
 use zwidth_tables::Format;
 
@@ -51,6 +53,8 @@ pub(crate) enum Command {
         /// A study [default: all]
         study: Option<StudyId>,
     },
+    /// Run a model of the device: figures and tables of scenes
+    Simulate(Simulate),
     /// Print a table of a study, or list its tables
     Table(Table),
     /// Completions for a shell
@@ -89,6 +93,44 @@ pub(crate) struct Import {
     pub(crate) files: Vec<PathBuf>,
 }
 
+/// What --tolerance is unless told otherwise: [`zwidth_simulate::DEFAULT_TOLERANCE`] as people write it.
+const DEFAULT_TOLERANCE: &str = "1e-9";
+
+/// A number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "it must be a number".to_owned())?;
+    if number > 0.0 && number.is_finite() {
+        Ok(number)
+    } else {
+        Err("it must be finite and above 0".to_owned())
+    }
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Simulate {
+    /// Scenes; of two or more the inputs are drawn beside each other too
+    #[arg(required = true, value_name = "SCENE.toml")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// The solver
+    #[arg(long, value_name = "NAME", default_value = DEFAULT_SOLVER, value_parser = PossibleValuesParser::new(SOLVERS))]
+    pub(crate) solver: String,
+    /// Time between samples in s, which is the step of solvers of a fixed step [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) step: Option<f64>,
+    /// Relative error a step that dormand_prince and tr_bdf2 aim for
+    #[arg(long, value_name = "X", value_parser = positive, default_value = DEFAULT_TOLERANCE)]
+    pub(crate) tolerance: f64,
+    /// Folder to write to [default: reports/simulate]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Every solver at steps from 8.3 ms down: which oscillation is the method's, and which the model's
+    #[arg(long)]
+    pub(crate) chattering: bool,
+    /// Instead of pushing the lever, move it from stop to stop and back: force against angle
+    #[arg(long, conflicts_with = "chattering")]
+    pub(crate) bow_tie: bool,
+}
+
 #[derive(Debug, clap::Args)]
 pub(crate) struct Table {
     /// The study
@@ -123,6 +165,23 @@ impl From<TableFormat> for Format {
             TableFormat::Md => Self::Markdown,
             TableFormat::Csv => Self::Csv,
             TableFormat::Html => Self::Html,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_tolerance_is_the_stage_s_own() {
+        assert_eq!(positive(DEFAULT_TOLERANCE), Ok(zwidth_simulate::DEFAULT_TOLERANCE));
+    }
+
+    #[test]
+    fn what_is_not_above_zero_is_refused() {
+        for text in ["0", "-1", "nan", "inf", "much"] {
+            assert!(positive(text).is_err(), "{text}");
         }
     }
 }

@@ -37,6 +37,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::Import(command) => commands::import::import(root, &command, screen),
         Command::Verify { studies } => commands::verify::verify(root, studies, screen),
         Command::List { study } => commands::list::list(root, study, screen),
+        Command::Simulate(command) => commands::simulate::simulate(root, &command, screen),
         Command::Table(command) => commands::table::table(root, &command, screen),
         Command::Completions { shell } => commands::shell::completions(shell, screen),
         Command::Man => commands::shell::man(screen),

@@ -140,11 +140,11 @@ fn parameters(
 
 /// What to say of a break with one command or none to one side of it, or whose interval reaches there.
 fn break_note(levels: &[f64], at: f64, interval: Option<(f64, f64)>, unit: &str) -> Option<String> {
-    let (lowest, highest) = break_range(levels)?;
+    let (_, highest) = break_range(levels)?;
     let at_low_edge = |x: f64| x < levels[1];
     let at_high_edge = |x: f64| x >= highest;
     if at_low_edge(at) {
-        return Some(format!("≤ {} {unit} (edge of the data): not identifiable", significant(lowest)));
+        return Some(format!("≤ {} {unit} (edge of the data): not identifiable", significant(levels[1])));
     }
     if at_high_edge(at) {
         return Some(format!("≥ {} {unit} (edge of the data): not identifiable", significant(highest)));

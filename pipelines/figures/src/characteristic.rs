@@ -1,7 +1,7 @@
 //! Figures 22 and 23: what came of a command, every sweep, with the chosen fit and its bands.
 
 use crate::data::gaps;
-use crate::words::{mark, plain};
+use crate::words::{mark, percent, plain};
 use zwidth_draw::style::{self, Colour};
 use zwidth_draw::{Axis, Band, Cell, Figure, Layer, Line, Panel, Points, Text, TextPlace};
 use zwidth_store::{Quantity, Sweep};
@@ -14,17 +14,18 @@ const PANEL_MM: f64 = 65.0;
 /// More points than this hide one another: they are drawn smaller and paler.
 const MANY_POINTS: usize = 1000;
 
-/// The characteristic of one actuator or sensor. `models` and `curve` are the stage's tables.
+/// The characteristic of one actuator or sensor. `models` and `curve` are the stage's tables, `level` the level of their intervals.
 pub fn characteristic(
     actuator: &str,
     sweeps: &[Sweep],
     models: &Table,
     curve: &Table,
+    level: f64,
 ) -> Result<Figure, TableError> {
     let quantity = |of: fn(&Sweep) -> &Quantity| sweeps.first().map(of).cloned().unwrap_or_else(nothing);
     let (command, response) = (quantity(|s| &s.command), quantity(|s| &s.response));
     let mut layers = vec![points(sweeps)];
-    layers.extend(fit(curve, style::mode_colour(0))?);
+    layers.extend(fit(curve, level, style::mode_colour(0))?);
     let lines = about(models, &response.unit)?;
     layers.push(Layer::Text(Text { lines, place: TextPlace::EmptiestCorner }));
     let panel = Panel::new(Cell::at(0, 0), axis(&command), axis(&response), layers);
@@ -83,7 +84,7 @@ fn points(sweeps: &[Sweep]) -> Layer {
     })
 }
 
-fn fit(curve: &Table, colour: Colour) -> Result<Vec<Layer>, TableError> {
+fn fit(curve: &Table, level: f64, colour: Colour) -> Result<Vec<Layer>, TableError> {
     let column = |name: &str| Ok::<_, TableError>(gaps(curve.floats(name)?));
     let x = column("command")?;
     let band = |low: &str, high: &str, name: &str| {
@@ -108,7 +109,7 @@ fn fit(curve: &Table, colour: Colour) -> Result<Vec<Layer>, TableError> {
     };
     let first_order = style::reference();
     Ok(vec![
-        band("prediction_low", "prediction_high", "95 % prediction band")?,
+        band("prediction_low", "prediction_high", &format!("{} prediction band", percent(level)))?,
         line("first_order", "first-order fit", first_order)?,
         line("fit", "chosen fit", style::mean(colour))?,
     ])

@@ -1,5 +1,6 @@
 //! What the figures of trials are made from.
 
+use crate::words::plain;
 use zwidth_store::{Signal, Trial};
 use zwidth_study::{Environment, Source, Study};
 use zwidth_tables::{Table, TableError};
@@ -11,6 +12,13 @@ pub struct Repeat<'a> {
     pub trial: &'a Trial,
     /// Movement onset, s; time axes count from it. Without one they count from the trial's start.
     pub onset_s: Option<f64>,
+}
+
+impl ModeData<'_> {
+    /// Name in the legend, with the number of repeats.
+    pub(crate) fn name(&self) -> String {
+        plain(&format!("{} (n = {})", self.label, self.repeats.len()))
+    }
 }
 
 impl Repeat<'_> {
@@ -65,6 +73,21 @@ impl Scene<'_> {
         self.modes.iter().flat_map(|m| &m.repeats).any(|r| r.signal(signal).is_some())
     }
 
+    /// Whether time counts from movement onset: where some repeat has one, those without are not drawn over time.
+    pub(crate) fn aligned(&self) -> bool {
+        self.modes.iter().flat_map(|m| &m.repeats).any(|r| r.onset_s.is_some())
+    }
+
+    /// Label of the time axis.
+    pub(crate) fn time_label(&self) -> &'static str {
+        if self.aligned() { "time since movement onset" } else { "time" }
+    }
+
+    /// The level of the study's intervals, in per cent: `95 %`.
+    pub(crate) fn level(&self) -> String {
+        crate::words::percent(self.study.analysis.confidence)
+    }
+
     /// The force, or the torque where no lever length made it one.
     pub(crate) fn load(&self) -> Signal {
         if self.has(Signal::ForceEx) || !self.has(Signal::TorqueEx) {
@@ -88,6 +111,7 @@ pub(crate) fn stem(signal: Signal) -> Option<(&'static str, &'static str)> {
         Signal::Theta => ("theta", "rad"),
         Signal::ThetaDot => ("theta_dot", "rad_s"),
         Signal::ForceEx => ("force_ex", "n"),
+        Signal::TorqueEx => ("torque_ex", "nm"),
         Signal::ForceCmd => ("force_cmd", "n"),
         _ => return None,
     })

@@ -1,6 +1,6 @@
 //! The data behind a figure, as a table: what is saved beside it.
 
-use zwidth_draw::{Figure, Layer, markup};
+use zwidth_draw::{Axis, Figure, Layer, Ticks, markup};
 use zwidth_tables::{Column, Table, TableError};
 
 /// One drawn value.
@@ -26,9 +26,7 @@ pub fn data_table(name: &str, figure: &Figure) -> Result<Table, TableError> {
         .iter()
         .enumerate()
         .flat_map(|(p, panel)| {
-            let axes =
-                format!("{} ({}) against {} ({})", panel.y.label, panel.y.unit, panel.x.label, panel.x.unit);
-            let axes = markup::plain(&axes);
+            let axes = markup::plain(&format!("{} against {}", words(&panel.y), words(&panel.x)));
             panel
                 .layers
                 .iter()
@@ -57,6 +55,12 @@ pub fn data_table(name: &str, figure: &Figure) -> Result<Table, TableError> {
             number("high", "upper end of a band or whisker", |r| r.high),
         ],
     )
+}
+
+/// What stands on an axis, with its unit.
+fn words(axis: &Axis) -> String {
+    let scale = if axis.ticks == Ticks::Powers { "log10 of " } else { "" };
+    format!("{scale}{} ({})", axis.label, axis.unit)
 }
 
 /// A gap is null.
@@ -101,7 +105,7 @@ fn rows_of(panel: i64, axes: &str, layer: i64, data: &Layer) -> Vec<Row> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_draw::{Axis, Cell, Line, Panel};
+    use zwidth_draw::{Cell, Line, Panel};
 
     #[test]
     fn every_point_of_a_line_is_a_row_and_a_gap_is_null() {

@@ -1,6 +1,6 @@
 //! Plane-fit coefficients of free motion with their intervals: sessions side by side, one colour a mode.
 
-use crate::words::{mark, plain};
+use crate::words::{mark, percent, plain};
 use zwidth_draw::style::{self, Marker};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Intervals, Layer, Panel, dodge};
 use zwidth_study::{Source, Study};
@@ -48,10 +48,11 @@ pub fn free_motion(study: &Study, fits: &Table) -> Result<Figure, TableError> {
     }
     Ok(Figure {
         title: Some(plain(&format!("{}: plane fits of free motion", study.title))),
-        description:
-            "Coefficients of torque = c + I·acceleration + b·velocity for each session and mode, with their \
-                      95 % intervals (Newey–West)."
-                .to_owned(),
+        description: format!(
+            "Coefficients of torque = c + I·acceleration + b·velocity for each session and mode, with their {} \
+             intervals (Newey–West).",
+            percent(study.analysis.confidence)
+        ),
         panels,
         footnotes: fits.notes().iter().map(|n| plain(n)).collect(),
         mark: mark(fits.texts("source")?.iter().flatten().filter_map(|s| Source::from_word(s))),

@@ -10,8 +10,13 @@
 //! | `characteristic` | 22, 23 | an actuator's response to its command, with the chosen fit |
 //! | `likert` | 30 | answers, diverging bars with counts |
 //! | `freemotion` | – | plane-fit coefficients with intervals, by session and mode |
+//! | `simulation` | 11, 12, 33–35; 8 | model runs: forces against angle and time, angle against time; their inputs |
+//! | `bow_tie` | 31 | brake and motor of a lever whose motion is given |
+//! | `chattering` | – | swings of solvers against their step |
 
+mod bow_tie;
 mod characteristic;
+mod chattering;
 mod data;
 mod export;
 mod freemotion;
@@ -20,11 +25,14 @@ mod loops;
 mod modes;
 mod panels;
 mod repeats;
+mod simulation;
 #[cfg(test)]
 mod tests;
 mod words;
 
+pub use bow_tie::bow_tie;
 pub use characteristic::characteristic;
+pub use chattering::chattering;
 pub use data::{ModeData, Repeat, Scene};
 pub use export::data_table;
 pub use freemotion::free_motion;
@@ -32,6 +40,7 @@ pub use likert::{LikertPanel, likert};
 pub use loops::loops;
 pub use modes::modes;
 pub use repeats::repeats;
+pub use simulation::{MOST_SIDE_BY_SIDE, inputs, simulation};
 pub use words::{Words, mark};
 
 /// Version of the figures' form: raised when a figure would look different from the same data.

@@ -16,12 +16,14 @@ const PANEL_MM: f64 = 55.0;
 pub fn loops(study: &Study, scenes: &[Scene]) -> Result<Figure, TableError> {
     let words = Words::new(study.coordinate);
     let load = scenes.first().map_or(Signal::ForceEx, Scene::load);
+    let load_word = if load == Signal::TorqueEx { "torque" } else { "force" };
+    let who = scenes.first().map(|s| s.who.as_str()).unwrap_or_default();
     let mut panels = Vec::new();
     for (index, mode) in study.modes.iter().enumerate() {
         let mut layers = Vec::new();
         for (i, scene) in scenes.iter().enumerate() {
             let Some(data) = scene.modes.iter().find(|m| m.index == index) else { continue };
-            layers.extend(one(scene, words, data, style::mode_colour(i))?);
+            layers.extend(one(scene, words, data, style::environment_colour(i))?);
         }
         if layers.is_empty() {
             continue;
@@ -32,10 +34,13 @@ pub fn loops(study: &Study, scenes: &[Scene]) -> Result<Figure, TableError> {
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
     }
     Ok(Figure {
-        title: Some(plain(&format!("{}: force against {}", study.title, words.position_word()))),
+        title: Some(plain(&format!(
+            "{}: {load_word} against {} ({who})",
+            study.title,
+            words.position_word()
+        ))),
         description: format!(
-            "{}: force against {} there and back, one panel a mode, one loop an environment.",
-            scenes.first().map(|s| s.who.as_str()).unwrap_or_default(),
+            "{who}: {load_word} against {} there and back, one panel a mode, one loop an environment.",
             words.position_word()
         ),
         width_mm: if panels.len() == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },

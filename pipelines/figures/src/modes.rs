@@ -17,24 +17,19 @@ pub fn modes(scene: &Scene) -> Result<Figure, TableError> {
     let load = scene.load();
     let mut panels = Vec::new();
     for (row, signal) in [Signal::Theta, load, Signal::ThetaDot].into_iter().enumerate() {
-        let time = time_axis(if row == 2 { time_label(scene) } else { "" });
+        let time = time_axis(if row == 2 { scene.time_label() } else { "" });
         panels.push(over_time(scene, words, Cell::at(row, 0), time, signal)?);
     }
     panels.push(loop_panel(scene, words, load)?);
     Ok(Figure {
-        title: Some(plain(&format!("{}: {}", scene.study.title, scene.environment.label))),
+        title: Some(plain(&format!("{}: {} ({})", scene.study.title, scene.environment.label, scene.who))),
         description: describe(scene, words),
         panels,
         column_weights: vec![1.15, 1.0],
-        footnotes: scene.notes.iter().map(|n| plain(n)).collect(),
+        footnotes: footnotes(scene),
         mark: mark(scene.sources()),
         ..Figure::default()
     })
-}
-
-fn time_label(scene: &Scene) -> &'static str {
-    let aligned = scene.modes.iter().flat_map(|m| &m.repeats).any(|r| r.onset_s.is_some());
-    if aligned { "time since movement onset" } else { "time" }
 }
 
 fn describe(scene: &Scene, words: Words) -> String {
@@ -42,13 +37,32 @@ fn describe(scene: &Scene, words: Words) -> String {
         scene.modes.iter().map(|m| format!("{} {}", m.repeats.len(), m.label.to_lowercase())).collect();
     format!(
         "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}. Thick: mean of \
-         the repeats with its pointwise 95 % band; thin: every repeat.",
+         the repeats with its pointwise {} band; thin: every repeat.",
         scene.who,
         scene.environment.label,
         words.position_word(),
         words.position_word(),
         counts.join(", "),
+        scene.level(),
     )
+}
+
+/// What the pens mean, and what is to be said of the means.
+fn footnotes(scene: &Scene) -> Vec<String> {
+    let mut legend = String::new();
+    if scene.modes.iter().any(|m| m.average.is_some()) {
+        legend += "Thick: mean of the repeats";
+        if scene.modes.iter().any(|m| m.average.is_some() && m.repeats.len() > 1) {
+            legend += &format!(", with its pointwise {} band", scene.level());
+        }
+        legend += "; thin: every repeat";
+        if scene.environment.scene.wall_rad().is_some() {
+            legend += "; dotted: at the wall or past it";
+        }
+        legend += ".";
+    }
+    let legend = (!legend.is_empty()).then_some(legend);
+    legend.into_iter().chain(scene.notes.iter().map(|n| plain(n))).collect()
 }
 
 fn over_time(
@@ -68,9 +82,9 @@ fn over_time(
         let single = mode.average.is_none();
         let colour = style::mode_colour(mode.index);
         let stroke = if single { style::single(colour) } else { style::faint(colour) };
-        let lines = mode.repeats.iter().filter_map(|r| repeat_over_time(words, r, signal, stroke));
+        let lines = mode.repeats.iter().filter_map(|r| repeat_over_time(scene, words, r, signal, stroke));
         layers.extend(lines.enumerate().map(|(i, mut line)| {
-            line.name = (single && i == 0).then(|| plain(mode.label));
+            line.name = (single && i == 0).then(|| mode.name());
             Layer::Line(line)
         }));
     }

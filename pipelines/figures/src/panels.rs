@@ -1,7 +1,7 @@
 //! What several figures share: curves of repeats and means, wall lines, axes of the force.
 
 use crate::data::{ModeData, Repeat, Scene, gaps, mean_curve};
-use crate::words::{Words, plain};
+use crate::words::Words;
 use zwidth_draw::style::{self, Colour, Stroke};
 use zwidth_draw::{Axis, Band, Direction, Layer, Line, Reference};
 use zwidth_store::Signal;
@@ -36,11 +36,15 @@ pub(crate) fn past_wall(scene: &Scene, theta_rad: &[f64]) -> Vec<bool> {
 
 /// One repeat's signal against time.
 pub(crate) fn repeat_over_time(
+    scene: &Scene,
     words: Words,
     repeat: &Repeat,
     signal: Signal,
     stroke: Stroke,
 ) -> Option<Line> {
+    if scene.aligned() && repeat.onset_s.is_none() {
+        return None; // it never moved: it has no place on this axis
+    }
     let y = on_axis(words, signal, repeat.signal(signal)?);
     Some(Line { x: repeat.time(), y, stroke, ..Line::default() })
 }
@@ -64,7 +68,7 @@ pub(crate) fn mean_over_time(
     let colour = style::mode_colour(mode.index);
     let dotted = mean_curve(average, Signal::Theta)?.map_or(Vec::new(), |c| past_wall(scene, &c.mean));
     let shown = |values: &[f64]| on_axis(words, signal, values);
-    let name = Some(plain(mode.label));
+    let name = Some(mode.name());
     let mut layers = Vec::new();
     if curve.low.iter().any(|v| v.is_finite()) {
         let (low, high) = (shown(&curve.low), shown(&curve.high));
@@ -91,7 +95,7 @@ pub(crate) fn mean_loop(
         y: force.mean,
         dotted: past_wall(scene, &theta.mean),
         stroke: style::mean(colour),
-        name: Some(plain(mode.label)),
+        name: Some(mode.name()),
     }))
 }
 

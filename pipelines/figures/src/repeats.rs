@@ -20,9 +20,10 @@ pub fn repeats(scene: &Scene, mode: &ModeData) -> Figure {
     ];
     Figure {
         title: Some(plain(&format!(
-            "{}: every repeat, {}",
+            "{}: every repeat, {} ({})",
             scene.environment.label,
-            mode.label.to_lowercase()
+            mode.label.to_lowercase(),
+            scene.who,
         ))),
         description: format!(
             "{}, environment {}, mode {}: all {} repeats. Force against {}, then {} and velocity against time. Dotted: \
@@ -74,14 +75,14 @@ fn force_panel(scene: &Scene, words: Words, mode: &ModeData, load: Signal) -> Pa
 
 fn time_panel(scene: &Scene, words: Words, mode: &ModeData, cell: Cell, signal: Signal) -> Panel {
     let lines = mode.repeats.iter().zip(strokes(mode)).enumerate().filter_map(|(i, (repeat, stroke))| {
-        let line = repeat_over_time(words, repeat, signal, stroke)?;
+        let line = repeat_over_time(scene, words, repeat, signal, stroke)?;
         Some(Layer::Line(Line { name: Some(name(mode, i)), ..line }))
     });
     let mut layers: Vec<Layer> = lines.collect();
     if signal == Signal::Theta && !layers.is_empty() {
         layers.extend(wall_line(scene, words, Direction::Horizontal));
     }
-    finished(Panel::new(cell, time_axis("time"), axis(words, signal), layers), words)
+    finished(Panel::new(cell, time_axis(scene.time_label()), axis(words, signal), layers), words)
 }
 
 /// A panel without data says so.

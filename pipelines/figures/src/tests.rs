@@ -131,5 +131,5 @@ fn stars_and_underscores_in_names_are_no_markup() {
     study.environments[1].label = "a*b*_c".to_owned();
     let trial = trial(Source::Recorded, &ALL);
     let figure = modes(&scene(&study, &trial, None)).unwrap();
-    assert!(zwidth_draw::markup::plain(&figure.title.unwrap()).ends_with("a*b*_c"));
+    assert!(zwidth_draw::markup::plain(&figure.title.unwrap()).ends_with("a*b*_c (P01 S01)"));
 }

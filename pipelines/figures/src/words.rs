@@ -9,6 +9,11 @@ pub fn mark(sources: impl IntoIterator<Item = Source>) -> Option<String> {
     simulated.then(|| "SYNTHETIC: simulated, not measured".to_owned())
 }
 
+/// The stamp of a figure made from model runs.
+pub(crate) fn model_mark() -> Option<String> {
+    Some("SIMULATION: a model run".to_owned())
+}
+
 /// Symbols and units of a study's axes: degrees for a lever, millimetres for a slide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Words {
@@ -71,6 +76,11 @@ impl Words {
 /// A name from a study as it stands: its stars and underscores are no markup.
 pub(crate) fn plain(name: &str) -> String {
     markup::escape(name)
+}
+
+/// A share as per cent: 0.95 → `95 %`.
+pub(crate) fn percent(share: f64) -> String {
+    format!("{} %", (share * 1e4).round() / 1e2)
 }
 
 /// Axis of time.

@@ -160,7 +160,10 @@ fn a_duplicate_trial_is_refused_in_one_import_and_in_the_next() {
     );
     world.refuses(&[a.clone(), a.clone()], &["a.csv", "given twice"]);
     world.import(&[a]).exits(0);
-    world.refuses(&[b], &["b.csv", "duplicate trial", "trial-007.parquet already", "a number of its own"]);
+    world.refuses(
+        &[b],
+        &["b.csv", "duplicate trial", "trial-007.parquet already", "sessions are imported whole"],
+    );
 }
 
 #[test]

@@ -130,6 +130,6 @@ fn answers_that_make_no_sense_are_findings_with_their_row_and_give_no_tally() {
 fn a_trial_that_was_recorded_and_is_gone_is_told() {
     let study = study();
     fs::remove_file(study.trial("P01", 2)).unwrap();
-    let words = ["left out: ", "trial-002.parquet", "was recorded, but its file is missing"];
+    let words = ["left out: ", "trial-002.parquet", "belongs to the session, but its file is missing"];
     zwidth(study.root(), &["run", "--only", "metrics"]).exits(3).says(&words);
 }

@@ -135,23 +135,29 @@ pub(super) fn next<K: Ord>(last: &mut BTreeMap<K, u32>, key: K, given: Option<u3
     number
 }
 
+/// What to do about a session that is there already.
+const AGAIN: &str = "sessions are imported whole, all files in one command: choose another session id, or, to import it \
+                     again, first remove its folder under trials/ and its two files under sessions/";
+
 fn duplicates(context: &Context, identities: &[Identity], planned: &[PlannedTrial]) -> Vec<StoreError> {
     let mut errors = Vec::new();
     let mut seen: BTreeMap<_, &Path> = BTreeMap::new();
     let mut sessions: BTreeMap<_, bool> = BTreeMap::new();
     for (i, p) in identities.iter().zip(planned) {
-        let duplicate = |also: String| {
+        let duplicate = |also: String, remedy: &str| {
             let what =
                 format!("duplicate trial: trial {} of {} {} {also}", p.trial, i.participant, i.session);
-            StoreError::new(&i.file, what, "give every trial a number of its own, or leave the file out")
+            StoreError::new(&i.file, what, remedy)
         };
         if let Some(first) = seen.insert((&i.participant, &i.session, p.trial), &i.file) {
-            errors.push(duplicate(format!("is in {} too", first.display())));
+            let remedy = "give every trial a number of its own, or leave the file out";
+            errors.push(duplicate(format!("is in {} too", first.display()), remedy));
         }
         let path = context.layout.trial(&i.participant, &i.session, p.trial);
         let exists = path.exists();
         if exists {
-            errors.push(duplicate(format!("lies at {} already", context.layout.shown(&path).display())));
+            let also = format!("lies at {} already", context.layout.shown(&path).display());
+            errors.push(duplicate(also, AGAIN));
         }
         *sessions.entry((&i.participant, &i.session)).or_insert(false) |= exists;
     }
@@ -161,7 +167,7 @@ fn duplicates(context: &Context, identities: &[Identity], planned: &[PlannedTria
             (context.layout.session(participant, session), context.layout.events(participant, session));
         if let Some(path) = [record, events].iter().find(|p| p.exists()) {
             let what = format!("session {session} of {participant} exists already");
-            errors.push(StoreError::new(path, what, "import a session whole, or choose another session id"));
+            errors.push(StoreError::new(path, what, AGAIN));
         }
     }
     errors

@@ -20,6 +20,8 @@ pub(super) struct Plan<'a> {
     pub(super) converted: Vec<String>,
     /// For the report and the files.
     pub(super) computed: Vec<String>,
+    /// The lever length that a conversion used, m.
+    pub(super) lever_m: Option<f64>,
 }
 
 /// A column of theirs that becomes a signal of ours.
@@ -113,6 +115,7 @@ impl<'a> Plan<'a> {
         let name = to.name();
         self.converted.push(format!("{name} ← {from} ({unit_text}){line_words}"));
         if let Some(lever_m) = length {
+            self.lever_m = Some(lever_m);
             let rule = if unit.dimension == unit::Dimension::Torque { "F = τ / L" } else { "θ = x / L" };
             self.computed.push(format!("{name} by {rule} with L = {lever_m} m"));
         }

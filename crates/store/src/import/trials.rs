@@ -8,8 +8,12 @@ use super::plan::{Plan, Taken, plan, rate_times};
 use super::recording::Recording;
 use super::report::{FileReport, null_columns};
 use super::{Context, Errors, all};
-use crate::{Samples, Signal, StoreError, Trial, TrialFile, hex_blake3, trial_bytes};
+use crate::study::files_below;
+use crate::{
+    Samples, Signal, StoreError, Trial, TrialFile, TrialFooter, hex_blake3, read_footer, trial_bytes,
+};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_study::{Event, PlannedTrial, Source, Status, TrialMeta};
 
@@ -35,6 +39,8 @@ pub(super) fn trials(
     let identities: Vec<Identity> =
         converted.iter().flat_map(|(pieces, _, _)| pieces.iter().map(|p| p.identity.clone())).collect();
     let planned = number_trials(context, &identities, true)?;
+    let hashes = files.iter().zip(converted.iter().map(|(_, _, blake3)| blake3.as_str()));
+    imported_before(context, hashes.collect())?;
     let mut batch = Batch::default();
     let mut numbers = planned.iter();
     let mut made = Vec::new();
@@ -65,6 +71,25 @@ fn words(piece: &Piece, number: &PlannedTrial) -> String {
         "{} {} trial {trial}: {environment}, {mode}, repeat {repeat}, {n} samples",
         i.participant, i.session
     )
+}
+
+/// The same recording must not count twice, under whatever participant or session.
+fn imported_before(context: &Context, files: Vec<(&PathBuf, &str)>) -> Result<(), Errors> {
+    let there = files_below(&context.layout.trials())?;
+    let footers: Vec<TrialFooter> = there.par_iter().filter_map(|path| read_footer(path).ok()).collect();
+    let known: BTreeMap<&str, &TrialFooter> =
+        footers.iter().filter_map(|f| Some((f.file.get("source_blake3")?.as_str(), f))).collect();
+    let twice = |(path, blake3): (&PathBuf, &str)| match known.get(blake3) {
+        None => Ok(()),
+        Some(TrialFooter { meta, .. }) => {
+            let what = format!(
+                "this recording was imported before, as {} {} trial {}",
+                meta.participant, meta.session, meta.trial
+            );
+            Err(StoreError::new(path, what, "leave the file out; a recording must not count twice"))
+        }
+    };
+    all(files.into_iter().map(twice)).map(|_| ())
 }
 
 /// One file's trials: consecutive rows with equal labels are one trial.
@@ -167,7 +192,8 @@ fn encode(
         likert: i.likert,
         source: Source::Imported,
     };
-    let file: TrialFile = context.footer(blake3, &plan.computed);
+    let mut file: TrialFile = context.footer(blake3, &plan.computed);
+    file.extend(plan.lever_m.map(|l| ("lever_m".to_owned(), l.to_string())));
     let bytes = trial_bytes(&Trial { meta, file, samples }, &path)?;
     Ok((path, bytes))
 }

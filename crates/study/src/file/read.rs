@@ -244,8 +244,13 @@ impl Check<'_> {
             ("wall_mm", e.wall_mm.is_some(), wall && linear),
         ] {
             if given && !used {
-                let problem = "has no meaning for this kind of environment and coordinate; remove it";
-                self.error(&format!("{at}.{name}"), problem.to_owned());
+                let meant = if spring {
+                    format!("; with this coordinate it is {}", other(name))
+                } else {
+                    String::new()
+                };
+                let problem = format!("has no meaning for this kind of environment and coordinate{meant}");
+                self.error(&format!("{at}.{name}"), problem);
             }
         }
     }
@@ -303,6 +308,15 @@ impl Check<'_> {
         }
         analysis
     }
+}
+
+/// The key that says the same in the other coordinate.
+fn other(name: &str) -> String {
+    [("_deg", "_mm"), ("_mm", "_deg"), ("_per_rad", "_per_mm"), ("_per_mm", "_per_rad")]
+        .iter()
+        .find(|(from, _)| name.contains(from))
+        .map(|(from, to)| name.replace(from, to))
+        .unwrap_or_default()
 }
 
 fn question(q: QuestionTable) -> Question {

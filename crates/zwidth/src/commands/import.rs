@@ -7,12 +7,11 @@ use crate::screen::Screen;
 use anyhow::Context as _;
 use std::path::Path;
 use zwidth_store::import::{Mapping, import as import_files};
-use zwidth_store::{Layout, RealFiles};
-use zwidth_study::Study;
+use zwidth_store::{RealFiles, read_study};
 
 pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
-    let study = read_study(&layout)?;
+    let study = read_study(&layout).map_err(|findings| together(&findings))?;
     let text = read(&command.map)?;
     let mapping = Mapping::from_toml(&text, &command.map).map_err(|findings| together(&findings))?;
     let utc = jiff::Timestamp::now().to_string();
@@ -25,15 +24,6 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
         screen.result(report.to_string());
     }
     Ok(Exit::Fine)
-}
-
-fn read_study(layout: &Layout) -> anyhow::Result<Study> {
-    let path = layout.study_toml();
-    let text = read(&path)?;
-    Study::from_toml(&text).map_err(|errors| {
-        let lines: Vec<String> = errors.iter().map(|e| format!("{}: {e}", path.display())).collect();
-        anyhow::anyhow!("{}", lines.join("\n       "))
-    })
 }
 
 fn read(path: &Path) -> anyhow::Result<String> {

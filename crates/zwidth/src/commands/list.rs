@@ -31,13 +31,24 @@ struct Session {
 
 pub(crate) fn list(root: &Path, study: Option<StudyId>, screen: &Screen) -> anyhow::Result<Exit> {
     let layouts = studies(root, study.into_iter().collect())?;
-    let listings = layouts.iter().map(listing).collect::<anyhow::Result<Vec<_>>>()?;
+    let mut listings = Vec::new();
+    let mut unreadable = false;
+    for layout in &layouts {
+        match listing(layout) {
+            Ok(listing) => listings.push(listing),
+            Err(error) if layouts.len() > 1 => {
+                screen.error(&error);
+                unreadable = true;
+            }
+            Err(error) => return Err(error),
+        }
+    }
     if screen.json {
         screen.listing(&listings)?;
     } else {
         listings.iter().for_each(|l| screen.result(text(l)));
     }
-    let complete = listings.iter().all(|l| l.unreadable.is_empty());
+    let complete = !unreadable && listings.iter().all(|l| l.unreadable.is_empty());
     Ok(if complete { Exit::Fine } else { Exit::Partly })
 }
 

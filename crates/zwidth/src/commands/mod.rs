@@ -5,6 +5,7 @@ pub(crate) mod list;
 pub(crate) mod new;
 pub(crate) mod run;
 pub(crate) mod shell;
+pub(crate) mod simulate;
 pub(crate) mod table;
 pub(crate) mod verify;
 

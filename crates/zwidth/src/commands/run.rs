@@ -32,8 +32,18 @@ struct Entry {
 pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result<Exit> {
     let mut exit = Exit::Fine;
     let mut outcomes = Vec::new();
-    for layout in studies(root, command.studies.clone())? {
-        let outcome = one(&layout, command, screen)?;
+    let layouts = studies(root, command.studies.clone())?;
+    let several = layouts.len() > 1;
+    for layout in layouts {
+        let outcome = match one(&layout, command, screen) {
+            Ok(outcome) => outcome,
+            Err(error) if several => {
+                screen.error(&error);
+                exit = Exit::Partly;
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
         if !outcome.failed.is_empty() || !outcome.left_out.is_empty() {
             exit = Exit::Partly;
         }

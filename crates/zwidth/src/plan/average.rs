@@ -51,6 +51,7 @@ fn job(data: &StudyData, name: String, inputs: Vec<PathBuf>, output: PathBuf) ->
         parameters: analysis_parameters(data),
         inputs,
         outputs: vec![output],
+        tolerant: false,
         make: Box::new(move |from| {
             let (trials, problems) = read_all(&files);
             let table = match zwidth_average::average(&trials, &data.study) {

@@ -58,6 +58,7 @@ fn job<'a>(data: &'a StudyData, actuator: &'a ActuatorId, inputs: Vec<PathBuf>) 
         parameters: format!("level {level}, {RESAMPLES} resamples, seed {SEED}"),
         inputs,
         outputs,
+        tolerant: false,
         make: Box::new(move |from| {
             let (sweeps, problems) = read_sweeps(&files);
             let first =

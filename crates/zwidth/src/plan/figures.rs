@@ -63,6 +63,7 @@ pub(super) fn figure_job<'a>(
         parameters,
         inputs,
         outputs,
+        tolerant: false,
         make: Box::new(move |from| {
             let (figure, problems) = describe()?;
             Ok(Made { outputs: rendered(&stem, figure, from, &out)?, problems })
@@ -88,7 +89,8 @@ fn rendered(
 
 /// What figures of trials depend on besides files: names, scenes, coordinate.
 fn parameters(study: &Study) -> String {
-    format!("{:?}", (&study.title, study.coordinate, &study.environments, &study.modes))
+    let level = study.analysis.confidence;
+    format!("{:?}", (&study.title, study.coordinate, &study.environments, &study.modes, level))
 }
 
 /// Everything read for one environment of one session; figures borrow from it.
@@ -263,10 +265,14 @@ fn characteristic_job<'a>(
     tables: Vec<PathBuf>,
 ) -> Job<'a> {
     let inputs = sweeps.iter().chain(&tables).cloned().collect();
-    figure_job(data, &format!("characteristic.{actuator}"), inputs, String::new(), move || {
+    let parameters = format!("level {}", data.study.analysis.confidence);
+    figure_job(data, &format!("characteristic.{actuator}"), inputs, parameters, move || {
         let (read, problems) = characterise::read_sweeps(&sweeps);
         let (models, curve) = (Table::from_parquet(&tables[0])?, Table::from_parquet(&tables[2])?);
-        Ok((zwidth_figures::characteristic(actuator, &read, &models, &curve)?, problems))
+        Ok((
+            zwidth_figures::characteristic(actuator, &read, &models, &curve, data.study.analysis.confidence)?,
+            problems,
+        ))
     })
 }
 

@@ -44,6 +44,7 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
         parameters: analysis_parameters(data),
         inputs,
         outputs,
+        tolerant: false,
         make: Box::new(make),
     }]
 }

@@ -3,7 +3,7 @@
 use super::{derived, made};
 use std::path::PathBuf;
 use zwidth_runner::Job;
-use zwidth_store::{Layout, StudyData};
+use zwidth_store::{Layout, StudyData, hex_blake3};
 
 /// The tallies of the study.
 pub(super) fn tally_of(layout: &Layout) -> PathBuf {
@@ -29,9 +29,12 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
         stage: "likert",
         name: "likert tallies".to_owned(),
         version: zwidth_likert::VERSION,
-        parameters: format!("{:?}", (&data.study.questions, data.study.conditions())),
+        parameters: hex_blake3(
+            format!("{:?}", (&data.study.questions, data.study.conditions(), data.answers())).as_bytes(),
+        ),
         inputs: inputs(data),
         outputs,
+        tolerant: false,
         make: Box::new(make),
     }]
 }

@@ -43,6 +43,7 @@ fn session_job<'a>(data: &'a StudyData, session: &Session) -> Job<'a> {
         parameters: analysis_parameters(data),
         inputs,
         outputs,
+        tolerant: false,
         make: Box::new(move |from| {
             let (trials, mut problems) = read_all(&files);
             let one = |t| {
@@ -68,6 +69,7 @@ fn study_job<'a>(data: &'a StudyData, inputs: Vec<PathBuf>) -> Job<'a> {
         parameters: String::new(),
         inputs,
         outputs,
+        tolerant: false,
         make: Box::new(move |from| {
             let tables = files.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
             let all = Table::concat("metrics", "Metrics, one row a trial", &tables)?

@@ -110,7 +110,9 @@ fn made(
 fn analysis_parameters(data: &StudyData) -> String {
     let s = &data.study;
     let scenes: Vec<_> = s.environments.iter().map(|e| (e.id.as_str(), e.scene)).collect();
-    format!("{:?}", (s.analysis, &s.device, s.coordinate, scenes))
+    let d = &s.device;
+    let device = (d.lever_m, d.theta_min_rad, d.theta_max_rad, d.force_rate_hz);
+    format!("{:?}", (s.analysis, device, s.coordinate, scenes))
 }
 
 /// A file under `derived/<study>`.

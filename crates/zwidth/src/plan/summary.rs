@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_report::{LeftOut, Made as Listed, Summary, summary_markdown};
 use zwidth_runner::{Job, Made};
-use zwidth_store::{StudyData, TrialEntry, left_out, read_sweep};
-use zwidth_study::Scene;
+use zwidth_store::{Signal, StudyData, TrialEntry, read_sweep};
+use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Table, TableError};
 
 /// Version of the summary's form.
@@ -22,28 +22,33 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
         let of_stage = planned.iter().filter(|j| j.stage == stage).flat_map(|j| &j.outputs);
         of_stage.filter(|o| o.extension().is_some_and(|e| e == extension)).cloned().collect()
     };
-    let figures = listed(&outputs("figures", "png"), &data.layout.reports(), figure_caption);
+    let figures = outputs("figures", "png");
     let printed = outputs("tables", "parquet");
     let mut noted = average::all(data);
     noted.extend(planned.iter().filter(|j| j.stage == "freemotion").flat_map(|j| j.outputs.iter().cloned()));
     let sweeps: Vec<PathBuf> = data.sweeps.iter().map(|s| s.path.clone()).collect();
-    let summary = Summary { figures, ..facts(data) };
-    let inputs: Vec<PathBuf> = noted.iter().chain(&printed).chain(&sweeps).cloned().collect();
-    let out = file(data);
+    let summary = facts(data);
+    let inputs: Vec<PathBuf> = noted.iter().chain(&printed).chain(&figures).chain(&sweeps).cloned().collect();
+    let (out, folder) = (file(data), data.layout.reports());
     Job {
         stage: "summary",
         name: "summary".to_owned(),
         version: VERSION,
         parameters: format!("{summary:?}"),
         inputs,
-        outputs: vec![out.clone()],
+        outputs: vec![out],
+        tolerant: true,
         make: Box::new(move |_| {
             let mut summary = summary.clone();
             summary.limits.extend(notes(&noted)?);
             for sweep in sweeps.iter().filter_map(|path| read_sweep(path).ok()) {
                 *summary.sources.entry(sweep.source).or_default() += 1;
             }
-            summary.tables = tables(&printed, out.parent().unwrap_or(Path::new("")))?;
+            let (there, missing): (Vec<_>, Vec<_>) = figures.iter().partition(|f| f.exists());
+            summary.figures = there.into_iter().map(|f| figure(f, &folder)).collect();
+            let (there, no_tables): (Vec<_>, Vec<_>) = printed.iter().partition(|f| f.exists());
+            summary.tables = there.into_iter().map(|f| table(f, &folder)).collect::<Result<_, _>>()?;
+            summary.left_out.extend(missing.into_iter().chain(no_tables).map(|f| could_not_be_made(f)));
             Ok(Made { outputs: vec![summary_markdown(&summary).into_bytes()], problems: Vec::new() })
         }),
     }
@@ -76,43 +81,62 @@ fn facts(data: &StudyData) -> Summary {
         trials: trials.len(),
         sweeps: data.sweeps.len(),
         sources,
-        left_out: left_out(data).into_iter().map(split).collect(),
-        limits: no_lever.then(|| limit.to_owned()).into_iter().collect(),
+        left_out: data.trials.iter().filter_map(left_out).collect(),
+        limits: no_lever.then(|| limit.to_owned()).into_iter().chain(not_recorded(&counting)).collect(),
         ..Summary::default()
     }
 }
 
-fn split(line: String) -> LeftOut {
-    let (what, why) = line.split_once(": ").unwrap_or((&line, ""));
-    LeftOut { what: what.to_owned(), why: why.to_owned() }
+/// A trial of the experiment that does not count, and why.
+fn left_out(t: &TrialEntry) -> Option<LeftOut> {
+    let why = t.why_not().filter(|_| t.meta.kind == Kind::Trial)?;
+    Some(LeftOut { what: format!("{} {} trial {}", t.meta.participant, t.meta.session, t.meta.trial), why })
+}
+
+/// What figures and metrics must do without, because some trial was recorded without it.
+fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
+    let force = [Signal::ForceEx, Signal::TorqueEx];
+    let needed: [(&str, &[Signal], &str); 3] = [
+        ("angle", &[Signal::Theta], "there is no panel of θ, no force against θ, and no metric of either"),
+        ("velocity", &[Signal::ThetaDot], "there is no onset, and so no average over time"),
+        ("force and no torque", &force, "there is no force panel"),
+    ];
+    let lacks = |signals: &[Signal]| {
+        counting.iter().filter(|t| !signals.iter().any(|s| t.signals.contains(s))).count()
+    };
+    let sentence = |(what, signals, so): (&str, &[Signal], &str)| {
+        let n = lacks(signals);
+        (n > 0).then(|| format!("No {what} was recorded in {n} of {} trials: for them {so}.", counting.len()))
+    };
+    needed.into_iter().filter_map(sentence).collect()
 }
 
 /// What averages and plane fits say against themselves, each note once. Where an average ends is no
 /// limit of the study.
 fn notes(tables: &[PathBuf]) -> Result<Vec<String>, TableError> {
     let mut notes = BTreeSet::new();
-    for path in tables {
+    for path in tables.iter().filter(|p| p.exists()) {
         let table = Table::from_parquet(path)?;
         notes.extend(table.notes().iter().filter(|n| !n.contains(zwidth_average::ENDS_AT)).cloned());
     }
     Ok(notes.into_iter().collect())
 }
 
-fn tables(printed: &[PathBuf], folder: &Path) -> Result<Vec<Listed>, TableError> {
-    let titles: BTreeMap<PathBuf, String> = printed
-        .iter()
-        .map(|p| Ok((p.clone(), Table::from_parquet(p)?.title().to_owned())))
-        .collect::<Result<_, TableError>>()?;
-    let shown = |p: &PathBuf| p.with_extension("md");
-    Ok(printed
-        .iter()
-        .map(|p| Listed { path: relative(&shown(p), folder), caption: titles[p].clone() })
-        .collect())
+fn table(file: &Path, folder: &Path) -> Result<Listed, TableError> {
+    let caption = Table::from_parquet(file)?.title().to_owned();
+    Ok(Listed { path: relative(&file.with_extension("md"), folder), caption })
 }
 
-fn listed(files: &[PathBuf], folder: &Path, caption: fn(&str) -> String) -> Vec<Listed> {
-    let stem = |p: &PathBuf| p.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    files.iter().map(|p| Listed { path: relative(p, folder), caption: caption(&stem(p)) }).collect()
+fn figure(file: &Path, folder: &Path) -> Listed {
+    Listed { path: relative(file, folder), caption: figure_caption(&stem(file)) }
+}
+
+fn could_not_be_made(file: &Path) -> LeftOut {
+    LeftOut { what: stem(file), why: "it could not be made; `zwidth run` says why".to_owned() }
+}
+
+fn stem(file: &Path) -> String {
+    file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn relative(path: &Path, folder: &Path) -> String {

@@ -44,6 +44,7 @@ fn job(data: &StudyData, input: PathBuf) -> Job<'_> {
         parameters: format!("{coordinate:?}"),
         inputs: vec![input],
         outputs,
+        tolerant: false,
         make: Box::new(move |from| {
             let table = Table::from_parquet(&file)?;
             let bytes = |(format, path): (&Format, &PathBuf)| table.to_bytes(*format, coordinate, from, path);

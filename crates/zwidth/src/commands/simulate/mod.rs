@@ -1,0 +1,158 @@
+//! `zwidth simulate`: model runs of scenes, as figures and tables.
+
+mod output;
+mod scene_file;
+mod words;
+
+use crate::args::Simulate;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::bail;
+use output::Output;
+use scene_file::SceneFile;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use zwidth_figures::MOST_SIDE_BY_SIDE;
+use zwidth_simulate::{
+    CHATTERING_STEPS_S, SOLVERS, Summary, bow_tie_table, chattering_table, events_table,
+    simulate as run_scene, solver, trajectory_table,
+};
+use zwidth_tables::Table;
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    scenes: Vec<Outcome>,
+    /// Files of figures that show several scenes.
+    shared: Vec<PathBuf>,
+}
+
+/// What came of a scene.
+#[derive(Serialize)]
+struct Outcome {
+    scene: PathBuf,
+    summary: Option<Summary>,
+    files: Vec<PathBuf>,
+    error: Option<String>,
+}
+
+/// A scene that was run; a bow tie has neither summary nor trajectory.
+struct Done {
+    stem: String,
+    run: Option<(Summary, Table)>,
+    files: Vec<PathBuf>,
+}
+
+pub(crate) fn simulate(root: &Path, command: &Simulate, screen: &Screen) -> anyhow::Result<Exit> {
+    let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("simulate"));
+    check_stems(&command.scenes)?;
+    let mut outcomes = Vec::new();
+    let mut done = Vec::new();
+    for path in &command.scenes {
+        let result = one(path, &folder, command);
+        outcomes.push(outcome(path, &result));
+        done.extend(result.ok());
+    }
+    if done.is_empty() {
+        let errors = outcomes.into_iter().filter_map(|outcome| outcome.error);
+        bail!("{}", errors.collect::<Vec<_>>().join("\n       "));
+    }
+    let shared = shared(&done, &folder, command)?;
+    let exit = if done.len() == outcomes.len() { Exit::Fine } else { Exit::Partly };
+    if screen.json {
+        screen.listing(&Report { scenes: outcomes, shared })?;
+    } else {
+        outcomes.iter().for_each(|outcome| tell(outcome, screen));
+        tell_files(&shared, screen);
+    }
+    Ok(exit)
+}
+
+/// Two scenes of one name would write to the same files.
+fn check_stems(scenes: &[PathBuf]) -> anyhow::Result<()> {
+    for (i, path) in scenes.iter().enumerate() {
+        if let Some(other) = scenes[..i].iter().find(|other| stem(other) == stem(path)) {
+            let (a, b) = (other.display(), path.display());
+            bail!("{a} and {b} would write to the same files; simulate them apart, or rename one");
+        }
+    }
+    Ok(())
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Runs one scene and writes all that is its own.
+fn one(path: &Path, folder: &Path, command: &Simulate) -> anyhow::Result<Done> {
+    let mut file = SceneFile::read(path)?;
+    if let Some(step_s) = command.step {
+        file.scene.step_s = step_s;
+    }
+    let stem = stem(path);
+    let mut output = Output::new(folder, command, Some(&file.scene))?;
+    if command.bow_tie {
+        let table = bow_tie_table(&file.scene).map_err(|e| file.error(&e))?;
+        output.figure(&format!("{stem}.bow_tie"), zwidth_figures::bow_tie(&table)?)?;
+        output.table(&format!("{stem}.bow_tie"), &table)?;
+        return Ok(Done { stem, run: None, files: output.files });
+    }
+    let solver = solver(&command.solver, command.tolerance)?;
+    let run = run_scene(file.scene.clone(), solver.as_ref()).map_err(|e| file.error(&e))?;
+    let trajectory = trajectory_table(&run)?;
+    output.figure(&stem, zwidth_figures::simulation(&[&trajectory])?)?;
+    output.table(&format!("{stem}.trajectory"), &trajectory)?;
+    output.table(&format!("{stem}.events"), &events_table(&run)?)?;
+    if command.chattering {
+        let table =
+            chattering_table(&file.scene, &SOLVERS, &CHATTERING_STEPS_S).map_err(|e| file.error(&e))?;
+        output.figure(&format!("{stem}.chattering"), zwidth_figures::chattering(&table)?)?;
+        output.table(&format!("{stem}.chattering"), &table)?;
+    }
+    Ok(Done { stem, run: Some((Summary::of(&run), trajectory)), files: output.files })
+}
+
+/// The figures of several scenes: their inputs, and the runs side by side where the page is wide enough.
+fn shared(done: &[Done], folder: &Path, command: &Simulate) -> anyhow::Result<Vec<PathBuf>> {
+    let tables: Vec<&Table> = done.iter().filter_map(|d| d.run.as_ref()).map(|run| &run.1).collect();
+    if tables.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let first = done.iter().take(MOST_SIDE_BY_SIDE).map(|d| d.stem.as_str());
+    let mut name = first.collect::<Vec<_>>().join("+");
+    if let Some(more @ 1..) = done.len().checked_sub(MOST_SIDE_BY_SIDE) {
+        name.push_str(&format!("+{more}"));
+    }
+    let mut output = Output::new(folder, command, None)?;
+    output.figure(&format!("{name}.inputs"), zwidth_figures::inputs(&tables)?)?;
+    if tables.len() <= MOST_SIDE_BY_SIDE {
+        output.figure(&name, zwidth_figures::simulation(&tables)?)?;
+    }
+    Ok(output.files)
+}
+
+fn outcome(path: &Path, result: &anyhow::Result<Done>) -> Outcome {
+    let done = result.as_ref().ok();
+    Outcome {
+        scene: path.to_owned(),
+        summary: done.and_then(|done| done.run.as_ref()).map(|run| run.0.clone()),
+        files: done.map(|done| done.files.clone()).unwrap_or_default(),
+        error: result.as_ref().err().map(|error| format!("{error:#}")),
+    }
+}
+
+fn tell(outcome: &Outcome, screen: &Screen) {
+    if let Some(error) = &outcome.error {
+        screen.warn(format!("skipped: {error}"));
+    }
+    if let Some(summary) = &outcome.summary {
+        screen.result(format!("{}: {}", outcome.scene.display(), words::of(summary)));
+    }
+    tell_files(&outcome.files, screen);
+}
+
+/// Pictures one by one; everything else lies beside them.
+fn tell_files(files: &[PathBuf], screen: &Screen) {
+    let pictures = files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
+    pictures.for_each(|path| screen.result(format!("  {}", path.display())));
+}

@@ -1,0 +1,98 @@
+//! Figure 31: the bow tie of two actuators of unequal strength, of a lever whose motion is given.
+
+use crate::data::gaps;
+use crate::words::{Words, model_mark, plain};
+use zwidth_draw::style::{self, Dash, Stroke};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, ONE_COLUMN_MM, Panel, Reference};
+use zwidth_study::Coordinate;
+use zwidth_tables::{Table, TableError};
+
+/// Height of the panel, mm.
+const PANEL_MM: f64 = 60.0;
+/// Width of the pens of brake and motor, pt: they show on both sides of the total's, which lies over them.
+const UNDER_PT: f64 = 3.0;
+
+/// Force against angle of one stroke there and back: total black, brake dotted, motor dashed. `table` is the bow tie of
+/// the stage `simulate`; the force shown is the one felt by the hand, which resists.
+///
+/// # Errors
+/// A table that lacks a column.
+pub fn bow_tie(table: &Table) -> Result<Figure, TableError> {
+    let words = Words::new(Coordinate::Rotational);
+    let theta = words.positions(table.floats("theta_rad")?);
+    let felt = |column: &str| Ok::<_, TableError>(gaps(table.floats(column)?).into_iter().map(|f| -f));
+    let line = |x: &[f64], y: Vec<f64>, stroke: Stroke, name: &str| {
+        Layer::Line(Line { x: x.to_vec(), y, stroke, name: Some(name.to_owned()), ..Line::default() })
+    };
+    let total: Vec<f64> = felt("force_total_n")?.collect();
+    let under = |colour, dash| Stroke { width_pt: UNDER_PT, dash, ..style::mean(colour) };
+    let zero = |direction| {
+        Layer::Reference(Reference {
+            direction,
+            at: 0.0,
+            label: None,
+            stroke: style::reference(),
+            name: None,
+        })
+    };
+    let layers = vec![
+        zero(Direction::Horizontal),
+        zero(Direction::Vertical),
+        line(&theta, acting(felt("force_brake_n")?), under(style::BRAKE, Dash::Dotted), "brake (stronger)"),
+        line(&theta, acting(felt("force_motor_n")?), under(style::MOTOR, Dash::Dashed), "motor (weaker)"),
+        line(&closed(&theta), closed(&total), style::single(style::INK), "total"),
+    ];
+    let panel =
+        Panel::new(Cell::at(0, 0), words.position_axis(), Axis::new("resisting force *F*", "N"), layers);
+    Ok(Figure {
+        title: Some(plain(table.title())),
+        description: format!(
+            "{}: resisting force against angle of one stroke there and back. The total, and what brake and motor make \
+             of it; where they change over, the force jumps.",
+            table.title()
+        ),
+        width_mm: ONE_COLUMN_MM,
+        panels: vec![Panel { height_mm: Some(PANEL_MM), ..panel }],
+        footnotes: table.notes().iter().map(|note| plain(note)).collect(),
+        mark: model_mark(),
+        ..Figure::default()
+    })
+}
+
+/// The stroke ends where it began.
+fn closed(values: &[f64]) -> Vec<f64> {
+    values.iter().chain(values.first()).copied().collect()
+}
+
+/// An actuator that makes no force is not drawn.
+fn acting(forces: impl Iterator<Item = f64>) -> Vec<f64> {
+    forces.map(|force| if force.abs() > 0.0 { force } else { f64::NAN }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_tables::Column;
+
+    #[test]
+    fn the_force_is_the_one_that_resists_an_idle_actuator_leaves_a_gap_and_the_total_is_closed() {
+        let float = |name, values: [f64; 2]| Column::float(name, "", "", values.map(Some));
+        let columns = vec![
+            float("theta_rad", [0.5, 0.5]),
+            float("force_total_n", [-3.0, -1.0]),
+            float("force_brake_n", [-3.0, 0.0]),
+            float("force_motor_n", [0.0, -1.0]),
+        ];
+        let figure = bow_tie(&Table::new("bow_tie", "Bow tie", columns).unwrap()).unwrap();
+        let lines: Vec<&Line> = figure.panels[0]
+            .layers
+            .iter()
+            .filter_map(|layer| if let Layer::Line(line) = layer { Some(line) } else { None })
+            .collect();
+        assert_eq!((lines[0].y[0], lines[0].stroke.dash), (3.0, Dash::Dotted));
+        assert_eq!((lines[1].y[1], lines[1].stroke.dash), (1.0, Dash::Dashed));
+        assert!(lines[0].y[1].is_nan() && lines[1].y[0].is_nan());
+        assert_eq!(lines[2].y, [3.0, 1.0, 3.0]);
+        assert!(figure.mark.unwrap().starts_with("SIMULATION"));
+    }
+}

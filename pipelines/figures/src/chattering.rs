@@ -1,0 +1,209 @@
+//! Swings of solvers against their step, on axes of logarithms: an oscillation of the method vanishes with its step,
+//! one of the model stays.
+
+use crate::words::{model_mark, plain};
+use zwidth_draw::style::{self, Stroke};
+use zwidth_draw::{Axis, Cell, Figure, Layer, Line, Panel, Points, Ticks};
+use zwidth_tables::{Table, TableError};
+
+/// Height of a panel, mm.
+const PANEL_MM: f64 = 55.0;
+/// Milliseconds in a second.
+const MS_PER_S: f64 = 1e3;
+
+/// The rows of one solver, as they stand on the axes (not yet logarithms).
+#[derive(Clone)]
+struct Curve {
+    name: String,
+    stroke: Stroke,
+    step_ms: Vec<f64>,
+    amplitude_deg: Vec<f64>,
+    excess_deg: Vec<f64>,
+    reversals: Vec<f64>,
+}
+
+/// Amplitude of the fast swings, largest angle beyond the exact one, and reversals, each against the step.
+/// `table` is the table of chattering of the stage `simulate`.
+///
+/// # Errors
+/// A table that lacks a column.
+pub fn chattering(table: &Table) -> Result<Figure, TableError> {
+    let curves = curves(table)?;
+    let swinging: Vec<&Curve> = curves.iter().filter(|curve| curve.swings()).collect();
+    let counted = merged(&curves);
+    let panels = vec![
+        panel(0, ("amplitude of fast swings", "°"), &swinging, |curve| &curve.amplitude_deg),
+        panel(1, ("largest angle beyond the exact one", "°"), &swinging, |curve| &curve.excess_deg),
+        panel(2, ("reversals", ""), &counted.iter().collect::<Vec<_>>(), |curve| &curve.reversals),
+    ];
+    Ok(Figure {
+        title: Some(plain(table.title())),
+        description: format!(
+            "{}. Against the step, for each solver: median amplitude of the fast swings, largest angle beyond the exact \
+             solver's, number of reversals. All axes are logarithmic.",
+            table.title()
+        ),
+        panels,
+        footnotes: notes(table, &curves),
+        mark: model_mark(),
+        ..Figure::default()
+    })
+}
+
+impl Curve {
+    /// Whether there are fast swings at any step.
+    fn swings(&self) -> bool {
+        self.amplitude_deg.iter().any(|amplitude| *amplitude > 0.0)
+    }
+}
+
+/// Curves without swings that turn equally often lie on each other: they are drawn as one, with all their names.
+fn merged(curves: &[Curve]) -> Vec<Curve> {
+    let mut merged: Vec<Curve> = Vec::new();
+    for curve in curves {
+        let same = |other: &&mut Curve| !other.swings() && other.reversals == curve.reversals;
+        match merged.iter_mut().find(same).filter(|_| !curve.swings()) {
+            Some(other) => other.name.push_str(&format!(", {}", curve.name)),
+            None => merged.push(curve.clone()),
+        }
+    }
+    merged
+}
+
+/// The table's notes, and who does not swing.
+fn notes(table: &Table, curves: &[Curve]) -> Vec<String> {
+    let still: Vec<&str> = curves.iter().filter(|c| !c.swings()).map(|c| c.name.as_str()).collect();
+    let mut notes: Vec<String> = table.notes().iter().map(|note| plain(note)).collect();
+    if !still.is_empty() {
+        notes.push(plain(&format!("No fast swings at any step: {}.", still.join(", "))));
+    }
+    notes
+}
+
+fn curves(table: &Table) -> Result<Vec<Curve>, TableError> {
+    let solvers: Vec<String> = table.texts("solver")?.into_iter().flatten().collect();
+    let mut names = solvers.clone();
+    names.dedup();
+    let (steps, excess) = (table.floats("step_s")?, table.floats("theta_excess_rad")?);
+    let amplitudes = table.floats("swing_amplitude_rad")?;
+    let counts = table.integers("reversals")?;
+    let reversals: Vec<Option<f64>> = counts.into_iter().map(|n| n.map(|n| n as f64)).collect();
+    let curve = |name: &String| {
+        let pick = |values: &[Option<f64>], factor: f64| -> Vec<f64> {
+            let mine = solvers.iter().zip(values).filter(|(solver, _)| *solver == name);
+            mine.map(|(_, value)| value.map_or(f64::NAN, |value| factor * value)).collect()
+        };
+        Curve {
+            name: words(name),
+            stroke: style::mean(style::INK),
+            step_ms: pick(&steps, MS_PER_S),
+            amplitude_deg: pick(&amplitudes, 1_f64.to_degrees()),
+            excess_deg: pick(&excess, 1_f64.to_degrees()),
+            reversals: pick(&reversals, 1.0),
+        }
+    };
+    let mut curves: Vec<Curve> = names.iter().map(curve).collect();
+    for (i, curve) in curves.iter_mut().filter(|curve| curve.swings()).enumerate() {
+        curve.stroke = style::mean(style::mode_colour(i));
+    }
+    Ok(curves)
+}
+
+/// A panel; where there is nothing to show it says so.
+fn panel(
+    column: usize,
+    (label, unit): (&str, &str),
+    curves: &[&Curve],
+    pick: fn(&Curve) -> &Vec<f64>,
+) -> Panel {
+    let layers = curves.iter().flat_map(|curve| {
+        let (x, y) = (logarithms(&curve.step_ms), logarithms(pick(curve)));
+        let (stroke, name) = (curve.stroke, Some(plain(&curve.name)));
+        let points = Points { x: x.clone(), y: y.clone(), colour: stroke.colour, ..Points::default() };
+        [Layer::Points(points), Layer::Line(Line { x, y, stroke, name, ..Line::default() })]
+    });
+    let powers = |axis: Axis| Axis { ticks: Ticks::Powers, ..axis };
+    let (x, y) = (powers(Axis::new("step *h*", "ms")), powers(Axis::new(label, unit)));
+    let nothing = !curves.iter().flat_map(|curve| pick(curve)).any(|value| *value > 0.0);
+    let note = nothing.then(|| "none".to_owned());
+    let panel = Panel::new(Cell::at(0, column), x.linked("step"), y, layers.collect());
+    Panel { height_mm: Some(PANEL_MM), note, ..panel }
+}
+
+/// What an axis of powers of ten takes; what is not above zero has no place on it.
+fn logarithms(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|&v| if v > 0.0 { libm::log10(v) } else { f64::NAN }).collect()
+}
+
+/// A solver as people write it.
+fn words(solver: &str) -> String {
+    match solver {
+        "dormand_prince" => "Dormand–Prince".to_owned(),
+        "tr_bdf2" => "TR-BDF2".to_owned(),
+        "moreau_jean" => "Moreau–Jean".to_owned(),
+        "symplectic_euler" => "symplectic Euler".to_owned(),
+        "rk4_per_stage" => "RK4, switched per stage".to_owned(),
+        "rk4_per_step" => "RK4, switched per step".to_owned(),
+        other => other.replace('_', " "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_tables::Column;
+
+    fn figure() -> Figure {
+        let solvers = ["exact", "exact", "moreau_jean", "moreau_jean", "rk4_per_step", "rk4_per_step"];
+        let float = |name, values: [f64; 6]| Column::float(name, "", "", values.map(Some));
+        let columns = vec![
+            Column::text("solver", "", solvers.map(|s| Some(s.to_owned()))),
+            float("step_s", [0.01, 0.001, 0.01, 0.001, 0.01, 0.001]),
+            float("swing_amplitude_rad", [0.0, 0.0, 0.0, 0.0, 0.1, 0.01]),
+            float("theta_excess_rad", [0.0, 0.0, -1e-3, 1e-6, 0.1, 0.01]),
+            Column::integer("reversals", "", "", [2, 2, 2, 2, 30, 300].map(Some)),
+        ];
+        chattering(&Table::new("chattering", "Chattering", columns).unwrap()).unwrap()
+    }
+
+    fn line(layer: &Layer) -> Option<&Line> {
+        if let Layer::Line(line) = layer { Some(line) } else { None }
+    }
+
+    fn lines(panel: &Panel) -> Vec<&Line> {
+        panel.layers.iter().filter_map(line).collect()
+    }
+
+    #[test]
+    fn axes_carry_logarithms_of_milliseconds_and_degrees() {
+        let figure = figure();
+        let amplitude = lines(&figure.panels[0])[0];
+        assert!((amplitude.x[0] - 1.0).abs() < 1e-12 && (amplitude.x[1] - 0.0).abs() < 1e-12);
+        assert!((10_f64.powf(amplitude.y[0]) - 0.1_f64.to_degrees()).abs() < 1e-12);
+        assert!(figure.panels.iter().all(|p| p.x.ticks == Ticks::Powers && p.y.ticks == Ticks::Powers));
+    }
+
+    #[test]
+    fn a_scene_without_swings_leaves_panels_that_say_so() {
+        let columns = vec![
+            Column::text("solver", "", [Some("exact".to_owned())]),
+            Column::float("step_s", "", "", [Some(0.01)]),
+            Column::float("swing_amplitude_rad", "", "", [Some(0.0)]),
+            Column::float("theta_excess_rad", "", "", [Some(0.0)]),
+            Column::integer("reversals", "", "", [Some(0)]),
+        ];
+        let figure = chattering(&Table::new("chattering", "Chattering", columns).unwrap()).unwrap();
+        assert!(figure.panels.iter().all(|panel| panel.note.as_deref() == Some("none")));
+        assert!(zwidth_draw::draw(&figure).is_ok());
+    }
+
+    #[test]
+    fn solvers_that_do_not_swing_share_a_line_of_reversals_and_are_named_below() {
+        let figure = figure();
+        let names: Vec<_> = lines(&figure.panels[2]).iter().filter_map(|line| line.name.clone()).collect();
+        assert_eq!(names, ["exact, Moreau–Jean", "RK4, switched per step"]);
+        assert_eq!(lines(&figure.panels[1]).len(), 1);
+        assert!(figure.footnotes.concat().contains("No fast swings at any step: exact, Moreau–Jean."));
+        assert!(figure.mark.unwrap().starts_with("SIMULATION"));
+    }
+}

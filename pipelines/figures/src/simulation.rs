@@ -1,0 +1,211 @@
+//! Figures 11, 12, 33–35: forces of model runs against angle and time, and their angle. Figure 8: the inputs.
+
+use crate::data::gaps;
+use crate::words::{Words, model_mark, plain, time_axis};
+use zwidth_draw::style::{self, Dash, Stroke};
+use zwidth_draw::{
+    Axis, Cell, Direction, Figure, Layer, Line, ONE_COLUMN_MM, Panel, Reference, TWO_COLUMNS_MM,
+};
+use zwidth_study::Coordinate;
+use zwidth_tables::{Table, TableError};
+
+/// Height of a panel of forces against angle, mm.
+const LOOP_MM: f64 = 58.0;
+/// Height of a panel against time, mm.
+const TIME_MM: f64 = 28.0;
+/// Height of a panel of an input, mm.
+const INPUT_MM: f64 = 32.0;
+/// Runs that stand beside each other on one page: more would be too narrow to read.
+pub const MOST_SIDE_BY_SIDE: usize = 3;
+
+/// A part of the force: its column, its name, its pen.
+type Part = (&'static str, &'static str, Stroke);
+
+const EXTERNAL: Part = ("force_ex_n", "external force", style::mean(style::INK));
+/// Follows the external force closely and lies over it.
+const TISSUE: Part =
+    ("force_tissue_n", "finger tissue", Stroke { dash: Dash::Dashed, ..style::mean(style::TISSUE) });
+const BRAKE: Part = ("force_brake_n", "brake", style::single(style::BRAKE));
+const MOTOR: Part = ("force_motor_n", "motor", style::single(style::MOTOR));
+
+/// Model runs, a column each (at most [`MOST_SIDE_BY_SIDE`] are readable): forces by part against the angle, external
+/// and tissue force against time, the angle against time. `runs` are tables of the stage `simulate`, named by their titles.
+///
+/// # Errors
+/// A table that lacks a column.
+pub fn simulation(runs: &[&Table]) -> Result<Figure, TableError> {
+    let mut panels = Vec::new();
+    for (column, run) in runs.iter().enumerate() {
+        let mut loops = loop_panel(run, column)?;
+        if runs.len() > 1 {
+            loops.title = Some(plain(run.title()));
+        }
+        panels.extend([loops, force_panel(run, column)?, angle_panel(run, column)?]);
+    }
+    let names: Vec<&str> = runs.iter().map(|run| run.title()).collect();
+    Ok(Figure {
+        title: (runs.len() == 1).then(|| plain(&names.concat())),
+        description: format!(
+            "Model run: {}. From top to bottom: force of user, finger tissue, motor and brake against angle; force of \
+             user and tissue against time; angle against time.",
+            names.join("; ")
+        ),
+        width_mm: if runs.len() == 1 { ONE_COLUMN_MM } else { TWO_COLUMNS_MM },
+        panels,
+        footnotes: notes(runs),
+        mark: model_mark(),
+        ..Figure::default()
+    })
+}
+
+/// The external force of several runs against time, side by side (Fig. 8), [`MOST_SIDE_BY_SIDE`] in a row.
+///
+/// # Errors
+/// A table that lacks a column.
+pub fn inputs(runs: &[&Table]) -> Result<Figure, TableError> {
+    let panel = |(i, run): (usize, &&Table)| -> Result<Panel, TableError> {
+        let cell = Cell::at(i / MOST_SIDE_BY_SIDE, i % MOST_SIDE_BY_SIDE);
+        let line = over_time(run, &EXTERNAL)?;
+        let layers = vec![Layer::Line(Line { name: None, ..line })];
+        let panel = Panel::new(cell, time_axis("*t*"), Axis::new("*F*_{ex}", "N").linked("input"), layers);
+        Ok(Panel { height_mm: Some(INPUT_MM), ..panel.titled(plain(run.title())) })
+    };
+    let names: Vec<&str> = runs.iter().map(|run| run.title()).collect();
+    Ok(Figure {
+        description: format!("External force against time of the model runs {}.", names.join("; ")),
+        panels: runs.iter().enumerate().map(panel).collect::<Result<_, _>>()?,
+        mark: model_mark(),
+        ..Figure::default()
+    })
+}
+
+/// What holds for all runs once, everything else with the run's name.
+fn notes(runs: &[&Table]) -> Vec<String> {
+    let mut notes: Vec<String> = Vec::new();
+    for run in runs {
+        for note in run.notes() {
+            let common = runs.iter().all(|other| other.notes().contains(note));
+            let note = if common { plain(note) } else { plain(&format!("{}: {note}", run.title())) };
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+    }
+    notes
+}
+
+fn words() -> Words {
+    Words::new(Coordinate::Rotational)
+}
+
+fn force_axis() -> Axis {
+    Axis::new("*F*", "N")
+}
+
+fn zero_line() -> Layer {
+    let (direction, stroke) = (Direction::Horizontal, style::reference());
+    Layer::Reference(Reference { direction, at: 0.0, label: None, stroke, name: None })
+}
+
+fn loop_panel(run: &Table, column: usize) -> Result<Panel, TableError> {
+    let mut layers = vec![zero_line()];
+    for part in acting(run, &[EXTERNAL, TISSUE, BRAKE, MOTOR])? {
+        let x = words().positions(run.floats("theta_rad")?);
+        layers.push(Layer::Line(line(run, part, x)?));
+    }
+    let x = words().position_axis().linked("angle");
+    let panel = Panel::new(Cell::at(0, column), x, force_axis().linked("forces"), layers);
+    Ok(Panel { height_mm: Some(LOOP_MM), ..panel })
+}
+
+fn force_panel(run: &Table, column: usize) -> Result<Panel, TableError> {
+    let mut layers = Vec::new();
+    for part in acting(run, &[EXTERNAL, TISSUE])? {
+        layers.push(Layer::Line(over_time(run, part)?));
+    }
+    let panel = Panel::new(Cell::at(1, column), time_axis(""), force_axis().linked("force"), layers);
+    Ok(Panel { height_mm: Some(TIME_MM), ..panel })
+}
+
+fn angle_panel(run: &Table, column: usize) -> Result<Panel, TableError> {
+    let (x, y) = (gaps(run.floats("t_s")?), words().positions(run.floats("theta_rad")?));
+    let line = Layer::Line(Line { x, y, ..Line::default() });
+    let axis = words().position_axis().linked("angle in time");
+    let panel = Panel::new(Cell::at(2, column), time_axis("*t*"), axis, vec![line]);
+    Ok(Panel { height_mm: Some(TIME_MM), ..panel })
+}
+
+/// The parts that a run has and that ever act; the external force in any case.
+fn acting<'a>(run: &Table, parts: &'a [Part]) -> Result<Vec<&'a Part>, TableError> {
+    let mut acting = Vec::new();
+    for part in parts {
+        let there = run.fields().iter().any(|field| field.name == part.0);
+        let acts = |force: &Option<f64>| force.is_some_and(|force| force.abs() > 0.0);
+        if part.0 == EXTERNAL.0 || there && run.floats(part.0)?.iter().any(acts) {
+            acting.push(part);
+        }
+    }
+    Ok(acting)
+}
+
+fn over_time(run: &Table, part: &Part) -> Result<Line, TableError> {
+    line(run, part, gaps(run.floats("t_s")?))
+}
+
+fn line(run: &Table, (column, name, stroke): &Part, x: Vec<f64>) -> Result<Line, TableError> {
+    let y = gaps(run.floats(column)?);
+    Ok(Line { x, y, stroke: *stroke, name: Some((*name).to_owned()), ..Line::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_tables::Column;
+
+    fn run(title: &str, finger: bool, note: &str) -> Table {
+        let float = |name, values: [f64; 2]| Column::float(name, "", "", values.map(Some));
+        let mut columns = vec![
+            float("t_s", [0.0, 1.0]),
+            float("theta_rad", [0.0, std::f64::consts::FRAC_PI_4]),
+            float("force_ex_n", [1.0, 2.0]),
+            float("force_brake_n", [-1.0, -2.0]),
+            float("force_motor_n", [0.0, 0.0]),
+        ];
+        columns.extend(finger.then(|| float("force_tissue_n", [1.0, 1.5])));
+        Table::new("trajectory", title, columns).unwrap().with_note(note).with_note("for all")
+    }
+
+    fn lines(panel: &Panel) -> usize {
+        panel.layers.iter().filter(|layer| matches!(layer, Layer::Line(_))).count()
+    }
+
+    #[test]
+    fn a_part_that_is_not_there_or_never_acts_is_not_drawn_and_every_run_is_marked() {
+        let (with, without) = (run("with", true, "a"), run("without", false, "a"));
+        let figure = simulation(&[&with, &without]).unwrap();
+        assert_eq!(figure.panels.iter().map(lines).collect::<Vec<_>>(), [3, 2, 1, 2, 1, 1]);
+        for figure in [figure, simulation(&[&with]).unwrap(), inputs(&[&with, &without]).unwrap()] {
+            assert!(figure.mark.unwrap().starts_with("SIMULATION"));
+        }
+    }
+
+    #[test]
+    fn angles_stand_in_degrees() {
+        let figure = simulation(&[&run("one", false, "a")]).unwrap();
+        let Layer::Line(line) = &figure.panels[2].layers[0] else { panic!("no line") };
+        assert!((line.y[1] - 45.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_note_that_holds_for_one_run_only_names_it() {
+        let (a, b) = (run("A", true, "smooth"), run("B", true, "chattering"));
+        assert_eq!(simulation(&[&a, &b]).unwrap().footnotes, ["A: smooth", "for all", "B: chattering"]);
+    }
+
+    #[test]
+    fn more_inputs_than_fit_in_a_row_go_on_in_the_next() {
+        let one = run("one", false, "a");
+        let figure = inputs(&[&one, &one, &one, &one]).unwrap();
+        assert_eq!(figure.panels[3].cell, Cell::at(1, 0));
+    }
+}

@@ -1,0 +1,112 @@
+//! The bow tie of Fig. 31: force against angle where the lever's motion is given (Fig. 7), so that nothing can swing.
+
+use crate::SimulateError;
+use zwidth_dynamics::{Forces, Scene, System};
+use zwidth_tables::{Column, Table};
+
+/// Steps of the stroke there, and of the one back.
+const STEPS: usize = 360;
+
+/// One sample of the stroke.
+struct Sample {
+    t_s: f64,
+    theta_rad: f64,
+    theta_dot_rad_s: f64,
+    forces: Forces,
+}
+
+/// The forces of a stroke from the lower stop to the upper one and back, at constant speed over the scene's duration:
+/// time, angle, velocity, the user's force that the motion needs, and what brake and motor make together and apart (N,
+/// above 0 they push into the object, +θ).
+///
+/// There is no finger in it, nothing lags, and turning takes no force. Where the lever turns stand two rows of one time
+/// and one angle, the last of the way there and the first of the way back: a curve through them is vertical there.
+///
+/// # Errors
+/// A scene that makes no sense, or one without stops.
+pub fn bow_tie_table(scene: &Scene) -> Result<Table, SimulateError> {
+    let system = System::new(scene.clone())?;
+    let [low, high] = scene.plant.stops_rad.ok_or(SimulateError::NoStops)?;
+    let half_s = scene.duration_s / 2.0;
+    let sample = |way: f64, i: usize| {
+        let done = i as f64 / STEPS as f64;
+        let (from, start_s) = if way > 0.0 { (low, 0.0) } else { (high, half_s) };
+        let theta_rad = from + way * done * (high - low);
+        let theta_dot_rad_s = way * (high - low) / half_s;
+        let forces = system.prescribed(theta_rad, theta_dot_rad_s, 0.0);
+        Sample { t_s: start_s + done * half_s, theta_rad, theta_dot_rad_s, forces }
+    };
+    let samples: Vec<Sample> = [1.0, -1.0]
+        .into_iter()
+        .flat_map(|way| (0..=STEPS).map(move |i| (way, i)))
+        .map(|(way, i)| sample(way, i))
+        .collect();
+    let float = |name, unit, about, get: fn(&Sample) -> f64| {
+        Column::float(name, unit, about, samples.iter().map(|sample| Some(get(sample))))
+    };
+    let columns = vec![
+        float("t_s", "s", "time", |s| s.t_s),
+        float("theta_rad", "rad", "lever angle, given", |s| s.theta_rad),
+        float("theta_dot_rad_s", "rad/s", "lever velocity, given", |s| s.theta_dot_rad_s),
+        float("force_ex_n", "N", "force of the user that the motion needs", |s| s.forces.external_n),
+        float("force_total_n", "N", "brake and motor together", |s| s.forces.brake_n + s.forces.motor_n),
+        float("force_brake_n", "N", "force of the brake", |s| s.forces.brake_n),
+        float("force_motor_n", "N", "force of the motor", |s| s.forces.motor_n),
+    ];
+    let table = Table::new("bow_tie", &scene.name, columns)?;
+    Ok(table.with_note("A model with a given motion, not a measurement: no finger, and nothing lags."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_dynamics::{BrakeLaw, Environment, Input, Mode, table3};
+
+    /// A spring at rest in the middle, a brake that makes all of its force and a motor that makes 1 N.
+    fn scene() -> Scene {
+        let mut scene = table3::scene(Mode::Hybrid, Input::constant(0.0));
+        scene.environment = Environment::spring(4.0, 0.0, 0.0);
+        scene.brake.law = BrakeLaw::Thesis;
+        scene.motor.max_n = 1.0;
+        scene
+    }
+
+    fn column(name: &str) -> Vec<f64> {
+        bow_tie_table(&scene()).unwrap().floats(name).unwrap().into_iter().map(Option::unwrap).collect()
+    }
+
+    #[test]
+    fn the_brake_follows_the_spring_and_the_motor_stops_at_its_limit() {
+        let (theta, velocity) = (column("theta_rad"), column("theta_dot_rad_s"));
+        let (total, motor) = (column("force_total_n"), column("force_motor_n"));
+        for i in 0..theta.len() {
+            let spring = -4.0 * theta[i];
+            let expect = if velocity[i] > 0.0 { spring } else { spring.clamp(-1.0, 1.0) };
+            assert!((total[i] - expect).abs() < 1e-12, "{i}: {} instead of {expect}", total[i]);
+            assert!(velocity[i] <= 0.0 || motor[i] == 0.0);
+        }
+    }
+
+    #[test]
+    fn the_area_of_the_bow_tie_is_that_of_its_two_triangles() {
+        let (theta, total) = (column("theta_rad"), column("force_total_n"));
+        let next = |i: usize| (i + 1) % theta.len();
+        let area: f64 =
+            (0..theta.len()).map(|i| 0.5 * (total[i] + total[next(i)]) * (theta[next(i)] - theta[i])).sum();
+        // Above 1 N the two branches part: K (π/4 − 1/K)² / 2 on either side, in opposite turns, so that they cancel.
+        assert!(area.abs() < 1e-9, "{area}");
+        let triangle = 4.0 * (std::f64::consts::FRAC_PI_4 - 0.25).powi(2) / 2.0;
+        let right: f64 = (0..theta.len())
+            .filter(|&i| theta[i] > 1e-9 || theta[next(i)] > 1e-9)
+            .map(|i| 0.5 * (total[i] + total[next(i)]) * (theta[next(i)] - theta[i]))
+            .sum();
+        assert!((right.abs() - triangle).abs() < 1e-4 * triangle, "{right} instead of {triangle}");
+    }
+
+    #[test]
+    fn a_lever_without_stops_has_no_bow_tie() {
+        let mut scene = scene();
+        scene.plant.stops_rad = None;
+        assert!(matches!(bow_tie_table(&scene), Err(SimulateError::NoStops)));
+    }
+}

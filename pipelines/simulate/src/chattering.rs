@@ -1,0 +1,138 @@
+//! Solvers and steps side by side on one scene: which oscillation is the method's, and which the model's.
+
+use crate::run::{grid, highest};
+use crate::summary::verdict_word;
+use crate::{DEFAULT_TOLERANCE, SimulateError, solver};
+use zwidth_dynamics::{Exact, Judgement, Scene, Solver, System, judge};
+use zwidth_tables::{Column, Table, TableError};
+
+/// Steps for a table of chattering, s: from the thesis' 8.3 ms to 0.05 ms, about evenly spaced in their
+/// logarithms.
+pub const CHATTERING_STEPS_S: [f64; 12] =
+    [8.3e-3, 5e-3, 3e-3, 2e-3, 1.3e-3, 0.83e-3, 0.5e-3, 0.3e-3, 0.2e-3, 0.13e-3, 0.083e-3, 0.05e-3];
+
+/// One solver at one step. Empty where the run failed.
+struct Row {
+    solver: String,
+    step_s: f64,
+    found: Option<Found>,
+    judgement: Judgement,
+}
+
+struct Found {
+    reversals: usize,
+    theta_max_rad: f64,
+}
+
+/// For each solver and step (s): reversals, the largest θ and its excess over the exact solver's, fast swings with
+/// their median amplitude, and the verdict. A run that fails has a row with its verdict and nothing else.
+///
+/// # Errors
+/// An unknown solver, a scene that makes no sense or that the exact solver cannot run (it is the reference), or too
+/// many samples.
+pub fn chattering_table(scene: &Scene, solvers: &[&str], steps_s: &[f64]) -> Result<Table, SimulateError> {
+    let system = System::new(scene.clone())?;
+    let exact = Exact::default().run(&system, &grid(&system, scene.step_s)?)?;
+    let reference_rad = highest(&exact).0;
+    let mut rows = Vec::new();
+    for name in solvers {
+        let solver = solver(name, DEFAULT_TOLERANCE)?;
+        for &step_s in steps_s {
+            rows.push(row(solver.as_ref(), &system, step_s)?);
+        }
+    }
+    Ok(table(&scene.name, &rows, reference_rad)?)
+}
+
+fn row(solver: &dyn Solver, system: &System, step_s: f64) -> Result<Row, SimulateError> {
+    let run = solver.run(system, &grid(system, step_s)?).ok();
+    let found = run.map(|run| Found { reversals: run.reversals(), theta_max_rad: highest(&run).0 });
+    Ok(Row { solver: solver.name(), step_s, found, judgement: judge(solver, system, step_s) })
+}
+
+fn table(scene: &str, rows: &[Row], reference_rad: f64) -> Result<Table, TableError> {
+    let float = |name, unit, about, get: &dyn Fn(&Row) -> Option<f64>| {
+        Column::float(name, unit, about, rows.iter().map(get))
+    };
+    let count = |name, about, get: fn(&Row) -> Option<usize>| {
+        Column::integer(name, "1", about, rows.iter().map(|row| get(row).map(|n| n as i64)))
+    };
+    let text = |name, about, get: fn(&Row) -> String| {
+        Column::text(name, about, rows.iter().map(|row| Some(get(row))))
+    };
+    let largest = |row: &Row| row.found.as_ref().map(|found| found.theta_max_rad);
+    let columns = vec![
+        text("solver", "the solver", |row| row.solver.clone()),
+        float("step_s", "s", "its step; adaptive solvers sample by it", &|row| Some(row.step_s)),
+        count("reversals", "sign changes of the velocity between samples, zeros skipped", |row| {
+            row.found.as_ref().map(|found| found.reversals)
+        }),
+        float("theta_max_rad", "rad", "largest angle", &largest),
+        float("theta_excess_rad", "rad", "largest angle less the exact solver's", &|row| {
+            largest(row).map(|theta| theta - reference_rad)
+        }),
+        count("fast_swings", "reversals within 0.1 s of the one before", |row| {
+            row.found.as_ref().map(|_| row.judgement.swings[0].count)
+        }),
+        float("swing_amplitude_rad", "rad", "median angle of a fast swing; 0 without any", &|row| {
+            row.found.as_ref().map(|_| row.judgement.swings[0].amplitude_rad)
+        }),
+        text("verdict", "what the run is worth, by step halving", |row| {
+            verdict_word(row.judgement.verdict).to_owned()
+        }),
+    ];
+    let table = Table::new("chattering", &format!("{scene}: chattering"), columns)?;
+    Ok(table.with_note("Model runs, not measurements. The exact solver is the reference."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_dynamics::{Input, Mode, table3};
+
+    fn check(solver: &str, step_s: f64, reversals: i64, max_deg: f64) {
+        let scene = table3::scene(Mode::Hybrid, Input::sine(2.15));
+        let table = chattering_table(&scene, &[solver], &[step_s]).unwrap();
+        let found = table.floats("theta_max_rad").unwrap()[0].unwrap().to_degrees();
+        assert_eq!(table.integers("reversals").unwrap(), [Some(reversals)], "{solver} {step_s}");
+        assert!((found - max_deg).abs() < 5e-4, "{solver} {step_s}: {found} instead of {max_deg}");
+        let excess = table.floats("theta_excess_rad").unwrap()[0].unwrap().to_degrees();
+        assert!((excess - (max_deg - 14.40784)).abs() < 6e-4, "{solver} {step_s}: {excess}");
+    }
+
+    // Counted and measured independently of this code, with a hand-written RK4 loop.
+    #[test]
+    fn rk4_that_switches_per_stage_overshoots_less_and_turns_more_often_as_the_step_shrinks() {
+        check("rk4_per_stage", 8.3e-3, 2, 15.171);
+        check("rk4_per_stage", 0.83e-3, 22, 14.629);
+        check("rk4_per_stage", 0.05e-3, 436, 14.423);
+    }
+
+    #[test]
+    fn rk4_that_switches_once_a_step_does_so_much_more() {
+        check("rk4_per_step", 8.3e-3, 38, 17.937);
+        check("rk4_per_step", 0.83e-3, 268, 14.926);
+        check("rk4_per_step", 0.05e-3, 4014, 14.441);
+    }
+
+    #[test]
+    fn solvers_that_know_sticking_turn_twice_at_every_step_and_are_smooth() {
+        let scene = table3::scene(Mode::Hybrid, Input::sine(2.15));
+        let solvers = ["exact", "dormand_prince", "tr_bdf2", "moreau_jean"];
+        let table = chattering_table(&scene, &solvers, &[8.3e-3, 0.83e-3]).unwrap();
+        assert!(table.texts("verdict").unwrap().iter().all(|v| v.as_deref() == Some("smooth")));
+        assert!(table.integers("reversals").unwrap().iter().all(|n| *n == Some(2)));
+        assert!(table.integers("fast_swings").unwrap().iter().all(|n| *n == Some(0)));
+    }
+
+    #[test]
+    fn a_run_that_fails_is_a_row_that_says_so() {
+        let mut scene = table3::scene(Mode::Active, Input::sine(2.15));
+        scene.plant.stops_rad = None;
+        scene.plant.lever_m = 0.045;
+        scene.motor.max_n = 1e307; // nothing bounds the growth of an unstable step
+        let table = chattering_table(&scene, &["rk4_per_step"], &[8.3e-3]).unwrap();
+        assert_eq!(table.texts("verdict").unwrap()[0].as_deref(), Some("failed"));
+        assert_eq!(table.integers("reversals").unwrap(), [None]);
+    }
+}

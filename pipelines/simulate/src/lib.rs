@@ -1,0 +1,30 @@
+//! Stage: model runs of scenes, as tables.
+//!
+//! [`simulate`] runs a scene with a solver chosen by name and judges the run by halving its step.
+//! [`trajectory_table`], [`events_table`] and [`Summary`] say what came out; [`chattering_table`] sets solvers
+//! and steps side by side, and [`bow_tie_table`] moves the lever there and back whatever the forces (thesis
+//! Fig. 7 and 31). Nothing here is measured, and every table says so.
+//!
+//! Pure: a scene in memory, tables out; the same scene gives the same bits.
+
+mod bow_tie;
+mod chattering;
+mod error;
+mod run;
+#[cfg(test)]
+mod scenes;
+mod solvers;
+mod summary;
+mod trajectory;
+
+pub use bow_tie::bow_tie_table;
+pub use chattering::{CHATTERING_STEPS_S, chattering_table};
+pub use error::SimulateError;
+pub use run::{MOST_SAMPLES, Run, simulate};
+pub use solvers::{DEFAULT_SOLVER, DEFAULT_TOLERANCE, SOLVERS, solver};
+pub use summary::{Energy, FastSwings, Summary, Work, verdict_word};
+pub use trajectory::{events_table, trajectory_table};
+pub use zwidth_dynamics::{DynamicsError, Scene};
+
+/// Version of the tables' form: raised when the same scene would give another table. The solvers have their own tests.
+pub const VERSION: u32 = 1;

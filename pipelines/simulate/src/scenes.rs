@@ -1,0 +1,81 @@
+//! Facts about the committed scenes: what the thesis says of its figures comes out of them.
+
+use crate::{DEFAULT_TOLERANCE, Run, bow_tie_table, events_table, simulate, solver, trajectory_table};
+use std::path::{Path, PathBuf};
+use zwidth_dynamics::{FingerLaw, Scene};
+use zwidth_tables::Table;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
+}
+
+fn scene(stem: &str) -> Scene {
+    Scene::from_toml(&std::fs::read_to_string(folder().join(format!("{stem}.toml"))).unwrap()).unwrap()
+}
+
+fn stems() -> Vec<String> {
+    let files = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path());
+    let scenes = files.filter(|path| path.extension().is_some_and(|e| e == "toml"));
+    let mut stems: Vec<String> =
+        scenes.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+    stems.sort();
+    stems
+}
+
+fn run(scene: Scene, name: &str) -> Run {
+    simulate(scene, solver(name, DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap()
+}
+
+fn column(table: &Table, name: &str) -> Vec<f64> {
+    table.floats(name).unwrap().into_iter().map(Option::unwrap).collect()
+}
+
+/// Runs a scene exactly and sees to it that its tables can be made: those refuse what is not finite.
+fn check(stem: &str, scene: Scene) {
+    let run = run(scene, "exact");
+    let table = trajectory_table(&run).unwrap();
+    assert_eq!(table.height(), 482, "{stem}");
+    assert!(table.fields().iter().all(|f| f.name == "motion" || !column(&table, &f.name).is_empty()));
+    assert!(events_table(&run).unwrap().height() > 0, "{stem}");
+}
+
+#[test]
+fn every_committed_scene_runs_exactly_with_either_law_of_the_finger() {
+    let stems = stems();
+    assert!(stems.len() >= 7, "{stems:?}");
+    for stem in stems {
+        for law in [FingerLaw::Thesis, FingerLaw::Consistent] {
+            let mut scene = scene(&stem);
+            if let Some(finger) = &mut scene.finger {
+                finger.law = law;
+            }
+            check(&stem, scene);
+        }
+    }
+    bow_tie_table(&scene("two_actuators")).unwrap();
+}
+
+#[test]
+fn the_finger_s_force_is_the_user_s_until_the_tissue_is_fully_pressed_and_flattens_there() {
+    let table = trajectory_table(&run(scene("sine_finger"), "exact")).unwrap();
+    let (user, tissue) = (column(&table, "force_ex_n"), column(&table, "force_tissue_n"));
+    let limit = 584.6 * 0.006;
+    let highest = tissue.iter().copied().fold(0.0, f64::max);
+    assert!((highest - limit).abs() < 0.15 * limit && user.iter().any(|f| *f > 4.29), "{highest}");
+    let bottomed = tissue.iter().filter(|f| (**f - limit).abs() < 1e-9).count();
+    assert!(bottomed > 100, "only {bottomed} samples lie on the stop");
+}
+
+#[test]
+fn with_the_thesis_method_the_lever_swings_between_10_and_18_degrees() {
+    let table = trajectory_table(&run(scene("sine_finger"), "rk4_per_step")).unwrap();
+    let theta = column(&table, "theta_rad");
+    let highest = theta.iter().copied().fold(f64::MIN, f64::max).to_degrees();
+    assert!((16.0..19.0).contains(&highest), "{highest}");
+}
+
+#[test]
+fn a_sudden_drop_of_the_force_leaves_no_oscillation() {
+    let run = run(scene("step"), "exact");
+    assert_eq!(run.judgement.swings.map(|swings| swings.count), [0; 3]);
+}

@@ -1,0 +1,189 @@
+//! A run in a few numbers.
+
+use crate::Run;
+use crate::run::highest;
+use serde::Serialize;
+use zwidth_dynamics::{FingerLaw, Mode, Verdict};
+
+/// What a person wants to know of a run first. SI units and radians.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// The scene's name.
+    pub scene: String,
+    /// Name of the rendered environment.
+    pub environment: String,
+    /// Which actuators rendered it: active, passive or hybrid.
+    pub mode: &'static str,
+    /// The solver.
+    pub solver: String,
+    /// Time between samples, s.
+    pub step_s: f64,
+    /// Number of samples.
+    pub samples: usize,
+    /// The largest θ, rad.
+    pub theta_max_rad: f64,
+    /// When it was reached first, s.
+    pub theta_max_s: f64,
+    /// Changes between forward, rest and backward; none where the solver met no event.
+    pub motion_changes: Option<usize>,
+    /// Sign changes of θ̇ between samples, zeros skipped.
+    pub reversals: usize,
+    /// What the run is worth: see [`verdict_word`].
+    pub verdict: &'static str,
+    /// What the verdict rests on: fast swings at the step, at half of it, and at a quarter.
+    pub fast_swings: [FastSwings; 3],
+    /// The other thing it rests on: largest growth a step in the regions met, over the exact flow's; above 1 the
+    /// step is unstable.
+    pub amplification: f64,
+    /// The law of the finger, if there is one: thesis or consistent.
+    pub finger: Option<&'static str>,
+    /// The energy balance, where the solver integrates it.
+    pub energy: Option<Energy>,
+    /// What it took.
+    pub work: Work,
+}
+
+/// Reversals that follow the one before within a tenth of a second.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FastSwings {
+    /// The step, s.
+    pub step_s: f64,
+    /// How many.
+    pub count: usize,
+    /// Median angle between two of them, rad.
+    pub amplitude_rad: f64,
+}
+
+/// How well the energy adds up.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Energy {
+    /// Work that is not accounted for, J. The finger law `thesis` leaves out a force, and its work shows here.
+    pub residual_j: f64,
+    /// Sum of the sizes of all works, J.
+    pub summed_j: f64,
+}
+
+/// Work counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Work {
+    /// Steps taken, or exact pieces.
+    pub steps: u64,
+    /// Steps rejected by an error estimate.
+    pub rejected: u64,
+    /// Evaluations of the right-hand side, or products with a flow matrix.
+    pub evaluations: u64,
+    /// Matrix exponentials or factorisations.
+    pub factorisations: u64,
+}
+
+impl Summary {
+    /// The summary of a run.
+    pub fn of(run: &Run) -> Self {
+        let (scene, of) = (run.system.scene(), &run.trajectory);
+        let (theta_max_rad, theta_max_s) = highest(of);
+        let work = of.work;
+        Self {
+            scene: scene.name.clone(),
+            environment: scene.environment.name.clone(),
+            mode: mode_word(scene.mode),
+            solver: run.solver.clone(),
+            step_s: scene.step_s,
+            samples: of.len(),
+            theta_max_rad,
+            theta_max_s,
+            motion_changes: (!of.events.is_empty()).then(|| of.motion_changes()),
+            reversals: of.reversals(),
+            verdict: verdict_word(run.judgement.verdict),
+            fast_swings: fast_swings(run),
+            amplification: run.judgement.amplification,
+            finger: scene.finger.map(|finger| finger_word(finger.law)),
+            energy: of.energy.map(|e| Energy { residual_j: e.residual_j(), summed_j: e.summed_j() }),
+            work: Work {
+                steps: work.steps,
+                rejected: work.rejected,
+                evaluations: work.evaluations,
+                factorisations: work.factorisations,
+            },
+        }
+    }
+}
+
+fn fast_swings(run: &Run) -> [FastSwings; 3] {
+    let at = |i: usize, share: f64| {
+        let swings = run.judgement.swings[i];
+        let step_s = share * run.system.scene().step_s;
+        FastSwings { step_s, count: swings.count, amplitude_rad: swings.amplitude_rad }
+    };
+    [at(0, 1.0), at(1, 0.5), at(2, 0.25)]
+}
+
+fn mode_word(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Active => "active",
+        Mode::Passive => "passive",
+        Mode::Hybrid => "hybrid",
+    }
+}
+
+fn finger_word(law: FingerLaw) -> &'static str {
+    match law {
+        FingerLaw::Thesis => "thesis",
+        FingerLaw::Consistent => "consistent",
+    }
+}
+
+/// A verdict in a word or two.
+pub fn verdict_word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Smooth => "smooth",
+        Verdict::NumericalChattering => "numerical chattering",
+        Verdict::LimitCycle => "limit cycle",
+        Verdict::UnstableStep => "unstable step",
+        Verdict::Failed => "failed",
+    }
+}
+
+/// A verdict as a clause.
+pub(crate) fn verdict_meaning(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Smooth => "verdict smooth",
+        Verdict::NumericalChattering => {
+            "verdict numerical chattering (the fast swings are the method's: they vanish with the step)"
+        }
+        Verdict::LimitCycle => {
+            "verdict limit cycle (the fast swings are the model's: they stay as the step goes to zero)"
+        }
+        Verdict::UnstableStep => "verdict unstable step (outside of the method's stability region)",
+        Verdict::Failed => "verdict failed (half the step or a quarter of it could not be run)",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{DEFAULT_TOLERANCE, simulate, solver};
+    use zwidth_dynamics::{Input, table3};
+
+    fn summary(name: &str) -> Summary {
+        let scene = table3::scene(Mode::Hybrid, Input::sine(2.15));
+        Summary::of(&simulate(scene, solver(name, DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap())
+    }
+
+    #[test]
+    fn the_exact_run_of_the_sticking_scene_has_three_motion_changes_and_its_energy_adds_up() {
+        let found = summary("exact");
+        assert!((found.theta_max_rad.to_degrees() - 14.40784).abs() < 1e-5);
+        assert_eq!((found.motion_changes, found.verdict), (Some(3), "smooth"));
+        let energy = found.energy.unwrap();
+        assert!(energy.residual_j.abs() < 1e-10 * energy.summed_j, "{energy:?}");
+    }
+
+    #[test]
+    fn the_thesis_method_chatters_and_its_swings_shrink_with_the_step() {
+        let found = summary("rk4_per_step");
+        assert_eq!((found.verdict, found.reversals), ("numerical chattering", 38));
+        let [coarse, _, fine] = found.fast_swings;
+        assert!(fine.amplitude_rad < 0.5 * coarse.amplitude_rad && fine.count > coarse.count);
+        assert!(found.motion_changes.is_none() && found.energy.is_none());
+    }
+}
