@@ -16,13 +16,16 @@ pub(crate) struct Conversion {
     pub(crate) factor: f64,
 }
 
-/// The unit in which people read `unit`, where it is another one.
+/// The unit in which people read `unit`, where it is another one. Metres are read in millimetres.
 ///
 /// Rotational: rad… → °…; N/rad stays (the study's own word for stiffness). Linear, with x = L θ:
 /// rad… → mm…, factor 1000 L; N/rad → N/mm, factor 1 / (1000 L); so too N·s/rad and N·s²/rad.
 pub(crate) fn for_people(unit: &str, coordinate: Coordinate) -> Option<Conversion> {
     let rest = unit.strip_prefix("rad").filter(|rest| rest.is_empty() || rest.starts_with('/'));
     let per_angle = unit.strip_suffix("/rad").filter(|numerator| PER_ANGLE.contains(numerator));
+    if unit == "m" {
+        return Some(Conversion { unit: "mm".to_owned(), factor: MILLI });
+    }
     match (coordinate, rest, per_angle) {
         (Coordinate::Rotational, Some(rest), _) => {
             Some(Conversion { unit: format!("°{rest}"), factor: 1_f64.to_degrees() })

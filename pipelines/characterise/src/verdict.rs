@@ -84,7 +84,9 @@ fn verdict(candidate: &Candidate, winner: &Candidate, chosen: bool) -> Verdict {
     match candidate.quality {
         None => Verdict::NotFitted,
         Some(_) if chosen => Verdict::Chosen,
-        Some(q) if !lacks_fit(&q) && candidate.complexity > winner.complexity => Verdict::NotNeeded,
+        Some(q) if candidate.complexity > winner.complexity && !fits_worse(&q, winner.quality) => {
+            Verdict::NotNeeded
+        }
         Some(_) => Verdict::Rejected,
     }
 }
@@ -100,7 +102,7 @@ fn words(candidate: &Candidate, winner: &Candidate, unit: &str) -> String {
     match candidate.verdict {
         Verdict::Chosen => format!("chosen: {}{}", residuals(&q, unit), warning(&q)),
         Verdict::NotNeeded => format!("not needed: RMS on data left out {} for {}", against(), winner.name),
-        _ if lacks_fit(&q) => format!("rejected: {}", residuals(&q, unit)),
+        _ if fits_worse(&q, Some(best)) => format!("rejected: {}", residuals(&q, unit)),
         _ => format!("rejected: RMS on data left out {} for {}", against(), winner.name),
     }
 }
@@ -119,6 +121,13 @@ fn left_out_error(q: &Quality, unit: &str) -> String {
 
 fn lacks_fit(q: &Quality) -> bool {
     q.rms_over_noise.is_some_and(|ratio| ratio > LACK_OF_FIT)
+}
+
+/// Lack of fit that the chosen curve does not share.
+fn fits_worse(q: &Quality, winner: Option<Quality>) -> bool {
+    /// Residuals that differ by less are alike.
+    const WORSE: f64 = 1.05;
+    lacks_fit(q) && winner.is_none_or(|best| q.rms > WORSE * best.rms)
 }
 
 fn warning(q: &Quality) -> &'static str {

@@ -36,20 +36,44 @@ pub fn by_condition(metrics: &Table) -> Result<Table, TableError> {
         aggregates.push(pl::col(field.name.as_ref()).mean());
         aggregates.push(pl::col(field.name.as_ref()).std(1).alias(deviation(field)));
     }
-    let frame = metrics
-        .frame()
-        .clone()
-        .lazy()
-        .group_by_stable(GROUP.map(pl::col))
-        .agg(aggregates)
-        .collect()
-        .map_err(|source| TableError::Polars { table: "conditions".to_owned(), source })?;
-    Table::from_frame(
+    let table = Table::from_frame(
         "conditions",
         "Metrics by condition: mean and SD of the repeats",
         fields(metrics, &present),
-        frame,
-    )
+        grouped(metrics, &aggregates)?,
+    )?;
+    Ok(incomplete(metrics, &present)?.into_iter().fold(table, Table::with_note))
+}
+
+fn grouped(metrics: &Table, aggregates: &[pl::Expr]) -> Result<pl::DataFrame, TableError> {
+    let lazy = metrics.frame().clone().lazy().group_by_stable(GROUP.map(pl::col));
+    let polars = |source| TableError::Polars { table: "conditions".to_owned(), source };
+    lazy.agg(aggregates).collect().map_err(polars)
+}
+
+/// Where a metric is over fewer trials than the condition's n, in words.
+fn incomplete(metrics: &Table, present: &[&Field]) -> Result<Vec<String>, TableError> {
+    let count = |name: &str| pl::col(name).count().cast(pl::DataType::Int64).alias(name);
+    let mut aggregates = vec![pl::len().cast(pl::DataType::Int64).alias("n")];
+    aggregates.extend(present.iter().map(|f| count(&f.name)));
+    let mut fields: Vec<Field> = fields(metrics, &[]);
+    let whole = |f: &&Field| Field { kind: Type::Integer, ..(*f).clone() };
+    fields.extend(present.iter().map(whole));
+    let counts = Table::from_frame("counts", "", fields, grouped(metrics, &aggregates)?)?;
+    let (environments, modes, n) =
+        (counts.texts("environment")?, counts.texts("mode")?, counts.integers("n")?);
+    let mut notes = Vec::new();
+    for field in present {
+        for (row, has) in counts.integers(&field.name)?.into_iter().enumerate() {
+            let (has, of) = (has.unwrap_or(0), n[row].unwrap_or(0));
+            if 0 < has && has < of {
+                let of_row = |c: &[Option<String>]| c[row].clone().unwrap_or_default();
+                let condition = format!("{} × {}", of_row(&environments), of_row(&modes));
+                notes.push(format!("{}: {condition}: over {has} of the {of} trials.", field.description));
+            }
+        }
+    }
+    Ok(notes)
 }
 
 fn fields(metrics: &Table, present: &[&Field]) -> Vec<Field> {
@@ -102,6 +126,7 @@ mod tests {
         assert_eq!(table.texts("mode").unwrap(), [Some("b".to_owned()), Some("a".to_owned())]);
         assert_eq!(table.integers("n").unwrap(), [Some(3), Some(1)]);
         assert_eq!(table.floats("duration_s").unwrap(), [Some(2.0), Some(5.0)]);
+        assert_eq!(table.notes(), ["duration: spring × b: over 2 of the 3 trials."]);
         assert_eq!(table.floats("duration_sd_s").unwrap(), [Some(std::f64::consts::SQRT_2), None]);
     }
 
