@@ -78,7 +78,7 @@ const STIFFNESS_SAMPLES: [Count; 1] =
 
 const WALL: [Float; 6] = [
     ("wall_past_max_rad", "rad", "largest angle past the wall", |r| r.wall.past_max_rad),
-    ("wall_past_max_m", "m", "the same at the lever", |r| r.wall.past_max_m),
+    ("wall_depth_m", "m", "largest depth past the wall, at the lever", |r| r.wall.past_max_m),
     ("wall_dwell_s", "s", "time past the wall", |r| r.wall.dwell_s),
     ("wall_impulse_n_s", "N·s", "impulse of the user's force past the wall", |r| r.wall.impulse_n_s),
     ("wall_energy_j", "J", "energy the wall takes from the user", |r| r.wall.energy_j),
