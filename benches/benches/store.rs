@@ -9,7 +9,7 @@ use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_store::{RealFiles, Samples, Signal, Trial, read_meta, read_trial, trial_bytes, write_new};
+use zwidth_store::{RealFiles, Samples, Signal, Trial, read_footer, read_trial, trial_bytes, write_new};
 use zwidth_study::{Kind, Source, Status, TrialMeta};
 
 const SAMPLES: u32 = 4_000;
@@ -78,7 +78,7 @@ fn store(c: &mut Criterion) {
             BatchSize::SmallInput,
         );
     });
-    group.bench_function("footer only, store", |b| b.iter(|| read_meta(&path).unwrap()));
+    group.bench_function("footer only, store", |b| b.iter(|| read_footer(&path).unwrap()));
     group.finish();
 }
 
