@@ -61,9 +61,10 @@ pub enum DynamicsError {
 /// Shorthand.
 pub(crate) type Result<T> = std::result::Result<T, DynamicsError>;
 
-/// `value` must be finite and above zero.
+/// `value` must be finite and above zero, and no denormal: the inverse of one is infinite.
 pub(crate) fn positive(name: &str, value: f64) -> Result<()> {
-    check(name, value, value.is_finite() && value > 0.0, "finite and above 0")
+    let ok = value.is_finite() && value >= f64::MIN_POSITIVE;
+    check(name, value, ok, "finite and above 0 (at least 2.3e-308)")
 }
 
 /// `value` must be finite and not below zero.

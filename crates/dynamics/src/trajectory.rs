@@ -71,9 +71,8 @@ pub struct Trajectory {
     pub events: Vec<Event>,
     /// Work counts.
     pub work: WorkCounts,
-    /// For the exact solver, the largest condition number of a step's exponential over the regions met, at
-    /// least 1. The error of a run is below about 1e-14 times this, relative to the largest signal.
-    pub condition: Option<f64>,
+    /// For the exact solver, its longest step, s; see [`Trajectory::condition`].
+    pub longest_step_s: Option<f64>,
     /// Where the energy went, if the method was asked to integrate it.
     pub energy: Option<EnergyBalance>,
 }
@@ -88,7 +87,7 @@ impl Trajectory {
             regions: Vec::new(),
             events: Vec::new(),
             work: WorkCounts::default(),
-            condition: None,
+            longest_step_s: None,
             energy: None,
         }
     }
@@ -159,6 +158,19 @@ impl Trajectory {
         motions.windows(2).filter(|pair| pair[0] != pair[1]).count()
     }
 
+    /// Largest condition number κ of a step's exponential over the regions met, by the system that was run; `None`
+    /// for other methods than the exact one. It is worked out when asked for, so that a run does not pay for it.
+    ///
+    /// κ is relative, in the Frobenius norm (see [`zwidth_numerics::expm::condition`]). The error of a run against
+    /// the exact motion, over the largest signal, is at most 1e-12 where κ < 1e6, and at most 1e-12 + 2 ε κ above
+    /// (ε = 2.2e-16): flows over long steps are computed in twice the precision, so that what is left is the
+    /// rounding of the equations' own coefficients, such as K_O/(M_O L), which no method can undo. This holds for up
+    /// to 10⁴ samples and radians of undamped swing; each further one may add ε.
+    pub fn condition(&self, system: &System) -> Option<f64> {
+        let step_s = self.longest_step_s?;
+        Some(self.regions.iter().map(|region| system.condition(region, step_s)).fold(0.0, f64::max))
+    }
+
     /// Number of a region, which is added if new.
     pub(crate) fn region_number(&mut self, region: &Region) -> u16 {
         let found = self.regions.iter().position(|known| known.resembles(region));
@@ -168,10 +180,14 @@ impl Trajectory {
         }) as u16
     }
 
-    #[inline]
-    pub(crate) fn push(&mut self, t_s: f64, z: &[f64], region: u16) {
+    #[inline(always)]
+    pub(crate) fn push<const N: usize>(&mut self, t_s: f64, z: &[f64; N], region: u16) {
         self.t_s.push(t_s);
-        self.states.extend_from_slice(&z[..self.layout.n]);
+        if N == self.layout.n {
+            self.states.extend_from_slice(z);
+        } else {
+            self.states.extend_from_slice(&z[..self.layout.n]);
+        }
         self.region.push(region);
     }
 }

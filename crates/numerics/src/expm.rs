@@ -7,6 +7,11 @@
 //! The series keeps structure that a rational approximation loses: a zero row of `A` gives exactly
 //! a unit row, so that a quantity at rest stays at rest, bit for bit.
 
+mod condition;
+mod precise;
+
+pub use condition::condition;
+
 /// Highest power kept of the Taylor series. With `RADIUS` the next term is below 1e-21.
 pub const ORDER: usize = 9;
 
@@ -17,6 +22,10 @@ const RADIUS: f64 = 0.031_25;
 /// sum where it is not tiny, and the curvature an envelope bounds is passed by a factor of two anyway.
 const BOUND_ORDER: usize = 4;
 const BOUND_MARGIN: f64 = 1.0 + 1e-6;
+
+/// From this many radians (or time constants) on, a flow is computed in twice the precision: the doublings would
+/// else magnify its rounding beyond 1e-14 of the largest signal.
+const PRECISE_FROM: f64 = 16.0;
 
 /// More rungs than this are never needed: 2^200 shortest spans exceed any span of interest.
 const MOST_RUNGS: usize = 200;
@@ -215,8 +224,7 @@ pub struct Rung<const N: usize> {
 pub struct Ladder<const N: usize> {
     /// The system's matrix, 1/s.
     pub a: Matrix<N>,
-    /// How fast the terms of the exponential can grow, 1/s (see [`growth`]). Over a span t the exponential's
-    /// relative condition number is about `rate · t`, and so is its error in units of rounding.
+    /// How fast the terms of the exponential can grow, 1/s (see [`growth`]).
     pub rate: f64,
     /// Rungs, shortest span first; never empty.
     pub rungs: Vec<Rung<N>>,
@@ -240,7 +248,22 @@ impl<const N: usize> Ladder<N> {
             rung = next;
         }
         rungs.push(rung);
-        Self { a, rate, rungs }
+        let mut ladder = Self { a, rate, rungs };
+        ladder.refine(reach);
+        ladder
+    }
+
+    /// Puts precise flows in the place of those of a long ladder, where they are finite.
+    fn refine(&mut self, reach: f64) {
+        if self.rate * reach < PRECISE_FROM {
+            return;
+        }
+        let flows = precise::doublings(&self.a, self.rungs[0].span, self.rungs.len());
+        for (rung, flow) in self.rungs.iter_mut().zip(flows) {
+            if flow.columns.iter().flatten().all(|x| x.is_finite()) {
+                rung.flow = flow;
+            }
+        }
     }
 
     /// False if the matrix is not finite or so fast that no ladder of useful length reaches as far.
@@ -262,8 +285,18 @@ impl<const N: usize> Ladder<N> {
         if rest > 0.0 { evaluate(&taylor(&self.a, &z), rest) } else { z }
     }
 
-    /// `exp(A t)` as a matrix.
+    /// `exp(A t)` as a matrix, for a step that is repeated: over a long one in twice the precision.
     pub fn flow(&self, t: f64) -> Matrix<N> {
+        let angle = self.rate * t;
+        if angle >= PRECISE_FROM && angle.is_finite() {
+            let halvings = libm::ilogb(angle / RADIUS) + 1;
+            let flows = precise::doublings(&self.a, libm::ldexp(t, -halvings), halvings as usize + 1);
+            if let Some(flow) =
+                flows.last().filter(|flow| flow.columns.iter().flatten().all(|x| x.is_finite()))
+            {
+                return *flow;
+            }
+        }
         let identity = Matrix::<N>::identity();
         Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) }
     }

@@ -20,7 +20,7 @@ use plant::{Plant, Start};
 use pull::Pull;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{DynamicsError, Result, positive};
+use crate::error::{DynamicsError, Result, check, positive};
 
 /// What is simulated. Terms that are `None` are left out of the equations and cost nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -114,7 +114,33 @@ impl Scene {
         self.finger.as_ref().map_or(Ok(()), Finger::check)?;
         self.friction.as_ref().map_or(Ok(()), Friction::check)?;
         self.gravity.as_ref().map_or(Ok(()), Gravity::check)?;
-        self.pull.as_ref().map_or(Ok(()), |pull| pull.check(self.duration_s))
+        self.pull.as_ref().map_or(Ok(()), |pull| pull.check(self.duration_s))?;
+        self.check_rates()
+    }
+
+    /// Stiffness and damping over the mass they act on must stay finite in the equations.
+    fn check_rates(&self) -> Result<()> {
+        /// Well below the largest number, 1.8e308: angles, rates and masses still multiply it.
+        const LARGEST: f64 = 1e280;
+        let mut list = Vec::new();
+        self.environment.list(&mut list);
+        list.extend(self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)));
+        list.extend(self.pull.as_ref().map(|p| ("pull.stiffness_n_per_rad", p.stiffness_n_per_rad, 1.0)));
+        let mut mass = self.plant.mass_kg * self.plant.lever_m;
+        if let Some(finger) = &self.finger {
+            list.push(("finger.stiffness_n_per_m", finger.stiffness_n_per_m, 1.0));
+            list.push(("finger.damping_ns_per_m", finger.damping_ns_per_m, 1.0));
+            mass = mass.min(finger.mass_kg);
+        }
+        let mut rates = list.into_iter();
+        rates.try_for_each(|(name, value, _)| {
+            check(
+                name,
+                value,
+                value / mass <= LARGEST,
+                "at most 1e280 times the smallest moving mass (with its lever)",
+            )
+        })
     }
 }
 

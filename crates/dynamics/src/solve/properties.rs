@@ -18,6 +18,7 @@ use crate::scene::friction::Friction;
 use crate::scene::input::{Input, Series};
 use crate::scene::pull::Pull;
 use crate::scene::{Scene, table3};
+use crate::trajectory::Forces;
 
 /// 10^x for x uniform between two exponents.
 fn log(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
@@ -182,18 +183,30 @@ fn extreme_scene(mut scene: Scene, which: usize, x: &[f64]) -> Scene {
     scene
 }
 
+fn has_nan(force: &Forces) -> bool {
+    let Forces { external_n, tip_n, tissue_n, motor_n, brake_n, friction_n, pull_n, gravity_n, stop_n } =
+        *force;
+    [external_n, tip_n, tissue_n, motor_n, brake_n, friction_n, pull_n, gravity_n, stop_n]
+        .iter()
+        .any(|x| x.is_nan())
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn an_extreme_scene_ends_in_a_finite_result_or_in_an_error_that_names_a_parameter(
         mode in mode(),
         law in prop_oneof![Just(BrakeLaw::Coulomb), Just(BrakeLaw::Thesis)],
+        finger in prop_oneof![Just(FingerLaw::Consistent), Just(FingerLaw::Thesis)],
         which in 0_usize..21 * 96,
         x in prop::collection::vec(extreme(), 20),
     ) {
         let mut scene = extreme_scene(table3::scene(mode, Input::sine(1.0)), which, &x);
         scene.brake.law = law;
+        if let Some(chosen) = &mut scene.finger {
+            chosen.law = finger;
+        }
         let exact = Exact { most_events: 500, most_pieces: 20_000, energy: which % 2 == 0 };
         let tolerances = Tolerances { most_steps: 1_000, ..Tolerances::of(1e-6) };
         let solvers: [&dyn Solver; 6] = [
@@ -211,7 +224,11 @@ proptest! {
         };
         for solver in solvers {
             match solver.run(&system, &Grid::filling(0.4, 0.008)) {
-                Ok(run) => prop_assert!(run.states.iter().all(|x| x.is_finite()), "{}", solver.name()),
+                Ok(run) => {
+                    prop_assert!(run.states.iter().all(|x| x.is_finite()), "{}", solver.name());
+                    let forces = (0..run.len()).map(|i| run.forces(&system, i));
+                    prop_assert!(!forces.into_iter().any(|force| has_nan(&force)), "{}", solver.name());
+                }
                 Err(error) => prop_assert!(error.to_string().contains(" = "), "{}: {error}", solver.name()),
             }
         }

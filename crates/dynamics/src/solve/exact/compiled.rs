@@ -4,6 +4,7 @@
 use zwidth_numerics::expm::{self, Ladder, Matrix, ORDER};
 use zwidth_numerics::roots;
 
+use super::block::Block;
 use super::uneven::Table;
 use super::work::Work;
 use crate::solve::shorten;
@@ -23,7 +24,19 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 pub(super) struct Functionals<const N: usize, const G: usize>([[f64; G]; N]);
 
 impl<const N: usize, const G: usize> Functionals<N, G> {
-    fn from_rows(rows: &[[f64; N]; G]) -> Self {
+    pub(super) const ZERO: Self = Self([[0.0; G]; N]);
+
+    /// Each entry mapped.
+    pub(super) fn map(&self, f: impl Fn(f64) -> f64) -> Self {
+        Self(self.0.map(|column| column.map(&f)))
+    }
+
+    /// Each pair of entries joined.
+    pub(super) fn zip(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Self(std::array::from_fn(|j| std::array::from_fn(|i| f(self.0[j][i], other.0[j][i]))))
+    }
+
+    pub(super) fn from_rows(rows: &[[f64; N]; G]) -> Self {
         Self(std::array::from_fn(|j| std::array::from_fn(|i| rows[i][j])))
     }
 
@@ -32,7 +45,7 @@ impl<const N: usize, const G: usize> Functionals<N, G> {
     }
 
     /// The functionals of `map z`, as functionals of `z`.
-    fn after(&self, map: &Matrix<N>) -> Self {
+    pub(super) fn after(&self, map: &Matrix<N>) -> Self {
         Self(std::array::from_fn(|j| self.add([0.0; G], &map.columns[j], N)))
     }
 
@@ -65,15 +78,23 @@ impl<const N: usize, const G: usize> Functionals<N, G> {
 /// With ż(t) = exp(A t) ż(0) and an envelope E of the flows, |g''(t)| = |w A ż(t)| ≤ |w A| E |ż(0)|, and a
 /// curve sags at most max|g''| span²/8 below its chord.
 #[derive(Debug, Clone)]
-pub(super) struct Sag<const N: usize, const G: usize>(Functionals<N, G>);
+pub(super) struct Sag<const N: usize, const G: usize>(pub(super) Functionals<N, G>);
 
 impl<const N: usize, const G: usize> Sag<N, G> {
     /// `bend` is |w A| of each guard.
-    fn new(bend: &Functionals<N, G>, envelope: &Matrix<N>, span: f64) -> Self {
+    pub(super) fn new(bend: &Functionals<N, G>, envelope: &Matrix<N>, span: f64) -> Self {
         /// Of the chord bound h²/8.
         const CHORD: f64 = 0.125;
         let bound = bend.after(envelope);
-        Self(Functionals(bound.0.map(|column| column.map(|x| x * CHORD * span * span))))
+        Self(bound.map(|x| x * CHORD * span * span))
+    }
+
+    /// For each guard, whether it may fall below zero between two points; true if in doubt or not a number.
+    #[inline]
+    fn doubtful(&self, rate: &[f64; N], before: &[f64; G], after: &[f64; G]) -> [bool; G] {
+        let sag = self.0.apply_to_rate(&rate.map(f64::abs));
+        let safe: [bool; G] = std::array::from_fn(|i| before[i].min(after[i]) >= sag[i]);
+        safe.map(|safe| !safe)
     }
 
     /// True if no guard can fall below zero between two points; false if in doubt or not a number.
@@ -98,6 +119,9 @@ pub(super) struct EvenStep<const N: usize, const G: usize> {
     /// Rate after the step.
     pub(super) rate: Matrix<N>,
     sag: Sag<N, G>,
+    /// What proves a block of steps free, once enough of them were taken.
+    block: Option<Block<N, G>>,
+    taken: u32,
 }
 
 impl<const N: usize, const G: usize> EvenStep<N, G> {
@@ -122,6 +146,8 @@ pub(super) struct Compiled<const N: usize, const G: usize> {
     pub(super) guards: Functionals<N, G>,
     kinds: Vec<EventKind>,
     bend: Functionals<N, G>,
+    /// |A|.
+    absolute: Matrix<N>,
     pub(super) sags: Vec<Sag<N, G>>,
     pub(super) work: Option<Work<N>>,
     step: Option<Box<EvenStep<N, G>>>,
@@ -142,12 +168,13 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
             *row = shorten(&guard.value.row.0);
         }
         let guards = Functionals::from_rows(&rows);
-        let bend = Functionals(guards.after(&ladder.a).0.map(|column| column.map(f64::abs)));
+        let bend = guards.after(&ladder.a).map(f64::abs);
         let sags = ladder.rungs.iter().map(|rung| Sag::new(&bend, &rung.envelope, rung.span)).collect();
         let kinds = flow.guards.iter().map(|guard| guard.kind).collect();
         let work = energy.then(|| Work::new(system, region, &ladder.a, reach_s));
         Self {
             region: *region,
+            absolute: ladder.a.map(f64::abs),
             ladder,
             guards,
             kinds,
@@ -177,6 +204,26 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
             self.count_uneven();
         }
         wanted
+    }
+
+    /// The flow over one step, if a block of these is prepared and free of events, and no work is integrated.
+    #[inline]
+    pub(super) fn free_block(
+        &mut self,
+        h: f64,
+        z: &[f64; N],
+        rate: &[f64; N],
+        guards: &[f64; G],
+    ) -> Option<&Matrix<N>> {
+        /// Blocks asked for before the proof of one, which costs as much as the steps of some tens, is worth it.
+        const WORTH: u32 = 32;
+        let step =
+            self.step.as_mut().filter(|step| step.h.to_bits() == h.to_bits() && self.work.is_none())?;
+        step.taken += u32::from(step.block.is_none());
+        if step.taken == WORTH && step.block.is_none() {
+            step.block = Some(Block::new(&self.guards, &self.ladder, &step.flow, h));
+        }
+        step.block.as_ref().is_some_and(|block| block.is_free(z, rate, guards)).then_some(&step.flow)
     }
 
     /// The prepared step.
@@ -218,6 +265,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
             guards: self.guards.after(&flow),
             rate: self.ladder.a.product(&flow),
             sag: Sag::new(&self.bend, envelope, h),
+            block: None,
+            taken: 0,
         }
     }
 
@@ -248,7 +297,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
                 level -= 1;
                 continue;
             } else {
-                if let Some((after, kind)) = self.first_event(z, piece) {
+                let doubtful = self.sags[level].doubtful(&rate, &guards, &after);
+                if let Some((after, kind)) = self.first_event(z, piece, &doubtful) {
                     return Some((elapsed + after, kind));
                 }
                 guards = self.guards.apply(z);
@@ -261,13 +311,13 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         None
     }
 
-    /// The first event within a piece no longer than the lowest rung, by Taylor polynomials; `z` is moved to it
-    /// or to the piece's end.
-    fn first_event(&self, z: &mut [f64; N], piece: f64) -> Option<(f64, EventKind)> {
+    /// The first event of the doubtful guards within a piece no longer than the lowest rung, by Taylor polynomials;
+    /// `z` is moved to it or to the piece's end.
+    fn first_event(&self, z: &mut [f64; N], piece: f64, doubtful: &[bool; G]) -> Option<(f64, EventKind)> {
         let series = expm::taylor(&self.ladder.a, z);
         let size = self.sizes(z, piece);
         let mut first: Option<(f64, EventKind)> = None;
-        for (i, kind) in self.kinds.iter().enumerate() {
+        for (i, kind) in self.kinds.iter().enumerate().filter(|(i, _)| doubtful[*i]) {
             let w = self.guards.row(i);
             let mut p: [f64; ORDER + 1] = series.map(|c| expm::dot(&w, &c));
             p[0] += ROUNDING * expm::dot(&w.map(f64::abs), &size);
@@ -285,7 +335,7 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
     /// Size of each entry of the state and of its change over the piece: what its rounding is relative to.
     fn sizes(&self, z: &[f64; N], piece: f64) -> [f64; N] {
         let absolute = z.map(f64::abs);
-        let change = self.ladder.a.map(f64::abs).apply(&absolute);
+        let change = self.absolute.apply(&absolute);
         std::array::from_fn(|i| absolute[i] + piece * change[i])
     }
 }

@@ -4,7 +4,9 @@
 //! Piecewise affine systems: Sontag 1981; sliding and sticking: Filippov 1988, Acary & Brogliato 2008.
 //! The exponential: see `zwidth_numerics::expm`.
 
+mod block;
 mod compiled;
+mod condition;
 mod run;
 mod uneven;
 mod work;
@@ -118,5 +120,7 @@ impl Exact {
     }
 }
 
+#[cfg(test)]
+mod accuracy;
 #[cfg(test)]
 mod tests;
