@@ -4,15 +4,18 @@
 //! Angles are radians and everything else is SI in memory; `study.toml` speaks degrees and
 //! millimetres where people do, and its keys end in their unit.
 
+mod calibration;
 mod event;
 mod file;
 mod id;
 mod locate;
 mod model;
+mod sample;
 mod session;
 mod template;
 mod trial;
 
+pub use calibration::{Calibration, CalibrationError, Characteristic};
 pub use event::Event;
 pub use id::{ActuatorId, EnvironmentId, IdError, ModeId, ParticipantId, QuestionId, SessionId, StudyId};
 pub use locate::{line_of, toml_error};
@@ -20,6 +23,7 @@ pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Likert, Masses, Mode, Question, Scene,
     Spring, Study,
 };
+pub use sample::{Flags, Sample, Voltages};
 pub use session::{PlannedTrial, SessionRecord};
 pub use template::template;
 pub use trial::{Kind, Source, Status, TrialMeta};
