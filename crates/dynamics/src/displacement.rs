@@ -14,7 +14,7 @@ impl System {
         z[OMEGA] = theta_dot_rad_s;
         z[self.layout.force] = 0.0;
         let mut forces = self.forces(&self.direct_region(&z), &z);
-        let on_lever = forces.motor_n + forces.brake_n + forces.friction_n + forces.pull_n + forces.gravity_n;
+        let on_lever = forces.motor_n + forces.brake_n + forces.friction_n + forces.terms_n;
         forces.external_n = self.inertia() * theta_ddot_rad_s2 - on_lever;
         forces.tip_n = forces.external_n;
         forces.tissue_n = forces.external_n;

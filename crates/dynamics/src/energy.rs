@@ -17,8 +17,8 @@ pub struct EnergyBalance {
     pub brake_j: f64,
     /// Dry and viscous friction.
     pub friction_j: f64,
-    /// The moved spring.
-    pub pull_j: f64,
+    /// The scene's terms together: weight, moved spring, …
+    pub terms_j: f64,
     /// Damping of the finger's tissue.
     pub tissue_j: f64,
     /// Impacts on stops and of the bottoming finger.
@@ -34,7 +34,7 @@ impl EnergyBalance {
             self.motor_j,
             self.brake_j,
             self.friction_j,
-            self.pull_j,
+            self.terms_j,
             self.tissue_j,
             self.impacts_j,
         ]
@@ -64,11 +64,11 @@ impl Trajectory {
                 *sum += half_s * (a + b);
             }
         }
-        let [external_j, motor_j, brake_j, friction_j, pull_j, tissue_j] = sums;
+        let [external_j, motor_j, brake_j, friction_j, terms_j, tissue_j] = sums;
         let stored = |i: usize| system.stored_j(self.state(i));
         let stored_j = if self.is_empty() { 0.0 } else { stored(self.len() - 1) - stored(0) };
         let impacts_j = 0.0;
-        EnergyBalance { external_j, motor_j, brake_j, friction_j, pull_j, tissue_j, impacts_j, stored_j }
+        EnergyBalance { external_j, motor_j, brake_j, friction_j, terms_j, tissue_j, impacts_j, stored_j }
     }
 }
 
@@ -95,12 +95,12 @@ impl System {
             (forces.motor, lever),
             (brake, lever),
             (friction, lever),
-            (forces.pull, lever),
+            (self.affine_terms(), lever),
             (finger.times(-damping), finger),
         ]
     }
 
-    /// The powers of a sample in the order of the balance, W. Gravity's joins the moved spring's.
+    /// The powers of a sample in the order of the balance, W.
     fn sampled_powers(&self, forces: &Forces, z: &[f64]) -> [f64; PARTS] {
         let lever = self.scene.plant.lever_m * z[OMEGA];
         let finger = self.layout.finger.map_or(0.0, |at| z[at + 1]);
@@ -110,7 +110,7 @@ impl System {
             forces.motor_n * lever,
             forces.brake_n * lever,
             forces.friction_n * lever,
-            (forces.pull_n + forces.gravity_n) * lever,
+            forces.terms_n * lever,
             -damping * finger * finger,
         ]
     }

@@ -17,6 +17,7 @@
 //! ```
 
 mod displacement;
+mod driven;
 mod energy;
 mod error;
 mod scene;
@@ -26,17 +27,19 @@ mod system;
 mod trajectory;
 mod verdict;
 
+pub use driven::{Aim, Command, Driven, DrivenParameters, DrivenState, Hand, Tissue};
 pub use energy::EnergyBalance;
 pub use error::DynamicsError;
 pub use scene::actuators::{Brake, BrakeLaw, Mode, Motor};
 pub use scene::environment::{Demand, Environment, Zone};
 pub use scene::finger::{Finger, FingerLaw};
 pub use scene::friction::Friction;
-pub use scene::gravity::Gravity;
 pub use scene::input::{Input, Series};
 pub use scene::plant::{Plant, Start};
-pub use scene::pull::Pull;
-pub use scene::{Scene, table3};
+pub use scene::terms::gravity::Gravity;
+pub use scene::terms::pull::Pull;
+pub use scene::terms::{Affine, Curve, Parameter, Term, Terms};
+pub use scene::{Scene, table3, terms};
 pub use solve::adaptive::Tolerances;
 pub use solve::dormand_prince::DormandPrince;
 pub use solve::exact::{Exact, Prepared};

@@ -1,4 +1,4 @@
-//! Numerical building blocks: least squares, interpolation, quadrature, crossings. Pure functions on slices.
+//! Numerical building blocks: least squares, interpolation, quadrature, crossings, spectra. Pure functions on slices.
 //!
 //! Nothing here reads a file, knows a unit or draws a random number. Sums run in the order of the input, in
 //! plain loops, so that a result has the same bits on every machine.
@@ -8,8 +8,12 @@ mod error;
 pub mod expm;
 pub mod lsq;
 pub mod nonlinear;
+pub mod phases;
 pub mod roots;
 pub mod series;
+pub mod smoothness;
+pub mod spectrum;
 pub mod tableau;
+pub mod zigzag;
 
 pub use error::NumericsError;

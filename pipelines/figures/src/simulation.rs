@@ -19,14 +19,17 @@ const INPUT_MM: f64 = 32.0;
 pub const MOST_SIDE_BY_SIDE: usize = 3;
 
 /// A part of the force: its column, its name, its pen.
-type Part = (&'static str, &'static str, Stroke);
+type Part<'a> = (&'a str, &'a str, Stroke);
 
-const EXTERNAL: Part = ("force_ex_n", "external force", style::mean(style::INK));
+const EXTERNAL: Part<'static> = ("force_ex_n", "external force", style::mean(style::INK));
 /// Follows the external force closely and lies over it.
-const TISSUE: Part =
+const TISSUE: Part<'static> =
     ("force_tissue_n", "finger tissue", Stroke { dash: Dash::Dashed, ..style::mean(style::TISSUE) });
-const BRAKE: Part = ("force_brake_n", "brake", style::single(style::BRAKE));
-const MOTOR: Part = ("force_motor_n", "motor", style::single(style::MOTOR));
+const BRAKE: Part<'static> = ("force_brake_n", "brake", style::single(style::BRAKE));
+const MOTOR: Part<'static> = ("force_motor_n", "motor", style::single(style::MOTOR));
+const STOP: Part<'static> = ("force_stop_n", "stop", style::single(style::GREY));
+/// What arrives of the external force at the lever: between it and the tissue's share, and not drawn.
+const TIP: &str = "force_tip_n";
 
 /// Model runs, a column each (at most [`MOST_SIDE_BY_SIDE`] are readable): forces by part against the angle, external
 /// and tissue force against time, the angle against time. `runs` are tables of the stage `simulate`, named by their titles.
@@ -46,8 +49,8 @@ pub fn simulation(runs: &[&Table]) -> Result<Figure, TableError> {
     Ok(Figure {
         title: (runs.len() == 1).then(|| plain(&names.concat())),
         description: format!(
-            "Model run: {}. From top to bottom: force of user, finger tissue, motor and brake against angle; force of \
-             user and tissue against time; angle against time.",
+            "Model run: {}. From top to bottom: forces by part against angle; force of user and tissue against time; \
+             angle against time.",
             names.join("; ")
         ),
         width_mm: if runs.len() == 1 { ONE_COLUMN_MM } else { TWO_COLUMNS_MM },
@@ -109,9 +112,9 @@ fn zero_line() -> Layer {
 
 fn loop_panel(run: &Table, column: usize) -> Result<Panel, TableError> {
     let mut layers = vec![zero_line()];
-    for part in acting(run, &[EXTERNAL, TISSUE, BRAKE, MOTOR])? {
+    for part in acting(run, &parts(run))? {
         let x = words().positions(run.floats("theta_rad")?);
-        layers.push(Layer::Line(line(run, part, x)?));
+        layers.push(Layer::Line(line(run, &part, x)?));
     }
     let x = words().position_axis().linked("angle");
     let panel = Panel::new(Cell::at(0, column), x, force_axis().linked("forces"), layers);
@@ -121,7 +124,7 @@ fn loop_panel(run: &Table, column: usize) -> Result<Panel, TableError> {
 fn force_panel(run: &Table, column: usize) -> Result<Panel, TableError> {
     let mut layers = Vec::new();
     for part in acting(run, &[EXTERNAL, TISSUE])? {
-        layers.push(Layer::Line(over_time(run, part)?));
+        layers.push(Layer::Line(over_time(run, &part)?));
     }
     let panel = Panel::new(Cell::at(1, column), time_axis(""), force_axis().linked("force"), layers);
     Ok(Panel { height_mm: Some(TIME_MM), ..panel })
@@ -135,14 +138,27 @@ fn angle_panel(run: &Table, column: usize) -> Result<Panel, TableError> {
     Ok(Panel { height_mm: Some(TIME_MM), ..panel })
 }
 
+/// The parts of a run's force: the named ones, then each other one (friction and the scene's terms) by the word in its
+/// column's name, in a colour of its own.
+fn parts(run: &Table) -> Vec<Part<'_>> {
+    let named = [EXTERNAL, TISSUE, BRAKE, MOTOR, STOP];
+    let columns = run.fields().iter().map(|field| field.name.as_ref());
+    let others = columns.filter(|column| *column != TIP && named.iter().all(|part| part.0 != *column));
+    let words =
+        others.filter_map(|column| Some((column, column.strip_prefix("force_")?.strip_suffix("_n")?)));
+    let pen = |i: usize| style::single(style::environment_colour(i));
+    let others = words.enumerate().map(|(i, (column, word))| (column, word, pen(i)));
+    named.into_iter().chain(others).collect()
+}
+
 /// The parts that a run has and that ever act; the external force in any case.
-fn acting<'a>(run: &Table, parts: &'a [Part]) -> Result<Vec<&'a Part>, TableError> {
+fn acting<'a>(run: &Table, parts: &[Part<'a>]) -> Result<Vec<Part<'a>>, TableError> {
     let mut acting = Vec::new();
     for part in parts {
         let there = run.fields().iter().any(|field| field.name == part.0);
         let acts = |force: &Option<f64>| force.is_some_and(|force| force.abs() > 0.0);
         if part.0 == EXTERNAL.0 || there && run.floats(part.0)?.iter().any(acts) {
-            acting.push(part);
+            acting.push(*part);
         }
     }
     Ok(acting)
@@ -154,7 +170,7 @@ fn over_time(run: &Table, part: &Part) -> Result<Line, TableError> {
 
 fn line(run: &Table, (column, name, stroke): &Part, x: Vec<f64>) -> Result<Line, TableError> {
     let y = gaps(run.floats(column)?);
-    Ok(Line { x, y, stroke: *stroke, name: Some((*name).to_owned()), ..Line::default() })
+    Ok(Line { x, y, stroke: *stroke, name: Some(plain(&name.replace('_', " "))), ..Line::default() })
 }
 
 #[cfg(test)]
@@ -187,6 +203,27 @@ mod tests {
         for figure in [figure, simulation(&[&with]).unwrap(), inputs(&[&with, &without]).unwrap()] {
             assert!(figure.mark.unwrap().starts_with("SIMULATION"));
         }
+    }
+
+    #[test]
+    fn friction_stop_and_every_term_have_lines_named_by_their_columns() {
+        let float = |name, values: [f64; 2]| Column::float(name, "", "", values.map(Some));
+        let columns = vec![
+            float("t_s", [0.0, 1.0]),
+            float("theta_rad", [0.0, 1.0]),
+            float("force_ex_n", [1.0, 2.0]),
+            float("force_tip_n", [1.0, 2.0]),
+            float("force_friction_n", [0.1, -0.2]),
+            float("force_stop_n", [0.0, 0.5]),
+            float("force_spring_bed_n", [0.3, 0.0]),
+            float("force_gravity_n", [0.0, 0.0]),
+        ];
+        let figure = simulation(&[&Table::new("trajectory", "terms", columns).unwrap()]).unwrap();
+        let names = figure.panels[0].layers.iter().filter_map(|layer| match layer {
+            Layer::Line(line) => line.name.clone(),
+            _ => None,
+        });
+        assert_eq!(names.collect::<Vec<_>>(), ["external force", "stop", "friction", "spring bed"]);
     }
 
     #[test]

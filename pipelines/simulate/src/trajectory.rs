@@ -2,7 +2,7 @@
 
 use crate::Run;
 use crate::summary::verdict_meaning;
-use zwidth_dynamics::{Contact, Event, EventKind, Forces, Motion};
+use zwidth_dynamics::{Contact, Event, EventKind, Forces, Motion, Term};
 use zwidth_tables::{Column, Table, TableError};
 
 /// A part of the force on the lever: column, meaning, how to pick it.
@@ -34,6 +34,7 @@ pub fn trajectory_table(run: &Run) -> Result<Table, TableError> {
     for (name, about, part) in parts(run) {
         columns.push(float(name, "N", about, forces.iter().map(part).collect()));
     }
+    columns.extend(term_columns(run));
     let motions = of.region.iter().map(|&i| Some(motion_word(of.regions[usize::from(i)].motion).to_owned()));
     columns.push(Column::text("motion", "how the lever moves: forward, rest or backward", motions));
     let table = Table::new("trajectory", &run.system.scene().name, columns)?;
@@ -44,18 +45,30 @@ pub fn trajectory_table(run: &Run) -> Result<Table, TableError> {
 fn parts(run: &Run) -> Vec<Part> {
     let scene = run.system.scene();
     let finger = scene.finger.is_some();
-    let all: [(bool, Part); 9] = [
+    let all: [(bool, Part); 7] = [
         (true, ("force_ex_n", "force of the user", |f| f.external_n)),
         (finger, ("force_tip_n", "what arrives of it at the lever", |f| f.tip_n)),
         (finger, ("force_tissue_n", "share of the finger's tissue", |f| f.tissue_n)),
         (true, ("force_motor_n", "force of the motor", |f| f.motor_n)),
         (true, ("force_brake_n", "force of the brake", |f| f.brake_n)),
         (scene.friction.is_some(), ("force_friction_n", "friction of the drive train", |f| f.friction_n)),
-        (scene.pull.is_some(), ("force_pull_n", "force of the moved spring", |f| f.pull_n)),
-        (scene.gravity.is_some(), ("force_gravity_n", "the lever's weight", |f| f.gravity_n)),
         (scene.plant.stops_rad.is_some(), ("force_stop_n", "force of a mechanical stop", |f| f.stop_n)),
     ];
     all.into_iter().filter_map(|(there, part)| there.then_some(part)).collect()
+}
+
+/// The force of each of the scene's terms: `force_pull_n`, `force_gravity_n`, …
+fn term_columns(run: &Run) -> Vec<Column> {
+    let of = &run.trajectory;
+    let rows: Vec<Vec<f64>> =
+        (0..of.len()).map(|i| run.system.term_forces_n(of.state(i)).collect()).collect();
+    let column = |(k, term): (usize, &dyn Term)| {
+        let values = rows.iter().map(|row| Some(row[k]));
+        let mut column = Column::float(term.name(), "N", term.about(), values);
+        column.field.name = format!("force_{}_n", term.name()).into();
+        column
+    };
+    run.system.scene().terms.iter().enumerate().map(column).collect()
 }
 
 /// What is to be read with a run's numbers.
@@ -134,7 +147,7 @@ fn event_word(kind: EventKind) -> &'static str {
 mod tests {
     use super::*;
     use crate::{DEFAULT_TOLERANCE, simulate, solver};
-    use zwidth_dynamics::{Input, Mode, Scene, table3};
+    use zwidth_dynamics::{Gravity, Input, Mode, Pull, Scene, table3};
 
     fn run(scene: Scene) -> Run {
         simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap()
@@ -172,6 +185,21 @@ mod tests {
         let bare = names(sticking());
         assert!(!bare.iter().any(|n| n.contains("tissue") || n == "finger_m" || n.contains("gravity")));
         assert!(names(table3::with_finger(sticking())).contains(&"force_tissue_n".to_owned()));
+    }
+
+    #[test]
+    fn each_term_has_a_column_of_its_own() {
+        let mut scene = Scene { duration_s: 0.5, ..sticking() };
+        scene.terms.set(Pull { stiffness_n_per_rad: 2.0, displacement: Input::constant(0.1) });
+        scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.04 });
+        let solver = solver("dormand_prince", DEFAULT_TOLERANCE).unwrap();
+        let table = trajectory_table(&simulate(scene, solver.as_ref()).unwrap()).unwrap();
+        let (theta, pull) = (column(&table, "theta_rad"), column(&table, "force_pull_n"));
+        let gravity = column(&table, "force_gravity_n");
+        for (i, theta) in theta.iter().enumerate() {
+            assert!((pull[i] - 2.0 * (0.1 - theta)).abs() < 1e-12);
+            assert!((gravity[i] - 0.02 * 9.80665 * 0.04 * theta.sin()).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -29,7 +29,8 @@ pub enum Input {
         #[serde(default)]
         rate: f64,
     },
-    /// (5): 2a and 0 in turn, each for a quarter of the period.
+    /// (5): 2a and 0 in turn, each for a quarter of the period, the first instant of each its own. A run that ends
+    /// with a period ends at 0, as (5) has it, for what begins at the last sample lies beyond the run.
     Step {
         /// a.
         magnitude: f64,

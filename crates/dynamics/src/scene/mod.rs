@@ -2,29 +2,28 @@
 
 pub(crate) mod actuators;
 pub(crate) mod environment;
+mod file;
 pub(crate) mod finger;
 pub(crate) mod friction;
-pub(crate) mod gravity;
 pub(crate) mod input;
 pub(crate) mod plant;
-pub(crate) mod pull;
 pub mod table3;
+pub mod terms;
 
 use actuators::{Brake, Mode, Motor};
 use environment::Environment;
 use finger::Finger;
 use friction::Friction;
-use gravity::Gravity;
 use input::Input;
 use plant::{Plant, Start};
-use pull::Pull;
 use serde::{Deserialize, Serialize};
+use terms::Terms;
 
 use crate::error::{DynamicsError, Result, check, positive};
 
-/// What is simulated. Terms that are `None` are left out of the equations and cost nothing.
+/// What is simulated. Parts that are `None` and terms that are not there are left out of the equations and cost nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub struct Scene {
     /// What a listing calls it.
     pub name: String,
@@ -53,12 +52,9 @@ pub struct Scene {
     /// Dry and viscous friction of the drive train.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
-    /// The lever's weight.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gravity: Option<Gravity>,
-    /// A spring between the lever and a point that is moved.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pull: Option<Pull>,
+    /// Further single-valued forces on the lever, in a file under their names: its weight, a moved spring, …
+    #[serde(flatten, skip_deserializing)]
+    pub terms: Terms,
 }
 
 impl Scene {
@@ -94,10 +90,13 @@ impl Scene {
         }
         list.extend(self.motor.lag_s.map(|lag| ("motor.lag_s", lag, table3::STEP_S)));
         list.extend(self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)));
-        list.extend(self.pull.as_ref().map(|p| ("pull.stiffness_n_per_rad", p.stiffness_n_per_rad, 1.0)));
-        let distance =
-            |value: f64, usual: f64| if value > 0.0 { libm::log10(value / usual).abs() } else { 0.0 };
-        let furthest = list.into_iter().max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
+        let distance = |value: f64, usual: f64| {
+            let share = (value / usual).abs();
+            if share > 0.0 { libm::log10(share).abs() } else { 0.0 }
+        };
+        let own = list.into_iter().map(|(name, value, usual)| (name.to_owned(), value, usual));
+        let furthest =
+            own.chain(self.terms.list()).max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
         furthest.map_or_else(String::new, |(name, value, _)| format!("{name} = {value}"))
     }
 
@@ -113,8 +112,7 @@ impl Scene {
         self.start.check(&self.plant)?;
         self.finger.as_ref().map_or(Ok(()), Finger::check)?;
         self.friction.as_ref().map_or(Ok(()), Friction::check)?;
-        self.gravity.as_ref().map_or(Ok(()), Gravity::check)?;
-        self.pull.as_ref().map_or(Ok(()), |pull| pull.check(self.duration_s))?;
+        self.terms.check(self.duration_s)?;
         self.check_rates()
     }
 
@@ -125,22 +123,15 @@ impl Scene {
         let mut list = Vec::new();
         self.environment.list(&mut list);
         list.extend(self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)));
-        list.extend(self.pull.as_ref().map(|p| ("pull.stiffness_n_per_rad", p.stiffness_n_per_rad, 1.0)));
         let mut mass = self.plant.mass_kg * self.plant.lever_m;
         if let Some(finger) = &self.finger {
             list.push(("finger.stiffness_n_per_m", finger.stiffness_n_per_m, 1.0));
             list.push(("finger.damping_ns_per_m", finger.damping_ns_per_m, 1.0));
             mass = mass.min(finger.mass_kg);
         }
-        let mut rates = list.into_iter();
-        rates.try_for_each(|(name, value, _)| {
-            check(
-                name,
-                value,
-                value / mass <= LARGEST,
-                "at most 1e280 times the smallest moving mass (with its lever)",
-            )
-        })
+        let allowed = "at most 1e280 times the smallest moving mass (with its lever)";
+        list.iter().try_for_each(|(name, value, _)| check(name, *value, value / mass <= LARGEST, allowed))?;
+        self.terms.check_rates(&self.plant, LARGEST * mass, allowed)
     }
 }
 

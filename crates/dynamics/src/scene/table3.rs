@@ -6,6 +6,7 @@ use super::environment::Environment;
 use super::finger::{Finger, FingerLaw};
 use super::input::Input;
 use super::plant::{Plant, Start};
+use super::terms::Terms;
 
 /// M_O: mass of the object, kg; "to resemble a steel spring".
 pub const OBJECT_MASS_KG: f64 = 0.005;
@@ -72,8 +73,7 @@ pub fn scene(mode: Mode, input: Input) -> Scene {
         start: Start { theta_rad: -HALF_STROKE_RAD, theta_dot_rad_s: 0.0 },
         finger: None,
         friction: None,
-        gravity: None,
-        pull: None,
+        terms: Terms::default(),
     }
 }
 

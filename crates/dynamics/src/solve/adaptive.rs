@@ -52,7 +52,7 @@ pub(crate) fn run<const N: usize>(
     while state.t < end {
         let limit = end.min(state.cursor.end_s);
         state.step(method, grid, limit)?;
-        if state.t >= state.cursor.end_s {
+        if state.t >= state.cursor.end_s && state.t < end {
             state.pass_input();
         }
     }
@@ -66,7 +66,7 @@ struct State<'a, const N: usize> {
     cursor: Cursor,
     region: Region,
     flow: Flow,
-    field: Field<N>,
+    field: Field<'a, N>,
     t: f64,
     h: f64,
     z: [f64; N],
@@ -81,7 +81,7 @@ impl<'a, const N: usize> State<'a, N> {
         system.pass(&mut cursor, t, &mut full);
         let region = system.first_region(&full);
         let flow = system.flow(&region);
-        let field = Field::new(&flow);
+        let field = Field::new(system, &flow);
         let out = Trajectory::new(system.layout, grid.samples());
         let (z, h) = (shorten(&full), f64::NAN);
         let mut state =
@@ -212,8 +212,8 @@ impl<'a, const N: usize> State<'a, N> {
         for guard in &self.flow.guards {
             let row = shorten::<N>(&guard.value.row.0);
             let mut p = coefficients.map(|c| dot(&row, &c));
-            if guard.value.sine != 0.0 {
-                self.add_sine(&mut p, coefficients, guard.value.sine);
+            if self.system.curved {
+                self.add_curve(&mut p, coefficients, guard.value.curved);
             }
             p[0] += slack * dot(&row.map(f64::abs), &sizes);
             let until = first.map_or(1.0, |(share, _)| share);
@@ -224,10 +224,10 @@ impl<'a, const N: usize> State<'a, N> {
         first
     }
 
-    /// Adds `factor` sin θ, as the quadratic through its values at 0, 1/2 and 1.
-    fn add_sine(&self, p: &mut [f64; 5], coefficients: &[[f64; N]; 5], factor: f64) {
-        let at = |share: f64| factor * libm::sin(dense(coefficients, share)[THETA]);
-        let (a, b, c) = (at(0.0), at(0.5), at(1.0));
+    /// Adds the terms' curved force `factor` times, as the quadratic through its values at 0, 1/2 and 1.
+    fn add_curve(&self, p: &mut [f64; 5], coefficients: &[[f64; N]; 5], factor: f64) {
+        let force = |share: f64| self.system.curve(&dense(coefficients, share)).unwrap_or_default().force_n;
+        let [a, b, c] = [0.0, 0.5, 1.0].map(|share| factor * force(share));
         p[0] += a;
         p[1] += 4.0 * b - 3.0 * a - c;
         p[2] += 2.0 * (a + c) - 4.0 * b;
@@ -243,7 +243,7 @@ impl<'a, const N: usize> State<'a, N> {
     fn happen(&mut self, kind: EventKind) {
         self.region = self.system.transit(&self.region, kind, &mut self.z);
         self.flow = self.system.flow(&self.region);
-        self.field = Field::new(&self.flow);
+        self.field = Field::new(self.system, &self.flow);
         self.note(kind);
         self.choose_first_step();
     }

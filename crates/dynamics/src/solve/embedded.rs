@@ -3,30 +3,28 @@
 use zwidth_numerics::expm::Matrix;
 
 use super::shorten;
-use crate::system::THETA;
 use crate::system::flow::Flow;
+use crate::system::{OMEGA, System, THETA};
 
-/// ż = A z + s sin θ inside a region.
-pub(crate) struct Field<const N: usize> {
+/// ż = A z + c F(θ, θ̇) inside a region, with the terms' curved force F.
+pub(crate) struct Field<'a, const N: usize> {
     pub(crate) a: Matrix<N>,
-    pub(crate) sine: [f64; N],
-    curved: bool,
+    curved: [f64; N],
+    system: &'a System,
 }
 
-impl<const N: usize> Field<N> {
-    pub(crate) fn new(flow: &Flow) -> Self {
-        let sine = shorten::<N>(&flow.sine);
-        let curved = sine.iter().any(|&s| s != 0.0);
-        Self { a: Matrix::from_fn(|i, j| flow.rows[i].0[j]), sine, curved }
+impl<'a, const N: usize> Field<'a, N> {
+    pub(crate) fn new(system: &'a System, flow: &Flow) -> Self {
+        let a = Matrix::from_fn(|i, j| flow.rows[i].0[j]);
+        Self { a, curved: shorten(&flow.curved), system }
     }
 
     #[inline]
     pub(crate) fn slope(&self, z: &[f64; N]) -> [f64; N] {
         let mut out = self.a.apply(z);
-        if self.curved {
-            let sine = libm::sin(z[THETA]);
-            for (o, s) in out.iter_mut().zip(&self.sine) {
-                *o += s * sine;
+        if let Some(curve) = self.system.curve(z) {
+            for (o, c) in out.iter_mut().zip(&self.curved) {
+                *o += c * curve.force_n;
             }
         }
         out
@@ -35,9 +33,11 @@ impl<const N: usize> Field<N> {
     /// ∂ż/∂z.
     pub(crate) fn jacobian(&self, z: &[f64; N]) -> Matrix<N> {
         let mut jacobian = self.a;
-        let cosine = if self.curved { libm::cos(z[THETA]) } else { 0.0 };
-        for (entry, s) in jacobian.columns[THETA].iter_mut().zip(&self.sine) {
-            *entry += s * cosine;
+        if let Some(curve) = self.system.curve(z) {
+            for (i, c) in self.curved.iter().enumerate() {
+                jacobian.columns[THETA][i] += c * curve.per_rad_n;
+                jacobian.columns[OMEGA][i] += c * curve.per_rad_s_n;
+            }
         }
         jacobian
     }

@@ -11,6 +11,8 @@ pub(crate) struct Reader<'a> {
     system: &'a System,
     cursor: Cursor,
     held: bool,
+    /// Time of the last sample, s: what begins there lies beyond the run.
+    last_s: f64,
 }
 
 impl Reader<'_> {
@@ -24,10 +26,9 @@ impl Reader<'_> {
     #[inline]
     pub(crate) fn read(&mut self, t: f64, z: &mut [f64]) {
         if t >= self.cursor.end_s {
-            self.system.pass(&mut self.cursor, t, z);
-        } else {
-            self.system.write_inputs(&self.cursor, t, z);
+            self.system.pass(&mut self.cursor, t.min(self.last_s.next_down()), z);
         }
+        self.system.write_inputs(&self.cursor, t, z);
     }
 }
 
@@ -39,10 +40,11 @@ pub(crate) fn run<const N: usize>(
     mut advance: impl FnMut(&mut Reader, &mut [f64; N], f64, f64),
 ) -> Result<Trajectory> {
     grid.check()?;
-    let (full, cursor) = system.start();
-    let (mut z, mut reader) = (shorten::<N>(&full), Reader { system, cursor, held: false });
+    let (mut full, mut cursor) = system.start();
+    system.pass(&mut cursor, grid.time(0), &mut full);
+    let last_s = grid.time(grid.samples() - 1);
+    let (mut z, mut reader) = (shorten::<N>(&full), Reader { system, cursor, held: false, last_s });
     let mut out = Trajectory::new(system.layout, grid.samples());
-    reader.read(grid.time(0), &mut z);
     record(system, &mut out, grid.time(0), &z);
     for i in 0..grid.samples() - 1 {
         let t = grid.time(i);

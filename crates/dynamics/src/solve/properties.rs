@@ -16,7 +16,7 @@ use crate::scene::environment::Environment;
 use crate::scene::finger::{Finger, FingerLaw};
 use crate::scene::friction::Friction;
 use crate::scene::input::{Input, Series};
-use crate::scene::pull::Pull;
+use crate::scene::terms::pull::Pull;
 use crate::scene::{Scene, table3};
 use crate::trajectory::Forces;
 
@@ -179,16 +179,15 @@ fn extreme_scene(mut scene: Scene, which: usize, x: &[f64]) -> Scene {
     scene.motor.lag_s = (bits & 4 == 4).then_some(motor_lag);
     scene.brake.lag_on_off_s = (bits & 8 == 8).then_some([lag_on, lag_off]);
     let displacement = Input::Line { value: 0.0, rate };
-    scene.pull = (bits & 16 == 16).then_some(Pull { stiffness_n_per_rad: stiffness, displacement });
+    if bits & 16 == 16 {
+        scene.terms.set(Pull { stiffness_n_per_rad: stiffness, displacement });
+    }
     scene
 }
 
 fn has_nan(force: &Forces) -> bool {
-    let Forces { external_n, tip_n, tissue_n, motor_n, brake_n, friction_n, pull_n, gravity_n, stop_n } =
-        *force;
-    [external_n, tip_n, tissue_n, motor_n, brake_n, friction_n, pull_n, gravity_n, stop_n]
-        .iter()
-        .any(|x| x.is_nan())
+    let Forces { external_n, tip_n, tissue_n, motor_n, brake_n, friction_n, terms_n, stop_n } = *force;
+    [external_n, tip_n, tissue_n, motor_n, brake_n, friction_n, terms_n, stop_n].iter().any(|x| x.is_nan())
 }
 
 proptest! {

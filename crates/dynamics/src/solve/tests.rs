@@ -9,7 +9,7 @@ use crate::scene::actuators::{BrakeLaw, Mode};
 use crate::scene::finger::FingerLaw;
 use crate::scene::friction::Friction;
 use crate::scene::input::{Input, Series};
-use crate::scene::pull::Pull;
+use crate::scene::terms::pull::Pull;
 use crate::scene::{Scene, table3};
 
 /// The scenes on which methods are compared: every mode, law and term at least once.
@@ -33,7 +33,7 @@ fn scenes() -> Vec<Scene> {
             slow.motor.lag_s = Some(0.002);
             let mut pulled = rough.clone();
             let displacement = Input::Line { value: -0.7, rate: 0.4 };
-            pulled.pull = Some(Pull { stiffness_n_per_rad: 2.0, displacement });
+            pulled.terms.set(Pull { stiffness_n_per_rad: 2.0, displacement });
             let printed = Scene { finger: Some(table3::finger(FingerLaw::Thesis)), ..plain.clone() };
             let both = table3::with_finger(walled.clone());
             let rough_finger = table3::with_finger(rough.clone());
@@ -101,9 +101,9 @@ fn the_parts_of_the_force_add_up_to_mass_times_acceleration_on_every_scene() {
         let run = Exact::default().run(&system, &Grid::of(&system)).unwrap();
         for i in 0..run.len() {
             let f = run.forces(&system, i);
-            let sum = f.tip_n + f.motor_n + f.brake_n + f.friction_n + f.pull_n + f.gravity_n + f.stop_n;
+            let sum = f.tip_n + f.motor_n + f.brake_n + f.friction_n + f.terms_n + f.stop_n;
             let region = &run.regions[usize::from(run.region[i])];
-            let needed = system.inertia() * system.acceleration_in(region).of(run.state(i));
+            let needed = system.inertia() * system.value(&system.acceleration_in(region), run.state(i));
             assert!((sum - needed).abs() < 1e-11, "{} at {}: {f:?}", system.scene().name, run.t_s[i]);
         }
     }
@@ -191,11 +191,11 @@ fn time_stepping_finds_the_cycle_of_a_late_brake() {
 #[test]
 fn gravity_swings_with_the_period_of_a_compound_pendulum() {
     // Hanging below the axis, small amplitude: omega^2 = m g r / (M_O L^2).
-    use crate::scene::gravity::Gravity;
+    use crate::scene::terms::gravity::Gravity;
     let mut scene = table3::scene(Mode::Passive, Input::constant(0.0));
     scene.brake.max_n = 0.0;
     scene.plant.stops_rad = None;
-    scene.gravity = Some(Gravity { mass_kg: 0.02, radius_m: 0.05 });
+    scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.05 });
     scene.start.theta_rad = std::f64::consts::PI + 1e-4;
     let system = System::new(scene).unwrap();
     let omega = (0.02 * 9.80665 * 0.05 / 0.005_f64).sqrt();
@@ -232,4 +232,35 @@ fn every_method_names_its_source() {
     let methods: [&dyn Solver; 3] =
         [&Exact::default(), &DormandPrince { tolerances }, &TrBdf2 { tolerances }];
     assert!(methods.iter().all(|method| !method.citation().is_empty() && !method.name().is_empty()));
+}
+
+#[test]
+fn the_step_ends_at_0_as_5_has_it_and_starts_anew_in_a_run_that_goes_on() {
+    let tolerances = Tolerances::of(1e-6);
+    let solvers: [&dyn Solver; 6] = [
+        &Exact::default(),
+        &DormandPrince { tolerances },
+        &TrBdf2 { tolerances },
+        &super::moreau_jean::MoreauJean::default(),
+        &super::symplectic_euler::SymplecticEuler,
+        &super::rk4::Rk4 { switching: Switching::PerStage },
+    ];
+    let scene = table3::scene(Mode::Hybrid, Input::step(2.0));
+    let system = System::new(scene).unwrap();
+    let uneven = Grid::Times(vec![0.0, 0.5, 1.0, 2.7, 4.0]);
+    for solver in solvers {
+        let force = |run: &Trajectory, i: usize| run.forces(&system, i).external_n;
+        for grid in [Grid::filling(4.0, 1e-3), uneven.clone()] {
+            let run = solver.run(&system, &grid).unwrap();
+            let last = run.len() - 1;
+            assert!((run.t_s[last] - 4.0).abs() < 1e-15);
+            assert_eq!(force(&run, last).to_bits(), 0.0_f64.to_bits(), "{}", solver.name());
+        }
+        let run = solver.run(&system, &Grid::filling(4.5, 1e-3)).unwrap();
+        for (i, expect) in
+            [(0, 4.0), (999, 4.0), (1000, 0.0), (1999, 0.0), (2000, 4.0), (3999, 0.0), (4000, 4.0_f64)]
+        {
+            assert_eq!(force(&run, i).to_bits(), expect.to_bits(), "{}, sample {i}", solver.name());
+        }
+    }
 }

@@ -61,12 +61,7 @@ impl System {
         if let Some(friction) = &self.scene.friction {
             lever -= direction * friction.kinetic_n + friction.viscous_ns_per_rad * z[OMEGA];
         }
-        if let (Some(pull), Some(at)) = (&self.scene.pull, self.layout.pull) {
-            lever += pull.stiffness_n_per_rad * (z[at] - z[THETA]);
-        }
-        if self.scene.gravity.is_some() {
-            lever += self.gravity_n() * libm::sin(z[THETA]);
-        }
+        lever += self.terms_n(z);
         let tip = match (&self.scene.finger, self.layout.finger) {
             (Some(f), Some(at)) => f.stiffness_n_per_m * z[at] + f.damping_ns_per_m * z[at + 1],
             _ => z[self.layout.force],

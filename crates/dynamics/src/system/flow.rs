@@ -3,35 +3,29 @@
 use super::command::{Actuator, Command};
 use super::guards::Guard;
 use super::region::{Branch, Contact, Motion, Region, Side};
-use super::row::{MOST, Row};
+use super::row::{MOST, Number, Row};
 use super::{OMEGA, System, THETA};
 use crate::scene::finger::{Finger, FingerLaw};
+use zwidth_numerics::expm::Pair;
 
-/// A functional of the state with a part in sin θ: `row · z + sine · sin θ`.
+/// A functional of the state: `row · z`, and the terms' curved force `curved` times.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Functional {
     pub(crate) row: Row,
-    pub(crate) sine: f64,
-}
-
-impl Functional {
-    pub(crate) fn of(&self, z: &[f64]) -> f64 {
-        let linear = self.row.of(z);
-        if self.sine == 0.0 { linear } else { linear + self.sine * libm::sin(z[THETA]) }
-    }
+    pub(crate) curved: f64,
 }
 
 impl From<Row> for Functional {
     fn from(row: Row) -> Self {
-        Self { row, sine: 0.0 }
+        Self { row, curved: 0.0 }
     }
 }
 
-/// ż = A z, and in the rows of θ̇ and ẋ2 a part in sin θ; the region's guards.
+/// ż = A z, and in some rows the terms' curved force so many times; the region's guards.
 #[derive(Debug, Clone)]
 pub(crate) struct Flow {
     pub(crate) rows: [Row; MOST],
-    pub(crate) sine: [f64; MOST],
+    pub(crate) curved: [f64; MOST],
     pub(crate) guards: Vec<Guard>,
 }
 
@@ -48,15 +42,6 @@ pub(crate) struct LeverForces {
     pub(crate) level: Row,
     /// Viscous friction.
     pub(crate) viscous: Row,
-    /// The moved spring.
-    pub(crate) pull: Row,
-}
-
-impl LeverForces {
-    /// All but the set-valued ones.
-    pub(crate) fn single_valued(&self) -> Row {
-        self.tip.plus(self.motor).plus(self.signed_brake).plus(self.viscous).plus(self.pull)
-    }
 }
 
 impl System {
@@ -83,7 +68,6 @@ impl System {
             signed_brake: to(Actuator::SignedBrake, -1.0),
             level: lagged(self.layout.brake, to(Actuator::Brake, 1.0)),
             viscous: Row::entry(OMEGA, -viscous),
-            pull: self.pull_force(),
         }
     }
 
@@ -97,92 +81,102 @@ impl System {
         }
     }
 
-    fn pull_force(&self) -> Row {
-        match (&self.scene.pull, self.layout.pull) {
-            (Some(pull), Some(at)) => {
-                let k = pull.stiffness_n_per_rad;
-                Row::entry(at, k).plus(Row::entry(THETA, -k))
-            }
-            _ => Row::ZERO,
-        }
+    /// The single-valued forces of a side together, but for the terms' curved part.
+    pub(crate) fn single_valued<T: Number>(&self, forces: &LeverForces) -> Row<T> {
+        let own = [forces.tip, forces.motor, forces.signed_brake, forces.viscous];
+        own.iter().chain(&self.terms).fold(Row::zero(), |sum, row| sum.plus(row.lifted()))
     }
 
-    /// Gravity's force at the lever's end per sin θ, N.
-    pub(crate) fn gravity_n(&self) -> f64 {
-        self.scene.gravity.map_or(0.0, |gravity| gravity.torque_nm() / self.scene.plant.lever_m)
-    }
-
-    /// Inertia of the lever, with the finger's mass once its tissue is rigid, kg m.
-    pub(crate) fn moving_inertia(&self, contact: Contact) -> f64 {
+    /// M_O L: what a force at the lever's end accelerates, kg m; with the finger's mass once its tissue is rigid.
+    pub(crate) fn moving_inertia<T: Number>(&self, contact: Contact) -> T {
+        let lever = T::from(self.scene.plant.lever_m);
         let finger = self.scene.finger.filter(|f| f.law == FingerLaw::Consistent && contact != Contact::Free);
-        self.inertia() + finger.map_or(0.0, |f| f.mass_kg * self.scene.plant.lever_m)
+        (T::from(self.scene.plant.mass_kg) + T::from(finger.map_or(0.0, |f| f.mass_kg))) * lever
     }
 
-    /// θ̈ of a region in motion (10).
-    fn acceleration(&self, region: &Region, side: Side) -> Functional {
+    /// θ̈ of a region (10); zero at rest.
+    fn acceleration<T: Number>(&self, region: &Region) -> Row<T> {
+        let Some(side) = region.side() else { return Row::zero() };
         let forces = self.lever_forces(region, side);
         let kinetic = self.constant(self.scene.friction.map_or(0.0, |friction| friction.kinetic_n));
         let dry = forces.level.plus(kinetic).times(-side.sign());
-        let inertia = self.moving_inertia(region.contact);
-        let row = forces.single_valued().plus(dry).times(1.0 / inertia);
-        Functional { row, sine: self.gravity_n() / inertia }
+        self.single_valued::<T>(&forces).plus(dry.lifted()).over(self.moving_inertia(region.contact))
+    }
+
+    /// θ̈ in a region with its curved part.
+    pub(crate) fn acceleration_in(&self, region: &Region) -> Functional {
+        let moves = region.motion != Motion::Rest;
+        let curved = if moves { 1.0 / self.moving_inertia::<f64>(region.contact) } else { 0.0 };
+        Functional { row: self.acceleration(region), curved }
     }
 
     /// The flow of a region and the ways out of it.
     pub(crate) fn flow(&self, region: &Region) -> Flow {
-        let mut rows = [Row::ZERO; MOST];
-        let mut sine = [0.0; MOST];
-        let moving = match region.motion {
-            Motion::Forward => Some(Side::Up),
-            Motion::Backward => Some(Side::Down),
-            Motion::Rest => None,
-        };
-        let acceleration = moving.map_or(Row::ZERO.into(), |side| self.acceleration(region, side));
-        if moving.is_some() {
-            rows[THETA] = Row::entry(OMEGA, 1.0);
-            rows[OMEGA] = acceleration.row;
-            sine[OMEGA] = acceleration.sine;
-        }
-        if let (Some(finger), Some(at)) = (&self.scene.finger, self.layout.finger) {
-            self.finger_rows(finger, at, region.contact, acceleration, &mut rows, &mut sine);
-        }
-        self.lag_rows(region, &mut rows, &mut sine);
-        self.input_rows(&mut rows);
-        let mut guards = match moving {
+        let mut guards = match region.side() {
             Some(side) => self.moving_guards(region, side),
             None => self.rest_guards(region),
         };
-        guards.extend(self.finger_guards(region, acceleration));
-        Flow { rows, sine, guards }
+        guards.extend(self.finger_guards(region));
+        Flow { rows: self.rows(region), curved: self.curved(region), guards }
+    }
+
+    /// What rounding took from the coefficients of a region's flow, such as K_O/(M_O L).
+    pub(crate) fn rest(&self, region: &Region) -> [[f64; MOST]; MOST] {
+        self.rows::<Pair>(region).map(|row| row.0.map(|x| x.low))
+    }
+
+    /// A of ż = A z in a region.
+    fn rows<T: Number>(&self, region: &Region) -> [Row<T>; MOST] {
+        let mut rows = [Row::zero(); MOST];
+        let acceleration = self.acceleration(region);
+        if region.motion != Motion::Rest {
+            rows[THETA] = Row::entry(OMEGA, T::from(1.0));
+            rows[OMEGA] = acceleration;
+        }
+        if let (Some(finger), Some(at)) = (&self.scene.finger, self.layout.finger)
+            && region.contact == Contact::Free
+        {
+            rows[at] = Row::entry(at + 1, T::from(1.0));
+            rows[at + 1] = self.finger_row(finger, acceleration);
+        }
+        self.lag_rows(region, &mut rows);
+        self.input_rows(&mut rows);
+        rows
+    }
+
+    /// How many times the terms' curved force stands in each row.
+    fn curved(&self, region: &Region) -> [f64; MOST] {
+        let mut curved = [0.0; MOST];
+        if !self.curved {
+            return curved;
+        }
+        curved[OMEGA] = self.acceleration_in(region).curved;
+        if let (Some(finger), Some(at)) = (&self.scene.finger, self.layout.finger)
+            && region.contact == Contact::Free
+            && finger.law == FingerLaw::Consistent
+        {
+            curved[at + 1] = -self.scene.plant.lever_m * curved[OMEGA];
+        }
+        if let (Some(at), Some(lag)) = (self.layout.motor, self.scene.motor.lag_s) {
+            curved[at] = region.motor_share / lag;
+        }
+        curved
     }
 
     /// M_F ẍ2 = F_F + F_ex (11), and in the consistent law − M_F L θ̈.
-    fn finger_rows(
-        &self,
-        finger: &Finger,
-        at: usize,
-        contact: Contact,
-        acceleration: Functional,
-        rows: &mut [Row; MOST],
-        sine: &mut [f64; MOST],
-    ) {
-        if contact != Contact::Free {
-            return;
-        }
-        rows[at] = Row::entry(at + 1, 1.0);
-        let net = Row::entry(self.layout.force, 1.0).minus(self.tip(contact));
-        rows[at + 1] = net.times(1.0 / finger.mass_kg);
-        if finger.law == FingerLaw::Consistent {
-            let lever = self.scene.plant.lever_m;
-            rows[at + 1] = rows[at + 1].minus(acceleration.row.times(lever));
-            sine[at + 1] = -lever * acceleration.sine;
+    fn finger_row<T: Number>(&self, finger: &Finger, acceleration: Row<T>) -> Row<T> {
+        let net = Row::entry(self.layout.force, 1.0).minus(self.tip(Contact::Free));
+        let row = net.lifted().over(T::from(finger.mass_kg));
+        match finger.law {
+            FingerLaw::Consistent => row.minus(acceleration.times(T::from(self.scene.plant.lever_m))),
+            FingerLaw::Thesis => row,
         }
     }
 
     /// τ ẋ = command − x for the motor's force and the brake's level. A lever at rest is commanded as one
     /// that holds or releases, unless the let-go rule keeps the brake on; where the brake does part of the
     /// holding by fast switching, a lagging motor is off for its share of the time.
-    fn lag_rows(&self, region: &Region, rows: &mut [Row; MOST], sine: &mut [f64; MOST]) {
+    fn lag_rows<T: Number>(&self, region: &Region, rows: &mut [Row<T>; MOST]) {
         let up = region.motion == Motion::Forward || (region.motion == Motion::Rest && region.held);
         let (command, branch) = self.commanded(region, if up { Side::Up } else { Side::Down });
         let value = command.on(branch, self);
@@ -190,35 +184,26 @@ impl System {
             let target = if command.actuator == Actuator::Motor { value.times(-1.0) } else { Row::ZERO };
             let brake_holds = self.departing_force(region, Side::Down);
             let shared = target.plus(brake_holds.row.times(region.motor_share));
-            rows[at] = shared.minus(Row::entry(at, 1.0)).times(1.0 / lag);
-            sine[at] = region.motor_share * brake_holds.sine / lag;
+            rows[at] = shared.minus(Row::entry(at, 1.0)).lifted().over(T::from(lag));
         }
         if let (Some(at), Some([on, off])) = (self.layout.brake, self.scene.brake.lag_on_off_s) {
             let engaged = command.actuator == Actuator::Brake;
             let (target, lag) = if engaged { (value, on) } else { (Row::ZERO, off) };
-            rows[at] = target.minus(Row::entry(at, 1.0)).times(1.0 / lag);
+            rows[at] = target.minus(Row::entry(at, 1.0)).lifted().over(T::from(lag));
         }
     }
 
     /// x¨ = −ω² (x − mean) for each input.
-    fn input_rows(&self, rows: &mut [Row; MOST]) {
+    fn input_rows<T: Number>(&self, rows: &mut [Row<T>; MOST]) {
         let mut write = |at: usize, (omega, mean): (f64, f64)| {
-            rows[at] = Row::entry(at + 1, 1.0);
-            let square = omega * omega;
-            rows[at + 1] = Row::entry(at, -square).plus(self.constant(square * mean));
+            rows[at] = Row::entry(at + 1, T::from(1.0));
+            let square = T::from(omega) * T::from(omega);
+            let pulled = self.constant(mean).minus(Row::entry(at, 1.0));
+            rows[at + 1] = pulled.lifted().times(square);
         };
         write(self.layout.force, self.scene.input.swing());
-        if let (Some(at), Some(pull)) = (self.layout.pull, &self.scene.pull) {
-            write(at, pull.displacement.swing());
-        }
-    }
-
-    /// θ̈ in a region; zero at rest.
-    pub(crate) fn acceleration_in(&self, region: &Region) -> Functional {
-        match region.motion {
-            Motion::Forward => self.acceleration(region, Side::Up),
-            Motion::Backward => self.acceleration(region, Side::Down),
-            Motion::Rest => Row::ZERO.into(),
+        if let (Some(at), Some(input)) = (self.layout.term, self.scene.terms.input()) {
+            write(at, input.swing());
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::flow::LeverForces;
 use super::region::{Contact, Motion, Region, Side};
-use super::{OMEGA, System, THETA};
+use super::{OMEGA, System};
 use crate::trajectory::Forces;
 
 impl System {
@@ -20,8 +20,7 @@ impl System {
             motor_n: rows.motor.of(z),
             brake_n: rows.signed_brake.of(z) - side.sign() * rows.level.of(z),
             friction_n: rows.viscous.of(z),
-            pull_n: rows.pull.of(z),
-            gravity_n: self.gravity_n() * libm::sin(z[THETA]),
+            terms_n: self.terms_n(z),
             stop_n: 0.0,
         };
         match region.motion {
@@ -45,8 +44,8 @@ impl System {
     fn add_motion(&self, region: &Region, side: Side, z: &[f64], forces: &mut Forces) {
         forces.friction_n -= side.sign() * self.scene.friction.map_or(0.0, |friction| friction.kinetic_n);
         if region.contact != Contact::Free {
-            let dragged = self.moving_inertia(region.contact) - self.inertia();
-            forces.tip_n -= dragged * self.acceleration_in(region).of(z);
+            let dragged = self.moving_inertia::<f64>(region.contact) - self.inertia();
+            forces.tip_n -= dragged * self.value(&self.acceleration_in(region), z);
         }
     }
 
@@ -59,7 +58,7 @@ impl System {
             true => [above[0], up.level.of(z)],
             false => [down.motor.of(z), down.signed_brake.of(z) + down.level.of(z)],
         };
-        let needed = -(forces.tip_n + forces.pull_n + forces.gravity_n);
+        let needed = -(forces.tip_n + forces.terms_n);
         let (a, b) = (above[0] + above[1], below[0] + below[1]);
         let actuated = needed.max(a.min(b)).min(a.max(b));
         let width = a - b;

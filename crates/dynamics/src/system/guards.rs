@@ -72,7 +72,7 @@ impl System {
         }
         let stiction = self.constant(self.scene.friction.map_or(0.0, |friction| friction.static_n));
         let dry = forces.level.plus(stiction).times(-side.sign());
-        Functional { row: forces.single_valued().plus(dry), sine: self.gravity_n() }
+        Functional { row: self.single_valued::<f64>(&forces).plus(dry), curved: 1.0 }
     }
 
     /// A lever at rest leaves once the net force for motion points that way: the set-valued force (brake,
@@ -81,7 +81,7 @@ impl System {
         let mut guards = Vec::new();
         if region.stop != Some(Side::Up) {
             let up = self.departing_force(region, Side::Up);
-            let value = Functional { row: up.row.times(-1.0), sine: -up.sine };
+            let value = Functional { row: up.row.times(-1.0), curved: -up.curved };
             guards.push(Guard { value, kind: EventKind::DepartUp });
         }
         if region.stop != Some(Side::Down) && !region.held {
@@ -103,7 +103,7 @@ impl System {
     }
 
     /// The tissue bottoms at ±L_F0, and lifts off once its rigid stop would have to pull.
-    pub(crate) fn finger_guards(&self, region: &Region, acceleration: Functional) -> Vec<Guard> {
+    pub(crate) fn finger_guards(&self, region: &Region) -> Vec<Guard> {
         let (Some(finger), Some(at)) = (self.scene.finger, self.layout.finger) else { return Vec::new() };
         let Some(length) = finger.length_m else { return Vec::new() };
         let limit = self.constant(length);
@@ -114,7 +114,7 @@ impl System {
             ],
             contact => {
                 let sign = if contact == Contact::Pressed { 1.0 } else { -1.0 };
-                let press = self.stop_press(&finger, length, sign, acceleration);
+                let press = self.stop_press(&finger, length, sign, self.acceleration_in(region));
                 vec![Guard { value: press, kind: EventKind::LiftedOff }]
             }
         }
@@ -134,7 +134,7 @@ impl System {
         };
         let through = Row::entry(self.layout.force, 1.0).minus(acceleration.row.times(dragged));
         let row = through.times(sign).minus(self.constant(finger.stiffness_n_per_m * length));
-        Functional { row, sine: -sign * dragged * acceleration.sine }
+        Functional { row, curved: -sign * dragged * acceleration.curved }
     }
 }
 

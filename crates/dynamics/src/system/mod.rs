@@ -11,6 +11,7 @@ pub(crate) mod forces;
 pub(crate) mod guards;
 pub(crate) mod region;
 pub(crate) mod row;
+mod terms;
 pub(crate) mod transition;
 
 use crate::error::DynamicsError;
@@ -39,8 +40,8 @@ pub struct Layout {
     pub brake: Option<usize>,
     /// F_ex; its rate follows it.
     pub force: usize,
-    /// d; its rate follows it.
-    pub pull: Option<usize>,
+    /// d, the input of a term; its rate follows it.
+    pub term: Option<usize>,
 }
 
 impl Layout {
@@ -57,9 +58,9 @@ impl Layout {
         let dynamic = n;
         let force = dynamic;
         n += 2;
-        let pull = scene.pull.is_some().then_some(n);
-        n += if pull.is_some() { 3 } else { 1 };
-        Self { n, dynamic, finger, motor, brake, force, pull }
+        let term = scene.terms.input().map(|_| n);
+        n += if term.is_some() { 3 } else { 1 };
+        Self { n, dynamic, finger, motor, brake, force, term }
     }
 
     /// Index of the entry that is always 1.
@@ -73,13 +74,17 @@ impl Layout {
 pub struct System {
     pub(crate) scene: Scene,
     pub(crate) layout: Layout,
+    /// The affine part of each term, in the scene's order.
+    terms: Vec<Row>,
+    /// Whether any term has a curved part.
+    pub(crate) curved: bool,
 }
 
 /// Which span of each input holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Cursor {
     force: (usize, Span),
-    pull: Option<(usize, Span)>,
+    term: Option<(usize, Span)>,
     /// End of the current spans, s.
     pub(crate) end_s: f64,
 }
@@ -109,7 +114,10 @@ impl System {
             return Err(DynamicsError::Combination { what, remedy: "set brake.law to \"coulomb\"" });
         }
         let layout = Layout::of(&scene);
-        Ok(Self { scene, layout })
+        let terms = scene.terms.iter().map(|term| terms::row(term, &scene.plant, &layout)).collect();
+        let mut system = Self { scene, layout, terms, curved: false };
+        system.curved = system.nonlinear_term().is_some();
+        Ok(system)
     }
 
     /// The scene this system was made of.
@@ -122,20 +130,15 @@ impl System {
         self.layout
     }
 
-    /// The term that keeps the system from being piecewise affine, if there is one.
-    pub fn nonlinear_term(&self) -> Option<&'static str> {
-        self.scene.gravity.is_some().then_some("gravity")
-    }
-
     /// The augmented state at t = 0, and the inputs' first spans.
     pub(crate) fn start(&self) -> ([f64; MOST], Cursor) {
         let mut z = [0.0; MOST];
         z[THETA] = self.scene.start.theta_rad;
         z[OMEGA] = self.scene.start.theta_dot_rad_s;
         z[self.layout.one()] = 1.0;
-        let pull = self.scene.pull.as_ref().map(|pull| (0, pull.displacement.span(0)));
+        let term = self.scene.terms.input().map(|input| (0, input.span(0)));
         let force = (0, self.scene.input.span(0));
-        let mut cursor = Cursor { force, pull, end_s: f64::NEG_INFINITY };
+        let mut cursor = Cursor { force, term, end_s: f64::NEG_INFINITY };
         self.pass(&mut cursor, 0.0, &mut z);
         (z, cursor)
     }
@@ -147,8 +150,10 @@ impl System {
         let old = self.inputs(z);
         cursor.force = forward(&self.scene.input, cursor.force, t);
         cursor.end_s = cursor.force.1.end_s;
-        if let (Some(pull), Some(at)) = (&self.scene.pull, &mut cursor.pull) {
-            *at = forward(&pull.displacement, *at, t);
+        if let Some(at) = &mut cursor.term
+            && let Some(input) = self.scene.terms.input()
+        {
+            *at = forward(input, *at, t);
             cursor.end_s = cursor.end_s.min(at.1.end_s);
         }
         self.write_inputs(cursor, t, z);
@@ -160,13 +165,15 @@ impl System {
     pub(crate) fn write_inputs(&self, cursor: &Cursor, t: f64, z: &mut [f64]) {
         let at = self.layout.force;
         z[at..at + 2].copy_from_slice(&self.scene.input.at(&cursor.force.1, t));
-        if let (Some(at), Some(pull), Some((_, span))) = (self.layout.pull, &self.scene.pull, &cursor.pull) {
-            z[at..at + 2].copy_from_slice(&pull.displacement.at(span, t));
+        if let (Some(at), Some((_, span))) = (self.layout.term, &cursor.term)
+            && let Some(input) = self.scene.terms.input()
+        {
+            z[at..at + 2].copy_from_slice(&input.at(span, t));
         }
     }
 
     fn inputs(&self, z: &[f64]) -> [f64; 2] {
-        [z[self.layout.force], self.layout.pull.map_or(0.0, |at| z[at])]
+        [z[self.layout.force], self.layout.term.map_or(0.0, |at| z[at])]
     }
 
     /// The parameter furthest from its usual size.
@@ -176,8 +183,8 @@ impl System {
 
     /// True if an input is a sine.
     pub(crate) fn swings(&self) -> bool {
-        let pull = self.scene.pull.as_ref().map_or(0.0, |pull| pull.displacement.swing().0);
-        self.scene.input.swing().0 > 0.0 || pull > 0.0
+        let term = self.scene.terms.input().map_or(0.0, |input| input.swing().0);
+        self.scene.input.swing().0 > 0.0 || term > 0.0
     }
 
     /// `value` as a functional.

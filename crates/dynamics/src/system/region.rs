@@ -80,6 +80,15 @@ pub struct Region {
 }
 
 impl Region {
+    /// The side to which the lever moves, if it moves.
+    pub(crate) fn side(&self) -> Option<Side> {
+        match self.motion {
+            Motion::Forward => Some(Side::Up),
+            Motion::Backward => Some(Side::Down),
+            Motion::Rest => None,
+        }
+    }
+
     /// The same region, at whatever angle the lever rests.
     pub(crate) fn resembles(&self, other: &Region) -> bool {
         Region { motor_share: 0.0, ..*self } == Region { motor_share: 0.0, ..*other }

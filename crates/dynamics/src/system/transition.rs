@@ -67,7 +67,7 @@ impl System {
     /// The region that holds in a state. A rigid finger that would have to pull lifts off.
     pub(crate) fn settle(&self, z: &[f64], contact: Contact, held: Option<bool>) -> Region {
         let region = self.region_with(z, contact, held);
-        if contact != Contact::Free && self.press(&region).is_some_and(|press| press.of(z) < 0.0) {
+        if contact != Contact::Free && self.press(&region).is_some_and(|press| self.value(&press, z) < 0.0) {
             return self.region_with(z, Contact::Free, held);
         }
         region
@@ -88,13 +88,18 @@ impl System {
         }
         let rest = self.rest_region(contact, held, z);
         let may = |side| rest.stop != Some(side);
-        if may(Side::Down) && !rest.held && self.departing_force(&rest, Side::Down).of(z) < 0.0 {
+        if may(Side::Down) && !rest.held && self.departing_n(&rest, Side::Down, z) < 0.0 {
             self.moving_region(Side::Down, contact, z)
-        } else if may(Side::Up) && self.departing_force(&rest, Side::Up).of(z) > 0.0 {
+        } else if may(Side::Up) && self.departing_n(&rest, Side::Up, z) > 0.0 {
             self.moving_region(Side::Up, contact, z)
         } else {
             rest
         }
+    }
+
+    /// Net force on a lever at rest if it were to move to a side, N.
+    fn departing_n(&self, rest: &Region, side: Side, z: &[f64]) -> f64 {
+        self.value(&self.departing_force(rest, side), z)
     }
 
     /// The region of motion to a side.
@@ -152,7 +157,7 @@ impl System {
         if self.layout.motor.is_none() || self.layout.brake.is_some() {
             return 0.0;
         }
-        let cone = self.departing_force(rest, Side::Down).of(z) - self.departing_force(rest, Side::Up).of(z);
+        let cone = self.departing_n(rest, Side::Down, z) - self.departing_n(rest, Side::Up, z);
         if cone > 0.0 && asked > 0.0 { asked / cone } else { 0.0 }
     }
 
@@ -165,8 +170,8 @@ impl System {
         let edge = usize::from(region.zone_up) + usize::from(side == Side::Up);
         z[THETA] = zones[edge].from_rad;
         let rest = self.rest_region(region.contact, None, z);
-        let up = self.departing_force(&rest, Side::Up).of(z);
-        let down = self.departing_force(&rest, Side::Down).of(z);
+        let up = self.departing_n(&rest, Side::Up, z);
+        let down = self.departing_n(&rest, Side::Down, z);
         let bounce = z[OMEGA] * z[OMEGA] * self.inertia();
         if up < 0.0 && down > 0.0 && bounce < 2.0 * NO_BOUNCE_RAD * down.min(-up) {
             z[OMEGA] = 0.0;

@@ -158,10 +158,17 @@ pub(super) struct Compiled<const N: usize, const G: usize> {
     wanted_h: f64,
 }
 
+/// What rounding took from the matrix of a region.
+fn rest<const N: usize>(system: &System, region: &Region) -> Matrix<N> {
+    let rest = system.rest(region);
+    Matrix::from_fn(|i, j| rest[i][j])
+}
+
 impl<const N: usize, const G: usize> Compiled<N, G> {
     pub(super) fn new(system: &System, region: &Region, reach_s: f64, energy: bool) -> Self {
         let flow = system.flow(region);
-        let ladder = Ladder::new(Matrix::from_fn(|i, j| flow.rows[i].0[j]), reach_s);
+        let a = Matrix::from_fn(|i, j| flow.rows[i].0[j]);
+        let ladder = Ladder::with_rest(a, reach_s, || rest(system, region));
         // Places without a guard hold the state's constant entry, which never falls below zero.
         let mut rows = [std::array::from_fn(|j| f64::from(u8::from(j == N - 1))); G];
         for (row, guard) in rows.iter_mut().zip(&flow.guards) {

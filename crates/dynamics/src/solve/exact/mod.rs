@@ -123,4 +123,6 @@ impl Exact {
 #[cfg(test)]
 mod accuracy;
 #[cfg(test)]
+mod reference;
+#[cfg(test)]
 mod tests;

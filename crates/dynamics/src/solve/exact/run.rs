@@ -104,7 +104,8 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             } else {
                 self.cross_spans(from, to)?;
             }
-            if self.cursor.end_s <= to {
+            // What begins at the last sample lies beyond the run.
+            if self.cursor.end_s <= to && i + 1 < grid.samples() {
                 self.pass_input(to)?;
             } else if swings && i.is_multiple_of(FRESH_INPUT_SAMPLES) {
                 self.system.write_inputs(&self.cursor, to, &mut self.z);
@@ -238,7 +239,13 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             if self.pieces > limit {
                 return Err(self.too_much(limit, "pieces", t));
             }
-            let Some((after, kind)) = found else { break };
+            let Some((after, kind)) = found else {
+                if compiled.ladder.is_long(rest) {
+                    // The many short pieces that proved it free of events were rounded as often; some long ones are not.
+                    self.z = compiled.ladder.advance(&before, rest);
+                }
+                break;
+            };
             let exact = after - excess;
             let sum = elapsed + exact;
             excess = (sum - elapsed) - exact;
@@ -307,11 +314,11 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
     }
 
     fn balance(&self) -> EnergyBalance {
-        let [external_j, motor_j, brake_j, friction_j, pull_j, tissue_j] = self.sums;
+        let [external_j, motor_j, brake_j, friction_j, terms_j, tissue_j] = self.sums;
         let (start, _) = self.system.start();
         let stored_j = self.system.stored_j(&self.z) - self.system.stored_j(&start);
         let impacts_j = self.impacts_j;
-        EnergyBalance { external_j, motor_j, brake_j, friction_j, pull_j, tissue_j, impacts_j, stored_j }
+        EnergyBalance { external_j, motor_j, brake_j, friction_j, terms_j, tissue_j, impacts_j, stored_j }
     }
 
     fn too_much(&self, limit: u64, what: &'static str, t_s: f64) -> DynamicsError {

@@ -5,7 +5,8 @@ use crate::scene::finger::FingerLaw;
 use crate::scene::friction::Friction;
 use crate::scene::input::{Input, Series};
 use crate::scene::plant::Start;
-use crate::scene::pull::Pull;
+use crate::scene::terms::gravity::Gravity;
+use crate::scene::terms::pull::Pull;
 use crate::scene::{Scene, table3};
 use crate::system::region::{Contact, Motion};
 use crate::system::transition::EventKind;
@@ -124,7 +125,7 @@ fn a_spring_pulled_at_constant_speed_sticks_and_slips_as_rabinowicz_found() {
     scene.environment = Environment::free();
     scene.friction = Some(Friction { static_n: fs, kinetic_n: fk, viscous_ns_per_rad: 0.0 });
     let displacement = Input::Line { value: 0.0, rate: speed };
-    scene.pull = Some(Pull { stiffness_n_per_rad: k, displacement });
+    scene.terms.set(Pull { stiffness_n_per_rad: k, displacement });
     let run = run(scene);
     // Slip: half the load drop a = (Fs - Fk)/K to either side of Fk/K; it lasts (pi + 2 phi)... see below.
     let (a, natural) = ((fs - fk) / k, (k / INERTIA).sqrt());
@@ -316,7 +317,7 @@ fn a_finger_that_bottoms_on_a_free_lever_keeps_the_momentum() {
 #[test]
 fn gravity_is_refused_by_name() {
     let mut scene = table3::scene(Mode::Active, Input::step(1.0));
-    scene.gravity = Some(crate::scene::gravity::Gravity { mass_kg: 0.02, radius_m: 0.04 });
+    scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.04 });
     let error = Exact::default().run(&System::new(scene).unwrap(), &Grid::filling(1.0, 0.1)).unwrap_err();
     assert_eq!(error, DynamicsError::NotPiecewiseAffine { term: "gravity" });
 }

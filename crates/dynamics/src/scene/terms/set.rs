@@ -1,0 +1,142 @@
+//! The terms of a scene, and how a file says them.
+
+use std::sync::Arc;
+
+use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, Error as _};
+use serde::ser::{Error as _, SerializeMap};
+use serde::{Deserialize, Serialize, Serializer};
+use toml::Value;
+
+use super::{Affine, READERS, Term};
+use crate::error::{DynamicsError, Result, check};
+use crate::scene::input::Input;
+use crate::scene::plant::Plant;
+
+/// The terms of a scene, one of a name, in order of their names.
+#[derive(Debug, Clone, Default)]
+pub struct Terms(Vec<Arc<dyn Written>>);
+
+/// A term that can be written down.
+pub(super) trait Written: Term {
+    fn value(&self) -> std::result::Result<Value, toml::ser::Error>;
+}
+
+impl<T: Term + Serialize> Written for T {
+    fn value(&self) -> std::result::Result<Value, toml::ser::Error> {
+        Value::try_from(self)
+    }
+}
+
+impl Terms {
+    /// Adds a term, in the place of the one of its name.
+    pub fn set(&mut self, term: impl Term + Serialize + 'static) {
+        self.put(Arc::new(term));
+    }
+
+    fn put(&mut self, term: Arc<dyn Written>) {
+        match self.0.binary_search_by(|known| known.name().cmp(term.name())) {
+            Ok(at) => self.0[at] = term,
+            Err(at) => self.0.insert(at, term),
+        }
+    }
+
+    /// The terms, in order of their names.
+    pub fn iter(&self) -> impl Iterator<Item = &dyn Term> {
+        self.0.iter().map(|term| &**term as &dyn Term)
+    }
+
+    /// The one signal of time that a term has.
+    pub(crate) fn input(&self) -> Option<&Input> {
+        self.iter().find_map(|term| term.input().map(|(_, input)| input))
+    }
+
+    /// Name, value and usual size of each parameter.
+    pub(crate) fn list(&self) -> impl Iterator<Item = (String, f64, f64)> {
+        let parameters = self.iter().flat_map(|term| term.parameters().into_iter().map(move |p| (term, p)));
+        parameters.map(|(term, p)| (format!("{}.{}", term.name(), p.name), p.value, p.usual))
+    }
+
+    pub(crate) fn check(&self, duration_s: f64) -> Result<()> {
+        for term in self.iter() {
+            for p in term.parameters() {
+                (p.check)(&format!("{}.{}", term.name(), p.name), p.value)?;
+            }
+            if let Some((field, input)) = term.input() {
+                input.check(&format!("{}.{field}", term.name()), duration_s)?;
+            }
+        }
+        if self.iter().filter(|term| term.input().is_some()).count() > 1 {
+            let (what, remedy) = ("two terms have an input of their own", "leave one of them out");
+            return Err(DynamicsError::Combination { what, remedy });
+        }
+        Ok(())
+    }
+
+    /// No coefficient is larger than `most`; where one is, the term's largest number is named.
+    pub(crate) fn check_rates(&self, plant: &Plant, most: f64, allowed: &'static str) -> Result<()> {
+        for term in self.iter() {
+            let Affine { constant_n, per_rad_n, per_rad_s_n, per_input_n } = term.affine(plant);
+            let ok = [constant_n, per_rad_n, per_rad_s_n, per_input_n].iter().all(|x| x.abs() <= most);
+            let largest =
+                term.parameters().into_iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+            if let Some(p) = largest {
+                check(&format!("{}.{}", term.name(), p.name), p.value, ok, allowed)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the term that a file has under one of the [`names`], which is given by its number.
+    pub(crate) fn reader(&mut self, number: usize) -> impl for<'de> DeserializeSeed<'de, Value = ()> {
+        Reader { terms: self, read: READERS[number].1 }
+    }
+}
+
+/// The keys a file can name a term by.
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    READERS.iter().map(|(name, _)| *name)
+}
+
+/// Terms are equal if a file would have the same text for them.
+impl PartialEq for Terms {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |(a, b): (&Arc<dyn Written>, &Arc<dyn Written>)| {
+            a.name() == b.name() && a.value().is_ok_and(|value| b.value() == Ok(value))
+        };
+        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(same)
+    }
+}
+
+impl Serialize for Terms {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for term in &self.0 {
+            map.serialize_entry(term.name(), &term.value().map_err(S::Error::custom)?)?;
+        }
+        map.end()
+    }
+}
+
+/// Makes a term of what a file has under its name.
+pub(super) type Read = fn(Value) -> std::result::Result<Arc<dyn Written>, toml::de::Error>;
+
+pub(super) fn read<T: Term + Serialize + DeserializeOwned + 'static>(
+    value: Value,
+) -> std::result::Result<Arc<dyn Written>, toml::de::Error> {
+    Ok(Arc::new(value.try_into::<T>()?))
+}
+
+struct Reader<'a> {
+    terms: &'a mut Terms,
+    read: Read,
+}
+
+impl<'de> DeserializeSeed<'de> for Reader<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> std::result::Result<(), D::Error> {
+        let value = Value::deserialize(deserializer)?;
+        self.terms.put((self.read)(value).map_err(|e| D::Error::custom(e.message()))?);
+        Ok(())
+    }
+}

@@ -1,0 +1,69 @@
+//! The scene's terms in the equations: a row each for the affine part, and one curved force of them all.
+
+use super::flow::Functional;
+use super::row::Row;
+use super::{Layout, OMEGA, System, THETA};
+use crate::scene::plant::Plant;
+use crate::scene::terms::{Curve, Term};
+
+/// The affine part of a term as a functional.
+pub(super) fn row(term: &dyn Term, plant: &Plant, layout: &Layout) -> Row {
+    let affine = term.affine(plant);
+    let mut row = Row::ZERO;
+    row.0[THETA] = affine.per_rad_n;
+    row.0[OMEGA] = affine.per_rad_s_n;
+    row.0[layout.one()] = affine.constant_n;
+    if let (Some(at), true) = (layout.term, term.input().is_some()) {
+        row.0[at] = affine.per_input_n;
+    }
+    row
+}
+
+impl System {
+    /// The force of each of the scene's terms at a state, N, in the order of [`crate::Terms::iter`].
+    pub fn term_forces_n(&self, z: &[f64]) -> impl Iterator<Item = f64> {
+        let curve = |term: &dyn Term| term.curve(&self.scene.plant, z[THETA], z[OMEGA]);
+        let curved = self.scene.terms.iter().map(move |term| curve(term).map_or(0.0, |curve| curve.force_n));
+        self.terms.iter().zip(curved).map(|(row, curved_n)| row.of(z) + curved_n)
+    }
+
+    /// The forces of all terms together, N.
+    #[inline]
+    pub(crate) fn terms_n(&self, z: &[f64]) -> f64 {
+        if self.terms.is_empty() { 0.0 } else { self.term_forces_n(z).sum() }
+    }
+
+    /// The affine parts of all terms together.
+    pub(crate) fn affine_terms(&self) -> Row {
+        self.terms.iter().fold(Row::ZERO, |sum, row| sum.plus(*row))
+    }
+
+    /// The term that keeps the system from being piecewise affine, if there is one.
+    pub fn nonlinear_term(&self) -> Option<&'static str> {
+        let start = &self.scene.start;
+        let curve = |term: &&dyn Term| term.curve(&self.scene.plant, start.theta_rad, start.theta_dot_rad_s);
+        self.scene.terms.iter().find(|term| curve(term).is_some()).map(Term::name)
+    }
+
+    /// The terms' curved force with its derivatives; `None` if no term has one.
+    #[inline]
+    pub(crate) fn curve(&self, z: &[f64]) -> Option<Curve> {
+        if self.curved { self.curves(z) } else { None }
+    }
+
+    fn curves(&self, z: &[f64]) -> Option<Curve> {
+        let curves = self.scene.terms.iter().filter_map(|t| t.curve(&self.scene.plant, z[THETA], z[OMEGA]));
+        curves.reduce(|a, b| Curve {
+            force_n: a.force_n + b.force_n,
+            per_rad_n: a.per_rad_n + b.per_rad_n,
+            per_rad_s_n: a.per_rad_s_n + b.per_rad_s_n,
+        })
+    }
+
+    /// The value of a functional at a state.
+    #[inline]
+    pub(crate) fn value(&self, functional: &Functional, z: &[f64]) -> f64 {
+        let curved = self.curve(z).map_or(0.0, |curve| functional.curved * curve.force_n);
+        functional.row.of(z) + curved
+    }
+}

@@ -1,0 +1,94 @@
+//! How smooth a movement is, from the spectrum of its speed.
+
+use crate::spectrum::squared_fourier;
+
+/// Nothing of a hand's movement is sought above this, Hz (Balasubramanian 2015: ω_c,max = 20π rad/s).
+const CUTOFF_HZ: f64 = 10.0;
+/// The spectrum ends where it stays below this share of its value at 0 Hz (there: V̄ = 0.05).
+const AMPLITUDE: f64 = 0.05;
+/// Zero padding: the spectrum is evaluated on 2⁴ times as many frequencies as the samples' own, as the authors do.
+const PADDING: usize = 16;
+/// Fewest samples of a speed profile that has a shape.
+const LEAST_SAMPLES: usize = 3;
+
+/// Spectral arc length of a speed profile, SPARC: −∫₀^ωc √((1/ωc)² + (dV̂/dω)²) dω, V̂(ω) = |V(ω)| / |V(0)|,
+/// ωc the last frequency up to 10 Hz at which V̂ ≥ 0.05. Dimensionless and negative; the nearer to −1 the smoother. It
+/// depends neither on the movement's size nor on its duration.
+///
+/// Balasubramanian, Melendez-Calderon, Roby-Brami & Burdet (2015), J. NeuroEng. Rehabil. 12:112. The arc is that
+/// of the polyline through V̂ at steps of rate / (16 · 2^⌈log₂ n⌉), as in the authors' own program.
+///
+/// `t` in s, increasing, as long as `speed` (≥ 0, in any unit). `None` for fewer than 3 samples, for samples that come
+/// slower than 20 a second (10 Hz is then beyond them), and for a speed that is 0 throughout.
+pub fn spectral_arc_length(t: &[f64], speed: &[f64]) -> Option<f64> {
+    let n = t.len().min(speed.len());
+    if n < LEAST_SAMPLES {
+        return None;
+    }
+    let rate_hz = (n - 1) as f64 / (t[n - 1] - t[0]);
+    if rate_hz < 2.0 * CUTOFF_HZ {
+        return None;
+    }
+    let step_hz = rate_hz / (PADDING * n.next_power_of_two()) as f64;
+    let count = (CUTOFF_HZ / step_hz) as usize + 1;
+    let power = squared_fourier(t, speed, step_hz, 0, count);
+    let share: Vec<f64> = power.iter().map(|p| (p / power[0]).sqrt()).collect();
+    let last = share.iter().rposition(|share| *share >= AMPLITUDE).filter(|last| *last > 0)?;
+    let width = (last as f64).recip();
+    let arc: f64 =
+        share[..=last].windows(2).map(|w| (width * width + (w[1] - w[0]) * (w[1] - w[0])).sqrt()).sum();
+    Some(-arc)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::TAU;
+
+    /// Speed of a minimum-jerk way from 0 to 1 in unit time.
+    fn minimum_jerk(s: f64) -> f64 {
+        if (0.0..=1.0).contains(&s) { 30.0 * s * s * (1.0 - s) * (1.0 - s) } else { 0.0 }
+    }
+
+    fn times(rate_hz: f64, length_s: f64) -> Vec<f64> {
+        (0..=(rate_hz * length_s) as u32).map(|i| f64::from(i) / rate_hz).collect()
+    }
+
+    /// `expect`: NumPy, written from the paper's equations: each V(ω) by `np.trapezoid(v * np.exp(-1j*w*(t-t[0])), t)`,
+    /// then the sum over `np.diff`; where the samples are even, `np.fft.rfft(v, 16 * 2**ceil(log2(n)))` gives the same.
+    fn check(t: &[f64], speed: impl Fn(f64) -> f64, expect: f64) {
+        let v: Vec<f64> = t.iter().map(|t| speed(*t).abs()).collect();
+        let found = spectral_arc_length(t, &v).unwrap();
+        assert!((found / expect - 1.0).abs() < 1e-9, "{found} against {expect}");
+    }
+
+    #[test]
+    fn arc_lengths_agree_with_an_independent_program() {
+        let slow: Vec<f64> = times(1000.0, 1.0).iter().map(|t| 1.5 * t).collect();
+        check(&slow, |t| minimum_jerk(t / 1.5), -1.4024260629108702);
+        let t = times(200.0, 1.5);
+        let wobbling = |t: f64| minimum_jerk(t / 1.5) * (1.0 + 0.3 * libm::sin(TAU * 5.0 * t));
+        check(&t, wobbling, -1.9424526338637178);
+        check(&t, |t| minimum_jerk(t / 0.8) + minimum_jerk((t - 0.7) / 0.8), -2.131994898959485);
+        let uneven: Vec<f64> = t.iter().zip(0u32..).map(|(t, i)| t + 1e-3 * f64::from(i * 7 % 5)).collect();
+        check(&uneven, |t| minimum_jerk(t / 1.6) + 0.2 * libm::sin(TAU * 3.0 * t), -1.7633349926919184);
+    }
+
+    #[test]
+    fn it_does_not_depend_on_how_far_and_how_fast() {
+        let of = |size: f64, length_s: f64| {
+            let t = times(2000.0 / length_s, length_s);
+            let v: Vec<f64> = t.iter().map(|t| size * minimum_jerk(t / length_s)).collect();
+            spectral_arc_length(&t, &v).unwrap()
+        };
+        assert!((of(1.0, 1.0) - of(7.0, 1.0)).abs() < 1e-12);
+        assert!((of(1.0, 1.0) - of(1.0, 2.0)).abs() < 5e-3);
+    }
+
+    #[test]
+    fn what_has_no_shape_has_no_smoothness() {
+        assert_eq!(spectral_arc_length(&[0.0, 0.1], &[0.0, 1.0]), None);
+        assert_eq!(spectral_arc_length(&times(100.0, 1.0), &[0.0; 101]), None);
+        assert_eq!(spectral_arc_length(&times(19.0, 1.0), &[1.0; 20]), None);
+    }
+}
