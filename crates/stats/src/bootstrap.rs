@@ -8,6 +8,7 @@
 //! the cipher's definition, on any machine, in any later version, and with any number of threads.
 
 use crate::error::{StatsError, all_finite, check_level};
+use crate::student_t::critical_value;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
@@ -49,6 +50,22 @@ pub fn percentile_interval(values: &[f64], level: f64) -> Result<Option<(f64, f6
     sorted.sort_by(f64::total_cmp);
     let tail = (1.0 - level) / 2.0;
     Ok(quantile(&sorted, tail).zip(quantile(&sorted, 1.0 - tail)))
+}
+
+/// The level at which percentiles of a bootstrap over `n` independent blocks make an interval of `level`
+/// (Hesterberg 2015, Amer. Statist. 69:371, the "expanded percentile interval"): 2Φ(z) − 1 with
+/// z = √(n / (n − 1)) t(level, df n − 1). Resampled means of n values scatter by √((n − 1)/n) too little, and
+/// know the variance from n values only; for 15 blocks 95 % becomes 97.4 %. Below 1 always; at n = 2 it is the
+/// whole range of the resamples.
+///
+/// # Errors
+/// `level` outside (0, 1), `n` below 2.
+pub fn expanded_level(level: f64, n: usize) -> Result<f64, StatsError> {
+    /// The largest level: a share of resamples that no one draws.
+    const NEARLY_ALL: f64 = 1.0 - 1e-12;
+    let df = n as f64 - 1.0;
+    let z = (n as f64 / df).sqrt() * critical_value(level, df)?;
+    Ok(libm::erf(z / core::f64::consts::SQRT_2).min(NEARLY_ALL))
 }
 
 /// The quantile of `sorted` values at `share` of the way from the first to the last.
@@ -120,6 +137,18 @@ mod tests {
         assert_eq!(percentile_interval(&[], 0.95).unwrap(), None);
         assert!(percentile_interval(&[f64::NAN], 0.95).is_err());
     }
+
+    /// SciPy: `2 * norm.cdf(sqrt(n / (n - 1)) * t.ppf(0.975, n - 1)) - 1`.
+    #[test]
+    fn expanded_levels_are_those_of_scipy() {
+        for (n, scipy) in EXPANDED {
+            assert!((expanded_level(0.95, n).unwrap() - scipy).abs() < 1e-12, "{n}");
+        }
+        assert!(expanded_level(0.95, 2).unwrap() < 1.0);
+        assert!(expanded_level(0.95, 1).is_err() && expanded_level(0.95, 0).is_err());
+    }
+    const EXPANDED: [(usize, f64); 3] =
+        [(5, 0.998091798896235), (15, 0.9735856537463772), (30, 0.9624921994435589)];
 
     #[test]
     fn no_blocks_give_no_resamples() {

@@ -1,7 +1,10 @@
 //! What is found: plain data, ready for a table.
 
+use crate::branch::Branch;
 use crate::models::Quantity;
 use crate::verdict::Verdict;
+use zwidth_stats::StatsError;
+use zwidth_stats::bootstrap::{expanded_level, percentile_interval};
 
 /// How to characterise.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +59,7 @@ pub struct Characteristic {
     pub grouping: Grouping,
     /// How many of them were left out in turn.
     pub folds: usize,
-    /// Every candidate, simplest first.
+    /// Every candidate, by number of free parameters; those with hysteresis only if the command went both ways.
     pub candidates: Vec<Candidate>,
     /// Index of the chosen one in `candidates`.
     pub chosen: usize,
@@ -70,8 +73,8 @@ pub struct Candidate {
     /// Name of the model, as in [`crate::models::Model::name`].
     pub name: &'static str,
     /// Its equation.
-    pub formula: &'static str,
-    /// Number of parameters.
+    pub formula: String,
+    /// Number of parameters that are fitted.
     pub complexity: usize,
     /// The parameters, in the model's order; empty if it could not be fitted.
     pub parameters: Vec<Parameter>,
@@ -81,8 +84,26 @@ pub struct Candidate {
     pub verdict: Verdict,
     /// The verdict with its reason, in words.
     pub verdict_text: String,
+    /// Mean squared error on each part left out of the fit, unit of the response squared; empty if it could not
+    /// be fitted.
+    pub left_out: Vec<f64>,
+    /// How many independent parts the resamples drew: the sweeps; `None` for blocks of residuals.
+    pub independent: Option<usize>,
     /// The parameters on each resample that could be fitted, in the model's order: what bands are drawn from.
     pub resampled: Vec<Vec<f64>>,
+}
+
+impl Candidate {
+    /// The interval that `values`, one a resample, give at confidence `level`: between percentiles further out
+    /// than the level says where few sweeps were drawn
+    /// ([`expanded_level`](zwidth_stats::bootstrap::expanded_level)).
+    ///
+    /// # Errors
+    /// A value that is not finite, `level` outside (0, 1).
+    pub fn interval(&self, values: &[f64], level: f64) -> Result<Option<(f64, f64)>, StatsError> {
+        let level = self.independent.map_or(Ok(level), |n| expanded_level(level, n))?;
+        percentile_interval(values, level)
+    }
 }
 
 /// A parameter with its bootstrap interval.
@@ -90,6 +111,8 @@ pub struct Candidate {
 pub struct Parameter {
     /// Its symbol in the formula.
     pub name: &'static str,
+    /// The branch whose curve it belongs to; `None` for both.
+    pub branch: Option<Branch>,
     /// What it stands for.
     pub quantity: Quantity,
     /// Its unit; empty for a pure number.

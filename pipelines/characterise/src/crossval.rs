@@ -3,16 +3,21 @@
 use crate::models::Model;
 use crate::samples::{Samples, split};
 use core::ops::Range;
+use rayon::prelude::*;
 
 /// Blocks a single sweep is cut into.
 const BLOCKS: usize = 10;
 /// A shorter block would test one sample against its neighbours.
 const MIN_BLOCK: usize = 2;
 
-/// Error on left-out data, in the unit of the response.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Error on left-out data.
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LeftOut {
+    /// Mean squared error on each fold, unit of the response squared.
+    pub(crate) squares: Vec<f64>,
+    /// Root of their mean, unit of the response.
     pub(crate) rms: f64,
+    /// Its standard error.
     pub(crate) std_error: f64,
 }
 
@@ -26,34 +31,40 @@ pub(crate) fn folds(samples: &Samples) -> Vec<Range<usize>> {
 
 /// Root of the mean over folds of the mean squared error on the fold left out, and its standard error: that of
 /// the mean over folds, SD / √K, carried through the root. `None` if a fit without one fold is impossible.
-pub(crate) fn cross_validate(
-    model: &dyn Model,
-    samples: &Samples,
-    folds: &[Range<usize>],
-) -> Option<LeftOut> {
-    let errors: Option<Vec<f64>> = folds.iter().map(|fold| error_on(model, samples, fold)).collect();
-    let errors = errors?;
-    let k = errors.len() as f64;
-    let mean = errors.iter().sum::<f64>() / k;
-    let variance = errors.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / (k - 1.0);
+pub(crate) fn cross_validate(model: &Model, samples: &Samples, folds: &[Range<usize>]) -> Option<LeftOut> {
+    let cells: Vec<_> = folds.iter().map(|fold| samples.cells(fold.clone())).collect();
+    let error = |out: usize| {
+        let kept = cells.iter().enumerate().map(|(k, cells)| (cells.as_slice(), u32::from(k != out)));
+        let parameters = model.fit(&samples.steps.gather(kept), None)?;
+        Some(mean_square(model, samples, &parameters, &folds[out]))
+    };
+    let squares: Option<Vec<f64>> = (0..folds.len()).into_par_iter().map(error).collect();
+    let squares = squares?;
+    let (mean, std_error) = mean_and_error(&squares);
     let rms = mean.sqrt();
-    let std_error = if rms > 0.0 { (variance / k).sqrt() / (2.0 * rms) } else { 0.0 };
-    Some(LeftOut { rms, std_error })
+    let std_error = if rms > 0.0 { std_error / (2.0 * rms) } else { 0.0 };
+    Some(LeftOut { squares, rms, std_error })
 }
 
-/// Mean squared error on `fold` of a fit to all other samples.
-fn error_on(model: &dyn Model, samples: &Samples, fold: &Range<usize>) -> Option<f64> {
-    let mut weight = vec![1.0; samples.len()];
-    weight[fold.clone()].fill(0.0);
-    let parameters = model.fit(&samples.points(&samples.response, &weight))?;
-    let squares = fold.clone().map(|i| samples.response[i] - model.predict(&parameters, samples.command[i]));
-    Some(squares.map(|r| r * r).sum::<f64>() / fold.len() as f64)
+/// Mean over folds and its standard error, SD / √K.
+pub(crate) fn mean_and_error(folds: &[f64]) -> (f64, f64) {
+    let k = folds.len() as f64;
+    let mean = folds.iter().sum::<f64>() / k;
+    let variance = folds.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / (k - 1.0);
+    (mean, (variance / k).sqrt())
+}
+
+/// Mean squared error on the samples of `fold`.
+fn mean_square(model: &Model, samples: &Samples, parameters: &[f64], fold: &Range<usize>) -> f64 {
+    let error =
+        |i: usize| samples.response[i] - model.predict(parameters, samples.command[i], samples.branch[i]);
+    fold.clone().map(error).map(|r| r * r).sum::<f64>() / fold.len() as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::Line;
+    use crate::models::by_name;
     use crate::samples::Sweep;
 
     #[test]
@@ -76,7 +87,7 @@ mod tests {
         let sweeps =
             [Sweep { command: &x, response: &x }, Sweep { command: &x, response: &x.map(|x| x + 1.0) }];
         let samples = Samples::new(&sweeps).unwrap();
-        let found = cross_validate(&Line, &samples, &folds(&samples)).unwrap();
+        let found = cross_validate(&by_name("line").unwrap(), &samples, &folds(&samples)).unwrap();
         assert!((found.rms - 1.0).abs() < 1e-14 && found.std_error < 1e-14);
     }
 }

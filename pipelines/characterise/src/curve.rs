@@ -1,9 +1,10 @@
 //! A fitted curve on a grid, with its bands: what a figure draws.
 
+use crate::branch::{Branch, branches};
 use crate::characteristic::Candidate;
 use crate::error::CharacteriseError;
 use crate::models;
-use zwidth_stats::bootstrap::percentile_interval;
+use crate::samples::Sweep;
 use zwidth_stats::student_t::critical_value;
 
 /// A curve with the pointwise band of its mean and the band for one new response. All columns have one length;
@@ -25,6 +26,16 @@ pub struct Curve {
 }
 
 impl Curve {
+    pub(crate) fn append(&mut self, mut other: Self) {
+        let Self { command, fit, ci_low, ci_high, prediction_low, prediction_high } = &mut other;
+        self.command.append(command);
+        self.fit.append(fit);
+        self.ci_low.append(ci_low);
+        self.ci_high.append(ci_high);
+        self.prediction_low.append(prediction_low);
+        self.prediction_high.append(prediction_high);
+    }
+
     pub(crate) fn push(&mut self, x: f64, fit: f64, mean: (f64, f64), new: (f64, f64)) {
         self.command.push(x);
         self.fit.push(fit);
@@ -35,7 +46,7 @@ impl Curve {
     }
 }
 
-/// `candidate` on `grid` at confidence `level`.
+/// `candidate` on `grid`, the command on its way `branch`, at confidence `level`.
 ///
 /// The band of the mean holds the middle share `level` of the resampled curves at each command, widened to
 /// include the fit itself. The band for a new response adds the residuals' spread, as independent of it:
@@ -44,7 +55,12 @@ impl Curve {
 ///
 /// # Errors
 /// `level` outside (0, 1).
-pub fn curve(candidate: &Candidate, grid: &[f64], level: f64) -> Result<Option<Curve>, CharacteriseError> {
+pub fn curve(
+    candidate: &Candidate,
+    grid: &[f64],
+    branch: Branch,
+    level: f64,
+) -> Result<Option<Curve>, CharacteriseError> {
     let Some((model, quality)) = models::by_name(candidate.name).zip(candidate.quality) else {
         return Ok(None);
     };
@@ -53,9 +69,9 @@ pub fn curve(candidate: &Candidate, grid: &[f64], level: f64) -> Result<Option<C
     let fitted: Vec<f64> = candidate.parameters.iter().map(|p| p.estimate).collect();
     let mut curve = Curve::default();
     for &x in grid {
-        let fit = model.predict(&fitted, x);
-        let resampled: Vec<f64> = candidate.resampled.iter().map(|p| model.predict(p, x)).collect();
-        let Some((low, high)) = percentile_interval(&resampled, level)? else {
+        let fit = model.predict(&fitted, x, branch);
+        let resampled: Vec<f64> = candidate.resampled.iter().map(|p| model.predict(p, x, branch)).collect();
+        let Some((low, high)) = candidate.interval(&resampled, level)? else {
             return Ok(None);
         };
         let mean = (low.min(fit), high.max(fit));
@@ -65,12 +81,39 @@ pub fn curve(candidate: &Candidate, grid: &[f64], level: f64) -> Result<Option<C
     Ok(Some(curve))
 }
 
+/// The mean response on `branch` (`None`: on both) of all samples within half a step of each command of an even,
+/// rising `grid` of two commands at least; `None` where there is none.
+pub(crate) fn mean_response(sweeps: &[Sweep], grid: &[f64], branch: Option<Branch>) -> Vec<Option<f64>> {
+    let step = (grid[grid.len() - 1] - grid[0]) / (grid.len() - 1) as f64;
+    let mut sums = vec![(0.0, 0.0); grid.len()];
+    for sweep in sweeps {
+        let samples = sweep.command.iter().zip(sweep.response).zip(branches(sweep.command));
+        for ((x, y), _) in samples.filter(|(_, on)| branch.is_none_or(|branch| branch == *on)) {
+            let place = (((x - grid[0]) / step + 0.5).max(0.0) as usize).min(grid.len() - 1);
+            let (n, sum) = &mut sums[place];
+            (*n, *sum) = (*n + 1.0, *sum + y);
+        }
+    }
+    sums.into_iter().map(|(n, sum)| (n > 0.0).then(|| sum / n)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Settings, Sweep, characterise, first_order};
+    use crate::{Settings, characterise, first_order};
 
-    /// With independent errors about a true line the bootstrap's bands are near the textbook's.
+    #[test]
+    fn the_mean_takes_what_lies_within_half_a_step() {
+        let sweep =
+            Sweep { command: &[0.0, 0.9, 1.1, 2.0, 1.0, 0.0], response: &[0.0, 1.0, 3.0, 4.0, 8.0, 1.0] };
+        let mean = |branch| mean_response(&[sweep], &[0.0, 1.0, 2.0, 3.0], branch);
+        assert_eq!(mean(None), [Some(0.5), Some(4.0), Some(4.0), None]);
+        assert_eq!(mean(Some(Branch::Up)), [Some(0.0), Some(2.0), Some(4.0), None]);
+        assert_eq!(mean(Some(Branch::Down)), [Some(1.0), Some(8.0), None, None]);
+    }
+
+    /// With independent errors about a true line the bootstrap's bands are near the textbook's. 400 commands are
+    /// gathered in 256 steps: the fit moves by far less than its bands are wide.
     #[test]
     fn the_bands_of_a_line_are_near_those_of_the_first_order_fit() {
         let x: Vec<f64> = (0..400).map(|i| f64::from(i) / 40.0).collect();
@@ -81,10 +124,11 @@ mod tests {
         let settings = Settings { resamples: 1000, seed: 2, level: 0.95, command_unit, response_unit };
         let grid = [0.0, 5.0, 12.0];
         let found = characterise(&sweeps, &settings).unwrap();
-        let ours = curve(&found.candidates[0], &grid, 0.95).unwrap().unwrap();
+        let ours = curve(&found.candidates[0], &grid, Branch::Up, 0.95).unwrap().unwrap();
         let textbook = first_order(&sweeps, 0.95).unwrap().curve(&grid);
         for i in 0..grid.len() {
-            assert!((ours.fit[i] - textbook.fit[i]).abs() < 1e-12);
+            let moved = (ours.fit[i] - textbook.fit[i]).abs();
+            assert!(moved < 1e-2 * (textbook.ci_high[i] - textbook.fit[i]), "{moved}");
             let width = |low: &[f64], high: &[f64]| high[i] - low[i];
             let mean = width(&ours.ci_low, &ours.ci_high) / width(&textbook.ci_low, &textbook.ci_high);
             let new = width(&ours.prediction_low, &ours.prediction_high)
@@ -99,6 +143,6 @@ mod tests {
         let (command_unit, response_unit) = ("V".to_owned(), "N".to_owned());
         let settings = Settings { resamples: 0, seed: 2, level: 0.95, command_unit, response_unit };
         let found = characterise(&[Sweep { command: &x, response: &x }], &settings).unwrap();
-        assert_eq!(curve(&found.candidates[0], &x, 0.95), Ok(None));
+        assert_eq!(curve(&found.candidates[0], &x, Branch::Up, 0.95), Ok(None));
     }
 }

@@ -46,6 +46,14 @@ pub enum CharacteriseError {
         /// What was left out.
         grouping: Grouping,
     },
+    /// A curve that no calibration can be made from.
+    #[error("no calibration of the {actuator}: {problem}")]
+    Calibration {
+        /// `motor` or `brake`.
+        actuator: &'static str,
+        /// What is wrong, with the value and the remedy.
+        problem: String,
+    },
     /// A statistic was refused, for example for its confidence level.
     #[error(transparent)]
     Stats(#[from] StatsError),

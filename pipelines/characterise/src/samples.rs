@@ -1,7 +1,8 @@
 //! The sweeps laid end to end, checked once.
 
+use crate::branch::{Branch, branches};
 use crate::error::{CharacteriseError, MIN_COMMANDS, MIN_POINTS};
-use crate::models::Points;
+use crate::steps::{Cell, Gathered, Steps};
 use core::ops::Range;
 
 /// One ramp of an actuator (or of a load on a sensor), in the order of recording. Units are the caller's.
@@ -10,7 +11,8 @@ pub struct Sweep<'a> {
     /// What was set: volts, counts, newtons, …
     pub command: &'a [f64],
     /// What was measured, one a command. A held value belongs in here once, at its own update: repeated, it
-    /// would hide the noise.
+    /// would hide the noise. A sample that cannot show the response is left out by whoever records: a brake
+    /// makes no force of its own unless the lever slips.
     pub response: &'a [f64],
 }
 
@@ -18,12 +20,12 @@ pub struct Sweep<'a> {
 pub(crate) struct Samples {
     pub(crate) command: Vec<f64>,
     pub(crate) response: Vec<f64>,
+    /// Which way the command was going.
+    pub(crate) branch: Vec<Branch>,
     /// Where each sweep lies.
     pub(crate) sweeps: Vec<Range<usize>>,
-    /// Indices of the samples by rising command; equal commands in the order of recording.
-    pub(crate) order: Vec<usize>,
-    /// The different commands, rising.
-    pub(crate) levels: Vec<f64>,
+    /// The steps of the command that fits are made on.
+    pub(crate) steps: Steps,
 }
 
 impl Samples {
@@ -31,22 +33,43 @@ impl Samples {
         sweeps.iter().enumerate().try_for_each(|(number, sweep)| check(number, sweep))?;
         let command: Vec<f64> = sweeps.iter().flat_map(|s| s.command).copied().collect();
         let response: Vec<f64> = sweeps.iter().flat_map(|s| s.response).copied().collect();
-        let mut order: Vec<usize> = (0..command.len()).collect();
-        order.sort_by(|&i, &j| command[i].total_cmp(&command[j]));
-        let levels = distinct(order.iter().map(|&i| command[i]));
-        if command.len() < MIN_POINTS || levels.len() < MIN_COMMANDS {
-            return Err(CharacteriseError::TooFew { points: command.len(), commands: levels.len() });
+        let branch = sweeps.iter().flat_map(|s| branches(s.command)).collect();
+        let steps = Steps::new(&command);
+        if command.len() < MIN_POINTS || steps.levels.len() < MIN_COMMANDS {
+            return Err(CharacteriseError::TooFew { points: command.len(), commands: steps.levels.len() });
         }
-        Ok(Self { sweeps: ranges(sweeps), command, response, order, levels })
+        Ok(Self { sweeps: ranges(sweeps), command, response, branch, steps })
     }
 
     pub(crate) fn len(&self) -> usize {
         self.command.len()
     }
 
-    /// The samples as a model sees them, with other responses (a resample) or weights (a fold).
-    pub(crate) fn points<'a>(&'a self, response: &'a [f64], weight: &'a [f64]) -> Points<'a> {
-        Points { command: &self.command, response, weight, order: &self.order, levels: &self.levels }
+    /// Lowest and highest command.
+    pub(crate) fn command_range(&self) -> (f64, f64) {
+        let fold = |start, pick: fn(f64, f64) -> f64| self.command.iter().copied().fold(start, pick);
+        (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max))
+    }
+
+    /// Whether the command went both up and down.
+    pub(crate) fn has_both_branches(&self) -> bool {
+        self.branch.iter().any(|b| *b != self.branch[0])
+    }
+
+    /// The samples of `range` gathered by branch and step.
+    pub(crate) fn cells(&self, range: Range<usize>) -> Vec<Cell> {
+        self.steps.cells(range, &self.command, &self.response, &self.branch)
+    }
+
+    /// Everything with other responses (a resample).
+    pub(crate) fn with_response(&self, response: &[f64]) -> Gathered<'_> {
+        let cells = self.steps.cells(0..self.len(), &self.command, response, &self.branch);
+        self.steps.gather([(cells.as_slice(), 1)].into_iter())
+    }
+
+    /// Everything, as it was measured.
+    pub(crate) fn gathered(&self) -> Gathered<'_> {
+        self.with_response(&self.response)
     }
 }
 
@@ -74,16 +97,6 @@ fn ranges(sweeps: &[Sweep]) -> Vec<Range<usize>> {
     all.filter(|r| !r.is_empty()).collect()
 }
 
-fn distinct(rising: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut levels: Vec<f64> = Vec::new();
-    for command in rising {
-        if levels.last().is_none_or(|&last| command > last) {
-            levels.push(command);
-        }
-    }
-    levels
-}
-
 /// `range` in `parts` contiguous pieces whose lengths differ by one at most; `parts` ≥ 1.
 pub(crate) fn split(range: &Range<usize>, parts: usize) -> Vec<Range<usize>> {
     let edge = |part: usize| range.start + part * range.len() / parts;
@@ -100,13 +113,16 @@ mod tests {
     }
 
     #[test]
-    fn samples_are_ordered_by_command_and_levels_are_distinct() {
+    fn sweeps_lie_end_to_end_and_know_their_branches() {
         let up = Sweep { command: &[0.0, 1.0, 2.0], response: &[0.0, 1.0, 2.0] };
         let down = Sweep { command: &[2.0, 1.0, 0.5], response: &[2.5, 1.5, 1.0] };
         let samples = Samples::new(&[up, down]).unwrap();
-        assert_eq!(samples.order, [0, 5, 1, 4, 2, 3]);
-        assert_eq!(samples.levels, [0.0, 0.5, 1.0, 2.0]);
+        assert_eq!(samples.steps.levels, [0.0, 0.5, 1.0, 2.0]);
         assert_eq!(samples.sweeps, [0..3, 3..6]);
+        assert_eq!(
+            samples.branch,
+            [Branch::Up, Branch::Up, Branch::Up, Branch::Down, Branch::Down, Branch::Down]
+        );
     }
 
     #[test]

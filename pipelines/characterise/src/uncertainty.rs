@@ -11,26 +11,30 @@ const BLOCK_SHARE: usize = 10;
 const MIN_BLOCK: usize = 2;
 
 /// The parameters of `model` on each resample of the data it could be fitted to, `fitted` being those of the
-/// data themselves: whole sweeps drawn with replacement, or blocks of residuals if there is but one sweep.
+/// data themselves: whole sweeps drawn with replacement, or blocks of residuals if there is but one sweep. Each
+/// search starts from `fitted`.
 pub(crate) fn resampled(
-    model: &dyn Model,
+    model: &Model,
     samples: &Samples,
     fitted: &[f64],
     settings: &Settings,
 ) -> Vec<Vec<f64>> {
     let fits = match samples.sweeps.as_slice() {
         [only] => by_block(model, samples, only.len(), fitted, settings),
-        _ => by_sweep(model, samples, settings),
+        _ => by_sweep(model, samples, fitted, settings),
     };
     fits.into_iter().flatten().collect()
 }
 
 /// A sweep drawn twice weighs twice.
-fn by_sweep(model: &dyn Model, samples: &Samples, settings: &Settings) -> Vec<Option<Vec<f64>>> {
-    resample(&samples.sweeps, samples.sweeps.len(), settings.resamples, settings.seed, |drawn| {
-        let mut weight = vec![0.0; samples.len()];
-        drawn.iter().for_each(|sweep| weight[(*sweep).clone()].iter_mut().for_each(|w| *w += 1.0));
-        model.fit(&samples.points(&samples.response, &weight))
+fn by_sweep(model: &Model, samples: &Samples, fitted: &[f64], settings: &Settings) -> Vec<Option<Vec<f64>>> {
+    let cells: Vec<_> = samples.sweeps.iter().map(|sweep| samples.cells(sweep.clone())).collect();
+    let numbers: Vec<usize> = (0..cells.len()).collect();
+    resample(&numbers, numbers.len(), settings.resamples, settings.seed, |drawn| {
+        let mut times = vec![0; cells.len()];
+        drawn.iter().for_each(|&&number| times[number] += 1);
+        let groups = cells.iter().map(Vec::as_slice).zip(times);
+        model.fit(&samples.steps.gather(groups), Some(fitted))
     })
 }
 
@@ -38,29 +42,29 @@ fn by_sweep(model: &dyn Model, samples: &Samples, settings: &Settings) -> Vec<Op
 /// 1997, *Bootstrap Methods and their Application*, §8.2.3), enlarged by √(n / (n − p)) because a fit makes its
 /// residuals too small.
 fn by_block(
-    model: &dyn Model,
+    model: &Model,
     samples: &Samples,
     n: usize,
     fitted: &[f64],
     settings: &Settings,
 ) -> Vec<Option<Vec<f64>>> {
-    let curve: Vec<f64> = samples.command.iter().map(|&x| model.predict(fitted, x)).collect();
-    let enlarge = (n as f64 / (n - fitted.len()) as f64).sqrt();
+    let curve: Vec<f64> =
+        samples.command.iter().zip(&samples.branch).map(|(&x, &b)| model.predict(fitted, x, b)).collect();
+    let enlarge = (n as f64 / (n - model.complexity()) as f64).sqrt();
     let residuals: Vec<f64> = samples.response.iter().zip(&curve).map(|(y, f)| enlarge * (y - f)).collect();
     let length = n.div_ceil(BLOCK_SHARE).max(MIN_BLOCK);
     let blocks: Vec<Range<usize>> = (0..=n - length).map(|start| start..start + length).collect();
-    let weight = vec![1.0; n];
     resample(&blocks, n.div_ceil(length), settings.resamples, settings.seed, |drawn| {
         let errors = drawn.iter().flat_map(|block| &residuals[(*block).clone()]);
         let response: Vec<f64> = curve.iter().zip(errors).map(|(f, e)| f + e).collect();
-        model.fit(&samples.points(&response, &weight))
+        model.fit(&samples.with_response(&response), Some(fitted))
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::Line;
+    use crate::models::by_name;
     use crate::samples::Sweep;
 
     const SETTINGS: Settings = Settings {
@@ -75,8 +79,9 @@ mod tests {
     fn slopes(responses: &[[f64; 6]]) -> Vec<f64> {
         let sweeps: Vec<_> = responses.iter().map(|response| Sweep { command: &X, response }).collect();
         let samples = Samples::new(&sweeps).unwrap();
-        let fitted = Line.fit(&samples.points(&samples.response, &vec![1.0; samples.len()])).unwrap();
-        resampled(&Line, &samples, &fitted, &SETTINGS).iter().map(|p| p[1]).collect()
+        let line = by_name("line").unwrap();
+        let fitted = line.fit(&samples.gathered(), None).unwrap();
+        resampled(&line, &samples, &fitted, &SETTINGS).iter().map(|p| p[1]).collect()
     }
 
     #[test]

@@ -1,9 +1,15 @@
 //! Which candidate is chosen, and what is said of each.
 
 use crate::characteristic::{Candidate, Quality};
+use crate::crossval::mean_and_error;
+use crate::models;
 
 /// Residuals that exceed the noise by more than this show that the curve is wrong.
 const LACK_OF_FIT: f64 = 1.5;
+
+/// A candidate whose error exceeds the smallest by more standard errors of the difference than this is worse: one in
+/// forty is by chance.
+const STD_ERRORS: f64 = 2.0;
 
 /// Two errors closer than this share of themselves are the same but for rounding.
 const SAME: f64 = 1e-9;
@@ -13,7 +19,7 @@ const SAME: f64 = 1e-9;
 pub enum Verdict {
     /// It is the one to use.
     Chosen,
-    /// Its residuals exceed the noise, or it predicts worse than the chosen one by more than a standard error.
+    /// Its residuals exceed the noise, or it predicts worse than the chosen one.
     Rejected,
     /// It predicts no better than the chosen one, with more parameters.
     NotNeeded,
@@ -47,17 +53,38 @@ pub(crate) fn judge(candidates: &mut [Candidate], left_out: &str, unit: &str) ->
     Some((chosen, reason))
 }
 
-/// The candidate with the smallest cross-validated RMS (the simplest of equals), and the simplest within one
-/// standard error of it.
+/// The candidate with the smallest cross-validated RMS (the simplest of equals), and the simplest that is as good
+/// for all that can be told. A curve that is no law takes part only if every law lacks fit.
 fn choose(candidates: &[Candidate]) -> Option<(usize, usize)> {
-    let errors = || candidates.iter().filter_map(|c| c.quality).map(|q| (q.cv_rms, q.cv_std_error));
-    let (smallest, std_error) = errors().min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-    let simplest_within = |limit: f64| {
-        let within = |c: &&Candidate| c.quality.is_some_and(|q| q.cv_rms <= limit);
-        let simplest = candidates.iter().filter(within).min_by_key(|c| c.complexity)?;
-        candidates.iter().position(|c| c.name == simplest.name)
+    let laws_fail = candidates.iter().filter(|c| is_law(c)).filter_map(|c| c.quality).all(|q| lacks_fit(&q));
+    let fitted: Vec<usize> = (0..candidates.len())
+        .filter(|&i| candidates[i].quality.is_some() && (laws_fail || is_law(&candidates[i])))
+        .collect();
+    let error = |i: usize| candidates[i].quality.map_or(f64::INFINITY, |q| q.cv_rms);
+    let smallest = fitted.iter().map(|&i| error(i)).min_by(f64::total_cmp)?;
+    let best = *fitted.iter().find(|&&i| error(i) <= smallest * (1.0 + SAME))?;
+    let good = fitted.into_iter().filter(|&i| is_as_good(&candidates[i], &candidates[best]));
+    let simpler = |&i: &usize, &j: &usize| {
+        candidates[i].complexity.cmp(&candidates[j].complexity).then(error(i).total_cmp(&error(j)))
     };
-    Some((simplest_within(smallest * (1.0 + SAME))?, simplest_within(smallest + std_error)?))
+    Some((best, good.min_by(simpler)?))
+}
+
+/// Whether the error on what was left out is within one standard error of that of `best`, and the mean square within
+/// two standard errors of the difference. The difference is taken part by part: what makes a part hard for every
+/// candidate (a sweep of another gain, say) then does not count, and a small misfit in every sweep does.
+fn is_as_good(candidate: &Candidate, best: &Candidate) -> bool {
+    let Some((q, smallest)) = candidate.quality.zip(best.quality) else { return false };
+    let differences: Vec<f64> =
+        candidate.left_out.iter().zip(&best.left_out).map(|(square, of_best)| square - of_best).collect();
+    let (excess, std_error) = mean_and_error(&differences);
+    let rounding = SAME * smallest.cv_rms * smallest.cv_rms;
+    q.cv_rms <= smallest.cv_rms * (1.0 + SAME) + smallest.cv_std_error
+        && excess <= STD_ERRORS * std_error + rounding
+}
+
+fn is_law(candidate: &Candidate) -> bool {
+    models::by_name(candidate.name).is_none_or(|model| model.shape.is_law())
 }
 
 fn reason(candidates: &[Candidate], best: usize, chosen: usize, left_out: &str, unit: &str) -> String {
@@ -67,14 +94,12 @@ fn reason(candidates: &[Candidate], best: usize, chosen: usize, left_out: &str, 
     let simplest = candidates.iter().all(|c| c.complexity >= winner.complexity);
     match (winner.name == best.name, simplest) {
         (true, true) => format!("{} is the simplest candidate and has {smallest}.", winner.name),
-        (true, false) => {
-            format!(
-                "{} has {smallest}; no simpler candidate is within one standard error of it.",
-                winner.name
-            )
-        }
+        (true, false) => format!(
+            "{} has {smallest}; no simpler candidate is as good within the standard errors.",
+            winner.name
+        ),
         (false, _) => format!(
-            "{} is the simplest candidate within one standard error of {smallest}, that of {}.",
+            "{} is the simplest candidate as good, within the standard errors, as that with {smallest}, {}.",
             winner.name, best.name
         ),
     }
@@ -101,6 +126,13 @@ fn words(candidate: &Candidate, winner: &Candidate, unit: &str) -> String {
     let against = || format!("{} against {}", left_out_error(&q, unit), left_out_error(&best, unit));
     match candidate.verdict {
         Verdict::Chosen => format!("chosen: {}{}", residuals(&q, unit), warning(&q)),
+        Verdict::NotNeeded if !is_law(candidate) && is_law(winner) => {
+            format!(
+                "not needed: {} is a law and leaves the noise alone (RMS on data left out {})",
+                winner.name,
+                against()
+            )
+        }
         Verdict::NotNeeded => format!("not needed: RMS on data left out {} for {}", against(), winner.name),
         _ if fits_worse(&q, Some(best)) => format!("rejected: {}", residuals(&q, unit)),
         _ => format!("rejected: RMS on data left out {} for {}", against(), winner.name),
@@ -154,54 +186,89 @@ mod tests {
         }
     }
 
-    fn candidate(name: &'static str, complexity: usize, cv_rms: f64, cv_std_error: f64) -> Candidate {
+    /// A candidate with these squared errors on the parts left out, and that RMS over the noise.
+    fn candidate(name: &'static str, left_out: &[f64], rms_over_noise: f64) -> Candidate {
+        let (mean, std_error) = mean_and_error(left_out);
+        let rms = mean.sqrt();
         let quality = Quality {
             df: 10,
-            rms: cv_rms,
+            rms,
             r2: None,
-            cv_rms,
-            cv_std_error,
+            cv_rms: rms,
+            cv_std_error: std_error / (2.0 * rms),
             aicc: None,
             autocorrelation: None,
-            rms_over_noise: None,
+            rms_over_noise: Some(rms_over_noise),
         };
+        let model = models::by_name(name).unwrap();
         Candidate {
             name,
-            formula: "",
-            complexity,
+            formula: model.formula(),
+            complexity: model.complexity(),
             parameters: vec![],
             quality: Some(quality),
             verdict: Verdict::NotFitted,
             verdict_text: String::new(),
+            left_out: left_out.to_vec(),
+            independent: None,
             resampled: vec![],
         }
     }
 
-    fn check(errors: [(f64, f64); 3], chosen: usize, reason: &str) {
-        let names = [("line", 2), ("hinge", 3), ("power_law", 4)];
+    fn check(candidates: &[(&'static str, [f64; 4], f64)], chosen: &str, reason: &str) {
         let mut candidates: Vec<Candidate> =
-            names.iter().zip(errors).map(|((name, p), (rms, se))| candidate(name, *p, rms, se)).collect();
-        assert_eq!(judge(&mut candidates, "4 sweeps", "N"), Some((chosen, reason.to_owned())));
+            candidates.iter().map(|(name, errors, ratio)| candidate(name, errors, *ratio)).collect();
+        let (found, why) = judge(&mut candidates, "4 sweeps", "N").unwrap();
+        assert_eq!((candidates[found].name, why.as_str()), (chosen, reason));
+    }
+
+    /// The misfit is in one block only, and large there: the difference varies from block to block as much.
+    #[test]
+    fn a_large_misfit_in_one_part_counts_too() {
+        let line = ("line", [1.0, 1.0, 1.0, 9.0], 1.0);
+        let reason = "hinge has the smallest cross-validated RMS (1.00 ± 0.00 N, 4 sweeps); no simpler candidate is as \
+                      good within the standard errors.";
+        check(&[line, ("hinge", [1.0; 4], 1.0)], "hinge", reason);
+    }
+
+    /// The sweeps differ more from each other than the candidates do; yet one of these is worse on every sweep.
+    #[test]
+    fn candidates_are_compared_sweep_by_sweep() {
+        check(
+            &[("line", [1.2, 4.2, 9.2, 2.2], 1.0), ("hinge", [1.0, 4.0, 9.0, 2.0], 1.0)],
+            "hinge",
+            "hinge has the smallest cross-validated RMS (2.00 ± 0.445 N, 4 sweeps); no simpler candidate is \
+             as good within the standard errors.",
+        );
+        check(
+            &[("line", [1.2, 4.2, 9.2, 2.1], 1.0), ("hinge", [1.0, 4.4, 9.0, 2.0], 1.0)],
+            "line",
+            "line is the simplest candidate as good, within the standard errors, as that with the smallest \
+             cross-validated RMS (2.02 ± 0.440 N, 4 sweeps), hinge.",
+        );
+        check(
+            &[("line", [1.0; 4], 1.0), ("hinge", [1.0; 4], 1.0)],
+            "line",
+            "line is the simplest candidate and has the smallest cross-validated RMS (1.00 ± 0.00 N, 4 sweeps).",
+        );
     }
 
     #[test]
-    fn the_simplest_within_one_standard_error_of_the_best_is_chosen() {
-        check(
-            [(3.0, 0.1), (1.05, 0.3), (1.0, 0.1)],
-            1,
-            "hinge is the simplest candidate within one standard error of the smallest cross-validated RMS \
-             (1.00 ± 0.100 N, 4 sweeps), that of power_law.",
+    fn of_equally_simple_candidates_the_better_is_chosen() {
+        let better = "power_law is the simplest candidate and has the smallest cross-validated RMS (1.00 ± 0.00 N, 4 sweeps).";
+        let saturation = ("saturation", [0.5, 1.0, 1.5, 1.1], 1.0);
+        check(&[saturation, ("power_law", [1.0; 4], 1.0)], "power_law", better);
+    }
+
+    #[test]
+    fn a_spline_is_chosen_only_where_every_law_lacks_fit() {
+        let error = |rms: &str| format!("the smallest cross-validated RMS ({rms} N, 4 sweeps)");
+        let simplest = format!("line is the simplest candidate and has {}.", error("1.00 ± 0.00"));
+        check(&[("line", [1.0; 4], 1.2), ("spline", [0.25; 4], 0.8)], "line", &simplest);
+        let spline = format!(
+            "spline has {}; no simpler candidate is as good within the standard errors.",
+            error("0.500 ± 0.00")
         );
-        check(
-            [(3.0, 0.1), (1.15, 0.3), (1.0, 0.1)],
-            2,
-            "power_law has the smallest cross-validated RMS (1.00 ± 0.100 N, 4 sweeps); no simpler candidate is \
-             within one standard error of it.",
-        );
-        check(
-            [(1.0, 0.1), (1.0, 0.3), (1.0, 0.1)],
-            0,
-            "line is the simplest candidate and has the smallest cross-validated RMS (1.00 ± 0.100 N, 4 sweeps).",
-        );
+        check(&[("line", [1.0; 4], 1.6), ("spline", [0.25; 4], 0.8)], "spline", &spline);
     }
 }

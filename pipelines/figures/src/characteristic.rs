@@ -1,9 +1,12 @@
-//! Figures 22 and 23: what came of a command, every sweep, with the chosen fit and its bands.
+//! Figures 22 and 23: what came of a command, every sweep, with the first-order fit and the chosen one.
 
+mod words;
+
+use self::words::{Parameter, about, chosen, parameters, row_of, significant};
 use crate::data::gaps;
 use crate::words::{mark, percent, plain};
 use zwidth_draw::style::{self, Colour};
-use zwidth_draw::{Axis, Band, Cell, Figure, Layer, Line, Panel, Points, Text, TextPlace};
+use zwidth_draw::{Axis, Band, Cell, Direction, Figure, Layer, Line, Panel, Points, Reference};
 use zwidth_store::{Quantity, Sweep};
 use zwidth_tables::{Table, TableError};
 
@@ -13,70 +16,85 @@ const WIDTH_MM: f64 = 110.0;
 const PANEL_MM: f64 = 65.0;
 /// More points than this hide one another: they are drawn smaller and paler.
 const MANY_POINTS: usize = 1000;
+/// More points than this are no more than a blot: each sweep becomes a faint line of step means.
+const MOST_POINTS: usize = 10_000;
+/// Steps of the command that such a line has one mean in: about one a printed dot.
+const STEPS: f64 = 250.0;
 
-/// The characteristic of one actuator or sensor. `models` and `curve` are the stage's tables, `level` the level of their intervals.
-pub fn characteristic(
-    actuator: &str,
-    sweeps: &[Sweep],
-    models: &Table,
-    curve: &Table,
-    level: f64,
-) -> Result<Figure, TableError> {
+/// Pen of the chosen fit under a mean, pt.
+const BROAD_PT: f64 = 2.4;
+/// Pen of the mean of the sweeps on it, pt.
+const THIN_PT: f64 = 0.6;
+
+/// The stage's tables of one actuator or sensor.
+#[derive(Debug, Clone, Copy)]
+pub struct Characterised<'a> {
+    /// Candidate models.
+    pub models: &'a Table,
+    /// Their parameters.
+    pub parameters: &'a Table,
+    /// The chosen curve.
+    pub curve: &'a Table,
+    /// Level of their intervals.
+    pub level: f64,
+}
+
+/// The characteristic of one actuator or sensor: all sweeps faint, their mean, the first-order fit with its R², the
+/// chosen fit with the band for a new response, and where it begins and ends to rise.
+pub fn characteristic(actuator: &str, sweeps: &[Sweep], of: Characterised) -> Result<Figure, TableError> {
     let quantity = |of: fn(&Sweep) -> &Quantity| sweeps.first().map(of).cloned().unwrap_or_else(nothing);
     let (command, response) = (quantity(|s| &s.command), quantity(|s| &s.response));
-    let mut layers = vec![points(sweeps)];
-    layers.extend(fit(curve, level, style::mode_colour(0))?);
-    let lines = about(models, &response.unit)?;
-    layers.push(Layer::Text(Text { lines, place: TextPlace::EmptiestCorner }));
+    let chosen = chosen(of.models)?;
+    let mut layers = samples(sweeps);
+    layers.extend(curves(of, &chosen, sweeps.len())?);
+    layers.extend(corners(of.parameters, &chosen, &command.unit)?);
     let panel = Panel::new(Cell::at(0, 0), axis(&command), axis(&response), layers);
     Ok(Figure {
-        title: Some(format!("Characteristic: {}", actuator.replace('_', " "))),
+        title: Some(format!("Characteristic: {}", plain(&actuator.replace('_', " ")))),
         description: format!(
-            "{} against {} of the {actuator}, {} sweeps, with the chosen fit, the band of its mean and the band for a \
-             new response.",
+            "{} against {} of the {actuator}: {} sweeps, the first-order fit, the chosen fit ({chosen}) and its band for \
+             a new response.",
             response.name,
             command.name,
             sweeps.len()
         ),
         width_mm: WIDTH_MM,
         panels: vec![Panel { height_mm: Some(PANEL_MM), ..panel }],
+        footnotes: about(of, &chosen, &response.unit)?,
         mark: mark(sweeps.iter().map(|s| s.source)),
         ..Figure::default()
     })
-}
-
-/// A plain formula as markup: `max(x - x0, 0)^p` → *max*(x − x₀, 0)ᵖ.
-fn typeset(formula: &str) -> String {
-    formula.replace(" - ", " − ").replace("x0", "x_{0}").replace("^p", "^{p}")
 }
 
 fn nothing() -> Quantity {
     Quantity { name: String::new(), unit: String::new() }
 }
 
-/// The chosen model and its error, in words.
-fn about(models: &Table, unit: &str) -> Result<Vec<String>, TableError> {
-    let (verdicts, formulas) = (models.texts("verdict")?, models.texts("formula")?);
-    let (names, rms) = (models.texts("model")?, models.floats("rms")?);
-    let is_chosen = |v: &Option<String>| v.as_deref().is_some_and(|v| v.starts_with("chosen"));
-    let Some(row) = verdicts.iter().position(is_chosen) else { return Ok(Vec::new()) };
-    let mut lines = vec![format!("chosen: {}", names[row].as_deref().unwrap_or_default().replace('_', " "))];
-    lines.extend(formulas[row].as_deref().map(typeset));
-    lines.extend(rms[row].map(|rms| format!("RMS {rms:.3} {unit}")));
-    Ok(lines)
-}
-
 fn axis(quantity: &Quantity) -> Axis {
     Axis::new(plain(&quantity.name), plain(&quantity.unit))
 }
 
-fn points(sweeps: &[Sweep]) -> Layer {
-    let all = |values: fn(&Sweep) -> &Vec<f64>| sweeps.iter().flat_map(values).copied().collect::<Vec<f64>>();
-    let x = all(|s| &s.command_values);
-    let many = x.len() > MANY_POINTS;
+/// All samples as points, or each sweep as a faint line where points would be a blot.
+fn samples(sweeps: &[Sweep]) -> Vec<Layer> {
+    let n: usize = sweeps.iter().map(|s| s.command_values.len()).sum();
+    if n <= MOST_POINTS {
+        return vec![points(sweeps, n > MANY_POINTS)];
+    }
+    let all = sweeps.iter().flat_map(|s| &s.command_values).copied();
+    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let line = |(number, sweep): (usize, &Sweep)| {
+        let (x, y) = step_means(&sweep.command_values, &sweep.response_values, (high - low) / STEPS);
+        let name = (number == 0).then(|| "sweeps".to_owned());
+        Layer::Line(Line { x, y, stroke: style::faint(style::GREY), name, ..Line::default() })
+    };
+    sweeps.iter().enumerate().map(line).collect()
+}
+
+fn points(sweeps: &[Sweep], many: bool) -> Layer {
+    let all = |values: fn(&Sweep) -> &Vec<f64>| sweeps.iter().flat_map(values).copied().collect();
     Layer::Points(Points {
+        x: all(|s| &s.command_values),
         y: all(|s| &s.response_values),
-        x,
         colour: style::GREY,
         opacity: if many { 0.25 } else { 0.6 },
         diameter_pt: if many { 1.4 } else { style::POINT_PT },
@@ -84,33 +102,237 @@ fn points(sweeps: &[Sweep]) -> Layer {
     })
 }
 
-fn fit(curve: &Table, level: f64, colour: Colour) -> Result<Vec<Layer>, TableError> {
-    let column = |name: &str| Ok::<_, TableError>(gaps(curve.floats(name)?));
-    let x = column("command")?;
-    let band = |low: &str, high: &str, name: &str| {
-        let (low, high) = (column(low)?, column(high)?);
-        Ok::<_, TableError>(Layer::Band(Band {
-            x: x.clone(),
+/// Means of runs of samples whose commands lie in one step of this width, in the order of recording.
+fn step_means(x: &[f64], y: &[f64], step: f64) -> (Vec<f64>, Vec<f64>) {
+    let place = |x: f64| libm::floor(x / step) as i64;
+    let samples: Vec<(f64, f64)> = x.iter().copied().zip(y.iter().copied()).collect();
+    let mean = |run: &[(f64, f64)]| {
+        let (sx, sy) = run.iter().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x, sy + y));
+        (sx / run.len() as f64, sy / run.len() as f64)
+    };
+    samples.chunk_by(|a, b| place(a.0) == place(b.0)).map(mean).unzip()
+}
+
+/// One branch of the chosen curve: a part of the curve's table.
+struct Part {
+    name: String,
+    rows: core::ops::Range<usize>,
+    colour: Colour,
+}
+
+/// The branches in the curve's table: one, or up and down.
+fn parts(curve: &Table) -> Result<Vec<Part>, TableError> {
+    let names = curve.texts("branch")?;
+    let mut parts: Vec<Part> = Vec::new();
+    for same in names.chunk_by(|a, b| a == b) {
+        let start = parts.last().map_or(0, |p| p.rows.end);
+        let name = same[0].clone().filter(|n| n != "both").map(|n| format!(", {n}")).unwrap_or_default();
+        let colour = style::mode_colour(parts.len());
+        parts.push(Part { name, rows: start..start + same.len(), colour });
+    }
+    Ok(parts)
+}
+
+/// Bands, fits, means and the first-order fit, in the order in which they lie over each other: the mean is thin on the
+/// broad chosen fit, so that both are seen where they agree. Where the line was chosen it is the first-order fit.
+fn curves(of: Characterised, chosen: &str, sweeps: usize) -> Result<Vec<Layer>, TableError> {
+    let parts = parts(of.curve)?;
+    let column = |name: &str, part: &Part| {
+        Ok::<_, TableError>(gaps(of.curve.floats(name)?)[part.rows.clone()].to_vec())
+    };
+    let line = |y: &str, part: &Part, stroke, name: String| {
+        let (x, y) = (column("command", part)?, column(y, part)?);
+        Ok::<_, TableError>(Layer::Line(Line { x, y, stroke, name: Some(name), ..Line::default() }))
+    };
+    let first_order = format!("first-order fit{}", r_squared(of.models)?);
+    let fit = if chosen == "line" { format!("{first_order} (chosen)") } else { "chosen fit".to_owned() };
+    let band = format!("{} prediction band", percent(of.level));
+    let (mut layers, mut over) = (Vec::new(), Vec::new());
+    for part in &parts {
+        let (low, high) = (column("prediction_low", part)?, column("prediction_high", part)?);
+        let x = column("command", part)?;
+        layers.push(Layer::Band(Band {
+            x,
             low,
             high,
-            colour,
-            name: Some(name.to_owned()),
+            colour: part.colour,
+            name: Some(format!("{band}{}", part.name)),
+        }));
+        let usual = style::mean(part.colour);
+        let pen = if sweeps > 1 { style::Stroke { width_pt: BROAD_PT, ..usual } } else { usual };
+        over.push(line("fit", part, pen, format!("{fit}{}", part.name))?);
+    }
+    layers.extend(over);
+    for part in parts.iter().filter(|_| sweeps > 1) {
+        let thin = style::Stroke { width_pt: THIN_PT, ..style::single(style::INK) };
+        layers.push(line("mean", part, thin, "mean of the sweeps".to_owned())?);
+    }
+    if let Some(part) = parts.first().filter(|_| chosen != "line") {
+        let dashed = style::Stroke { colour: style::INK, width_pt: 0.9, ..style::reference() };
+        layers.push(line("first_order", part, dashed, first_order)?);
+    }
+    Ok(layers)
+}
+
+/// `, R² = 0.9894` of the line.
+fn r_squared(models: &Table) -> Result<String, TableError> {
+    let r2 = match row_of(models, "line")? {
+        Some(row) => models.floats("r2")?[row],
+        None => None,
+    };
+    Ok(r2.map(|r2| format!(", *R*^{{2}} = {r2:.4}")).unwrap_or_default())
+}
+
+/// Where the chosen curve begins and ends to rise, where the data can tell.
+fn corners(table: &Table, chosen: &str, unit: &str) -> Result<Vec<Layer>, TableError> {
+    let corner = |p: &Parameter| {
+        let what = match p.symbol.as_str() {
+            "x0" => "begins at",
+            "x1" => "ends at",
+            _ => return None,
+        };
+        let way = if p.branch == "both" { String::new() } else { format!(" ({})", p.branch) };
+        Some(Layer::Reference(Reference {
+            direction: Direction::Vertical,
+            at: p.estimate,
+            label: Some(format!("{what} {} {}{way}", significant(p.estimate), plain(unit))),
+            stroke: style::reference().dashed(style::Dash::Dotted),
+            name: None,
         }))
     };
-    let line = |name: &str, label: &str, stroke| {
-        let y = column(name)?;
-        Ok::<_, TableError>(Layer::Line(Line {
-            x: x.clone(),
-            y,
-            stroke,
-            name: Some(label.to_owned()),
-            ..Line::default()
-        }))
-    };
-    let first_order = style::reference();
-    Ok(vec![
-        band("prediction_low", "prediction_high", &format!("{} prediction band", percent(level)))?,
-        line("first_order", "first-order fit", first_order)?,
-        line("fit", "chosen fit", style::mean(colour))?,
-    ])
+    Ok(parameters(table, chosen)?.iter().filter(|p| p.note.is_empty()).filter_map(corner).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+    use zwidth_study::Source;
+    use zwidth_tables::Column;
+
+    /// `n` sweeps of `samples` up to 8 V, 2 N/V above 1 V.
+    fn sweeps(n: u32, samples: u32, source: Source) -> Vec<Sweep> {
+        let command: Vec<f64> = (0..samples).map(|i| 8.0 * f64::from(i) / f64::from(samples - 1)).collect();
+        let quantity = |name: &str, unit: &str| Quantity { name: name.to_owned(), unit: unit.to_owned() };
+        let sweep = |sweep| Sweep {
+            actuator: "brake".parse().unwrap(),
+            sweep,
+            source,
+            command: quantity("voltage", "V"),
+            response: quantity("force", "N"),
+            t_s: None,
+            response_values: command.iter().map(|x| 2.0 * (x - 1.0).max(0.0)).collect(),
+            command_values: command.clone(),
+            file: BTreeMap::new(),
+        };
+        (1..=n).map(sweep).collect()
+    }
+
+    fn texts(name: &'static str, values: &[&str]) -> Column {
+        Column::text(name, "", values.iter().map(|v| Some((*v).to_owned())).collect::<Vec<_>>())
+    }
+
+    fn floats(name: &'static str, values: &[f64]) -> Column {
+        Column::float(name, "1", "", values.iter().copied().map(Some).collect::<Vec<_>>())
+    }
+
+    fn models() -> Table {
+        let columns = vec![
+            texts("model", &["line", "hinge_up_down"]),
+            texts("formula", &["y = a + b x", "y = a + b max(x - x0, 0), up and down apart"]),
+            texts("verdict", &["rejected: RMS 1 N", "chosen: RMS 0.1 N"]),
+            floats("rms", &[1.0, 0.1]),
+            floats("r2", &[0.987_65, 0.999]),
+        ];
+        Table::new("models", "Models", columns).unwrap()
+    }
+
+    fn parameters_of(note: &str) -> Table {
+        let (up, down) = (["a", "b", "x0"], ["a", "b", "x0"]);
+        let columns = vec![
+            texts("model", &[["line"; 2].as_slice(), &["hinge_up_down"; 6]].concat()),
+            texts("parameter", &[&["a", "b"][..], &up, &down].concat()),
+            texts("branch", &[["both"; 2].as_slice(), &["up"; 3], &["down"; 3]].concat()),
+            floats("estimate", &[-1.0, 1.7, 0.0, 2.0, 1.0, 0.0, 2.0, 0.5]),
+            floats("ci_low", &[-1.1, 1.6, 0.0, 1.9, 0.9, 0.0, 1.9, 0.4]),
+            floats("ci_high", &[-0.9, 1.8, 0.0, 2.1, 1.1, 0.0, 2.1, 0.6]),
+            texts("unit", &["N", "N/V", "N", "N/V", "V", "N", "N/V", "V"]),
+            texts("note", &["", "", "", "", "", "", "", note]),
+        ];
+        Table::new("parameters", "Parameters", columns).unwrap()
+    }
+
+    fn curve() -> Table {
+        let numbers = ["command", "mean", "fit", "prediction_low", "prediction_high", "first_order"];
+        let mut columns = vec![texts("branch", &["up", "up", "down", "down"])];
+        columns.extend(numbers.map(|name| floats(name, &[0.0, 8.0, 0.0, 8.0])));
+        Table::new("curve", "Curve", columns).unwrap()
+    }
+
+    fn figure(sweeps: &[Sweep], note: &str) -> Figure {
+        let (models, parameters, curve) = (models(), parameters_of(note), curve());
+        let of = Characterised { models: &models, parameters: &parameters, curve: &curve, level: 0.95 };
+        characteristic("brake", sweeps, of).unwrap()
+    }
+
+    fn names(figure: &Figure) -> Vec<&str> {
+        let name = |layer| match layer {
+            &Layer::Line(Line { ref name, .. })
+            | &Layer::Band(Band { ref name, .. })
+            | &Layer::Points(Points { ref name, .. }) => name.as_deref(),
+            _ => None,
+        };
+        figure.panels[0].layers.iter().filter_map(name).collect()
+    }
+
+    #[test]
+    fn it_holds_sweeps_mean_both_fits_and_the_bands() {
+        let found = figure(&sweeps(2, 50, Source::Recorded), "");
+        let bands = ["95 % prediction band, up", "95 % prediction band, down"];
+        let fits = ["chosen fit, up", "chosen fit, down"];
+        let rest = ["mean of the sweeps", "mean of the sweeps", "first-order fit, *R*^{2} = 0.9877"];
+        assert_eq!(names(&found), [&["samples"][..], &bands, &fits, &rest].concat());
+        assert_eq!(
+            found.footnotes,
+            [
+                "Chosen: hinge, y = a + b max(x − x_{0}, 0), up and down apart; a (up) = 0.00 N; \
+                 b (up) = 2.00 [1.90, 2.10] N/V; x_{0} (up) = 1.00 [0.90, 1.10] V; a (down) = 0.00 N; \
+                 b (down) = 2.00 [1.90, 2.10] N/V; x_{0} (down) = 0.50 [0.40, 0.60] V; RMS 0.100 N.",
+                "First order: y = a + b x; a = −1.00 [−1.10, −0.90] N; b = 1.70 [1.60, 1.80] N/V."
+            ]
+        );
+        assert_eq!(found.mark, None);
+        assert!(figure(&sweeps(1, 50, Source::Twin), "").mark.is_some());
+    }
+
+    #[test]
+    fn many_samples_become_a_faint_line_a_sweep() {
+        let found = figure(&sweeps(3, 6000, Source::Recorded), "");
+        let is_sweep =
+            |layer: &&Layer| matches!(layer, Layer::Line(l) if l.stroke == style::faint(style::GREY));
+        let lines: Vec<&Layer> = found.panels[0].layers.iter().filter(is_sweep).collect();
+        assert_eq!(lines.len(), 3);
+        let Layer::Line(line) = lines[0] else { panic!() };
+        assert!(line.x.len() < 260 && names(&found)[0] == "sweeps");
+    }
+
+    #[test]
+    fn breaks_are_marked_where_the_data_can_tell_them() {
+        let labels = |note: &str| -> Vec<String> {
+            let found = figure(&sweeps(2, 50, Source::Recorded), note);
+            let label = |layer: &Layer| match layer {
+                Layer::Reference(line) => line.label.clone(),
+                _ => None,
+            };
+            found.panels[0].layers.iter().filter_map(label).collect()
+        };
+        assert_eq!(labels(""), ["begins at 1.00 V (up)", "begins at 0.500 V (down)"]);
+        assert_eq!(labels("≤ 0.1 V (edge of the data): not identifiable"), ["begins at 1.00 V (up)"]);
+    }
+
+    #[test]
+    fn runs_within_a_step_become_their_mean_in_the_order_of_recording() {
+        let (x, y) = step_means(&[0.0, 0.5, 1.0, 1.5, 0.5], &[1.0, 3.0, 4.0, 6.0, 9.0], 1.0);
+        assert_eq!((x, y), (vec![0.25, 1.25, 0.5], vec![2.0, 5.0, 9.0]));
+    }
 }

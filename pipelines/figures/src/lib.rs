@@ -7,7 +7,7 @@
 //! | `modes` | 28, 29 | four panels: mean of the repeats of each mode, every repeat faint behind |
 //! | `repeats` | 36–41 | every repeat of one condition, the commanded force dotted |
 //! | `loops` | 31 | force against angle for every environment |
-//! | `characteristic` | 22, 23 | an actuator's response to its command, with the chosen fit |
+//! | `characteristic` | 22, 23 | an actuator's response to its command: sweeps, mean, first-order and chosen fit |
 //! | `likert` | 30 | answers, diverging bars with counts |
 //! | `freemotion` | – | plane-fit coefficients with intervals, by session and mode |
 //! | `simulation` | 11, 12, 33–35; 8 | model runs: forces against angle and time, angle against time; their inputs |
@@ -31,7 +31,7 @@ mod tests;
 mod words;
 
 pub use bow_tie::bow_tie;
-pub use characteristic::characteristic;
+pub use characteristic::{Characterised, characteristic};
 pub use chattering::chattering;
 pub use data::{ModeData, Repeat, Scene};
 pub use export::data_table;

@@ -1,12 +1,15 @@
-//! Stage `characterise`: candidate models, parameters and curve of each actuator or sensor.
+//! Stage `characterise`: candidate models, parameters and curve of each actuator or sensor; the calibration.
 
-use super::{derived, made, split};
+use super::{JobError, derived, made, split};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_characterise::{Settings, Subject, curve_table, models_table, parameters_table};
-use zwidth_runner::Job;
+use zwidth_characterise::{
+    Settings, Subject, calibrated, chosen_from, curve_table, models_table, parameters_table,
+};
+use zwidth_runner::{Job, Made};
 use zwidth_store::{Layout, StudyData, Sweep, read_sweep};
-use zwidth_study::ActuatorId;
+use zwidth_study::{ActuatorId, Calibration, Characteristic};
+use zwidth_tables::Table;
 
 /// Bootstrap resamples: the ends of a 95 % interval rest on 10 resamples each.
 const RESAMPLES: usize = 400;
@@ -17,6 +20,11 @@ const SEED: u64 = 1;
 pub(super) fn tables_of(layout: &Layout, actuator: &ActuatorId) -> Vec<PathBuf> {
     let name = |what: &str| derived(layout, format!("characterise/{what}.{actuator}.parquet"));
     vec![name("characteristic"), name("parameters"), name("curve")]
+}
+
+/// The calibration: the file whose content trials name by its hash.
+pub(crate) fn calibration_of(layout: &Layout) -> PathBuf {
+    derived(layout, "characterise/calibration.toml")
 }
 
 /// Every actuator or sensor with sweeps, and their files.
@@ -44,7 +52,40 @@ pub(super) fn read_sweeps(files: &[PathBuf]) -> (Vec<Sweep>, Vec<String>) {
 }
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
-    actuators(data).into_iter().map(|(actuator, files)| job(data, actuator, files)).collect()
+    let actuators = actuators(data);
+    let tables = |name: &str| {
+        let (actuator, _) = actuators.iter().find(|(id, _)| id.as_str() == name)?;
+        Some(tables_of(&data.layout, actuator))
+    };
+    let calibration = tables("motor").zip(tables("brake"));
+    let calibration = calibration.map(|(motor, brake)| calibration_job(data, motor, brake));
+    actuators.into_iter().map(|(actuator, files)| job(data, actuator, files)).chain(calibration).collect()
+}
+
+/// The calibration, where motor and brake were both swept.
+fn calibration_job(data: &StudyData, motor: Vec<PathBuf>, brake: Vec<PathBuf>) -> Job<'_> {
+    Job {
+        stage: "characterise",
+        name: "calibration".to_owned(),
+        version: zwidth_characterise::VERSION,
+        parameters: String::new(),
+        inputs: motor.iter().chain(&brake).cloned().collect(),
+        outputs: vec![calibration_of(&data.layout)],
+        tolerant: false,
+        make: Box::new(move |_| {
+            let (motor, brake) = (characteristic("motor", &motor)?, characteristic("brake", &brake)?);
+            // No comment, no provenance: the same curves give the same hash, whoever writes them.
+            let text = Calibration { motor, brake }.to_toml()?;
+            Calibration::from_toml(&text)?;
+            Ok(Made { outputs: vec![text.into_bytes()], problems: Vec::new() })
+        }),
+    }
+}
+
+/// The characteristic by knots, from an actuator's tables.
+fn characteristic(actuator: &'static str, tables: &[PathBuf]) -> Result<Characteristic, JobError> {
+    let [models, parameters, curve] = [0, 1, 2].map(|i| Table::from_parquet(&tables[i]));
+    Ok(calibrated(actuator, &chosen_from(actuator, &models?, &parameters?, &curve?)?)?)
 }
 
 fn job<'a>(data: &'a StudyData, actuator: &'a ActuatorId, inputs: Vec<PathBuf>) -> Job<'a> {
@@ -74,11 +115,10 @@ fn job<'a>(data: &'a StudyData, actuator: &'a ActuatorId, inputs: Vec<PathBuf>) 
             let samples: Vec<_> = sweeps.iter().map(samples).collect();
             let of = Subject { actuator: actuator.as_str(), command_unit, response_unit };
             let found = zwidth_characterise::characterise(&samples, &settings)?;
-            let line = zwidth_characterise::first_order(&samples, level)?;
             let tables = [
                 models_table(of, &found)?,
                 parameters_table(of, &found)?,
-                curve_table(of, &found, &line, level)?,
+                curve_table(of, &samples, &found, level)?,
             ];
             made(&tables, &out, from, problems)
         }),

@@ -1,6 +1,6 @@
 //! A line above a free break, constant below it: a dead zone.
 
-use super::{Model, Points, Quantity};
+use super::{Point, Points, Quantity, Shape};
 use core::ops::{Add, Sub};
 
 /// Two sums of squares closer than this share of the total are the same but for rounding; then the lower break
@@ -11,11 +11,7 @@ const SAME: f64 = 1e-12;
 #[derive(Debug, Clone, Copy)]
 pub struct Hinge;
 
-impl Model for Hinge {
-    fn name(&self) -> &'static str {
-        "hinge"
-    }
-
+impl Shape for Hinge {
     fn formula(&self) -> &'static str {
         "y = a + b max(x - x0, 0)"
     }
@@ -25,26 +21,17 @@ impl Model for Hinge {
     }
 
     /// The global minimum, without a starting value (Hudson 1966, J. Amer. Statist. Assoc. 61:1097): between
-    /// two neighbouring commands the samples split in a fixed way, so the best break there is where the mean of
+    /// two neighbouring commands the points split in a fixed way, so the best break there is where the mean of
     /// the lower ones meets the line through the upper ones, or else one of the two commands. Running sums make
     /// each case O(1). The constant part has two commands or none.
-    fn fit(&self, points: &Points) -> Option<Vec<f64>> {
+    fn fit(&self, points: &Points, _near: Option<&[f64]>) -> Option<Vec<f64>> {
         let (lowest, highest) = points.break_range()?;
-        if !points.can_determine(self.parameters().len()) {
+        if !points.can_determine(self.complexity()) {
             return None;
         }
         let scale = Scale::of(points);
-        let cuts = cuts(points, &scale, highest);
-        let total = cuts.first()?.all();
-        let mut best: Option<Fit> = None;
-        let neighbours = cuts.windows(2).filter_map(|pair| pair[0].break_between(pair[1].level));
-        let candidates = cuts.iter().filter_map(Cut::break_here).chain(neighbours);
-        for fit in candidates {
-            if best.as_ref().is_none_or(|b| fit.rss < b.rss - SAME * total.yy) {
-                best = Some(fit);
-            }
-        }
-        best.map(|fit| vec![scale.response(fit.a), fit.b / scale.span, (scale.command(fit.x0)).max(lowest)])
+        let best = best(points.at, &scale, highest)?;
+        Some(vec![scale.response(best.a), best.b / scale.span, scale.command(best.x0).max(lowest)])
     }
 
     fn predict(&self, parameters: &[f64], command: f64) -> f64 {
@@ -52,30 +39,46 @@ impl Model for Hinge {
     }
 }
 
+/// The hinge through points of rising (or equal) commands with the smallest sum of squares, its break at
+/// `highest` at most. In scaled units.
+pub(super) fn best(at: &[Point], scale: &Scale, highest: f64) -> Option<Fit> {
+    let cuts = cuts(at, scale, highest);
+    let total = cuts.first()?.all();
+    let neighbours = cuts.windows(2).filter_map(|pair| pair[0].break_between(pair[1].level));
+    let mut best: Option<Fit> = None;
+    for fit in cuts.iter().filter_map(Cut::break_here).chain(neighbours) {
+        if best.as_ref().is_none_or(|b| fit.rss < b.rss - SAME * total.yy) {
+            best = Some(fit);
+        }
+    }
+    best
+}
+
 /// Commands from 0 to 1 and responses about their mean: running sums of squares keep their digits.
-struct Scale {
+pub(super) struct Scale {
     origin: f64,
-    span: f64,
+    pub(super) span: f64,
     mean: f64,
 }
 
 impl Scale {
-    fn of(points: &Points) -> Self {
-        let (weight, sum) = points.weighted().fold((0.0, 0.0), |(sw, sy), (_, y, w)| (sw + w, sy + w * y));
+    pub(super) fn of(points: &Points) -> Self {
+        let (weight, sum) =
+            points.at.iter().fold((0.0, 0.0), |(sw, sy), p| (sw + p.weight, sy + p.weight * p.response));
         let origin = points.levels[0];
         Self { origin, span: points.levels[points.levels.len() - 1] - origin, mean: sum / weight }
     }
 
-    fn command(&self, x: f64) -> f64 {
+    pub(super) fn command(&self, x: f64) -> f64 {
         self.origin + self.span * x
     }
 
-    fn response(&self, y: f64) -> f64 {
+    pub(super) fn response(&self, y: f64) -> f64 {
         self.mean + y
     }
 }
 
-/// Weighted sums over some samples.
+/// Weighted sums over some points.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     w: f64,
@@ -107,37 +110,36 @@ impl Sub for Sums {
     }
 }
 
-/// The samples split at one command: those at or below it, and those above.
+/// The points split at one command: those at or below it, and those above.
 #[derive(Debug, Clone, Copy)]
 struct Cut {
     level: f64,
-    /// Different commands of positive weight at or below the level.
+    /// Different commands at or below the level.
     commands_below: usize,
     below: Sums,
     above: Sums,
 }
 
-struct Fit {
-    a: f64,
-    b: f64,
-    x0: f64,
-    rss: f64,
+/// A hinge in scaled units, with its sum of squares.
+pub(super) struct Fit {
+    pub(super) a: f64,
+    pub(super) b: f64,
+    pub(super) x0: f64,
+    pub(super) rss: f64,
 }
 
-/// One cut at each level up to `highest`, rising.
-fn cuts(points: &Points, scale: &Scale, highest: f64) -> Vec<Cut> {
-    let (mut cuts, mut below) = (Vec::new(), Sums::default());
-    let mut commands_below = 0;
-    for level in points.order.chunk_by(|&i, &j| points.command[i] >= points.command[j]) {
-        let x = (points.command[level[0]] - scale.origin) / scale.span;
-        let here = level.iter().fold(Sums::default(), |sums, &i| {
-            let (y, w) = (points.response[i] - scale.mean, points.weight[i]);
+/// One cut at each command up to `highest`, rising.
+fn cuts(at: &[Point], scale: &Scale, highest: f64) -> Vec<Cut> {
+    let (mut cuts, mut below) = (Vec::with_capacity(at.len()), Sums::default());
+    for (commands, same) in at.chunk_by(|p, q| p.command >= q.command).enumerate() {
+        let x = (same[0].command - scale.origin) / scale.span;
+        let here = same.iter().fold(Sums::default(), |sums, p| {
+            let (y, w) = (p.response - scale.mean, p.weight);
             sums + Sums { w, x: w * x, y: w * y, xx: w * x * x, xy: w * x * y, yy: w * y * y }
         });
         below = below + here;
-        commands_below += usize::from(here.w > 0.0);
-        if points.command[level[0]] <= highest {
-            cuts.push(Cut { level: x, commands_below, below, above: Sums::default() });
+        if same[0].command <= highest {
+            cuts.push(Cut { level: x, commands_below: commands + 1, below, above: Sums::default() });
         }
     }
     cuts.iter_mut().for_each(|cut| cut.above = below - cut.below);
@@ -193,7 +195,7 @@ mod tests {
     fn a_line_is_a_hinge_that_breaks_at_its_first_command() {
         let x = check::ramp();
         let y: Vec<f64> = x.iter().map(|x| 2.0 - 0.5 * x).collect();
-        let found = check::fit(&Hinge, &x, &y, &vec![1.0; x.len()]).unwrap();
+        let found = check::fit(&Hinge, &x, &y).unwrap();
         assert_eq!(found[2..], [0.0]);
         assert!((found[0] - 2.0).abs() < 1e-9 && (found[1] + 0.5).abs() < 1e-9);
     }
@@ -204,19 +206,18 @@ mod tests {
         let x = check::ramp();
         let y: Vec<f64> =
             x.iter().enumerate().map(|(i, x)| x * x / 10.0 + f64::from(i as u32 * 7 % 13) / 5.0).collect();
-        let rss = |p: &[f64]| x.iter().zip(&y).map(|(x, y)| (y - Hinge.predict(p, *x)).powi(2)).sum::<f64>();
-        let found = rss(&check::fit(&Hinge, &x, &y, &vec![1.0; x.len()]).unwrap());
+        let found = check::rss(&Hinge, &check::fit(&Hinge, &x, &y).unwrap(), &x, &y);
         for step in 0..990 {
             let x0 = f64::from(step) * 0.01;
             let points = x.iter().zip(&y).map(|(x, y)| ((x - x0).max(0.0), *y, 1.0));
             let (a, b) = super::super::weighted_line(points).unwrap();
-            assert!(found <= rss(&[a, b, x0]) * (1.0 + 1e-9), "a break at {x0} is better");
+            let other = check::rss(&Hinge, &[a, b, x0], &x, &y);
+            assert!(found <= other * (1.0 + 1e-9), "a break at {x0} is better");
         }
     }
 
     #[test]
     fn three_commands_leave_no_room_for_a_break() {
-        let (x, y) = ([0.0, 0.0, 1.0, 1.0, 2.0, 2.0], [0.0, 0.0, 0.0, 0.0, 1.0, 1.0]);
-        assert_eq!(check::fit(&Hinge, &x, &y, &[1.0; 6]), None);
+        assert_eq!(check::fit(&Hinge, &[0.0, 1.0, 2.0], &[0.0, 0.0, 1.0]), None);
     }
 }

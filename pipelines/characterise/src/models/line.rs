@@ -1,16 +1,12 @@
 //! A straight line, as in the thesis.
 
-use super::{Model, Points, Quantity, weighted_line};
+use super::{Points, Quantity, Shape, weighted_line};
 
 /// y = a + b x.
 #[derive(Debug, Clone, Copy)]
 pub struct Line;
 
-impl Model for Line {
-    fn name(&self) -> &'static str {
-        "line"
-    }
-
+impl Shape for Line {
     fn formula(&self) -> &'static str {
         "y = a + b x"
     }
@@ -19,11 +15,11 @@ impl Model for Line {
         &[("a", Quantity::Response), ("b", Quantity::Slope)]
     }
 
-    fn fit(&self, points: &Points) -> Option<Vec<f64>> {
-        if !points.can_determine(self.parameters().len()) {
+    fn fit(&self, points: &Points, _near: Option<&[f64]>) -> Option<Vec<f64>> {
+        if !points.can_determine(self.complexity()) {
             return None;
         }
-        weighted_line(points.weighted()).map(|(a, b)| vec![a, b])
+        weighted_line(points.at.iter().map(|p| (p.command, p.response, p.weight))).map(|(a, b)| vec![a, b])
     }
 
     fn predict(&self, parameters: &[f64], command: f64) -> f64 {
@@ -33,7 +29,7 @@ impl Model for Line {
 
 #[cfg(test)]
 mod tests {
-    use super::super::check;
+    use super::super::{Point, check};
     use super::*;
 
     #[test]
@@ -43,11 +39,16 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_of_weight_zero_does_not_count() {
-        let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
-        let found =
-            check::fit(&Line, &x, &[1.0, 3.0, 5.0, 7.0, 9.0, 1e6], &[1.0, 1.0, 1.0, 1.0, 1.0, 0.0]).unwrap();
-        assert!((found[0] - 1.0).abs() < 1e-14 && (found[1] - 2.0).abs() < 1e-14);
-        assert_eq!(check::fit(&Line, &x, &x, &[1.0, 1.0, 0.0, 0.0, 0.0, 0.0]), None);
+    fn a_weight_of_two_is_the_point_twice() {
+        let point = |command: f64, response, weight| Point { command, response, weight };
+        let at = [point(0.0, 1.0, 1.0), point(1.0, 4.0, 2.0), point(2.0, 5.0, 1.0)];
+        let found = Line.fit(&Points { at: &at, samples: 4, levels: &[0.0, 1.0, 2.0] }, None).unwrap();
+        // By hand: x̄ = 1, ȳ = 3.5, Σ w dx dy = 4, Σ w dx² = 2.
+        assert!((found[0] - 1.5).abs() < 1e-14 && (found[1] - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn two_samples_cannot_be_tested_against_their_line() {
+        assert_eq!(check::fit(&Line, &[0.0, 1.0], &[0.0, 1.0]), None);
     }
 }

@@ -1,40 +1,123 @@
-//! The candidates: each is a curve with parameters, one file each.
+//! The candidates: each is a curve with parameters, one file each, with or without hysteresis.
 //!
-//! A new one is a file with a unit struct that implements [`Model`], and a line in [`ALL`].
+//! A new one is a file with a unit struct that implements [`Shape`], and two lines in [`ALL`].
 
 mod hinge;
 mod line;
+mod nonnegative;
 mod power_law;
+mod saturation;
+mod spline;
 
+use crate::branch::Branch;
+use crate::steps::Gathered;
 pub use hinge::Hinge;
 pub use line::Line;
 pub use power_law::PowerLaw;
+pub use saturation::Saturation;
+pub use spline::Spline;
 
-/// The candidates, simplest first.
-pub const ALL: [&dyn Model; 3] = [&Line, &Hinge, &PowerLaw];
+/// The candidates, by number of free parameters.
+pub const ALL: [Model; 10] = [
+    Model { name: "line", shape: &Line, hysteresis: false },
+    Model { name: "hinge", shape: &Hinge, hysteresis: false },
+    Model { name: "saturation", shape: &Saturation, hysteresis: false },
+    Model { name: "power_law", shape: &PowerLaw, hysteresis: false },
+    Model { name: "line_up_down", shape: &Line, hysteresis: true },
+    Model { name: "hinge_up_down", shape: &Hinge, hysteresis: true },
+    Model { name: "spline", shape: &Spline, hysteresis: false },
+    Model { name: "saturation_up_down", shape: &Saturation, hysteresis: true },
+    Model { name: "power_law_up_down", shape: &PowerLaw, hysteresis: true },
+    Model { name: "spline_up_down", shape: &Spline, hysteresis: true },
+];
 
 /// The candidate of that name.
-pub fn by_name(name: &str) -> Option<&'static dyn Model> {
-    ALL.into_iter().find(|model| model.name() == name)
+pub fn by_name(name: &str) -> Option<Model> {
+    ALL.into_iter().find(|model| model.name == name)
+}
+
+/// A candidate: one curve for all commands, or (hysteresis) one for rising and one for falling commands, each
+/// with parameters of its own, up first: an electromagnet may let go at a lower voltage than it takes hold at.
+#[derive(Clone, Copy)]
+pub struct Model {
+    /// Name in tables and files.
+    pub name: &'static str,
+    /// Its curve.
+    pub shape: &'static dyn Shape,
+    /// Whether the two branches have a curve each.
+    pub hysteresis: bool,
+}
+
+impl Model {
+    /// Its branches: `None` stands for both at once.
+    pub fn branches(&self) -> &'static [Option<Branch>] {
+        if self.hysteresis { &[Some(Branch::Up), Some(Branch::Down)] } else { &[None] }
+    }
+
+    /// The equation, x the command and y the response.
+    pub fn formula(&self) -> String {
+        let twice = if self.hysteresis { ", up and down apart" } else { "" };
+        format!("{}{twice}", self.shape.formula())
+    }
+
+    /// Number of parameters that are fitted.
+    pub fn complexity(&self) -> usize {
+        self.shape.complexity() * self.branches().len()
+    }
+
+    /// The parameters in the order in which they stand wherever they are listed: branch, name, meaning.
+    pub fn parameters(&self) -> Vec<(Option<Branch>, &'static str, Quantity)> {
+        let of = |branch: &Option<Branch>| {
+            let branch = *branch;
+            self.shape.parameters().iter().map(move |(name, quantity)| (branch, *name, *quantity))
+        };
+        self.branches().iter().flat_map(of).collect()
+    }
+
+    /// The parameters with the smallest weighted sum of squares; `None` if the data cannot determine them.
+    /// `near` are parameters in whose neighbourhood the search may stay.
+    pub(crate) fn fit(&self, data: &Gathered, near: Option<&[f64]>) -> Option<Vec<f64>> {
+        let each = self.shape.parameters().len();
+        let mut all = Vec::with_capacity(each * self.branches().len());
+        for (number, branch) in self.branches().iter().enumerate() {
+            let near = near.map(|p| &p[number * each..][..each]);
+            all.extend(self.shape.fit(&data.of(*branch), near)?);
+        }
+        Some(all)
+    }
+
+    /// The curve at `command` on its way `branch`.
+    pub fn predict(&self, parameters: &[f64], command: f64, branch: Branch) -> f64 {
+        let each = self.shape.parameters().len();
+        let skip = if self.hysteresis { branch as usize * each } else { 0 };
+        self.shape.predict(&parameters[skip..skip + each], command)
+    }
 }
 
 /// A curve response = f(command; parameters).
-pub trait Model: Sync {
-    /// Name in tables and files.
-    fn name(&self) -> &'static str;
-
+pub trait Shape: Sync {
     /// The equation, x the command and y the response.
     fn formula(&self) -> &'static str;
 
-    /// Name and meaning of each parameter, in the order of [`Model::fit`].
+    /// Name and meaning of each parameter, in the order of [`Shape::fit`].
     fn parameters(&self) -> &'static [(&'static str, Quantity)];
 
-    /// The parameters with the smallest weighted sum of squares; `None` if the points of positive weight
-    /// cannot determine them.
-    fn fit(&self, points: &Points) -> Option<Vec<f64>>;
+    /// The parameters with the smallest weighted sum of squares; `None` if the points cannot determine them.
+    /// A search that could end in another minimum elsewhere may start from `near` alone where it is given.
+    fn fit(&self, points: &Points, near: Option<&[f64]>) -> Option<Vec<f64>>;
 
     /// The curve at `command`.
     fn predict(&self, parameters: &[f64], command: f64) -> f64;
+
+    /// Whether it says how the response comes about (its parameters have a meaning), or only describes it.
+    fn is_law(&self) -> bool {
+        true
+    }
+
+    /// Number of parameters that are fitted.
+    fn complexity(&self) -> usize {
+        self.parameters().iter().filter(|(_, quantity)| *quantity != Quantity::Knot).count()
+    }
 }
 
 /// What a parameter stands for: it decides the unit and what can be wrong with it.
@@ -44,8 +127,12 @@ pub enum Quantity {
     Response,
     /// Response per command.
     Slope,
-    /// The command at which the curve changes its law.
+    /// The command at which the curve begins to rise (or fall).
     Break,
+    /// The command at which the curve ends to rise (or fall).
+    Plateau,
+    /// A command that is set by the data's range, not fitted.
+    Knot,
     /// Response per command to the power of the exponent.
     Gain,
     /// A pure number.
@@ -58,52 +145,44 @@ impl Quantity {
         match self {
             Self::Response => response.to_owned(),
             Self::Slope => format!("{response}/{command}"),
-            Self::Break => command.to_owned(),
+            Self::Break | Self::Plateau | Self::Knot => command.to_owned(),
             Self::Gain => format!("{response}/{command}^p"),
             Self::Exponent => String::new(),
         }
     }
 }
 
-/// What a model is fitted to: samples in the order of recording, with weights ≥ 0 (0 leaves a sample out, 2
-/// counts it twice). All slices but `levels` have one length.
+/// Samples of nearly one command, as one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Their mean command.
+    pub command: f64,
+    /// Their mean response.
+    pub response: f64,
+    /// How much they count: their number, those drawn twice twice.
+    pub weight: f64,
+}
+
+/// What a curve is fitted to.
 #[derive(Debug, Clone, Copy)]
 pub struct Points<'a> {
-    /// Commands.
-    pub command: &'a [f64],
-    /// Responses.
-    pub response: &'a [f64],
-    /// Weights, no unit.
-    pub weight: &'a [f64],
-    /// Indices of the samples by rising command.
-    pub order: &'a [usize],
-    /// The different commands, rising, of all samples, whatever their weight.
+    /// Points of positive weight by rising command.
+    pub at: &'a [Point],
+    /// How many samples they stand for, each counted once.
+    pub samples: usize,
+    /// The commands of all points there are, rising, left out or not.
     pub levels: &'a [f64],
 }
 
 impl Points<'_> {
-    /// Samples of positive weight: (command, response, weight), in the order of recording.
-    pub fn weighted(&self) -> impl Iterator<Item = (f64, f64, f64)> + Clone {
-        let samples = self.command.iter().zip(self.response).zip(self.weight);
-        samples.map(|((&x, &y), &w)| (x, y, w)).filter(|&(_, _, w)| w > 0.0)
-    }
-
-    /// Whether there are more samples of positive weight than `parameters`, at as many commands at least.
+    /// Whether there are more samples than `parameters`, at as many commands at least.
     pub fn can_determine(&self, parameters: usize) -> bool {
-        let mut used = self.order.iter().filter(|&&i| self.weight[i] > 0.0).map(|&i| self.command[i]);
-        let Some(mut last) = used.next() else { return false };
-        let (mut samples, mut commands) = (1, 1);
-        for command in used {
-            samples += 1;
-            commands += usize::from(command > last);
-            last = command;
-        }
-        samples > parameters && commands >= parameters
+        self.samples > parameters && self.at.len() >= parameters
     }
 
     /// Lowest and highest command at which a break may lie: from the lowest command to the third from the top,
-    /// so that two different commands at least are left to show the law above it. It depends on all samples,
-    /// whatever their weight. `None` if that leaves no room.
+    /// so that two different commands at least are left to show the law above it. It depends on all points,
+    /// left out or not. `None` if that leaves no room.
     pub fn break_range(&self) -> Option<(f64, f64)> {
         break_range(self.levels)
     }
@@ -134,32 +213,46 @@ pub(crate) fn weighted_line(points: impl Iterator<Item = (f64, f64, f64)> + Clon
 
 #[cfg(test)]
 pub(crate) mod check {
-    //! Simulate → fit → recover, for every candidate alike.
+    //! Simulate → fit → recover, for every shape alike.
     use super::*;
-    use crate::samples::{Samples, Sweep};
 
     /// Commands 0 … 10 in steps of 0.05.
     pub(crate) fn ramp() -> Vec<f64> {
         (0..=200).map(|i| f64::from(i) * 0.05).collect()
     }
 
-    pub(crate) fn fit(
-        model: &dyn Model,
-        command: &[f64],
-        response: &[f64],
-        weight: &[f64],
-    ) -> Option<Vec<f64>> {
-        let samples = Samples::new(&[Sweep { command, response }]).unwrap();
-        model.fit(&samples.points(response, weight))
+    pub(crate) fn fit(shape: &dyn Shape, command: &[f64], response: &[f64]) -> Option<Vec<f64>> {
+        fit_near(shape, command, response, None)
     }
 
-    /// Asserts that `model` recovers `truth` from its own noise-free curve to a relative 1e-6.
-    pub(crate) fn recovers(model: &dyn Model, truth: &[f64]) {
+    /// `shape` fitted to points of rising commands and weight 1.
+    pub(crate) fn fit_near(
+        shape: &dyn Shape,
+        command: &[f64],
+        response: &[f64],
+        near: Option<&[f64]>,
+    ) -> Option<Vec<f64>> {
+        let point = |(&command, &response)| Point { command, response, weight: 1.0 };
+        let at: Vec<Point> = command.iter().zip(response).map(point).collect();
+        shape.fit(&Points { at: &at, samples: at.len(), levels: command }, near)
+    }
+
+    /// Asserts that `shape` recovers `truth` from its own noise-free curve to a relative 1e-6, from nowhere and
+    /// from a place near by.
+    pub(crate) fn recovers(shape: &dyn Shape, truth: &[f64]) {
         let command = ramp();
-        let response: Vec<f64> = command.iter().map(|&x| model.predict(truth, x)).collect();
-        let found = fit(model, &command, &response, &vec![1.0; command.len()]).unwrap();
-        for (found, truth) in found.iter().zip(truth) {
-            assert!((found - truth).abs() < 1e-6 * (1.0 + truth.abs()), "{found} for {truth}");
+        let response: Vec<f64> = command.iter().map(|&x| shape.predict(truth, x)).collect();
+        let near: Vec<f64> = truth.iter().map(|p| p * 1.01).collect();
+        for near in [None, Some(near.as_slice())] {
+            let found = fit_near(shape, &command, &response, near).unwrap();
+            for (found, truth) in found.iter().zip(truth) {
+                assert!((found - truth).abs() < 1e-6 * (1.0 + truth.abs()), "{found} for {truth}");
+            }
         }
+    }
+
+    /// Σ (y − f(x))².
+    pub(crate) fn rss(shape: &dyn Shape, parameters: &[f64], x: &[f64], y: &[f64]) -> f64 {
+        x.iter().zip(y).map(|(x, y)| y - shape.predict(parameters, *x)).map(|r| r * r).sum()
     }
 }

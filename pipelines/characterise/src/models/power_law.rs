@@ -1,6 +1,6 @@
 //! A power law above a free break, constant below it: a magnetic-particle brake.
 
-use super::{Model, Points, Quantity, weighted_line};
+use super::{Points, Quantity, Shape, weighted_line};
 use zwidth_numerics::nonlinear::{Bounds, least_squares};
 
 /// Smallest exponent tried: below it the curve is a step at the break.
@@ -11,18 +11,14 @@ const MAX_EXPONENT: f64 = 8.0;
 const START_EXPONENTS: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 3.0, 5.0];
 /// Breaks at which the search starts, evenly spread from the lowest to the highest.
 const START_BREAKS: usize = 8;
-/// The search for a start looks at no more samples than about this.
-const START_SAMPLES: usize = 200;
+/// The search for a start looks at no more points than about this.
+const START_POINTS: usize = 64;
 
 /// y = a for x ≤ x0, y = a + b (x − x0)^p above, 0.2 ≤ p ≤ 8.
 #[derive(Debug, Clone, Copy)]
 pub struct PowerLaw;
 
-impl Model for PowerLaw {
-    fn name(&self) -> &'static str {
-        "power_law"
-    }
-
+impl Shape for PowerLaw {
     fn formula(&self) -> &'static str {
         "y = a + b max(x - x0, 0)^p"
     }
@@ -36,22 +32,25 @@ impl Model for PowerLaw {
         ]
     }
 
-    /// Levenberg–Marquardt from the best point of a coarse grid over break and exponent (a and b are linear
-    /// there), with the break within the data and commands scaled to 0 … 1.
-    fn fit(&self, points: &Points) -> Option<Vec<f64>> {
+    /// Levenberg–Marquardt from `near`, else from the best point of a coarse grid over break and exponent (a and
+    /// b are linear there), with the break within the data and commands scaled to 0 … 1.
+    fn fit(&self, points: &Points, near: Option<&[f64]>) -> Option<Vec<f64>> {
         let (lowest, highest) = points.break_range()?;
-        if !points.can_determine(self.parameters().len()) {
+        if !points.can_determine(self.complexity()) {
             return None;
         }
         let span = points.levels[points.levels.len() - 1] - lowest;
-        let scaled: Vec<Sample> =
-            points.weighted().map(|(x, y, w)| ((x - lowest) / span, y, w.sqrt())).collect();
+        let scaled: Vec<Scaled> =
+            points.at.iter().map(|p| ((p.command - lowest) / span, p.response, p.weight.sqrt())).collect();
         let last_break = (highest - lowest) / span;
         let bounds = Bounds {
             lower: [f64::NEG_INFINITY, f64::NEG_INFINITY, 0.0, MIN_EXPONENT],
             upper: [f64::INFINITY, f64::INFINITY, last_break, MAX_EXPONENT],
         };
-        let start = best_start(&scaled, last_break)?;
+        let start = match near {
+            Some(&[a, b, x0, p]) => [a, b * libm::pow(span, p), (x0 - lowest) / span, p],
+            _ => best_start(&scaled, last_break)?,
+        };
         let found =
             least_squares(scaled.len(), |i, theta| residual(scaled[i], theta), start, &bounds).ok()?;
         let [a, b, x0, p] = found.parameters;
@@ -69,10 +68,10 @@ impl Model for PowerLaw {
 }
 
 /// Scaled command, response, square root of the weight.
-type Sample = (f64, f64, f64);
+type Scaled = (f64, f64, f64);
 
 /// √w (a + b u^p − y) and its gradient by (a, b, x0, p), u = x − x0.
-fn residual((x, y, root_w): Sample, &[a, b, x0, p]: &[f64; 4]) -> (f64, [f64; 4]) {
+fn residual((x, y, root_w): Scaled, &[a, b, x0, p]: &[f64; 4]) -> (f64, [f64; 4]) {
     let u = x - x0;
     if u <= 0.0 {
         return (root_w * (a - y), [root_w, 0.0, 0.0, 0.0]);
@@ -83,10 +82,10 @@ fn residual((x, y, root_w): Sample, &[a, b, x0, p]: &[f64; 4]) -> (f64, [f64; 4]
     (root_w * (a + slope - y), [root_w, root_w * power, -root_w * p * slope / u, root_w * slope * ln_u])
 }
 
-/// The point (a, b, x0, p) of the coarse grid with the smallest sum of squares on every so many-th sample.
-fn best_start(samples: &[Sample], last_break: f64) -> Option<[f64; 4]> {
-    let every = samples.len().div_ceil(START_SAMPLES);
-    let few: Vec<Sample> = samples.iter().copied().step_by(every).collect();
+/// The point (a, b, x0, p) of the coarse grid with the smallest sum of squares on every so many-th point.
+fn best_start(points: &[Scaled], last_break: f64) -> Option<[f64; 4]> {
+    let every = points.len().div_ceil(START_POINTS);
+    let few: Vec<Scaled> = points.iter().copied().step_by(every).collect();
     let mut best: Option<(f64, [f64; 4])> = None;
     for step in 0..START_BREAKS {
         let x0 = last_break * step as f64 / START_BREAKS as f64;
@@ -103,14 +102,14 @@ fn best_start(samples: &[Sample], last_break: f64) -> Option<[f64; 4]> {
 }
 
 /// The best a and b for this break and exponent, with their sum of squares.
-fn start_at(samples: &[Sample], x0: f64, p: f64) -> Option<(f64, [f64; 4])> {
-    let shape = |&(x, y, root_w): &Sample| {
+fn start_at(points: &[Scaled], x0: f64, p: f64) -> Option<(f64, [f64; 4])> {
+    let shape = |&(x, y, root_w): &Scaled| {
         let power = if x > x0 { libm::pow(x - x0, p) } else { 0.0 };
         (power, y, root_w * root_w)
     };
-    let shapes: Vec<Sample> = samples.iter().map(shape).collect();
+    let shapes: Vec<Scaled> = points.iter().map(shape).collect();
     let (a, b) = weighted_line(shapes.iter().copied())?;
-    let square = |&(power, y, w): &Sample| w * (a + b * power - y) * (a + b * power - y);
+    let square = |&(power, y, w): &Scaled| w * (a + b * power - y) * (a + b * power - y);
     Some((shapes.iter().map(square).sum(), [a, b, x0, p]))
 }
 
@@ -145,14 +144,14 @@ mod tests {
     fn a_parabola_from_the_first_command_puts_the_break_at_the_edge() {
         let x = check::ramp();
         let y: Vec<f64> = x.iter().map(|x| (x + 3.0) * (x + 3.0)).collect();
-        let found = check::fit(&PowerLaw, &x, &y, &vec![1.0; x.len()]).unwrap();
+        let found = check::fit(&PowerLaw, &x, &y).unwrap();
         assert_eq!(found[2..3], [0.0]);
     }
 
     #[test]
     fn a_constant_response_gives_finite_parameters() {
         let x = check::ramp();
-        let found = check::fit(&PowerLaw, &x, &vec![4.0; x.len()], &vec![1.0; x.len()]).unwrap();
+        let found = check::fit(&PowerLaw, &x, &vec![4.0; x.len()]).unwrap();
         assert!(found.iter().all(|p| p.is_finite()));
         assert!((PowerLaw.predict(&found, 5.0) - 4.0).abs() < 1e-9);
     }
