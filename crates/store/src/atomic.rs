@@ -1,28 +1,35 @@
 //! Whole files or none: written beside the final name, synced, renamed, the folder synced.
 //!
-//! [`Files`] is the seam at which tests inject faults (a write, sync or rename that fails).
+//! [`Files`] is the seam at which tests inject faults (a write, sync or rename that fails, a power cut that drops
+//! what was not synced).
 
 use crate::StoreError;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 /// The file operations that writing needs.
 pub trait Files: Sync {
-    /// Creates every missing folder of `path`.
-    fn create_folders(&self, path: &Path) -> io::Result<()>;
+    /// Creates one folder; none is made where there is one.
+    fn create_folder(&self, path: &Path) -> io::Result<()>;
     /// Creates `path`, writes `bytes`, and syncs them to the disk.
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
     /// Gives the file `from` the name `to`, replacing what stood there.
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()>;
-    /// Syncs a folder, so that a rename in it survives a power cut.
+    /// Syncs a folder, so that the names in it survive a power cut.
     fn sync_folder(&self, path: &Path) -> io::Result<()>;
-    /// Appends `bytes` to `path` (created if missing) and syncs.
-    fn append_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
+    /// Opens `path` at its end, created if missing.
+    fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>>;
     /// Removes a file.
     fn remove(&self, path: &Path) -> io::Result<()>;
     /// Removes an empty folder.
     fn remove_folder(&self, path: &Path) -> io::Result<()>;
+}
+
+/// A file held open at its end.
+pub trait Append: Send {
+    /// Appends `bytes`, and syncs them and the file's length to the disk.
+    fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()>;
 }
 
 /// The real disk.
@@ -30,8 +37,11 @@ pub trait Files: Sync {
 pub struct RealFiles;
 
 impl Files for RealFiles {
-    fn create_folders(&self, path: &Path) -> io::Result<()> {
-        fs::create_dir_all(path)
+    fn create_folder(&self, path: &Path) -> io::Result<()> {
+        match fs::create_dir(path) {
+            Err(_) if path.is_dir() => Ok(()),
+            made => made,
+        }
     }
 
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
@@ -48,10 +58,9 @@ impl Files for RealFiles {
         File::open(path)?.sync_all()
     }
 
-    fn append_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        let mut file = OpenOptions::new().append(true).create(true).open(path)?;
-        file.write_all(bytes)?;
-        file.sync_all()
+    fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
+        let file = File::options().append(true).create(true).open(path)?;
+        Ok(Box::new(file))
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
@@ -61,6 +70,34 @@ impl Files for RealFiles {
     fn remove_folder(&self, path: &Path) -> io::Result<()> {
         fs::remove_dir(path)
     }
+}
+
+impl Append for File {
+    fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.write_all(bytes)?;
+        self.sync_data()
+    }
+}
+
+/// Creates every missing folder of `path`, each with its name synced: a file in a folder whose own name is lost is
+/// lost too.
+pub(crate) fn create_folders(files: &dyn Files, path: &Path) -> io::Result<()> {
+    let missing: Vec<&Path> = path.ancestors().take_while(|p| !p.exists()).collect();
+    missing.into_iter().rev().filter(|p| *p != Path::new("")).try_for_each(|folder| {
+        files.create_folder(folder)?;
+        files.sync_folder(folder_of(folder))
+    })
+}
+
+/// Syncs what a file holds, and its name: a process that was killed may have left either unsynced.
+pub(crate) fn sync_file(files: &dyn Files, path: &Path) -> io::Result<()> {
+    files.open_append(path)?.append_synced(&[])?;
+    files.sync_folder(folder_of(path))
+}
+
+/// The folder a path lies in.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| *p != Path::new("")).unwrap_or_else(|| Path::new("."))
 }
 
 /// Writes a new file as a whole; refuses when `path` exists, because finished files never change.
@@ -74,8 +111,8 @@ pub fn write_new(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), Sto
 
 /// Writes a file as a whole; whatever stood at `path` stays until the new one is safe on the disk.
 pub fn replace(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    let folder = path.parent().unwrap_or_else(|| Path::new("."));
-    files.create_folders(folder).map_err(|e| StoreError::io(folder, "create the folder", &e))?;
+    let folder = folder_of(path);
+    create_folders(files, folder).map_err(|e| StoreError::io(folder, "create the folder", &e))?;
     let beside = temporary(path);
     let placed = files
         .write_synced(&beside, bytes)
@@ -115,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_fault_at_any_step_of_a_new_file_leaves_no_half_file() {
-        for fault in 0..3 {
+        for fault in 0..5 {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("a/x.bin");
             assert!(write_new(&Faulty::at(fault), &path, b"content").is_err());

@@ -1,6 +1,8 @@
 //! The event log of a session: one JSON object a line, chained by checksums, only ever appended to.
 
-use crate::{Files, StoreError, hex_blake3};
+use crate::atomic::{create_folders, folder_of};
+use crate::recover::Done;
+use crate::{Files, StoreError, hex_blake3, replace};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use zwidth_study::Event;
@@ -20,9 +22,14 @@ fn digest(previous: &str, utc: &str, event: &Event) -> Result<String, serde_json
     Ok(hex_blake3(format!("{previous}\n{utc}\n{}", serde_json::to_string(event)?).as_bytes()))
 }
 
-/// Appends events, all or none, in one synced write. `utc` is the time in RFC 3339.
+/// Appends events in one synced write. `utc` is the time in RFC 3339.
+///
+/// Killed meanwhile, each line is there whole or can be seen to be unfinished; [`crate::recover`] mends the log then.
+///
+/// # Errors
+/// A log that cannot be read to its end, because nothing may follow a line that is in doubt; the write that failed.
 pub fn append_events(files: &dyn Files, path: &Path, utc: &str, events: &[Event]) -> Result<(), StoreError> {
-    let mut previous = if path.exists() { read_lines(path)?.pop().map(|l| l.blake3) } else { None };
+    let mut previous = if path.exists() { last_digest(path)? } else { None };
     let mut text = String::new();
     for event in events {
         let chained = digest(previous.as_deref().unwrap_or_default(), utc, event);
@@ -33,11 +40,21 @@ pub fn append_events(files: &dyn Files, path: &Path, utc: &str, events: &[Event]
         text.push('\n');
         previous = Some(blake3);
     }
-    let folder = path.parent().unwrap_or_else(|| Path::new("."));
-    files
-        .create_folders(folder)
-        .and_then(|()| files.append_synced(path, text.as_bytes()))
+    let folder = folder_of(path);
+    create_folders(files, folder)
+        .and_then(|()| files.open_append(path)?.append_synced(text.as_bytes()))
+        .and_then(|()| files.sync_folder(folder))
         .map_err(|e| StoreError::io(path, "append to", &e))
+}
+
+/// The digest of a log's last line, which the next one follows.
+fn last_digest(path: &Path) -> Result<Option<String>, StoreError> {
+    let text = text_of(path)?;
+    if !text.is_empty() && !text.ends_with('\n') {
+        let remedy = "run `zwidth recover`, which brings the end of the log in order";
+        return Err(StoreError::new(path, "the last line is not finished: it has no line feed", remedy));
+    }
+    Ok(lines_of(path, &text)?.pop().map(|line| line.blake3))
 }
 
 /// The events of a log, in order. A missing log has none.
@@ -48,16 +65,45 @@ pub fn read_events(path: &Path) -> Result<Vec<Event>, StoreError> {
     if !path.exists() {
         return Ok(Vec::new());
     }
-    Ok(read_lines(path)?.into_iter().map(|line| line.event).collect())
+    Ok(lines_of(path, &text_of(path)?)?.into_iter().map(|line| line.event).collect())
 }
 
-fn read_lines(path: &Path) -> Result<Vec<Line>, StoreError> {
-    let text = std::fs::read_to_string(path).map_err(|e| StoreError::io(path, "read", &e))?;
+/// Brings the end of a log in order after a kill or a power cut.
+///
+/// An append ends with a line feed, so a last line without one was never finished: it is cut off, or gets its line
+/// feed if it is whole. So is one with a zero byte, which no line of ours has: some file systems show zeros where
+/// data were not synced. Any other line in doubt stays, and is an error of whoever reads the log.
+pub(crate) fn mend_log(files: &dyn Files, path: &Path) -> Result<Option<Done>, StoreError> {
+    let bytes = std::fs::read(path).map_err(|e| StoreError::io(path, "read", &e))?;
+    let lines: Vec<&[u8]> = bytes.split_inclusive(|b| *b == b'\n').collect();
+    let Some((last, before)) = lines.split_last() else { return Ok(None) };
+    if last.ends_with(b"\n") && !last.contains(&0) {
+        return Ok(None);
+    }
+    let before = before.concat();
+    // The lines before must be whole for the last one to be no more than unfinished.
+    lines_of(path, &String::from_utf8_lossy(&before))?;
+    let whole = String::from_utf8(bytes.clone()).is_ok_and(|text| lines_of(path, &text).is_ok());
+    let (mended, done) = if whole {
+        ([&bytes, b"\n".as_slice()].concat(), Done::Ended)
+    } else {
+        (before, Done::Cut(String::from_utf8_lossy(last).trim_end_matches(['\0', '\n']).to_owned()))
+    };
+    replace(files, path, &mended)?;
+    Ok(Some(done))
+}
+
+fn text_of(path: &Path) -> Result<String, StoreError> {
+    std::fs::read_to_string(path).map_err(|e| StoreError::io(path, "read", &e))
+}
+
+fn lines_of(path: &Path, text: &str) -> Result<Vec<Line>, StoreError> {
     let mut previous = String::new();
     let mut lines = Vec::new();
     for (row, json) in text.lines().enumerate() {
         let error = |what: String| {
-            let remedy = "restore the log from a copy; if its last line was cut by a crash, remove that line";
+            let remedy =
+                "restore the log from a copy; if its last line was cut by a crash, run `zwidth recover`";
             StoreError::new(path, what, remedy).row0(row)
         };
         let line: Line =
@@ -84,7 +130,8 @@ mod tests {
         let path = folder.join("P01_S01.events.jsonl");
         let excluded = Event::Excluded { trial: 2, reason: "the phone rang".into() };
         append_events(&RealFiles, &path, UTC, &[Event::Superseded { trial: 1, by: 7 }, excluded]).unwrap();
-        append_events(&RealFiles, &path, UTC, &[Event::Unsealed]).unwrap();
+        let note = Event::Note { trial: None, text: "the end".into() };
+        append_events(&RealFiles, &path, UTC, &[note]).unwrap();
         path
     }
 
@@ -93,7 +140,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let events = read_events(&log(folder.path())).unwrap();
         assert_eq!(events.len(), 3);
-        assert_eq!(events[2], Event::Unsealed);
+        assert!(matches!(events[2], Event::Note { .. }));
     }
 
     #[test]
@@ -111,6 +158,18 @@ mod tests {
             fs::write(&path, bad).unwrap();
             assert_eq!(read_events(&path).unwrap_err().row, Some(row));
         }
+    }
+
+    #[test]
+    fn nothing_is_appended_to_a_line_without_its_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = log(folder.path());
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, text.trim_end()).unwrap();
+        let error = append_events(&RealFiles, &path, UTC, &[]).unwrap_err();
+        assert!(error.remedy.contains("zwidth recover"), "{error}");
+        mend_log(&RealFiles, &path).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), text);
     }
 
     #[test]

@@ -84,6 +84,21 @@ impl Layout {
         self.sessions().join(format!("{participant}_{session}.events.jsonl"))
     }
 
+    /// The folder of journals: trials in progress, or cut short and not yet recovered.
+    pub fn journals(&self) -> PathBuf {
+        self.raw().join("journal")
+    }
+
+    /// The journal of a trial in progress.
+    pub fn journal(&self, participant: &ParticipantId, session: &SessionId, trial: u32) -> PathBuf {
+        self.journals().join(format!("{participant}_{session}.trial-{trial:03}.journal"))
+    }
+
+    /// The lock that only one writer of the study can hold.
+    pub fn lock(&self) -> PathBuf {
+        self.raw().join(".lock")
+    }
+
     /// A path as shown to people: relative to the root where it lies below it.
     pub fn shown<'a>(&self, path: &'a Path) -> &'a Path {
         path.strip_prefix(&self.root).unwrap_or(path)

@@ -1,20 +1,28 @@
 //! The one store: the trial and sweep schema, Parquet files written atomically and read strictly,
-//! the event log, `verify`, and `import`.
+//! the journal and its recovery, the event log, `verify`, and `import`.
 //!
 //! Layout and promises are those of `docs/data.md`. Recording writes with arrow/parquet; the files
 //! are the boundary to the analysis. Whatever is wrong with a file is one [`StoreError`] that says
 //! which file, which column, which row, and what to do.
 
 mod atomic;
+#[cfg(test)]
+mod crashes;
 mod encode;
 mod error;
 mod events;
 #[cfg(test)]
 mod faulty;
+mod frame;
 mod hash;
 pub mod import;
+mod journal;
 mod layout;
+mod lock;
 mod read;
+mod record;
+mod recover;
+mod sealed;
 mod sessions;
 mod signal;
 mod study;
@@ -23,13 +31,17 @@ mod trial;
 mod verify;
 mod write;
 
-pub use atomic::{Files, RealFiles, replace, write_new};
+pub use atomic::{Append, Files, RealFiles, replace, write_new};
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;
 pub use events::{append_events, read_events};
 pub use hash::{file_blake3, hex_blake3};
+pub use journal::Journal;
 pub use layout::Layout;
+pub use lock::{StudyLock, owner};
 pub use read::{TrialFooter, read_footer, read_parquet, read_trial};
+pub use record::record_trial;
+pub use recover::{Done, Recovered, recover};
 pub use signal::{COLUMNS, Column, Signal, Storage};
 pub use study::{Answer, SessionLog, StudyData, SweepEntry, TrialEntry, read_study};
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};

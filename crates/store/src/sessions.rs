@@ -1,11 +1,12 @@
 //! Sessions: their records and event logs, and what the events say of the trials.
 
+use crate::sealed::known;
 use crate::study::files_below;
 use crate::{Layout, SessionLog, Signal, StoreError, TrialEntry, read_events, read_trial};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use zwidth_study::{Event, SCHEMA_VERSION, SessionRecord};
+use zwidth_study::{Event, SCHEMA_VERSION, SessionRecord, Source};
 
 /// What can be done about a session that is not whole.
 const RESTORE: &str = "restore the session's files from a copy, or import the session again";
@@ -26,7 +27,7 @@ pub(crate) fn read_sessions(
     };
     let names: BTreeSet<String> = files.iter().filter_map(name).collect();
     for name in names {
-        match read_session(layout, &name) {
+        match read_session(layout, &name, problems) {
             Ok(session) => sessions.push(session),
             Err(problem) => {
                 problems.push(problem);
@@ -37,7 +38,11 @@ pub(crate) fn read_sessions(
     (sessions, unreadable)
 }
 
-fn read_session(layout: &Layout, name: &str) -> Result<SessionLog, StoreError> {
+fn read_session(
+    layout: &Layout,
+    name: &str,
+    problems: &mut Vec<StoreError>,
+) -> Result<SessionLog, StoreError> {
     let path = layout.sessions().join(format!("{name}.json"));
     let text = std::fs::read_to_string(&path).map_err(|e| StoreError::io(&path, "read", &e))?;
     let record = record_from(&path, &text)?;
@@ -47,7 +52,9 @@ fn read_session(layout: &Layout, name: &str) -> Result<SessionLog, StoreError> {
     }
     let events_path = layout.events(&record.participant, &record.session);
     let events = read_events(&events_path)?;
-    Ok(SessionLog { record, path, events, events_path })
+    let known = known(&record, &events, &events_path);
+    problems.extend(known.problems);
+    Ok(SessionLog { record, path, events, events_path, trials: known.trials, seal: known.seal })
 }
 
 /// The version alone: read first, because another version may have other fields.
@@ -85,7 +92,10 @@ pub(crate) fn join(
         let m = &trial.meta;
         let name = format!("{}_{}", m.participant, m.session);
         match logs.get(&name).and_then(|log| join_one(trial, &log.events)) {
-            Some(hash) if hash == trial.blake3 => continue,
+            Some(hash) if hash == trial.blake3 => {
+                changed.extend(logs.get(&name).and_then(|log| open(layout, trial, log)));
+                continue;
+            }
             Some(_) => {
                 changed.push(difference(&trial.path));
                 trial.excluded = Some("the file is not the one that was recorded".to_owned());
@@ -105,6 +115,31 @@ pub(crate) fn join(
         StoreError::new(path, what, RESTORE)
     });
     silent.chain(changed).chain(sessions.iter().flat_map(|log| lost(layout, log))).collect()
+}
+
+/// Gives a trial of a sealed session its mode, or says how it gets one; what does not fit is an error, and leaves it
+/// out.
+fn open(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<StoreError> {
+    log.record.commitment.as_ref()?;
+    let Some(seal) = &log.seal else {
+        let m = &trial.meta;
+        let command = format!("zwidth unseal {} -p {} -s {}", layout.study(), m.participant, m.session);
+        trial.sealed = Some(format!("sealed: unseal with `{command}`"));
+        return None;
+    };
+    let planned = log.trials.iter().find(|t| t.trial == trial.meta.trial);
+    match planned.filter(|_| trial.meta.mode == seal.code(trial.meta.trial)) {
+        Some(planned) => {
+            trial.meta.mode = planned.mode.clone();
+            trial.meta.repeat = planned.repeat;
+            None
+        }
+        None => {
+            let what = format!("the mode '{}' is not the code of this trial of the session", trial.meta.mode);
+            trial.sealed = Some(what.clone());
+            Some(StoreError::new(&trial.path, format!("{what}: left out"), RESTORE).column("mode"))
+        }
+    }
 }
 
 /// How a file whose hash is not the log's came to differ: damage where that can be seen.
@@ -127,7 +162,7 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             Event::Recorded { blake3, .. } => recorded = Some(blake3.clone()),
             Event::Superseded { by, .. } => trial.superseded_by = Some(*by),
             Event::Excluded { reason, .. } => trial.excluded = Some(reason.clone()),
-            Event::Answer { .. } | Event::Note { .. } | Event::Unsealed => {}
+            Event::Answer { .. } | Event::Note { .. } | Event::Unsealed { .. } => {}
         }
     }
     recorded
@@ -142,7 +177,9 @@ pub(crate) fn left_out(events: &[Event], trial: u32) -> bool {
 /// Trials of a session, by its record or its log, that were not left out and whose files are gone.
 fn lost(layout: &Layout, log: &SessionLog) -> Vec<StoreError> {
     let recorded = log.events.iter().filter(|e| matches!(e, Event::Recorded { .. })).filter_map(Event::trial);
-    let planned = log.record.trials.iter().filter(|t| t.samples).map(|t| t.trial);
+    // A session that is being recorded has trials still to come; an imported one was whole when it was laid down.
+    let imported = log.record.source == Source::Imported;
+    let planned = log.record.trials.iter().filter(|t| imported && t.samples).map(|t| t.trial);
     let trials: BTreeSet<u32> = recorded.chain(planned).collect();
     let gone = |trial: u32| {
         let path = layout.trial(&log.record.participant, &log.record.session, trial);

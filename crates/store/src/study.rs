@@ -3,13 +3,13 @@
 use crate::read::TrialFooter;
 use crate::sessions::{join, left_out, read_sessions};
 use crate::sweep::check_place;
-use crate::{Layout, Signal, StoreError, TrialFile, read_footer};
+use crate::{Layout, Signal, StoreError, Trial, TrialFile, read_footer, read_trial};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_study::{
-    ActuatorId, Condition, Event, Kind, ParticipantId, QuestionId, SessionId, SessionRecord, Status, Study,
-    TrialMeta,
+    ActuatorId, Condition, Event, Kind, ParticipantId, PlannedTrial, QuestionId, Seal, SessionId,
+    SessionRecord, Status, Study, TrialMeta,
 };
 
 /// One trial file, and what the events say of it.
@@ -31,11 +31,13 @@ pub struct TrialEntry {
     pub superseded_by: Option<u32>,
     /// Why it was excluded.
     pub excluded: Option<String>,
+    /// Why its mode is not known, while it is a sealed code.
+    pub sealed: Option<String>,
 }
 
 impl TrialEntry {
     /// Whether the trial may enter a mean, a metric table or a tally: of the experiment, complete,
-    /// neither superseded nor excluded.
+    /// neither superseded nor excluded, and not sealed.
     pub fn counts(&self) -> bool {
         self.why_not().is_none()
     }
@@ -51,7 +53,18 @@ impl TrialEntry {
         if let Some(by) = self.superseded_by {
             return Some(format!("superseded by trial {by}"));
         }
-        self.excluded.as_ref().map(|reason| format!("excluded: {reason}"))
+        let excluded = self.excluded.as_ref().map(|reason| format!("excluded: {reason}"));
+        excluded.or_else(|| self.sealed.clone())
+    }
+
+    /// Reads the trial's file, with the `signals` asked for, as [`read_trial`] does. What is known of it is what the
+    /// session knows: an unsealed trial has its mode and repeat, where the file has a code.
+    ///
+    /// # Errors
+    /// Those of [`read_trial`].
+    pub fn read(&self, signals: impl IntoIterator<Item = Signal>) -> Result<Trial, StoreError> {
+        let trial = read_trial(&self.path, signals)?;
+        Ok(Trial { meta: self.meta.clone(), ..trial })
     }
 }
 
@@ -65,7 +78,7 @@ pub struct SweepEntry {
 }
 
 /// A session's record and its events.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SessionLog {
     /// The session's record.
     pub record: SessionRecord,
@@ -75,6 +88,18 @@ pub struct SessionLog {
     pub events: Vec<Event>,
     /// The events' file.
     pub events_path: PathBuf,
+    /// The session's trials as they are known now: those of the record, with their modes if they were unsealed, and
+    /// those that took, or are to take, another's place.
+    pub trials: Vec<PlannedTrial>,
+    /// The seal, once it was opened and verified.
+    pub seal: Option<Seal>,
+}
+
+impl SessionLog {
+    /// Whether the session's modes are codes still.
+    pub fn is_sealed(&self) -> bool {
+        self.record.commitment.is_some() && self.seal.is_none()
+    }
 }
 
 /// One answer that counts.
@@ -159,13 +184,13 @@ impl StudyData {
         answers.into_values().collect()
     }
 
-    /// The conditions of a session's trials that count, with or without samples.
+    /// The conditions of a session's trials that count, with or without samples. Those of a sealed session are codes,
+    /// which no study knows, and drop out.
     fn counting_conditions(&self, log: &SessionLog) -> BTreeMap<u32, Condition> {
         let of_session = |t: &&TrialEntry| {
             t.meta.participant == log.record.participant && t.meta.session == log.record.session
         };
         let mut conditions: BTreeMap<u32, Condition> = log
-            .record
             .trials
             .iter()
             .filter(|p| p.kind == Kind::Trial && !p.samples && !left_out(&log.events, p.trial))
@@ -188,7 +213,7 @@ fn unfit(study: &Study, trial: &mut TrialEntry) -> Option<StoreError> {
     };
     let (what, remedy, column) = if study.environment(&meta.environment).is_none() {
         unknown("environment", meta.environment.as_str())
-    } else if study.mode(&meta.mode).is_none() {
+    } else if study.mode(&meta.mode).is_none() && !is_told(trial) {
         unknown("mode", meta.mode.as_str())
     } else if let Some(lever) = trial.file.get("lever_m").filter(|l| !is_lever(study, l)) {
         let now = study.device.lever_m.map_or_else(|| "none".to_owned(), |l| format!("{l} m"));
@@ -203,6 +228,11 @@ fn unfit(study: &Study, trial: &mut TrialEntry) -> Option<StoreError> {
         Some(column) => error.column(column),
         None => error,
     })
+}
+
+/// Whether it was told already why the trial's mode is a code.
+fn is_told(trial: &TrialEntry) -> bool {
+    trial.meta.mode.is_code() && (trial.sealed.is_some() || trial.excluded.is_some())
 }
 
 fn is_lever(study: &Study, text: &str) -> bool {
@@ -277,7 +307,17 @@ fn read_trials(layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
                 let remedy = format!("it belongs at {}; a trial must not exist twice", expected.display());
                 return Err(StoreError::new(&path, what, remedy));
             }
-            Ok(TrialEntry { path, meta, file, signals, rows, blake3, superseded_by: None, excluded: None })
+            Ok(TrialEntry {
+                path,
+                meta,
+                file,
+                signals,
+                rows,
+                blake3,
+                superseded_by: None,
+                excluded: None,
+                sealed: None,
+            })
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 use crate::{COLUMNS, Signal, StoreError};
 use std::collections::BTreeMap;
 use std::path::Path;
-use zwidth_study::TrialMeta;
+use zwidth_study::{Sample, TrialMeta};
 
 /// The samples of a trial: a column a signal, all of one length; absent where not recorded.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -12,6 +12,17 @@ pub struct Samples {
 }
 
 impl Samples {
+    /// The samples of these rows, with the columns that they have: a quantity that one of them lacks has none.
+    pub fn from_rows(rows: &[Sample]) -> Self {
+        let mut samples = Self::default();
+        for column in &COLUMNS {
+            if let Some(values) = rows.iter().map(|row| value(row, column.signal)).collect() {
+                samples.set(column.signal, values);
+            }
+        }
+        samples
+    }
+
     /// The column of `signal`, where the recording has it.
     pub fn get(&self, signal: Signal) -> Option<&[f64]> {
         self.columns[signal as usize].as_deref()
@@ -73,6 +84,24 @@ impl Samples {
     }
 }
 
+/// A row's value of a signal, where it has one.
+fn value(row: &Sample, signal: Signal) -> Option<f64> {
+    match signal {
+        Signal::Time => Some(row.t_s),
+        Signal::DeviceTime => row.t_device_s,
+        Signal::Theta => Some(row.theta_rad),
+        Signal::ThetaDot => Some(row.theta_dot_rad_s),
+        Signal::ForceEx => Some(row.force_ex_n),
+        Signal::VoltageMotor => Some(row.voltages.motor_v),
+        Signal::VoltageBrake => Some(row.voltages.brake_v),
+        Signal::ForceAge => row.force_age_s,
+        Signal::ThetaRaw => row.theta_raw.map(f64::from),
+        Signal::ForceCmd => Some(row.force_cmd_n),
+        Signal::Flags => Some(row.flags.0.into()),
+        Signal::ThetaDdot | Signal::TorqueEx => None,
+    }
+}
+
 fn fits(value: f64, storage: crate::Storage) -> bool {
     match storage {
         crate::Storage::F64 => value.is_finite(),
@@ -127,6 +156,21 @@ mod tests {
             Some(2),
         );
         check(&[(Time, &[0.0, 1.0, 1.0])], "runs backwards or stands still: 1 s after 1 s", Some(3));
+    }
+
+    #[test]
+    fn rows_become_columns_and_what_a_row_lacks_is_no_column() {
+        let mut rows = crate::crashes::rows(1, 3);
+        let samples = Samples::from_rows(&rows);
+        assert_eq!(samples.get(Signal::Time), Some([0.001, 0.002, 0.003].as_slice()));
+        assert_eq!(samples.get(Signal::ThetaRaw), Some([1.0, 2.0, 3.0].as_slice()));
+        assert_eq!(samples.get(Signal::Flags), Some([256.0; 3].as_slice()));
+        let lacks =
+            |samples: &Samples| Signal::all().filter(|s| samples.get(*s).is_none()).collect::<Vec<_>>();
+        assert_eq!(lacks(&samples), [Signal::DeviceTime, Signal::ThetaDdot, Signal::TorqueEx]);
+        rows[1].force_age_s = None;
+        assert!(lacks(&Samples::from_rows(&rows)).contains(&Signal::ForceAge));
+        assert!(Samples::from_rows(&[]).get(Signal::Time).is_some_and(<[f64]>::is_empty));
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! `verify`: every finding in a study, not only the first.
 
+use crate::recover::unfinished;
 use crate::study::files_below;
 use crate::{Layout, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry, read_sweep, read_trial};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use zwidth_study::{Event, Study};
+use zwidth_study::{Event, PlannedTrial, Study};
 
 /// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit at
 /// which the safety layer cuts the voltage).
@@ -84,9 +85,38 @@ fn work_space(study: &Study, path: &Path, samples: &Samples) -> Option<StoreErro
 
 fn session(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
     let mut findings = Vec::new();
-    let known: BTreeSet<u32> = log.record.trials.iter().map(|t| t.trial).collect();
+    findings.extend(record(data, log));
+    let known: BTreeSet<u32> = log.trials.iter().map(|t| t.trial).collect();
     for (row, event) in log.events.iter().enumerate() {
         findings.extend(event_finding(data, log, &known, event).map(|e| e.row0(row)));
+    }
+    findings
+}
+
+/// What a session's record must not say, or not so.
+fn record(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
+    let record = &log.record;
+    let mut findings = Vec::new();
+    let mut finding = |what: String, remedy: &str| findings.push(StoreError::new(&log.path, what, remedy));
+    if let Some(error) = record.calibration.as_ref().and_then(|c| c.check().err()) {
+        finding(error.to_string(), "restore the record from a copy");
+    }
+    if record.rate_hz.is_some_and(|rate| !(rate.is_finite() && rate > 0.0)) {
+        finding("rate_hz must be a number above 0".to_owned(), "restore the record from a copy");
+    }
+    let unlike = |hex: &String| hex.len() != 64 || !hex.bytes().all(|b| b.is_ascii_hexdigit());
+    if record.commitment.as_ref().is_some_and(unlike) {
+        let what = "the commitment is not 64 hexadecimal digits, so that nothing can unseal the session";
+        finding(what.to_owned(), "restore the record from a copy");
+    }
+    let names_a_mode = |t: &&PlannedTrial| data.study.mode(&t.mode).is_some();
+    if let Some(t) = record.trials.iter().filter(|_| record.commitment.is_some()).find(names_a_mode) {
+        let what = format!("the session is sealed, but its record names the mode of trial {}", t.trial);
+        finding(what, "the session was not blind: say so where it is reported");
+    }
+    if record.commitment.is_some() && record.seed.is_some() {
+        let what = "the session is sealed, but its record holds the seed its order was drawn with";
+        finding(what.to_owned(), "the session was not blind: say so where it is reported");
     }
     findings
 }
@@ -131,21 +161,18 @@ fn strays(layout: &Layout) -> Vec<StoreError> {
             }
         }
     }
+    let recover = format!("run `zwidth recover {}`", layout.study());
     for path in unfinished(&layout.raw()) {
-        findings.push(stray(&path, "a write was cut short here", "remove the file; nothing refers to it"));
+        findings.push(stray(&path, "a write was cut short here", &recover));
+    }
+    for path in files_below(&layout.journals()).unwrap_or_default() {
+        let damaged = path.extension().is_some_and(|e| e == "damaged");
+        findings.push(if damaged {
+            let remedy = "what could be read of it is a trial; remove the file when nobody needs it";
+            stray(&path, "a journal that could not be read to its end", remedy)
+        } else {
+            stray(&path, "a trial was cut short here, or is being recorded now", &recover)
+        });
     }
     findings
-}
-
-fn unfinished(folder: &Path) -> Vec<std::path::PathBuf> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-    let mut found = Vec::new();
-    for path in entries.flatten().map(|e| e.path()) {
-        if path.is_dir() {
-            found.extend(unfinished(&path));
-        } else if path.extension().is_some_and(|e| e == "tmp") {
-            found.push(path);
-        }
-    }
-    found
 }

@@ -41,7 +41,11 @@ impl Characteristic {
     /// Voltage for a force, V, with the force's sign: 0 V for no force, and the end of the dead zone for the
     /// smallest; the last knot's voltage for more than the actuator can give.
     pub fn voltage_v(&self, force_n: f64) -> f64 {
-        if force_n == 0.0 { 0.0 } else { along(&self.force_n, &self.voltage_v, force_n.abs()).copysign(force_n) }
+        if force_n == 0.0 {
+            0.0
+        } else {
+            along(&self.force_n, &self.voltage_v, force_n.abs()).copysign(force_n)
+        }
     }
 
     /// Largest force, N.
@@ -78,15 +82,23 @@ impl Calibration {
         }
     }
 
+    /// Whether both characteristics can be inverted.
+    ///
+    /// # Errors
+    /// The first characteristic that cannot, and why.
+    pub fn check(&self) -> Result<(), CalibrationError> {
+        self.motor.check("motor")?;
+        self.brake.check("brake")
+    }
+
     /// Reads a calibration from TOML text.
     ///
     /// # Errors
     /// Text that is no calibration, or a characteristic that cannot be inverted.
     pub fn from_toml(text: &str) -> Result<Self, CalibrationError> {
-        let read: Self =
-            toml::from_str(text).map_err(|e| CalibrationError { actuator: "file", problem: e.to_string() })?;
-        read.motor.check("motor")?;
-        read.brake.check("brake")?;
+        let read: Self = toml::from_str(text)
+            .map_err(|e| CalibrationError { actuator: "file", problem: e.to_string() })?;
+        read.check()?;
         Ok(read)
     }
 

@@ -1,6 +1,6 @@
 //! Events: what happened to a session after, or beside, its samples. Append-only.
 
-use crate::QuestionId;
+use crate::{ModeId, QuestionId};
 use serde::{Deserialize, Serialize};
 
 /// One line of `sessions/<participant>_<session>.events.jsonl`.
@@ -26,7 +26,8 @@ pub enum Event {
         /// The answer as given (not reversed), 1…5.
         value: u8,
     },
-    /// The trial was done again; this one no longer counts.
+    /// The trial was done again, or is to be; this one no longer counts. The one that takes its place has its
+    /// environment, mode, repeat and kind.
     Superseded {
         /// Trial number that no longer counts.
         trial: u32,
@@ -47,8 +48,24 @@ pub enum Event {
         /// The remark.
         text: String,
     },
-    /// The sealed order of modes was opened.
-    Unsealed,
+    /// The sealed order of modes was opened. It is true only if it verifies against the session's commitment
+    /// ([`crate::Seal`]).
+    Unsealed {
+        /// The nonce of the seal, hexadecimal.
+        nonce: String,
+        /// The mode of each planned trial, by number.
+        order: Vec<SealedTrial>,
+    },
+}
+
+/// A trial, and the mode that was sealed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SealedTrial {
+    /// Trial number.
+    pub trial: u32,
+    /// Its mode.
+    pub mode: ModeId,
 }
 
 impl Event {
@@ -60,7 +77,7 @@ impl Event {
             | Self::Superseded { trial, .. }
             | Self::Excluded { trial, .. } => Some(*trial),
             Self::Note { trial, .. } => *trial,
-            Self::Unsealed => None,
+            Self::Unsealed { .. } => None,
         }
     }
 }

@@ -9,7 +9,7 @@ const MILLI: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {
-    use crate::{Study, StudyId, template};
+    use crate::{Control, OrderScheme, Study, StudyId, VelocityFilter, template};
 
     fn sample() -> String {
         template(&StudyId::new("demo").unwrap())
@@ -47,12 +47,47 @@ mod tests {
         check("wall_deg = 26.6", "wall_deg = nan", "environments[1].wall_deg", "finite");
         check("lever_m = 0.045", "lever_m = -1.0", "device.lever_m", "above 0");
         check("id = \"passive\"", "id = \"active\"", "modes[1].id", "twice");
+        check("id = \"passive\"", "id = \"sealed-1\"", "modes[1].id", "looks like the code");
         check("id = \"passive\"", "id = \"../x\"", "id", "not a valid mode id");
         check("theta_max_deg = 45.0", "theta_max_deg = -50.0", "device.theta_max_deg", "above");
         check("wall_deg = 26.6", "wall_mm = 26.6", "environments[1].wall_mm", "no meaning");
         check("repeats = 6", "repeat = 6", "repeat", "unknown field");
         check("repeats = 6", "repeats = \"six\"", "repeats", "invalid type");
         check("schema = 1", "schema = 2", "schema", "unknown");
+        check("rate_hz = 1000.0", "rate_hz = 0.0", "control.rate_hz", "above 0");
+        check("let_go_n = 2.0", "let_go_n = -2.0", "control.let_go_n", "0 or a number above");
+        check("force_limit_n = 10.0", "force_limit_n = inf", "control.force_limit_n", "above 0");
+        check(
+            "velocity_cutoff_hz = 40.0",
+            "velocity_cutoff_hz = 0.0",
+            "control.velocity_cutoff_hz",
+            "above 0",
+        );
+        check("\"second_order\"\n", "\"difference\"\n", "control.velocity_cutoff_hz", "no meaning");
+        check("order = \"williams\"", "order = \"by hand\"", "order", "unknown variant");
+    }
+
+    #[test]
+    fn a_file_without_the_keys_of_a_session_has_their_defaults() {
+        let text = sample();
+        let from = text.find("# Numbers of the control loop").unwrap();
+        let to = text.find("# Actuator masses").unwrap();
+        let before = (text[..from].to_owned() + &text[to..])
+            .replace("order = \"williams\"", "")
+            .replace("blinded = false", "");
+        assert_eq!(Study::from_toml(&before).unwrap(), Study::from_toml(&text).unwrap());
+        assert_eq!(Study::from_toml(&text).unwrap().control, Control::default());
+    }
+
+    #[test]
+    fn what_a_session_needs_survives_a_round_trip() {
+        let mut study = Study::from_toml(&sample()).unwrap();
+        study.design.order = OrderScheme::Constrained;
+        study.design.blinded = true;
+        for velocity in [VelocityFilter::Difference, VelocityFilter::SecondOrder { cutoff_hz: 15.0 }] {
+            study.control = Control { rate_hz: 120.0, let_go_n: 1.5, force_limit_n: 8.0, velocity };
+            assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        }
     }
 
     #[test]

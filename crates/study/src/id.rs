@@ -86,6 +86,22 @@ ids! {
     ActuatorId = "actuator";
 }
 
+/// How the code of a sealed mode begins.
+const CODE: &str = "sealed-";
+
+impl ModeId {
+    /// A code that stands in for a mode while it is sealed: `sealed-` and sixteen hexadecimal digits.
+    pub(crate) fn code(digest: &blake3::Hash) -> Self {
+        const DIGITS: usize = 16;
+        Self(format!("{CODE}{}", &digest.to_hex()[..DIGITS]))
+    }
+
+    /// Whether it is such a code; a study gives none of its modes a name like that.
+    pub fn is_code(&self) -> bool {
+        self.0.starts_with(CODE)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,30 +1,35 @@
 //! The words of a study: ids, modes, environments, conditions, trials, design; `study.toml` read and
-//! written. No files, no clock: text in, values out.
+//! written; the order of the trials, and its seal. No files, no clock: text in, values out.
 //!
 //! Angles are radians and everything else is SI in memory; `study.toml` speaks degrees and
 //! millimetres where people do, and its keys end in their unit.
 
 mod calibration;
+mod control;
 mod event;
 mod file;
 mod id;
 mod locate;
 mod model;
+pub mod order;
 mod sample;
+mod seal;
 mod session;
 mod template;
 mod trial;
 
 pub use calibration::{Calibration, CalibrationError, Characteristic};
-pub use event::Event;
+pub use control::{Control, VelocityFilter};
+pub use event::{Event, SealedTrial};
 pub use id::{ActuatorId, EnvironmentId, IdError, ModeId, ParticipantId, QuestionId, SessionId, StudyId};
 pub use locate::{line_of, toml_error};
 pub use model::{
-    Analysis, Condition, Coordinate, Design, Device, Environment, Likert, Masses, Mode, Question, Scene,
-    Spring, Study,
+    Analysis, Condition, Coordinate, Design, Device, Environment, Likert, Masses, Mode, OrderScheme,
+    Question, Scene, Spring, Study,
 };
 pub use sample::{Flags, Sample, Voltages};
-pub use session::{PlannedTrial, SessionRecord};
+pub use seal::{Seal, SealError};
+pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};
 pub use template::template;
 pub use trial::{Kind, Source, Status, TrialMeta};
 

@@ -1,6 +1,7 @@
 //! A study as a value: what was planned, in SI units.
 
-use crate::{EnvironmentId, ModeId, QuestionId, StudyId};
+use crate::{Control, EnvironmentId, ModeId, QuestionId, StudyId};
+use serde::{Deserialize, Serialize};
 
 /// A whole `study.toml`, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +16,8 @@ pub struct Study {
     pub coordinate: Coordinate,
     /// The device.
     pub device: Device,
+    /// Numbers of the control loop.
+    pub control: Control,
     /// Actuator masses, for the weight calculation.
     pub masses: Option<Masses>,
     /// What is rendered, in the order of the file.
@@ -61,6 +64,21 @@ pub struct Design {
     pub trial_limit_s: f64,
     /// Shortest pause between trials, s.
     pub pause_s: f64,
+    /// How the order of the modes is drawn.
+    pub order: OrderScheme,
+    /// Whether the modes are sealed until the session is unsealed ([`crate::Seal`]).
+    pub blinded: bool,
+}
+
+/// How the order of the modes within a block is drawn ([`crate::order`]).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OrderScheme {
+    /// Rows of Williams squares, one a repeat.
+    #[default]
+    Williams,
+    /// At random, with no mode more than twice in a row.
+    Constrained,
 }
 
 /// What figures and tables call the coordinate.

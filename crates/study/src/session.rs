@@ -1,10 +1,12 @@
 //! What is fixed about a session when it is laid down.
 
-use crate::{EnvironmentId, Kind, ModeId, ParticipantId, SessionId, Source};
-use serde::{Deserialize, Serialize};
+use crate::{
+    Calibration, EnvironmentId, Kind, ModeId, OrderScheme, ParticipantId, SCHEMA_VERSION, SessionId, Source,
+};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// `sessions/<participant>_<session>.json`: the session as it was set up.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SessionRecord {
     /// Version of this file's form.
@@ -21,6 +23,58 @@ pub struct SessionRecord {
     pub study_blake3: String,
     /// The trials, in order. A questionnaire has trials without samples.
     pub trials: Vec<PlannedTrial>,
+    /// The device, as it names itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device: Option<String>,
+    /// The calibration in force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<Calibration>,
+    /// BLAKE3 of the calibration's file, hexadecimal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration_blake3: Option<String>,
+    /// Rate of the control loop, Hz.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_hz: Option<f64>,
+    /// The seed the order was drawn with; absent from a sealed session, because it would give the order away.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// How the order was drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub order: Option<OrderRecord>,
+    /// The commitment to the sealed order, hexadecimal ([`crate::Seal::commitment`]). With it the modes of
+    /// `trials` are codes, and the session is sealed until an event opens it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub commitment: Option<String>,
+    /// The device check before the session.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub checks: Vec<Check>,
+}
+
+/// How a session's order was drawn: with the seed, all that [`crate::order::draw`] needs besides the study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OrderRecord {
+    /// The scheme.
+    pub scheme: OrderScheme,
+    /// The participant's number in the counterbalancing.
+    pub participant_number: u32,
+    /// The session's number in the counterbalancing.
+    pub session_number: u32,
+}
+
+/// One measurement of a device check.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Check {
+    /// What was measured.
+    pub name: String,
+    /// The value, a finite number.
+    #[serde(serialize_with = "finite")]
+    pub value: f64,
+    /// Its unit; "1" for a plain number.
+    pub unit: String,
+    /// Whether it is good enough.
+    pub ok: bool,
 }
 
 /// One trial of a session, recorded or only asked about.
@@ -29,7 +83,8 @@ pub struct SessionRecord {
 pub struct PlannedTrial {
     /// Number within the session, from 1.
     pub trial: u32,
-    /// Repeat of the condition, from 1.
+    /// Repeat of the condition, from 1; in a sealed session the place among the trials of its kind and
+    /// environment, because a repeat tells which modes are alike.
     pub repeat: u32,
     /// Experiment or familiarisation.
     pub kind: Kind,
@@ -41,9 +96,93 @@ pub struct PlannedTrial {
     pub samples: bool,
 }
 
+/// JSON has no other numbers; written as `null` they could not be read again.
+fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    if !value.is_finite() {
+        return Err(serde::ser::Error::custom(format!(
+            "{value} is not a finite number; leave the check out"
+        )));
+    }
+    serializer.serialize_f64(*value)
+}
+
 impl SessionRecord {
+    /// A record of nothing but its trials: device, calibration, order and checks are unknown or do not apply.
+    pub fn new(
+        participant: ParticipantId,
+        session: SessionId,
+        source: Source,
+        software: impl Into<String>,
+        study_blake3: impl Into<String>,
+        trials: Vec<PlannedTrial>,
+    ) -> Self {
+        Self {
+            schema_version: SCHEMA_VERSION,
+            participant,
+            session,
+            source,
+            software: software.into(),
+            study_blake3: study_blake3.into(),
+            trials,
+            device: None,
+            calibration: None,
+            calibration_blake3: None,
+            rate_hz: None,
+            seed: None,
+            order: None,
+            commitment: None,
+            checks: Vec::new(),
+        }
+    }
+
     /// The record as the text of its file.
+    ///
+    /// # Errors
+    /// A check whose value is not a finite number.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string_pretty(self).map(|text| text + "\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record() -> SessionRecord {
+        let (participant, session) = ("P01".parse().unwrap(), "S01".parse().unwrap());
+        SessionRecord::new(participant, session, Source::Recorded, "tests", "", Vec::new())
+    }
+
+    #[test]
+    fn a_record_of_before_there_were_devices_is_read() {
+        let old = r#"{ "schema_version": 1, "participant": "P01", "session": "S01", "source": "recorded",
+            "software": "tests", "study_blake3": "", "trials": [] }"#;
+        assert_eq!(serde_json::from_str::<SessionRecord>(old).unwrap(), record());
+        assert!(!record().to_json().unwrap().contains("null"), "what is unknown is not written");
+    }
+
+    #[test]
+    fn a_whole_record_comes_back() {
+        let order = OrderRecord { scheme: OrderScheme::Williams, participant_number: 1, session_number: 2 };
+        let check = Check { name: "rate".to_owned(), value: 119.9, unit: "Hz".to_owned(), ok: true };
+        let whole = SessionRecord {
+            device: Some("twin 1".to_owned()),
+            calibration: Some(Calibration::thesis()),
+            calibration_blake3: Some("00".to_owned()),
+            rate_hz: Some(1000.0),
+            seed: Some(u64::MAX),
+            order: Some(order),
+            commitment: Some("11".to_owned()),
+            checks: vec![check],
+            ..record()
+        };
+        assert_eq!(serde_json::from_str::<SessionRecord>(&whole.to_json().unwrap()).unwrap(), whole);
+    }
+
+    #[test]
+    fn a_check_without_a_number_is_refused_and_not_written_as_null() {
+        let check = Check { name: "rate".to_owned(), value: f64::NAN, unit: "Hz".to_owned(), ok: false };
+        let error = SessionRecord { checks: vec![check], ..record() }.to_json().unwrap_err();
+        assert!(error.to_string().contains("NaN is not a finite number"), "{error}");
     }
 }

@@ -26,6 +26,11 @@ familiarisation = 3
 # Longest a trial may take, and the shortest pause after it.
 trial_limit_s = 4.0
 pause_s = 5.0
+# How the order of the modes is drawn: "williams" (rows of Williams squares, one a repeat) or "constrained" (at
+# random, no mode more than twice in a row). Blocks of one environment follow each other, counterbalanced.
+order = "williams"
+# true: modes are sealed. Files and screens show codes until `zwidth unseal`; nothing is analysed before.
+blinded = false
 
 [coordinate]
 # "rotational": figures and tables speak of degrees. "linear": of millimetres, with x = L θ; the keys below
@@ -41,6 +46,19 @@ theta_min_deg = -45.0
 theta_max_deg = 45.0
 # New values of the force sensor per second.
 force_rate_hz = 80.0
+
+# Numbers of the control loop; these are the defaults, the table may be left out.
+[control]
+# Ticks per second. A device that gives fewer samples sets its own rate.
+rate_hz = 1000.0
+# The brake lets go when the user's force falls below this while the lever does not move on.
+let_go_n = 2.0
+# Limit of the force on a finger: a motor that can give more is refused, a larger measured force stops the trial.
+force_limit_n = 10.0
+# Velocity from angles: "second_order" (a differentiator with a second-order low-pass; its delay is
+# 1/(pi velocity_cutoff_hz) seconds) or "difference" (of the last two angles).
+velocity = "second_order"
+velocity_cutoff_hz = 40.0
 
 # Actuator masses, for the weight calculation. Leave the table out if unknown.
 [masses]

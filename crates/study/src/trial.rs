@@ -53,7 +53,8 @@ words! {
 }
 
 /// What is known of a trial besides its samples.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TrialMeta {
     /// Who.
     pub participant: ParticipantId,

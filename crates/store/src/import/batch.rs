@@ -6,7 +6,7 @@ use super::{Context, Errors};
 use crate::{Files, Layout, StoreError, append_events, write_new};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use zwidth_study::{Event, PlannedTrial, SCHEMA_VERSION, SessionRecord, Source};
+use zwidth_study::{Event, PlannedTrial, SessionRecord, Source};
 
 /// What an import is about to write.
 #[derive(Debug, Default)]
@@ -35,15 +35,14 @@ impl Batch {
         }
         for ((participant, session), mut trials) in sessions {
             trials.sort_by_key(|(t, _)| t.trial);
-            let record = SessionRecord {
-                schema_version: SCHEMA_VERSION,
-                participant: participant.clone(),
-                session: session.clone(),
-                source: Source::Imported,
-                software: context.software.to_owned(),
-                study_blake3: context.study_blake3.clone(),
-                trials: trials.iter().map(|(t, _)| (*t).clone()).collect(),
-            };
+            let record = SessionRecord::new(
+                participant.clone(),
+                session.clone(),
+                Source::Imported,
+                context.software,
+                context.study_blake3.clone(),
+                trials.iter().map(|(t, _)| (*t).clone()).collect(),
+            );
             let path = context.layout.session(participant, session);
             let mut json = serde_json::to_vec_pretty(&record).map_err(|e| {
                 StoreError::new(&path, e.to_string(), "this is a defect of zwidth; please report it")
@@ -152,8 +151,8 @@ mod tests {
         for fault in 0.. {
             let world = World::new();
             let Err(errors) = world.import_on(&map, &two_trials(&world), &Faulty::at(fault)) else {
-                // Two trials and a record at 4 steps each, a log at 2: every step was tried.
-                assert_eq!(fault, 14);
+                // Two trials and a record at 4 steps each, a log at 4, 2 for each of 4 folders: all were tried.
+                assert_eq!(fault, 24);
                 assert_eq!(world.load().counting().count(), 2);
                 break;
             };
@@ -167,7 +166,7 @@ mod tests {
     #[test]
     fn what_cannot_be_removed_again_is_named() {
         let world = World::new();
-        let disk = Faulty::stuck_at(6);
+        let disk = Faulty::stuck_at(12);
         let errors = world.import_on(&trials_map(&[ONE, FORCE]), &two_trials(&world), &disk).unwrap_err();
         assert!(errors[0].what.contains("could not be removed again"), "{errors:?}");
         assert!(errors[1].path.ends_with("trial-001.parquet"), "{errors:?}");

@@ -5,7 +5,7 @@ use super::shape::*;
 use crate::model::{
     Analysis, Coordinate, Design, Device, Environment, Masses, Mode, Question, Scene, Spring, Study,
 };
-use crate::{SCHEMA_VERSION, StudyError, locate};
+use crate::{Control, SCHEMA_VERSION, StudyError, VelocityFilter, locate};
 use std::collections::BTreeSet;
 
 /// Movement begins above this velocity: well above a held sensor's jitter, well below a slow push.
@@ -87,6 +87,7 @@ impl Check<'_> {
             design: self.design(&file.design),
             coordinate,
             device,
+            control: self.control(&file.control),
             masses: file.masses.map(|m| Masses {
                 motor_kg: self.positive("masses.motor_g", m.motor_g) * MILLI,
                 brake_kg: self.positive("masses.brake_g", m.brake_g) * MILLI,
@@ -121,6 +122,8 @@ impl Check<'_> {
             familiarisation: d.familiarisation,
             trial_limit_s: self.positive("design.trial_limit_s", d.trial_limit_s),
             pause_s: self.not_negative("design.pause_s", d.pause_s),
+            order: d.order,
+            blinded: d.blinded,
         }
     }
 
@@ -139,6 +142,27 @@ impl Check<'_> {
             theta_min_rad: d.theta_min_deg.map(|v| self.finite("device.theta_min_deg", v).to_radians()),
             theta_max_rad: d.theta_max_deg.map(|v| self.finite("device.theta_max_deg", v).to_radians()),
             force_rate_hz: d.force_rate_hz.map(|v| self.positive("device.force_rate_hz", v)),
+        }
+    }
+
+    fn control(&mut self, c: &ControlTable) -> Control {
+        let velocity = match (c.velocity, c.velocity_cutoff_hz) {
+            (VelocityKind::SecondOrder, given) => VelocityFilter::SecondOrder {
+                cutoff_hz: self
+                    .positive("control.velocity_cutoff_hz", given.unwrap_or(VelocityFilter::CUTOFF_HZ)),
+            },
+            (VelocityKind::Difference, None) => VelocityFilter::Difference,
+            (VelocityKind::Difference, Some(_)) => {
+                let problem = "has no meaning for a plain difference; remove it, or choose \"second_order\"";
+                self.error("control.velocity_cutoff_hz", problem.to_owned());
+                VelocityFilter::Difference
+            }
+        };
+        Control {
+            rate_hz: self.positive("control.rate_hz", c.rate_hz),
+            let_go_n: self.not_negative("control.let_go_n", c.let_go_n),
+            force_limit_n: self.positive("control.force_limit_n", c.force_limit_n),
+            velocity,
         }
     }
 
@@ -256,6 +280,10 @@ impl Check<'_> {
     }
 
     fn mode(&mut self, i: usize, m: &ModeTable) -> Mode {
+        if m.id.is_code() {
+            let problem = format!("'{}' looks like the code of a sealed mode; choose another id", m.id);
+            self.error(&format!("modes[{i}].id"), problem);
+        }
         Mode {
             id: m.id.clone(),
             label: m.label.clone(),

@@ -1,6 +1,7 @@
 //! The shape of `study.toml`: what serde reads and writes, in the units people type.
 
-use crate::model::Analysis;
+use crate::model::{Analysis, OrderScheme};
+use crate::{Control, VelocityFilter};
 use crate::{EnvironmentId, ModeId, QuestionId, StudyId};
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +14,8 @@ pub(super) struct File {
     #[serde(default)]
     pub(super) coordinate: CoordinateTable,
     pub(super) device: DeviceTable,
+    #[serde(default)]
+    pub(super) control: ControlTable,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) masses: Option<MassesTable>,
     #[serde(default)]
@@ -39,6 +42,10 @@ pub(super) struct DesignTable {
     pub(super) trial_limit_s: f64,
     #[serde(default)]
     pub(super) pause_s: f64,
+    #[serde(default)]
+    pub(super) order: OrderScheme,
+    #[serde(default)]
+    pub(super) blinded: bool,
 }
 
 #[derive(Serialize, Deserialize, Default, Clone, Copy, PartialEq)]
@@ -67,6 +74,45 @@ pub(super) struct DeviceTable {
     pub(super) theta_max_deg: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) force_rate_hz: Option<f64>,
+}
+
+/// The words of [`VelocityFilter`], without its numbers.
+#[derive(Serialize, Deserialize, Clone, Copy, PartialEq)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum VelocityKind {
+    Difference,
+    SecondOrder,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct ControlTable {
+    pub(super) rate_hz: f64,
+    pub(super) let_go_n: f64,
+    pub(super) force_limit_n: f64,
+    pub(super) velocity: VelocityKind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) velocity_cutoff_hz: Option<f64>,
+}
+
+impl From<Control> for ControlTable {
+    fn from(c: Control) -> Self {
+        let (velocity, velocity_cutoff_hz) = match c.velocity {
+            VelocityFilter::Difference => (VelocityKind::Difference, None),
+            VelocityFilter::SecondOrder { cutoff_hz } => (VelocityKind::SecondOrder, Some(cutoff_hz)),
+        };
+        let Control { rate_hz, let_go_n, force_limit_n, .. } = c;
+        Self { rate_hz, let_go_n, force_limit_n, velocity, velocity_cutoff_hz }
+    }
+}
+
+impl Default for ControlTable {
+    fn default() -> Self {
+        // Absent here, so that it is an error where it is given and has no meaning.
+        let mut table = Self::from(Control::default());
+        table.velocity_cutoff_hz = None;
+        table
+    }
 }
 
 #[derive(Serialize, Deserialize)]

@@ -22,6 +22,8 @@ impl From<&Study> for File {
                 familiarisation: s.design.familiarisation,
                 trial_limit_s: s.design.trial_limit_s,
                 pause_s: s.design.pause_s,
+                order: s.design.order,
+                blinded: s.design.blinded,
             },
             coordinate: CoordinateTable {
                 kind: match s.coordinate {
@@ -36,6 +38,7 @@ impl From<&Study> for File {
                 theta_max_deg: s.device.theta_max_rad.map(degrees),
                 force_rate_hz: s.device.force_rate_hz,
             },
+            control: s.control.into(),
             masses: s.masses.map(|m| MassesTable {
                 motor_g: decimal(m.motor_kg / MILLI),
                 brake_g: decimal(m.brake_kg / MILLI),

@@ -1,0 +1,280 @@
+//! The journal: a trial's samples are safe on the disk while it runs.
+//!
+//! One file a trial in progress, made of checksummed frames ([`crate::frame`]): what is known of the trial, then
+//! rows as they come, then the end. Each append is synced before it returns, so that a power cut takes no more than
+//! the batch that was being written. A finished trial becomes a Parquet file, and its journal is removed last.
+
+use crate::atomic::{create_folders, folder_of};
+use crate::frame::{Chain, Frame, Header, MAGIC, decode, encode};
+use crate::{Append, Files, Layout, Samples, StoreError, Trial, TrialFile, record_trial};
+use std::path::{Path, PathBuf};
+use zwidth_study::{Sample, Status, TrialMeta};
+
+/// The journal of the trial in progress.
+pub struct Journal {
+    path: PathBuf,
+    file: Box<dyn Append>,
+    chain: Chain,
+    /// Time of the last row, s.
+    last_s: f64,
+    /// An append has failed: what follows it could not be read.
+    broken: bool,
+}
+
+impl Journal {
+    /// Begins the journal of a trial. `meta.status` and `meta.likert` do not matter: they are known at the end.
+    ///
+    /// # Errors
+    /// The trial is there already, as a file or as a journal; a write that failed.
+    pub fn create(
+        files: &dyn Files,
+        layout: &Layout,
+        meta: &TrialMeta,
+        file: &TrialFile,
+    ) -> Result<Self, StoreError> {
+        let path = layout.journal(&meta.participant, &meta.session, meta.trial);
+        let trial = layout.trial(&meta.participant, &meta.session, meta.trial);
+        for (there, remedy) in [
+            (&trial, "finished files never change; do the trial again under a number of its own"),
+            (&path, "an earlier run was cut short; run `zwidth recover` first"),
+        ] {
+            if there.exists() {
+                return Err(StoreError::new(there, format!("trial {} is there already", meta.trial), remedy));
+            }
+        }
+        let header = Frame::Header(Header { meta: meta.clone(), file: file.clone() });
+        let folder = folder_of(&path);
+        let opened = create_folders(files, folder).and_then(|()| files.open_append(&path));
+        let handle = opened.map_err(|e| StoreError::io(&path, "create the journal", &e))?;
+        let mut journal = Self {
+            path: path.clone(),
+            file: handle,
+            chain: Chain::default(),
+            last_s: f64::NEG_INFINITY,
+            broken: false,
+        };
+        journal.write(&header, MAGIC)?;
+        files.sync_folder(folder).map_err(|e| StoreError::io(folder, "sync the folder", &e))?;
+        Ok(journal)
+    }
+
+    /// Appends rows as one frame; when it returns they are safe on the disk.
+    ///
+    /// # Errors
+    /// A row that no trial file can hold (a value that is not finite, time that does not run forward), with its
+    /// column and its place among `rows`: the rows before it are kept. A write that failed: nothing can be appended
+    /// after it.
+    pub fn append(&mut self, rows: &[Sample]) -> Result<(), StoreError> {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let problem = self.check(rows).err();
+        let good = problem.as_ref().and_then(|p| p.row).map_or(rows.len(), |row| row - 1);
+        if let Some(last) = rows[..good].last() {
+            self.write(&Frame::Rows(rows[..good].to_vec()), &[])?;
+            self.last_s = last.t_s;
+        }
+        problem.map_or(Ok(()), Err)
+    }
+
+    fn check(&self, rows: &[Sample]) -> Result<(), StoreError> {
+        if rows[0].t_s <= self.last_s {
+            let what =
+                format!("time runs backwards or stands still: {} s after {} s", rows[0].t_s, self.last_s);
+            return Err(StoreError::new(&self.path, what, "check the clock").column("t_s").row0(0));
+        }
+        Samples::from_rows(rows).check(&self.path)
+    }
+
+    /// The trial has run to its end. Without it, [`Journal::finish`] and [`crate::recover`] make it `incomplete`.
+    ///
+    /// # Errors
+    /// A write that failed.
+    pub fn end(&mut self) -> Result<(), StoreError> {
+        self.write(&Frame::End, &[])
+    }
+
+    /// Makes the trial a finished file, with the answer to its question, and removes the journal. The path of the
+    /// file; none if the trial has no row, so that there is nothing to keep.
+    ///
+    /// # Errors
+    /// A write that failed: the journal is still there then, and [`crate::recover`] goes on where this stopped.
+    pub fn finish(
+        mut self,
+        files: &dyn Files,
+        layout: &Layout,
+        likert: Option<u8>,
+        utc: &str,
+    ) -> Result<Option<PathBuf>, StoreError> {
+        if let Some(answer) = likert {
+            self.write(&Frame::Answer(answer), &[])?;
+        }
+        let Self { path, file, .. } = self;
+        drop(file); // before the file is removed: not every system removes an open one
+        let read = read_journal(&path)?;
+        let written = read.trial().map(|trial| record_trial(files, layout, utc, &trial)).transpose()?;
+        remove(files, &path)?;
+        Ok(written)
+    }
+
+    fn write(&mut self, frame: &Frame, before: &[u8]) -> Result<(), StoreError> {
+        if self.broken {
+            let what = "an earlier write failed, so that nothing can be appended";
+            return Err(StoreError::new(&self.path, what, "end the trial, then run `zwidth recover`"));
+        }
+        let defect = |e: serde_json::Error| StoreError::new(&self.path, e.to_string(), "please report this");
+        let (bytes, chain) = encode(frame, self.chain).map_err(defect)?;
+        let written = self.file.append_synced(&[before, &bytes].concat());
+        self.broken = written.is_err();
+        self.chain = chain;
+        written.map_err(|e| StoreError::io(&self.path, "append to the journal", &e))
+    }
+}
+
+/// Removes a journal whose trial is safe.
+pub(crate) fn remove(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
+    let folder = folder_of(path);
+    let removed = files.remove(path).and_then(|()| files.sync_folder(folder));
+    removed.map_err(|e| StoreError::io(path, "remove the journal", &e))
+}
+
+/// What a journal holds.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Journaled {
+    pub(crate) header: Option<Header>,
+    pub(crate) rows: Vec<Sample>,
+    pub(crate) ended: bool,
+    pub(crate) answer: Option<u8>,
+    /// What comes after the last whole frame.
+    pub(crate) rest: Vec<u8>,
+}
+
+impl Journaled {
+    /// The trial, if it has any row.
+    pub(crate) fn trial(&self) -> Option<Trial> {
+        let Header { meta, file } = self.header.clone().filter(|_| !self.rows.is_empty())?;
+        let status = if self.ended { Status::Complete } else { Status::Incomplete };
+        let meta = TrialMeta { status, likert: self.answer, ..meta };
+        Some(Trial { meta, file, samples: Samples::from_rows(&self.rows) })
+    }
+}
+
+/// Reads every whole frame of a journal.
+///
+/// # Errors
+/// A file that cannot be read, or that is no journal of this version.
+pub(crate) fn read_journal(path: &Path) -> Result<Journaled, StoreError> {
+    let bytes = std::fs::read(path).map_err(|e| StoreError::io(path, "read", &e))?;
+    let Some(framed) = bytes.strip_prefix(MAGIC) else {
+        return if MAGIC.starts_with(&bytes) || bytes.iter().all(|b| *b == 0) {
+            Ok(Journaled { rest: bytes, ..Journaled::default() })
+        } else {
+            let what = "not a journal of this version";
+            Err(StoreError::new(path, what, "use the zwidth that wrote it, or move the file elsewhere"))
+        };
+    };
+    let (frames, whole) = decode(framed);
+    let mut read = Journaled { rest: framed[whole..].to_vec(), ..Journaled::default() };
+    for frame in frames {
+        match frame {
+            Frame::Header(header) => read.header = Some(header),
+            Frame::Rows(rows) => read.rows.extend(rows),
+            Frame::End => read.ended = true,
+            Frame::Answer(answer) => read.answer = Some(answer),
+        }
+    }
+    Ok(read)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crashes::{UTC, folder_with_study, meta, rows};
+    use crate::faulty::Faulty;
+    use crate::{RealFiles, Signal, read_trial};
+    use zwidth_study::Kind;
+
+    fn create(layout: &Layout, trial: u32) -> Result<Journal, StoreError> {
+        Journal::create(&RealFiles, layout, &meta(trial), &[("device".to_owned(), "none".to_owned())].into())
+    }
+
+    #[test]
+    fn a_finished_trial_is_a_file_with_its_answer_and_no_journal() {
+        let (_folder, layout) = folder_with_study();
+        let mut journal = create(&layout, 1).unwrap();
+        journal.append(&rows(0, 100)).unwrap();
+        journal.append(&[]).unwrap();
+        journal.append(&rows(100, 20)).unwrap();
+        journal.end().unwrap();
+        let path = journal.finish(&RealFiles, &layout, Some(5), UTC).unwrap().unwrap();
+        let trial = read_trial(&path, Signal::all()).unwrap();
+        assert_eq!(trial.meta, TrialMeta { likert: Some(5), ..meta(1) });
+        assert_eq!(trial.samples.get(Signal::Theta), Samples::from_rows(&rows(0, 120)).get(Signal::Theta));
+        assert_eq!(trial.file["device"], "none");
+        assert_eq!(std::fs::read_dir(layout.journals()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn without_its_end_a_trial_is_incomplete() {
+        let (_folder, layout) = folder_with_study();
+        let mut journal = create(&layout, 1).unwrap();
+        journal.append(&rows(0, 7)).unwrap();
+        let path = journal.finish(&RealFiles, &layout, None, UTC).unwrap().unwrap();
+        let trial = read_trial(&path, []).unwrap();
+        assert_eq!((trial.meta.status, trial.meta.likert), (Status::Incomplete, None));
+        assert_eq!(trial.meta.kind, Kind::Trial);
+    }
+
+    #[test]
+    fn a_trial_without_a_sample_leaves_nothing() {
+        let (_folder, layout) = folder_with_study();
+        let journal = create(&layout, 1).unwrap();
+        assert_eq!(journal.finish(&RealFiles, &layout, None, UTC), Ok(None));
+        assert_eq!(crate::verify(&layout), []);
+    }
+
+    #[test]
+    fn a_row_that_no_file_can_hold_is_refused_and_those_before_it_are_kept() {
+        for (damage, words) in [
+            ((|r: &mut Sample| r.force_ex_n = f64::NAN) as fn(&mut Sample), "column force_ex_n, row 4: NaN"),
+            (|r| r.t_s = 0.0, "column t_s, row 4: time runs backwards"),
+            (|r| r.voltages.motor_v = 1e39, "column voltage_motor_v, row 4"),
+        ] {
+            let (_folder, layout) = folder_with_study();
+            let mut journal = create(&layout, 1).unwrap();
+            let mut bad = rows(0, 6);
+            damage(&mut bad[3]);
+            let error = journal.append(&bad).unwrap_err();
+            assert!(error.to_string().contains(words), "{error}");
+            let late = journal.append(&rows(2, 1)).unwrap_err();
+            assert!(late.to_string().contains("row 1: time runs backwards or stands still"), "{late}");
+            journal.append(&rows(3, 2)).unwrap();
+            let path = journal.finish(&RealFiles, &layout, None, UTC).unwrap().unwrap();
+            assert_eq!(read_trial(&path, []).unwrap().samples.len(), 5);
+        }
+    }
+
+    #[test]
+    fn a_trial_that_is_there_is_not_begun_again() {
+        let (_folder, layout) = folder_with_study();
+        let mut journal = create(&layout, 1).unwrap();
+        let error = create(&layout, 1).err().unwrap();
+        assert!(error.remedy.contains("zwidth recover"), "{error}");
+        journal.append(&rows(0, 1)).unwrap();
+        journal.finish(&RealFiles, &layout, None, UTC).unwrap();
+        let error = create(&layout, 1).err().unwrap();
+        assert!(error.remedy.contains("a number of its own"), "{error}");
+    }
+
+    #[test]
+    fn after_a_write_that_failed_nothing_is_appended_behind_it() {
+        let (folder, layout) = folder_with_study();
+        // Folder and its name, the open file, the header's two steps, the folder: then the first rows fail.
+        let disk = Faulty::killed_at(Some(6), folder.path());
+        let mut journal = Journal::create(&disk, &layout, &meta(1), &TrialFile::new()).unwrap();
+        assert!(journal.append(&rows(0, 3)).is_err());
+        disk.restart(folder.path(), crate::faulty::Survives::Everything, None);
+        let error = journal.append(&rows(3, 3)).unwrap_err();
+        assert!(error.remedy.contains("zwidth recover"), "{error}");
+    }
+}

@@ -1,0 +1,115 @@
+//! One writer at a time: a lock file that says who holds it.
+//!
+//! The lock is the operating system's (`flock`, `LockFileEx`): it goes with the process that holds it, however that
+//! ends, so that no lock is ever stale. The file stays where it is, empty while nobody holds it; an owner that still
+//! stands in it did not end in order.
+
+use crate::atomic::create_folders;
+use crate::{Layout, RealFiles, StoreError};
+use std::fs::{File, TryLockError};
+use std::io::{self, Read as _, Seek as _, Write as _};
+use std::path::Path;
+
+/// The right to write to a study, until it is dropped.
+#[derive(Debug)]
+pub struct StudyLock {
+    file: File,
+    left_behind: Option<String>,
+}
+
+impl StudyLock {
+    /// Takes the lock of a study for `owner` ([`owner`] makes one).
+    ///
+    /// # Errors
+    /// Somebody else holds it, with who that is; a folder that cannot be written.
+    pub fn take(layout: &Layout, owner: &str) -> Result<Self, StoreError> {
+        let path = layout.lock();
+        let mut file = opened(&path).map_err(|e| StoreError::io(&path, "open the lock", &e))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(held(&path, &mut file)),
+            Err(TryLockError::Error(e)) => return Err(StoreError::io(&path, "lock", &e)),
+        }
+        let left_behind = read(&mut file).filter(|text| !text.is_empty());
+        written(&mut file, owner).map_err(|e| StoreError::io(&path, "write the lock", &e))?;
+        Ok(Self { file, left_behind })
+    }
+
+    /// The last owner, if it did not end in order: a trial of its may wait for [`crate::recover`].
+    pub fn left_behind(&self) -> Option<&str> {
+        self.left_behind.as_deref()
+    }
+}
+
+impl Drop for StudyLock {
+    fn drop(&mut self) {
+        // A name that stays says no more than that its owner did not end in order; the lock itself goes in any case.
+        let _ = self.file.set_len(0);
+    }
+}
+
+/// An owner's id: what it does, its process and host, and since when.
+pub fn owner(command: &str, utc: &str) -> String {
+    let host =
+        std::fs::read_to_string("/proc/sys/kernel/hostname").ok().or(std::env::var("COMPUTERNAME").ok());
+    let host = host.map(|name| format!(" on {}", name.trim())).unwrap_or_default();
+    format!("{command}, process {}{host}, since {utc}", std::process::id())
+}
+
+fn opened(path: &Path) -> io::Result<File> {
+    create_folders(&RealFiles, crate::atomic::folder_of(path))?;
+    File::options().read(true).write(true).create(true).truncate(false).open(path)
+}
+
+fn read(file: &mut File) -> Option<String> {
+    let mut text = String::new();
+    file.rewind().ok()?;
+    file.read_to_string(&mut text).ok()?;
+    Some(text.trim().to_owned())
+}
+
+fn written(file: &mut File, owner: &str) -> io::Result<()> {
+    file.set_len(0)?;
+    file.rewind()?;
+    writeln!(file, "{owner}")
+}
+
+fn held(path: &Path, file: &mut File) -> StoreError {
+    let who = read(file).filter(|text| !text.is_empty()).unwrap_or_else(|| "another process".to_owned());
+    StoreError::new(path, format!("the study is in use: {who}"), "wait for it, or end it")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crashes::folder_with_study;
+
+    #[test]
+    fn the_second_who_asks_is_told_who_holds_it() {
+        let (_folder, layout) = folder_with_study();
+        let first = StudyLock::take(&layout, &owner("zwidth acquire", "2026-01-01T00:00:00Z")).unwrap();
+        assert_eq!(first.left_behind(), None);
+        let error = StudyLock::take(&layout, "another").unwrap_err();
+        let words = format!("in use: zwidth acquire, process {}", std::process::id());
+        assert!(error.what.contains(&words) && error.what.contains("since 2026-01-01"), "{error}");
+        drop(first);
+        assert_eq!(StudyLock::take(&layout, "another").unwrap().left_behind(), None);
+    }
+
+    #[test]
+    fn an_owner_that_did_not_end_in_order_is_named_and_keeps_nobody_out() {
+        let (_folder, layout) = folder_with_study();
+        std::fs::write(layout.lock(), "zwidth acquire, process 1, since yesterday\n").unwrap();
+        let lock = StudyLock::take(&layout, "me").unwrap();
+        assert_eq!(lock.left_behind(), Some("zwidth acquire, process 1, since yesterday"));
+        drop(lock);
+        assert_eq!(std::fs::read(layout.lock()).unwrap(), b"");
+    }
+
+    #[test]
+    fn a_lock_is_no_finding() {
+        let (_folder, layout) = folder_with_study();
+        let _lock = StudyLock::take(&layout, "me").unwrap();
+        assert_eq!(crate::verify(&layout), []);
+    }
+}

@@ -1,0 +1,95 @@
+//! A trial becomes a file: written as a whole, its place made durable, and called recorded in the session's log.
+
+use crate::atomic::{folder_of, sync_file};
+use crate::{
+    Files, Layout, Samples, Signal, Storage, StoreError, Trial, append_events, file_blake3, read_events,
+    read_trial, trial_bytes, write_new,
+};
+use std::path::{Path, PathBuf};
+use zwidth_study::Event;
+
+/// Writes a trial's file and the event that calls it recorded; gives the file's path. `utc` is the time of the event.
+///
+/// What a first attempt has done already is not done again: the file may be there with this very trial in it, and
+/// the event may be there with the file's hash.
+///
+/// # Errors
+/// Samples that break a promise of the schema; another trial under the same number; a log that cannot be read; a
+/// write that failed.
+pub fn record_trial(
+    files: &dyn Files,
+    layout: &Layout,
+    utc: &str,
+    trial: &Trial,
+) -> Result<PathBuf, StoreError> {
+    let m = &trial.meta;
+    let path = layout.trial(&m.participant, &m.session, m.trial);
+    if path.exists() {
+        is_this(&path, trial)?;
+    } else {
+        write_new(files, &path, &trial_bytes(trial, &path)?)?;
+    }
+    settle(files, layout, &path)?;
+    let log = layout.events(&m.participant, &m.session);
+    let blake3 = file_blake3(&path)?;
+    if is_recorded(&log, m.trial, &blake3)? {
+        sync_file(files, &log).map_err(|e| StoreError::io(&log, "sync", &e))?;
+    } else {
+        append_events(files, &log, utc, &[Event::Recorded { trial: m.trial, blake3 }])?;
+    }
+    settle(files, layout, &log)?;
+    Ok(path)
+}
+
+/// Whether the file at `path` holds `trial`.
+fn is_this(path: &Path, trial: &Trial) -> Result<(), StoreError> {
+    let stored = Trial { samples: as_stored(&trial.samples), ..trial.clone() };
+    if read_trial(path, Signal::all())? == stored {
+        return Ok(());
+    }
+    let what = format!("there is another trial {} already", trial.meta.trial);
+    Err(StoreError::new(
+        path,
+        what,
+        "finished files never change; find out which of the two is the right one",
+    ))
+}
+
+/// The samples as they come back from a file, where some columns are narrower.
+#[allow(clippy::cast_possible_truncation)]
+fn as_stored(samples: &Samples) -> Samples {
+    let mut stored = samples.clone();
+    for signal in Signal::all().filter(|s| s.column().storage == Storage::F32) {
+        if let Some(values) = samples.get(signal) {
+            stored.set(signal, values.iter().map(|v| f64::from(*v as f32)).collect());
+        }
+    }
+    stored
+}
+
+/// Whether the log calls the trial recorded, with this hash.
+fn is_recorded(log: &Path, number: u32, hash: &str) -> Result<bool, StoreError> {
+    let events = read_events(log)?;
+    let of = |e: &Event| match e {
+        Event::Recorded { trial, blake3 } if *trial == number => Some(blake3.clone()),
+        _ => None,
+    };
+    match events.iter().find_map(of) {
+        None => Ok(false),
+        Some(recorded) if recorded == hash => Ok(true),
+        Some(_) => {
+            let what = format!("trial {number} was recorded already, in a file with another hash");
+            Err(StoreError::new(log, what, "restore the session's files from a copy"))
+        }
+    }
+}
+
+/// Syncs every folder from a file up to the root: a process that was killed may have left names unsynced.
+fn settle(files: &dyn Files, layout: &Layout, path: &Path) -> Result<(), StoreError> {
+    let below_root = folder_of(path).ancestors().take_while(|folder| folder.starts_with(layout.root()));
+    let folders = below_root.filter(|folder| *folder != Path::new(""));
+    for folder in folders {
+        files.sync_folder(folder).map_err(|e| StoreError::io(folder, "sync the folder", &e))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,323 @@
+//! `recover`: what a killed process or a power cut has left is brought in order.
+//!
+//! It can itself be killed at any moment: run again, it goes on where it stopped. The caller holds the study's lock.
+
+use crate::atomic::{folder_of, sync_file};
+use crate::events::mend_log;
+use crate::frame::is_unfinished;
+use crate::journal::{Journaled, read_journal, remove};
+use crate::study::files_below;
+use crate::{Files, Layout, StoreError, record_trial};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use zwidth_study::Status;
+
+/// One thing that was brought in order.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Recovered {
+    /// The file it is about.
+    pub path: PathBuf,
+    /// What was done.
+    pub done: Done,
+}
+
+/// What [`recover`] did with a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Done {
+    /// A journal became the trial at the path.
+    Trial {
+        /// Complete if the journal knows its end.
+        status: Status,
+        /// Its number of samples.
+        rows: usize,
+        /// Bytes of an unfinished append at the journal's end, which were left out.
+        cut_bytes: usize,
+    },
+    /// A journal without any sample was removed: the trial had not begun.
+    Empty,
+    /// The unfinished last line of a log was cut off: these words.
+    Cut(String),
+    /// The last line of a log got the line feed it lacked.
+    Ended,
+    /// A half-written file beside its final name was removed.
+    Swept,
+}
+
+impl fmt::Display for Recovered {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.path.display())?;
+        match &self.done {
+            Done::Trial { status, rows, cut_bytes } => {
+                write!(f, "recovered from its journal: {}, {rows} samples", status.as_str())?;
+                if *cut_bytes > 0 {
+                    write!(f, "; an append of {cut_bytes} bytes was cut short and is lost")?;
+                }
+                Ok(())
+            }
+            Done::Empty => write!(f, "the journal had no samples yet and was removed"),
+            Done::Cut(text) => write!(f, "the last line was an unfinished append and was cut off: {text}"),
+            Done::Ended => write!(f, "the last line was whole but for its line feed, which was added"),
+            Done::Swept => write!(f, "a half-written file was removed"),
+        }
+    }
+}
+
+/// Brings a study in order after a kill or a power cut, and says what was done: half-written files are removed,
+/// unfinished lines of event logs are cut off, and each journal becomes a trial, `complete` if its end is in the
+/// journal and `incomplete` otherwise. An error each for what could not be brought in order; the rest is.
+///
+/// `utc` is the time of the events that are written.
+pub fn recover(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recovered, StoreError>> {
+    let mut found = Vec::new();
+    for path in unfinished(&layout.raw()) {
+        found.push(swept(files, path));
+    }
+    for path in below(&layout.sessions(), ".events.jsonl") {
+        let mended = mend_log(files, &path);
+        found.extend(mended.map(|done| done.map(|done| Recovered { path, done })).transpose());
+    }
+    for path in below(&layout.journals(), ".journal") {
+        found.extend(journal(files, layout, &path, utc));
+    }
+    found
+}
+
+fn below(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let mut paths = files_below(folder).unwrap_or_default();
+    paths.retain(|path| path.to_string_lossy().ends_with(ending));
+    paths
+}
+
+fn swept(files: &dyn Files, path: PathBuf) -> Result<Recovered, StoreError> {
+    let removed = files.remove(&path).and_then(|()| files.sync_folder(folder_of(&path)));
+    removed.map_err(|e| StoreError::io(&path, "remove", &e))?;
+    Ok(Recovered { path, done: Done::Swept })
+}
+
+/// A journal becomes a trial. One that is damaged in its middle stays under another name besides.
+fn journal(files: &dyn Files, layout: &Layout, path: &Path, utc: &str) -> Vec<Result<Recovered, StoreError>> {
+    let attempt = || {
+        // What is made of the journal must not outlive it.
+        sync_file(files, path).map_err(|e| StoreError::io(path, "sync", &e))?;
+        let read = read_journal(path)?;
+        let recovered = trial(files, layout, path, &read, utc)?;
+        if is_unfinished(&read.rest) {
+            remove(files, path)?;
+            return Ok(vec![Ok(recovered)]);
+        }
+        Ok(vec![Ok(recovered), Err(set_aside(files, path, &read)?)])
+    };
+    attempt().unwrap_or_else(|error| vec![Err(error)])
+}
+
+fn trial(
+    files: &dyn Files,
+    layout: &Layout,
+    path: &Path,
+    read: &Journaled,
+    utc: &str,
+) -> Result<Recovered, StoreError> {
+    let Some(trial) = read.trial() else { return Ok(Recovered { path: path.to_owned(), done: Done::Empty }) };
+    let m = &trial.meta;
+    let belongs = layout.journal(&m.participant, &m.session, m.trial);
+    if belongs != path {
+        let what =
+            format!("by its content it is the journal of {} {} trial {}", m.participant, m.session, m.trial);
+        return Err(StoreError::new(path, what, format!("it belongs at {}", belongs.display())));
+    }
+    let done = Done::Trial { status: m.status, rows: trial.samples.len(), cut_bytes: read.rest.len() };
+    Ok(Recovered { path: record_trial(files, layout, utc, &trial)?, done })
+}
+
+/// Keeps a damaged journal for people to look at.
+fn set_aside(files: &dyn Files, path: &Path, read: &Journaled) -> Result<StoreError, StoreError> {
+    let aside = path.with_extension("journal.damaged");
+    let moved = files.rename(path, &aside).and_then(|()| files.sync_folder(folder_of(path)));
+    moved.map_err(|e| StoreError::io(path, "rename", &e))?;
+    let what = format!(
+        "the journal is damaged: its first {} rows are whole, the {} bytes after them cannot be read",
+        read.rows.len(),
+        read.rest.len()
+    );
+    Ok(StoreError::new(&aside, what, "the rows are kept as a trial; remove this file when nobody needs it"))
+}
+
+/// The left-overs of unfinished writes, at any depth.
+pub(crate) fn unfinished(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut found = Vec::new();
+    for path in entries.flatten().map(|e| e.path()) {
+        if path.is_dir() {
+            found.extend(unfinished(&path));
+        } else if path.extension().is_some_and(|e| e == "tmp") {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crashes::{UTC, folder_with_study, meta, rows};
+    use crate::{Journal, RealFiles, Signal, TrialFile, append_events, read_events, read_trial, verify};
+    use std::fs;
+    use zwidth_study::Event;
+
+    /// A journal of trial 1 with three batches of rows.
+    fn journal_of_three(layout: &Layout) -> PathBuf {
+        let mut journal = Journal::create(&RealFiles, layout, &meta(1), &TrialFile::new()).unwrap();
+        (0..3).for_each(|i| journal.append(&rows(4 * i, 4)).unwrap());
+        layout.journal(&meta(1).participant, &meta(1).session, 1)
+    }
+
+    fn recovered(layout: &Layout) -> Vec<Result<Recovered, StoreError>> {
+        recover(&RealFiles, layout, UTC)
+    }
+
+    /// As many things as the caller expects.
+    fn exactly<const N: usize>(layout: &Layout) -> [Result<Recovered, StoreError>; N] {
+        recovered(layout).try_into().unwrap()
+    }
+
+    #[test]
+    fn a_journal_without_its_end_becomes_an_incomplete_trial_and_verify_asks_for_it() {
+        let (_folder, layout) = folder_with_study();
+        let path = journal_of_three(&layout);
+        let [finding] = verify(&layout).try_into().unwrap();
+        assert!(finding.path == path && finding.remedy == "run `zwidth recover demo`", "{finding}");
+        let [Ok(done)] = exactly(&layout) else { panic!() };
+        assert!(
+            done.to_string()
+                .ends_with("trial-001.parquet: recovered from its journal: incomplete, 12 samples")
+        );
+        assert_eq!((verify(&layout), recovered(&layout)), (vec![], vec![]));
+    }
+
+    #[test]
+    fn a_journal_cut_anywhere_keeps_whole_batches() {
+        let (_folder, layout) = folder_with_study();
+        let path = journal_of_three(&layout);
+        let bytes = fs::read(&path).unwrap();
+        for cut in (0..bytes.len()).step_by(13) {
+            let (_folder, layout) = folder_with_study();
+            let path = layout.journal(&meta(1).participant, &meta(1).session, 1);
+            fs::create_dir(layout.journals()).unwrap();
+            fs::write(&path, &bytes[..cut]).unwrap();
+            let [Ok(done)] = exactly(&layout) else { panic!("{cut}") };
+            let rows = match done.done {
+                Done::Trial { rows, status: Status::Incomplete, .. } => rows,
+                _ => 0,
+            };
+            assert!(rows % 4 == 0 && rows * 80 <= cut, "{done} of {cut} bytes");
+            assert_eq!(verify(&layout), [], "{cut}");
+        }
+    }
+
+    #[test]
+    fn a_journal_damaged_in_its_middle_is_kept_beside_the_rows_before() {
+        let (_folder, layout) = folder_with_study();
+        let path = journal_of_three(&layout);
+        let mut bytes = fs::read(&path).unwrap();
+        let second = bytes.len() - 500;
+        bytes[second] ^= 1;
+        fs::write(&path, &bytes).unwrap();
+        let [Ok(done), Err(error)] = exactly(&layout) else { panic!() };
+        assert!(matches!(done.done, Done::Trial { rows: 4, .. }), "{done}");
+        assert!(error.what.contains("its first 4 rows are whole"), "{error}");
+        assert_eq!(fs::read(&error.path).unwrap(), bytes);
+        assert_eq!(recovered(&layout), []);
+        let [finding] = verify(&layout).try_into().unwrap();
+        assert_eq!(finding.path, error.path);
+    }
+
+    #[test]
+    fn a_file_that_is_no_journal_and_one_under_another_name_are_left_alone() {
+        let (_folder, layout) = folder_with_study();
+        let path = journal_of_three(&layout);
+        let other = layout.journal(&meta(1).participant, &meta(1).session, 2);
+        fs::rename(&path, &other).unwrap();
+        let later = layout.journals().join("P01_S01.trial-003.journal");
+        fs::write(&later, "zwidth journal 2\n").unwrap();
+        let [Err(misplaced), Err(unknown)] = exactly(&layout) else { panic!() };
+        assert!(misplaced.what.contains("P01 S01 trial 1"), "{misplaced}");
+        assert!(unknown.what.contains("not a journal of this version"), "{unknown}");
+        assert!(other.exists() && later.exists());
+    }
+
+    #[test]
+    fn a_trial_that_stands_there_already_must_be_the_journals() {
+        let (_folder, layout) = folder_with_study();
+        let path = journal_of_three(&layout);
+        let bytes = fs::read(&path).unwrap();
+        recovered(&layout);
+        let log = layout.events(&meta(1).participant, &meta(1).session);
+        let trial = layout.trial(&meta(1).participant, &meta(1).session, 1);
+        // The file is there and the log does not know it: a kill between the two.
+        fs::remove_file(&log).unwrap();
+        fs::write(&path, &bytes).unwrap();
+        let [Ok(_)] = exactly(&layout) else { panic!() };
+        assert_eq!(read_events(&log).unwrap().len(), 1);
+        // Another trial under the same number.
+        fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+        let [Err(error)] = exactly(&layout) else { panic!() };
+        assert!(error.what.contains("another trial 1"), "{error}");
+        assert_eq!(read_trial(&trial, Signal::all()).unwrap().samples.len(), 12);
+        assert!(path.exists());
+    }
+
+    #[test]
+    fn half_written_files_are_swept() {
+        let (_folder, layout) = folder_with_study();
+        let left = layout.sessions().join(".P02_S01.json.17.tmp");
+        fs::write(&left, "{").unwrap();
+        assert_eq!(verify(&layout).len(), 1);
+        assert_eq!(recovered(&layout), [Ok(Recovered { path: left, done: Done::Swept })]);
+        assert_eq!(verify(&layout), []);
+    }
+
+    fn notes(n: usize) -> Vec<Event> {
+        (0..n).map(|i| Event::Note { trial: None, text: format!("note {i} ä") }).collect()
+    }
+
+    #[test]
+    fn a_log_cut_in_its_last_line_keeps_the_lines_before() {
+        let (_folder, layout) = folder_with_study();
+        let log = layout.events(&meta(1).participant, &meta(1).session);
+        append_events(&RealFiles, &log, UTC, &notes(3)).unwrap();
+        let whole = fs::read(&log).unwrap();
+        let second = whole
+            .iter()
+            .rposition(|b| *b == b'\n')
+            .map(|end| whole[..end].iter().rposition(|b| *b == b'\n').unwrap() + 1);
+        let second = second.unwrap();
+        for cut in second + 1..whole.len() {
+            fs::write(&log, &whole[..cut]).unwrap();
+            let [Ok(done)] = exactly(&layout) else { panic!("{cut}") };
+            let is_whole = cut == whole.len() - 1;
+            assert_eq!(read_events(&log).unwrap(), notes(if is_whole { 3 } else { 2 }), "{done}");
+            assert_eq!(is_whole, done.done == Done::Ended);
+        }
+        fs::write(&log, [&whole[..], &[0; 100]].concat()).unwrap();
+        assert_eq!(recovered(&layout).len(), 1);
+        assert_eq!(fs::read(&log).unwrap(), whole);
+    }
+
+    #[test]
+    fn a_log_with_a_changed_line_is_not_touched() {
+        let (_folder, layout) = folder_with_study();
+        let log = layout.events(&meta(1).participant, &meta(1).session);
+        append_events(&RealFiles, &log, UTC, &notes(3)).unwrap();
+        let whole = fs::read_to_string(&log).unwrap();
+        let changed = whole.replace("note 1", "note 7");
+        let last = whole.replace("note 2", "note 7");
+        let before_a_cut = changed[..changed.len() - 20].to_owned();
+        for (bad, problems) in [(changed, 0), (last, 0), (before_a_cut, 1)] {
+            fs::write(&log, &bad).unwrap();
+            assert_eq!(recovered(&layout).into_iter().filter_map(Result::err).count(), problems);
+            assert_eq!(fs::read_to_string(&log).unwrap(), bad);
+            assert!(!verify(&layout).is_empty());
+        }
+    }
+}

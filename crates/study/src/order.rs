@@ -1,0 +1,362 @@
+//! The order of a session's trials.
+//!
+//! Blocks of one environment follow each other; within a block every mode comes `repeats` times. Which environment
+//! comes first, and by which rows of a Williams square the modes follow each other, is counterbalanced over
+//! participants: with one seed for the study, participants whose numbers follow each other get the rows in turn.
+//!
+//! Williams, E. J. (1949), Experimental designs balanced for the estimation of residual effects of treatments,
+//! Aust. J. Sci. Res. A 2:149–168.
+//!
+//! Random numbers are those of the ChaCha8 cipher keyed with the seed: one seed gives one order, on any machine.
+
+use crate::{Kind, OrderScheme, PlannedTrial, Scene, Study};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::collections::BTreeMap;
+
+/// How often a mode may come in a row in a constrained order.
+const IN_A_ROW: usize = 2;
+
+/// The sequences of Williams squares for `n` conditions, each a permutation of 0…n − 1: n of them for an even n, 2n
+/// for an odd one. Each condition stands equally often in each position, and each follows each other equally often.
+///
+/// The first row is 0, 1, n − 1, 2, n − 2, …; the next adds 1 (mod n) to each entry; an odd n takes the mirror image
+/// of each row besides (Williams 1949).
+pub fn williams(n: usize) -> Vec<Vec<usize>> {
+    let zigzag = |i: usize| if i % 2 == 1 { i.div_ceil(2) } else { n - i / 2 };
+    let row = |add: usize| (0..n).map(|i| (zigzag(i) + add) % n).collect::<Vec<_>>();
+    let mut rows: Vec<Vec<usize>> = (0..n).map(row).collect();
+    if n % 2 == 1 && n > 1 {
+        let mirrored: Vec<_> = rows.iter().map(|row| row.iter().rev().copied().collect()).collect();
+        rows.extend(mirrored);
+    }
+    rows
+}
+
+/// Draws a session: familiarisation first, then a block of trials an environment.
+///
+/// The order of the environments is a row of their Williams square, by participant and session number in turn. In a
+/// Williams block each repeat is one row of the modes' square: over as many participants as it has rows, every repeat
+/// of every environment sees each row once. In a constrained block the trials are drawn one by one, in proportion to
+/// what remains, with no mode more than twice in a row (a study of one mode has no choice).
+///
+/// Familiarisation takes environments in the order of the blocks and all modes in turn, so that few trials cover
+/// every environment and every mode, and environments × modes of them cover every condition.
+///
+/// `seed` belongs to the study: participants are balanced against each other only under one seed. Numbers may start
+/// anywhere.
+pub fn draw(study: &Study, participant_number: u32, session_number: u32, seed: u64) -> Vec<PlannedTrial> {
+    let (environments, modes) = (study.environments.len(), study.modes.len());
+    let person = participant_number as usize;
+    let mut shared = stream(seed, Stream::Study, 0);
+    let blocks = squares(&mut shared, environments);
+    let blocks = &blocks[(person + session_number as usize) % blocks.len()];
+    let mut of_session = stream(seed, Stream::Session, session_number.into());
+    let rows: Vec<_> = (0..environments).map(|_| squares(&mut of_session, modes)).collect();
+    let own = u64::from(participant_number) << u32::BITS | u64::from(session_number);
+    let mut own = stream(seed, Stream::Person, own);
+    let mut plan = familiarisation(&mut own, study.design.familiarisation, blocks, modes);
+    for environment in blocks {
+        let order = match study.design.order {
+            OrderScheme::Williams => by_rows(&rows[*environment], person, study.design.repeats),
+            OrderScheme::Constrained => constrained(&mut own, modes, study.design.repeats as usize),
+        };
+        plan.extend(order.into_iter().map(|mode| (Kind::Trial, *environment, mode)));
+    }
+    numbered(study, &plan)
+}
+
+/// Practice trials: (environment, mode) with modes in an order of the participant's own.
+fn familiarisation(
+    rng: &mut ChaCha8Rng,
+    trials: u32,
+    blocks: &[usize],
+    modes: usize,
+) -> Vec<(Kind, usize, usize)> {
+    let mut order: Vec<usize> = (0..modes).collect();
+    shuffle(rng, &mut order);
+    // Both indices run in step until they meet again at their least common multiple; then the modes shift by one.
+    let period = blocks.len() * modes / gcd(blocks.len(), modes);
+    let trial = |i: usize| (Kind::Familiarisation, blocks[i % blocks.len()], order[(i + i / period) % modes]);
+    (0..trials as usize).map(trial).collect()
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// The rows of a Williams square in random order, with its conditions in random order.
+fn squares(rng: &mut ChaCha8Rng, n: usize) -> Vec<Vec<usize>> {
+    let mut labels: Vec<usize> = (0..n).collect();
+    shuffle(rng, &mut labels);
+    let mut rows = williams(n);
+    rows.iter_mut().flatten().for_each(|entry| *entry = labels[*entry]);
+    shuffle(rng, &mut rows);
+    rows
+}
+
+/// A block by rows: each repeat is one row, and the participant says where to begin.
+fn by_rows(rows: &[Vec<usize>], person: usize, repeats: u32) -> Vec<usize> {
+    (0..repeats as usize).flat_map(|repeat| rows[(person + repeat) % rows.len()].clone()).collect()
+}
+
+/// Each mode `repeats` times, none more than [`IN_A_ROW`] times in a row.
+fn constrained(rng: &mut ChaCha8Rng, modes: usize, repeats: usize) -> Vec<usize> {
+    let mut left = vec![repeats; modes];
+    let mut order: Vec<usize> = Vec::new();
+    for _ in 0..modes * repeats {
+        let may = |mode: usize| left[mode] > 0 && (modes == 1 || can_follow(&order, &left, mode));
+        let weights: Vec<usize> = (0..modes).map(|mode| if may(mode) { left[mode] } else { 0 }).collect();
+        let mut place = below(rng, weights.iter().sum());
+        let chosen = weights.iter().position(|w| {
+            let here = place < *w;
+            place = place.saturating_sub(*w);
+            here
+        });
+        let mode = chosen.unwrap_or(0);
+        left[mode] -= 1;
+        order.push(mode);
+    }
+    order
+}
+
+/// Whether `mode` may come next, and the rest can then still be placed: the remaining trials of each mode fit into
+/// the gaps between all others.
+fn can_follow(order: &[usize], left: &[usize], mode: usize) -> bool {
+    let run = 1 + order.iter().rev().take_while(|m| **m == mode).count();
+    let remaining = |m: usize| left[m] - usize::from(m == mode);
+    let total: usize = (0..left.len()).map(remaining).sum();
+    let fits = |m: usize| {
+        let gaps = total - remaining(m);
+        let here = if m == mode { IN_A_ROW.saturating_sub(run) } else { IN_A_ROW };
+        remaining(m) <= here + IN_A_ROW * gaps
+    };
+    run <= IN_A_ROW && (0..left.len()).all(fits)
+}
+
+/// Trials with their numbers and repeats.
+fn numbered(study: &Study, plan: &[(Kind, usize, usize)]) -> Vec<PlannedTrial> {
+    let mut repeats: BTreeMap<_, u32> = BTreeMap::new();
+    let trial = |(number, what): (u32, &(Kind, usize, usize))| {
+        let repeat = repeats.entry(*what).or_default();
+        *repeat += 1;
+        let (kind, environment, mode) = *what;
+        let environment = &study.environments[environment];
+        PlannedTrial {
+            trial: number,
+            repeat: *repeat,
+            kind,
+            environment: environment.id.clone(),
+            mode: study.modes[mode].id.clone(),
+            samples: environment.scene != Scene::None,
+        }
+    };
+    (1..).zip(plan).map(trial).collect()
+}
+
+/// What random numbers are for: each use has a key of its own.
+#[derive(Clone, Copy)]
+enum Stream {
+    Study,
+    Session,
+    Person,
+}
+
+/// Number of bytes of the cipher's key.
+const KEY_BYTES: usize = 32;
+
+fn stream(seed: u64, of: Stream, number: u64) -> ChaCha8Rng {
+    let mut key = [0; KEY_BYTES];
+    key[..8].copy_from_slice(&seed.to_le_bytes());
+    key[8] = of as u8;
+    let mut rng = ChaCha8Rng::from_seed(key);
+    rng.set_stream(number);
+    rng
+}
+
+/// A whole number below `n`, from the high half of a 64 × 64 bit product (Lemire 2019); 0 for `n` = 0. Its bias is
+/// below n / 2⁶⁴.
+fn below(rng: &mut ChaCha8Rng, n: usize) -> usize {
+    ((u128::from(rng.next_u64()) * n as u128) >> u64::BITS) as usize
+}
+
+/// Fisher and Yates: each permutation equally likely.
+fn shuffle<T>(rng: &mut ChaCha8Rng, values: &mut [T]) {
+    for i in (1..values.len()).rev() {
+        values.swap(i, below(rng, i + 1));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{StudyId, template};
+
+    fn study(scheme: OrderScheme, modes: usize, repeats: u32) -> Study {
+        let mut study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
+        let mode = |i: usize| crate::Mode { id: format!("m{i}").parse().unwrap(), ..study.modes[0].clone() };
+        study.modes = (0..modes).map(mode).collect();
+        study.design.order = scheme;
+        study.design.repeats = repeats;
+        study
+    }
+
+    /// The modes of the experiment's trials in one environment, by number.
+    fn modes_in(study: &Study, trials: &[PlannedTrial], environment: usize) -> Vec<usize> {
+        let id = &study.environments[environment].id;
+        let of = trials.iter().filter(|t| t.kind == Kind::Trial && t.environment == *id);
+        of.map(|t| study.modes.iter().position(|m| m.id == t.mode).unwrap()).collect()
+    }
+
+    #[test]
+    fn each_condition_stands_in_each_position_and_follows_each_other_equally_often() {
+        for n in 2..=8 {
+            let rows = williams(n);
+            let each = if n % 2 == 0 { 1 } else { 2 };
+            assert_eq!(rows.len(), each * n);
+            for condition in 0..n {
+                for position in 0..n {
+                    assert_eq!(rows.iter().filter(|r| r[position] == condition).count(), each, "{n}");
+                }
+                for next in (0..n).filter(|next| *next != condition) {
+                    let pairs = rows.iter().flat_map(|r| r.windows(2)).filter(|w| **w == [condition, next]);
+                    assert_eq!(pairs.count(), each, "{n}: {condition} before {next}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_square_of_four_is_williamss() {
+        assert_eq!(williams(4), [[0, 1, 3, 2], [1, 2, 0, 3], [2, 3, 1, 0], [3, 0, 2, 1]]);
+        assert_eq!(williams(1), [[0]]);
+    }
+
+    #[test]
+    fn the_thesis_session_has_three_to_practise_and_each_condition_six_times_in_blocks() {
+        let study = study(OrderScheme::Williams, 3, 6);
+        let trials = draw(&study, 1, 1, 1);
+        assert_eq!(trials.len(), 3 + 36);
+        assert!(trials.iter().zip(1..).all(|(t, n)| t.trial == n && t.samples));
+        let practice = trials.iter().take_while(|t| t.kind == Kind::Familiarisation).count();
+        assert_eq!(practice, 3);
+        let block =
+            |from: usize| trials[from..from + 18].iter().all(|t| t.environment == trials[from].environment);
+        assert!(block(3) && block(21) && trials[3].environment != trials[21].environment);
+        for condition in study.conditions() {
+            let of =
+                trials.iter().filter(|t| t.environment == condition.environment && t.mode == condition.mode);
+            let repeats: Vec<u32> = of.filter(|t| t.kind == Kind::Trial).map(|t| t.repeat).collect();
+            assert_eq!(repeats, [1, 2, 3, 4, 5, 6]);
+        }
+    }
+
+    /// As many participants as the square has rows: each repeat of each environment sees each row once, and as many
+    /// begin with one environment as with the other.
+    #[test]
+    fn participants_are_balanced_against_each_other() {
+        for modes in [2, 3, 4, 5] {
+            let study = study(OrderScheme::Williams, modes, 3);
+            let rows = williams(modes).len() as u32;
+            for session in [1, 2] {
+                let all: Vec<_> = (1..=rows).map(|p| draw(&study, p, session, 11)).collect();
+                for environment in [0, 1] {
+                    for repeat in 0..3 {
+                        let row = |t: &Vec<PlannedTrial>| {
+                            modes_in(&study, t, environment)[modes * repeat..][..modes].to_vec()
+                        };
+                        let mut found: Vec<_> = all.iter().map(row).collect();
+                        found.sort();
+                        found.dedup();
+                        assert_eq!(found.len(), rows as usize, "{modes} modes");
+                    }
+                }
+                let first = |t: &&Vec<PlannedTrial>| t[3].environment == study.environments[0].id;
+                assert_eq!(all.iter().filter(first).count(), rows as usize / 2);
+            }
+        }
+    }
+
+    #[test]
+    fn a_constrained_order_has_each_mode_as_often_and_none_thrice_in_a_row() {
+        for modes in 1..=5 {
+            for repeats in [1, 2, 6, 25] {
+                let study = study(OrderScheme::Constrained, modes, repeats);
+                for seed in 0..20 {
+                    let order = modes_in(&study, &draw(&study, 1, 1, seed), 0);
+                    for mode in 0..modes {
+                        assert_eq!(order.iter().filter(|m| **m == mode).count(), repeats as usize);
+                    }
+                    let thrice = order.windows(3).any(|w| w[0] == w[1] && w[1] == w[2]);
+                    assert!(!thrice || modes == 1, "{order:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn constrained_orders_begin_with_each_mode_and_pair_them_about_equally_often() {
+        let study = study(OrderScheme::Constrained, 3, 6);
+        let orders: Vec<_> = (0..600).map(|p| modes_in(&study, &draw(&study, p, 1, 5), 0)).collect();
+        for mode in 0..3 {
+            let first = orders.iter().filter(|o| o[0] == mode).count();
+            assert!((150..250).contains(&first), "{first} of 600 begin with {mode}");
+        }
+        let alike = orders.iter().filter(|o| o[0] == o[1]).count();
+        assert!((60..240).contains(&alike), "{alike} of 600 begin with a pair");
+    }
+
+    #[test]
+    fn familiarisation_covers_environments_modes_and_in_the_end_every_condition() {
+        for modes in 1..=4 {
+            let mut study = study(OrderScheme::Williams, modes, 1);
+            study.design.familiarisation = 2 * modes as u32;
+            let trials = draw(&study, 3, 1, 2);
+            let practice: Vec<_> = trials.iter().filter(|t| t.kind == Kind::Familiarisation).collect();
+            let few = &practice[..modes.max(2)];
+            assert!(study.environments.iter().all(|e| few.iter().any(|t| t.environment == e.id)));
+            assert!(study.modes.iter().all(|m| few.iter().any(|t| t.mode == m.id)), "{modes}");
+            let covers = |c: &crate::Condition| {
+                practice.iter().any(|t| t.environment == c.environment && t.mode == c.mode && t.repeat == 1)
+            };
+            assert!(study.conditions().iter().all(covers), "{modes} modes");
+        }
+    }
+
+    #[test]
+    fn one_seed_gives_one_order_and_another_another() {
+        let study = study(OrderScheme::Williams, 3, 6);
+        for scheme in [OrderScheme::Williams, OrderScheme::Constrained] {
+            let study =
+                Study { design: crate::Design { order: scheme, ..study.design.clone() }, ..study.clone() };
+            assert_eq!(draw(&study, 1, 1, 1), draw(&study, 1, 1, 1));
+            assert_ne!(draw(&study, 1, 1, 1), draw(&study, 1, 1, 2));
+            assert_ne!(draw(&study, 1, 1, 1), draw(&study, 2, 1, 1));
+            assert_ne!(draw(&study, 1, 1, 1), draw(&study, 1, 2, 1));
+        }
+    }
+
+    /// A session is resumed with the order it was drawn with: this fails if a new version of anything changes it. The
+    /// numbers come from the same rules written in Python on a separate ChaCha8.
+    #[test]
+    fn the_order_of_a_seed_is_fixed() {
+        let study = study(OrderScheme::Williams, 3, 2);
+        let drawn = draw(&study, 1, 1, 1);
+        assert_eq!([0, 1].map(|e| modes_in(&study, &drawn, e)), [[2, 0, 1, 1, 0, 2], [0, 1, 2, 1, 0, 2]]);
+        let study = Study {
+            design: crate::Design { order: OrderScheme::Constrained, ..study.design.clone() },
+            ..study
+        };
+        let drawn = draw(&study, 1, 1, 1);
+        assert_eq!([0, 1].map(|e| modes_in(&study, &drawn, e)), [[2, 2, 1, 0, 1, 0], [0, 2, 1, 1, 0, 2]]);
+    }
+
+    /// The largest numbers that fit are numbers like any other.
+    #[test]
+    fn numbers_may_be_anything() {
+        let study = study(OrderScheme::Williams, 3, 6);
+        for number in [0, u32::MAX] {
+            assert_eq!(draw(&study, number, number, u64::MAX).len(), 39);
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! Sealing: the order of the modes is fixed before the first trial, and known to nobody until it is opened.
+//!
+//! The session's record holds codes in place of modes, and the commitment BLAKE3(nonce ‖ text), where the nonce is
+//! 32 random bytes and the text has a line `<trial> <mode>` for each trial, by number, each ended by a line feed.
+//! Opening the seal shows nonce and order: whoever reads the log can then check that the order is the one that was
+//! committed to. A code is BLAKE3 of the trial's number (4 bytes, little-endian) keyed with the nonce: it differs
+//! from trial to trial and knows nothing of the mode.
+//!
+//! This protects against accident, not against a person with the disk: the voltages of a recording tell its mode.
+
+use crate::{Event, Kind, ModeId, PlannedTrial, SealedTrial};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// What is wrong with a seal.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SealError {
+    /// The text is no seal.
+    #[error("not a seal: {0}; restore the file from a copy")]
+    NotASeal(String),
+    /// The order is not the one that was committed to.
+    #[error(
+        "nonce and order give the commitment {found}, but the session was laid down with {committed}; \
+         only the seal of this very session opens it"
+    )]
+    OtherOrder {
+        /// The session's commitment.
+        committed: String,
+        /// The commitment of the seal.
+        found: String,
+    },
+    /// A trial of the session does not stand in the sealed order, or under another code.
+    #[error(
+        "trial {trial} is not sealed under the code '{code}'; only the seal of this very session opens it"
+    )]
+    OtherTrial {
+        /// The trial.
+        trial: u32,
+        /// The code in the session's record.
+        code: ModeId,
+    },
+}
+
+/// The order of the modes, and the nonce it is sealed with. Kept outside of the data until it is opened.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Seal {
+    /// 32 random bytes: without them the order could be guessed from its commitment.
+    pub nonce: [u8; 32],
+    /// The mode of each planned trial, by number.
+    pub order: Vec<(u32, ModeId)>,
+}
+
+/// A seal as it lies in its file.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    nonce: String,
+    order: Vec<SealedTrial>,
+}
+
+impl Seal {
+    /// Seals the modes of `trials`.
+    pub fn new(nonce: [u8; 32], trials: &[PlannedTrial]) -> Self {
+        let mut order: Vec<_> = trials.iter().map(|t| (t.trial, t.mode.clone())).collect();
+        order.sort();
+        Self { nonce, order }
+    }
+
+    /// The commitment, hexadecimal: what a session's record shows before the first trial.
+    pub fn commitment(&self) -> String {
+        let mut text = String::new();
+        for (trial, mode) in &self.order {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{trial} {mode}");
+        }
+        blake3::Hasher::new().update(&self.nonce).update(text.as_bytes()).finalize().to_hex().to_string()
+    }
+
+    /// The code of a trial: what stands in place of its mode, in the record and in the trial's file.
+    pub fn code(&self, trial: u32) -> ModeId {
+        ModeId::code(&blake3::keyed_hash(&self.nonce, &trial.to_le_bytes()))
+    }
+
+    /// Whether this is the seal of `commitment`.
+    ///
+    /// # Errors
+    /// [`SealError::OtherOrder`] with both commitments.
+    pub fn verify(&self, commitment: &str) -> Result<(), SealError> {
+        let found = self.commitment();
+        if found == commitment {
+            return Ok(());
+        }
+        Err(SealError::OtherOrder { committed: commitment.to_owned(), found })
+    }
+
+    /// The trials as a sealed session shows them: codes in place of modes, and in place of repeats the place
+    /// among the trials of the same kind and environment.
+    #[must_use]
+    pub fn masked(&self, trials: &[PlannedTrial]) -> Vec<PlannedTrial> {
+        let mut places = Counter::default();
+        let mask = |t: &PlannedTrial| PlannedTrial {
+            mode: self.code(t.trial),
+            repeat: places.next((t.kind, t.environment.clone(), None)),
+            ..t.clone()
+        };
+        trials.iter().map(mask).collect()
+    }
+
+    /// The trials of a sealed session with their modes and repeats: undoes [`Seal::masked`].
+    ///
+    /// # Errors
+    /// [`SealError::OtherTrial`] for a trial that is not in the order, or has another code than this seal gives it.
+    pub fn opened(&self, trials: &[PlannedTrial]) -> Result<Vec<PlannedTrial>, SealError> {
+        let modes: BTreeMap<u32, &ModeId> = self.order.iter().map(|(trial, mode)| (*trial, mode)).collect();
+        let mut repeats = Counter::default();
+        let open = |t: &PlannedTrial| {
+            let mode = modes.get(&t.trial).filter(|_| t.mode == self.code(t.trial));
+            let other = || SealError::OtherTrial { trial: t.trial, code: t.mode.clone() };
+            let mode = (*mode.ok_or_else(other)?).clone();
+            let repeat = repeats.next((t.kind, t.environment.clone(), Some(mode.clone())));
+            Ok(PlannedTrial { mode, repeat, ..t.clone() })
+        };
+        trials.iter().map(open).collect()
+    }
+
+    /// The event that opens the seal.
+    pub fn event(&self) -> Event {
+        let File { nonce, order } = File::from(self);
+        Event::Unsealed { nonce, order }
+    }
+
+    /// The seal that an event shows.
+    ///
+    /// # Errors
+    /// A nonce that is not 64 hexadecimal digits.
+    pub fn from_event(nonce: &str, order: &[SealedTrial]) -> Result<Self, SealError> {
+        let nonce = blake3::Hash::from_hex(nonce).map_err(|e| SealError::NotASeal(format!("nonce: {e}")))?;
+        let order = order.iter().map(|t| (t.trial, t.mode.clone())).collect();
+        Ok(Self { nonce: *nonce.as_bytes(), order })
+    }
+
+    /// The seal as the text of its file.
+    ///
+    /// # Errors
+    /// None in practice: a seal has nothing that JSON cannot hold.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(&File::from(self)).map(|text| text + "\n")
+    }
+
+    /// Reads the text of a seal's file.
+    ///
+    /// # Errors
+    /// Text that is no seal.
+    pub fn from_json(text: &str) -> Result<Self, SealError> {
+        let file: File = serde_json::from_str(text).map_err(|e| SealError::NotASeal(e.to_string()))?;
+        Self::from_event(&file.nonce, &file.order)
+    }
+}
+
+impl From<&Seal> for File {
+    fn from(seal: &Seal) -> Self {
+        let sealed = |(trial, mode): &(u32, ModeId)| SealedTrial { trial: *trial, mode: mode.clone() };
+        Self {
+            nonce: blake3::Hash::from(seal.nonce).to_hex().to_string(),
+            order: seal.order.iter().map(sealed).collect(),
+        }
+    }
+}
+
+/// Counts from 1 how often something came.
+#[derive(Default)]
+struct Counter(BTreeMap<(Kind, crate::EnvironmentId, Option<ModeId>), u32>);
+
+impl Counter {
+    fn next(&mut self, what: (Kind, crate::EnvironmentId, Option<ModeId>)) -> u32 {
+        let count = self.0.entry(what).or_default();
+        *count += 1;
+        *count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{OrderScheme, Study, StudyId, order, template};
+    use std::collections::BTreeSet;
+
+    fn planned(scheme: OrderScheme) -> Vec<PlannedTrial> {
+        let mut study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
+        study.design.order = scheme;
+        order::draw(&study, 1, 1, 7)
+    }
+
+    fn seal() -> Seal {
+        Seal::new([7; 32], &planned(OrderScheme::Williams))
+    }
+
+    /// Nonce 0, 1, … 31; trial 1 hybrid, trial 2 active.
+    const COMMITMENT: &str = "b46416acc4a09d22c6008e9de9e23ed257315545aa8b652464b64b4d2b226ceb";
+    const CODE: &str = "sealed-2e4fc41ffd239f58";
+
+    /// The numbers come from a separate BLAKE3 written in Python from its paper.
+    #[test]
+    fn commitment_and_code_are_those_of_the_documented_bytes() {
+        let order = vec![(1, "hybrid".parse().unwrap()), (2, "active".parse().unwrap())];
+        let seal = Seal { nonce: std::array::from_fn(|i| i as u8), order };
+        assert_eq!(seal.commitment(), COMMITMENT);
+        assert_eq!(seal.code(2).as_str(), CODE);
+    }
+
+    #[test]
+    fn only_the_same_order_and_nonce_verify() {
+        let seal = seal();
+        let commitment = seal.commitment();
+        assert_eq!(seal.verify(&commitment), Ok(()));
+        let mut swapped = seal.clone();
+        let first = swapped.order[3].1.clone();
+        let other = swapped.order.iter().position(|(trial, mode)| *trial > 4 && *mode != first).unwrap();
+        swapped.order[3].1 = swapped.order[other].1.clone();
+        swapped.order[other].1 = first;
+        let renonced = Seal { nonce: [8; 32], ..seal.clone() };
+        for other in [swapped, renonced] {
+            assert!(other.verify(&commitment).unwrap_err().to_string().contains(&commitment));
+        }
+    }
+
+    #[test]
+    fn codes_differ_from_trial_to_trial_and_know_nothing_of_the_modes() {
+        let seal = seal();
+        let codes: BTreeSet<ModeId> = (1..=10_000).map(|trial| seal.code(trial)).collect();
+        assert_eq!(codes.len(), 10_000);
+        assert!(codes.iter().all(ModeId::is_code));
+        let all_active = seal.order.iter().map(|(trial, _)| (*trial, "active".parse().unwrap())).collect();
+        let other = Seal { order: all_active, ..seal.clone() };
+        assert!((1..100).all(|trial| other.code(trial) == seal.code(trial)));
+    }
+
+    /// Whatever a masked session shows is the same for two orders of the modes.
+    #[test]
+    fn a_masked_session_shows_nothing_that_depends_on_the_modes() {
+        for scheme in [OrderScheme::Williams, OrderScheme::Constrained] {
+            let trials = planned(scheme);
+            let seal = Seal::new([7; 32], &trials);
+            let turned =
+                |t: &PlannedTrial| PlannedTrial { mode: "active".parse().unwrap(), repeat: 1, ..t.clone() };
+            let turned: Vec<_> = trials.iter().map(turned).collect();
+            assert_eq!(seal.masked(&trials), seal.masked(&turned));
+        }
+    }
+
+    #[test]
+    fn opening_undoes_masking() {
+        for scheme in [OrderScheme::Williams, OrderScheme::Constrained] {
+            let trials = planned(scheme);
+            let seal = Seal::new([7; 32], &trials);
+            assert_eq!(seal.opened(&seal.masked(&trials)), Ok(trials));
+        }
+    }
+
+    #[test]
+    fn a_trial_that_was_not_sealed_or_has_another_code_is_not_opened() {
+        let seal = seal();
+        let masked = seal.masked(&planned(OrderScheme::Williams));
+        for other in [
+            PlannedTrial { trial: 99, ..masked[5].clone() },
+            PlannedTrial { mode: "hybrid".parse().unwrap(), ..masked[5].clone() },
+            PlannedTrial { mode: seal.code(1), ..masked[5].clone() },
+        ] {
+            let error = seal.opened(&[masked[0].clone(), other.clone()]).unwrap_err();
+            assert_eq!(error, SealError::OtherTrial { trial: other.trial, code: other.mode });
+        }
+    }
+
+    #[test]
+    fn file_and_event_bring_the_seal_back() {
+        let seal = seal();
+        assert_eq!(Seal::from_json(&seal.to_json().unwrap()), Ok(seal.clone()));
+        let Event::Unsealed { nonce, order } = seal.event() else { panic!() };
+        assert_eq!(Seal::from_event(&nonce, &order), Ok(seal));
+        for bad in ["", "{}", "{\"nonce\":\"00\",\"order\":[]}"] {
+            assert!(Seal::from_json(bad).unwrap_err().to_string().contains("not a seal"));
+        }
+    }
+}
