@@ -40,9 +40,12 @@ fn zwidth(root: &Path, arguments: &[&str]) {
 
 fn run(c: &mut Criterion) {
     let folder = tempfile::tempdir().unwrap();
-    copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../raw/demo"), &folder.path().join("raw/demo"));
+    copy(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join("../raw/thesis-twin"),
+        &folder.path().join("raw/thesis-twin"),
+    );
     zwidth(folder.path(), &["run"]);
-    let mut group = c.benchmark_group("zwidth run demo");
+    let mut group = c.benchmark_group("zwidth run thesis-twin");
     group.bench_function("nothing to do", |b| b.iter(|| zwidth(folder.path(), &["run"])));
     group.sample_size(10);
     group.bench_function("fresh", |b| b.iter(|| zwidth(folder.path(), &["run", "--fresh"])));

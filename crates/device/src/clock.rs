@@ -1,11 +1,139 @@
 //! Time as the control loop sees it.
 
+use crate::DeviceError;
+use crate::error::positive;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::time::{Duration, Instant};
+
 /// A monotonic clock with a deadline timer. Seconds since some fixed moment.
-pub trait Clock {
+pub trait Clock: Send {
     /// Now, s.
     fn now_s(&mut self) -> f64;
 
     /// Waits for a deadline, s, and returns when it really woke: not before the deadline, and later by the jitter.
     /// A deadline that is past returns at once.
     fn wait_until(&mut self, deadline_s: f64) -> f64;
+}
+
+/// The last stretch before a deadline is spent looking at the clock, s: a sleeping thread wakes some 50 µs late (the
+/// timer slack of an ordinary Linux thread) and now and then later.
+const SPIN_S: f64 = 200e-6;
+
+/// The machine's monotonic clock; 0 where it was made.
+#[derive(Debug, Clone, Copy)]
+pub struct RealClock {
+    origin: Instant,
+    speed: f64,
+}
+
+impl RealClock {
+    /// Begins at 0 now.
+    #[must_use]
+    #[expect(clippy::new_without_default, reason = "a clock begins when it is asked to, not by default")]
+    pub fn new() -> Self {
+        Self { origin: Instant::now(), speed: 1.0 }
+    }
+
+    /// Begins at 0 now and runs so many times as fast: to watch a recording that is played, or the twin.
+    ///
+    /// # Errors
+    /// A speed that is not above 0 and finite.
+    pub fn faster(speed: f64) -> Result<Self, DeviceError> {
+        positive("speed of the clock", speed)?;
+        Ok(Self { speed, ..Self::new() })
+    }
+}
+
+impl Clock for RealClock {
+    fn now_s(&mut self) -> f64 {
+        self.origin.elapsed().as_secs_f64() * self.speed
+    }
+
+    fn wait_until(&mut self, deadline_s: f64) -> f64 {
+        let asleep_s = (deadline_s - self.now_s()) / self.speed - SPIN_S;
+        if asleep_s > 0.0 {
+            std::thread::sleep(Duration::from_secs_f64(asleep_s));
+        }
+        loop {
+            let now_s = self.now_s();
+            if now_s >= deadline_s {
+                return now_s;
+            }
+            std::hint::spin_loop();
+        }
+    }
+}
+
+/// Jitter of the simulated clock, mean, s: what a loop of its own thread shows on an idle machine.
+const JITTER_S: f64 = 20e-6;
+
+/// The simulated jitter ends at so many times its mean, so that no deadline is missed by chance.
+const JITTER_MOST: f64 = 10.0;
+
+/// A clock that is never waited for: each deadline is met at once, late by a jitter drawn from a seed (exponential,
+/// mean 20 µs, at most 200 µs). The work between two deadlines takes no time.
+#[derive(Debug, Clone)]
+pub struct SimulatedClock {
+    now_s: f64,
+    jitter: ChaCha8Rng,
+}
+
+impl SimulatedClock {
+    /// Begins at 0, with the jitter of a seed.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self { now_s: 0.0, jitter: ChaCha8Rng::seed_from_u64(seed) }
+    }
+
+    /// An exponential variate by its inverse distribution, s.
+    fn late_s(&mut self) -> f64 {
+        // The upper 53 bits as a number in (0, 1].
+        let uniform = ((self.jitter.next_u64() >> 11) as f64 + 1.0) / (1_u64 << 53) as f64;
+        JITTER_S * (-libm::log(uniform)).min(JITTER_MOST)
+    }
+}
+
+impl Clock for SimulatedClock {
+    fn now_s(&mut self) -> f64 {
+        self.now_s
+    }
+
+    fn wait_until(&mut self, deadline_s: f64) -> f64 {
+        self.now_s = self.now_s.max(deadline_s + self.late_s());
+        self.now_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_clock_wakes_before_its_deadline_or_runs_back() {
+        let mut faster = RealClock::faster(10.0).unwrap();
+        for clock in [&mut SimulatedClock::new(1) as &mut dyn Clock, &mut RealClock::new(), &mut faster] {
+            let mut last_s = clock.now_s();
+            for i in 1..20 {
+                let deadline_s = f64::from(i) * 1e-4;
+                let woke_s = clock.wait_until(deadline_s);
+                assert!(woke_s >= deadline_s && woke_s >= last_s);
+                last_s = woke_s;
+            }
+            assert!(clock.wait_until(0.0) >= last_s);
+        }
+    }
+
+    #[test]
+    fn one_seed_gives_one_jitter_with_its_mean() {
+        let late = |seed| {
+            let mut clock = SimulatedClock::new(seed);
+            (1..2000).map(|i| clock.wait_until(f64::from(i)) - f64::from(i)).collect::<Vec<_>>()
+        };
+        assert_eq!(late(7), late(7));
+        assert_ne!(late(7), late(8));
+        let mean_s = late(7).iter().sum::<f64>() / 1999.0;
+        assert!((mean_s - JITTER_S).abs() < 0.1 * JITTER_S, "{mean_s}");
+        assert!(late(7).iter().all(|s| *s <= JITTER_S * JITTER_MOST + 1e-9));
+    }
 }

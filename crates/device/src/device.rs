@@ -42,10 +42,23 @@ pub struct Reading {
     pub t_device_s: Option<f64>,
     /// The angle.
     pub angle: Angle,
+    /// Age of the angle, s: 0 for one that was taken when it was asked for. A loop that outruns its sensor sees it
+    /// grow, and safety sees a sensor that has stopped.
+    pub angle_age_s: f64,
     /// User force at the lever's end, N; above 0 pushes into the object (+θ).
     pub force_n: f64,
     /// Age of the force value, s.
     pub force_age_s: Option<f64>,
+}
+
+impl Reading {
+    /// The angle sensor's own count, where it has one.
+    pub fn raw(&self) -> Option<u16> {
+        match self.angle {
+            Angle::Counts(raw) => Some(raw),
+            Angle::Lever(_) => None,
+        }
+    }
 }
 
 /// What a device may know of the trial that begins: never the mode.

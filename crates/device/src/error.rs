@@ -31,4 +31,20 @@ pub enum DeviceError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// The study does not say what is needed.
+    #[error("study.toml does not say {key}; a device cannot be driven without it")]
+    Missing {
+        /// The key.
+        key: &'static str,
+    },
+}
+
+/// A parameter that must be above 0 and finite.
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, DeviceError> {
+    let allowed = "above 0 and finite";
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(DeviceError::Parameter { name, value, allowed })
+    }
 }

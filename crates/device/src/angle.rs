@@ -1,0 +1,278 @@
+//! The lever's angle from a sensor that turns with the shaft and forgets its turns.
+//!
+//! One turn of the shaft is 52.8° of the prototype's lever (thesis §4.2), so a count alone leaves the angle open by
+//! multiples of that. [`Homed`] fixes the turn at the lower stop, [`Unwrap`] counts turns from there.
+
+use crate::{Angle, Capabilities, DeviceError, Reading};
+use std::f64::consts::TAU;
+
+/// A step further than this from the predicted one is refused, turns: half of the half turn at which a step and its
+/// alias are equally short.
+const REFUSED_TURN: f64 = 0.25;
+
+/// How far from its stop the lever may be when it is homed by a sensor that gives angles, rad: 2°, the same as it
+/// may later lie outside the work space.
+const HOME_RAD: f64 = 2.0 * TAU / 360.0;
+
+/// Why an angle is not to be believed any more.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum AngleFault {
+    /// The step is too far from the predicted one.
+    #[error(
+        "the angle moved {step_turns:.3} turns of the shaft where {predicted_turns:.3} were expected, {REFUSED_TURN} turns \
+         off at most: the turn is lost"
+    )]
+    Jump {
+        /// The step as the shortest one, turns of the shaft.
+        step_turns: f64,
+        /// The step at the speed of the one before, turns of the shaft.
+        predicted_turns: f64,
+    },
+    /// A code the sensor does not have.
+    #[error("the angle sensor gave {raw}; its codes end at {last}")]
+    Code {
+        /// The code.
+        raw: u16,
+        /// The last code there is.
+        last: i64,
+    },
+    /// The sensor gave an angle where it gave counts at homing, or the other way round.
+    #[error("the angle sensor changed between counts and angles")]
+    Kind,
+}
+
+/// Counts turns: a count that wraps becomes one that does not.
+///
+/// The step between two readings is taken as the one below half a turn, and refused when it lies more than a quarter
+/// of a turn from the predicted step (the step before, at the same speed). So every motion is unwrapped exactly
+/// whose steps stay below half a turn and differ by less than a quarter from one to the next; on the prototype half
+/// a turn is 26.4° of lever, 3,180°/s at 8.3 ms. A faster step may alias, and is refused unless its alias happens to
+/// lie near the predicted step, which no sensor of this kind can tell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unwrap {
+    per_turn: i64,
+    t_s: f64,
+    raw: i64,
+    total: i64,
+    /// Counts a second.
+    speed: f64,
+}
+
+impl Unwrap {
+    /// Starts at rest at a count, which is also the total there.
+    ///
+    /// # Errors
+    /// A code the sensor does not have.
+    pub fn start(counts_per_turn: u32, t_s: f64, raw: u16) -> Result<Self, AngleFault> {
+        let per_turn = i64::from(counts_per_turn);
+        let raw = code(raw, per_turn)?;
+        Ok(Self { per_turn, t_s, raw, total: raw, speed: 0.0 })
+    }
+
+    /// Follows to the count of a later reading; the count without wraps.
+    ///
+    /// # Errors
+    /// A step too far from the predicted one, or a code the sensor does not have. The state stays as it was.
+    pub fn follow(&mut self, t_s: f64, raw: u16) -> Result<i64, AngleFault> {
+        let raw = code(raw, self.per_turn)?;
+        let step = shortest(raw - self.raw, self.per_turn);
+        let elapsed_s = t_s - self.t_s;
+        let turns = |counts: f64| counts / self.per_turn as f64;
+        let (step_turns, predicted_turns) = (turns(step as f64), turns(self.speed * elapsed_s));
+        if (step_turns - predicted_turns).abs() > REFUSED_TURN {
+            return Err(AngleFault::Jump { step_turns, predicted_turns });
+        }
+        if elapsed_s > 0.0 {
+            self.speed = step as f64 / elapsed_s;
+        }
+        (self.t_s, self.raw, self.total) = (t_s, raw, self.total + step);
+        Ok(self.total)
+    }
+}
+
+fn code(raw: u16, per_turn: i64) -> Result<i64, AngleFault> {
+    let code = i64::from(raw);
+    if code < per_turn { Ok(code) } else { Err(AngleFault::Code { raw, last: per_turn - 1 }) }
+}
+
+/// The same step plus whole turns, in [−½, ½) turn.
+fn shortest(step: i64, per_turn: i64) -> i64 {
+    let half = per_turn / 2;
+    (step + half).rem_euclid(per_turn) - half
+}
+
+/// How much of the half turn that may lie between two readings was never used: 1 for a lever at rest, 0 at the limit
+/// beyond which turns are lost. From the largest step, counts.
+pub(crate) fn unwrap_margin(largest_step: i64, counts_per_turn: u32) -> f64 {
+    1.0 - largest_step.abs() as f64 / (0.5 * f64::from(counts_per_turn))
+}
+
+/// A sensor whose turn is known: readings become angles of the lever.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Homed {
+    stop_rad: f64,
+    sensor: Sensor,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Sensor {
+    /// Counts on the shaft.
+    Shaft { unwrap: Unwrap, at_stop: i64, rad_per_count: f64 },
+    /// Angles of the lever.
+    Lever,
+}
+
+impl Homed {
+    /// From the reading at the lower stop, which lies at `stop_rad`.
+    ///
+    /// # Errors
+    /// A reading that does not fit what the device says of its sensor, or an angle that is not at the stop.
+    pub fn at_stop(
+        capabilities: &Capabilities,
+        stop_rad: f64,
+        t_s: f64,
+        reading: &Reading,
+    ) -> Result<Self, DeviceError> {
+        let unable = |what: String, remedy: &str| {
+            let (device, remedy) = (capabilities.name.clone(), remedy.to_owned());
+            DeviceError::Unable { device, what, remedy }
+        };
+        let sensor = match (reading.angle, capabilities.counts_per_turn) {
+            (Angle::Counts(raw), Some(counts)) => Sensor::Shaft {
+                unwrap: Unwrap::start(counts, t_s, raw)
+                    .map_err(|fault| unable(fault.to_string(), "check the angle sensor"))?,
+                at_stop: i64::from(raw),
+                rad_per_count: rad_per_count(counts, capabilities.shaft_per_lever),
+            },
+            (Angle::Lever(theta_rad), None) if (theta_rad - stop_rad).abs() <= HOME_RAD => Sensor::Lever,
+            (Angle::Lever(theta_rad), None) => {
+                let (found, stop) = (theta_rad.to_degrees(), stop_rad.to_degrees());
+                let what = format!("the lever is at {found:.1} degrees, its lower stop at {stop:.1}");
+                return Err(unable(what, "hold it against the stop and home again"));
+            }
+            _ => return Err(unable(AngleFault::Kind.to_string(), "correct the device's description")),
+        };
+        Ok(Self { stop_rad, sensor })
+    }
+
+    /// The lever's angle, rad.
+    ///
+    /// # Errors
+    /// An angle that is not to be believed; home again.
+    pub fn follow(&mut self, t_s: f64, angle: Angle) -> Result<f64, AngleFault> {
+        match (&mut self.sensor, angle) {
+            (Sensor::Shaft { unwrap, at_stop, rad_per_count }, Angle::Counts(raw)) => {
+                let counts = unwrap.follow(t_s, raw)? - *at_stop;
+                Ok(self.stop_rad + counts as f64 * *rad_per_count)
+            }
+            (Sensor::Lever, Angle::Lever(theta_rad)) => Ok(theta_rad),
+            _ => Err(AngleFault::Kind),
+        }
+    }
+}
+
+/// What one count of a sensor on the shaft is at the lever, rad.
+pub(crate) fn rad_per_count(counts_per_turn: u32, shaft_per_lever: f64) -> f64 {
+    TAU / (f64::from(counts_per_turn) * shaft_per_lever)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mock;
+    use proptest::prelude::*;
+
+    const PER_TURN: u32 = 4096;
+    const HALF_TURN: i64 = 2048;
+
+    fn wrapped(total: i64) -> u16 {
+        u16::try_from(total.rem_euclid(i64::from(PER_TURN))).unwrap()
+    }
+
+    proptest! {
+        #[test]
+        fn steps_below_half_a_turn_that_change_by_less_than_a_quarter_unwrap_exactly(
+            start in 0..4096_i64,
+            changes in prop::collection::vec(-1023..1024_i64, 1..200),
+        ) {
+            let mut unwrap = Unwrap::start(PER_TURN, 0.0, wrapped(start)).unwrap();
+            let (mut step, mut total) = (0_i64, start);
+            for (i, change) in changes.iter().enumerate() {
+                step = (step + change).clamp(1 - HALF_TURN, HALF_TURN - 1);
+                total += step;
+                let t_s = 0.0083 * (i + 1) as f64;
+                prop_assert_eq!(unwrap.follow(t_s, wrapped(total)), Ok(total));
+            }
+        }
+
+        #[test]
+        fn any_swing_of_the_prototypes_lever_below_its_limit_unwraps_exactly_at_uneven_times(
+            start in 0..4096_i64,
+            amplitude_deg in 1.0..45.0_f64,
+            share_of_limit in 0.01..0.35_f64,
+            late in prop::collection::vec(0.0..1.0_f64, 100),
+        ) {
+            // Speed A·w stays below the limit of 3,180°/s, and the change of a step below a quarter turn.
+            let w = share_of_limit * 3180.0 / amplitude_deg;
+            prop_assume!(amplitude_deg * w * w * 0.0083 * 0.0083 < 10.0);
+            let counts = |t_s: f64| {
+                let lever_deg = amplitude_deg * (1.0 - (w * t_s).cos());
+                start + (lever_deg * 75.0 / 11.0 / 360.0 * 4096.0).floor() as i64
+            };
+            let mut unwrap = Unwrap::start(PER_TURN, 0.0, wrapped(start)).unwrap();
+            for (i, late) in late.iter().enumerate() {
+                let t_s = 0.0083 * (i as f64 + 0.3 * late) + 0.004;
+                prop_assert_eq!(unwrap.follow(t_s, wrapped(counts(t_s))), Ok(counts(t_s)));
+            }
+        }
+    }
+
+    #[test]
+    fn more_than_a_quarter_turn_from_the_expected_step_is_refused_and_forgotten() {
+        let mut unwrap = Unwrap::start(PER_TURN, 0.0, 4000).unwrap();
+        let fault = unwrap.follow(0.001, wrapped(4000 + 1025)).unwrap_err();
+        assert!(matches!(fault, AngleFault::Jump { step_turns, .. } if step_turns > 0.25));
+        assert_eq!(unwrap.follow(0.001, wrapped(4000 + 1024)), Ok(5024));
+    }
+
+    #[test]
+    fn the_expected_step_grows_with_the_gap() {
+        let mut unwrap = Unwrap::start(PER_TURN, 0.0, 0).unwrap();
+        unwrap.follow(0.001, 500).unwrap();
+        assert_eq!(unwrap.follow(0.004, 2000), Ok(2000)); // three steps at once, at the same speed
+        assert!(unwrap.follow(0.010, 2000 + 3000 - 4096 + 4096).is_err()); // six would be 0.73 turn
+    }
+
+    #[test]
+    fn a_code_the_sensor_does_not_have_is_refused() {
+        let fault = Unwrap::start(PER_TURN, 0.0, 0).unwrap().follow(0.001, 4096).unwrap_err();
+        assert_eq!(fault.to_string(), "the angle sensor gave 4096; its codes end at 4095");
+    }
+
+    #[test]
+    fn half_a_turn_of_the_prototypes_shaft_is_26_4_degrees_of_lever() {
+        let half_turn_deg = (f64::from(PER_TURN / 2) * rad_per_count(PER_TURN, 75.0 / 11.0)).to_degrees();
+        assert!((half_turn_deg - 26.4).abs() < 1e-9);
+        assert!((half_turn_deg / 0.0083 - 3180.7).abs() < 0.1);
+        assert!((unwrap_margin(-512, PER_TURN) - 0.75).abs() < 1e-12);
+    }
+
+    #[test]
+    fn homing_puts_the_stop_where_it_is_whatever_the_count_there() {
+        let capabilities = mock::capabilities();
+        for at_stop in [0_u16, 1234, 4095] {
+            let reading = Reading { angle: Angle::Counts(at_stop), ..mock::reading() };
+            let mut homed = Homed::at_stop(&capabilities, -0.785, 0.0, &reading).unwrap();
+            let theta_rad = homed.follow(0.001, Angle::Counts((at_stop + 100) % 4096)).unwrap();
+            assert!((theta_rad - (-0.785 + 100.0 * TAU / 4096.0 * 11.0 / 75.0)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn an_angle_that_is_not_at_the_stop_does_not_home() {
+        let capabilities = Capabilities { counts_per_turn: None, ..mock::capabilities() };
+        let reading = Reading { angle: Angle::Lever(0.0), ..mock::reading() };
+        let error = Homed::at_stop(&capabilities, -0.785, 0.0, &reading).unwrap_err().to_string();
+        assert!(error.contains("at 0.0 degrees") && error.contains("home again"), "{error}");
+    }
+}

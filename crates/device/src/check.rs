@@ -1,0 +1,206 @@
+//! The device check before a session: does the device do what it says, now?
+//!
+//! Four steps, each with something for a person to do first ([`Step`]); what is found in one is a pure function of
+//! its readings ([`at_rest`], [`loaded`], [`by_hand`]) or of how far the lever went ([`actuators`]).
+
+mod actuators;
+mod readings;
+
+pub use actuators::{Travel, actuators};
+pub use readings::{Look, at_rest, by_hand, loaded, timing};
+
+use crate::timing::Pace;
+use crate::{Clock, Cue, Device, DeviceError, Guard, Timing, Trip, watch};
+use std::sync::atomic::{AtomicBool, Ordering};
+use zwidth_study::{Calibration, Check, Environment, Scene, Voltages};
+
+/// One thing found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// What, how much, and whether that is good enough: kept with the session.
+    pub check: Check,
+    /// What it means, and what to do if it is not good enough.
+    pub about: &'static str,
+}
+
+impl Finding {
+    fn new(name: &str, value: f64, unit: &str, ok: bool, about: &'static str) -> Self {
+        Self { check: Check { name: name.to_owned(), value, unit: unit.to_owned(), ok }, about }
+    }
+}
+
+/// A step of the check, and what a person does before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Step {
+    /// Lever against its lower stop, hands off.
+    Rest,
+    /// This mass, kg, hung from the load cell so that it pulls towards +θ.
+    Load(f64),
+    /// Lever against its lower stop; then, for four seconds, all the way to the upper stop and back.
+    Hand,
+    /// Lever against its lower stop, hands off: it will move a little.
+    Actuators,
+}
+
+/// Length of a step at rest, s: 160 values of the force sensor.
+const REST_S: f64 = 2.0;
+
+/// Length of the step by hand, s: a trial's.
+const HAND_S: f64 = 4.0;
+
+/// Checks a device at such a rate. `ask` says what a person is to do and returns when it is done, or false to leave a
+/// step out; a mass is asked for only if one is known. Ends early, without an error, when `stop` is set.
+///
+/// # Errors
+/// A device that is lost, or anything else that would end a trial.
+#[expect(clippy::too_many_arguments, reason = "all of the device's surroundings take part")]
+pub fn check_device(
+    device: &mut dyn Device,
+    clock: &mut dyn Clock,
+    guard: &mut Guard,
+    calibration: &Calibration,
+    rate_hz: f64,
+    mass_kg: Option<f64>,
+    stop: &AtomicBool,
+    ask: &mut dyn FnMut(Step) -> bool,
+) -> Result<Vec<Finding>, Trip> {
+    let mut found = Vec::new();
+    let mut tare_n = 0.0;
+    let capabilities = device.capabilities().clone();
+    let mut wanted = |step| !stop.load(Ordering::Relaxed) && ask(step);
+    if wanted(Step::Rest) {
+        let (looks, kept) = look(device, clock, rate_hz, REST_S)?;
+        tare_n = readings::mean_force_n(&looks);
+        found.extend(timing(&kept, rate_hz));
+        found.extend(at_rest(&capabilities, rate_hz, &looks));
+    }
+    if let Some(mass_kg) = mass_kg.filter(|mass_kg| wanted(Step::Load(*mass_kg))) {
+        let (looks, _) = look(device, clock, rate_hz, REST_S)?;
+        found.extend(loaded(&looks, tare_n, mass_kg));
+    }
+    if wanted(Step::Hand) {
+        let looks = look_by_hand(device, clock, guard, rate_hz, stop)?;
+        found.extend(by_hand(&capabilities, guard.limits(), &looks));
+    }
+    if wanted(Step::Actuators) {
+        found.extend(actuators::drive(device, clock, guard, calibration, rate_hz)?);
+    }
+    Ok(found)
+}
+
+/// Reads for so long with both actuators off.
+fn look(
+    device: &mut dyn Device,
+    clock: &mut dyn Clock,
+    rate_hz: f64,
+    for_s: f64,
+) -> Result<(Vec<Look>, Timing), DeviceError> {
+    let start_s = clock.now_s();
+    let mut pace = Pace::new(start_s, 1.0 / rate_hz);
+    let (mut looks, mut timing) = (Vec::new(), Timing::default());
+    loop {
+        let tick = pace.wait(clock);
+        if tick.now_s >= start_s + for_s {
+            return Ok((looks, timing));
+        }
+        let reading = device.read(tick.now_s)?;
+        device.write(clock.now_s(), Voltages::OFF)?;
+        timing.woke(&tick);
+        timing.ran(clock.now_s() - tick.now_s);
+        looks.push(Look { t_s: tick.now_s, reading });
+    }
+}
+
+/// Homes, and reads while a hand moves the lever. A device with a participant of its own is told to begin a trial in
+/// free space, numbered 0.
+fn look_by_hand(
+    device: &mut dyn Device,
+    clock: &mut dyn Clock,
+    guard: &mut Guard,
+    rate_hz: f64,
+    stop: &AtomicBool,
+) -> Result<Vec<Look>, Trip> {
+    let start_s = clock.now_s();
+    guard.home(device, start_s)?;
+    if let Ok(id) = "free".parse() {
+        // always: the word is a valid id
+        let environment =
+            Environment { id, label: "free motion".to_owned(), scene: Scene::Free, question: None };
+        device.begin(start_s, &Cue { trial: 0, environment: &environment, limit_s: HAND_S });
+    }
+    let mut looks = Vec::new();
+    let mut seen =
+        |t_s: f64, reading: &crate::Reading, _: &crate::Seen| looks.push(Look { t_s, reading: *reading });
+    watch(device, clock, guard, rate_hz, start_s + HAND_S, stop, &mut seen)?;
+    Ok(looks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mock::Mock;
+    use crate::{Limits, Person, SimulatedClock, Twin, TwinParameters};
+    use std::f64::consts::FRAC_PI_4;
+
+    fn run(mass_kg: Option<f64>, stop: bool) -> (Vec<Step>, Vec<Finding>) {
+        let mut device = Mock::default();
+        let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
+        let mut guard = Guard::new(&device.capabilities, limits, false);
+        let mut asked = Vec::new();
+        let mut ask = |step| {
+            asked.push(step);
+            !matches!(step, Step::Actuators | Step::Rest) // the mock is not at rest, and has no motor
+        };
+        let found = check_device(
+            &mut device,
+            &mut SimulatedClock::new(1),
+            &mut guard,
+            &Calibration::thesis(),
+            1000.0,
+            mass_kg,
+            &AtomicBool::new(stop),
+            &mut ask,
+        );
+        assert!(device.writes.iter().all(|(_, voltages)| *voltages == Voltages::OFF));
+        (asked, found.unwrap())
+    }
+
+    #[test]
+    fn each_step_is_asked_for_in_turn_and_a_mass_only_if_there_is_one() {
+        let (asked, found) = run(None, false);
+        assert_eq!(asked, [Step::Rest, Step::Hand, Step::Actuators]);
+        let failed: Vec<_> = found.iter().filter(|f| !f.check.ok).collect();
+        assert!(found.len() >= 4 && failed.is_empty(), "{failed:?}");
+        assert_eq!(run(Some(0.2), false).0[1], Step::Load(0.2));
+    }
+
+    #[test]
+    fn the_twin_passes_every_check_at_its_own_rate() {
+        for seed in 1..4 {
+            let person = Person::typical(seed);
+            let mut device = Twin::new(TwinParameters::default(), person, seed).unwrap();
+            let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
+            let mut guard = Guard::new(device.capabilities(), limits, false);
+            let mut clock = SimulatedClock::new(seed);
+            let (calibration, stop) = (Calibration::thesis(), AtomicBool::new(false));
+            let mut yes = |_| true;
+            let found = check_device(
+                &mut device,
+                &mut clock,
+                &mut guard,
+                &calibration,
+                1000.0,
+                None,
+                &stop,
+                &mut yes,
+            );
+            let failed: Vec<_> = found.unwrap().into_iter().filter(|f| !f.check.ok).collect();
+            assert!(failed.is_empty(), "{failed:#?}");
+        }
+    }
+
+    #[test]
+    fn a_stop_asks_for_nothing_more() {
+        assert_eq!(run(None, true), (Vec::new(), Vec::new()));
+    }
+}

@@ -1,0 +1,160 @@
+//! Why the voltages went to 0 V, and why they were never allowed: a sentence and a remedy each.
+
+use crate::{AngleFault, DeviceError};
+
+/// What took the voltages away.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Trip {
+    /// The turn of the shaft is not known.
+    #[error("not homed: hold the lever against its lower stop and home")]
+    NotHomed,
+    /// No mode was allowed.
+    #[error("no mode was allowed for this trial: arm the guard first")]
+    NotArmed,
+    /// The mode is not to be used on this device.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// The device does not answer.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// The angle is not to be believed any more.
+    #[error("{0}; the trial is marked: home again")]
+    Angle(#[from] AngleFault),
+    /// A sensor has stopped.
+    #[error(
+        "no new {sensor} for {age_s:.3} s, {limit_s:.3} s at most: check the sensor's cable, then home again"
+    )]
+    Stale {
+        /// `angle` or `force`.
+        sensor: &'static str,
+        /// Age of its last value, s.
+        age_s: f64,
+        /// What is allowed, s.
+        limit_s: f64,
+    },
+    /// Something that must be a number is none.
+    #[error("{what} is not a finite number: check the sensor and its cable")]
+    NotFinite {
+        /// What.
+        what: &'static str,
+    },
+    /// The lever cannot be where it seems to be.
+    #[error(
+        "the lever is at {:.1} degrees, outside its work space: the turn is lost or the lever came off; home again",
+        theta_rad.to_degrees()
+    )]
+    Outside {
+        /// Where it seems to be, rad.
+        theta_rad: f64,
+    },
+    /// The user's force is above the limit.
+    #[error(
+        "a force of {force_n:.1} N, {limit_n:.1} N at most: let go; if nobody pushed, check the load cell"
+    )]
+    Force {
+        /// The force, N.
+        force_n: f64,
+        /// The limit, N.
+        limit_n: f64,
+    },
+    /// The loop was away for too long.
+    #[error(
+        "the control loop missed {lost_s:.3} s, {limit_s:.3} s at most: close other programs, or ask for a lower rate"
+    )]
+    Deadlines {
+        /// What was missed of late, s.
+        lost_s: f64,
+        /// What is allowed, s.
+        limit_s: f64,
+    },
+    /// What was recorded cannot be kept.
+    #[error("the samples cannot be kept any more: is the disk full?")]
+    Storage,
+    /// The writer fell behind the loop.
+    #[error("{lost} samples were lost: the disk or the screen is too slow; repeat the trial")]
+    SamplesLost {
+        /// How many.
+        lost: u64,
+    },
+    /// The control loop itself failed.
+    #[error("the control loop failed: {what}; please report this")]
+    Panic {
+        /// What it said.
+        what: String,
+    },
+}
+
+impl Trip {
+    /// Whether the lever's turn may be lost, so that it must be homed again.
+    pub fn needs_homing(&self) -> bool {
+        matches!(
+            self,
+            Self::NotHomed
+                | Self::Device(_)
+                | Self::Angle(_)
+                | Self::Stale { sensor: "angle", .. }
+                | Self::Outside { .. }
+        )
+    }
+}
+
+/// Why a mode is not allowed on a device.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// Nothing on the board would turn the motor off if this program or its cable were gone.
+    #[error(
+        "{device} has no watchdog, and mode {mode} uses the motor: put the firmware with a watchdog on the board, or \
+         take the risk with --no-watchdog"
+    )]
+    NoWatchdog {
+        /// Which device.
+        device: String,
+        /// Which mode.
+        mode: String,
+    },
+    /// The force sensor is too slow to switch on.
+    #[error(
+        "mode {mode} switches on the force, which {device} measures {found_hz} times a second, {least_hz} at least: \
+         set the amplifier to its faster rate"
+    )]
+    SlowForce {
+        /// Which device.
+        device: String,
+        /// Which mode.
+        mode: String,
+        /// The sensor's rate, Hz.
+        found_hz: f64,
+        /// The least it must be, Hz.
+        least_hz: f64,
+    },
+    /// The motor could hurt.
+    #[error(
+        "mode {mode}: {voltage_v} V are {force_n:.2} N of motor force, {most_n} N at most: lower motor_max_v"
+    )]
+    MotorForce {
+        /// Which mode.
+        mode: String,
+        /// Its highest motor voltage, V.
+        voltage_v: f64,
+        /// The force that is, N.
+        force_n: f64,
+        /// The most allowed, N.
+        most_n: f64,
+    },
+    /// The device cannot give the mode's voltage.
+    #[error(
+        "mode {mode} asks for {asked_v} V of the {actuator}, {device} gives 0 to {most_v} V: correct {actuator}_max_v"
+    )]
+    Voltage {
+        /// Which device.
+        device: String,
+        /// Which mode.
+        mode: String,
+        /// `motor` or `brake`.
+        actuator: &'static str,
+        /// What is asked, V.
+        asked_v: f64,
+        /// What there is, V.
+        most_v: f64,
+    },
+}

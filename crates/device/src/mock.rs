@@ -1,0 +1,210 @@
+//! A device for tests: it moves as it is told, keeps what was written to it, and fails in every way when asked.
+
+use crate::angle::rad_per_count;
+use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
+use std::f64::consts::{FRAC_PI_4, PI};
+use zwidth_study::{Source, Voltages};
+
+/// What goes wrong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fault {
+    /// The cable is pulled: nothing can be read or written any more. The board still has its watchdog.
+    Unplugged,
+    /// The angle sensor gives no new value.
+    AngleStops,
+    /// The force sensor gives no new value.
+    ForceStops,
+    /// The angle is not a number; needs a device that gives angles.
+    AngleNan,
+    /// The force is not a number.
+    ForceNan,
+    /// The angle is off by so much, rad.
+    AngleOff(f64),
+    /// The force is this, N.
+    Force(f64),
+    /// The device's own code fails.
+    Panic,
+}
+
+/// Where the lever is, rad, and what the user pushes with, N, so many seconds after a trial's begin.
+pub type Motion = fn(f64) -> (f64, f64);
+
+/// A device for tests.
+#[derive(Debug, Clone)]
+pub struct Mock {
+    /// What it claims to be.
+    pub capabilities: Capabilities,
+    /// How it moves.
+    pub motion: Motion,
+    /// What goes wrong from which host time on, s.
+    pub faults: Vec<(f64, Fault)>,
+    /// Everything written, with its host time, s.
+    pub writes: Vec<(f64, Voltages)>,
+    began_s: f64,
+}
+
+/// Writes the mock keeps without allocating: a minute at 1 kHz.
+const WRITES: usize = 60_000;
+
+/// What the prototype with a watchdog on its board would claim (thesis §4.2).
+pub fn capabilities() -> Capabilities {
+    Capabilities {
+        name: "mock 1".to_owned(),
+        rate_hz: 1000.0,
+        force_rate_hz: 80.0,
+        counts_per_turn: Some(4096),
+        shaft_per_lever: 75.0 / 11.0,
+        motor_max_v: 16.0,
+        brake_max_v: 8.0,
+        watchdog_s: Some(0.05),
+        source: Source::Twin,
+    }
+}
+
+/// Forward by 60° and back within 2 s, and at rest from then on; a push of up to 3 N on the way.
+pub fn forward_and_back(t_s: f64) -> (f64, f64) {
+    let phase = PI * t_s.clamp(0.0, 2.0);
+    let there = 0.5 * (1.0 - libm::cos(phase));
+    (-FRAC_PI_4 + PI / 3.0 * there, 3.0 * there)
+}
+
+impl Default for Mock {
+    fn default() -> Self {
+        Self::new(forward_and_back)
+    }
+}
+
+impl Mock {
+    /// A sound device that moves like this.
+    pub fn new(motion: Motion) -> Self {
+        let writes = Vec::with_capacity(WRITES);
+        Self { capabilities: capabilities(), motion, faults: Vec::new(), writes, began_s: 0.0 }
+    }
+
+    /// The same, with a fault from a host time on, s.
+    #[must_use]
+    pub fn failing(mut self, from_s: f64, fault: Fault) -> Self {
+        self.faults.push((from_s, fault));
+        self
+    }
+
+    /// What the board gives its actuators at a host time, s: what was last written, unless its watchdog has run out.
+    pub fn output(&self, now_s: f64) -> Voltages {
+        let fresh = |at_s: f64| self.capabilities.watchdog_s.is_none_or(|wait_s| now_s - at_s < wait_s);
+        let written = self.writes.iter().rev().find(|(at_s, _)| *at_s <= now_s);
+        written.filter(|(at_s, _)| fresh(*at_s)).map_or(Voltages::OFF, |(_, voltages)| *voltages)
+    }
+
+    /// When this fault began, if it has.
+    fn since(&self, now_s: f64, fault: Fault) -> Option<f64> {
+        self.faults.iter().find(|(from_s, f)| *f == fault && *from_s <= now_s).map(|(from_s, _)| *from_s)
+    }
+
+    fn connected(&self, now_s: f64) -> Result<(), DeviceError> {
+        let lost =
+            || DeviceError::Lost { device: self.capabilities.name.clone(), what: "unplugged".to_owned() };
+        self.since(now_s, Fault::Unplugged).map_or(Ok(()), |_| Err(lost()))
+    }
+
+    fn angle(&self, theta_rad: f64) -> Angle {
+        match self.capabilities.counts_per_turn {
+            None => Angle::Lever(theta_rad),
+            Some(counts) => {
+                let rad_per_count = rad_per_count(counts, self.capabilities.shaft_per_lever);
+                let total = ((theta_rad + FRAC_PI_4) / rad_per_count).round() as i64;
+                Angle::Counts(total.rem_euclid(i64::from(counts)) as u16)
+            }
+        }
+    }
+
+    /// Lever angle and force at a time, faults of the values themselves included.
+    fn state(&self, now_s: f64) -> (f64, f64) {
+        let (mut theta_rad, mut force_n) = (self.motion)(now_s - self.began_s);
+        for (_, fault) in self.faults.iter().filter(|(from_s, _)| *from_s <= now_s) {
+            match fault {
+                Fault::AngleOff(off_rad) => theta_rad += off_rad,
+                Fault::AngleNan => theta_rad = f64::NAN,
+                Fault::Force(found_n) => force_n = *found_n,
+                Fault::ForceNan => force_n = f64::NAN,
+                _ => {}
+            }
+        }
+        (theta_rad, force_n)
+    }
+}
+
+impl Device for Mock {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        self.connected(now_s)?;
+        let angle = self.angle(-FRAC_PI_4);
+        Ok(Reading { t_device_s: None, angle, angle_age_s: 0.0, force_n: 0.0, force_age_s: Some(0.0) })
+    }
+
+    #[expect(clippy::panic, reason = "a fault that is asked for")]
+    fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        self.connected(now_s)?;
+        if self.since(now_s, Fault::Panic).is_some() {
+            panic!("the mock was asked to");
+        }
+        let angle_s = self.since(now_s, Fault::AngleStops).unwrap_or(now_s);
+        let force_s = self.since(now_s, Fault::ForceStops).unwrap_or(now_s);
+        let ((theta_rad, _), (_, force_n)) = (self.state(angle_s), self.state(force_s));
+        Ok(Reading {
+            t_device_s: None,
+            angle: self.angle(theta_rad),
+            angle_age_s: now_s - angle_s,
+            force_n,
+            force_age_s: Some(now_s - force_s),
+        })
+    }
+
+    fn write(&mut self, now_s: f64, voltages: Voltages) -> Result<(), DeviceError> {
+        self.connected(now_s)?;
+        self.writes.push((now_s, voltages));
+        Ok(())
+    }
+
+    fn begin(&mut self, now_s: f64, _cue: &Cue<'_>) {
+        self.began_s = now_s;
+    }
+}
+
+/// A reading at the lower stop.
+#[cfg(test)]
+pub(crate) fn reading() -> Reading {
+    Reading {
+        t_device_s: None,
+        angle: Angle::Counts(0),
+        angle_age_s: 0.0,
+        force_n: 0.0,
+        force_age_s: Some(0.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ON: Voltages = Voltages { motor_v: -8.0, brake_v: 0.0 };
+
+    #[test]
+    fn a_program_that_is_killed_leaves_0_v_within_the_boards_watchdog() {
+        let mut mock = Mock::default();
+        mock.write(1.0, ON).unwrap(); // and nobody ever writes again
+        assert_eq!(mock.output(1.049), ON);
+        assert_eq!(mock.output(1.0501), Voltages::OFF);
+        mock.capabilities.watchdog_s = None;
+        assert_eq!(mock.output(1e6), ON);
+    }
+
+    #[test]
+    fn an_unplugged_device_neither_reads_nor_writes() {
+        let mut mock = Mock::default().failing(1.0, Fault::Unplugged);
+        assert!(mock.read(0.9).is_ok() && mock.write(0.9, ON).is_ok());
+        assert!(mock.read(1.0).is_err() && mock.write(1.0, Voltages::OFF).is_err());
+    }
+}

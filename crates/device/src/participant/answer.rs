@@ -1,0 +1,108 @@
+//! The answer to the question of a trial: a written rule from what was felt, with a bias and noise.
+//!
+//! Qualities go from 0 (nothing like it) to 1 (just like it); the answer is 1 + 4 · quality + bias + noise, rounded, and
+//! held to 1…5.
+//!
+//! | environment | quality |
+//! |---|---|
+//! | spring | line · (0.3 + 0.7 · returned) · (1 − discrepancy / 6 N) |
+//! | spring and wall | √(spring's quality · hardness), hardness = 1 − (degrees past the wall) / 8°, 0 if not reached |
+//! | free, or nothing rendered | 1 − greatest force / 2 N |
+//!
+//! line = (R² − 0.5) / 0.5 of force over angle while going in; each term held to 0…1. The weights were chosen so that
+//! the modes rank as in thesis Fig. 30; they are no measurement.
+
+use super::draw::{Draw, Purpose};
+use super::{Felt, Person};
+use zwidth_study::{Likert, Scene};
+
+/// R² at which force over angle no longer seems a line at all.
+const NO_LINE: f64 = 0.5;
+/// What is left of a spring that does not come back.
+const ONE_WAY: f64 = 0.3;
+/// Mean difference of both ways at which a spring is no spring, N.
+const NO_SPRING_N: f64 = 6.0;
+/// How far a wall may be passed until it is none, rad: 8°.
+const NO_WALL_RAD: f64 = 8.0 * std::f64::consts::PI / 180.0;
+/// Greatest force at which free space is not free, N.
+const NOT_FREE_N: f64 = 2.0;
+/// Standard deviation of an answer's noise, points.
+const NOISE: f64 = 0.4;
+
+/// How much what was felt is like what the environment should be, 0…1.
+fn quality(felt: &Felt, scene: &Scene) -> f64 {
+    match scene {
+        Scene::None | Scene::Free => part(1.0 - felt.greatest_n() / NOT_FREE_N),
+        Scene::Spring(_) => spring(felt),
+        Scene::SpringWall { wall_rad, .. } => {
+            let past_rad = felt.past_rad(*wall_rad);
+            let hard = if past_rad < 0.0 { 0.0 } else { part(1.0 - past_rad / NO_WALL_RAD) };
+            (spring(felt) * hard).sqrt()
+        }
+    }
+}
+
+fn spring(felt: &Felt) -> f64 {
+    let line = part((felt.linearity() - NO_LINE) / (1.0 - NO_LINE));
+    let back = ONE_WAY + (1.0 - ONE_WAY) * part(felt.returned());
+    line * back * part(1.0 - felt.discrepancy_n() / NO_SPRING_N)
+}
+
+fn part(x: f64) -> f64 {
+    x.clamp(0.0, 1.0)
+}
+
+impl Person {
+    /// The answer after a trial, 1…5.
+    pub fn answer(&self, trial: u32, felt: &Felt, scene: &Scene) -> u8 {
+        let points = f64::from(Likert::POINTS);
+        let noise = NOISE * Draw::new(self.seed, Purpose::Answer, u64::from(trial)).moderate();
+        let meant = 1.0 + (points - 1.0) * quality(felt, scene) + self.bias + noise;
+        meant.round().clamp(1.0, points) as u8
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::felt::tests::walk;
+    use super::super::intent::tests::SPRING;
+    use super::*;
+    use std::f64::consts::FRAC_PI_4;
+
+    const WALL: Scene = Scene::SpringWall { spring: SPRING, wall_rad: 0.464 };
+
+    fn ideal(theta: f64) -> f64 {
+        4.0 * (theta + FRAC_PI_4)
+    }
+
+    #[test]
+    fn an_ideal_spring_is_one_and_one_that_stays_is_not() {
+        let scene = Scene::Spring(SPRING);
+        assert!(quality(&walk(0.5, false, ideal, ideal), &scene) > 0.99);
+        assert!(quality(&walk(0.5, true, ideal, |_| 0.0), &scene) < 0.31);
+        let half = quality(&walk(0.5, false, ideal, |theta| 0.5 * ideal(theta)), &scene);
+        assert!((0.6..0.9).contains(&half), "{half}");
+    }
+
+    #[test]
+    fn a_wall_is_hard_only_if_it_is_reached_and_not_passed() {
+        assert!(quality(&walk(0.4641, false, ideal, ideal), &WALL) > 0.99);
+        for top_rad in [0.44, 0.62] {
+            assert!(quality(&walk(top_rad, false, ideal, ideal), &WALL) < 1e-12);
+        }
+        let soft = quality(&walk(0.464 + 0.07, false, ideal, ideal), &WALL);
+        assert!((0.6..0.8).contains(&soft), "{soft}");
+    }
+
+    #[test]
+    fn answers_scatter_about_the_quality_and_stay_on_the_scale() {
+        let felt = walk(0.5, false, ideal, |theta| 0.5 * ideal(theta));
+        let scene = Scene::Spring(SPRING);
+        let answers: Vec<u8> =
+            (1..200).map(|trial| Person::typical(3).answer(trial, &felt, &scene)).collect();
+        assert!(answers.iter().all(|a| (1..=5).contains(a)));
+        let mean = answers.iter().map(|a| f64::from(*a)).sum::<f64>() / answers.len() as f64;
+        assert!((mean - 1.0 - 4.0 * quality(&felt, &scene)).abs() < 0.2, "{mean}");
+        assert!(answers.iter().any(|a| *a != answers[0]));
+    }
+}

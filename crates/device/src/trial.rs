@@ -1,0 +1,202 @@
+//! One trial: the loop that real and simulated time, real and simulated devices all go through.
+//!
+//! A tick: wait for the deadline, read, judge, decide, write, hand over the sample. Nothing in it allocates, locks or
+//! touches a disk (`tests/allocation.rs`), as long as the device and the sink do not.
+
+mod ending;
+mod live;
+mod output;
+
+pub use live::{BatchSink, LiveRun, run_live};
+
+use crate::timing::{Pace, Tick};
+use crate::{
+    Capabilities, Clock, Controller, Cue, Device, DeviceError, Guard, Reading, Seen, Timing, Trip, Velocity,
+};
+use ending::Ending;
+pub(crate) use output::Output;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use zwidth_study::{Environment, Flags, Sample, Study};
+
+/// Where samples go, one by one. Break: they cannot be kept any more (a full disk), and the trial ends at 0 V.
+pub type Sink<'a> = dyn FnMut(&Sample) -> ControlFlow<()> + 'a;
+
+/// What a trial is to be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialPlan<'a> {
+    /// What the device may know of it: number, environment, longest time.
+    pub cue: Cue<'a>,
+    /// Ticks a second, Hz.
+    pub rate_hz: f64,
+    /// The velocity filter, at its beginning.
+    pub velocity: Velocity,
+}
+
+impl<'a> TrialPlan<'a> {
+    /// A trial of a study on a device: at the study's rate, or at the device's if that is lower.
+    ///
+    /// # Errors
+    /// A rate, a time limit or a filter that makes no sense.
+    pub fn new(
+        study: &Study,
+        environment: &'a Environment,
+        trial: u32,
+        capabilities: &Capabilities,
+    ) -> Result<Self, DeviceError> {
+        use crate::error::positive;
+        let limit_s = positive("design.trial_limit_s", study.design.trial_limit_s)?;
+        let rate_hz = positive("control.rate_hz", study.control.rate_hz)?;
+        Ok(Self {
+            cue: Cue { trial, environment, limit_s },
+            rate_hz: rate_hz.min(positive("the device's rate", capabilities.rate_hz)?),
+            velocity: Velocity::new(study.control.velocity)?,
+        })
+    }
+}
+
+/// How a trial ended. Always at 0 V.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TrialEnd {
+    /// Its time was up.
+    Limit,
+    /// The participant had moved and let go: no force on a lever at rest.
+    LetGo,
+    /// Someone asked: a key, Ctrl-C, SIGTERM, a terminal that hung up.
+    Stopped,
+    /// Safety took the voltages away.
+    Tripped(Trip),
+}
+
+/// A trial that has run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialRun {
+    /// How it ended.
+    pub end: TrialEnd,
+    /// How well it kept its time.
+    pub timing: Timing,
+    /// The motor could run with no watchdog watching it, as was asked for: the trial is to be marked.
+    pub unwatched: bool,
+}
+
+/// Runs one trial. However it ends (by a panic too), the last thing written is 0 V, and the guard is disarmed.
+///
+/// The guard must be homed ([`Guard::home`]) and armed with the mode ([`Guard::arm`]); otherwise the trial ends at
+/// once and says so. `stop` is looked at in every tick.
+pub fn run_trial(
+    device: &mut dyn Device,
+    clock: &mut dyn Clock,
+    controller: &mut Controller,
+    guard: &mut Guard,
+    plan: &TrialPlan<'_>,
+    stop: &AtomicBool,
+    sink: &mut Sink<'_>,
+) -> TrialRun {
+    let unwatched = guard.unwatched();
+    let mut timing = Timing::default(); // its buckets are allocated here, before the first tick
+    let mut output = Output::new(device, guard, clock.now_s());
+    let end = ticks(&mut output, clock, controller, plan, stop, sink, &mut timing);
+    drop(output);
+    TrialRun { end, timing, unwatched }
+}
+
+fn ticks(
+    output: &mut Output<'_>,
+    clock: &mut dyn Clock,
+    controller: &mut Controller,
+    plan: &TrialPlan<'_>,
+    stop: &AtomicBool,
+    sink: &mut Sink<'_>,
+    timing: &mut Timing,
+) -> TrialEnd {
+    let start_s = clock.now_s();
+    let mut pace = Pace::new(start_s, 1.0 / plan.rate_hz);
+    let mut velocity = plan.velocity.clone();
+    let mut ending = Ending::default();
+    if let Err(trip) = output.begin(start_s, &plan.cue) {
+        return TrialEnd::Tripped(trip);
+    }
+    loop {
+        let tick = pace.wait(clock);
+        timing.woke(&tick);
+        if stop.load(Ordering::Relaxed) {
+            return TrialEnd::Stopped;
+        }
+        if tick.now_s - start_s >= plan.cue.limit_s {
+            return TrialEnd::Limit;
+        }
+        let sample = match step(output, clock, controller, &mut velocity, &tick, start_s) {
+            Ok(sample) => sample,
+            Err(trip) => return TrialEnd::Tripped(trip),
+        };
+        if sink(&sample).is_break() {
+            return TrialEnd::Tripped(Trip::Storage);
+        }
+        timing.ran(clock.now_s() - tick.now_s);
+        if ending.let_go(&sample) {
+            return TrialEnd::LetGo;
+        }
+    }
+}
+
+/// One tick: read, judge, decide, write.
+fn step(
+    output: &mut Output<'_>,
+    clock: &mut dyn Clock,
+    controller: &mut Controller,
+    velocity: &mut Velocity,
+    tick: &Tick,
+    start_s: f64,
+) -> Result<Sample, Trip> {
+    let (reading, seen) = output.look(tick)?;
+    let theta_dot_rad_s = velocity.step(seen.t_angle_s, seen.theta_rad);
+    let (asked, flags) = controller.step(seen.theta_rad, theta_dot_rad_s, reading.force_n);
+    let (voltages, clipped) = output.command(clock.now_s(), asked)?;
+    Ok(Sample {
+        t_s: tick.now_s - start_s,
+        t_device_s: reading.t_device_s,
+        theta_rad: seen.theta_rad,
+        theta_dot_rad_s,
+        force_ex_n: reading.force_n,
+        voltages,
+        force_age_s: reading.force_age_s,
+        theta_raw: reading.raw(),
+        force_cmd_n: controller.force_n(voltages),
+        flags: Flags(flags.0 | seen.flags.0)
+            .with(Flags::DROPOUT, tick.missed > 0)
+            .with(Flags::CLIPPED, clipped)
+            .with(Flags::BRAKE_ON, voltages.brake_v != 0.0)
+            .with(Flags::MOTOR_ON, voltages.motor_v != 0.0),
+    })
+}
+
+/// Reads on with both actuators off until `until_s`, so that the turn of the shaft stays known between trials.
+/// `seen` gets every reading with its host time.
+///
+/// # Errors
+/// What safety found, as in a trial; a stop ends it without one.
+pub fn watch(
+    device: &mut dyn Device,
+    clock: &mut dyn Clock,
+    guard: &mut Guard,
+    rate_hz: f64,
+    until_s: f64,
+    stop: &AtomicBool,
+    seen: &mut dyn FnMut(f64, &Reading, &Seen),
+) -> Result<(), Trip> {
+    let start_s = clock.now_s();
+    let mut output = Output::new(device, guard, start_s);
+    let mut pace = Pace::new(start_s, 1.0 / rate_hz);
+    loop {
+        let tick = pace.wait(clock);
+        if tick.now_s >= until_s || stop.load(Ordering::Relaxed) {
+            return Ok(());
+        }
+        let (reading, judged) = output.look(&tick)?;
+        output.off(clock.now_s())?;
+        seen(tick.now_s, &reading, &judged);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,64 @@
+//! While this lives, actuators may be on; when it goes, for whatever reason, they are off.
+
+use crate::timing::Tick;
+use crate::{Cue, Device, Guard, Reading, Seen, Trip};
+use zwidth_study::Voltages;
+
+/// A device whose actuators may be on, and its guard. Dropped by a normal end, an error or a panic alike, it writes
+/// 0 V and disarms the guard. (A device that is lost cannot be written to; its own watchdog turns it off.)
+pub(crate) struct Output<'a> {
+    device: &'a mut dyn Device,
+    guard: &'a mut Guard,
+    /// When it last looked, host time, s.
+    looked_s: f64,
+    /// When it last looked or wrote, host time, s: a device's time never runs back.
+    now_s: f64,
+}
+
+impl<'a> Output<'a> {
+    pub(crate) fn new(device: &'a mut dyn Device, guard: &'a mut Guard, now_s: f64) -> Self {
+        Self { device, guard, looked_s: now_s, now_s }
+    }
+
+    /// Tells the device that a trial begins, if a voltage may be written at all.
+    pub(crate) fn begin(&mut self, now_s: f64, cue: &Cue<'_>) -> Result<(), Trip> {
+        self.guard.permit(Voltages::OFF)?;
+        self.device.begin(now_s, cue);
+        Ok(())
+    }
+
+    /// Reads and has it judged.
+    pub(crate) fn look(&mut self, tick: &Tick) -> Result<(Reading, Seen), Trip> {
+        let elapsed_s = tick.now_s - self.looked_s;
+        (self.looked_s, self.now_s) = (tick.now_s, tick.now_s);
+        let reading = self.device.read(tick.now_s).inspect_err(|_| self.guard.lose())?;
+        let seen = self.guard.see(tick.now_s, elapsed_s, tick.missed_s, &reading)?;
+        Ok((reading, seen))
+    }
+
+    /// Writes what the guard permits of the voltages; these, and whether that is less.
+    pub(crate) fn command(&mut self, now_s: f64, asked: Voltages) -> Result<(Voltages, bool), Trip> {
+        let (voltages, clipped) = self.guard.permit(asked)?;
+        self.write(now_s, voltages)?;
+        Ok((voltages, clipped))
+    }
+
+    /// Writes 0 V: a board's watchdog wants to hear of it.
+    pub(crate) fn off(&mut self, now_s: f64) -> Result<(), Trip> {
+        self.write(now_s, Voltages::OFF)
+    }
+
+    fn write(&mut self, now_s: f64, voltages: Voltages) -> Result<(), Trip> {
+        self.now_s = now_s;
+        let written = self.device.write(now_s, voltages);
+        Ok(written.inspect_err(|_| self.guard.lose())?)
+    }
+}
+
+impl Drop for Output<'_> {
+    fn drop(&mut self) {
+        self.guard.disarm();
+        // There is nobody left to tell: a device that cannot be written to has been reported by the tick.
+        let _ = self.device.write(self.now_s, Voltages::OFF);
+    }
+}

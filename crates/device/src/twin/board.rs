@@ -1,0 +1,279 @@
+//! The board as a device: it moves plant and participant up to the moment it is asked for.
+
+use super::parameters::{STOPS_RAD, TwinParameters};
+use super::sensors::{AngleSensor, COUNTS_PER_TURN, FORCE_RATE_HZ, ForceSensor, SHAFT_PER_LEVER};
+use super::trial::{Trial, WAITING_GAP_M};
+use crate::participant::draw::{Draw, Purpose};
+use crate::participant::{Felt, Intent, Person, STEP_S};
+use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
+use zwidth_dynamics::{Command, Driven, DrivenState};
+use zwidth_study::{Source, Voltages};
+
+/// Version of the simulation: another one makes other numbers of the same seed.
+const VERSION: u32 = 1;
+/// Without a write for this long the board goes to 0 V, s.
+const WATCHDOG_S: f64 = 0.05;
+/// Rate at which it is asked by default, Hz.
+const RATE_HZ: f64 = 1000.0;
+/// Steps of the participant between two force values: 12.5 ms.
+const STEPS_PER_FORCE: u64 = 5;
+/// Speed at which the lever is carried back after a trial, rad/s.
+const CARRY_RAD_S: f64 = 1.0;
+/// Largest deviation of the board's clock, parts per million; a crystal's.
+const DRIFT_PPM: f64 = 50.0;
+
+/// A fault that tests put in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TwinFault {
+    /// The cable is out: nothing is read, and nothing written arrives.
+    Unplugged,
+    /// The angle sensor gives no new counts.
+    StaleAngle,
+    /// The force sensor gives no new values.
+    StaleForce,
+    /// The force sensor gives NaN.
+    NanForce,
+}
+
+/// The simulated device with its participant.
+#[derive(Debug, Clone)]
+pub struct Twin {
+    capabilities: Capabilities,
+    parameters: TwinParameters,
+    person: Person,
+    seed: u64,
+    plant: Driven,
+    angle: AngleSensor,
+    force: ForceSensor,
+    clock_offset_s: f64,
+    clock_rate: f64,
+    now_s: f64,
+    /// The participant's last step: when, and how many there were.
+    step_s: f64,
+    steps: u64,
+    voltages: Voltages,
+    written_s: f64,
+    trial: Trial,
+    fault: Option<TwinFault>,
+}
+
+impl Twin {
+    /// A device of these parameters with this participant at it. The seed is the board's: its magnet, clock and noise.
+    ///
+    /// # Errors
+    /// A parameter that makes no sense, by name.
+    pub fn new(parameters: TwinParameters, person: Person, seed: u64) -> Result<Self, DeviceError> {
+        parameters.check()?;
+        let plant = Driven::new(parameters.plant(Some(person.hand))).map_err(|e| impossible(&e))?;
+        let mut board = Draw::new(seed, Purpose::Board, 0);
+        let force = ForceSensor::new(parameters.force_noise_n, Draw::new(seed, Purpose::Sensors, 0), 0.0);
+        let mut twin = Self {
+            capabilities: capabilities(&parameters),
+            plant,
+            angle: AngleSensor::new(board.between([0.0, f64::from(COUNTS_PER_TURN)])),
+            force,
+            clock_offset_s: board.between([0.0, 60.0]),
+            clock_rate: 1.0 + 1e-6 * board.between([-DRIFT_PPM, DRIFT_PPM]),
+            now_s: f64::NEG_INFINITY,
+            step_s: 0.0,
+            steps: 0,
+            voltages: Voltages::OFF,
+            written_s: f64::NEG_INFINITY,
+            trial: Trial::idle(&person, &parameters),
+            fault: None,
+            parameters,
+            person,
+            seed,
+        };
+        twin.rest_at(STOPS_RAD[0])?;
+        Ok(twin)
+    }
+
+    /// The participant.
+    pub fn person(&self) -> &Person {
+        &self.person
+    }
+
+    /// What no sensor sees: the plant's true state.
+    pub fn truth(&self) -> DrivenState {
+        self.plant.state()
+    }
+
+    /// What the participant means to do in the current trial.
+    pub fn intent(&self) -> &Intent {
+        &self.trial.intent
+    }
+
+    /// What the participant has felt in the current trial.
+    pub fn felt(&self) -> &Felt {
+        &self.trial.felt
+    }
+
+    /// Puts a fault in, or takes it out.
+    pub fn inject(&mut self, fault: Option<TwinFault>) {
+        self.fault = fault;
+    }
+
+    /// Puts the lever at rest at an angle with the hand waiting just before it.
+    fn rest_at(&mut self, theta_rad: f64) -> Result<(), DeviceError> {
+        self.plant.place(theta_rad, WAITING_GAP_M).map_err(|e| impossible(&e))
+    }
+
+    /// Moves everything up to a moment, step by step of the participant, the watchdog in between.
+    fn advance_to(&mut self, now_s: f64) -> Result<(), DeviceError> {
+        if self.now_s < f64::MIN {
+            self.start(now_s, 0); // a host's clock may begin anywhere
+        }
+        while self.now_s < now_s {
+            let next_step_s = self.step_s + STEP_S;
+            let expiry_s = self.written_s + WATCHDOG_S;
+            let pending = self.voltages != Voltages::OFF;
+            let until_s = if pending { expiry_s.clamp(self.now_s, now_s) } else { now_s }.min(next_step_s);
+            self.move_to(until_s)?;
+            if pending && until_s >= expiry_s {
+                self.voltages = Voltages::OFF;
+            }
+            if until_s >= next_step_s {
+                self.step(next_step_s)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// From here on it is `now_s`; the force sensor is `phase` steps into its period.
+    fn start(&mut self, now_s: f64, phase: u64) {
+        (self.now_s, self.step_s, self.steps) = (now_s, now_s, phase);
+    }
+
+    /// Moves the plant within one step of the participant.
+    fn move_to(&mut self, until_s: f64) -> Result<(), DeviceError> {
+        let aims = [self.now_s, until_s].map(|t_s| self.trial.aim(t_s, self.step_s));
+        let command = self.command();
+        self.plant.advance(until_s - self.now_s, command, aims).map_err(|e| impossible(&e))?;
+        self.now_s = until_s;
+        Ok(())
+    }
+
+    fn command(&self) -> Command {
+        let Voltages { motor_v, brake_v } = self.voltages;
+        Command {
+            motor_n: self.parameters.actuators.motor.force_n(motor_v),
+            brake_n: self.parameters.actuators.brake.force_n(brake_v.abs()),
+        }
+    }
+
+    /// One step of the participant and, every fifth time, of the force sensor.
+    fn step(&mut self, at_s: f64) -> Result<(), DeviceError> {
+        (self.step_s, self.steps) = (at_s, self.steps + 1);
+        if at_s >= self.trial.over_s {
+            self.carry_back()?;
+        }
+        let state = self.plant.state();
+        self.trial.step(&self.person, self.parameters.lever_m, at_s, &state);
+        if self.steps.is_multiple_of(STEPS_PER_FORCE) && self.fault != Some(TwinFault::StaleForce) {
+            self.force.take(at_s, state.contact_n);
+        }
+        Ok(())
+    }
+
+    /// After a trial somebody moves the lever back to its start, which pushing alone cannot.
+    fn carry_back(&mut self) -> Result<(), DeviceError> {
+        let theta_rad = self.plant.state().theta_rad;
+        if theta_rad <= STOPS_RAD[0] {
+            return Ok(());
+        }
+        self.rest_at((theta_rad - CARRY_RAD_S * STEP_S).max(STOPS_RAD[0]))
+    }
+
+    fn reading(&mut self) -> Reading {
+        if self.fault != Some(TwinFault::StaleAngle) {
+            self.angle.take(self.now_s, self.plant.state().theta_rad);
+        }
+        let force_n = if self.fault == Some(TwinFault::NanForce) { f64::NAN } else { self.force.value_n };
+        Reading {
+            t_device_s: Some(self.clock_offset_s + self.clock_rate * self.now_s),
+            angle: Angle::Counts(self.angle.counts),
+            angle_age_s: self.now_s - self.angle.taken_s,
+            force_n,
+            force_age_s: Some(self.now_s - self.force.taken_s),
+        }
+    }
+
+    fn plugged(&self) -> Result<(), DeviceError> {
+        if self.fault != Some(TwinFault::Unplugged) {
+            return Ok(());
+        }
+        Err(DeviceError::Lost { device: self.capabilities.name.clone(), what: "the cable is out".to_owned() })
+    }
+}
+
+impl Device for Twin {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        self.plugged()?;
+        self.voltages = Voltages::OFF;
+        self.trial = Trial::idle(&self.person, &self.parameters);
+        self.rest_at(STOPS_RAD[0])?;
+        self.start(now_s, 0);
+        self.force.take(now_s, 0.0);
+        Ok(self.reading())
+    }
+
+    fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        self.advance_to(now_s)?;
+        self.plugged()?;
+        Ok(self.reading())
+    }
+
+    fn write(&mut self, now_s: f64, voltages: Voltages) -> Result<(), DeviceError> {
+        self.advance_to(now_s)?;
+        self.plugged()?;
+        (self.voltages, self.written_s) = (voltages, now_s);
+        Ok(())
+    }
+
+    fn begin(&mut self, now_s: f64, cue: &Cue<'_>) {
+        // The stop is always a place to rest at, so there is no error to tell.
+        let _ = self.rest_at(STOPS_RAD[0]);
+        self.trial = Trial::begin(&self.person, &self.parameters, now_s, cue);
+        let mut noise = Draw::new(self.seed, Purpose::Sensors, u64::from(cue.trial));
+        let phase = noise.between([0.0, STEPS_PER_FORCE as f64]) as u64;
+        self.force = ForceSensor::new(self.parameters.force_noise_n, noise, now_s);
+        self.start(now_s, phase);
+    }
+
+    fn answer(&mut self) -> Option<u8> {
+        self.trial.over_s = self.trial.over_s.min(self.now_s);
+        self.trial.answer(&self.person)
+    }
+}
+
+fn capabilities(parameters: &TwinParameters) -> Capabilities {
+    let highest = |knots: &[f64]| knots.last().copied().unwrap_or(0.0);
+    Capabilities {
+        name: format!("twin {VERSION}"),
+        rate_hz: RATE_HZ,
+        force_rate_hz: FORCE_RATE_HZ,
+        counts_per_turn: Some(COUNTS_PER_TURN),
+        shaft_per_lever: SHAFT_PER_LEVER,
+        motor_max_v: highest(&parameters.actuators.motor.voltage_v),
+        brake_max_v: highest(&parameters.actuators.brake.voltage_v),
+        watchdog_s: Some(WATCHDOG_S),
+        source: Source::Twin,
+    }
+}
+
+/// A plant that cannot be simulated.
+pub(super) fn impossible(error: &dyn std::error::Error) -> DeviceError {
+    DeviceError::Unable {
+        device: "twin".to_owned(),
+        what: error.to_string(),
+        remedy: "correct the twin's parameters".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests;
