@@ -1,43 +1,105 @@
-//! One repeat, placed at its onset.
+//! One repeat, placed at its onset or by its landmarks.
 
+use crate::landmarks::{Landmark, Times, shared, warp};
 use crate::{AverageError, WhyNot};
 use zwidth_numerics::activity::activity;
+use zwidth_numerics::phases::{first_passing, phases};
 use zwidth_numerics::series::interpolate_all;
 use zwidth_store::{Signal, Trial};
 use zwidth_study::Analysis;
 
-/// A repeat with its own times since onset.
+/// How repeats are made to meet before they are averaged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Alignment {
+    /// At movement onset: t is each repeat's own time since then.
+    Onset,
+    /// By landmarks: each repeat's time is warped, piecewise linearly, so that its landmarks (start, wall contact,
+    /// reversal, end) meet their mean times. What repeats do at different times is then not smeared.
+    Landmarks,
+}
+
+impl Alignment {
+    /// Both, the default first.
+    pub const ALL: [Self; 2] = [Self::Onset, Self::Landmarks];
+
+    /// The word in tables and names.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Onset => "onset",
+            Self::Landmarks => "landmarks",
+        }
+    }
+}
+
+/// A repeat with its times on the common scale.
 pub(crate) struct Aligned<'a> {
     trial: &'a Trial,
     pub(crate) onset_s: f64,
-    /// Time since onset, s; negative before it.
-    since_onset_s: Vec<f64>,
+    /// When it passes its landmarks, s since its onset.
+    pub(crate) landmarks: Times,
+    /// Time of each sample, s: since onset, or warped; negative before the onset.
+    t_s: Vec<f64>,
 }
 
 impl<'a> Aligned<'a> {
     /// Places `trial` at its onset, or says why it has none.
-    pub(crate) fn new(trial: &'a Trial, analysis: &Analysis) -> Result<Self, WhyNot> {
+    pub(crate) fn new(trial: &'a Trial, analysis: &Analysis, wall_rad: Option<f64>) -> Result<Self, WhyNot> {
         let t = trial.samples.get(Signal::Time).unwrap_or_default();
-        trial.samples.get(Signal::Theta).ok_or(WhyNot::NoAngle)?;
+        let theta = trial.samples.get(Signal::Theta).ok_or(WhyNot::NoAngle)?;
         let velocity = trial.samples.get(Signal::ThetaDot).ok_or(WhyNot::NoVelocity)?;
         let moving = activity(velocity, analysis.onset_rad_s, analysis.offset_rad_s);
-        let onset_s = t[moving.ok_or(WhyNot::NoMovement)?.onset];
-        Ok(Self { trial, onset_s, since_onset_s: t.iter().map(|t| t - onset_s).collect() })
+        let moving = moving.ok_or(WhyNot::NoMovement)?;
+        let found = phases(theta, moving.onset, moving.end.unwrap_or(t.len() - 1));
+        let wall_s = wall_rad.and_then(|wall| first_passing(t, theta, wall));
+        let landmarks = [Some(t[found.onset]), wall_s, Some(t[found.reversal]), moving.end.map(|end| t[end])];
+        let onset_s = t[moving.onset];
+        Ok(Self {
+            trial,
+            onset_s,
+            landmarks: landmarks.map(|l| l.map(|t| t - onset_s)),
+            t_s: t.iter().map(|t| t - onset_s).collect(),
+        })
+    }
+
+    /// Itself, unless it lacks what `alignment` needs.
+    pub(crate) fn fit_for(self, alignment: Alignment) -> Result<Self, WhyNot> {
+        let has_end = self.landmarks[Landmark::End as usize].is_some();
+        if has_end || alignment == Alignment::Onset { Ok(self) } else { Err(WhyNot::NoEnd) }
     }
 
     pub(crate) fn trial(&self) -> &'a Trial {
         self.trial
     }
 
-    /// From onset to the last sample, s.
+    /// From onset to the last sample on the common scale, s.
     pub(crate) fn length_s(&self) -> f64 {
-        self.since_onset_s.last().copied().unwrap_or(0.0)
+        self.t_s.last().copied().unwrap_or(0.0)
     }
 
     /// `signal` on the grid: null where the repeat has ended. `None` where it was not recorded.
     pub(crate) fn on_grid(&self, signal: Signal, grid_s: &[f64]) -> Option<Vec<Option<f64>>> {
-        Some(interpolate_all(&self.since_onset_s, self.trial.samples.get(signal)?, grid_s))
+        Some(interpolate_all(&self.t_s, self.trial.samples.get(signal)?, grid_s))
     }
+}
+
+/// The landmarks that all repeats share, with their mean times.
+pub(crate) fn mean_landmarks(aligned: &[Aligned]) -> Vec<(Landmark, f64)> {
+    let times: Vec<_> = aligned.iter().map(|a| a.landmarks).collect();
+    let mean = |landmark: Landmark| {
+        let of_all: Vec<f64> = times.iter().filter_map(|times| times[landmark as usize]).collect();
+        (landmark, of_all.iter().sum::<f64>() / of_all.len() as f64)
+    };
+    shared(&times).into_iter().map(mean).collect()
+}
+
+/// The repeat with its own landmarks at the times of `landmarks`; unchanged where there are none.
+pub(crate) fn warped<'a>(repeat: Aligned<'a>, landmarks: &[(Landmark, f64)]) -> Aligned<'a> {
+    let (own, common): (Vec<f64>, Vec<f64>) =
+        landmarks.iter().filter_map(|(l, t)| Some((repeat.landmarks[*l as usize]?, *t))).unzip();
+    if own.is_empty() {
+        return repeat;
+    }
+    Aligned { t_s: repeat.t_s.iter().map(|t| warp(*t, &own, &common)).collect(), ..repeat }
 }
 
 /// Checks that every column of `trial` is as long as its time.
@@ -53,10 +115,15 @@ pub(crate) fn check_lengths(trial: &Trial) -> Result<(), AverageError> {
     Ok(())
 }
 
+/// Repeats of one length differ by no more than this share of it after their onset is taken off.
+const ROUNDING: f64 = 1e-9;
+
 /// How long the average lasts, s: as long as at least half of the repeats do (with `lengths_s` not empty).
 pub(crate) fn average_length_s(mut lengths_s: Vec<f64>) -> f64 {
     lengths_s.sort_by(|a, b| b.total_cmp(a));
-    lengths_s[lengths_s.len().div_ceil(2) - 1]
+    let half = lengths_s[lengths_s.len().div_ceil(2) - 1];
+    // the shortest of those that last as long but for rounding: none is to drop out at the last point
+    lengths_s.into_iter().filter(|l| *l >= half * (1.0 - ROUNDING)).fold(half, f64::min)
 }
 
 /// `points` (at least 2) even times from 0 to `length_s`, both exactly.
@@ -74,6 +141,7 @@ mod tests {
             (vec![2.0], 2.0),
             (vec![2.0, 3.0], 3.0),
             (vec![1.0, 2.0, 3.0], 2.0),
+            (vec![3.0, 3.0 - 1e-15, 3.0 - 2e-15, 1.0], 3.0 - 2e-15),
             (vec![6.0, 1.0, 5.0, 2.0, 4.0, 3.0], 4.0),
         ] {
             assert_eq!(Some(average_length_s(lengths.clone())), Some(expect), "{lengths:?}");

@@ -1,13 +1,11 @@
 //! The average of one condition's repeats.
 
-use crate::align::{Aligned, average_length_s, check_lengths, grid};
+use crate::align::{Aligned, Alignment, average_length_s, check_lengths, grid, mean_landmarks, warped};
+use crate::landmarks::Landmark;
 use crate::{AverageError, WhyNot};
 use zwidth_stats::band::{Band, band};
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Condition, ParticipantId, Scene, SessionId, Source, Study};
-
-/// How the note that tells where an average ends tells it.
-pub const ENDS_AT: &str = "the average ends at";
+use zwidth_study::{Analysis, Condition, ParticipantId, Scene, SessionId, Source, Study};
 
 /// A quantity that is averaged: the signal, and how its columns are called.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +40,7 @@ pub struct Repeat {
     pub repeat: u32,
     /// Its onset on its own clock, s: where the average's t = 0 lies.
     pub onset_s: f64,
-    /// Onset to last sample, s.
+    /// Onset to last sample on the average's time scale, s.
     pub length_s: f64,
 }
 
@@ -75,7 +73,11 @@ pub struct Average {
     pub condition: Condition,
     /// Where the numbers come from: `twin` if any repeat does, else as the first.
     pub source: Source,
-    /// The grid: time since onset, s.
+    /// How the repeats were made to meet.
+    pub alignment: Alignment,
+    /// Landmarks and their mean times since onset, s, in order; empty where repeats are aligned at onset alone.
+    pub landmarks: Vec<(Landmark, f64)>,
+    /// The grid: time since onset, s; aligned by landmarks, on the scale of their mean times.
     pub t_s: Vec<f64>,
     /// Repeats that reach each time.
     pub n: Vec<usize>,
@@ -87,38 +89,25 @@ pub struct Average {
     pub courses: Vec<Course>,
 }
 
-impl Average {
-    /// In words: that the average ends before the longest repeat does, and which trials are not in it.
-    pub fn notes(&self) -> Vec<String> {
-        let longest = self.repeats.iter().map(|r| r.length_s).fold(0.0, f64::max);
-        let end = self.t_s.last().copied().unwrap_or(0.0);
-        let total = self.repeats.len();
-        let name = format!(
-            "{} {} {} {}",
-            self.participant, self.session, self.condition.environment, self.condition.mode
-        );
-        let ended = (end < longest).then(|| {
-            format!("{name}: {ENDS_AT} {end:.3} s; after that fewer than half of the {total} repeats remain.")
-        });
-        let left_out =
-            self.left_out.iter().map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
-        ended.into_iter().chain(left_out).collect()
-    }
-}
-
 /// The mean course of `trials`: the repeats of one condition by one participant in one session, in any number.
 ///
-/// A repeat that cannot be placed (no velocity, no movement) is left out and listed; the result says so.
+/// A repeat that cannot be placed (no velocity, no movement; for landmarks, no end) is left out and listed; the
+/// result says so.
 ///
 /// # Errors
 /// [`AverageError::WhyNot`] where there is no average and no fault: free motion, or no repeat that can be placed
 /// (the first one's reason). Otherwise: no trial, trials of different conditions, an environment that is not in the
 /// study, columns of unequal length.
-pub fn average(trials: &[Trial], study: &Study) -> Result<Average, AverageError> {
+pub fn average(trials: &[Trial], study: &Study, alignment: Alignment) -> Result<Average, AverageError> {
     let first = trials.first().ok_or(AverageError::Empty)?;
     check_together(trials)?;
-    check_scene(first, study)?;
-    let (aligned, left_out) = align(trials, study)?;
+    let wall_rad = wall(first, study)?;
+    let (aligned, left_out) = align(trials, &study.analysis, wall_rad, alignment)?;
+    let landmarks = match alignment {
+        Alignment::Onset => Vec::new(),
+        Alignment::Landmarks => mean_landmarks(&aligned),
+    };
+    let aligned: Vec<Aligned> = aligned.into_iter().map(|a| warped(a, &landmarks)).collect();
     let points = study.analysis.grid_points;
     if points < 2 {
         return Err(AverageError::Grid { points });
@@ -135,6 +124,8 @@ pub fn average(trials: &[Trial], study: &Study) -> Result<Average, AverageError>
         courses: courses(&aligned, &t_s, study.analysis.confidence)?,
         repeats: aligned.iter().map(repeat).collect(),
         left_out,
+        alignment,
+        landmarks,
         t_s,
     })
 }
@@ -147,21 +138,28 @@ fn check_together(trials: &[Trial]) -> Result<(), AverageError> {
     }
 }
 
-fn check_scene(trial: &Trial, study: &Study) -> Result<(), AverageError> {
+/// Where the wall of the trial's environment begins, if it has one; an error where nothing is rendered to average.
+fn wall(trial: &Trial, study: &Study) -> Result<Option<f64>, AverageError> {
     let id = &trial.meta.environment;
     let unknown = || AverageError::UnknownEnvironment { environment: id.clone() };
-    match study.environment(id).ok_or_else(unknown)?.scene {
+    let scene = study.environment(id).ok_or_else(unknown)?.scene;
+    match scene {
         Scene::Free => Err(WhyNot::FreeMotion.into()),
         Scene::None => Err(WhyNot::NothingRendered.into()),
-        Scene::Spring(_) | Scene::SpringWall { .. } => Ok(()),
+        Scene::Spring(_) | Scene::SpringWall { .. } => Ok(scene.wall_rad()),
     }
 }
 
 /// The repeats that can be placed, and those that cannot. If none can: the first one's reason.
-fn align<'a>(trials: &'a [Trial], study: &Study) -> Result<(Vec<Aligned<'a>>, Vec<LeftOut>), WhyNot> {
+fn align<'a>(
+    trials: &'a [Trial],
+    analysis: &Analysis,
+    wall_rad: Option<f64>,
+    alignment: Alignment,
+) -> Result<(Vec<Aligned<'a>>, Vec<LeftOut>), WhyNot> {
     let (mut aligned, mut left_out) = (Vec::new(), Vec::new());
     for trial in trials {
-        match Aligned::new(trial, &study.analysis) {
+        match Aligned::new(trial, analysis, wall_rad).and_then(|a| a.fit_for(alignment)) {
             Ok(repeat) => aligned.push(repeat),
             Err(why) => left_out.push(LeftOut { trial: trial.meta.trial, why }),
         }
@@ -190,7 +188,11 @@ fn courses(aligned: &[Aligned], t_s: &[f64], level: f64) -> Result<Vec<Course>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{RATE_HZ, repeat, study};
+    use crate::testing::{RATE_HZ, repeat, study, there_and_back};
+
+    fn at_onset(trials: &[Trial], study: &Study) -> Average {
+        average(trials, study, Alignment::Onset).unwrap()
+    }
 
     fn course(average: &Average, signal: Signal) -> &Course {
         average.courses.iter().find(|c| c.quantity.signal == signal).unwrap()
@@ -199,7 +201,7 @@ mod tests {
     #[test]
     fn repeats_that_start_at_different_times_meet_at_their_onset() {
         let trials = [repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.8, 1.0, 3.5), repeat(3, 0.5, 1.0, 3.2)];
-        let found = average(&trials, &study()).unwrap();
+        let found = at_onset(&trials, &study());
         let theta = course(&found, Signal::Theta);
         // the same movement, shifted by whole samples: no spread beyond the rounding of t − onset
         assert!(theta.band.sd.iter().all(|sd| sd.unwrap() < 1e-12));
@@ -214,9 +216,9 @@ mod tests {
         let trials = [repeat(1, 0.3, 0.9, 3.0), repeat(2, 0.3, 1.0, 3.0), repeat(3, 0.3, 1.1, 3.0)];
         let mut study = study();
         study.analysis.onset_rad_s = 1e-9; // all three begin at the same sample
-        let found = average(&trials, &study).unwrap();
+        let found = at_onset(&trials, &study);
         let force = course(&found, Signal::ForceEx);
-        let middle = average(&trials[1..2], &study).unwrap();
+        let middle = at_onset(&trials[1..2], &study);
         let unit = &course(&middle, Signal::ForceEx).band.mean;
         let half = 4.302652729749462 * 0.1 / 3_f64.sqrt(); // scipy.stats.t.ppf(0.975, 2)
         for (i, unit) in unit.iter().enumerate() {
@@ -231,18 +233,72 @@ mod tests {
     fn the_average_ends_where_fewer_than_half_remain_and_says_so() {
         let lengths = [3.0, 3.5, 4.0, 2.9, 2.8];
         let trials: Vec<_> = (1..).zip(lengths).map(|(i, s)| repeat(i, 0.3, 1.0, s)).collect();
-        let found = average(&trials, &study()).unwrap();
+        let found = at_onset(&trials, &study());
         let third_longest = found.repeats[0].length_s;
         assert_eq!(found.t_s.last(), Some(&third_longest));
         assert_eq!((found.n[0], found.n.last()), (5, Some(&3)));
         assert!(found.notes()[0].contains("fewer than half of the 5 repeats"), "{:?}", found.notes());
-        let even = average(&[repeat(1, 0.3, 1.0, 3.0)], &study()).unwrap();
+        // of five repeats the mean loses the two shortest on its way
+        assert_eq!(found.drops().iter().map(|d| d.1).collect::<Vec<_>>(), [4, 3]);
+        assert!(found.notes()[0].contains("number of repeats falls: to 4 at 2.4"), "{:?}", found.notes());
+        let even = at_onset(&[repeat(1, 0.3, 1.0, 3.0)], &study());
         assert!(even.notes().is_empty());
     }
 
     #[test]
+    fn repeats_that_drop_out_are_told_also_where_the_longest_one_stays() {
+        let found = at_onset(&[repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 1.0, 3.5)], &study());
+        let (t, n) = found.drops()[0];
+        assert_eq!((found.drops().len(), n), (1, 1));
+        assert!((t - found.repeats[0].length_s).abs() < 3.5 / 400.0);
+        assert!(found.notes()[0].contains("no repeat lasts longer"), "{:?}", found.notes());
+    }
+
+    /// There in 1.0, 1.4 and 1.2 s, back in 0.8, 1.2 and 1.6 s: three warps of one raised cosine, so that aligned by
+    /// landmarks it comes out as itself, there in 1.2 s and back in 1.2 s.
+    #[test]
+    fn landmarks_keep_what_an_average_at_onset_smears() {
+        let trials = [there_and_back(1, 1.0, 0.8), there_and_back(2, 1.4, 1.2), there_and_back(3, 1.2, 1.6)];
+        let mut study = study();
+        (study.analysis.onset_rad_s, study.analysis.offset_rad_s) = (1e-9, 1e-10);
+        let spring = study.environments[0].scene.spring().unwrap();
+        study.environments[0].scene = Scene::SpringWall { spring, wall_rad: 0.5 };
+        let found = average(&trials, &study, Alignment::Landmarks).unwrap();
+        let names: Vec<_> = found.landmarks.iter().map(|l| l.0).collect();
+        assert_eq!(names, Landmark::ALL);
+        for ((_, t), expect) in found.landmarks.iter().zip([0.0, 0.6, 1.2, 2.4]) {
+            assert!((t - expect).abs() < 2e-3, "{t} {expect}");
+        }
+        let theta = course(&found, Signal::Theta);
+        for (t, mean) in found.t_s.iter().zip(&theta.band.mean) {
+            let expect = (1.0 - libm::cos(core::f64::consts::PI * t.min(2.4) / 1.2)) / 2.0;
+            assert!((mean.unwrap() - expect).abs() < 2e-3, "{mean:?} against {expect} at {t}");
+        }
+        assert!(theta.band.sd.iter().all(|sd| sd.unwrap() < 2e-3));
+        let peak =
+            |a: &Average| course(a, Signal::Theta).band.mean.iter().flatten().copied().fold(0.0, f64::max);
+        assert!(peak(&found) > 0.999 && peak(&at_onset(&trials, &study)) < 0.97);
+        assert!(found.notes().iter().any(|n| n.contains("wall contact 0.599 s")), "{:?}", found.notes());
+    }
+
+    #[test]
+    fn a_landmark_that_one_repeat_misses_is_none_and_a_missing_end_leaves_the_repeat_out() {
+        let mut trials = vec![repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 0.4, 3.0)];
+        let mut study = study();
+        let spring = study.environments[0].scene.spring().unwrap();
+        study.environments[0].scene = Scene::SpringWall { spring, wall_rad: 0.5 };
+        let landmarks = |trials: &[Trial]| average(trials, &study, Alignment::Landmarks).unwrap();
+        let names: Vec<_> = landmarks(&trials).landmarks.iter().map(|l| l.0).collect();
+        assert_eq!(names, [Landmark::Start, Landmark::Reversal, Landmark::End]);
+        trials.push(repeat(3, 0.3, 1.0, 1.8));
+        let found = landmarks(&trials);
+        assert_eq!(found.left_out, [LeftOut { trial: 3, why: WhyNot::NoEnd }]);
+        assert_eq!(at_onset(&trials, &study).n[0], 3);
+    }
+
+    #[test]
     fn one_repeat_has_a_mean_and_no_band() {
-        let found = average(&[repeat(1, 0.3, 1.0, 3.0)], &study()).unwrap();
+        let found = at_onset(&[repeat(1, 0.3, 1.0, 3.0)], &study());
         let theta = course(&found, Signal::Theta);
         assert!(theta.band.mean.iter().all(Option::is_some));
         assert!(theta.band.sd.iter().chain(&theta.band.ci_low).all(Option::is_none));
@@ -253,7 +309,7 @@ mod tests {
         let mut trials = [repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 1.0, 3.0)];
         let samples = trials[0].samples.len();
         trials[0].samples.set(Signal::ForceCmd, vec![0.0; samples]);
-        let found = average(&trials, &study()).unwrap();
+        let found = at_onset(&trials, &study());
         let signals: Vec<_> = found.courses.iter().map(|c| c.quantity.signal).collect();
         assert_eq!(signals, [Signal::Theta, Signal::ThetaDot, Signal::ForceEx]);
     }
@@ -261,7 +317,7 @@ mod tests {
     #[test]
     fn a_repeat_without_movement_is_left_out_and_named() {
         let trials = [repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 0.0, 3.0)];
-        let found = average(&trials, &study()).unwrap();
+        let found = at_onset(&trials, &study());
         assert_eq!(found.left_out, [LeftOut { trial: 2, why: WhyNot::NoMovement }]);
         assert_eq!(found.n[0], 1);
         assert!(found.notes()[0].contains("trial 2 is not averaged"), "{:?}", found.notes());
@@ -270,7 +326,7 @@ mod tests {
     fn check_reason(change: impl FnOnce(&mut Trial, &mut Study), expect: AverageError) {
         let (mut trial, mut study) = (repeat(1, 0.3, 1.0, 3.0), study());
         change(&mut trial, &mut study);
-        assert_eq!(average(&[trial], &study), Err(expect));
+        assert_eq!(average(&[trial], &study, Alignment::Onset), Err(expect));
     }
 
     fn keep(trial: &mut Trial, signals: &[Signal]) {
@@ -293,10 +349,10 @@ mod tests {
 
     #[test]
     fn requests_that_make_no_sense_are_refused() {
-        assert_eq!(average(&[], &study()), Err(AverageError::Empty));
+        assert_eq!(average(&[], &study(), Alignment::Onset), Err(AverageError::Empty));
         let mut other = repeat(2, 0.3, 1.0, 3.0);
         other.meta.session = SessionId::new("S02").unwrap();
-        let mixed = average(&[repeat(1, 0.3, 1.0, 3.0), other], &study());
+        let mixed = average(&[repeat(1, 0.3, 1.0, 3.0), other], &study(), Alignment::Onset);
         assert_eq!(mixed, Err(AverageError::Mixed { trial: 2 }));
         check_reason(|_, s| s.analysis.grid_points = 1, AverageError::Grid { points: 1 });
         let found = (3.0 * RATE_HZ) as usize + 1;

@@ -28,6 +28,12 @@ pub enum WhyNot {
     /// θ̇ stays below the threshold.
     #[error("the lever never moved faster than analysis.onset, so there is no onset to align at")]
     NoMovement,
+    /// The recording stops in mid-movement.
+    #[error(
+        "the recording stops before the movement ends, so it cannot be aligned at its end; the average \
+         aligned at onset has it"
+    )]
+    NoEnd,
 }
 
 /// Why a request for an average failed.

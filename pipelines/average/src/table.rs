@@ -15,16 +15,18 @@ const PARTS: [Part; 4] = [
     ("ci_high", "upper end of the mean's pointwise t interval", |b| &b.ci_high),
 ];
 
-/// One row a point of time of each average: participant, session, environment, mode, source, `t_s` since onset, `n`
-/// repeats, and mean, SD and band of each quantity (null where not every repeat has it). Notes say where an
-/// average ends early and which trials are not in it.
+/// One row a point of time of each average: participant, session, environment, mode, source, `alignment` (`onset` or
+/// `landmarks`), `t_s` since onset, `n` repeats, and mean, SD and band of each quantity (null where not every repeat
+/// has it). Notes say where an average ends and where repeats drop out of it, its landmarks, and which trials are not in
+/// it.
 ///
 /// # Errors
 /// A number that is not finite.
 pub fn table(averages: &[Average]) -> Result<Table, TableError> {
     let rows = || averages.iter().flat_map(|a| (0..a.t_s.len()).map(move |i| (a, i)));
     let mut columns = identity(rows);
-    columns.push(Column::float("t_s", "s", "time since movement onset", rows().map(|(a, i)| Some(a.t_s[i]))));
+    let time = "time since movement onset; aligned by landmarks, on the scale of their mean times";
+    columns.push(Column::float("t_s", "s", time, rows().map(|(a, i)| Some(a.t_s[i]))));
     let n = rows().map(|(a, i)| Some(a.n[i] as i64));
     columns.push(Column::integer("n", "1", "repeats averaged at this time", n));
     for quantity in QUANTITIES {
@@ -35,7 +37,7 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
             columns.push(renamed(quantity, name, description, rows().map(value).collect()));
         }
     }
-    let table = Table::new("average", "Mean of the repeats, aligned at movement onset", columns)?;
+    let table = Table::new("average", "Mean of the repeats against time", columns)?;
     Ok(averages.iter().flat_map(Average::notes).fold(table, Table::with_note))
 }
 
@@ -53,6 +55,7 @@ fn identity<'a, I: Iterator<Item = (&'a Average, usize)>>(rows: impl Fn() -> I) 
         text("environment", "what was rendered", |a| a.condition.environment.as_str()),
         text("mode", "how it was rendered", |a| a.condition.mode.as_str()),
         text("source", "recorded, twin or imported", |a| a.source.as_str()),
+        text("alignment", "what the repeats were aligned at: onset or landmarks", |a| a.alignment.as_str()),
     ]
 }
 
@@ -67,12 +70,13 @@ fn renamed(quantity: Quantity, name: String, description: String, values: Vec<Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::average;
     use crate::testing::{repeat, study};
+    use crate::{Alignment, average};
 
     fn averages() -> Vec<Average> {
         let trials = [repeat(1, 0.3, 0.9, 3.0), repeat(2, 0.3, 1.1, 3.1), repeat(3, 0.3, 1.0, 3.4)];
-        vec![average(&trials, &study()).unwrap(), average(&trials[..1], &study()).unwrap()]
+        let of = |trials, alignment| average(trials, &study(), alignment).unwrap();
+        vec![of(&trials, Alignment::Onset), of(&trials[..1], Alignment::Landmarks)]
     }
 
     #[test]
@@ -85,7 +89,12 @@ mod tests {
         assert_eq!(mean[..points], averages[0].courses[0].band.mean);
         assert!(table.floats("theta_ci_low_rad").unwrap()[points..].iter().all(Option::is_none));
         assert!(table.floats("force_cmd_mean_n").unwrap().iter().all(Option::is_none));
-        assert_eq!(table.notes().len(), 1);
+        assert_eq!(table.notes().len(), 2);
+        let alignment = table.texts("alignment").unwrap();
+        assert_eq!(
+            (alignment[0].as_deref(), alignment[points].as_deref()),
+            (Some("onset"), Some("landmarks"))
+        );
         let field = table.fields().iter().find(|f| f.name == "theta_dot_sd_rad_s").unwrap();
         assert_eq!(field.unit, "rad/s");
     }

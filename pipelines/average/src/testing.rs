@@ -25,6 +25,28 @@ pub(crate) fn repeat(number: u32, start_s: f64, stroke_rad: f64, length_s: f64) 
     Trial { meta: meta(number), file: TrialFile::new(), samples }
 }
 
+/// Repeat `number`: half a second of rest, a raised cosine of 1 rad there in `there_s` and back in `back_s`, half a
+/// second of rest.
+pub(crate) fn there_and_back(number: u32, there_s: f64, back_s: f64) -> Trial {
+    let point = |t: f64| {
+        let s = (t - 0.5).clamp(0.0, there_s + back_s);
+        let (half, length_s) =
+            if s <= there_s { (s / there_s, there_s) } else { (1.0 + (s - there_s) / back_s, back_s) };
+        let phase = core::f64::consts::PI * half;
+        let velocity = core::f64::consts::FRAC_PI_2 / length_s * libm::sin(phase);
+        // a sine at a multiple of π is rounding
+        ((1.0 - libm::cos(phase)) / 2.0, if velocity.abs() < 1e-12 { 0.0 } else { velocity })
+    };
+    let length_s = there_s + back_s + 1.0;
+    let t: Vec<f64> = (0..=(length_s * RATE_HZ) as u32).map(|i| f64::from(i) / RATE_HZ).collect();
+    let (theta, velocity): (Vec<f64>, Vec<f64>) = t.iter().map(|t| point(*t)).unzip();
+    let mut samples = Samples::default();
+    samples.set(Signal::Theta, theta);
+    samples.set(Signal::ThetaDot, velocity);
+    samples.set(Signal::Time, t);
+    Trial { meta: meta(number), file: TrialFile::new(), samples }
+}
+
 fn meta(number: u32) -> TrialMeta {
     TrialMeta {
         participant: ParticipantId::new("P01").unwrap(),

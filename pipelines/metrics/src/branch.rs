@@ -1,6 +1,6 @@
 //! Compression and decompression as two single-valued curves F(θ) on a common grid.
 
-use crate::signals::Phases;
+use zwidth_numerics::phases::Phases;
 use zwidth_numerics::series::interpolate_all;
 
 /// F over strictly increasing θ.
@@ -33,15 +33,20 @@ fn advancing(theta: &[f64], force: &[f64], direction: f64) -> Branch {
     branch
 }
 
-/// Both branches by linear interpolation on `points` angles over the range that both cover; `None` where there
-/// is no such range. The sample of the reversal itself belongs to the compression alone.
+/// The branches are compared where they share at least this share of the compression's angles: a lever that a brake
+/// holds moves back by the angle sensor's jitter and has no decompression.
+const LEAST_SHARE: f64 = 0.1;
+
+/// Both branches by linear interpolation on `points` angles over the range that both cover; `None` where that is
+/// less than a tenth of the compression's. The sample of the reversal itself belongs to the compression alone.
 pub(crate) fn branches(theta: &[f64], force: &[f64], phases: Phases, points: usize) -> Option<Branches> {
     let Phases { onset, reversal, end } = phases;
     let forward = advancing(&theta[onset..=reversal], &force[onset..=reversal], 1.0);
     let backward = advancing(&theta[reversal + 1..=end], &force[reversal + 1..=end], -1.0);
     let low = forward.theta.first()?.max(*backward.theta.first()?);
     let high = forward.theta.last()?.min(*backward.theta.last()?);
-    if high <= low || points < 2 {
+    let least = LEAST_SHARE * (forward.theta.last()? - forward.theta.first()?);
+    if high <= low || high - low < least || points < 2 {
         return None;
     }
     let grid: Vec<f64> = (0..points).map(|i| grid_point(low, high, i, points)).collect();
@@ -72,6 +77,13 @@ mod tests {
         assert_eq!(found.forward, [0.0, 0.5, 1.0, 1.5]);
         let expect = [-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0];
         assert!(found.backward.iter().zip(expect).all(|(f, e)| (f - e).abs() < 1e-15));
+    }
+
+    #[test]
+    fn a_lever_that_is_held_and_jitters_has_no_decompression() {
+        let theta = [0.0, 1.0, 2.0, 1.95, 1.9, 1.95];
+        let phases = Phases { onset: 0, reversal: 2, end: 5 };
+        assert!(branches(&theta, &[5.0, 5.0, 5.0, 4.0, 2.0, 0.0], phases, 11).is_none());
     }
 
     #[test]

@@ -2,30 +2,38 @@
 
 use polars::prelude::{self as pl, IntoLazy as _};
 use std::borrow::Cow;
+use zwidth_study::Condition;
 use zwidth_tables::{Field, Table, TableError, Type};
 
 /// What the repeats of a condition share: the unit of analysis is one participant in one session.
 const GROUP: [&str; 4] = ["participant", "session", "environment", "mode"];
 
 /// The metrics that are summarised.
-const SUMMARISED: [&str; 8] = [
+const SUMMARISED: [&str; 13] = [
     "duration_s",
     "theta_max_rad",
+    "sparc_forward",
+    "sparc_backward",
     "discrepancy_mean_n",
     "discrepancy_step_n",
     "loop_area_j",
     "stiffness_n_per_rad",
+    "saturation_force_n",
+    "force_rms_error_n",
+    "returned_energy_share",
     "wall_past_max_rad",
     "wall_dwell_s",
 ];
 
-/// One row a participant, session and condition, in the order of the trials: number of trials, then
-/// mean and standard deviation (n − 1) of each summarised metric over the trials that have it. Null
-/// where none has; the deviation is null for a single trial. A metric that no trial has is left out.
+/// One row a participant, session and condition, sessions in the order of the trials and the conditions of each in that
+/// of `conditions`: number of trials, then mean and standard deviation (n − 1) of each summarised metric over the
+/// trials that have it. Null where none has; the deviation is null for a single trial. A metric that no trial has is
+/// left out.
 ///
 /// # Errors
 /// A table that is not the stage's.
-pub fn by_condition(metrics: &Table) -> Result<Table, TableError> {
+pub fn by_condition(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableError> {
+    let metrics = &ordered(metrics, conditions)?;
     let present: Vec<&Field> = SUMMARISED
         .iter()
         .filter_map(|name| metrics.fields().iter().find(|f| f.name == *name))
@@ -45,9 +53,43 @@ pub fn by_condition(metrics: &Table) -> Result<Table, TableError> {
     Ok(incomplete(metrics, &present)?.into_iter().fold(table, Table::with_note))
 }
 
+/// The rows of each session in the order of `conditions`; those of others after them.
+fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableError> {
+    let texts = |name: &str| metrics.texts(name);
+    let people = [texts("participant")?, texts("session")?];
+    let condition = [texts("environment")?, texts("mode")?];
+    let of =
+        |columns: &[Vec<Option<String>>; 2], row: usize| [columns[0][row].clone(), columns[1][row].clone()];
+    let mut sessions = Vec::new();
+    let mut keys = Vec::new();
+    for row in 0..metrics.height() {
+        let (session, condition) = (of(&people, row), of(&condition, row));
+        let known = sessions.iter().position(|s| *s == session);
+        let is = |c: &Condition| {
+            [Some(c.environment.as_str()), Some(c.mode.as_str())]
+                == condition.each_ref().map(Option::as_deref)
+        };
+        keys.push((
+            known.unwrap_or(sessions.len()),
+            conditions.iter().position(is).unwrap_or(conditions.len()),
+        ));
+        if known.is_none() {
+            sessions.push(session);
+        }
+    }
+    let mut rows: Vec<usize> = (0..keys.len()).collect();
+    rows.sort_by_key(|row| keys[*row]);
+    let rows = pl::IdxCa::from_vec("".into(), rows.into_iter().map(|row| row as pl::IdxSize).collect());
+    let frame = metrics.frame().take(&rows).map_err(polars)?;
+    Table::from_frame(metrics.name(), metrics.title(), metrics.fields().to_vec(), frame)
+}
+
+fn polars(source: pl::PolarsError) -> TableError {
+    TableError::Polars { table: "conditions".to_owned(), source }
+}
+
 fn grouped(metrics: &Table, aggregates: &[pl::Expr]) -> Result<pl::DataFrame, TableError> {
     let lazy = metrics.frame().clone().lazy().group_by_stable(GROUP.map(pl::col));
-    let polars = |source| TableError::Polars { table: "conditions".to_owned(), source };
     lazy.agg(aggregates).collect().map_err(polars)
 }
 
@@ -119,10 +161,24 @@ mod tests {
         Table::new("metrics", "", columns).unwrap()
     }
 
+    fn condition(mode: &str) -> Condition {
+        let environment = zwidth_study::EnvironmentId::new("spring").unwrap();
+        Condition { environment, mode: zwidth_study::ModeId::new(mode).unwrap() }
+    }
+
+    #[test]
+    fn conditions_stand_in_the_order_of_the_study_and_unknown_ones_after_them() {
+        let rows = [("c", Some(3.0)), ("new", None), ("a", Some(1.0)), ("b", Some(2.0)), ("a", Some(1.0))];
+        let table = by_condition(&metrics(&rows), &["a", "b", "c"].map(condition)).unwrap();
+        let modes: Vec<_> = table.texts("mode").unwrap().into_iter().flatten().collect();
+        assert_eq!(modes, ["a", "b", "c", "new"]);
+        assert_eq!(table.floats("duration_s").unwrap(), [Some(1.0), Some(2.0), Some(3.0), None]);
+    }
+
     #[test]
     fn repeats_become_mean_and_deviation_of_their_condition() {
         let rows = [("b", Some(1.0)), ("a", Some(5.0)), ("b", Some(3.0)), ("b", None)];
-        let table = by_condition(&metrics(&rows)).unwrap();
+        let table = by_condition(&metrics(&rows), &[condition("b"), condition("a")]).unwrap();
         assert_eq!(table.texts("mode").unwrap(), [Some("b".to_owned()), Some("a".to_owned())]);
         assert_eq!(table.integers("n").unwrap(), [Some(3), Some(1)]);
         assert_eq!(table.floats("duration_s").unwrap(), [Some(2.0), Some(5.0)]);
@@ -132,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_metric_that_no_trial_has_is_left_out() {
-        let table = by_condition(&metrics(&[("a", Some(1.0))])).unwrap();
+        let table = by_condition(&metrics(&[("a", Some(1.0))]), &[]).unwrap();
         assert!(table.floats("wall_dwell_s").is_err());
     }
 }

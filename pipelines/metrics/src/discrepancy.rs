@@ -2,8 +2,9 @@
 
 use crate::MetricsError;
 use crate::branch::{Branches, branches};
-use crate::signals::{Phases, Signals};
+use crate::signals::Signals;
 use zwidth_numerics::lsq;
+use zwidth_numerics::phases::Phases;
 use zwidth_numerics::series::{loop_area, trapezoid};
 
 /// The step at the reversal is read from the last tenth of the common range of angles: wide enough for the
@@ -16,7 +17,9 @@ const MIN_POINTS: usize = 3;
 /// Force discrepancy D(θ) = F_compression(θ) − F_decompression(θ) (thesis, appendix B, Fig. 31).
 ///
 /// Each branch is made single-valued by keeping only samples that lie farther along than any before, then
-/// interpolated linearly on `analysis.grid_points` even angles over the range both branches cover.
+/// interpolated linearly on `analysis.grid_points` even angles over the range both branches cover. All null where that
+/// is less than a tenth of the compression's angles: a lever that a brake holds has no decompression, and its path
+/// is no loop.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Discrepancy {
     /// Mean of D over the angle, ∫ D dθ / Δθ by the trapezoidal rule, N.
@@ -39,18 +42,17 @@ pub(crate) fn discrepancy(signals: &Signals, grid_points: usize) -> Result<Discr
     if reversal == end {
         return Ok(Discrepancy::default());
     }
-    let area = loop_area(&theta[onset..=end], &force[onset..=end])?;
-    let loop_area_j = signals.lever_m.map(|lever_m| lever_m * area);
     let Some(Branches { theta: grid, forward, backward }) = branches(theta, force, phases, grid_points)
     else {
-        return Ok(Discrepancy { loop_area_j, ..Discrepancy::default() });
+        return Ok(Discrepancy::default());
     };
+    let area = loop_area(&theta[onset..=end], &force[onset..=end])?;
     let d: Vec<f64> = forward.iter().zip(&backward).map(|(f, b)| f - b).collect();
     Ok(Discrepancy {
         mean_n: Some(trapezoid(&grid, &d)? / (grid[grid.len() - 1] - grid[0])),
         max_n: d.iter().copied().reduce(f64::max),
         step_n: step(&grid, &d, theta[reversal])?,
-        loop_area_j,
+        loop_area_j: signals.lever_m.map(|lever_m| lever_m * area),
     })
 }
 

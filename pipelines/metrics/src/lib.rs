@@ -10,30 +10,44 @@
 //! * **Compression** is onset → reversal, **decompression** reversal → end; the reversal is the first sample of
 //!   the largest θ. Without a recorded velocity there is neither onset nor end, and the whole recording stands
 //!   in for the movement.
+//! * **The force** counts at the times at which its sensor gave new values, with straight lines between them, where the
+//!   recording tells their age (`force_age_s`); else as recorded. A held value lags behind by half of the sensor's
+//!   interval on average: it would make loops too small and an elastic spring look active.
 //! * A metric is null (`None`) where the recording lacks what it needs, or where it does not apply; it is never
 //!   0 for want of data.
 //!
-//! The definitions stand at the fields of [`Movement`], [`Discrepancy`], [`SpringRendering`] and [`WallContact`].
+//! The definitions stand at the fields of [`Movement`], [`Discrepancy`], [`SpringRendering`], [`WallContact`],
+//! [`Stability`] and [`Compliance`].
 
 mod branch;
+mod columns;
+mod compliance;
 mod conditions;
 mod discrepancy;
 mod error;
+mod estimates;
 mod movement;
+mod oscillation;
+mod plateau;
 #[cfg(test)]
 mod real_data;
 mod signals;
 mod spring;
+mod stability;
 mod table;
 #[cfg(test)]
 mod testing;
+mod updates;
 mod wall;
 
+pub use compliance::Compliance;
 pub use conditions::by_condition;
 pub use discrepancy::Discrepancy;
 pub use error::MetricsError;
 pub use movement::Movement;
-pub use spring::SpringRendering;
+pub use oscillation::{RecordedStability, Swings};
+pub use spring::{Saturation, SpringRendering};
+pub use stability::Stability;
 pub use table::table;
 pub use wall::WallContact;
 
@@ -57,9 +71,14 @@ pub struct Row {
     pub spring: SpringRendering,
     /// What happened at the wall; all null where the environment has none.
     pub wall: WallContact,
+    /// How steadily the device behaved.
+    pub stability: Stability,
+    /// Whether the trial was what the protocol asks for.
+    pub compliance: Compliance,
 }
 
-/// The metrics of `trial`, with the thresholds, grid and confidence level of `study.analysis`.
+/// The metrics of `trial`, with the thresholds, grid and confidence level of `study.analysis`, the study's device and
+/// the limits of its design.
 ///
 /// # Errors
 /// An environment the study does not have; samples without time or of unequal length; a number that is none.
@@ -72,12 +91,15 @@ pub fn trial_metrics(trial: &Trial, study: &Study) -> Result<Row, MetricsError> 
     let (spring, wall_rad) = (environment.scene.spring(), environment.scene.wall_rad());
     let discrepancy = spring.map(|_| discrepancy::discrepancy(&signals, analysis.grid_points));
     let rendering = spring.map(|spring| spring::spring_rendering(&signals, spring, wall_rad, analysis));
+    let wall = wall_rad.map(|wall| wall::wall_contact(&signals, wall, analysis.confidence));
     Ok(Row {
         meta: trial.meta.clone(),
         movement: movement::movement(&signals, &study.device)?,
         discrepancy: discrepancy.transpose()?.unwrap_or_default(),
         spring: rendering.transpose()?.unwrap_or_default(),
-        wall: wall_rad.map(|wall| wall::wall_contact(&signals, wall)).unwrap_or_default(),
+        wall: wall.transpose()?.unwrap_or_default(),
+        stability: stability::stability(&signals, study.device.force_rate_hz)?,
+        compliance: compliance::compliance(&signals, &trial.meta.mode, study),
     })
 }
 
@@ -118,6 +140,25 @@ mod tests {
         assert!(row.movement.onset_s.is_some());
         assert_eq!(row.discrepancy, Discrepancy::default());
         assert_eq!(row.spring, SpringRendering::default());
+    }
+
+    /// A force sensor of one value every 12 ms on an elastic spring of 4 N/rad: held values lag by 5.5 ms on average, which
+    /// makes a loop of −τ K L ∫θ̇² dt = −3.5 mJ; at the times at which they were taken they make none.
+    #[test]
+    fn a_held_force_counts_when_it_was_taken_and_makes_no_loop() {
+        let points = stroke(1.2, 2.0);
+        let index: Vec<usize> = (0..points.len()).map(|i| i - i % 12).collect();
+        let mut trial = trial(&points, |_, _| 0.0);
+        let rest = -core::f64::consts::FRAC_PI_4;
+        trial.samples.set(Signal::ForceEx, index.iter().map(|&i| 4.0 * (points[i].1 - rest)).collect());
+        let study = spring_study(4.0, rest);
+        let held = trial_metrics(&trial, &study).unwrap();
+        trial
+            .samples
+            .set(Signal::ForceAge, index.iter().zip(&points).map(|(&i, now)| now.0 - points[i].0).collect());
+        let at_updates = trial_metrics(&trial, &study).unwrap();
+        assert!((held.discrepancy.loop_area_j.unwrap() + 3.5e-3).abs() < 3e-4, "{held:?}");
+        assert!(at_updates.discrepancy.loop_area_j.unwrap().abs() < 2e-5, "{at_updates:?}");
     }
 
     #[test]

@@ -1,9 +1,15 @@
 //! When the lever moves, how far and how fast.
 
 use crate::MetricsError;
+use crate::compliance::{MOVEMENT_SHARE, range};
 use crate::signals::Signals;
 use zwidth_numerics::series::trapezoid;
+use zwidth_numerics::smoothness::spectral_arc_length;
 use zwidth_study::Device;
+
+/// A lever has left a stop when it is farther from it than this share of the angles travelled; less is the angle
+/// sensor's jitter.
+const RETREAT_SHARE: f64 = 0.01;
 
 /// When the lever moves, how far and how fast. Times are the trial's own `t_s`, to the sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -27,10 +33,16 @@ pub struct Movement {
     pub velocity_backward_mean_rad_s: Option<f64>,
     /// Largest |θ̇|, reversal to end, rad/s.
     pub velocity_backward_peak_rad_s: Option<f64>,
-    /// How often θ arrives at or below the work space's lower end, from within it, in the whole recording. A
-    /// spring that rests at the stop brings the lever there at the end of every trial.
+    /// Smoothness of the way forward: spectral arc length of |θ̇|, onset to reversal; dimensionless, below 0, a
+    /// minimum-jerk movement has −1.40 ([`spectral_arc_length`]; Balasubramanian et al. 2015). Null where samples come
+    /// slower than 20 a second, and for a way of less than 10 % of the angles travelled.
+    pub sparc_forward: Option<f64>,
+    /// Smoothness of the way back, reversal to end.
+    pub sparc_backward: Option<f64>,
+    /// How often θ arrives at or below the work space's lower end, from more than 1 % of the angles travelled away, in the
+    /// whole recording. A spring that rests at the stop brings the lever there at the end of every trial.
     pub work_space_hits_low: Option<i64>,
-    /// How often θ arrives at or above the work space's upper end, from within it, in the whole recording.
+    /// How often θ arrives at or above the work space's upper end, likewise.
     pub work_space_hits_high: Option<i64>,
 }
 
@@ -41,7 +53,16 @@ pub(crate) fn movement(signals: &Signals, device: &Device) -> Result<Movement, M
     let speed = |from: usize, to: usize| theta_dot.map(|v| speed(&t[from..=to], &v[from..=to])).transpose();
     let forward = phases.map(|p| speed(p.onset, p.reversal)).transpose()?.flatten();
     let backward = phases.map(|p| speed(p.reversal, p.end)).transpose()?.flatten();
-    let hits = |limit: Option<f64>, sign: f64| Some(arrivals(theta?, limit?, sign));
+    let smoothness = |from: usize, to: usize| {
+        let theta = theta?;
+        let is_movement = (theta[to] - theta[from]).abs() > MOVEMENT_SHARE * range(theta);
+        let speed: Vec<f64> = theta_dot?[from..=to].iter().map(|v| v.abs()).collect();
+        is_movement.then(|| spectral_arc_length(&t[from..=to], &speed)).flatten()
+    };
+    let hits = |limit: Option<f64>, sign: f64| {
+        let theta = theta?;
+        Some(arrivals(theta, limit?, sign, RETREAT_SHARE * range(theta)))
+    };
     Ok(Movement {
         onset_s,
         reversal_s: phases.map(|p| t[p.reversal]),
@@ -52,6 +73,8 @@ pub(crate) fn movement(signals: &Signals, device: &Device) -> Result<Movement, M
         velocity_forward_peak_rad_s: forward.map(|s| s.peak),
         velocity_backward_mean_rad_s: backward.and_then(|s| s.mean),
         velocity_backward_peak_rad_s: backward.map(|s| s.peak),
+        sparc_forward: phases.and_then(|p| smoothness(p.onset, p.reversal)),
+        sparc_backward: phases.and_then(|p| smoothness(p.reversal, p.end)),
         work_space_hits_low: hits(device.theta_min_rad, -1.0),
         work_space_hits_high: hits(device.theta_max_rad, 1.0),
     })
@@ -73,10 +96,19 @@ fn speed(t: &[f64], v: &[f64]) -> Result<Speed, MetricsError> {
     Ok(Speed { mean, peak: v.iter().copied().fold(0.0, f64::max) })
 }
 
-/// How often sign · θ comes from below sign · limit to it or beyond.
-fn arrivals(theta: &[f64], limit: f64, sign: f64) -> i64 {
-    let within = |theta: f64| sign * theta < sign * limit;
-    theta.windows(2).map(|w| i64::from(within(w[0]) && !within(w[1]))).sum()
+/// How often sign · θ comes from below sign · limit to it or beyond, after a retreat from it by more than `retreat`.
+fn arrivals(theta: &[f64], limit: f64, sign: f64, retreat: f64) -> i64 {
+    let beyond = |theta: f64| sign * (theta - limit);
+    let mut there = theta.first().is_some_and(|theta| beyond(*theta) >= 0.0);
+    let mut count = 0;
+    for &theta in theta {
+        if !there && beyond(theta) >= 0.0 {
+            (there, count) = (true, count + 1);
+        } else if beyond(theta) < -retreat {
+            there = false;
+        }
+    }
+    count
 }
 
 #[cfg(test)]
@@ -116,6 +148,26 @@ mod tests {
         assert_eq!(found.duration_s, Some(found.end_s.unwrap() - found.onset_s.unwrap()));
     }
 
+    /// A minimum-jerk way there and back, and one with a halt on the way: NumPy from the paper's equations gives −1.4024
+    /// for a whole minimum-jerk way; onset and end cut off its slowest parts.
+    #[test]
+    fn a_halting_movement_is_less_smooth_than_a_minimum_jerk_one() {
+        let speed = |s: f64| 30.0 * s * s * (1.0 - s) * (1.0 - s);
+        let way = |s: f64| s * s * s * (10.0 + s * (6.0 * s - 15.0));
+        let point = |i: u32| {
+            let (t, leg) = (f64::from(i) / RATE_HZ, f64::from(i % 1000) / RATE_HZ);
+            if i < 1000 { (t, way(leg), speed(leg)) } else { (t, 1.0 - way(leg), -speed(leg)) }
+        };
+        let points: Vec<_> = (0..2000).map(point).collect();
+        let smooth = metrics(&trial(&points, |_, _| 0.0));
+        assert!((smooth.sparc_forward.unwrap() + 1.4024).abs() < 0.02, "{smooth:?}");
+        assert!((smooth.sparc_backward.unwrap() + 1.4024).abs() < 0.02, "{smooth:?}");
+        let halting: Vec<_> =
+            points.iter().map(|p| (p.0, p.1, p.2 * libm::sin(9.0 * p.0) * libm::sin(9.0 * p.0))).collect();
+        let halting = metrics(&trial(&halting, |_, _| 0.0));
+        assert!(halting.sparc_forward.unwrap() < -1.8, "{halting:?}");
+    }
+
     #[test]
     fn a_recording_that_stops_in_mid_movement_has_no_end() {
         let points: Vec<_> = stroke(1.2, 2.0).into_iter().filter(|p| p.0 < 2.0).collect();
@@ -148,7 +200,7 @@ mod tests {
     fn a_stop_is_hit_when_the_lever_arrives_not_while_it_stays_or_leaves() {
         let mut study = spring_study(4.0, 0.0);
         (study.device.theta_min_rad, study.device.theta_max_rad) = (Some(0.0), Some(1.0));
-        let angles = [0.0, 0.5, 1.0, 1.0, 0.9, 1.1, 0.5, 0.0, 0.0];
+        let angles = [0.0, 0.001, 0.0, 0.5, 1.0, 1.0, 0.999, 1.0, 0.9, 1.1, 0.5, 0.0, 0.001, 0.0];
         let points: Vec<_> = (0..).zip(angles).map(|(i, a)| (f64::from(i), a, 0.0)).collect();
         let found = trial_metrics(&trial(&points, |_, _| 0.0), &study).unwrap().movement;
         assert_eq!((found.work_space_hits_low, found.work_space_hits_high), (Some(1), Some(2)));

@@ -1,7 +1,7 @@
 //! The metrics against recordings made by others; each test says so where they are not there.
 
 use crate::testing::{spring_study, trial};
-use crate::trial_metrics;
+use crate::{Saturation, trial_metrics};
 use std::path::PathBuf;
 use zwidth_numerics::series::central_differences;
 use zwidth_store::Signal;
@@ -62,6 +62,7 @@ fn the_rendered_stiffness_is_the_commanded_plus_the_parallel_spring_in_every_fil
         let row = trial_metrics(&trial, &study(k.parse().unwrap())).unwrap();
         let excess_n_per_mm = row.spring.stiffness_error_n_per_rad.unwrap() * MM / LEVER_M;
         assert!((excess_n_per_mm - expect).abs() < 1e-9, "K {k}: {excess_n_per_mm} N/mm");
+        assert_eq!(row.spring.saturation, Saturation::default(), "none of these springs saturates");
         assert!(row.discrepancy.loop_area_j.unwrap() > 0.0, "unloading lies below loading");
         assert!((0.0..1.0).contains(&row.spring.returned_energy_share.unwrap()));
     }

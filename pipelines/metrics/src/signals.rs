@@ -1,25 +1,32 @@
 //! A trial's samples as the metrics see them: slices of one length, and where the movement's phases lie.
 
 use crate::MetricsError;
+use crate::updates::{Updates, updates};
+use std::borrow::Cow;
 use zwidth_numerics::activity::{Activity, activity};
+use zwidth_numerics::phases::{Phases, phases};
 use zwidth_store::{Signal, Trial};
 use zwidth_study::{Analysis, Study};
 
-/// Where the phases of a movement lie: sample indices, each inclusive.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Phases {
-    pub(crate) onset: usize,
-    pub(crate) reversal: usize,
-    pub(crate) end: usize,
-}
+/// `flags`: the brake is on.
+const BRAKE_ON: u16 = 128;
+/// `flags`: the motor is on.
+const MOTOR_ON: u16 = 256;
 
 /// The samples of a trial. All slices are as long as `t`, which has at least one sample.
 pub(crate) struct Signals<'a> {
     pub(crate) t: &'a [f64],
     pub(crate) theta: Option<&'a [f64]>,
     pub(crate) theta_dot: Option<&'a [f64]>,
-    pub(crate) force: Option<&'a [f64]>,
+    /// The user's force at each sample: as recorded, or between its sensor's own updates where their age is recorded.
+    pub(crate) force: Option<Cow<'a, [f64]>>,
+    /// The force at its sensor's own updates, where their age is recorded.
+    pub(crate) force_updates: Option<Updates>,
     pub(crate) force_cmd: Option<&'a [f64]>,
+    /// Which samples have the brake on; `None` where the recording does not say.
+    pub(crate) brake_on: Option<Vec<bool>>,
+    /// Which samples have the motor on.
+    pub(crate) motor_on: Option<Vec<bool>>,
     pub(crate) lever_m: Option<f64>,
     /// When the lever moves; `None` without θ̇ or without movement.
     pub(crate) activity: Option<Activity>,
@@ -46,12 +53,22 @@ impl<'a> Signals<'a> {
             (Some(theta), None, _) => Some(phases(theta, 0, t.len() - 1)),
             _ => None,
         };
+        let recorded = column(Signal::ForceEx)?;
+        let force_updates = recorded.zip(column(Signal::ForceAge)?).map(|(f, age)| updates(t, f, age));
+        let force = match &force_updates {
+            Some(updates) => Some(Cow::Owned(updates.at(t))),
+            None => recorded.map(Cow::Borrowed),
+        };
+        let flags = column(Signal::Flags)?;
         Ok(Self {
             t,
             theta,
             theta_dot,
-            force: column(Signal::ForceEx)?,
+            force,
+            force_updates,
             force_cmd: column(Signal::ForceCmd)?,
+            brake_on: on(column(Signal::VoltageBrake)?, flags, BRAKE_ON),
+            motor_on: on(column(Signal::VoltageMotor)?, flags, MOTOR_ON),
             lever_m: study.device.lever_m,
             activity: active,
             phases,
@@ -59,17 +76,30 @@ impl<'a> Signals<'a> {
     }
 
     /// θ, F and the phases, where all three are there.
-    pub(crate) fn force_over_angle(&self) -> Option<(&'a [f64], &'a [f64], Phases)> {
-        Some((self.theta?, self.force?, self.phases?))
+    pub(crate) fn force_over_angle(&self) -> Option<(&'a [f64], &[f64], Phases)> {
+        Some((self.theta?, self.force.as_deref()?, self.phases?))
     }
 }
 
-fn phases(theta: &[f64], onset: usize, end: usize) -> Phases {
-    let mut reversal = onset;
-    for i in onset..=end {
-        if theta[i] > theta[reversal] {
-            reversal = i;
-        }
+/// An actuator is on where its flag is set or its commanded voltage is not 0.
+fn on(voltage: Option<&[f64]>, flags: Option<&[f64]>, bit: u16) -> Option<Vec<bool>> {
+    // whole numbers of 16 bits: the store has checked
+    let flagged = |i: usize| flags.is_some_and(|flags| flags[i] as u16 & bit != 0);
+    let powered = |i: usize| voltage.is_some_and(|v| v[i].abs() > 0.0);
+    let samples = voltage.or(flags)?.len();
+    Some((0..samples).map(|i| flagged(i) || powered(i)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_actuator_is_on_by_its_flag_or_its_voltage_and_unknown_without_both() {
+        let (volts, flags) = ([0.0, 2.0, 0.0, -1.0], [128.0, 256.0, 256.0 + 1.0, 0.0]);
+        assert_eq!(on(Some(&volts), Some(&flags), BRAKE_ON), Some(vec![true, true, false, true]));
+        assert_eq!(on(None, Some(&flags), MOTOR_ON), Some(vec![false, true, true, false]));
+        assert_eq!(on(Some(&volts), None, MOTOR_ON), Some(vec![false, true, false, true]));
+        assert_eq!(on(None, None, MOTOR_ON), None);
     }
-    Phases { onset, reversal, end }
 }

@@ -1,24 +1,31 @@
 //! How a spring was rendered.
 
 use crate::MetricsError;
-use crate::signals::{Phases, Signals};
+use crate::estimates::estimates;
+use crate::plateau::plateau;
+use crate::signals::Signals;
+use zwidth_numerics::phases::Phases;
 use zwidth_numerics::series::trapezoid;
-use zwidth_numerics::{NumericsError, lsq};
-use zwidth_stats::recording::recording_fit;
+use zwidth_stats::interval::{Estimate, t_interval};
 use zwidth_study::{Analysis, Spring};
 
-/// How a spring was rendered: F = F₀ + k (θ − θ_rest) by least squares over the compression.
+/// How a spring was rendered: F = F₀ + k (θ − θ_rest) up to saturation, a constant force from there on.
 ///
-/// **Samples of the fit**: onset → reversal, with θ − θ_rest ≥ `analysis.slope_from_rad` and, where there is a
-/// wall, θ below it.
+/// **Samples**: those of the compression (onset → reversal) with θ − θ_rest ≥ `analysis.slope_from_rad` and, where
+/// there is a wall, θ below it. Where their force saturates (a line that ends in a plateau fits them at least twice as
+/// well as a line, the plateau is flat and spans at least 5 % of their angles), the line is fitted to those below the
+/// angle of saturation; else to all of them, and the saturation is null: not reached.
+///
+/// **Intervals** are Newey–West with a tenth of the samples as lags (`zwidth_stats::recording`), because neighbouring
+/// samples are alike; Student's t with 9 degrees of freedom at `analysis.confidence`. They speak of this trial alone,
+/// and of the division between line and plateau as found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpringRendering {
     /// Slope k: the rendered stiffness, N/rad.
     pub stiffness_n_per_rad: Option<f64>,
-    /// Its standard error, N/rad: Newey–West with a tenth of the fit's samples as lags
-    /// ([`recording_fit`]), because neighbouring samples are alike. It speaks of this trial alone.
+    /// Its standard error, N/rad.
     pub stiffness_std_error_n_per_rad: Option<f64>,
-    /// Lower end of its interval at `analysis.confidence`, N/rad (t, 9 degrees of freedom).
+    /// Lower end of its interval, N/rad.
     pub stiffness_ci_low_n_per_rad: Option<f64>,
     /// Upper end of its interval, N/rad.
     pub stiffness_ci_high_n_per_rad: Option<f64>,
@@ -26,16 +33,37 @@ pub struct SpringRendering {
     pub stiffness_error_n_per_rad: Option<f64>,
     /// F₀: the line's force at the spring's rest, N (friction and preload).
     pub force_at_rest_n: Option<f64>,
-    /// R² of the line.
+    /// R² of the line, over its samples.
     pub r2: Option<f64>,
-    /// Samples of the fit.
+    /// Samples of the line.
     pub samples: Option<i64>,
-    /// √mean (F_ex − F_cmd)² over the samples of the fit, N. Null where no commanded force is recorded.
+    /// Where and at which force the spring saturates; all null where it does not.
+    pub saturation: Saturation,
+    /// √mean (F_ex − F_cmd)² over the samples of line and plateau, N: the command saturates too. Null where no
+    /// commanded force is recorded.
     pub force_rms_error_n: Option<f64>,
     /// Work the device gives back over work the user puts in: −∫F dθ (reversal → end) / ∫F dθ (onset →
-    /// reversal), by the trapezoidal rule, a wall's work included. 1 for an elastic spring; below 0 where the way back
-    /// takes work too.
+    /// reversal), by the trapezoidal rule, a wall's work included. 1 for an elastic spring, 0 for a lever that stays where it is; below 0
+    /// where the way back takes work too. Null where the recording stops at the reversal.
     pub returned_energy_share: Option<f64>,
+}
+
+/// Where the rendered force stops growing. Intervals as those of [`SpringRendering`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Saturation {
+    /// Mean force of the plateau F_s, N.
+    pub force_n: Option<f64>,
+    /// Lower end of its interval, N.
+    pub force_ci_low_n: Option<f64>,
+    /// Upper end of its interval, N.
+    pub force_ci_high_n: Option<f64>,
+    /// θ_s = θ_rest + (F_s − F₀) / k, where the line meets the plateau, rad.
+    pub theta_rad: Option<f64>,
+    /// Lower end of its interval, rad: by the delta method, the variances of F_s and of the line at θ_s added and
+    /// divided by k².
+    pub theta_ci_low_rad: Option<f64>,
+    /// Upper end of its interval, rad.
+    pub theta_ci_high_rad: Option<f64>,
 }
 
 pub(crate) fn spring_rendering(
@@ -56,33 +84,72 @@ pub(crate) fn spring_rendering(
     let f: Vec<f64> = samples.iter().map(|&i| force[i]).collect();
     let commanded = signals.force_cmd.map(|cmd| samples.iter().map(|&i| cmd[i]).collect::<Vec<_>>());
     Ok(SpringRendering {
-        samples: Some(samples.len() as i64),
         force_rms_error_n: commanded.and_then(|cmd| rms_difference(&f, &cmd)),
         returned_energy_share: returned_energy(theta, force, phases)?,
-        ..line(&u, &f, spring.stiffness_n_per_rad, analysis.confidence)?
+        ..line_and_plateau(&u, &f, spring, analysis.confidence)?
     })
 }
 
-/// The fitted line; all null where the samples cannot show one (too few, or of one angle).
-fn line(u: &[f64], f: &[f64], stiffness: f64, level: f64) -> Result<SpringRendering, MetricsError> {
-    let ones = vec![1.0; u.len()];
-    let columns: [&[f64]; 2] = [&ones, u];
-    let fit = match lsq::fit(&columns, f) {
-        Err(NumericsError::TooFewRows { .. } | NumericsError::RankDeficient { .. }) => {
-            return Ok(SpringRendering::default());
-        }
-        fit => fit?,
+/// The line, and the plateau where there is one.
+fn line_and_plateau(
+    u: &[f64],
+    f: &[f64],
+    spring: Spring,
+    level: f64,
+) -> Result<SpringRendering, MetricsError> {
+    let Some(u_s) = plateau(u, f)? else {
+        return line(u, f, spring.stiffness_n_per_rad, level);
     };
-    let intervals = recording_fit(&columns, &fit, level)?;
-    let slope = intervals.estimates[1];
+    let part = |below: bool| -> (Vec<f64>, Vec<f64>) {
+        u.iter().zip(f).filter(|(u, _)| (**u < u_s) == below).map(|(u, f)| (*u, *f)).unzip()
+    };
+    let ((u_line, f_line), (_, f_flat)) = (part(true), part(false));
+    let rendering = line(&u_line, &f_line, spring.stiffness_n_per_rad, level)?;
+    let Some(stiffness) = rendering.stiffness_n_per_rad else { return Ok(rendering) };
+    let from_meeting: Vec<f64> = u_line.iter().map(|u| u - u_s).collect();
+    let below = estimates(&[&vec![1.0; u_line.len()], &from_meeting], &f_line, level)?;
+    let flat = estimates(&[&vec![1.0; f_flat.len()]], &f_flat, level)?;
+    let (Some((_, below)), Some((_, flat))) = (below, flat) else { return Ok(rendering) };
+    let saturation = saturation(stiffness, below[0], flat[0], spring.rest_rad + u_s, level)?;
+    Ok(SpringRendering { saturation, ..rendering })
+}
+
+/// The saturation from the plateau's mean force and the line's force at θ_s.
+fn saturation(
+    stiffness: f64,
+    line: Estimate,
+    flat: Estimate,
+    theta_s: f64,
+    level: f64,
+) -> Result<Saturation, MetricsError> {
+    let variance = line.std_error * line.std_error + flat.std_error * flat.std_error;
+    let theta = t_interval(theta_s, variance.sqrt() / stiffness.abs(), flat.df, level)?;
+    Ok(Saturation {
+        force_n: Some(flat.estimate),
+        force_ci_low_n: Some(flat.ci_low),
+        force_ci_high_n: Some(flat.ci_high),
+        theta_rad: Some(theta.estimate),
+        theta_ci_low_rad: Some(theta.ci_low),
+        theta_ci_high_rad: Some(theta.ci_high),
+    })
+}
+
+/// The fitted line; all null but the count where the samples cannot show one (too few, or of one angle).
+fn line(u: &[f64], f: &[f64], stiffness: f64, level: f64) -> Result<SpringRendering, MetricsError> {
+    let samples = Some(u.len() as i64);
+    let Some((fit, estimates)) = estimates(&[&vec![1.0; u.len()], u], f, level)? else {
+        return Ok(SpringRendering { samples, ..SpringRendering::default() });
+    };
+    let slope = estimates[1];
     Ok(SpringRendering {
         stiffness_n_per_rad: Some(slope.estimate),
         stiffness_std_error_n_per_rad: Some(slope.std_error),
         stiffness_ci_low_n_per_rad: Some(slope.ci_low),
         stiffness_ci_high_n_per_rad: Some(slope.ci_high),
         stiffness_error_n_per_rad: Some(slope.estimate - stiffness),
-        force_at_rest_n: Some(intervals.estimates[0].estimate),
+        force_at_rest_n: Some(estimates[0].estimate),
         r2: fit.r2,
+        samples,
         ..SpringRendering::default()
     })
 }
@@ -96,12 +163,15 @@ fn rms_difference(a: &[f64], b: &[f64]) -> Option<f64> {
 fn returned_energy(theta: &[f64], force: &[f64], phases: Phases) -> Result<Option<f64>, MetricsError> {
     let Phases { onset, reversal, end } = phases;
     let put_in = trapezoid(&theta[onset..=reversal], &force[onset..=reversal])?;
-    let given_back = -trapezoid(&theta[reversal..=end], &force[reversal..=end])?;
-    Ok((put_in > 0.0 && end > reversal).then(|| given_back / put_in))
+    // not a negation: a lever that stays gives back 0, not −0
+    let given_back = 0.0 - trapezoid(&theta[reversal..=end], &force[reversal..=end])?;
+    let goes_on = reversal + 1 < theta.len();
+    Ok((put_in > 0.0 && goes_on).then(|| given_back / put_in))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::testing::{REST_RAD, spring_study, stroke, trial, wall_study};
     use crate::trial_metrics;
     use zwidth_store::Signal;
@@ -127,6 +197,48 @@ mod tests {
         check(found.returned_energy_share, 1.0, 2e-3);
     }
 
+    /// A motor of 2.08 N on 4 N/rad from −45° on saturates at −15.2°; friction of 0.2 N lies under both.
+    #[test]
+    fn a_saturated_spring_keeps_its_slope_and_tells_where_it_saturates() {
+        let force = |theta: f64, _: f64| 0.2 + (4.0 * (theta - REST_RAD)).min(2.08);
+        let found =
+            trial_metrics(&trial(&stroke(1.3, 2.0), force), &spring_study(4.0, REST_RAD)).unwrap().spring;
+        check(found.stiffness_n_per_rad, 4.0, 1e-12);
+        check(found.force_at_rest_n, 0.2, 1e-12);
+        check(found.r2, 1.0, 1e-12);
+        check(found.saturation.force_n, 2.28, 1e-12);
+        check(found.saturation.theta_rad, REST_RAD + 0.52, 1e-12);
+        assert_eq!(format!("{:.1}", found.saturation.theta_rad.unwrap().to_degrees()), "-15.2");
+    }
+
+    /// statsmodels and NumPy: `OLS(f, [1, u]).fit(cov_type="HAC", cov_kwds={"maxlags": 7})` below the division,
+    /// `OLS(f, [1])` with 4 lags above it, `t.ppf(0.975, 9)`; the angle with the full covariance gᵀ C g, g = (1, u_s).
+    #[test]
+    fn slope_plateau_and_angle_have_the_intervals_of_an_independent_program() {
+        let u: Vec<f64> = (0..120).map(|i| 1.2 * f64::from(i) / 119.0).collect();
+        let noise = |i: u32| f64::from(i * i * 7 % 31) / 62.0;
+        let f: Vec<f64> = u.iter().zip(0..).map(|(u, i)| (4.0 * u).min(3.0) + noise(i)).collect();
+        let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: 0.0 };
+        let found = line_and_plateau(&u, &f, spring, 0.95).unwrap();
+        check(found.stiffness_n_per_rad, 4.00869124642469, 1e-9);
+        check(found.stiffness_ci_low_n_per_rad, 3.935046052450864, 1e-9);
+        check(found.stiffness_ci_high_n_per_rad, 4.0823364403985165, 1e-9);
+        check(found.saturation.force_n, 3.193906810035842, 1e-9);
+        check(found.saturation.force_ci_low_n, 3.1675019686132684, 1e-9);
+        check(found.saturation.force_ci_high_n, 3.220311651458416, 1e-9);
+        check(found.saturation.theta_rad, 0.7497014493464207, 1e-9);
+        check(found.saturation.theta_ci_low_rad, 0.7397268070402802, 1e-9);
+        check(found.saturation.theta_ci_high_rad, 0.7596760916525612, 1e-9);
+        assert_eq!(found.samples, Some(75));
+    }
+
+    #[test]
+    fn a_spring_that_does_not_saturate_has_no_saturation() {
+        let found =
+            trial_metrics(&trial(&stroke(1.3, 2.0), |theta, _| 4.0 * theta), &spring_study(4.0, REST_RAD));
+        assert_eq!(found.unwrap().spring.saturation, Saturation::default());
+    }
+
     /// Backward 2.08 N at most: given back 2.08 X − 2.08²/2K of K X²/2.
     #[test]
     fn a_weak_return_gives_back_its_share_of_the_energy() {
@@ -138,6 +250,19 @@ mod tests {
         let found = trial_metrics(&trial(&stroke(x, 2.0), force), &spring_study(k, REST_RAD)).unwrap().spring;
         let share = (weak * x - weak * weak / (2.0 * k)) / (k * x * x / 2.0);
         check(found.returned_energy_share, share, 2e-3);
+    }
+
+    #[test]
+    fn a_lever_that_stays_gives_nothing_back_and_one_that_is_cut_off_is_unknown() {
+        let way_in: Vec<_> = stroke(1.2, 2.0).into_iter().take_while(|p| p.0 <= 1.5).collect();
+        let held = (1..200).map(|i| (1.5 + f64::from(i) / 1000.0, way_in[1500].1, 0.0));
+        let stays: Vec<_> = way_in.iter().copied().chain(held).collect();
+        let share = |points: &[(f64, f64, f64)]| {
+            let study = spring_study(4.0, REST_RAD);
+            trial_metrics(&trial(points, |_, _| 1.0), &study).unwrap().spring.returned_energy_share
+        };
+        assert_eq!(share(&stays).map(f64::to_bits), Some(0.0_f64.to_bits()));
+        assert_eq!(share(&way_in[..1300]), None);
     }
 
     #[test]

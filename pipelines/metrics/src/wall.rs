@@ -1,6 +1,11 @@
 //! What happened at the wall.
 
+use crate::MetricsError;
+use crate::estimates::estimates;
 use crate::signals::Signals;
+use zwidth_numerics::phases::first_passing;
+use zwidth_numerics::series::interpolate;
+use zwidth_stats::interval::Estimate;
 
 /// A rebound is a retreat from the wall by more than this share of the angles travelled; less is taken for the
 /// angle sensor's jitter.
@@ -29,32 +34,74 @@ pub struct WallContact {
     pub impact_velocity_rad_s: Option<f64>,
     /// How often the lever passes the wall again after a retreat of more than 1 % of the angles travelled.
     pub rebounds: Option<i64>,
+    /// How often the brake goes off, from one sample to the next, while the lever is past the wall. One is how a
+    /// hybrid drive lets a finger go; more are the anomaly of thesis §6.2.1. Null where the recording does not say
+    /// when the brake is on (`flags` or `voltage_brake_v`).
+    pub brake_releases: Option<i64>,
+    /// Slope of F on θ past the wall, N/rad: the wall's rendered stiffness. Least squares over the samples with
+    /// θ > θ_wall from the first of them to the largest θ. Null for fewer than three samples or without force.
+    pub stiffness_n_per_rad: Option<f64>,
+    /// Lower end of its interval, N/rad, as that of [`SpringRendering`](crate::SpringRendering).
+    pub stiffness_ci_low_n_per_rad: Option<f64>,
+    /// Upper end of its interval, N/rad.
+    pub stiffness_ci_high_n_per_rad: Option<f64>,
 }
 
-pub(crate) fn wall_contact(signals: &Signals, wall_rad: f64) -> WallContact {
+pub(crate) fn wall_contact(
+    signals: &Signals,
+    wall_rad: f64,
+    level: f64,
+) -> Result<WallContact, MetricsError> {
     let Some(theta) = signals.theta else {
-        return WallContact::default();
+        return Ok(WallContact::default());
     };
     let highest = theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if highest <= wall_rad {
-        return WallContact { reached: Some(false), ..WallContact::default() };
+        return Ok(WallContact { reached: Some(false), ..WallContact::default() });
     }
     let past = pieces(theta, wall_rad);
     let duration = |p: &Piece| (p.to - p.from) * (signals.t[p.i + 1] - signals.t[p.i]);
     let way = |p: &Piece| (p.to - p.from) * (theta[p.i + 1] - theta[p.i]);
+    let force = signals.force.as_deref();
     let over_pieces = |step: &dyn Fn(&Piece) -> f64| {
-        signals.force.map(|f| past.iter().map(|p| at(f, p.i, (p.from + p.to) / 2.0) * step(p)).sum::<f64>())
+        force.map(|f| past.iter().map(|p| at(f, p.i, (p.from + p.to) / 2.0) * step(p)).sum::<f64>())
     };
-    WallContact {
+    let stiffness = stiffness(theta, force, wall_rad, highest, level)?;
+    Ok(WallContact {
         reached: Some(true),
         past_max_rad: Some(highest - wall_rad),
         past_max_m: signals.lever_m.map(|lever_m| lever_m * (highest - wall_rad)),
         dwell_s: Some(past.iter().map(duration).sum()),
         impulse_n_s: over_pieces(&duration),
         energy_j: signals.lever_m.zip(over_pieces(&way)).map(|(lever_m, integral)| lever_m * integral),
-        impact_velocity_rad_s: impact_velocity(theta, signals.theta_dot, &past, wall_rad),
+        impact_velocity_rad_s: impact_velocity(signals, theta, wall_rad),
         rebounds: Some(rebounds(theta, wall_rad)),
-    }
+        brake_releases: signals.brake_on.as_deref().map(|on| releases(on, theta, wall_rad)),
+        stiffness_n_per_rad: stiffness.map(|s| s.estimate),
+        stiffness_ci_low_n_per_rad: stiffness.map(|s| s.ci_low),
+        stiffness_ci_high_n_per_rad: stiffness.map(|s| s.ci_high),
+    })
+}
+
+fn releases(on: &[bool], theta: &[f64], wall: f64) -> i64 {
+    let past = theta.iter().map(|theta| *theta > wall);
+    on.windows(2).zip(past).map(|(on, past)| i64::from(past && on[0] && !on[1])).sum()
+}
+
+/// The slope on the way in, up to the first sample at `highest`.
+fn stiffness(
+    theta: &[f64],
+    force: Option<&[f64]>,
+    wall: f64,
+    highest: f64,
+    level: f64,
+) -> Result<Option<Estimate>, MetricsError> {
+    let Some(force) = force else { return Ok(None) };
+    let deepest = theta.iter().position(|theta| *theta >= highest).unwrap_or_default();
+    let way_in = theta[..=deepest].iter().zip(force).filter(|(theta, _)| **theta > wall);
+    let (depth, f): (Vec<f64>, Vec<f64>) = way_in.map(|(theta, f)| (theta - wall, *f)).unzip();
+    let fit = estimates(&[&vec![1.0; f.len()], &depth], &f, level)?;
+    Ok(fit.map(|(_, estimates)| estimates[1]))
 }
 
 /// The part of the interval between samples i and i + 1 that lies past the wall, as shares of the interval.
@@ -82,9 +129,8 @@ fn at(values: &[f64], i: usize, share: f64) -> f64 {
     values[i] + share * (values[i + 1] - values[i])
 }
 
-fn impact_velocity(theta: &[f64], theta_dot: Option<&[f64]>, past: &[Piece], wall: f64) -> Option<f64> {
-    let first = past.first().filter(|_| theta[0] <= wall)?;
-    Some(at(theta_dot?, first.i, first.from))
+fn impact_velocity(signals: &Signals, theta: &[f64], wall: f64) -> Option<f64> {
+    interpolate(signals.t, signals.theta_dot?, first_passing(signals.t, theta, wall)?)
 }
 
 fn rebounds(theta: &[f64], wall: f64) -> i64 {
@@ -107,6 +153,7 @@ mod tests {
     use super::*;
     use crate::testing::{LEVER_M, REST_RAD, stroke, trial, wall_study};
     use crate::trial_metrics;
+    use zwidth_store::Signal;
 
     fn check(found: Option<f64>, expect: f64, tolerance: f64) {
         let found = found.unwrap();
@@ -121,6 +168,51 @@ mod tests {
     fn a_wall_not_reached_is_null_and_never_zero() {
         let found = contact(&stroke(1.0, 2.0), REST_RAD + 1.0 + 1e-9, |_, _| 1.0);
         assert_eq!(found, WallContact { reached: Some(false), ..WallContact::default() });
+    }
+
+    /// A mass m on a wall of stiffness k that arrives at speed v: θ − θ_wall = (v/ω) sin ωt for half a period.
+    #[test]
+    fn an_elastic_impact_has_the_numbers_of_its_half_sine() {
+        let (wall, k, omega, v) = (0.5, 800.0, 40.0, 0.4);
+        let (depth, contact_s) = (v / omega, core::f64::consts::PI / omega);
+        let point = |i: u32| {
+            let t = f64::from(i) * 1e-4;
+            let s = t - 0.5;
+            if (0.0..contact_s).contains(&s) {
+                (t, wall + depth * libm::sin(omega * s), v * libm::cos(omega * s))
+            } else if s < 0.0 {
+                (t, wall + v * s, v)
+            } else {
+                (t, wall - v * (s - contact_s), -v)
+            }
+        };
+        let points: Vec<_> = (0..10_000).map(point).collect();
+        let found = contact(&points, wall, |theta, _| k * (theta - wall).max(0.0));
+        check(found.past_max_rad, depth, 1e-7);
+        check(found.past_max_m, LEVER_M * depth, 1e-8);
+        check(found.dwell_s, contact_s, 1e-7);
+        check(found.impulse_n_s, 2.0 * k * depth / omega, 1e-5);
+        check(found.energy_j, 0.0, 1e-7);
+        check(found.impact_velocity_rad_s, v, 1e-9);
+        check(found.stiffness_n_per_rad, k, 1e-7);
+        check(found.stiffness_ci_low_n_per_rad, k, 1e-7);
+        assert_eq!((found.rebounds, found.brake_releases), (Some(0), None));
+    }
+
+    #[test]
+    fn a_brake_that_lets_go_past_the_wall_is_counted_and_before_it_is_not() {
+        let angles = [0.0, 0.5, 0.8, 0.9, 0.9, 0.8, 0.8, 0.5];
+        let points: Vec<_> = (0..).zip(angles).map(|(i, a)| (f64::from(i), a, 1.0)).collect();
+        let mut trial = trial(&points, |_, _| 0.0);
+        trial.samples.set(Signal::VoltageBrake, vec![8.0, 0.0, 8.0, 0.0, 8.0, 8.0, 0.0, 0.0]);
+        let found = trial_metrics(&trial, &wall_study(4.0, REST_RAD, 0.75)).unwrap().wall;
+        assert_eq!(found.brake_releases, Some(2));
+    }
+
+    #[test]
+    fn a_wall_that_holds_the_lever_at_one_angle_has_no_stiffness_that_could_be_told() {
+        let points: Vec<_> = (0..20).map(|i| (f64::from(i), if i < 5 { 0.0 } else { 0.76 }, 0.0)).collect();
+        assert_eq!(contact(&points, 0.75, |theta, _| theta).stiffness_n_per_rad, None);
     }
 
     /// A triangle at 2 rad/s up and 1 rad/s down, 0.25 rad past the wall, F = 5 N in and 3 N out.

@@ -5,9 +5,9 @@ use super::{
 };
 use std::path::PathBuf;
 use zwidth_draw::{DEFAULT_DPI, Figure, draw};
-use zwidth_figures::{ModeData, Repeat, Scene};
+use zwidth_figures::{Characterised, ModeData, Repeat, Scene};
 use zwidth_runner::{Job, Made, Provenance};
-use zwidth_store::{Layout, StudyData, Trial};
+use zwidth_store::{Layout, StudyData, Trial, TrialEntry};
 use zwidth_study::{Environment, Study};
 use zwidth_tables::Table;
 
@@ -110,27 +110,27 @@ struct Recorded<'a> {
     data: &'a StudyData,
     environment: &'a Environment,
     who: String,
-    trials: Vec<PathBuf>,
+    trials: Vec<&'a TrialEntry>,
     metrics: PathBuf,
     averages: Vec<Option<PathBuf>>,
 }
 
 impl<'a> Recorded<'a> {
-    fn new(data: &'a StudyData, session: &Session, environment: &'a Environment) -> Self {
+    fn new(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment) -> Self {
         let made = |m| average::of_condition(data, session, environment, m);
         Self {
             data,
             environment,
             who: session.who(),
-            trials: paths(&session.of(environment)),
+            trials: session.of(environment),
             metrics: metrics::of_session(&data.layout, session),
             averages: data.study.modes.iter().map(made).collect(),
         }
     }
 
     fn inputs(&self) -> Vec<PathBuf> {
-        let fixed = self.trials.iter().chain([&self.metrics]);
-        fixed.chain(self.averages.iter().flatten()).cloned().collect()
+        let beside = [&self.metrics].into_iter().chain(self.averages.iter().flatten());
+        paths(&self.trials).into_iter().chain(beside.cloned()).collect()
     }
 
     fn load(&self) -> Result<(Loaded<'a>, Vec<String>), JobError> {
@@ -208,7 +208,7 @@ impl Loaded<'_> {
     }
 }
 
-fn modes_job<'a>(data: &'a StudyData, session: &Session, environment: &'a Environment) -> Job<'a> {
+fn modes_job<'a>(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment) -> Job<'a> {
     let source = Recorded::new(data, session, environment);
     let name = format!("modes.{}.{}", session.key(), environment.id);
     figure_job(data, &name, source.inputs(), parameters(&data.study), move || {
@@ -217,7 +217,11 @@ fn modes_job<'a>(data: &'a StudyData, session: &Session, environment: &'a Enviro
     })
 }
 
-fn repeats_jobs<'a>(data: &'a StudyData, session: &Session, environment: &'a Environment) -> Vec<Job<'a>> {
+fn repeats_jobs<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environment: &'a Environment,
+) -> Vec<Job<'a>> {
     let mut jobs = Vec::new();
     for mode in &data.study.modes {
         let mine: Vec<_> = session.of(environment).into_iter().filter(|t| t.meta.mode == mode.id).collect();
@@ -225,7 +229,7 @@ fn repeats_jobs<'a>(data: &'a StudyData, session: &Session, environment: &'a Env
             continue; // one recording is whole in the figure of the modes
         }
         let mut source = Recorded::new(data, session, environment);
-        source.trials = paths(&mine);
+        source.trials = mine;
         source.averages.iter_mut().for_each(|a| *a = None);
         let name = format!("repeats.{}.{}.{}", session.key(), environment.id, mode.id);
         jobs.push(figure_job(data, &name, source.inputs(), parameters(&data.study), move || {
@@ -239,7 +243,7 @@ fn repeats_jobs<'a>(data: &'a StudyData, session: &Session, environment: &'a Env
     jobs
 }
 
-fn loops_job<'a>(data: &'a StudyData, session: &Session, environments: &[&'a Environment]) -> Job<'a> {
+fn loops_job<'a>(data: &'a StudyData, session: &Session<'a>, environments: &[&'a Environment]) -> Job<'a> {
     let sources: Vec<_> = environments.iter().map(|e| Recorded::new(data, session, e)).collect();
     let mut inputs: Vec<PathBuf> = sources.iter().flat_map(Recorded::inputs).collect();
     inputs.sort();
@@ -268,11 +272,11 @@ fn characteristic_job<'a>(
     let parameters = format!("level {}", data.study.analysis.confidence);
     figure_job(data, &format!("characteristic.{actuator}"), inputs, parameters, move || {
         let (read, problems) = characterise::read_sweeps(&sweeps);
-        let (models, curve) = (Table::from_parquet(&tables[0])?, Table::from_parquet(&tables[2])?);
-        Ok((
-            zwidth_figures::characteristic(actuator, &read, &models, &curve, data.study.analysis.confidence)?,
-            problems,
-        ))
+        let [models, parameters, curve] = [0, 1, 2].map(|i| Table::from_parquet(&tables[i]));
+        let (models, parameters, curve) = (models?, parameters?, curve?);
+        let level = data.study.analysis.confidence;
+        let of = Characterised { models: &models, parameters: &parameters, curve: &curve, level };
+        Ok((zwidth_figures::characteristic(actuator, &read, of)?, problems))
     })
 }
 

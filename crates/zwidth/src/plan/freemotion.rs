@@ -1,6 +1,6 @@
 //! Stage `freemotion`: the plane fit of every trial in a free environment.
 
-use super::{analysis_parameters, derived, made, read_all, split};
+use super::{analysis_parameters, derived, known, made, paths, read_all, split};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use zwidth_runner::Job;
@@ -13,22 +13,23 @@ pub(super) fn tables_of(layout: &Layout) -> Vec<PathBuf> {
 }
 
 /// Trials of free motion that count.
-fn free_trials(data: &StudyData) -> Vec<PathBuf> {
+fn free_trials(data: &StudyData) -> Vec<&TrialEntry> {
     let free = |t: &&TrialEntry| {
         data.study.environment(&t.meta.environment).is_some_and(|e| matches!(e.scene, Scene::Free))
     };
-    data.counting().filter(free).map(|t| t.path.clone()).collect()
+    data.counting().filter(free).collect()
 }
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
-    let inputs = free_trials(data);
-    if inputs.is_empty() {
+    let trials = free_trials(data);
+    if trials.is_empty() {
         return Vec::new();
     }
-    let outputs = tables_of(&data.layout);
-    let (files, out) = (inputs.clone(), outputs.clone());
+    let (inputs, outputs) = (paths(&trials), tables_of(&data.layout));
+    let out = outputs.clone();
+    let parameters = format!("{}; {}", analysis_parameters(data), known(&trials));
     let make = move |from: &_| {
-        let (trials, mut problems) = read_all(&files);
+        let (trials, mut problems) = read_all(&trials);
         let one = |t| {
             let fit = zwidth_freemotion::plane_fit(t, &data.study);
             fit.map_err(|e| format!("{} {} trial {}: {e}", t.meta.participant, t.meta.session, t.meta.trial))
@@ -41,7 +42,7 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
         stage: "freemotion",
         name: "plane fits of free motion".to_owned(),
         version: zwidth_freemotion::VERSION,
-        parameters: analysis_parameters(data),
+        parameters,
         inputs,
         outputs,
         tolerant: false,

@@ -1,6 +1,6 @@
 //! Stage `metrics`: a table a session, then one of the whole study.
 
-use super::{Session, analysis_parameters, derived, made, paths, read_all, sessions, split};
+use super::{Session, analysis_parameters, derived, known, made, paths, read_all, sessions, split};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use zwidth_runner::Job;
@@ -33,19 +33,19 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     jobs
 }
 
-fn session_job<'a>(data: &'a StudyData, session: &Session) -> Job<'a> {
-    let (inputs, outputs) = (paths(&session.trials), vec![of_session(&data.layout, session)]);
-    let (files, out) = (inputs.clone(), outputs.clone());
+fn session_job<'a>(data: &'a StudyData, session: &Session<'a>) -> Job<'a> {
+    let outputs = vec![of_session(&data.layout, session)];
+    let (trials, out) = (session.trials.clone(), outputs.clone());
     Job {
         stage: STAGE,
         name: format!("metrics {}", session.who()),
         version: zwidth_metrics::VERSION,
-        parameters: analysis_parameters(data),
-        inputs,
+        parameters: format!("{}; {:?}; {}", analysis_parameters(data), protocol(data), known(&trials)),
+        inputs: paths(&trials),
         outputs,
         tolerant: false,
         make: Box::new(move |from| {
-            let (trials, mut problems) = read_all(&files);
+            let (trials, mut problems) = read_all(&trials);
             let one = |t| {
                 let row = zwidth_metrics::trial_metrics(t, &data.study);
                 row.map_err(|e| {
@@ -59,14 +59,22 @@ fn session_job<'a>(data: &'a StudyData, session: &Session) -> Job<'a> {
     }
 }
 
+/// What the compliance of a trial depends on besides its file: the time allowed, and which modes have a motor.
+fn protocol(data: &StudyData) -> impl std::fmt::Debug {
+    let study = &data.study;
+    let actuators: Vec<_> = study.modes.iter().map(|m| (&m.id, m.motor_max_v, m.brake_max_v)).collect();
+    (study.design.trial_limit_s, actuators)
+}
+
 fn study_job<'a>(data: &'a StudyData, inputs: Vec<PathBuf>) -> Job<'a> {
     let outputs = vec![of_study(&data.layout), by_condition(&data.layout)];
+    let conditions = data.study.conditions();
     let (files, out) = (inputs.clone(), outputs.clone());
     Job {
         stage: STAGE,
         name: "metrics of the study".to_owned(),
         version: zwidth_metrics::VERSION,
-        parameters: String::new(),
+        parameters: format!("{conditions:?}"),
         inputs,
         outputs,
         tolerant: false,
@@ -74,7 +82,7 @@ fn study_job<'a>(data: &'a StudyData, inputs: Vec<PathBuf>) -> Job<'a> {
             let tables = files.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
             let all = Table::concat("metrics", "Metrics, one row a trial", &tables)?
                 .ok_or("there is no session")?;
-            let conditions = zwidth_metrics::by_condition(&all)?;
+            let conditions = zwidth_metrics::by_condition(&all, &conditions)?;
             made(&[all, conditions], &out, from, Vec::new())
         }),
     }

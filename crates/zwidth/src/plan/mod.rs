@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use zwidth_runner::{Job, Made, Provenance};
-use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry, read_trial};
+use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{Environment, ParticipantId, SessionId};
 use zwidth_tables::{Table, TableError};
 
@@ -81,9 +81,16 @@ fn paths(trials: &[&TrialEntry]) -> Vec<PathBuf> {
     trials.iter().map(|t| t.path.clone()).collect()
 }
 
+/// What the session knows of trials beside their files: an unsealed trial's mode and repeat. Part of the parameters of
+/// every job that reads trials.
+fn known(trials: &[&TrialEntry]) -> String {
+    let known: Vec<_> = trials.iter().map(|t| (t.meta.trial, t.meta.mode.as_str(), t.meta.repeat)).collect();
+    format!("{known:?}")
+}
+
 /// Reads trials in parallel; what cannot be read is left out and told.
-fn read_all(files: &[PathBuf]) -> (Vec<Trial>, Vec<String>) {
-    let results: Vec<_> = files.par_iter().map(|path| read_trial(path, Signal::all())).collect();
+fn read_all(trials: &[&TrialEntry]) -> (Vec<Trial>, Vec<String>) {
+    let results: Vec<_> = trials.par_iter().map(|trial| trial.read(Signal::all())).collect();
     split(results)
 }
 

@@ -1,0 +1,55 @@
+//! What an average says of itself: where it ends, where repeats drop out, what it is aligned by.
+
+use crate::Average;
+
+/// How the note that tells where an average ends tells it.
+pub const ENDS_AT: &str = "the average ends at";
+
+impl Average {
+    /// In words: where the average ends and where repeats drop out of it before, by which landmarks it is aligned,
+    /// and which trials are not in it.
+    pub fn notes(&self) -> Vec<String> {
+        let name = format!(
+            "{} {} {} {}",
+            self.participant, self.session, self.condition.environment, self.condition.mode
+        );
+        let left_out =
+            self.left_out.iter().map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
+        let notes = self.end_note(&name).into_iter().chain(self.landmark_note(&name));
+        notes.chain(left_out).collect()
+    }
+
+    fn end_note(&self, name: &str) -> Option<String> {
+        let end = self.t_s.last().copied().unwrap_or(0.0);
+        let longest = self.repeats.iter().map(|r| r.length_s).fold(0.0, f64::max);
+        let drops = self.drops();
+        if end >= longest && drops.is_empty() {
+            return None;
+        }
+        let total = self.repeats.len();
+        let why = match end < longest {
+            true => format!("after that fewer than half of the {total} repeats remain"),
+            false => "no repeat lasts longer".to_owned(),
+        };
+        let drops: Vec<_> = drops.iter().map(|(t, n)| format!("to {n} at {t:.3} s")).collect();
+        let jumps = match drops.is_empty() {
+            true => String::new(),
+            false => format!(" The mean may jump where the number of repeats falls: {}.", drops.join(", ")),
+        };
+        Some(format!("{name}: {ENDS_AT} {end:.3} s; {why}.{jumps}"))
+    }
+
+    /// The times of the grid from which on fewer repeats are averaged than before, and how many.
+    pub fn drops(&self) -> Vec<(f64, usize)> {
+        let pairs = self.n.windows(2).zip(self.t_s.iter().skip(1));
+        pairs.filter(|(n, _)| n[1] < n[0]).map(|(n, t)| (*t, n[1])).collect()
+    }
+
+    fn landmark_note(&self, name: &str) -> Option<String> {
+        if self.landmarks.is_empty() {
+            return None;
+        }
+        let times: Vec<_> = self.landmarks.iter().map(|(l, t)| format!("{l} {t:.3} s")).collect();
+        Some(format!("{name}: aligned by the landmarks that all of its repeats pass: {}.", times.join(", ")))
+    }
+}

@@ -1,0 +1,144 @@
+//! The columns of the metrics: name, unit, meaning, and where each stands in a row.
+
+use crate::{RecordedStability, Row};
+use zwidth_numerics::spectrum::BandPower;
+
+/// Where a value stands in a row.
+pub(crate) enum Get {
+    Float(fn(&Row) -> Option<f64>),
+    Count(fn(&Row) -> Option<i64>),
+    Flag(fn(&Row) -> Option<bool>),
+    Word(fn(&Row) -> Option<&'static str>),
+}
+
+/// A column.
+pub(crate) struct Spec {
+    pub(crate) name: &'static str,
+    pub(crate) unit: &'static str,
+    pub(crate) description: &'static str,
+    pub(crate) get: Get,
+}
+
+const fn float(
+    name: &'static str,
+    unit: &'static str,
+    description: &'static str,
+    get: fn(&Row) -> Option<f64>,
+) -> Spec {
+    Spec { name, unit, description, get: Get::Float(get) }
+}
+
+const fn count(name: &'static str, description: &'static str, get: fn(&Row) -> Option<i64>) -> Spec {
+    Spec { name, unit: "1", description, get: Get::Count(get) }
+}
+
+const fn flag(name: &'static str, description: &'static str, get: fn(&Row) -> Option<bool>) -> Spec {
+    Spec { name, unit: "1", description, get: Get::Flag(get) }
+}
+
+const fn word(name: &'static str, description: &'static str, get: fn(&Row) -> Option<&'static str>) -> Spec {
+    Spec { name, unit: "1", description, get: Get::Word(get) }
+}
+
+/// Every metric, in the order of the table; `docs/analysis.md` defines each by its name. Below, one line is one column.
+pub(crate) const GROUPS: [&[Spec]; 6] = [MOVEMENT, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY];
+
+#[rustfmt::skip]
+const MOVEMENT: &[Spec] = &[
+    float("onset_s", "s", "first time above the onset's velocity", |r| r.movement.onset_s),
+    float("reversal_s", "s", "first time of the largest angle between onset and end", |r| r.movement.reversal_s),
+    float("end_s", "s", "first time below the offset's velocity after the last above the onset's", |r| r.movement.end_s),
+    float("duration_s", "s", "end minus onset", |r| r.movement.duration_s),
+    float("theta_max_rad", "rad", "largest angle", |r| r.movement.theta_max_rad),
+    float("velocity_forward_mean_rad_s", "rad/s", "mean speed, onset to reversal", |r| r.movement.velocity_forward_mean_rad_s),
+    float("velocity_forward_peak_rad_s", "rad/s", "largest speed, onset to reversal", |r| r.movement.velocity_forward_peak_rad_s),
+    float("velocity_backward_mean_rad_s", "rad/s", "mean speed, reversal to end", |r| r.movement.velocity_backward_mean_rad_s),
+    float("velocity_backward_peak_rad_s", "rad/s", "largest speed, reversal to end", |r| r.movement.velocity_backward_peak_rad_s),
+    float("sparc_forward", "1", "smoothness (spectral arc length) of the speed, onset to reversal", |r| r.movement.sparc_forward),
+    float("sparc_backward", "1", "smoothness (spectral arc length) of the speed, reversal to end", |r| r.movement.sparc_backward),
+    count("work_space_hits_low", "arrivals at the work space's lower end", |r| r.movement.work_space_hits_low),
+    count("work_space_hits_high", "arrivals at the work space's upper end", |r| r.movement.work_space_hits_high),
+];
+
+#[rustfmt::skip]
+const COMPLIANCE: &[Spec] = &[
+    count("movements_forward", "ways forward of more than a tenth of the angles travelled", |r| r.compliance.movements_forward),
+    count("movements_backward", "ways back of more than a tenth of the angles travelled", |r| r.compliance.movements_backward),
+    flag("protocol_one_movement", "whether there is one way forward and one back", |r| r.compliance.one_movement),
+    flag("protocol_in_time", "whether the movement takes no longer than a trial may", |r| r.compliance.in_time),
+    flag("protocol_inside", "whether the lever stays within the work space", |r| r.compliance.inside_work_space),
+    flag("protocol_met", "whether all three hold", |r| r.compliance.met),
+];
+
+#[rustfmt::skip]
+const DISCREPANCY: &[Spec] = &[
+    float("discrepancy_mean_n", "N", "compression minus decompression force, mean over the angle", |r| r.discrepancy.mean_n),
+    float("discrepancy_max_n", "N", "compression minus decompression force, largest", |r| r.discrepancy.max_n),
+    float("discrepancy_step_n", "N", "compression minus decompression force at the reversal", |r| r.discrepancy.step_n),
+    float("loop_area_j", "J", "energy left in the device from onset to end", |r| r.discrepancy.loop_area_j),
+];
+
+#[rustfmt::skip]
+const SPRING: &[Spec] = &[
+    float("stiffness_n_per_rad", "N/rad", "rendered stiffness: slope of force on angle in compression, below saturation", |r| r.spring.stiffness_n_per_rad),
+    float("stiffness_std_error_n_per_rad", "N/rad", "its standard error (Newey-West, a tenth of the samples)", |r| r.spring.stiffness_std_error_n_per_rad),
+    float("stiffness_ci_low_n_per_rad", "N/rad", "lower end of its interval within this trial", |r| r.spring.stiffness_ci_low_n_per_rad),
+    float("stiffness_ci_high_n_per_rad", "N/rad", "upper end of its interval within this trial", |r| r.spring.stiffness_ci_high_n_per_rad),
+    float("stiffness_error_n_per_rad", "N/rad", "rendered minus commanded stiffness", |r| r.spring.stiffness_error_n_per_rad),
+    float("force_at_rest_n", "N", "the line's force at the spring's rest", |r| r.spring.force_at_rest_n),
+    float("stiffness_r2", "1", "R² of the line", |r| r.spring.r2),
+    count("stiffness_samples", "samples of the line", |r| r.spring.samples),
+    float("saturation_force_n", "N", "force at which the spring saturates", |r| r.spring.saturation.force_n),
+    float("saturation_force_ci_low_n", "N", "lower end of its interval within this trial", |r| r.spring.saturation.force_ci_low_n),
+    float("saturation_force_ci_high_n", "N", "upper end of its interval within this trial", |r| r.spring.saturation.force_ci_high_n),
+    float("saturation_theta_rad", "rad", "angle from which on the spring saturates", |r| r.spring.saturation.theta_rad),
+    float("saturation_theta_ci_low_rad", "rad", "lower end of its interval within this trial", |r| r.spring.saturation.theta_ci_low_rad),
+    float("saturation_theta_ci_high_rad", "rad", "upper end of its interval within this trial", |r| r.spring.saturation.theta_ci_high_rad),
+    float("force_rms_error_n", "N", "RMS of user force minus commanded force in compression", |r| r.spring.force_rms_error_n),
+    float("returned_energy_share", "1", "work given back over work put in", |r| r.spring.returned_energy_share),
+];
+
+#[rustfmt::skip]
+const WALL: &[Spec] = &[
+    flag("wall_reached", "whether the wall was passed", |r| r.wall.reached),
+    float("wall_past_max_rad", "rad", "largest angle past the wall", |r| r.wall.past_max_rad),
+    float("wall_depth_m", "m", "largest depth past the wall, at the lever", |r| r.wall.past_max_m),
+    float("wall_dwell_s", "s", "time past the wall", |r| r.wall.dwell_s),
+    float("wall_impulse_n_s", "N·s", "impulse of the user's force past the wall", |r| r.wall.impulse_n_s),
+    float("wall_energy_j", "J", "energy the wall takes from the user", |r| r.wall.energy_j),
+    float("wall_impact_velocity_rad_s", "rad/s", "velocity where the wall is first passed", |r| r.wall.impact_velocity_rad_s),
+    count("wall_rebounds", "passings of the wall after a retreat from it", |r| r.wall.rebounds),
+    count("wall_brake_releases", "times the brake goes off past the wall", |r| r.wall.brake_releases),
+    float("wall_stiffness_n_per_rad", "N/rad", "slope of force on angle past the wall, on the way in", |r| r.wall.stiffness_n_per_rad),
+    float("wall_stiffness_ci_low_n_per_rad", "N/rad", "lower end of its interval within this trial", |r| r.wall.stiffness_ci_low_n_per_rad),
+    float("wall_stiffness_ci_high_n_per_rad", "N/rad", "upper end of its interval within this trial", |r| r.wall.stiffness_ci_high_n_per_rad),
+];
+
+#[rustfmt::skip]
+const STABILITY: &[Spec] = &[
+    count("motor_switches", "times the motor goes on or off", |r| r.stability.motor_switches),
+    count("brake_switches", "times the brake goes on or off", |r| r.stability.brake_switches),
+    count("actuator_switches", "changes of the set of actuators that are on", |r| r.stability.actuator_switches),
+    count("reversals", "turns of the lever between onset and end", |r| r.stability.swings.reversals),
+    count("fast_swings", "turns within a tenth of a second of the one before", |r| r.stability.swings.fast),
+    word("recorded_stability", "smooth or oscillating, by the count of fast swings; what causes an oscillation a recording cannot tell", |r| {
+        r.stability.swings.verdict.map(RecordedStability::as_str)
+    }),
+    float("oscillation_hz", "Hz", "frequency of the fast swings", |r| r.stability.swings.frequency_hz),
+    float("oscillation_amplitude_rad", "rad", "median angle of the fast swings, turn to turn", |r| r.stability.swings.amplitude_rad),
+    float("force_band_rms_n", "N", "root of the force's power from 5 Hz to the top of its band", |r| rms(r.stability.force_band)),
+    float("force_band_dominant_hz", "Hz", "where that power is highest", |r| r.stability.force_band?.dominant_hz),
+    float("force_band_top_hz", "Hz", "top of the force's band: 50 Hz or below the sensor's Nyquist frequency", |r| top(r.stability.force_band)),
+    float("velocity_band_rms_rad_s", "rad/s", "root of the velocity's power from 5 Hz to the top of its band", |r| rms(r.stability.velocity_band)),
+    float("velocity_band_dominant_hz", "Hz", "where that power is highest", |r| r.stability.velocity_band?.dominant_hz),
+    float("velocity_band_top_hz", "Hz", "top of the velocity's band: 50 Hz or below the Nyquist frequency of the samples", |r| top(r.stability.velocity_band)),
+    float("passivity_energy_j", "J", "lowest value of the user's work on the device since the start", |r| r.stability.passivity_energy_j),
+];
+
+fn rms(band: Option<BandPower>) -> Option<f64> {
+    band.map(|b| b.power.sqrt())
+}
+
+fn top(band: Option<BandPower>) -> Option<f64> {
+    band.map(|b| b.top_hz)
+}

@@ -1,0 +1,160 @@
+//! Whether a trial was what the protocol asks for.
+
+use crate::signals::Signals;
+use zwidth_numerics::zigzag::zigzag;
+use zwidth_study::{Device, ModeId, Study};
+
+/// A movement is a way of more than this share of the angles travelled; less is a correction or a wobble.
+pub(crate) const MOVEMENT_SHARE: f64 = 0.1;
+/// The lever is outside the work space when it is beyond an end by more than this share of it: the ends are stops,
+/// which give a little, and the angle sensor is not exact.
+const OUTSIDE_SHARE: f64 = 0.01;
+
+/// Whether a trial was what the protocol asks for (thesis §5.2.2): one forward and one backward movement, in no more
+/// than the time allowed, inside the work space.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Compliance {
+    /// Ways forward between onset and end: ways up of the zigzag of θ that are longer than 10 % of the angles
+    /// travelled there. Null without a movement.
+    pub movements_forward: Option<i64>,
+    /// Ways back, likewise.
+    pub movements_backward: Option<i64>,
+    /// One way forward and one way back, in this order. In a mode that has a brake and no motor the way back may be
+    /// missing: nothing there returns the lever.
+    pub one_movement: Option<bool>,
+    /// Whether the movement takes no longer than `design.trial_limit_s`. Null without an onset, and where the
+    /// recording stops within both movement and limit.
+    pub in_time: Option<bool>,
+    /// Whether θ stays within the work space over the whole recording; an excess of 1 % of the work space is
+    /// allowed. Null unless both ends are known.
+    pub inside_work_space: Option<bool>,
+    /// Whether all three hold: false if one does not, null if none fails and one is null.
+    pub met: Option<bool>,
+}
+
+pub(crate) fn compliance(signals: &Signals, mode: &ModeId, study: &Study) -> Compliance {
+    let ways = ways(signals);
+    let one_movement = ways.as_deref().map(|ways| match ways {
+        [true, false] => true,
+        [true] => brakes_only(study, mode),
+        _ => false,
+    });
+    let count = |up: bool| Some(ways.as_ref()?.iter().filter(|way| **way == up).count() as i64);
+    let in_time = in_time(signals, study.design.trial_limit_s);
+    let inside_work_space = inside(signals.theta, &study.device);
+    Compliance {
+        movements_forward: count(true),
+        movements_backward: count(false),
+        one_movement,
+        in_time,
+        inside_work_space,
+        met: all([one_movement, in_time, inside_work_space]),
+    }
+}
+
+/// The movements in order, true for a way forward.
+fn ways(signals: &Signals) -> Option<Vec<bool>> {
+    let (theta, phases) = (signals.theta?, signals.phases?);
+    let moving = &theta[phases.onset..=phases.end];
+    let least = MOVEMENT_SHARE * range(moving);
+    Some(zigzag(moving, least).iter().map(|leg| leg.up).collect())
+}
+
+/// Largest minus smallest value; `values` has at least one.
+pub(crate) fn range(values: &[f64]) -> f64 {
+    let (low, high) = ends(values);
+    high - low
+}
+
+fn ends(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
+}
+
+fn brakes_only(study: &Study, mode: &ModeId) -> bool {
+    study.mode(mode).is_some_and(|m| m.brake_max_v.is_some() && m.motor_max_v.is_none())
+}
+
+fn in_time(signals: &Signals, limit_s: f64) -> Option<bool> {
+    let activity = signals.activity?;
+    let last = activity.end.unwrap_or(signals.t.len() - 1);
+    let took_s = signals.t[last] - signals.t[activity.onset];
+    (activity.end.is_some() || took_s > limit_s).then_some(took_s <= limit_s)
+}
+
+fn inside(theta: Option<&[f64]>, device: &Device) -> Option<bool> {
+    let (min, max) = (device.theta_min_rad?, device.theta_max_rad?);
+    let (low, high) = ends(theta?);
+    let excess = OUTSIDE_SHARE * (max - min);
+    Some(low >= min - excess && high <= max + excess)
+}
+
+/// Three-valued "and".
+fn all<const N: usize>(parts: [Option<bool>; N]) -> Option<bool> {
+    if parts.contains(&Some(false)) { Some(false) } else { (!parts.contains(&None)).then_some(true) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{REST_RAD, spring_study, stroke, trial};
+    use crate::trial_metrics;
+
+    type Points = Vec<(f64, f64, f64)>;
+
+    fn compliance(points: &Points, change: impl FnOnce(&mut Study)) -> Compliance {
+        let mut study = spring_study(4.0, REST_RAD);
+        change(&mut study);
+        trial_metrics(&trial(points, |_, _| 0.0), &study).unwrap().compliance
+    }
+
+    #[test]
+    fn a_movement_there_and_back_in_time_and_inside_meets_the_protocol() {
+        let found = compliance(&stroke(1.2, 2.0), |_| ());
+        let all = Compliance {
+            movements_forward: Some(1),
+            movements_backward: Some(1),
+            one_movement: Some(true),
+            in_time: Some(true),
+            inside_work_space: Some(true),
+            met: Some(true),
+        };
+        assert_eq!(found, all);
+    }
+
+    #[test]
+    fn two_strokes_are_not_one_movement() {
+        let once = stroke(1.2, 2.0);
+        let again: Points = once.iter().map(|p| (p.0 + 3.001, p.1, p.2)).collect();
+        let found = compliance(&[once, again].concat(), |_| ());
+        assert_eq!((found.movements_forward, found.movements_backward), (Some(2), Some(2)));
+        assert_eq!((found.one_movement, found.in_time, found.met), (Some(false), Some(false), Some(false)));
+    }
+
+    #[test]
+    fn a_lever_that_a_brake_holds_need_not_come_back() {
+        let forward: Points = stroke(1.2, 2.0).into_iter().take_while(|p| p.0 <= 1.5).collect();
+        let held: Points = (1..500).map(|i| (1.5 + f64::from(i) / 1000.0, forward[1500].1, 0.0)).collect();
+        let points = [forward, held].concat();
+        let one = |change: fn(&mut Study)| compliance(&points, change).one_movement;
+        assert_eq!(one(|_| ()), Some(false));
+        assert_eq!(one(|s| s.modes.iter_mut().for_each(|m| m.motor_max_v = None)), Some(true));
+    }
+
+    #[test]
+    fn a_recording_that_stops_too_soon_leaves_the_time_open() {
+        let cut: Points = stroke(1.2, 2.0).into_iter().take_while(|p| p.0 <= 2.0).collect();
+        assert_eq!(compliance(&cut, |_| ()).in_time, None);
+        assert_eq!(compliance(&cut, |s| s.design.trial_limit_s = 1.0).in_time, Some(false));
+        assert_eq!(compliance(&cut, |_| ()).met, None);
+    }
+
+    #[test]
+    fn a_lever_beyond_its_work_space_is_outside_and_an_unknown_work_space_is_null() {
+        let points = stroke(1.2, 2.0);
+        let inside =
+            |max: Option<f64>| compliance(&points, |s| s.device.theta_max_rad = max).inside_work_space;
+        assert_eq!(inside(Some(REST_RAD + 1.19)), Some(true));
+        assert_eq!(inside(Some(REST_RAD + 1.18)), Some(false));
+        assert_eq!(inside(None), None);
+    }
+}

@@ -1,0 +1,173 @@
+//! A spring whose force stops growing: where a line ends in a plateau.
+
+use crate::MetricsError;
+use zwidth_numerics::{NumericsError, lsq};
+
+/// Fewest samples of the line and of the plateau: with fewer a mean or a slope rests on chance.
+const LEAST_SAMPLES: usize = 10;
+/// The plateau spans at least this share of the angles fitted: a shorter one is how a press ends, not saturation.
+const LEAST_SPAN: f64 = 0.05;
+/// The plateau is flat: its own slope is less than this share of the line's.
+const FLAT: f64 = 0.25;
+/// The plateau matters: with it the residual sum of squares is at most this share of the straight line's.
+const BETTER: f64 = 0.5;
+
+/// Where the force saturates, the angle u_s: the continuous model F = F₀ + k min(u, u_s) with the least sum of squares, by all
+/// ways of dividing the samples in order of u into a line below and a mean above whose intersection lies between
+/// the two groups (Hudson 1966, J. Am. Stat. Assoc. 61:1097).
+///
+/// `None` where the force did not saturate as far as the samples show: no division with at least 10 samples a side, or
+/// the best has a plateau that is short (under 5 % of the angles), not flat (its own slope at least a quarter of the
+/// line's), or no better than the straight line (more than half of its residual sum of squares).
+pub(crate) fn plateau(u: &[f64], f: &[f64]) -> Result<Option<f64>, MetricsError> {
+    let mut points: Vec<(f64, f64)> = u.iter().copied().zip(f.iter().copied()).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((at, u_s, rss)) = best_division(&points) else { return Ok(None) };
+    let (line, flat) = points.split_at(at);
+    let (Some(whole), Some(line), Some(top)) = (fit(&points)?, fit(line)?, fit(flat)?) else {
+        return Ok(None);
+    };
+    let (first, last) = (points[0].0, points[points.len() - 1].0);
+    let is_long = last - u_s >= LEAST_SPAN * (last - first);
+    let is_flat = top.coefficients[1].abs() < FLAT * line.coefficients[1];
+    let is_better = rss <= BETTER * whole.rss;
+    Ok((is_long && is_flat && is_better).then_some(u_s))
+}
+
+/// A straight line; `None` where the points are of one angle.
+fn fit(points: &[(f64, f64)]) -> Result<Option<lsq::LinearFit>, MetricsError> {
+    let (u, f): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+    match lsq::fit(&[&vec![1.0; u.len()], &u], &f) {
+        Err(NumericsError::RankDeficient { .. } | NumericsError::TooFewRows { .. }) => Ok(None),
+        fit => Ok(Some(fit?)),
+    }
+}
+
+/// Sums of a group of points, about the means of all.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    n: f64,
+    u: f64,
+    f: f64,
+    uu: f64,
+    uf: f64,
+    ff: f64,
+}
+
+impl Sums {
+    fn with(self, (u, f): (f64, f64)) -> Self {
+        Self {
+            n: self.n + 1.0,
+            u: self.u + u,
+            f: self.f + f,
+            uu: self.uu + u * u,
+            uf: self.uf + u * f,
+            ff: self.ff + f * f,
+        }
+    }
+
+    fn without(self, part: Self) -> Self {
+        Self {
+            n: self.n - part.n,
+            u: self.u - part.u,
+            f: self.f - part.f,
+            uu: self.uu - part.uu,
+            uf: self.uf - part.uf,
+            ff: self.ff - part.ff,
+        }
+    }
+
+    /// Mean of f, and the sum of squares about it.
+    fn mean(self) -> (f64, f64) {
+        (self.f / self.n, self.ff - self.f * self.f / self.n)
+    }
+
+    /// Intercept, slope and residual sum of squares of the line of f on u.
+    fn line(self) -> (f64, f64, f64) {
+        let uu = self.uu - self.u * self.u / self.n;
+        let uf = self.uf - self.u * self.f / self.n;
+        let slope = uf / uu;
+        ((self.f - slope * self.u) / self.n, slope, self.mean().1 - slope * uf)
+    }
+}
+
+/// The best division of sorted points: how many belong to the line, where it meets the plateau, and the residual sum of
+/// squares.
+fn best_division(points: &[(f64, f64)]) -> Option<(usize, f64, f64)> {
+    let n = points.len();
+    let all = points.iter().copied().fold(Sums::default(), Sums::with);
+    let (u0, f0) = (all.u / all.n, all.f / all.n);
+    let centred: Vec<(f64, f64)> = points.iter().map(|(u, f)| (u - u0, f - f0)).collect();
+    let all = centred.iter().copied().fold(Sums::default(), Sums::with);
+    let mut below = Sums::default();
+    let mut best: Option<(usize, f64, f64)> = None;
+    for at in 1..n {
+        below = below.with(centred[at - 1]);
+        if at < LEAST_SAMPLES || n - at < LEAST_SAMPLES {
+            continue;
+        }
+        let (intercept, slope, rss_line) = below.line();
+        let (level, rss_flat) = all.without(below).mean();
+        let (meets, rss) = ((level - intercept) / slope, rss_line + rss_flat);
+        let between = centred[at - 1].0 <= meets && meets <= centred[at].0;
+        if between && best.is_none_or(|(_, _, least)| rss < least) {
+            best = Some((at, meets + u0, rss));
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn even(n: u32, length: f64) -> Vec<f64> {
+        (0..n).map(|i| length * f64::from(i) / f64::from(n - 1)).collect()
+    }
+
+    fn of(u: &[f64], force: impl Fn(f64) -> f64) -> Option<f64> {
+        let f: Vec<f64> = u.iter().map(|u| force(*u)).collect();
+        plateau(u, &f).unwrap()
+    }
+
+    #[test]
+    fn a_saturated_spring_saturates_where_its_line_meets_the_plateau() {
+        let found = of(&even(200, 1.3), |u| 0.2 + (4.0 * u).min(4.16)).unwrap();
+        assert!((found - 1.04).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn the_order_of_the_samples_does_not_matter() {
+        let mut u = even(200, 1.3);
+        u.reverse();
+        u.swap(3, 150);
+        let found = of(&u, |u| (4.0 * u).min(2.08)).unwrap();
+        assert!((found - 0.52).abs() < 1e-12, "{found}");
+    }
+
+    /// NumPy: `min` over all divisions of `polyfit` below and `mean` above, `meets` between the groups.
+    #[test]
+    fn a_noisy_plateau_is_that_of_an_exhaustive_search() {
+        let u = even(120, 1.2);
+        let f: Vec<f64> = u
+            .iter()
+            .zip(0u32..)
+            .map(|(u, i)| (4.0 * u).min(3.0) + f64::from(i * i * 7 % 31) / 62.0)
+            .collect();
+        let found = plateau(&u, &f).unwrap().unwrap();
+        assert!((found - NUMPY_U).abs() < 1e-9, "{found}");
+    }
+
+    const NUMPY_U: f64 = 0.7497014493464199;
+
+    #[test]
+    fn springs_that_soften_end_slowly_or_go_on_have_no_plateau() {
+        let u = even(200, 1.0);
+        assert_eq!(of(&u, |u| 4.0 * u), None);
+        assert_eq!(of(&u, |u| 4.0 * u - 1.6 * u * u), None);
+        assert_eq!(of(&u, |u| (4.0 * u).min(2.0) + 1.5 * (u - 0.5).max(0.0)), None);
+        assert_eq!(of(&u, |u| (4.0 * u).min(3.88)), None);
+        assert_eq!(of(&u[..15], |u| (4.0 * u).min(0.1)), None);
+        assert_eq!(of(&[0.5; 40], |_| 1.0), None);
+    }
+}

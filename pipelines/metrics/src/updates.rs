@@ -1,0 +1,65 @@
+//! A slow sensor's values at the times at which they were new.
+
+use zwidth_numerics::series::interpolate_all;
+
+/// New values of a sensor: when each was taken, s, and what it was.
+pub(crate) struct Updates {
+    pub(crate) t: Vec<f64>,
+    pub(crate) values: Vec<f64>,
+}
+
+/// Finds the updates of a signal that is held between them: an age grows with the clock until a new value comes. A
+/// value of age a at time t was taken at t − a.
+pub(crate) fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Updates {
+    let is_new = |i: &usize| match i.checked_sub(1) {
+        // half of the interval: the age is stored in single precision
+        Some(before) => age[*i] < age[before] + (t[*i] - t[before]) / 2.0,
+        None => true,
+    };
+    let new: Vec<usize> = (0..t.len()).filter(is_new).collect();
+    let mut found = Updates { t: Vec::new(), values: Vec::new() };
+    for i in new {
+        let taken = t[i] - age[i];
+        if found.t.last().is_none_or(|last| taken > *last) {
+            found.t.push(taken);
+            found.values.push(values[i]);
+        }
+    }
+    found
+}
+
+impl Updates {
+    /// The signal at times `t`: straight lines between updates, the last value after the last of them. A held value
+    /// lags behind by half of the sensor's interval on average, and so turns an elastic spring into one that gives
+    /// more than it gets.
+    pub(crate) fn at(&self, t: &[f64]) -> Vec<f64> {
+        let last = self.values.last().copied().unwrap_or(0.0);
+        interpolate_all(&self.t, &self.values, t).into_iter().map(|v| v.unwrap_or(last)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ramp of 3 N/s sampled 1000 times a second by a sensor of 80 a second, whose values arrive 2 ms late.
+    #[test]
+    fn a_held_ramp_becomes_a_ramp_again() {
+        let t: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();
+        let taken = |t: f64| ((t - 0.002) * 80.0).floor() / 80.0;
+        let values: Vec<f64> = t.iter().map(|t| 3.0 * taken(*t)).collect();
+        let age: Vec<f64> = t.iter().map(|t| f64::from((t - taken(*t)) as f32)).collect();
+        let found = updates(&t, &values, &age);
+        assert_eq!(found.t.len(), 81);
+        for (t, value) in t.iter().zip(found.at(&t)).filter(|(t, _)| **t < 0.985) {
+            assert!((value - 3.0 * t).abs() < 1e-6, "{value} at {t} s");
+        }
+        assert_eq!(found.at(&[2.0]), [values[999]]);
+    }
+
+    #[test]
+    fn a_sensor_as_fast_as_the_samples_is_new_at_each() {
+        let found = updates(&[0.0, 1.0, 2.0], &[5.0, 5.0, 6.0], &[0.0, 0.0, 0.0]);
+        assert_eq!((found.t, found.values), (vec![0.0, 1.0, 2.0], vec![5.0, 5.0, 6.0]));
+    }
+}
