@@ -2,7 +2,7 @@
 
     python interop.py --zwidth PROGRAM --root FOLDER
 
-FOLDER holds raw/demo, and derived/ and reports/ after `zwidth run demo`. Where ZWIDTH_REAL_DATA names the folder of
+FOLDER holds raw/thesis-twin, and derived/ and reports/ after `zwidth run thesis-twin`. Where ZWIDTH_REAL_DATA names the folder of
 the recordings made by others, those are imported into a temporary folder and checked too. One line a check; the
 last line counts them, and the exit code is 1 where one failed.
 """
@@ -23,13 +23,13 @@ WORKSPACE = Path(__file__).resolve().parents[2]
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--zwidth", type=Path, required=True, help="the program")
-    arguments.add_argument("--root", type=Path, default=WORKSPACE, help="where raw/demo lies [default: the workspace]")
+    arguments.add_argument("--root", type=Path, default=WORKSPACE, help="where raw/thesis-twin lies [default: the workspace]")
     given = arguments.parse_args()
     zwidth, root = given.zwidth.resolve(), given.root.resolve()
-    checks.run(zwidth, "--root", root, "run", "demo", "--quiet")
-    folders.study(zwidth, root, "demo")
-    results.tables("demo", root / "reports/demo/tables")
-    results.figures("demo", root / "reports/demo/figures", synthetic=True)
+    checks.run(zwidth, "--root", root, "run", "thesis-twin", "--quiet")
+    folders.study(zwidth, root, "thesis-twin")
+    results.tables("thesis-twin", root / "reports/thesis-twin/tables")
+    results.figures("thesis-twin", root / "reports/thesis-twin/figures", synthetic=True)
     mixed.check(zwidth)
     real = os.environ.get("ZWIDTH_REAL_DATA")
     if real:

@@ -1,22 +1,45 @@
 //! Chores of the workspace: `cargo xtask NAME`.
 #![allow(clippy::print_stdout)] // a chore tells what it did
 
-mod demo;
 mod encodings;
+mod soak;
+mod twin;
 
-use anyhow::bail;
-use std::path::Path;
+use anyhow::{Context as _, bail};
+use std::path::{Path, PathBuf};
 
 const CHORES: &str =
-    "cargo xtask demo             write raw/demo anew (closed form, the same bytes every time)
-cargo xtask encodings STUDY  measure column encodings on a study under raw/: size and speed";
+    "cargo xtask thesis-twin                write raw/thesis-twin anew (the same bytes every time)
+cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
+cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count what is lost [10]
+cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
-        ["demo"] => demo::write(Path::new(".")),
+        ["thesis-twin"] => twin::write(Path::new(".")),
+        ["soak", "kill", rest @ ..] => {
+            let kills = number(rest.first(), 1000)?;
+            soak::kill::kill(&soak::program()?, &scratch("kill"), kills, number(rest.get(1), 1)?)
+        }
+        ["soak", "live", rest @ ..] => {
+            soak::live::live(&soak::program()?, &scratch("live"), number(rest.first(), 10.0)?)
+        }
         ["encodings", study] => encodings::measure(Path::new("."), study),
         _ => bail!("the chores are\n{CHORES}"),
     }
+}
+
+/// A number, or what stands for it.
+fn number<T: std::str::FromStr<Err: std::error::Error + Send + Sync + 'static>>(
+    word: Option<&&str>,
+    default: T,
+) -> anyhow::Result<T> {
+    word.map_or(Ok(default), |word| word.parse().with_context(|| format!("'{word}' is no number")))
+}
+
+/// A folder for what a chore makes, beside the system's other temporary ones.
+fn scratch(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("zwidth-soak-{name}-{}", std::process::id()))
 }

@@ -1,1 +1,27 @@
 //! A session of trials: its flow, the runner that binds it to a device and the store, and the screen.
+
+mod auto;
+mod error;
+pub mod flow;
+mod front;
+mod left;
+mod plain;
+mod run;
+mod screen;
+mod session;
+mod tape;
+mod unsynced;
+pub mod vault;
+mod view;
+
+pub use auto::{Auto, Nobody};
+pub use error::AcquireError;
+pub use flow::Input;
+pub use front::Front;
+pub use left::left_to_do;
+pub use plain::Plain;
+pub use run::{Options, Outcome, Parts, run};
+pub use screen::{Look, Screen};
+pub use session::{Plan, Session, calibration_blake3, number};
+pub use unsynced::Unsynced;
+pub use view::{CheckLine, Current, MESSAGES, Phase, Point, TRACE_HZ, TRACE_POINTS, Timing, View};

@@ -3,8 +3,9 @@
 use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use std::str::FromStr;
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
-use zwidth_study::StudyId;
+use zwidth_study::{ParticipantId, SessionId, StudyId};
 use zwidth_tables::Format;
 
 /// Force-feedback studies: from raw recordings to figures, tables and a summary.
@@ -39,6 +40,21 @@ pub(crate) enum Command {
     /// Write a commented study.toml for a new study
     New {
         /// The study's id: a folder's name under raw/
+        study: StudyId,
+    },
+    /// Record a session: trials, questions, pauses; resumes where it was left
+    Acquire(Acquire),
+    /// The device check before a session
+    Check(Check),
+    /// Record characterisation sweeps of an actuator
+    Characterise(Characterise),
+    /// A whole study on the simulated device, at once
+    Twin(Twin),
+    /// Open a blinded session's seal: its modes are known from then on
+    Unseal(Unseal),
+    /// After a kill or a power cut: journals become trials, half-written files go
+    Recover {
+        /// The study
         study: StudyId,
     },
     /// Bring in recordings of other rigs, as a mapping file says
@@ -79,6 +95,160 @@ pub(crate) struct Run {
     /// Say what would be made, and why; make nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Acquire {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The participant's code; the digits at its end say which order
+    #[arg(long, short, value_name = "P01")]
+    pub(crate) participant: ParticipantId,
+    /// The session
+    #[arg(long, short, value_name = "S01")]
+    pub(crate) session: SessionId,
+    /// The device
+    #[arg(long, default_value = "twin", value_name = DEVICES)]
+    pub(crate) device: DeviceSpec,
+    /// Lines in and out instead of the screen
+    #[arg(long)]
+    pub(crate) plain: bool,
+    /// The screen in ASCII alone
+    #[arg(long)]
+    pub(crate) ascii: bool,
+    /// Nobody sits before it: trials start by themselves, the simulated participant answers
+    #[arg(long)]
+    pub(crate) auto: bool,
+    /// Rate of the control loop, Hz [default: the study's]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub(crate) rate: Option<f64>,
+    /// Seed of the order and of the simulated device [default: from the study's id; secret if it is blinded]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// A simulated clock: as fast as the machine can (simulated devices only)
+    #[arg(long)]
+    pub(crate) fast: bool,
+    #[command(flatten)]
+    pub(crate) keys: Keys,
+    /// Use the motor of a device without a watchdog; every trial is marked
+    #[arg(long)]
+    pub(crate) no_watchdog: bool,
+}
+
+/// Where seals lie.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Keys {
+    /// Folder of the seals of blinded sessions [default: zwidth/ in the user's state folder]
+    #[arg(long = "key", value_name = "DIR")]
+    pub(crate) folder: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Check {
+    /// The study, whose work space, rate and calibration the device is to fit
+    pub(crate) study: StudyId,
+    /// The device
+    #[arg(long, default_value = "twin", value_name = DEVICES)]
+    pub(crate) device: DeviceSpec,
+    /// Rate of the control loop, Hz [default: the study's]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub(crate) rate: Option<f64>,
+    /// A simulated clock: as fast as the machine can (simulated devices only)
+    #[arg(long)]
+    pub(crate) fast: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Characterise {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The actuator
+    pub(crate) actuator: Actuator,
+    /// The device
+    #[arg(long, default_value = "twin", value_name = DEVICES)]
+    pub(crate) device: DeviceSpec,
+    /// Number of sweeps
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) sweeps: u32,
+    /// Seed of the simulated device
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+}
+
+/// An actuator that can be characterised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Actuator {
+    /// The motor, at a held lever
+    Motor,
+    /// The brake, at a lever that is driven
+    Brake,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Twin {
+    /// The study; it is made with `zwidth new` if it is not there
+    pub(crate) study: StudyId,
+    /// Number of participants
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    pub(crate) participants: u32,
+    /// Sessions of each
+    #[arg(long, value_name = "M", default_value_t = 2)]
+    pub(crate) sessions: u32,
+    /// Seed of participants, devices and order: one seed, the same bytes
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Rate of the control loop, Hz [default: the study's]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub(crate) rate: Option<f64>,
+    /// So many times the repeats of the design, in a study that is made: for data of any size
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) scale: u32,
+    #[command(flatten)]
+    pub(crate) keys: Keys,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Unseal {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The participant
+    #[arg(long, short, value_name = "P01")]
+    pub(crate) participant: ParticipantId,
+    /// The session
+    #[arg(long, short, value_name = "S01")]
+    pub(crate) session: SessionId,
+    /// Even if trials are still to come, which are not blind then
+    #[arg(long)]
+    pub(crate) unfinished: bool,
+    #[command(flatten)]
+    pub(crate) keys: Keys,
+}
+
+/// How devices are written on the command line.
+const DEVICES: &str = "twin|playback:FILE|rig:PORT,PORT";
+
+/// A device by name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum DeviceSpec {
+    /// The simulated device.
+    Twin,
+    /// A recorded trial.
+    Playback(PathBuf),
+    /// The real one, on these serial ports.
+    Rig(String),
+}
+
+impl FromStr for DeviceSpec {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "twin" => Ok(Self::Twin),
+            Some(("playback", file)) if !file.is_empty() => Ok(Self::Playback(file.into())),
+            Some(("rig", ports)) if !ports.is_empty() => Ok(Self::Rig(ports.to_owned())),
+            _ => Err(format!("it must be {DEVICES}")),
+        }
+    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -176,6 +346,16 @@ mod tests {
     #[test]
     fn the_default_tolerance_is_the_stage_s_own() {
         assert_eq!(positive(DEFAULT_TOLERANCE), Ok(zwidth_simulate::DEFAULT_TOLERANCE));
+    }
+
+    #[test]
+    fn a_device_is_named_by_its_kind_and_what_belongs_to_it() {
+        assert_eq!("twin".parse(), Ok(DeviceSpec::Twin));
+        assert_eq!("playback:a:b".parse(), Ok(DeviceSpec::Playback("a:b".into())));
+        assert_eq!("rig:/dev/x,/dev/y".parse(), Ok(DeviceSpec::Rig("/dev/x,/dev/y".into())));
+        for bad in ["", "twin:1", "playback", "playback:", "rig", "Twin"] {
+            assert!(bad.parse::<DeviceSpec>().unwrap_err().contains("playback:FILE"), "{bad}");
+        }
     }
 
     #[test]

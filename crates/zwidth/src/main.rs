@@ -34,6 +34,12 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
     match args.command {
         Command::Run(command) => commands::run::run(root, &command, screen),
         Command::New { study } => commands::new::new(root, study, screen),
+        Command::Acquire(command) => commands::acquire::acquire(root, &command, screen),
+        Command::Check(command) => commands::check::check(root, &command, screen),
+        Command::Characterise(command) => commands::characterise::characterise(root, &command, screen),
+        Command::Twin(command) => commands::twin::twin(root, &command, screen),
+        Command::Unseal(command) => commands::unseal::unseal(root, &command, screen),
+        Command::Recover { study } => commands::recover::recover(root, study, screen),
         Command::Import(command) => commands::import::import(root, &command, screen),
         Command::Verify { studies } => commands::verify::verify(root, studies, screen),
         Command::List { study } => commands::list::list(root, study, screen),

@@ -6,16 +6,18 @@
 // Helpers of tests stand outside of `#[test]` functions, where clippy.toml's exemption does not reach.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+mod acquire;
 mod architecture;
 mod bad_disk;
 mod bad_files;
 mod bad_import;
 mod binary;
 mod counting;
-mod demo;
 mod folders;
 mod logs;
 mod real;
+mod shipped;
 mod small;
 mod source;
+mod story;
 mod whole_run;

@@ -11,8 +11,8 @@ use zwidth_store::{
     trial_bytes, write_new,
 };
 use zwidth_study::{
-    Event, Kind, ParticipantId, PlannedTrial, SCHEMA_VERSION, SessionId, SessionRecord, Source, Status,
-    StudyId, TrialMeta, template,
+    Event, Kind, ParticipantId, PlannedTrial, SessionId, SessionRecord, Source, Status, StudyId, TrialMeta,
+    template,
 };
 
 /// The time of every event.
@@ -132,15 +132,14 @@ impl Study {
             }
             events.extend(draft.events.iter().cloned());
         }
-        let record = SessionRecord {
-            schema_version: SCHEMA_VERSION,
-            participant: participant.clone(),
-            session: session_id(),
-            source: drafts[0].source,
-            software: "zwidth tests".to_owned(),
-            study_blake3: hex_blake3(&fs::read(self.layout.study_toml()).unwrap()),
-            trials: drafts.iter().map(planned).collect(),
-        };
+        let record = SessionRecord::new(
+            participant.clone(),
+            session_id(),
+            drafts[0].source,
+            "zwidth tests",
+            hex_blake3(&fs::read(self.layout.study_toml()).unwrap()),
+            drafts.iter().map(planned).collect(),
+        );
         let path = self.layout.session(&participant, &session_id());
         write_new(&RealFiles, &path, record.to_json().unwrap().as_bytes()).unwrap();
         append_events(&RealFiles, &self.layout.events(&participant, &session_id()), UTC, &events).unwrap();

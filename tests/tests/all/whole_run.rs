@@ -2,7 +2,7 @@
 
 use crate::binary::zwidth;
 use crate::folders::{files, listing, workspace};
-use crate::{demo, small};
+use crate::{shipped, small};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -49,7 +49,7 @@ fn strings(words: &[&str]) -> Vec<String> {
 
 #[test]
 fn a_run_makes_every_figure_as_svg_png_pdf_and_data() {
-    let folder = demo::folder().join("reports/demo/figures");
+    let folder = shipped::folder().join("reports/thesis-twin/figures");
     for (extension, begins) in
         [("svg", "<?xml".as_bytes()), ("png", b"\x89PNG"), ("pdf", b"%PDF"), ("parquet", b"PAR1")]
     {
@@ -62,7 +62,7 @@ fn a_run_makes_every_figure_as_svg_png_pdf_and_data() {
 
 #[test]
 fn a_run_makes_every_table_in_six_formats_and_they_agree_on_the_number_of_rows() {
-    let folder = demo::folder().join("reports/demo/tables");
+    let folder = shipped::folder().join("reports/thesis-twin/tables");
     for extension in ["csv", "md", "tex", "typ", "html", "parquet"] {
         assert_eq!(stems(&folder, extension), TABLES.map(str::to_owned).into(), "{extension}");
     }
@@ -75,7 +75,7 @@ fn a_run_makes_every_table_in_six_formats_and_they_agree_on_the_number_of_rows()
 
 #[test]
 fn the_summary_links_every_figure_and_table_and_names_what_was_left_out() {
-    let reports = demo::folder().join("reports/demo");
+    let reports = shipped::folder().join("reports/thesis-twin");
     let summary = fs::read_to_string(reports.join("summary.md")).unwrap();
     let links: BTreeSet<&str> = summary.split("](").skip(1).map(|s| s.split(')').next().unwrap()).collect();
     assert_eq!(links.len(), figures().len() + TABLES.len());
@@ -83,39 +83,39 @@ fn the_summary_links_every_figure_and_table_and_names_what_was_left_out() {
         assert!(reports.join(link).is_file(), "{link}");
     }
     assert!(summary.contains("36 trials that count"), "{summary}");
-    assert!(summary.contains("P01 S01 trial 20: superseded by trial 40"), "{summary}");
+    assert!(summary.contains("Nothing was left out."), "{summary}");
 }
 
 #[test]
 fn a_run_leaves_the_raw_data_as_they_were() {
-    assert_eq!(listing(&demo::folder().join("raw")), listing(&demo::raw().path().join("raw")));
+    assert_eq!(listing(&shipped::folder().join("raw")), listing(&shipped::raw().path().join("raw")));
 }
 
 #[test]
 fn a_second_run_makes_nothing_and_touches_nothing() {
-    let root = demo::finished();
+    let root = shipped::finished();
     let before = listing(root.path());
     let again = zwidth(root.path(), &["run"]).exits(0);
-    assert!(again.out.contains("demo: 0 made, 31 up to date"), "{again:#?}");
+    assert!(again.out.contains("thesis-twin: 0 made, 32 up to date"), "{again:#?}");
     assert!(zwidth(root.path(), &["run", "--json"]).exits(0).made().is_empty());
     assert_eq!(listing(root.path()), before);
 }
 
 #[test]
 fn one_thread_and_four_give_the_same_bytes() {
-    let root = demo::finished();
+    let root = shipped::finished();
     let before = listing(root.path());
-    let fresh = zwidth(root.path(), &["--threads", "1", "--json", "run", "demo", "--fresh"]).exits(0);
+    let fresh = zwidth(root.path(), &["--threads", "1", "--json", "run", "thesis-twin", "--fresh"]).exits(0);
     assert_eq!(fresh.json()[0]["up_to_date"], 0);
-    assert_eq!(fresh.made().len(), 31);
+    assert_eq!(fresh.made().len(), 32);
     assert_eq!(listing(root.path()), before);
 }
 
 #[test]
 fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
-    let root = demo::finished();
-    let log = root.path().join("raw/demo/sessions/P01_S01.events.jsonl");
-    append_events(&RealFiles, &log, "2026-01-02T00:00:00Z", &[Event::Superseded { trial: 5, by: 7 }])
+    let root = shipped::finished();
+    let log = root.path().join("raw/thesis-twin/sessions/P01_S01.events.jsonl");
+    append_events(&RealFiles, &log, "2026-01-02T00:00:00Z", &[Event::Superseded { trial: 4, by: 40 }])
         .unwrap();
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
     // The metrics of the session hold every onset, so that each of its figures depends on them. No other
@@ -138,20 +138,21 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     expect.extend(repeats);
     expect.sort();
     assert_eq!(ran.made(), expect);
-    let metrics = Table::from_parquet(&root.path().join("derived/demo/metrics.parquet")).unwrap();
-    assert!(!metrics.integers("trial").unwrap().contains(&Some(5)));
+    let metrics = Table::from_parquet(&root.path().join("derived/thesis-twin/metrics.parquet")).unwrap();
+    assert!(!metrics.integers("trial").unwrap().contains(&Some(4)));
     assert!(zwidth(root.path(), &["run", "--json"]).made().is_empty());
 }
 
 #[test]
 fn a_changed_sweep_remakes_its_own_characteristic_and_nothing_else() {
-    let root = demo::finished();
-    let path = root.path().join("raw/demo/sweeps/actuator=motor/sweep-02.parquet");
+    let root = shipped::finished();
+    let path = root.path().join("raw/thesis-twin/sweeps/actuator=motor/sweep-02.parquet");
     let mut sweep = read_sweep(&path).unwrap();
     sweep.response_values[10] += 0.1;
     fs::write(&path, sweep_bytes(&sweep, &path).unwrap()).unwrap();
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
     let expect = [
+        "calibration",
         "characteristic of motor",
         "figure characteristic.motor",
         "summary",
@@ -160,15 +161,15 @@ fn a_changed_sweep_remakes_its_own_characteristic_and_nothing_else() {
     ];
     assert_eq!(ran.made(), expect);
     let why = ran.json()[0]["made"][0]["why"].as_str().unwrap().to_owned();
-    assert_eq!(why, "input raw/demo/sweeps/actuator=motor/sweep-02.parquet changed");
+    assert_eq!(why, "input raw/thesis-twin/sweeps/actuator=motor/sweep-02.parquet changed");
 }
 
 #[test]
 fn a_removed_result_is_made_again_to_the_same_bytes() {
-    let root = demo::finished();
+    let root = shipped::finished();
     let before = listing(root.path());
-    fs::remove_file(root.path().join("reports/demo/figures/likert.png")).unwrap();
-    fs::write(root.path().join("reports/demo/tables/likert.csv"), "edited by hand\n").unwrap();
+    fs::remove_file(root.path().join("reports/thesis-twin/figures/likert.png")).unwrap();
+    fs::write(root.path().join("reports/thesis-twin/tables/likert.csv"), "edited by hand\n").unwrap();
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
     assert_eq!(ran.made(), ["figure likert", "table likert"]);
     assert_eq!(listing(root.path()), before);
@@ -176,12 +177,12 @@ fn a_removed_result_is_made_again_to_the_same_bytes() {
 
 #[test]
 fn only_makes_a_stage_a_figure_or_a_table_and_what_it_needs() {
-    let root = demo::raw();
+    let root = shipped::raw();
     let only = |name: &str| zwidth(root.path(), &["run", "--json", "--only", name]).exits(0).made();
     assert_eq!(only("likert tallies"), ["likert tallies"]);
     assert_eq!(only("conditions"), ["metrics P01 S01", "metrics of the study", "table conditions"]);
     assert_eq!(only("repeats.P01.S01.spring.active"), ["figure repeats.P01.S01.spring.active"]);
-    assert!(!root.path().join("reports/demo/summary.md").exists());
+    assert!(!root.path().join("reports/thesis-twin/summary.md").exists());
     let again = zwidth(root.path(), &["run", "--only", "likert tallies"]).exits(0);
     assert!(!again.out.contains("summary.md"), "it is not there to be looked at: {again:#?}");
     zwidth(root.path(), &["run", "--only", "nonsense"]).exits(1).says(&[
@@ -193,25 +194,28 @@ fn only_makes_a_stage_a_figure_or_a_table_and_what_it_needs() {
 
 #[test]
 fn a_dry_run_says_what_would_be_made_and_makes_nothing() {
-    let root = demo::raw();
+    let root = shipped::raw();
     let before = listing(root.path());
     let dry = zwidth(root.path(), &["run", "--dry-run", "--json"]).exits(0);
-    assert_eq!(dry.made().len(), 31);
+    assert_eq!(dry.made().len(), 32);
     assert_eq!(listing(root.path()), before);
     zwidth(root.path(), &["run", "--dry-run"]).exits(0).says(&["metrics P01 S01: never made"]);
 }
 
 #[test]
 fn every_listing_is_json_where_it_is_asked_for() {
-    let root = demo::finished();
+    let root = shipped::finished();
+    let log = root.path().join("raw/thesis-twin/sessions/P01_S01.events.jsonl");
+    let event = Event::Excluded { trial: 20, reason: "slipped off".to_owned() };
+    append_events(&RealFiles, &log, "2026-01-02T00:00:00Z", &[event]).unwrap();
     let json = |arguments: &[&str]| zwidth(root.path(), arguments).exits(0).json();
     let list = json(&["list", "--json"]);
-    assert_eq!(list[0]["sessions"][0]["trials_that_count"], 36);
+    assert_eq!(list[0]["sessions"][0]["trials_that_count"], 35);
     assert_eq!(list[0]["sessions"][0]["familiarisation"], 3);
-    assert_eq!(list[0]["sessions"][0]["left_out"][0], "trial 20: superseded by trial 40");
-    assert_eq!(list[0]["sweeps"]["motor"], 3);
+    assert_eq!(list[0]["sessions"][0]["left_out"][0], "trial 20: excluded: slipped off");
+    assert_eq!(list[0]["sweeps"]["motor"], 15);
     assert_eq!(json(&["verify", "--json"]), serde_json::json!([]));
-    assert_eq!(json(&["table", "demo", "--json"]).as_array().unwrap().len(), TABLES.len());
+    assert_eq!(json(&["table", "thesis-twin", "--json"]).as_array().unwrap().len(), TABLES.len());
 }
 
 #[test]
@@ -242,7 +246,7 @@ fn is_marked(svg: &Path) -> bool {
 
 #[test]
 fn every_figure_of_simulated_data_says_so_on_its_face() {
-    let reports = demo::folder().join("reports/demo");
+    let reports = shipped::folder().join("reports/thesis-twin");
     for svg in files(&reports, "svg") {
         assert!(is_marked(&svg), "{}", svg.display());
     }
@@ -292,6 +296,21 @@ fn a_damaged_trial_is_told_skipped_and_listed_by_every_run() {
 
 #[test]
 fn the_study_that_comes_along_has_no_findings() {
-    let found = zwidth(workspace(), &["verify", "demo"]).exits(0);
-    assert_eq!(found.out, "demo: no findings\n");
+    let found = zwidth(workspace(), &["verify", "thesis-twin"]).exits(0);
+    assert_eq!(found.out, "thesis-twin: no findings\n");
+}
+
+/// Nothing of the machine, of the time or of the number of threads is in it.
+#[test]
+fn the_study_that_comes_along_follows_from_its_seed_byte_for_byte() {
+    let root = tempfile::tempdir().unwrap();
+    let twin =
+        ["twin", "thesis-twin", "--participants", "1", "--sessions", "1", "--seed", "1", "--rate", "120"];
+    zwidth(root.path(), &twin).exits(0);
+    let raw = |root: &Path| {
+        let mut all = listing(&root.join("raw/thesis-twin"));
+        all.retain(|path, _| !path.ends_with(".lock"));
+        all
+    };
+    assert_eq!(raw(root.path()), raw(workspace()));
 }

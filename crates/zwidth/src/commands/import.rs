@@ -1,5 +1,6 @@
 //! `zwidth import`: recordings of other rigs, as a mapping file says.
 
+use super::recover::lock;
 use super::{study, together};
 use crate::args::Import;
 use crate::exit::Exit;
@@ -16,6 +17,7 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
     let mapping = Mapping::from_toml(&text, &command.map).map_err(|findings| together(&findings))?;
     let utc = jiff::Timestamp::now().to_string();
     let software = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
+    let _lock = lock(&layout, "zwidth import")?;
     let report = import_files(&layout, &study, &mapping, &command.files, &utc, software, &RealFiles)
         .map_err(|findings| together(&findings))?;
     if screen.json {

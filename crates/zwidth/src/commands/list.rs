@@ -6,6 +6,7 @@ use crate::screen::Screen;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
+use zwidth_acquire::left_to_do;
 use zwidth_store::{Layout, StudyData, TrialEntry};
 use zwidth_study::{Condition, Kind, StudyId};
 
@@ -23,8 +24,13 @@ struct Session {
     participant: String,
     session: String,
     source: &'static str,
+    /// Modes are codes, and nothing counts, until it is unsealed.
+    sealed: bool,
+    /// In a sealed session those that will count.
     trials_that_count: usize,
     familiarisation: usize,
+    /// Trials of the order that are still to be done.
+    to_go: usize,
     left_out: Vec<String>,
     missing: Vec<String>,
 }
@@ -73,18 +79,22 @@ fn session(data: &StudyData, log: &zwidth_store::SessionLog) -> Session {
         .iter()
         .filter(|t| t.meta.participant == log.record.participant && t.meta.session == log.record.session)
         .collect();
-    let count = |kind| trials.iter().filter(|t| t.meta.kind == kind).count();
-    let left_out = trials.iter().filter(|t| t.meta.kind == Kind::Trial);
+    let sealed = log.is_sealed();
+    // A sealed trial that nothing else keeps out will count.
+    let counts = |t: &&&TrialEntry| TrialEntry { sealed: None, ..(**t).clone() }.counts();
+    let left_out = trials.iter().filter(|t| t.meta.kind == Kind::Trial && !counts(t));
     Session {
         participant: log.record.participant.to_string(),
         session: log.record.session.to_string(),
         source: log.record.source.as_str(),
-        trials_that_count: trials.iter().filter(|t| t.counts()).count(),
-        familiarisation: count(Kind::Familiarisation),
+        sealed,
+        trials_that_count: trials.iter().filter(counts).count(),
+        familiarisation: trials.iter().filter(|t| t.meta.kind == Kind::Familiarisation).count(),
+        to_go: left_to_do(data, log),
         left_out: left_out
             .filter_map(|t| Some(format!("trial {}: {}", t.meta.trial, t.why_not()?)))
             .collect(),
-        missing: missing(data, &trials),
+        missing: if sealed { Vec::new() } else { missing(data, &trials) },
     }
 }
 
@@ -102,10 +112,18 @@ fn missing(data: &StudyData, trials: &[&TrialEntry]) -> Vec<String> {
 fn text(l: &Listing) -> String {
     let mut lines = vec![format!("{}  {}", l.study, l.title)];
     for s in &l.sessions {
+        let masked = if s.sealed { ", sealed" } else { "" };
         lines.push(format!(
-            "  {} {}  {} trials, {} familiarisation ({})",
+            "  {} {}  {} trials, {} familiarisation ({}{masked})",
             s.participant, s.session, s.trials_that_count, s.familiarisation, s.source
         ));
+        let command =
+            |verb: &str| format!("`zwidth {verb} {} -p {} -s {}`", l.study, s.participant, s.session);
+        if s.to_go > 0 {
+            lines.push(format!("    unfinished: {} trials to go; {}", s.to_go, command("acquire")));
+        } else if s.sealed {
+            lines.push(format!("    sealed: {}", command("unseal")));
+        }
         lines.extend(s.left_out.iter().map(|t| format!("    left out: {t}")));
         lines.extend(s.missing.iter().map(|t| format!("    missing: {t}")));
     }

@@ -1,12 +1,19 @@
 //! The commands, one file each.
 
+pub(crate) mod acquire;
+pub(crate) mod characterise;
+pub(crate) mod check;
+mod device;
 pub(crate) mod import;
 pub(crate) mod list;
 pub(crate) mod new;
+pub(crate) mod recover;
 pub(crate) mod run;
 pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod table;
+pub(crate) mod twin;
+pub(crate) mod unseal;
 pub(crate) mod verify;
 
 use anyhow::{Context as _, bail};

@@ -1,0 +1,38 @@
+//! What can go wrong with a session.
+
+use std::path::PathBuf;
+use zwidth_device::{DeviceError, Refusal};
+use zwidth_store::StoreError;
+
+/// A session that cannot go on, and what to do about it. The device is at 0 V when one of these is returned.
+#[derive(Debug, thiserror::Error)]
+pub enum AcquireError {
+    /// A file could not be read or written. What was finished before is safe.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The device.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// The session on the disk was laid down with other things than those at hand.
+    #[error("{session}: cannot go on with it: {}; begin a new session, or bring back what it began with", .differences.join("; "))]
+    Differs {
+        /// The session's record.
+        session: PathBuf,
+        /// What differs, with both sides.
+        differences: Vec<String>,
+    },
+    /// A mode that this device must not run.
+    #[error(transparent)]
+    Mode(#[from] Refusal),
+    /// What was asked for does not go together.
+    #[error("{what}; {remedy}")]
+    Refused {
+        /// What is wrong, with the value.
+        what: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// The terminal, or the pipe, is gone.
+    #[error("the terminal is gone ({0}); the session can be resumed with the same command")]
+    Front(#[from] std::io::Error),
+}

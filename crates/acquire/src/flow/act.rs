@@ -1,0 +1,260 @@
+//! One input at a time: what it changes, and what is to be done.
+
+use super::{Action, EMERGENCY_STOP, End, Flow, Halt, Input, Phase};
+use zwidth_study::{Event, Likert};
+
+impl Flow {
+    /// Takes an input; what is to be done about it, in order.
+    pub fn step(&mut self, input: Input) -> Vec<Action> {
+        if self.phase == Phase::Left {
+            return Vec::new();
+        }
+        match input {
+            Input::Checked => self.device_checked(),
+            Input::Homed => self.homed(),
+            Input::Failed(why) => self.failed(why),
+            Input::Ended(end) => self.ended(end),
+            Input::Elapsed(dt_s) => self.elapsed(dt_s),
+            Input::Start => self.start(),
+            Input::Answer(value) => self.answer(value),
+            Input::Skip => self.skip(),
+            Input::Repeat => self.repeat(),
+            Input::Exclude(reason) => self.exclude(reason),
+            Input::Note(text) => self.note(text),
+            Input::Stop => self.halt(Halt::Stop),
+            Input::Quit => self.halt(Halt::Quit),
+        }
+    }
+
+    fn device_checked(&mut self) -> Vec<Action> {
+        if self.phase != Phase::Check {
+            return Vec::new();
+        }
+        self.checked = true;
+        self.phase = Phase::Homing;
+        vec![Action::Home]
+    }
+
+    fn homed(&mut self) -> Vec<Action> {
+        if self.phase != Phase::Homing {
+            return Vec::new();
+        }
+        match self.last {
+            Some(place) if self.unanswered => self.phase = Phase::Question { place, late: true },
+            _ => self.go_on(),
+        }
+        Vec::new()
+    }
+
+    /// To the pause, what is left of it; to the next trial; or to the end.
+    fn go_on(&mut self) {
+        self.phase = match self.here() {
+            None => Phase::Done,
+            Some(_) if self.rest_s > 0.0 => Phase::Pause,
+            Some(_) => Phase::Ready,
+        };
+    }
+
+    fn failed(&mut self, why: String) -> Vec<Action> {
+        match self.phase {
+            Phase::Trial { .. } | Phase::Question { .. } | Phase::Done => self.halt(Halt::Stop),
+            _ => self.stop(why),
+        }
+    }
+
+    /// A question is no rest: the pause is what comes after it.
+    fn elapsed(&mut self, dt_s: f64) -> Vec<Action> {
+        if !matches!(self.phase, Phase::Trial { .. } | Phase::Question { .. }) {
+            // `max` takes the 0 where dt is not a number.
+            self.rest_s = (self.rest_s - dt_s.max(0.0)).max(0.0);
+        }
+        if self.phase == Phase::Pause && self.rest_s == 0.0 {
+            self.go_on();
+        }
+        Vec::new()
+    }
+
+    fn start(&mut self) -> Vec<Action> {
+        match (&self.phase, self.here()) {
+            (Phase::Ready, Some(place)) => {
+                self.phase = Phase::Trial { halted: None };
+                vec![Action::Run(self.places[place].trial.clone())]
+            }
+            (Phase::Stopped { .. }, _) if self.checked => {
+                self.phase = Phase::Homing;
+                vec![Action::Home]
+            }
+            (Phase::Stopped { .. }, _) => {
+                self.phase = Phase::Check;
+                vec![Action::Check]
+            }
+            (Phase::Pause, _) => refuse(format!("the pause has {:.1} s to go", self.rest_s)),
+            (Phase::Question { .. }, _) => refuse("the question is open: answer it with 1 to 5, or skip it"),
+            (Phase::Done, _) => refuse("every trial is done: quit"),
+            (Phase::Trial { .. }, _) => refuse("a trial is running"),
+            _ => refuse("the device is not ready yet"),
+        }
+    }
+
+    fn ended(&mut self, end: End) -> Vec<Action> {
+        let (Phase::Trial { halted }, Some(place)) = (self.phase.clone(), self.here()) else {
+            return Vec::new();
+        };
+        self.last = Some(place);
+        self.rest_s = self.pause_s;
+        match end {
+            End::Cut(why) => self.cut(place, why, halted),
+            End::Complete if halted.is_none() && self.places[place].question.is_some() => {
+                self.phase = Phase::Question { place, late: false };
+                Vec::new()
+            }
+            End::Complete => {
+                let mut actions = vec![self.finish(place, None)];
+                match halted {
+                    Some(halt) => actions.extend(self.halt_idle(halt)),
+                    None => self.go_on(),
+                }
+                actions
+            }
+        }
+    }
+
+    fn cut(&mut self, place: usize, why: String, halted: Option<Halt>) -> Vec<Action> {
+        let trial = self.places[place].trial.trial;
+        let finish = Action::Finish { trial, complete: false, likert: None };
+        let mut actions = vec![finish, self.supersede(place)];
+        actions.extend(match halted {
+            Some(Halt::Quit) => self.leave(),
+            _ => self.stop(why),
+        });
+        actions
+    }
+
+    /// The trial at `place` is done: its file can be made.
+    fn finish(&mut self, place: usize, likert: Option<u8>) -> Action {
+        let slot = &mut self.places[place];
+        slot.done = true;
+        self.unanswered = likert.is_none() && slot.question.is_some();
+        Action::Finish { trial: slot.trial.trial, complete: true, likert }
+    }
+
+    /// Gives a place to a new trial, which is open.
+    pub(super) fn supersede(&mut self, place: usize) -> Action {
+        let by = self.next_number;
+        self.next_number += 1;
+        let slot = &mut self.places[place];
+        let trial = std::mem::replace(&mut slot.trial.trial, by);
+        slot.repeats = Some(trial);
+        slot.done = false;
+        Action::Log(Event::Superseded { trial, by })
+    }
+
+    fn answer(&mut self, value: u8) -> Vec<Action> {
+        let Phase::Question { place, late } = self.phase else {
+            return refuse("no question is open");
+        };
+        if !(1..=Likert::POINTS).contains(&value) {
+            return refuse(format!("{value} is no answer: 1 to {}", Likert::POINTS));
+        }
+        let action = match (&self.places[place].question, late) {
+            (Some(question), true) => {
+                let trial = self.places[place].trial.trial;
+                Action::Log(Event::Answer { trial, question: question.clone(), value })
+            }
+            _ => self.finish(place, Some(value)),
+        };
+        self.unanswered = false;
+        self.go_on();
+        vec![action]
+    }
+
+    fn skip(&mut self) -> Vec<Action> {
+        let Phase::Question { place, late } = self.phase else {
+            return refuse("no question is open");
+        };
+        let actions = if late { Vec::new() } else { vec![self.finish(place, None)] };
+        self.unanswered = false;
+        self.go_on();
+        actions
+    }
+
+    fn repeat(&mut self) -> Vec<Action> {
+        if matches!(self.phase, Phase::Trial { .. }) {
+            return refuse("a trial is running: stop it first; it is then done again");
+        }
+        let Some(place) = self.last else { return refuse("there is no trial to do again yet") };
+        let mut actions = match self.phase {
+            Phase::Question { late: false, .. } => vec![self.finish(place, None)],
+            _ => Vec::new(),
+        };
+        if !self.places[place].done {
+            let Some(trial) = self.places[place].repeats else { return refuse("it is open anyway") };
+            return refuse(format!("trial {trial} is to be done again already"));
+        }
+        actions.push(self.supersede(place));
+        self.unanswered = false;
+        if matches!(self.phase, Phase::Question { .. } | Phase::Ready | Phase::Done) {
+            self.go_on();
+        }
+        actions
+    }
+
+    fn exclude(&mut self, reason: String) -> Vec<Action> {
+        if matches!(self.phase, Phase::Trial { .. }) {
+            return refuse("a trial is running: exclude it when it has ended");
+        }
+        let reason = reason.trim().to_owned();
+        match self.subject() {
+            _ if reason.is_empty() => refuse("an exclusion needs its reason"),
+            None => refuse("there is no trial to exclude yet"),
+            Some(trial) => vec![Action::Log(Event::Excluded { trial, reason })],
+        }
+    }
+
+    fn note(&self, text: String) -> Vec<Action> {
+        let text = text.trim().to_owned();
+        if text.is_empty() {
+            return refuse("the note is empty");
+        }
+        vec![Action::Log(Event::Note { trial: self.subject(), text })]
+    }
+
+    fn halt(&mut self, halt: Halt) -> Vec<Action> {
+        match self.phase {
+            Phase::Trial { ref mut halted } => {
+                // A quit stays a quit, whatever is pressed after it.
+                *halted = (*halted).max(Some(halt));
+                vec![Action::Halt]
+            }
+            Phase::Question { place, late: false } => {
+                let mut actions = vec![self.finish(place, None)];
+                actions.extend(self.halt_idle(halt));
+                actions
+            }
+            _ => self.halt_idle(halt),
+        }
+    }
+
+    /// Stop or quit while no trial waits for its file.
+    fn halt_idle(&mut self, halt: Halt) -> Vec<Action> {
+        match halt {
+            Halt::Quit => self.leave(),
+            Halt::Stop if self.phase == Phase::Done => vec![Action::Off],
+            Halt::Stop => self.stop(EMERGENCY_STOP.to_owned()),
+        }
+    }
+
+    fn stop(&mut self, why: String) -> Vec<Action> {
+        self.phase = Phase::Stopped { why };
+        vec![Action::Off]
+    }
+
+    fn leave(&mut self) -> Vec<Action> {
+        self.phase = Phase::Left;
+        vec![Action::Off, Action::Leave]
+    }
+}
+
+fn refuse(why: impl Into<String>) -> Vec<Action> {
+    vec![Action::Refuse(why.into())]
+}

@@ -1,0 +1,213 @@
+//! A session as a pure state machine: inputs in, actions out. No clock, no device, no file.
+//!
+//! ```text
+//! Check → Homing → Ready → Trial → Question → Pause → Ready → … → Done
+//!            ↑                                                       (Stop, Failed, a cut trial)
+//!            └──────────────── Start ─────────────── Stopped ←──── from every phase
+//! ```
+//!
+//! The order is a row of *places*; each holds one trial. A trial that is repeated, or that was cut short, gives its
+//! place to a new trial **right away**: the conditions that count then follow each other exactly as drawn, and blocks
+//! stay blocks. Numbers are never used twice: the new trial takes the next free number after the order's last, and
+//! the event `superseded` names both.
+
+mod act;
+mod start;
+#[cfg(test)]
+mod tests;
+
+pub use start::Recorded;
+use zwidth_study::{Event, PlannedTrial, QuestionId};
+
+/// What a stop by key is called.
+pub const EMERGENCY_STOP: &str = "emergency stop";
+
+/// What happens to a session.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Input {
+    /// The device passed its check.
+    Checked,
+    /// The device stands at its stop and knows its angle.
+    Homed,
+    /// The check, homing or the device failed, in words.
+    Failed(String),
+    /// The trial that ran has ended.
+    Ended(End),
+    /// Time went by, s.
+    Elapsed(f64),
+    /// Begin the next trial; after a stop: go on.
+    Start,
+    /// The answer to the question, 1…5.
+    Answer(u8),
+    /// The question stays without an answer.
+    Skip,
+    /// Do the last trial again.
+    Repeat,
+    /// The last trial does not count, and why.
+    Exclude(String),
+    /// A remark on the trial at hand.
+    Note(String),
+    /// Emergency stop.
+    Stop,
+    /// End the session here; it can be resumed.
+    Quit,
+}
+
+/// How a trial ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum End {
+    /// As planned: its time was up, or the participant had moved and let go.
+    Complete,
+    /// Cut short, and why: by a stop, or by a safety trigger.
+    Cut(String),
+}
+
+/// What is to be done, in this order.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Action {
+    /// Check the device; [`Input::Checked`] or [`Input::Failed`] follows.
+    Check,
+    /// Bring the lever to its stop, actuators off; [`Input::Homed`] or [`Input::Failed`] follows.
+    Home,
+    /// Run and record a trial; [`Input::Ended`] follows.
+    Run(PlannedTrial),
+    /// End the running trial at 0 V, now.
+    Halt,
+    /// Both actuators to 0 V, while no trial runs.
+    Off,
+    /// Make the file of the trial that ended.
+    Finish {
+        /// Its number.
+        trial: u32,
+        /// Whether it ran to its end.
+        complete: bool,
+        /// The answer to its question, where given.
+        likert: Option<u8>,
+    },
+    /// Append to the event log.
+    Log(Event),
+    /// Tell that an input was refused, and why; nothing changed.
+    Refuse(String),
+    /// The session is over for now.
+    Leave,
+}
+
+/// Where the session stands.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Phase {
+    /// The device is being checked.
+    Check,
+    /// The lever goes to its stop.
+    Homing,
+    /// The next trial waits for its start.
+    Ready,
+    /// A trial runs.
+    Trial {
+        /// What was asked for meanwhile.
+        halted: Option<Halt>,
+    },
+    /// The question of the trial at this place waits for an answer.
+    Question {
+        /// Index into the order.
+        place: usize,
+        /// Its file was finished before (after a stop, or when resumed): the answer becomes an event.
+        late: bool,
+    },
+    /// The pause after a trial.
+    Pause,
+    /// At 0 V until someone goes on or quits.
+    Stopped {
+        /// What stopped it.
+        why: String,
+    },
+    /// Every trial of the order is done.
+    Done,
+    /// Nothing more happens.
+    Left,
+}
+
+/// Why a running trial was told to end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Halt {
+    /// Emergency stop.
+    Stop,
+    /// The session is to end.
+    Quit,
+}
+
+/// One place of the order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// The trial that holds the place now.
+    pub trial: PlannedTrial,
+    /// The trial it took the place from.
+    pub repeats: Option<u32>,
+    /// What is asked after it.
+    pub question: Option<QuestionId>,
+    /// Whether it ran to its end.
+    pub done: bool,
+}
+
+impl Place {
+    /// The trial that ended here last: the one before the repeat that waits.
+    fn ended(&self) -> u32 {
+        self.repeats.filter(|_| !self.done).unwrap_or(self.trial.trial)
+    }
+}
+
+/// A session.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flow {
+    phase: Phase,
+    places: Vec<Place>,
+    /// The place whose trial ended last.
+    last: Option<usize>,
+    /// Whether the last trial's question is open although its file is finished.
+    unanswered: bool,
+    /// The number of the next repeat.
+    next_number: u32,
+    /// Shortest pause between trials, s.
+    pause_s: f64,
+    /// What is left of the pause, s.
+    rest_s: f64,
+    /// Whether the device passed its check.
+    checked: bool,
+}
+
+impl Flow {
+    /// Where the session stands.
+    pub fn phase(&self) -> &Phase {
+        &self.phase
+    }
+
+    /// The order's places.
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// The first place that is not done: the trial in progress, or the next one.
+    pub fn here(&self) -> Option<usize> {
+        self.places.iter().position(|p| !p.done)
+    }
+
+    /// Places that are done.
+    pub fn done(&self) -> usize {
+        self.places.iter().filter(|p| p.done).count()
+    }
+
+    /// What is left of the pause, s.
+    pub fn rest_s(&self) -> f64 {
+        self.rest_s
+    }
+
+    /// The trial that remarks and exclusions speak of: the one in progress, else the last one.
+    pub fn subject(&self) -> Option<u32> {
+        let at_hand = match self.phase {
+            Phase::Trial { .. } => self.here(),
+            Phase::Question { place, .. } => Some(place),
+            _ => None,
+        };
+        let last = || self.places.get(self.last?).map(Place::ended);
+        at_hand.map(|i| self.places[i].trial.trial).or_else(last)
+    }
+}

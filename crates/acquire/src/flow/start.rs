@@ -1,0 +1,88 @@
+//! A session laid out: fresh, or from what was recorded of it before.
+
+use super::{Action, Flow, Phase, Place};
+use std::collections::BTreeMap;
+use zwidth_study::{Event, PlannedTrial, QuestionId};
+
+/// A trial of the session that has a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Recorded {
+    /// Its number.
+    pub trial: u32,
+    /// Whether it ran to its end.
+    pub complete: bool,
+    /// Whether nothing is left to ask about it.
+    pub settled: bool,
+}
+
+impl Flow {
+    /// The session of that order, each trial with what is asked after it, as far as it was `recorded`; `events` are
+    /// its log. Its first actions.
+    ///
+    /// A place is done if the trial that holds it last is complete. A trial that was cut short gives its place to a
+    /// new one, right away.
+    pub fn begin(
+        order: Vec<(PlannedTrial, Option<QuestionId>)>,
+        pause_s: f64,
+        recorded: &[Recorded],
+        events: &[Event],
+    ) -> (Self, Vec<Action>) {
+        let files: BTreeMap<u32, Recorded> = recorded.iter().map(|r| (r.trial, *r)).collect();
+        let successors = successors(events);
+        let used = order.iter().map(|(t, _)| t.trial).chain(files.keys().copied());
+        let next_number = used.chain(successors.values().copied()).max().unwrap_or(0) + 1;
+        let places: Vec<Place> =
+            order.into_iter().map(|(trial, question)| place(trial, question, &successors, &files)).collect();
+        let mut flow = Self {
+            phase: Phase::Check,
+            last: places.iter().take_while(|p| p.done).count().checked_sub(1),
+            places,
+            unanswered: false,
+            next_number,
+            pause_s,
+            rest_s: if files.is_empty() { 0.0 } else { pause_s },
+            checked: false,
+        };
+        let mut actions = flow.replace_cut_trials(&files);
+        flow.unanswered = flow.last.is_some_and(|i| flow.is_fresh(i, &files));
+        actions.push(Action::Check);
+        (flow, actions)
+    }
+
+    /// Whether the done trial at `place` waits for its answer, and nothing was tried after it.
+    fn is_fresh(&self, place: usize, files: &BTreeMap<u32, Recorded>) -> bool {
+        let Place { trial, question, .. } = &self.places[place];
+        let open = question.is_some() && files.get(&trial.trial).is_some_and(|r| !r.settled);
+        open && self.here().is_none_or(|next| self.places[next].repeats.is_none())
+    }
+
+    fn replace_cut_trials(&mut self, files: &BTreeMap<u32, Recorded>) -> Vec<Action> {
+        let cut = |p: &Place| !p.done && files.contains_key(&p.trial.trial);
+        let cut: Vec<usize> = (0..self.places.len()).filter(|i| cut(&self.places[*i])).collect();
+        cut.into_iter().map(|i| self.supersede(i)).collect()
+    }
+}
+
+/// Which trial took whose place. Numbers only grow; an event that says otherwise is not followed.
+fn successors(events: &[Event]) -> BTreeMap<u32, u32> {
+    let pair = |e: &Event| match e {
+        Event::Superseded { trial, by } if by > trial => Some((*trial, *by)),
+        _ => None,
+    };
+    events.iter().filter_map(pair).collect()
+}
+
+fn place(
+    mut trial: PlannedTrial,
+    question: Option<QuestionId>,
+    successors: &BTreeMap<u32, u32>,
+    files: &BTreeMap<u32, Recorded>,
+) -> Place {
+    let mut repeats = None;
+    while let Some(by) = successors.get(&trial.trial) {
+        repeats = Some(trial.trial);
+        trial.trial = *by;
+    }
+    let done = files.get(&trial.trial).is_some_and(|r| r.complete);
+    Place { trial, repeats, question, done }
+}

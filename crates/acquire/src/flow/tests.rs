@@ -1,0 +1,306 @@
+use super::{Action, End, Flow, Halt, Input, Phase, Recorded};
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+use zwidth_study::{Event, Kind, ModeId, PlannedTrial, QuestionId};
+
+const PAUSE_S: f64 = 5.0;
+
+fn order(n: u32) -> Vec<(PlannedTrial, Option<QuestionId>)> {
+    let trial = |trial: u32| PlannedTrial {
+        trial,
+        repeat: trial.div_ceil(3),
+        kind: if trial == 1 { Kind::Familiarisation } else { Kind::Trial },
+        environment: "spring".parse().unwrap(),
+        mode: ModeId::new(format!("m{}", trial % 3)).unwrap(),
+        samples: true,
+    };
+    // Every fourth trial has no question.
+    (1..=n).map(|i| (trial(i), (i % 4 != 0).then(|| "felt".parse().unwrap()))).collect()
+}
+
+fn fresh(n: u32) -> Flow {
+    let (flow, first) = Flow::begin(order(n), PAUSE_S, &[], &[]);
+    assert_eq!(first, [Action::Check]);
+    flow
+}
+
+/// Feeds inputs; the actions of the last one.
+fn feed(flow: &mut Flow, inputs: impl IntoIterator<Item = Input>) -> Vec<Action> {
+    inputs.into_iter().map(|i| flow.step(i)).last().unwrap_or_default()
+}
+
+/// A flow of three trials, ready for the first.
+fn ready() -> Flow {
+    let mut flow = fresh(3);
+    feed(&mut flow, [Input::Checked, Input::Homed]);
+    flow
+}
+
+fn run_one(flow: &mut Flow) -> Vec<Action> {
+    feed(flow, [Input::Start, Input::Ended(End::Complete), Input::Answer(4)])
+}
+
+#[test]
+fn a_session_goes_from_check_to_done() {
+    let mut flow = ready();
+    for trial in 1..=3 {
+        assert_eq!(flow.phase(), &Phase::Ready);
+        assert!(matches!(&flow.step(Input::Start)[..], [Action::Run(t)] if t.trial == trial));
+        assert_eq!(flow.step(Input::Ended(End::Complete)), []);
+        let finish = Action::Finish { trial, complete: true, likert: Some(2) };
+        assert_eq!(flow.step(Input::Answer(2)), [finish]);
+        flow.step(Input::Elapsed(PAUSE_S));
+    }
+    assert_eq!((flow.phase(), flow.done()), (&Phase::Done, 3));
+    assert_eq!(flow.step(Input::Quit), [Action::Off, Action::Leave]);
+}
+
+#[test]
+fn the_pause_is_at_least_as_long_as_asked_for_and_the_question_is_no_part_of_it() {
+    let mut flow = ready();
+    feed(&mut flow, [Input::Start, Input::Ended(End::Complete), Input::Elapsed(60.0), Input::Answer(1)]);
+    assert_eq!(flow.phase(), &Phase::Pause);
+    feed(&mut flow, [Input::Elapsed(4.9), Input::Elapsed(f64::NAN), Input::Elapsed(-3.0)]);
+    let refused = flow.step(Input::Start);
+    assert!(matches!(&refused[..], [Action::Refuse(why)] if why.contains("0.1 s to go")), "{refused:?}");
+    feed(&mut flow, [Input::Elapsed(0.2)]);
+    assert_eq!(flow.phase(), &Phase::Ready);
+}
+
+#[test]
+fn a_repeat_comes_right_away_under_a_new_number_and_keeps_its_place() {
+    let mut flow = ready();
+    run_one(&mut flow);
+    assert_eq!(flow.step(Input::Repeat), [Action::Log(Event::Superseded { trial: 1, by: 4 })]);
+    let again = flow.step(Input::Repeat);
+    assert!(matches!(&again[..], [Action::Refuse(why)] if why.contains("trial 1")), "{again:?}");
+    feed(&mut flow, [Input::Elapsed(PAUSE_S)]);
+    assert!(
+        matches!(&flow.step(Input::Start)[..], [Action::Run(t)] if t.trial == 4 && t.mode == order(3)[0].0.mode)
+    );
+    feed(&mut flow, [Input::Ended(End::Complete), Input::Answer(3), Input::Elapsed(PAUSE_S)]);
+    assert!(matches!(&flow.step(Input::Start)[..], [Action::Run(t)] if t.trial == 2));
+}
+
+#[test]
+fn a_trial_cut_short_is_kept_and_done_again_after_homing() {
+    let mut flow = ready();
+    let actions = feed(&mut flow, [Input::Start, Input::Ended(End::Cut("force over the limit".into()))]);
+    let finish = Action::Finish { trial: 1, complete: false, likert: None };
+    assert_eq!(actions, [finish, Action::Log(Event::Superseded { trial: 1, by: 4 }), Action::Off]);
+    assert_eq!(flow.phase(), &Phase::Stopped { why: "force over the limit".into() });
+    assert_eq!(flow.step(Input::Start), [Action::Home]);
+    feed(&mut flow, [Input::Homed, Input::Elapsed(PAUSE_S)]);
+    assert!(matches!(&flow.step(Input::Start)[..], [Action::Run(t)] if t.trial == 4));
+}
+
+#[test]
+fn an_emergency_stop_ends_a_trial_and_a_quit_wins_over_it() {
+    let mut flow = ready();
+    assert_eq!(feed(&mut flow, [Input::Start, Input::Stop]), [Action::Halt]);
+    assert_eq!(flow.phase(), &Phase::Trial { halted: Some(Halt::Stop) });
+    assert_eq!(feed(&mut flow, [Input::Quit, Input::Stop]), [Action::Halt]);
+    let actions = flow.step(Input::Ended(End::Cut("stopped".into())));
+    assert_eq!(actions.last(), Some(&Action::Leave));
+}
+
+#[test]
+fn a_question_that_a_stop_left_open_is_asked_again_and_its_answer_is_an_event() {
+    let mut flow = ready();
+    let actions = feed(&mut flow, [Input::Start, Input::Ended(End::Complete), Input::Stop]);
+    assert_eq!(actions, [Action::Finish { trial: 1, complete: true, likert: None }, Action::Off]);
+    feed(&mut flow, [Input::Start, Input::Homed]);
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, late: true });
+    let answer = Event::Answer { trial: 1, question: "felt".parse().unwrap(), value: 5 };
+    assert_eq!(flow.step(Input::Answer(5)), [Action::Log(answer)]);
+}
+
+#[test]
+fn exclusions_and_notes_speak_of_the_trial_that_ended_not_of_its_repeat() {
+    let mut flow = ready();
+    run_one(&mut flow);
+    flow.step(Input::Repeat);
+    let excluded = Event::Excluded { trial: 1, reason: "the phone rang".into() };
+    assert_eq!(flow.step(Input::Exclude(" the phone rang ".into())), [Action::Log(excluded)]);
+    let note = Event::Note { trial: Some(1), text: "twice".into() };
+    assert_eq!(flow.step(Input::Note("twice".into())), [Action::Log(note)]);
+    assert!(matches!(&flow.step(Input::Exclude("  ".into()))[..], [Action::Refuse(_)]));
+}
+
+#[test]
+fn a_session_resumes_at_the_first_open_place_and_gives_a_cut_trial_s_place_to_a_new_one() {
+    let file = |trial, complete| Recorded { trial, complete, settled: true };
+    let files = [file(1, true), file(2, true), file(3, false), file(6, true)];
+    let events = [Event::Superseded { trial: 2, by: 6 }];
+    let (flow, first) = Flow::begin(order(5), PAUSE_S, &files, &events);
+    assert_eq!(first, [Action::Log(Event::Superseded { trial: 3, by: 7 }), Action::Check]);
+    let held: Vec<(u32, bool)> = flow.places().iter().map(|p| (p.trial.trial, p.done)).collect();
+    assert_eq!(held, [(1, true), (6, true), (7, false), (4, false), (5, false)]);
+    assert_eq!((flow.here(), flow.subject()), (Some(2), Some(6)));
+}
+
+/// What lies on the disk of a session played by random inputs, and what is going on.
+#[derive(Default)]
+struct World {
+    running: Option<PlannedTrial>,
+    waiting: Option<PlannedTrial>,
+    started: Vec<PlannedTrial>,
+    files: BTreeMap<u32, (PlannedTrial, bool, Option<u8>)>,
+    events: Vec<Event>,
+    left: bool,
+}
+
+impl World {
+    fn act(&mut self, action: Action, asked: Option<&Input>) {
+        match action {
+            Action::Run(trial) => {
+                assert!(self.running.is_none() && self.waiting.is_none(), "two trials at once");
+                let used = self.started.iter().any(|t| t.trial == trial.trial);
+                assert!(!used && !self.files.contains_key(&trial.trial), "number {} twice", trial.trial);
+                self.started.push(trial.clone());
+                self.running = Some(trial);
+            }
+            Action::Finish { trial, complete, likert } => {
+                let ended = self.waiting.take().expect("a file of a trial that did not end");
+                assert_eq!(ended.trial, trial, "an answer or a file of another trial");
+                assert_eq!(likert.is_some(), matches!(asked, Some(Input::Answer(_))));
+                assert!(self.files.insert(trial, (ended, complete, likert)).is_none());
+            }
+            Action::Log(event) => {
+                if let Event::Answer { trial, .. } = event {
+                    let (_, complete, likert) = &self.files[&trial];
+                    assert!(*complete && likert.is_none(), "a second answer");
+                    assert_eq!(self.files_in_time().last(), Some(&trial), "an answer to an earlier trial");
+                    let answered = |e: &Event| matches!(e, Event::Answer { trial: t, .. } if *t == trial);
+                    assert!(!self.events.iter().any(answered), "answered twice");
+                }
+                self.events.push(event);
+            }
+            Action::Off => assert!(self.running.is_none(), "the loop that runs has the device"),
+            Action::Halt => assert!(self.running.is_some()),
+            Action::Leave => self.left = true,
+            Action::Check | Action::Home | Action::Refuse(_) => {}
+        }
+    }
+
+    fn files_in_time(&self) -> Vec<u32> {
+        self.started.iter().map(|t| t.trial).filter(|t| self.files.contains_key(t)).collect()
+    }
+
+    fn superseded(&self) -> BTreeMap<u32, u32> {
+        let pair = |e: &Event| match e {
+            Event::Superseded { trial, by } => Some((*trial, *by)),
+            _ => None,
+        };
+        self.events.iter().filter_map(pair).collect()
+    }
+
+    fn recorded(&self) -> Vec<Recorded> {
+        let answered =
+            |n: u32| self.events.iter().any(|e| matches!(e, Event::Answer { trial, .. } if *trial == n));
+        let one = |(n, (_, complete, likert)): (&u32, &(PlannedTrial, bool, Option<u8>))| Recorded {
+            trial: *n,
+            complete: *complete,
+            settled: likert.is_some() || answered(*n),
+        };
+        self.files.iter().map(one).collect()
+    }
+
+    /// The conditions that count, in the order in which they were recorded, are a beginning of the order drawn.
+    fn check_order(&self, n: u32) -> usize {
+        let superseded = self.superseded();
+        let counts = |t: &&PlannedTrial| {
+            self.files.get(&t.trial).is_some_and(|f| f.1) && !superseded.contains_key(&t.trial)
+        };
+        let found: Vec<(ModeId, u32)> =
+            self.started.iter().filter(counts).map(|t| (t.mode.clone(), t.repeat)).collect();
+        let drawn: Vec<(ModeId, u32)> = order(n).into_iter().map(|(t, _)| (t.mode, t.repeat)).collect();
+        assert_eq!(found[..], drawn[..found.len()]);
+        found.len()
+    }
+}
+
+/// Inputs of people and devices, the likelier ones more often; `None` is a kill, after which the session is resumed.
+fn inputs() -> impl Strategy<Value = Vec<Option<Input>>> {
+    let one = prop_oneof![
+        6 => Just(Some(Input::Checked)), 6 => Just(Some(Input::Homed)), 10 => Just(Some(Input::Start)),
+        10 => Just(Some(Input::Ended(End::Complete))), 3 => Just(Some(Input::Ended(End::Cut("cut".into())))),
+        10 => (0_u8..7).prop_map(|a| Some(Input::Answer(a))), 2 => Just(Some(Input::Skip)),
+        10 => (0.0..9.0_f64).prop_map(|dt| Some(Input::Elapsed(dt))), 2 => Just(Some(Input::Repeat)),
+        1 => Just(Some(Input::Exclude("why".into()))), 1 => Just(Some(Input::Note("note".into()))),
+        1 => Just(Some(Input::Stop)), 1 => Just(Some(Input::Quit)), 1 => Just(Some(Input::Failed("fault".into()))),
+        1 => Just(None),
+    ];
+    prop::collection::vec(one, 0..300)
+}
+
+const TRIALS: u32 = 5;
+
+fn play(world: &mut World, flow: &mut Flow, input: Input) {
+    // Only a running trial ends; the runner sees to that.
+    if let Input::Ended(_) = input {
+        match world.running.take() {
+            Some(trial) => world.waiting = Some(trial),
+            None => return,
+        }
+    }
+    for action in flow.step(input.clone()) {
+        world.act(action, Some(&input));
+    }
+    let running = matches!(flow.phase(), Phase::Trial { .. });
+    assert_eq!(running, world.running.is_some(), "the flow and the world disagree");
+}
+
+/// The session is killed: what ran is cut, what waited for its answer is complete, as `recover` makes them.
+fn resume(world: &mut World) -> Flow {
+    if let Some(trial) = world.running.take() {
+        world.files.insert(trial.trial, (trial, false, None));
+    }
+    if let Some(trial) = world.waiting.take() {
+        world.files.insert(trial.trial, (trial, true, None));
+    }
+    world.left = false;
+    let (flow, first) = Flow::begin(order(TRIALS), PAUSE_S, &world.recorded(), &world.events);
+    first.into_iter().for_each(|a| world.act(a, None));
+    flow
+}
+
+proptest! {
+    #[test]
+    fn whatever_happens_no_trial_runs_beside_another_none_is_lost_and_the_order_stays(inputs in inputs()) {
+        let mut world = World::default();
+        let mut flow = resume(&mut world);
+        for input in inputs {
+            match input {
+                Some(input) if !world.left => play(&mut world, &mut flow, input),
+                _ => flow = resume(&mut world),
+            }
+            world.check_order(TRIALS);
+        }
+        // From wherever that led, the session can be brought to its end.
+        flow = resume(&mut world);
+        for _ in 0..=2 * TRIALS {
+            let whole = [
+                Input::Checked, Input::Homed, Input::Answer(3), Input::Elapsed(PAUSE_S), Input::Start,
+                Input::Ended(End::Complete), Input::Answer(3), Input::Elapsed(PAUSE_S),
+            ];
+            whole.into_iter().for_each(|i| play(&mut world, &mut flow, i));
+        }
+        prop_assert_eq!(flow.phase(), &Phase::Done);
+        prop_assert_eq!(world.check_order(TRIALS), TRIALS as usize);
+        // Every trial that was started has its file, and all but those superseded are complete.
+        prop_assert_eq!(world.files.len(), world.started.len());
+    }
+
+    #[test]
+    fn an_emergency_stop_is_obeyed_from_every_phase(inputs in inputs()) {
+        let mut world = World::default();
+        let mut flow = resume(&mut world);
+        for input in inputs.into_iter().flatten().filter(|i| *i != Input::Quit) {
+            play(&mut world, &mut flow, input);
+            let stopped = flow.clone().step(Input::Stop);
+            let expect = if world.running.is_some() { Action::Halt } else { Action::Off };
+            prop_assert!(stopped.contains(&expect), "{:?} in {:?}", stopped, flow.phase());
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! What is still to be done of a session that was begun.
+
+use crate::flow::Flow;
+use crate::session::recorded;
+use zwidth_store::{SessionLog, StudyData};
+
+/// How many trials of a session's order are still to be done; 0 of an imported one, which has no order.
+pub fn left_to_do(data: &StudyData, log: &SessionLog) -> usize {
+    if log.record.order.is_none() {
+        return 0;
+    }
+    let order = log.record.trials.iter().map(|t| (t.clone(), None)).collect();
+    let (flow, _) = Flow::begin(order, 0.0, &recorded(data, log), &log.events);
+    flow.places().len() - flow.done()
+}

@@ -1,0 +1,259 @@
+//! Plain mode: a line in, a line out, for scripts, tests and people who read with their ears.
+//!
+//! Lines in: `start`, `answer N` (or `N` alone), `skip`, `repeat`, `exclude REASON`, `note TEXT`, `stop`, `quit`. They are taken in
+//! order, each when the session waits for somebody; so a script may say everything at once. `stop` alone is obeyed
+//! the moment it is read, and what was said before it and not yet taken is forgotten. The end of the input is `quit`.
+//!
+//! Lines out: one a phase, one a message.
+
+use crate::{AcquireError, Front, Input, Phase, View};
+use std::collections::VecDeque;
+use std::io::{BufRead, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::Duration;
+use zwidth_study::{Kind, Likert};
+
+/// Lines in, lines out.
+#[derive(Debug)]
+pub struct Plain<W> {
+    lines: Receiver<String>,
+    waiting: VecDeque<Result<Input, String>>,
+    out: W,
+    view: View,
+    shown: Option<(Phase, Option<u32>)>,
+    /// Whether the end of the input ends the session.
+    ends: bool,
+}
+
+impl<W: Write> Plain<W> {
+    /// Reads `input` on a thread of its own; `stop` is raised as soon as that word is read. `ends`: the end of the
+    /// input ends the session.
+    pub fn new(input: impl BufRead + Send + 'static, out: W, stop: Arc<AtomicBool>, ends: bool) -> Self {
+        let (sender, lines) = channel();
+        // The thread ends with the input, or with the program; nobody waits for a line that may never come.
+        std::thread::spawn(move || {
+            for line in input.lines().map_while(Result::ok) {
+                if parse(&line) == Ok(Input::Stop) {
+                    stop.store(true, Ordering::SeqCst);
+                }
+                if sender.send(line).is_err() {
+                    break;
+                }
+            }
+        });
+        Self { lines, waiting: VecDeque::new(), out, view: View::default(), shown: None, ends }
+    }
+
+    fn take(&mut self, line: &str) {
+        let input = parse(line);
+        if input == Ok(Input::Stop) {
+            self.waiting.clear();
+        }
+        if !line.trim().is_empty() {
+            self.waiting.push_back(input);
+        }
+    }
+
+    /// Whether the session can do something with this input now.
+    fn is_time_for(&self, input: &Result<Input, String>) -> bool {
+        let busy = matches!(
+            self.view.phase,
+            Phase::Check | Phase::Homing | Phase::Trial { .. } | Phase::Pause { .. }
+        );
+        !busy || matches!(input, Ok(Input::Stop | Input::Note(_)) | Err(_))
+    }
+}
+
+impl<W: Write> Front for Plain<W> {
+    fn show(&mut self, view: &View) -> Result<(), AcquireError> {
+        let fresh = (view.said - self.view.said).min(view.messages.len());
+        for message in view.messages.iter().skip(view.messages.len() - fresh) {
+            writeln!(self.out, "{message}")?;
+        }
+        let now = (still(&view.phase), view.trial.as_ref().map(|t| t.trial));
+        if self.shown.as_ref() != Some(&now) {
+            writeln!(self.out, "{}", line(view))?;
+            self.shown = Some(now);
+        }
+        self.out.flush()?;
+        self.view.clone_from(view);
+        Ok(())
+    }
+
+    fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError> {
+        while let Ok(line) = self.lines.try_recv() {
+            self.take(&line);
+        }
+        if !self.waiting.front().is_some_and(|input| self.is_time_for(input)) {
+            match self.lines.recv_timeout(wait) {
+                Ok(line) => self.take(&line),
+                Err(RecvTimeoutError::Timeout) => return Ok(None),
+                Err(RecvTimeoutError::Disconnected) if self.waiting.is_empty() && self.ends => {
+                    self.waiting.push_back(Ok(Input::Quit));
+                }
+                Err(RecvTimeoutError::Disconnected) => std::thread::sleep(wait),
+            }
+        }
+        match self.waiting.pop_front() {
+            Some(input) if !self.is_time_for(&input) => {
+                self.waiting.push_front(input);
+                Ok(None)
+            }
+            Some(Ok(input)) => Ok(Some(input)),
+            Some(Err(words)) => {
+                writeln!(self.out, "{words}")?;
+                Ok(None)
+            }
+            None => Ok(None),
+        }
+    }
+}
+
+/// A line's input; the error says what may be said.
+fn parse(line: &str) -> Result<Input, String> {
+    let line = line.trim();
+    let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+    match (word, rest.trim()) {
+        ("start", "") => Ok(Input::Start),
+        ("skip", "") => Ok(Input::Skip),
+        ("repeat", "") => Ok(Input::Repeat),
+        ("stop", _) => Ok(Input::Stop),
+        ("quit", "") => Ok(Input::Quit),
+        ("exclude", reason) => Ok(Input::Exclude(reason.to_owned())),
+        ("note", text) => Ok(Input::Note(text.to_owned())),
+        ("answer", n) => n.parse().map(Input::Answer).map_err(|_| format!("'{n}' is no answer: 1 to 5")),
+        (n, "") if n.parse::<u8>().is_ok() => Ok(Input::Answer(n.parse().unwrap_or(0))),
+        _ => Err(format!(
+            "'{line}' is not understood: start, answer 1 to 5, skip, repeat, exclude REASON, note TEXT, stop, quit"
+        )),
+    }
+}
+
+/// The phase without what runs on in it.
+fn still(phase: &Phase) -> Phase {
+    match phase {
+        Phase::Trial { limit_s, .. } => Phase::Trial { t_s: 0.0, limit_s: *limit_s },
+        Phase::Pause { pause_s, .. } => Phase::Pause { left_s: 0.0, pause_s: *pause_s },
+        phase => phase.clone(),
+    }
+}
+
+/// A phase as a line.
+fn line(view: &View) -> String {
+    match &view.phase {
+        Phase::Check => format!("check {}", view.device),
+        Phase::Homing => "homing: lever against its lower stop".to_owned(),
+        Phase::Ready => format!("ready {}", trial(view)),
+        Phase::Trial { limit_s, .. } => format!("trial {}, at most {limit_s} s", trial(view)),
+        Phase::Question { text } => {
+            let [first, .., last] = Likert::WORDS;
+            format!("question {text} (1 {first} to {} {last})", Likert::POINTS)
+        }
+        Phase::Pause { left_s, .. } => format!("pause {left_s:.1} s"),
+        Phase::Stopped { why } => format!("stopped {why} (start goes on, quit ends)"),
+        Phase::Done => format!("done {} of {}", view.done, view.total),
+        Phase::Left => format!("left {} of {}", view.done, view.total),
+    }
+}
+
+/// A trial in words: `7 (place 4 of 39) spring passive`.
+fn trial(view: &View) -> String {
+    let Some(t) = &view.trial else { return String::new() };
+    let mut words = format!("{} (place {} of {}) {}", t.trial, t.place, view.total, t.environment);
+    if let Some(mode) = &t.mode {
+        words += &format!(" × {mode}");
+    }
+    if t.kind == Kind::Familiarisation {
+        words += ", familiarisation";
+    }
+    if let Some(trial) = t.repeats {
+        words += &format!(", again for trial {trial}");
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    const SOON: Duration = Duration::from_millis(1);
+
+    fn plain(script: &'static str) -> (Plain<Vec<u8>>, Arc<AtomicBool>) {
+        let stop = Arc::new(AtomicBool::new(false));
+        (Plain::new(Cursor::new(script), Vec::new(), Arc::clone(&stop), true), stop)
+    }
+
+    /// The next input in a phase, however long the reading thread takes.
+    fn next(plain: &mut Plain<Vec<u8>>, phase: Phase) -> Input {
+        plain.show(&View { phase, ..View::default() }).unwrap();
+        loop {
+            if let Some(input) = plain.next(SOON).unwrap() {
+                return input;
+            }
+        }
+    }
+
+    fn question() -> Phase {
+        Phase::Question { text: String::new() }
+    }
+
+    #[test]
+    fn a_script_is_taken_in_order_and_its_end_is_quit() {
+        let (mut plain, _) = plain("start\n\nanswer 4\nexclude  slipped off \nnote a b\n3\nrepeat\n");
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Start);
+        assert_eq!(next(&mut plain, question()), Input::Answer(4));
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Exclude("slipped off".into()));
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Note("a b".into()));
+        assert_eq!(next(&mut plain, question()), Input::Answer(3));
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Repeat);
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Quit);
+    }
+
+    #[test]
+    fn while_a_trial_runs_lines_wait_for_its_end() {
+        let (mut plain, _) = plain("answer 2\n");
+        plain.show(&View { phase: Phase::Trial { t_s: 0.0, limit_s: 4.0 }, ..View::default() }).unwrap();
+        for _ in 0..20 {
+            assert_eq!(plain.next(SOON).unwrap(), None);
+        }
+        assert_eq!(next(&mut plain, question()), Input::Answer(2));
+    }
+
+    #[test]
+    fn stop_is_obeyed_before_everything_that_waits() {
+        let (mut plain, stop) = plain("start\nanswer 4\nstop\nstart\n");
+        while !stop.load(Ordering::SeqCst) {
+            std::thread::yield_now();
+        }
+        let trial = Phase::Trial { t_s: 0.0, limit_s: 4.0 };
+        assert_eq!(next(&mut plain, trial), Input::Stop);
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Start);
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Quit);
+    }
+
+    #[test]
+    fn what_is_not_understood_is_told_and_changes_nothing() {
+        let (mut plain, _) = plain("begin\nanswer much\nquit\n");
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Quit);
+        let told = String::from_utf8(plain.out).unwrap();
+        assert!(
+            told.contains("'begin' is not understood: start") && told.contains("'much' is no answer"),
+            "{told}"
+        );
+    }
+
+    #[test]
+    fn a_phase_is_one_line_however_often_it_is_shown_and_every_message_another() {
+        let (mut plain, _) = plain("");
+        let mut view = View { phase: Phase::Pause { left_s: 5.0, pause_s: 5.0 }, ..View::default() };
+        view.say("one");
+        plain.show(&view).unwrap();
+        view.phase = Phase::Pause { left_s: 4.0, pause_s: 5.0 };
+        view.say("two");
+        plain.show(&view).unwrap();
+        assert_eq!(String::from_utf8(plain.out).unwrap(), "one\npause 5.0 s\ntwo\n");
+    }
+}

@@ -1,0 +1,129 @@
+//! From what goes on to what is shown.
+
+use crate::flow::{self, Flow};
+use crate::session::{Plan, Session};
+use crate::view::{CheckLine, Current, Phase, Timing, View};
+use zwidth_device::{Capabilities, Histogram};
+use zwidth_study::{Check, Event, Source};
+
+/// What stays the same while the session lasts.
+pub(super) fn view(plan: &Plan, session: &Session, device: &Capabilities) -> View {
+    View {
+        study: plan.study.id.to_string(),
+        participant: plan.participant.to_string(),
+        session: plan.session.to_string(),
+        device: device.name.clone(),
+        simulated: device.source == Source::Twin,
+        blinded: session.blinded,
+        total: session.record.trials.len(),
+        theta_range_rad: (
+            plan.study.device.theta_min_rad.unwrap_or(0.0),
+            plan.study.device.theta_max_rad.unwrap_or(0.0),
+        ),
+        timing: Timing { rate_hz: plan.rate_hz, ..Timing::default() },
+        ..View::default()
+    }
+}
+
+/// What the flow says now.
+pub(super) fn refresh(view: &mut View, flow: &Flow, plan: &Plan, session: &Session) {
+    refresh_trial(view, flow, plan, session);
+    view.phase = phase(flow, plan, view);
+}
+
+/// The same but for the phase, whose time runs on.
+pub(super) fn refresh_trial(view: &mut View, flow: &Flow, plan: &Plan, session: &Session) {
+    let place = match flow.phase() {
+        flow::Phase::Question { place, .. } => Some(*place),
+        _ => flow.here(),
+    };
+    view.done = flow.done();
+    view.trial = place.map(|place| current(place, flow, plan, session));
+    let environment = place.and_then(|i| plan.study.environment(&flow.places()[i].trial.environment));
+    view.wall_rad = environment.and_then(|e| e.scene.wall_rad());
+}
+
+fn current(place: usize, flow: &Flow, plan: &Plan, session: &Session) -> Current {
+    let slot = &flow.places()[place];
+    let mode = session.modes.get(place).filter(|_| !session.blinded);
+    let label = |id| plan.study.mode(id).map(|m| m.label.clone());
+    let environment = plan.study.environment(&slot.trial.environment);
+    Current {
+        trial: slot.trial.trial,
+        place: place + 1,
+        kind: slot.trial.kind,
+        environment: environment.map_or_else(|| slot.trial.environment.to_string(), |e| e.label.clone()),
+        mode: mode.and_then(label),
+        repeats: slot.repeats,
+    }
+}
+
+fn phase(flow: &Flow, plan: &Plan, view: &View) -> Phase {
+    match flow.phase() {
+        flow::Phase::Check => Phase::Check,
+        flow::Phase::Homing => Phase::Homing,
+        flow::Phase::Ready => Phase::Ready,
+        flow::Phase::Trial { .. } => {
+            let t_s = if let Phase::Trial { t_s, .. } = view.phase { t_s } else { 0.0 };
+            Phase::Trial { t_s, limit_s: plan.study.design.trial_limit_s }
+        }
+        flow::Phase::Question { place, .. } => {
+            let question = flow.places()[*place].question.as_ref().and_then(|id| plan.study.question(id));
+            Phase::Question { text: question.map(|q| q.text.clone()).unwrap_or_default() }
+        }
+        flow::Phase::Pause => Phase::Pause { left_s: flow.rest_s(), pause_s: plan.study.design.pause_s },
+        flow::Phase::Stopped { why } => Phase::Stopped { why: why.clone() },
+        flow::Phase::Done => Phase::Done,
+        flow::Phase::Left => Phase::Left,
+    }
+}
+
+/// An event in words.
+pub(super) fn event(event: &Event) -> String {
+    let of = |trial: &Option<u32>| trial.map(|n| format!("trial {n}: ")).unwrap_or_default();
+    match event {
+        Event::Recorded { trial, .. } => format!("trial {trial} recorded"),
+        Event::Answer { trial, value, .. } => format!("trial {trial}: answered {value}"),
+        Event::Superseded { trial, by } => {
+            format!("trial {trial} does not count: it is done again as trial {by}")
+        }
+        Event::Excluded { trial, reason } => format!("trial {trial} excluded: {reason}"),
+        Event::Note { trial, text } => format!("{}note: {text}", of(trial)),
+        Event::Unsealed { .. } => "unsealed".to_owned(),
+    }
+}
+
+/// A line of the device check for the screen.
+pub(super) fn check_line(check: &Check) -> CheckLine {
+    CheckLine { name: check.name.clone(), value: value(check), ok: check.ok }
+}
+
+/// A line of the device check in words.
+pub(super) fn check_words(check: &Check) -> String {
+    let verdict = if check.ok { "ok" } else { "not good enough" };
+    format!("{} {}, {verdict}", check.name, value(check))
+}
+
+fn value(check: &Check) -> String {
+    // Four digits tell a good device from a bad one; the record holds them all.
+    let size = check.value.abs();
+    let number = if size == 0.0 || (1e-2..1e5).contains(&size) {
+        format!("{:.4}", check.value).trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        format!("{:.3e}", check.value)
+    };
+    if check.unit == "1" { number } else { format!("{number} {}", check.unit) }
+}
+
+/// How a trial's loop keeps its time, for the screen.
+pub(super) fn timing(rate_hz: f64, measured_hz: f64, missed: u64, lateness: &Histogram) -> Timing {
+    Timing {
+        rate_hz,
+        measured_hz,
+        jitter_p50_s: lateness.percentile_s(50.0),
+        jitter_p99_s: lateness.percentile_s(99.0),
+        jitter_max_s: lateness.max_s(),
+        missed,
+        dropouts: 0, // samples that are lost end the trial
+    }
+}

@@ -1,0 +1,275 @@
+//! The runner: binds a session's flow to device, clock, journal, event log and front end.
+//!
+//! One path for real and simulated time. In real time a trial's loop runs on a thread of its own while this one writes
+//! and shows; on a simulated clock the trial runs here, and a pause is over at once. Between trials the loop goes on
+//! reading at 0 V, so that the turn of the shaft stays known.
+
+mod idle;
+mod look;
+#[cfg(test)]
+mod tests;
+mod trial;
+
+use crate::flow::{Action, Flow, Input, Phase};
+use crate::session::{Plan, Session};
+use crate::tape::Tape;
+use crate::{AcquireError, Front, View};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use zwidth_device::check::{Step, check_device};
+use zwidth_device::{Clock, Device, Guard, Limits, Timing};
+use zwidth_store::{Files, append_events};
+use zwidth_study::{Check, Event, Voltages};
+
+/// How long one look at the keys may wait, and how often an idle screen is drawn.
+const WAIT: Duration = Duration::from_millis(50);
+
+/// What a session runs on.
+pub struct Parts<'a> {
+    /// The device.
+    pub device: &'a mut dyn Device,
+    /// Its time.
+    pub clock: &'a mut dyn Clock,
+    /// The disk.
+    pub files: &'a dyn Files,
+    /// Who sits before it.
+    pub front: &'a mut dyn Front,
+    /// The time of day, in UTC and RFC 3339, at a time of the clock, s.
+    pub utc: &'a (dyn Fn(f64) -> String + Sync),
+}
+
+/// How a session runs.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The clock is the machine's: trials get a thread of their own, and pauses are waited for.
+    pub live: bool,
+    /// The device's own participant answers the questions.
+    pub answers: bool,
+    /// The steps of the device check that this device can go through by itself.
+    pub check: fn(Step) -> bool,
+    /// The motor of a device without a watchdog may be used; each trial is marked.
+    pub no_watchdog: bool,
+    /// Raised by a stop key: the running trial ends at its next tick.
+    pub stop: Arc<AtomicBool>,
+    /// Raised by a signal that ends the program: the session is left in order.
+    pub quit: Arc<AtomicBool>,
+}
+
+/// How a session was left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Trials of the order that are done.
+    pub done: usize,
+    /// Trials of the order.
+    pub total: usize,
+    /// What stopped it last, where it was left in that state.
+    pub stopped: Option<String>,
+    /// A signal ended it.
+    pub interrupted: bool,
+    /// How the loop kept its time, over all trials.
+    pub timing: Timing,
+}
+
+struct Runner<'a> {
+    plan: &'a Plan,
+    options: &'a Options,
+    parts: Parts<'a>,
+    session: Session,
+    flow: Flow,
+    guard: Guard,
+    /// The journal of the trial that runs, or that waits for its answer.
+    tape: Option<Tape>,
+    /// What the device's participant answers to the open question.
+    answer: Option<u8>,
+    view: View,
+    timing: Timing,
+    /// What stopped the session, while it is stopped.
+    stopped: Option<String>,
+    /// The clock at the last look, s.
+    seen_s: f64,
+}
+
+/// Runs a session from where it stands to where it is left. The study's lock is the caller's.
+///
+/// # Errors
+/// A device, a disk or a terminal that is gone; a study that this device must not run. The device is at 0 V then, and
+/// what was finished is safe; the session can be resumed.
+pub fn run<'a>(
+    plan: &'a Plan,
+    session: Session,
+    options: &'a Options,
+    parts: Parts<'a>,
+) -> Result<Outcome, AcquireError> {
+    let capabilities = parts.device.capabilities().clone();
+    let guard = Guard::new(&capabilities, Limits::of(&plan.study)?, options.no_watchdog);
+    for mode in &plan.study.modes {
+        guard.admit(mode, &plan.calibration)?;
+    }
+    let (flow, first) = Flow::begin(
+        session.order(&plan.study),
+        plan.study.design.pause_s,
+        &session.recorded,
+        &session.events,
+    );
+    let view = look::view(plan, &session, &capabilities);
+    let seen_s = parts.clock.now_s();
+    let mut runner = Runner {
+        plan,
+        options,
+        parts,
+        session,
+        flow,
+        guard,
+        tape: None,
+        answer: None,
+        view,
+        timing: Timing::default(),
+        stopped: None,
+        seen_s,
+    };
+    let left = runner.begin(first).and_then(|()| runner.go_on());
+    // However it was left; a device that is lost is told by `left`, and has its watchdog.
+    let now_s = runner.parts.clock.now_s();
+    let _ = runner.parts.device.write(now_s, Voltages::OFF);
+    left?;
+    Ok(runner.outcome())
+}
+
+impl Runner<'_> {
+    fn begin(&mut self, first: Vec<Action>) -> Result<(), AcquireError> {
+        if self.session.laid_down {
+            let place = self.flow.done();
+            self.view.say(format!("resumed: {place} of {} trials are done", self.flow.places().len()));
+        }
+        self.act(first)
+    }
+
+    /// Until the session is left.
+    fn go_on(&mut self) -> Result<(), AcquireError> {
+        while *self.flow.phase() != Phase::Left {
+            self.stopped = match self.flow.phase() {
+                Phase::Stopped { why } => Some(why.clone()),
+                _ => None,
+            };
+            self.show()?;
+            let idle = self.idle()?;
+            let now_s = self.parts.clock.now_s();
+            let elapsed_s = now_s - std::mem::replace(&mut self.seen_s, now_s);
+            self.feed(Input::Elapsed(elapsed_s))?;
+            for input in idle {
+                self.feed(input)?;
+            }
+        }
+        self.show()
+    }
+
+    fn feed(&mut self, input: Input) -> Result<(), AcquireError> {
+        let actions = self.flow.step(input);
+        self.act(actions)
+    }
+
+    /// Does what the flow asks for, and what comes of it.
+    fn act(&mut self, actions: Vec<Action>) -> Result<(), AcquireError> {
+        for action in actions {
+            let input = match action {
+                Action::Check => Some(self.check()?),
+                Action::Home => Some(self.home()?),
+                Action::Run(trial) => Some(Input::Ended(self.record(&trial)?)),
+                Action::Finish { trial, complete, likert } => {
+                    self.finish(trial, complete, likert)?;
+                    None
+                }
+                Action::Log(event) => {
+                    self.log(event)?;
+                    None
+                }
+                Action::Refuse(why) => {
+                    self.view.say(why);
+                    None
+                }
+                Action::Halt => {
+                    self.options.stop.store(true, Ordering::SeqCst);
+                    None
+                }
+                Action::Off => {
+                    self.off();
+                    None
+                }
+                Action::Leave => None,
+            };
+            if let Some(input) = input {
+                self.feed(input)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// 0 V now. A device that does not take it is lost, which its next reading tells; its watchdog does the rest.
+    fn off(&mut self) {
+        let now_s = self.parts.clock.now_s();
+        let _ = self.parts.device.write(now_s, Voltages::OFF);
+    }
+
+    fn log(&mut self, event: Event) -> Result<(), AcquireError> {
+        let utc = (self.parts.utc)(self.parts.clock.now_s());
+        let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
+        self.view.say(look::event(&event));
+        Ok(append_events(self.parts.files, &path, &utc, &[event])?)
+    }
+
+    /// The device check. The first one of a session goes into its record, which is laid down then; a later one into the
+    /// log. What is not good enough is told, not forbidden: that is a person's to judge.
+    fn check(&mut self) -> Result<Input, AcquireError> {
+        self.show()?;
+        let rate_hz = self.rate_hz()?;
+        let Parts { device, clock, .. } = &mut self.parts;
+        let (calibration, steps, stop) = (&self.plan.calibration, self.options.check, &*self.options.stop);
+        let mut able = |step| steps(step);
+        let found =
+            check_device(*device, *clock, &mut self.guard, calibration, rate_hz, None, stop, &mut able);
+        let found = match found {
+            Ok(found) => found,
+            Err(trip) => return Ok(Input::Failed(format!("device check: {trip}"))),
+        };
+        self.view.checks = found.iter().map(|f| look::check_line(&f.check)).collect();
+        for bad in found.iter().filter(|f| !f.check.ok) {
+            self.view.say(format!("device check: {}: {}", look::check_words(&bad.check), bad.about));
+        }
+        let checks: Vec<Check> = found.into_iter().map(|f| f.check).collect();
+        if !self.session.laid_down {
+            self.session.record.checks = checks;
+            self.session.lay_down(self.plan, self.parts.files)?;
+        } else if !checks.is_empty() {
+            let words: Vec<String> = checks.iter().map(look::check_words).collect();
+            self.log(Event::Note { trial: None, text: format!("device check: {}", words.join("; ")) })?;
+        }
+        Ok(Input::Checked)
+    }
+
+    fn home(&mut self) -> Result<Input, AcquireError> {
+        self.show()?;
+        // What was stopped is over; the next stop is a new one.
+        self.options.stop.store(false, Ordering::SeqCst);
+        let now_s = self.parts.clock.now_s();
+        Ok(match self.guard.home(self.parts.device, now_s) {
+            Ok(()) => Input::Homed,
+            Err(error) => Input::Failed(error.to_string()),
+        })
+    }
+
+    fn show(&mut self) -> Result<(), AcquireError> {
+        look::refresh(&mut self.view, &self.flow, self.plan, &self.session);
+        self.parts.front.show(&self.view)
+    }
+
+    fn outcome(self) -> Outcome {
+        Outcome {
+            done: self.flow.done(),
+            total: self.flow.places().len(),
+            stopped: self.stopped,
+            interrupted: self.options.quit.load(Ordering::SeqCst),
+            timing: self.timing,
+        }
+    }
+}

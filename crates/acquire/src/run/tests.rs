@@ -1,0 +1,366 @@
+use super::*;
+use crate::{Auto, Nobody, Phase as Shown, Unsynced};
+use std::cell::Cell;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use tempfile::TempDir;
+use zwidth_device::SimulatedClock;
+use zwidth_device::mock::{Fault, Mock};
+use zwidth_store::{Append, Layout, RealFiles, StudyData, file_blake3, recover, verify};
+use zwidth_study::{Calibration, Kind, ModeId, Status, Study, template};
+
+const UTC: &str = "2026-01-01T00:00:00Z";
+const TRIALS: usize = 7;
+
+/// One practice trial and one of each of six conditions, at 120 Hz.
+fn small(id: &str, blinded: bool) -> String {
+    template(&id.parse().unwrap())
+        .replace("repeats = 6", "repeats = 1")
+        .replace("familiarisation = 3", "familiarisation = 1")
+        .replace("rate_hz = 1000.0", "rate_hz = 120.0")
+        .replace("blinded = false", &format!("blinded = {blinded}"))
+}
+
+struct Desk {
+    folder: TempDir,
+    plan: Plan,
+    options: Options,
+}
+
+impl Desk {
+    fn new(blinded: bool) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let layout = Layout::new(folder.path(), "small".parse().unwrap());
+        let text = small("small", blinded);
+        std::fs::create_dir_all(layout.raw()).unwrap();
+        std::fs::write(layout.study_toml(), &text).unwrap();
+        let study = Study::from_toml(&text).unwrap();
+        let plan = Plan {
+            study_blake3: file_blake3(&layout.study_toml()).unwrap(),
+            rate_hz: study.control.rate_hz,
+            layout,
+            study,
+            participant: "P01".parse().unwrap(),
+            session: "S01".parse().unwrap(),
+            calibration: Calibration::thesis(),
+            software: "test 1".to_owned(),
+            seed: None,
+            keys: folder.path().join("keys"),
+            secret: [9; 32],
+        };
+        let options = Options {
+            live: false,
+            answers: false,
+            check: |_| false,
+            no_watchdog: false,
+            stop: Arc::default(),
+            quit: Arc::default(),
+        };
+        Self { folder, plan, options }
+    }
+
+    fn run(
+        &self,
+        device: &mut Mock,
+        files: &dyn Files,
+        front: &mut dyn Front,
+    ) -> Result<Outcome, AcquireError> {
+        let session = Session::open(&self.plan, device.capabilities())?;
+        let mut clock = SimulatedClock::new(1);
+        let parts = Parts { device, clock: &mut clock, files, front, utc: &|_| UTC.to_owned() };
+        run(&self.plan, session, &self.options, parts)
+    }
+
+    fn data(&self) -> StudyData {
+        StudyData::load(&self.plan.layout).unwrap()
+    }
+
+    fn root(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Somebody who starts every trial, gives the same answer always, and does what a closure says before all else.
+struct Somebody<F>(F, Shown);
+
+impl<F: FnMut(&View) -> Option<Input>> Front for Somebody<F> {
+    fn show(&mut self, view: &View) -> Result<(), AcquireError> {
+        self.1 = view.phase.clone();
+        if let Some(input) = (self.0)(view) {
+            if input == Input::Failed("killed".into()) {
+                return Err(io::Error::other("killed").into());
+            }
+            OWN.set(Some(input));
+        }
+        Ok(())
+    }
+
+    fn next(&mut self, _wait: Duration) -> Result<Option<Input>, AcquireError> {
+        Ok(OWN.take().or(match self.1 {
+            Shown::Ready => Some(Input::Start),
+            Shown::Question { .. } => Some(Input::Answer(4)),
+            Shown::Done | Shown::Stopped { .. } => Some(Input::Quit),
+            _ => None,
+        }))
+    }
+}
+
+thread_local! {
+    static OWN: Cell<Option<Input>> = const { Cell::new(None) };
+}
+
+fn somebody(own: impl FnMut(&View) -> Option<Input>) -> Somebody<impl FnMut(&View) -> Option<Input>> {
+    OWN.take();
+    Somebody(own, Shown::Check)
+}
+
+fn diligent() -> Somebody<impl FnMut(&View) -> Option<Input>> {
+    somebody(|_| None)
+}
+
+#[test]
+fn a_whole_session_leaves_every_trial_complete_with_its_answer_and_verify_has_no_findings() {
+    let desk = Desk::new(false);
+    let outcome = desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
+    assert_eq!((outcome.done, outcome.total, outcome.stopped), (TRIALS, TRIALS, None));
+    let data = desk.data();
+    assert_eq!(data.trials.len(), TRIALS);
+    for trial in &data.trials {
+        assert_eq!((trial.meta.status, trial.meta.likert), (Status::Complete, Some(4)));
+        assert!(trial.rows > 200, "{}", trial.rows);
+    }
+    assert_eq!(data.counting().count(), TRIALS - 1);
+    assert_eq!(verify(&desk.plan.layout), []);
+    assert!(desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap().done == TRIALS);
+}
+
+#[test]
+fn the_order_recorded_is_the_order_drawn() {
+    let desk = Desk::new(false);
+    desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
+    let data = desk.data();
+    let drawn = &data.sessions[0].record.trials;
+    let found: Vec<_> =
+        data.trials.iter().map(|t| (t.meta.trial, t.meta.mode.clone(), t.meta.repeat)).collect();
+    assert_eq!(found, drawn.iter().map(|t| (t.trial, t.mode.clone(), t.repeat)).collect::<Vec<_>>());
+    assert_eq!(drawn[0].kind, Kind::Familiarisation);
+}
+
+#[test]
+fn repeats_exclusions_and_notes_end_up_in_the_log() {
+    let desk = Desk::new(false);
+    let mut said = vec![
+        (2, Input::Repeat),
+        (3, Input::Exclude("the phone rang".into())),
+        (4, Input::Note("slowly".into())),
+    ];
+    let mut front = somebody(|view: &View| {
+        let due = view.phase == Shown::Ready && said.first().is_some_and(|(done, _)| *done == view.done);
+        due.then(|| said.remove(0).1)
+    });
+    desk.run(&mut Mock::default(), &RealFiles, &mut front).unwrap();
+    let data = desk.data();
+    let why = |n: u32| data.trials.iter().find(|t| t.meta.trial == n).unwrap().why_not();
+    assert_eq!(why(2).as_deref(), Some("superseded by trial 8"));
+    assert_eq!(why(8), None);
+    assert_eq!(why(3).as_deref(), Some("excluded: the phone rang"));
+    let note = Event::Note { trial: Some(4), text: "slowly".into() };
+    assert!(data.sessions[0].events.contains(&note), "{:?}", data.sessions[0].events);
+    assert_eq!(verify(&desk.plan.layout), []);
+}
+
+/// A disk that takes so many appends and is full from then on.
+struct Full(Arc<Mutex<u32>>);
+
+struct FullFile(Box<dyn Append>, Arc<Mutex<u32>>);
+
+fn take(left: &Mutex<u32>) -> io::Result<()> {
+    let mut left = left.lock().unwrap();
+    *left = left.checked_sub(1).ok_or(io::ErrorKind::StorageFull)?;
+    Ok(())
+}
+
+impl Append for FullFile {
+    fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
+        take(&self.1)?;
+        self.0.append_synced(bytes)
+    }
+}
+
+impl Files for Full {
+    fn create_folder(&self, path: &Path) -> io::Result<()> {
+        Unsynced.create_folder(path)
+    }
+    fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        take(&self.0)?;
+        Unsynced.write_synced(path, bytes)
+    }
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        Unsynced.rename(from, to)
+    }
+    fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        Unsynced.sync_folder(path)
+    }
+    fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
+        Ok(Box::new(FullFile(Unsynced.open_append(path)?, Arc::clone(&self.0))))
+    }
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        Unsynced.remove(path)
+    }
+    fn remove_folder(&self, path: &Path) -> io::Result<()> {
+        Unsynced.remove_folder(path)
+    }
+}
+
+#[test]
+fn a_disk_that_fills_up_at_any_moment_ends_the_session_at_0_v_and_the_rest_follows_in_the_same_order() {
+    let whole = Desk::new(false);
+    whole.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
+    let drawn = whole.data().sessions[0].record.trials.clone();
+    let left = Arc::new(Mutex::new(10_000));
+    Desk::new(false).run(&mut Mock::default(), &Full(Arc::clone(&left)), &mut diligent()).unwrap();
+    let used = 10_000 - *left.lock().unwrap();
+    // At the record and the first journal; in the midst of a trial; at every write that makes it a file; at the last.
+    let a_trial = used / TRIALS as u32;
+    for room in [0, 1, 2, 3, 30].into_iter().chain(a_trial - 8..a_trial + 8).chain([used / 2, used - 1]) {
+        let desk = Desk::new(false);
+        let mut mock = Mock::default();
+        let full = Full(Arc::new(Mutex::new(room)));
+        let error = desk.run(&mut mock, &full, &mut diligent()).unwrap_err().to_string();
+        assert!(error.contains("free some space") || error.contains("recover"), "{room}: {error}");
+        assert_eq!(mock.writes.last().map(|(_, v)| *v), Some(Voltages::OFF), "{room}");
+        check_resumed(&desk, &drawn, room);
+    }
+}
+
+/// After `recover` nothing is lost, and the session goes on to its end in the order drawn.
+fn check_resumed(desk: &Desk, drawn: &[zwidth_study::PlannedTrial], case: u32) {
+    for found in recover(&RealFiles, &desk.plan.layout, UTC) {
+        found.unwrap();
+    }
+    assert_eq!(verify(&desk.plan.layout), [], "{case}");
+    let outcome = desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
+    assert_eq!((outcome.done, outcome.total), (TRIALS, TRIALS), "{case}");
+    assert_eq!(verify(&desk.plan.layout), [], "{case}");
+    let data = desk.data();
+    let mut counting: Vec<_> = data.counting().collect();
+    // A trial done again has a later number, but the place of the first.
+    let first = |n: u32| data.trials.iter().find(|t| t.superseded_by == Some(n)).map_or(n, |t| t.meta.trial);
+    counting.sort_by_key(|t| first(t.meta.trial));
+    let found: Vec<_> = counting.iter().map(|t| (&t.meta.environment, &t.meta.mode, t.meta.repeat)).collect();
+    let experiment = drawn.iter().filter(|t| t.kind == Kind::Trial);
+    assert_eq!(found, experiment.map(|t| (&t.environment, &t.mode, t.repeat)).collect::<Vec<_>>(), "{case}");
+}
+
+#[test]
+fn a_session_killed_while_a_question_is_open_asks_it_again() {
+    let desk = Desk::new(false);
+    let mut front = somebody(|view: &View| {
+        let open = matches!(view.phase, Shown::Question { .. }) && view.done == 2;
+        open.then(|| Input::Failed("killed".into()))
+    });
+    desk.run(&mut Mock::default(), &RealFiles, &mut front).unwrap_err();
+    recover(&RealFiles, &desk.plan.layout, UTC);
+    assert_eq!(desk.data().trials[2].meta.status, Status::Complete);
+    desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
+    let data = desk.data();
+    assert_eq!(data.trials[2].meta.likert, None);
+    assert_eq!(data.answers().len(), TRIALS - 1);
+    assert_eq!(data.trials.len(), TRIALS);
+}
+
+#[test]
+fn a_safety_trigger_stops_the_session_and_the_trial_is_done_again_after_homing() {
+    let desk = Desk::new(false);
+    let mut mock = Mock::default().failing(1.0, Fault::Force(12.0));
+    let outcome = desk.run(&mut mock, &RealFiles, &mut Auto::new(Nobody)).unwrap();
+    let why = outcome.stopped.unwrap();
+    assert!(why.contains("12.0 N"), "{why}");
+    let cut = desk.data().trials.iter().filter(|t| t.meta.status == Status::Incomplete).count();
+    assert_eq!(cut, 1);
+    let outcome = desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
+    assert_eq!(outcome.done, TRIALS);
+    assert_eq!(desk.data().counting().count(), TRIALS - 1);
+}
+
+#[test]
+fn a_session_refuses_another_device_study_or_calibration_and_says_which() {
+    let desk = Desk::new(false);
+    let mut quits = somebody(|view: &View| (view.done == 1).then_some(Input::Quit));
+    desk.run(&mut Mock::default(), &RealFiles, &mut quits).unwrap();
+    let refused =
+        |plan: &Plan, device: &Mock| Session::open(plan, device.capabilities()).unwrap_err().to_string();
+    let mut other = Mock::default();
+    other.capabilities.name = "mock 2".to_owned();
+    assert!(refused(&desk.plan, &other).contains("the device is mock 2, and was mock 1"));
+    let mut plan = desk.plan.clone();
+    plan.calibration.motor.force_n[1] = 4.0;
+    assert!(refused(&plan, &Mock::default()).contains("the calibration is "));
+    let plan = Plan { study_blake3: "00".repeat(32), ..desk.plan.clone() };
+    assert!(refused(&plan, &Mock::default()).contains("study.toml is 000000000000"));
+    let plan = Plan { rate_hz: 60.0, ..desk.plan.clone() };
+    assert!(refused(&plan, &Mock::default()).contains("the rate is 60 Hz, and was 120 Hz"));
+}
+
+#[test]
+fn a_blinded_session_shows_neither_modes_nor_voltages_and_its_files_hold_codes() {
+    let desk = Desk::new(true);
+    let mut views: Vec<View> = Vec::new();
+    let mut front = somebody(|view: &View| {
+        views.push(view.clone());
+        None
+    });
+    desk.run(&mut Mock::default(), &RealFiles, &mut front).unwrap();
+    drop(front);
+    assert!(views.iter().all(|v| v.blinded && v.trial.as_ref().is_none_or(|t| t.mode.is_none())));
+    assert!(views.iter().flat_map(|v| &v.trace).all(|p| p.voltages.is_none()));
+    assert!(views.iter().any(|v| !v.trace.is_empty()));
+    let data = desk.data();
+    let codes: std::collections::BTreeSet<&ModeId> = data.trials.iter().map(|t| &t.meta.mode).collect();
+    assert_eq!(codes.len(), TRIALS);
+    assert!(data.trials.iter().all(|t| t.sealed.is_some()) && data.counting().count() == 0);
+    let shown = format!("{:?}", views);
+    for word in ["active", "passive", "hybrid", "Active", "Passive", "Hybrid"] {
+        assert!(!shown.contains(word), "{word}");
+        assert!(!std::fs::read_to_string(&data.sessions[0].path).unwrap().contains(word), "{word}");
+    }
+    let record = &data.sessions[0].record;
+    assert_eq!((record.seed, verify(&desk.plan.layout)), (None, vec![]));
+    let seal = crate::vault::find(&desk.plan.keys, desk.plan.layout.study(), record).unwrap();
+    append_events(&RealFiles, &data.sessions[0].events_path, UTC, &[seal.event()]).unwrap();
+    assert_eq!(desk.data().counting().count(), TRIALS - 1);
+}
+
+#[test]
+fn a_blinded_session_cut_short_resumes_from_its_seal_and_repeats_keep_their_mode() {
+    let desk = Desk::new(true);
+    let full = Full(Arc::new(Mutex::new(140)));
+    desk.run(&mut Mock::default(), &full, &mut diligent()).unwrap_err();
+    recover(&RealFiles, &desk.plan.layout, UTC);
+    let elsewhere = Plan { keys: PathBuf::from("/nonexistent"), ..desk.plan.clone() };
+    let error = Session::open(&elsewhere, Mock::default().capabilities()).unwrap_err().to_string();
+    assert!(error.contains("--key"), "{error}");
+    desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
+    let log = desk.data().sessions[0].clone();
+    let seal = crate::vault::find(&desk.plan.keys, desk.plan.layout.study(), &log.record).unwrap();
+    append_events(&RealFiles, &log.events_path, UTC, &[seal.event()]).unwrap();
+    let data = desk.data();
+    assert_eq!(verify(&desk.plan.layout), []);
+    assert_eq!(data.counting().count(), TRIALS - 1);
+    assert!(data.trials.iter().any(|t| t.superseded_by.is_some()));
+}
+
+#[test]
+fn a_signal_leaves_the_session_in_order() {
+    let desk = Desk::new(false);
+    let quit = Arc::clone(&desk.options.quit);
+    let mut front = somebody(|view: &View| {
+        quit.store(view.done == 3, Ordering::SeqCst);
+        None
+    });
+    let outcome = desk.run(&mut Mock::default(), &RealFiles, &mut front).unwrap();
+    assert_eq!((outcome.done, outcome.interrupted), (3, true));
+    assert_eq!(verify(&desk.plan.layout), []);
+    assert!(desk.root().join("raw/small/sessions/P01_S01.json").exists());
+}

@@ -1,0 +1,275 @@
+//! One trial: run, journaled, shown, and made a file.
+
+use super::{Runner, look};
+use crate::flow::{Action, EMERGENCY_STOP, End, Flow, Input};
+use crate::session::{Plan, Session};
+use crate::tape::Tape;
+use crate::view::Point;
+use crate::{AcquireError, Front, View};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use zwidth_device::{Controller, Histogram, Timing, TrialEnd, TrialPlan, TrialRun, run_live, run_trial};
+use zwidth_store::{Files, Journal, TrialFile, append_events};
+use zwidth_study::{Environment, Event, Mode, PlannedTrial, Sample};
+
+/// Why a trial was cut that a signal ended.
+const SIGNAL: &str = "a signal ended the program";
+
+/// How often the screen is drawn while a trial runs: more than a person follows.
+const FRAME: Duration = Duration::from_millis(50);
+
+impl Runner<'_> {
+    /// Runs a trial to its end, each sample on its way to the journal.
+    pub(super) fn record(&mut self, trial: &PlannedTrial) -> Result<End, AcquireError> {
+        let (environment, mode) = self.condition(trial)?;
+        let capabilities = self.parts.device.capabilities().clone();
+        let plan = TrialPlan::new(&self.plan.study, &environment, trial.trial, &capabilities)?;
+        self.guard.arm(&mode, &self.plan.calibration)?;
+        let mut controller =
+            Controller::new(&self.plan.study.control, &environment, &mode, &self.plan.calibration);
+        let journal = self.journal(trial)?;
+        self.view.trace.clear();
+        self.show()?;
+        let mut live = Live {
+            tape: Tape::new(journal, plan.rate_hz),
+            view: &mut self.view,
+            blinded: self.session.blinded,
+            pace: Pace::new(plan.rate_hz),
+        };
+        let (device, clock) = (&mut *self.parts.device, &mut *self.parts.clock);
+        let stop = &*self.options.stop;
+        let run = if self.options.live {
+            let mut desk = Desk {
+                front: self.parts.front,
+                flow: &mut self.flow,
+                files: self.parts.files,
+                utc: self.parts.utc,
+                plan: self.plan,
+                session: &self.session,
+                stop,
+                quit: &self.options.quit,
+                drawn: Instant::now(),
+                error: None,
+            };
+            let mut batch = |samples: &[Sample]| desk.take(&mut live, samples);
+            let run = run_live(device, clock, &mut controller, &mut self.guard, &plan, stop, &mut batch).run;
+            if let Some(error) = desk.error {
+                return Err(error);
+            }
+            run
+        } else {
+            let mut sink = |sample: &Sample| live.add(sample);
+            run_trial(device, clock, &mut controller, &mut self.guard, &plan, stop, &mut sink)
+        };
+        let _ = live.tape.write(); // what it finds is in `error`
+        live.tell();
+        let mut tape = live.tape;
+        if let Some(error) = tape.error.take() {
+            return Err(error.into());
+        }
+        self.conclude(trial.trial, tape, &run)
+    }
+
+    /// What the trial's end comes to.
+    fn conclude(&mut self, trial: u32, mut tape: Tape, run: &TrialRun) -> Result<End, AcquireError> {
+        let crate::Timing { rate_hz, measured_hz, .. } = self.view.timing;
+        self.view.timing = look::timing(rate_hz, measured_hz, run.timing.missed, &run.timing.lateness);
+        self.timing.merge(&run.timing);
+        let end = match &run.end {
+            TrialEnd::Limit | TrialEnd::LetGo => End::Complete,
+            TrialEnd::Stopped if self.options.quit.load(Ordering::SeqCst) => End::Cut(SIGNAL.to_owned()),
+            TrialEnd::Stopped => End::Cut(EMERGENCY_STOP.to_owned()),
+            TrialEnd::Tripped(trip) => End::Cut(trip.to_string()),
+        };
+        if end == End::Complete {
+            tape.journal.end()?;
+            self.answer = if self.options.answers { self.parts.device.answer() } else { None };
+        }
+        self.tape = Some(tape);
+        if run.timing.missed > 0 {
+            self.log(Event::Note { trial: Some(trial), text: missed(&run.timing) })?;
+        }
+        if run.unwatched {
+            let text = "the motor ran without a watchdog (--no-watchdog)".to_owned();
+            self.log(Event::Note { trial: Some(trial), text })?;
+        }
+        Ok(end)
+    }
+
+    /// Makes the file of the trial that ended.
+    pub(super) fn finish(
+        &mut self,
+        trial: u32,
+        complete: bool,
+        likert: Option<u8>,
+    ) -> Result<(), AcquireError> {
+        let Some(tape) = self.tape.take() else { return Ok(()) };
+        let utc = (self.parts.utc)(self.parts.clock.now_s());
+        let path = tape.journal.finish(self.parts.files, &self.plan.layout, likert, &utc)?;
+        self.view.say(match (path, complete) {
+            (None, _) => format!("trial {trial} had not begun: nothing is kept of it"),
+            (Some(_), true) => format!("trial {trial} stored"),
+            (Some(_), false) => format!("trial {trial} stored, incomplete"),
+        });
+        Ok(())
+    }
+
+    /// The environment and the mode of the place at hand.
+    fn condition(&self, trial: &PlannedTrial) -> Result<(Environment, Mode), AcquireError> {
+        let study = &self.plan.study;
+        let mode = self.flow.here().and_then(|place| self.session.modes.get(place));
+        let found = study.environment(&trial.environment).zip(mode.and_then(|id| study.mode(id)));
+        let (environment, mode) = found.ok_or_else(|| AcquireError::Refused {
+            what: format!("trial {} has an environment or a mode that is not in study.toml", trial.trial),
+            remedy: "put study.toml back as it was when the session began".to_owned(),
+        })?;
+        Ok((environment.clone(), mode.clone()))
+    }
+
+    fn journal(&mut self, trial: &PlannedTrial) -> Result<Journal, AcquireError> {
+        let record = &self.session.record;
+        let device = self.parts.device.capabilities();
+        let mut file = TrialFile::new();
+        let mut put =
+            |key: &str, value: Option<String>| file.extend(value.map(|value| (key.to_owned(), value)));
+        put("study_blake3", Some(record.study_blake3.clone()));
+        put("calibration_blake3", record.calibration_blake3.clone());
+        put("device", Some(device.name.clone()));
+        put("software", Some(record.software.clone()));
+        put("seed", record.seed.map(|seed| seed.to_string()));
+        put("start_utc", Some((self.parts.utc)(self.parts.clock.now_s())));
+        put(
+            "no_watchdog",
+            (self.options.no_watchdog && device.watchdog_s.is_none()).then(|| "true".to_owned()),
+        );
+        let meta = self.session.meta(trial);
+        Ok(Journal::create(self.parts.files, &self.plan.layout, &meta, &file)?)
+    }
+}
+
+fn missed(timing: &Timing) -> String {
+    format!(
+        "{} of {} ticks missed their deadline; the latest came {:.1} ms late",
+        timing.missed,
+        timing.ticks + timing.missed,
+        timing.lateness.max_s() * 1e3
+    )
+}
+
+/// Where samples go: to the journal and to the trace.
+struct Live<'a> {
+    tape: Tape,
+    view: &'a mut View,
+    blinded: bool,
+    pace: Pace,
+}
+
+/// How the loop keeps its time, as far as the samples tell: deadlines are a grid from the trial's start.
+struct Pace {
+    rate_hz: f64,
+    samples: u64,
+    /// Deadlines that have passed.
+    deadlines: u64,
+    lateness: Histogram,
+}
+
+impl Pace {
+    fn new(rate_hz: f64) -> Self {
+        Self { rate_hz, samples: 0, deadlines: 0, lateness: Histogram::default() }
+    }
+
+    fn add(&mut self, t_s: f64) {
+        let periods = t_s * self.rate_hz;
+        self.samples += 1;
+        self.deadlines = periods as u64 + 1;
+        self.lateness.add(periods.fract() / self.rate_hz);
+    }
+
+    fn timing(&self, t_s: f64) -> crate::Timing {
+        let measured_hz = if t_s > 0.0 { self.samples.saturating_sub(1) as f64 / t_s } else { 0.0 };
+        let missed = self.deadlines.saturating_sub(self.samples);
+        look::timing(self.rate_hz, measured_hz, missed, &self.lateness)
+    }
+}
+
+impl Live<'_> {
+    fn add(&mut self, sample: &Sample) -> ControlFlow<()> {
+        self.pace.add(sample.t_s);
+        if let crate::Phase::Trial { t_s, .. } = &mut self.view.phase {
+            *t_s = sample.t_s;
+        }
+        self.view.trace(Point {
+            t_s: sample.t_s,
+            theta_rad: sample.theta_rad,
+            theta_dot_rad_s: sample.theta_dot_rad_s,
+            force_ex_n: sample.force_ex_n,
+            voltages: (!self.blinded).then_some(sample.voltages),
+        });
+        self.tape.add(sample)
+    }
+
+    /// Shows how the loop keeps its time.
+    fn tell(&mut self) {
+        let t_s = self.view.trace.back().map_or(0.0, |point| point.t_s);
+        self.view.timing = self.pace.timing(t_s);
+    }
+}
+
+/// What else goes on in real time while a trial runs: the screen, the keys, remarks.
+struct Desk<'a> {
+    front: &'a mut dyn Front,
+    flow: &'a mut Flow,
+    files: &'a dyn Files,
+    utc: &'a (dyn Fn(f64) -> String + Sync),
+    plan: &'a Plan,
+    session: &'a Session,
+    stop: &'a AtomicBool,
+    quit: &'a AtomicBool,
+    drawn: Instant,
+    error: Option<AcquireError>,
+}
+
+impl Desk<'_> {
+    fn take(&mut self, live: &mut Live<'_>, samples: &[Sample]) -> ControlFlow<()> {
+        samples.iter().try_for_each(|sample| live.add(sample))?;
+        match self.serve(live) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                self.error = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+
+    fn serve(&mut self, live: &mut Live<'_>) -> Result<(), AcquireError> {
+        let signalled = self.quit.load(Ordering::SeqCst).then_some(Input::Quit);
+        for input in self.front.next(Duration::ZERO)?.into_iter().chain(signalled) {
+            for action in self.flow.step(input) {
+                self.act(live, action)?;
+            }
+        }
+        if self.drawn.elapsed() >= FRAME {
+            self.drawn = Instant::now();
+            live.tell();
+            look::refresh_trial(live.view, self.flow, self.plan, self.session);
+            self.front.show(live.view)?;
+        }
+        Ok(())
+    }
+
+    /// While a trial runs only these can be asked for.
+    fn act(&mut self, live: &mut Live<'_>, action: Action) -> Result<(), AcquireError> {
+        match action {
+            Action::Halt => self.stop.store(true, Ordering::SeqCst),
+            Action::Refuse(why) => live.view.say(why),
+            Action::Log(event) => {
+                let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
+                live.view.say(look::event(&event));
+                append_events(self.files, &path, &(self.utc)(0.0), &[event])?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,262 @@
+//! What a key means: by the phase, and by what is being typed.
+//!
+//! **Stop** is the space bar: the largest key, sent as one byte, so that no terminal or multiplexer holds it back to see
+//! whether more comes (as they do with Esc). Esc and Ctrl-C stop as well. While a remark is typed a space is a space and
+//! Esc takes the line back: Ctrl-C is the stop key then, and the screen says so. Nothing can be typed while a trial
+//! runs: an open line is dropped.
+
+use crate::{Input, Phase};
+use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+
+/// Characters of a remark, at most: three lines of the narrowest screen.
+const LONGEST: usize = 200;
+
+/// What is typed or asked at the foot of the screen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Entry {
+    /// A remark on the trial.
+    Note(String),
+    /// The reason why the trial does not count.
+    Exclude(String),
+    /// Yes or no.
+    Sure(Ask),
+}
+
+/// What is only done after a yes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ask {
+    /// Do the last trial again.
+    Repeat,
+    /// Leave the question without an answer.
+    Skip,
+    /// End the session here.
+    Quit,
+}
+
+/// What a key press comes to: what is being typed after it, and what is asked of the session.
+pub(super) fn press(key: KeyEvent, phase: &Phase, entry: Option<Entry>) -> (Option<Entry>, Option<Input>) {
+    if key.kind == KeyEventKind::Release {
+        return (entry, None);
+    }
+    let running = matches!(phase, Phase::Trial { .. });
+    match entry.filter(|_| !running) {
+        _ if is_control_c(key) => (None, Some(Input::Stop)),
+        entry if key.modifiers.contains(KeyModifiers::CONTROL) => (entry, None),
+        Some(Entry::Note(text)) => typed(key.code, text, Entry::Note, Input::Note),
+        Some(Entry::Exclude(text)) => typed(key.code, text, Entry::Exclude, Input::Exclude),
+        _ if matches!(key.code, KeyCode::Char(' ') | KeyCode::Esc) => (None, Some(Input::Stop)),
+        Some(Entry::Sure(ask)) => (None, is_yes(key.code).then(|| ask.input())),
+        None => command(key.code, phase),
+    }
+}
+
+fn is_control_c(key: KeyEvent) -> bool {
+    key.modifiers.contains(KeyModifiers::CONTROL) && key.code == KeyCode::Char('c')
+}
+
+fn is_yes(code: KeyCode) -> bool {
+    matches!(code, KeyCode::Char('y' | 'Y'))
+}
+
+fn typed(
+    code: KeyCode,
+    mut text: String,
+    entry: fn(String) -> Entry,
+    input: fn(String) -> Input,
+) -> (Option<Entry>, Option<Input>) {
+    match code {
+        KeyCode::Enter if text.trim().is_empty() => return (None, None),
+        KeyCode::Enter => return (None, Some(input(text))),
+        KeyCode::Esc => return (None, None),
+        KeyCode::Backspace => drop(text.pop()),
+        KeyCode::Char(c) if !c.is_control() && text.chars().count() < LONGEST => text.push(c),
+        _ => {}
+    }
+    (Some(entry(text)), None)
+}
+
+fn command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
+    let of = |c| commands(phase).iter().any(|(keys, _)| *keys == c);
+    match lower(code) {
+        KeyCode::Enter if of("Enter") => (None, Some(Input::Start)),
+        KeyCode::Char(c @ '1'..='5') if of("1–5") => (None, digit(c).map(Input::Answer)),
+        KeyCode::Char('s') if of("s") => (Some(Entry::Sure(Ask::Skip)), None),
+        KeyCode::Char('n') if of("n") => (Some(Entry::Note(String::new())), None),
+        KeyCode::Char('x') if of("x") => (Some(Entry::Exclude(String::new())), None),
+        KeyCode::Char('r') if of("r") => (Some(Entry::Sure(Ask::Repeat)), None),
+        KeyCode::Char('q') if of("q") => (Some(Entry::Sure(Ask::Quit)), None),
+        _ => (None, None),
+    }
+}
+
+fn digit(c: char) -> Option<u8> {
+    c.to_digit(10).and_then(|n| u8::try_from(n).ok())
+}
+
+/// Capitals mean the same: the lock may be on.
+fn lower(code: KeyCode) -> KeyCode {
+    match code {
+        KeyCode::Char(c) => KeyCode::Char(c.to_ascii_lowercase()),
+        code => code,
+    }
+}
+
+/// The keys of a phase besides the stop key, each with its meaning, as the screen shows them.
+pub(super) fn commands(phase: &Phase) -> &'static [(&'static str, &'static str)] {
+    const NOTE: (&str, &str) = ("n", "note");
+    const EXCLUDE: (&str, &str) = ("x", "exclude");
+    const REPEAT: (&str, &str) = ("r", "repeat");
+    const QUIT: (&str, &str) = ("q", "quit");
+    match phase {
+        Phase::Check | Phase::Homing => &[NOTE, QUIT],
+        Phase::Ready => &[("Enter", "start"), NOTE, EXCLUDE, REPEAT, QUIT],
+        Phase::Trial { .. } | Phase::Left => &[],
+        Phase::Question { .. } => &[("1–5", "answer"), ("s", "skip"), NOTE, EXCLUDE, REPEAT, QUIT],
+        Phase::Pause { .. } | Phase::Done => &[NOTE, EXCLUDE, REPEAT, QUIT],
+        Phase::Stopped { .. } => &[("Enter", "go on"), NOTE, EXCLUDE, REPEAT, QUIT],
+    }
+}
+
+/// The stop key as the screen writes it.
+pub(super) fn stop_key(entry: Option<&Entry>) -> &'static str {
+    match entry {
+        Some(Entry::Note(_) | Entry::Exclude(_)) => "Ctrl-C",
+        _ => "Space",
+    }
+}
+
+impl Ask {
+    fn input(self) -> Input {
+        match self {
+            Self::Repeat => Input::Repeat,
+            Self::Skip => Input::Skip,
+            Self::Quit => Input::Quit,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::examples::phases;
+    use super::*;
+
+    fn key(code: KeyCode) -> KeyEvent {
+        KeyEvent::new(code, KeyModifiers::NONE)
+    }
+
+    /// Presses keys one after another: a character each, `\n` is Enter, `\u{8}` Backspace, `\u{1b}` Esc.
+    fn type_keys(keys: &str, phase: &Phase) -> (Option<Entry>, Vec<Input>) {
+        let mut entry = None;
+        let mut inputs = Vec::new();
+        for c in keys.chars() {
+            let code = match c {
+                '\n' => KeyCode::Enter,
+                '\u{8}' => KeyCode::Backspace,
+                '\u{1b}' => KeyCode::Esc,
+                c => KeyCode::Char(c),
+            };
+            let (next, input) = press(key(code), phase, entry);
+            entry = next;
+            inputs.extend(input);
+        }
+        (entry, inputs)
+    }
+
+    fn check(keys: &str, phase: &Phase, expect: &[Input]) {
+        let (entry, inputs) = type_keys(keys, phase);
+        assert_eq!((entry, inputs.as_slice()), (None, expect), "{keys:?} in {phase:?}");
+    }
+
+    const TRIAL: Phase = Phase::Trial { t_s: 1.0, limit_s: 4.0 };
+
+    fn question() -> Phase {
+        Phase::Question { text: String::new() }
+    }
+
+    #[test]
+    fn space_escape_and_control_c_stop_in_every_phase() {
+        for phase in phases() {
+            check(" ", &phase, &[Input::Stop]);
+            check("\u{1b}", &phase, &[Input::Stop]);
+            let control_c = KeyEvent::new(KeyCode::Char('c'), KeyModifiers::CONTROL);
+            for entry in [None, Some(Entry::Note("a".into())), Some(Entry::Sure(Ask::Quit))] {
+                assert_eq!(press(control_c, &phase, entry), (None, Some(Input::Stop)));
+            }
+        }
+    }
+
+    #[test]
+    fn the_keys_of_a_phase_are_those_that_do_something_in_it() {
+        for phase in phases() {
+            let works = |c: char| type_keys(&c.to_string(), &phase) != (None, vec![]);
+            let shown = |word: &str| commands(&phase).iter().any(|(key, _)| *key == word);
+            for c in ('a'..='z').filter(|c| *c != 'c') {
+                assert_eq!(works(c), shown(&c.to_string()), "{c} in {phase:?}");
+            }
+            assert_eq!(works('\n'), shown("Enter"), "{phase:?}");
+        }
+    }
+
+    #[test]
+    fn answers_are_taken_in_the_question_phase_alone() {
+        for phase in phases() {
+            let expect =
+                if matches!(phase, Phase::Question { .. }) { vec![Input::Answer(4)] } else { vec![] };
+            check("4", &phase, &expect);
+        }
+        check("06", &question(), &[]);
+    }
+
+    #[test]
+    fn while_a_trial_runs_no_key_but_stop_does_anything() {
+        check("\n12345nxrqsy", &TRIAL, &[]);
+    }
+
+    #[test]
+    fn a_note_keeps_its_spaces_and_takes_back_a_letter() {
+        check("nslipped  ofg\u{8}f\n", &Phase::Ready, &[Input::Note("slipped  off".into())]);
+        check("n \n", &Phase::Ready, &[]);
+        check("nabc\u{1b}", &Phase::Ready, &[]);
+    }
+
+    #[test]
+    fn a_reason_is_asked_before_a_trial_is_excluded() {
+        check("xhand slipped\n", &question(), &[Input::Exclude("hand slipped".into())]);
+        check("x\n", &question(), &[]);
+    }
+
+    #[test]
+    fn repeat_skip_and_quit_happen_after_a_yes_and_nothing_else() {
+        check("ry", &Phase::Done, &[Input::Repeat]);
+        check("rn", &Phase::Done, &[]);
+        check("r\n", &Phase::Done, &[]);
+        check("sy", &question(), &[Input::Skip]);
+        check("qy", &Phase::Ready, &[Input::Quit]);
+        check("q ", &Phase::Ready, &[Input::Stop]);
+    }
+
+    #[test]
+    fn a_line_is_dropped_when_a_trial_runs_so_that_space_stops_it() {
+        let (entry, input) = press(key(KeyCode::Char(' ')), &TRIAL, Some(Entry::Note("half a".into())));
+        assert_eq!((entry, input), (None, Some(Input::Stop)));
+    }
+
+    #[test]
+    fn a_remark_has_a_longest_length_and_no_control_characters() {
+        let long = "é".repeat(LONGEST + 50);
+        check(&format!("n{long}\u{7}\n"), &Phase::Ready, &[Input::Note("é".repeat(LONGEST))]);
+    }
+
+    #[test]
+    fn capitals_mean_the_same_and_control_keys_nothing() {
+        check("RY", &Phase::Done, &[Input::Repeat]);
+        let control_n = KeyEvent::new(KeyCode::Char('n'), KeyModifiers::CONTROL);
+        assert_eq!(press(control_n, &Phase::Ready, None), (None, None));
+    }
+
+    #[test]
+    fn letting_go_of_a_key_is_no_key() {
+        let release = KeyEvent::new_with_kind(KeyCode::Char(' '), KeyModifiers::NONE, KeyEventKind::Release);
+        assert_eq!(press(release, &TRIAL, None), (None, None));
+    }
+}

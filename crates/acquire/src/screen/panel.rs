@@ -1,0 +1,139 @@
+//! What the session needs of the people before it, phase by phase, in words.
+
+use super::look::{Look, Role};
+use super::text::{fit, width, wrap};
+use crate::{CheckLine, Current, Phase, View};
+use ratatui::text::{Line, Span};
+use zwidth_study::{Kind, Likert};
+
+/// The name of a phase, as it heads the screen.
+pub(super) fn name(phase: &Phase) -> &'static str {
+    match phase {
+        Phase::Check => "DEVICE CHECK",
+        Phase::Homing => "HOMING",
+        Phase::Ready => "READY",
+        Phase::Trial { .. } => "TRIAL",
+        Phase::Question { .. } => "QUESTION",
+        Phase::Pause { .. } => "PAUSE",
+        Phase::Stopped { .. } => "STOPPED",
+        Phase::Done => "DONE",
+        Phase::Left => "CLOSED",
+    }
+}
+
+/// The trial at hand or the next one, in words: number, kind, environment, and mode where it may be seen.
+pub(super) fn trial(view: &View) -> Option<String> {
+    let current = view.trial.as_ref()?;
+    let mut words = vec![number(current, view.total)];
+    if current.kind == Kind::Familiarisation {
+        words.push("familiarisation".into());
+    }
+    words.push(current.environment.clone());
+    words.extend(current.mode.clone().filter(|_| !view.blinded));
+    words.extend(current.repeats.map(|trial| format!("repeats trial {trial}")));
+    Some(words.join(" · "))
+}
+
+/// A repeat has a number of its own; its place in the order is told by the progress.
+fn number(current: &Current, total: usize) -> String {
+    match current.repeats {
+        Some(_) => format!("trial {}", current.trial),
+        None => format!("trial {} of {total}", current.place),
+    }
+}
+
+/// Time left, s, and the whole of it.
+pub(super) fn countdown(phase: &Phase) -> Option<(f64, f64)> {
+    match *phase {
+        Phase::Trial { t_s, limit_s } => Some(((limit_s - t_s).max(0.0), limit_s)),
+        Phase::Pause { left_s, pause_s } => Some((left_s, pause_s)),
+        _ => None,
+    }
+}
+
+/// What is to be read in a phase, in lines of at most `limit` cells.
+pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>> {
+    let plain = |text: &str| styled(text, Role::Plain, look, limit);
+    let then_next = |mut lines: Vec<Line<'static>>| {
+        lines.extend(trial(view).map(|trial| Line::raw(fit(&format!("Next: {trial}"), limit))));
+        lines
+    };
+    match &view.phase {
+        Phase::Check if view.checks.is_empty() => plain(CHECK),
+        Phase::Check => checks(&view.checks, look, limit),
+        Phase::Homing => [plain(HOMING), after_gap(checks(&view.checks, look, limit))].concat(),
+        // Before the first trial there is no trace to look at, but a device.
+        Phase::Ready if view.trace.is_empty() && !view.checks.is_empty() => {
+            [plain(READY), after_gap(checks(&view.checks, look, limit))].concat()
+        }
+        Phase::Ready => plain(READY),
+        Phase::Trial { .. } => plain("The trial runs until its time is up. Space stops it at once, at 0 V."),
+        Phase::Question { text } => question(text, look, limit),
+        Phase::Pause { .. } => then_next(plain("Rest. Both actuators are off.")),
+        Phase::Stopped { why } => then_next(stopped(why, look, limit)),
+        Phase::Done => plain("Every trial is done and stored; q ends the session."),
+        Phase::Left => plain("The session is closed."),
+    }
+}
+
+const CHECK: &str = "The device is being checked; the actuators are switched on for a moment.";
+
+const READY: &str = "Finger on the lever. Enter starts the trial.";
+
+const HOMING: &str = "The lever must rest against its lower stop; both actuators are off. \
+    Without this the angle is unknown, and nothing is switched on.";
+
+fn after_gap(lines: Vec<Line<'static>>) -> Vec<Line<'static>> {
+    [vec![Line::default()], lines].concat()
+}
+
+fn styled(text: &str, role: Role, look: Look, limit: usize) -> Vec<Line<'static>> {
+    wrap(text, limit).into_iter().map(|line| Line::styled(line, look.style(role))).collect()
+}
+
+fn stopped(why: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
+    let mut lines = styled(why, Role::Warn, look, limit);
+    let rest = "Both actuators are at 0 V. Enter goes on with the check or the homing that is due; a trial \
+        that was cut is done again.";
+    lines.extend(styled(rest, Role::Plain, look, limit));
+    lines
+}
+
+/// The question and its scale: in one row where it fits, else one row an answer.
+fn question(text: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
+    let mut lines = styled(text, Role::Strong, look, limit);
+    lines.push(Line::default());
+    let answers: Vec<(String, &str)> = (1..).map(|n: u8| n.to_string()).zip(Likert::WORDS).collect();
+    let row: usize = answers.iter().map(|(n, word)| width(n) + 1 + width(word)).sum();
+    let gaps = answers.len() - 1;
+    let answer = |(n, word): &(String, &str)| {
+        [Span::styled(n.clone(), look.style(Role::Accent)), Span::raw(format!(" {word}"))]
+    };
+    if row + 2 * gaps > limit {
+        lines.extend(answers.iter().map(|a| Line::from_iter(answer(a))));
+        return lines;
+    }
+    let gap = " ".repeat((limit - row) / gaps).chars().take(5).collect::<String>();
+    let spaced = answers.iter().enumerate().flat_map(|(i, a)| {
+        let space = if i == 0 { String::new() } else { gap.clone() };
+        std::iter::once(Span::raw(space)).chain(answer(a))
+    });
+    lines.push(Line::from_iter(spaced));
+    lines
+}
+
+/// The device check as a list; in words whether a line passed, not by colour alone.
+fn checks(checks: &[CheckLine], look: Look, limit: usize) -> Vec<Line<'static>> {
+    let widest = checks.iter().map(|check| width(&check.name)).max().unwrap_or(0);
+    checks.iter().map(|check| check_line(check, widest, look, limit)).collect()
+}
+
+fn check_line(check: &CheckLine, widest: usize, look: Look, limit: usize) -> Line<'static> {
+    let (verdict, role) = if check.ok { ("ok    ", Role::Good) } else { ("FAILED", Role::Warn) };
+    let pad = " ".repeat(widest - width(&check.name));
+    let text = format!("  {}{pad}  {}", check.name, check.value);
+    Line::from(vec![
+        Span::styled(verdict, look.style(role)),
+        Span::raw(fit(&text, limit.saturating_sub(verdict.len()))),
+    ])
+}

@@ -1,0 +1,250 @@
+//! The screen on a terminal: one thread reads keys, one draws, and neither waits for the other.
+
+use super::keys::{Entry, press};
+use super::look::Look;
+use super::render::render;
+use crate::{AcquireError, Front, Input, View};
+use ratatui::DefaultTerminal;
+use ratatui::crossterm::event::{self, Event};
+use ratatui::crossterm::terminal::is_raw_mode_enabled;
+use std::io::{self, IsTerminal};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// Shortest time between two frames: 30 a second, more than a person follows and little for a slow line.
+const FRAME: Duration = Duration::from_millis(33);
+
+/// Longest wait for a key before the key thread looks whether the screen closes.
+const KEY_WAIT: Duration = Duration::from_millis(50);
+
+/// The screen of a session. The terminal is given back when it is dropped, and on a panic.
+///
+/// [`Front::show`] leaves the newest view for the drawing thread and returns; views that come faster than frames are
+/// skipped. A signal is not the screen's business: whoever handles it drops the screen.
+#[derive(Debug)]
+pub struct Screen {
+    shared: Arc<Shared>,
+    inputs: Receiver<Input>,
+    keys: Option<JoinHandle<()>>,
+    drawing: Option<JoinHandle<()>>,
+}
+
+/// What the threads share. The lock is held for a copy, never for input or output.
+#[derive(Debug)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+    /// Raised by the stop key before anything else, for the control loop to see at its next tick.
+    stop: Arc<AtomicBool>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    view: View,
+    entry: Option<Entry>,
+    fresh: bool,
+    closing: bool,
+    /// Why drawing or reading ended, if it did.
+    lost: Option<io::Error>,
+}
+
+impl State {
+    fn why_lost(&mut self) -> io::Error {
+        self.lost.take().unwrap_or_else(|| io::ErrorKind::BrokenPipe.into())
+    }
+}
+
+impl Screen {
+    /// Takes the terminal. The stop key raises `stop` at once, before its [`Input::Stop`] is queued.
+    ///
+    /// # Errors
+    /// There is no terminal, or it refuses.
+    pub fn open(look: Look, stop: Arc<AtomicBool>) -> Result<Self, AcquireError> {
+        if !(io::stdin().is_terminal() && io::stdout().is_terminal()) {
+            return Err(AcquireError::Refused {
+                what: "the screen needs a terminal, and input or output is none".into(),
+                remedy: "use --plain".into(),
+            });
+        }
+        let shared = Arc::new(Shared { state: Mutex::default(), changed: Condvar::new(), stop });
+        let (sender, inputs) = channel();
+        let mut screen = Self { shared: Arc::clone(&shared), inputs, keys: None, drawing: None };
+        // From here on a failure drops `screen`, which gives the terminal back.
+        let terminal = ratatui::try_init()?;
+        let of_keys = Arc::clone(&shared);
+        let named = |name: &str| std::thread::Builder::new().name(name.into());
+        screen.keys = Some(named("keys").spawn(move || of_keys.read_keys(&sender))?);
+        screen.drawing = Some(named("screen").spawn(move || shared.draw_frames(terminal, look))?);
+        Ok(screen)
+    }
+}
+
+impl Front for Screen {
+    fn show(&mut self, view: &View) -> Result<(), AcquireError> {
+        let mut state = self.shared.lock();
+        if self.drawing.as_ref().is_none_or(JoinHandle::is_finished) {
+            return Err(state.why_lost().into());
+        }
+        state.view.clone_from(view);
+        state.fresh = true;
+        drop(state);
+        self.shared.changed.notify_one();
+        Ok(())
+    }
+
+    fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError> {
+        match self.inputs.recv_timeout(wait) {
+            Ok(input) => Ok(Some(input)),
+            Err(RecvTimeoutError::Timeout) => Ok(None),
+            Err(RecvTimeoutError::Disconnected) => Err(self.shared.lock().why_lost().into()),
+        }
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        self.shared.lock().closing = true;
+        self.shared.changed.notify_one();
+        let drawn = has_ended(self.drawing.as_ref());
+        has_ended(self.keys.as_ref());
+        // A drawing that hangs holds the output: the terminal takes nothing more, and would hang this as well.
+        if drawn && is_ours() {
+            // A terminal that is gone cannot be given back.
+            let _ = ratatui::try_restore();
+        }
+    }
+}
+
+/// Whether a thread ends, if it is waited for a while. The rest is left to the end of the program: reading keys from a
+/// terminal that was hung up never returns.
+fn has_ended(thread: Option<&JoinHandle<()>>) -> bool {
+    /// Half a second in all: some ten times what an orderly end takes.
+    const LOOKS: u32 = 50;
+    const BETWEEN: Duration = Duration::from_millis(10);
+    (0..LOOKS).any(|_| {
+        let ended = thread.is_none_or(JoinHandle::is_finished);
+        if !ended {
+            std::thread::sleep(BETWEEN);
+        }
+        ended
+    })
+}
+
+/// Whether the terminal is still taken: a panic on any thread gives it back before its message is printed, and nothing
+/// may be drawn over that.
+fn is_ours() -> bool {
+    is_raw_mode_enabled().unwrap_or(true)
+}
+
+impl Shared {
+    /// A panic elsewhere leaves plain values behind: they can still be shown.
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn read_keys(&self, inputs: &Sender<Input>) {
+        while !self.lock().closing {
+            let input = match next_event() {
+                Ok(event) => event.and_then(|event| self.take(&event)),
+                Err(error) => {
+                    self.lock().lost = Some(error);
+                    return;
+                }
+            };
+            if input.is_some_and(|input| inputs.send(input).is_err()) {
+                return;
+            }
+        }
+    }
+
+    /// What an event of the terminal asks of the session; the stop flag is raised here.
+    fn take(&self, event: &Event) -> Option<Input> {
+        let mut state = self.lock();
+        let mut input = None;
+        if let Event::Key(key) = event {
+            let entry = state.entry.take();
+            (state.entry, input) = press(*key, &state.view.phase, entry);
+        }
+        if input == Some(Input::Stop) {
+            self.stop.store(true, Ordering::SeqCst);
+        }
+        state.fresh = true;
+        drop(state);
+        self.changed.notify_one();
+        input
+    }
+
+    fn draw_frames(&self, mut terminal: DefaultTerminal, look: Look) {
+        while let Some((view, entry)) = self.wait_for_change().filter(|_| is_ours()) {
+            let drawn = terminal.draw(|frame| render(&view, entry.as_ref(), look, frame)).map(drop);
+            if let Err(error) = drawn {
+                self.lock().lost = Some(error);
+                return;
+            }
+            std::thread::sleep(FRAME);
+        }
+    }
+
+    /// What is to be drawn next; none when the screen closes.
+    fn wait_for_change(&self) -> Option<(View, Option<Entry>)> {
+        let idle = |state: &mut State| !state.fresh && !state.closing;
+        let mut state = self.changed.wait_while(self.lock(), idle).unwrap_or_else(PoisonError::into_inner);
+        state.fresh = false;
+        (!state.closing).then(|| (state.view.clone(), state.entry.clone()))
+    }
+}
+
+fn next_event() -> io::Result<Option<Event>> {
+    if event::poll(KEY_WAIT)? { event::read().map(Some) } else { Ok(None) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Phase;
+    use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+
+    fn shared(phase: Phase) -> Shared {
+        let state = State { view: View { phase, ..View::default() }, ..State::default() };
+        Shared { state: Mutex::new(state), changed: Condvar::new(), stop: Arc::default() }
+    }
+
+    fn key(code: KeyCode) -> Event {
+        Event::Key(KeyEvent::new(code, KeyModifiers::NONE))
+    }
+
+    #[test]
+    fn the_stop_key_raises_the_flag_before_its_input_is_handed_over() {
+        let shared = shared(Phase::Trial { t_s: 0.5, limit_s: 4.0 });
+        assert_eq!(shared.take(&key(KeyCode::Char('5'))), None);
+        assert!(!shared.stop.load(Ordering::SeqCst));
+        assert_eq!(shared.take(&key(KeyCode::Char(' '))), Some(Input::Stop));
+        assert!(shared.stop.load(Ordering::SeqCst));
+    }
+
+    #[test]
+    fn a_new_size_asks_for_a_frame_and_nothing_else() {
+        let shared = shared(Phase::Ready);
+        assert_eq!(shared.take(&Event::Resize(80, 24)), None);
+        assert!(shared.wait_for_change().is_some());
+    }
+
+    #[test]
+    fn what_is_typed_is_kept_between_keys_and_drawn() {
+        let shared = shared(Phase::Ready);
+        shared.take(&key(KeyCode::Char('n')));
+        shared.take(&key(KeyCode::Char('a')));
+        let (_, entry) = shared.wait_for_change().unwrap();
+        assert_eq!(entry, Some(Entry::Note("a".into())));
+    }
+
+    #[test]
+    fn a_screen_that_closes_draws_no_more() {
+        let shared = shared(Phase::Ready);
+        shared.lock().closing = true;
+        assert!(shared.wait_for_change().is_none());
+    }
+}

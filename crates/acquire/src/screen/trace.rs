@@ -1,0 +1,284 @@
+//! The live traces: angle with the wall, velocity, force, and voltages where they may be seen.
+
+use super::look::{Look, Role};
+use super::place::{cut, cut_left, halves, shares};
+use crate::{Phase, Point, View};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::Color;
+use ratatui::symbols::Marker;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::Widget;
+use ratatui::widgets::canvas::{Canvas, Context, Line as Segment};
+
+/// Cells left of a plot: its scale.
+const GUTTER: u16 = 6;
+
+/// Cells between the two columns of plots.
+const COLUMN_GAP: u16 = 2;
+
+/// Room above and below the work space, degrees: the trip outside it is at 2° and must still be seen.
+const ANGLE_ROOM_DEG: f64 = 3.0;
+
+/// Where the force's scale begins, N: the motor gives 4.16 N. No scale shrinks while a trial runs.
+const FORCE_SCALE_N: f64 = 5.0;
+
+/// Where the velocity's scale begins, degrees/s: there and back through the work space within a trial's four seconds.
+const VELOCITY_SCALE_DEG_S: f64 = 100.0;
+
+/// Where the voltages' scale begins, V: the brake's 8 V fit.
+const VOLTAGE_SCALE_V: f64 = 10.0;
+
+/// Force below which the scale also shows the negative side, N: a load cell's noise stays above it.
+const NEGATIVE_FORCE_N: f64 = -0.5;
+
+/// One quantity over time.
+struct Curve {
+    points: Vec<(f64, f64)>,
+    colour: Color,
+    /// What draws it in ASCII.
+    letter: char,
+    /// Drawn with gaps, to be told from its neighbour without colour.
+    dashed: bool,
+}
+
+/// A plot: title, what stands beside it, scale, curves.
+struct Plot {
+    title: &'static str,
+    value: String,
+    /// The ends of the scale, which it names beside 0.
+    low: f64,
+    high: f64,
+    /// What can still be seen beyond either end.
+    room: f64,
+    /// A level to be seen: the wall.
+    level: Option<f64>,
+    curves: Vec<Curve>,
+}
+
+/// Draws the traces of a view. Angle and velocity stand on the left, forces and voltages on the right; a blinded
+/// screen has no voltages, and its angle gets their room.
+pub(super) fn draw(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
+    let window_s = window_s(view);
+    for (column, plots) in halves(area, COLUMN_GAP).into_iter().zip(columns_of(view, look)) {
+        let (above, axis) = cut(column, column.height.saturating_sub(1));
+        for (plot, share) in plots.iter().zip(shares(above, plots.len() as u16)) {
+            plot.draw(window_s, look, share, buffer);
+        }
+        draw_axis(view, window_s, look, axis, buffer);
+    }
+}
+
+fn columns_of(view: &View, look: Look) -> [Vec<Plot>; 2] {
+    let (angle, velocity, force) = (angle(view, look), velocity(view, look), force(view));
+    if view.blinded {
+        [vec![angle], vec![force, velocity]]
+    } else {
+        [vec![angle, velocity], vec![force, voltages(view, look)]]
+    }
+}
+
+/// The time a trace spans: the trial's limit while it runs, else what it took; whole seconds.
+fn window_s(view: &View) -> f64 {
+    let limit_s = match view.phase {
+        Phase::Trial { limit_s, .. } => limit_s,
+        _ => 0.0,
+    };
+    let last_s = view.trace.back().map_or(0.0, |point| point.t_s);
+    limit_s.max(last_s).max(1.0).ceil()
+}
+
+fn angle(view: &View, look: Look) -> Plot {
+    let (low, high) = (view.theta_range_rad.0.to_degrees(), view.theta_range_rad.1.to_degrees());
+    let wall_deg = view.wall_rad.map(f64::to_degrees);
+    let wall = wall_deg.map_or(String::new(), |wall| format!(" wall {wall:.1} ╌"));
+    Plot {
+        title: if look.ascii { "angle (deg)" } else { "angle θ (°)" },
+        value: latest(view, |p| Some(p.theta_rad.to_degrees()), 1) + &wall,
+        low,
+        high,
+        room: ANGLE_ROOM_DEG,
+        level: wall_deg,
+        curves: vec![curve(view, |p| Some(p.theta_rad.to_degrees()), Color::Cyan, '*')],
+    }
+}
+
+fn velocity(view: &View, look: Look) -> Plot {
+    let curve = curve(view, |p| Some(p.theta_dot_rad_s.to_degrees()), Color::Blue, '*');
+    let scale = scale(std::slice::from_ref(&curve), VELOCITY_SCALE_DEG_S);
+    Plot {
+        title: if look.ascii { "velocity (deg/s)" } else { "velocity θ̇ (°/s)" },
+        value: latest(view, |p| Some(p.theta_dot_rad_s.to_degrees()), 0),
+        low: -scale,
+        high: scale,
+        room: 0.0,
+        level: None,
+        curves: vec![curve],
+    }
+}
+
+fn force(view: &View) -> Plot {
+    let curves = vec![curve(view, |p| Some(p.force_ex_n), Color::Green, '*')];
+    let scale = scale(&curves, FORCE_SCALE_N);
+    Plot {
+        title: "user force (N)",
+        value: latest(view, |p| Some(p.force_ex_n), 2),
+        low: if reaches_below(&curves, NEGATIVE_FORCE_N) { -scale } else { 0.0 },
+        high: scale,
+        room: 0.0,
+        level: None,
+        curves,
+    }
+}
+
+/// The brake's voltage has no sign; the motor's is negative where it pushes the lever back.
+fn voltages(view: &View, look: Look) -> Plot {
+    let (motor_v, brake_v) =
+        (|p: &Point| p.voltages.map(|v| v.motor_v), |p: &Point| p.voltages.map(|v| v.brake_v));
+    let motor = curve(view, motor_v, Color::Magenta, 'm');
+    let brake = Curve { dashed: true, ..curve(view, brake_v, Color::Yellow, 'b') };
+    let curves = vec![motor, brake];
+    let scale = scale(&curves, VOLTAGE_SCALE_V);
+    let [motor, brake] = if look.ascii { ["m", "b"] } else { ["─", "╌"] };
+    let (now_motor, now_brake) = (latest(view, motor_v, 1), latest(view, brake_v, 1));
+    Plot {
+        title: "voltage (V)",
+        value: format!("motor {now_motor}{motor} brake {now_brake}{brake}"),
+        low: if reaches_below(&curves, 0.0) { -scale } else { 0.0 },
+        high: scale,
+        room: 0.0,
+        level: None,
+        curves,
+    }
+}
+
+fn curve(view: &View, of: impl Fn(&Point) -> Option<f64>, colour: Color, letter: char) -> Curve {
+    let finite = |p: &Point| of(p).filter(|y| y.is_finite()).map(|y| (p.t_s, y));
+    Curve { points: view.trace.iter().filter_map(finite).collect(), colour, letter, dashed: false }
+}
+
+/// The newest value of a trace in words, while the trial runs: afterwards it would be taken for the device's state.
+fn latest(view: &View, of: impl Fn(&Point) -> Option<f64>, digits: usize) -> String {
+    let running = matches!(view.phase, Phase::Trial { .. });
+    let newest = view.trace.back().filter(|_| running).and_then(of);
+    newest.map_or(String::new(), |y| unsigned_zero(format!("{y:.digits$} ")))
+}
+
+/// A zero without its sign, which would come and go on a lever at rest.
+fn unsigned_zero(number: String) -> String {
+    match number.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.' | ' ')) => rest.to_owned(),
+        _ => number,
+    }
+}
+
+/// The first scale, doubled until the curves stay within.
+fn scale(curves: &[Curve], first: f64) -> f64 {
+    let sizes = curves.iter().flat_map(|curve| &curve.points).map(|(_, y)| y.abs());
+    let most = sizes.fold(0.0, f64::max);
+    let mut scale = first;
+    while scale < most {
+        scale *= 2.0;
+    }
+    scale
+}
+
+fn reaches_below(curves: &[Curve], limit: f64) -> bool {
+    curves.iter().flat_map(|curve| &curve.points).any(|(_, y)| *y < limit)
+}
+
+impl Plot {
+    fn draw(&self, window_s: f64, look: Look, area: Rect, buffer: &mut Buffer) {
+        let (title, plot) = cut(area, 1);
+        let words = [
+            Span::styled(self.title, look.style(Role::Quiet)),
+            Span::raw("  "),
+            Span::styled(self.value.trim_start(), look.style(Role::Strong)),
+        ];
+        Line::from_iter(words).render(title, buffer);
+        let (gutter, inside) = cut_left(plot, GUTTER);
+        self.draw_scale(look, gutter, buffer);
+        let [bottom, top] = self.bounds();
+        let canvas = Canvas::default().x_bounds([0.0, window_s]).y_bounds([bottom, top]);
+        canvas.paint(|context| self.paint(context, window_s, inside.width, look)).render(inside, buffer);
+    }
+
+    fn bounds(&self) -> [f64; 2] {
+        [self.low - self.room, self.high + self.room]
+    }
+
+    /// The scale: each label in the row its value falls in.
+    fn draw_scale(&self, look: Look, area: Rect, buffer: &mut Buffer) {
+        let [bottom, top] = self.bounds();
+        let last = area.height.saturating_sub(1);
+        let row_of =
+            |value: f64| (((top - value) / (top - bottom) * f64::from(area.height)) as u16).min(last);
+        for (row, cells) in (0..).zip(area.rows()) {
+            let value = [self.low, self.high, 0.0].into_iter().find(|value| row_of(*value) == row);
+            let label = value.map_or(String::new(), |value| format!("{value:.0}"));
+            let text = format!("{label:>width$}│", width = usize::from(GUTTER) - 1);
+            Line::styled(text, look.style(Role::Quiet)).render(cells, buffer);
+        }
+    }
+
+    fn paint(&self, context: &mut Context<'_>, window_s: f64, cells: u16, look: Look) {
+        let colour = |colour| if look.colour { colour } else { Color::Reset };
+        let marker = |letter| if look.ascii { Marker::Custom(letter) } else { Marker::Braille };
+        if let Some(level) = self.level {
+            context.marker(marker('-'));
+            for (from, to) in dashes(window_s, cells) {
+                context.draw(&Segment::new(from, level, to, level, colour(Color::Yellow)));
+            }
+        }
+        for curve in &self.curves {
+            context.marker(marker(curve.letter));
+            for (i, pair) in curve.points.windows(2).enumerate() {
+                let gap = curve.dashed && (i / DASH_POINTS) % 2 == 1;
+                if let ([(t1, y1), (t2, y2)], false) = (pair, gap) {
+                    context.draw(&Segment::new(*t1, *y1, *t2, *y2, colour(curve.colour)));
+                }
+            }
+        }
+    }
+}
+
+/// Points of a trace in a dash, and in the gap after it.
+const DASH_POINTS: usize = 12;
+
+/// A broken line over the whole plot: every other cell. A cell is two dots wide, and the last dot is the plot's end.
+fn dashes(window_s: f64, cells: u16) -> impl Iterator<Item = (f64, f64)> {
+    let dot_s = window_s / (2.0 * f64::from(cells) - 1.0);
+    (0..cells).step_by(2).map(move |i| (2.0 * f64::from(i) * dot_s, (2.0 * f64::from(i) + 1.0) * dot_s))
+}
+
+fn draw_axis(view: &View, window_s: f64, look: Look, area: Rect, buffer: &mut Buffer) {
+    let (_, area) = cut_left(area, GUTTER);
+    let line = |text: String| Line::styled(text, look.style(Role::Quiet));
+    line("0".into()).render(area, buffer);
+    line(format!("{window_s:.0} s")).right_aligned().render(area, buffer);
+    if !matches!(view.phase, Phase::Trial { .. }) && !view.trace.is_empty() {
+        line("last trial".into()).centered().render(area, buffer);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scale_doubles_until_the_curve_stays_within() {
+        let of = |most: f64| {
+            let points = vec![(0.0, 0.0), (1.0, -most)];
+            scale(&[Curve { points, colour: Color::Reset, letter: '*', dashed: false }], 5.0)
+        };
+        assert_eq!([0.0, 5.0, 5.1, 21.0].map(|most| of(most).to_string()), ["5", "5", "10", "40"]);
+    }
+
+    #[test]
+    fn a_zero_has_no_sign() {
+        let check = |number: &str, expect: &str| assert_eq!(unsigned_zero(number.to_owned()), expect);
+        check("-0.0 ", "0.0 ");
+        check("-0.1 ", "-0.1 ");
+        check("12 ", "12 ");
+    }
+}

@@ -1,0 +1,333 @@
+//! A session as it is laid down before its first trial, or found again on the disk.
+
+use crate::flow::Recorded;
+use crate::{AcquireError, vault};
+use std::path::{Path, PathBuf};
+use zwidth_device::Capabilities;
+use zwidth_store::{Files, Layout, SessionLog, StoreError, StudyData, TrialEntry, hex_blake3, write_new};
+use zwidth_study::{
+    Calibration, Event, ModeId, OrderRecord, ParticipantId, PlannedTrial, QuestionId, Scene, Seal, SessionId,
+    SessionRecord, Status, Study, TrialMeta, order,
+};
+
+/// What a session is made of, besides the device.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Where the study lies.
+    pub layout: Layout,
+    /// The study.
+    pub study: Study,
+    /// BLAKE3 of its `study.toml`.
+    pub study_blake3: String,
+    /// Who.
+    pub participant: ParticipantId,
+    /// Which session.
+    pub session: SessionId,
+    /// The calibration in force.
+    pub calibration: Calibration,
+    /// The software that records, with its version.
+    pub software: String,
+    /// Rate of the control loop, Hz.
+    pub rate_hz: f64,
+    /// The order's seed, where one is asked for. A study has one seed: its participants are balanced under it.
+    pub seed: Option<u64>,
+    /// The folder of seals and of the seed that is not to be known.
+    pub keys: PathBuf,
+    /// Random bytes nobody can guess, from which a blinded session has its seal's nonce and its study the seed.
+    pub secret: [u8; 32],
+}
+
+/// A session, laid down or found again.
+#[derive(Debug, Clone)]
+pub struct Session {
+    /// Its record.
+    pub record: SessionRecord,
+    /// Whether the record lies on the disk.
+    pub laid_down: bool,
+    /// Its seal, where it was sealed.
+    pub seal: Option<Seal>,
+    /// Whether modes and voltages are hidden.
+    pub blinded: bool,
+    /// The mode of each trial of the order.
+    pub modes: Vec<ModeId>,
+    /// What was recorded before.
+    pub recorded: Vec<Recorded>,
+    /// What the log holds.
+    pub events: Vec<Event>,
+}
+
+impl Session {
+    /// Finds the session, or draws its order. Nothing is written but the seed of a blinded study.
+    ///
+    /// # Errors
+    /// A session on the disk that began with another study, device, calibration, rate or seed; one that cannot be
+    /// read, or whose seal is not there; a study with an environment that no device renders.
+    pub fn open(plan: &Plan, device: &Capabilities) -> Result<Self, AcquireError> {
+        if let Some(environment) = plan.study.environments.iter().find(|e| e.scene == Scene::None) {
+            return Err(AcquireError::Refused {
+                what: format!(
+                    "environment {} renders nothing, so no trial can be recorded in it",
+                    environment.id
+                ),
+                remedy: "give it a kind in study.toml".to_owned(),
+            });
+        }
+        let path = plan.layout.session(&plan.participant, &plan.session);
+        if path.exists() { found(plan, device, &path) } else { drawn(plan, device) }
+    }
+
+    /// The order, each trial with the question that follows it.
+    pub fn order(&self, study: &Study) -> Vec<(PlannedTrial, Option<QuestionId>)> {
+        let question = |t: &PlannedTrial| study.environment(&t.environment).and_then(|e| e.question.clone());
+        self.record.trials.iter().map(|t| (t.clone(), question(t))).collect()
+    }
+
+    /// What a trial's file says of it: in a sealed session its code in place of the mode.
+    pub fn meta(&self, trial: &PlannedTrial) -> TrialMeta {
+        let code = self.seal.as_ref().map(|seal| seal.code(trial.trial));
+        TrialMeta {
+            participant: self.record.participant.clone(),
+            session: self.record.session.clone(),
+            trial: trial.trial,
+            repeat: trial.repeat,
+            kind: trial.kind,
+            status: Status::Complete,
+            environment: trial.environment.clone(),
+            mode: code.unwrap_or_else(|| trial.mode.clone()),
+            likert: None,
+            source: self.record.source,
+        }
+    }
+
+    /// Writes the record, once, and before it the seal of a blinded session.
+    ///
+    /// # Errors
+    /// A write that failed.
+    pub fn lay_down(&mut self, plan: &Plan, files: &dyn Files) -> Result<(), AcquireError> {
+        if let Some(seal) = &self.seal {
+            vault::keep(&plan.keys, plan.layout.study(), &self.record, seal)?;
+        }
+        let path = plan.layout.session(&self.record.participant, &self.record.session);
+        let text = self.record.to_json();
+        let text = text.map_err(|e| StoreError::new(&path, e.to_string(), "please report this"))?;
+        write_new(files, &path, text.as_bytes())?;
+        self.laid_down = true;
+        Ok(())
+    }
+}
+
+/// BLAKE3 of a calibration's text, hexadecimal.
+///
+/// # Errors
+/// A value that cannot be written.
+pub fn calibration_blake3(calibration: &Calibration) -> Result<String, AcquireError> {
+    let text = calibration.to_toml().map_err(|e| AcquireError::Refused {
+        what: e.to_string(),
+        remedy: "mend the calibration's file".to_owned(),
+    })?;
+    Ok(hex_blake3(text.as_bytes()))
+}
+
+/// A record without its trials: what must stay the same while the session lasts.
+fn bare(plan: &Plan, device: &Capabilities) -> Result<SessionRecord, AcquireError> {
+    let mut record = SessionRecord::new(
+        plan.participant.clone(),
+        plan.session.clone(),
+        device.source,
+        plan.software.clone(),
+        plan.study_blake3.clone(),
+        Vec::new(),
+    );
+    record.device = Some(device.name.clone());
+    record.calibration = Some(plan.calibration.clone());
+    record.calibration_blake3 = Some(calibration_blake3(&plan.calibration)?);
+    record.rate_hz = Some(plan.rate_hz);
+    Ok(record)
+}
+
+fn drawn(plan: &Plan, device: &Capabilities) -> Result<Session, AcquireError> {
+    let mut record = bare(plan, device)?;
+    let seed = match plan.seed {
+        Some(seed) => seed,
+        None if plan.study.design.blinded => {
+            vault::seed(&plan.keys, plan.layout.study(), || first_u64(&derived(plan, "seed")))?
+        }
+        None => seed_of(&plan.study),
+    };
+    let (participant_number, session_number) =
+        (number(plan.participant.as_str()), number(plan.session.as_str()));
+    let scheme = plan.study.design.order;
+    record.order = Some(OrderRecord { scheme, participant_number, session_number });
+    let trials = order::draw(&plan.study, participant_number, session_number, seed);
+    let modes = trials.iter().map(|t| t.mode.clone()).collect();
+    let seal = if plan.study.design.blinded {
+        let seal = Seal::new(derived(plan, "nonce"), &trials);
+        record.commitment = Some(seal.commitment());
+        record.trials = seal.masked(&trials);
+        Some(seal)
+    } else {
+        record.seed = Some(seed);
+        record.trials = trials;
+        None
+    };
+    let blinded = seal.is_some();
+    let (recorded, events) = (Vec::new(), Vec::new());
+    Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events })
+}
+
+fn found(plan: &Plan, device: &Capabilities, path: &Path) -> Result<Session, AcquireError> {
+    let data = StudyData::load(&plan.layout).map_err(first)?;
+    let is_this = |p: &ParticipantId, s: &SessionId| *p == plan.participant && *s == plan.session;
+    let log = data.sessions.iter().find(|log| is_this(&log.record.participant, &log.record.session));
+    let Some(log) = log else {
+        let problem = data.problems.into_iter().find(|p| p.path.parent() == path.parent());
+        let unreadable = || StoreError::new(path, "the session cannot be read", "see `zwidth verify`");
+        return Err(problem.unwrap_or_else(unreadable).into());
+    };
+    let differences = differences(&log.record, &bare(plan, device)?, plan.seed);
+    if !differences.is_empty() {
+        return Err(AcquireError::Differs { session: path.to_owned(), differences });
+    }
+    let seal = match (&log.seal, &log.record.commitment) {
+        (Some(seal), _) => Some(seal.clone()),
+        (None, Some(_)) => Some(vault::find(&plan.keys, plan.layout.study(), &log.record)?),
+        (None, None) => None,
+    };
+    let modes = match &seal {
+        Some(seal) => opened(seal, &log.record)?,
+        None => log.record.trials.iter().map(|t| t.mode.clone()).collect(),
+    };
+    Ok(Session {
+        recorded: recorded(&data, log),
+        record: log.record.clone(),
+        laid_down: true,
+        blinded: log.is_sealed(),
+        seal,
+        modes,
+        events: log.events.clone(),
+    })
+}
+
+/// What was recorded of a session.
+pub(crate) fn recorded(data: &StudyData, log: &SessionLog) -> Vec<Recorded> {
+    let answered =
+        |n: u32| log.events.iter().any(|e| matches!(e, Event::Answer { trial, .. } if *trial == n));
+    let of_session = |t: &&TrialEntry| {
+        t.meta.participant == log.record.participant && t.meta.session == log.record.session
+    };
+    let one = |t: &TrialEntry| Recorded {
+        trial: t.meta.trial,
+        complete: t.meta.status == Status::Complete,
+        settled: t.meta.likert.is_some() || t.excluded.is_some() || answered(t.meta.trial),
+    };
+    data.trials.iter().filter(of_session).map(one).collect()
+}
+
+fn opened(seal: &Seal, record: &SessionRecord) -> Result<Vec<ModeId>, AcquireError> {
+    let trials = seal.opened(&record.trials).map_err(|e| AcquireError::Refused {
+        what: format!("session {} of {}: {e}", record.session, record.participant),
+        remedy: "restore the session's record and its seal from copies".to_owned(),
+    })?;
+    Ok(trials.into_iter().map(|t| t.mode).collect())
+}
+
+/// What a session on the disk began with that is not at hand now, in words.
+fn differences(record: &SessionRecord, now: &SessionRecord, seed: Option<u64>) -> Vec<String> {
+    let words = |value: &Option<String>| value.clone().unwrap_or_else(|| "none".to_owned());
+    let rate = |r: &SessionRecord| r.rate_hz.map(|hz| format!("{hz} Hz"));
+    let study = |r: &SessionRecord| Some(short(&r.study_blake3));
+    let calibration = |r: &SessionRecord| r.calibration_blake3.as_deref().map(short);
+    let seeds = [record.seed.filter(|_| seed.is_some()), seed.filter(|_| record.seed.is_some())];
+    let [seed_then, seed_now] = seeds.map(|s| s.map(|s| s.to_string()));
+    [
+        ("study.toml is", study(record), study(now)),
+        ("the device is", record.device.clone(), now.device.clone()),
+        ("the calibration is", calibration(record), calibration(now)),
+        ("the rate is", rate(record), rate(now)),
+        ("the seed is", seed_then, seed_now),
+    ]
+    .into_iter()
+    .filter(|(_, then, now)| then != now)
+    .map(|(what, then, now)| format!("{what} {}, and was {}", words(&now), words(&then)))
+    .collect()
+}
+
+/// The first digits of a hash: enough to see that two differ.
+fn short(hash: &str) -> String {
+    const SHOWN: usize = 12;
+    hash.chars().take(SHOWN).collect()
+}
+
+fn first(problems: Vec<StoreError>) -> AcquireError {
+    let none = || StoreError::new(Path::new("study.toml"), "it cannot be read", "see `zwidth verify`");
+    problems.into_iter().next().unwrap_or_else(none).into()
+}
+
+/// The number by which a participant or a session is counterbalanced: the digits at the end of its id. An id without
+/// any gets a number from its hash, so that it is assigned at random.
+pub fn number(id: &str) -> u32 {
+    let letters = id.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+    id[letters..].parse().unwrap_or_else(|_| hashed(id))
+}
+
+/// The order's seed of an open study: from its id, the same for every participant.
+fn seed_of(study: &Study) -> u64 {
+    // 32 bits, which every reader of JSON keeps.
+    hashed(study.id.as_str()).into()
+}
+
+/// A number from a text's hash.
+fn hashed(text: &str) -> u32 {
+    (first_u64(blake3::hash(text.as_bytes()).as_bytes()) >> u32::BITS) as u32
+}
+
+/// 32 bytes from the secret. Of two for different purposes neither tells the other: a nonce is shown in the end, the
+/// seed never.
+fn derived(plan: &Plan, purpose: &str) -> [u8; 32] {
+    *blake3::keyed_hash(&plan.secret, purpose.as_bytes()).as_bytes()
+}
+
+fn first_u64(bytes: &[u8; 32]) -> u64 {
+    bytes.first_chunk().map_or(0, |first| u64::from_le_bytes(*first))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_digits_at_the_end_of_an_id_are_its_number_and_any_id_has_one() {
+        for (id, expect) in [("P01", 1), ("S12", 12), ("P2b7", 7), ("007", 7)] {
+            assert_eq!(number(id), expect, "{id}");
+        }
+        assert_eq!(number("anna"), number("anna"));
+        assert_ne!(number("anna"), number("bert"));
+        assert_eq!(number("P99999999999999999999"), number("P99999999999999999999"));
+    }
+
+    #[test]
+    fn what_differs_from_the_record_is_told_with_both_sides() {
+        let record = |device: &str, seed| {
+            let mut record = SessionRecord::new(
+                "P01".parse().unwrap(),
+                "S01".parse().unwrap(),
+                zwidth_study::Source::Twin,
+                "test",
+                "abcdef0123456789",
+                Vec::new(),
+            );
+            (record.device, record.rate_hz, record.seed) = (Some(device.to_owned()), Some(120.0), seed);
+            record
+        };
+        let then = record("twin 1", Some(3));
+        assert_eq!(differences(&then, &record("twin 1", None), None), Vec::<String>::new());
+        let now = SessionRecord { rate_hz: Some(1000.0), ..record("rig", None) };
+        let found = differences(&then, &now, Some(4));
+        let expect = [
+            "the device is rig, and was twin 1",
+            "the rate is 1000 Hz, and was 120 Hz",
+            "the seed is 4, and was 3",
+        ];
+        assert_eq!(found, expect);
+    }
+}

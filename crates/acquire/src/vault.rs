@@ -1,0 +1,122 @@
+//! Where seals lie until they are opened: a folder of the user's own, outside the data.
+//!
+//! ```text
+//! <folder>/<study>/seed                                  the order's seed, where none was given
+//! <folder>/<study>/<participant>_<session>.<16 digits of the commitment>.json
+//! ```
+//!
+//! With the commitment in its name a seal is never taken for that of another study of the same id. Opened seals
+//! stay: the event log holds them too.
+
+use crate::AcquireError;
+use std::path::{Path, PathBuf};
+use zwidth_store::{RealFiles, StoreError, write_new};
+use zwidth_study::{ParticipantId, Seal, SessionId, SessionRecord, StudyId};
+
+/// Digits of the commitment in a seal's name: enough to tell any two apart.
+const DIGITS: usize = 16;
+
+/// Where a session's seal lies.
+pub fn seal_path(
+    folder: &Path,
+    study: &StudyId,
+    participant: &ParticipantId,
+    session: &SessionId,
+    commitment: &str,
+) -> PathBuf {
+    let digits: String = commitment.chars().take(DIGITS).collect();
+    folder.join(study.as_str()).join(format!("{participant}_{session}.{digits}.json"))
+}
+
+/// Keeps a seal. One that lies there already is this very one, by its name: a simulated study made again from its seed.
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn keep(folder: &Path, study: &StudyId, record: &SessionRecord, seal: &Seal) -> Result<(), AcquireError> {
+    let path = seal_path(folder, study, &record.participant, &record.session, &seal.commitment());
+    let text = seal.to_json().map_err(|e| StoreError::new(&path, e.to_string(), "please report this"))?;
+    if std::fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
+        return Ok(());
+    }
+    Ok(write_new(&RealFiles, &path, text.as_bytes())?)
+}
+
+/// The seal of a sealed session.
+///
+/// # Errors
+/// It is not there, it is no seal, or it does not fit the session's commitment.
+pub fn find(folder: &Path, study: &StudyId, record: &SessionRecord) -> Result<Seal, AcquireError> {
+    let Some(commitment) = &record.commitment else {
+        return Err(AcquireError::Refused {
+            what: format!("session {} of {} is not sealed", record.session, record.participant),
+            remedy: "there is nothing to unseal".to_owned(),
+        });
+    };
+    let path = seal_path(folder, study, &record.participant, &record.session, commitment);
+    let text = std::fs::read_to_string(&path).map_err(|e| {
+        let remedy =
+            "the seal lies where the session was begun: name that folder with --key, or copy the file here";
+        StoreError::new(&path, format!("cannot read the session's seal: {e}"), remedy)
+    })?;
+    let wrong = |e: zwidth_study::SealError| StoreError::new(&path, e.to_string(), "see --key");
+    let seal = Seal::from_json(&text).map_err(wrong)?;
+    seal.verify(commitment).map_err(wrong)?;
+    Ok(seal)
+}
+
+/// The study's secret seed: the order of a sealed session must not follow from anything in the data.
+///
+/// # Errors
+/// A folder that cannot be written, or a file that holds no number.
+pub fn seed(folder: &Path, study: &StudyId, draw: impl FnOnce() -> u64) -> Result<u64, AcquireError> {
+    let path = folder.join(study.as_str()).join("seed");
+    if !path.exists() {
+        write_new(&RealFiles, &path, format!("{}\n", draw()).as_bytes())?;
+    }
+    let text = std::fs::read_to_string(&path).map_err(|e| StoreError::io(&path, "read", &e))?;
+    let wrong =
+        |_| StoreError::new(&path, format!("'{}' is no seed", text.trim()), "restore the file from a copy");
+    Ok(text.trim().parse().map_err(wrong)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_study::Source;
+
+    fn sealed() -> (SessionRecord, Seal) {
+        let mut record = SessionRecord::new(
+            "P01".parse().unwrap(),
+            "S01".parse().unwrap(),
+            Source::Twin,
+            "test",
+            "",
+            Vec::new(),
+        );
+        let seal = Seal { nonce: [7; 32], order: vec![(1, "active".parse().unwrap())] };
+        record.commitment = Some(seal.commitment());
+        (record, seal)
+    }
+
+    #[test]
+    fn a_seal_is_found_again_by_its_commitment_and_by_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let study = "s".parse().unwrap();
+        let (mut record, seal) = sealed();
+        keep(folder.path(), &study, &record, &seal).unwrap();
+        keep(folder.path(), &study, &record, &seal).unwrap();
+        assert_eq!(find(folder.path(), &study, &record).unwrap(), seal);
+        record.commitment = Some("0".repeat(64));
+        assert!(find(folder.path(), &study, &record).unwrap_err().to_string().contains("--key"));
+        record.commitment = None;
+        assert!(find(folder.path(), &study, &record).unwrap_err().to_string().contains("not sealed"));
+    }
+
+    #[test]
+    fn a_study_keeps_its_first_seed() {
+        let folder = tempfile::tempdir().unwrap();
+        let study = "s".parse().unwrap();
+        assert_eq!(seed(folder.path(), &study, || 5).unwrap(), 5);
+        assert_eq!(seed(folder.path(), &study, || 6).unwrap(), 5);
+    }
+}

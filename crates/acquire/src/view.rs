@@ -1,0 +1,202 @@
+//! Everything a screen shows, as plain values: the runner fills it, a screen draws it.
+//!
+//! What would give a blinded session's mode away is not in here at all, so that no screen can show it by mistake.
+
+use std::collections::VecDeque;
+use zwidth_study::{Kind, Voltages};
+
+/// Points of a trace kept, at most: a trial of 10 s at [`TRACE_HZ`].
+pub const TRACE_POINTS: usize = 1000;
+
+/// Points a second that go into a trace, at most: twice what a terminal can show of a four-second trial.
+pub const TRACE_HZ: f64 = 100.0;
+
+/// Lines of talk kept.
+pub const MESSAGES: usize = 50;
+
+/// Everything a screen shows.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct View {
+    /// The study's id.
+    pub study: String,
+    /// The participant's code.
+    pub participant: String,
+    /// The session's id.
+    pub session: String,
+    /// The device's name, with its version.
+    pub device: String,
+    /// Whether the device is a simulated one: the screen says so.
+    pub simulated: bool,
+    /// Whether modes and voltages are hidden.
+    pub blinded: bool,
+    /// Where the session stands.
+    pub phase: Phase,
+    /// The trial in progress, or the next one; none before homing and after the last.
+    pub trial: Option<Current>,
+    /// Trials of the order that are done.
+    pub done: usize,
+    /// Trials of the order.
+    pub total: usize,
+    /// Work space, rad.
+    pub theta_range_rad: (f64, f64),
+    /// Where the environment's wall begins, rad, where it has one.
+    pub wall_rad: Option<f64>,
+    /// The trial's course so far, oldest first; it stays until the next trial begins.
+    pub trace: VecDeque<Point>,
+    /// How the control loop keeps time.
+    pub timing: Timing,
+    /// The device check: name, value with unit, whether it passed.
+    pub checks: Vec<CheckLine>,
+    /// What was said, oldest first: refusals, warnings, what was stored.
+    pub messages: VecDeque<String>,
+    /// How many messages there were in all, those that went included.
+    pub said: usize,
+}
+
+/// Where the session stands, with what a screen shows of it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Phase {
+    /// The device is being checked.
+    #[default]
+    Check,
+    /// The lever is brought to its stop, actuators off.
+    Homing,
+    /// The next trial waits for its start.
+    Ready,
+    /// A trial runs.
+    Trial {
+        /// Time since its start, s.
+        t_s: f64,
+        /// Longest it may take, s.
+        limit_s: f64,
+    },
+    /// The trial's question waits for an answer.
+    Question {
+        /// Its wording.
+        text: String,
+    },
+    /// The pause after a trial.
+    Pause {
+        /// Time left, s.
+        left_s: f64,
+        /// Its length, s.
+        pause_s: f64,
+    },
+    /// Stopped, both actuators at 0 V, until someone goes on or quits.
+    Stopped {
+        /// What stopped it, in words.
+        why: String,
+    },
+    /// Every trial of the order is done.
+    Done,
+    /// Nothing more happens.
+    Left,
+}
+
+/// The trial a screen speaks of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Current {
+    /// Its number: the file's.
+    pub trial: u32,
+    /// Its place in the order, from 1 (a repeat keeps its place).
+    pub place: usize,
+    /// Experiment or familiarisation.
+    pub kind: Kind,
+    /// The environment's label.
+    pub environment: String,
+    /// The mode's label; none in a blinded session.
+    pub mode: Option<String>,
+    /// The trial it takes the place of, where it is a repeat.
+    pub repeats: Option<u32>,
+}
+
+/// One point of a trace, SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Time since the trial's start, s.
+    pub t_s: f64,
+    /// Lever angle, rad.
+    pub theta_rad: f64,
+    /// Lever velocity, rad/s.
+    pub theta_dot_rad_s: f64,
+    /// User force, N.
+    pub force_ex_n: f64,
+    /// Commanded voltages; none in a blinded session.
+    pub voltages: Option<Voltages>,
+}
+
+/// How the control loop keeps time, in the trial in progress or the last one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Timing {
+    /// Nominal rate, Hz.
+    pub rate_hz: f64,
+    /// Samples a second so far, Hz.
+    pub measured_hz: f64,
+    /// Lateness of a tick against its deadline, median, s.
+    pub jitter_p50_s: f64,
+    /// 99th percentile, s.
+    pub jitter_p99_s: f64,
+    /// Worst, s.
+    pub jitter_max_s: f64,
+    /// Ticks that missed their deadline by a whole period or more.
+    pub missed: u64,
+    /// Samples lost.
+    pub dropouts: u64,
+}
+
+/// One line of the device check.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheckLine {
+    /// What was checked.
+    pub name: String,
+    /// What was found, with its unit.
+    pub value: String,
+    /// Whether it passed.
+    pub ok: bool,
+}
+
+impl View {
+    /// Adds a line of talk; the oldest goes.
+    pub fn say(&mut self, message: impl Into<String>) {
+        if self.messages.len() == MESSAGES {
+            self.messages.pop_front();
+        }
+        self.messages.push_back(message.into());
+        self.said += 1;
+    }
+
+    /// Adds a point to the trace unless it comes sooner than [`TRACE_HZ`] allows; the oldest goes.
+    pub fn trace(&mut self, point: Point) {
+        // A thousandth of a point's time: a tick that comes a hair early is not left out.
+        const SLACK: f64 = 0.999;
+        if self.trace.back().is_some_and(|last| (point.t_s - last.t_s) * TRACE_HZ < SLACK) {
+            return;
+        }
+        if self.trace.len() == TRACE_POINTS {
+            self.trace.pop_front();
+        }
+        self.trace.push_back(point);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trace_takes_in_no_more_than_its_rate_and_forgets_its_oldest_points() {
+        let mut view = View::default();
+        for i in 0..20_000 {
+            let point = Point {
+                t_s: f64::from(i) * 1e-3,
+                theta_rad: 0.0,
+                theta_dot_rad_s: 0.0,
+                force_ex_n: 0.0,
+                voltages: None,
+            };
+            view.trace(point);
+        }
+        assert_eq!(view.trace.len(), TRACE_POINTS);
+        assert!((view.trace[1].t_s - view.trace[0].t_s - 0.01).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,111 @@
+//! `zwidth acquire`: records a session, or goes on with one.
+
+use super::device::{bench, checks_itself, clock, keys, mixed, open, raised_by_signals, secret};
+use super::recover::{lock, put_in_order_and_tell};
+use crate::args::{Acquire, DeviceSpec};
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::bail;
+use std::io::{BufReader, stdin, stdout};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use zwidth_acquire::{
+    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session, run,
+};
+use zwidth_store::RealFiles;
+
+/// The software, as every record and trial names it.
+pub(super) const SOFTWARE: &str = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
+
+pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow::Result<Exit> {
+    let Acquire { participant, session, .. } = command;
+    if command.fast && matches!(command.device, DeviceSpec::Rig(_)) {
+        bail!("--fast is a simulated clock, which no rig follows; leave it out");
+    }
+    let bench = bench(root, command.study.clone(), command.rate)?;
+    let _lock = lock(&bench.layout, "zwidth acquire")?;
+    put_in_order_and_tell(&bench.layout, screen);
+    let seed = command.seed.unwrap_or_else(|| mixed(0, &["device", command.study.as_str()]));
+    let mut device = open(&command.device, &bench, seed, participant, session)?;
+    let keys = keys(&command.keys, bench.study.design.blinded)?;
+    let plan = Plan {
+        rate_hz: bench.study.control.rate_hz.min(device.capabilities().rate_hz),
+        layout: bench.layout,
+        study: bench.study,
+        study_blake3: bench.study_blake3,
+        participant: participant.clone(),
+        session: session.clone(),
+        calibration: bench.calibration,
+        software: SOFTWARE.to_owned(),
+        seed: command.seed,
+        keys,
+        secret: secret()?,
+    };
+    let laid = Session::open(&plan, device.capabilities())?;
+    let options = Options {
+        live: !command.fast,
+        answers: command.auto,
+        check: checks_itself(&command.device),
+        no_watchdog: command.no_watchdog,
+        stop: raised_by_signals()?,
+        quit: raised_by_signals()?,
+    };
+    let mut clock = clock(command.fast, mixed(seed, &["clock", participant.as_str(), session.as_str()]));
+    let mut front = front(command, Arc::clone(&options.stop))?;
+    let utc = |_: f64| super::recover::now();
+    let parts =
+        Parts { device: &mut *device, clock: &mut *clock, files: &RealFiles, front: &mut *front, utc: &utc };
+    let outcome = run(&plan, laid, &options, parts);
+    drop(front); // the terminal is given back before anything is printed on it
+    Ok(tell(&plan, &outcome?, screen))
+}
+
+/// Who sits before it.
+fn front(command: &Acquire, stop: Arc<AtomicBool>) -> anyhow::Result<Box<dyn Front>> {
+    let plain = |stop| Plain::new(BufReader::new(stdin()), stdout(), stop, !command.auto);
+    let terminal = |stop| Terminal::open(Look::from_env(command.ascii), stop);
+    Ok(match (command.plain, command.auto) {
+        (true, true) => Box::new(Auto::new(plain(stop))),
+        (true, false) => Box::new(plain(stop)),
+        (false, true) => Box::new(Auto::new(terminal(stop)?)),
+        (false, false) => Box::new(terminal(stop)?),
+    })
+}
+
+/// What became of the session, and how to go on with it.
+fn tell(plan: &Plan, outcome: &Outcome, screen: &Screen) -> Exit {
+    let Outcome { done, total, timing, .. } = outcome;
+    if timing.ticks > 0 {
+        let ms = |s: f64| s * 1e3;
+        screen.say(format!(
+            "{} ticks, {} missed; late by {:.3} ms (median), {:.3} ms (99 %), {:.3} ms (most)",
+            timing.ticks,
+            timing.missed,
+            ms(timing.lateness.percentile_s(50.0)),
+            ms(timing.lateness.percentile_s(99.0)),
+            ms(timing.lateness.max_s()),
+        ));
+    }
+    let session = format!("{} {} {}", plan.layout.study(), plan.participant, plan.session);
+    if done == total {
+        screen.say(format!(
+            "{session}: all {total} trials are done. Check them with `zwidth verify {}`.",
+            plan.study.id
+        ));
+        return Exit::Fine;
+    }
+    let resume = format!("zwidth acquire {} -p {} -s {}", plan.study.id, plan.participant, plan.session);
+    screen.warn(format!("{session}: {done} of {total} trials are done; go on with `{resume}`"));
+    match (&outcome.stopped, outcome.interrupted) {
+        (Some(why), _) => {
+            screen.warn(format!("it was stopped: {why}"));
+            Exit::Failed
+        }
+        (None, true) => {
+            screen.warn("a signal ended it; what was recorded is safe");
+            Exit::Failed
+        }
+        (None, false) => Exit::Partly,
+    }
+}

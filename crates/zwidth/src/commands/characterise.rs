@@ -1,0 +1,92 @@
+//! `zwidth characterise`: sweeps of an actuator.
+
+use super::device::{Bench, bench};
+use super::recover::lock;
+use crate::args::{Actuator, Characterise, DeviceSpec};
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::bail;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_device::{Device as _, Person, SweepPoint, Twin, brake_sweep, motor_sweep};
+use zwidth_store::{Files, Layout, Quantity, RealFiles, Sweep, sweep_bytes, write_new};
+use zwidth_study::{ActuatorId, Source};
+
+pub(crate) fn characterise(root: &Path, command: &Characterise, screen: &Screen) -> anyhow::Result<Exit> {
+    let bench = bench(root, command.study.clone(), None)?;
+    let _lock = lock(&bench.layout, "zwidth characterise")?;
+    match &command.device {
+        DeviceSpec::Twin => {}
+        DeviceSpec::Playback(_) => bail!("a recording cannot be characterised; use --device twin"),
+        DeviceSpec::Rig(ports) => {
+            bail!("this version cannot drive a rig yet, so {ports} were not opened; use --device twin")
+        }
+    }
+    let first = free_number(&bench.layout, command.actuator)?;
+    for number in first..first.saturating_add(command.sweeps) {
+        let software = super::acquire::SOFTWARE;
+        let path = record(&bench, &RealFiles, command.actuator, command.seed, number, software)?;
+        screen.result(path.display().to_string());
+    }
+    Ok(Exit::Fine)
+}
+
+/// Records one sweep on the twin; its file.
+pub(super) fn record(
+    bench: &Bench,
+    files: &dyn Files,
+    actuator: Actuator,
+    seed: u64,
+    number: u32,
+    software: &str,
+) -> anyhow::Result<PathBuf> {
+    let points = match actuator {
+        Actuator::Motor => motor_sweep(&bench.twin, seed, number)?,
+        // A brake's force is its level only while it slips.
+        Actuator::Brake => {
+            brake_sweep(&bench.twin, seed, number)?.into_iter().filter(|p| p.slipping).collect()
+        }
+    };
+    let id = actuator_id(actuator)?;
+    let path = bench.layout.sweep(&id, number);
+    let device = Twin::new(bench.twin.clone(), Person::typical(seed), seed)?.capabilities().name.clone();
+    let file = [
+        ("study_blake3", bench.study_blake3.clone()),
+        ("device", device),
+        ("software", software.to_owned()),
+        ("seed", seed.to_string()),
+    ];
+    let sweep =
+        Sweep { file: BTreeMap::from(file.map(|(k, v)| (k.to_owned(), v))), ..sweep(id, number, &points) };
+    write_new(files, &path, &sweep_bytes(&sweep, &path)?)?;
+    Ok(path)
+}
+
+fn sweep(actuator: ActuatorId, number: u32, points: &[SweepPoint]) -> Sweep {
+    let quantity = |name: &str, unit: &str| Quantity { name: name.to_owned(), unit: unit.to_owned() };
+    Sweep {
+        actuator,
+        sweep: number,
+        source: Source::Twin,
+        command: quantity("voltage", "V"),
+        response: quantity("force", "N"),
+        t_s: Some(points.iter().map(|p| p.t_s).collect()),
+        command_values: points.iter().map(|p| p.voltage_v).collect(),
+        response_values: points.iter().map(|p| p.force_n).collect(),
+        file: BTreeMap::new(),
+    }
+}
+
+/// The first number of which there is no sweep yet.
+fn free_number(layout: &Layout, actuator: Actuator) -> anyhow::Result<u32> {
+    let id = actuator_id(actuator)?;
+    Ok((1..).find(|number| !layout.sweep(&id, *number).exists()).unwrap_or(u32::MAX))
+}
+
+fn actuator_id(actuator: Actuator) -> anyhow::Result<ActuatorId> {
+    let id = match actuator {
+        Actuator::Motor => "motor",
+        Actuator::Brake => "brake",
+    };
+    Ok(id.parse()?)
+}

@@ -1,0 +1,59 @@
+//! `zwidth recover`: what a kill or a power cut left is brought in order.
+
+use super::study;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use serde::Serialize;
+use std::path::Path;
+use zwidth_store::{Layout, RealFiles, Recovered, StoreError, StudyLock, owner, recover as recover_study};
+use zwidth_study::StudyId;
+
+#[derive(Serialize)]
+struct Line {
+    file: String,
+    what: String,
+    ok: bool,
+}
+
+pub(crate) fn recover(root: &Path, id: StudyId, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = study(root, id)?;
+    let _lock = lock(&layout, "zwidth recover")?;
+    let lines = put_in_order(&layout);
+    let exit = if lines.iter().all(|l| l.ok) { Exit::Fine } else { Exit::Partly };
+    if screen.json {
+        screen.listing(&lines)?;
+        return Ok(exit);
+    }
+    for line in &lines {
+        if line.ok { screen.result(&line.what) } else { screen.warn(&line.what) }
+    }
+    if lines.is_empty() {
+        screen.result(format!("{}: nothing to recover", layout.study()));
+    }
+    Ok(exit)
+}
+
+/// The right to write to a study.
+pub(super) fn lock(layout: &Layout, command: &str) -> Result<StudyLock, StoreError> {
+    StudyLock::take(layout, &owner(command, &now()))
+}
+
+/// The time of day, UTC.
+pub(super) fn now() -> String {
+    jiff::Timestamp::now().to_string()
+}
+
+/// Recovers a study and tells what was done, for a command that is to write to it.
+pub(super) fn put_in_order_and_tell(layout: &Layout, screen: &Screen) {
+    for line in put_in_order(layout) {
+        if line.ok { screen.say(line.what) } else { screen.warn(line.what) }
+    }
+}
+
+fn put_in_order(layout: &Layout) -> Vec<Line> {
+    let line = |found: Result<Recovered, StoreError>| match found {
+        Ok(done) => Line { file: done.path.display().to_string(), what: done.to_string(), ok: true },
+        Err(error) => Line { file: error.path.display().to_string(), what: error.to_string(), ok: false },
+    };
+    recover_study(&RealFiles, layout, &now()).into_iter().map(line).collect()
+}

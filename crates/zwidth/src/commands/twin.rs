@@ -1,0 +1,195 @@
+//! `zwidth twin`: a whole study on the simulated device, faster than real time. The same seed gives the same bytes, on
+//! any machine and any number of threads.
+
+use super::characterise::record as record_sweep;
+use super::device::{Bench, bench, checks_itself, keys, mixed, twin as device};
+use super::recover::lock;
+use crate::args::{Actuator, DeviceSpec, Twin};
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::{Context as _, bail};
+use jiff::{SignedDuration, Timestamp};
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use zwidth_acquire::{Auto, Nobody, Options, Outcome, Parts, Plan, Session, Unsynced, number, run};
+use zwidth_device::{Device as _, SimulatedClock};
+use zwidth_store::{Files as _, Layout, RealFiles, hex_blake3, write_new};
+use zwidth_study::{ParticipantId, SessionId, template};
+
+/// Version of what this command makes of a seed. Another version gives other bytes, and another software in the files.
+const VERSION: u32 = 1;
+/// The software, as records, trials and sweeps of a simulated study name it.
+const SOFTWARE: &str = "zwidth twin 1";
+/// Sweeps of each actuator (thesis App. D).
+const SWEEPS: [(Actuator, u32); 2] = [(Actuator::Motor, 15), (Actuator::Brake, 30)];
+/// When the calendar of a simulated study begins, s since 1970: 1 January 2026, 09:00 UTC. Session n of a participant
+/// is n weeks later, participants a day apart; all later by as many years as there were versions before.
+const EPOCH_S: i64 = 1_767_258_000;
+const DAY_S: i64 = 86_400;
+const WEEK_DAYS: i64 = 7;
+const YEAR_DAYS: i64 = 366;
+
+pub(crate) fn twin(root: &Path, command: &Twin, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = Layout::new(root, command.study.clone());
+    make_study(&layout, command)?;
+    let bench = bench(root, command.study.clone(), command.rate)?;
+    let _lock = lock(&bench.layout, "zwidth twin")?;
+    let sessions = sessions(command)?;
+    refuse_what_is_there(&bench.layout, &sessions)?;
+    let keys = keys(&command.keys, bench.study.design.blinded)?;
+    let bar = screen.bar(sessions.len());
+    let outcomes: Vec<anyhow::Result<Outcome>> = sessions
+        .par_iter()
+        .map(|(participant, session)| {
+            let outcome = one(&bench, command.seed, participant, session, &keys);
+            bar.inc(1);
+            outcome.with_context(|| format!("{participant} {session}"))
+        })
+        .collect();
+    let swept = sweep_all(&bench, command.seed);
+    // Empty, unless a trial could not be made a file: `verify` tells of that.
+    let _ = RealFiles.remove_folder(&bench.layout.journals());
+    bar.finish_and_clear();
+    swept?;
+    tell(command, &sessions, outcomes, screen)
+}
+
+/// Writes `study.toml` where there is none.
+fn make_study(layout: &Layout, command: &Twin) -> anyhow::Result<()> {
+    let path = layout.study_toml();
+    if path.exists() {
+        if command.scale > 1 {
+            bail!(
+                "--scale sets the repeats of a study that is made, and {} is there; edit it",
+                path.display()
+            );
+        }
+        return Ok(());
+    }
+    let repeats = 6_u32.checked_mul(command.scale).context("--scale is too large")?;
+    let mut text = template(layout.study()).replace("\nrepeats = 6\n", &format!("\nrepeats = {repeats}\n"));
+    if let Some(rate_hz) = command.rate {
+        text = text.replace("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {rate_hz:?}\n"));
+    }
+    Ok(write_new(&RealFiles, &path, text.as_bytes())?)
+}
+
+/// P01 S01, P01 S02, …
+fn sessions(command: &Twin) -> anyhow::Result<Vec<(ParticipantId, SessionId)>> {
+    let mut sessions = Vec::new();
+    for participant in 1..=command.participants {
+        for session in 1..=command.sessions {
+            sessions.push((format!("P{participant:02}").parse()?, format!("S{session:02}").parse()?));
+        }
+    }
+    Ok(sessions)
+}
+
+fn refuse_what_is_there(layout: &Layout, sessions: &[(ParticipantId, SessionId)]) -> anyhow::Result<()> {
+    let mut paths = sessions.iter().map(|(participant, session)| layout.session(participant, session));
+    let sweeps = layout.sweeps();
+    if let Some(path) = paths.find(|p| p.exists()).or_else(|| sweeps.exists().then_some(sweeps)) {
+        bail!("{} is there already, and recorded data never changes; choose another study", path.display());
+    }
+    Ok(())
+}
+
+/// One session by the simulated participant.
+fn one(
+    bench: &Bench,
+    seed: u64,
+    participant: &ParticipantId,
+    session: &SessionId,
+    keys: &Path,
+) -> anyhow::Result<Outcome> {
+    let mut device = device(&bench.twin, seed, participant, session)?;
+    let plan = Plan {
+        layout: bench.layout.clone(),
+        study: bench.study.clone(),
+        study_blake3: bench.study_blake3.clone(),
+        participant: participant.clone(),
+        session: session.clone(),
+        calibration: bench.calibration.clone(),
+        software: SOFTWARE.to_owned(),
+        rate_hz: bench.study.control.rate_hz.min(device.capabilities().rate_hz),
+        seed: Some(seed),
+        keys: PathBuf::from(keys),
+        secret: secret(seed, participant, session)?,
+    };
+    let options = Options {
+        live: false,
+        answers: true,
+        check: checks_itself(&DeviceSpec::Twin),
+        no_watchdog: false,
+        stop: Default::default(),
+        quit: Default::default(),
+    };
+    let laid = Session::open(&plan, device.capabilities())?;
+    let mut clock = SimulatedClock::new(mixed(seed, &["clock", participant.as_str(), session.as_str()]));
+    let begin = begin(participant, session)?;
+    let utc = |now_s: f64| later(begin, now_s);
+    let mut front = Auto::new(Nobody);
+    let parts =
+        Parts { device: &mut device, clock: &mut clock, files: &Unsynced, front: &mut front, utc: &utc };
+    Ok(run(&plan, laid, &options, parts)?)
+}
+
+/// A simulated study's secret follows from its seed, so that its bytes do.
+fn secret(seed: u64, participant: &ParticipantId, session: &SessionId) -> anyhow::Result<[u8; 32]> {
+    let hex = hex_blake3(format!("secret {seed} {participant} {session}").as_bytes());
+    let mut secret = [0; 32];
+    for (byte, digits) in secret.iter_mut().zip(hex.as_bytes().chunks(2)) {
+        *byte = u8::from_str_radix(std::str::from_utf8(digits)?, 16)?;
+    }
+    Ok(secret)
+}
+
+/// When a simulated session begins: no clock is looked at.
+fn begin(participant: &ParticipantId, session: &SessionId) -> anyhow::Result<Timestamp> {
+    let day = |id: &str| i64::from(number(id)) - 1;
+    let days =
+        day(participant.as_str()) + WEEK_DAYS * day(session.as_str()) + YEAR_DAYS * i64::from(VERSION - 1);
+    Ok(Timestamp::from_second(EPOCH_S + DAY_S * days)?)
+}
+
+fn later(begin: Timestamp, now_s: f64) -> String {
+    // To the millisecond: what a person reads; the samples have their own time.
+    let since = SignedDuration::from_millis((now_s * 1e3) as i64);
+    begin.checked_add(since).unwrap_or(begin).to_string()
+}
+
+fn sweep_all(bench: &Bench, seed: u64) -> anyhow::Result<()> {
+    let all: Vec<(Actuator, u32)> =
+        SWEEPS.iter().flat_map(|(actuator, n)| (1..=*n).map(|number| (*actuator, number))).collect();
+    all.par_iter().try_for_each(|(actuator, number)| {
+        record_sweep(bench, &Unsynced, *actuator, seed, *number, SOFTWARE).map(drop)
+    })
+}
+
+/// What was made, and what was not.
+fn tell(
+    command: &Twin,
+    sessions: &[(ParticipantId, SessionId)],
+    outcomes: Vec<anyhow::Result<Outcome>>,
+    screen: &Screen,
+) -> anyhow::Result<Exit> {
+    let (mut trials, mut exit) = (0, Exit::Fine);
+    for ((participant, session), outcome) in sessions.iter().zip(outcomes) {
+        let outcome = outcome?;
+        trials += outcome.done;
+        if let Some(why) = outcome.stopped {
+            screen.warn(format!(
+                "{participant} {session} stopped at {} of {} trials: {why}",
+                outcome.done, outcome.total
+            ));
+            exit = Exit::Partly;
+        }
+    }
+    screen.say(format!(
+        "{}: {} sessions, {trials} trials, 15 motor and 30 brake sweeps; look at them with `zwidth run {}`",
+        command.study,
+        sessions.len(),
+        command.study
+    ));
+    Ok(exit)
+}

@@ -1,0 +1,57 @@
+//! `zwidth unseal`: opens a blinded session's seal. An event of the session, seen by whoever reads its log.
+
+use super::device::keys;
+use super::recover::{lock, now};
+use super::{study, together};
+use crate::args::Unseal;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::bail;
+use std::path::Path;
+use zwidth_acquire::{left_to_do, vault};
+use zwidth_store::{RealFiles, SessionLog, StudyData, append_events};
+
+pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = study(root, command.study.clone())?;
+    let _lock = lock(&layout, "zwidth unseal")?;
+    let data = StudyData::load(&layout).map_err(|findings| together(&findings))?;
+    let log = session(&data, command)?;
+    let name = format!("session {} of {}", command.session, command.participant);
+    if log.seal.is_some() {
+        screen.say(format!("{name} is unsealed already"));
+        return Ok(Exit::Fine);
+    }
+    let open = left_to_do(&data, log);
+    if open > 0 && !command.unfinished {
+        bail!(
+            "{name} has {open} trials to go, which would not be blind: finish it with `zwidth acquire {} -p {} -s {}`, \
+             or say --unfinished",
+            command.study,
+            command.participant,
+            command.session
+        );
+    }
+    let seal = vault::find(&keys(&command.keys, true)?, layout.study(), &log.record)?;
+    seal.opened(&log.record.trials)?;
+    append_events(&RealFiles, &log.events_path, &now(), &[seal.event()])?;
+    screen.result(format!(
+        "{name} is unsealed: its order is the one that was committed to before the first trial"
+    ));
+    Ok(Exit::Fine)
+}
+
+fn session<'a>(data: &'a StudyData, command: &Unseal) -> anyhow::Result<&'a SessionLog> {
+    let is_this = |log: &&SessionLog| {
+        log.record.participant == command.participant && log.record.session == command.session
+    };
+    let Some(log) = data.sessions.iter().find(is_this) else {
+        bail!(
+            "there is no session {} of {} in {} that can be read; see `zwidth list {}`",
+            command.session,
+            command.participant,
+            command.study,
+            command.study
+        );
+    };
+    Ok(log)
+}

@@ -1,0 +1,368 @@
+//! Sessions recorded by the program on the simulated device: through plain mode, killed and resumed, refused,
+//! blinded; and whole simulated studies.
+
+use crate::binary::{Ran, binary, ran, zwidth};
+use crate::folders::{files, listing};
+use serde_json::Value;
+use std::fs;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use tempfile::TempDir;
+use zwidth_study::template;
+
+/// Trials of the small study: one to practise, and one of each condition.
+const TRIALS: usize = 7;
+
+/// A small study in a folder of its own.
+struct Desk {
+    folder: TempDir,
+}
+
+impl Desk {
+    /// At the thesis' rate.
+    fn new(blinded: bool) -> Self {
+        Self::at(120.0, blinded)
+    }
+
+    /// For real time on any machine, however busy: safety stops a loop that is late for three periods.
+    fn slow() -> Self {
+        Self::at(30.0, false)
+    }
+
+    fn at(rate_hz: f64, blinded: bool) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let text = template(&"small".parse().unwrap())
+            .replace("\nrepeats = 6\n", "\nrepeats = 1\n")
+            .replace("\nfamiliarisation = 3\n", "\nfamiliarisation = 1\n")
+            .replace("\npause_s = 5.0\n", "\npause_s = 3.0\n")
+            .replace("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {rate_hz:?}\n"))
+            .replace("\nblinded = false\n", &format!("\nblinded = {blinded}\n"));
+        let path = folder.path().join("raw/small/study.toml");
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+        Self { folder }
+    }
+
+    fn root(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn keys(&self) -> PathBuf {
+        self.root().join("keys")
+    }
+
+    fn command(&self, more: &[&str]) -> Command {
+        let mut command = Command::new(binary());
+        command
+            .arg("--root")
+            .arg(self.root())
+            .args(["acquire", "small", "-p", "P01", "-s", "S01", "--plain"]);
+        command.arg("--key").arg(self.keys()).args(more).env_remove("ZWIDTH_ROOT");
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    /// A session in simulated time, to which these lines are said.
+    fn acquire(&self, lines: &str, more: &[&str]) -> Ran {
+        let mut child = self.command(more).arg("--fast").spawn().unwrap();
+        // A program that refuses to begin reads nothing.
+        let _ = child.stdin.take().unwrap().write_all(lines.as_bytes());
+        ran(&child.wait_with_output().unwrap())
+    }
+
+    /// A session that goes by itself, in simulated time.
+    fn finish(&self) -> Ran {
+        self.acquire("", &["--auto"])
+    }
+
+    fn session(&self) -> Value {
+        zwidth(self.root(), &["--json", "list", "small"]).json()[0]["sessions"][0].clone()
+    }
+
+    fn record(&self) -> Value {
+        serde_json::from_str(
+            &fs::read_to_string(self.root().join("raw/small/sessions/P01_S01.json")).unwrap(),
+        )
+        .unwrap()
+    }
+
+    fn verify(&self) {
+        let verified = zwidth(self.root(), &["verify", "small"]).exits(0);
+        assert!(verified.out.contains("no findings"), "{verified:#?}");
+    }
+
+    fn trials(&self) -> usize {
+        files(&self.root().join("raw/small/trials"), "parquet").len()
+    }
+}
+
+/// A session in real time, one line at a time.
+struct Live {
+    child: Child,
+    says: BufReader<ChildStdout>,
+    /// Held open: its end is `quit`.
+    hears: ChildStdin,
+}
+
+impl Live {
+    fn new(desk: &Desk, more: &[&str]) -> Self {
+        let mut child = desk.command(more).spawn().unwrap();
+        let says = BufReader::new(child.stdout.take().unwrap());
+        let hears = child.stdin.take().unwrap();
+        Self { child, says, hears }
+    }
+
+    /// Reads on to the line that begins so.
+    #[track_caller]
+    fn until(&mut self, start: &str) -> String {
+        let mut all = String::new();
+        loop {
+            let mut line = String::new();
+            let read = self.says.read_line(&mut line).unwrap();
+            assert!(read > 0, "'{start}' never came: {all}");
+            if line.starts_with(start) {
+                return line;
+            }
+            all += &line;
+        }
+    }
+
+    fn say(&mut self, line: &str) {
+        writeln!(self.hears, "{line}").unwrap();
+    }
+}
+
+/// Waits until a trial's journal holds samples.
+fn journaling(desk: &Desk) {
+    let held = |path: &PathBuf| fs::metadata(path).is_ok_and(|m| m.len() > 3000);
+    while !files(&desk.root().join("raw/small/journal"), "journal").iter().any(held) {
+        std::thread::yield_now();
+    }
+}
+
+#[test]
+fn a_session_said_line_by_line_leaves_every_trial_with_its_answer() {
+    let desk = Desk::new(false);
+    let lines = "start\nanswer 4\n".repeat(2)
+        + "repeat\n"
+        + &"start\n5\n".repeat(TRIALS - 1)
+        + "note well done\nquit\n";
+    let ran = desk.acquire(&lines, &[]).exits(0);
+    assert!(ran.out.contains("ready 1 (place 1 of 7)") && ran.out.contains("\ndone 7 of 7\n"), "{}", ran.out);
+    assert!(ran.out.contains("trial 2 does not count: it is done again as trial 8"), "{}", ran.out);
+    desk.verify();
+    let session = desk.session();
+    assert_eq!((&session["trials_that_count"], &session["to_go"]), (&Value::from(6), &Value::from(0)));
+    let log = fs::read_to_string(desk.root().join("raw/small/sessions/P01_S01.events.jsonl")).unwrap();
+    assert!(log.contains("well done"), "{log}");
+    assert_eq!(desk.acquire("quit\n", &[]).exits(0).out.lines().last(), Some("left 7 of 7"));
+}
+
+#[test]
+fn a_session_that_is_quit_says_how_to_go_on_and_goes_on_in_the_same_order() {
+    let desk = Desk::new(false);
+    let ran = desk.acquire("start\n3\nstart\n3\nquit\n", &[]).exits(3);
+    assert!(
+        ran.err.contains("2 of 7 trials") && ran.err.contains("zwidth acquire small -p P01 -s S01"),
+        "{ran:#?}"
+    );
+    let before = (desk.record(), desk.session());
+    assert_eq!(before.1["to_go"], 5);
+    desk.finish().exits(0);
+    assert_eq!(desk.record(), before.0);
+    assert_eq!((desk.trials(), &desk.session()["trials_that_count"]), (TRIALS, &Value::from(6)));
+    desk.verify();
+}
+
+#[test]
+fn a_killed_session_loses_no_trial_and_resumes_in_the_same_order() {
+    let desk = Desk::slow();
+    let mut live = Live::new(&desk, &["--auto"]);
+    live.until("trial 1 ");
+    journaling(&desk);
+    live.child.kill().unwrap();
+    live.child.wait().unwrap();
+    let order = desk.record();
+    let recovered = zwidth(desk.root(), &["recover", "small"]).exits(0);
+    assert!(recovered.out.contains("recovered from its journal: incomplete"), "{recovered:#?}");
+    desk.verify();
+    assert_eq!(desk.trials(), 1);
+    let resumed = desk.finish().exits(0);
+    assert!(
+        resumed.out.contains("resumed: 0 of 7") && resumed.out.contains("again for trial 1"),
+        "{}",
+        resumed.out
+    );
+    assert_eq!(desk.record(), order);
+    assert_eq!((desk.trials(), &desk.session()["trials_that_count"]), (TRIALS + 1, &Value::from(6)));
+    desk.verify();
+    assert_eq!(
+        zwidth(desk.root(), &["--json", "recover", "small"]).exits(0).json(),
+        Value::Array(Vec::new())
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_terminated_session_ends_its_trial_and_leaves_everything_in_order() {
+    let desk = Desk::slow();
+    let mut live = Live::new(&desk, &["--auto"]);
+    live.until("trial 1 ");
+    journaling(&desk);
+    Command::new("kill").args(["-TERM", &live.child.id().to_string()]).status().unwrap();
+    live.until("left 0 of 7");
+    assert_eq!(live.child.wait().unwrap().code(), Some(1));
+    desk.verify();
+    assert_eq!(desk.trials(), 1);
+}
+
+#[test]
+fn a_stop_is_obeyed_while_a_trial_runs_and_homing_comes_before_the_next() {
+    let desk = Desk::slow();
+    let mut live = Live::new(&desk, &[]);
+    live.until("ready 1 ");
+    live.say("start");
+    live.until("trial 1 ");
+    journaling(&desk);
+    live.say("stop");
+    live.until("trial 1 does not count");
+    live.until("stopped ");
+    live.say("start");
+    live.until("homing");
+    live.until("ready 8 (place 1 of 7)");
+    live.say("quit");
+    assert_eq!(live.child.wait().unwrap().code(), Some(3));
+    desk.verify();
+}
+
+#[test]
+fn a_second_process_is_refused_and_told_who_is_there() {
+    let desk = Desk::slow();
+    let mut live = Live::new(&desk, &[]);
+    live.until("ready 1 ");
+    desk.finish()
+        .exits(1)
+        .one_error()
+        .says(&["in use: zwidth acquire, process ", &live.child.id().to_string()]);
+    zwidth(desk.root(), &["recover", "small"]).exits(1).one_error().says(&["in use"]);
+    live.say("quit");
+    live.child.wait().unwrap();
+    desk.finish().exits(0);
+}
+
+#[test]
+fn a_session_refuses_what_is_not_what_it_began_with() {
+    let desk = Desk::new(false);
+    desk.acquire("start\n3\nquit\n", &[]).exits(3);
+    desk.acquire("", &["--rate", "60"]).exits(1).one_error().says(&["the rate is 60 Hz, and was 120 Hz"]);
+    desk.acquire("", &["--seed", "5"]).exits(1).one_error().says(&["the seed is 5, and was "]);
+    let trial = files(&desk.root().join("raw/small/trials"), "parquet").remove(0);
+    let playback = format!("playback:{}", trial.display());
+    desk.acquire("", &["--device", &playback]).exits(1).one_error().says(&["the device is playback"]);
+    let calibration = desk.root().join("raw/small/calibration.toml");
+    fs::write(&calibration, zwidth_study::Calibration::thesis().to_toml().unwrap().replace("4.16", "4.0"))
+        .unwrap();
+    desk.acquire("", &[]).exits(1).one_error().says(&["the calibration is "]);
+    fs::remove_file(calibration).unwrap();
+    let study = desk.root().join("raw/small/study.toml");
+    fs::write(&study, fs::read_to_string(&study).unwrap() + "# changed\n").unwrap();
+    desk.acquire("", &[]).exits(1).one_error().says(&["study.toml is ", "begin a new session"]);
+}
+
+#[test]
+fn a_rig_a_bad_device_and_a_screen_without_a_terminal_are_one_clear_error_each() {
+    let desk = Desk::new(false);
+    let live = |more: &[&str]| ran(&desk.command(more).output().unwrap());
+    live(&["--device", "rig:/dev/ttyACM0"])
+        .exits(1)
+        .one_error()
+        .says(&["cannot drive a rig yet", "--device twin"]);
+    live(&["--device", "robot"]).exits(2).says(&["twin|playback:FILE|rig:PORT,PORT"]);
+    zwidth(desk.root(), &["acquire", "small", "-p", "P/1", "-s", "S01"]).exits(2).says(&["participant id"]);
+    zwidth(desk.root(), &["acquire", "small", "-p", "P01", "-s", "S01"])
+        .exits(1)
+        .one_error()
+        .says(&["--plain"]);
+}
+
+#[test]
+fn a_blinded_session_tells_no_mode_until_it_is_unsealed() {
+    let desk = Desk::new(true);
+    let key = desk.keys();
+    let unseal = |more: &[&str]| {
+        let arguments = ["unseal", "small", "-p", "P01", "-s", "S01", "--key", key.to_str().unwrap()];
+        zwidth(desk.root(), &[&arguments, more].concat())
+    };
+    let begun = desk.acquire("start\n3\nquit\n", &[]).exits(3);
+    unseal(&[]).exits(1).one_error().says(&["6 trials to go", "--unfinished"]);
+    let ended = desk.finish().exits(0);
+    let listed = zwidth(desk.root(), &["list"]).exits(0);
+    assert!(listed.out.contains("sealed: `zwidth unseal small -p P01 -s S01`"), "{listed:#?}");
+    let names = listing(&desk.root().join("raw")).into_keys().collect::<Vec<_>>().join("\n");
+    let record = desk.record().to_string();
+    for word in ["active", "passive", "hybrid"] {
+        for text in [&begun.out, &begun.err, &ended.out, &ended.err, &listed.out, &names, &record] {
+            assert!(!text.to_lowercase().contains(word), "{word} in {text}");
+        }
+    }
+    desk.verify();
+    zwidth(desk.root(), &["unseal", "small", "-p", "P01", "-s", "S01", "--key", "elsewhere"])
+        .exits(1)
+        .says(&["--key"]);
+    unseal(&[]).exits(0);
+    assert!(unseal(&[]).exits(0).err.contains("already"));
+    let session = desk.session();
+    assert_eq!((&session["sealed"], &session["trials_that_count"]), (&Value::from(false), &Value::from(6)));
+    desk.verify();
+}
+
+#[test]
+fn a_simulated_study_is_the_same_bytes_on_one_thread_and_on_many_and_other_bytes_from_another_seed() {
+    let make = |threads: &str, seed: &str| {
+        let desk = Desk::new(false);
+        let arguments =
+            ["twin", "small", "--participants", "2", "--sessions", "2", "--seed", seed, "--key", "none"];
+        zwidth(desk.root(), &[&["--threads", threads], &arguments[..]].concat()).exits(0);
+        desk.verify();
+        let raw = listing(&desk.root().join("raw"));
+        assert_eq!(raw.keys().filter(|name| name.contains("/trial-")).count(), 4 * TRIALS);
+        assert_eq!(raw.keys().filter(|name| name.contains("/sweep-")).count(), 45);
+        (desk, raw)
+    };
+    let (desk, one) = make("1", "2");
+    assert_eq!(make("4", "2").1, one);
+    assert_ne!(make("4", "3").1, one);
+    let again = ["twin", "small", "--participants", "1", "--sessions", "1"];
+    zwidth(desk.root(), &again).exits(1).one_error().says(&["is there already", "choose another study"]);
+}
+
+#[test]
+fn a_study_that_is_not_there_is_made_from_the_template() {
+    let root = tempfile::tempdir().unwrap();
+    let arguments =
+        ["twin", "made", "--participants", "1", "--sessions", "1", "--seed", "1", "--rate", "120"];
+    zwidth(root.path(), &arguments).exits(0);
+    let listed = zwidth(root.path(), &["--json", "list", "made"]).exits(0).json();
+    let session = &listed[0]["sessions"][0];
+    assert_eq!(
+        (&session["trials_that_count"], &session["familiarisation"]),
+        (&Value::from(36), &Value::from(3))
+    );
+    assert_eq!(session["missing"], Value::Array(Vec::new()));
+    assert!(zwidth(root.path(), &["verify", "made"]).exits(0).out.contains("no findings"));
+}
+
+#[test]
+fn the_device_check_and_sweeps_are_recorded_on_the_simulated_device() {
+    let desk = Desk::new(false);
+    let checks = zwidth(desk.root(), &["--json", "check", "small", "--fast"]).exits(0).json();
+    assert!(checks.as_array().unwrap().iter().all(|c| c["ok"] == Value::from(true)), "{checks:#}");
+    zwidth(desk.root(), &["characterise", "small", "motor", "--sweeps", "2"]).exits(0);
+    let second = zwidth(desk.root(), &["characterise", "small", "motor"]).exits(0);
+    assert!(second.out.contains("sweep-03.parquet"), "{second:#?}");
+    zwidth(desk.root(), &["characterise", "small", "motor", "--device", "rig:x"]).exits(1).one_error();
+    desk.verify();
+    desk.finish().exits(0);
+    assert!(desk.record()["checks"].as_array().is_some_and(|checks| checks.len() > 5));
+}

@@ -1,0 +1,46 @@
+//! The study that comes with the software, in temporary folders.
+
+use crate::binary::zwidth;
+use crate::folders::{copy, workspace};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+use tempfile::TempDir;
+
+/// The study's raw data alone.
+pub(crate) fn raw() -> TempDir {
+    let root = tempfile::tempdir().unwrap();
+    copy(&workspace().join("raw/thesis-twin"), &root.path().join("raw/thesis-twin"));
+    root
+}
+
+/// A copy of the study after its first run.
+pub(crate) fn finished() -> TempDir {
+    let root = tempfile::tempdir().unwrap();
+    copy(&FINISHED.folder, root.path());
+    root
+}
+
+/// Where the first run's results lie, to be read only.
+pub(crate) fn folder() -> &'static Path {
+    &FINISHED.folder
+}
+
+/// The study run once, on four threads, for all tests of this process. It lies under `target/tmp`, because
+/// nothing removes it in the end; the lock keeps a second process of this test away meanwhile.
+static FINISHED: LazyLock<Finished> = LazyLock::new(|| {
+    let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    fs::create_dir_all(tmp).unwrap();
+    let lock = File::create(tmp.join("thesis-twin.lock")).unwrap();
+    lock.lock().unwrap();
+    let folder = tmp.join("thesis-twin");
+    let _ = fs::remove_dir_all(&folder);
+    copy(&workspace().join("raw/thesis-twin"), &folder.join("raw/thesis-twin"));
+    zwidth(&folder, &["--threads", "4", "run", "thesis-twin"]).exits(0);
+    Finished { folder, _lock: lock }
+});
+
+struct Finished {
+    folder: PathBuf,
+    _lock: File,
+}

@@ -1,0 +1,209 @@
+//! `kill -9` at random instants of a running acquisition: nothing that was finished is lost, the trial in progress
+//! keeps what it had, `verify` is clean after `recover`, and the session goes on in the same order.
+
+use super::{SESSION, STUDY, fraction, fresh, run};
+use anyhow::{Context as _, bail, ensure};
+use std::io::{BufRead as _, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+use zwidth_store::{Layout, Signal, StudyData, TrialEntry};
+use zwidth_study::Status;
+
+/// A short session: one familiarisation trial, and each condition once.
+const SHORT: [(&str, &str); 3] = [
+    ("\nrepeats = 6\n", "\nrepeats = 1\n"),
+    ("\nfamiliarisation = 3\n", "\nfamiliarisation = 1\n"),
+    ("\npause_s = 5.0\n", "\npause_s = 0.5\n"),
+];
+/// Every tenth acquisition runs in real time, the others as fast as the machine can.
+const LIVE_EVERY: u32 = 10;
+/// Longest a session in real time runs before it is killed, s: about three trials.
+const LIVE_S: f64 = 12.0;
+/// What a kill may take from the trial in progress (docs/data.md, "Promises"), s.
+const LOST_S: f64 = 0.1;
+/// Between a trial's start and the reading of its line here, s; what a loaded machine may add.
+const HEARD_S: f64 = 0.05;
+
+/// A line of the acquisition, and when it was heard.
+type Line = (Instant, String);
+
+pub(crate) fn kill(program: &Path, folder: &Path, kills: u32, seed: u64) -> anyhow::Result<()> {
+    let reference = folder.join("reference");
+    let started = Instant::now();
+    let whole = fresh(&reference, &SHORT)?;
+    acquire(program, &reference, seed, false)?;
+    let length = started.elapsed();
+    let (mut cut, mut worst_s) = (0, 0.0_f64);
+    for number in 1..=kills {
+        let live = number % LIVE_EVERY == 0;
+        let longest = if live { Duration::from_secs_f64(LIVE_S) } else { length };
+        let after = longest.mul_f64(fraction(&format!("kill {seed} {number}"))?);
+        let root = folder.join("killed");
+        let layout = fresh(&root, &SHORT)?;
+        let (lines, killed) = killed(program, &root, seed, live, after)?;
+        let lost_s = inspect(program, &layout, &whole, &lines, killed, live).with_context(|| {
+            format!("kill {number} of seed {seed}, {after:?} after the start; see {}", root.display())
+        })?;
+        cut += u32::from(lost_s.is_some());
+        worst_s = worst_s.max(lost_s.unwrap_or(0.0));
+        go_on(program, &root, &layout, seed)
+            .with_context(|| format!("after kill {number} of seed {seed}"))?;
+    }
+    println!(
+        "{kills} kills, {cut} of them within a trial in real time; most that was lost of one: {:.0} ms; nothing finished was lost",
+        worst_s * 1e3
+    );
+    Ok(())
+}
+
+/// The arguments of a session that runs by itself.
+fn arguments(seed: &str, live: bool) -> Vec<&str> {
+    let mut all = vec!["acquire", STUDY];
+    all.extend(SESSION);
+    all.extend(["--plain", "--auto", "--seed", seed]);
+    all.extend((!live).then_some("--fast"));
+    all
+}
+
+fn acquire(program: &Path, root: &Path, seed: u64, live: bool) -> anyhow::Result<()> {
+    run(program, root, &arguments(&seed.to_string(), live), &[0]).map(drop)
+}
+
+/// Starts a session, kills it after a while, and returns what it had said until then.
+fn killed(
+    program: &Path,
+    root: &Path,
+    seed: u64,
+    live: bool,
+    after: Duration,
+) -> anyhow::Result<(Vec<Line>, Instant)> {
+    let mut child = Command::new(program)
+        .arg("--root")
+        .arg(root)
+        .args(arguments(&seed.to_string(), live))
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()?;
+    let heard = listen(child.stdout.take().context("the acquisition has no output")?);
+    std::thread::sleep(after);
+    let killed = Instant::now();
+    child.kill()?;
+    child.wait()?;
+    Ok((heard.iter().collect(), killed))
+}
+
+/// Lines with the time each was heard, until the pipe ends.
+fn listen(pipe: impl std::io::Read + Send + 'static) -> Receiver<Line> {
+    let (sender, heard) = channel();
+    std::thread::spawn(move || {
+        for line in BufReader::new(pipe).lines().map_while(Result::ok) {
+            if sender.send((Instant::now(), line)).is_err() {
+                break;
+            }
+        }
+    });
+    heard
+}
+
+/// Checks what a kill left, after `recover`; gives what the trial in progress lost, where that can be told.
+fn inspect(
+    program: &Path,
+    layout: &Layout,
+    whole: &Layout,
+    lines: &[Line],
+    killed: Instant,
+    live: bool,
+) -> anyhow::Result<Option<f64>> {
+    run(program, layout.root(), &["recover", STUDY], &[0])?;
+    run(program, layout.root(), &["verify", STUDY], &[0])?;
+    let data = load(layout)?;
+    let mut current = None;
+    for (heard, line) in lines {
+        let words: Vec<&str> = line.split(' ').collect();
+        match words.as_slice() {
+            ["trial", number, "stored"] => {
+                expect_complete(&data, number.parse()?)?;
+                current = None;
+            }
+            ["trial", number, ..] => current = Some((number.parse::<u32>()?, *heard)),
+            ["question", ..] => {
+                let (number, _) = current.take().context("a question before any trial")?;
+                expect_complete(&data, number)?;
+            }
+            _ => {}
+        }
+    }
+    if !live {
+        for trial in &data.trials {
+            expect_same_beginning(trial, whole)?;
+        }
+        return Ok(None);
+    }
+    current.map(|(number, began)| lost(&data, number, killed - began)).transpose()
+}
+
+fn load(layout: &Layout) -> anyhow::Result<StudyData> {
+    let data = StudyData::load(layout).map_err(|errors| anyhow::anyhow!("{errors:?}"))?;
+    ensure!(data.problems.is_empty(), "the study has problems: {:?}", data.problems);
+    Ok(data)
+}
+
+fn expect_complete(data: &StudyData, number: u32) -> anyhow::Result<()> {
+    let status = data.trials.iter().find(|t| t.meta.trial == number).map(|t| t.meta.status);
+    ensure!(status == Some(Status::Complete), "trial {number} was finished and now is {status:?}");
+    Ok(())
+}
+
+/// The same seed makes the same trial: what is left of one is its beginning, bit for bit.
+fn expect_same_beginning(trial: &TrialEntry, whole: &Layout) -> anyhow::Result<()> {
+    let path = whole.trial(&trial.meta.participant, &trial.meta.session, trial.meta.trial);
+    for signal in [Signal::Time, Signal::Theta, Signal::ForceEx, Signal::VoltageBrake] {
+        let column = |path: &Path| -> anyhow::Result<Vec<u64>> {
+            let trial = zwidth_store::read_trial(path, [signal])?;
+            Ok(trial.samples.get(signal).unwrap_or_default().iter().map(|x| x.to_bits()).collect())
+        };
+        let (found, all) = (column(&trial.path)?, column(&path)?);
+        ensure!(all.starts_with(&found), "{signal:?} of {} is not what was sampled", trial.path.display());
+        let complete = trial.meta.status == Status::Complete;
+        ensure!(!complete || all.len() == found.len(), "{} is not complete", trial.path.display());
+    }
+    Ok(())
+}
+
+/// What the trial in progress lost, s: the time it had run less the time that was recovered.
+fn lost(data: &StudyData, number: u32, ran: Duration) -> anyhow::Result<f64> {
+    let recovered_s = match data.trials.iter().find(|t| t.meta.trial == number) {
+        None => 0.0,
+        Some(trial) => {
+            let read = zwidth_store::read_trial(&trial.path, [Signal::Time])?;
+            read.samples.get(Signal::Time).and_then(<[f64]>::last).copied().unwrap_or(0.0)
+        }
+    };
+    let lost_s = ran.as_secs_f64() - recovered_s;
+    // A trial that had ended by itself has nothing more to record.
+    let ended = data.trials.iter().any(|t| t.meta.trial == number && t.meta.status == Status::Complete);
+    if lost_s > LOST_S + HEARD_S && !ended {
+        bail!("trial {number} ran for {ran:?} and {recovered_s} s of it are left");
+    }
+    Ok(if ended { 0.0 } else { lost_s.max(0.0) })
+}
+
+/// The session resumes, keeps its order, and ends with every condition recorded once.
+fn go_on(program: &Path, root: &Path, layout: &Layout, seed: u64) -> anyhow::Result<()> {
+    let record = layout.session(&"P01".parse()?, &"S01".parse()?);
+    let before = std::fs::read(&record).ok();
+    acquire(program, root, seed, false)?;
+    run(program, root, &["verify", STUDY], &[0])?;
+    let after = std::fs::read(&record)?;
+    ensure!(before.is_none_or(|before| before == after), "the session's record changed");
+    let data = load(layout)?;
+    let mut met: Vec<_> = data.counting().map(|t| (t.meta.condition(), t.meta.repeat)).collect();
+    met.sort();
+    let mut planned: Vec<_> = data.study.conditions().into_iter().map(|c| (c, 1)).collect();
+    planned.sort();
+    ensure!(met == planned, "the session holds {met:?} where {planned:?} was planned");
+    Ok(())
+}

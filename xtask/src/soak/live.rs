@@ -1,0 +1,55 @@
+//! Minutes of trials in real time at 1 kHz on the simulated device, written as users write them: no sample is lost;
+//! jitter and missed deadlines are told, and every missed deadline is flagged in the data.
+
+use super::{SESSION, STUDY, fresh, run};
+use anyhow::{Context as _, ensure};
+use std::path::Path;
+use zwidth_store::{Signal, StudyData, read_trial};
+use zwidth_study::Flags;
+
+/// A trial of the simulated participant takes about this long, s.
+const TRIAL_S: f64 = 3.0;
+/// Conditions of the template's design.
+const CONDITIONS: f64 = 6.0;
+/// Between samples at 1 kHz, s.
+const TICK_S: f64 = 1e-3;
+
+pub(crate) fn live(program: &Path, folder: &Path, minutes: f64) -> anyhow::Result<()> {
+    let repeats = (minutes * 60.0 / (TRIAL_S * CONDITIONS)).ceil().max(1.0);
+    let layout = fresh(
+        &folder.join("live"),
+        &[
+            ("\nrepeats = 6\n", &format!("\nrepeats = {repeats}\n")),
+            ("\nfamiliarisation = 3\n", "\nfamiliarisation = 0\n"),
+            ("\npause_s = 5.0\n", "\npause_s = 2.0\n"),
+        ],
+    )?;
+    let mut arguments = vec!["acquire", STUDY];
+    arguments.extend(SESSION);
+    arguments.extend(["--plain", "--auto", "--seed", "1"]);
+    let output = run(program, layout.root(), &arguments, &[0])?;
+    run(program, layout.root(), &["verify", STUDY], &[0])?;
+    let told =
+        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    let timing = told.lines().find(|line| line.contains(" ticks, ")).context("no timing was told")?;
+    let ticks: usize = timing.split(' ').next().unwrap_or_default().parse().context("the number of ticks")?;
+
+    let data = StudyData::load(&layout).map_err(|errors| anyhow::anyhow!("{errors:?}"))?;
+    let (mut rows, mut flagged, mut passed) = (0, 0, 0.0);
+    for trial in &data.trials {
+        let read = read_trial(&trial.path, [Signal::Time, Signal::Flags])?;
+        let column = |signal| read.samples.get(signal).unwrap_or_default();
+        rows += trial.rows;
+        let is_flagged = |flags: &&f64| Flags(**flags as u16).has(Flags::DROPOUT);
+        flagged += column(Signal::Flags).iter().filter(is_flagged).count();
+        passed += column(Signal::Time).last().copied().unwrap_or(0.0);
+    }
+    ensure!(rows == ticks, "{ticks} samples were taken and {rows} are stored");
+    println!(
+        "{} trials, {passed:.0} s at {:.0} Hz, no sample lost: {rows} stored",
+        data.trials.len(),
+        1.0 / TICK_S
+    );
+    println!("{timing}; {flagged} samples are flagged as coming after a gap");
+    Ok(())
+}
