@@ -10,6 +10,10 @@ use std::f64::consts::TAU;
 /// alias are equally short.
 const REFUSED_TURN: f64 = 0.25;
 
+/// A speed is taken over at least this long, s. Two readings that lie microseconds apart, as at the change from one loop
+/// to the next, would make one count of the sensor tens of turns a second.
+const SPEED_OVER_S: f64 = 0.5e-3;
+
 /// How far from its stop the lever may be when it is homed by a sensor that gives angles, rad: 2°, the same as it
 /// may later lie outside the work space.
 const HOME_RAD: f64 = 2.0 * TAU / 360.0;
@@ -44,7 +48,7 @@ pub enum AngleFault {
 /// Counts turns: a count that wraps becomes one that does not.
 ///
 /// The step between two readings is taken as the one below half a turn, and refused when it lies more than a quarter
-/// of a turn from the predicted step (the step before, at the same speed). So every motion is unwrapped exactly
+/// of a turn from the predicted step (at the speed of the last half millisecond or more). So every motion is unwrapped exactly
 /// whose steps stay below half a turn and differ by less than a quarter from one to the next; on the prototype half
 /// a turn is 26.4° of lever, 3,180°/s at 8.3 ms. A faster step may alias, and is refused unless its alias happens to
 /// lie near the predicted step, which no sensor of this kind can tell.
@@ -56,6 +60,8 @@ pub struct Unwrap {
     total: i64,
     /// Counts a second.
     speed: f64,
+    /// When that speed was taken, s, and the total then.
+    speed_at: (f64, i64),
 }
 
 impl Unwrap {
@@ -66,7 +72,7 @@ impl Unwrap {
     pub fn start(counts_per_turn: u32, t_s: f64, raw: u16) -> Result<Self, AngleFault> {
         let per_turn = i64::from(counts_per_turn);
         let raw = code(raw, per_turn)?;
-        Ok(Self { per_turn, t_s, raw, total: raw, speed: 0.0 })
+        Ok(Self { per_turn, t_s, raw, total: raw, speed: 0.0, speed_at: (t_s, raw) })
     }
 
     /// Follows to the count of a later reading; the count without wraps.
@@ -82,10 +88,12 @@ impl Unwrap {
         if (step_turns - predicted_turns).abs() > REFUSED_TURN {
             return Err(AngleFault::Jump { step_turns, predicted_turns });
         }
-        if elapsed_s > 0.0 {
-            self.speed = step as f64 / elapsed_s;
-        }
         (self.t_s, self.raw, self.total) = (t_s, raw, self.total + step);
+        let over_s = t_s - self.speed_at.0;
+        if over_s >= SPEED_OVER_S {
+            self.speed = (self.total - self.speed_at.1) as f64 / over_s;
+            self.speed_at = (t_s, self.total);
+        }
         Ok(self.total)
     }
 }
@@ -187,6 +195,14 @@ mod tests {
 
     fn wrapped(total: i64) -> u16 {
         u16::try_from(total.rem_euclid(i64::from(PER_TURN))).unwrap()
+    }
+
+    #[test]
+    fn a_count_between_readings_that_lie_microseconds_apart_is_no_speed() {
+        let mut unwrap = Unwrap::start(4096, 0.0, 100).unwrap();
+        assert_eq!(unwrap.follow(1.0 / 120.0, 120), Ok(120));
+        assert_eq!(unwrap.follow(1.0 / 120.0 + 5e-6, 121), Ok(121)); // 48 turns a second, if it were one
+        assert_eq!(unwrap.follow(2.0 / 120.0 + 5e-6, 140), Ok(140));
     }
 
     proptest! {

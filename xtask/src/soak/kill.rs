@@ -128,7 +128,7 @@ fn inspect(
                 expect_complete(&data, number.parse()?)?;
                 current = None;
             }
-            ["trial", number, ..] => current = Some((number.parse::<u32>()?, *heard)),
+            ["trial", number, "(place", ..] => current = Some((number.parse::<u32>()?, *heard)),
             ["question", ..] => {
                 let (number, _) = current.take().context("a question before any trial")?;
                 expect_complete(&data, number)?;

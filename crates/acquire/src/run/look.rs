@@ -39,6 +39,10 @@ pub(super) fn refresh_trial(view: &mut View, flow: &Flow, plan: &Plan, session: 
     };
     view.done = flow.done();
     view.trial = place.map(|place| current(place, flow, plan, session));
+    // In the pause the trace still is that of the trial that ended.
+    if matches!(flow.phase(), flow::Phase::Pause) {
+        return;
+    }
     let environment = place.and_then(|i| plan.study.environment(&flow.places()[i].trial.environment));
     view.wall_rad = environment.and_then(|e| e.scene.wall_rad());
 }

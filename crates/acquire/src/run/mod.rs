@@ -10,7 +10,7 @@ mod look;
 mod tests;
 mod trial;
 
-use crate::flow::{Action, Flow, Input, Phase};
+use crate::flow::{Action, EMERGENCY_STOP, Flow, Input, Phase};
 use crate::session::{Plan, Session};
 use crate::tape::Tape;
 use crate::{AcquireError, Front, View};
@@ -207,6 +207,10 @@ impl Runner<'_> {
 
     /// 0 V now. A device that does not take it is lost, which its next reading tells; its watchdog does the rest.
     fn off(&mut self) {
+        if *self.flow.phase() == Phase::Done {
+            // Nothing homes from here before a trial that is done again, so the stop is over now.
+            self.options.stop.store(false, Ordering::SeqCst);
+        }
         let now_s = self.parts.clock.now_s();
         let _ = self.parts.device.write(now_s, Voltages::OFF);
     }
@@ -232,6 +236,9 @@ impl Runner<'_> {
             Ok(found) => found,
             Err(trip) => return Ok(Input::Failed(format!("device check: {trip}"))),
         };
+        if stop.load(Ordering::SeqCst) {
+            return Ok(Input::Failed(EMERGENCY_STOP.to_owned())); // cut short, it proves nothing
+        }
         self.view.checks = found.iter().map(|f| look::check_line(&f.check)).collect();
         for bad in found.iter().filter(|f| !f.check.ok) {
             self.view.say(format!("device check: {}: {}", look::check_words(&bad.check), bad.about));

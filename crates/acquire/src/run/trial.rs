@@ -9,7 +9,10 @@ use crate::{AcquireError, Front, View};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use zwidth_device::{Controller, Histogram, Timing, TrialEnd, TrialPlan, TrialRun, run_live, run_trial};
+use zwidth_device::{
+    Controller, Histogram, Reading, Seen, Timing, TrialEnd, TrialPlan, TrialRun, Trip, run_live, run_trial,
+    watch,
+};
 use zwidth_store::{Files, Journal, TrialFile, append_events};
 use zwidth_study::{Environment, Event, Mode, PlannedTrial, Sample};
 
@@ -19,12 +22,22 @@ const SIGNAL: &str = "a signal ended the program";
 /// How often the screen is drawn while a trial runs: more than a person follows.
 const FRAME: Duration = Duration::from_millis(50);
 
+/// Longest wait for the lever to come back to its start, s.
+const LEVER_BACK_S: f64 = 5.0;
+/// This close to its stop the lever is at its start, rad: 5°, what friction may leave of a spring's way back.
+const AT_START_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
+/// Between two looks at the lever, s.
+const LOOK_S: f64 = 0.05;
+
 impl Runner<'_> {
     /// Runs a trial to its end, each sample on its way to the journal.
     pub(super) fn record(&mut self, trial: &PlannedTrial) -> Result<End, AcquireError> {
         let (environment, mode) = self.condition(trial)?;
         let capabilities = self.parts.device.capabilities().clone();
         let plan = TrialPlan::new(&self.plan.study, &environment, trial.trial, &capabilities)?;
+        if let Some(cut) = self.await_lever()? {
+            return Ok(cut);
+        }
         self.guard.arm(&mode, &self.plan.calibration)?;
         let mut controller =
             Controller::new(&self.plan.study.control, &environment, &mode, &self.plan.calibration);
@@ -69,6 +82,30 @@ impl Runner<'_> {
             return Err(error.into());
         }
         self.conclude(trial.trial, tape, &run)
+    }
+
+    /// A trial begins with the lever at its start. After one in which it stayed where it was, somebody carries it
+    /// back; a short pause may be over before. Reads on until it is there, for a while; how that was cut, if it was.
+    fn await_lever(&mut self) -> Result<Option<End>, AcquireError> {
+        let Some(start_rad) = self.plan.study.device.theta_min_rad else { return Ok(None) };
+        let rate_hz = self.rate_hz()?;
+        let begun_s = self.parts.clock.now_s();
+        loop {
+            let now_s = self.parts.clock.now_s();
+            let (device, clock, stop) =
+                (&mut *self.parts.device, &mut *self.parts.clock, &*self.options.stop);
+            let mut theta_rad = f64::INFINITY;
+            let mut seen = |_: f64, _: &Reading, seen: &Seen| theta_rad = seen.theta_rad;
+            let watched = watch(device, clock, &mut self.guard, rate_hz, now_s + LOOK_S, stop, &mut seen);
+            if let Some(trip) = watched.err().filter(Trip::needs_homing) {
+                return Ok(Some(End::Cut(trip.to_string())));
+            }
+            let there = theta_rad <= start_rad + AT_START_RAD;
+            if there || now_s - begun_s > LEVER_BACK_S || stop.load(Ordering::SeqCst) {
+                return Ok(None);
+            }
+            self.show()?;
+        }
     }
 
     /// What the trial's end comes to.
