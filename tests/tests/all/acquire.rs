@@ -357,7 +357,7 @@ fn a_study_that_is_not_there_is_made_from_the_template() {
 fn the_device_check_and_sweeps_are_recorded_on_the_simulated_device() {
     let desk = Desk::new(false);
     let checks = zwidth(desk.root(), &["--json", "check", "small", "--fast"]).exits(0).json();
-    assert!(checks.as_array().unwrap().iter().all(|c| c["ok"] == Value::from(true)), "{checks:#}");
+    assert!(checks.as_array().unwrap().iter().all(|c| c["ok"] == true), "{checks:#}");
     zwidth(desk.root(), &["characterise", "small", "motor", "--sweeps", "2"]).exits(0);
     let second = zwidth(desk.root(), &["characterise", "small", "motor"]).exits(0);
     assert!(second.out.contains("sweep-03.parquet"), "{second:#?}");

@@ -19,8 +19,8 @@ const SHORT: [(&str, &str); 3] = [
 ];
 /// Every tenth acquisition runs in real time, the others as fast as the machine can.
 const LIVE_EVERY: u32 = 10;
-/// Longest a session in real time runs before it is killed, s: about three trials.
-const LIVE_S: f64 = 12.0;
+/// Longest a session in real time runs before it is killed, s: the device check, and about four trials.
+const LIVE_S: f64 = 40.0;
 /// What a kill may take from the trial in progress (docs/data.md, "Promises"), s.
 const LOST_S: f64 = 0.1;
 /// Between a trial's start and the reading of its line here, s; what a loaded machine may add.
