@@ -7,7 +7,7 @@ mod ending;
 mod live;
 mod output;
 
-pub use live::{BatchSink, LiveRun, run_live};
+pub use live::{BatchSink, LiveRun, in_real_time, run_live};
 
 use crate::timing::{Pace, Tick};
 use crate::{

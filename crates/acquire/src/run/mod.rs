@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use zwidth_device::check::{Step, check_device};
-use zwidth_device::{Clock, Device, Guard, Limits, Timing};
+use zwidth_device::{Clock, Device, Guard, Limits, Timing, in_real_time};
 use zwidth_store::{Files, append_events};
 use zwidth_study::{Check, Event, Voltages};
 
@@ -229,9 +229,12 @@ impl Runner<'_> {
         let rate_hz = self.rate_hz()?;
         let Parts { device, clock, .. } = &mut self.parts;
         let (calibration, steps, stop) = (&self.plan.calibration, self.options.check, &*self.options.stop);
-        let mut able = |step| steps(step);
-        let found =
-            check_device(*device, *clock, &mut self.guard, calibration, rate_hz, None, stop, &mut able);
+        let guard = &mut self.guard;
+        let mut check = || {
+            let mut able = |step| steps(step);
+            check_device(*device, *clock, guard, calibration, rate_hz, None, stop, &mut able)
+        };
+        let found = if self.options.live { in_real_time(check).and_then(|found| found) } else { check() };
         let found = match found {
             Ok(found) => found,
             Err(trip) => return Ok(Input::Failed(format!("device check: {trip}"))),

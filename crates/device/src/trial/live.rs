@@ -66,6 +66,20 @@ pub fn run_live(
     shared.conclude(outcome, unwatched)
 }
 
+/// Runs `work` in real time, on a thread of its own at an elevated priority where that is allowed: what reads and writes a
+/// device without keeping samples, as its check does.
+///
+/// # Errors
+/// [`Trip::Panic`] if it panics.
+pub fn in_real_time<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, Trip> {
+    let running = || {
+        Priority::raise();
+        work()
+    };
+    let outcome = thread::scope(|scope| scope.spawn(running).join());
+    outcome.map_err(|panic| Trip::Panic { what: said(&*panic) })
+}
+
 /// What the two threads tell each other.
 #[derive(Debug, Default)]
 struct Shared {
@@ -166,6 +180,13 @@ mod tests {
             samples.extend_from_slice(batch);
             ControlFlow::Continue(())
         }
+    }
+
+    #[test]
+    fn a_panic_in_real_time_is_a_trip_that_says_why() {
+        assert_eq!(in_real_time(|| 7), Ok(7));
+        let trip = in_real_time(|| -> u8 { panic!("out of cheese") }).unwrap_err();
+        assert!(trip.to_string().contains("out of cheese"), "{trip}");
     }
 
     #[test]
