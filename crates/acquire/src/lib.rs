@@ -22,6 +22,6 @@ pub use left::left_to_do;
 pub use plain::Plain;
 pub use run::{Options, Outcome, Parts, run};
 pub use screen::{Look, Screen};
-pub use session::{Plan, Session, calibration_blake3, number};
+pub use session::{Plan, Session, calibration_blake3, number, seed_of};
 pub use unsynced::Unsynced;
 pub use view::{CheckLine, Current, MESSAGES, Phase, Point, TRACE_HZ, TRACE_POINTS, Timing, View};

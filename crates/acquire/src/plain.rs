@@ -34,7 +34,9 @@ impl<W: Write> Plain<W> {
         let (sender, lines) = channel();
         // The thread ends with the input, or with the program; nobody waits for a line that may never come.
         std::thread::spawn(move || {
-            for line in input.lines().map_while(Result::ok) {
+            // By bytes: a letter in another encoding must not end the session.
+            for bytes in input.split(b'\n').map_while(Result::ok) {
+                let line = String::from_utf8_lossy(&bytes).into_owned();
                 if parse(&line) == Ok(Input::Stop) {
                     stop.store(true, Ordering::SeqCst);
                 }
@@ -210,6 +212,14 @@ mod tests {
         assert_eq!(next(&mut plain, question()), Input::Answer(3));
         assert_eq!(next(&mut plain, Phase::Ready), Input::Repeat);
         assert_eq!(next(&mut plain, Phase::Ready), Input::Quit);
+    }
+
+    #[test]
+    fn a_letter_in_another_encoding_ends_nothing() {
+        let script: &'static [u8] = b"note w\xf6rld\r\nstart\n";
+        let mut plain = Plain::new(Cursor::new(script), Vec::new(), Arc::default(), true);
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Note("w\u{fffd}rld".into()));
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Start);
     }
 
     #[test]

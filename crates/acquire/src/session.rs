@@ -271,7 +271,7 @@ pub fn number(id: &str) -> u32 {
 }
 
 /// The order's seed of an open study: from its id, the same for every participant.
-fn seed_of(study: &Study) -> u64 {
+pub fn seed_of(study: &Study) -> u64 {
     // 32 bits, which every reader of JSON keeps.
     hashed(study.id.as_str()).into()
 }

@@ -69,38 +69,48 @@ pub fn check_device(
     let capabilities = device.capabilities().clone();
     let mut wanted = |step| !stop.load(Ordering::Relaxed) && ask(step);
     if wanted(Step::Rest) {
-        let (looks, kept) = look(device, clock, rate_hz, REST_S)?;
+        let (looks, kept) = look(device, clock, rate_hz, REST_S, stop)?;
+        if stop.load(Ordering::Relaxed) {
+            return Ok(found);
+        }
         tare_n = readings::mean_force_n(&looks);
         found.extend(timing(&kept, rate_hz));
         found.extend(at_rest(&capabilities, rate_hz, &looks));
     }
     if let Some(mass_kg) = mass_kg.filter(|mass_kg| wanted(Step::Load(*mass_kg))) {
-        let (looks, _) = look(device, clock, rate_hz, REST_S)?;
+        let (looks, _) = look(device, clock, rate_hz, REST_S, stop)?;
+        if stop.load(Ordering::Relaxed) {
+            return Ok(found);
+        }
         found.extend(loaded(&looks, tare_n, mass_kg));
     }
     if wanted(Step::Hand) {
         let looks = look_by_hand(device, clock, guard, rate_hz, stop)?;
+        if stop.load(Ordering::Relaxed) {
+            return Ok(found);
+        }
         found.extend(by_hand(&capabilities, guard.limits(), &looks));
     }
     if wanted(Step::Actuators) {
-        found.extend(actuators::drive(device, clock, guard, calibration, rate_hz)?);
+        found.extend(actuators::drive(device, clock, guard, calibration, rate_hz, stop)?);
     }
     Ok(found)
 }
 
-/// Reads for so long with both actuators off.
+/// Reads for so long, or until it is stopped, with both actuators off.
 fn look(
     device: &mut dyn Device,
     clock: &mut dyn Clock,
     rate_hz: f64,
     for_s: f64,
+    stop: &AtomicBool,
 ) -> Result<(Vec<Look>, Timing), DeviceError> {
     let start_s = clock.now_s();
     let mut pace = Pace::new(start_s, 1.0 / rate_hz);
     let (mut looks, mut timing) = (Vec::new(), Timing::default());
     loop {
         let tick = pace.wait(clock);
-        if tick.now_s >= start_s + for_s {
+        if tick.now_s >= start_s + for_s || stop.load(Ordering::Relaxed) {
             return Ok((looks, timing));
         }
         let reading = device.read(tick.now_s)?;
@@ -139,7 +149,7 @@ fn look_by_hand(
 mod tests {
     use super::*;
     use crate::mock::Mock;
-    use crate::{Limits, Person, SimulatedClock, Twin, TwinParameters};
+    use crate::{Capabilities, Limits, Person, Reading, SimulatedClock, Twin, TwinParameters};
     use std::f64::consts::FRAC_PI_4;
 
     fn run(mass_kg: Option<f64>, stop: bool) -> (Vec<Step>, Vec<Finding>) {
@@ -197,6 +207,54 @@ mod tests {
             let failed: Vec<_> = found.unwrap().into_iter().filter(|f| !f.check.ok).collect();
             assert!(failed.is_empty(), "{failed:#?}");
         }
+    }
+
+    /// A device at which somebody hits the stop key as soon as an actuator is on.
+    struct Stopped<'a> {
+        twin: Twin,
+        stop: &'a AtomicBool,
+        /// Writes since the stop, and the last voltages.
+        after: Vec<Voltages>,
+    }
+
+    impl Device for Stopped<'_> {
+        fn capabilities(&self) -> &Capabilities {
+            self.twin.capabilities()
+        }
+        fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+            self.twin.home(now_s)
+        }
+        fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+            self.twin.read(now_s)
+        }
+        fn write(&mut self, now_s: f64, voltages: Voltages) -> Result<(), DeviceError> {
+            if self.stop.load(Ordering::Relaxed) {
+                self.after.push(voltages);
+            }
+            self.stop.fetch_or(voltages != Voltages::OFF, Ordering::Relaxed);
+            self.twin.write(now_s, voltages)
+        }
+        fn begin(&mut self, now_s: f64, cue: &Cue<'_>) {
+            self.twin.begin(now_s, cue);
+        }
+    }
+
+    #[test]
+    fn a_stop_while_an_actuator_is_on_ends_at_0_v_with_the_next_write() {
+        let stop = AtomicBool::new(false);
+        let twin = Twin::new(TwinParameters::default(), Person::typical(1), 1).unwrap();
+        let mut device = Stopped { twin, stop: &stop, after: Vec::new() };
+        let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
+        let mut guard = Guard::new(device.capabilities(), limits, false);
+        let mut clock = SimulatedClock::new(1);
+        let (calibration, mut yes) = (Calibration::thesis(), |_| true);
+        check_device(&mut device, &mut clock, &mut guard, &calibration, 1000.0, None, &stop, &mut yes)
+            .unwrap();
+        assert!(
+            !device.after.is_empty() && device.after.iter().all(|v| *v == Voltages::OFF),
+            "{:?}",
+            device.after
+        );
     }
 
     #[test]

@@ -8,6 +8,9 @@ use zwidth_study::{Sample, Source, Voltages};
 ///
 /// Before its first row and past its last one, that row stands. In between the last row that has come stands until
 /// the next, and its age grows, so that a gap in the recording is one here too.
+///
+/// What comes of it was not measured in the condition it is given out for: its source is [`Source::Twin`], whatever the
+/// recording's was, and everything made of it is marked as simulated.
 #[derive(Debug, Clone)]
 pub struct Playback {
     capabilities: Capabilities,
@@ -19,11 +22,11 @@ pub struct Playback {
 }
 
 impl Playback {
-    /// From a trial's rows. `source` says where they came from; `stop_rad` is the work space's lower end.
+    /// From a trial's rows. `stop_rad` is the work space's lower end.
     ///
     /// # Errors
     /// No rows, or times that do not rise.
-    pub fn new(rows: Vec<Sample>, source: Source, stop_rad: f64) -> Result<Self, DeviceError> {
+    pub fn new(rows: Vec<Sample>, stop_rad: f64) -> Result<Self, DeviceError> {
         let unable = |what: &str| {
             let (device, remedy) = ("playback".to_owned(), "choose another trial".to_owned());
             Err(DeviceError::Unable { device, what: what.to_owned(), remedy })
@@ -35,7 +38,7 @@ impl Playback {
             return unable("a trial whose time does not rise");
         }
         let duration_s = rows[rows.len() - 1].t_s - rows[0].t_s;
-        let capabilities = capabilities(rows.len() as f64 / duration_s, source);
+        let capabilities = capabilities(rows.len() as f64 / duration_s);
         Ok(Self { capabilities, rows, stop_rad, began_s: 0.0, at: 0 })
     }
 
@@ -50,7 +53,7 @@ impl Playback {
 }
 
 /// A playback drives nothing, so no voltage is too high for it and nothing of it needs watching.
-fn capabilities(rate_hz: f64, source: Source) -> Capabilities {
+fn capabilities(rate_hz: f64) -> Capabilities {
     Capabilities {
         name: format!("playback {}", env!("CARGO_PKG_VERSION")),
         rate_hz,
@@ -60,7 +63,7 @@ fn capabilities(rate_hz: f64, source: Source) -> Capabilities {
         motor_max_v: f64::INFINITY,
         brake_max_v: f64::INFINITY,
         watchdog_s: Some(0.0),
-        source,
+        source: Source::Twin,
     }
 }
 
@@ -116,12 +119,7 @@ mod tests {
     }
 
     fn playback() -> Playback {
-        Playback::new(
-            vec![row(0.0, -0.7, 0.0), row(0.1, -0.5, 1.0), row(0.2, -0.4, 2.0)],
-            Source::Twin,
-            -0.785,
-        )
-        .unwrap()
+        Playback::new(vec![row(0.0, -0.7, 0.0), row(0.1, -0.5, 1.0), row(0.2, -0.4, 2.0)], -0.785).unwrap()
     }
 
     #[test]
@@ -143,9 +141,9 @@ mod tests {
 
     #[test]
     fn what_no_trial_can_be_is_refused() {
-        assert!(Playback::new(vec![row(0.0, 0.0, 0.0)], Source::Twin, 0.0).is_err());
+        assert!(Playback::new(vec![row(0.0, 0.0, 0.0)], 0.0).is_err());
         let back = vec![row(0.1, 0.0, 0.0), row(0.1, 0.0, 0.0)];
-        let error = Playback::new(back, Source::Twin, 0.0).unwrap_err().to_string();
+        let error = Playback::new(back, 0.0).unwrap_err().to_string();
         assert!(error.contains("does not rise"), "{error}");
     }
 }

@@ -43,6 +43,10 @@ mod tests {
     #[test]
     fn errors_name_the_key_and_its_line() {
         check("repeats = 6", "repeats = 0", "design.repeats", "at least 1");
+        check("repeats = 6", "repeats = 4000000000", "design.repeats", "at most");
+        check("pause_s = 5.0", "pause_s = 1e300", "design.pause_s", "at most");
+        check("pause_s = 5.0", "pause_s = -1.0", "design.pause_s", "above 0");
+        check("rate_hz = 1000.0", "rate_hz = 1e12", "control.rate_hz", "at most");
         check("wall_deg = 26.6", "", "environments[1].wall_deg", "missing");
         check("wall_deg = 26.6", "wall_deg = nan", "environments[1].wall_deg", "finite");
         check("lever_m = 0.045", "lever_m = -1.0", "device.lever_m", "above 0");

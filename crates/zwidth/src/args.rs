@@ -189,10 +189,10 @@ pub(crate) struct Twin {
     /// The study; it is made with `zwidth new` if it is not there
     pub(crate) study: StudyId,
     /// Number of participants
-    #[arg(long, value_name = "N", default_value_t = 12)]
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) participants: u32,
     /// Sessions of each
-    #[arg(long, value_name = "M", default_value_t = 2)]
+    #[arg(long, value_name = "M", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) sessions: u32,
     /// Seed of participants, devices and order: one seed, the same bytes
     #[arg(long, value_name = "K", default_value_t = 1)]

@@ -216,6 +216,10 @@ impl Runner<'_> {
     }
 
     fn log(&mut self, event: Event) -> Result<(), AcquireError> {
+        if !self.session.laid_down {
+            self.view.say("not kept: there is no session yet, the device check comes first");
+            return Ok(());
+        }
         let utc = (self.parts.utc)(self.parts.clock.now_s());
         let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
         self.view.say(look::event(&event));

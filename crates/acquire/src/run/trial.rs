@@ -127,8 +127,9 @@ impl Runner<'_> {
         if run.timing.missed > 0 {
             self.log(Event::Note { trial: Some(trial), text: missed(&run.timing) })?;
         }
-        if run.unwatched {
-            let text = "the motor ran without a watchdog (--no-watchdog)".to_owned();
+        // After every trial, also after one without a motor: it must not tell a blinded mode.
+        if self.options.no_watchdog && self.parts.device.capabilities().watchdog_s.is_none() {
+            let text = "the device has no watchdog (--no-watchdog)".to_owned();
             self.log(Event::Note { trial: Some(trial), text })?;
         }
         Ok(end)

@@ -4,6 +4,7 @@ use super::Finding;
 use crate::timing::Pace;
 use crate::trial::Output;
 use crate::{Clock, Device, Guard, Trip};
+use std::sync::atomic::{AtomicBool, Ordering};
 use zwidth_study::{Calibration, Voltages};
 
 /// The motor is given this voltage, V: 0.52 N on the prototype, above any friction assumed for it.
@@ -45,45 +46,53 @@ pub fn actuators(travel: Travel) -> Vec<Finding> {
 }
 
 /// Homes, and pushes with the motor, without and with the brake. The lever must have been moved by hand before, or the
-/// motor stays off.
+/// motor stays off. A stop ends it at 0 V, and nothing is found.
 pub(super) fn drive(
     device: &mut dyn Device,
     clock: &mut dyn Clock,
     guard: &mut Guard,
     calibration: &Calibration,
     rate_hz: f64,
+    stop: &AtomicBool,
 ) -> Result<Vec<Finding>, Trip> {
     guard.home(device, clock.now_s())?;
     let brake_v = device.capabilities().brake_max_v;
     let volts = |motor_v, brake_v| Voltages { motor_v, brake_v };
-    let mut hold = |voltages, for_s| hold(device, clock, guard, calibration, rate_hz, voltages, for_s);
-    let start_rad = hold(Voltages::OFF, SETTLE_S)?;
+    let mut hold = |voltages, for_s| hold(device, clock, guard, calibration, rate_hz, stop, voltages, for_s);
+    let Some(start_rad) = hold(Voltages::OFF, SETTLE_S)? else { return Ok(Vec::new()) };
     hold(volts(MOTOR_V, 0.0), PULSE_S)?;
-    let pushed_rad = hold(Voltages::OFF, SETTLE_S)?;
+    let Some(pushed_rad) = hold(Voltages::OFF, SETTLE_S)? else { return Ok(Vec::new()) };
     hold(volts(0.0, brake_v), SETTLE_S)?;
-    let braked_rad = hold(volts(MOTOR_V, brake_v), PULSE_S)?;
+    let Some(braked_rad) = hold(volts(MOTOR_V, brake_v), PULSE_S)? else { return Ok(Vec::new()) };
     Ok(actuators(Travel { free_rad: pushed_rad - start_rad, braked_rad: braked_rad - pushed_rad }))
 }
 
-/// Holds voltages for a while, with all of safety in place; where the lever is in the end, rad.
+/// Holds voltages for a while, with all of safety in place; where the lever is in the end, rad. Stopped, nothing is held
+/// and it is nowhere.
+#[expect(clippy::too_many_arguments, reason = "all of the device's surroundings take part")]
 fn hold(
     device: &mut dyn Device,
     clock: &mut dyn Clock,
     guard: &mut Guard,
     calibration: &Calibration,
     rate_hz: f64,
+    stop: &AtomicBool,
     voltages: Voltages,
     for_s: f64,
-) -> Result<f64, Trip> {
+) -> Result<Option<f64>, Trip> {
     guard.arm_for_check(voltages, calibration)?;
     let start_s = clock.now_s();
     let mut output = Output::new(device, guard, start_s);
     let mut pace = Pace::new(start_s, 1.0 / rate_hz);
     loop {
         let tick = pace.wait(clock);
+        if stop.load(Ordering::Relaxed) {
+            output.off(clock.now_s())?;
+            return Ok(None);
+        }
         let (_, seen) = output.look(&tick)?;
         if tick.now_s >= start_s + for_s {
-            return Ok(seen.theta_rad);
+            return Ok(Some(seen.theta_rad));
         }
         output.command(clock.now_s(), voltages)?;
     }

@@ -17,6 +17,13 @@ const ONSET_MM_S: f64 = 5.0;
 /// As [`OFFSET_DEG_S`], for a linear coordinate.
 const OFFSET_MM_S: f64 = 2.5;
 
+/// No session has more trials of a kind than this.
+const MOST_TRIALS: u32 = 100_000;
+/// No trial and no pause is longer, s: a day is a mistake.
+const LONGEST_S: f64 = 86_400.0;
+/// No loop is asked to tick faster, Hz: a hundred times what hands feel.
+const FASTEST_HZ: f64 = 100_000.0;
+
 impl Study {
     /// Reads and checks a `study.toml`. Every problem found is in the error, each with its key and line.
     pub fn from_toml(text: &str) -> Result<Self, Vec<StudyError>> {
@@ -45,6 +52,15 @@ impl Check<'_> {
             self.error(key, format!("{value} must be a number above 0"));
         }
         value
+    }
+
+    /// Above 0, and at most so much: what is more would run for ever or fill the disk.
+    fn within(&mut self, key: &str, value: f64, most: f64) -> f64 {
+        if value > most {
+            self.error(key, format!("{value} must be at most {most}"));
+            return most;
+        }
+        self.positive(key, value)
     }
 
     fn not_negative(&mut self, key: &str, value: f64) -> f64 {
@@ -117,11 +133,16 @@ impl Check<'_> {
         if d.repeats == 0 {
             self.error("design.repeats", "0 must be at least 1".to_owned());
         }
+        for (key, trials) in [("design.repeats", d.repeats), ("design.familiarisation", d.familiarisation)] {
+            if trials > MOST_TRIALS {
+                self.error(key, format!("{trials} must be at most {MOST_TRIALS}"));
+            }
+        }
         Design {
             repeats: d.repeats,
             familiarisation: d.familiarisation,
-            trial_limit_s: self.positive("design.trial_limit_s", d.trial_limit_s),
-            pause_s: self.not_negative("design.pause_s", d.pause_s),
+            trial_limit_s: self.within("design.trial_limit_s", d.trial_limit_s, LONGEST_S),
+            pause_s: if d.pause_s == 0.0 { 0.0 } else { self.within("design.pause_s", d.pause_s, LONGEST_S) },
             order: d.order,
             blinded: d.blinded,
         }
@@ -159,7 +180,7 @@ impl Check<'_> {
             }
         };
         Control {
-            rate_hz: self.positive("control.rate_hz", c.rate_hz),
+            rate_hz: self.within("control.rate_hz", c.rate_hz, FASTEST_HZ),
             let_go_n: self.not_negative("control.let_go_n", c.let_go_n),
             force_limit_n: self.positive("control.force_limit_n", c.force_limit_n),
             velocity,

@@ -1,6 +1,6 @@
 //! `zwidth acquire`: records a session, or goes on with one.
 
-use super::device::{bench, checks_itself, clock, keys, mixed, open, raised_by_signals, secret};
+use super::device::{Bench, bench, checks_itself, clock, keys, mixed, open, raised_by_signals, secret};
 use super::recover::{lock, put_in_order_and_tell};
 use crate::args::{Acquire, DeviceSpec};
 use crate::exit::Exit;
@@ -11,9 +11,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use zwidth_acquire::{
-    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session, run,
+    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session, run, seed_of,
 };
 use zwidth_store::RealFiles;
+use zwidth_study::SessionRecord;
 
 /// The software, as every record and trial names it.
 pub(super) const SOFTWARE: &str = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
@@ -26,7 +27,7 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
     let bench = bench(root, command.study.clone(), command.rate)?;
     let _lock = lock(&bench.layout, "zwidth acquire")?;
     put_in_order_and_tell(&bench.layout, screen);
-    let seed = command.seed.unwrap_or_else(|| mixed(0, &["device", command.study.as_str()]));
+    let seed = device_seed(&bench, command);
     let mut device = open(&command.device, &bench, seed, participant, session)?;
     let keys = keys(&command.keys, bench.study.design.blinded)?;
     let plan = Plan {
@@ -59,6 +60,17 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
     let outcome = run(&plan, laid, &options, parts);
     drop(front); // the terminal is given back before anything is printed on it
     Ok(tell(&plan, &outcome?, screen))
+}
+
+/// The simulated device's seed: the one asked for, else the one the session began with, so that it goes on with the same
+/// device and person. A blinded session's seed stands nowhere, so its device has one of its own.
+fn device_seed(bench: &Bench, command: &Acquire) -> u64 {
+    if bench.study.design.blinded {
+        return mixed(0, &["device", command.study.as_str()]);
+    }
+    let path = bench.layout.session(&command.participant, &command.session);
+    let begun = || serde_json::from_slice::<SessionRecord>(&std::fs::read(path).ok()?).ok()?.seed;
+    command.seed.or_else(begun).unwrap_or_else(|| seed_of(&bench.study))
 }
 
 /// Who sits before it.

@@ -74,7 +74,7 @@ pub(super) fn open(
             let trial = read_trial(path, Signal::all())?;
             let stop_rad =
                 bench.study.device.theta_min_rad.context("study.toml: device.theta_min_deg is missing")?;
-            Ok(Box::new(Playback::new(rows(path, &trial.samples)?, trial.meta.source, stop_rad)?))
+            Ok(Box::new(Playback::new(rows(path, &trial.samples)?, stop_rad)?))
         }
         DeviceSpec::Rig(ports) => bail!(
             "this version cannot drive a rig yet, so {ports} were not opened; use --device twin or --device \

@@ -26,7 +26,8 @@ struct Session {
     source: &'static str,
     /// Modes are codes, and nothing counts, until it is unsealed.
     sealed: bool,
-    /// In a sealed session those that will count.
+    /// Those that nothing but a seal keeps from counting.
+    trials: usize,
     trials_that_count: usize,
     familiarisation: usize,
     /// Trials of the order that are still to be done.
@@ -88,7 +89,8 @@ fn session(data: &StudyData, log: &zwidth_store::SessionLog) -> Session {
         session: log.record.session.to_string(),
         source: log.record.source.as_str(),
         sealed,
-        trials_that_count: trials.iter().filter(counts).count(),
+        trials: trials.iter().filter(counts).count(),
+        trials_that_count: trials.iter().filter(|t| t.counts()).count(),
         familiarisation: trials.iter().filter(|t| t.meta.kind == Kind::Familiarisation).count(),
         to_go: left_to_do(data, log),
         left_out: left_out
@@ -115,7 +117,7 @@ fn text(l: &Listing) -> String {
         let masked = if s.sealed { ", sealed" } else { "" };
         lines.push(format!(
             "  {} {}  {} trials, {} familiarisation ({}{masked})",
-            s.participant, s.session, s.trials_that_count, s.familiarisation, s.source
+            s.participant, s.session, s.trials, s.familiarisation, s.source
         ));
         let command =
             |verb: &str| format!("`zwidth {verb} {} -p {} -s {}`", l.study, s.participant, s.session);

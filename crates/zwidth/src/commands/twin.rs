@@ -89,7 +89,10 @@ fn refuse_what_is_there(layout: &Layout, sessions: &[(ParticipantId, SessionId)]
     let mut paths = sessions.iter().map(|(participant, session)| layout.session(participant, session));
     let sweeps = layout.sweeps();
     if let Some(path) = paths.find(|p| p.exists()).or_else(|| sweeps.exists().then_some(sweeps)) {
-        bail!("{} is there already, and recorded data never changes; choose another study", path.display());
+        bail!(
+            "{} is there already, and recorded data never changes; choose another study, or remove the folder if it is what a run that was ended left behind",
+            path.display()
+        );
     }
     Ok(())
 }
