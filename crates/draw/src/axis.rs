@@ -39,6 +39,8 @@ pub(crate) struct AxisPlan {
     pub(crate) turned: bool,
     /// Names get no tick mark and no grid line.
     pub(crate) named: bool,
+    /// Neither ticks nor an edge of the plot.
+    pub(crate) bare: bool,
     pub(crate) label: Vec<Label>,
 }
 
@@ -56,6 +58,8 @@ impl AxisPlan {
     pub(crate) fn depth_pt(&self, direction: Direction) -> f64 {
         let ticks = if self.ticks.iter().any(|tick| !tick.lines.is_empty()) {
             TICK_PT + TICK_GAP_PT + self.ticks_depth_pt(direction)
+        } else if self.bare {
+            0.0
         } else {
             TICK_PT
         };
@@ -88,12 +92,12 @@ pub(crate) fn plan(
     length_pt: f64,
     numbered: bool,
 ) -> Result<AxisPlan, Error> {
-    let mut plan = AxisPlan { ends, ..AxisPlan::default() };
+    let mut plan = AxisPlan { ends, bare: axis.ticks == Ticks::Bare, ..AxisPlan::default() };
     let mut exponent = 0;
     if let (Some(ends), Ticks::Categories(names)) = (ends, &axis.ticks) {
         plan.named = true;
         (plan.ticks, plan.turned) = categories(fonts, names, ends, direction, length_pt)?;
-    } else if let Some(ends) = ends {
+    } else if let Some(ends) = ends.filter(|_| !plan.bare) {
         let fits = |ticks: &ticks::Ticks| apart(fonts, ticks, ends, direction, length_pt);
         let chosen = ticks::choose(ends.0, ends.1, &axis.ticks, fits);
         exponent = chosen.exponent;

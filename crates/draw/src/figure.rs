@@ -155,6 +155,11 @@ impl Axis {
         Self { ticks: Ticks::Categories(names), ..Self::new("", "") }
     }
 
+    /// An axis of which nothing is shown, from `low` to `high`: see [`Ticks::Bare`].
+    pub fn bare(low: f64, high: f64) -> Self {
+        Self { ticks: Ticks::Bare, range: Range::Fixed(low, high), ..Self::new("", "") }
+    }
+
     /// The same axis sharing its range with all axes of this key.
     pub fn linked(self, key: impl Into<String>) -> Self {
         Self { link: Some(key.into()), ..self }
@@ -189,6 +194,9 @@ pub enum Ticks {
     Powers,
     /// These names at 0, 1, 2, …; none is left out, long ones wrap or turn.
     Categories(Vec<String>),
+    /// Nothing, and no edge of the plot either: for a drawing of things. Where both axes of a panel are bare one unit
+    /// is as long on the one as on the other, and the panel's range grows where it must.
+    Bare,
 }
 
 /// Which way something runs.

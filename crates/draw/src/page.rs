@@ -104,12 +104,17 @@ fn grid_lines(svg: &mut Svg<'_>, plan: &PanelPlan<'_>) {
     }
 }
 
-/// The left and lower edge of the plot, and ticks outwards. Beside names there is no edge.
+/// The left and lower edge of the plot, and ticks outwards. Beside names and on a bare axis there is no edge.
 fn axis_lines(svg: &mut Svg<'_>, plan: &PanelPlan<'_>) {
     let pen = Stroke { width_pt: AXIS_PT, ..style::mean(INK) };
     let Rect { left, top, right, bottom } = plan.plot;
     let corner = [(left, top), (left, bottom), (right, bottom)];
-    svg.stroke(if plan.y.named { &corner[1..] } else { &corner }, &pen);
+    match (plan.x.bare, plan.y.named || plan.y.bare) {
+        (false, false) => svg.stroke(&corner, &pen),
+        (false, true) => svg.stroke(&corner[1..], &pen),
+        (true, false) => svg.stroke(&corner[..2], &pen),
+        (true, true) => {}
+    }
     for (tick, x) in places(&plan.x.ticks, plan.x_scale()).filter(|_| !plan.x.named) {
         svg.stroke(&[(x, bottom), (x, bottom + length_pt(tick))], &pen);
     }

@@ -2,7 +2,7 @@
 
 use crate::axis::{self, AxisPlan};
 use crate::error::Error;
-use crate::figure::{Cell, Direction, Figure, Panel};
+use crate::figure::{Cell, Direction, Figure, Panel, Ticks};
 use crate::font::{self, ASCENT_EM, Fonts, Label};
 use crate::grid::Decor;
 use crate::references::{self, Word};
@@ -66,6 +66,7 @@ pub(crate) fn plan<'a>(
         return Err(Error::NoRoom { panel: scale::name(panel), have_pt, need_pt: LEAST_PLOT_PT });
     }
     let [x_numbered, y_numbered] = numbered(figure, panel);
+    let ends = if bare(panel) { one_scale(ends, &plot) } else { ends };
     let x = axis::plan(fonts, &panel.x, ends[0], Direction::Horizontal, plot.width(), x_numbered)?;
     let y = axis::plan(fonts, &panel.y, ends[1], Direction::Vertical, plot.height(), y_numbered)?;
     let block = |markup: &Option<String>, size_pt, width_pt| match markup {
@@ -80,6 +81,21 @@ pub(crate) fn plan<'a>(
     };
     let decor = decor(&x, &y, &title, &references, &plot);
     Ok(PanelPlan { panel, plot, x, y, title, note, references, decor, left_pt: decor.left })
+}
+
+fn bare(panel: &Panel) -> bool {
+    panel.x.ticks == Ticks::Bare && panel.y.ticks == Ticks::Bare
+}
+
+/// The ends, the range of one axis grown to both sides so that a unit is as long on either.
+fn one_scale(ends: [Option<Ends>; 2], plot: &Rect) -> [Option<Ends>; 2] {
+    let [Some(x), Some(y)] = ends else { return ends };
+    let unit = ((x.1 - x.0) / plot.width()).max((y.1 - y.0) / plot.height());
+    let grown = |(low, high): Ends, length_pt: f64| {
+        let room = (unit * length_pt - (high - low)) / 2.0;
+        Some((low - room, high + room))
+    };
+    [grown(x, plot.width()), grown(y, plot.height())]
 }
 
 /// Room that a panel needs on its four sides.
@@ -120,6 +136,21 @@ fn numbered(figure: &Figure, panel: &Panel) -> [bool; 2] {
 mod tests {
     use super::*;
     use crate::figure::Axis;
+
+    #[test]
+    fn one_unit_of_a_bare_panel_is_as_long_across_as_upwards() {
+        let bare = || Axis::bare(-1.0, 1.0);
+        let line = crate::figure::Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Default::default() };
+        let panel = Panel::new(Cell::at(0, 0), bare(), bare(), vec![crate::figure::Layer::Line(line)]);
+        let figure = Figure { panels: vec![Panel { height_mm: Some(40.0), ..panel }], ..Figure::default() };
+        let page = crate::layout::plan(&figure, &Fonts::bundled().unwrap()).unwrap();
+        let plan = &page.panels[0];
+        let length = |scale: Scale| (scale.pt(1.0) - scale.pt(0.0)).abs();
+        let (x, y) = (length(plan.x_scale().unwrap()), length(plan.y_scale().unwrap()));
+        assert!((x - y).abs() < 1e-9 && x > 0.0, "{x} pt across, {y} pt upwards");
+        assert!(plan.x.ticks.is_empty() && plan.y.ticks.is_empty());
+        assert_eq!(plan.decor, Decor::default(), "no room is taken around it");
+    }
 
     #[test]
     fn stacked_panels_number_a_shared_axis_once() {

@@ -5,6 +5,9 @@
 //! | file | thesis | shows |
 //! |---|---|---|
 //! | `modes` | 28, 29 | four panels: mean of the repeats of each mode, every repeat faint behind |
+//! | `rendering_range` | 25 | forces that each mode can render, by command and way |
+//! | `environment` | 26, 27 | device, spring and wall, at the study's own angles |
+//! | `replay` | 24 | forces, position and velocity of recorded trials and of the model, by eye and fitted |
 //! | `repeats` | 36–41 | every repeat of one condition, the commanded force dotted |
 //! | `loops` | 31 | force against angle for every environment |
 //! | `characteristic` | 22, 23 | an actuator's response to its command: sweeps, mean, first-order and chosen fit |
@@ -18,13 +21,16 @@ mod bow_tie;
 mod characteristic;
 mod chattering;
 mod data;
+mod environment;
 mod export;
 mod freemotion;
 mod likert;
 mod loops;
 mod modes;
 mod panels;
+mod rendering_range;
 mod repeats;
+mod replay;
 mod simulation;
 #[cfg(test)]
 mod tests;
@@ -34,14 +40,17 @@ pub use bow_tie::bow_tie;
 pub use characteristic::{Characterised, characteristic};
 pub use chattering::chattering;
 pub use data::{ModeData, Repeat, Scene};
+pub use environment::environment;
 pub use export::data_table;
 pub use freemotion::free_motion;
 pub use likert::{LikertPanel, likert};
 pub use loops::loops;
 pub use modes::modes;
+pub use rendering_range::rendering_range;
 pub use repeats::repeats;
+pub use replay::{Motion, Replayed, replay};
 pub use simulation::{MOST_SIDE_BY_SIDE, inputs, simulation};
 pub use words::{Words, mark};
 
 /// Version of the figures' form: raised when a figure would look different from the same data.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;

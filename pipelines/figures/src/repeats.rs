@@ -1,9 +1,9 @@
 //! Figures 36–41: every repeat of one condition; the commanded force dotted.
 
-use crate::data::{ModeData, Scene};
+use crate::data::{ModeData, Repeat, Scene};
 use crate::panels::{axis, on_axis, repeat_loop, repeat_over_time, wall_line};
 use crate::words::{Words, mark, plain, time_axis};
-use zwidth_draw::{Cell, Direction, Figure, Layer, Line, Panel, style};
+use zwidth_draw::{Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, style};
 use zwidth_store::Signal;
 
 /// Height of a panel, mm.
@@ -27,7 +27,7 @@ pub fn repeats(scene: &Scene, mode: &ModeData) -> Figure {
         ))),
         description: format!(
             "{}, environment {}, mode {}: all {} repeats. Force against {}, then {} and velocity against time. Dotted: \
-             the commanded feedback force.",
+             the commanded feedback force of the repeat that goes furthest.",
             scene.who,
             scene.environment.label,
             mode.label,
@@ -36,6 +36,7 @@ pub fn repeats(scene: &Scene, mode: &ModeData) -> Figure {
             words.position_word(),
         ),
         panels,
+        legend: LegendPlace::Below, // beside the mark seven entries find no room in a row
         mark: mark(mode.repeats.iter().map(|r| r.trial.meta.source)),
         ..Figure::default()
     }
@@ -59,18 +60,43 @@ fn force_panel(scene: &Scene, words: Words, mode: &ModeData, load: Signal) -> Pa
             layers.push(Layer::Line(Line { name: Some(name(mode, i)), ..line }));
         }
     }
-    for (i, repeat) in mode.repeats.iter().enumerate() {
-        let (Some(theta), Some(force)) = (repeat.signal(Signal::Theta), repeat.signal(Signal::ForceCmd))
-        else {
-            continue;
-        };
-        let name = (i == 0).then(|| "commanded force".to_owned());
-        let x = on_axis(words, Signal::Theta, theta);
-        let stroke = style::commanded();
-        layers.push(Layer::Line(Line { x, y: force.to_vec(), stroke, name, ..Line::default() }));
-    }
+    layers.extend(commanded(words, mode));
     layers.extend(wall_line(scene, words, Direction::Vertical));
     finished(Panel::new(Cell::at(0, 0), x, y, layers), words)
+}
+
+/// The commanded force of the repeat that goes furthest: before it turns it is every repeat's. Of its way back what lies
+/// on the way there is left out, for dots on dots make a solid line.
+fn commanded(words: Words, mode: &ModeData) -> Option<Layer> {
+    let curve = |r: &Repeat| Some((r.signal(Signal::Theta)?.to_vec(), r.signal(Signal::ForceCmd)?.to_vec()));
+    let furthest = |theta: &[f64]| theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (theta, force) =
+        mode.repeats.iter().filter_map(curve).max_by(|(a, _), (b, _)| furthest(a).total_cmp(&furthest(b)))?;
+    let x = on_axis(words, Signal::Theta, &theta);
+    let name = Some("commanded force".to_owned());
+    Some(Layer::Line(Line {
+        x,
+        y: once(&theta, &force),
+        stroke: style::commanded(),
+        name,
+        ..Line::default()
+    }))
+}
+
+/// `force` with gaps after the largest angle wherever it is what it was at the same angle before.
+fn once(theta: &[f64], force: &[f64]) -> Vec<f64> {
+    /// Share of the largest force within which two forces lie on each other in print.
+    const SAME: f64 = 0.01;
+    let turn = (0..theta.len()).max_by(|a, b| theta[*a].total_cmp(&theta[*b])).unwrap_or(0);
+    let same_n = SAME * force.iter().copied().fold(0.0, f64::max);
+    let before = |at: f64| {
+        let next = theta[..=turn].iter().position(|t| *t >= at)?;
+        let (from, to) = (next.saturating_sub(1), next);
+        let share = if to > from { (at - theta[from]) / (theta[to] - theta[from]) } else { 0.0 };
+        Some(force[from] + share * (force[to] - force[from]))
+    };
+    let drawn = |i: usize| i > turn && before(theta[i]).is_some_and(|f| (f - force[i]).abs() <= same_n);
+    (0..force.len()).map(|i| if drawn(i) { f64::NAN } else { force[i] }).collect()
 }
 
 fn time_panel(scene: &Scene, words: Words, mode: &ModeData, cell: Cell, signal: Signal) -> Panel {
@@ -90,4 +116,18 @@ fn finished(panel: Panel, words: Words) -> Panel {
     let note = panel.layers.iter().all(|l| matches!(l, Layer::Reference(_)));
     let note = note.then(|| format!("no {} was recorded", words.position_word()));
     Panel { height_mm: Some(PANEL_MM), note, ..panel }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_commanded_force_that_comes_back_its_own_way_is_drawn_once() {
+        let theta = [0.0, 1.0, 2.0, 1.5, 0.5];
+        let back = once(&theta, &[0.0, 4.0, 8.0, 6.0, 2.0]);
+        assert_eq!(back[..3], [0.0, 4.0, 8.0]);
+        assert!(back[3..].iter().all(|f| f.is_nan()), "{back:?}");
+        assert_eq!(once(&theta, &[0.0, 4.0, 8.0, 2.0, 1.0])[3..], [2.0, 1.0], "another force stays");
+    }
 }

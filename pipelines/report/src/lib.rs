@@ -1,14 +1,32 @@
-//! Stage: the summary a person reads first.
+//! Stage: what a person reads first: the summary, and the tables of what was planned and what it came to.
 //!
-//! [`summary_markdown`] turns what is known of a run into one page of text. No files and no clock: data in,
-//! text out.
+//! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of [`findings`].
+//! Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`] (2), [`model_table`] (3),
+//! [`device_table`] (4), [`weight_table`] (Appendix A). No files and no clock: data in, text and tables out.
 
+mod actuation;
+mod design;
+mod facts;
+mod findings;
+mod model;
 mod people;
+mod pros_cons;
+mod trials;
+mod weight;
+
+pub use design::{device_table, modes_table};
+pub use findings::{Finding, Shown, findings};
+pub use model::model_table;
+pub use pros_cons::{Known, pros_cons_table};
+pub use weight::weight_table;
 
 use people::{count, participants, sources};
 use std::collections::BTreeMap;
 use zwidth_study::Source;
 use zwidth_tables::escape_markdown as escape;
+
+/// Version of the tables' form: raised when a table would be another from the same data.
+pub const VERSION: u32 = 1;
 
 /// What the summary speaks of.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -27,6 +45,8 @@ pub struct Summary {
     pub sweeps: usize,
     /// How many of these trials and sweeps come from where.
     pub sources: BTreeMap<Source, usize>,
+    /// What the trials show: sentences, each with where it can be seen.
+    pub shown: Vec<Made>,
     /// The figures, the one to look at first in front.
     pub figures: Vec<Made>,
     /// The tables, likewise.
@@ -37,7 +57,7 @@ pub struct Summary {
     pub limits: Vec<String>,
 }
 
-/// A figure or a table that was made.
+/// A figure or a table that was made, or a sentence that one of them shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Made {
     /// Its file, from the summary's folder on, with `/`; of checked ids, so that a link needs no escape.
@@ -63,6 +83,9 @@ pub fn summary_markdown(summary: &Summary) -> String {
     let facts = [sources(&summary.sources), Some(what_it_is(summary)), participants(summary.participants)];
     let mut parts = vec![format!("# {}", escape(&summary.title))];
     parts.extend(facts.into_iter().flatten());
+    if !summary.shown.is_empty() {
+        parts.push(section("What the trials show", &summary.shown, shown, ""));
+    }
     parts.extend([
         section("Figures", &summary.figures, made, "No figure was made."),
         section("Tables", &summary.tables, made, "No table was made."),
@@ -100,6 +123,12 @@ fn made(made: &Made) -> String {
     format!("[{}]({})", escape(&made.caption), made.path)
 }
 
+/// A sentence, and a link to where it is seen.
+fn shown(made: &Made) -> String {
+    let what = if made.path.starts_with("figures/") { "figure" } else { "table" };
+    format!("{} ([{what}]({}))", escape(&made.caption), made.path)
+}
+
 fn left_out(left_out: &LeftOut) -> String {
     format!("{}: {}", escape(&left_out.what), escape(&left_out.why))
 }
@@ -117,6 +146,10 @@ mod tests {
             trials: 142,
             sweeps: 0,
             sources: BTreeMap::from([(Source::Recorded, 142)]),
+            shown: vec![Made {
+                path: "tables/conditions.md".to_owned(),
+                caption: "In none of 142 trials did the lever swing fast.".to_owned(),
+            }],
             figures: vec![Made {
                 path: "figures/spring.svg".to_owned(),
                 caption: "Spring: θ, F, θ̇, mean of six".to_owned(),
@@ -141,6 +174,10 @@ mod tests {
 All data were recorded on the device.
 
 Device: lever\\_2. Data: 2 participants, 4 sessions, 142 trials that count.
+
+## What the trials show
+
+- In none of 142 trials did the lever swing fast. ([table](tables/conditions.md))
 
 ## Figures
 

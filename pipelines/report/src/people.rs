@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use zwidth_study::Source;
+use zwidth_tables::{Table, TableError};
 
 /// `1 sweep`, `3 sweeps`; `1 trial that counts`, `3 trials that count`.
 pub(crate) fn count(n: usize, what: &str) -> String {
@@ -27,6 +28,11 @@ pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<String> {
         [(source, _)] => Some(format!("All data were {}.", origin(*source))),
         several => Some(mixed(several)),
     }
+}
+
+/// Whether any trial of the table of metrics is simulated.
+pub(crate) fn simulated(metrics: &Table) -> Result<bool, TableError> {
+    Ok(metrics.texts("source")?.iter().any(|s| s.as_deref() == Some(Source::Twin.as_str())))
 }
 
 fn mixed(several: &[(Source, usize)]) -> String {

@@ -5,7 +5,7 @@ use super::{study, together};
 use crate::args::Import;
 use crate::exit::Exit;
 use crate::screen::Screen;
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow};
 use std::path::Path;
 use zwidth_store::import::{Mapping, import as import_files};
 use zwidth_store::{RealFiles, read_study};
@@ -17,7 +17,7 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
     let mapping = Mapping::from_toml(&text, &command.map).map_err(|findings| together(&findings))?;
     let utc = jiff::Timestamp::now().to_string();
     let software = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
-    let _lock = lock(&layout, "zwidth import")?;
+    let _lock = lock(&layout, "zwidth import").map_err(|e| anyhow!("{e}; nothing was imported"))?;
     let report = import_files(&layout, &study, &mapping, &command.files, &utc, software, &RealFiles)
         .map_err(|findings| together(&findings))?;
     if screen.json {

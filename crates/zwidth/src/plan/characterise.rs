@@ -51,6 +51,12 @@ pub(super) fn read_sweeps(files: &[PathBuf]) -> (Vec<Sweep>, Vec<String>) {
     (sweeps.into_iter().filter(fits).collect(), problems)
 }
 
+/// The study's own calibration file, where motor and brake were both swept.
+pub(super) fn calibration(data: &StudyData) -> Option<PathBuf> {
+    let swept = |name: &str| actuators(data).iter().any(|(id, _)| id.as_str() == name);
+    (swept("motor") && swept("brake")).then(|| calibration_of(&data.layout))
+}
+
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     let actuators = actuators(data);
     let tables = |name: &str| {

@@ -1,7 +1,8 @@
 //! Stage `figures`: each figure as SVG, PDF and PNG, with its data beside it.
 
 use super::{
-    JobError, Session, average, characterise, freemotion, likert_figures, metrics, paths, read_all, sessions,
+    JobError, Session, average, characterise, design, freemotion, likert_figures, metrics, paths, read_all,
+    replay_figures, sessions,
 };
 use std::path::PathBuf;
 use zwidth_draw::{DEFAULT_DPI, Figure, draw};
@@ -39,7 +40,9 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     if !freemotion::jobs(data).is_empty() {
         jobs.push(free_motion_job(data));
     }
+    jobs.extend(replay_figures::jobs(data));
     jobs.extend(likert_figures::jobs(data));
+    jobs.extend(design::jobs(data));
     jobs
 }
 

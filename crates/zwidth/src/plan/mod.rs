@@ -3,11 +3,16 @@
 
 mod average;
 mod characterise;
+mod design;
 mod figures;
 mod freemotion;
+mod identify;
 mod likert;
 mod likert_figures;
 mod metrics;
+mod replay;
+mod replay_figures;
+mod report;
 mod summary;
 mod tables;
 
@@ -30,8 +35,12 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     jobs.extend(metrics::jobs(data));
     jobs.extend(average::jobs(data));
     jobs.extend(freemotion::jobs(data));
+    jobs.extend(replay::jobs(data));
+    jobs.extend(identify::jobs(data));
     jobs.extend(likert::jobs(data));
     jobs.extend(figures::jobs(data));
+    let report = report::jobs(data, &jobs);
+    jobs.extend(report);
     let tables = tables::jobs(data, &jobs);
     jobs.extend(tables);
     let summary = summary::job(data, &jobs);
@@ -40,8 +49,19 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub(crate) const STAGES: [&str; 8] =
-    ["characterise", "metrics", "average", "freemotion", "likert", "figures", "tables", "summary"];
+pub(crate) const STAGES: [&str; 11] = [
+    "characterise",
+    "metrics",
+    "average",
+    "freemotion",
+    "replay",
+    "identify",
+    "likert",
+    "figures",
+    "report",
+    "tables",
+    "summary",
+];
 
 /// One session's trials that count.
 struct Session<'a> {

@@ -1,16 +1,16 @@
 //! Stage `summary`: the page a person reads first.
 
-use super::average;
+use super::{average, likert, metrics, sessions};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use zwidth_report::{LeftOut, Made as Listed, Summary, summary_markdown};
+use zwidth_report::{LeftOut, Made as Listed, Shown, Summary, findings, summary_markdown};
 use zwidth_runner::{Job, Made};
 use zwidth_store::{Signal, StudyData, TrialEntry, read_sweep};
 use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Table, TableError};
 
 /// Version of the summary's form.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The summary's file.
 pub(crate) fn file(data: &StudyData) -> PathBuf {
@@ -27,14 +27,23 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
     let mut noted = average::all(data);
     noted.extend(planned.iter().filter(|j| j.stage == "freemotion").flat_map(|j| j.outputs.iter().cloned()));
     let sweeps: Vec<PathBuf> = data.sweeps.iter().map(|s| s.path.clone()).collect();
+    let is_made = |file: PathBuf| planned.iter().any(|j| j.outputs.contains(&file)).then_some(file);
+    let numbers = [metrics::of_study(&data.layout), likert::tally_of(&data.layout)].map(is_made);
     let summary = facts(data);
-    let inputs: Vec<PathBuf> = noted.iter().chain(&printed).chain(&figures).chain(&sweeps).cloned().collect();
+    let inputs: Vec<PathBuf> = noted
+        .iter()
+        .chain(&printed)
+        .chain(&figures)
+        .chain(&sweeps)
+        .chain(numbers.iter().flatten())
+        .cloned()
+        .collect();
     let (out, folder) = (file(data), data.layout.reports());
     Job {
         stage: "summary",
         name: "summary".to_owned(),
         version: VERSION,
-        parameters: format!("{summary:?}"),
+        parameters: format!("{:?}", (&summary, &data.study.environments, &data.study.modes)),
         inputs,
         outputs: vec![out],
         tolerant: true,
@@ -48,11 +57,40 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
             summary.figures = there.into_iter().map(|f| figure(f, &folder)).collect();
             let (there, no_tables): (Vec<_>, Vec<_>) = printed.iter().partition(|f| f.exists());
             summary.tables = there.into_iter().map(|f| table(f, &folder)).collect::<Result<_, _>>()?;
+            summary.shown = shown(data, &numbers, &summary)?;
             summary.left_out.extend(missing.into_iter().chain(no_tables).map(|f| could_not_be_made(f)));
             Ok(Made { outputs: vec![summary_markdown(&summary).into_bytes()], problems: Vec::new() })
         }),
     }
 }
+
+/// What the trials show, each sentence with the figure or table that holds its numbers: metrics of the trials, tally of
+/// the answers.
+fn shown(
+    data: &StudyData,
+    numbers: &[Option<PathBuf>; 2],
+    made: &Summary,
+) -> Result<Vec<Listed>, TableError> {
+    let there = |file: &Option<PathBuf>| file.clone().filter(|f| f.exists());
+    let [metrics, tally] = numbers.each_ref().map(|f| there(f).map(|f| Table::from_parquet(&f)).transpose());
+    let (Some(metrics), tally) = (metrics?, tally?) else { return Ok(Vec::new()) };
+    let sessions = sessions(data);
+    let path = |shown: Shown| {
+        let path = match (shown, sessions.as_slice()) {
+            (Shown::Modes(environment), [one]) => format!("figures/modes.{}.{environment}.png", one.key()),
+            (Shown::Answers, _) => "figures/likert.png".to_owned(),
+            (Shown::Metrics, _) => "tables/metrics.md".to_owned(),
+            _ => CONDITIONS.to_owned(),
+        };
+        let is_made = made.figures.iter().chain(&made.tables).any(|m| m.path == path);
+        if is_made { path } else { CONDITIONS.to_owned() }
+    };
+    let found = findings(&data.study, &metrics, tally.as_ref())?;
+    Ok(found.into_iter().map(|f| Listed { path: path(f.shown), caption: f.text }).collect())
+}
+
+/// The table of the metrics by condition, from the summary's folder on.
+const CONDITIONS: &str = "tables/conditions.md";
 
 fn facts(data: &StudyData) -> Summary {
     let counting: Vec<_> = data.counting().collect();
@@ -155,6 +193,8 @@ fn figure_caption(stem: &str) -> String {
         "characteristic" => "response to the command, with the chosen fit",
         "likert" => "answers, diverging bars with counts",
         "likert_items" => "answers to each question",
+        "rendering_range" => "forces that each mode can render, compressing and decompressing",
+        "environment" => "device, spring and wall at the study's own angles",
         "free_motion" => "plane fits of free motion, sessions and modes side by side",
         other => other,
     };

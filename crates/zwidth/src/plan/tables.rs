@@ -1,6 +1,6 @@
 //! Stage `tables`: every derived table that people read, in every format.
 
-use super::{characterise, freemotion, likert, metrics};
+use super::{characterise, freemotion, identify, likert, metrics, replay};
 use std::path::PathBuf;
 use zwidth_runner::{Job, Made};
 use zwidth_store::{Layout, StudyData};
@@ -14,11 +14,14 @@ pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
     let layout = &data.layout;
     let mut tables = vec![metrics::by_condition(layout), metrics::of_study(layout)];
     tables.extend(freemotion::tables_of(layout));
+    tables.extend(replay::tables_of(layout));
+    tables.extend(identify::tables_of(layout));
     tables.push(likert::tally_of(layout));
     for (actuator, _) in characterise::actuators(data) {
         // Models and parameters; the curve is data of a figure.
         tables.extend(characterise::tables_of(layout, actuator).into_iter().take(2));
     }
+    tables.extend(super::report::tables_of(layout));
     tables
 }
 

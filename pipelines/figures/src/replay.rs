@@ -1,0 +1,180 @@
+//! Figure 24, reality against simulation: forces, position and velocity against time of one recorded trial a mode, and
+//! those of the model that was given its external force.
+
+use crate::words::{Words, mark, plain, time_axis};
+use zwidth_draw::style::{self, Dash, Stroke};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, Panel, Reference};
+use zwidth_study::{Environment, Source, Study};
+
+/// Height of a panel, mm.
+const PANEL_MM: f64 = 32.0;
+
+/// Motion and forces against time: all as long as `t_s`; what there is not is empty.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Motion {
+    /// Time, s.
+    pub t_s: Vec<f64>,
+    /// θ, rad.
+    pub theta_rad: Vec<f64>,
+    /// θ̇, rad/s.
+    pub theta_dot_rad_s: Vec<f64>,
+    /// F_ex, N.
+    pub force_ex_n: Vec<f64>,
+    /// Force of the actuators against the user, N.
+    pub feedback_n: Vec<f64>,
+}
+
+/// One trial, and the models that were given its external force.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replayed {
+    /// The mode's name, and which trial it is.
+    pub title: String,
+    /// Where the trial comes from.
+    pub source: Source,
+    /// What was recorded.
+    pub recorded: Motion,
+    /// The model with the parameters chosen by eye.
+    pub by_eye: Motion,
+    /// The model with those that were fitted, if they were.
+    pub fitted: Option<Motion>,
+}
+
+/// The figure of one environment of one session, a column a trial. `notes` go below it.
+pub fn replay(
+    study: &Study,
+    environment: &Environment,
+    who: &str,
+    trials: &[Replayed],
+    notes: &[String],
+) -> Figure {
+    let (words, wall_rad) = (Words::new(study.coordinate), environment.scene.wall_rad());
+    let mut panels = Vec::new();
+    for (column, trial) in trials.iter().enumerate() {
+        panels.push(forces(trial, column));
+        panels.push(position(words, wall_rad, trial, column));
+        panels.push(velocity(words, trial, column));
+    }
+    let wall = wall_rad.map(|_| format!("Dashed line across the {}: the wall.", words.position_word()));
+    let own = "Feedback: recorded is what was commanded, the model's is what acts, so that a brake that holds \
+               the lever gives no more than it must.";
+    Figure {
+        title: Some(plain(&format!("{}: {}, reality against model ({who})", study.title, environment.label))),
+        description: format!(
+            "{who}, environment {}: forces, {} and velocity against time of one recorded trial a mode, and of the \
+             model that was given its external force.",
+            environment.label,
+            words.position_word(),
+        ),
+        panels,
+        footnotes: [own.to_owned()].into_iter().chain(wall).chain(notes.iter().map(|n| plain(n))).collect(),
+        mark: mark(trials.iter().map(|t| t.source)),
+        ..Figure::default()
+    }
+}
+
+/// Broad and pale, so that a model that lies on it is seen.
+const RECORDED: Stroke = Stroke { width_pt: 2.4, opacity: 0.35, ..style::mean(style::INK) };
+const EXTERNAL: Stroke = style::single(style::GREY);
+
+/// The models with their pens and names; what was chosen by eye is dashed.
+fn models(trial: &Replayed) -> impl Iterator<Item = (&Motion, Stroke, &'static str)> {
+    let by_eye = style::single(style::environment_colour(2)).dashed(Dash::Dashed);
+    let fitted = style::single(style::environment_colour(5));
+    let fitted = trial.fitted.iter().map(move |motion| (motion, fitted, "model, fitted"));
+    [(&trial.by_eye, by_eye, "model, by eye")].into_iter().chain(fitted)
+}
+
+fn forces(trial: &Replayed, column: usize) -> Panel {
+    let line = |motion: &Motion, y: &[f64], stroke, name: &str| {
+        let (x, y, name) = (motion.t_s.clone(), y.to_vec(), Some(name.to_owned()));
+        (!y.is_empty()).then_some(Layer::Line(Line { x, y, stroke, name, ..Line::default() }))
+    };
+    let recorded = &trial.recorded;
+    let mut layers = vec![level(0.0)];
+    layers.extend(line(recorded, &recorded.force_ex_n, EXTERNAL, "external force, recorded"));
+    layers
+        .extend(models(trial).filter_map(|(motion, pen, name)| line(motion, &motion.feedback_n, pen, name)));
+    layers.extend(line(recorded, &recorded.feedback_n, RECORDED, "recorded"));
+    let axis = Axis::new("*F*", "N").linked("force");
+    let panel = Panel::new(Cell::at(0, column), time_axis(""), axis, layers).titled(plain(&trial.title));
+    Panel { height_mm: Some(PANEL_MM), ..panel }
+}
+
+fn position(words: Words, wall_rad: Option<f64>, trial: &Replayed, column: usize) -> Panel {
+    let mut layers: Vec<Layer> = wall_rad.map(|wall| level(words.position(wall))).into_iter().collect();
+    layers.extend(lines(words, trial, |m| &m.theta_rad));
+    let axis = words.position_axis().linked("position");
+    let panel = Panel::new(Cell::at(1, column), time_axis(""), axis, layers);
+    Panel { height_mm: Some(PANEL_MM), ..panel }
+}
+
+fn velocity(words: Words, trial: &Replayed, column: usize) -> Panel {
+    let layers = [level(0.0)].into_iter().chain(lines(words, trial, |m| &m.theta_dot_rad_s)).collect();
+    let axis = words.velocity_axis().linked("velocity");
+    let panel = Panel::new(Cell::at(2, column), time_axis("time"), axis, layers);
+    Panel { height_mm: Some(PANEL_MM), ..panel }
+}
+
+/// The recording and the models on it.
+fn lines(words: Words, trial: &Replayed, of: fn(&Motion) -> &Vec<f64>) -> impl Iterator<Item = Layer> {
+    let line = move |(motion, stroke, name): (&Motion, Stroke, &str)| {
+        let y = words.positions(of(motion).iter().copied().map(Some));
+        Layer::Line(Line { x: motion.t_s.clone(), y, stroke, name: Some(name.to_owned()), ..Line::default() })
+    };
+    [(&trial.recorded, RECORDED, "recorded")].into_iter().chain(models(trial)).map(line)
+}
+
+/// A line across at a value.
+fn level(at: f64) -> Layer {
+    let (direction, stroke) = (Direction::Horizontal, style::reference());
+    Layer::Reference(Reference { direction, at, label: None, stroke, name: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_study::template;
+
+    fn moved(by: f64) -> Motion {
+        let t_s: Vec<f64> = (0..50).map(|i| f64::from(i) / 10.0).collect();
+        let y: Vec<f64> = t_s.iter().map(|t| by + libm::sin(*t)).collect();
+        Motion { t_s, theta_rad: y.clone(), theta_dot_rad_s: y.clone(), force_ex_n: y.clone(), feedback_n: y }
+    }
+
+    fn figure(fitted: bool) -> Figure {
+        let study = Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
+        let trial = Replayed {
+            title: "Hybrid, trial 4".to_owned(),
+            source: Source::Twin,
+            recorded: moved(0.0),
+            by_eye: moved(0.3),
+            fitted: fitted.then(|| moved(0.1)),
+        };
+        replay(&study, &study.environments[0], "P01 S01", &[trial.clone(), trial], &[])
+    }
+
+    fn names(panel: &Panel) -> Vec<&str> {
+        let name = |layer: &'_ Layer| match layer {
+            Layer::Line(line) => line.name.as_deref().map(str::to_owned),
+            _ => None,
+        };
+        let known = ["external force, recorded", "model, fitted", "model, by eye", "recorded"];
+        let drawn: Vec<String> = panel.layers.iter().filter_map(name).collect();
+        known.into_iter().filter(|k| drawn.iter().any(|d| d == k)).collect()
+    }
+
+    #[test]
+    fn each_trial_is_a_column_of_force_position_and_velocity() {
+        let figure = figure(true);
+        assert_eq!(figure.panels.len(), 6);
+        assert_eq!(names(&figure.panels[0]).len(), 4);
+        assert_eq!(names(&figure.panels[4]), ["model, fitted", "model, by eye", "recorded"]);
+        assert!(figure.mark.as_deref().unwrap().starts_with("SYNTHETIC"));
+        assert!(zwidth_draw::draw(&figure).is_ok());
+    }
+
+    #[test]
+    fn without_a_fit_there_is_no_curve_of_it() {
+        assert!(figure(false).panels.iter().all(|p| !names(p).contains(&"model, fitted")));
+    }
+}

@@ -1,0 +1,161 @@
+//! The fit as tables.
+
+use crate::{Estimate, Identified, Part, TrialErrors};
+use zwidth_study::Condition;
+use zwidth_tables::{Column, Table, TableError, identity};
+
+/// The parameters, one row each: by eye, fitted, interval, verdict. In the unit of the row.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn estimates<const P: usize>(found: &Identified<P>) -> Result<Table, TableError> {
+    let fitted = found.trials.iter().filter(|t| t.part == Part::Fitted).count();
+    let held_out = found.trials.len() - fitted;
+    let note = format!("Fitted to {fitted} trials; {held_out} others were held out.");
+    let table = parameters(&found.estimates)?.with_note(note);
+    Ok(match found.converged {
+        true => table,
+        false => table.with_note("The fit used up its steps before it met its stopping rule."),
+    })
+}
+
+/// The same table without rows, and why.
+///
+/// # Errors
+/// None.
+pub fn nothing_fitted(why: &str) -> Result<Table, TableError> {
+    Ok(parameters(&[])?.with_note(format!("Nothing was fitted: {why}.")))
+}
+
+fn parameters(rows: &[Estimate]) -> Result<Table, TableError> {
+    let text = |name, description, get: fn(&Estimate) -> &str| {
+        Column::text(name, description, rows.iter().map(|r| Some(get(r).to_owned())))
+    };
+    let number = |name, description, get: fn(&Estimate) -> Option<f64>| {
+        Column::float(name, "1", description, rows.iter().map(get))
+    };
+    let number_rad = |name, description, get: fn(&Estimate) -> Option<f64>| {
+        Column::float(name, "rad", description, rows.iter().map(get))
+    };
+    let columns = vec![
+        text("parameter", "which parameter of the plant", |r| r.parameter.name),
+        text("unit", "unit of the numbers in this row", |r| r.parameter.unit),
+        number("by_eye", "chosen by eye in the thesis", |r| Some(r.parameter.by_eye)),
+        number("fitted", "least squares", |r| Some(r.fitted)),
+        number("std_error", "standard deviation over resampled trials", |r| r.std_error),
+        number("ci_low", "lower end of the interval", |r| r.interval.map(|i| i.0)),
+        number("ci_high", "upper end of the interval", |r| r.interval.map(|i| i.1)),
+        number("lower_bound", "smallest value allowed", |r| Some(r.parameter.lower)),
+        number("upper_bound", "largest value allowed", |r| Some(r.parameter.upper)),
+        number("variance_inflation", "variance over that with the others known", |r| r.inflation),
+        number_rad("rmse_fitted_rad", "root mean square error over all fitted samples", |r| {
+            Some(r.profile.fitted)
+        }),
+        number_rad("rmse_halved_rad", "that with half of this value, the others fitted anew", |r| {
+            r.profile.halved
+        }),
+        number_rad("rmse_doubled_rad", "that with twice this value", |r| r.profile.doubled),
+        text("verdict", "whether the trials say what it is", |r| r.verdict.as_str()),
+    ];
+    Table::new("identify", "The plant, by eye and fitted", columns)
+}
+
+/// The errors, one row a trial.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn trials(trials: &[TrialErrors]) -> Result<Table, TableError> {
+    let mut columns = identity(&trials.iter().map(|t| &t.meta).collect::<Vec<_>>());
+    let part = |t: &TrialErrors| Some(part_word(t.part).to_owned());
+    columns.push(Column::text("part", "fitted, or held out and only judged", trials.iter().map(part)));
+    let number = |name, description, get: fn(&TrialErrors) -> Option<f64>| {
+        Column::float(name, "rad", description, trials.iter().map(get))
+    };
+    columns.extend([
+        number("rmse_by_eye_rad", "root mean square error of the angle, by eye", |t| t.rmse_by_eye_rad),
+        number("rmse_fitted_rad", "that of the fit", |t| t.rmse_fitted_rad),
+        number("rmse_left_out_rad", "that of a fit without this trial", |t| t.rmse_left_out_rad),
+    ]);
+    Table::new("identify.trials", "Errors of the plant, by eye and fitted, one row a trial", columns)
+}
+
+fn part_word(part: Part) -> &'static str {
+    match part {
+        Part::Fitted => "fitted",
+        Part::HeldOut => "held_out",
+    }
+}
+
+/// By eye against fitted on the trials held out, by condition and over all of them: root mean square over the trials.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn against_eye(trials: &[TrialErrors]) -> Result<Table, TableError> {
+    let held: Vec<&TrialErrors> = trials.iter().filter(|t| t.part == Part::HeldOut).collect();
+    let mut conditions: Vec<Condition> = held.iter().map(|t| t.meta.condition()).collect();
+    conditions.sort();
+    conditions.dedup();
+    let of = |condition: &Condition| {
+        held.iter().copied().filter(|t| t.meta.condition() == *condition).collect::<Vec<_>>()
+    };
+    let mut rows: Vec<(Option<&Condition>, Vec<&TrialErrors>)> =
+        conditions.iter().map(|c| (Some(c), of(c))).collect();
+    rows.push((None, held.clone()));
+    let word = |name, description, get: fn(&Condition) -> &str| {
+        let word = |condition: Option<&Condition>| Some(condition.map_or("all", get).to_owned());
+        Column::text(name, description, rows.iter().map(|(c, _)| word(*c)))
+    };
+    let error = |get: fn(&TrialErrors) -> Option<f64>| {
+        rows.iter().map(move |(_, trials)| pooled(trials, get)).collect::<Vec<_>>()
+    };
+    let (eye, fitted) = (error(|t| t.rmse_by_eye_rad), error(|t| t.rmse_fitted_rad));
+    let ratio: Vec<_> =
+        eye.iter().zip(&fitted).map(|(e, f)| e.zip(*f).filter(|p| p.0 > 0.0).map(|(e, f)| f / e)).collect();
+    let columns = vec![
+        word("environment", "what was rendered", |c| c.environment.as_str()),
+        word("mode", "how it was rendered", |c| c.mode.as_str()),
+        Column::integer("n", "1", "trials held out", rows.iter().map(|(_, t)| Some(t.len() as i64))),
+        Column::float("rmse_by_eye_rad", "rad", "root mean square error of the angle, by eye", eye),
+        Column::float("rmse_fitted_rad", "rad", "that of the fit", fitted),
+        Column::float(
+            "fitted_over_by_eye",
+            "1",
+            "the second over the first: below 1 the fit is better",
+            ratio,
+        ),
+    ];
+    let title = "The plant by eye against fitted, on trials held out of the fit";
+    Table::new("identify.held_out", title, columns)
+}
+
+/// √mean of the squared errors; `None` without trials or where one has no error.
+fn pooled(trials: &[&TrialErrors], get: fn(&TrialErrors) -> Option<f64>) -> Option<f64> {
+    let errors: Vec<f64> = trials.iter().map(|t| get(t)).collect::<Option<_>>()?;
+    let squares: f64 = errors.iter().map(|e| e * e).sum();
+    (!errors.is_empty()).then(|| (squares / errors.len() as f64).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::metas;
+
+    #[test]
+    fn held_out_trials_are_pooled_by_condition_and_over_all() {
+        let errors = [3.0, 4.0, 100.0];
+        let row = |(meta, error): (zwidth_study::TrialMeta, f64)| TrialErrors {
+            part: if error < 50.0 { Part::HeldOut } else { Part::Fitted },
+            meta,
+            rmse_by_eye_rad: Some(2.0 * error),
+            rmse_fitted_rad: Some(error),
+            rmse_left_out_rad: None,
+        };
+        let rows: Vec<TrialErrors> = metas(3).into_iter().zip(errors).map(row).collect();
+        let table = against_eye(&rows).unwrap();
+        assert_eq!(table.texts("mode").unwrap(), [Some("active".to_owned()), Some("all".to_owned())]);
+        let pooled = table.floats("rmse_fitted_rad").unwrap()[1].unwrap();
+        assert!((pooled - 12.5_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(table.floats("fitted_over_by_eye").unwrap(), [Some(0.5); 2]);
+        assert_eq!(trials(&rows).unwrap().height(), 3);
+    }
+}

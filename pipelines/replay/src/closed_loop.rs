@@ -1,0 +1,96 @@
+//! Closed loop: the plant alone, moved by the recorded commands and the recorded force of the user.
+
+use crate::scene::Condition;
+use crate::{Parameters, WhyNot};
+use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, DynamicsError, Series, Start};
+use zwidth_numerics::series::{cumulative_trapezoid, interpolate};
+
+/// The force on the lever over each interval between samples: one value fewer than samples.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Held {
+    /// Motor by its voltage and calibration, and the user's mean force, N; above 0 pushes to +θ.
+    pushing_n: Vec<f64>,
+    /// The brake's level, N.
+    brake_n: Vec<f64>,
+}
+
+/// Commands are held from sample to sample, and the user's force counts as its mean over the interval: it
+/// has the same impulse, and displaces what it moves by at most its own change over the interval.
+pub(crate) fn held(
+    condition: &Condition,
+    t: &[f64],
+    [motor_v, brake_v]: [Option<&[f64]>; 2],
+    force: &Series,
+) -> Result<Held, WhyNot> {
+    let used = [condition.motor_max_v > 0.0, condition.brake_max_v > 0.0];
+    if (used[0] && motor_v.is_none()) || (used[1] && brake_v.is_none()) {
+        return Err(WhyNot::NoVoltages);
+    }
+    let calibration = condition.calibration;
+    if calibration.is_none() && (used[0] || used[1]) {
+        return Err(WhyNot::NoCalibration);
+    }
+    let motor = |i: usize| calibration.zip(motor_v).map_or(0.0, |(c, v)| c.motor.force_n(v[i]));
+    let brake = |i: usize| calibration.zip(brake_v).map_or(0.0, |(c, v)| c.brake.force_n(v[i]).abs());
+    let means = means(t, force);
+    let intervals = 0..means.len();
+    Ok(Held {
+        pushing_n: intervals.clone().map(|i| motor(i) + means[i]).collect(),
+        brake_n: intervals.map(brake).collect(),
+    })
+}
+
+/// Mean of a series over each interval between `t`.
+fn means(t: &[f64], series: &Series) -> Vec<f64> {
+    let impulse = cumulative_trapezoid(&series.t_s, &series.value).unwrap_or_default(); // equally long
+    let until = |at: f64| {
+        let after = series.t_s.partition_point(|t| *t <= at).max(1) - 1;
+        let last = series.value[series.value.len() - 1];
+        let value = interpolate(&series.t_s, &series.value, at).unwrap_or(last);
+        impulse[after] + (at - series.t_s[after]) * (series.value[after] + value) / 2.0
+    };
+    t.windows(2).map(|w| (until(w[1]) - until(w[0])) / (w[1] - w[0])).collect()
+}
+
+/// θ (rad) and θ̇ (rad/s) at every sample. The lever starts at rest.
+pub(crate) fn run(
+    held: &Held,
+    t: &[f64],
+    (lever_m, stops_rad): (f64, Option<[f64; 2]>),
+    start: Start,
+    parameters: &Parameters,
+) -> Result<(Vec<f64>, Vec<f64>), DynamicsError> {
+    let mut plant = Driven::new(DrivenParameters {
+        inertia_kg_m2: parameters.mass_kg * lever_m * lever_m,
+        lever_m,
+        stops_rad,
+        friction: Some(parameters.friction()),
+        back_emf_ns_per_rad: None,
+        motor_lag_s: None,
+        brake_lag_on_off_s: None,
+        hand: None,
+    })?;
+    plant.place(start.theta_rad, 0.0)?;
+    let mut found = (vec![plant.state().theta_rad], vec![0.0]);
+    for (i, pair) in t.windows(2).enumerate() {
+        let command = Command { motor_n: held.pushing_n[i], brake_n: held.brake_n[i] };
+        plant.advance(pair[1] - pair[0], command, [Aim::default(); 2])?;
+        found.0.push(plant.state().theta_rad);
+        found.1.push(plant.state().theta_dot_rad_s);
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_over_an_interval_is_that_of_the_straight_lines_within() {
+        let series = Series { t_s: vec![0.0, 1.0, 2.0], value: vec![0.0, 2.0, 2.0] };
+        let expect = [0.5, 1.75, 2.0, 2.0];
+        for (found, expect) in means(&[0.0, 0.5, 1.5, 2.0, 4.0], &series).iter().zip(expect) {
+            assert!((found - expect).abs() < 1e-15, "{found} instead of {expect}");
+        }
+    }
+}

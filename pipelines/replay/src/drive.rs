@@ -1,0 +1,175 @@
+//! A trial made ready to be replayed: what was recorded, and the model of it.
+
+use crate::closed_loop::{self, Held};
+use crate::scene::{Condition, Parameters};
+use crate::updates::input;
+use crate::{Causality, ReplayError, WhyNot};
+use zwidth_dynamics::{DynamicsError, Exact, Grid, Scene, Series, Solver, Start, System};
+use zwidth_numerics::series::{central_differences, interpolate};
+use zwidth_store::{Signal, Trial};
+use zwidth_study::{Calibration, Study};
+
+/// A trial as it was recorded, and the model of it; the model's plant is chosen at each run.
+#[derive(Debug, Clone)]
+pub struct Drive {
+    /// Time of the first sample, s; everything else counts from there.
+    pub(crate) began_s: f64,
+    recorded: Course,
+    scene: Scene,
+    held: Result<Held, WhyNot>,
+}
+
+/// Motion and forces against time: all as long as `t_s`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    /// Time since the first sample, s.
+    pub t_s: Vec<f64>,
+    /// θ, rad.
+    pub theta_rad: Vec<f64>,
+    /// θ̇, rad/s: recorded, or by central differences where it was not.
+    pub theta_dot_rad_s: Vec<f64>,
+    /// F_ex, N; above 0 pushes into the object.
+    pub force_ex_n: Vec<f64>,
+    /// What the actuators give against the user, N; above 0 resists a push into the object. Of a recording it is what
+    /// was commanded. `None` where it was not recorded, and in closed loop.
+    pub feedback_n: Option<Vec<f64>>,
+}
+
+impl Drive {
+    /// Makes a trial ready: its force becomes the model's input, its first sample the model's start. `calibration` is
+    /// the session's.
+    ///
+    /// # Errors
+    /// [`ReplayError::WhyNot`] where the recording, the study or the session lacks what every causality needs; an
+    /// environment or a mode that the study does not have; columns of unequal length.
+    pub fn new(trial: &Trial, study: &Study, calibration: Option<&Calibration>) -> Result<Self, ReplayError> {
+        let condition = Condition::of(&trial.meta, study, calibration)?;
+        let absolute = trial.samples.get(Signal::Time).unwrap_or_default();
+        if absolute.len() < 3 {
+            return Err(WhyNot::TooShort.into());
+        }
+        let began_s = absolute[0];
+        let t_s: Vec<f64> = absolute.iter().map(|t| t - began_s).collect();
+        let column = |signal| column(trial, signal, t_s.len());
+        let theta = column(Signal::Theta)?.ok_or(WhyNot::NoAngle)?;
+        let force = column(Signal::ForceEx)?.ok_or(WhyNot::NoForce)?;
+        let series = input(&t_s, force, column(Signal::ForceAge)?);
+        let theta_dot = match column(Signal::ThetaDot)? {
+            Some(recorded) => recorded.to_vec(),
+            None => central_differences(&t_s, theta)?,
+        };
+        let voltages = [column(Signal::VoltageMotor)?, column(Signal::VoltageBrake)?];
+        let held = closed_loop::held(&condition, &t_s, voltages, &series);
+        let start = Start { theta_rad: theta[0], theta_dot_rad_s: theta_dot[0] };
+        let force_ex_n = at_samples(&series, &t_s);
+        let scene = condition.scene(series, start, t_s[t_s.len() - 1])?;
+        let feedback_n = column(Signal::ForceCmd)?.map(<[f64]>::to_vec);
+        let theta_rad = theta.to_vec();
+        let recorded = Course { t_s, theta_rad, theta_dot_rad_s: theta_dot, force_ex_n, feedback_n };
+        Ok(Self { began_s, recorded, scene, held })
+    }
+
+    /// What was recorded; the force between its sensor's updates.
+    pub fn recorded(&self) -> &Course {
+        &self.recorded
+    }
+
+    /// The model's course, at the recording's times.
+    ///
+    /// # Errors
+    /// [`ReplayError::WhyNot`] in closed loop where the actuators' commands are not known; parameters that make no
+    /// model, or a model that diverges.
+    pub fn run(&self, causality: Causality, parameters: &Parameters) -> Result<Course, ReplayError> {
+        let scene = parameters.put(&self.scene);
+        match causality {
+            Causality::ForceDriven => Ok(self.force_driven(scene)?),
+            Causality::PositionDriven => self.position_driven(scene),
+            Causality::ClosedLoop => self.closed_loop(parameters),
+        }
+    }
+
+    /// θ (rad) of the model driven by force, at times of your own: from 0 on, increasing. A fit needs no more samples
+    /// than the movement has to tell.
+    ///
+    /// # Errors
+    /// Times that do not increase; parameters that make no model, or a model that diverges.
+    pub fn theta_at(&self, t_s: &[f64], parameters: &Parameters) -> Result<Vec<f64>, DynamicsError> {
+        let system = System::new(parameters.put(&self.scene))?;
+        Ok(Exact::default().run(&system, &Grid::Times(t_s.to_vec()))?.theta_rad().collect())
+    }
+
+    fn force_driven(&self, scene: Scene) -> Result<Course, DynamicsError> {
+        let system = System::new(scene)?;
+        let run = Exact::default().run(&system, &Grid::Times(self.recorded.t_s.clone()))?;
+        let feedback = |i: usize| {
+            let forces = run.forces(&system, i);
+            -(forces.motor_n + forces.brake_n)
+        };
+        Ok(Course {
+            t_s: self.recorded.t_s.clone(),
+            theta_rad: run.theta_rad().collect(),
+            theta_dot_rad_s: run.theta_dot_rad_s().collect(),
+            force_ex_n: self.recorded.force_ex_n.clone(),
+            feedback_n: Some((0..run.len()).map(feedback).collect()),
+        })
+    }
+
+    fn position_driven(&self, scene: Scene) -> Result<Course, ReplayError> {
+        let system = System::new(scene)?;
+        let Course { t_s, theta_rad, .. } = &self.recorded;
+        let theta_dot = central_differences(t_s, theta_rad)?;
+        let theta_ddot = central_differences(t_s, &theta_dot)?;
+        let forces = |i: usize| system.prescribed(theta_rad[i], theta_dot[i], theta_ddot[i]);
+        let forces: Vec<_> = (0..t_s.len()).map(forces).collect();
+        Ok(Course {
+            t_s: t_s.clone(),
+            theta_rad: theta_rad.clone(),
+            force_ex_n: forces.iter().map(|f| f.external_n).collect(),
+            feedback_n: Some(forces.iter().map(|f| -(f.motor_n + f.brake_n)).collect()),
+            theta_dot_rad_s: theta_dot,
+        })
+    }
+
+    fn closed_loop(&self, parameters: &Parameters) -> Result<Course, ReplayError> {
+        let held = self.held.as_ref().map_err(|why| *why)?;
+        let Course { t_s, force_ex_n, .. } = &self.recorded;
+        let device = (self.scene.plant.lever_m, self.scene.plant.stops_rad);
+        let (theta_rad, theta_dot_rad_s) = closed_loop::run(held, t_s, device, self.scene.start, parameters)?;
+        let (t_s, force_ex_n) = (t_s.clone(), force_ex_n.clone());
+        Ok(Course { t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n: None })
+    }
+}
+
+fn column(trial: &Trial, signal: Signal, expected: usize) -> Result<Option<&[f64]>, ReplayError> {
+    match trial.samples.get(signal) {
+        Some(values) if values.len() != expected => {
+            Err(ReplayError::Ragged { column: signal.name(), expected, found: values.len() })
+        }
+        values => Ok(values),
+    }
+}
+
+/// The input at the samples; after its last update it is held.
+fn at_samples(series: &Series, t: &[f64]) -> Vec<f64> {
+    let last = series.value.last().copied().unwrap_or(0.0);
+    t.iter().map(|t| interpolate(&series.t_s, &series.value, *t).unwrap_or(last)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{calibration, simulated, study};
+
+    #[test]
+    fn the_angle_at_other_times_is_that_of_the_whole_run() {
+        let trial = simulated("hybrid", &Parameters::BY_EYE);
+        let drive = Drive::new(&trial, &study(), Some(&calibration())).unwrap();
+        let whole = drive.run(Causality::ForceDriven, &Parameters::BY_EYE).unwrap();
+        let every: Vec<usize> = (0..whole.t_s.len()).step_by(7).collect();
+        let times: Vec<f64> = every.iter().map(|i| whole.t_s[*i]).collect();
+        let found = drive.theta_at(&times, &Parameters::BY_EYE).unwrap();
+        for (found, i) in found.iter().zip(every) {
+            assert!((found - whole.theta_rad[i]).abs() < 1e-9, "{found} at sample {i}");
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! How late one signal is against another, by cross-correlation.
+
+use zwidth_numerics::NumericsError;
+use zwidth_numerics::series::interpolate_all;
+
+/// Lags up to this are looked for, s: longer than any delay of the device, shorter than a movement.
+const MOST_LAG_S: f64 = 0.5;
+
+/// Steps of the grid are no shorter than this, s: a movement of the hand is smooth over it.
+const LEAST_STEP_S: f64 = 0.005;
+
+/// The lag of `model` behind `recorded`, s: where Pearson's correlation of the two, shifted against each other
+/// over an even grid of the mean step (5 ms at least), is highest within ±0.5 s; between steps by the parabola through the highest three.
+/// `None` where either is constant, or the correlation is still rising at the end of the search.
+///
+/// # Errors
+/// None for times and values of one length.
+pub(crate) fn lag_s(t: &[f64], recorded: &[f64], model: &[f64]) -> Result<Option<f64>, NumericsError> {
+    let steps = t.len().saturating_sub(1);
+    let Some(span) = t.last().map(|end| end - t[0]).filter(|_| steps >= 2) else { return Ok(None) };
+    let even_steps = steps.min((span / LEAST_STEP_S) as usize).max(1);
+    let step = span / even_steps as f64;
+    let grid: Vec<f64> = (0..=even_steps).map(|i| (t[0] + i as f64 * step).min(t[steps])).collect();
+    let even = |y: &[f64]| interpolate_all(t, y, &grid).into_iter().map(Option::unwrap_or_default).collect();
+    let (recorded, model): (Vec<f64>, Vec<f64>) = (even(recorded), even(model));
+    let most = ((MOST_LAG_S / step) as usize).min(even_steps / 2);
+    Ok(best_shift(&recorded, &model, most).map(|shift| shift * step))
+}
+
+/// The shift of the highest correlation, in samples; the smallest of equals.
+fn best_shift(recorded: &[f64], model: &[f64], most: usize) -> Option<f64> {
+    let at = |shift: isize| correlation(recorded, model, shift);
+    let mut best = (at(0)?, 0);
+    for size in 1..=most as isize {
+        for shift in [-size, size] {
+            if let Some(r) = at(shift).filter(|r| *r > best.0) {
+                best = (r, shift);
+            }
+        }
+    }
+    let (peak, shift) = best;
+    if shift.unsigned_abs() >= most {
+        return None;
+    }
+    let (before, after) = (at(shift - 1)?, at(shift + 1)?);
+    let curvature = before - 2.0 * peak + after;
+    let between = if curvature < 0.0 { (before - after) / (2.0 * curvature) } else { 0.0 };
+    Some(shift as f64 + between)
+}
+
+/// Pearson's correlation of `recorded[i]` with `model[i + shift]` where both are there; `None` where one is constant.
+fn correlation(recorded: &[f64], model: &[f64], shift: isize) -> Option<f64> {
+    let (ahead, behind) = (shift.max(0) as usize, (-shift).max(0) as usize);
+    let n = recorded.len() - ahead.max(behind);
+    let (a, b) = (&recorded[behind..behind + n], &model[ahead..ahead + n]);
+    let mean = |y: &[f64]| y.iter().sum::<f64>() / n as f64;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    for (a, b) in a.iter().zip(b) {
+        ab += (a - mean_a) * (b - mean_b);
+        aa += (a - mean_a) * (a - mean_a);
+        bb += (b - mean_b) * (b - mean_b);
+    }
+    (aa > 0.0 && bb > 0.0).then(|| ab / (aa * bb).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A smooth bump around `centre` s, every 10 ms over 4 s.
+    fn bump(centre: f64) -> (Vec<f64>, Vec<f64>) {
+        let t: Vec<f64> = (0..=400).map(|i| f64::from(i) / 100.0).collect();
+        let y = t.iter().map(|t| libm::exp(-(t - centre) * (t - centre) / 0.2)).collect();
+        (t, y)
+    }
+
+    fn check(delay_s: f64, tolerance_s: f64) {
+        let (t, recorded) = bump(2.0);
+        let found = lag_s(&t, &recorded, &bump(2.0 + delay_s).1).unwrap().unwrap();
+        assert!((found - delay_s).abs() <= tolerance_s, "{found} instead of {delay_s}");
+    }
+
+    #[test]
+    fn a_delay_is_found_to_a_fraction_of_a_step() {
+        check(0.0, 1e-15);
+        for delay_s in [0.01, 0.12, -0.25, 0.034, -0.0071] {
+            check(delay_s, 2e-4);
+        }
+    }
+
+    #[test]
+    fn a_delay_beyond_the_search_and_a_constant_have_no_lag() {
+        let (t, recorded) = bump(1.5);
+        assert_eq!(lag_s(&t, &recorded, &bump(2.5).1).unwrap(), None);
+        assert_eq!(lag_s(&t, &recorded, &vec![1.0; t.len()]).unwrap(), None);
+        assert_eq!(lag_s(&t[..2], &recorded[..2], &recorded[..2]).unwrap(), None);
+    }
+}

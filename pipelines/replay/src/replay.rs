@@ -1,0 +1,205 @@
+//! One trial in three causalities.
+
+use crate::compare::compare;
+use crate::{Causality, Comparison, Course, Drive, Parameters, ReplayError, WhyNot};
+use zwidth_dynamics::DynamicsError;
+use zwidth_numerics::activity::activity;
+use zwidth_numerics::phases::phases;
+use zwidth_store::Trial;
+use zwidth_study::{Analysis, Calibration, Study, TrialMeta};
+
+/// What came of a replay.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// The model ran to the end.
+    Replayed,
+    /// The model's state left the finite numbers or the work limit, or its lever turned by more than 10 rad; it is
+    /// compared with nothing.
+    Diverged,
+    /// It does not apply.
+    Not(WhyNot),
+}
+
+impl Outcome {
+    /// The word in the table.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Replayed => "replayed",
+            Self::Diverged => "diverged",
+            Self::Not(why) => why.as_str(),
+        }
+    }
+}
+
+/// One trial in one causality.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Which trial.
+    pub meta: TrialMeta,
+    /// What went in, and what came out.
+    pub causality: Causality,
+    /// The model's plant.
+    pub parameters: Parameters,
+    /// What came of it.
+    pub outcome: Outcome,
+    /// The signal that came out, θ (rad) or F_ex (N), against the recorded one; `None` unless it was replayed. Times are
+    /// the trial's.
+    pub comparison: Option<Comparison>,
+    /// First time of the recording's largest θ between onset and end, s; `None` without movement.
+    pub reversal_recorded_s: Option<f64>,
+    /// That of the model, less it; `None` where θ is given, or one of the two does not move.
+    pub reversal_error_s: Option<f64>,
+}
+
+/// A lever that turns by more than this, rad, has diverged: more than six times the prototype's work space.
+const DIVERGED_RAD: f64 = 10.0;
+
+/// Replays a trial in every causality. `calibration` is the session's.
+///
+/// # Errors
+/// An environment or a mode that the study does not have; columns of unequal length; parameters that make no model.
+pub fn replay(
+    trial: &Trial,
+    study: &Study,
+    calibration: Option<&Calibration>,
+    parameters: &Parameters,
+) -> Result<Vec<Row>, ReplayError> {
+    let drive = match Drive::new(trial, study, calibration) {
+        Err(ReplayError::WhyNot(why)) => Err(why),
+        other => Ok(other?),
+    };
+    let one = |causality| {
+        let empty = Row {
+            meta: trial.meta.clone(),
+            causality,
+            parameters: *parameters,
+            outcome: Outcome::Diverged,
+            comparison: None,
+            reversal_recorded_s: None,
+            reversal_error_s: None,
+        };
+        match &drive {
+            Err(why) => Ok(Row { outcome: Outcome::Not(*why), ..empty }),
+            Ok(drive) => row(drive, &study.analysis, empty),
+        }
+    };
+    Causality::ALL.into_iter().map(one).collect()
+}
+
+fn row(drive: &Drive, analysis: &Analysis, empty: Row) -> Result<Row, ReplayError> {
+    let recorded = drive.recorded();
+    let turned_s = reversal_s(recorded, analysis);
+    let empty = Row { reversal_recorded_s: turned_s.map(|t| t + drive.began_s), ..empty };
+    let model = match drive.run(empty.causality, &empty.parameters) {
+        Ok(model) if has_diverged(&model) => return Ok(empty),
+        Err(ReplayError::Dynamics(DynamicsError::NotFinite { .. } | DynamicsError::TooMuchWork { .. })) => {
+            return Ok(empty);
+        }
+        Err(ReplayError::WhyNot(why)) => return Ok(Row { outcome: Outcome::Not(why), ..empty }),
+        other => other?,
+    };
+    let moves = empty.causality != Causality::PositionDriven;
+    let signal = |course: &Course| if moves { course.theta_rad.clone() } else { course.force_ex_n.clone() };
+    let found = compare(&recorded.t_s, &signal(recorded), &signal(&model))?;
+    let comparison = Comparison { peak_time_recorded_s: found.peak_time_recorded_s + drive.began_s, ..found };
+    let turns = reversal_s(&model, analysis).zip(turned_s).filter(|_| moves);
+    let reversal_error_s = turns.map(|(model, recorded)| model - recorded);
+    Ok(Row { outcome: Outcome::Replayed, comparison: Some(comparison), reversal_error_s, ..empty })
+}
+
+/// First time of the largest θ between onset and end, by the study's thresholds of θ̇.
+fn reversal_s(course: &Course, analysis: &Analysis) -> Option<f64> {
+    let active = activity(&course.theta_dot_rad_s, analysis.onset_rad_s, analysis.offset_rad_s)?;
+    let last = course.t_s.len() - 1;
+    Some(course.t_s[phases(&course.theta_rad, active.onset, active.end.unwrap_or(last)).reversal])
+}
+
+fn has_diverged(model: &Course) -> bool {
+    let (low, high) = model.theta_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let finite = model.theta_rad.iter().chain(&model.force_ex_n).all(|x| x.is_finite());
+    !finite || high - low > DIVERGED_RAD
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{calibration, delayed, simulated, study};
+    use zwidth_store::Signal;
+
+    fn rows(trial: &Trial) -> Vec<Row> {
+        replay(trial, &study(), Some(&calibration()), &Parameters::BY_EYE).unwrap()
+    }
+
+    #[test]
+    fn a_trial_of_the_same_model_replays_without_error_or_lag() {
+        for mode in ["active", "passive", "hybrid"] {
+            let row = &rows(&simulated(mode, &Parameters::BY_EYE))[0];
+            let found = row.comparison.unwrap();
+            assert!(found.vaf.unwrap() > 1.0 - 1e-9, "{mode}: {found:?}");
+            assert!(found.lag_s.unwrap().abs() < 1e-9, "{mode}: {found:?}");
+            assert!(found.peak_error.abs() < 1e-9 && found.peak_time_error_s.abs() < 1e-9);
+            assert!(row.reversal_error_s.unwrap().abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_plant_s_own_commands_move_it_as_it_moved() {
+        for mode in ["active", "passive"] {
+            let row = &rows(&simulated(mode, &Parameters::BY_EYE))[2];
+            // commands are held for 5 ms where the model's own follow the spring at once
+            let found = row.comparison.unwrap();
+            assert!(found.vaf.unwrap() > 0.99, "{mode}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn the_motion_gives_the_force_that_made_it() {
+        let row = &rows(&simulated("active", &Parameters::BY_EYE))[1];
+        let found = row.comparison.unwrap();
+        assert!(found.vaf.unwrap() > 0.999, "{found:?}");
+        assert_eq!(row.reversal_error_s, None);
+    }
+
+    #[test]
+    fn a_motion_that_was_recorded_late_has_a_model_that_comes_early() {
+        for samples in [4, 20] {
+            let row = &rows(&delayed(&simulated("active", &Parameters::BY_EYE), samples))[0];
+            let found = row.comparison.unwrap().lag_s.unwrap();
+            let expect = -(samples as f64) * crate::testing::STEP_S;
+            assert!((found - expect).abs() < 5e-4, "{found} instead of {expect}");
+        }
+    }
+
+    #[test]
+    fn another_plant_departs() {
+        let heavy = Parameters { mass_kg: 2.0, damping_ns_per_rad: 0.2, friction_n: 0.1 };
+        let found = rows(&simulated("active", &heavy))[0].comparison.unwrap();
+        assert!(found.vaf.unwrap() < 0.999 && found.rmse > 1e-3, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_missing_is_a_word_in_the_row() {
+        let whole = simulated("active", &Parameters::BY_EYE);
+        let words = |trial: &Trial, calibration: Option<&Calibration>| {
+            let rows = replay(trial, &study(), calibration, &Parameters::BY_EYE).unwrap();
+            rows.iter().map(|r| r.outcome.as_str()).collect::<Vec<_>>()
+        };
+        assert_eq!(words(&whole, None), ["no_calibration"; 3]);
+        let mut trial = whole.clone();
+        trial.samples = crate::testing::without(&whole.samples, Signal::VoltageMotor);
+        assert_eq!(words(&trial, Some(&calibration())), ["replayed", "replayed", "no_voltages"]);
+        trial.samples = crate::testing::without(&whole.samples, Signal::ForceEx);
+        assert_eq!(words(&trial, Some(&calibration())), ["no_force"; 3]);
+    }
+
+    #[test]
+    fn a_lever_that_runs_away_has_diverged() {
+        let mut study = study();
+        study.device.theta_min_rad = None;
+        study.environments[0].scene = zwidth_study::Scene::Free;
+        let trial = simulated("active", &Parameters::BY_EYE);
+        let light = Parameters { mass_kg: 0.1, damping_ns_per_rad: 1e-3, friction_n: 0.0 };
+        let rows = replay(&trial, &study, Some(&calibration()), &light).unwrap();
+        assert_eq!((rows[0].outcome, rows[0].comparison), (Outcome::Diverged, None));
+    }
+}

@@ -1,0 +1,131 @@
+//! The model of a trial: environment, mode, work space and actuators from the study, the plant from parameters.
+
+use crate::{ReplayError, WhyNot};
+use zwidth_dynamics::{
+    Brake, BrakeLaw, Environment, Friction, Input, Mode, Motor, Plant, Scene, Series, Start, Terms,
+};
+use zwidth_study::{Calibration, Scene as Rendered, Study, TrialMeta};
+
+/// What is not known of the plant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// M_O: mass felt at the lever's end, kg.
+    pub mass_kg: f64,
+    /// B_O: viscous damping at the lever's end, N s/rad.
+    pub damping_ns_per_rad: f64,
+    /// Dry friction at the lever's end, at rest and in motion, N.
+    pub friction_n: f64,
+}
+
+impl Parameters {
+    /// The thesis' choice "by trial and error" (Fig. 24): M_O = 0.1 kg, B_O = 1 N s/rad, no dry friction.
+    pub const BY_EYE: Self = Self { mass_kg: 0.1, damping_ns_per_rad: 1.0, friction_n: 0.0 };
+
+    /// Friction as the model has it.
+    pub(crate) fn friction(&self) -> Friction {
+        Friction {
+            static_n: self.friction_n,
+            kinetic_n: self.friction_n,
+            viscous_ns_per_rad: self.damping_ns_per_rad,
+        }
+    }
+
+    /// The same plant in a scene.
+    pub(crate) fn put(&self, scene: &Scene) -> Scene {
+        let plant = Plant { mass_kg: self.mass_kg, ..scene.plant };
+        Scene { plant, friction: Some(self.friction()), ..scene.clone() }
+    }
+}
+
+/// What a trial rendered and how, as the study has it.
+pub(crate) struct Condition<'a> {
+    pub(crate) rendered: Rendered,
+    pub(crate) motor_max_v: f64,
+    pub(crate) brake_max_v: f64,
+    pub(crate) lever_m: Option<f64>,
+    pub(crate) stops_rad: Option<[f64; 2]>,
+    pub(crate) let_go_n: f64,
+    pub(crate) calibration: Option<&'a Calibration>,
+}
+
+impl<'a> Condition<'a> {
+    pub(crate) fn of(
+        meta: &TrialMeta,
+        study: &Study,
+        calibration: Option<&'a Calibration>,
+    ) -> Result<Self, ReplayError> {
+        let environment = study
+            .environment(&meta.environment)
+            .ok_or_else(|| ReplayError::UnknownEnvironment { environment: meta.environment.clone() })?;
+        let mode = study
+            .mode(&meta.mode)
+            .ok_or_else(|| ReplayError::UnknownMode { mode: meta.mode.as_str().to_owned() })?;
+        Ok(Self {
+            rendered: environment.scene,
+            motor_max_v: mode.motor_max_v.unwrap_or(0.0),
+            brake_max_v: mode.brake_max_v.unwrap_or(0.0),
+            lever_m: study.device.lever_m,
+            stops_rad: study.device.theta_min_rad.zip(study.device.theta_max_rad).map(|(a, b)| [a, b]),
+            let_go_n: study.control.let_go_n,
+            calibration,
+        })
+    }
+
+    /// Which actuators the mode uses; a mode with none has a motor that gives nothing.
+    fn mode(&self) -> Mode {
+        match (self.motor_max_v > 0.0, self.brake_max_v > 0.0) {
+            (true, true) => Mode::Hybrid,
+            (false, true) => Mode::Passive,
+            (_, false) => Mode::Active,
+        }
+    }
+
+    fn environment(&self) -> Result<Environment, WhyNot> {
+        let spring = |s: zwidth_study::Spring| Environment::spring(s.stiffness_n_per_rad, 0.0, s.rest_rad);
+        match self.rendered {
+            Rendered::None => Err(WhyNot::NotRendered),
+            Rendered::Free => Ok(Environment::free()),
+            Rendered::Spring(s) => Ok(spring(s)),
+            Rendered::SpringWall { spring: s, wall_rad } => Ok(spring(s).with_wall(wall_rad)),
+        }
+    }
+
+    /// The most motor and brake give in this mode, N; in a free environment nothing is asked of them.
+    fn limits_n(&self) -> Result<(f64, f64), WhyNot> {
+        match (self.rendered, self.calibration) {
+            (Rendered::Free, _) => Ok((0.0, 0.0)),
+            (_, None) => Err(WhyNot::NoCalibration),
+            (_, Some(c)) => Ok((c.motor.force_n(self.motor_max_v), c.brake.force_n(self.brake_max_v))),
+        }
+    }
+
+    /// The scene, from the recorded start on, with the user's force; the plant is the thesis' until parameters are put
+    /// in. A start that lies outside the stops by the sensor's step is moved onto them.
+    pub(crate) fn scene(&self, input: Series, start: Start, duration_s: f64) -> Result<Scene, WhyNot> {
+        let lever_m = self.lever_m.ok_or(WhyNot::NoLever)?;
+        let (motor_n, brake_n) = self.limits_n()?;
+        let within = |[low, high]: [f64; 2]| start.theta_rad.clamp(low, high);
+        let theta_rad = self.stops_rad.map_or(start.theta_rad, within);
+        Ok(Scene {
+            name: "replay".to_owned(),
+            mode: self.mode(),
+            duration_s,
+            step_s: duration_s,
+            environment: self.environment()?,
+            plant: Plant { mass_kg: Parameters::BY_EYE.mass_kg, lever_m, stops_rad: self.stops_rad },
+            motor: Motor { max_n: motor_n, lag_s: None },
+            brake: Brake {
+                max_n: brake_n,
+                law: BrakeLaw::Coulomb,
+                dead_zone_n: 0.0,
+                lag_on_off_s: None,
+                let_go_n: Some(self.let_go_n),
+            },
+            input: Input::Series(input),
+            start: Start { theta_rad, ..start },
+            finger: None,
+            friction: None,
+            terms: Terms::default(),
+        })
+    }
+}

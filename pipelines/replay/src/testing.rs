@@ -1,0 +1,90 @@
+//! Trials made by the model itself, for the tests of this crate.
+
+use crate::Parameters;
+use crate::scene::Condition;
+use zwidth_dynamics::{Exact, Grid, Series, Solver, Start, System};
+use zwidth_store::{Samples, Signal, Trial, TrialFile};
+use zwidth_study::{Calibration, Kind, Scene, Source, Spring, Status, Study, TrialMeta};
+
+/// Time between samples, s.
+pub(crate) const STEP_S: f64 = 0.005;
+const REST_RAD: f64 = -core::f64::consts::FRAC_PI_4;
+
+/// The template's study, its first environment a spring of 4 N/rad that rests at −45°.
+pub(crate) fn study() -> Study {
+    let mut study = Study::from_toml(&zwidth_study::template(&"demo".parse().unwrap())).unwrap();
+    study.environments[0].scene = Scene::Spring(Spring { stiffness_n_per_rad: 4.0, rest_rad: REST_RAD });
+    study
+}
+
+pub(crate) fn calibration() -> Calibration {
+    Calibration::thesis()
+}
+
+fn meta(mode: &str) -> TrialMeta {
+    TrialMeta {
+        participant: "P01".parse().unwrap(),
+        session: "S01".parse().unwrap(),
+        trial: 1,
+        repeat: 1,
+        kind: Kind::Trial,
+        status: Status::Complete,
+        environment: study().environments[0].id.clone(),
+        mode: mode.parse().unwrap(),
+        likert: None,
+        source: Source::Twin,
+    }
+}
+
+/// Uneven times over four seconds; a push that rises to 3.5 N and falls again, and half a second of rest at both ends.
+fn push() -> Series {
+    let time = |i: u32| STEP_S * (f64::from(i) + if i.is_multiple_of(3) { 0.0 } else { 0.1 });
+    let t_s: Vec<f64> = (0..=800).map(time).collect();
+    let phase = |t: f64| core::f64::consts::TAU * (t - 0.5).clamp(0.0, 3.0) / 3.0;
+    let value = t_s.iter().map(|t| 3.5 * (1.0 - libm::cos(phase(*t))) / 2.0).collect();
+    Series { t_s, value }
+}
+
+/// A trial as the model records it: the push, its motion, and the voltages of what the actuators give.
+pub(crate) fn simulated(mode: &str, plant: &Parameters) -> Trial {
+    let (meta, study, calibration) = (meta(mode), study(), calibration());
+    let push = push();
+    let condition = Condition::of(&meta, &study, Some(&calibration)).unwrap();
+    let start = Start { theta_rad: REST_RAD, theta_dot_rad_s: 0.0 };
+    let scene = plant.put(&condition.scene(push.clone(), start, 4.0).unwrap());
+    let system = System::new(scene).unwrap();
+    let run = Exact::default().run(&system, &Grid::Times(push.t_s.clone())).unwrap();
+    let forces: Vec<_> = (0..run.len()).map(|i| run.forces(&system, i)).collect();
+    let spring = |theta: f64| 4.0 * (theta - REST_RAD);
+    let brake = |theta: f64| if mode == "passive" { calibration.brake.voltage_v(spring(theta)) } else { 0.0 };
+    let mut samples = Samples::default();
+    samples.set(Signal::Time, push.t_s);
+    samples.set(Signal::Theta, run.theta_rad().collect());
+    samples.set(Signal::ThetaDot, run.theta_dot_rad_s().collect());
+    samples.set(Signal::ForceEx, push.value);
+    samples
+        .set(Signal::VoltageMotor, forces.iter().map(|f| calibration.motor.voltage_v(f.motor_n)).collect());
+    samples.set(Signal::VoltageBrake, run.theta_rad().map(brake).collect());
+    Trial { meta, file: TrialFile::new(), samples }
+}
+
+/// The same with a motion that was recorded so many samples late.
+pub(crate) fn delayed(trial: &Trial, by: usize) -> Trial {
+    let mut late = trial.clone();
+    for signal in [Signal::Theta, Signal::ThetaDot] {
+        let values = trial.samples.get(signal).unwrap();
+        late.samples.set(signal, (0..values.len()).map(|i| values[i.saturating_sub(by)]).collect());
+    }
+    late
+}
+
+/// The same samples without one signal.
+pub(crate) fn without(samples: &Samples, missing: Signal) -> Samples {
+    let mut rest = Samples::default();
+    for signal in Signal::all().filter(|s| *s != missing) {
+        if let Some(values) = samples.get(signal) {
+            rest.set(signal, values.to_vec());
+        }
+    }
+    rest
+}

@@ -1,0 +1,74 @@
+//! The user's force as the model's input: at the times at which the sensor gave new values.
+
+use zwidth_dynamics::Series;
+use zwidth_numerics::series::interpolate;
+
+/// The force as straight lines between its sensor's updates, from t = 0 on. A value of age a at time t was taken at
+/// t − a; an age grows with the clock until a new value comes. After the last update its value is held. Without ages
+/// each sample is an update. `t` starts at 0.
+pub(crate) fn input(t: &[f64], force: &[f64], age: Option<&[f64]>) -> Series {
+    let Some(age) = age else { return Series { t_s: t.to_vec(), value: force.to_vec() } };
+    from_zero(updates(t, force, age))
+}
+
+fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Series {
+    let mut found = Series::default();
+    for i in 0..t.len() {
+        // half of the interval: the age is stored in single precision
+        let is_new = i == 0 || age[i] < age[i - 1] + (t[i] - t[i - 1]) / 2.0;
+        let taken = t[i] - age[i];
+        if is_new && found.t_s.last().is_none_or(|last| taken > *last) {
+            found.t_s.push(taken);
+            found.value.push(values[i]);
+        }
+    }
+    found
+}
+
+/// Cuts at 0; where the first update comes later its value holds before.
+fn from_zero(series: Series) -> Series {
+    let first = series.value.first().copied().unwrap_or(0.0);
+    let last = series.value.last().copied().unwrap_or(0.0);
+    let late = series.t_s.first().is_none_or(|t| *t > 0.0);
+    let outside = if late { first } else { last };
+    let at_zero = interpolate(&series.t_s, &series.value, 0.0).unwrap_or(outside);
+    let later = series.t_s.iter().zip(&series.value).filter(|(t, _)| **t > 0.0);
+    let (mut t_s, mut value) = (vec![0.0], vec![at_zero]);
+    for (t, v) in later {
+        t_s.push(*t);
+        value.push(*v);
+    }
+    Series { t_s, value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ramp of 3 N/s sampled 1000 times a second by a sensor of 80 a second, whose values arrive 2 ms late.
+    #[test]
+    fn a_held_ramp_becomes_a_ramp_again() {
+        let t: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();
+        let taken = |t: f64| ((t - 0.002) * 80.0).floor() / 80.0;
+        let force: Vec<f64> = t.iter().map(|t| 3.0 * taken(*t)).collect();
+        let age: Vec<f64> = t.iter().map(|t| f64::from((t - taken(*t)) as f32)).collect();
+        let input = input(&t, &force, Some(&age));
+        assert_eq!(input.t_s[0].to_bits(), 0.0_f64.to_bits());
+        for (t, value) in input.t_s.iter().zip(&input.value) {
+            assert!((value - 3.0 * t).abs() < 1e-6, "{value} at {t} s");
+        }
+        assert_eq!(input.t_s.len(), 80);
+    }
+
+    #[test]
+    fn before_the_first_update_its_value_holds() {
+        let input = input(&[0.0, 1.0, 2.0], &[5.0, 6.0, 7.0], Some(&[-0.5, -0.25, 0.0]));
+        assert_eq!((input.t_s, input.value), (vec![0.0, 0.5, 1.25, 2.0], vec![5.0, 5.0, 6.0, 7.0]));
+    }
+
+    #[test]
+    fn without_ages_every_sample_counts() {
+        let input = input(&[0.0, 1.0], &[5.0, 5.0], None);
+        assert_eq!((input.t_s, input.value), (vec![0.0, 1.0], vec![5.0, 5.0]));
+    }
+}

@@ -1,0 +1,285 @@
+//! The experiment's results in sentences, made from the numbers (thesis §5.3.3).
+
+use crate::people::simulated;
+use crate::trials::Trials;
+use zwidth_study::{Environment, EnvironmentId, Likert, Mode, Study};
+use zwidth_tables::{Table, TableError};
+
+/// Up to this share returned energy counts as none: a released lever moves on a little.
+const NOTHING_RETURNED: f64 = 0.01;
+
+/// Where a sentence can be seen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Shown {
+    /// In the figure of one environment's modes.
+    Modes(EnvironmentId),
+    /// In the table of metrics by condition.
+    Conditions,
+    /// In the table of metrics by trial.
+    Metrics,
+    /// In the figure of the answers.
+    Answers,
+}
+
+/// One sentence.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finding {
+    /// The sentence, plain text.
+    pub text: String,
+    /// Where its numbers can be seen.
+    pub shown: Shown,
+}
+
+/// What the trials of a study show, in sentences: for each environment what each mode did, then the modes against each
+/// other, then the answers. Descriptive: means over trials, no sentence goes beyond them, and none speaks of anybody who
+/// did not take part. `metrics` has one row a trial; `tally` is that of the answers.
+///
+/// # Errors
+/// A table that lacks a column.
+pub fn findings(study: &Study, metrics: &Table, tally: Option<&Table>) -> Result<Vec<Finding>, TableError> {
+    let mut found = Vec::new();
+    for environment in &study.environments {
+        let mut tried = Vec::new();
+        for mode in &study.modes {
+            let trials = Trials::of(metrics, Some(&environment.id), &mode.id)?;
+            if trials.len() > 0 {
+                tried.push((mode, trials));
+            }
+        }
+        let shown = Shown::Modes(environment.id.clone());
+        for (mode, trials) in &tried {
+            let text = rendered(environment, mode, trials)?;
+            found.extend(text.map(|text| Finding { text, shown: shown.clone() }));
+        }
+        found.extend(wall_by_mode(environment, &tried)?.map(|text| Finding { text, shown }));
+    }
+    found.extend(both(study, metrics)?);
+    found.extend(steadiness(study, metrics)?);
+    if let Some(tally) = tally {
+        found.extend(answers(study, tally, simulated(metrics)?)?);
+    }
+    Ok(found)
+}
+
+/// `one trial`, `6 trials`.
+fn of_trials(n: usize) -> String {
+    if n == 1 { "one trial".to_owned() } else { format!("mean of {n} trials") }
+}
+
+/// What one mode made of the environment's spring.
+fn rendered(environment: &Environment, mode: &Mode, trials: &Trials) -> Result<Option<String>, TableError> {
+    let Some(spring) = environment.scene.spring() else { return Ok(None) };
+    let mut parts = Vec::new();
+    if let Some((stiffness, n)) = trials.mean("stiffness_n_per_rad")? {
+        let asked = spring.stiffness_n_per_rad;
+        parts.push(format!(
+            "compressing gave {stiffness:.2} N/rad where {asked} N/rad were asked for ({})",
+            of_trials(n)
+        ));
+    }
+    parts.push(match trials.mean("saturation_force_n")? {
+        Some((force, n)) => {
+            format!("the force flattened at {force:.2} N in {n} of {} trials", trials.len())
+        }
+        None => "no flattening of the force was found".to_owned(),
+    });
+    if let Some((step, _)) = trials.mean("discrepancy_step_n")? {
+        parts.push(format!("the force fell by {step:.2} N at the reversal"));
+    }
+    match trials.mean("returned_energy_share")? {
+        Some((share, _)) if share <= NOTHING_RETURNED => {
+            parts.push("none of the work put in came back: there was no spring on the way back".to_owned());
+        }
+        Some((share, _)) => parts.push(format!("{:.0} % of the work put in came back", 100.0 * share)),
+        None => {}
+    }
+    Ok(Some(format!("{}, {}: {}.", environment.label, mode.label.to_lowercase(), parts.join("; "))))
+}
+
+/// How far each mode let the lever past the wall, the least first.
+fn wall_by_mode(environment: &Environment, tried: &[(&Mode, Trials)]) -> Result<Option<String>, TableError> {
+    let mut past = Vec::new();
+    for (mode, trials) in tried {
+        let mean = trials.mean("wall_past_max_rad")?;
+        past.extend(mean.map(|(rad, n)| (rad, n, mode.label.to_lowercase(), trials.len())));
+    }
+    past.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let of = |(rad, n, label, all): &(f64, usize, String, usize)| {
+        format!("{:.2}° with {label} (reached in {n} of {all} trials)", rad.to_degrees())
+    };
+    let list: Vec<String> = past.iter().map(of).collect();
+    let text =
+        format!("{}: past the wall the lever went, on average, {}.", environment.label, list.join(", "));
+    Ok((!list.is_empty()).then_some(text))
+}
+
+/// Of the modes that gave work back, the one that let the lever least far past a wall: what the thesis' §5.3.3 asks of a
+/// mode is both. None unless at least two modes met a wall.
+fn both(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableError> {
+    let mut past = Vec::new();
+    let mut gave = Vec::new();
+    for mode in &study.modes {
+        let trials = Trials::of(metrics, None, &mode.id)?;
+        let returned =
+            trials.mean("returned_energy_share")?.is_some_and(|(share, _)| share > NOTHING_RETURNED);
+        let label = mode.label.to_lowercase();
+        let mean = trials.mean("wall_past_max_rad")?;
+        past.extend(mean.map(|(rad, _)| (rad, label.clone(), returned)));
+        gave.extend(returned.then_some(label));
+    }
+    past.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let best = past.iter().find(|(.., returned)| *returned).filter(|_| past.len() > 1);
+    Ok(best.map(|(rad, label, _)| Finding {
+        text: format!(
+            "Work came back with {}; of these, {label} let the lever least far past the wall, {:.2}°.",
+            gave.join(", "),
+            rad.to_degrees()
+        ),
+        shown: Shown::Conditions,
+    }))
+}
+
+/// Whether any mode swung.
+fn steadiness(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableError> {
+    let (mut smooth, mut all, mut swung) = (0, 0, Vec::new());
+    for mode in &study.modes {
+        let (still, n) = Trials::of(metrics, None, &mode.id)?.count("recorded_stability", "smooth")?;
+        (smooth, all) = (smooth + still, all + n);
+        if still < n {
+            swung.push(format!("{} of {n} with {}", n - still, mode.label.to_lowercase()));
+        }
+    }
+    let text = match (all, swung.as_slice()) {
+        (0, _) => return Ok(None),
+        (_, []) => format!("In none of {all} trials did the lever swing fast; all {smooth} were smooth."),
+        (_, swung) => format!(
+            "The lever swung fast in {all_but} of {all} trials: {}.",
+            swung.join(", "),
+            all_but = all - smooth
+        ),
+    };
+    Ok(Some(Finding { text, shown: Shown::Metrics }))
+}
+
+/// The median answer of each mode, an environment a sentence.
+fn answers(study: &Study, tally: &Table, simulated: bool) -> Result<Vec<Finding>, TableError> {
+    let [environments, modes, questions] = ["environment", "mode", "question"].map(|name| tally.texts(name));
+    let (environments, modes, questions) = (environments?, modes?, questions?);
+    let [low, high, n] = ["median_low", "median_high", "n"].map(|name| tally.integers(name));
+    let (low, high, n) = (low?, high?, n?);
+    let mut found = Vec::new();
+    for environment in study.environments.iter() {
+        let Some(question) = &environment.question else { continue };
+        let of_mode = |mode: &Mode| {
+            let is = |row: &usize| {
+                environments[*row].as_deref() == Some(environment.id.as_str())
+                    && modes[*row].as_deref() == Some(mode.id.as_str())
+                    && questions[*row].as_deref() == Some(question.as_str())
+            };
+            let row = (0..tally.height()).find(is)?;
+            let median = median(low[row]?, high[row]?);
+            Some(format!("{median} with {} (n = {})", mode.label.to_lowercase(), n[row]?))
+        };
+        let list: Vec<String> = study.modes.iter().filter_map(of_mode).collect();
+        let whose = if simulated { "simulated answer" } else { "answer" };
+        if !list.is_empty() {
+            let text = format!("{}: the median {whose} was {}.", environment.label, list.join(", "));
+            found.push(Finding { text, shown: Shown::Answers });
+        }
+    }
+    Ok(found)
+}
+
+/// `4 (agree)`, or `3 to 4` where the two middle answers differ.
+fn median(low: i64, high: i64) -> String {
+    let word = usize::try_from(low - 1).ok().and_then(|i| Likert::WORDS.get(i));
+    match word {
+        Some(word) if low == high => format!("{low} ({word})"),
+        _ if low == high => low.to_string(),
+        _ => format!("{low} to {high}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trials::testing::{Row, metrics, row};
+    use zwidth_study::template;
+    use zwidth_tables::Column;
+
+    fn study() -> Study {
+        Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+    }
+
+    fn texts(rows: &[Row], tally: Option<&Table>) -> Vec<String> {
+        findings(&study(), &metrics(rows), tally).unwrap().into_iter().map(|f| f.text).collect()
+    }
+
+    #[test]
+    fn what_a_mode_made_of_the_spring_is_one_sentence_from_its_numbers() {
+        let active = || Row {
+            stiffness: Some(4.05),
+            saturation: Some(4.43),
+            returned: Some(0.79),
+            ..row("spring", "active")
+        };
+        let found = texts(&[active(), active(), row("spring", "passive")], None);
+        assert_eq!(
+            found[0],
+            "Spring, active: compressing gave 4.05 N/rad where 4 N/rad were asked for (mean of 2 trials); the force \
+             flattened at 4.43 N in 2 of 2 trials; 79 % of the work put in came back."
+        );
+        assert!(found[1].ends_with("no spring on the way back."), "{}", found[1]);
+        assert_eq!(found[2], "In none of 3 trials did the lever swing fast; all 3 were smooth.");
+    }
+
+    #[test]
+    fn the_modes_stand_in_the_order_in_which_the_wall_held() {
+        let past = |mode, deg: f64| Row { past_rad: Some(deg.to_radians()), ..row("spring_wall", mode) };
+        let rows = [past("active", 16.0), past("passive", 0.25), row("spring_wall", "passive")];
+        let found = texts(&rows, None);
+        let expect = "past the wall the lever went, on average, 0.25° with passive (reached in 1 of 2 trials), 16.00° \
+                      with active (reached in 1 of 1 trials).";
+        assert!(found[2].ends_with(expect), "{}", found[2]);
+    }
+
+    #[test]
+    fn the_mode_that_does_both_gives_work_back_and_holds_the_wall_best_of_those() {
+        let of = |mode, returned, past| Row {
+            returned: Some(returned),
+            past_rad: Some(f64::to_radians(past)),
+            ..row("spring_wall", mode)
+        };
+        let found = texts(&[of("active", 0.8, 16.0), of("passive", 0.0, 0.25), of("hybrid", 0.4, 0.3)], None);
+        let expect = "Work came back with active, hybrid; of these, hybrid let the lever least far past the wall, 0.30°.";
+        assert!(found.iter().any(|f| f == expect), "{found:?}");
+        let none = texts(&[of("passive", 0.0, 0.25), of("active", 0.0, 1.0)], None);
+        assert!(!none.iter().any(|f| f.starts_with("Work came back")), "{none:?}");
+    }
+
+    #[test]
+    fn an_oscillating_trial_is_told_with_its_mode() {
+        let rows = [Row { stability: "oscillating", ..row("spring", "hybrid") }, row("spring", "hybrid")];
+        let found = texts(&rows, None);
+        assert_eq!(found[1], "The lever swung fast in 1 of 2 trials: 1 of 2 with hybrid.");
+    }
+
+    #[test]
+    fn answers_of_the_twin_are_called_simulated() {
+        let text = |name, value: &str| Column::text(name, "", [Some(value.to_owned())]);
+        let number = |name, value| Column::integer(name, "1", "", [Some(value)]);
+        let columns = vec![
+            text("environment", "spring"),
+            text("mode", "active"),
+            text("question", "felt_spring"),
+            number("n", 6),
+            number("median_low", 4),
+            number("median_high", 4),
+        ];
+        let tally = Table::new("likert", "", columns).unwrap();
+        let of = |source| texts(&[Row { source, ..row("spring", "active") }], Some(&tally))[2].clone();
+        assert_eq!(of("recorded"), "Spring: the median answer was 4 (agree) with active (n = 6).");
+        assert!(of("twin").contains("the median simulated answer was"));
+        assert_eq!(median(3, 4), "3 to 4");
+    }
+}

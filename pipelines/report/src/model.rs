@@ -1,0 +1,116 @@
+//! The thesis' Table 3: parameters of the simulation model, from a scene.
+
+use crate::facts::{self, Fact};
+use zwidth_dynamics::{BrakeLaw, Demand, Input, Scene};
+use zwidth_tables::{Table, TableError};
+
+/// Parameters of the model that a scene is, with the thesis' symbols; what the scene lacks (a finger, stops) is left out.
+///
+/// # Errors
+/// A parameter that is not finite.
+pub fn model_table(scene: &Scene) -> Result<Table, TableError> {
+    let mut facts = vec![Fact::new("M_O, mass of the object (spring)", Some(scene.plant.mass_kg), "kg")];
+    facts.extend(scene.environment.zones.iter().flat_map(|zone| demand(zone.demand)));
+    if let Some(finger) = &scene.finger {
+        facts.extend([
+            Fact::new("M_F, mass of the finger", Some(finger.mass_kg), "kg"),
+            Fact::new("K_F, stiffness of the finger", Some(finger.stiffness_n_per_m), "N/m"),
+            Fact::new("B_F, damping of the finger", Some(finger.damping_ns_per_m), "N·s/m"),
+            Fact::new("L_F0, length of the finger at rest", finger.length_m.map(|m| m * 1e3), "mm"),
+        ]);
+    }
+    facts.extend([
+        Fact::new("T, length of the simulation", Some(scene.duration_s), "s"),
+        Fact::new("h, step", Some(scene.step_s * 1e3), "ms"),
+        Fact::new("F_ex, user force, largest", largest(&scene.input), "N").remarked(shape(&scene.input)),
+    ]);
+    if let Some([low, high]) = scene.plant.stops_rad {
+        facts.push(Fact::new("θ_min, lower stop", Some(low.to_degrees()), "°"));
+        facts.push(Fact::new("θ_max, upper stop", Some(high.to_degrees()), "°"));
+    }
+    facts.extend([
+        Fact::new("L, lever", Some(scene.plant.lever_m), "m").remarked("not in the thesis' table"),
+        Fact::new("F_m, largest motor force", Some(scene.motor.max_n), "N")
+            .remarked("not in the thesis' table"),
+        Fact::new("F_b, largest brake force", Some(scene.brake.max_n), "N").remarked(brake(scene.brake.law)),
+    ]);
+    facts::table("model", &format!("Parameters of the simulation model: {}", scene.name), &facts)
+}
+
+fn demand(demand: Demand) -> Vec<Fact> {
+    match demand {
+        Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } => vec![
+            Fact::new("K_O, stiffness of the object", Some(stiffness_n_per_rad), "N/rad"),
+            Fact::new("B_O, damping of the object", Some(damping_ns_per_rad), "N·s/rad"),
+            Fact::new("θ_rest, angle of the object at rest", Some(rest_rad.to_degrees()), "°")
+                .remarked("not in the thesis' table"),
+        ],
+        Demand::Full | Demand::FullUp => Vec::new(),
+    }
+}
+
+fn largest(input: &Input) -> Option<f64> {
+    match input {
+        Input::Step { magnitude, .. } | Input::Ramp { magnitude, .. } | Input::Sine { magnitude, .. } => {
+            Some(2.0 * magnitude)
+        }
+        Input::Line { .. } | Input::Series(_) => None,
+    }
+}
+
+fn shape(input: &Input) -> &'static str {
+    match input {
+        Input::Step { .. } => "steps between 0 and 2a, equation (5)",
+        Input::Ramp { .. } => "ramps between 0 and 2a, equation (6)",
+        Input::Sine { .. } => "a + a sin(ω t), equation (7)",
+        Input::Line { .. } => "a straight line",
+        Input::Series(_) => "recorded",
+    }
+}
+
+fn brake(law: BrakeLaw) -> &'static str {
+    match law {
+        BrakeLaw::Coulomb => "not in the thesis' table; set-valued",
+        BrakeLaw::Thesis => "not in the thesis' table; on while θ̇ > 0",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Table 3 as printed; the thesis' 1.53 kg/s is 1.53 N·s/m.
+    #[test]
+    fn the_scene_of_the_thesis_gives_the_numbers_of_its_table_3() {
+        let text = include_str!("../../../scenes/sine_finger.toml");
+        let table = model_table(&Scene::from_toml(text).unwrap()).unwrap();
+        let (names, values, units) =
+            (table.texts("quantity").unwrap(), table.floats("value").unwrap(), table.texts("unit").unwrap());
+        let printed = [
+            ("M_O", 0.005, "kg"),
+            ("M_F", 0.021, "kg"),
+            ("K_O", 4.0, "N/rad"),
+            ("B_O", 1.0, "N·s/rad"),
+            ("K_F", 584.6, "N/m"),
+            ("B_F", 1.53, "N·s/m"),
+            ("L_F0", 6.0, "mm"),
+            ("T", 4.0, "s"),
+            ("h", 8.3, "ms"),
+            ("θ_min", -45.0, "°"),
+            ("θ_max", 45.0, "°"),
+        ];
+        for (symbol, value, unit) in printed {
+            let begins = format!("{symbol}, ");
+            let row = names.iter().position(|n| n.as_ref().is_some_and(|n| n.starts_with(&begins))).unwrap();
+            assert!((values[row].unwrap() - value).abs() < 1e-12, "{symbol}: {:?}", values[row]);
+            assert_eq!(units[row].as_deref(), Some(unit), "{symbol}");
+        }
+    }
+
+    #[test]
+    fn a_scene_without_a_finger_has_no_row_of_one() {
+        let text = include_str!("../../../scenes/sine.toml");
+        let table = model_table(&Scene::from_toml(text).unwrap()).unwrap();
+        assert!(!table.texts("quantity").unwrap().iter().flatten().any(|q| q.contains("finger")));
+    }
+}

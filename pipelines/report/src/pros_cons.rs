@@ -1,0 +1,313 @@
+//! The thesis' Table 1: pros and cons of brake and motor, each beside what the study itself knows of it.
+
+use crate::actuation::{active, passive};
+use crate::people::simulated;
+use crate::trials::Trials;
+use zwidth_study::{Calibration, Environment, Mode, Study};
+use zwidth_tables::{Column, Table, TableError};
+
+/// Up to this share returned energy counts as none: a released lever moves on a little.
+const NOTHING_RETURNED: f64 = 0.01;
+
+/// Down to this balance of work, J, a device counts as one that gives nothing: the noise of the force sensor, 2 mN, over a
+/// stroke of 71 mm is 0.14 mJ.
+const NOTHING_GIVEN_J: f64 = -1e-3;
+
+/// What a study knows.
+#[derive(Debug, Clone, Copy)]
+pub struct Known<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// Forces for voltages.
+    pub calibration: &'a Calibration,
+    /// The metrics, one row a trial; none where there is no trial.
+    pub metrics: Option<&'a Table>,
+}
+
+/// What speaks for or against a claim.
+struct Evidence {
+    metric: String,
+    value: f64,
+    unit: &'static str,
+    remark: String,
+    supported: bool,
+}
+
+/// How evidence for a claim is found.
+type Find = fn(&Known) -> Result<Option<Evidence>, TableError>;
+
+/// Actuation, side, claim (thesis Table 1), and where the study's evidence comes from.
+const CLAIMS: [(&str, &str, &str, Find); 11] = [
+    ("passive", "pro", "High force to energy consumption ratio", unknown),
+    ("passive", "pro", "Lightweight", brake_is_light),
+    ("passive", "pro", "Safe", brake_never_gives),
+    ("passive", "con", "Only resistive forces", brake_returns_nothing),
+    ("passive", "con", "Can not render stiffness", brake_has_no_way_back),
+    ("active", "pro", "Easy to control", motor_is_smooth),
+    ("active", "pro", "Can resist and amplify", motor_returns),
+    ("active", "con", "Low force to energy consumption ratio", unknown),
+    ("active", "con", "Heavy", motor_is_heavy),
+    ("active", "con", "Unsafe/weak trade off", motor_is_weak),
+    ("active", "con", "Can not render infinite stiffness", motor_passes_the_wall),
+];
+
+/// The pros and cons of the thesis' Table 1, each beside the study's own metric and whether that supports or contradicts
+/// it; `not measured` where the study has none.
+///
+/// # Errors
+/// Metrics that lack a column.
+pub fn pros_cons_table(known: Known) -> Result<Table, TableError> {
+    let found = CLAIMS.iter().map(|(.., find)| find(&known)).collect::<Result<Vec<_>, _>>()?;
+    let claim = |get: fn(&(&'static str, &'static str, &'static str, Find)) -> &'static str| {
+        CLAIMS.iter().map(move |c| Some(get(c).to_owned()))
+    };
+    let text = |get: fn(&Evidence) -> String| found.iter().map(move |e| e.as_ref().map(get));
+    let verdict = |e: &Option<Evidence>| {
+        let word = match e {
+            None => "not measured",
+            Some(e) if e.supported => "supported",
+            Some(_) => "contradicted",
+        };
+        Some(word.to_owned())
+    };
+    let columns = vec![
+        Column::text("actuation", "brake alone or motor alone", claim(|c| c.0)),
+        Column::text("side", "pro or con", claim(|c| c.1)),
+        Column::text("claim", "the thesis' Table 1", claim(|c| c.2)),
+        Column::text("metric", "the study's own", text(|e| e.metric.clone())),
+        Column::float(
+            "value",
+            "1",
+            "its value, in the unit beside it",
+            found.iter().map(|e| e.as_ref().map(|e| e.value)),
+        ),
+        Column::text("unit", "its unit", text(|e| e.unit.to_owned())),
+        Column::text("verdict", "what the metric says of the claim", found.iter().map(verdict)),
+        Column::text("remark", "with what it is compared", text(|e| e.remark.clone())),
+    ];
+    let table = Table::new("pros_cons", "Pros and cons of brake and motor, beside this study", columns)?;
+    Ok(notes(known)?.into_iter().fold(table, Table::with_note))
+}
+
+fn notes(known: Known) -> Result<Vec<String>, TableError> {
+    let Some(metrics) = known.metrics else { return Ok(Vec::new()) };
+    let mut notes = Vec::new();
+    if simulated(metrics)? {
+        notes.push("Metrics of trials are of simulated ones: they say what the model does.".to_owned());
+    }
+    let mut people = metrics.texts("participant")?;
+    people.sort();
+    people.dedup();
+    if let [Some(one)] = people.as_slice() {
+        notes.push(format!("Every metric of trials is within the one participant {one}."));
+    }
+    Ok(notes)
+}
+
+fn unknown(_: &Known) -> Result<Option<Evidence>, TableError> {
+    Ok(None) // no current was recorded
+}
+
+/// Mass of `one` against `other`, g.
+fn mass(known: &Known, brake_first: bool) -> Option<Evidence> {
+    let masses = known.study.masses?;
+    let (brake_g, motor_g) = (masses.brake_kg * 1e3, masses.motor_kg * 1e3);
+    let ((name, value), (other, beside)) = match brake_first {
+        true => (("mass of the brake", brake_g), ("motor", motor_g)),
+        false => (("mass of the motor", motor_g), ("brake", brake_g)),
+    };
+    Some(Evidence {
+        metric: name.to_owned(),
+        value,
+        unit: "g",
+        remark: format!("the {other} has {beside:.0} g"),
+        supported: brake_g < motor_g,
+    })
+}
+
+fn brake_is_light(known: &Known) -> Result<Option<Evidence>, TableError> {
+    Ok(mass(known, true))
+}
+
+fn motor_is_heavy(known: &Known) -> Result<Option<Evidence>, TableError> {
+    Ok(mass(known, false))
+}
+
+/// The first environment that fits, and the trials in it of the mode; none without any.
+fn trials<'a>(
+    known: &Known<'a>,
+    mode: Option<&Mode>,
+    fits: fn(&Environment) -> bool,
+) -> Result<Option<(&'a Environment, Trials<'a>)>, TableError> {
+    let environment = known.study.environments.iter().find(|e| fits(e));
+    let (Some(metrics), Some(mode), Some(environment)) = (known.metrics, mode, environment) else {
+        return Ok(None);
+    };
+    let trials = Trials::of(metrics, Some(&environment.id), &mode.id)?;
+    Ok((trials.len() > 0).then_some((environment, trials)))
+}
+
+fn a_spring(environment: &Environment) -> bool {
+    environment.scene.spring().is_some() && environment.scene.wall_rad().is_none()
+}
+
+fn a_wall(environment: &Environment) -> bool {
+    environment.scene.wall_rad().is_some()
+}
+
+fn brake_never_gives(known: &Known) -> Result<Option<Evidence>, TableError> {
+    let (Some(metrics), Some(mode)) = (known.metrics, passive(known.study)) else { return Ok(None) };
+    let balances = Trials::of(metrics, None, &mode.id)?.floats("passivity_energy_j")?;
+    Ok(balances.iter().copied().reduce(f64::min).map(|least| Evidence {
+        metric: "lowest balance of the user's work on the device".to_owned(),
+        value: least,
+        unit: "J",
+        remark: format!("over {} trials; below 0 it would have given more than it got", balances.len()),
+        supported: least >= NOTHING_GIVEN_J,
+    }))
+}
+
+/// The share of the work put into a spring that comes back, and what else is to be said.
+fn returned(
+    known: &Known,
+    mode: Option<&Mode>,
+    judge: fn(f64) -> bool,
+) -> Result<Option<(Evidence, f64)>, TableError> {
+    let Some((environment, trials)) = trials(known, mode, a_spring)? else { return Ok(None) };
+    let Some((share, n)) = trials.mean("returned_energy_share")? else { return Ok(None) };
+    let stiffness = trials.mean("stiffness_n_per_rad")?.map_or(f64::NAN, |(mean, _)| mean);
+    let evidence = Evidence {
+        metric: format!("returned share of the work, {}", environment.label),
+        value: 100.0 * share,
+        unit: "%",
+        remark: format!("mean of {n} trials"),
+        supported: judge(share),
+    };
+    Ok(Some((evidence, stiffness)))
+}
+
+fn brake_returns_nothing(known: &Known) -> Result<Option<Evidence>, TableError> {
+    let found = returned(known, passive(known.study), |share| share <= NOTHING_RETURNED)?;
+    Ok(found.map(|(evidence, _)| evidence))
+}
+
+fn brake_has_no_way_back(known: &Known) -> Result<Option<Evidence>, TableError> {
+    let found = returned(known, passive(known.study), |share| share <= NOTHING_RETURNED)?;
+    Ok(found.map(|(evidence, stiffness)| match stiffness.is_finite() {
+        true => Evidence {
+            remark: format!("{}; compressing alone it does: {stiffness:.2} N/rad", evidence.remark),
+            ..evidence
+        },
+        false => evidence,
+    }))
+}
+
+fn motor_returns(known: &Known) -> Result<Option<Evidence>, TableError> {
+    let found = returned(known, active(known.study), |share| share > NOTHING_RETURNED)?;
+    let told = "it drives the lever back; no environment asked it to help a push";
+    Ok(found.map(|(e, _)| Evidence { remark: format!("{}: {told}", e.remark), ..e }))
+}
+
+fn motor_is_smooth(known: &Known) -> Result<Option<Evidence>, TableError> {
+    let (Some(metrics), Some(mode)) = (known.metrics, active(known.study)) else { return Ok(None) };
+    let (smooth, n) = Trials::of(metrics, None, &mode.id)?.count("recorded_stability", "smooth")?;
+    Ok((n > 0).then(|| Evidence {
+        metric: "trials without fast swings".to_owned(),
+        value: 100.0 * smooth as f64 / n as f64,
+        unit: "%",
+        remark: format!("{smooth} of {n} trials; steadiness alone, not the effort of making it so"),
+        supported: smooth == n,
+    }))
+}
+
+fn motor_is_weak(known: &Known) -> Result<Option<Evidence>, TableError> {
+    let volts = |mode: Option<&Mode>, get: fn(&Mode) -> Option<f64>| mode.and_then(get);
+    let motor_v = volts(active(known.study), |m| m.motor_max_v);
+    let brake_v = volts(passive(known.study), |m| m.brake_max_v);
+    let (Some(motor_v), Some(brake_v)) = (motor_v, brake_v) else { return Ok(None) };
+    let motor_n = known.calibration.motor.force_n(motor_v);
+    let brake_n = known.calibration.brake.force_n(brake_v);
+    Ok(Some(Evidence {
+        metric: "largest motor force as used".to_owned(),
+        value: motor_n,
+        unit: "N",
+        remark: format!(
+            "the brake has {brake_n:.1} N; a finger's limit is {:.0} N",
+            known.study.control.force_limit_n
+        ),
+        supported: motor_n < brake_n,
+    }))
+}
+
+fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> {
+    let past = |mode| -> Result<_, TableError> {
+        let Some((_, trials)) = trials(known, mode, a_wall)? else { return Ok(None) };
+        trials.mean("wall_past_max_rad")
+    };
+    let (motor, brake) = (past(active(known.study))?, past(passive(known.study))?);
+    let (Some((motor, n)), Some((brake, _))) = (motor, brake) else { return Ok(None) };
+    Ok(Some(Evidence {
+        metric: "angle past the wall".to_owned(),
+        value: motor.to_degrees(),
+        unit: "°",
+        remark: format!("mean of {n} trials; {:.2}° with the brake", brake.to_degrees()),
+        supported: motor > brake,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trials::testing::{Row, metrics, row};
+    use zwidth_study::template;
+
+    fn study() -> Study {
+        Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+    }
+
+    fn verdicts(metrics: Option<&Table>) -> Vec<String> {
+        let (study, calibration) = (study(), Calibration::thesis());
+        let known = Known { study: &study, calibration: &calibration, metrics };
+        pros_cons_table(known).unwrap().texts("verdict").unwrap().into_iter().flatten().collect()
+    }
+
+    fn trials(past_with_motor: f64) -> Table {
+        metrics(&[
+            Row { returned: Some(0.8), ..row("spring", "active") },
+            row("spring", "passive"),
+            Row { past_rad: Some(past_with_motor), ..row("spring_wall", "active") },
+            Row { past_rad: Some(0.01), ..row("spring_wall", "passive") },
+        ])
+    }
+
+    #[test]
+    fn without_trials_only_masses_and_forces_are_known_and_energy_never_is() {
+        let found = verdicts(None);
+        let known: Vec<usize> = (0..11).filter(|i| found[*i] != "not measured").collect();
+        assert_eq!(known, [1, 8, 9]);
+        assert!(verdicts(Some(&trials(0.2)))[0] == "not measured");
+    }
+
+    #[test]
+    fn what_the_trials_show_supports_or_contradicts() {
+        let supported = verdicts(Some(&trials(0.2)));
+        assert!(supported.iter().filter(|v| *v == "supported").count() == 9, "{supported:?}");
+        assert_eq!(verdicts(Some(&trials(0.005)))[10], "contradicted", "a motor that holds the wall");
+        let weak = metrics(&[Row { returned: Some(0.5), ..row("spring", "passive") }]);
+        assert_eq!(verdicts(Some(&weak))[3], "contradicted", "a brake that gives work back");
+    }
+
+    #[test]
+    fn simulated_trials_and_a_single_participant_are_named_in_the_notes() {
+        let (study, calibration) = (study(), Calibration::thesis());
+        let of = |source, participants: [&'static str; 2]| {
+            let rows = participants.map(|participant| Row { source, participant, ..row("spring", "active") });
+            let metrics = metrics(&rows);
+            let known = Known { study: &study, calibration: &calibration, metrics: Some(&metrics) };
+            pros_cons_table(known).unwrap().notes().join(" ")
+        };
+        assert!(of("twin", ["P01", "P01"]).contains("simulated"));
+        assert!(of("recorded", ["P01", "P01"]).contains("one participant P01"));
+        assert_eq!(of("recorded", ["P01", "P02"]), "");
+    }
+}

@@ -1,0 +1,103 @@
+//! Some rows of the table of metrics: the trials of one condition.
+
+use zwidth_study::{EnvironmentId, ModeId};
+use zwidth_tables::{Table, TableError};
+
+/// Trials of one mode, in one environment or in all.
+#[derive(Debug, Clone)]
+pub(crate) struct Trials<'a> {
+    metrics: &'a Table,
+    rows: Vec<usize>,
+}
+
+impl<'a> Trials<'a> {
+    pub(crate) fn of(
+        metrics: &'a Table,
+        environment: Option<&EnvironmentId>,
+        mode: &ModeId,
+    ) -> Result<Self, TableError> {
+        let (environments, modes) = (metrics.texts("environment")?, metrics.texts("mode")?);
+        let is = |value: &Option<String>, id: &str| value.as_deref() == Some(id);
+        let wanted = |row: &usize| {
+            environment.is_none_or(|e| is(&environments[*row], e.as_str())) && is(&modes[*row], mode.as_str())
+        };
+        Ok(Self { metrics, rows: (0..metrics.height()).filter(wanted).collect() })
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The values of those trials that have one.
+    pub(crate) fn floats(&self, column: &str) -> Result<Vec<f64>, TableError> {
+        let values = self.metrics.floats(column)?;
+        Ok(self.rows.iter().filter_map(|row| values[*row]).collect())
+    }
+
+    /// Mean of those trials that have a value, and how many they are; none where none has.
+    pub(crate) fn mean(&self, column: &str) -> Result<Option<(f64, usize)>, TableError> {
+        let values = self.floats(column)?;
+        let n = values.len();
+        Ok((n > 0).then(|| (values.iter().sum::<f64>() / n as f64, n)))
+    }
+
+    /// Number of trials with this word, and of trials with any.
+    pub(crate) fn count(&self, column: &str, word: &str) -> Result<(usize, usize), TableError> {
+        let values = self.metrics.texts(column)?;
+        let of: Vec<&str> = self.rows.iter().filter_map(|row| values[*row].as_deref()).collect();
+        Ok((of.iter().filter(|w| **w == word).count(), of.len()))
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod testing {
+    use super::*;
+    use zwidth_tables::Column;
+
+    /// One trial of made-up metrics: environment, mode, and the values that the report reads.
+    pub(crate) struct Row {
+        pub(crate) condition: (&'static str, &'static str),
+        pub(crate) stiffness: Option<f64>,
+        pub(crate) saturation: Option<f64>,
+        pub(crate) returned: Option<f64>,
+        pub(crate) past_rad: Option<f64>,
+        pub(crate) stability: &'static str,
+        pub(crate) source: &'static str,
+        pub(crate) participant: &'static str,
+    }
+
+    pub(crate) fn row(environment: &'static str, mode: &'static str) -> Row {
+        Row {
+            condition: (environment, mode),
+            stiffness: Some(4.0),
+            saturation: None,
+            returned: Some(0.0),
+            past_rad: None,
+            stability: "smooth",
+            source: "recorded",
+            participant: "P01",
+        }
+    }
+
+    pub(crate) fn metrics(rows: &[Row]) -> Table {
+        let text = |name, get: fn(&Row) -> &'static str| {
+            Column::text(name, "", rows.iter().map(|r| Some(get(r).to_owned())))
+        };
+        let float = |name, get: fn(&Row) -> Option<f64>| Column::float(name, "1", "", rows.iter().map(get));
+        let columns = vec![
+            text("participant", |r| r.participant),
+            text("session", |_| "S01"),
+            text("environment", |r| r.condition.0),
+            text("mode", |r| r.condition.1),
+            text("source", |r| r.source),
+            text("recorded_stability", |r| r.stability),
+            float("stiffness_n_per_rad", |r| r.stiffness),
+            float("saturation_force_n", |r| r.saturation),
+            float("returned_energy_share", |r| r.returned),
+            float("wall_past_max_rad", |r| r.past_rad),
+            float("passivity_energy_j", |_| Some(0.0)),
+            float("discrepancy_step_n", |_| None),
+        ];
+        Table::new("metrics", "", columns).unwrap()
+    }
+}
