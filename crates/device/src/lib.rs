@@ -60,6 +60,8 @@ pub use playback::Playback;
 pub use priority::Priority;
 pub use signals::stop_on_signals;
 pub use timing::{Histogram, Timing};
-pub use trial::{BatchSink, LiveRun, Sink, TrialEnd, TrialPlan, TrialRun, in_real_time, run_live, run_trial, watch};
+pub use trial::{
+    BatchSink, LiveRun, Sink, TrialEnd, TrialPlan, TrialRun, in_real_time, run_live, run_trial, watch,
+};
 pub use twin::{SweepPoint, Twin, TwinFault, TwinParameter, TwinParameters, brake_sweep, motor_sweep};
 pub use velocity::{Difference, Differentiator, Velocity};
