@@ -128,6 +128,8 @@ fn inspect(
                 expect_complete(&data, number.parse()?)?;
                 current = None;
             }
+            // Safety cut it: what was sampled until then is its file.
+            ["trial", _, "stored,", "incomplete"] => current = None,
             ["trial", number, "(place", ..] => current = Some((number.parse::<u32>()?, *heard)),
             ["question", ..] => {
                 let (number, _) = current.take().context("a question before any trial")?;
