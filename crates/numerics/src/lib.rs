@@ -14,6 +14,7 @@ pub mod series;
 pub mod smoothness;
 pub mod spectrum;
 pub mod tableau;
+pub mod updates;
 pub mod zigzag;
 
 pub use error::NumericsError;

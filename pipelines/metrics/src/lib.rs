@@ -37,7 +37,6 @@ mod stability;
 mod table;
 #[cfg(test)]
 mod testing;
-mod updates;
 mod wall;
 
 pub use compliance::Compliance;

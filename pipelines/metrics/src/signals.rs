@@ -1,10 +1,10 @@
 //! A trial's samples as the metrics see them: slices of one length, and where the movement's phases lie.
 
 use crate::MetricsError;
-use crate::updates::{Updates, updates};
 use std::borrow::Cow;
 use zwidth_numerics::activity::{Activity, activity};
 use zwidth_numerics::phases::{Phases, phases};
+use zwidth_numerics::updates::{Updates, updates};
 use zwidth_store::{Signal, Trial};
 use zwidth_study::{Analysis, Study};
 

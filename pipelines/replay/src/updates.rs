@@ -2,27 +2,14 @@
 
 use zwidth_dynamics::Series;
 use zwidth_numerics::series::interpolate;
+use zwidth_numerics::updates::{Updates, updates};
 
-/// The force as straight lines between its sensor's updates, from t = 0 on. A value of age a at time t was taken at
-/// t − a; an age grows with the clock until a new value comes. After the last update its value is held. Without ages
+/// The force as straight lines between its sensor's updates, from t = 0 on. After the last update its value is held. Without ages
 /// each sample is an update. `t` starts at 0.
 pub(crate) fn input(t: &[f64], force: &[f64], age: Option<&[f64]>) -> Series {
     let Some(age) = age else { return Series { t_s: t.to_vec(), value: force.to_vec() } };
-    from_zero(updates(t, force, age))
-}
-
-fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Series {
-    let mut found = Series::default();
-    for i in 0..t.len() {
-        // half of the interval: the age is stored in single precision
-        let is_new = i == 0 || age[i] < age[i - 1] + (t[i] - t[i - 1]) / 2.0;
-        let taken = t[i] - age[i];
-        if is_new && found.t_s.last().is_none_or(|last| taken > *last) {
-            found.t_s.push(taken);
-            found.value.push(values[i]);
-        }
-    }
-    found
+    let Updates { t, values } = updates(t, force, age);
+    from_zero(Series { t_s: t, value: values })
 }
 
 /// Cuts at 0; where the first update comes later its value holds before.

@@ -128,8 +128,8 @@ fn inspect(
                 expect_complete(&data, number.parse()?)?;
                 current = None;
             }
-            // Safety cut it: what was sampled until then is its file.
-            ["trial", _, "stored,", "incomplete"] => current = None,
+            // Safety cut the trial, as it does where a loaded machine misses deadlines, and the session was left.
+            ["stopped" | "left", ..] => current = None,
             ["trial", number, "(place", ..] => current = Some((number.parse::<u32>()?, *heard)),
             ["question", ..] => {
                 let (number, _) = current.take().context("a question before any trial")?;

@@ -11,6 +11,8 @@ use zwidth_study::Flags;
 const TRIAL_S: f64 = 3.0;
 /// Conditions of the template's design.
 const CONDITIONS: f64 = 6.0;
+/// More stops than this say that the machine cannot do it at all.
+const MOST_STOPS: u32 = 50;
 /// Between samples at 1 kHz, s.
 const TICK_S: f64 = 1e-3;
 
@@ -50,6 +52,7 @@ pub(crate) fn live(program: &Path, folder: &Path, minutes: f64) -> anyhow::Resul
         data.trials.len(),
         1.0 / TICK_S
     );
-    println!("{timing}; {flagged} samples are flagged as coming after a gap");
+    timings.iter().for_each(|timing| println!("{timing}"));
+    println!("{flagged} samples are flagged as coming after a gap; safety stopped the session {stops} times");
     Ok(())
 }

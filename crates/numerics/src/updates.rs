@@ -1,16 +1,19 @@
 //! A slow sensor's values at the times at which they were new.
 
-use zwidth_numerics::series::interpolate_all;
+use crate::series::interpolate_all;
 
-/// New values of a sensor: when each was taken, s, and what it was.
-pub(crate) struct Updates {
-    pub(crate) t: Vec<f64>,
-    pub(crate) values: Vec<f64>,
+/// New values of a sensor.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Updates {
+    /// When each was taken, s, rising.
+    pub t: Vec<f64>,
+    /// What each was.
+    pub values: Vec<f64>,
 }
 
 /// Finds the updates of a signal that is held between them: an age grows with the clock until a new value comes. A
-/// value of age a at time t was taken at t − a.
-pub(crate) fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Updates {
+/// value of age a at time t was taken at t − a. All three are equally long; times in s.
+pub fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Updates {
     let is_new = |i: &usize| match i.checked_sub(1) {
         // half of the interval: the age is stored in single precision
         Some(before) => age[*i] < age[before] + (t[*i] - t[before]) / 2.0,
@@ -32,7 +35,7 @@ impl Updates {
     /// The signal at times `t`: straight lines between updates, the last value after the last of them. A held value
     /// lags behind by half of the sensor's interval on average, and so turns an elastic spring into one that gives
     /// more than it gets.
-    pub(crate) fn at(&self, t: &[f64]) -> Vec<f64> {
+    pub fn at(&self, t: &[f64]) -> Vec<f64> {
         let last = self.values.last().copied().unwrap_or(0.0);
         interpolate_all(&self.t, &self.values, t).into_iter().map(|v| v.unwrap_or(last)).collect()
     }
