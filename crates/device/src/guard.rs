@@ -199,10 +199,10 @@ impl Guard {
         missed_s: f64,
         reading: &Reading,
     ) -> Result<Seen, Trip> {
-        let seen = self
-            .keep_time(elapsed_s, missed_s)
-            .and_then(|()| self.fresh(reading))
-            .and_then(|()| self.judge(now_s, reading));
+        let in_time = self.keep_time(elapsed_s, missed_s);
+        // The angle first: whatever else is wrong, its turn is to stay known.
+        let seen = self.fresh(reading).and_then(|()| self.judge(now_s, reading));
+        let seen = seen.and_then(|seen| in_time.map(|()| seen));
         if seen.as_ref().is_err_and(Trip::needs_homing) {
             self.lose();
         }

@@ -171,10 +171,11 @@ fn step(
 }
 
 /// Reads on with both actuators off until `until_s`, so that the turn of the shaft stays known between trials.
-/// `seen` gets every reading with its host time.
+/// `seen` gets every reading that can be believed, with its host time. Without a voltage a late tick or a large force
+/// does no harm.
 ///
 /// # Errors
-/// What safety found, as in a trial; a stop ends it without one.
+/// What safety found, if it needs homing; a stop ends it without one.
 pub fn watch(
     device: &mut dyn Device,
     clock: &mut dyn Clock,
@@ -192,9 +193,13 @@ pub fn watch(
         if tick.now_s >= until_s || stop.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let (reading, judged) = output.look(&tick)?;
+        let looked = output.look(&Tick { missed_s: 0.0, ..tick });
         output.off(clock.now_s())?;
-        seen(tick.now_s, &reading, &judged);
+        match looked {
+            Ok((reading, judged)) => seen(tick.now_s, &reading, &judged),
+            Err(trip) if trip.needs_homing() => return Err(trip),
+            Err(_) => {}
+        }
     }
 }
 

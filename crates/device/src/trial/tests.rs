@@ -428,6 +428,18 @@ fn the_turn_stays_known_while_a_pause_is_watched() {
 }
 
 #[test]
+fn a_machine_that_stalls_in_a_pause_does_no_harm() {
+    let mut bench = bench(Mock::default());
+    let clock = SimulatedClock::new(1);
+    let mut clock = Stalling { clock, at_s: FAULT_S, away_s: 0.06, every: None, waits: 0 };
+    let (mut last_rad, stop) = (f64::NAN, AtomicBool::new(false));
+    let mut seen = |_: f64, _: &Reading, seen: &Seen| last_rad = seen.theta_rad;
+    watch(&mut bench.device, &mut clock, &mut bench.guard, 1000.0, 3.0, &stop, &mut seen).unwrap();
+    assert!((last_rad + FRAC_PI_4).abs() < 1e-3, "it is back at its start: {last_rad}");
+    assert!(bench.guard.is_homed());
+}
+
+#[test]
 fn a_fault_in_a_pause_is_told() {
     let mut bench = bench(Mock::default().failing(FAULT_S, Fault::Unplugged));
     let (mut clock, stop) = (SimulatedClock::new(1), AtomicBool::new(false));
