@@ -2,7 +2,8 @@
 //! keeps what it had, `verify` is clean after `recover`, and the session goes on in the same order.
 
 use super::{SESSION, STUDY, fraction, fresh, run};
-use anyhow::{Context as _, bail, ensure};
+use anyhow::{Context as _, ensure};
+use jiff::Timestamp;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -17,17 +18,17 @@ const SHORT: [(&str, &str); 3] = [
     ("\nfamiliarisation = 3\n", "\nfamiliarisation = 1\n"),
     ("\npause_s = 5.0\n", "\npause_s = 0.5\n"),
 ];
+/// How often it tells how far it is.
+const TOLD_EVERY: u32 = 10;
 /// Every tenth acquisition runs in real time, the others as fast as the machine can.
 const LIVE_EVERY: u32 = 10;
 /// Longest a session in real time runs before it is killed, s: the device check, and about four trials.
 const LIVE_S: f64 = 40.0;
 /// What a kill may take from the trial in progress (docs/data.md, "Promises"), s.
 const LOST_S: f64 = 0.1;
-/// Between a trial's start and the reading of its line here, s; what a loaded machine may add.
-const HEARD_S: f64 = 0.05;
-
-/// A line of the acquisition, and when it was heard.
-type Line = (Instant, String);
+/// A trial's file tells its start a moment before its first sample, while its journal is laid down; and a write that is
+/// under way is lost whole. What a loaded machine may make of both, s.
+const SLACK_S: f64 = 0.05;
 
 pub(crate) fn kill(program: &Path, folder: &Path, kills: u32, seed: u64) -> anyhow::Result<()> {
     let reference = folder.join("reference");
@@ -50,6 +51,9 @@ pub(crate) fn kill(program: &Path, folder: &Path, kills: u32, seed: u64) -> anyh
         worst_s = worst_s.max(lost_s.unwrap_or(0.0));
         go_on(program, &root, &layout, seed)
             .with_context(|| format!("after kill {number} of seed {seed}"))?;
+        if number % TOLD_EVERY == 0 {
+            println!("{number} of {kills} kills, {cut} within a trial in real time");
+        }
     }
     println!(
         "{kills} kills, {cut} of them within a trial in real time; most that was lost of one: {:.0} ms; nothing finished was lost",
@@ -78,7 +82,7 @@ fn killed(
     seed: u64,
     live: bool,
     after: Duration,
-) -> anyhow::Result<(Vec<Line>, Instant)> {
+) -> anyhow::Result<(Vec<String>, Timestamp)> {
     let mut child = Command::new(program)
         .arg("--root")
         .arg(root)
@@ -89,18 +93,18 @@ fn killed(
         .spawn()?;
     let heard = listen(child.stdout.take().context("the acquisition has no output")?);
     std::thread::sleep(after);
-    let killed = Instant::now();
+    let killed = Timestamp::now();
     child.kill()?;
     child.wait()?;
     Ok((heard.iter().collect(), killed))
 }
 
-/// Lines with the time each was heard, until the pipe ends.
-fn listen(pipe: impl std::io::Read + Send + 'static) -> Receiver<Line> {
+/// Lines until the pipe ends.
+fn listen(pipe: impl std::io::Read + Send + 'static) -> Receiver<String> {
     let (sender, heard) = channel();
     std::thread::spawn(move || {
         for line in BufReader::new(pipe).lines().map_while(Result::ok) {
-            if sender.send((Instant::now(), line)).is_err() {
+            if sender.send(line).is_err() {
                 break;
             }
         }
@@ -113,15 +117,15 @@ fn inspect(
     program: &Path,
     layout: &Layout,
     whole: &Layout,
-    lines: &[Line],
-    killed: Instant,
+    lines: &[String],
+    killed: Timestamp,
     live: bool,
 ) -> anyhow::Result<Option<f64>> {
     run(program, layout.root(), &["recover", STUDY], &[0])?;
     run(program, layout.root(), &["verify", STUDY], &[0])?;
     let data = load(layout)?;
     let mut current = None;
-    for (heard, line) in lines {
+    for line in lines {
         let words: Vec<&str> = line.split(' ').collect();
         match words.as_slice() {
             ["trial", number, "stored"] => {
@@ -130,9 +134,9 @@ fn inspect(
             }
             // Safety cut the trial, as it does where a loaded machine misses deadlines, and the session was left.
             ["stopped" | "left", ..] => current = None,
-            ["trial", number, "(place", ..] => current = Some((number.parse::<u32>()?, *heard)),
+            ["trial", number, "(place", ..] => current = Some(number.parse::<u32>()?),
             ["question", ..] => {
-                let (number, _) = current.take().context("a question before any trial")?;
+                let number = current.take().context("a question before any trial")?;
                 expect_complete(&data, number)?;
             }
             _ => {}
@@ -144,7 +148,7 @@ fn inspect(
         }
         return Ok(None);
     }
-    current.map(|(number, began)| lost(&data, number, killed - began)).transpose()
+    Ok(current.map(|number| lost(&data, number, killed)).transpose()?.flatten())
 }
 
 fn load(layout: &Layout) -> anyhow::Result<StudyData> {
@@ -175,22 +179,23 @@ fn expect_same_beginning(trial: &TrialEntry, whole: &Layout) -> anyhow::Result<(
     Ok(())
 }
 
-/// What the trial in progress lost, s: the time it had run less the time that was recovered.
-fn lost(data: &StudyData, number: u32, ran: Duration) -> anyhow::Result<f64> {
-    let recovered_s = match data.trials.iter().find(|t| t.meta.trial == number) {
-        None => 0.0,
-        Some(trial) => {
-            let read = zwidth_store::read_trial(&trial.path, [Signal::Time])?;
-            read.samples.get(Signal::Time).and_then(<[f64]>::last).copied().unwrap_or(0.0)
-        }
-    };
-    let lost_s = ran.as_secs_f64() - recovered_s;
-    // A trial that had ended by itself has nothing more to record.
-    let ended = data.trials.iter().any(|t| t.meta.trial == number && t.meta.status == Status::Complete);
-    if lost_s > LOST_S + HEARD_S && !ended {
-        bail!("trial {number} ran for {ran:?} and {recovered_s} s of it are left");
+/// What the trial in progress lost, s: the time it had run less the time that was recovered. None if it had not begun,
+/// or had ended by itself.
+fn lost(data: &StudyData, number: u32, killed: Timestamp) -> anyhow::Result<Option<f64>> {
+    let Some(trial) = data.trials.iter().find(|t| t.meta.trial == number) else { return Ok(None) };
+    if trial.meta.status == Status::Complete {
+        return Ok(None);
     }
-    Ok(if ended { 0.0 } else { lost_s.max(0.0) })
+    let began: Timestamp =
+        trial.file.get("start_utc").context("the trial does not tell its start")?.parse()?;
+    let read = zwidth_store::read_trial(&trial.path, [Signal::Time])?;
+    let recovered_s = read.samples.get(Signal::Time).and_then(<[f64]>::last).copied().unwrap_or(0.0);
+    let lost_s = killed.duration_since(began).as_secs_f64() - recovered_s;
+    ensure!(
+        lost_s <= LOST_S + SLACK_S,
+        "trial {number} was killed {lost_s} s after the last sample that is left"
+    );
+    Ok(Some(lost_s.max(0.0)))
 }
 
 /// The session resumes, keeps its order, and ends with every condition recorded once.
