@@ -6,6 +6,9 @@ use crate::{CheckLine, Current, Phase, View};
 use ratatui::text::{Line, Span};
 use zwidth_study::{Kind, Likert};
 
+/// A device check of so many lines leaves room for messages in the smallest window, of 24 rows.
+const LEAVES_ROOM: usize = 12;
+
 /// The name of a phase, as it heads the screen.
 pub(super) fn name(phase: &Phase) -> &'static str {
     match phase {
@@ -64,7 +67,9 @@ pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>>
         Phase::Homing => [plain(HOMING), after_gap(checks(&view.checks, look, limit))].concat(),
         // Before the first trial there is no trace to look at, but a device.
         Phase::Ready if view.trace.is_empty() && !view.checks.is_empty() => {
-            [plain(READY), after_gap(checks(&view.checks, look, limit))].concat()
+            let all = view.messages.is_empty() || view.checks.len() <= LEAVES_ROOM;
+            let found = if all { checks } else { bad_checks };
+            [plain(READY), after_gap(found(&view.checks, look, limit))].concat()
         }
         Phase::Ready => plain(READY),
         Phase::Trial { .. } => plain("The trial runs until its time is up. Space stops it at once, at 0 V."),
@@ -126,6 +131,13 @@ fn question(text: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
 fn checks(checks: &[CheckLine], look: Look, limit: usize) -> Vec<Line<'static>> {
     let widest = checks.iter().map(|check| width(&check.name)).max().unwrap_or(0);
     checks.iter().map(|check| check_line(check, widest, look, limit)).collect()
+}
+
+/// The lines that are not good enough, and how many are.
+fn bad_checks(all: &[CheckLine], look: Look, limit: usize) -> Vec<Line<'static>> {
+    let bad: Vec<CheckLine> = all.iter().filter(|check| !check.ok).cloned().collect();
+    let good = format!("{} of {} device checks are ok", all.len() - bad.len(), all.len());
+    [vec![Line::raw(fit(&good, limit))], checks(&bad, look, limit)].concat()
 }
 
 fn check_line(check: &CheckLine, widest: usize, look: Look, limit: usize) -> Line<'static> {

@@ -240,3 +240,17 @@ fn lost_samples_and_a_slow_loop_are_marked_without_colour() {
         "{text}"
     );
 }
+
+#[test]
+fn before_the_first_trial_a_message_is_seen_however_long_the_device_check_is() {
+    let mut view = view(Phase::Ready, false);
+    view.trace.clear();
+    let check = view.checks[0].clone();
+    view.checks = vec![check; 20];
+    view.say("there is no trial to do again yet");
+    let text = words(&view, None);
+    assert!(
+        text.contains("there is no trial to do again yet") && text.contains("20 of 20 device checks are ok"),
+        "{text}"
+    );
+}
