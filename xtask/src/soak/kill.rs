@@ -5,7 +5,7 @@ use super::{SESSION, STUDY, fraction, fresh, run};
 use anyhow::{Context as _, ensure};
 use jiff::Timestamp;
 use std::io::{BufRead as _, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
@@ -121,9 +121,11 @@ fn inspect(
     killed: Timestamp,
     live: bool,
 ) -> anyhow::Result<Option<f64>> {
+    let journals = journals(layout)?;
     run(program, layout.root(), &["recover", STUDY], &[0])?;
     run(program, layout.root(), &["verify", STUDY], &[0])?;
     let data = load(layout)?;
+    expect_nothing_vanished(&data, layout, &journals, killed)?;
     let mut current = None;
     for line in lines {
         let words: Vec<&str> = line.split(' ').collect();
@@ -149,6 +151,40 @@ fn inspect(
         return Ok(None);
     }
     Ok(current.map(|number| lost(&data, number, killed)).transpose()?.flatten())
+}
+
+/// The journals a kill left, each with the time of its last write.
+fn journals(layout: &Layout) -> anyhow::Result<Vec<(PathBuf, Timestamp)>> {
+    if !layout.journals().exists() {
+        return Ok(Vec::new());
+    }
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(layout.journals())? {
+        let entry = entry?;
+        found.push((entry.path(), Timestamp::try_from(entry.metadata()?.modified()?)?));
+    }
+    Ok(found)
+}
+
+/// A journal becomes a trial. One may be empty only if it was laid down a moment before the kill: an older one had
+/// samples, and its trial is lost whole if there is no file.
+fn expect_nothing_vanished(
+    data: &StudyData,
+    layout: &Layout,
+    journals: &[(PathBuf, Timestamp)],
+    killed: Timestamp,
+) -> anyhow::Result<()> {
+    for (path, written) in journals {
+        let is_of =
+            |t: &TrialEntry| layout.journal(&t.meta.participant, &t.meta.session, t.meta.trial) == *path;
+        let silent_s = killed.duration_since(*written).as_secs_f64();
+        ensure!(
+            data.trials.iter().any(is_of) || silent_s <= LOST_S + SLACK_S,
+            "{} was {silent_s} s without a write when it was killed, and no trial came of it",
+            path.display()
+        );
+    }
+    Ok(())
 }
 
 fn load(layout: &Layout) -> anyhow::Result<StudyData> {
@@ -179,8 +215,8 @@ fn expect_same_beginning(trial: &TrialEntry, whole: &Layout) -> anyhow::Result<(
     Ok(())
 }
 
-/// What the trial in progress lost, s: the time it had run less the time that was recovered. None if it had not begun,
-/// or had ended by itself.
+/// What the trial in progress lost, s: the time it had run less the time that was recovered. None if it had not begun
+/// (no journal, see [`expect_nothing_vanished`]), or had ended by itself.
 fn lost(data: &StudyData, number: u32, killed: Timestamp) -> anyhow::Result<Option<f64>> {
     let Some(trial) = data.trials.iter().find(|t| t.meta.trial == number) else { return Ok(None) };
     if trial.meta.status == Status::Complete {
