@@ -12,6 +12,7 @@ const CHORES: &str =
     "cargo xtask thesis-twin                write raw/thesis-twin anew (the same bytes every time)
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
 cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count what is lost [10]
+cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
 
 fn main() -> anyhow::Result<()> {
@@ -26,6 +27,12 @@ fn main() -> anyhow::Result<()> {
         ["soak", "live", rest @ ..] => {
             soak::live::live(&soak::program()?, &scratch("live"), number(rest.first(), 10.0)?)
         }
+        ["soak", "watchdog", rest @ ..] => {
+            let cuts = number(rest.first(), 100)?;
+            soak::watchdog::watchdog(&scratch("watchdog"), cuts, number(rest.get(1), 1)?)
+        }
+        // What `soak watchdog` runs and cuts off.
+        ["soak", "host", socket] => soak::watchdog::host(Path::new(socket)),
         ["encodings", study] => encodings::measure(Path::new("."), study),
         _ => bail!("the chores are\n{CHORES}"),
     }

@@ -1,7 +1,9 @@
 //! `cargo xtask soak`: what takes too long for the tests, and a short turn of it in CI.
 
+mod cable;
 pub(crate) mod kill;
 pub(crate) mod live;
+pub(crate) mod watchdog;
 
 use anyhow::{Context as _, bail};
 use std::path::{Path, PathBuf};

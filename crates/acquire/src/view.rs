@@ -140,7 +140,7 @@ pub struct Timing {
     pub jitter_max_s: f64,
     /// Ticks that missed their deadline by a whole period or more.
     pub missed: u64,
-    /// Samples lost.
+    /// Gaps in the data: samples that come after one or more missed ones.
     pub dropouts: u64,
 }
 

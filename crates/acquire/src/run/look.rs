@@ -119,8 +119,13 @@ fn value(check: &Check) -> String {
     if check.unit == "1" { number } else { format!("{number} {}", check.unit) }
 }
 
-/// How a trial's loop keeps its time, for the screen.
-pub(super) fn timing(rate_hz: f64, measured_hz: f64, missed: u64, lateness: &Histogram) -> Timing {
+/// How a trial's loop keeps its time, for the screen. Counted are missed deadlines, and dropouts.
+pub(super) fn timing(
+    rate_hz: f64,
+    measured_hz: f64,
+    [missed, dropouts]: [u64; 2],
+    lateness: &Histogram,
+) -> Timing {
     Timing {
         rate_hz,
         measured_hz,
@@ -128,6 +133,6 @@ pub(super) fn timing(rate_hz: f64, measured_hz: f64, missed: u64, lateness: &His
         jitter_p99_s: lateness.percentile_s(99.0),
         jitter_max_s: lateness.max_s(),
         missed,
-        dropouts: 0, // samples that are lost end the trial
+        dropouts,
     }
 }

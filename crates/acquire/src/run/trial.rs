@@ -14,7 +14,7 @@ use zwidth_device::{
     watch,
 };
 use zwidth_store::{Files, Journal, TrialFile, append_events};
-use zwidth_study::{Environment, Event, Mode, PlannedTrial, Sample};
+use zwidth_study::{Environment, Event, Flags, Mode, PlannedTrial, Sample};
 
 /// Why a trial was cut that a signal ended.
 const SIGNAL: &str = "a signal ended the program";
@@ -110,8 +110,9 @@ impl Runner<'_> {
 
     /// What the trial's end comes to.
     fn conclude(&mut self, trial: u32, mut tape: Tape, run: &TrialRun) -> Result<End, AcquireError> {
-        let crate::Timing { rate_hz, measured_hz, .. } = self.view.timing;
-        self.view.timing = look::timing(rate_hz, measured_hz, run.timing.missed, &run.timing.lateness);
+        let crate::Timing { rate_hz, measured_hz, dropouts, .. } = self.view.timing;
+        let counts = [run.timing.missed, dropouts];
+        self.view.timing = look::timing(rate_hz, measured_hz, counts, &run.timing.lateness);
         self.timing.merge(&run.timing);
         let end = match &run.end {
             TrialEnd::Limit | TrialEnd::LetGo => End::Complete,
@@ -203,37 +204,46 @@ struct Live<'a> {
     pace: Pace,
 }
 
+/// A sample that is early by this share of a period is on time: its time is a difference of two clock readings.
+const ROUNDED: f64 = 1e-6;
+
 /// How the loop keeps its time, as far as the samples tell: deadlines are a grid from the trial's start.
 struct Pace {
     rate_hz: f64,
+    /// When the last sample was taken, s.
+    t_s: f64,
     samples: u64,
     /// Deadlines that have passed.
     deadlines: u64,
+    /// Samples that come after a gap.
+    dropouts: u64,
     lateness: Histogram,
 }
 
 impl Pace {
     fn new(rate_hz: f64) -> Self {
-        Self { rate_hz, samples: 0, deadlines: 0, lateness: Histogram::default() }
+        Self { rate_hz, t_s: 0.0, samples: 0, deadlines: 0, dropouts: 0, lateness: Histogram::default() }
     }
 
-    fn add(&mut self, t_s: f64) {
-        let periods = t_s * self.rate_hz;
-        self.samples += 1;
-        self.deadlines = periods as u64 + 1;
-        self.lateness.add(periods.fract() / self.rate_hz);
+    fn add(&mut self, sample: &Sample) {
+        let periods = sample.t_s * self.rate_hz;
+        let due = (periods + ROUNDED).floor();
+        (self.t_s, self.samples) = (sample.t_s, self.samples + 1);
+        self.dropouts += u64::from(sample.flags.has(Flags::DROPOUT));
+        self.deadlines = due as u64 + 1;
+        self.lateness.add((periods - due).max(0.0) / self.rate_hz);
     }
 
-    fn timing(&self, t_s: f64) -> crate::Timing {
-        let measured_hz = if t_s > 0.0 { self.samples.saturating_sub(1) as f64 / t_s } else { 0.0 };
+    fn timing(&self) -> crate::Timing {
+        let measured_hz = if self.t_s > 0.0 { self.samples.saturating_sub(1) as f64 / self.t_s } else { 0.0 };
         let missed = self.deadlines.saturating_sub(self.samples);
-        look::timing(self.rate_hz, measured_hz, missed, &self.lateness)
+        look::timing(self.rate_hz, measured_hz, [missed, self.dropouts], &self.lateness)
     }
 }
 
 impl Live<'_> {
     fn add(&mut self, sample: &Sample) -> ControlFlow<()> {
-        self.pace.add(sample.t_s);
+        self.pace.add(sample);
         if let crate::Phase::Trial { t_s, .. } = &mut self.view.phase {
             *t_s = sample.t_s;
         }
@@ -249,8 +259,7 @@ impl Live<'_> {
 
     /// Shows how the loop keeps its time.
     fn tell(&mut self) {
-        let t_s = self.view.trace.back().map_or(0.0, |point| point.t_s);
-        self.view.timing = self.pace.timing(t_s);
+        self.view.timing = self.pace.timing();
     }
 }
 
@@ -309,5 +318,39 @@ impl Desk<'_> {
             _ => {}
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_study::Voltages;
+
+    fn sample(t_s: f64, flags: Flags) -> Sample {
+        Sample {
+            t_s,
+            t_device_s: None,
+            theta_rad: 0.0,
+            theta_dot_rad_s: 0.0,
+            force_ex_n: 0.0,
+            voltages: Voltages::OFF,
+            force_age_s: None,
+            theta_raw: None,
+            force_cmd_n: 0.0,
+            flags,
+        }
+    }
+
+    #[test]
+    fn the_screen_counts_missed_deadlines_and_the_gaps_they_leave() {
+        let mut pace = Pace::new(1000.0);
+        // Deadlines 3 to 5 are missed; sample 2 is a bit early by rounding, sample 6 comes 0.25 ms late.
+        for (t_s, gap) in [(0.0, false), (0.001, false), (0.002 - 1e-12, false), (0.00625, true)] {
+            pace.add(&sample(t_s, Flags::default().with(Flags::DROPOUT, gap)));
+        }
+        let timing = pace.timing();
+        assert_eq!((timing.missed, timing.dropouts), (3, 1));
+        assert!((timing.measured_hz - 3.0 / 0.00625).abs() < 1e-9, "{}", timing.measured_hz);
+        assert!((timing.jitter_max_s - 0.00025).abs() < 1e-9, "{}", timing.jitter_max_s);
     }
 }

@@ -99,6 +99,11 @@ impl Twin {
         self.plant.state()
     }
 
+    /// What the board puts out: what was written last, until the watchdog takes it away.
+    pub fn voltages(&self) -> Voltages {
+        self.voltages
+    }
+
     /// What the participant means to do in the current trial.
     pub fn intent(&self) -> &Intent {
         &self.trial.intent
