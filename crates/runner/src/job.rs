@@ -1,12 +1,8 @@
 //! A job: what it needs, what it makes, and the function that makes it.
 
-use std::collections::BTreeMap;
+use crate::Provenance;
 use std::error::Error;
 use std::path::PathBuf;
-
-/// Where a result comes from: stage, version, parameters and the hash of each input, for the footer
-/// of a table or the metadata of a figure.
-pub type Provenance = BTreeMap<String, String>;
 
 /// What a job made.
 #[derive(Debug, Default)]
@@ -38,4 +34,12 @@ pub struct Job<'a> {
     pub tolerant: bool,
     /// Makes them.
     pub make: Make<'a>,
+}
+
+impl Job<'_> {
+    /// Whether a person who says `name` means this job: its stage, its name, or the file stem of an output.
+    pub fn is_called(&self, name: &str) -> bool {
+        let has_stem = |o: &PathBuf| o.file_stem().is_some_and(|stem| stem == name);
+        self.stage == name || self.name == name || self.outputs.iter().any(has_stem)
+    }
 }

@@ -5,14 +5,28 @@
 //! or the content of its output files (a missing or edited output counts). Nothing else matters: no
 //! time stamp, no order, no number of threads. Outputs of jobs that are no longer planned are removed.
 //!
+//! Each output carries its *origin* ([`ORIGIN`]): stage, version and one digest of everything its job depends on, by which
+//! a file found alone is told from which job it is. [`states`] says what a run would do now and why; [`trace`] follows
+//! the records back to the files that no job makes.
+//!
 //! Jobs that do not need each other run in parallel. A failed job fails alone; jobs that need its
 //! outputs are passed over and say so.
 
+mod change;
+mod hashes;
 mod job;
 mod plan;
+mod provenance;
 mod record;
 mod run;
+mod state;
+mod trace;
 
-pub use job::{Job, Made, Make, Provenance};
-pub use record::Records;
+pub use change::{Change, FileChange, How};
+pub use job::{Job, Made, Make};
+pub use plan::wanted;
+pub use provenance::{ORIGIN, Provenance, origins};
+pub use record::{Record, Records};
 pub use run::{Options, Report, Verdict, run};
+pub use state::{Again, State, states};
+pub use trace::{Source, Step, Trace, trace};

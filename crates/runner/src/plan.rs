@@ -1,7 +1,6 @@
-//! Order and reasons: which jobs can run now, and why a job must be made again.
+//! Order: which jobs can run now, and which jobs others need.
 
 use crate::Job;
-use crate::record::Record;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
@@ -40,34 +39,7 @@ pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool) -> Vec<boo
     }
 }
 
-/// Why a job must be made again, in words; `None` if it need not be. `now` is the record as it would
-/// be written now, with the outputs' present content.
-pub(crate) fn reason(before: Option<&Record>, now: &Record) -> Option<String> {
-    let Some(before) = before else { return Some("never made".to_owned()) };
-    if before.version != now.version {
-        return Some(format!("algorithm version {} is now {}", before.version, now.version));
-    }
-    if before.parameters != now.parameters || before.stage != now.stage {
-        return Some("its parameters changed".to_owned());
-    }
-    difference("input", &before.inputs, &now.inputs)
-        .or_else(|| difference("output", &before.outputs, &now.outputs))
-}
-
-fn difference(
-    what: &str,
-    before: &BTreeMap<String, String>,
-    now: &BTreeMap<String, String>,
-) -> Option<String> {
-    let changed = now.iter().find(|(path, hash)| before.get(*path) != Some(hash));
-    if let Some((path, hash)) = changed {
-        let how = match (before.contains_key(path), hash.is_empty()) {
-            (_, true) => "is missing",
-            (false, _) => "is new",
-            (true, _) => "changed",
-        };
-        return Some(format!("{what} {path} {how}"));
-    }
-    let gone = before.keys().find(|path| !now.contains_key(*path))?;
-    Some(format!("{what} {gone} is no longer there"))
+/// Which jobs a run looks at: all, or those that are called so ([`Job::is_called`]) and those whose outputs they need.
+pub fn wanted(jobs: &[Job], only: Option<&str>) -> Vec<bool> {
+    with_needs(jobs, |job| only.is_none_or(|name| job.is_called(name)))
 }

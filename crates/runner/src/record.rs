@@ -1,19 +1,50 @@
 //! The record of what was made from what.
 
+use crate::Job;
+use crate::hashes::Hashes;
+use crate::provenance::origin;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::{Files, StoreError, replace};
 
-/// What is remembered of a job that succeeded. Paths are relative to the root.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Record {
-    pub(crate) stage: String,
-    pub(crate) version: u32,
-    pub(crate) parameters: String,
-    pub(crate) inputs: BTreeMap<String, String>,
-    pub(crate) outputs: BTreeMap<String, String>,
-    pub(crate) problems: Vec<String>,
+/// What is remembered of a job that succeeded. Paths are relative to the root, hashes are BLAKE3 of contents.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Record {
+    /// The job's stage.
+    pub stage: String,
+    /// The stage's algorithm version.
+    pub version: u32,
+    /// The job's parameters, as canonical text.
+    pub parameters: String,
+    /// What it read: path → hash; empty for a file that was missing.
+    pub inputs: BTreeMap<String, String>,
+    /// What it made: path → hash.
+    pub outputs: BTreeMap<String, String>,
+    /// What had to be left out.
+    pub problems: Vec<String>,
+    /// The word that each of its outputs carries ([`crate::ORIGIN`]).
+    pub origin: String,
+}
+
+impl Record {
+    /// The record of a job as it would be written now, with the outputs' present content.
+    pub(crate) fn now(job: &Job, root: &Path, hashes: &Hashes) -> Self {
+        Self {
+            stage: job.stage.to_owned(),
+            version: job.version,
+            parameters: job.parameters.clone(),
+            inputs: hashes.of(root, &job.inputs),
+            outputs: hashes.of(root, &job.outputs),
+            ..Self::default()
+        }
+    }
+
+    /// The same with its origin.
+    pub(crate) fn with_origin(mut self, name: &str) -> Self {
+        self.origin = origin(name, &self);
+        self
+    }
 }
 
 /// The records of a study's jobs, by job name.
@@ -34,5 +65,20 @@ impl Records {
             StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
         })?;
         replace(files, path, &text)
+    }
+
+    /// The record of the job of that name.
+    pub fn get(&self, name: &str) -> Option<&Record> {
+        self.0.get(name)
+    }
+
+    /// Every job's name and record, by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &Record)> {
+        self.0.iter().map(|(name, record)| (name.as_str(), record))
+    }
+
+    /// The job that made the file at `path`, relative to the root.
+    pub fn maker(&self, path: &str) -> Option<(&str, &Record)> {
+        self.iter().find(|(_, record)| record.outputs.contains_key(path))
     }
 }

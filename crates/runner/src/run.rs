@@ -1,13 +1,15 @@
 //! Runs a plan, level by level, jobs of a level in parallel.
 
-use crate::plan::{levels, reason, with_needs};
+use crate::change::{Change, changes};
+use crate::hashes::{Hashes, shown};
+use crate::plan::{levels, wanted};
+use crate::provenance::provenance;
 use crate::record::Record;
-use crate::{Job, Made, Provenance, Records};
+use crate::{Job, Made, Records};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use zwidth_store::{Files, StoreError, file_blake3, hex_blake3, replace};
+use zwidth_store::{Files, StoreError, hex_blake3, replace};
 
 /// How to run.
 #[derive(Debug, Clone, Default)]
@@ -16,7 +18,7 @@ pub struct Options {
     pub fresh: bool,
     /// Say what would be made, and why; make nothing.
     pub dry_run: bool,
-    /// Only jobs of this stage, of this name, or with an output of this file stem, and what they need.
+    /// Only jobs that are called so ([`Job::is_called`]), and what they need.
     pub only: Option<String>,
 }
 
@@ -61,7 +63,7 @@ pub fn run(
     done: &(dyn Fn(&Report) + Sync),
 ) -> Result<Vec<Report>, StoreError> {
     let mut records = Records::read(records_path);
-    let wanted = with_needs(jobs, |job| is_chosen(job, options.only.as_deref()));
+    let wanted = wanted(jobs, options.only.as_deref());
     let hashes = Hashes::default();
     let mut failed: BTreeSet<&PathBuf> = BTreeSet::new();
     let mut reports: Vec<Option<Report>> = jobs.iter().map(|_| None).collect();
@@ -70,7 +72,7 @@ pub fn run(
         let results: Vec<Result<(Report, Option<Record>), StoreError>> = work
             .par_iter()
             .map(|i| {
-                let before = if options.fresh { None } else { records.0.get(&jobs[*i].name) };
+                let before = records.get(&jobs[*i].name);
                 let result = one(&jobs[*i], before, root, files, options, &hashes, &failed);
                 result.inspect(|(report, _)| done(report))
             })
@@ -113,12 +115,6 @@ pub fn run(
     Ok(reports.into_iter().flatten().collect())
 }
 
-fn is_chosen(job: &Job, only: Option<&str>) -> bool {
-    let Some(only) = only else { return true };
-    let has_stem = |o: &PathBuf| o.file_stem().is_some_and(|s| s == only);
-    job.stage == only || job.name == only || job.outputs.iter().any(has_stem)
-}
-
 fn one(
     job: &Job,
     before: Option<&Record>,
@@ -133,15 +129,9 @@ fn one(
         let why = format!("it needs {}, which could not be made", shown(root, input));
         return Ok((report(Verdict::Blocked(why), Vec::new()), None));
     }
-    let mut record = Record {
-        stage: job.stage.to_owned(),
-        version: job.version,
-        parameters: job.parameters.clone(),
-        inputs: hashes.of(root, &job.inputs),
-        outputs: hashes.of(root, &job.outputs),
-        problems: Vec::new(),
-    };
-    let Some(why) = reason(before, &record) else {
+    let now = Record::now(job, root, hashes);
+    let reason = if options.fresh { Some(Change::Asked) } else { changes(before, &now).into_iter().next() };
+    let Some(why) = reason.map(|change| change.to_string()) else {
         let problems = before.map(|b| b.problems.clone()).unwrap_or_default();
         return Ok((report(Verdict::UpToDate, problems), None));
     };
@@ -149,6 +139,7 @@ fn one(
         hashes.forget(&job.outputs);
         return Ok((report(Verdict::Made(why), Vec::new()), None));
     }
+    let mut record = now.with_origin(&job.name);
     Ok(match make(job, &record, files)? {
         Err(error) => (report(Verdict::Failed(error), Vec::new()), None),
         Ok(made) => {
@@ -166,7 +157,7 @@ fn one(
 /// Makes a job's outputs and writes them. The job's own failure is the inner error: the others go on. An output
 /// that cannot be written is the outer one: the disk is full or read-only, for the others too.
 fn make(job: &Job, record: &Record, files: &dyn Files) -> Result<Result<Made, String>, StoreError> {
-    let made = match (job.make)(&provenance(record)) {
+    let made = match (job.make)(&provenance(&job.name, record)) {
         Ok(made) => made,
         Err(error) => return Ok(Err(error.to_string())),
     };
@@ -192,16 +183,6 @@ fn withdraw(job: &Job, files: &dyn Files, options: &Options, hashes: &Hashes) {
     }
 }
 
-fn provenance(record: &Record) -> Provenance {
-    let inputs = record.inputs.iter().map(|(path, hash)| (format!("input {path}"), hash.clone()));
-    let own = [
-        ("stage".to_owned(), record.stage.clone()),
-        ("algorithm_version".to_owned(), record.version.to_string()),
-        ("parameters".to_owned(), record.parameters.clone()),
-    ];
-    own.into_iter().chain(inputs).collect()
-}
-
 /// Removes the outputs and records of jobs that are no longer planned, unless a planned job makes them.
 fn remove_unplanned(jobs: &[Job], records: &mut Records, root: &Path, files: &dyn Files) -> bool {
     let names: BTreeSet<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
@@ -215,44 +196,6 @@ fn remove_unplanned(jobs: &[Job], records: &mut Records, root: &Path, files: &dy
         }
     }
     !gone.is_empty()
-}
-
-fn shown(root: &Path, path: &Path) -> String {
-    path.strip_prefix(root).unwrap_or(path).to_string_lossy().replace('\\', "/")
-}
-
-/// Hashes of files, each computed once a run; a missing file's is empty.
-#[derive(Default)]
-struct Hashes(Mutex<BTreeMap<PathBuf, String>>);
-
-impl Hashes {
-    fn of(&self, root: &Path, paths: &[PathBuf]) -> BTreeMap<String, String> {
-        paths.iter().map(|p| (shown(root, p), self.one(p))).collect()
-    }
-
-    fn one(&self, path: &Path) -> String {
-        if let Some(hash) = self.lock().get(path) {
-            return hash.clone();
-        }
-        let hash = file_blake3(path).unwrap_or_default();
-        self.lock().insert(path.to_owned(), hash.clone());
-        hash
-    }
-
-    fn set(&self, path: &Path, hash: String) {
-        self.lock().insert(path.to_owned(), hash);
-    }
-
-    /// In a dry run an output that would be made has no known content, so that what needs it shows too.
-    fn forget(&self, paths: &[PathBuf]) {
-        for path in paths {
-            self.set(path, "to be made".to_owned());
-        }
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<PathBuf, String>> {
-        self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
-    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! `study.toml`: its shape, its checks, and the way there and back.
 
+mod figures;
 mod read;
 mod shape;
 mod write;
@@ -9,7 +10,7 @@ const MILLI: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {
-    use crate::{Control, OrderScheme, Study, StudyId, VelocityFilter, template};
+    use crate::{Control, OrderScheme, Study, StudyError, StudyId, VelocityFilter, template};
 
     fn sample() -> String {
         template(&StudyId::new("demo").unwrap())
@@ -91,6 +92,55 @@ mod tests {
         for velocity in [VelocityFilter::Difference, VelocityFilter::SecondOrder { cutoff_hz: 15.0 }] {
             study.control = Control { rate_hz: 120.0, let_go_n: 1.5, force_limit_n: 8.0, velocity };
             assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        }
+    }
+
+    /// The study with `[figures]` and what stands under it.
+    fn with_figures(figures: &str) -> Result<Study, Vec<StudyError>> {
+        Study::from_toml(&format!("{}\n[figures]\n{figures}\n", without_figures()))
+    }
+
+    fn without_figures() -> String {
+        let text = sample();
+        let Some((before, rest)) = text.split_once("[figures]\n") else { return text };
+        let (_, after) = rest.split_once('\n').unwrap();
+        format!("{before}{after}")
+    }
+
+    #[test]
+    fn a_study_chooses_the_alignment_of_all_figures_of_a_kind_or_of_one() {
+        let study = with_figures(
+            "alignment = \"landmarks\"\nloops.alignment = \"onset\"\nmodes.P01.S01.spring = { alignment = \"onset\" }",
+        )
+        .unwrap();
+        let of = |id| study.figures.alignment(id).as_str();
+        assert_eq!(of("modes.P01.S01.spring_wall"), "landmarks");
+        assert_eq!((of("loops.P01.S01"), of("modes.P01.S01.spring")), ("onset", "onset"));
+        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        let none = Study::from_toml(&without_figures()).unwrap();
+        assert_eq!(none.figures.alignment("modes.P01.S01.spring").as_str(), "onset", "the default");
+        assert!(!none.to_toml().unwrap().contains("figures"));
+    }
+
+    #[test]
+    fn a_choice_that_is_not_possible_is_one_error_that_lists_what_is() {
+        for (figures, key, words) in [
+            ("alignment = \"landmark\"", "figures.alignment", "must be \"onset\" or \"landmarks\""),
+            ("modes.alignment = 1", "figures.modes.alignment", "must be \"onset\" or \"landmarks\""),
+            ("mods.alignment = \"onset\"", "figures.mods", "there are modes, loops"),
+            ("repeats.alignment = \"onset\"", "figures.repeats", "there are modes, loops"),
+            (
+                "modes.P01.S01.wall.alignment = \"onset\"",
+                "figures.modes.P01.S01.wall",
+                "{spring, spring_wall}",
+            ),
+            ("loops.P01.S01.spring.alignment = \"onset\"", "figures.loops.P01.S01.spring", "as long"),
+            ("modes.align = \"onset\"", "figures.modes.align", "has the key alignment"),
+        ] {
+            let errors = with_figures(figures).unwrap_err();
+            assert_eq!(errors.len(), 1, "{errors:?}");
+            assert_eq!(errors[0].key, key);
+            assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
         }
     }
 

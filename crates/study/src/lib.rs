@@ -7,6 +7,7 @@
 mod calibration;
 mod control;
 mod event;
+mod figures;
 mod file;
 mod id;
 mod locate;
@@ -21,6 +22,7 @@ mod trial;
 pub use calibration::{Calibration, CalibrationError, Characteristic};
 pub use control::{Control, VelocityFilter};
 pub use event::{Event, SealedTrial};
+pub use figures::{Alignment, Figures};
 pub use id::{ActuatorId, EnvironmentId, IdError, ModeId, ParticipantId, QuestionId, SessionId, StudyId};
 pub use locate::{line_of, toml_error};
 pub use model::{

@@ -1,6 +1,6 @@
 //! A study as a value: what was planned, in SI units.
 
-use crate::{Control, EnvironmentId, ModeId, QuestionId, StudyId};
+use crate::{Control, EnvironmentId, Figures, ModeId, QuestionId, StudyId};
 use serde::{Deserialize, Serialize};
 
 /// A whole `study.toml`, checked.
@@ -28,6 +28,8 @@ pub struct Study {
     pub questions: Vec<Question>,
     /// Numbers the analysis needs.
     pub analysis: Analysis,
+    /// What figures show.
+    pub figures: Figures,
 }
 
 impl Study {

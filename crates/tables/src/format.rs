@@ -43,13 +43,27 @@ impl Format {
     pub fn from_extension(extension: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|f| f.extension() == extension)
     }
+
+    /// The lines that, at the end of a file, hold its `origin` and are not shown; `None` where the format has no comments
+    /// (CSV by RFC 4180; Parquet has its footer).
+    pub fn comment(self, origin: &str) -> Option<String> {
+        let text = format!("{origin} (`zwidth trace FILE` tells what it was made from)");
+        match self {
+            Self::Csv | Self::Parquet => None,
+            Self::Markdown => Some(format!("\n<!-- {text} -->\n")),
+            Self::Html => Some(format!("<!-- {text} -->\n")),
+            Self::Latex => Some(format!("% {text}\n")),
+            Self::Typst => Some(format!("// {text}\n")),
+        }
+    }
 }
 
 impl Table {
     /// The bytes of the table's file: CSV and Parquet in SI units as the table is, the others
     /// [`for_people`] of it.
     ///
-    /// `provenance` goes into the footer of a Parquet file, `path` into errors about it.
+    /// `provenance` goes into the footer of a Parquet file, its entry `origin` as a comment below the others that can
+    /// have one; `path` goes into errors.
     ///
     /// # Errors
     /// Those of [`for_people`] and [`Table::to_parquet`].
@@ -61,14 +75,16 @@ impl Table {
         path: &Path,
     ) -> Result<Vec<u8>, TableError> {
         let people = || for_people(self, coordinate);
-        Ok(match format {
-            Format::Csv => csv(self)?.into_bytes(),
-            Format::Markdown => markdown(&people()?)?.into_bytes(),
-            Format::Latex => latex(&people()?)?.into_bytes(),
-            Format::Typst => typst(&people()?)?.into_bytes(),
-            Format::Html => html(&people()?)?.into_bytes(),
-            Format::Parquet => self.to_parquet(provenance, path)?,
-        })
+        let text = match format {
+            Format::Csv => csv(self)?,
+            Format::Markdown => markdown(&people()?)?,
+            Format::Latex => latex(&people()?)?,
+            Format::Typst => typst(&people()?)?,
+            Format::Html => html(&people()?)?,
+            Format::Parquet => return self.to_parquet(provenance, path),
+        };
+        let comment = provenance.get("origin").and_then(|origin| format.comment(origin));
+        Ok((text + &comment.unwrap_or_default()).into_bytes())
     }
 }
 
@@ -83,6 +99,22 @@ mod tests {
             assert_eq!(Format::from_extension(format.extension()), Some(format));
         }
         assert_eq!(Format::from_extension("xlsx"), None);
+    }
+
+    #[test]
+    fn the_origin_is_a_comment_in_every_format_that_has_comments_and_in_the_footer_of_parquet() {
+        let table = Table::new("t", "T", vec![Column::integer("n", "1", "number", [Some(1)])]).unwrap();
+        let origin = BTreeMap::from([("origin".to_owned(), "zwidth:tables:2:0f".to_owned())]);
+        for format in Format::ALL {
+            let bytes = |from| table.to_bytes(format, Coordinate::Rotational, from, Path::new("t")).unwrap();
+            let (with, without) = (bytes(&origin), bytes(&BTreeMap::new()));
+            let carries = with.windows(18).any(|w| w == b"zwidth:tables:2:0f");
+            assert_eq!(carries, format != Format::Csv, "{format:?}");
+            if format != Format::Parquet {
+                let comment = format.comment("zwidth:tables:2:0f").unwrap_or_default();
+                assert_eq!(with, [without, comment.into_bytes()].concat(), "{format:?}");
+            }
+        }
     }
 
     #[test]

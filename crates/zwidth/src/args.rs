@@ -73,6 +73,10 @@ pub(crate) enum Command {
     Simulate(Simulate),
     /// Print a table of a study, or list its tables
     Table(Table),
+    /// What a result was last made from, and why a run would make it again
+    Why(Traced),
+    /// The raw files behind a result, and the jobs between; also of a copy that lies elsewhere
+    Trace(Traced),
     /// Completions for a shell
     Completions {
         /// The shell
@@ -310,6 +314,13 @@ pub(crate) struct Table {
     /// The form in which to print it
     #[arg(long, value_enum, default_value_t = TableFormat::Md)]
     pub(crate) format: TableFormat,
+}
+
+/// A result asked about.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Traced {
+    /// A file under derived/ or reports/, from the current folder or from --root on; or a copy of one, anywhere
+    pub(crate) path: PathBuf,
 }
 
 /// Forms in which a table can be printed.

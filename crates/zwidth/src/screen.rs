@@ -1,7 +1,8 @@
 //! The one place that prints.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::io::{IsTerminal as _, Write as _};
 
 /// Where words go: results to standard output, progress and errors to standard error.
@@ -49,13 +50,134 @@ impl Screen {
 
     /// A progress bar; none where nobody looks.
     pub(crate) fn bar(&self, length: usize) -> ProgressBar {
-        let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(length as u64), target);
-        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}");
-        bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        let bar = ProgressBar::with_draw_target(Some(length as u64), self.target());
+        bar.with_style(style("{bar:30} {pos}/{len} {msg}"))
+    }
+
+    /// A progress bar a stage, one below the other, in the order given; none where nobody looks.
+    pub(crate) fn bars(&self, stages: impl IntoIterator<Item = (&'static str, usize)>) -> Bars {
+        Bars::new(stages, self.target())
+    }
+
+    /// Where bars go: indicatif draws none where standard error is no terminal, or one that cannot move its cursor.
+    fn target(&self) -> ProgressDrawTarget {
+        if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() }
     }
 
     fn paint(&self, text: &str, colour: &str) -> String {
         if self.bold { format!("\u{1b}[1;{colour}m{text}\u{1b}[0m") } else { text.to_owned() }
+    }
+}
+
+/// In characters of one colour alone, so that `NO_COLOR` has nothing to take away.
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
+/// A progress bar a stage.
+pub(crate) struct Bars {
+    all: MultiProgress,
+    stages: BTreeMap<&'static str, ProgressBar>,
+}
+
+impl Bars {
+    fn new(stages: impl IntoIterator<Item = (&'static str, usize)>, target: ProgressDrawTarget) -> Self {
+        let all = MultiProgress::with_draw_target(target);
+        let bar = |(stage, length): (&'static str, usize)| {
+            let bar = all.add(ProgressBar::new(length as u64));
+            let bar = bar.with_style(style("{prefix:>13}  {bar:30} {pos}/{len} {msg}")).with_prefix(stage);
+            (stage, bar)
+        };
+        Self { stages: stages.into_iter().map(bar).collect(), all }
+    }
+
+    /// One job of the stage is done; `what` it was.
+    pub(crate) fn done(&self, stage: &str, what: &str) {
+        let Some(bar) = self.stages.get(stage) else { return };
+        bar.set_message(what.to_owned());
+        bar.inc(1);
+        if bar.length() == Some(bar.position()) {
+            bar.finish_with_message("");
+        }
+    }
+
+    /// Takes the bars off the screen again.
+    pub(crate) fn clear(&self) {
+        // Whoever cannot be drawn to sees no bars either.
+        let _ = self.all.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use indicatif::TermLike;
+    use std::io;
+    use std::sync::{Arc, Mutex};
+
+    /// A terminal that remembers what was written to it.
+    #[derive(Debug, Clone, Default)]
+    struct Paper(Arc<Mutex<String>>);
+
+    impl Paper {
+        fn text(&self) -> String {
+            self.0.lock().unwrap().clone()
+        }
+    }
+
+    impl TermLike for Paper {
+        fn width(&self) -> u16 {
+            100
+        }
+        fn move_cursor_up(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn move_cursor_down(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn move_cursor_right(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn move_cursor_left(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn write_line(&self, text: &str) -> io::Result<()> {
+            self.write_str(&format!("{text}\n"))
+        }
+        fn write_str(&self, text: &str) -> io::Result<()> {
+            self.0.lock().unwrap().push_str(text);
+            Ok(())
+        }
+        fn clear_line(&self) -> io::Result<()> {
+            Ok(())
+        }
+        fn flush(&self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn every_stage_has_a_line_of_its_own_without_colour() {
+        let paper = Paper::default();
+        let bars = Bars::new(
+            [("metrics", 2), ("figures", 1)],
+            ProgressDrawTarget::term_like(Box::new(paper.clone())),
+        );
+        bars.done("metrics", "metrics P01 S01");
+        bars.done("figures", "figure likert");
+        bars.done("no such stage", "nothing");
+        bars.done("metrics", "metrics of the study");
+        let text = paper.text();
+        let line = |words: &[&str]| text.lines().any(|l| words.iter().all(|w| l.contains(w)));
+        assert!(line(&["      metrics  ", "2/2"]) && line(&["      figures  ", "1/1"]), "{text:?}");
+        assert!(!text.contains("\u{1b}["), "neither colours nor anything else but text: {text:?}");
+    }
+
+    #[test]
+    fn nothing_is_drawn_for_quiet_people() {
+        let screen = Screen::new(true, false, false);
+        let bars = screen.bars([("metrics", 1)]);
+        bars.done("metrics", "metrics P01 S01");
+        assert!(bars.all.is_hidden());
     }
 }

@@ -6,30 +6,7 @@ use zwidth_numerics::activity::activity;
 use zwidth_numerics::phases::{first_passing, phases};
 use zwidth_numerics::series::interpolate_all;
 use zwidth_store::{Signal, Trial};
-use zwidth_study::Analysis;
-
-/// How repeats are made to meet before they are averaged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Alignment {
-    /// At movement onset: t is each repeat's own time since then.
-    Onset,
-    /// By landmarks: each repeat's time is warped, piecewise linearly, so that its landmarks (start, wall contact,
-    /// reversal, end) meet their mean times. What repeats do at different times is then not smeared.
-    Landmarks,
-}
-
-impl Alignment {
-    /// Both, the default first.
-    pub const ALL: [Self; 2] = [Self::Onset, Self::Landmarks];
-
-    /// The word in tables and names.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Onset => "onset",
-            Self::Landmarks => "landmarks",
-        }
-    }
-}
+use zwidth_study::{Alignment, Analysis};
 
 /// A repeat with its times on the common scale.
 pub(crate) struct Aligned<'a> {

@@ -1,11 +1,11 @@
 //! The average of one condition's repeats.
 
-use crate::align::{Aligned, Alignment, average_length_s, check_lengths, grid, mean_landmarks, warped};
+use crate::align::{Aligned, average_length_s, check_lengths, grid, mean_landmarks, warped};
 use crate::landmarks::Landmark;
 use crate::{AverageError, WhyNot};
 use zwidth_stats::band::{Band, band};
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Analysis, Condition, ParticipantId, Scene, SessionId, Source, Study};
+use zwidth_study::{Alignment, Analysis, Condition, ParticipantId, Scene, SessionId, Source, Study};
 
 /// A quantity that is averaged: the signal, and how its columns are called.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

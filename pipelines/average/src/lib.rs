@@ -33,12 +33,12 @@ mod table;
 #[cfg(test)]
 mod testing;
 
-pub use align::Alignment;
 pub use average::{Average, Course, LeftOut, QUANTITIES, Quantity, Repeat, average};
 pub use error::{AverageError, WhyNot};
 pub use landmarks::Landmark;
 pub use notes::ENDS_AT;
 pub use table::table;
+pub use zwidth_study::Alignment;
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 1;

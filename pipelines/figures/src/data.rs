@@ -2,7 +2,7 @@
 
 use crate::words::plain;
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Environment, Source, Study};
+use zwidth_study::{Alignment, Environment, Source, Study};
 use zwidth_tables::{Table, TableError};
 
 /// One trial of a figure, and when its movement began.
@@ -15,9 +15,35 @@ pub struct Repeat<'a> {
 }
 
 impl ModeData<'_> {
-    /// Name in the legend, with the number of repeats.
+    /// Name in the legend, with the number of repeats; of those drawn fewer may be in the mean.
     pub(crate) fn name(&self) -> String {
-        plain(&format!("{} (n = {})", self.label, self.repeats.len()))
+        let all = self.repeats.len();
+        let n = match self.averaged() {
+            Some(n) if n < all => format!("{n} of {all}"),
+            _ => all.to_string(),
+        };
+        plain(&format!("{} (n = {n})", self.label))
+    }
+
+    /// How many repeats the mean is of, where most are.
+    pub(crate) fn averaged(&self) -> Option<usize> {
+        let n = self.average?.integers("n").ok()?;
+        n.into_iter().flatten().max().and_then(|n| usize::try_from(n).ok())
+    }
+}
+
+/// How many repeats means are of: `n = 6`, `n = 4 to 6`; nothing without a mean.
+pub(crate) fn repeats_averaged<'a>(modes: impl Iterator<Item = &'a ModeData<'a>>) -> Option<String> {
+    let counts: Vec<usize> = modes.filter_map(ModeData::averaged).collect();
+    let (least, most) = (counts.iter().min()?, counts.iter().max()?);
+    Some(if least == most { format!("n = {most}") } else { format!("n = {least} to {most}") })
+}
+
+/// How means are aligned, in words.
+pub(crate) fn aligned(alignment: Alignment) -> &'static str {
+    match alignment {
+        Alignment::Onset => "aligned at movement onset",
+        Alignment::Landmarks => "aligned by landmarks",
     }
 }
 
@@ -58,6 +84,8 @@ pub struct Scene<'a> {
     pub who: String,
     /// The modes, in the study's order.
     pub modes: Vec<ModeData<'a>>,
+    /// How the means are aligned.
+    pub alignment: Alignment,
     /// What is to be said of the means: why there is none, or where it ends.
     pub notes: Vec<String>,
 }
@@ -78,9 +106,15 @@ impl Scene<'_> {
         self.modes.iter().flat_map(|m| &m.repeats).any(|r| r.onset_s.is_some())
     }
 
-    /// Label of the time axis.
+    /// Label of the time axis. Repeats are drawn at their own times, means aligned by landmarks at the landmarks' mean times.
     pub(crate) fn time_label(&self) -> &'static str {
-        if self.aligned() { "time since movement onset" } else { "time" }
+        let by_landmarks =
+            self.alignment == Alignment::Landmarks && self.modes.iter().any(|m| m.average.is_some());
+        match (self.aligned(), by_landmarks) {
+            (false, _) => "time",
+            (true, false) => "time since movement onset",
+            (true, true) => "time since onset (means: by landmarks)",
+        }
     }
 
     /// The level of the study's intervals, in per cent: `95 %`.

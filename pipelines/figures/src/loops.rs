@@ -1,6 +1,6 @@
 //! Force against position for every environment side by side: the force discrepancy at a glance (Fig. 31).
 
-use crate::data::{ModeData, Scene};
+use crate::data::{ModeData, Scene, aligned, repeats_averaged};
 use crate::panels::{axis, mean_loop, repeat_loop};
 use crate::words::{Words, mark, plain};
 use zwidth_draw::style::{self, Colour};
@@ -43,11 +43,22 @@ pub fn loops(study: &Study, scenes: &[Scene]) -> Result<Figure, TableError> {
             "{who}: {load_word} against {} there and back, one panel a mode, one loop an environment.",
             words.position_word()
         ),
+        footnotes: footnotes(scenes),
         width_mm: if panels.len() == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
         panels,
         mark: mark(scenes.iter().flat_map(Scene::sources)),
         ..Figure::default()
     })
+}
+
+/// Which means the loops are, and of how many repeats; nothing where there is none.
+fn footnotes(scenes: &[Scene]) -> Vec<String> {
+    let several = |m: &&ModeData| m.repeats.len() > 1;
+    let averaged = repeats_averaged(scenes.iter().flat_map(|s| &s.modes).filter(several));
+    let means = scenes.first().zip(averaged);
+    let note =
+        means.map(|(scene, n)| format!("Lines: mean of the repeats ({n}), {}.", aligned(scene.alignment)));
+    note.into_iter().collect()
 }
 
 /// The mean loop, or every repeat's where there is no mean.

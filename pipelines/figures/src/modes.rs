@@ -1,11 +1,12 @@
 //! Figures 28 and 29: position, force and velocity against time, force against position; the mean of
 //! each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall.
 
-use crate::data::Scene;
+use crate::data::{Scene, aligned};
 use crate::panels::{axis, mean_loop, mean_over_time, repeat_loop, repeat_over_time, wall_line};
 use crate::words::{Words, mark, plain, time_axis};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, style};
 use zwidth_store::Signal;
+use zwidth_study::Alignment;
 use zwidth_tables::TableError;
 
 /// Height of one of the three panels against time, mm.
@@ -37,12 +38,13 @@ fn describe(scene: &Scene, words: Words) -> String {
         scene.modes.iter().map(|m| format!("{} {}", m.repeats.len(), m.label.to_lowercase())).collect();
     format!(
         "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}. Thick: mean of \
-         the repeats with its pointwise {} band; thin: every repeat.",
+         the repeats, {}, with its pointwise {} band; thin: every repeat.",
         scene.who,
         scene.environment.label,
         words.position_word(),
         words.position_word(),
         counts.join(", "),
+        aligned(scene.alignment),
         scene.level(),
     )
 }
@@ -51,11 +53,14 @@ fn describe(scene: &Scene, words: Words) -> String {
 fn footnotes(scene: &Scene) -> Vec<String> {
     let mut legend = String::new();
     if scene.modes.iter().any(|m| m.average.is_some()) {
-        legend += "Thick: mean of the repeats";
+        legend += &format!("Thick: mean of the repeats, {}", aligned(scene.alignment));
         if scene.modes.iter().any(|m| m.average.is_some() && m.repeats.len() > 1) {
             legend += &format!(", with its pointwise {} band", scene.level());
         }
-        legend += "; thin: every repeat";
+        legend += match scene.alignment {
+            Alignment::Onset => "; thin: every repeat",
+            Alignment::Landmarks => "; thin: every repeat at its own times",
+        };
         if scene.environment.scene.wall_rad().is_some() {
             legend += "; dotted: at the wall or past it";
         }

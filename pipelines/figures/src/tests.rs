@@ -3,7 +3,7 @@
 use crate::{ModeData, Repeat, Scene, loops, modes, repeats};
 use zwidth_draw::{Figure, Layer, Line};
 use zwidth_store::{Samples, Signal, Trial};
-use zwidth_study::{Kind, Source, Status, Study, TrialMeta, template};
+use zwidth_study::{Alignment, Kind, Source, Status, Study, TrialMeta, template};
 use zwidth_tables::{Column, Table};
 
 fn study() -> Study {
@@ -44,6 +44,7 @@ fn average(trial: &Trial) -> Table {
     };
     let none = |name| Column::float(name, "", "", vec![None; 81]);
     let mut columns = vec![column("t_s", Signal::Time)];
+    columns.push(Column::integer("n", "1", "", vec![Some(1); 81]));
     columns.push(column("theta_mean_rad", Signal::Theta));
     columns.push(column("force_ex_mean_n", Signal::ForceEx));
     let bands = ["theta_ci_low_rad", "theta_ci_high_rad", "force_ex_ci_low_n", "force_ex_ci_high_n"];
@@ -58,6 +59,7 @@ fn scene<'a>(study: &'a Study, trial: &'a Trial, average: Option<&'a Table>) -> 
         environment: &study.environments[1],
         who: "P01 S01".to_owned(),
         modes: vec![ModeData { index: 0, label: "Active", repeats, average }],
+        alignment: Alignment::Onset,
         notes: Vec::new(),
     }
 }
@@ -91,6 +93,29 @@ fn time_counts_from_onset_and_angles_stand_in_degrees() {
     let curve = lines(&figure, 0)[0];
     assert!((curve.x[0] + 1.0).abs() < 1e-12);
     assert!((curve.y[0] + 45.0).abs() < 1e-12 && (curve.y[80] - 35.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
+    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
+    let mean = average(&trial);
+    for (alignment, words, axis) in [
+        (Alignment::Onset, "aligned at movement onset", "time since movement onset"),
+        (Alignment::Landmarks, "aligned by landmarks", "time since onset (means: by landmarks)"),
+    ] {
+        let mut scene = Scene { alignment, ..scene(&study, &trial, Some(&mean)) };
+        let twice = scene.modes[0].repeats[0];
+        scene.modes[0].repeats.push(twice);
+        let figure = modes(&scene).unwrap();
+        assert!(figure.footnotes[0].contains(words) && figure.description.contains(words), "{figure:?}");
+        assert_eq!(figure.panels[2].x.label, axis);
+        let names: Vec<_> = lines(&figure, 0).into_iter().filter_map(|l| l.name.as_deref()).collect();
+        assert_eq!(names, ["Active (n = 1 of 2)"]);
+        let loops = loops(&study, std::slice::from_ref(&scene)).unwrap();
+        assert_eq!(loops.footnotes, [format!("Lines: mean of the repeats (n = 1), {words}.")]);
+    }
+    let without = modes(&Scene { alignment: Alignment::Landmarks, ..scene(&study, &trial, None) }).unwrap();
+    assert_eq!(without.panels[2].x.label, "time since movement onset", "there is no mean");
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod binary;
 mod counting;
 mod folders;
 mod logs;
+mod provenance;
 mod real;
 mod shipped;
 mod small;

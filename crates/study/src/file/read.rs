@@ -36,13 +36,13 @@ impl Study {
 }
 
 /// Collects problems while the values are converted.
-struct Check<'a> {
+pub(super) struct Check<'a> {
     text: &'a str,
     errors: Vec<StudyError>,
 }
 
 impl Check<'_> {
-    fn error(&mut self, key: &str, problem: String) {
+    pub(super) fn error(&mut self, key: &str, problem: String) {
         let line = locate::line_of(self.text, key);
         self.errors.push(StudyError { line, key: key.to_owned(), problem });
     }
@@ -90,6 +90,8 @@ impl Check<'_> {
         self.unique("modes", file.modes.iter().map(|m| m.id.as_str()));
         self.unique("questions", file.questions.iter().map(|q| q.id.as_str()));
         let known: BTreeSet<&str> = file.questions.iter().map(|q| q.id.as_str()).collect();
+        let ids: Vec<&str> = file.environments.iter().map(|e| e.id.as_str()).collect();
+        let figures = self.figures(&file.figures, &ids);
         let environments = file
             .environments
             .iter()
@@ -112,6 +114,7 @@ impl Check<'_> {
             modes,
             questions: file.questions.into_iter().map(question).collect(),
             analysis: self.analysis(&file.analysis, coordinate),
+            figures,
         }
     }
 

@@ -20,6 +20,9 @@ pub(super) struct File {
     pub(super) masses: Option<MassesTable>,
     #[serde(default)]
     pub(super) analysis: AnalysisTable,
+    /// Tables within tables, read by hand (`figures.rs`): a key's name is the beginning of a figure's id.
+    #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
+    pub(super) figures: toml::Table,
     pub(super) environments: Vec<EnvironmentTable>,
     pub(super) modes: Vec<ModeTable>,
     #[serde(default)]

@@ -44,6 +44,7 @@ impl From<&Study> for File {
                 brake_g: decimal(m.brake_kg / MILLI),
             }),
             analysis: analysis_table(&s.analysis, s.coordinate),
+            figures: super::figures::table(&s.figures),
             environments: s.environments.iter().map(|e| environment_table(e, s.coordinate)).collect(),
             modes: s
                 .modes

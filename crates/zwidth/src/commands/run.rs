@@ -1,5 +1,7 @@
 //! `zwidth run`: the main job. Raw data to every figure, table and summary; does only what changed.
 
+use super::locate::records_file;
+use super::near::did_you_mean;
 use super::{studies, together};
 use crate::args::Run;
 use crate::exit::Exit;
@@ -8,7 +10,7 @@ use crate::screen::Screen;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
-use zwidth_runner::{Job, Options, Report, Verdict, run as run_jobs};
+use zwidth_runner::{Job, Options, Report, Verdict, run as run_jobs, wanted};
 use zwidth_store::{Layout, RealFiles, StudyData};
 
 /// What `--json` prints of a study.
@@ -61,38 +63,49 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let jobs = plan::jobs(&data);
     check_only(&jobs, command)?;
     let options = Options { fresh: command.fresh, dry_run: command.dry_run, only: command.only.clone() };
-    let bar = screen.bar(jobs.len());
-    let records = layout.derived().join("records.json");
-    let done = |report: &Report| {
-        bar.set_message(report.name.clone());
-        bar.inc(1);
-    };
-    let reports = run_jobs(&jobs, layout.root(), &records, &RealFiles, &options, &done);
-    bar.finish_and_clear();
+    let bars = screen.bars(lengths(&jobs, command.only.as_deref()));
+    let done = |report: &Report| bars.done(report.stage, &report.name);
+    let reports = run_jobs(&jobs, layout.root(), &records_file(layout), &RealFiles, &options, &done);
+    bars.clear();
     let reports = reports?;
-    let outcome = outcome(&data, &reports, start.elapsed().as_secs_f64());
+    let in_vain = plan::chosen_in_vain(&data.study, &jobs);
+    let outcome = outcome(&data, &reports, in_vain, start.elapsed().as_secs_f64());
     if !screen.json {
         tell(&data, &reports, &outcome, command, screen);
     }
     Ok(outcome)
 }
 
+/// How many jobs of each stage a run looks at.
+fn lengths(jobs: &[Job], only: Option<&str>) -> Vec<(&'static str, usize)> {
+    let wanted = wanted(jobs, only);
+    let of =
+        |stage: &str| jobs.iter().zip(&wanted).filter(|(job, wanted)| **wanted && job.stage == stage).count();
+    plan::STAGES.into_iter().map(|stage| (stage, of(stage))).filter(|(_, n)| *n > 0).collect()
+}
+
 /// `--only` must name something there is.
 fn check_only(jobs: &[Job], command: &Run) -> anyhow::Result<()> {
     let Some(only) = &command.only else { return Ok(()) };
-    let stem = |p: &std::path::PathBuf| p.file_stem().is_some_and(|s| s == only.as_str());
-    if jobs.iter().any(|j| j.stage == only || j.name == *only || j.outputs.iter().any(stem)) {
+    if jobs.iter().any(|job| job.is_called(only)) {
         return Ok(());
     }
-    let figures = jobs.iter().filter(|j| j.stage == "figures").map(|j| j.name.trim_start_matches("figure "));
+    let named = |stage: &str, noun: &str| -> Vec<String> {
+        let of = jobs.iter().filter(|j| j.stage == stage);
+        of.map(|j| j.name.trim_start_matches(noun).to_owned()).collect()
+    };
+    let (figures, tables) = (named("figures", "figure "), named("tables", "table "));
+    let names = plan::STAGES.into_iter().chain(figures.iter().chain(&tables).map(String::as_str));
     anyhow::bail!(
-        "--only {only}: there is no such stage, figure or table; the stages are {}; the figures are {}",
+        "--only {only}: there is no such stage, figure or table{} (stages: {}; figures: {}; tables: {})",
+        did_you_mean(only, names),
         plan::STAGES.join(", "),
-        figures.collect::<Vec<_>>().join(", ")
+        figures.join(", "),
+        tables.join(", ")
     )
 }
 
-fn outcome(data: &StudyData, reports: &[Report], seconds: f64) -> Outcome {
+fn outcome(data: &StudyData, reports: &[Report], in_vain: Vec<String>, seconds: f64) -> Outcome {
     let entry = |r: &Report, why: &str| Entry { stage: r.stage, name: r.name.clone(), why: why.to_owned() };
     let made = reports.iter().filter_map(|r| match &r.verdict {
         Verdict::Made(why) => Some(entry(r, why)),
@@ -104,7 +117,7 @@ fn outcome(data: &StudyData, reports: &[Report], seconds: f64) -> Outcome {
     });
     let unreadable = data.problems.iter().map(ToString::to_string);
     let mut left_out: Vec<String> =
-        unreadable.chain(reports.iter().flat_map(|r| r.problems.iter().cloned())).collect();
+        unreadable.chain(reports.iter().flat_map(|r| r.problems.iter().cloned())).chain(in_vain).collect();
     left_out.sort();
     left_out.dedup();
     Outcome {

@@ -9,16 +9,6 @@ use zwidth_store::{StudyData, Trial, TrialEntry};
 use zwidth_study::{Environment, Mode};
 use zwidth_tables::Table;
 
-/// The average of a condition aligned at onset, the default of every figure; if the session has trials of it.
-pub(super) fn of_condition(
-    data: &StudyData,
-    session: &Session,
-    environment: &Environment,
-    mode: &Mode,
-) -> Option<PathBuf> {
-    aligned(data, session, environment, mode, Alignment::Onset)
-}
-
 /// The average of a condition with the alignment asked for, if the session has trials of it:
 /// `average/P01.S01.spring.hybrid.parquet` at onset, `….hybrid.landmarks.parquet` by landmarks.
 pub(super) fn aligned(

@@ -9,7 +9,7 @@ use zwidth_draw::{DEFAULT_DPI, Figure, draw};
 use zwidth_figures::{Characterised, ModeData, Repeat, Scene};
 use zwidth_runner::{Job, Made, Provenance};
 use zwidth_store::{Layout, StudyData, Trial, TrialEntry};
-use zwidth_study::{Environment, Study};
+use zwidth_study::{Alignment, Environment, Study};
 use zwidth_tables::Table;
 
 const STAGE: &str = "figures";
@@ -90,6 +90,19 @@ fn rendered(
     ])
 }
 
+/// The choices of study.toml for figures that the study does not have (of a kind that it lacks is no mistake).
+pub(crate) fn chosen_in_vain(study: &Study, planned: &[Job]) -> Vec<String> {
+    let name = |job: &Job| job.name.trim_start_matches("figure ").to_owned();
+    let names: Vec<String> = planned.iter().filter(|j| j.stage == STAGE).map(name).collect();
+    let is_of = |name: &String, id: &str| {
+        name.strip_prefix(id).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    let vain =
+        study.figures.choices().filter(|(id, _)| id.contains('.') && !names.iter().any(|n| is_of(n, id)));
+    vain.map(|(id, _)| format!("the choice figures.{id} of study.toml: the study has no such figure"))
+        .collect()
+}
+
 /// What figures of trials depend on besides files: names, scenes, coordinate.
 fn parameters(study: &Study) -> String {
     let level = study.analysis.confidence;
@@ -103,6 +116,7 @@ struct Loaded<'a> {
     who: String,
     trials: Vec<Trial>,
     onsets: Vec<Option<f64>>,
+    alignment: Alignment,
     averages: Vec<Option<Table>>,
     notes: Vec<String>,
 }
@@ -115,18 +129,22 @@ struct Recorded<'a> {
     who: String,
     trials: Vec<&'a TrialEntry>,
     metrics: PathBuf,
+    alignment: Alignment,
     averages: Vec<Option<PathBuf>>,
 }
 
 impl<'a> Recorded<'a> {
-    fn new(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment) -> Self {
-        let made = |m| average::of_condition(data, session, environment, m);
+    /// For the figure of that name, which decides how means are aligned.
+    fn new(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment, figure: &str) -> Self {
+        let alignment = data.study.figures.alignment(figure);
+        let made = |m| average::aligned(data, session, environment, m, alignment);
         Self {
             data,
             environment,
             who: session.who(),
             trials: session.of(environment),
             metrics: metrics::of_session(&data.layout, session),
+            alignment,
             averages: data.study.modes.iter().map(made).collect(),
         }
     }
@@ -154,6 +172,7 @@ impl<'a> Recorded<'a> {
             who: self.who.clone(),
             onsets: trials.iter().map(onset).collect(),
             trials,
+            alignment: self.alignment,
             averages,
             notes,
         };
@@ -206,14 +225,15 @@ impl Loaded<'_> {
             environment: self.environment,
             who: self.who.clone(),
             modes: self.data.study.modes.iter().enumerate().filter_map(mode).collect(),
+            alignment: self.alignment,
             notes: self.notes.clone(),
         }
     }
 }
 
 fn modes_job<'a>(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment) -> Job<'a> {
-    let source = Recorded::new(data, session, environment);
     let name = format!("modes.{}.{}", session.key(), environment.id);
+    let source = Recorded::new(data, session, environment, &name);
     figure_job(data, &name, source.inputs(), parameters(&data.study), move || {
         let (loaded, problems) = source.load()?;
         Ok((zwidth_figures::modes(&loaded.scene())?, problems))
@@ -231,10 +251,10 @@ fn repeats_jobs<'a>(
         if mine.len() < 2 {
             continue; // one recording is whole in the figure of the modes
         }
-        let mut source = Recorded::new(data, session, environment);
+        let name = format!("repeats.{}.{}.{}", session.key(), environment.id, mode.id);
+        let mut source = Recorded::new(data, session, environment, &name);
         source.trials = mine;
         source.averages.iter_mut().for_each(|a| *a = None);
-        let name = format!("repeats.{}.{}.{}", session.key(), environment.id, mode.id);
         jobs.push(figure_job(data, &name, source.inputs(), parameters(&data.study), move || {
             let (loaded, problems) = source.load()?;
             let scene = loaded.scene();
@@ -247,11 +267,11 @@ fn repeats_jobs<'a>(
 }
 
 fn loops_job<'a>(data: &'a StudyData, session: &Session<'a>, environments: &[&'a Environment]) -> Job<'a> {
-    let sources: Vec<_> = environments.iter().map(|e| Recorded::new(data, session, e)).collect();
+    let name = format!("loops.{}", session.key());
+    let sources: Vec<_> = environments.iter().map(|e| Recorded::new(data, session, e, &name)).collect();
     let mut inputs: Vec<PathBuf> = sources.iter().flat_map(Recorded::inputs).collect();
     inputs.sort();
     inputs.dedup();
-    let name = format!("loops.{}", session.key());
     figure_job(data, &name, inputs, parameters(&data.study), move || {
         let mut problems = Vec::new();
         let mut all = Vec::new();

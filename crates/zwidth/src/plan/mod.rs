@@ -147,5 +147,7 @@ fn derived(layout: &Layout, name: impl AsRef<Path>) -> PathBuf {
     layout.derived().join(name)
 }
 
+pub(crate) use figures::chosen_in_vain;
+pub(crate) use report::built_in;
 pub(crate) use summary::file as summary_file;
 pub(crate) use tables::printed as printed_tables;

@@ -14,6 +14,14 @@ const STAGE: &str = "report";
 /// The scene of the thesis' Table 3.
 const MODEL: &str = include_str!("../../../../scenes/sine_finger.toml");
 
+/// The job that needs it.
+const MODEL_JOB: &str = "model and device";
+
+/// The file that is built into the program and that the job of that name takes its parameters from, if any.
+pub(crate) fn built_in(job: &str) -> Option<&'static str> {
+    (job == MODEL_JOB).then_some("scenes/sine_finger.toml (built in)")
+}
+
 /// A table of the stage.
 fn table_of(layout: &Layout, name: &str) -> PathBuf {
     derived(layout, format!("report/{name}.parquet"))
@@ -90,7 +98,7 @@ fn plan_job(data: &StudyData) -> Job<'_> {
     let out = outputs.clone();
     Job {
         stage: STAGE,
-        name: "model and device".to_owned(),
+        name: MODEL_JOB.to_owned(),
         version: zwidth_report::VERSION,
         parameters: format!("{}; {MODEL}", parameters(data)),
         inputs: Vec::new(),

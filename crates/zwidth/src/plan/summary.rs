@@ -4,13 +4,13 @@ use super::{average, likert, metrics, sessions};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_report::{LeftOut, Made as Listed, Shown, Summary, findings, summary_markdown};
-use zwidth_runner::{Job, Made};
+use zwidth_runner::{Job, Made, ORIGIN};
 use zwidth_store::{Signal, StudyData, TrialEntry, read_sweep};
 use zwidth_study::{Kind, Scene};
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::{Format, Table, TableError};
 
 /// Version of the summary's form.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The summary's file.
 pub(crate) fn file(data: &StudyData) -> PathBuf {
@@ -47,7 +47,7 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
         inputs,
         outputs: vec![out],
         tolerant: true,
-        make: Box::new(move |_| {
+        make: Box::new(move |from| {
             let mut summary = summary.clone();
             summary.limits.extend(notes(&noted)?);
             for sweep in sweeps.iter().filter_map(|path| read_sweep(path).ok()) {
@@ -59,7 +59,9 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
             summary.tables = there.into_iter().map(|f| table(f, &folder)).collect::<Result<_, _>>()?;
             summary.shown = shown(data, &numbers, &summary)?;
             summary.left_out.extend(missing.into_iter().chain(no_tables).map(|f| could_not_be_made(f)));
-            Ok(Made { outputs: vec![summary_markdown(&summary).into_bytes()], problems: Vec::new() })
+            let origin = from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
+            let text = summary_markdown(&summary) + &origin.unwrap_or_default();
+            Ok(Made { outputs: vec![text.into_bytes()], problems: Vec::new() })
         }),
     }
 }

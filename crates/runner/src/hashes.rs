@@ -1,0 +1,48 @@
+//! Hashes of files, each computed once a run.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use zwidth_store::file_blake3;
+
+/// In place of the hash of an output that would be made again: nobody knows its content yet.
+pub(crate) const TO_BE_MADE: &str = "to be made";
+
+/// Hashes of files, each computed once a run; a missing file's is empty.
+#[derive(Default)]
+pub(crate) struct Hashes(Mutex<BTreeMap<PathBuf, String>>);
+
+impl Hashes {
+    pub(crate) fn of(&self, root: &Path, paths: &[PathBuf]) -> BTreeMap<String, String> {
+        paths.iter().map(|p| (shown(root, p), self.one(p))).collect()
+    }
+
+    fn one(&self, path: &Path) -> String {
+        if let Some(hash) = self.lock().get(path) {
+            return hash.clone();
+        }
+        let hash = file_blake3(path).unwrap_or_default();
+        self.lock().insert(path.to_owned(), hash.clone());
+        hash
+    }
+
+    pub(crate) fn set(&self, path: &Path, hash: String) {
+        self.lock().insert(path.to_owned(), hash);
+    }
+
+    /// Where nothing is made, an output that would be has no known content, so that what needs it shows too.
+    pub(crate) fn forget(&self, paths: &[PathBuf]) {
+        for path in paths {
+            self.set(path, TO_BE_MADE.to_owned());
+        }
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<PathBuf, String>> {
+        self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+/// A path as records have it: relative to the root, with `/`.
+pub(crate) fn shown(root: &Path, path: &Path) -> String {
+    path.strip_prefix(root).unwrap_or(path).to_string_lossy().replace('\\', "/")
+}

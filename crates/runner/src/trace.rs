@@ -1,0 +1,107 @@
+//! What a file was made from, back to files that no job makes: what the records say, not what a plan would guess.
+
+use crate::Records;
+use crate::record::Record;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+/// A file as a job read it.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Source {
+    /// The file, relative to the root.
+    pub path: String,
+    /// BLAKE3 of its content then.
+    pub blake3: String,
+}
+
+/// A job behind a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Step<'r> {
+    /// The job's name.
+    pub job: &'r str,
+    /// The record of its last success.
+    pub record: &'r Record,
+}
+
+/// Everything behind a job's outputs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Trace<'r> {
+    /// The job itself, then the jobs whose outputs it read, nearest first, each once.
+    pub steps: Vec<Step<'r>>,
+    /// The files in which the chain ends, because no job makes them, sorted.
+    pub sources: Vec<Source>,
+    /// Files read on the way whose job has made them with another content since: of the contents read there is no record
+    /// any more, and the chain ends there. Sorted.
+    pub lost: Vec<Source>,
+}
+
+/// Everything behind the outputs of the job of that name; `None` if there is no record of it.
+pub fn trace<'r>(records: &'r Records, job: &str) -> Option<Trace<'r>> {
+    let of = |(job, record): (&'r str, &'r Record)| {
+        record.outputs.keys().map(move |path| (path, Step { job, record }))
+    };
+    let makers: BTreeMap<&String, Step> = records.iter().flat_map(of).collect();
+    let (first, record) = records.iter().find(|(name, _)| *name == job)?;
+    let mut waiting = VecDeque::from([Step { job: first, record }]);
+    let mut seen = BTreeSet::from([first]);
+    let mut steps = Vec::new();
+    let (mut sources, mut lost) = (BTreeSet::new(), BTreeSet::new());
+    while let Some(step) = waiting.pop_front() {
+        // What was missing when the job was made did not enter it.
+        for (path, blake3) in step.record.inputs.iter().filter(|(_, hash)| !hash.is_empty()) {
+            let source = || Source { path: path.clone(), blake3: blake3.clone() };
+            match makers.get(path) {
+                None => _ = sources.insert(source()),
+                Some(maker) if maker.record.outputs.get(path) != Some(blake3) => _ = lost.insert(source()),
+                Some(maker) if seen.insert(maker.job) => waiting.push_back(*maker),
+                Some(_) => {}
+            }
+        }
+        steps.push(step);
+    }
+    Some(Trace { steps, sources: sources.into_iter().collect(), lost: lost.into_iter().collect() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(inputs: &[(&str, &str)], output: (&str, &str)) -> Record {
+        let map = |files: &[(&str, &str)]| files.iter().map(|(p, h)| ((*p).into(), (*h).into())).collect();
+        Record { inputs: map(inputs), outputs: map(&[output]), ..Record::default() }
+    }
+
+    /// raw a, b → mean; raw a, mean → figure → page, beside a file that was missing.
+    fn records() -> Records {
+        let jobs = [
+            ("mean", record(&[("raw/a", "1"), ("raw/b", "2")], ("mean", "3"))),
+            ("figure", record(&[("raw/a", "1"), ("mean", "3")], ("figure", "4"))),
+            ("page", record(&[("figure", "4"), ("gone", "")], ("page", "5"))),
+        ];
+        Records(jobs.into_iter().map(|(name, record)| (name.to_owned(), record)).collect())
+    }
+
+    fn paths(sources: &[Source]) -> Vec<&str> {
+        sources.iter().map(|s| s.path.as_str()).collect()
+    }
+
+    #[test]
+    fn the_chain_goes_back_to_what_no_job_makes() {
+        let records = records();
+        let trace = trace(&records, "page").unwrap();
+        let jobs: Vec<&str> = trace.steps.iter().map(|s| s.job).collect();
+        assert_eq!(jobs, ["page", "figure", "mean"]);
+        assert_eq!(paths(&trace.sources), ["raw/a", "raw/b"]);
+        assert!(trace.lost.is_empty());
+    }
+
+    #[test]
+    fn a_content_that_was_replaced_since_is_told_and_not_guessed() {
+        let mut records = records();
+        records.0.insert("mean".to_owned(), record(&[("raw/c", "7")], ("mean", "8")));
+        let trace = trace(&records, "figure").unwrap();
+        assert_eq!(trace.lost, [Source { path: "mean".to_owned(), blake3: "3".to_owned() }]);
+        assert_eq!(paths(&trace.sources), ["raw/a"], "not raw/c: the figure did not see it");
+        assert_eq!(super::trace(&records, "nothing"), None);
+    }
+}

@@ -1,0 +1,183 @@
+//! From a path that a person typed to the job behind it: by its place, or for a copy elsewhere by what the file says.
+
+use super::near::did_you_mean;
+use anyhow::{Context as _, bail};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use zwidth_runner::{Records, origins};
+use zwidth_store::{Layout, file_blake3};
+use zwidth_study::StudyId;
+
+/// How a file's job was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum FoundBy {
+    /// By its place under derived/ or reports/.
+    Path,
+    /// By the origin that stands in it.
+    Origin,
+    /// By its content, which is what a job made.
+    Content,
+}
+
+/// Where a typed path leads.
+pub(super) enum Place {
+    /// Into the results of a study: relative to the root, with `/`.
+    Results(StudyId, String),
+    /// Elsewhere: under `raw/` (relative to the root), or outside.
+    Raw(String),
+    /// Outside of the data folders.
+    Outside,
+}
+
+/// The file of the records of a study's jobs.
+pub(super) fn records_file(layout: &Layout) -> PathBuf {
+    layout.derived().join("records.json")
+}
+
+/// Where `typed` leads, taken from the current folder, or else from the root.
+pub(super) fn place(root: &Path, typed: &Path) -> Place {
+    let real_root = real(if root.as_os_str().is_empty() { Path::new(".") } else { root });
+    let candidates = [real(typed), real(&real_root.join(typed))];
+    let inside = candidates.iter().filter_map(|p| p.strip_prefix(&real_root).ok());
+    let shown = inside.map(|p| p.to_string_lossy().replace('\\', "/"));
+    shown.map(|path| of(&path)).find(|place| !matches!(place, Place::Outside)).unwrap_or(Place::Outside)
+}
+
+fn of(path: &str) -> Place {
+    let mut parts = path.split('/');
+    let (folder, study) = (parts.next(), parts.next().and_then(|id| StudyId::new(id).ok()));
+    match (folder, study) {
+        (Some("derived" | "reports"), Some(study)) => Place::Results(study, path.to_owned()),
+        (Some("raw"), _) => Place::Raw(path.to_owned()),
+        _ => Place::Outside,
+    }
+}
+
+/// The path from the file system's root on, without `..` and links as far as it exists.
+fn real(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    match (path.canonicalize(), path.parent(), path.file_name()) {
+        (Ok(real), _, _) => real,
+        (Err(_), Some(parent), Some(name)) => real(parent).join(name),
+        _ => path,
+    }
+}
+
+/// A job that made a file, as its study's records have it.
+pub(super) struct Made {
+    pub(super) layout: Layout,
+    pub(super) records: Records,
+    pub(super) job: String,
+    pub(super) by: FoundBy,
+    /// The output that the file is, relative to the root; of a copy the job's output of the same extension, if any.
+    pub(super) path: String,
+}
+
+/// The jobs that made a copy which lies anywhere: by each origin in it, or else by its content.
+///
+/// # Errors
+/// It cannot be read; nothing in it, nor its content, is known under this root.
+pub(super) fn copies(root: &Path, typed: &Path) -> anyhow::Result<Vec<Made>> {
+    let bytes = std::fs::read(typed).with_context(|| format!("cannot read {}", typed.display()))?;
+    let (origins, content) = (origins(&bytes), file_blake3(typed)?);
+    let extension = typed.extension();
+    let mut found = Vec::new();
+    for layout in with_records(root) {
+        let records = Records::read(&records_file(&layout));
+        for (job, record) in records.iter() {
+            let same = record.outputs.iter().find(|(_, hash)| **hash == content).map(|(path, _)| path);
+            let by = match same {
+                _ if origins.contains(&record.origin) => FoundBy::Origin,
+                Some(_) => FoundBy::Content,
+                None => continue,
+            };
+            let alike = || record.outputs.keys().find(|path| Path::new(path).extension() == extension);
+            let path = same.or_else(alike).or_else(|| record.outputs.keys().next());
+            let path = path.cloned().unwrap_or_default();
+            found.push(Made {
+                layout: layout.clone(),
+                records: records.clone(),
+                job: job.to_owned(),
+                by,
+                path,
+            });
+        }
+    }
+    if found.is_empty() {
+        bail!("{}", unknown(root, typed, &origins));
+    }
+    Ok(found)
+}
+
+/// The studies that were run.
+fn with_records(root: &Path) -> Vec<Layout> {
+    let folders = std::fs::read_dir(root.join("derived")).into_iter().flatten().flatten();
+    let mut ids: Vec<StudyId> =
+        folders.filter_map(|entry| StudyId::new(entry.file_name().to_string_lossy()).ok()).collect();
+    ids.sort();
+    ids.into_iter().map(|id| Layout::new(root, id)).filter(|layout| records_file(layout).exists()).collect()
+}
+
+fn unknown(root: &Path, typed: &Path, origins: &[String]) -> String {
+    let (file, root) = (typed.display(), if root.as_os_str().is_empty() { Path::new(".") } else { root });
+    let root = root.display();
+    match origins.first() {
+        Some(origin) => format!(
+            "{file} says that it is from {origin}, and nothing under {root} was made from that: its inputs have changed \
+             since, or it is from another folder of data (choose it with --root)"
+        ),
+        None => format!(
+            "{file} is not under derived/ or reports/ of {root}, and neither says where it is from nor is the same as \
+             anything made there; choose the folder of the data with --root"
+        ),
+    }
+}
+
+/// What to say of a path that no job makes.
+pub(super) fn no_job(path: &str, study: &StudyId, outputs: &[&str]) -> String {
+    if path.ends_with("/records.json") {
+        return format!("{path} is the runner's own record of what was made from what; no job makes it");
+    }
+    if path.starts_with("reports/simulate/") {
+        return format!(
+            "no job makes {path}: `zwidth simulate` wrote it, and the file itself holds the solver and the scene"
+        );
+    }
+    let name = |path: &str| path.rsplit('/').next().unwrap_or_default().to_owned();
+    let names: Vec<String> = outputs.iter().map(|o| name(o)).collect();
+    let near = did_you_mean(&name(path), names.iter().map(String::as_str));
+    format!("no job of {study} makes {path}{near} (`zwidth run {study} --dry-run --fresh` lists the jobs)")
+}
+
+/// What to say of a raw file.
+pub(super) fn is_raw(path: &str) -> String {
+    format!("{path} is raw: recorded or imported, and made by no job; `zwidth verify` checks it")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_told_by_its_first_two_folders() {
+        assert!(matches!(of("reports/s/figures/a.svg"), Place::Results(s, _) if s.as_str() == "s"));
+        assert!(matches!(of("derived/s/a.parquet"), Place::Results(..)));
+        assert!(matches!(of("raw/s/study.toml"), Place::Raw(_)));
+        for outside in ["", "derived", "reports/..", "other/s/a", "README.md"] {
+            assert!(matches!(of(outside), Place::Outside), "{outside}");
+        }
+    }
+
+    #[test]
+    fn a_path_that_does_not_exist_yet_has_a_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let typed = folder.path().join("reports/s/figures/a.svg");
+        assert!(
+            matches!(place(folder.path(), &typed), Place::Results(_, p) if p == "reports/s/figures/a.svg")
+        );
+        let typed = Path::new("derived/s/a.parquet");
+        assert!(matches!(place(folder.path(), typed), Place::Results(_, p) if p == "derived/s/a.parquet"));
+        assert!(matches!(place(folder.path(), Path::new("../a.svg")), Place::Outside));
+    }
+}

@@ -1,0 +1,240 @@
+//! `zwidth why`: what a result was last made from, and whether and why a run would make it again.
+
+use super::locate::{FoundBy, Place, copies, is_raw, no_job, place, records_file};
+use super::{study, together};
+use crate::args::Traced;
+use crate::exit::Exit;
+use crate::plan;
+use crate::screen::Screen;
+use anyhow::{anyhow, bail};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use zwidth_runner::{Again, Change, FileChange, Record, Records, State, states};
+use zwidth_store::{Layout, StudyData};
+
+/// What `--json` prints of a file.
+#[derive(Serialize)]
+struct Why {
+    path: String,
+    found_by: FoundBy,
+    study: String,
+    job: String,
+    stage: &'static str,
+    again: Again,
+    reasons: Vec<Change>,
+    last_made: Option<Last>,
+    /// Jobs further back that would be made again first.
+    first: Vec<Behind>,
+}
+
+/// How a job was last made. There is no time in the records, so that they are the same on every machine: the date is the
+/// file's own.
+#[derive(Serialize)]
+struct Last {
+    dated: Option<String>,
+    #[serde(flatten)]
+    record: Record,
+}
+
+/// A job that would be made again before the one asked about.
+#[derive(Serialize)]
+struct Behind {
+    job: String,
+    stage: &'static str,
+    again: Again,
+    reasons: Vec<Change>,
+}
+
+/// A file asked about: its study, its path relative to the root, and for a copy its job.
+struct Asked {
+    layout: Layout,
+    path: String,
+    job: Option<String>,
+    by: FoundBy,
+}
+
+pub(crate) fn why(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Result<Exit> {
+    let found = asked(root, &command.path)?;
+    let whys = found.iter().map(|asked| one(root, asked)).collect::<anyhow::Result<Vec<_>>>()?;
+    if screen.json {
+        screen.listing(&whys)?;
+    } else {
+        whys.iter().for_each(|why| screen.result(text(why)));
+    }
+    Ok(Exit::Fine)
+}
+
+fn asked(root: &Path, typed: &Path) -> anyhow::Result<Vec<Asked>> {
+    match place(root, typed) {
+        Place::Raw(path) => bail!(is_raw(&path)),
+        Place::Results(id, path) if path.starts_with("reports/simulate/") => bail!(no_job(&path, &id, &[])),
+        Place::Results(id, path) => {
+            Ok(vec![Asked { layout: study(root, id)?, path, job: None, by: FoundBy::Path }])
+        }
+        Place::Outside => {
+            let made = copies(root, typed)?.into_iter();
+            Ok(made.map(|m| Asked { layout: m.layout, path: m.path, job: Some(m.job), by: m.by }).collect())
+        }
+    }
+}
+
+fn one(root: &Path, asked: &Asked) -> anyhow::Result<Why> {
+    let layout = &asked.layout;
+    let data = StudyData::load(layout).map_err(|findings| together(&findings))?;
+    let jobs = plan::jobs(&data);
+    let file = root.join(&asked.path);
+    let makes = |outputs: &[PathBuf]| outputs.contains(&file);
+    let job = jobs
+        .iter()
+        .find(|job| asked.job.as_ref().is_some_and(|name| job.name == *name) || makes(&job.outputs));
+    let job = job.ok_or_else(|| {
+        let outputs = jobs.iter().flat_map(|j| &j.outputs).map(|o| layout.shown(o).to_string_lossy());
+        let outputs: Vec<String> = outputs.map(|o| o.into_owned()).collect();
+        anyhow!(no_job(&asked.path, layout.study(), &outputs.iter().map(String::as_str).collect::<Vec<_>>()))
+    })?;
+    let records = Records::read(&records_file(layout));
+    let mut found = states(&jobs, layout.root(), &records, |j| j.name == job.name);
+    let at =
+        found.iter().position(|s| s.job.name == job.name).ok_or_else(|| anyhow!("the job has no state"))?;
+    let own = found.remove(at);
+    let record = records.get(&job.name).cloned();
+    Ok(Why {
+        path: asked.path.clone(),
+        found_by: asked.by,
+        study: layout.study().to_string(),
+        job: job.name.clone(),
+        stage: job.stage,
+        again: own.again(),
+        reasons: own.changes,
+        last_made: record.map(|record| Last { dated: dated(&file), record }),
+        first: found.into_iter().filter(|s| s.again() != Again::No).map(behind).collect(),
+    })
+}
+
+fn behind(state: State) -> Behind {
+    let again = state.again();
+    Behind { job: state.job.name.clone(), stage: state.job.stage, again, reasons: state.changes }
+}
+
+/// The file's date, in UTC.
+fn dated(file: &Path) -> Option<String> {
+    let time = std::fs::metadata(file).and_then(|m| m.modified()).ok()?;
+    let time = jiff::Timestamp::try_from(time).ok()?;
+    Some(time.strftime("%Y-%m-%dT%H:%M:%SZ").to_string())
+}
+
+fn text(why: &Why) -> String {
+    let mut lines =
+        vec![why.path.clone(), format!("  made by     {} ({} of {})", why.job, why.stage, why.study)];
+    match &why.last_made {
+        Some(last) => lines.extend(last_made(last)),
+        None => lines.push("  last made   there is no record: never, or it failed".to_owned()),
+    }
+    lines.push(match why.again {
+        Again::No => "Up to date: nothing that it depends on has changed.".to_owned(),
+        Again::Yes => "A run would make it again:".to_owned(),
+        Again::IfInputsDiffer => {
+            "A run would make it again if these come out with another content:".to_owned()
+        }
+    });
+    lines.extend(why.reasons.iter().map(|change| format!("  {}", told(change))));
+    if !why.first.is_empty() {
+        lines.push("Made again before it:".to_owned());
+    }
+    for behind in &why.first {
+        let perhaps = if behind.again == Again::IfInputsDiffer { ", perhaps" } else { "" };
+        lines.push(format!("  {} ({}{perhaps})", behind.job, behind.stage));
+        lines.extend(behind.reasons.iter().map(|change| format!("    {}", told(change))));
+    }
+    lines.join("\n")
+}
+
+fn last_made(last: &Last) -> Vec<String> {
+    let Record { version, parameters, inputs, origin, problems, .. } = &last.record;
+    let dated =
+        last.dated.as_ref().map_or("the file is missing".to_owned(), |d| format!("{d}, by the file's date"));
+    let parameters = if parameters.is_empty() { "none" } else { parameters };
+    let mut lines = vec![
+        format!("  last made   {dated}"),
+        format!("  version     {version}"),
+        format!("  origin      {origin}"),
+        format!("  parameters  {parameters}"),
+        format!("  inputs      {}", if inputs.is_empty() { "none" } else { "" }).trim_end().to_owned(),
+    ];
+    lines.extend(inputs.iter().map(|(path, hash)| format!("    {}  {path}", short(Some(hash)))));
+    lines.extend(problems.iter().map(|problem| format!("  left out    {problem}")));
+    lines
+}
+
+/// A change with what it was and what it is.
+fn told(change: &Change) -> String {
+    match change {
+        Change::Input(file) | Change::Output(file) => format!("{change}{}", hashes(file)),
+        Change::Parameters { recorded, now } => {
+            let (recorded, now) = differing(recorded, now);
+            format!("{change}: “{recorded}” is now “{now}”")
+        }
+        _ => change.to_string(),
+    }
+}
+
+/// What a file was and what it is, as far as there is something to tell.
+fn hashes(file: &FileChange) -> String {
+    match (&file.recorded, &file.now) {
+        (Some(recorded), Some(now)) => {
+            format!(" (recorded {}, now {})", short(Some(recorded)), short(Some(now)))
+        }
+        (Some(recorded), None) => format!(" (recorded {})", short(Some(recorded))),
+        (None, Some(now)) => format!(" (now {})", short(Some(now))),
+        (None, None) => String::new(),
+    }
+}
+
+/// Hexadecimal digits of a hash that people are shown: 48 bits, as many as tell a million files apart.
+const DIGITS: usize = 12;
+
+/// A hash as people are shown it.
+pub(super) fn short(hash: Option<&String>) -> &str {
+    hash.map_or("nothing", |hash| hash.get(..DIGITS).unwrap_or("missing"))
+}
+
+/// Words kept around a difference, in letters.
+const AROUND: usize = 24;
+
+/// Two texts cut to where they differ, with a few letters around.
+fn differing<'a>(a: &'a str, b: &'a str) -> (&'a str, &'a str) {
+    let same = |pair: &(char, char)| pair.0 == pair.1;
+    let head: usize = a.chars().zip(b.chars()).take_while(same).map(|(c, _)| c.len_utf8()).sum();
+    let (rest_a, rest_b) = (&a[head..], &b[head..]);
+    let tail: usize =
+        rest_a.chars().rev().zip(rest_b.chars().rev()).take_while(same).map(|(c, _)| c.len_utf8()).sum();
+    let cut = |text: &'a str| {
+        let from = text[..head].char_indices().rev().nth(AROUND - 1).map_or(0, |(i, _)| i);
+        let end = text.len() - tail;
+        let to = text[end..].char_indices().nth(AROUND).map_or(text.len(), |(i, _)| end + i);
+        &text[from..to]
+    };
+    (cut(a), cut(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_are_told_where_they_differ() {
+        let text = |level: &str| format!("{} confidence: {level}, {}", "é".repeat(99), "ö".repeat(99));
+        let (a, b) = (text("0.95"), text("0.9"));
+        let (a, b) = differing(&a, &b);
+        assert!(a.contains("confidence: 0.95, ö") && b.contains("confidence: 0.9, ö"), "{a} {b}");
+        assert!(a.chars().count() < 60, "{a}");
+        assert_eq!(differing("a", "b"), ("a", "b"));
+        assert_eq!(differing("", "new"), ("", "new"));
+    }
+
+    #[test]
+    fn a_hash_is_shown_short_and_none_is_told() {
+        assert_eq!(short(Some(&"0123456789abcdef".to_owned())), "0123456789ab");
+        assert_eq!((short(None), short(Some(&String::new()))), ("nothing", "missing"));
+    }
+}
