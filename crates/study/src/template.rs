@@ -76,6 +76,12 @@ slope_from_deg = 0.0
 grid_points = 401
 confidence = 0.95
 
+# How figures average repeats; this is the default, the table may be left out. "onset": every repeat's time counts from
+# its movement onset. "landmarks": it is stretched besides, so that start, wall contact, reversal and end meet.
+# [figures.modes], [figures.loops] and [figures.modes.P01.S01.spring] choose for those figures alone.
+[figures]
+alignment = "onset"
+
 # What is rendered. kind = "free", "spring", "spring_wall" or "none" (a questionnaire alone).
 [[environments]]
 id = "spring"
