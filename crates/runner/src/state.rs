@@ -66,3 +66,48 @@ pub fn states<'j, 'a>(
     }
     states
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Made, Options, run};
+    use std::fs;
+    use zwidth_store::RealFiles;
+
+    /// a → A → AA, each made from the one before in capitals.
+    fn jobs(root: &Path) -> Vec<Job<'static>> {
+        let job = |stage: &'static str, input: &str, output: &str| {
+            let input = root.join(input);
+            let read = input.clone();
+            let make: crate::Make = Box::new(move |_| {
+                let text = fs::read_to_string(&read)?.to_uppercase();
+                Ok(Made { outputs: vec![text.into_bytes()], problems: Vec::new() })
+            });
+            let (name, parameters) = (stage.to_owned(), String::new());
+            let (inputs, outputs) = (vec![input], vec![root.join(output)]);
+            Job { stage, name, version: 1, parameters, inputs, outputs, tolerant: false, make }
+        };
+        vec![job("second", "A", "AA"), job("first", "a", "A")]
+    }
+
+    fn again(root: &Path, records: &Path) -> Vec<(&'static str, Again)> {
+        let jobs = jobs(root);
+        let found = states(&jobs, root, &Records::read(records), |job| job.stage == "second");
+        found.iter().map(|state| (state.job.stage, state.again())).collect()
+    }
+
+    #[test]
+    fn a_state_tells_what_a_run_would_make_for_certain_and_what_perhaps() {
+        let folder = tempfile::tempdir().unwrap();
+        let (root, records) = (folder.path(), folder.path().join("records.json"));
+        fs::write(root.join("a"), "x").unwrap();
+        assert_eq!(again(root, &records), [("first", Again::Yes), ("second", Again::Yes)]);
+        run(&jobs(root), root, &records, &RealFiles, &Options::default(), &|_| {}).unwrap();
+        assert_eq!(again(root, &records), [("first", Again::No), ("second", Again::No)]);
+        fs::write(root.join("a"), "X").unwrap();
+        assert_eq!(again(root, &records), [("first", Again::Yes), ("second", Again::IfInputsDiffer)]);
+        fs::remove_file(root.join("AA")).unwrap();
+        assert_eq!(again(root, &records)[1], ("second", Again::Yes), "whatever comes out of the first");
+        assert_eq!(fs::read_to_string(root.join("A")).unwrap(), "X", "nothing was made");
+    }
+}

@@ -1,7 +1,6 @@
 //! `why`, `trace`, and what files say of their making, through the program.
 
 use crate::binary::{binary, ran, zwidth};
-use crate::folders::listing;
 use crate::shipped;
 use crate::small::{Study, repeats};
 use serde_json::Value;
@@ -9,10 +8,10 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use zwidth_store::{RealFiles, append_events, file_blake3};
+use zwidth_store::{RealFiles, append_events, file_blake3, read_sweep, sweep_bytes};
 use zwidth_study::Event;
 
-const FIGURE: &str = "reports/thesis-twin/figures/modes.P01.S01.spring.svg";
+pub(crate) const FIGURE: &str = "reports/thesis-twin/figures/modes.P01.S01.spring.svg";
 const TRIAL: &str = "raw/thesis-twin/trials/participant=P01/session=S01/trial-004.parquet";
 
 fn words(value: &Value) -> Vec<&str> {
@@ -20,7 +19,7 @@ fn words(value: &Value) -> Vec<&str> {
 }
 
 /// The one entry of a listing.
-fn only(root: &Path, arguments: &[&str]) -> Value {
+pub(crate) fn only(root: &Path, arguments: &[&str]) -> Value {
     let listed = zwidth(root, &[arguments, &["--json"]].concat()).exits(0).json();
     let entries = listed.as_array().unwrap();
     assert_eq!(entries.len(), 1, "{listed:#}");
@@ -191,7 +190,7 @@ fn why_and_trace_take_paths_from_the_current_folder_and_from_the_root() {
 fn why_names_the_input_that_changed_with_both_hashes_and_what_is_made_before() {
     let root = shipped::finished();
     let before = file_blake3(&root.path().join(TRIAL)).unwrap();
-    // Trial 4 is of the other condition of the two; its neighbour's content is a valid one of another trial.
+    // Trial 4 is one of the spring in hybrid mode.
     let log = root.path().join("raw/thesis-twin/sessions/P01_S01.events.jsonl");
     append_events(
         &RealFiles,
@@ -226,6 +225,33 @@ fn why_names_the_input_that_changed_with_both_hashes_and_what_is_made_before() {
             && made.contains(&"table conditions".to_owned())
     );
     assert_eq!(only(root.path(), &["why", FIGURE])["again"], "no");
+}
+
+#[test]
+fn why_tells_a_changed_content_with_what_it_was_and_what_it_is() {
+    let root = shipped::finished();
+    let name = "raw/thesis-twin/sweeps/actuator=motor/sweep-02.parquet";
+    let path = root.path().join(name);
+    let before = file_blake3(&path).unwrap();
+    let mut sweep = read_sweep(&path).unwrap();
+    sweep.response_values[10] += 0.1;
+    fs::write(&path, sweep_bytes(&sweep, &path).unwrap()).unwrap();
+    let why = only(root.path(), &["why", "reports/thesis-twin/figures/characteristic.motor.png"]);
+    let now = file_blake3(&path).unwrap();
+    let expect =
+        serde_json::json!({"what": "input", "path": name, "recorded": before, "now": now, "how": "changed"});
+    let reasons = why["reasons"].as_array().unwrap();
+    assert!(reasons.contains(&expect), "{reasons:#?}");
+    assert_eq!(
+        (why["again"].as_str(), why["first"][0]["job"].as_str()),
+        (Some("yes"), Some("characteristic of motor"))
+    );
+    let traced = only(root.path(), &["trace", "reports/thesis-twin/figures/characteristic.motor.png"]);
+    let sweep = traced["raw"].as_array().unwrap().iter().find(|file| file["path"] == name).unwrap();
+    assert_eq!(
+        (sweep["blake3"].as_str(), sweep["now"].as_str()),
+        (Some(before.as_str()), Some(now.as_str()))
+    );
 }
 
 #[test]
@@ -291,114 +317,4 @@ fn a_trace_says_what_was_replaced_since_instead_of_guessing() {
     zwidth(root, &["run"]).exits(0);
     let traced = only(root, &["trace", "reports/demo/tables/conditions.csv"]);
     assert_eq!((traced["lost"].as_array().unwrap().len(), traced["raw"].as_array().unwrap().len()), (0, 2));
-}
-
-#[test]
-fn the_whole_tree_is_the_same_bytes_from_any_folder_on_any_number_of_threads() {
-    let study = Study::new("demo");
-    study.session("P01", &repeats("spring", "hybrid", 1..=3));
-    study.session("P02", &repeats("spring_wall", "active", 1..=3));
-    study.sweep();
-    let results = |root: &Path| [listing(&root.join("derived")), listing(&root.join("reports"))];
-    zwidth(study.root(), &["--threads", "1", "run"]).exits(0);
-    let first = results(study.root());
-    assert!(first.iter().all(|l| l.len() > 10), "{first:#?}");
-    for threads in ["2", "7"] {
-        let elsewhere = tempfile::tempdir().unwrap();
-        let other = elsewhere.path().join("a folder with another, longer name");
-        crate::folders::copy(&study.root().join("raw"), &other.join("raw"));
-        let mut command = Command::new(binary());
-        command.args(["--threads", threads, "run"]).current_dir(&other).env_remove("ZWIDTH_ROOT");
-        ran(&command.output().unwrap()).exits(0);
-        assert_eq!(results(&other), first, "{threads} threads");
-        // In pieces, in another order, and again: the same.
-        fs::remove_dir_all(other.join("reports")).unwrap();
-        zwidth(&other, &["--threads", threads, "run", "--only", "figures"]).exits(0);
-        zwidth(&other, &["--threads", threads, "run"]).exits(0);
-        zwidth(&other, &["--threads", threads, "run", "--fresh"]).exits(0);
-        assert_eq!(results(&other), first, "{threads} threads, again");
-    }
-}
-
-#[test]
-fn a_pipe_gets_plain_lines_one_a_stage_and_quiet_people_none() {
-    let study = Study::new("demo");
-    study.session("P01", &repeats("spring", "hybrid", 1..=3));
-    let run = zwidth(study.root(), &["run"]).exits(0);
-    assert!(!run.err.contains('\u{1b}') && !run.err.contains('\r'), "{run:#?}");
-    let stages: Vec<&str> = run.err.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(stages, ["metrics", "average", "replay", "figures", "report", "tables", "summary"]);
-    let quiet = zwidth(study.root(), &["--quiet", "run", "--fresh"]).exits(0);
-    assert_eq!((quiet.err.as_str(), quiet.out.lines().count()), ("", 2), "{quiet:#?}");
-}
-
-#[test]
-fn a_wrong_name_after_only_gets_the_names_near_it() {
-    let root = shipped::folder();
-    for (typed, near) in [
-        ("metric", "did you mean metrics"),
-        ("mode.P01.S01.spring", "did you mean modes.P01.S01.spring, modes.P01.S01.spring_wall"),
-        ("replay.agreemnt", "did you mean replay.agreement"),
-    ] {
-        zwidth(root, &["run", "--only", typed]).exits(1).one_error().says(&[typed, near]);
-    }
-    let far = zwidth(root, &["run", "--only", "xyz"]).exits(1).one_error();
-    assert!(!far.err.contains("did you mean"), "{far:#?}");
-}
-
-#[test]
-fn dry_and_fresh_together_list_every_job_and_why_and_make_nothing() {
-    let root = shipped::finished();
-    let before = listing(root.path());
-    let dry = zwidth(root.path(), &["run", "--dry-run", "--fresh", "--json"]).exits(0);
-    let made = dry.json()[0]["made"].as_array().unwrap().clone();
-    assert_eq!(
-        made.len(),
-        zwidth(root.path(), &["run", "--json"]).json()[0]["up_to_date"].as_u64().unwrap() as usize
-    );
-    assert!(made.iter().all(|e| e["why"] == "asked to be made again"), "{made:#?}");
-    // Of one figure alone: with what it needs, and no more.
-    let one = zwidth(root.path(), &["run", "--dry-run", "--fresh", "--only", "loops.P01.S01", "--json"])
-        .exits(0)
-        .made();
-    let averages = one.iter().filter(|name| name.starts_with("average P01 S01")).count();
-    assert_eq!((one.len(), averages), (8, 6), "{one:?}");
-    assert_eq!(listing(root.path()), before);
-}
-
-#[test]
-fn a_study_chooses_per_figure_how_repeats_are_averaged() {
-    let root = shipped::finished();
-    let toml = root.path().join("raw/thesis-twin/study.toml");
-    let text = fs::read_to_string(&toml).unwrap();
-    let choose = |choice: &str| {
-        let (before, _) = text.split_once("[figures]").unwrap_or((&text, ""));
-        let (_, after) = text.split_once("# What is rendered.").unwrap();
-        fs::write(&toml, format!("{before}[figures]\n{choice}\n\n# What is rendered.{after}")).unwrap();
-    };
-    let before = file_blake3(&root.path().join(FIGURE)).unwrap();
-    choose("modes.P01.S01.spring.alignment = \"landmarks\"");
-    let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
-    assert_eq!(
-        ran.made(),
-        ["figure modes.P01.S01.spring", "summary"],
-        "only that figure, and the page that shows it"
-    );
-    let svg = fs::read_to_string(root.path().join(FIGURE)).unwrap();
-    assert!(svg.contains("by landmarks") && svg.contains("spring.hybrid.landmarks.parquet"));
-    let traced = only(root.path(), &["trace", FIGURE]);
-    let inputs = traced["jobs"][0]["inputs"].as_object().unwrap();
-    assert_eq!(inputs.keys().filter(|path| path.contains("average/")).count(), 3);
-    assert!(
-        inputs.keys().filter(|path| path.contains("average/")).all(|p| p.ends_with(".landmarks.parquet"))
-    );
-    // Back to the default: the same bytes as before.
-    choose("alignment = \"onset\"");
-    zwidth(root.path(), &["run"]).exits(0);
-    assert_eq!(file_blake3(&root.path().join(FIGURE)).unwrap(), before);
-    // A choice that no figure can follow is an error; one that no figure of the study follows is told.
-    choose("alignment = \"landmark\"");
-    zwidth(root.path(), &["run"]).exits(1).one_error().says(&["study.toml", "\"onset\" or \"landmarks\""]);
-    choose("modes.P09.alignment = \"landmarks\"");
-    zwidth(root.path(), &["run"]).exits(3).says(&["figures.modes.P09", "no such figure"]);
 }

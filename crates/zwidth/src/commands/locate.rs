@@ -79,7 +79,12 @@ pub(super) struct Made {
 /// # Errors
 /// It cannot be read; nothing in it, nor its content, is known under this root.
 pub(super) fn copies(root: &Path, typed: &Path) -> anyhow::Result<Vec<Made>> {
-    let bytes = std::fs::read(typed).with_context(|| format!("cannot read {}", typed.display()))?;
+    let bytes = std::fs::read(typed).with_context(|| {
+        format!(
+            "cannot read {}, which is under neither derived/ nor reports/ (--root chooses where)",
+            typed.display()
+        )
+    })?;
     let (origins, content) = (origins(&bytes), file_blake3(typed)?);
     let extension = typed.extension();
     let mut found = Vec::new();
@@ -125,7 +130,8 @@ fn unknown(root: &Path, typed: &Path, origins: &[String]) -> String {
     match origins.first() {
         Some(origin) => format!(
             "{file} says that it is from {origin}, and nothing under {root} was made from that: its inputs have changed \
-             since, or it is from another folder of data (choose it with --root)"
+             since, or it is from another folder of data (choose it with --root); figures and Parquet files hold the list \
+             of their inputs themselves (docs/data.md)"
         ),
         None => format!(
             "{file} is not under derived/ or reports/ of {root}, and neither says where it is from nor is the same as \

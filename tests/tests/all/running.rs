@@ -1,0 +1,122 @@
+//! How a run goes: the same bytes whatever the folder and the threads, its lines, `--only`, `--dry-run`, `--fresh`, and
+//! the choices of study.toml for figures.
+
+use crate::binary::{binary, ran, zwidth};
+use crate::folders::{copy, listing};
+use crate::provenance::{FIGURE, only};
+use crate::shipped;
+use crate::small::{Study, repeats};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use zwidth_store::file_blake3;
+
+#[test]
+fn the_whole_tree_is_the_same_bytes_from_any_folder_on_any_number_of_threads() {
+    let study = Study::new("demo");
+    study.session("P01", &repeats("spring", "hybrid", 1..=3));
+    study.session("P02", &repeats("spring_wall", "active", 1..=3));
+    study.sweep();
+    let results = |root: &Path| [listing(&root.join("derived")), listing(&root.join("reports"))];
+    zwidth(study.root(), &["--threads", "1", "run"]).exits(0);
+    let first = results(study.root());
+    assert!(first.iter().all(|l| l.len() > 10), "{first:#?}");
+    for threads in ["2", "7"] {
+        let elsewhere = tempfile::tempdir().unwrap();
+        let other = elsewhere.path().join("a folder with another, longer name");
+        copy(&study.root().join("raw"), &other.join("raw"));
+        let mut command = Command::new(binary());
+        command.args(["--threads", threads, "run"]).current_dir(&other).env_remove("ZWIDTH_ROOT");
+        ran(&command.output().unwrap()).exits(0);
+        assert_eq!(results(&other), first, "{threads} threads");
+        // In pieces, in another order, and again: the same.
+        fs::remove_dir_all(other.join("reports")).unwrap();
+        zwidth(&other, &["--threads", threads, "run", "--only", "figures"]).exits(0);
+        zwidth(&other, &["--threads", threads, "run"]).exits(0);
+        zwidth(&other, &["--threads", threads, "run", "--fresh"]).exits(0);
+        assert_eq!(results(&other), first, "{threads} threads, again");
+    }
+}
+
+#[test]
+fn a_pipe_gets_plain_lines_one_a_stage_and_quiet_people_none() {
+    let study = Study::new("demo");
+    study.session("P01", &repeats("spring", "hybrid", 1..=3));
+    let run = zwidth(study.root(), &["run"]).exits(0);
+    assert!(!run.err.contains('\u{1b}') && !run.err.contains('\r'), "{run:#?}");
+    let stages: Vec<&str> = run.err.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(stages, ["metrics", "average", "replay", "figures", "report", "tables", "summary"]);
+    let quiet = zwidth(study.root(), &["--quiet", "run", "--fresh"]).exits(0);
+    assert_eq!((quiet.err.as_str(), quiet.out.lines().count()), ("", 2), "{quiet:#?}");
+}
+
+#[test]
+fn a_wrong_name_after_only_gets_the_names_near_it() {
+    let root = shipped::folder();
+    for (typed, near) in [
+        ("metric", "did you mean metrics"),
+        ("mode.P01.S01.spring", "did you mean modes.P01.S01.spring, modes.P01.S01.spring_wall"),
+        ("replay.agreemnt", "did you mean replay.agreement"),
+    ] {
+        zwidth(root, &["run", "--only", typed]).exits(1).one_error().says(&[typed, near]);
+    }
+    let far = zwidth(root, &["run", "--only", "xyz"]).exits(1).one_error();
+    assert!(!far.err.contains("did you mean"), "{far:#?}");
+}
+
+#[test]
+fn dry_and_fresh_together_list_every_job_and_why_and_make_nothing() {
+    let root = shipped::finished();
+    let before = listing(root.path());
+    let dry = zwidth(root.path(), &["run", "--dry-run", "--fresh", "--json"]).exits(0);
+    let made = dry.json()[0]["made"].as_array().unwrap().clone();
+    assert_eq!(
+        made.len(),
+        zwidth(root.path(), &["run", "--json"]).json()[0]["up_to_date"].as_u64().unwrap() as usize
+    );
+    assert!(made.iter().all(|e| e["why"] == "asked to be made again"), "{made:#?}");
+    // Of one figure alone: with what it needs, and no more.
+    let one = zwidth(root.path(), &["run", "--dry-run", "--fresh", "--only", "loops.P01.S01", "--json"])
+        .exits(0)
+        .made();
+    let averages = one.iter().filter(|name| name.starts_with("average P01 S01")).count();
+    assert_eq!((one.len(), averages), (8, 6), "{one:?}");
+    assert_eq!(listing(root.path()), before);
+}
+
+#[test]
+fn a_study_chooses_per_figure_how_repeats_are_averaged() {
+    let root = shipped::finished();
+    let toml = root.path().join("raw/thesis-twin/study.toml");
+    let text = fs::read_to_string(&toml).unwrap();
+    let choose = |choice: &str| {
+        let (before, _) = text.split_once("[figures]").unwrap_or((&text, ""));
+        let (_, after) = text.split_once("# What is rendered.").unwrap();
+        fs::write(&toml, format!("{before}[figures]\n{choice}\n\n# What is rendered.{after}")).unwrap();
+    };
+    let before = file_blake3(&root.path().join(FIGURE)).unwrap();
+    choose("modes.P01.S01.spring.alignment = \"landmarks\"");
+    let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
+    assert_eq!(
+        ran.made(),
+        ["figure modes.P01.S01.spring", "summary"],
+        "only that figure, and the page that shows it"
+    );
+    let svg = fs::read_to_string(root.path().join(FIGURE)).unwrap();
+    assert!(svg.contains("by landmarks") && svg.contains("spring.hybrid.landmarks.parquet"));
+    let traced = only(root.path(), &["trace", FIGURE]);
+    let inputs = traced["jobs"][0]["inputs"].as_object().unwrap();
+    assert_eq!(inputs.keys().filter(|path| path.contains("average/")).count(), 3);
+    assert!(
+        inputs.keys().filter(|path| path.contains("average/")).all(|p| p.ends_with(".landmarks.parquet"))
+    );
+    // Back to the default: the same bytes as before.
+    choose("alignment = \"onset\"");
+    zwidth(root.path(), &["run"]).exits(0);
+    assert_eq!(file_blake3(&root.path().join(FIGURE)).unwrap(), before);
+    // A choice that no figure can follow is an error; one that no figure of the study follows is told.
+    choose("alignment = \"landmark\"");
+    zwidth(root.path(), &["run"]).exits(1).one_error().says(&["study.toml", "\"onset\" or \"landmarks\""]);
+    choose("modes.P09.alignment = \"landmarks\"");
+    zwidth(root.path(), &["run"]).exits(3).says(&["figures.modes.P09", "no such figure"]);
+}
