@@ -174,6 +174,20 @@ fn the_files_carry_title_description_provenance_and_mark() {
 }
 
 #[test]
+fn a_word_of_the_provenance_is_found_in_the_bytes_of_every_format_whatever_stands_beside_it() {
+    let word = b"zwidth:figures:3:0f";
+    for beside in ["", "{\"title\": \"Crème – θ\"}", "<&>"] {
+        let (_, figure) = gallery::figures().remove(0);
+        let provenance = Some(format!("{beside} zwidth:figures:3:0f"));
+        let drawing = draw(&Figure { provenance, ..figure }).unwrap();
+        let files = [drawing.svg().as_bytes().to_vec(), drawing.pdf().unwrap(), drawing.png(50.0).unwrap()];
+        for (format, bytes) in ["SVG", "PDF", "PNG"].iter().zip(files) {
+            assert!(bytes.windows(word.len()).any(|w| w == word), "{format} beside '{beside}'");
+        }
+    }
+}
+
+#[test]
 fn an_image_has_the_size_on_paper_that_its_figure_asks_for() {
     let drawing = &GALLERY["characteristic"];
     let image = png::Decoder::new(std::io::Cursor::new(drawing.png(200.0).unwrap())).read_info().unwrap();
