@@ -5,6 +5,10 @@ import sys
 
 passed = 0
 failed = 0
+# Numbers computed twice that must agree to this or closer: how many, and the largest relative difference with its name.
+SAME = 1e-6
+compared = 0
+worst = (0.0, "none")
 
 
 def check(what, ok, detail=""):
@@ -25,11 +29,16 @@ def equal(what, found, expect):
 
 def close(what, found, expect, relative):
     """Checks that two numbers agree to a relative tolerance."""
+    global compared, worst
+    if relative <= SAME:
+        compared += 1
+        worst = max(worst, (abs(found - expect) / abs(expect) if expect else abs(found), what))
     check(what, abs(found - expect) <= relative * abs(expect), f"{found!r} is not {expect!r} to {relative:g}")
 
 
 def end():
     """Prints the closing line; the exit code says whether a check failed."""
+    print(f"{compared} numbers computed twice: largest relative difference {worst[0]:.1e} ({worst[1]})")
     print(f"{passed} passed, {failed} failed")
     sys.exit(1 if failed or not passed else 0)
 

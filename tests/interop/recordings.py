@@ -5,25 +5,31 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import statsmodels.api as sm
 from scipy.optimize import curve_fit
-from scipy.stats import t as student
 
+import definitions
 import folders
 import results
-from checks import close, equal, run
+from checks import check, close, equal, run
+from definitions import half_width, robust
 
 # The study's lever is 1 m: N/rad are N/m.
 PER_MM = 1e3
-# The interval of a fit to one recording: Newey–West with a tenth of it as lags, Student's t with 9 degrees of freedom.
-LAGS_SHARE = 10
-DEGREES = 9
+# `analysis` of studies/tsa/study.toml: its own, and the program's defaults for a device that slides; m/s, m.
+TSA_ONSET, TSA_OFFSET, TSA_PAST_REST, TSA_POINTS = 5e-3, 2.5e-3, 0.5e-3, 401
+# That of studies/ethz_plant/study.toml, rad/s.
+PLANT_ONSET = np.radians(6.0)
+# Current (A) on drive voltage (V) as published, and torque of the shaft on current, the ratio of the file's own columns.
+MOTOR_LINE, TORQUE_CONSTANT = (-0.42852, 1.06768), 53.8e-3
+# To what two programs must agree, relative to the number.
+AGREEMENT = 1e-6
 
 
 def all_sets(zwidth, real, mappings):
     """Imports, runs and checks every set."""
     for name, maps, checks in [
         ("ethz", ethz_files(real / "ethz_haptic_paddle"), ethz),
+        ("ethz_plant", {"map.toml": [real / "ethz_haptic_paddle/plant/position_time_sinusoid.csv"]}, plant),
         ("tsa", {"map.toml": sorted((real / "tsa_virtual_spring").glob("*.csv"))}, tsa),
         ("brake_b5zd", {"map.toml": [real / "brake_b5zd/test_rig_treadmill.csv"]}, brake),
         ("likert_vr_shoes", {"map.toml": [real / "likert_vr_shoes/UXdata2023-04-28.csv"]}, shoes),
@@ -56,16 +62,10 @@ def table(root, study, name):
     return pd.read_csv(root / "reports" / study / "tables" / f"{name}.csv", float_precision="round_trip")
 
 
-def robust(y, *columns):
-    """Least squares with Newey–West standard errors: the fit of statsmodels."""
-    x = np.column_stack([np.ones(len(y)), *columns])
-    return sm.OLS(y, x).fit(cov_type="HAC", cov_kwds={"maxlags": len(y) // LAGS_SHARE})
-
-
 def agree(label, row, stem, fit, i, factor=1.0, relative=1e-7):
     """Estimate, standard error and interval of one coefficient, in the columns `<quantity>…_<unit>`."""
     quantity, unit = stem
-    half = student.ppf(0.975, DEGREES) * fit.bse[i]
+    half = half_width(fit.bse[i])
     for part, expect in [
         ("", fit.params[i]),
         ("_std_error", fit.bse[i]),
@@ -102,29 +102,74 @@ def ethz(root, real):
     close("ethz: offset of the load cell, from the recording itself", line["a"], offset, 1e-9)
 
 
+def plant(root, real):
+    """Offset, inertia, damping, dry friction and stiffness with their intervals, from the recording itself."""
+    rows = table(root, "ethz_plant", "plant")
+    equal("ethz_plant: fits", len(rows), 1)
+    d = pd.read_csv(real / "ethz_haptic_paddle/plant/position_time_sinusoid.csv")
+    t, theta = d["time_s"].to_numpy(), np.radians(d["paddle_pos_deg"].to_numpy())
+    # A positive current turns the paddle to negative angles.
+    torque = -TORQUE_CONSTANT * np.polyval(MOTOR_LINE, d["motor_input_V"].to_numpy())
+    fit = definitions.plant(t, theta, np.gradient(theta, t), torque, PLANT_ONSET)
+    row = rows.iloc[0]
+    for i, quantity in enumerate([("offset", "nm"), ("inertia", "kg_m2"), ("damping", "nm_s_per_rad"), ("friction", "nm"), ("stiffness", "nm_per_rad")]):
+        agree("ethz_plant", row, quantity, fit, i, relative=AGREEMENT)
+    equal("ethz_plant: stretches", int(row["samples"]), int(fit.nobs))
+    close("ethz_plant: R²", row["r2"], fit.rsquared, AGREEMENT)
+    close("ethz_plant: RMS", row["rms_nm"], np.sqrt(np.mean(fit.resid**2)), AGREEMENT)
+    breakaway(real / "ethz_haptic_paddle/stiction", row)
+
+
+def breakaway(folder, row):
+    """What the stiction runs say of the same motor: the drive is off by half of what the two ways differ, and slipping takes
+    less than breaking away."""
+    last = lambda way: np.mean([pd.read_csv(f)["motor_current_A"].iloc[-1] for f in sorted(folder.glob(f"*_{way}*.csv"))])
+    negative, positive = TORQUE_CONSTANT * last("ccw"), -TORQUE_CONSTANT * last("cw")
+    offset, static = (positive - negative) / 2, (positive + negative) / 2
+    within = abs(row["offset_nm"] - offset) < 0.2 * offset
+    check("ethz_plant: offset beside that of the stiction runs, to a fifth", within, (row["offset_nm"], offset))
+    check("ethz_plant: slipping takes less torque than breaking away", row["friction_nm"] < static, (row["friction_nm"], static))
+
+
 def tsa(root, real):
-    """Stiffness by a line through the rows up to the largest x, with x > 0.5 mm."""
+    """Discrepancy and stiffness with their intervals, from the recordings themselves."""
     metrics = table(root, "tsa", "metrics").set_index("trial")
-    frame = pd.read_parquet(root / "raw/tsa/trials")
-    for trial, d in frame.groupby("trial"):
-        d = d.sort_values("t_s").reset_index(drop=True)
-        press = d.loc[: d["theta_rad"].idxmax()]
-        press = press[press["theta_rad"] > 0.5 / PER_MM]
-        fit = robust(press["force_ex_n"].to_numpy(), press["theta_rad"].to_numpy())
-        row, label = metrics.loc[trial], f"tsa trial {trial}"
-        agree(label, row, ("stiffness", "n_per_rad"), fit, 1)
-        equal(f"{label}: samples of the fit", int(row["stiffness_samples"]), len(press))
-        close(f"{label}: force at rest", row["force_at_rest_n"], fit.params[0], 1e-7)
-        raw = np.polyfit(*from_csv(real / "tsa_virtual_spring", trial), 1)
-        close(f"{label}: stiffness from the recording itself, N/mm", row["stiffness_n_per_rad"] / PER_MM, raw[0], 1e-9)
+    files = sorted((real / "tsa_virtual_spring").glob("K_*.csv"))
+    equal("tsa: trials", len(metrics), len(files))
+    for trial, file in enumerate(files, start=1):
+        d = pd.read_csv(file)
+        t, x = d["t_s_inferred"].to_numpy(), d["x_measured_mm"].to_numpy() / PER_MM
+        f, command = -d["force_measured_N"].to_numpy(), -d["force_desired_N"].to_numpy()
+        first, turn, last = definitions.phases(x, np.gradient(x, t), TSA_ONSET, TSA_OFFSET)
+        row, label = metrics.loc[trial], f"tsa {file.stem}"
+        for name, i in [("onset_s", first), ("reversal_s", turn)]:
+            equal(f"{label}: {name}", row[name], t[i])
+        expect = definitions.discrepancy(x, f, first, turn, last, TSA_POINTS, lever=1.0)
+        expect |= definitions.spring(x, f, command, first, turn, last, rest=0.0, past_rest=TSA_PAST_REST)
+        same(label, row, expect)
+        commanded = PER_MM * float(file.stem.removeprefix("K_"))
+        error = expect["stiffness"][0] - commanded
+        close(f"{label}: error of the stiffness", row["stiffness_error_n_per_rad"], error, AGREEMENT)
 
 
-def from_csv(folder, trial):
-    """x (mm) and resisting force (N) of a trial's press, straight from the recording; trials follow the files' order."""
-    d = pd.read_csv(sorted(folder.glob("K_*.csv"))[trial - 1])
-    press = d.loc[: d["x_measured_mm"].idxmax()]
-    press = press[press["x_measured_mm"] > 0.5]
-    return press["x_measured_mm"], -press["force_measured_N"]
+UNITS = {
+    "discrepancy_mean": "_n",
+    "discrepancy_max": "_n",
+    "discrepancy_step": "_n",
+    "loop_area": "_j",
+    "stiffness": "_n_per_rad",
+    "stiffness_std_error": "_n_per_rad",
+    "force_at_rest": "_n",
+    "force_rms_error": "_n",
+}
+
+
+def same(label, row, expect):
+    """Each quantity of a row of the metrics, and the ends of its interval where it has one."""
+    for quantity, values in expect.items():
+        for part, value in zip(["", "_ci_low", "_ci_high"], values):
+            found = row[f"{quantity}{part}{UNITS.get(quantity, '')}"]
+            close(f"{label}: {quantity}{part}", found, value, AGREEMENT)
 
 
 def brake(root, _):

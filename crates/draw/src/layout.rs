@@ -83,12 +83,14 @@ pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Er
         mark.as_ref().map_or((0.0, 0.0), |(_, frame)| (frame.width() + BLOCK_GAP_PT, frame.height()));
     let beside_mark_pt = inner_pt - mark_width;
     let title = title(figure, fonts, beside_mark_pt)?;
+    let title_pt = if title.is_empty() { 0.0 } else { font::height_pt(&title) + TITLE_GAP_PT };
     let below = figure.legend == LegendPlace::Below;
-    let legend_room_pt = if below { inner_pt } else { beside_mark_pt };
+    // under a heading the legend lies below the stamp as well
+    let clear_of_mark = below || title_pt >= mark_height;
+    let legend_room_pt = if clear_of_mark { inner_pt } else { beside_mark_pt };
     let legend = legend::plan(figure, fonts, legend_room_pt)?;
     let footnotes = footnotes(figure, fonts, inner_pt)?;
 
-    let title_pt = if title.is_empty() { 0.0 } else { font::height_pt(&title) + TITLE_GAP_PT };
     let (above_pt, below_pt) =
         if below { (0.0, spaced(legend.height_pt())) } else { (legend.height_pt(), 0.0) };
     let top = PAGE_MARGIN_PT + spaced((title_pt + above_pt).max(mark_height));

@@ -141,6 +141,54 @@ fn no_two_words_overlap() {
     }
 }
 
+/// Two boxes without a common area.
+fn apart(a: &svg::Rect, b: &svg::Rect) -> bool {
+    a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top
+}
+
+#[test]
+fn a_legend_lies_on_no_plot_and_on_no_stamp() {
+    let fonts = Fonts::bundled().unwrap();
+    let mut seen = 0;
+    for (name, figure) in gallery::figures().into_iter().chain(crowded()) {
+        let plan = layout::plan(&figure, &fonts).unwrap();
+        let (legend, (left, top)) = &plan.legend;
+        let (right, bottom) = (left + legend.width_pt(), top + legend.height_pt());
+        let legend = svg::Rect { left: *left, top: *top, right, bottom };
+        let plots = plan.panels.iter().map(|p| p.plot).chain(plan.mark.map(|(_, frame)| frame));
+        for other in plots {
+            assert!(apart(&legend, &other), "{name}: the legend {legend:?} meets {other:?}");
+        }
+        seen += usize::from(legend.height() > 0.0);
+    }
+    assert!(seen > 3, "only {seen} legends");
+}
+
+/// Under a heading the stamp does not narrow the legend: what finds room in a row stands in one.
+#[test]
+fn a_legend_under_a_heading_is_as_wide_as_the_page() {
+    let names = ["external force", "finger tissue", "brake"].map(str::to_owned);
+    let line = |name: &String| {
+        Layer::Line(Line { x: vec![0.0], y: vec![0.0], name: Some(name.clone()), ..Line::default() })
+    };
+    let panel = Panel::new(
+        Cell::at(0, 0),
+        Axis::new("t", "s"),
+        Axis::new("F", "N"),
+        names.iter().map(line).collect(),
+    );
+    let figure = Figure {
+        title: Some("Sine".into()),
+        width_mm: ONE_COLUMN_MM,
+        mark: Some("SIMULATION: a model run".into()),
+        panels: vec![panel],
+        ..Figure::default()
+    };
+    let fonts = Fonts::bundled().unwrap();
+    let rows = |figure: &Figure| layout::plan(figure, &fonts).unwrap().legend.0.height_pt();
+    assert!(rows(&figure) < rows(&Figure { title: None, ..figure.clone() }));
+}
+
 #[test]
 fn the_same_figure_gives_the_same_bytes() {
     for (name, figure) in gallery::figures() {

@@ -10,6 +10,8 @@ const PLACES: usize = 1024;
 /// Straight lines between knots stay this close to the curve, as a share of the largest force: 7 mN of the brake's
 /// 13 N, less than any load cell here resolves.
 const CLOSENESS: f64 = 5e-4;
+/// A break or plateau within this share of the voltages from their end is at the end.
+const AT_END: f64 = 0.01;
 /// A rise below this share of the largest force is none: its inverse would be rounding.
 const RISE: f64 = 1e-9;
 
@@ -28,7 +30,10 @@ pub struct Chosen {
 ///
 /// * **No force** is the response at the lowest voltage of the sweeps that is not negative: the load cell's zero and
 ///   the friction that the lever meets without the actuator are in it, and are taken off.
-/// * **Hysteresis**: the mean of both branches, as a controller does not ask which way its voltage goes.
+/// * **Hysteresis**: the mean of both branches, as a controller does not ask which way its voltage goes; where one of them
+///   has not turned yet, the mean's tangent. After each turn of the voltage dry friction keeps the response for a while
+///   (a stretch that is flat on one branch alone): neither that nor the other branch's half of the friction is the
+///   actuator's. Flat on both is a dead zone, or an actuator that can give no more, and stays.
 /// * **Knots** lie on that curve: where force begins (0 V, or the end of the dead zone), where it ends to rise, and
 ///   in between as many as keep straight lines within 0.05 % of the largest force (Douglas & Peucker 1973): a hinge
 ///   has two. They rise strictly, so that forward and inverse undo each other.
@@ -43,29 +48,91 @@ pub fn calibrated(actuator: &'static str, chosen: &Chosen) -> Result<Characteris
             "its sweeps end at {high} V: record them up to the voltage that is to be used"
         ));
     }
-    let (first, last) = (chosen.response(low), chosen.response(high));
+    let met = chosen.met(low, high);
+    let (first, last) = (met.response(chosen, low), met.response(chosen, high));
     if last <= first {
         return refuse(format!(
             "the response goes from {first:.3} N at {low} V to {last:.3} N at {high} V, yet force must rise with voltage: \
              turn its sign where it is recorded or imported"
         ));
     }
-    let curve = chosen.places(low, high).into_iter().map(|v| (v, chosen.response(v) - first)).collect();
+    let places = chosen.places(low, high, met.corners(chosen));
+    let curve = places.into_iter().map(|v| (v, met.response(chosen, v) - first)).collect();
     let curve = rising(curve);
     let tolerance = CLOSENESS * curve.last().map_or(0.0, |(_, force)| *force);
     let (voltage_v, force_n) = knots(&curve, tolerance).into_iter().unzip();
     Ok(Characteristic { voltage_v, force_n })
 }
 
+/// Where both branches have turned, and how the mean goes on beyond.
+struct Met {
+    /// Lowest voltage at which both have left their flat start, V.
+    from: f64,
+    /// Highest voltage at which neither is flat yet, V.
+    to: f64,
+    /// Slopes of the mean there, N/V.
+    slopes: (f64, f64),
+    /// The response that the mean does not fall below: that of a dead zone.
+    floor: f64,
+    /// The response that it does not exceed: that of an actuator that can give no more.
+    cap: f64,
+}
+
+impl Met {
+    fn response(&self, chosen: &Chosen, voltage_v: f64) -> f64 {
+        let mean = chosen.response(voltage_v.clamp(self.from, self.to));
+        let below = self.slopes.0 * (voltage_v - self.from).min(0.0);
+        let above = self.slopes.1 * (voltage_v - self.to).max(0.0);
+        (mean + below + above).max(self.floor).min(self.cap)
+    }
+
+    /// Where the tangents reach floor and cap.
+    fn corners(&self, chosen: &Chosen) -> [f64; 2] {
+        [
+            self.from + (self.floor - chosen.response(self.from)) / self.slopes.0,
+            self.to + (self.cap - chosen.response(self.to)) / self.slopes.1,
+        ]
+    }
+}
+
 impl Chosen {
+    fn met(&self, low: f64, high: f64) -> Met {
+        let end = AT_END * (high - low);
+        let (breaks, plateaus) = (self.of_branches(Quantity::Break), self.of_branches(Quantity::Plateau));
+        let from = breaks.iter().copied().fold(low, f64::max);
+        let to = plateaus.iter().copied().fold(high, f64::min);
+        let (from, to) = if from < to { (from, to) } else { (low, high) };
+        let h = (to - from) / PLACES as f64;
+        let slope = |left: f64| (self.response(left + h) - self.response(left)) / h;
+        let is_dead = !breaks.is_empty() && breaks.iter().all(|x0| *x0 > low + end);
+        let is_full = !plateaus.is_empty() && plateaus.iter().all(|x1| *x1 < high - end);
+        Met {
+            from,
+            to,
+            slopes: (slope(from), slope(to - h)),
+            floor: if is_dead { self.response(low) } else { f64::NEG_INFINITY },
+            cap: if is_full { self.response(high) } else { f64::INFINITY },
+        }
+    }
+
+    /// A parameter of each branch, where the branches have their own.
+    fn of_branches(&self, quantity: Quantity) -> Vec<f64> {
+        let about = self.model.parameters();
+        let own = about
+            .iter()
+            .zip(&self.parameters)
+            .filter(|((branch, _, q), _)| branch.is_some() && *q == quantity);
+        own.map(|(_, value)| *value).collect()
+    }
+
     /// Mean response of both branches.
     fn response(&self, voltage_v: f64) -> f64 {
         let [up, down] = Branch::ALL.map(|branch| self.model.predict(&self.parameters, voltage_v, branch));
         0.5 * (up + down)
     }
 
-    /// Voltages to look at, rising: an even grid with the curve's own kinks.
-    fn places(&self, low: f64, high: f64) -> Vec<f64> {
+    /// Voltages to look at, rising: an even grid with the curve's own kinks and other `corners`.
+    fn places(&self, low: f64, high: f64, corners: [f64; 2]) -> Vec<f64> {
         let is_kink =
             |(_, _, q): &(Option<Branch>, &str, Quantity)| matches!(q, Quantity::Break | Quantity::Plateau);
         let parameters = self.model.parameters();
@@ -73,7 +140,8 @@ impl Chosen {
             parameters.iter().zip(&self.parameters).filter(|(about, _)| is_kink(about)).map(|(_, x)| *x);
         let step = (high - low) / PLACES as f64;
         let even = (0..PLACES).map(|i| low + step * i as f64).chain([high]);
-        let mut places: Vec<f64> = even.chain(kinks.filter(|x| *x > low && *x < high)).collect();
+        let mut places: Vec<f64> =
+            even.chain(kinks.chain(corners).filter(|x| *x > low && *x < high)).collect();
         places.sort_by(f64::total_cmp);
         places
     }
@@ -144,7 +212,18 @@ mod tests {
     #[test]
     fn branches_are_met_in_the_middle() {
         let both = made("hinge_up_down", &[0.1, 2.0, 1.0, 0.1, 2.0, 0.5], (0.0, 8.0));
-        check_knots(&both, &[(0.5, 0.0), (1.0, 0.5), (8.0, 14.5)]);
+        check_knots(&both, &[(0.75, 0.0), (8.0, 14.5)]);
+        let full = [0.0, 2.0, 1.0, 7.0, 0.0, 2.0, 0.5, 6.0];
+        check_knots(&made("saturation_up_down", &full, (0.0, 8.0)), &[(0.75, 0.0), (6.5, 11.5)]);
+    }
+
+    /// A motor of 0.26 N/V that moves its load cell through ±0.078 N of friction, up to 16 V and back: friction turns round
+    /// over the first 0.6 V of each way, and at 16 V the cell has 4.082 N where the motor has 4.16 N.
+    #[test]
+    fn what_friction_keeps_after_a_turn_is_not_the_motors() {
+        let (up, down) = ([0.078, 0.26, 0.6, 16.0], [0.078, 0.26, 0.0, 15.4]);
+        let motor = made("saturation_up_down", &[up, down].concat(), (0.0, 16.0));
+        check_knots(&motor, &[(0.0, 0.0), (16.0, 4.16)]);
     }
 
     #[test]

@@ -134,7 +134,8 @@ fn parameters(
     for (j, (branch, name, quantity)) in model.parameters().into_iter().enumerate() {
         let is_set = quantity == Quantity::Knot;
         let values: Vec<f64> = candidate.resampled.iter().map(|p| p[j]).filter(|_| !is_set).collect();
-        let interval = candidate.interval(&values, settings.level)?;
+        let holds = |(low, high): (f64, f64)| (low.min(fitted[j]), high.max(fitted[j]));
+        let interval = candidate.interval(&values, settings.level)?.map(holds);
         let unit = quantity.unit(&settings.command_unit, &settings.response_unit);
         let note = note(quantity, &samples.steps.levels, fitted[j], interval, &unit);
         let (estimate, std_error) = (fitted[j], sd(&values));

@@ -121,9 +121,10 @@ pub struct Parameter {
     pub estimate: f64,
     /// Standard deviation over the resamples; `None` with fewer than two.
     pub std_error: Option<f64>,
-    /// Lower end of the percentile interval.
+    /// Lower end of the percentile interval, widened to hold the estimate: next to a parameter at the edge of the data all
+    /// resamples may lie to one side.
     pub ci_low: Option<f64>,
-    /// Upper end of the percentile interval.
+    /// Upper end, likewise.
     pub ci_high: Option<f64>,
     /// What the number must not be taken for, such as `≤ 0 V (edge of the data): not identifiable`.
     pub note: Option<String>,

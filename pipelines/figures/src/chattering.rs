@@ -34,7 +34,7 @@ pub fn chattering(table: &Table) -> Result<Figure, TableError> {
     let panels = vec![
         panel(0, ("amplitude of fast swings", "°"), &swinging, |curve| &curve.amplitude_deg),
         panel(1, ("largest angle beyond the exact one", "°"), &swinging, |curve| &curve.excess_deg),
-        panel(2, ("reversals", ""), &counted.iter().collect::<Vec<_>>(), |curve| &curve.reversals),
+        panel(2, ("number of reversals", ""), &counted.iter().collect::<Vec<_>>(), |curve| &curve.reversals),
     ];
     Ok(Figure {
         title: Some(plain(table.title())),

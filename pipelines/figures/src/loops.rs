@@ -2,7 +2,7 @@
 
 use crate::data::{ModeData, Scene, aligned, repeats_averaged};
 use crate::panels::{axis, mean_loop, repeat_loop};
-use crate::words::{Words, mark, plain};
+use crate::words::{Words, mark, plain, together};
 use zwidth_draw::style::{self, Colour};
 use zwidth_draw::{Cell, Figure, Layer, Line, Panel};
 use zwidth_store::Signal;
@@ -35,9 +35,10 @@ pub fn loops(study: &Study, scenes: &[Scene]) -> Result<Figure, TableError> {
     }
     Ok(Figure {
         title: Some(plain(&format!(
-            "{}: {load_word} against {} ({who})",
+            "{}: {load_word} against {} ({})",
             study.title,
-            words.position_word()
+            words.position_word(),
+            together(who)
         ))),
         description: format!(
             "{who}: {load_word} against {} there and back, one panel a mode, one loop an environment.",

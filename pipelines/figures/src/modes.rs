@@ -3,7 +3,7 @@
 
 use crate::data::{Scene, aligned};
 use crate::panels::{axis, mean_loop, mean_over_time, repeat_loop, repeat_over_time, wall_line};
-use crate::words::{Words, mark, plain, time_axis};
+use crate::words::{Words, mark, plain, time_axis, together};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, style};
 use zwidth_store::Signal;
 use zwidth_study::Alignment;
@@ -23,7 +23,12 @@ pub fn modes(scene: &Scene) -> Result<Figure, TableError> {
     }
     panels.push(loop_panel(scene, words, load)?);
     Ok(Figure {
-        title: Some(plain(&format!("{}: {} ({})", scene.study.title, scene.environment.label, scene.who))),
+        title: Some(plain(&format!(
+            "{}: {} ({})",
+            scene.study.title,
+            scene.environment.label,
+            together(&scene.who)
+        ))),
         description: describe(scene, words),
         panels,
         column_weights: vec![1.15, 1.0],
@@ -82,7 +87,8 @@ fn over_time(
         let note = format!("no {} was recorded", recorded_word(words, signal));
         return Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::with_note(cell, time, y, note) });
     }
-    let mut layers: Vec<Layer> = Vec::new();
+    let at_wall = (signal == Signal::Theta).then(|| wall_line(scene, words, Direction::Horizontal)).flatten();
+    let mut layers: Vec<Layer> = at_wall.into_iter().collect();
     for mode in &scene.modes {
         let single = mode.average.is_none();
         let colour = style::mode_colour(mode.index);
@@ -96,9 +102,6 @@ fn over_time(
     for mode in &scene.modes {
         layers.extend(mean_over_time(scene, words, mode, signal)?);
     }
-    if signal == Signal::Theta {
-        layers.extend(wall_line(scene, words, Direction::Horizontal));
-    }
     Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::new(cell, time, y, layers) })
 }
 
@@ -110,7 +113,8 @@ fn loop_panel(scene: &Scene, words: Words, load: Signal) -> Result<Panel, TableE
         let note = format!("no {} was recorded", recorded_word(words, missing));
         return Ok(Panel::with_note(cell, x, y, note));
     }
-    let mut layers: Vec<Layer> = Vec::new();
+    // first, so that what lies along the wall is seen on it
+    let mut layers: Vec<Layer> = wall_line(scene, words, Direction::Vertical).into_iter().collect();
     for mode in &scene.modes {
         let colour = style::mode_colour(mode.index);
         let stroke = if mode.average.is_none() { style::single(colour) } else { style::faint(colour) };
@@ -120,7 +124,6 @@ fn loop_panel(scene: &Scene, words: Words, load: Signal) -> Result<Panel, TableE
     for mode in &scene.modes {
         layers.extend(mean_loop(scene, words, mode, load, style::mode_colour(mode.index))?.map(Layer::Line));
     }
-    layers.extend(wall_line(scene, words, Direction::Vertical));
     Ok(Panel::new(cell, x, y, layers))
 }
 

@@ -65,7 +65,8 @@ pub fn rendering_range(
         legend: LegendPlace::Hidden,
         footnotes: vec![
             "Area: every force that a command up to this voltage can make, at any angle; above 0 against a push into \
-             the object."
+             the object. The friction of the transmission, which adds to it on the way in and takes from it on the way \
+             back, is left out."
                 .to_owned(),
             plain(footnote),
         ],

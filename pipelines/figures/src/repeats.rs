@@ -2,7 +2,7 @@
 
 use crate::data::{ModeData, Repeat, Scene};
 use crate::panels::{axis, on_axis, repeat_loop, repeat_over_time, wall_line};
-use crate::words::{Words, mark, plain, time_axis};
+use crate::words::{Words, mark, plain, time_axis, together};
 use zwidth_draw::{Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, style};
 use zwidth_store::Signal;
 
@@ -23,7 +23,7 @@ pub fn repeats(scene: &Scene, mode: &ModeData) -> Figure {
             "{}: every repeat, {} ({})",
             scene.environment.label,
             mode.label.to_lowercase(),
-            scene.who,
+            together(&scene.who),
         ))),
         description: format!(
             "{}, environment {}, mode {}: all {} repeats. Force against {}, then {} and velocity against time. Dotted: \
@@ -54,14 +54,13 @@ fn name(mode: &ModeData, i: usize) -> String {
 
 fn force_panel(scene: &Scene, words: Words, mode: &ModeData, load: Signal) -> Panel {
     let (x, y) = (words.position_axis(), axis(words, load));
-    let mut layers = Vec::new();
+    let mut layers: Vec<Layer> = wall_line(scene, words, Direction::Vertical).into_iter().collect();
     for (i, (repeat, stroke)) in mode.repeats.iter().zip(strokes(mode)).enumerate() {
         if let Some(line) = repeat_loop(words, repeat, load, stroke) {
             layers.push(Layer::Line(Line { name: Some(name(mode, i)), ..line }));
         }
     }
     layers.extend(commanded(words, mode));
-    layers.extend(wall_line(scene, words, Direction::Vertical));
     finished(Panel::new(Cell::at(0, 0), x, y, layers), words)
 }
 
@@ -104,10 +103,8 @@ fn time_panel(scene: &Scene, words: Words, mode: &ModeData, cell: Cell, signal: 
         let line = repeat_over_time(scene, words, repeat, signal, stroke)?;
         Some(Layer::Line(Line { name: Some(name(mode, i)), ..line }))
     });
-    let mut layers: Vec<Layer> = lines.collect();
-    if signal == Signal::Theta && !layers.is_empty() {
-        layers.extend(wall_line(scene, words, Direction::Horizontal));
-    }
+    let at_wall = (signal == Signal::Theta).then(|| wall_line(scene, words, Direction::Horizontal)).flatten();
+    let layers = at_wall.into_iter().chain(lines).collect();
     finished(Panel::new(cell, time_axis(scene.time_label()), axis(words, signal), layers), words)
 }
 

@@ -1,7 +1,7 @@
 //! Figure 24, reality against simulation: forces, position and velocity against time of one recorded trial a mode, and
 //! those of the model that was given its external force.
 
-use crate::words::{Words, mark, plain, time_axis};
+use crate::words::{Words, mark, plain, time_axis, together};
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, Panel, Reference};
 use zwidth_study::{Environment, Source, Study};
@@ -58,7 +58,12 @@ pub fn replay(
     let own = "Feedback: recorded is what was commanded, the model's is what acts, so that a brake that holds \
                the lever gives no more than it must.";
     Figure {
-        title: Some(plain(&format!("{}: {}, reality against model ({who})", study.title, environment.label))),
+        title: Some(plain(&format!(
+            "{}: {}, reality against model ({})",
+            study.title,
+            environment.label,
+            together(who)
+        ))),
         description: format!(
             "{who}, environment {}: forces, {} and velocity against time of one recorded trial a mode, and of the \
              model that was given its external force.",

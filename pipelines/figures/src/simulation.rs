@@ -2,7 +2,7 @@
 
 use crate::data::gaps;
 use crate::words::{Words, model_mark, plain, time_axis};
-use zwidth_draw::style::{self, Dash, Stroke};
+use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Layer, Line, ONE_COLUMN_MM, Panel, Reference, TWO_COLUMNS_MM,
 };
@@ -21,10 +21,13 @@ pub const MOST_SIDE_BY_SIDE: usize = 3;
 /// A part of the force: its column, its name, its pen.
 type Part<'a> = (&'a str, &'a str, Stroke);
 
-const EXTERNAL: Part<'static> = ("force_ex_n", "external force", style::mean(style::INK));
-/// Follows the external force closely and lies over it.
+/// Broad, so that the tissue's share on it leaves its edges.
+const EXTERNAL: Part<'static> =
+    ("force_ex_n", "external force", Stroke { width_pt: 1.7, ..style::mean(style::INK) });
+/// Follows the external force closely and lies over it: thinner, so that both are seen. Not dashed: a loop that is run
+/// through twice fills the gaps of its own dashes.
 const TISSUE: Part<'static> =
-    ("force_tissue_n", "finger tissue", Stroke { dash: Dash::Dashed, ..style::mean(style::TISSUE) });
+    ("force_tissue_n", "finger tissue", Stroke { width_pt: 0.7, ..style::mean(style::TISSUE) });
 const BRAKE: Part<'static> = ("force_brake_n", "brake", style::single(style::BRAKE));
 const MOTOR: Part<'static> = ("force_motor_n", "motor", style::single(style::MOTOR));
 const STOP: Part<'static> = ("force_stop_n", "stop", style::single(style::GREY));

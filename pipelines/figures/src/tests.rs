@@ -1,7 +1,7 @@
 //! Facts about the figures of trials, on small made-up data.
 
-use crate::{ModeData, Repeat, Scene, loops, modes, repeats};
-use zwidth_draw::{Figure, Layer, Line};
+use crate::{ModeData, Repeat, Scene, loops, modes, rendering_range, repeats};
+use zwidth_draw::{Axis, Figure, Layer, Line};
 use zwidth_store::{Samples, Signal, Trial};
 use zwidth_study::{Alignment, Kind, Source, Status, Study, TrialMeta, template};
 use zwidth_tables::{Column, Table};
@@ -95,6 +95,41 @@ fn time_counts_from_onset_and_angles_stand_in_degrees() {
     assert!((curve.y[0] + 45.0).abs() < 1e-12 && (curve.y[80] - 35.0).abs() < 1e-12);
 }
 
+/// A number without a unit says so by its name: a count, or names instead of numbers.
+#[test]
+fn every_axis_with_a_label_has_a_unit() {
+    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
+    let mean = average(&trial);
+    let scene = scene(&study, &trial, Some(&mean));
+    let calibration = zwidth_study::Calibration::thesis();
+    let figures = [
+        modes(&scene).unwrap(),
+        repeats(&scene, &scene.modes[0]),
+        loops(&study, std::slice::from_ref(&scene)).unwrap(),
+        rendering_range(&study, &calibration, "", &[]).unwrap(),
+    ];
+    let axes: Vec<&Axis> = figures.iter().flat_map(|f| &f.panels).flat_map(|p| [&p.x, &p.y]).collect();
+    let labelled: Vec<_> = axes.into_iter().filter(|a| !a.label.is_empty()).collect();
+    assert!(labelled.len() > 20, "{}", labelled.len());
+    for axis in labelled {
+        assert!(!axis.unit.is_empty(), "{} has no unit", axis.label);
+    }
+}
+
+/// What runs along the wall is drawn on the wall's line, not under it.
+#[test]
+fn the_line_of_the_wall_lies_behind_the_data() {
+    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
+    let mean = average(&trial);
+    let scene = scene(&study, &trial, Some(&mean));
+    for figure in [modes(&scene).unwrap(), repeats(&scene, &scene.modes[0])] {
+        let of_wall = |l: &Layer| matches!(l, Layer::Reference(_));
+        let with_wall: Vec<_> = figure.panels.iter().filter(|p| p.layers.iter().any(of_wall)).collect();
+        assert_eq!(with_wall.len(), 2, "force against angle, and angle against time");
+        assert!(with_wall.iter().all(|p| of_wall(&p.layers[0])));
+    }
+}
+
 #[test]
 fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
     let (study, trial) = (study(), trial(Source::Recorded, &ALL));
@@ -156,5 +191,5 @@ fn stars_and_underscores_in_names_are_no_markup() {
     study.environments[1].label = "a*b*_c".to_owned();
     let trial = trial(Source::Recorded, &ALL);
     let figure = modes(&scene(&study, &trial, None)).unwrap();
-    assert!(zwidth_draw::markup::plain(&figure.title.unwrap()).ends_with("a*b*_c (P01 S01)"));
+    assert!(zwidth_draw::markup::plain(&figure.title.unwrap()).ends_with("a*b*_c (P01\u{a0}S01)"));
 }

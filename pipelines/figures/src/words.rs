@@ -78,6 +78,11 @@ pub(crate) fn plain(name: &str) -> String {
     markup::escape(name)
 }
 
+/// Participant and session as they stand in a heading: no line break parts them.
+pub(crate) fn together(who: &str) -> String {
+    who.replace(' ', "\u{a0}")
+}
+
 /// A share as per cent: 0.95 → `95 %`.
 pub(crate) fn percent(share: f64) -> String {
     format!("{} %", (share * 1e4).round() / 1e2)

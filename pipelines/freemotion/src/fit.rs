@@ -13,11 +13,24 @@ pub enum FreeMotionError {
     /// No torque and nothing to make it from.
     #[error("no torque was recorded, and no force with a lever length (device.lever_m) to make it from")]
     NoTorque,
-    /// A signal the plane needs was not recorded.
-    #[error("no {column} was recorded: a plane fit needs torque, acceleration and velocity")]
+    /// A signal the fit needs was not recorded.
+    #[error("no {column} was recorded: {needs}")]
     Missing {
         /// The column.
         column: &'static str,
+        /// What the fit needs, in words.
+        needs: &'static str,
+    },
+    /// The device never moves on for as long as the fit needs.
+    #[error(
+        "no stretch of {needed_s} s in which the speed stays above {least_rad_s} rad/s (analysis.onset): nothing \
+         slips for long enough to tell friction from inertia"
+    )]
+    NoSlip {
+        /// Length of a stretch, s.
+        needed_s: f64,
+        /// Least speed, rad/s.
+        least_rad_s: f64,
     },
     /// The fit was refused: too few samples, or motion too plain to tell inertia from damping.
     #[error(transparent)]
@@ -25,6 +38,18 @@ pub enum FreeMotionError {
     /// A statistic was refused.
     #[error(transparent)]
     Stats(#[from] StatsError),
+}
+
+/// What a plane fit needs, in words.
+const NEEDS: &str = "a plane fit needs torque, acceleration and velocity";
+
+/// A signal, or the error that names it.
+pub(crate) fn recorded<'a>(
+    samples: &'a Samples,
+    signal: Signal,
+    needs: &'static str,
+) -> Result<&'a [f64], FreeMotionError> {
+    samples.get(signal).ok_or(FreeMotionError::Missing { column: signal.name(), needs })
 }
 
 /// τ = c + I θ̈ + b θ̇ for one recording.
@@ -57,8 +82,7 @@ pub struct PlaneFit {
 /// A signal that is not recorded; too few samples; an acceleration or velocity that does not vary, or that are
 /// proportional to each other.
 pub fn plane_fit(trial: &Trial, study: &Study) -> Result<PlaneFit, FreeMotionError> {
-    let column =
-        |signal: Signal| trial.samples.get(signal).ok_or(FreeMotionError::Missing { column: signal.name() });
+    let column = |signal: Signal| recorded(&trial.samples, signal, NEEDS);
     let torque = torque(&trial.samples, study.device.lever_m)?;
     let ones = vec![1.0; torque.len()];
     let columns = [&ones[..], column(Signal::ThetaDdot)?, column(Signal::ThetaDot)?];
@@ -77,7 +101,8 @@ pub fn plane_fit(trial: &Trial, study: &Study) -> Result<PlaneFit, FreeMotionErr
     })
 }
 
-fn torque(samples: &Samples, lever_m: Option<f64>) -> Result<Vec<f64>, FreeMotionError> {
+/// The recorded torque, or L F_ex, N·m.
+pub(crate) fn torque(samples: &Samples, lever_m: Option<f64>) -> Result<Vec<f64>, FreeMotionError> {
     if let Some(torque) = samples.get(Signal::TorqueEx) {
         return Ok(torque.to_vec());
     }
@@ -85,8 +110,8 @@ fn torque(samples: &Samples, lever_m: Option<f64>) -> Result<Vec<f64>, FreeMotio
     Ok(force.iter().map(|force| lever_m * force).collect())
 }
 
-/// Mean over the recording; the fit has seen to it that there is more than one sample.
-fn sample_interval_s(t: &[f64]) -> f64 {
+/// Mean over a recording of more than one sample, s.
+pub(crate) fn sample_interval_s(t: &[f64]) -> f64 {
     (t[t.len() - 1] - t[0]) / (t.len() - 1) as f64
 }
 

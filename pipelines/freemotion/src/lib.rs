@@ -1,4 +1,4 @@
-//! Stage: plane fits torque = c + I·acc + b·vel for free motion.
+//! Stage: what free motion tells of the device: plane fits, and the plant.
 //!
 //! Where nothing is rendered, what the user feels is the device itself. [`plane_fit`] describes one recording by
 //!
@@ -7,6 +7,12 @@
 //! least squares over all its samples: c an offset (N·m), I the inertia felt (kg·m²), b the damping felt
 //! (N·m·s/rad); smaller is more transparent. A time average of free motion means nothing (no two movements
 //! follow the same course), but these three can be compared over controllers and sessions.
+//!
+//! Where the angle itself was recorded, [`plant_fit`] asks for more of the device, and never differentiates twice:
+//!
+//! τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ,
+//!
+//! averaged over stretches in which the device slips, with weights that turn θ̈ into an average of θ.
 //!
 //! # Intervals
 //! Samples taken hundreds of times a second are not independent: what the plane leaves out (friction that turns
@@ -18,13 +24,16 @@
 //! Pure: samples in memory, table out; the same samples give the same bits. Only trials that count may come in
 //! (`StudyData::counting`): the caller filters.
 
+mod average;
 mod fit;
+mod plant;
 #[cfg(test)]
 mod real_data;
 mod table;
 
 pub use fit::{FreeMotionError, PlaneFit, plane_fit};
-pub use table::table;
+pub use plant::{PlantFit, plant_fit};
+pub use table::{plant_table, table};
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 1;

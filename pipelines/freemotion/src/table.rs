@@ -1,37 +1,42 @@
-//! The plane fits as a table: SI units, one row a trial.
+//! The fits as tables: SI units, one row a trial.
 
-use crate::PlaneFit;
+use crate::{PlaneFit, PlantFit};
 use zwidth_stats::interval::Estimate;
 use zwidth_tables::{Column, Table, TableError, identity};
 
-type Get = fn(&PlaneFit) -> Estimate;
 /// What a coefficient is, the names of its four columns, its unit, and where it stands.
-type Coefficient = (&'static str, [&'static str; 4], &'static str, Get);
+type Coefficient<F> = (&'static str, [&'static str; 4], &'static str, fn(&F) -> Estimate);
 
-const COEFFICIENTS: [Coefficient; 3] = [
-    (
-        "offset c",
-        ["offset_nm", "offset_std_error_nm", "offset_ci_low_nm", "offset_ci_high_nm"],
-        "N·m",
-        |f| f.offset_nm,
-    ),
-    (
-        "inertia I",
-        ["inertia_kg_m2", "inertia_std_error_kg_m2", "inertia_ci_low_kg_m2", "inertia_ci_high_kg_m2"],
-        "kg·m²",
-        |f| f.inertia_kg_m2,
-    ),
-    (
-        "damping b",
-        [
-            "damping_nm_s_per_rad",
-            "damping_std_error_nm_s_per_rad",
-            "damping_ci_low_nm_s_per_rad",
-            "damping_ci_high_nm_s_per_rad",
-        ],
-        "N·m·s/rad",
-        |f| f.damping_nm_s_per_rad,
-    ),
+const OFFSET: [&str; 4] = ["offset_nm", "offset_std_error_nm", "offset_ci_low_nm", "offset_ci_high_nm"];
+const INERTIA: [&str; 4] =
+    ["inertia_kg_m2", "inertia_std_error_kg_m2", "inertia_ci_low_kg_m2", "inertia_ci_high_kg_m2"];
+const DAMPING: [&str; 4] = [
+    "damping_nm_s_per_rad",
+    "damping_std_error_nm_s_per_rad",
+    "damping_ci_low_nm_s_per_rad",
+    "damping_ci_high_nm_s_per_rad",
+];
+const FRICTION: [&str; 4] =
+    ["friction_nm", "friction_std_error_nm", "friction_ci_low_nm", "friction_ci_high_nm"];
+const STIFFNESS: [&str; 4] = [
+    "stiffness_nm_per_rad",
+    "stiffness_std_error_nm_per_rad",
+    "stiffness_ci_low_nm_per_rad",
+    "stiffness_ci_high_nm_per_rad",
+];
+
+const PLANE: [Coefficient<PlaneFit>; 3] = [
+    ("offset c", OFFSET, "N·m", |f| f.offset_nm),
+    ("inertia I", INERTIA, "kg·m²", |f| f.inertia_kg_m2),
+    ("damping b", DAMPING, "N·m·s/rad", |f| f.damping_nm_s_per_rad),
+];
+
+const PLANT: [Coefficient<PlantFit>; 5] = [
+    ("offset c", OFFSET, "N·m", |f| f.offset_nm),
+    ("inertia I", INERTIA, "kg·m²", |f| f.inertia_kg_m2),
+    ("damping b", DAMPING, "N·m·s/rad", |f| f.damping_nm_s_per_rad),
+    ("dry friction τ_c", FRICTION, "N·m", |f| f.friction_nm),
+    ("stiffness κ", STIFFNESS, "N·m/rad", |f| f.stiffness_nm_per_rad),
 ];
 
 /// What a column of a coefficient holds: in words, and from where.
@@ -51,20 +56,46 @@ const PARTS: [Part; 4] = [
 /// A number that is not finite.
 pub fn table(fits: &[PlaneFit]) -> Result<Table, TableError> {
     let mut columns = identity(&fits.iter().map(|f| &f.meta).collect::<Vec<_>>());
-    for (what, names, unit, get) in COEFFICIENTS {
-        for (name, (meaning, part)) in names.into_iter().zip(PARTS) {
-            let mut column = Column::float(name, unit, meaning, fits.iter().map(|f| Some(part(get(f)))));
+    columns.extend(coefficients(&PLANE, fits));
+    columns.extend([
+        r2("R² of the plane", fits.iter().map(|f| f.r2)),
+        rms(fits.iter().map(|f| f.rms_nm)),
+        count("samples", "samples of the fit", fits.iter().map(|f| f.samples)),
+        count("lags", "lags of the covariance, samples", fits.iter().map(|f| f.lags)),
+        bandwidth(fits.iter().map(|f| f.bandwidth_s)),
+    ]);
+    let title = "Plane fits of free motion: torque = c + I·acceleration + b·velocity";
+    Ok(doubts(fits).into_iter().fold(Table::new("free_motion", title, columns)?, Table::with_note))
+}
+
+/// One row a trial, in the order given: which trial it is; c, I, b, τ_c and κ of τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ,
+/// each with standard error and interval; how well they fit. A note names what the recording does not show.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn plant_table(fits: &[PlantFit]) -> Result<Table, TableError> {
+    let mut columns = identity(&fits.iter().map(|f| &f.meta).collect::<Vec<_>>());
+    columns.extend(coefficients(&PLANT, fits));
+    columns.extend([
+        r2("R² of the fit", fits.iter().map(|f| f.r2)),
+        rms(fits.iter().map(|f| f.rms_nm)),
+        count("samples", "slipping stretches of the fit", fits.iter().map(|f| f.samples)),
+        count("lags", "lags of the covariance, stretches", fits.iter().map(|f| f.lags)),
+        bandwidth(fits.iter().map(|f| f.bandwidth_s)),
+    ]);
+    let title =
+        "The plant in free motion: torque = c + I·acceleration + b·velocity + τ_c·direction + κ·angle";
+    Ok(unseen(fits).into_iter().fold(Table::new("plant", title, columns)?, Table::with_note))
+}
+
+fn coefficients<'a, F>(of: &'a [Coefficient<F>], fits: &'a [F]) -> impl Iterator<Item = Column> + 'a {
+    of.iter().flat_map(move |(what, names, unit, get)| {
+        names.iter().zip(PARTS).map(move |(name, (meaning, part))| {
+            let mut column = Column::float(*name, *unit, meaning, fits.iter().map(|f| Some(part(get(f)))));
             column.field.description = format!("{what}: {meaning}").into();
-            columns.push(column);
-        }
-    }
-    columns.extend(quality(fits));
-    let table = Table::new(
-        "free_motion",
-        "Plane fits of free motion: torque = c + I·acceleration + b·velocity",
-        columns,
-    )?;
-    Ok(doubts(fits).into_iter().fold(table, Table::with_note))
+            column
+        })
+    })
 }
 
 /// What no body can have: an inertia below zero says that the recorded signals do not go together.
@@ -80,17 +111,33 @@ fn doubts(fits: &[PlaneFit]) -> Option<String> {
     })
 }
 
-fn quality(fits: &[PlaneFit]) -> Vec<Column> {
-    let count = |name, description, get: fn(&PlaneFit) -> usize| {
-        Column::integer(name, "1", description, fits.iter().map(|f| Some(get(f) as i64)))
+/// The coefficients whose interval holds 0: the movements do not show them.
+fn unseen(fits: &[PlantFit]) -> Vec<String> {
+    let note = |(what, _, _, get): &Coefficient<PlantFit>| {
+        let around_zero = |f: &&PlantFit| get(f).ci_low <= 0.0 && get(f).ci_high >= 0.0;
+        let count = fits.iter().filter(around_zero).count();
+        let of =
+            if fits.len() == 1 { String::new() } else { format!(" in {count} of {} recordings", fits.len()) };
+        let says = "its interval holds 0, so these movements bound it and do not show it";
+        (count > 0).then(|| format!("The {what} is not identified{of}: {says}."))
     };
-    vec![
-        Column::float("r2", "1", "R² of the plane", fits.iter().map(|f| f.r2)),
-        Column::float("rms_nm", "N·m", "RMS of the residuals", fits.iter().map(|f| Some(f.rms_nm))),
-        count("samples", "samples of the fit", |f| f.samples),
-        count("lags", "lags of the covariance, samples", |f| f.lags),
-        Column::float("bandwidth_s", "s", "the lags in time", fits.iter().map(|f| Some(f.bandwidth_s))),
-    ]
+    PLANT.iter().filter_map(note).collect()
+}
+
+fn r2(description: &'static str, values: impl Iterator<Item = Option<f64>>) -> Column {
+    Column::float("r2", "1", description, values)
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> Column {
+    Column::float("rms_nm", "N·m", "RMS of the residuals", values.map(Some))
+}
+
+fn count(name: &'static str, description: &'static str, values: impl Iterator<Item = usize>) -> Column {
+    Column::integer(name, "1", description, values.map(|n| Some(n as i64)))
+}
+
+fn bandwidth(values: impl Iterator<Item = f64>) -> Column {
+    Column::float("bandwidth_s", "s", "the lags in time", values.map(Some))
 }
 
 #[cfg(test)]
@@ -112,9 +159,38 @@ mod tests {
         ];
         let table = table(&[plane_fit(&trial(columns), &study()).unwrap()]).unwrap();
         let value = |name: &str| table.floats(name).unwrap()[0].unwrap();
-        for (_, names, _, _) in COEFFICIENTS {
+        for (_, names, _, _) in PLANE {
             let [estimate, std_error, low, high] = names.map(value);
             assert!(std_error > 0.0 && low < estimate && estimate < high, "{names:?}");
         }
+    }
+    #[test]
+    fn a_coefficient_whose_interval_holds_zero_is_said_to_be_unseen() {
+        let of = |estimate: f64| Estimate {
+            estimate,
+            std_error: 1.0,
+            ci_low: estimate - 2.0,
+            ci_high: estimate + 2.0,
+            df: 9.0,
+        };
+        let fit = PlantFit {
+            meta: trial(
+                [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::TorqueEx].map(|s| (s, vec![0.0])),
+            )
+            .meta,
+            offset_nm: of(3.0),
+            inertia_kg_m2: of(-1.0),
+            damping_nm_s_per_rad: of(3.0),
+            friction_nm: of(9.0),
+            stiffness_nm_per_rad: of(-9.0),
+            r2: Some(0.9),
+            rms_nm: 0.1,
+            samples: 1,
+            lags: 1,
+            bandwidth_s: 0.1,
+        };
+        let notes = plant_table(&[fit]).unwrap().notes().to_vec();
+        assert_eq!(notes.len(), 1);
+        assert!(notes[0].starts_with("The inertia I is not identified: its interval"), "{}", notes[0]);
     }
 }

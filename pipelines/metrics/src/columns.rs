@@ -73,9 +73,15 @@ const COMPLIANCE: &[Spec] = &[
 #[rustfmt::skip]
 const DISCREPANCY: &[Spec] = &[
     float("discrepancy_mean_n", "N", "compression minus decompression force, mean over the angle", |r| r.discrepancy.mean_n),
+    float("discrepancy_mean_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.mean_ci_low_n),
+    float("discrepancy_mean_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.mean_ci_high_n),
     float("discrepancy_max_n", "N", "compression minus decompression force, largest", |r| r.discrepancy.max_n),
     float("discrepancy_step_n", "N", "compression minus decompression force at the reversal", |r| r.discrepancy.step_n),
+    float("discrepancy_step_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.step_ci_low_n),
+    float("discrepancy_step_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.step_ci_high_n),
     float("loop_area_j", "J", "energy left in the device from onset to end", |r| r.discrepancy.loop_area_j),
+    float("loop_area_ci_low_j", "J", "lower end of its interval within this trial", |r| r.discrepancy.loop_area_ci_low_j),
+    float("loop_area_ci_high_j", "J", "upper end of its interval within this trial", |r| r.discrepancy.loop_area_ci_high_j),
 ];
 
 #[rustfmt::skip]

@@ -2,17 +2,15 @@
 
 use crate::MetricsError;
 use crate::branch::{Branches, branches};
+use crate::estimates::estimates;
 use crate::signals::Signals;
-use zwidth_numerics::lsq;
 use zwidth_numerics::phases::Phases;
 use zwidth_numerics::series::{loop_area, trapezoid};
+use zwidth_stats::interval::{Estimate, t_interval};
 
 /// The step at the reversal is read from the last tenth of the common range of angles: wide enough for the
 /// force sensor's held values and the actuators' lag to average out, narrow against a spring's saturation.
-const STEP_WINDOW: f64 = 0.1;
-
-/// Fewest points of the grid for a line with a residual.
-const MIN_POINTS: usize = 3;
+const STEP_WINDOW: usize = 10;
 
 /// Force discrepancy D(θ) = F_compression(θ) − F_decompression(θ) (thesis, appendix B, Fig. 31).
 ///
@@ -20,21 +18,46 @@ const MIN_POINTS: usize = 3;
 /// interpolated linearly on `analysis.grid_points` even angles over the range both branches cover. All null where that
 /// is less than a tenth of the compression's angles: a lever that a brake holds has no decompression, and its path
 /// is no loop.
+///
+/// **Intervals** speak of this one trial: D is a straight line over the angle plus errors that resemble their
+/// neighbours (Newey–West with a tenth of the points as lags, Student's t with 9 degrees of freedom, at
+/// `analysis.confidence`; `zwidth_stats::recording`). For mean and area the line spans the whole common range, so where D
+/// bends, as over a spring whose weaker actuator saturates, the bend counts as error and the interval is too wide. The largest D has none: it is the extreme of a noisy curve, and lies above the largest of the
+/// noiseless one. By simulation (a friction of 0.3 N each way, a stroke of one second there and one back, errors that are
+/// independent, last 10 ms, or last 20 ms) nominal 95 % intervals hold the truth in 96, 90, 87 % of trials for mean and area, and in 90, 83, 78 % for the
+/// step, because the slow turn stretches a short time over many angles: read that of the step as the least one. How
+/// repeats differ is not in these intervals: `conditions` has that.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Discrepancy {
     /// Mean of D over the angle, ∫ D dθ / Δθ by the trapezoidal rule, N.
     pub mean_n: Option<f64>,
+    /// Lower end of its interval, N: the mean less t times the standard error of the line's value at the middle angle.
+    pub mean_ci_low_n: Option<f64>,
+    /// Upper end of its interval, N.
+    pub mean_ci_high_n: Option<f64>,
     /// Largest D, N.
     pub max_n: Option<f64>,
     /// D at the reversal, N: a straight line fitted to D on the last tenth of the common range, evaluated at
     /// the reversal's angle. Evenly spaced angles keep the many samples of the slow turn from outweighing the rest.
     pub step_n: Option<f64>,
+    /// Lower end of its interval, N: that of the line on the last tenth, at the reversal's angle.
+    pub step_ci_low_n: Option<f64>,
+    /// Upper end of its interval, N.
+    pub step_ci_high_n: Option<f64>,
     /// ∮ F dx from onset to end, closed by a straight chord, J: the energy the user leaves in the device. From all
     /// samples as recorded, not from the single-valued branches. Null without a lever length.
     pub loop_area_j: Option<f64>,
+    /// Lower end of its interval, J: the mean's, L and the common range of angles times as wide.
+    pub loop_area_ci_low_j: Option<f64>,
+    /// Upper end of its interval, J.
+    pub loop_area_ci_high_j: Option<f64>,
 }
 
-pub(crate) fn discrepancy(signals: &Signals, grid_points: usize) -> Result<Discrepancy, MetricsError> {
+pub(crate) fn discrepancy(
+    signals: &Signals,
+    grid_points: usize,
+    level: f64,
+) -> Result<Discrepancy, MetricsError> {
     let Some((theta, force, phases)) = signals.force_over_angle() else {
         return Ok(Discrepancy::default());
     };
@@ -48,24 +71,49 @@ pub(crate) fn discrepancy(signals: &Signals, grid_points: usize) -> Result<Discr
     };
     let area = loop_area(&theta[onset..=end], &force[onset..=end])?;
     let d: Vec<f64> = forward.iter().zip(&backward).map(|(f, b)| f - b).collect();
+    let (low, high) = (grid[0], grid[grid.len() - 1]);
+    let range = high - low;
+    let mean = trapezoid(&grid, &d)? / range;
+    let line = line_at(&grid, &d, low + range / 2.0, level)?;
+    let mean_interval = around(mean, line, 1.0, level)?;
+    let loop_area_j = signals.lever_m.map(|lever_m| lever_m * area);
+    let area_interval = match signals.lever_m {
+        Some(lever_m) => around(lever_m * area, line, lever_m * range, level)?,
+        None => None,
+    };
+    // by count: an angle that lies on the tenth's edge must not come and go with a rounding
+    let last = (grid.len() - 1) - (grid.len() - 1) / STEP_WINDOW;
+    let step = line_at(&grid[last..], &d[last..], theta[reversal], level)?;
     Ok(Discrepancy {
-        mean_n: Some(trapezoid(&grid, &d)? / (grid[grid.len() - 1] - grid[0])),
+        mean_n: Some(mean),
+        mean_ci_low_n: mean_interval.map(|e| e.ci_low),
+        mean_ci_high_n: mean_interval.map(|e| e.ci_high),
         max_n: d.iter().copied().reduce(f64::max),
-        step_n: step(&grid, &d, theta[reversal])?,
-        loop_area_j: signals.lever_m.map(|lever_m| lever_m * area),
+        step_n: step.map(|e| e.estimate),
+        step_ci_low_n: step.map(|e| e.ci_low),
+        step_ci_high_n: step.map(|e| e.ci_high),
+        loop_area_j,
+        loop_area_ci_low_j: area_interval.map(|e| e.ci_low),
+        loop_area_ci_high_j: area_interval.map(|e| e.ci_high),
     })
 }
 
-/// The line through D on the last [`STEP_WINDOW`] of the grid, at `reversal_rad`.
-fn step(grid: &[f64], d: &[f64], reversal_rad: f64) -> Result<Option<f64>, MetricsError> {
-    let (low, high) = (grid[0], grid[grid.len() - 1]);
-    let from = grid.partition_point(|&theta| theta < high - STEP_WINDOW * (high - low));
-    if grid.len() - from < MIN_POINTS {
-        return Ok(None);
-    }
-    let before: Vec<f64> = grid[from..].iter().map(|theta| theta - reversal_rad).collect();
-    let ones = vec![1.0; before.len()];
-    Ok(Some(lsq::fit(&[&ones, &before], &d[from..])?.coefficients[0]))
+/// The interval of `centre`, whose standard error is `factor` times that of the line.
+fn around(
+    centre: f64,
+    line: Option<Estimate>,
+    factor: f64,
+    level: f64,
+) -> Result<Option<Estimate>, MetricsError> {
+    let interval = |line: Estimate| t_interval(centre, factor * line.std_error, line.df, level);
+    Ok(line.map(interval).transpose()?)
+}
+
+/// The line through `d` over `grid`, at `at_rad`; `None` for too few points.
+fn line_at(grid: &[f64], d: &[f64], at_rad: f64, level: f64) -> Result<Option<Estimate>, MetricsError> {
+    let from_there: Vec<f64> = grid.iter().map(|theta| theta - at_rad).collect();
+    let found = estimates(&[&vec![1.0; grid.len()], &from_there], d, level)?;
+    Ok(found.map(|(_, estimates)| estimates[0]))
 }
 
 #[cfg(test)]
@@ -164,6 +212,40 @@ mod tests {
         let trial = trial(&points, |theta, _| K * theta);
         let found = trial_metrics(&trial, &spring_study(K, REST_RAD)).unwrap().discrepancy;
         assert_eq!(found, Discrepancy::default());
+    }
+
+    /// Friction of 0.3 N each way makes D = 0.6 N; the errors of the force are those of a sensor that drifts over 20 ms
+    /// (AR(1), 0.05 N). NumPy and statsmodels, 250 other trials: 87 % hold the mean, 78 % the step.
+    #[test]
+    fn most_intervals_hold_the_truth_though_errors_last_and_slow_turns_stretch_them() {
+        let points = stroke(1.2, 2.0);
+        let mut state = 1_u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f64 / f64::from(1 << 24) - 0.5
+        };
+        let (mut error, mut held) = (0.0, [0, 0, 0]);
+        for _ in 0..200 {
+            let mut trial = trial(&points, |theta, v| K * (theta - REST_RAD) + 0.3 * v.signum());
+            let noisy = |f: &f64| {
+                error = 0.95 * error + 0.05 * uniform();
+                f + error
+            };
+            let force = trial.samples.get(zwidth_store::Signal::ForceEx).unwrap().iter().map(noisy).collect();
+            trial.samples.set(zwidth_store::Signal::ForceEx, force);
+            let d = trial_metrics(&trial, &spring_study(K, REST_RAD)).unwrap().discrepancy;
+            let range = d.loop_area_j.unwrap() / d.mean_n.unwrap();
+            let ends = [
+                (d.mean_ci_low_n, d.mean_ci_high_n, 0.6),
+                (d.step_ci_low_n, d.step_ci_high_n, 0.6),
+                (d.loop_area_ci_low_j, d.loop_area_ci_high_j, 0.6 * range),
+            ];
+            for (held, (low, high, truth)) in held.iter_mut().zip(ends) {
+                *held += i32::from(low.unwrap() <= truth && truth <= high.unwrap());
+            }
+        }
+        assert!((165..=195).contains(&held[0]) && held[2] == held[0], "{held:?}");
+        assert!((140..=190).contains(&held[1]), "{held:?}");
     }
 
     #[test]

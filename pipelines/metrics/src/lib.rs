@@ -55,7 +55,7 @@ use zwidth_store::Trial;
 use zwidth_study::{Study, TrialMeta};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,7 +88,8 @@ pub fn trial_metrics(trial: &Trial, study: &Study) -> Result<Row, MetricsError> 
     let signals = Signals::of(trial, study)?;
     let analysis = &study.analysis;
     let (spring, wall_rad) = (environment.scene.spring(), environment.scene.wall_rad());
-    let discrepancy = spring.map(|_| discrepancy::discrepancy(&signals, analysis.grid_points));
+    let discrepancy =
+        spring.map(|_| discrepancy::discrepancy(&signals, analysis.grid_points, analysis.confidence));
     let rendering = spring.map(|spring| spring::spring_rendering(&signals, spring, wall_rad, analysis));
     let wall = wall_rad.map(|wall| wall::wall_contact(&signals, wall, analysis.confidence));
     Ok(Row {

@@ -37,7 +37,7 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     jobs.extend(characterise::actuators(data).into_iter().map(|(actuator, files)| {
         characteristic_job(data, actuator.as_str(), files, characterise::tables_of(&data.layout, actuator))
     }));
-    if !freemotion::jobs(data).is_empty() {
+    if freemotion::jobs(data).iter().any(|j| j.outputs.contains(&freemotion::planes_of(&data.layout))) {
         jobs.push(free_motion_job(data));
     }
     jobs.extend(replay_figures::jobs(data));
@@ -304,10 +304,10 @@ fn characteristic_job<'a>(
 }
 
 fn free_motion_job(data: &StudyData) -> Job<'_> {
-    let tables = freemotion::tables_of(&data.layout);
-    let inputs = tables.clone();
+    let table = freemotion::planes_of(&data.layout);
+    let inputs = vec![table.clone()];
     figure_job(data, "free_motion", inputs, parameters(&data.study), move || {
-        let fits = Table::from_parquet(&tables[0])?;
+        let fits = Table::from_parquet(&table)?;
         Ok((zwidth_figures::free_motion(&data.study, &fits)?, Vec::new()))
     })
 }

@@ -1,15 +1,21 @@
-//! Stage `freemotion`: the plane fit of every trial in a free environment.
+//! Stage `freemotion`: in a free environment, the plant of every trial with an angle, the plane fit of every other.
 
-use super::{analysis_parameters, derived, known, made, paths, read_all, split};
+use super::{JobError, analysis_parameters, derived, known, made, paths, read_all, split};
 use rayon::prelude::*;
 use std::path::PathBuf;
-use zwidth_runner::Job;
-use zwidth_store::{Layout, StudyData, TrialEntry};
+use zwidth_freemotion::FreeMotionError;
+use zwidth_runner::{Job, Made, Provenance};
+use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::Scene;
 
-/// The fits of the study.
-pub(super) fn tables_of(layout: &Layout) -> Vec<PathBuf> {
-    vec![derived(layout, "free_motion.parquet")]
+/// The plane fits of the study.
+pub(super) fn planes_of(layout: &Layout) -> PathBuf {
+    derived(layout, "free_motion.parquet")
+}
+
+/// The plants of the study.
+pub(super) fn plants_of(layout: &Layout) -> PathBuf {
+    derived(layout, "plant.parquet")
 }
 
 /// Trials of free motion that count.
@@ -21,31 +27,51 @@ fn free_trials(data: &StudyData) -> Vec<&TrialEntry> {
 }
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
-    let trials = free_trials(data);
-    if trials.is_empty() {
-        return Vec::new();
-    }
-    let (inputs, outputs) = (paths(&trials), tables_of(&data.layout));
-    let out = outputs.clone();
-    let parameters = format!("{}; {}", analysis_parameters(data), known(&trials));
-    let make = move |from: &_| {
-        let (trials, mut problems) = read_all(&trials);
-        let one = |t| {
-            let fit = zwidth_freemotion::plane_fit(t, &data.study);
-            fit.map_err(|e| format!("{} {} trial {}: {e}", t.meta.participant, t.meta.session, t.meta.trial))
-        };
-        let (fits, more) = split(trials.par_iter().map(one).collect());
-        problems.extend(more);
-        made(&[zwidth_freemotion::table(&fits)?], &out, from, problems)
+    let with_angle = |t: &&TrialEntry| t.signals.contains(&Signal::Theta);
+    let (plants, planes): (Vec<_>, Vec<_>) = free_trials(data).into_iter().partition(with_angle);
+    let plane =
+        job(data, "plane fits of free motion", planes, planes_of(&data.layout), |trials, out, from| {
+            let (fits, problems) = fit_all(trials, |t| zwidth_freemotion::plane_fit(t, &data.study));
+            made(&[zwidth_freemotion::table(&fits)?], &[out], from, problems)
+        });
+    let plant = job(data, "plant in free motion", plants, plants_of(&data.layout), |trials, out, from| {
+        let (fits, problems) = fit_all(trials, |t| zwidth_freemotion::plant_fit(t, &data.study));
+        made(&[zwidth_freemotion::plant_table(&fits)?], &[out], from, problems)
+    });
+    plane.into_iter().chain(plant).collect()
+}
+
+/// The fits of the trials that can be read and fitted, and what is wrong with the others.
+fn fit_all<F: Send>(
+    trials: &[&TrialEntry],
+    fit: impl Fn(&Trial) -> Result<F, FreeMotionError> + Sync,
+) -> (Vec<F>, Vec<String>) {
+    let (trials, mut problems) = read_all(trials);
+    let one = |t: &Trial| {
+        fit(t).map_err(|e| format!("{} {} trial {}: {e}", t.meta.participant, t.meta.session, t.meta.trial))
     };
-    vec![Job {
+    let (fits, more) = split(trials.par_iter().map(one).collect());
+    problems.extend(more);
+    (fits, problems)
+}
+
+/// The job that makes one table of `trials`; none without any.
+fn job<'a>(
+    data: &'a StudyData,
+    name: &str,
+    trials: Vec<&'a TrialEntry>,
+    output: PathBuf,
+    make: impl Fn(&[&TrialEntry], PathBuf, &Provenance) -> Result<Made, JobError> + Send + Sync + 'a,
+) -> Option<Job<'a>> {
+    let out = output.clone();
+    (!trials.is_empty()).then(|| Job {
         stage: "freemotion",
-        name: "plane fits of free motion".to_owned(),
+        name: name.to_owned(),
         version: zwidth_freemotion::VERSION,
-        parameters,
-        inputs,
-        outputs,
+        parameters: format!("{}; {}", analysis_parameters(data), known(&trials)),
+        inputs: paths(&trials),
+        outputs: vec![output],
         tolerant: false,
-        make: Box::new(make),
-    }]
+        make: Box::new(move |from| make(&trials, out.clone(), from)),
+    })
 }

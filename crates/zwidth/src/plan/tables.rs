@@ -13,7 +13,7 @@ const VERSION: u32 = 2;
 pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
     let layout = &data.layout;
     let mut tables = vec![metrics::by_condition(layout), metrics::of_study(layout)];
-    tables.extend(freemotion::tables_of(layout));
+    tables.extend([freemotion::planes_of(layout), freemotion::plants_of(layout)]);
     tables.extend(replay::tables_of(layout));
     tables.extend(identify::tables_of(layout));
     tables.push(likert::tally_of(layout));

@@ -19,6 +19,35 @@ static RUN: LazyLock<Option<Real>> = LazyLock::new(|| {
     Some(real.run())
 });
 
+static DRIVEN: LazyLock<Option<Real>> = LazyLock::new(|| {
+    let folder = recordings("ethz_haptic_paddle")?;
+    let real = Real::new("ethz_plant");
+    real.import("map.toml", &[folder.join("plant/position_time_sinusoid.csv")]);
+    Some(real.run())
+});
+
+/// NumPy and statsmodels on the file itself (`tests/interop/definitions.py`, `plant`): estimate and standard error.
+#[test]
+fn the_paddle_driven_by_its_motor_shows_friction_and_pull_but_no_inertia() {
+    let Some(real) = &*DRIVEN else { return };
+    let plant = real.derived("plant.parquet");
+    for (quantity, unit, expect, std_error) in [
+        ("offset", "nm", 2.5989635054e-04, 3.8164317637e-06),
+        ("inertia", "kg_m2", 1.9307315634e-06, 3.9701278852e-06),
+        ("damping", "nm_s_per_rad", 1.4401233712e-04, 7.8556593903e-05),
+        ("friction", "nm", 7.2490067403e-04, 5.3966955310e-05),
+        ("stiffness", "nm_per_rad", 1.2677575730e-03, 1.9682850355e-04),
+    ] {
+        close(floats(&plant, &format!("{quantity}_{unit}"))[0], expect, 1e-6 * expect);
+        close(floats(&plant, &format!("{quantity}_std_error_{unit}"))[0], std_error, 1e-6 * std_error);
+    }
+    let summary = real.summary();
+    for unseen in ["inertia I is not identified", "damping b is not identified"] {
+        assert!(summary.contains(unseen), "{unseen} is not in {summary}");
+    }
+    assert!(!summary.contains("friction τ\\_c is not identified"), "{summary}");
+}
+
 /// Half of the last digit of a number published with so many decimals.
 fn half_digit(decimals: i32) -> f64 {
     0.5 * 10_f64.powi(-decimals)
