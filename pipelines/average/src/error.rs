@@ -10,7 +10,7 @@ pub enum WhyNot {
     /// Free motion.
     #[error(
         "free motion has no average over time: no two movements follow the same course; \
-         compare the plane fits instead"
+         compare the fits of free motion instead"
     )]
     FreeMotion,
     /// Nothing was rendered.

@@ -33,6 +33,7 @@ pub fn loops(study: &Study, scenes: &[Scene]) -> Result<Figure, TableError> {
         let panel = Panel::new(cell, words.position_axis(), y, layers).titled(plain(&mode.label));
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
     }
+    let footnotes = footnotes(scenes, &panels);
     Ok(Figure {
         title: Some(plain(&format!(
             "{}: {load_word} against {} ({})",
@@ -44,22 +45,25 @@ pub fn loops(study: &Study, scenes: &[Scene]) -> Result<Figure, TableError> {
             "{who}: {load_word} against {} there and back, one panel a mode, one loop an environment.",
             words.position_word()
         ),
-        footnotes: footnotes(scenes),
         width_mm: if panels.len() == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
         panels,
+        footnotes,
         mark: mark(scenes.iter().flat_map(Scene::sources)),
         ..Figure::default()
     })
 }
 
-/// Which means the loops are, and of how many repeats; nothing where there is none.
-fn footnotes(scenes: &[Scene]) -> Vec<String> {
+/// Which means the loops are, and of how many repeats, where there is one; what dots mean, where there are any.
+fn footnotes(scenes: &[Scene], panels: &[Panel]) -> Vec<String> {
     let several = |m: &&ModeData| m.repeats.len() > 1;
     let averaged = repeats_averaged(scenes.iter().flat_map(|s| &s.modes).filter(several));
     let means = scenes.first().zip(averaged);
-    let note =
+    let means =
         means.map(|(scene, n)| format!("Lines: mean of the repeats ({n}), {}.", aligned(scene.alignment)));
-    note.into_iter().collect()
+    let has_dots = |l: &Layer| matches!(l, Layer::Line(line) if line.dotted.contains(&true));
+    let dotted = panels.iter().flat_map(|p| &p.layers).any(has_dots);
+    let dots = dotted.then(|| "Dotted: at the wall or past it.".to_owned());
+    means.into_iter().chain(dots).collect()
 }
 
 /// The mean loop, or every repeat's where there is no mean.

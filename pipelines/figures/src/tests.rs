@@ -95,6 +95,19 @@ fn time_counts_from_onset_and_angles_stand_in_degrees() {
     assert!((curve.y[0] + 45.0).abs() < 1e-12 && (curve.y[80] - 35.0).abs() < 1e-12);
 }
 
+#[test]
+fn loops_say_what_their_dots_mean() {
+    let (study, mut trial) = (study(), trial(Source::Recorded, &ALL));
+    let mean = average(&trial);
+    trial.meta.repeat = 2;
+    let mut scene = scene(&study, &trial, Some(&mean));
+    scene.modes[0].repeats.push(Repeat { trial: &trial, onset_s: Some(1.0) });
+    let notes = |scene: &Scene| loops(&study, std::slice::from_ref(scene)).unwrap().footnotes;
+    assert_eq!(notes(&scene), ["Dotted: at the wall or past it."]);
+    scene.environment = &study.environments[0];
+    assert!(notes(&scene).is_empty(), "no wall, no dots");
+}
+
 /// A number without a unit says so by its name: a count, or names instead of numbers.
 #[test]
 fn every_axis_with_a_label_has_a_unit() {

@@ -35,8 +35,8 @@ const PLANT: [Coefficient<PlantFit>; 5] = [
     ("offset c", OFFSET, "N·m", |f| f.offset_nm),
     ("inertia I", INERTIA, "kg·m²", |f| f.inertia_kg_m2),
     ("damping b", DAMPING, "N·m·s/rad", |f| f.damping_nm_s_per_rad),
-    ("dry friction τ_c", FRICTION, "N·m", |f| f.friction_nm),
-    ("stiffness κ", STIFFNESS, "N·m/rad", |f| f.stiffness_nm_per_rad),
+    ("dry friction", FRICTION, "N·m", |f| f.friction_nm),
+    ("stiffness", STIFFNESS, "N·m/rad", |f| f.stiffness_nm_per_rad),
 ];
 
 /// What a column of a coefficient holds: in words, and from where.
@@ -83,15 +83,14 @@ pub fn plant_table(fits: &[PlantFit]) -> Result<Table, TableError> {
         count("lags", "lags of the covariance, stretches", fits.iter().map(|f| f.lags)),
         bandwidth(fits.iter().map(|f| f.bandwidth_s)),
     ]);
-    let title =
-        "The plant in free motion: torque = c + I·acceleration + b·velocity + τ_c·direction + κ·angle";
+    let title = "The plant in free motion: torque = c + I·acceleration + b·velocity + friction·direction + stiffness·angle";
     Ok(unseen(fits).into_iter().fold(Table::new("plant", title, columns)?, Table::with_note))
 }
 
 fn coefficients<'a, F>(of: &'a [Coefficient<F>], fits: &'a [F]) -> impl Iterator<Item = Column> + 'a {
     of.iter().flat_map(move |(what, names, unit, get)| {
         names.iter().zip(PARTS).map(move |(name, (meaning, part))| {
-            let mut column = Column::float(*name, *unit, meaning, fits.iter().map(|f| Some(part(get(f)))));
+            let mut column = Column::float(name, unit, meaning, fits.iter().map(|f| Some(part(get(f)))));
             column.field.description = format!("{what}: {meaning}").into();
             column
         })
