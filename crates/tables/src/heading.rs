@@ -3,7 +3,7 @@
 use crate::{Field, unit};
 
 /// Words of names that people write otherwise.
-const WORDS: [(&str, &str); 9] = [
+const WORDS: [(&str, &str); 12] = [
     ("theta", "θ"),
     ("ci", "CI"),
     ("rms", "RMS"),
@@ -13,6 +13,9 @@ const WORDS: [(&str, &str); 9] = [
     ("r2", "R²"),
     ("aicc", "AICc"),
     ("likert", "Likert"),
+    ("nrmse", "NRMSE"),
+    ("sparc", "SPARC"),
+    ("vaf", "VAF"),
 ];
 
 /// A dot above the sign before it: a first derivative in time.

@@ -1,71 +1,161 @@
-//! LaTeX: a `table` with booktabs rules and siunitx columns, to be `\input` into a document.
+//! LaTeX: tables with booktabs rules and siunitx columns, to be `\input` into a document.
 
 use crate::latex_escape::escape;
-use crate::shown::{Cell, MISSING, Shown, rows, shown};
+use crate::layout::{Layout, Placed, Sections, has_page, layout, lines};
+use crate::shown::{Cell, MISSING, rows, shown};
 use crate::typst::label;
+use crate::width::Room;
 use crate::{Table, TableError};
 
-/// What the document must load, said in the file's first lines.
-const PREAMBLE: &str =
-    "% needs \\usepackage{booktabs,siunitx}; under pdflatex also \\usepackage[T1]{fontenc}\n";
+/// What the document must load, said in the file's first line, and what stands above a column in several lines.
+const PREAMBLE: &str = r"% needs \usepackage{booktabs,longtable,siunitx}; under pdflatex also \usepackage[T1]{fontenc}
+\providecommand*\zwidthhead[2]{\begin{tabular}[b]{@{}#1@{}}#2\end{tabular}}
+";
+/// The caption stands above the table, where LaTeX' own classes leave no space below it.
+const CAPTION: &str = r"\setlength{\abovecaptionskip}{0pt}\setlength{\belowcaptionskip}{6pt}";
+/// A table that is small: its size and gaps.
+const DENSE: &str = r"\footnotesize\setlength{\tabcolsep}{4pt}";
 
-/// The table as a LaTeX `table` with caption and label `tab:name`, the notes below. Rounded for people;
-/// columns of numbers are aligned at the point (siunitx `S`). Compiles with pdflatex and xelatex.
+/// The table in LaTeX with caption and label `tab:name`, the notes below. Rounded for people; columns of numbers are
+/// aligned at the point (siunitx `S`). Compiles with pdflatex, lualatex and xelatex.
+///
+/// It fits a text block of 345 pt (`article` at 10 pt) and any wider one: what is wide is set small, long texts wrap,
+/// and columns that still do not fit stand in further tables below, which repeat the columns that say what a row is
+/// about. A `table` floats; one that needs more than a page is a `longtable` with its headings on each.
 ///
 /// # Errors
 /// Of polars, never in practice.
 pub fn latex(table: &Table) -> Result<String, TableError> {
     let columns = shown(table)?;
-    let formats: Vec<String> = columns.iter().map(column_type).collect();
-    let headings: Vec<String> = columns.iter().map(|c| format!("{{{}}}", escape(&c.heading()))).collect();
-    let body: String = rows(&columns).map(|cells| row(&columns, &cells)).collect();
-    let notes: String = table
-        .notes()
-        .iter()
-        .map(|n| format!("  \\par\\smallskip\n  {{\\footnotesize {}\\par}}\n", escape(n)))
-        .collect();
-    Ok(format!(
-        "{PREAMBLE}\\begin{{table}}\n  \\centering\n  \\caption{{{}}}\n  \\label{{tab:{}}}\n  \
-         \\begin{{tabular}}{{{}}}\n    \\toprule\n    {} \\\\\n    \\midrule\n{body}    \\bottomrule\n  \
-         \\end{{tabular}}\n{notes}\\end{{table}}\n",
-        escape(table.title()),
-        label(table.name()),
-        formats.join(" "),
-        headings.join(" & "),
-    ))
+    let layout = layout(&columns);
+    let notes: String = layout.notes.iter().chain(table.notes()).map(|n| note(n)).collect();
+    let set = if layout.long { long } else { floating };
+    Ok(PREAMBLE.to_owned() + &set(table, &layout, &notes))
 }
 
-fn row(columns: &[Shown], cells: &[&Cell]) -> String {
-    let cells: Vec<String> = columns.iter().zip(cells).map(|(column, cell)| set(column, cell)).collect();
+/// One float, with one `tabular` below the other.
+fn floating(table: &Table, layout: &Layout, notes: &str) -> String {
+    let tabular = |group: &Vec<Placed>| {
+        format!(
+            "  \\begin{{tabular}}{{{}}}\n    \\toprule\n{}    \\midrule\n{}    \\bottomrule\n  \\end{{tabular}}\n",
+            column_types(group),
+            head(group),
+            body(group, &layout.sections)
+        )
+    };
+    let tabulars: Vec<String> = layout.groups.iter().map(tabular).collect();
+    let size = if layout.dense { format!("  {DENSE}\n") } else { String::new() };
+    format!(
+        "\\begin{{table}}\n  \\centering\n  {CAPTION}\n  \\caption{{{}}}\n  \\label{{tab:{}}}\n{size}{}{notes}\\end{{table}}\n",
+        escape(table.title()),
+        label(table.name()),
+        tabulars.join("  \\par\\medskip\n")
+    )
+}
+
+/// A `longtable` after the other under one number: the first has the caption, the others and all further pages say
+/// that they continue it.
+fn long(table: &Table, layout: &Layout, notes: &str) -> String {
+    let label = label(table.name());
+    let caption = format!("  \\caption{{{}}}\\label{{tab:{label}}}\\\\\n", escape(table.title()));
+    let longtable = |(i, group): (usize, &Vec<Placed>)| {
+        let (types, head, width) = (column_types(group), head(group), group.len());
+        let again = format!(
+            "  \\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\tablename~\\ref{{tab:{label}}}, continued}}\\\\\n"
+        );
+        let (first, before) = if i == 0 { (&caption, String::new()) } else { (&again, go_on(group)) };
+        let headed = |above: &str| format!("{above}    \\toprule\n{head}    \\midrule\n");
+        format!(
+            "{before}\\begin{{longtable}}{{{types}}}\n{}  \\endfirsthead\n{}  \\endhead\n    \\bottomrule\n  \
+             \\endfoot\n{}\\end{{longtable}}\n",
+            headed(first),
+            headed(&again),
+            body(group, &layout.sections)
+        )
+    };
+    let tables: Vec<String> = layout.groups.iter().enumerate().map(longtable).collect();
+    let size = if layout.dense { DENSE } else { "" };
+    format!("\\begingroup{size}\n{}{notes}\\endgroup\n", tables.concat())
+}
+
+/// Before a table that goes on under the same number: a new page, if it has room there and not on this one.
+fn go_on(group: &[Placed]) -> String {
+    let lines = lines(group);
+    let room =
+        format!("\\par\\ifdim\\dimexpr\\pagegoal-\\pagetotal\\relax<{lines}\\baselineskip\\newpage\\fi\n");
+    format!("{}\\addtocounter{{table}}{{-1}}\n", if has_page(group) { room.as_str() } else { "" })
+}
+
+fn note(note: &str) -> String {
+    format!("  \\par\\smallskip\n  {{\\footnotesize\\raggedright {}\\par}}\n", escape(note))
+}
+
+fn column_types(group: &[Placed]) -> String {
+    let types: Vec<String> = group.iter().map(column_type).collect();
+    format!("@{{}}{}@{{}}", types.join(" "))
+}
+
+fn head(group: &[Placed]) -> String {
+    let cells: Vec<String> = group.iter().map(heading).collect();
     format!("    {} \\\\\n", cells.join(" & "))
 }
 
+/// The heading in braces, which keep siunitx from reading it as a number.
+fn heading(placed: &Placed) -> String {
+    let lines: Vec<String> = placed.head.iter().map(|line| escape(line)).collect();
+    match lines.as_slice() {
+        [line] => format!("{{{line}}}"),
+        lines => {
+            let align = if placed.column.numeric { "c" } else { "l" };
+            format!(r"{{\zwidthhead{{{align}}}{{{}}}}}", lines.join(r"\\"))
+        }
+    }
+}
+
+fn body(group: &[Placed], sections: &Sections) -> String {
+    let wraps = group.iter().any(|c| c.share.is_some());
+    let end = if wraps { r"\\ \addlinespace[2pt]" } else { r"\\" };
+    let row = |(i, cells): (usize, Vec<&Cell>)| {
+        let cells: Vec<String> = group.iter().zip(cells).map(|(placed, cell)| set(placed, cell)).collect();
+        let above = sections.get(&i).map(|title| section(title, i > 0, group.len())).unwrap_or_default();
+        format!("{above}    {} {end}\n", cells.join(" & "))
+    };
+    rows(group.iter().map(|p| p.column)).enumerate().map(row).collect()
+}
+
+/// A heading among the rows; no page ends below it.
+fn section(title: &str, apart: bool, width: usize) -> String {
+    let space = if apart { "    \\addlinespace\n" } else { "" };
+    format!(
+        "{space}    \\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\itshape {}}} \\\\* \\addlinespace[2pt]\n",
+        escape(title)
+    )
+}
+
 /// A cell; in a column of numbers, what is not a number stands in braces.
-fn set(column: &Shown, cell: &Cell) -> String {
+fn set(placed: &Placed, cell: &Cell) -> String {
     match cell {
         Cell::Number(number) => number.ascii(),
         Cell::Text(text) => escape(text),
-        Cell::Missing if column.numeric => format!("{{{}}}", escape(MISSING)),
+        Cell::Missing if placed.column.numeric => format!("{{{}}}", escape(MISSING)),
         Cell::Missing => escape(MISSING),
     }
 }
 
-/// `l`, or siunitx' `S` with room for the longest of sign, whole part, decimals and power.
-fn column_type(column: &Shown) -> String {
-    if !column.numeric {
+/// `l`, a paragraph, or siunitx' `S` with room for the longest of sign, whole part, decimals and power.
+fn column_type(placed: &Placed) -> String {
+    if let Some(share) = placed.share {
+        return format!(r">{{\raggedright\arraybackslash}}p{{{:.3}\linewidth}}", (share * 1e3).floor() / 1e3);
+    }
+    if !placed.column.numeric {
         return "l".to_owned();
     }
-    let numbers = || column.cells.iter().filter_map(|c| if let Cell::Number(n) = c { Some(n) } else { None });
-    let sign = if numbers().any(|n| n.mantissa.starts_with('-')) { "-" } else { "" };
-    let whole =
-        numbers().map(|n| n.mantissa.trim_start_matches('-').split('.').next().map_or(0, str::len)).max();
-    let decimals = numbers().filter_map(|n| n.mantissa.split_once('.')).map(|(_, d)| d.len()).max();
-    let decimals = decimals.map(|d| format!(".{d}")).unwrap_or_default();
-    let powers: Vec<i32> = numbers().filter_map(|n| n.exponent).collect();
-    let power = powers.iter().map(|e| e.to_string().trim_start_matches('-').len()).max();
-    let power_sign = if powers.iter().any(|e| *e < 0) { "-" } else { "" };
-    let power = power.map(|digits| format!("e{power_sign}{digits}")).unwrap_or_default();
-    format!("S[table-format={sign}{}{decimals}{power}]", whole.unwrap_or(1))
+    let room = Room::of(placed.column);
+    let sign = if room.sign { "-" } else { "" };
+    let decimals = if room.decimals > 0 { format!(".{}", room.decimals) } else { String::new() };
+    let power_sign = if room.power_sign { "-" } else { "" };
+    let power = if room.power > 0 { format!("e{power_sign}{}", room.power) } else { String::new() };
+    format!("S[table-format={sign}{}{decimals}{power}]", room.whole.max(1))
 }
 
 #[cfg(test)]
@@ -76,21 +166,23 @@ mod tests {
 
     #[test]
     fn the_sample_is_a_table_with_aligned_numbers() {
-        let expect = r"% needs \usepackage{booktabs,siunitx}; under pdflatex also \usepackage[T1]{fontenc}
+        let expect = r"% needs \usepackage{booktabs,longtable,siunitx}; under pdflatex also \usepackage[T1]{fontenc}
+\providecommand*\zwidthhead[2]{\begin{tabular}[b]{@{}#1@{}}#2\end{tabular}}
 \begin{table}
   \centering
+  \setlength{\abovecaptionskip}{0pt}\setlength{\belowcaptionskip}{6pt}
   \caption{Slope, 100 \%}
   \label{tab:spring-rendering}
-  \begin{tabular}{l S[table-format=-2] S[table-format=-1.3] S[table-format=1.3] l}
+  \begin{tabular}{@{}l S[table-format=-2] S[table-format=-1.3] S[table-format=1.3] l@{}}
     \toprule
-    {mode} & {trial} & {slope (N/rad)} & {slope std. error (N/rad)} & {wall reached} \\
+    {mode} & {trial} & {\zwidthhead{c}{slope\\(N/rad)}} & {\zwidthhead{c}{slope std.\\error (N/rad)}} & {\zwidthhead{l}{wall\\reached}} \\
     \midrule
     a\textbar{}b \& \textless{}c\textgreater{} & -3 & -4.123 & 0.032 & yes \\
     -- & 12 & 5 & {--} & -- \\
     \bottomrule
   \end{tabular}
   \par\smallskip
-  {\footnotesize Unit: one\_trial.\par}
+  {\footnotesize\raggedright Unit: one\_trial.\par}
 \end{table}
 ";
         assert_eq!(latex(&sample()).unwrap(), expect);
@@ -100,6 +192,48 @@ mod tests {
     fn a_power_of_ten_has_room_in_its_column() {
         let column = Column::float("area_j", "J", "", [Some(-1.234_5e-12), Some(25.0), None]);
         let table = Table::new("t", "", vec![column]).unwrap();
-        assert_eq!(column_type(&shown(&table).unwrap()[0]), "S[table-format=-2.3e-2]");
+        assert!(latex(&table).unwrap().contains("{@{}S[table-format=-2.3e-2]@{}}"));
+    }
+    #[test]
+    fn a_table_of_several_pages_repeats_its_headings_and_keeps_its_number() {
+        let numbers = |i: i32| (0..60).map(move |row| Some(f64::from(row + i) * 1000.5));
+        let names = [
+            "velocity_forward",
+            "velocity_backward",
+            "discrepancy",
+            "stiffness",
+            "duration",
+            "impulse",
+            "dwell",
+        ];
+        let mut columns = vec![Column::integer("trial", "1", "", (0..60).map(Some))];
+        columns.push(Column::text("mode", "", (0..60).map(|_| Some("hybrid".to_owned()))));
+        columns.extend(names.into_iter().zip(0..).map(|(name, i)| Column::float(name, "1", "", numbers(i))));
+        let text = latex(&Table::new("t", "T", columns).unwrap()).unwrap();
+        assert_eq!(text.matches(r"\begin{longtable}").count(), 1, "{text}");
+        assert_eq!(text.matches(r"\caption{T}\label{tab:t}").count(), 1);
+        assert_eq!(text.matches("{trial} & ").count(), 2, "on the first page and on all others");
+        assert!(text.contains(r"{\tablename~\ref{tab:t}, continued}"));
+    }
+
+    #[test]
+    fn a_table_in_parts_on_several_pages_counts_as_one() {
+        let numbers = || (0..30).map(|row| Some(f64::from(row) * 1000.5));
+        let mut columns = vec![Column::integer("trial", "1", "", (0..30).map(Some))];
+        let names = [
+            "velocity_a",
+            "discrepancy_b",
+            "stiffness_c",
+            "penetration_d",
+            "oscillation_e",
+            "acceleration_f",
+            "compliance_g",
+            "smoothness_h",
+        ];
+        columns.extend(names.into_iter().map(|name| Column::float(name, "1", "", numbers())));
+        let text = latex(&Table::new("t", "T", columns).unwrap()).unwrap();
+        assert_eq!(text.matches(r"\begin{longtable}").count(), 2, "{text}");
+        assert_eq!(text.matches(r"\addtocounter{table}{-1}").count(), 1);
+        assert_eq!(text.matches(r"\caption").count(), 1);
     }
 }

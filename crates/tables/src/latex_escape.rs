@@ -1,6 +1,7 @@
 //! Any text as LaTeX that sets it as it stands, under pdflatex and under xelatex.
 
 use crate::shown::one_line;
+use crate::symbol::{Piece, pieces};
 
 /// Signs that LaTeX has a command for. Braces keep `[` and `*` from being read as an option of the row above,
 /// and `{}` keeps two signs from becoming one ligature.
@@ -96,8 +97,17 @@ const LEVEL: &str = "0123456789-+";
 ///
 /// Latin letters with accents are left as they are (both engines read UTF-8). A sign outside all of these is
 /// given to engines that have Unicode fonts; pdflatex, which has none, sets its number: `[U+4E2D]`.
+///
+/// What a symbol has below the line (`M_O`) is set there.
 pub(crate) fn escape(text: &str) -> String {
-    let text = one_line(text);
+    let piece = |piece| match piece {
+        Piece::Plain(text) => plain(text),
+        Piece::Below(text) => format!(r"\textsubscript{{{}}}", plain(text)),
+    };
+    pieces(&one_line(text)).into_iter().map(piece).collect()
+}
+
+fn plain(text: &str) -> String {
     let mut letters = text.chars().peekable();
     let mut escaped = String::new();
     while let Some(letter) = letters.next() {
@@ -198,6 +208,12 @@ mod tests {
         check("N·m", r"N\ensuremath{\cdot}m");
         check("10⁻⁷", r"10\ensuremath{^{-}}\ensuremath{^{7}}");
         check("F₀ − – ±", r"F\ensuremath{_{0}} \ensuremath{-} -- \ensuremath{\pm}");
+    }
+
+    #[test]
+    fn what_stands_below_a_symbol_is_set_there() {
+        check("M_O and θ_rest", r"M\textsubscript{O} and \ensuremath{\theta}\textsubscript{rest}");
+        check("spring_wall", r"spring\_wall");
     }
 
     #[test]

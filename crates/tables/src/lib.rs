@@ -34,13 +34,16 @@ mod html;
 mod identity;
 mod latex;
 mod latex_escape;
+mod layout;
 mod markdown;
 mod parquet;
 mod rounding;
 mod shown;
+mod symbol;
 mod table;
 mod typst;
 mod unit;
+mod width;
 
 pub use csv::csv;
 pub use display::for_people;

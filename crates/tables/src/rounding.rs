@@ -4,6 +4,8 @@
 const UNCERTAINTY_DIGITS: usize = 2;
 /// Significant digits of a number of unknown uncertainty.
 const PLAIN_DIGITS: usize = 4;
+/// An uncertainty smaller than this share of its number is a residue of arithmetic: nothing is measured that well.
+const RESIDUE: f64 = 1e-9;
 /// From 10 to this power on, a number is shown with a power of ten.
 const LARGE: i32 = 6;
 /// A number whose last digit stands below 10 to this power is shown with a power of ten.
@@ -48,9 +50,9 @@ fn raised(exponent: i32) -> String {
     exponent.to_string().chars().map(raise).collect()
 }
 
-/// `value` to the digits its `uncertainty` allows (same unit), or to four where that is not known or zero.
+/// `value` to the digits its `uncertainty` allows (same unit), or to four where that is not known or nothing.
 pub(crate) fn rounded(value: f64, uncertainty: Option<f64>) -> Decimal {
-    match uncertainty.filter(|u| *u > 0.0) {
+    match uncertainty.filter(|u| *u > RESIDUE * value.abs()) {
         Some(u) => at_place(value, last_place(u, UNCERTAINTY_DIGITS)),
         None => without_uncertainty(value),
     }
@@ -131,6 +133,7 @@ mod tests {
         check(2.1e-9, Some(2.1e-9), "2.1e-9");
         check(1_234_567.0, Some(1_200.0), "1.2346e6");
         check(1.0e-12, Some(1.0e-9), "0");
+        check(0.0, Some(0.3), "0.00");
     }
 
     #[test]
@@ -158,6 +161,12 @@ mod tests {
         check(2.0, None, "2");
         check(1000.0, None, "1000");
         check(1e9, None, "1e9");
+    }
+
+    #[test]
+    fn an_uncertainty_that_is_a_residue_of_arithmetic_gives_no_digits() {
+        check(7.981_666_666_666_677, Some(7.1e-14), "7.982");
+        check(7.1e-14, Some(7.1e-14), "7.1e-14");
     }
 
     #[test]

@@ -35,6 +35,8 @@ pub(crate) struct Shown {
     pub(crate) description: String,
     /// Whether its cells are numbers.
     pub(crate) numeric: bool,
+    /// Whether these are other than whole by their kind.
+    pub(crate) fractional: bool,
     pub(crate) cells: Vec<Cell>,
 }
 
@@ -52,9 +54,12 @@ pub(crate) fn shown(table: &Table) -> Result<Vec<Shown>, TableError> {
 }
 
 /// The rows of columns: one cell from each.
-pub(crate) fn rows(columns: &[Shown]) -> impl Iterator<Item = Vec<&Cell>> {
-    let height = columns.first().map_or(0, |c| c.cells.len());
-    (0..height).map(|row| columns.iter().filter_map(|c| c.cells.get(row)).collect())
+pub(crate) fn rows<'a>(
+    columns: impl IntoIterator<Item = &'a Shown, IntoIter: Clone>,
+) -> impl Iterator<Item = Vec<&'a Cell>> {
+    let columns = columns.into_iter();
+    let height = columns.clone().next().map_or(0, |c| c.cells.len());
+    (0..height).map(move |row| columns.clone().filter_map(|c| c.cells.get(row)).collect())
 }
 
 /// One line, without control signs: what a cell, a title or a note can hold in any format.
@@ -76,6 +81,7 @@ fn show(column: &Column, all: &[Column]) -> Shown {
         unit: bracketed(field),
         description: field.description.to_string(),
         numeric: matches!(column.values, Values::Float(_) | Values::Integer(_)),
+        fractional: matches!(column.values, Values::Float(_)),
         cells,
     }
 }

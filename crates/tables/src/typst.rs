@@ -1,10 +1,26 @@
-//! Typst: a figure with a table, to be included in a document.
+//! Typst: a figure with tables, to be included in a document.
 
-use crate::shown::{Cell, Shown, one_line, rows, shown};
+use crate::layout::{Layout, Placed, Sections, has_page, layout};
+use crate::rounding::Decimal;
+use crate::shown::{Cell, one_line, rows, shown};
+use crate::symbol::{Piece, pieces};
+use crate::width::Room;
 use crate::{Table, TableError};
 
+/// Tables that are small: their size and gaps.
+const DENSE: &str = "    set text(0.8em)\n    set table(inset: (x: 0.4em, y: 0.4em))\n";
+/// Digits in a row that are read without a gap.
+const UNGROUPED: usize = 4;
+/// Digits between two gaps.
+const GROUP: usize = 3;
+/// A thin space that does not break.
+const GAP: char = '\u{202f}';
+
 /// The table as a Typst figure with caption and label `<tab:name>`, three rules, the notes below. Rounded for
-/// people.
+/// people; numbers are aligned at the point.
+///
+/// It is laid out as in [`crate::latex()`]: what is wide is set small, long texts wrap, and columns that still do not
+/// fit stand in further tables of the figure. One that needs more than a page breaks, with its headings on each.
 ///
 /// Every text is a Typst string, which has no markup: only the quote and the backslash need an escape.
 ///
@@ -12,63 +28,149 @@ use crate::{Table, TableError};
 /// Of polars, never in practice.
 pub fn typst(table: &Table) -> Result<String, TableError> {
     let columns = shown(table)?;
-    let headings: Vec<String> = columns.iter().map(heading).collect();
-    let body: String = rows(&columns).map(|cells| row(&cells)).collect();
-    let alignment: Vec<&str> = columns.iter().map(align).collect();
-    let notes: String = table.notes().iter().map(|n| note(n)).collect();
-    Ok(format!(
+    let layout = layout(&columns);
+    let figure = figure(table, &layout);
+    Ok(if layout.long {
+        format!("#[\n#show figure.where(kind: table): set block(breakable: true)\n{figure}]\n")
+    } else {
+        figure
+    })
+}
+
+fn figure(table: &Table, layout: &Layout) -> String {
+    let tables: Vec<String> = layout.groups.iter().map(|group| kept(group, &layout.sections)).collect();
+    let notes: String = layout.notes.iter().chain(table.notes()).map(|n| note(n)).collect();
+    format!(
         "#figure(
   kind: table,
   caption: figure.caption(position: top, {caption}),
   {{
-    table(
-      columns: {width},
-      align: ({alignment},),
-      stroke: none,
-      table.hline(),
-      table.header({headings}),
-      table.hline(stroke: 0.5pt),
-{body}      table.hline(),
-    )
-{notes}  }},
+    set par(justify: false)
+{size}{tables}{notes}  }},
 ) <tab:{label}>
 ",
         caption = expression(table.title()),
-        width = columns.len(),
-        alignment = alignment.join(", "),
-        headings = headings.join(", "),
+        size = if layout.dense { DENSE } else { "" },
+        tables = tables.join("    v(0.5em)\n"),
         label = label(table.name()),
-    ))
+    )
 }
 
-/// Words, and the unit in a box, so that no line ends within it.
-fn heading(column: &Shown) -> String {
-    let words = expression(&column.words);
-    column
-        .unit
-        .as_ref()
-        .map_or_else(|| words.clone(), |unit| format!("{words} + \" \" + box({})", expression(unit)))
+/// One table, on one page if that has room for it.
+fn kept(group: &[Placed], sections: &Sections) -> String {
+    let table = one(group, sections);
+    if has_page(group) { format!("    block(breakable: false, {table})\n") } else { format!("    {table}\n") }
 }
 
-fn row(cells: &[&Cell]) -> String {
-    let cells: Vec<String> = cells.iter().map(|c| expression(&c.typeset())).collect();
+fn one(group: &[Placed], sections: &Sections) -> String {
+    let width =
+        |c: &Placed| c.share.map_or("auto".to_owned(), |s| format!("{:.1}%", (s * 1e3).floor() / 10.0));
+    let widths: Vec<String> = group.iter().map(width).collect();
+    let alignment: Vec<&str> = group.iter().map(align).collect();
+    let headings: Vec<String> = group.iter().map(heading).collect();
+    let section = |i| sections.get(&i).map(|title| section(title, group.len())).unwrap_or_default();
+    let rows = rows(group.iter().map(|p| p.column)).enumerate();
+    let body: String = rows.map(|(i, cells)| section(i) + &row(group, &cells)).collect();
+    format!(
+        "table(
+      columns: ({},),
+      align: (x, y) => ({},).at(x) + if y == 0 {{ bottom }} else {{ top }},
+      stroke: none,
+      table.hline(),
+      table.header({}),
+      table.hline(stroke: 0.5pt),
+{body}      table.hline(),
+    )",
+        widths.join(", "),
+        alignment.join(", "),
+        headings.join(", "),
+    )
+}
+
+/// Line by line; what stands on one line stays there.
+fn heading(placed: &Placed) -> String {
+    let lines: Vec<String> = placed.head.iter().map(|line| format!("box({})", expression(line))).collect();
+    lines.join(" + linebreak() + ")
+}
+
+/// A heading among the rows.
+fn section(title: &str, width: usize) -> String {
+    format!("      table.cell(colspan: {width}, align: left, emph({})),\n", expression(title))
+}
+
+fn row(group: &[Placed], cells: &[&Cell]) -> String {
+    let cells: Vec<String> = group.iter().zip(cells).map(|(placed, cell)| set(placed, cell)).collect();
     format!("      {},\n", cells.join(", "))
 }
 
+/// A cell; a number is followed by what makes it as long behind the point as the column's longest, unseen.
+fn set(placed: &Placed, cell: &Cell) -> String {
+    match cell {
+        Cell::Number(number) => {
+            let unseen = unseen(number, Room::of(placed.column));
+            let number =
+                literal(&Decimal { mantissa: grouped(&number.mantissa), ..number.clone() }.typeset());
+            if unseen.is_empty() { number } else { format!("{number} + hide({})", literal(&unseen)) }
+        }
+        Cell::Missing if placed.column.numeric => {
+            format!("table.cell(align: center, {})", expression(&cell.typeset()))
+        }
+        Cell::Missing | Cell::Text(_) => expression(&cell.typeset()),
+    }
+}
+
+/// What a number lacks behind its point. Nothing in a column with powers of ten, whose numbers end with those.
+fn unseen(number: &Decimal, room: Room) -> String {
+    let decimals = number.mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    if room.power > 0 || decimals == room.decimals {
+        return String::new();
+    }
+    let longest = grouped(&format!("0.{}", "0".repeat(room.decimals)));
+    let own = if decimals == 0 { "0".to_owned() } else { grouped(&format!("0.{}", "0".repeat(decimals))) };
+    longest.chars().skip(own.chars().count()).collect()
+}
+
+/// Digits in groups of three on both sides of the point, where there are more than four.
+fn grouped(mantissa: &str) -> String {
+    let (whole, decimals) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let (sign, whole) = whole.strip_prefix('-').map_or(("", whole), |digits| ("-", digits));
+    let from_point: String = whole.chars().rev().collect();
+    let whole: String = in_groups(&from_point).chars().rev().collect();
+    let point = if decimals.is_empty() { "" } else { "." };
+    format!("{sign}{whole}{point}{}", in_groups(decimals))
+}
+
+fn in_groups(digits: &str) -> String {
+    if digits.len() <= UNGROUPED {
+        return digits.to_owned();
+    }
+    let gap = |(i, digit)| [(i > 0 && i % GROUP == 0).then_some(GAP), Some(digit)];
+    digits.chars().enumerate().flat_map(gap).flatten().collect()
+}
+
 fn note(note: &str) -> String {
-    format!("    block(text(0.85em, {}))\n", expression(note))
+    format!("    align(left, block(text(0.85em, {})))\n", expression(note))
 }
 
-fn align(column: &Shown) -> &'static str {
-    if column.numeric { "right" } else { "left" }
+fn align(placed: &Placed) -> &'static str {
+    if placed.column.numeric { "right" } else { "left" }
 }
 
-/// `text` as an expression: strings, and letters with dots above as mathematics, because text fonts drop the
-/// dots of `θ̇`.
+/// `text` as an expression: strings; what stands below a symbol is set there.
 fn expression(text: &str) -> String {
+    let piece = |piece| match piece {
+        Piece::Plain(text) => dotted(text),
+        Piece::Below(text) => format!("sub({})", dotted(text)),
+    };
+    let parts: Vec<String> = pieces(&one_line(text)).into_iter().map(piece).collect();
+    if parts.is_empty() { literal("") } else { parts.join(" + ") }
+}
+
+/// Strings, and letters with dots above as mathematics, because text fonts drop the dots of `θ̇`.
+fn dotted(text: &str) -> String {
     let mut parts = Vec::new();
     let mut plain = String::new();
-    for letter in one_line(text).chars() {
+    for letter in text.chars() {
         let base = dots(letter).zip(plain.chars().next_back().filter(|c| c.is_alphabetic()));
         let Some((dots, base)) = base else {
             plain.push(letter);
@@ -116,18 +218,19 @@ mod tests {
   kind: table,
   caption: figure.caption(position: top, "Slope, 100 %"),
   {
-    table(
-      columns: 5,
-      align: (left, right, right, right, left,),
+    set par(justify: false)
+    block(breakable: false, table(
+      columns: (auto, auto, auto, auto, auto,),
+      align: (x, y) => (left, right, right, right, left,).at(x) + if y == 0 { bottom } else { top },
       stroke: none,
       table.hline(),
-      table.header("mode", "trial", "slope" + " " + box("(N/rad)"), "slope std. error" + " " + box("(N/rad)"), "wall reached"),
+      table.header(box("mode"), box("trial"), box("slope") + linebreak() + box("(N/rad)"), box("slope std.") + linebreak() + box("error (N/rad)"), box("wall") + linebreak() + box("reached")),
       table.hline(stroke: 0.5pt),
       "a|b & <c>", "−3", "−4.123", "0.032", "yes",
-      "–", "12", "5", "–", "–",
+      "–", "12", "5" + hide(".000"), table.cell(align: center, "–"), "–",
       table.hline(),
-    )
-    block(text(0.85em, "Unit: one_trial."))
+    ))
+    align(left, block(text(0.85em, "Unit: one_trial.")))
   },
 ) <tab:spring-rendering>
 "#;
@@ -139,6 +242,32 @@ mod tests {
         assert_eq!(expression(r#"a "b" \n \"#), r#""a \"b\" \\n \\""#);
         assert_eq!(expression("#$*_`<@~=-+/[]{}\n"), "\"#$*_`<@~=-+/[]{}\"");
         assert_eq!(expression(""), "\"\"");
+    }
+
+    #[test]
+    fn digits_stand_in_groups_on_both_sides_of_the_point() {
+        for (plain, expect) in [
+            ("1234", "1234"),
+            ("-12345", "-12\u{202f}345"),
+            ("1234567.5", "1\u{202f}234\u{202f}567.5"),
+            ("0.0012345", "0.001\u{202f}234\u{202f}5"),
+        ] {
+            assert_eq!(grouped(plain), expect);
+        }
+    }
+
+    #[test]
+    fn points_stand_below_each_other() {
+        let number = |mantissa: &str| Decimal { mantissa: mantissa.to_owned(), exponent: None };
+        let room = |decimals| Room { decimals, ..Room::default() };
+        assert_eq!(unseen(&number("12"), room(2)), ".00");
+        assert_eq!(unseen(&number("1.5"), room(5)), "00\u{202f}00");
+        assert_eq!(unseen(&number("1.25"), room(2)), "");
+    }
+
+    #[test]
+    fn what_stands_below_a_symbol_is_set_there() {
+        assert_eq!(expression("M_O, mass"), "\"M\" + sub(\"O\") + \", mass\"");
     }
 
     #[test]

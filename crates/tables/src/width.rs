@@ -1,0 +1,127 @@
+//! How wide texts and numbers come out on paper, roughly and rather too wide than too narrow, in widths of a digit
+//! (half an em in most text fonts).
+
+use crate::rounding::Decimal;
+use crate::shown::{Cell, Shown};
+
+/// Signs about as wide as `i`, as `e` and as `m`.
+const THIN: &str = "ijlI.,:;!|'()[] ⁰¹²³⁴⁵⁶⁷⁸⁹⁻₀₁₂₃₄₅₆₇₈₉·°";
+const NARROW: &str = "acefrstvz";
+const BROAD: &str = "mwMW—%@&±×−+=<>≤≥≈→√∞";
+/// Widths of these, of other capitals and of all other letters, a little more than in Latin Modern.
+const THIN_DIGITS: f64 = 0.65;
+const NARROW_DIGITS: f64 = 0.9;
+const BROAD_DIGITS: f64 = 1.75;
+const CAPITAL_DIGITS: f64 = 1.5;
+const LETTER_DIGITS: f64 = 1.1;
+/// Width of `× 10` with the gaps around the cross.
+const POWER_DIGITS: f64 = 5.0;
+/// A gap between groups of three digits.
+const GROUP_GAP_DIGITS: f64 = 0.4;
+
+/// The width of a text on one line.
+pub(crate) fn width(text: &str) -> f64 {
+    text.chars().map(letter).sum()
+}
+
+/// The width of its longest word, which no line can be narrower than.
+pub(crate) fn longest_word(text: &str) -> f64 {
+    text.split_whitespace().map(width).fold(0.0, f64::max)
+}
+
+fn letter(letter: char) -> f64 {
+    match letter {
+        '0'..='9' | '-' | '–' => 1.0,
+        '\u{300}'..='\u{36f}' => 0.0,
+        _ if THIN.contains(letter) => THIN_DIGITS,
+        _ if NARROW.contains(letter) => NARROW_DIGITS,
+        _ if BROAD.contains(letter) => BROAD_DIGITS,
+        _ if letter.is_uppercase() => CAPITAL_DIGITS,
+        _ => LETTER_DIGITS,
+    }
+}
+
+/// Room that the numbers of a column need when their points stand below each other.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Room {
+    /// Whether one of them is negative.
+    pub(crate) sign: bool,
+    /// Digits before the point.
+    pub(crate) whole: usize,
+    /// Digits behind it.
+    pub(crate) decimals: usize,
+    /// Digits of a power of ten.
+    pub(crate) power: usize,
+    /// Whether such a power is negative.
+    pub(crate) power_sign: bool,
+}
+
+impl Room {
+    /// The room for a column's numbers.
+    pub(crate) fn of(column: &Shown) -> Self {
+        let number =
+            |cell: &Cell| if let Cell::Number(number) = cell { Some(Self::number(number)) } else { None };
+        column.cells.iter().filter_map(number).fold(Self::default(), Self::both)
+    }
+
+    fn number(number: &Decimal) -> Self {
+        let digits = number.mantissa.trim_start_matches('-');
+        let (whole, decimals) = digits.split_once('.').unwrap_or((digits, ""));
+        let power = number.exponent.map(|e| e.unsigned_abs().to_string().len());
+        Self {
+            sign: number.mantissa.starts_with('-'),
+            whole: whole.len(),
+            decimals: decimals.len(),
+            power: power.unwrap_or(0),
+            power_sign: number.exponent.is_some_and(|e| e < 0),
+        }
+    }
+
+    fn both(self, other: Self) -> Self {
+        Self {
+            sign: self.sign || other.sign,
+            whole: self.whole.max(other.whole),
+            decimals: self.decimals.max(other.decimals),
+            power: self.power.max(other.power),
+            power_sign: self.power_sign || other.power_sign,
+        }
+    }
+
+    /// Its width.
+    pub(crate) fn width(self) -> f64 {
+        let digits = |n: usize| n as f64 + GROUP_GAP_DIGITS * (n.saturating_sub(1) / 3) as f64;
+        let sign = if self.sign { BROAD_DIGITS } else { 0.0 };
+        let point = if self.decimals > 0 { THIN_DIGITS } else { 0.0 };
+        let power = if self.power > 0 { POWER_DIGITS + self.power as f64 } else { 0.0 };
+        sign + digits(self.whole) + point + digits(self.decimals) + power
+    }
+}
+
+/// The width of a column's widest cell.
+pub(crate) fn widest_cell(column: &Shown) -> f64 {
+    let others = column.cells.iter().filter(|c| !matches!(c, Cell::Number(_)));
+    others.map(|c| width(&c.typeset())).fold(Room::of(column).width(), f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shown::{shown, tests::sample};
+
+    #[test]
+    fn a_dot_above_takes_no_room_and_a_broad_letter_more_than_a_narrow_one() {
+        assert!((width("θ\u{307}") - width("θ")).abs() < 1e-12);
+        assert!(width("mm") > width("nn") && width("nn") > width("ii"));
+        assert!((longest_word("a long one") - width("long")).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_room_of_a_column_is_that_of_all_its_numbers_together() {
+        let columns = shown(&sample()).unwrap();
+        let expect = Room { sign: true, whole: 1, decimals: 3, power: 0, power_sign: false };
+        assert_eq!(Room::of(&columns[2]), expect);
+        let small = Room::number(&Decimal { mantissa: "1.25".to_owned(), exponent: Some(-12) });
+        assert_eq!(small, Room { sign: false, whole: 1, decimals: 2, power: 2, power_sign: true });
+        assert!(small.both(expect).width() > expect.width());
+    }
+}

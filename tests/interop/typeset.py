@@ -1,0 +1,210 @@
+"""Do the tables compile with the real LaTeX and Typst, and fit their pages?
+
+    python typeset.py --zwidth PROGRAM --root FOLDER [--engine pdflatex] [--keep FOLDER]
+
+FOLDER holds raw/thesis-twin and reports/ after `zwidth run thesis-twin`. All tables are set in one document a size
+of page: every error, overfull box, missing glyph and reference to nowhere that the compilers tell counts, and so do
+glyphs that stand outside of the text block or on top of each other in the PDF. --keep leaves the documents there, with
+every page as an image. The tables' own first line says what a document must load; these load no more.
+"""
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import checks
+import numpy as np
+import pypdfium2 as pdfium
+import typst
+
+STUDY = "thesis-twin"
+# How far a box of TeX may stick out unseen, pt: \hfuzz as TeX has it.
+HFUZZ = 0.1
+# How far a glyph may: side bearings, and what a reader of PDFs rounds, pt.
+BEARING = 1.0
+# Share of the smaller of two glyphs that may lie on the other: accents and kerned italics touch.
+TOUCH = 0.2
+# Signs that no font of Typst's has, of several kinds: what they look like is what a missing one looks like.
+NO_SIGNS = "\U0010fffd中ก"
+# Passes until longtable and the references have settled.
+PASSES = 3
+
+# LaTeX: options of `article` and what else the document loads. The text block is 345, 360 and 390 pt wide.
+ARTICLES = {"10pt": "", "11pt": r"\usepackage{hyperref}", "12pt": r"\usepackage{caption}"}
+# Typst: its own page, and LaTeX's narrowest. Margins in pt.
+PAGES = {"a4": ("", 70.87), "345pt": ('#set page(paper: "a4", margin: 125.14pt)\n#set text(10pt)\n', 125.14)}
+
+
+def latex_document(size, more, files):
+    tables = "\n".join(rf"\input{{{file}}}\clearpage" for file in files)
+    labels = [re.search(r"\\label\{(.*?)\}", file.read_text()).group(1) for file in files]
+    references = ", ".join(rf"\ref{{{label}}}" for label in labels)
+    return rf"""\documentclass[{size}]{{article}}
+\usepackage[T1]{{fontenc}}
+\usepackage{{lmodern}}
+\usepackage{{booktabs,longtable,siunitx}}
+{more}
+\begin{{document}}
+\typeout{{block \the\dimexpr1in+\oddsidemargin\relax\space\the\textwidth}}
+\listoftables
+Tables {references}.
+\clearpage
+{tables}
+\end{{document}}
+"""
+
+
+def latex(engine, size, more, files, folder):
+    """Compiles the document; its PDF, or nothing."""
+    name = f"latex-{size}"
+    what = f"{engine}, article at {size}"
+    (folder / f"{name}.tex").write_text(latex_document(size, more, files))
+    command = [engine, "-interaction=nonstopmode", "-halt-on-error", f"{name}.tex"]
+    wide = {**os.environ, "max_print_line": "10000"}
+    for _ in range(PASSES):
+        done = subprocess.run(command, cwd=folder, env=wide, capture_output=True, check=False)
+    log = (folder / f"{name}.log").read_text(errors="replace")
+    told = [line for line in log.splitlines() if line.startswith("!")]
+    checks.check(f"{what}: {len(files)} tables compile", done.returncode == 0, told[:3])
+    overfull = [float(pt) for pt in re.findall(r"^Overfull \\[hv]box \((.*?)pt", log, re.MULTILINE)]
+    checks.check(f"{what}: no box is overfull by more than {HFUZZ} pt", not [pt for pt in overfull if pt > HFUZZ], overfull)
+    for complaint in ["Missing character", "Float too large", "undefined", "have changed", "multiply defined"]:
+        lines = [line for line in log.splitlines() if complaint in line]
+        checks.check(f"{what}: nothing of '{complaint}'", not lines, lines[:3])
+    if done.returncode == 0:
+        left, width = map(float, re.search(r"^block (.*?)pt (.*?)pt$", log, re.MULTILINE).groups())
+        look(what, folder / f"{name}.pdf", left * 72 / 72.27, (left + width) * 72 / 72.27)
+        text = read(folder / f"{name}.pdf")
+        checks.check(f"{what}: no sign stands as its number", "[U+" not in text, re.findall(r"\[U\+.*?\]", text)[:3])
+        words(what, text, files)
+
+
+def typeset_typst(page, start, margin, files, folder):
+    """Compiles the document with Typst."""
+    what = f"Typst, {page}"
+    document = folder / f"typst-{page}.typ"
+    names = [file.stem.replace(".", "-").replace("_", "-") for file in files]
+    tables = "\n".join(f'#include "{os.path.relpath(file, folder)}"\n#pagebreak(weak: true)' for file in files)
+    references = ", ".join(f"@tab:{name}" for name in names)
+    document.write_text(f"{start}#outline(target: figure.where(kind: table))\n{references}\n#pagebreak()\n{tables}\n")
+    try:
+        pdf, warnings = typst.compile_with_warnings(str(document), root="/", ignore_system_fonts=True)
+    except typst.TypstError as error:
+        checks.check(f"{what}: {len(files)} tables compile", False, error)
+        return
+    checks.check(f"{what}: {len(files)} tables compile without a warning", not warnings, [str(w) for w in warnings])
+    document.with_suffix(".pdf").write_bytes(pdf)
+    look(what, document.with_suffix(".pdf"), margin, 595.28 - margin)
+    words(what, read(document.with_suffix(".pdf")), files)
+
+
+def glyphs_of_typst(files):
+    """Every sign of the tables has a glyph in the fonts that Typst brings along."""
+    signs = sorted({sign for file in files for sign in file.read_text() if ord(sign) > 126})
+    missing = {picture(sign) for sign in NO_SIGNS}
+    lost = [f"U+{ord(sign):04X}" for sign in signs if picture(sign) in missing]
+    checks.check(f"Typst: each of {len(signs)} signs beyond ASCII has a glyph", not lost, lost)
+
+
+def picture(sign):
+    source = f"#set page(width: 30pt, height: 30pt, margin: 8pt)\n#set text(cjk-latin-spacing: none)\no{sign}"
+    return typst.compile(source.encode(), format="png", ignore_system_fonts=True)
+
+
+def read(file):
+    """The text of a PDF."""
+    document = pdfium.PdfDocument(file)
+    return "\n".join(page.get_textpage().get_text_bounded() for page in document)
+
+
+def look(what, file, left, right):
+    """No glyph outside of the text block, none on top of another."""
+    pages, outside, over = 0, [], []
+    for number, page in enumerate(pdfium.PdfDocument(file), 1):
+        text = page.get_textpage()
+        signs = [text.get_text_range(i, 1) for i in range(text.count_chars())]
+        boxes = np.array([text.get_charbox(i) for i, s in enumerate(signs) if s.strip()]).reshape(-1, 4)
+        signs = [sign for sign in signs if sign.strip()]
+        pages += 1
+        beyond = (boxes[:, 0] < left - BEARING) | (boxes[:, 2] > right + BEARING) | (boxes[:, 1] < 0)
+        outside += [f"page {number}: {''.join(np.array(signs)[beyond])}"] if beyond.any() else []
+        over += [f"page {number}: {signs[i]}{signs[j]}" for i, j in overlapping(boxes)]
+    checks.check(f"{what}: nothing stands outside of the text block of {pages} pages", not outside, outside[:5])
+    checks.check(f"{what}: no glyph stands on another", not over, over[:5])
+
+
+def overlapping(boxes):
+    """Pairs of boxes (left, bottom, right, top) that lie on each other; letters of one ligature have one box."""
+    left, bottom, right, top = boxes.T
+    wide = np.minimum(right[:, None], right) - np.maximum(left[:, None], left)
+    high = np.minimum(top[:, None], top) - np.maximum(bottom[:, None], bottom)
+    area = (right - left) * (top - bottom)
+    shared = np.clip(wide, 0, None) * np.clip(high, 0, None)
+    ligature = np.eye(len(boxes), k=1, dtype=bool) & (boxes[:, None] == boxes).all(axis=2)
+    return np.argwhere(np.triu(shared > TOUCH * np.minimum(area[:, None], area), 1) & ~ligature)
+
+
+def words(what, text, files):
+    """Every word and every long number of the tables, as their Markdown has them, is in the PDF."""
+    there = squeezed(text)
+    lost = []
+    for file in files:
+        rows = [line for line in file.with_suffix(".md").read_text().splitlines() if line.startswith("| ")]
+        cells = [cell for row in rows for cell in re.findall(r"[A-Za-z]{3,}|[0-9]+\.[0-9]{2,}", row)]
+        lost += [f"{file.stem}: {cell}" for cell in dict.fromkeys(cells) if cell not in there]
+    checks.check(f"{what}: every word and number of the tables is there", not lost, lost[:5])
+
+
+def squeezed(text):
+    return re.sub(r"[\s\u00ad\u2010\ufffe-]", "", text)
+
+
+def same_by_command(zwidth, root, files):
+    """`zwidth table` prints what `zwidth run` wrote."""
+    listed = checks.run(zwidth, "--root", root, "table", STUDY).splitlines()
+    names = [line.split()[0] for line in listed]
+    checks.equal(f"zwidth table lists {len(files)} tables", sorted(names), sorted(file.stem for file in files))
+    for form in ["tex", "typ"]:
+        printed = {n: checks.run(zwidth, "--root", root, "table", STUDY, n, "--format", form).strip() for n in names}
+        other = [n for n in names if printed[n] != (files[0].parent / f"{n}.{form}").read_text().strip()]
+        checks.check(f"zwidth table --format {form} prints what zwidth run wrote", not other, other)
+
+
+def images(folder):
+    """Every page as a PNG beside its document."""
+    for file in sorted(folder.glob("*.pdf")):
+        for number, page in enumerate(pdfium.PdfDocument(file), 1):
+            page.render(scale=1.6).to_pil().save(folder / f"{file.stem}-{number:02}.png")
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--zwidth", type=Path, required=True, help="the program")
+    arguments.add_argument("--root", type=Path, required=True, help="where raw/thesis-twin lies")
+    arguments.add_argument("--engine", default="pdflatex", help="pdflatex, lualatex or xelatex")
+    arguments.add_argument("--keep", type=Path, help="a folder for documents and images (needs Pillow)")
+    given = arguments.parse_args()
+    tables = given.root.resolve() / "reports" / STUDY / "tables"
+    tex, typ = sorted(tables.glob("*.tex")), sorted(tables.glob("*.typ"))
+    checks.check("there are tables in both languages", len(tex) == len(typ) > 0, (len(tex), len(typ)))
+    if not shutil.which(given.engine):
+        raise SystemExit(f"{given.engine} is not installed; docs/tables.md says what it needs")
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = given.keep.resolve() if given.keep else Path(scratch)
+        folder.mkdir(parents=True, exist_ok=True)
+        for size, more in ARTICLES.items():
+            latex(given.engine, size, more, tex, folder)
+        for page, (start, margin) in PAGES.items():
+            typeset_typst(page, start, margin, typ, folder)
+        glyphs_of_typst(typ)
+        if given.keep:
+            images(folder)
+    same_by_command(given.zwidth.resolve(), given.root.resolve(), tex)
+    checks.end()
+
+
+main()
