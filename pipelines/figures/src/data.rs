@@ -106,7 +106,8 @@ impl Scene<'_> {
         self.modes.iter().flat_map(|m| &m.repeats).any(|r| r.onset_s.is_some())
     }
 
-    /// Label of the time axis. Repeats are drawn at their own times, means aligned by landmarks at the landmarks' mean times.
+    /// Label of the time axis. Repeats are drawn at their own times, means aligned by landmarks at the landmarks' mean
+    /// times.
     pub(crate) fn time_label(&self) -> &'static str {
         let by_landmarks =
             self.alignment == Alignment::Landmarks && self.modes.iter().any(|m| m.average.is_some());
