@@ -1,6 +1,7 @@
 //! Chores of the workspace: `cargo xtask NAME`.
 #![allow(clippy::print_stdout)] // a chore tells what it did
 
+mod bits;
 mod encodings;
 mod soak;
 mod twin;
@@ -13,6 +14,7 @@ const CHORES: &str =
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
 cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
+cargo xtask bits [renew]               the main job's bytes: one thread, many, other processors (qemu-user), as written down
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
 
 fn main() -> anyhow::Result<()> {
@@ -33,6 +35,8 @@ fn main() -> anyhow::Result<()> {
         }
         // What `soak watchdog` runs and cuts off.
         ["soak", "host", socket] => soak::watchdog::host(Path::new(socket)),
+        ["bits"] => bits::compare(&soak::program()?, &scratch("bits"), false),
+        ["bits", "renew"] => bits::compare(&soak::program()?, &scratch("bits"), true),
         ["encodings", study] => encodings::measure(Path::new("."), study),
         _ => bail!("the chores are\n{CHORES}"),
     }
