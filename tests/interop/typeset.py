@@ -14,6 +14,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import checks
@@ -58,24 +59,29 @@ Tables {references}.
 """
 
 
-def latex(engine, size, more, files, folder):
-    """Compiles the document; its PDF, or nothing."""
+def compile_latex(engine, size, files, folder):
+    """Writes the document and compiles it; the exit code."""
     name = f"latex-{size}"
-    what = f"{engine}, article at {size}"
-    (folder / f"{name}.tex").write_text(latex_document(size, more, files))
+    (folder / f"{name}.tex").write_text(latex_document(size, ARTICLES[size], files))
     command = [engine, "-interaction=nonstopmode", "-halt-on-error", f"{name}.tex"]
     wide = {**os.environ, "max_print_line": "10000"}
     for _ in range(PASSES):
         done = subprocess.run(command, cwd=folder, env=wide, capture_output=True, check=False)
+    return done.returncode
+
+
+def judge_latex(engine, size, code, files, folder):
+    """What the compiler said, and what its PDF looks like."""
+    name, what = f"latex-{size}", f"{engine}, article at {size}"
     log = (folder / f"{name}.log").read_text(errors="replace")
     told = [line for line in log.splitlines() if line.startswith("!")]
-    checks.check(f"{what}: {len(files)} tables compile", done.returncode == 0, told[:3])
+    checks.check(f"{what}: {len(files)} tables compile", code == 0, told[:3])
     overfull = [float(pt) for pt in re.findall(r"^Overfull \\[hv]box \((.*?)pt", log, re.MULTILINE)]
     checks.check(f"{what}: no box is overfull by more than {HFUZZ} pt", not [pt for pt in overfull if pt > HFUZZ], overfull)
     for complaint in ["Missing character", "Float too large", "undefined", "have changed", "multiply defined"]:
         lines = [line for line in log.splitlines() if complaint in line]
         checks.check(f"{what}: nothing of '{complaint}'", not lines, lines[:3])
-    if done.returncode == 0:
+    if code == 0:
         left, width = map(float, re.search(r"^block (.*?)pt (.*?)pt$", log, re.MULTILINE).groups())
         look(what, folder / f"{name}.pdf", left * 72 / 72.27, (left + width) * 72 / 72.27)
         text = read(folder / f"{name}.pdf")
@@ -126,9 +132,9 @@ def look(what, file, left, right):
     pages, outside, over = 0, [], []
     for number, page in enumerate(pdfium.PdfDocument(file), 1):
         text = page.get_textpage()
-        signs = [text.get_text_range(i, 1) for i in range(text.count_chars())]
-        boxes = np.array([text.get_charbox(i) for i, s in enumerate(signs) if s.strip()]).reshape(-1, 4)
-        signs = [sign for sign in signs if sign.strip()]
+        signs = [chr(pdfium.raw.FPDFText_GetUnicode(text, i)) for i in range(text.count_chars())]
+        shown = [i for i, sign in enumerate(signs) if sign.strip("\0\r\n\t \xa0")]
+        signs, boxes = [signs[i] for i in shown], np.array([text.get_charbox(i) for i in shown]).reshape(-1, 4)
         pages += 1
         beyond = (boxes[:, 0] < left - BEARING) | (boxes[:, 2] > right + BEARING) | (boxes[:, 1] < 0)
         outside += [f"page {number}: {''.join(np.array(signs)[beyond])}"] if beyond.any() else []
@@ -139,13 +145,19 @@ def look(what, file, left, right):
 
 def overlapping(boxes):
     """Pairs of boxes (left, bottom, right, top) that lie on each other; letters of one ligature have one box."""
-    left, bottom, right, top = boxes.T
-    wide = np.minimum(right[:, None], right) - np.maximum(left[:, None], left)
-    high = np.minimum(top[:, None], top) - np.maximum(bottom[:, None], bottom)
+    order = np.argsort(boxes[:, 1])
+    left, bottom, right, top = boxes[order].T
+    # Those that begin, upwards, before a box ends: only they can lie on it.
+    until = np.searchsorted(bottom, top)
+    number = np.maximum(until - np.arange(len(order)) - 1, 0)
+    a = np.repeat(np.arange(len(order)), number)
+    b = a + 1 + np.arange(len(a)) - np.repeat(np.cumsum(number) - number, number)
+    wide = np.minimum(right[a], right[b]) - np.maximum(left[a], left[b])
+    high = np.minimum(top[a], top[b]) - np.maximum(bottom[a], bottom[b])
     area = (right - left) * (top - bottom)
-    shared = np.clip(wide, 0, None) * np.clip(high, 0, None)
-    ligature = np.eye(len(boxes), k=1, dtype=bool) & (boxes[:, None] == boxes).all(axis=2)
-    return np.argwhere(np.triu(shared > TOUCH * np.minimum(area[:, None], area), 1) & ~ligature)
+    on = np.clip(wide, 0, None) * np.clip(high, 0, None) > TOUCH * np.minimum(area[a], area[b])
+    pairs = np.sort(np.stack([order[a[on]], order[b[on]]], axis=1))
+    return [(i, j) for i, j in pairs if j != i + 1 or (boxes[i] != boxes[j]).any()]
 
 
 def words(what, text, files):
@@ -196,8 +208,10 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         folder = given.keep.resolve() if given.keep else Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
-        for size, more in ARTICLES.items():
-            latex(given.engine, size, more, tex, folder)
+        with ThreadPoolExecutor() as pool:
+            codes = pool.map(lambda size: compile_latex(given.engine, size, tex, folder), ARTICLES)
+        for size, code in zip(ARTICLES, codes):
+            judge_latex(given.engine, size, code, tex, folder)
         for page, (start, margin) in PAGES.items():
             typeset_typst(page, start, margin, typ, folder)
         glyphs_of_typst(typ)
