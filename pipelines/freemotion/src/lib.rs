@@ -8,7 +8,7 @@
 //! (N·m·s/rad); smaller is more transparent. A time average of free motion means nothing (no two movements
 //! follow the same course), but these three can be compared over controllers and sessions.
 //!
-//! Where the angle itself was recorded, [`plant_fit`] asks for more of the device, and never differentiates twice:
+//! Where the angle was recorded and no acceleration, [`plant_fit`] asks for more of the device, and never differentiates twice:
 //!
 //! τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ,
 //!

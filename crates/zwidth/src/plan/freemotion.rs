@@ -1,4 +1,5 @@
-//! Stage `freemotion`: in a free environment, the plant of every trial with an angle, the plane fit of every other.
+//! Stage `freemotion`: in a free environment, the plane fit of every trial that brings an acceleration, the plant of every
+//! other that has an angle.
 
 use super::{JobError, analysis_parameters, derived, known, made, paths, read_all, split};
 use rayon::prelude::*;
@@ -27,8 +28,9 @@ fn free_trials(data: &StudyData) -> Vec<&TrialEntry> {
 }
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
-    let with_angle = |t: &&TrialEntry| t.signals.contains(&Signal::Theta);
-    let (plants, planes): (Vec<_>, Vec<_>) = free_trials(data).into_iter().partition(with_angle);
+    let has = |t: &TrialEntry, signal: Signal| t.signals.contains(&signal);
+    let angle_alone = |t: &&TrialEntry| has(t, Signal::Theta) && !has(t, Signal::ThetaDdot);
+    let (plants, planes): (Vec<_>, Vec<_>) = free_trials(data).into_iter().partition(angle_alone);
     let plane =
         job(data, "plane fits of free motion", planes, planes_of(&data.layout), |trials, out, from| {
             let (fits, problems) = fit_all(trials, |t| zwidth_freemotion::plane_fit(t, &data.study));
