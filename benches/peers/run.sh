@@ -1,5 +1,6 @@
 #!/bin/sh
-# Builds all peers, tunes them, times them on one core, and writes one table to stdout and to RESULTS.md.
+# Builds all peers, tunes them, times them on one core, and writes one table to stdout and to RESULTS.md, whose second
+# section (study/run.sh) stays as it is.
 #
 #   benches/peers/run.sh            some minutes
 #   benches/peers/run.sh --plain    also SciPy's RK45 on the plain, chattering right-hand side: minutes more
@@ -20,4 +21,6 @@ if command -v taskset >/dev/null; then one="taskset -c $(($(nproc) - 1))"; else 
 $one "$target/release/zwidth-peers" reference >"$target/reference.txt"
 $one "$target/release/zwidth-peers" measure >"$rows"
 OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $one "$venv/bin/python" peers.py "$target/reference.txt" "$@" >>"$rows"
-"$venv/bin/python" table.py "$rows" | tee RESULTS.md
+"$venv/bin/python" table.py "$rows" | tee "$target/solvers.md"
+study="$(sed -n '/<!-- Written by study\/run.sh. -->/,$p' RESULTS.md)"
+{ cat "$target/solvers.md"; echo; printf '%s\n' "$study"; } >RESULTS.md

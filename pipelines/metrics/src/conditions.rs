@@ -79,9 +79,30 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
     }
     let mut rows: Vec<usize> = (0..keys.len()).collect();
     rows.sort_by_key(|row| keys[*row]);
+    taken(metrics, rows)
+}
+
+/// These rows of a table, in this order.
+fn taken(table: &Table, rows: Vec<usize>) -> Result<Table, TableError> {
     let rows = pl::IdxCa::from_vec("".into(), rows.into_iter().map(|row| row as pl::IdxSize).collect());
-    let frame = metrics.frame().take(&rows).map_err(polars)?;
-    Table::from_frame(metrics.name(), metrics.title(), metrics.fields().to_vec(), frame)
+    let frame = table.frame().take(&rows).map_err(polars)?;
+    Table::from_frame(table.name(), table.title(), table.fields().to_vec(), frame)
+}
+
+/// The metrics of several conditions as one table in the order of participant, session and trial; `None` for none.
+///
+/// # Errors
+/// Tables that are not of this stage.
+pub fn together(conditions: &[Table]) -> Result<Option<Table>, TableError> {
+    let Some(all) = Table::concat("metrics", "Metrics, one row a trial", conditions)? else {
+        return Ok(None);
+    };
+    let people = [all.texts("participant")?, all.texts("session")?];
+    let trials = all.integers("trial")?;
+    let key = |row: usize| (&people[0][row], &people[1][row], trials[row]);
+    let mut rows: Vec<usize> = (0..all.height()).collect();
+    rows.sort_by(|a, b| key(*a).cmp(&key(*b)));
+    taken(&all, rows).map(Some)
 }
 
 fn polars(source: pl::PolarsError) -> TableError {
@@ -164,6 +185,22 @@ mod tests {
     fn condition(mode: &str) -> Condition {
         let environment = zwidth_study::EnvironmentId::new("spring").unwrap();
         Condition { environment, mode: zwidth_study::ModeId::new(mode).unwrap() }
+    }
+
+    #[test]
+    fn the_trials_of_several_conditions_come_together_in_their_order() {
+        let part = |people: [&str; 2], trials: [i64; 2]| {
+            let texts = |name, values: [&str; 2]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
+            let trials = Column::integer("trial", "1", "", trials.map(Some));
+            let columns = vec![texts("participant", people), texts("session", ["S01", "S01"]), trials];
+            Table::new("metrics", "", columns).unwrap()
+        };
+        let parts = [part(["P01", "P02"], [10, 3]), part(["P02", "P01"], [4, 9])];
+        let all = together(&parts).unwrap().unwrap();
+        assert_eq!(all.integers("trial").unwrap(), [9, 10, 3, 4].map(Some));
+        let people: Vec<_> = all.texts("participant").unwrap().into_iter().flatten().collect();
+        assert_eq!(people, ["P01", "P01", "P02", "P02"]);
+        assert!(together(&[]).unwrap().is_none());
     }
 
     #[test]

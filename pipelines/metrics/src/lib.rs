@@ -40,7 +40,7 @@ mod testing;
 mod wall;
 
 pub use compliance::Compliance;
-pub use conditions::by_condition;
+pub use conditions::{by_condition, together};
 pub use discrepancy::Discrepancy;
 pub use error::MetricsError;
 pub use movement::Movement;

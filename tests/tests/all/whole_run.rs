@@ -50,8 +50,8 @@ const TABLES: [&str; 17] = [
     "weight",
 ];
 
-/// Jobs that make derived tables: characterise 3, metrics 2, average 6, replay 1, identify 1, likert 1, report 3.
-const DERIVED: usize = 17;
+/// Jobs that make derived tables: characterise 3, metrics 7, average 6, replay 1, identify 1, likert 1, report 3.
+const DERIVED: usize = 22;
 
 /// Jobs of the study: a figure or a printed table is one each, and so is the summary.
 fn jobs() -> usize {
@@ -138,20 +138,19 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     append_events(&RealFiles, &log, "2026-01-02T00:00:00Z", &[Event::Superseded { trial: 4, by: 40 }])
         .unwrap();
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
-    // The metrics of the session hold every onset, so that each of its figures depends on them. No other
-    // condition's mean does, nor anything about the actuators.
-    let repeats = CONDITIONS.map(|c| format!("figure repeats.P01.S01.{c}"));
-    let mut expect = strings(&[
+    // The plant rests on all trials, and so does every figure of it. No other condition's metrics, mean and figures do,
+    // nor anything about the actuators.
+    let expect = strings(&[
         "average P01 S01 spring hybrid",
         "figure likert",
         "figure loops.P01.S01",
         "figure modes.P01.S01.spring",
-        "figure modes.P01.S01.spring_wall",
+        "figure repeats.P01.S01.spring.hybrid",
         "figure replay.P01.S01.spring",
         "figure replay.P01.S01.spring_wall",
         "identify",
         "likert tallies",
-        "metrics P01 S01",
+        "metrics P01 S01 spring hybrid",
         "metrics of the study",
         "pros and cons",
         "replay",
@@ -166,8 +165,6 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "table replay",
         "table replay.agreement",
     ]);
-    expect.extend(repeats);
-    expect.sort();
     assert_eq!(ran.made(), expect);
     let metrics = Table::from_parquet(&root.path().join("derived/thesis-twin/metrics.parquet")).unwrap();
     assert!(!metrics.integers("trial").unwrap().contains(&Some(4)));
@@ -217,7 +214,10 @@ fn only_makes_a_stage_a_figure_or_a_table_and_what_it_needs() {
     let root = shipped::raw();
     let only = |name: &str| zwidth(root.path(), &["run", "--json", "--only", name]).exits(0).made();
     assert_eq!(only("likert tallies"), ["likert tallies"]);
-    assert_eq!(only("conditions"), ["metrics P01 S01", "metrics of the study", "table conditions"]);
+    let mut expect = CONDITIONS.map(|c| format!("metrics P01 S01 {}", c.replace('.', " "))).to_vec();
+    expect.extend(strings(&["metrics of the study", "table conditions"]));
+    expect.sort();
+    assert_eq!(only("conditions"), expect);
     assert_eq!(only("repeats.P01.S01.spring.active"), ["figure repeats.P01.S01.spring.active"]);
     assert!(!root.path().join("reports/thesis-twin/summary.md").exists());
     let again = zwidth(root.path(), &["run", "--only", "likert tallies"]).exits(0);
@@ -236,7 +236,7 @@ fn a_dry_run_says_what_would_be_made_and_makes_nothing() {
     let dry = zwidth(root.path(), &["run", "--dry-run", "--json"]).exits(0);
     assert_eq!(dry.made().len(), jobs());
     assert_eq!(listing(root.path()), before);
-    zwidth(root.path(), &["run", "--dry-run"]).exits(0).says(&["metrics P01 S01: never made"]);
+    zwidth(root.path(), &["run", "--dry-run"]).exits(0).says(&["metrics P01 S01 spring active: never made"]);
 }
 
 #[test]

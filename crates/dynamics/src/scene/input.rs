@@ -185,16 +185,13 @@ impl Series {
         check(&format!("{name}.series.value.len()"), counts.1, same, "the number of times")?;
         let of = |field: &str, i: usize| format!("{name}.series.{field}[{i}]");
         for (i, (&t, &value)) in self.t_s.iter().zip(&self.value).enumerate() {
+            let in_order = if i == 0 { t <= 0.0 } else { t >= self.t_s[i - 1] };
+            if in_order && t.is_finite() && value.is_finite() {
+                continue; // a fit checks a recorded series at every run: names are made for what is wrong alone
+            }
             finite(&of("t_s", i), t)?;
             finite(&of("value", i), value)?;
-            let before = if i == 0 { 0.0 } else { self.t_s[i - 1] };
-            let first = i > 0 || t <= 0.0;
-            check(
-                &of("t_s", i),
-                t,
-                first && (i == 0 || t >= before),
-                "0 at first, then never running backwards",
-            )?;
+            check(&of("t_s", i), t, in_order, "0 at first, then never running backwards")?;
         }
         Ok(())
     }

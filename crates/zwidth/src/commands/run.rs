@@ -10,8 +10,9 @@ use crate::screen::Screen;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
+use zwidth_acquire::Unsynced;
 use zwidth_runner::{Job, Options, Report, Verdict, run as run_jobs, wanted};
-use zwidth_store::{Layout, RealFiles, StudyData};
+use zwidth_store::{Layout, StudyData};
 
 /// What `--json` prints of a study.
 #[derive(Serialize)]
@@ -65,7 +66,8 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let options = Options { fresh: command.fresh, dry_run: command.dry_run, only: command.only.clone() };
     let bars = screen.bars(lengths(&jobs, command.only.as_deref()));
     let done = |report: &Report| bars.done(report.stage, &report.name);
-    let reports = run_jobs(&jobs, layout.root(), &records_file(layout), &RealFiles, &options, &done);
+    // Not waited for: what a power cut spoils no longer has the hash in its record, and is made again.
+    let reports = run_jobs(&jobs, layout.root(), &records_file(layout), &Unsynced, &options, &done);
     bars.clear();
     let reports = reports?;
     let in_vain = plan::chosen_in_vain(&data.study, &jobs);

@@ -4,6 +4,7 @@ use super::{
     JobError, Session, average, characterise, design, freemotion, likert_figures, metrics, paths, read_all,
     replay_figures, sessions,
 };
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_draw::{DEFAULT_DPI, Figure, draw};
 use zwidth_figures::{Characterised, ModeData, Repeat, Scene};
@@ -128,7 +129,7 @@ struct Recorded<'a> {
     environment: &'a Environment,
     who: String,
     trials: Vec<&'a TrialEntry>,
-    metrics: PathBuf,
+    metrics: Vec<PathBuf>,
     alignment: Alignment,
     averages: Vec<Option<PathBuf>>,
 }
@@ -138,30 +139,31 @@ impl<'a> Recorded<'a> {
     fn new(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment, figure: &str) -> Self {
         let alignment = data.study.figures.alignment(figure);
         let made = |m| average::aligned(data, session, environment, m, alignment);
+        let metrics = |m| metrics::of_condition(&data.layout, session, environment, m);
         Self {
             data,
             environment,
             who: session.who(),
             trials: session.of(environment),
-            metrics: metrics::of_session(&data.layout, session),
+            metrics: data.study.modes.iter().filter_map(metrics).collect(),
             alignment,
             averages: data.study.modes.iter().map(made).collect(),
         }
     }
 
     fn inputs(&self) -> Vec<PathBuf> {
-        let beside = [&self.metrics].into_iter().chain(self.averages.iter().flatten());
+        let beside = self.metrics.iter().chain(self.averages.iter().flatten());
         paths(&self.trials).into_iter().chain(beside.cloned()).collect()
     }
 
     fn load(&self) -> Result<(Loaded<'a>, Vec<String>), JobError> {
         let (trials, problems) = read_all(&self.trials);
-        let metrics = Table::from_parquet(&self.metrics)?;
-        let (numbers, onsets) = (metrics.integers("trial")?, metrics.floats("onset_s")?);
-        let onset = |t: &Trial| {
-            let row = numbers.iter().position(|n| *n == Some(i64::from(t.meta.trial)))?;
-            onsets[row]
-        };
+        let mut onsets = BTreeMap::new();
+        for metrics in &self.metrics {
+            let metrics = Table::from_parquet(metrics)?;
+            onsets.extend(metrics.integers("trial")?.into_iter().zip(metrics.floats("onset_s")?));
+        }
+        let onset = |t: &Trial| onsets.get(&Some(i64::from(t.meta.trial))).copied().flatten();
         let read = |path: &Option<PathBuf>| path.as_deref().map(Table::from_parquet).transpose();
         let averages = self.averages.iter().map(read).collect::<Result<Vec<_>, _>>()?;
         let notes = footnotes(averages.iter().flatten())?;
@@ -254,6 +256,8 @@ fn repeats_jobs<'a>(
         let name = format!("repeats.{}.{}.{}", session.key(), environment.id, mode.id);
         let mut source = Recorded::new(data, session, environment, &name);
         source.trials = mine;
+        source.metrics =
+            metrics::of_condition(&data.layout, session, environment, mode).into_iter().collect();
         source.averages.iter_mut().for_each(|a| *a = None);
         jobs.push(figure_job(data, &name, source.inputs(), parameters(&data.study), move || {
             let (loaded, problems) = source.load()?;

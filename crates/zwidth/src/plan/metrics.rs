@@ -1,17 +1,30 @@
-//! Stage `metrics`: a table a session, then one of the whole study.
+//! Stage `metrics`: a table a condition of a session, then one of the whole study. A changed trial leaves the tables of the
+//! other conditions as they are, and so the figures that take their onsets from there.
 
 use super::{Session, analysis_parameters, derived, known, made, paths, read_all, sessions, split};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use zwidth_runner::Job;
-use zwidth_store::{Layout, StudyData};
+use zwidth_store::{Layout, StudyData, TrialEntry};
+use zwidth_study::{Environment, Mode};
 use zwidth_tables::Table;
 
 const STAGE: &str = "metrics";
 
-/// The metrics of one session.
-pub(super) fn of_session(layout: &Layout, session: &Session) -> PathBuf {
-    derived(layout, format!("metrics/{}.parquet", session.key()))
+/// The metrics of a condition, `metrics/P01.S01.spring.hybrid.parquet`; if the session has trials of it.
+pub(super) fn of_condition(
+    layout: &Layout,
+    session: &Session,
+    environment: &Environment,
+    mode: &Mode,
+) -> Option<PathBuf> {
+    let name = format!("metrics/{}.{}.{}.parquet", session.key(), environment.id, mode.id);
+    let has_trials = !trials(session, environment, mode).is_empty();
+    has_trials.then(|| derived(layout, name))
+}
+
+fn trials<'a>(session: &Session<'a>, environment: &Environment, mode: &Mode) -> Vec<&'a TrialEntry> {
+    session.of(environment).into_iter().filter(|t| t.meta.mode == mode.id).collect()
 }
 
 /// The metrics of the study.
@@ -25,20 +38,35 @@ pub(super) fn by_condition(layout: &Layout) -> PathBuf {
 }
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
-    let sessions = sessions(data);
-    let mut jobs: Vec<Job> = sessions.iter().map(|s| session_job(data, s)).collect();
+    let mut jobs = Vec::new();
+    for session in sessions(data) {
+        for environment in &data.study.environments {
+            for mode in &data.study.modes {
+                let output = of_condition(&data.layout, &session, environment, mode);
+                let name = format!("metrics {} {} {}", session.who(), environment.id, mode.id);
+                let trials = trials(&session, environment, mode);
+                jobs.extend(output.map(|output| condition_job(data, name, trials, output)));
+            }
+        }
+    }
     if !jobs.is_empty() {
-        jobs.push(study_job(data, sessions.iter().map(|s| of_session(&data.layout, s)).collect()));
+        let tables = jobs.iter().flat_map(|job| job.outputs.iter().cloned()).collect();
+        jobs.push(study_job(data, tables));
     }
     jobs
 }
 
-fn session_job<'a>(data: &'a StudyData, session: &Session<'a>) -> Job<'a> {
-    let outputs = vec![of_session(&data.layout, session)];
-    let (trials, out) = (session.trials.clone(), outputs.clone());
+fn condition_job<'a>(
+    data: &'a StudyData,
+    name: String,
+    trials: Vec<&'a TrialEntry>,
+    output: PathBuf,
+) -> Job<'a> {
+    let outputs = vec![output];
+    let out = outputs.clone();
     Job {
         stage: STAGE,
-        name: format!("metrics {}", session.who()),
+        name,
         version: zwidth_metrics::VERSION,
         parameters: format!("{}; {:?}; {}", analysis_parameters(data), protocol(data), known(&trials)),
         inputs: paths(&trials),
@@ -80,8 +108,7 @@ fn study_job<'a>(data: &'a StudyData, inputs: Vec<PathBuf>) -> Job<'a> {
         tolerant: false,
         make: Box::new(move |from| {
             let tables = files.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
-            let all = Table::concat("metrics", "Metrics, one row a trial", &tables)?
-                .ok_or("there is no session")?;
+            let all = zwidth_metrics::together(&tables)?.ok_or("there is no trial")?;
             let conditions = zwidth_metrics::by_condition(&all, &conditions)?;
             made(&[all, conditions], &out, from, Vec::new())
         }),
