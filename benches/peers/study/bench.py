@@ -53,6 +53,7 @@ def timed(*command):
     wall = time.perf_counter() - start
     if status:
         sys.exit(f"failed: {' '.join(map(str, command))}")
+    print(f"{wall:8.2f} s  {' '.join(map(str, command[2:]))}", file=sys.stderr)
     return wall, usage.ru_utime + usage.ru_stime, printed
 
 
@@ -146,13 +147,17 @@ def section(rounds, full, compared, nothing, changed, trial):
     without = [tuple(a - b for a, b in zip(r[0][:2], r[1][:2])) for r in rounds]
     row("everything but the identification, fresh", without, [r[2] for r in rounds])
     row("the script without identification, zwidth with it", [r[0] for r in rounds], [r[2] for r in rounds])
-    changes = [[(c[0][k] - c[1][k]) / (c[2][k] - c[1][k]) for k in (0, 1)] for c in changed]
-    lines += ["", "| zwidth alone | wall | processor |", "| --- | --- | --- |",
+    again = [[c[0][k] - c[1][k] for k in (0, 1)] for c in changed]
+    over_fresh = [[a[k] / c[2][k] for k in (0, 1)] for a, c in zip(again, changed)]
+    over_rest = [[a[k] / (c[2][k] - c[1][k]) for k in (0, 1)] for a, c in zip(again, changed)]
+    lines += ["", "| zwidth alone | wall | of processor |", "| --- | --- | --- |",
               f"| nothing to do | {1e3 * median(nothing):.0f} ms | {1e3 * median(nothing, 1):.0f} ms |",
-              f"| one changed trial ({trial}) | {median([c[0] for c in changed]):.2f} s | "
+              f"| one changed trial ({trial}), with identification | {median([c[0] for c in changed]):.2f} s | "
               f"{median([c[0] for c in changed], 1):.2f} s |",
-              f"| the same over a fresh run, identification aside | {100 * median(changes):.0f} % | "
-              f"{100 * median(changes, 1):.0f} % |", ""]
+              f"| without it | {median(again):.2f} s | {median(again, 1):.2f} s |",
+              f"| that over a fresh run | {100 * median(over_fresh):.0f} % | {100 * median(over_fresh, 1):.0f} % |",
+              f"| that over a fresh run without identification | {100 * median(over_rest):.0f} % | "
+              f"{100 * median(over_rest, 1):.0f} % |", ""]
     parts = json.loads((full[-1][1] if full else rounds[-1][2])[2].splitlines()[-1])
     lines += ["The script's parts, s: " + ", ".join(f"{k} {v:.1f}" for k, v in parts.items()) + ".", "",
               "| table | columns compared | null in one alone | largest difference / largest value | in |",
