@@ -15,6 +15,7 @@ cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random i
 cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
 cargo xtask bits [renew]               the main job's bytes: one thread, many, other processors (qemu-user), as written down
+cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
 
 fn main() -> anyhow::Result<()> {
@@ -37,6 +38,9 @@ fn main() -> anyhow::Result<()> {
         ["soak", "host", socket] => soak::watchdog::host(Path::new(socket)),
         ["bits"] => bits::compare(&soak::program()?, &scratch("bits"), false),
         ["bits", "renew"] => bits::compare(&soak::program()?, &scratch("bits"), true),
+        ["soak", "coverage", rest @ ..] => {
+            soak::coverage::coverage(&soak::program()?, &scratch("coverage"), number(rest.first(), 400)?)
+        }
         ["encodings", study] => encodings::measure(Path::new("."), study),
         _ => bail!("the chores are\n{CHORES}"),
     }

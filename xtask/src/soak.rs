@@ -1,6 +1,7 @@
 //! `cargo xtask soak`: what takes too long for the tests, and a short turn of it in CI.
 
 mod cable;
+pub(crate) mod coverage;
 pub(crate) mod kill;
 pub(crate) mod live;
 pub(crate) mod watchdog;

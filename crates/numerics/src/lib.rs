@@ -4,6 +4,7 @@
 //! plain loops, so that a result has the same bits on every machine.
 
 pub mod activity;
+pub mod cubic;
 mod error;
 pub mod expm;
 pub mod lsq;

@@ -2,58 +2,68 @@
 
 use crate::IdentifyError;
 use crate::fit::{Block, Problem, sum};
+use crate::profile::{Curve, Point};
 use crate::slopes::Parameter;
 use crate::verdict::{Verdict, inflation, verdict};
 use zwidth_numerics::nonlinear::Minimum;
-use zwidth_stats::bootstrap::{expanded_level, percentile_interval, resample};
-use zwidth_stats::interval::sd;
-
-/// Resamples of the trials: the ends of a 95 % interval then scatter by a few per cent of its width.
-const RESAMPLES: usize = 2000;
-/// Seed of the resamples: any will do, and it stays.
-const SEED: u64 = 24;
+use zwidth_stats::student_t::critical_value;
 
 /// A fitted parameter; unit as the parameter.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// The parameter.
     pub parameter: Parameter,
     /// Its value.
     pub fitted: f64,
-    /// Standard deviation over the resamples; `None` for a parameter that is not free to move.
+    /// Standard error by leaving out each trial in turn; `None` where the trials do not determine the parameter, or not
+    /// without one of them.
     pub std_error: Option<f64>,
-    /// Ends of its interval, within the bounds; `None` likewise.
+    /// Effective degrees of freedom of the standard error; `None` likewise.
+    pub df: Option<f64>,
+    /// Where the profile stays within the level asked for; an end may be a bound. `None` likewise.
     pub interval: Option<(f64, f64)>,
     /// Variance inflation: by how much its variance is larger than if the other parameters were known, 1 at least;
-    /// `None` likewise.
+    /// `None` for a parameter that the trials do not determine.
     pub inflation: Option<f64>,
-    /// Its profile: what becomes of the error when it is changed and the others are fitted anew.
-    pub profile: Profile,
+    /// Its profile, by rising value; empty without standard error.
+    pub profile: Vec<Point>,
     /// Whether the trials say what it is.
     pub verdict: Verdict,
 }
 
-/// Root mean square error over the samples of all fitted trials, unit as the recording; `None` where the changed
-/// value lies outside the bounds, or the model does not run there.
+/// A standard error below this share of the value is that of the arithmetic: there is no noise, and nothing to profile.
+const NOISELESS: f64 = 1e-6;
+
+/// How far an estimate scatters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Profile {
-    /// At the fit.
-    pub fitted: f64,
-    /// With half of the fitted value, all other parameters fitted anew.
-    pub halved: Option<f64>,
-    /// With twice the fitted value.
-    pub doubled: Option<f64>,
+pub(crate) struct Spread {
+    pub(crate) std_error: f64,
+    pub(crate) df: f64,
 }
 
-/// The profile of parameter `j` around a minimum.
-fn profile<const P: usize>(problem: &Problem<P>, minimum: &Minimum<P>, j: usize) -> Profile {
-    let rms = |rss: f64| (rss / problem.samples() as f64).sqrt();
-    let (value, Parameter { lower, upper, .. }) = (minimum.parameters[j], problem.parameters[j]);
-    let at = |value: f64| {
-        let inside = value > 0.0 && (lower..=upper).contains(&value);
-        inside.then(|| problem.profile(&minimum.parameters, j, value)).flatten().map(rms)
+/// The spread of free parameter `j`, from what its estimate becomes without each trial in turn: the trial-block
+/// jackknife (Efron 1982; as the covariance CR3 of Bell & McCaffrey 2002, Surv. Methodol. 28:169), V = (G − 1)/G Σ_g (p_g − p̄)².
+/// It holds whatever the errors within a trial are like. Its degrees of freedom are Satterthwaite's (1946),
+/// (Σ_g h_g)² / Σ_g h_g² with the trials' shares h_g = (A⁻¹ A_g A⁻¹)_jj of the variance: few where few trials tell.
+pub(crate) fn spread<const P: usize>(blocks: &[Block<P>], free: &[bool; P], j: usize) -> Option<Spread> {
+    let all = sum(blocks);
+    let inverse_all = inverse(&all.curvature, free)?;
+    let without = |g: usize| {
+        let others = sum(blocks.iter().enumerate().filter(|(i, _)| *i != g).map(|(_, block)| block));
+        let inverse = inverse(&others.curvature, free)?;
+        Some(-(0..P).map(|k| inverse[j][k] * others.gradient[k]).sum::<f64>())
     };
-    Profile { fitted: rms(minimum.rss), halved: at(value / 2.0), doubled: at(2.0 * value) }
+    let moved: Vec<f64> = (0..blocks.len()).map(without).collect::<Option<_>>()?;
+    let n = moved.len() as f64;
+    let mean = moved.iter().sum::<f64>() / n;
+    let variance = (n - 1.0) / n * moved.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>();
+    let share = |block: &Block<P>| {
+        let row = |k: usize| (0..P).map(|l| block.curvature[k][l] * inverse_all[l][j]).sum::<f64>();
+        (0..P).map(|k| inverse_all[j][k] * row(k)).sum::<f64>()
+    };
+    let (total, squares) = blocks.iter().map(share).fold((0.0, 0.0), |(s, q), h| (s + h, q + h * h));
+    Some(Spread { std_error: variance.sqrt(), df: total * total / squares })
+        .filter(|s| s.std_error.is_finite() && s.df > 0.0)
 }
 
 /// Which parameters are free to move: those that are on no bound and that the recordings feel.
@@ -119,39 +129,43 @@ pub(crate) fn inverse<const P: usize>(matrix: &[[f64; P]; P], free: &[bool; P]) 
     }))
 }
 
-/// What the trials' parts of the normal equations say of the parameters at the fit.
+/// What the trials' parts of the normal equations, and the fits with one parameter held, say of each parameter.
 pub(crate) fn estimates<const P: usize>(
     problem: &Problem<P>,
     minimum: &Minimum<P>,
     blocks: &[Block<P>],
     level: f64,
-) -> Result<[Estimate; P], IdentifyError> {
-    let (parameters, at) = (problem.parameters, &minimum.parameters);
+) -> Result<Vec<Estimate>, IdentifyError> {
     let all = sum(blocks);
-    let free = free(parameters, at, &all);
-    let step = |drawn: &[&Block<P>]| stepped(parameters, at, &free, &sum(drawn.iter().copied()));
-    let drawn: Vec<[f64; P]> =
-        resample(blocks, blocks.len(), RESAMPLES, SEED, step).into_iter().flatten().collect();
+    let free = free(problem.parameters, &minimum.parameters, &all);
     let inflation = inflation(&all, &free);
-    let level = expanded_level(level, blocks.len())?;
-    let mut found = core::array::from_fn(|j| Estimate {
-        parameter: parameters[j],
-        fitted: at[j],
-        std_error: None,
-        interval: None,
-        inflation: inflation[j],
-        profile: profile(problem, minimum, j),
-        verdict: Verdict::OnBound,
-    });
-    for (j, estimate) in found.iter_mut().enumerate() {
-        if free[j] {
-            let values: Vec<f64> = drawn.iter().map(|p| p[j]).collect();
-            estimate.std_error = sd(&values);
-            estimate.interval = percentile_interval(&values, level)?;
-        }
-        estimate.verdict = verdict(estimate, all.curvature[j][j]);
-    }
-    Ok(found)
+    let one = |j: usize| {
+        // one on its bound may leave it, to tell how far: the bracket that is left of its interval
+        let mut free = free;
+        free[j] = all.curvature[j][j] > 0.0;
+        let spread = spread(blocks, &free, j).filter(|_| free[j]);
+        let fitted = minimum.parameters[j];
+        let noisy = spread.filter(|spread| spread.std_error > NOISELESS * fitted.abs());
+        let curve = noisy.and_then(|spread| Curve::new(problem, minimum, &all, &free, (j, spread)));
+        let critical = spread.map(|spread| critical_value(level, spread.df)).transpose()?;
+        let interval = match (noisy, &curve) {
+            (None, _) => spread.map(|_| (fitted, fitted)),
+            (_, curve) => curve.as_ref().zip(critical).and_then(|(curve, t)| curve.interval(t)),
+        };
+        let mut estimate = Estimate {
+            parameter: problem.parameters[j],
+            fitted,
+            std_error: spread.map(|s| s.std_error),
+            df: spread.map(|s| s.df),
+            interval,
+            inflation: inflation[j],
+            profile: curve.map(|curve| curve.points()).unwrap_or_default(),
+            verdict: Verdict::OnBound,
+        };
+        estimate.verdict = verdict(&estimate, all.curvature[j][j]);
+        Ok(estimate)
+    };
+    (0..P).map(one).collect()
 }
 
 #[cfg(test)]

@@ -34,9 +34,9 @@ impl<const P: usize> Problem<'_, P> {
         best.ok_or(IdentifyError::NoStart { starts: starts.len() })
     }
 
-    /// The profile at `value` of parameter `j`: the least Σ r² over all others, beginning at the fit.
-    pub(crate) fn profile(&self, at: &[f64; P], j: usize, value: f64) -> Option<f64> {
-        let (mut parameters, mut start) = (*self.parameters, *at);
+    /// The least Σ r² with parameter `j` held at `value`, from `start`.
+    pub(crate) fn held(&self, start: [f64; P], j: usize, value: f64) -> Option<f64> {
+        let (mut parameters, mut start) = (*self.parameters, start);
         (parameters[j].lower, parameters[j].upper, start[j]) = (value, value, value);
         let held = Problem { parameters: &parameters, ..*self };
         held.from(start).ok().map(|minimum| minimum.rss)

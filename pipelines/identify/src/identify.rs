@@ -2,18 +2,29 @@
 
 use crate::IdentifyError;
 use crate::estimate::{Estimate, estimates, free, stepped};
-use crate::fit::{Block, Predict, Problem, sum};
+use crate::fit::{Block, Problem, sum};
 use crate::slopes::Parameter;
 use rayon::prelude::*;
 use zwidth_study::TrialMeta;
 
-/// A trial whose θ is to be predicted.
+/// A trial of which something is to be explained.
 #[derive(Debug, Clone, Copy)]
 pub struct Recording<'a> {
     /// Which trial.
     pub meta: &'a TrialMeta,
-    /// θ of every sample, rad.
-    pub theta_rad: &'a [f64],
+    /// What is to be explained, with all of its noise.
+    pub observed: &'a [f64],
+}
+
+/// What is to be fitted, and from where.
+#[derive(Debug, Clone, Copy)]
+pub struct Task<'a, const P: usize> {
+    /// The parameters.
+    pub parameters: &'a [Parameter; P],
+    /// Where the fit begins, besides the choice by eye.
+    pub starts: &'a [[f64; P]],
+    /// Level of the intervals, such as 0.95.
+    pub level: f64,
 }
 
 /// What a trial was used for.
@@ -42,50 +53,44 @@ pub struct TrialErrors {
 
 /// Fitted parameters, and how good they are.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Identified<const P: usize> {
-    /// The parameters.
-    pub estimates: [Estimate; P],
+pub struct Identified {
+    /// The parameters, in their order.
+    pub estimates: Vec<Estimate>,
     /// Errors, in the order of the recordings.
     pub trials: Vec<TrialErrors>,
     /// Whether the fit met its stopping rule.
     pub converged: bool,
 }
 
-impl<const P: usize> Identified<P> {
-    /// The fitted values.
-    pub fn fitted(&self) -> [f64; P] {
-        self.estimates.map(|e| e.fitted)
-    }
-}
-
-/// Fits `parameters` to half of the recordings and judges them on the other; intervals at `level`.
+/// Fits parameters to half of the recordings and judges them on all.
 ///
-/// `predict(i, p)` gives θ (rad) of every sample of recording `i` at parameters `p`, or `None` where the model does not
-/// run there. The fit begins at the choice by eye and at every one of `starts`.
+/// `explain(i, p)` gives what recording `i` should have observed at parameters `p`, and `judge(i, p)` the model's error of θ
+/// (rad, root mean square) on it; either `None` where the model does not run there. The fit begins at the choice by eye and
+/// at every one of the task's starts.
 ///
 /// # Errors
 /// Fewer than two trials to fit, a model that runs from no start, a level outside (0, 1).
 pub fn identify<const P: usize>(
     recordings: &[Recording],
-    parameters: &[Parameter; P],
-    starts: &[[f64; P]],
-    level: f64,
-    predict: impl Fn(usize, &[f64; P]) -> Option<Vec<f64>> + Sync,
-) -> Result<Identified<P>, IdentifyError> {
+    task: &Task<P>,
+    explain: impl Fn(usize, &[f64; P]) -> Option<Vec<f64>> + Sync,
+    judge: impl Fn(usize, &[f64; P]) -> Option<f64> + Sync,
+) -> Result<Identified, IdentifyError> {
     let parts = parts(recordings);
     let fitted: Vec<usize> = (0..parts.len()).filter(|i| parts[*i] == Part::Fitted).collect();
     if fitted.len() < 2 {
         return Err(IdentifyError::TooFew { trials: fitted.len() });
     }
-    let observed: Vec<&[f64]> = recordings.iter().map(|r| r.theta_rad).collect();
-    let problem = Problem { trials: &fitted, observed: &observed, parameters, predict: &predict };
+    let parameters = task.parameters;
+    let observed: Vec<&[f64]> = recordings.iter().map(|r| r.observed).collect();
+    let problem = Problem { trials: &fitted, observed: &observed, parameters, predict: &explain };
     let by_eye = parameters.map(|p| p.by_eye);
-    let starts: Vec<[f64; P]> = [by_eye].into_iter().chain(starts.iter().copied()).collect();
+    let starts: Vec<[f64; P]> = [by_eye].into_iter().chain(task.starts.iter().copied()).collect();
     let minimum = problem.fit(&starts)?;
     let blocks = problem.blocks(&minimum.parameters);
     let left_out = without_each(parameters, &minimum.parameters, &blocks);
     let one = |(i, recording): (usize, &Recording)| {
-        let error = |p: &[f64; P]| rmse(&predict, i, p, recording.theta_rad);
+        let error = |p: &[f64; P]| judge(i, p).filter(|error| error.is_finite());
         let place = fitted.binary_search(&i).ok();
         TrialErrors {
             meta: recording.meta.clone(),
@@ -96,7 +101,7 @@ pub fn identify<const P: usize>(
         }
     };
     Ok(Identified {
-        estimates: estimates(&problem, &minimum, &blocks, level)?,
+        estimates: estimates(&problem, &minimum, &blocks, task.level)?,
         trials: recordings.par_iter().enumerate().map(one).collect(),
         converged: minimum.converged,
     })
@@ -128,41 +133,40 @@ fn without_each<const P: usize>(
     (0..blocks.len()).map(without).collect()
 }
 
-fn rmse<const P: usize>(predict: Predict<P>, trial: usize, p: &[f64; P], observed: &[f64]) -> Option<f64> {
-    let predicted = predict(trial, p).filter(|found| found.len() == observed.len() && !found.is_empty())?;
-    let squares: f64 = predicted.iter().zip(observed).map(|(p, o)| (p - o) * (p - o)).sum();
-    Some((squares / observed.len() as f64).sqrt()).filter(|rmse| rmse.is_finite())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Verdict;
     use crate::testing::{PARAMETERS, STARTS, TRUE, metas, pushed};
 
+    fn recordings<'a>(metas: &'a [TrialMeta], observed: &'a [Vec<f64>]) -> Vec<Recording<'a>> {
+        metas.iter().zip(observed).map(|(meta, observed)| Recording { meta, observed }).collect()
+    }
+
+    fn task<const P: usize>(parameters: &[Parameter; P]) -> Task<'_, P> {
+        Task { parameters, starts: &[], level: 0.95 }
+    }
+
     #[test]
     fn what_was_simulated_is_recovered_and_beats_the_eye_on_trials_it_has_not_seen() {
         let metas = metas(8);
         let theta: Vec<Vec<f64>> = (0..8).map(|i| pushed(i, &TRUE).unwrap()).collect();
-        let recordings: Vec<_> =
-            metas.iter().zip(&theta).map(|(meta, theta_rad)| Recording { meta, theta_rad }).collect();
-        let found = identify(&recordings, &PARAMETERS, &STARTS, 0.95, pushed).unwrap();
-        for (fitted, expect) in found.fitted().iter().zip(TRUE) {
+        let judge = |i: usize, p: &[f64; 3]| {
+            let squares: f64 = pushed(i, p)?.iter().zip(&theta[i]).map(|(p, o)| (p - o) * (p - o)).sum();
+            Some((squares / theta[i].len() as f64).sqrt())
+        };
+        let task = Task { starts: &STARTS, ..task(&PARAMETERS) };
+        let found = identify(&recordings(&metas, &theta), &task, pushed, judge).unwrap();
+        for (estimate, expect) in found.estimates.iter().zip(TRUE) {
+            let fitted = estimate.fitted;
             assert!((fitted / expect - 1.0).abs() < 1e-6, "{fitted} instead of {expect}");
-        }
-        assert!(found.estimates.iter().all(|e| e.verdict == Verdict::Identifiable), "{found:?}");
-        for Estimate { profile, .. } in found.estimates {
-            assert!(
-                profile.fitted < 1e-7 && profile.halved.unwrap() > 1e-4 && profile.doubled.unwrap() > 1e-4
-            );
+            assert_eq!(estimate.verdict, Verdict::Identifiable, "{estimate:?}");
         }
         let held: Vec<_> = found.trials.iter().filter(|t| t.part == Part::HeldOut).collect();
         assert_eq!(held.len(), 4);
         for trial in held {
-            assert!(
-                trial.rmse_fitted_rad.unwrap() < 1e-7 && trial.rmse_by_eye_rad.unwrap() > 1e-3,
-                "{trial:?}"
-            );
+            let errors = (trial.rmse_fitted_rad.unwrap(), trial.rmse_by_eye_rad.unwrap());
+            assert!(errors.0 < 1e-7 && errors.1 > 1e-3, "{trial:?}");
             assert_eq!(trial.rmse_left_out_rad, None);
         }
     }
@@ -171,27 +175,23 @@ mod tests {
     fn a_parameter_that_nothing_depends_on_is_insensitive_and_one_that_is_another_s_double_confounded() {
         let metas = metas(6);
         let x = |i: usize| (0..20).map(move |k| f64::from(k) + i as f64);
-        let theta: Vec<Vec<f64>> =
+        let observed: Vec<Vec<f64>> =
             (0..6).map(|i| x(i).map(|x| 2.0 * x + libm::sin(x * (i + 1) as f64)).collect()).collect();
-        let recordings: Vec<_> =
-            metas.iter().zip(&theta).map(|(meta, theta_rad)| Recording { meta, theta_rad }).collect();
+        let recordings = recordings(&metas, &observed);
         let line = |i: usize, p: &[f64; 3]| Some(x(i).map(|x| p[0] * x).collect());
-        let found = identify(&recordings, &PARAMETERS, &[], 0.95, line).unwrap();
-        let verdicts = found.estimates.map(|e| e.verdict);
-        assert_eq!(verdicts[..2], [Verdict::Identifiable, Verdict::Insensitive]);
-        let (low, high) = found.estimates[0].interval.unwrap();
-        assert!(low < found.fitted()[0] && found.fitted()[0] < high);
+        let found = identify(&recordings, &task(&PARAMETERS), line, |_, _| None).unwrap().estimates;
+        assert_eq!([found[0].verdict, found[1].verdict], [Verdict::Identifiable, Verdict::Insensitive]);
+        let (low, high) = found[0].interval.unwrap();
+        assert!(low < found[0].fitted && found[0].fitted < high);
         let double = |i: usize, p: &[f64; 3]| Some(x(i).map(|x| (p[0] + p[1]) * x).collect());
-        let found = identify(&recordings, &PARAMETERS, &[], 0.95, double).unwrap();
+        let found = identify(&recordings, &task(&PARAMETERS), double, |_, _| None).unwrap();
         assert_eq!(found.estimates[0].verdict, Verdict::Confounded);
     }
 
     #[test]
     fn one_trial_is_too_few() {
-        let metas = metas(2);
-        let recordings: Vec<_> =
-            metas.iter().map(|meta| Recording { meta, theta_rad: &[0.0, 1.0] }).collect();
-        let error = identify(&recordings, &PARAMETERS, &[], 0.95, |_, _| None).unwrap_err();
-        assert_eq!(error, IdentifyError::TooFew { trials: 1 });
+        let (metas, observed) = (metas(2), vec![vec![0.0, 1.0]; 2]);
+        let error = identify(&recordings(&metas, &observed), &task(&PARAMETERS), |_, _| None, |_, _| None);
+        assert_eq!(error.unwrap_err(), IdentifyError::TooFew { trials: 1 });
     }
 }

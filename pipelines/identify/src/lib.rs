@@ -1,36 +1,42 @@
 //! Stage: the plant's parameters that fit recorded trials best, how well they are known, and whether the fit beats a
 //! choice by eye on trials it has not seen.
 //!
-//! [`identify`] takes recordings of θ and any model that predicts them from parameters: what the model is made of it
-//! does not know. Of each participant's repeats of a condition, by session, every other one, beginning with the first, is
+//! [`identify`] takes what was observed in recordings and any model that explains it from parameters: what the model is made
+//! of it does not know. Of each participant's repeats of a condition, by session, every other one, beginning with the first, is
 //! fitted; the others are held out and only judged.
 //!
-//! * **Fit**: least squares of θ over the samples of all fitted trials, within bounds, by a projected
-//!   Levenberg–Marquardt method from several starts, of which the best end counts. Slopes are central differences.
-//! * **Intervals**: percentiles of a bootstrap over whole trials, because errors within a trial are alike; with few
-//!   trials the percentiles lie further out (Hesterberg 2015). Each resample takes one Gauss–Newton step from the fit
-//!   instead of a fit of its own, so that nothing is run again: right to first order.
-//! * **Left out**: a trial's error with the parameters that the other fitted trials give, by such a step too.
+//! * **Fit**: least squares of what was observed in all fitted trials, within bounds, by a projected
+//!   Levenberg–Marquardt method from several starts, of which the best end counts. Slopes are central differences. The
+//!   noise must be in what is explained, not in what explains.
+//! * **Intervals**: where the profile's likelihood ratio stays below t². The ratio is scaled by the standard error of
+//!   leaving out each trial in turn, because errors within a trial are alike, and t has Satterthwaite's degrees of freedom,
+//!   because a parameter may show in few of the trials.
+//! * **Left out**: a trial's error with the parameters that the other fitted trials give, by one Gauss–Newton step.
 //! * **Verdict**: see [`Verdict`].
+//! * **Threshold**: see [`Bracket`].
 //!
 //! Pure: recordings in memory, tables out; the same bits with any number of threads.
 
+mod bracket;
 mod error;
 mod estimate;
 mod fit;
 mod identify;
+mod profile;
 mod slopes;
 mod table;
 #[cfg(test)]
 mod testing;
 mod verdict;
 
+pub use bracket::{Bracket, Switching};
 pub use error::IdentifyError;
-pub use estimate::{Estimate, Profile};
-pub use identify::{Identified, Part, Recording, TrialErrors, identify};
+pub use estimate::Estimate;
+pub use identify::{Identified, Part, Recording, Task, TrialErrors, identify};
+pub use profile::Point;
 pub use slopes::Parameter;
-pub use table::{against_eye, estimates, nothing_fitted, trials};
+pub use table::{against_eye, estimates, nothing_fitted, profiles, threshold, trials};
 pub use verdict::Verdict;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;

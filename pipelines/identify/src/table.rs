@@ -1,6 +1,6 @@
 //! The fit as tables.
 
-use crate::{Estimate, Identified, Part, TrialErrors};
+use crate::{Bracket, Estimate, Identified, Part, Point, TrialErrors};
 use zwidth_study::Condition;
 use zwidth_tables::{Column, Table, TableError, identity};
 
@@ -8,7 +8,7 @@ use zwidth_tables::{Column, Table, TableError, identity};
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn estimates<const P: usize>(found: &Identified<P>) -> Result<Table, TableError> {
+pub fn estimates(found: &Identified) -> Result<Table, TableError> {
     let fitted = found.trials.iter().filter(|t| t.part == Part::Fitted).count();
     let held_out = found.trials.len() - fitted;
     let note = format!("Fitted to {fitted} trials; {held_out} others were held out.");
@@ -34,30 +34,70 @@ fn parameters(rows: &[Estimate]) -> Result<Table, TableError> {
     let number = |name, description, get: fn(&Estimate) -> Option<f64>| {
         Column::float(name, "1", description, rows.iter().map(get))
     };
-    let number_rad = |name, description, get: fn(&Estimate) -> Option<f64>| {
-        Column::float(name, "rad", description, rows.iter().map(get))
-    };
     let columns = vec![
         text("parameter", "which parameter of the plant", |r| r.parameter.name),
         text("unit", "unit of the numbers in this row", |r| r.parameter.unit),
         number("by_eye", "chosen by eye in the thesis", |r| Some(r.parameter.by_eye)),
         number("fitted", "least squares", |r| Some(r.fitted)),
-        number("std_error", "standard deviation over resampled trials", |r| r.std_error),
+        number("std_error", "standard error, by leaving out each trial in turn", |r| r.std_error),
+        number("df", "effective degrees of freedom of the standard error", |r| r.df),
         number("ci_low", "lower end of the interval", |r| r.interval.map(|i| i.0)),
         number("ci_high", "upper end of the interval", |r| r.interval.map(|i| i.1)),
         number("lower_bound", "smallest value allowed", |r| Some(r.parameter.lower)),
         number("upper_bound", "largest value allowed", |r| Some(r.parameter.upper)),
         number("variance_inflation", "variance over that with the others known", |r| r.inflation),
-        number_rad("rmse_fitted_rad", "root mean square error over all fitted samples", |r| {
-            Some(r.profile.fitted)
-        }),
-        number_rad("rmse_halved_rad", "that with half of this value, the others fitted anew", |r| {
-            r.profile.halved
-        }),
-        number_rad("rmse_doubled_rad", "that with twice this value", |r| r.profile.doubled),
         text("verdict", "whether the trials say what it is", |r| r.verdict.as_str()),
     ];
     Table::new("identify", "The plant, by eye and fitted", columns)
+}
+
+/// The profiles, one row a point: what becomes of the error when a parameter is held at a value and the others are fitted
+/// anew.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn profiles(estimates: &[Estimate]) -> Result<Table, TableError> {
+    let rows: Vec<(&Estimate, &Point)> =
+        estimates.iter().flat_map(|e| e.profile.iter().map(move |point| (e, point))).collect();
+    let text = |name, description, get: fn(&Estimate) -> &str| {
+        Column::text(name, description, rows.iter().map(|(e, _)| Some(get(e).to_owned())))
+    };
+    let number = |name, description, get: fn(&Point) -> f64| {
+        Column::float(name, "1", description, rows.iter().map(|(_, point)| Some(get(point))))
+    };
+    let columns = vec![
+        text("parameter", "which parameter of the plant", |e| e.parameter.name),
+        text("unit", "unit of the value", |e| e.parameter.unit),
+        number("value", "where the parameter is held", |p| p.value),
+        number("relative_error", "sum of squares with the others fitted anew, over that of the fit", |p| {
+            p.relative_error
+        }),
+        number("likelihood_ratio", "how much less likely than the fit, -2 ln of the ratio", |p| {
+            p.likelihood_ratio
+        }),
+    ];
+    Table::new("identify.profile", "Profiles of the plant's parameters", columns)
+}
+
+/// Between which forces the brake's let-go threshold lies, one row, beside the one that was set; none without a trial in
+/// which it could show.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn threshold(found: &Bracket, set_n: f64) -> Result<Table, TableError> {
+    let is_there = found.low_n.is_some() || found.high_n.is_some();
+    let rows = || is_there.then_some(found).into_iter();
+    let number = |name, description, get: &dyn Fn(&Bracket) -> Option<f64>| {
+        Column::float(name, "N", description, rows().map(get).collect::<Vec<_>>())
+    };
+    let columns = vec![
+        Column::text("threshold", "which threshold", rows().map(|_| Some("let_go".to_owned()))),
+        number("low_n", "largest force at which the brake let go", &|b| b.low_n),
+        number("high_n", "smallest at which it held a lever that did not move on", &|b| b.high_n),
+        Column::integer("releases", "1", "times it let go", rows().map(|b| Some(b.releases as i64))),
+        number("set_n", "what the study set", &|_| Some(set_n)),
+    ];
+    Table::new("identify.threshold", "The brake's let-go threshold, bracketed", columns)
 }
 
 /// The errors, one row a trial.

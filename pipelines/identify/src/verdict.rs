@@ -1,14 +1,11 @@
 //! Whether the trials say what a parameter is.
 
+use crate::Estimate;
 use crate::estimate::{inverse, on_bound};
 use crate::fit::Block;
-use crate::{Estimate, Profile};
 
 /// Above this variance inflation the other parameters explain 99 % of what a parameter does.
 const MOST_INFLATION: f64 = 100.0;
-
-/// Below this growth of the error a halved or doubled value fits as well, as far as anyone can tell.
-const LEAST_GROWTH: f64 = 1.01;
 
 /// Whether the trials say what a parameter is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,9 +18,10 @@ pub enum Verdict {
     OnBound,
     /// Other parameters can stand in for it: its variance inflation is above 100.
     Confounded,
-    /// Half or twice its value fits nearly as well once the others are fitted anew: the error grows by less than 1 %.
+    /// Its profile stays within the level up to a bound: on that side nothing is known of it (Raue et al. 2009,
+    /// Bioinformatics 25:1923).
     Flat,
-    /// Its interval reaches a bound, or is wider than twice its value.
+    /// Its interval is wider than twice its value, or there is none because too few trials tell of it.
     Uncertain,
 }
 
@@ -43,24 +41,20 @@ impl Verdict {
 
 /// The verdict of an estimate; `curvature` is its entry in JᵀJ.
 pub(crate) fn verdict(estimate: &Estimate, curvature: f64) -> Verdict {
-    if on_bound(&estimate.parameter, estimate.fitted) {
-        return Verdict::OnBound;
-    }
     if curvature.is_nan() || curvature <= 0.0 {
         return Verdict::Insensitive;
+    }
+    if on_bound(&estimate.parameter, estimate.fitted) {
+        return Verdict::OnBound;
     }
     if estimate.inflation.is_none_or(|inflation| inflation > MOST_INFLATION) {
         return Verdict::Confounded;
     }
-    let Profile { fitted, halved, doubled } = estimate.profile;
-    if [halved, doubled].into_iter().flatten().any(|error| error < LEAST_GROWTH * fitted) {
+    let Some((low, high)) = estimate.interval else { return Verdict::Uncertain };
+    if on_bound(&estimate.parameter, low) || on_bound(&estimate.parameter, high) {
         return Verdict::Flat;
     }
-    let narrow = |(low, high): (f64, f64)| {
-        let inside = !on_bound(&estimate.parameter, low) && !on_bound(&estimate.parameter, high);
-        inside && high - low <= 2.0 * estimate.fitted.abs()
-    };
-    if estimate.interval.is_some_and(narrow) { Verdict::Identifiable } else { Verdict::Uncertain }
+    if high - low > 2.0 * estimate.fitted.abs() { Verdict::Uncertain } else { Verdict::Identifiable }
 }
 
 /// Variance inflation of each free parameter: (JᵀJ)⁻¹ times JᵀJ, diagonal entries; `None` where others stand in for
@@ -80,9 +74,10 @@ mod tests {
             parameter: Parameter { name: "mass", unit: "kg", by_eye: 1.0, lower: 0.0, upper: 10.0 },
             fitted: 2.0,
             std_error: Some(0.1),
+            df: Some(5.0),
             interval: Some((1.8, 2.2)),
             inflation: Some(3.0),
-            profile: Profile { fitted: 0.1, halved: Some(0.2), doubled: None },
+            profile: Vec::new(),
             verdict: Verdict::OnBound,
         };
         change(&mut estimate);
@@ -95,8 +90,9 @@ mod tests {
         check(|e| e.fitted = 10.0, Verdict::OnBound);
         check(|e| e.inflation = Some(101.0), Verdict::Confounded);
         check(|e| e.inflation = None, Verdict::Confounded);
-        check(|e| e.profile.doubled = Some(0.1005), Verdict::Flat);
-        check(|e| e.interval = Some((0.0, 2.2)), Verdict::Uncertain);
+        check(|e| e.interval = Some((0.0, 2.2)), Verdict::Flat);
+        check(|e| e.interval = Some((0.5, 10.0)), Verdict::Flat);
         check(|e| e.interval = Some((0.5, 5.0)), Verdict::Uncertain);
+        check(|e| e.interval = None, Verdict::Uncertain);
     }
 }

@@ -5,7 +5,7 @@ use crate::{Parameters, WhyNot};
 use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, DynamicsError, Series, Start};
 use zwidth_numerics::series::{cumulative_trapezoid, interpolate};
 
-/// The force on the lever over each interval between samples: one value fewer than samples.
+/// The force on the lever from each sample to the next.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Held {
     /// Motor by its voltage and calibration, and the user's mean force, N; above 0 pushes to +θ.
@@ -22,22 +22,9 @@ pub(crate) fn held(
     [motor_v, brake_v]: [Option<&[f64]>; 2],
     force: &Series,
 ) -> Result<Held, WhyNot> {
-    let used = [condition.motor_max_v > 0.0, condition.brake_max_v > 0.0];
-    if (used[0] && motor_v.is_none()) || (used[1] && brake_v.is_none()) {
-        return Err(WhyNot::NoVoltages);
-    }
-    let calibration = condition.calibration;
-    if calibration.is_none() && (used[0] || used[1]) {
-        return Err(WhyNot::NoCalibration);
-    }
-    let motor = |i: usize| calibration.zip(motor_v).map_or(0.0, |(c, v)| c.motor.force_n(v[i]));
-    let brake = |i: usize| calibration.zip(brake_v).map_or(0.0, |(c, v)| c.brake.force_n(v[i]).abs());
+    let [motor_n, brake_n] = condition.commands_n(t.len(), [motor_v, brake_v])?;
     let means = means(t, force);
-    let intervals = 0..means.len();
-    Ok(Held {
-        pushing_n: intervals.clone().map(|i| motor(i) + means[i]).collect(),
-        brake_n: intervals.map(brake).collect(),
-    })
+    Ok(Held { pushing_n: motor_n.iter().zip(&means).map(|(motor, mean)| motor + mean).collect(), brake_n })
 }
 
 /// Mean of a series over each interval between `t`.
@@ -66,8 +53,8 @@ pub(crate) fn run(
         stops_rad,
         friction: Some(parameters.friction()),
         back_emf_ns_per_rad: None,
-        motor_lag_s: None,
-        brake_lag_on_off_s: None,
+        motor_lag_s: None, // the user's force comes with the motor's, and does not lag
+        brake_lag_on_off_s: parameters.brake_lag_on_off_s(),
         hand: None,
     })?;
     plant.place(start.theta_rad, 0.0)?;

@@ -140,7 +140,7 @@ impl Drive {
     }
 }
 
-fn column(trial: &Trial, signal: Signal, expected: usize) -> Result<Option<&[f64]>, ReplayError> {
+pub(crate) fn column(trial: &Trial, signal: Signal, expected: usize) -> Result<Option<&[f64]>, ReplayError> {
     match trial.samples.get(signal) {
         Some(values) if values.len() != expected => {
             Err(ReplayError::Ragged { column: signal.name(), expected, found: values.len() })

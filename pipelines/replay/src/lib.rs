@@ -18,6 +18,7 @@
 //! Errors are model less recording: above 0 the model's peak is higher, its time later.
 
 mod agreement;
+mod balance;
 mod causality;
 mod closed_loop;
 mod compare;
@@ -32,6 +33,7 @@ mod testing;
 mod updates;
 
 pub use agreement::agreement;
+pub use balance::Balance;
 pub use causality::Causality;
 pub use compare::Comparison;
 pub use drive::{Course, Drive};

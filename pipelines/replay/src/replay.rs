@@ -172,7 +172,8 @@ mod tests {
 
     #[test]
     fn another_plant_departs() {
-        let heavy = Parameters { mass_kg: 2.0, damping_ns_per_rad: 0.2, friction_n: 0.1 };
+        let heavy =
+            Parameters { mass_kg: 2.0, damping_ns_per_rad: 0.2, friction_n: 0.1, ..Parameters::BY_EYE };
         let found = rows(&simulated("active", &heavy))[0].comparison.unwrap();
         assert!(found.vaf.unwrap() < 0.999 && found.rmse > 1e-3, "{found:?}");
     }
@@ -198,7 +199,7 @@ mod tests {
         study.device.theta_min_rad = None;
         study.environments[0].scene = zwidth_study::Scene::Free;
         let trial = simulated("active", &Parameters::BY_EYE);
-        let light = Parameters { mass_kg: 0.1, damping_ns_per_rad: 1e-3, friction_n: 0.0 };
+        let light = Parameters { damping_ns_per_rad: 1e-3, ..Parameters::BY_EYE };
         let rows = replay(&trial, &study, Some(&calibration()), &light).unwrap();
         assert_eq!((rows[0].outcome, rows[0].comparison), (Outcome::Diverged, None));
     }

@@ -6,6 +6,9 @@ use zwidth_dynamics::{
 };
 use zwidth_study::{Calibration, Scene as Rendered, Study, TrialMeta};
 
+/// Lags below this are none, s: far below any sample's interval.
+const LEAST_LAG_S: f64 = 1e-6;
+
 /// What is not known of the plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
@@ -15,11 +18,24 @@ pub struct Parameters {
     pub damping_ns_per_rad: f64,
     /// Dry friction at the lever's end, at rest and in motion, N.
     pub friction_n: f64,
+    /// Time constant with which the motor's force follows its command, s; 0 is at once.
+    pub motor_lag_s: f64,
+    /// That with which the brake's level rises, s.
+    pub brake_on_s: f64,
+    /// That with which it falls, s.
+    pub brake_off_s: f64,
 }
 
 impl Parameters {
-    /// The thesis' choice "by trial and error" (Fig. 24): M_O = 0.1 kg, B_O = 1 N s/rad, no dry friction.
-    pub const BY_EYE: Self = Self { mass_kg: 0.1, damping_ns_per_rad: 1.0, friction_n: 0.0 };
+    /// The thesis' choice "by trial and error" (Fig. 24): M_O = 0.1 kg, B_O = 1 N s/rad, no dry friction and no lags.
+    pub const BY_EYE: Self = Self {
+        mass_kg: 0.1,
+        damping_ns_per_rad: 1.0,
+        friction_n: 0.0,
+        motor_lag_s: 0.0,
+        brake_on_s: 0.0,
+        brake_off_s: 0.0,
+    };
 
     /// Friction as the model has it.
     pub(crate) fn friction(&self) -> Friction {
@@ -30,10 +46,23 @@ impl Parameters {
         }
     }
 
+    /// The motor's lag as a term: no lag is no term.
+    pub(crate) fn motor_lag_s(&self) -> Option<f64> {
+        Some(self.motor_lag_s).filter(|lag| *lag >= LEAST_LAG_S)
+    }
+
+    /// The brake's lags likewise; one of two that is none becomes the shortest there is.
+    pub(crate) fn brake_lag_on_off_s(&self) -> Option<[f64; 2]> {
+        let lags = [self.brake_on_s, self.brake_off_s];
+        lags.iter().any(|lag| *lag >= LEAST_LAG_S).then(|| lags.map(|lag| lag.max(LEAST_LAG_S)))
+    }
+
     /// The same plant in a scene.
     pub(crate) fn put(&self, scene: &Scene) -> Scene {
         let plant = Plant { mass_kg: self.mass_kg, ..scene.plant };
-        Scene { plant, friction: Some(self.friction()), ..scene.clone() }
+        let motor = Motor { lag_s: self.motor_lag_s(), ..scene.motor };
+        let brake = Brake { lag_on_off_s: self.brake_lag_on_off_s(), ..scene.brake };
+        Scene { plant, motor, brake, friction: Some(self.friction()), ..scene.clone() }
     }
 }
 
@@ -97,6 +126,29 @@ impl<'a> Condition<'a> {
             (_, None) => Err(WhyNot::NoCalibration),
             (_, Some(c)) => Ok((c.motor.force_n(self.motor_max_v), c.brake.force_n(self.brake_max_v))),
         }
+    }
+
+    /// What voltages stand for from each of so many samples on, by the calibration, N: the motor's force (above 0 pushes to
+    /// +θ) and the brake's level.
+    pub(crate) fn commands_n(
+        &self,
+        samples: usize,
+        [motor_v, brake_v]: [Option<&[f64]>; 2],
+    ) -> Result<[Vec<f64>; 2], WhyNot> {
+        let used = [self.motor_max_v > 0.0, self.brake_max_v > 0.0];
+        if (used[0] && motor_v.is_none()) || (used[1] && brake_v.is_none()) {
+            return Err(WhyNot::NoVoltages);
+        }
+        if self.calibration.is_none() && (used[0] || used[1]) {
+            return Err(WhyNot::NoCalibration);
+        }
+        let force = |voltages: Option<&[f64]>, of: fn(&Calibration, f64) -> f64| {
+            self.calibration.zip(voltages).map_or_else(
+                || vec![0.0; samples],
+                |(calibration, voltages)| voltages.iter().map(|v| of(calibration, *v)).collect(),
+            )
+        };
+        Ok([force(motor_v, |c, v| c.motor.force_n(v)), force(brake_v, |c, v| c.brake.force_n(v).abs())])
     }
 
     /// The scene, from the recorded start on, with the user's force; the plant is the thesis' until parameters are put

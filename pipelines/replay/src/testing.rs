@@ -68,6 +68,11 @@ pub(crate) fn simulated(mode: &str, plant: &Parameters) -> Trial {
     Trial { meta, file: TrialFile::new(), samples }
 }
 
+/// A trial of given samples.
+pub(crate) fn trial(mode: &str, samples: Samples) -> Trial {
+    Trial { meta: meta(mode), file: TrialFile::new(), samples }
+}
+
 /// The same with a motion that was recorded so many samples late.
 pub(crate) fn delayed(trial: &Trial, by: usize) -> Trial {
     let mut late = trial.clone();

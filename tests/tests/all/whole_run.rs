@@ -30,13 +30,15 @@ fn figures() -> BTreeSet<String> {
 }
 
 /// Every printed table of the study, by name.
-const TABLES: [&str; 17] = [
+const TABLES: [&str; 19] = [
     "characteristic.brake",
     "characteristic.motor",
     "conditions",
     "device",
     "identify",
     "identify.held_out",
+    "identify.profile",
+    "identify.threshold",
     "identify.trials",
     "likert",
     "metrics",
@@ -158,6 +160,8 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "table conditions",
         "table identify",
         "table identify.held_out",
+        "table identify.profile",
+        "table identify.threshold",
         "table identify.trials",
         "table likert",
         "table metrics",

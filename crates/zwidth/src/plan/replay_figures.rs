@@ -85,9 +85,17 @@ fn describe(
 
 /// What a model's plant is made of.
 fn note(how: &str, plant: Parameters) -> String {
-    let Parameters { mass_kg, damping_ns_per_rad, friction_n } = plant;
+    let Parameters { mass_kg, damping_ns_per_rad, friction_n, motor_lag_s, brake_on_s, brake_off_s } = plant;
+    let lags_ms = [motor_lag_s, brake_on_s, brake_off_s].map(|lag_s| 1e3 * lag_s);
+    let lags = match lags_ms.iter().any(|lag| *lag > 0.0) {
+        true => format!(
+            ", lags {:.2} ms (motor), {:.1} and {:.1} ms (brake on, off)",
+            lags_ms[0], lags_ms[1], lags_ms[2]
+        ),
+        false => String::new(),
+    };
     format!(
-        "Model, {how}: mass {mass_kg:.3} kg, damping {damping_ns_per_rad:.3} N·s/rad, friction {friction_n:.3} N."
+        "Model, {how}: mass {mass_kg:.3} kg, damping {damping_ns_per_rad:.3} N·s/rad, friction {friction_n:.3} N{lags}."
     )
 }
 

@@ -1,0 +1,121 @@
+//! Simulate, record, fit: without a sensor's noise every parameter comes back.
+
+use super::*;
+use zwidth_device::{Controller, TwinParameters};
+use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, Hand, Tissue, table3};
+use zwidth_identify::Verdict;
+use zwidth_store::{Samples, TrialFile};
+use zwidth_study::{Calibration, Kind, Scene, Source, Spring, Status, Study, TrialMeta, template};
+
+/// Samples of angle and force a second, Hz: what is between them is a cubic.
+const RATE_HZ: f64 = 3000.0;
+/// A motor slow enough to show: that of the prototype takes 53 µs.
+const MOTOR_LAG_S: f64 = 0.004;
+
+fn study() -> Study {
+    let mut study = Study::from_toml(&template(&"noiseless".parse().unwrap())).unwrap();
+    let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -std::f64::consts::FRAC_PI_4 };
+    study.environments[0].scene = Scene::Spring(spring);
+    study
+}
+
+/// The twin's plant with that motor, and a hand.
+fn device() -> DrivenParameters {
+    let tissue = Tissue {
+        stiffness_n_per_m: table3::FINGER_STIFFNESS_N_PER_M,
+        damping_ns_per_m: table3::FINGER_DAMPING_NS_PER_M,
+    };
+    let hand = Hand { mass_kg: 0.08, stiffness_n_per_m: 290.0, damping_ns_per_m: 3.0, tissue };
+    DrivenParameters { motor_lag_s: Some(MOTOR_LAG_S), ..TwinParameters::default().plant(Some(hand)) }
+}
+
+/// Where the hand means to be: forward and back, a little otherwise in each repeat.
+fn aim(repeat: u32, t_s: f64) -> Aim {
+    let (reach_m, rate) = (0.07 + 0.003 * f64::from(repeat), 2.2 + 0.1 * f64::from(repeat));
+    let phase = rate * (t_s - 0.3).clamp(0.0, std::f64::consts::TAU / rate);
+    Aim {
+        position_m: -0.036 + reach_m * (1.0 - libm::cos(phase)) / 2.0,
+        velocity_m_s: reach_m * rate * libm::sin(phase) / 2.0,
+    }
+}
+
+/// One trial as sensors without noise record it.
+fn trial(study: &Study, mode: &str, repeat: u32) -> Trial {
+    let (environment, calibration) = (&study.environments[0], Calibration::thesis());
+    let mut controller = Controller::new(
+        &study.control,
+        environment,
+        study.mode(&mode.parse().unwrap()).unwrap(),
+        &calibration,
+    );
+    let mut plant = Driven::new(device()).unwrap();
+    let mut columns = vec![Vec::new(); 6];
+    for i in 0..(3.2 * RATE_HZ) as u32 {
+        let [t_s, end_s] = [i, i + 1].map(|i| f64::from(i) / RATE_HZ);
+        let state = plant.state();
+        let (angle, velocity, force) = (state.theta_rad, state.theta_dot_rad_s, state.contact_n);
+        let (voltages, _) = controller.step(angle, velocity, force);
+        let sample = [t_s, angle, velocity, force, voltages.motor_v, voltages.brake_v];
+        columns.iter_mut().zip(sample).for_each(|(column, value)| column.push(value));
+        let command = Command {
+            motor_n: calibration.motor.force_n(voltages.motor_v),
+            brake_n: calibration.brake.force_n(voltages.brake_v),
+        };
+        plant.advance(end_s - t_s, command, [aim(repeat, t_s), aim(repeat, end_s)]).unwrap();
+    }
+    let signals = [
+        Signal::Time,
+        Signal::Theta,
+        Signal::ThetaDot,
+        Signal::ForceEx,
+        Signal::VoltageMotor,
+        Signal::VoltageBrake,
+    ];
+    let mut samples = Samples::default();
+    signals.into_iter().zip(columns).for_each(|(signal, column)| samples.set(signal, column));
+    let meta = TrialMeta {
+        participant: "P01".parse().unwrap(),
+        session: "S01".parse().unwrap(),
+        trial: repeat,
+        repeat,
+        kind: Kind::Trial,
+        status: Status::Complete,
+        environment: environment.id.clone(),
+        mode: mode.parse().unwrap(),
+        likert: None,
+        source: Source::Twin,
+    };
+    Trial { meta, file: TrialFile::new(), samples }
+}
+
+#[test]
+fn without_noise_every_parameter_comes_back_to_a_millionth() {
+    let (study, calibration) = (study(), Calibration::thesis());
+    let repeats = ["active", "passive", "hybrid"].iter().flat_map(|mode| [1, 2, 3].map(|r| (*mode, r)));
+    let trials: Vec<Trial> = repeats.map(|(mode, repeat)| trial(&study, mode, repeat)).collect();
+    let balances: Vec<Balance> =
+        trials.iter().map(|t| Balance::new(t, &study, Some(&calibration)).unwrap()).collect();
+    let recordings: Vec<Recording> = trials
+        .iter()
+        .zip(&balances)
+        .map(|(trial, balance)| Recording { meta: &trial.meta, observed: balance.measured_ns() })
+        .collect();
+    let task = Task { parameters: &PLANT, starts: &STARTS[..1], level: 0.95 };
+    let explain = |i: usize, p: &[f64; P]| Some(balances[i].needed_ns(&plant(p)));
+    let found = zwidth_identify::identify(&recordings, &task, explain, |_, _| None).unwrap();
+    let truth = device();
+    let (friction, [on, off]) = (truth.friction.unwrap(), truth.brake_lag_on_off_s.unwrap());
+    let expect = [
+        truth.inertia_kg_m2 / (truth.lever_m * truth.lever_m),
+        friction.viscous_ns_per_rad + truth.back_emf_ns_per_rad.unwrap(),
+        friction.kinetic_n,
+        MOTOR_LAG_S,
+        on,
+        off,
+    ];
+    for (estimate, expect) in found.estimates.iter().zip(expect) {
+        let (name, fitted) = (estimate.parameter.name, estimate.fitted);
+        assert!((fitted / expect - 1.0).abs() < 1e-6, "{name}: {fitted} instead of {expect}");
+        assert_eq!(estimate.verdict, Verdict::Identifiable, "{name}");
+    }
+}

@@ -1,0 +1,89 @@
+//! The force below which the brake lets go, from what the controller did.
+//!
+//! A threshold between two recorded forces cannot be told apart from any other between them: it has a bracket, which
+//! holds it for certain, and no interval.
+
+/// A trial with motor and brake, sample by sample; all of one length.
+#[derive(Debug, Clone, Copy)]
+pub struct Switching<'a> {
+    /// θ̇ as the controller used it, rad/s.
+    pub theta_dot_rad_s: &'a [f64],
+    /// F_ex as the controller used it, N.
+    pub force_n: &'a [f64],
+    /// Commanded voltages, V.
+    pub motor_v: &'a [f64],
+    /// Brake.
+    pub brake_v: &'a [f64],
+}
+
+/// Between which forces the threshold lies, N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bracket {
+    /// Largest force at which the brake let go; `None` where it never did.
+    pub low_n: Option<f64>,
+    /// Smallest force at which it held on to a lever that did not move on; `None` where there was none.
+    pub high_n: Option<f64>,
+    /// Times it let go.
+    pub releases: usize,
+}
+
+impl Bracket {
+    /// The bracket that trials leave. The controller's rule is the thesis' (§6.2.1): with the brake on, a lever that does not move
+    /// on (θ̇ ≤ 0) keeps it while the user's force is at least the threshold, and gets the motor once it is below.
+    pub fn of<'a>(trials: impl IntoIterator<Item = Switching<'a>>) -> Self {
+        let mut bracket = Self { low_n: None, high_n: None, releases: 0 };
+        for trial in trials {
+            bracket.narrow(&trial);
+        }
+        bracket
+    }
+
+    fn narrow(&mut self, of: &Switching) {
+        for i in 1..of.force_n.len() {
+            let force_n = of.force_n[i];
+            if of.brake_v[i - 1] <= 0.0 {
+                continue;
+            }
+            if of.brake_v[i] > 0.0 && of.theta_dot_rad_s[i] <= 0.0 {
+                self.high_n = Some(self.high_n.map_or(force_n, |high| high.min(force_n)));
+            }
+            if of.brake_v[i] <= 0.0 && of.motor_v[i] != 0.0 {
+                self.low_n = Some(self.low_n.map_or(force_n, |low| low.max(force_n)));
+                self.releases += 1;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bracket_is_between_the_lowest_held_and_the_highest_released_force() {
+        let trial = |theta_dot_rad_s, brake_v| Switching {
+            theta_dot_rad_s,
+            force_n: &[0.5, 4.0, 2.4, 2.1, 1.8, 1.5],
+            motor_v: &[0.0, 0.0, 0.0, 0.0, -8.0, -8.0],
+            brake_v,
+        };
+        let still = trial(&[1.0, 1.0, 0.0, -0.1, 0.0, 0.0], &[0.0, 3.0, 3.0, 3.0, 0.0, 0.0]);
+        let found = Bracket::of([still]);
+        assert_eq!(found, Bracket { low_n: Some(1.8), high_n: Some(2.1), releases: 1 });
+        // moving on keeps the brake whatever the force: that says nothing of the threshold
+        let moving = trial(&[1.0, 1.0, 1.0, 1.0, 1.0, 1.0], &[0.0, 3.0, 3.0, 3.0, 3.0, 3.0]);
+        assert_eq!(Bracket::of([moving, still]), found);
+        assert_eq!(Bracket::of([]), Bracket { low_n: None, high_n: None, releases: 0 });
+    }
+
+    #[test]
+    fn a_brake_that_is_switched_off_without_the_motor_has_not_let_go() {
+        let stopped = Switching {
+            theta_dot_rad_s: &[0.0; 2],
+            force_n: &[3.0, 1.0],
+            motor_v: &[0.0; 2],
+            brake_v: &[3.0, 0.0],
+        };
+        assert_eq!(Bracket::of([stopped]).releases, 0);
+    }
+}

@@ -1,0 +1,107 @@
+//! The profile of a parameter: what becomes of the error when it is held elsewhere and the others are fitted anew.
+
+use crate::estimate::{Spread, inverse};
+use crate::fit::{Block, Problem};
+use zwidth_numerics::nonlinear::Minimum;
+
+/// The curve is drawn to so many standard errors to either side, in steps of half of one.
+const REACH: i32 = 3;
+const STEPS: i32 = 2;
+/// Where the curve meets a level is found to this share of the level.
+const TOLERANCE: f64 = 1e-4;
+/// More secants than it takes: the curve's root is nearly a straight line.
+const MAX_SECANTS: usize = 20;
+
+/// One point of a profile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Value at which the parameter is held.
+    pub value: f64,
+    /// Σ r² with the others fitted anew, over that of the fit.
+    pub relative_error: f64,
+    /// Likelihood ratio, −2 ln: how much less likely the value is than the fit; 3.84 is the end of a 95 % interval with many
+    /// degrees of freedom.
+    pub likelihood_ratio: f64,
+}
+
+/// The profile of one parameter around a minimum.
+///
+/// Errors within a trial are alike, so the growth of Σ r² is no likelihood ratio as it stands; scaled by
+/// (A⁻¹)_jj / V, where V is the parameter's variance whatever the errors are, it is one to first order (Rotnitzky &
+/// Jewell 1990, Biometrika 77:485): in a linear model ((value − fit)/std_error)².
+pub(crate) struct Curve<'p, 'd, const P: usize> {
+    problem: &'p Problem<'d, P>,
+    minimum: &'p Minimum<P>,
+    j: usize,
+    std_error: f64,
+    /// (A⁻¹)_jj / V.
+    scale: f64,
+    /// Where the others go when this one moves by 1, to first order.
+    along: [f64; P],
+}
+
+impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
+    /// `None` where the parameter is not determined, or without any error at all.
+    pub(crate) fn new(
+        problem: &'p Problem<'d, P>,
+        minimum: &'p Minimum<P>,
+        all: &Block<P>,
+        free: &[bool; P],
+        (j, spread): (usize, Spread),
+    ) -> Option<Self> {
+        let inverse = inverse(&all.curvature, free)?;
+        let scale = inverse[j][j] / (spread.std_error * spread.std_error);
+        let along = core::array::from_fn(|k| inverse[k][j] / inverse[j][j]);
+        let std_error = spread.std_error;
+        scale.is_finite().then_some(Self { problem, minimum, j, std_error, scale, along })
+    }
+
+    /// The likelihood ratio's curve, by rising value, within the bounds.
+    pub(crate) fn points(&self) -> Vec<Point> {
+        let value =
+            |step: i32| self.inside(self.fitted() + f64::from(step) / f64::from(STEPS) * self.std_error);
+        let mut values: Vec<f64> = (-REACH * STEPS..=REACH * STEPS).map(value).collect();
+        values.dedup();
+        values.into_iter().filter_map(|value| self.at(value)).collect()
+    }
+
+    /// The values to either side at which the likelihood ratio is `critical`², or the bounds before.
+    pub(crate) fn interval(&self, critical: f64) -> Option<(f64, f64)> {
+        Some((self.crossing(critical, -1.0)?, self.crossing(critical, 1.0)?))
+    }
+
+    /// By secants through the fit: each stretches the distance so that a straight root would meet the level.
+    fn crossing(&self, critical: f64, side: f64) -> Option<f64> {
+        let mut distance = critical * self.std_error;
+        for _ in 0..MAX_SECANTS {
+            let value = self.inside(self.fitted() + side * distance);
+            let root = self.at(value)?.likelihood_ratio.sqrt();
+            let beyond = value != self.fitted() + side * distance;
+            if (root / critical - 1.0).abs() <= TOLERANCE || (beyond && root <= critical) {
+                return Some(value);
+            }
+            distance = (value - self.fitted()).abs() * critical / root;
+        }
+        None
+    }
+
+    fn at(&self, value: f64) -> Option<Point> {
+        let (minimum, away) = (self.minimum, value - self.fitted());
+        let start = core::array::from_fn(|k| minimum.parameters[k] + away * self.along[k]);
+        let rss = if away == 0.0 { minimum.rss } else { self.problem.held(start, self.j, value)? };
+        Some(Point {
+            value,
+            relative_error: rss / minimum.rss,
+            likelihood_ratio: ((rss - minimum.rss) * self.scale).max(0.0),
+        })
+    }
+
+    fn fitted(&self) -> f64 {
+        self.minimum.parameters[self.j]
+    }
+
+    fn inside(&self, value: f64) -> f64 {
+        let parameter = &self.problem.parameters[self.j];
+        value.clamp(parameter.lower, parameter.upper)
+    }
+}

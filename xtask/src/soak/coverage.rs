@@ -1,0 +1,213 @@
+//! Does an interval of 95 % hold the truth 95 times of a hundred? Sessions of the simulated device, of which the truth is
+//! known, recorded and identified as users do it, one a seed.
+
+use super::{STUDY, fresh, run};
+use anyhow::{Context as _, bail, ensure};
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::thread::ScopedJoinHandle;
+use zwidth_device::TwinParameters;
+use zwidth_study::Control;
+
+/// At this rate as the study that comes along, Hz.
+const RATE: &str = "120";
+/// Of so many seeds the share must be that of the issue, 92 to 98 %.
+const MANY: usize = 400;
+const SHARES: [f64; 2] = [0.92, 0.98];
+/// Of fewer seeds the count must be one that 95 % would give: within the central 99.9 % of its binomial distribution.
+const NOMINAL: f64 = 0.95;
+const CENTRAL: f64 = 0.999;
+/// The mean error may be this share of the estimate's standard deviation.
+const MOST_BIAS: f64 = 0.5;
+/// With few seeds the mean itself scatters by 1/√seeds of that: so many times this is allowed besides.
+const BIAS_SCATTER: f64 = 3.3;
+/// Seeds at once: one writes while another computes.
+const AT_ONCE: u32 = 2;
+
+/// One parameter of one seed.
+struct Row {
+    parameter: String,
+    fitted: f64,
+    std_error: f64,
+    interval: [f64; 2],
+    identifiable: bool,
+}
+
+/// What one seed gave: the parameters, and the threshold's bracket.
+struct Found {
+    rows: Vec<Row>,
+    bracket: [f64; 2],
+}
+
+pub(crate) fn coverage(program: &Path, folder: &Path, seeds: u32) -> anyhow::Result<()> {
+    let (next, began) = (AtomicU32::new(1), std::time::Instant::now());
+    let work = || -> anyhow::Result<Vec<Found>> {
+        let mut found = Vec::new();
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed > seeds {
+                return Ok(found);
+            }
+            let root = folder.join(format!("coverage-{seed}"));
+            found.push(one(program, &root, seed).with_context(|| format!("seed {seed}"))?);
+            std::fs::remove_dir_all(&root)?;
+        }
+    };
+    let parts: Vec<Vec<Found>> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
+        let join = |thread: ScopedJoinHandle<'_, anyhow::Result<Vec<Found>>>| {
+            thread.join().unwrap_or_else(|_| bail!("a thread panicked"))
+        };
+        threads.into_iter().map(join).collect::<anyhow::Result<_>>()
+    })?;
+    let found: Vec<Found> = parts.into_iter().flatten().collect();
+    println!("{} seeds in {:.0} s", found.len(), began.elapsed().as_secs_f64());
+    tell(&found)
+}
+
+/// Records and identifies one session.
+fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
+    fresh(root, &[("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {RATE}.0\n"))])?;
+    let seed = seed.to_string();
+    let twin =
+        ["--quiet", "twin", STUDY, "--participants", "1", "--sessions", "1", "--seed", &seed, "--rate", RATE];
+    run(program, root, &twin, &[0])?;
+    run(program, root, &["--quiet", "run", STUDY, "--only", "identify"], &[0])?;
+    let table = |name: &str| -> anyhow::Result<String> {
+        let output = run(program, root, &["table", STUDY, name, "--format", "csv"], &[0])?;
+        Ok(String::from_utf8(output.stdout)?)
+    };
+    let [low, high] = columns(&table("identify.threshold")?, ["low_n", "high_n"])?
+        .pop()
+        .context("no threshold was bracketed")?;
+    let names = ["parameter", "fitted", "std_error", "ci_low", "ci_high", "verdict"];
+    let row = |[parameter, fitted, std_error, low, high, verdict]: [String; 6]| -> anyhow::Result<Row> {
+        let number = |text: &str| text.parse::<f64>().with_context(|| format!("{parameter}: '{text}'"));
+        Ok(Row {
+            fitted: number(&fitted)?,
+            std_error: number(&std_error)?,
+            interval: [number(&low)?, number(&high)?],
+            identifiable: verdict == "identifiable",
+            parameter,
+        })
+    };
+    let rows = columns(&table("identify")?, names)?.into_iter().map(row).collect::<anyhow::Result<_>>()?;
+    Ok(Found { rows, bracket: [low.parse()?, high.parse()?] })
+}
+
+/// Some columns of a table in CSV, whose cells hold no commas.
+fn columns<const N: usize>(csv: &str, names: [&str; N]) -> anyhow::Result<Vec<[String; N]>> {
+    let mut lines = csv.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let header = lines.next().context("an empty table")?;
+    let place =
+        |name: &str| header.iter().position(|h| h == name).with_context(|| format!("no column {name}"));
+    let places = names.iter().map(|name| place(name)).collect::<anyhow::Result<Vec<_>>>()?;
+    let row = |line: Vec<String>| {
+        let cells: Vec<String> = places.iter().filter_map(|i| line.get(*i).cloned()).collect();
+        cells.try_into().map_err(|_| anyhow::anyhow!("a line is too short"))
+    };
+    lines.map(row).collect()
+}
+
+/// What the twin's plant is in the words of the fit: mass and inertia at the lever's end, what damps there (bearings and the
+/// closed winding), friction in motion, lags.
+fn truth(parameter: &str) -> anyhow::Result<f64> {
+    let plant = TwinParameters::default().plant(None);
+    let friction = plant.friction.context("the twin has friction")?;
+    let [on, off] = plant.brake_lag_on_off_s.context("the twin's brake has lags")?;
+    Ok(match parameter {
+        "mass" => plant.inertia_kg_m2 / (plant.lever_m * plant.lever_m),
+        "damping" => friction.viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap_or(0.0),
+        "friction" => friction.kinetic_n,
+        "motor_lag" => plant.motor_lag_s.unwrap_or(0.0),
+        "brake_on" => on,
+        "brake_off" => off,
+        other => bail!("the twin has no '{other}'"),
+    })
+}
+
+/// Prints what came out, a line a parameter, and fails where it is not what it must be.
+fn tell(found: &[Found]) -> anyhow::Result<()> {
+    let mut wrong = Vec::new();
+    let n = found.len();
+    let allowed = allowed(n);
+    println!("parameter   truth      mean       coverage  bias/SD  SE/SD  identifiable");
+    for (j, first) in found.first().context("no seeds")?.rows.iter().enumerate() {
+        let rows: Vec<&Row> = found.iter().filter_map(|f| f.rows.get(j)).collect();
+        let truth = truth(&first.parameter)?;
+        let mean = rows.iter().map(|r| r.fitted).sum::<f64>() / n as f64;
+        let squares = |of: &dyn Fn(&Row) -> f64| rows.iter().map(|r| of(r) * of(r)).sum::<f64>();
+        let sd = (squares(&|r| r.fitted - mean) / (n as f64 - 1.0)).sqrt();
+        let std_error = (squares(&|r| r.std_error) / n as f64).sqrt();
+        let covered = rows.iter().filter(|r| r.interval[0] <= truth && truth <= r.interval[1]).count();
+        let identifiable = rows.iter().filter(|r| r.identifiable).count();
+        let (bias, most) =
+            ((mean - truth) / sd, MOST_BIAS + if n < MANY { BIAS_SCATTER / (n as f64).sqrt() } else { 0.0 });
+        println!(
+            "{:<10} {truth:<10.3e} {mean:<10.4e} {covered:>3}/{n:<5} {bias:>6.2} {:>6.2}  {identifiable}",
+            first.parameter,
+            std_error / sd,
+        );
+        if covered < allowed[0] || covered > allowed[1] {
+            wrong.push(format!("{}: {covered} intervals of {n} hold the truth", first.parameter));
+        }
+        if bias.abs() > most {
+            wrong.push(format!(
+                "{}: its mean is {bias:.2} standard deviations off, {most:.2} at most",
+                first.parameter
+            ));
+        }
+    }
+    println!("{} to {} of {n} intervals may hold the truth", allowed[0], allowed[1]);
+    let set_n = Control::default().let_go_n;
+    let held = found.iter().filter(|f| f.bracket[0] < set_n && set_n <= f.bracket[1]).count();
+    let width = found.iter().map(|f| f.bracket[1] - f.bracket[0]).sum::<f64>() / n as f64;
+    println!("let-go threshold: {held} of {n} brackets hold it; mean width {width:.3} N");
+    ensure!(held == n, "a bracket does not hold the let-go threshold");
+    ensure!(wrong.is_empty(), "{}", wrong.join("; "));
+    Ok(())
+}
+
+/// The smallest and the largest count of intervals that may hold the truth.
+fn allowed(seeds: usize) -> [usize; 2] {
+    let n = seeds as f64;
+    if seeds >= MANY {
+        return [(SHARES[0] * n).ceil() as usize, (SHARES[1] * n).floor() as usize];
+    }
+    let tail = (1.0 - CENTRAL) / 2.0;
+    let (mut probability, mut below, mut low) = (NOMINAL.powi(seeds as i32), 0.0, 0);
+    // from all of them down: the chance of k misses
+    let mut high = seeds;
+    for misses in 0..=seeds {
+        if below + probability < tail {
+            high = seeds - misses - 1;
+        }
+        below += probability;
+        if 1.0 - below < tail {
+            low = seeds - misses;
+            break;
+        }
+        probability *= (n - misses as f64) / (misses as f64 + 1.0) * (1.0 - NOMINAL) / NOMINAL;
+    }
+    [low, high]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// SciPy: `binom.ppf(0.0005, n, 0.95)`, and the largest k with `binom.sf(k - 1, n, 0.95) >= 0.0005`.
+    #[test]
+    fn few_seeds_are_judged_by_the_binomial_distribution_and_many_by_the_shares() {
+        assert_eq!(allowed(40), [32, 40]);
+        assert_eq!(allowed(200), [179, 198]);
+        assert_eq!(allowed(400), [368, 392]);
+    }
+
+    #[test]
+    fn columns_come_by_their_names() {
+        let csv = "a,b,c\n1,2,3\n4,,6\n";
+        assert_eq!(columns(csv, ["c", "b"]).unwrap(), [["3", "2"], ["6", ""]].map(|r| r.map(str::to_owned)));
+        assert!(columns(csv, ["d"]).is_err());
+    }
+}
