@@ -171,6 +171,58 @@ pub(crate) fn estimates<const P: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Recording, Task, identify};
+
+    /// Five trials of a line through two columns made of whole numbers, every other repeat held out.
+    fn line(trial: usize) -> (Vec<[f64; 2]>, Vec<f64>) {
+        let row = |i: usize| {
+            let x = (i + 1) as f64 / 6.0 * (1.0 + 0.5 * trial as f64);
+            [x, if (7 * i + 3 * trial) % 5 < 2 { 1.0 } else { -0.5 }]
+        };
+        let error = |i: usize| (((5 * i + 3 * trial) % 7) as f64 / 7.0 - 0.4) * 0.3;
+        let rows: Vec<[f64; 2]> = (0..6).map(row).collect();
+        let y = rows.iter().enumerate().map(|(i, [x, z])| 2.0 * x + z + error(i)).collect();
+        (rows, y)
+    }
+
+    /// NumPy and SciPy: `lstsq` on the rows of five trials, and five times on those of four of them; SE² = 4/5 Σ (b₋g − mean)²;
+    /// df = (Σ h)²/Σ h² with h = diag(A⁻¹ X_gᵀX_g A⁻¹); b ∓ `t.ppf(0.975, df)` SE; Σ r² with b₀ held at b₀ + SE over that of the
+    /// fit.
+    #[test]
+    fn standard_error_degrees_of_freedom_interval_and_profile_are_those_of_numpy_and_scipy() {
+        let metas = crate::testing::metas(10);
+        let (rows, y): (Vec<_>, Vec<_>) = (0..10).map(|i| line(i / 2)).unzip();
+        let recordings: Vec<_> =
+            metas.iter().zip(&y).map(|(meta, observed)| Recording { meta, observed }).collect();
+        let parameter = |name| Parameter { name, unit: "1", by_eye: 0.5, lower: -10.0, upper: 10.0 };
+        let parameters = [parameter("x"), parameter("z")];
+        let task = Task { parameters: &parameters, starts: &[], level: 0.95 };
+        let explain =
+            |i: usize, p: &[f64; 2]| Some(rows[i].iter().map(|r| p[0] * r[0] + p[1] * r[1]).collect());
+        let found = identify(&recordings, &task, explain, |_, _| None).unwrap().estimates;
+        for (estimate, [fitted, std_error, df, low, high]) in found.iter().zip(SCIPY) {
+            let (ci_low, ci_high) = estimate.interval.unwrap();
+            let close = |found: f64, expect: f64, share: f64| {
+                assert!((found / expect - 1.0).abs() < share, "{found} instead of {expect}");
+            };
+            close(estimate.fitted, fitted, 1e-9);
+            close(estimate.std_error.unwrap(), std_error, 1e-7);
+            close(estimate.df.unwrap(), df, 1e-7);
+            close(ci_low - fitted, low - fitted, 1e-4);
+            close(ci_high - fitted, high - fitted, 1e-4);
+            let one_off =
+                estimate.profile.iter().find(|p| (p.value - fitted - std_error).abs() < 1e-6).unwrap();
+            close(one_off.likelihood_ratio, 1.0, 1e-6);
+        }
+        let one_off = found[0].profile.iter().find(|p| (p.value - SCIPY[0][0] - SCIPY[0][1]).abs() < 1e-6);
+        assert!((one_off.unwrap().relative_error - 1.0044031616756472).abs() < 1e-8);
+    }
+
+    /// Estimate, standard error, degrees of freedom and interval of either column.
+    const SCIPY: [[f64; 5]; 2] = [
+        [2.01103809188346, 0.00391665044356254, 3.534853848951035, 1.999575463550812, 2.022500720216108],
+        [0.960841342525034, 0.01903117042108361, 4.956659735515703, 0.9117912208814738, 1.009891464168594],
+    ];
 
     #[test]
     fn the_inverse_over_free_parameters_undoes_the_matrix() {

@@ -1,5 +1,6 @@
 //! The profile of a parameter: what becomes of the error when it is held elsewhere and the others are fitted anew.
 
+use crate::Parameter;
 use crate::estimate::{Spread, inverse};
 use crate::fit::{Block, Problem};
 use zwidth_numerics::nonlinear::Minimum;
@@ -74,10 +75,12 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
     fn crossing(&self, critical: f64, side: f64) -> Option<f64> {
         let mut distance = critical * self.std_error;
         for _ in 0..MAX_SECANTS {
-            let value = self.inside(self.fitted() + side * distance);
+            let asked = self.fitted() + side * distance;
+            let (value, Parameter { lower, upper, .. }) =
+                (self.inside(asked), self.problem.parameters[self.j]);
             let root = self.at(value)?.likelihood_ratio.sqrt();
-            let beyond = value != self.fitted() + side * distance;
-            if (root / critical - 1.0).abs() <= TOLERANCE || (beyond && root <= critical) {
+            let at_bound = !(lower..=upper).contains(&asked) && root <= critical;
+            if at_bound || (root / critical - 1.0).abs() <= TOLERANCE {
                 return Some(value);
             }
             distance = (value - self.fitted()).abs() * critical / root;

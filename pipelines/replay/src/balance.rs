@@ -171,14 +171,14 @@ struct Run {
 fn runs(t: &[f64], theta: &[f64], nodes: &[usize]) -> Vec<Run> {
     let direction = |pair: &[usize]| {
         let velocity = (theta[pair[1]] - theta[pair[0]]) / (t[pair[1]] - t[pair[0]]);
-        if velocity.abs() > MOVING_RAD_S { velocity.signum() } else { 0.0 }
+        i8::from(velocity > MOVING_RAD_S) - i8::from(velocity < -MOVING_RAD_S)
     };
-    let directions: Vec<f64> = nodes.windows(2).map(direction).collect();
+    let directions: Vec<i8> = nodes.windows(2).map(direction).collect();
     let (mut runs, mut from) = (Vec::new(), 0);
     for stretch in directions.chunk_by(|a, b| a == b) {
         let to = from + stretch.len();
-        if stretch[0] != 0.0 && stretch.len() > 2 {
-            runs.push(Run { from: from + 1, to: to - 1, direction: stretch[0] });
+        if stretch[0] != 0 && stretch.len() > 2 {
+            runs.push(Run { from: from + 1, to: to - 1, direction: f64::from(stretch[0]) });
         }
         from = to;
     }
