@@ -11,7 +11,7 @@ use zwidth_study::Control;
 
 /// At this rate as the study that comes along, Hz.
 const RATE: &str = "120";
-/// Of so many seeds the share must be that of the issue, 92 to 98 %.
+/// Of so many seeds the share must lie between these.
 const MANY: usize = 400;
 const SHARES: [f64; 2] = [0.92, 0.98];
 /// Of fewer seeds the count must be one that 95 % would give: within the central 99.9 % of its binomial distribution.
