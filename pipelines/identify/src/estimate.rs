@@ -185,37 +185,64 @@ mod tests {
         (rows, y)
     }
 
+    /// The fit of both columns with a lower bound for the second.
+    fn fitted(lower: f64) -> Vec<Estimate> {
+        let metas = crate::testing::metas(10);
+        let (rows, y): (Vec<_>, Vec<_>) = (0..10).map(|i| line(i / 2)).unzip();
+        let recordings: Vec<_> =
+            metas.iter().zip(&y).map(|(meta, observed)| Recording { meta, observed }).collect();
+        let parameter = |name, lower| Parameter { name, unit: "1", by_eye: 0.5, lower, upper: 10.0 };
+        let parameters = [parameter("x", -10.0), parameter("z", lower)];
+        let task = Task { parameters: &parameters, starts: &[], level: 0.95 };
+        let explain =
+            |i: usize, p: &[f64; 2]| Some(rows[i].iter().map(|r| p[0] * r[0] + p[1] * r[1]).collect());
+        identify(&recordings, &task, explain, |_, _| None).unwrap().estimates
+    }
+
+    fn close(found: f64, expect: f64, share: f64) {
+        assert!((found / expect - 1.0).abs() < share, "{found} instead of {expect}");
+    }
+
     /// NumPy and SciPy: `lstsq` on the rows of five trials, and five times on those of four of them; SE² = 4/5 Σ (b₋g − mean)²;
     /// df = (Σ h)²/Σ h² with h = diag(A⁻¹ X_gᵀX_g A⁻¹); b ∓ `t.ppf(0.975, df)` SE; Σ r² with b₀ held at b₀ + SE over that of the
     /// fit.
     #[test]
     fn standard_error_degrees_of_freedom_interval_and_profile_are_those_of_numpy_and_scipy() {
-        let metas = crate::testing::metas(10);
-        let (rows, y): (Vec<_>, Vec<_>) = (0..10).map(|i| line(i / 2)).unzip();
-        let recordings: Vec<_> =
-            metas.iter().zip(&y).map(|(meta, observed)| Recording { meta, observed }).collect();
-        let parameter = |name| Parameter { name, unit: "1", by_eye: 0.5, lower: -10.0, upper: 10.0 };
-        let parameters = [parameter("x"), parameter("z")];
-        let task = Task { parameters: &parameters, starts: &[], level: 0.95 };
-        let explain =
-            |i: usize, p: &[f64; 2]| Some(rows[i].iter().map(|r| p[0] * r[0] + p[1] * r[1]).collect());
-        let found = identify(&recordings, &task, explain, |_, _| None).unwrap().estimates;
+        let found = fitted(-10.0);
+        let one_off = |estimate: &Estimate, at: f64| {
+            *estimate.profile.iter().find(|p| (p.value - at).abs() < 1e-6).unwrap()
+        };
         for (estimate, [fitted, std_error, df, low, high]) in found.iter().zip(SCIPY) {
             let (ci_low, ci_high) = estimate.interval.unwrap();
-            let close = |found: f64, expect: f64, share: f64| {
-                assert!((found / expect - 1.0).abs() < share, "{found} instead of {expect}");
-            };
             close(estimate.fitted, fitted, 1e-9);
             close(estimate.std_error.unwrap(), std_error, 1e-7);
             close(estimate.df.unwrap(), df, 1e-7);
             close(ci_low - fitted, low - fitted, 1e-4);
             close(ci_high - fitted, high - fitted, 1e-4);
-            let one_off =
-                estimate.profile.iter().find(|p| (p.value - fitted - std_error).abs() < 1e-6).unwrap();
-            close(one_off.likelihood_ratio, 1.0, 1e-6);
+            close(one_off(estimate, fitted + std_error).likelihood_ratio, 1.0, 1e-6);
+            assert_eq!(estimate.verdict, Verdict::Identifiable);
         }
-        let one_off = found[0].profile.iter().find(|p| (p.value - SCIPY[0][0] - SCIPY[0][1]).abs() < 1e-6);
-        assert!((one_off.unwrap().relative_error - 1.0044031616756472).abs() < 1e-8);
+        close(one_off(&found[0], SCIPY[0][0] + SCIPY[0][1]).relative_error, 1.0044031616756472, 1e-8);
+    }
+
+    /// With b̂ beyond the bound a, the ratio is ((v − b̂)² − (a − b̂)²)/SE², which meets t² at b̂ + √(t² SE² + (a − b̂)²).
+    #[test]
+    fn a_value_on_its_bound_has_a_bracket_from_there() {
+        let (lower, [free, _, _, _, free_high]) = (0.97, SCIPY[1]);
+        let found = &fitted(lower)[1];
+        assert_eq!((found.fitted, found.verdict), (lower, Verdict::OnBound));
+        let (low, high) = found.interval.unwrap();
+        assert_eq!(low.to_bits(), lower.to_bits());
+        close(high - free, ((free_high - free).powi(2) + (lower - free).powi(2)).sqrt(), 0.02);
+        assert!(found.inflation.is_none() && found.profile[0].value >= lower);
+    }
+
+    #[test]
+    fn a_profile_that_stays_low_up_to_a_bound_is_flat() {
+        let found = &fitted(0.95)[1];
+        assert_eq!(found.verdict, Verdict::Flat);
+        assert_eq!(found.interval.unwrap().0.to_bits(), 0.95_f64.to_bits());
+        close(found.interval.unwrap().1 - SCIPY[1][0], SCIPY[1][4] - SCIPY[1][0], 1e-3);
     }
 
     /// Estimate, standard error, degrees of freedom and interval of either column.
