@@ -123,7 +123,18 @@ impl Scene {
         let mut list = Vec::new();
         self.environment.list(&mut list);
         list.extend(self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)));
-        let mut mass = self.plant.mass_kg * self.plant.lever_m;
+        let Plant { mass_kg, lever_m, .. } = self.plant;
+        let mut mass = mass_kg * lever_m;
+        let carried_kg = self.finger.map_or(0.0, |finger| finger.mass_kg);
+        let heaviest =
+            if carried_kg > mass_kg { ("finger.mass_kg", carried_kg) } else { ("plant.mass_kg", mass_kg) };
+        let whole = (mass_kg + carried_kg) * lever_m;
+        check(
+            heaviest.0,
+            heaviest.1,
+            whole <= LARGEST,
+            "so small that all that moves, times the lever, is at most 1e280",
+        )?;
         if let Some(finger) = &self.finger {
             list.push(("finger.stiffness_n_per_m", finger.stiffness_n_per_m, 1.0));
             list.push(("finger.damping_ns_per_m", finger.damping_ns_per_m, 1.0));

@@ -233,3 +233,14 @@ proptest! {
         }
     }
 }
+
+/// Found by the property above: the state stays finite, and the inertia of a bottomed finger times 0 is no force.
+#[test]
+fn a_finger_too_heavy_for_its_lever_is_refused_by_name() {
+    let mut scene =
+        table3::with_finger(table3::scene(Mode::Passive, Input::Ramp { magnitude: 1.0, period_s: 1.0 }));
+    scene.plant.lever_m = 716132134.7158322;
+    scene.finger.as_mut().unwrap().mass_kg = f64::MAX;
+    let error = System::new(scene).unwrap_err().to_string();
+    assert!(error.starts_with("finger.mass_kg is 1797693134862315"), "{error}");
+}
