@@ -133,7 +133,7 @@ pub(crate) fn inverse<const P: usize>(matrix: &[[f64; P]; P], free: &[bool; P]) 
 pub(crate) fn estimates<const P: usize>(
     problem: &Problem<P>,
     minimum: &Minimum<P>,
-    blocks: &[Block<P>],
+    (blocks, slopes): (&[Block<P>], &[Vec<[f64; P]>]),
     level: f64,
 ) -> Result<Vec<Estimate>, IdentifyError> {
     let all = sum(blocks);
@@ -146,7 +146,7 @@ pub(crate) fn estimates<const P: usize>(
         let spread = spread(blocks, &free, j).filter(|_| free[j]);
         let fitted = minimum.parameters[j];
         let noisy = spread.filter(|spread| spread.std_error > NOISELESS * fitted.abs());
-        let curve = noisy.and_then(|spread| Curve::new(problem, minimum, &all, &free, (j, spread)));
+        let curve = noisy.and_then(|spread| Curve::new(problem, minimum, (&all, slopes), &free, (j, spread)));
         let critical = spread.map(|spread| critical_value(level, spread.df)).transpose()?;
         let interval = match (noisy, &curve) {
             (None, _) => spread.map(|_| (fitted, fitted)),

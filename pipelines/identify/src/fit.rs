@@ -42,8 +42,15 @@ impl<const P: usize> Problem<'_, P> {
         held.from(start).ok().map(|minimum| minimum.rss)
     }
 
+    /// Σ r² at a point, and Jᵀr with slopes from elsewhere.
+    pub(crate) fn gradient(&self, at: &[f64; P], slopes: &[Vec<[f64; P]>]) -> (f64, [f64; P]) {
+        let errors = self.errors(at);
+        let all = sum(&errors.iter().zip(slopes).map(|(e, s)| block(e, s)).collect::<Vec<_>>());
+        (errors.iter().flatten().map(|e| e * e).sum(), all.gradient)
+    }
+
     /// Samples of all trials.
-    pub(crate) fn samples(&self) -> usize {
+    fn samples(&self) -> usize {
         self.trials.iter().map(|i| self.observed[*i].len()).sum()
     }
 
@@ -63,14 +70,14 @@ impl<const P: usize> Problem<'_, P> {
     }
 
     /// Their slopes.
-    fn slopes(&self, at: &[f64; P]) -> Vec<Vec<[f64; P]>> {
+    pub(crate) fn slopes(&self, at: &[f64; P]) -> Vec<Vec<[f64; P]>> {
         let one = |i: &usize| slopes(|p| (self.predict)(*i, p), self.observed[*i].len(), self.parameters, at);
         self.trials.par_iter().map(one).collect()
     }
 
-    /// Every trial's part of the normal equations.
-    pub(crate) fn blocks(&self, at: &[f64; P]) -> Vec<Block<P>> {
-        self.errors(at).iter().zip(&self.slopes(at)).map(|(errors, slopes)| block(errors, slopes)).collect()
+    /// Every trial's part of the normal equations at a point, with its slopes there.
+    pub(crate) fn blocks(&self, at: &[f64; P], slopes: &[Vec<[f64; P]>]) -> Vec<Block<P>> {
+        self.errors(at).iter().zip(slopes).map(|(errors, slopes)| block(errors, slopes)).collect()
     }
 }
 

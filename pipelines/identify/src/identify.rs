@@ -87,7 +87,8 @@ pub fn identify<const P: usize>(
     let by_eye = parameters.map(|p| p.by_eye);
     let starts: Vec<[f64; P]> = [by_eye].into_iter().chain(task.starts.iter().copied()).collect();
     let minimum = problem.fit(&starts)?;
-    let blocks = problem.blocks(&minimum.parameters);
+    let slopes = problem.slopes(&minimum.parameters);
+    let blocks = problem.blocks(&minimum.parameters, &slopes);
     let left_out = without_each(parameters, &minimum.parameters, &blocks);
     let one = |(i, recording): (usize, &Recording)| {
         let error = |p: &[f64; P]| judge(i, p).filter(|error| error.is_finite());
@@ -101,7 +102,7 @@ pub fn identify<const P: usize>(
         }
     };
     Ok(Identified {
-        estimates: estimates(&problem, &minimum, &blocks, task.level)?,
+        estimates: estimates(&problem, &minimum, (&blocks, &slopes), task.level)?,
         trials: recordings.par_iter().enumerate().map(one).collect(),
         converged: minimum.converged,
     })

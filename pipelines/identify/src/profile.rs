@@ -13,6 +13,12 @@ const TOLERANCE: f64 = 1e-4;
 /// More secants than it takes: the curve's root is nearly a straight line.
 const MAX_SECANTS: usize = 20;
 
+/// A refit is done when what a step still promises is below this share of the growth of Σ r², or of Σ r² itself.
+const CLOSE: f64 = 1e-6;
+const ROUNDING: f64 = 1e-14;
+/// More such steps than it takes near the fit.
+const MAX_STEPS: usize = 10;
+
 /// One point of a profile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
@@ -35,6 +41,9 @@ pub(crate) struct Curve<'p, 'd, const P: usize> {
     minimum: &'p Minimum<P>,
     j: usize,
     std_error: f64,
+    /// Slopes at the minimum, and the inverse of JᵀJ over the other parameters.
+    slopes: &'p [Vec<[f64; P]>],
+    others: [[f64; P]; P],
     /// (A⁻¹)_jj / V.
     scale: f64,
     /// Where the others go when this one moves by 1, to first order.
@@ -46,15 +55,17 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
     pub(crate) fn new(
         problem: &'p Problem<'d, P>,
         minimum: &'p Minimum<P>,
-        all: &Block<P>,
+        (all, slopes): (&Block<P>, &'p [Vec<[f64; P]>]),
         free: &[bool; P],
         (j, spread): (usize, Spread),
     ) -> Option<Self> {
-        let inverse = inverse(&all.curvature, free)?;
+        let mut rest = *free;
+        rest[j] = false;
+        let (others, inverse) = (inverse(&all.curvature, &rest)?, inverse(&all.curvature, free)?);
         let scale = inverse[j][j] / (spread.std_error * spread.std_error);
         let along = core::array::from_fn(|k| inverse[k][j] / inverse[j][j]);
         let std_error = spread.std_error;
-        scale.is_finite().then_some(Self { problem, minimum, j, std_error, scale, along })
+        scale.is_finite().then_some(Self { problem, minimum, j, std_error, slopes, others, scale, along })
     }
 
     /// The likelihood ratio's curve, by rising value, within the bounds.
@@ -90,8 +101,11 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
 
     fn at(&self, value: f64) -> Option<Point> {
         let (minimum, away) = (self.minimum, value - self.fitted());
-        let start = core::array::from_fn(|k| minimum.parameters[k] + away * self.along[k]);
-        let rss = if away == 0.0 { minimum.rss } else { self.problem.held(start, self.j, value)? };
+        let start = self.within(core::array::from_fn(|k| minimum.parameters[k] + away * self.along[k]));
+        let rss = match away == 0.0 {
+            true => minimum.rss,
+            false => self.refitted(start).or_else(|| self.problem.held(start, self.j, value))?,
+        };
         Some(Point {
             value,
             relative_error: rss / minimum.rss,
@@ -99,8 +113,32 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
         })
     }
 
+    /// The least Σ r² over the other parameters by Gauss–Newton steps with the slopes at the minimum, which spares new ones;
+    /// `None` where they do not get there, as at a bound.
+    fn refitted(&self, start: [f64; P]) -> Option<f64> {
+        let mut at = start;
+        for _ in 0..MAX_STEPS {
+            let (rss, gradient) = self.problem.gradient(&at, self.slopes);
+            let step: [f64; P] =
+                core::array::from_fn(|k| (0..P).map(|l| self.others[k][l] * gradient[l]).sum::<f64>());
+            let promised: f64 = step.iter().zip(&gradient).map(|(s, g)| s * g).sum();
+            let least = (CLOSE * (rss - self.minimum.rss).abs()).max(ROUNDING * rss);
+            if promised <= least {
+                return Some(rss);
+            }
+            at = self.within(core::array::from_fn(|k| at[k] - step[k]));
+        }
+        None
+    }
+
     fn fitted(&self) -> f64 {
         self.minimum.parameters[self.j]
+    }
+
+    fn within(&self, at: [f64; P]) -> [f64; P] {
+        core::array::from_fn(|k| {
+            at[k].clamp(self.problem.parameters[k].lower, self.problem.parameters[k].upper)
+        })
     }
 
     fn inside(&self, value: f64) -> f64 {
