@@ -14,8 +14,7 @@
 //! explains. Hats are the test functions of finite elements; on weak forms against noise see Messenger & Bortz (2021),
 //! J. Comput. Phys. 443:110525.
 //!
-//! Within the sum of two halves a lever that reverses, sticks or lies on a stop has forces nobody recorded, so such
-//! times have no hats.
+//! A lever that reverses, sticks or lies on a stop is held by forces that nobody recorded, so such times have no hats.
 
 use crate::scene::Condition;
 use crate::{Parameters, ReplayError, WhyNot};
@@ -114,8 +113,8 @@ fn bent(t: [f64; 3], y: [f64; 3]) -> f64 {
     (y[2] - y[1]) / (t[2] - t[1]) - (y[1] - y[0]) / (t[1] - t[0])
 }
 
-/// Every hat that fits into a stretch of motion and between the first and the last value of the force; one begins at the
-/// middle of the half before.
+/// Every hat that fits into a stretch of motion and between the first and the last value of the force; each begins a
+/// quarter of a base after the one before.
 fn hats(t: &[f64], theta: &[f64], force: &Updates) -> Vec<Hat> {
     let (Some(first), Some(last)) = (force.t.first(), force.t.last()) else { return Vec::new() };
     if force.t.len() < cubic::SAMPLES {

@@ -2,7 +2,8 @@
 //!
 //! [`replay`] turns one trial into three [`Row`]s, one a [`Causality`]; [`table`] puts rows together, and
 //! [`agreement`] says of all trials together how far peaks and times agree (Bland & Altman). [`Drive`] is a trial
-//! made ready to be replayed with any [`Parameters`], for figures and for fits. Pure: trials in memory, tables out; only
+//! made ready to be replayed with any [`Parameters`], for figures and for judging fits; [`Balance`] is one whose recorded
+//! motion says what force it needs, for fits. Pure: trials in memory, tables out; only
 //! trials that count may come in (`StudyData::counting`): the caller filters.
 //!
 //! # The model
