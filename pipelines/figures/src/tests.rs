@@ -103,9 +103,10 @@ fn loops_say_what_their_dots_mean() {
     let mut scene = scene(&study, &trial, Some(&mean));
     scene.modes[0].repeats.push(Repeat { trial: &trial, onset_s: Some(1.0) });
     let notes = |scene: &Scene| loops(&study, std::slice::from_ref(scene)).unwrap().footnotes;
-    assert_eq!(notes(&scene), ["Dotted: at the wall or past it."]);
+    let means = "Lines: mean of the repeats (n = 1), aligned at movement onset.";
+    assert_eq!(notes(&scene), [means, "Dotted: at the wall or past it."]);
     scene.environment = &study.environments[0];
-    assert!(notes(&scene).is_empty(), "no wall, no dots");
+    assert_eq!(notes(&scene), [means], "no wall, no dots");
 }
 
 /// A number without a unit says so by its name: a count, or names instead of numbers.
@@ -160,7 +161,7 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
         let names: Vec<_> = lines(&figure, 0).into_iter().filter_map(|l| l.name.as_deref()).collect();
         assert_eq!(names, ["Active (n = 1 of 2)"]);
         let loops = loops(&study, std::slice::from_ref(&scene)).unwrap();
-        assert_eq!(loops.footnotes, [format!("Lines: mean of the repeats (n = 1), {words}.")]);
+        assert_eq!(loops.footnotes[0], format!("Lines: mean of the repeats (n = 1), {words}."));
     }
     let without = modes(&Scene { alignment: Alignment::Landmarks, ..scene(&study, &trial, None) }).unwrap();
     assert_eq!(without.panels[2].x.label, "time since movement onset", "there is no mean");
