@@ -79,8 +79,8 @@ fn dry_and_fresh_together_list_every_job_and_why_and_make_nothing() {
     let one = zwidth(root.path(), &["run", "--dry-run", "--fresh", "--only", "loops.P01.S01", "--json"])
         .exits(0)
         .made();
-    let averages = one.iter().filter(|name| name.starts_with("average P01 S01")).count();
-    assert_eq!((one.len(), averages), (8, 6), "{one:?}");
+    let of = |stage: &str| one.iter().filter(|name| name.starts_with(stage)).count();
+    assert_eq!((one.len(), of("metrics P01 S01 "), of("average P01 S01 ")), (13, 6, 6), "{one:?}");
     assert_eq!(listing(root.path()), before);
 }
 
