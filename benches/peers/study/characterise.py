@@ -221,9 +221,57 @@ def curve_of(best, command, response, up, level, tails):
     return pd.concat(frames, ignore_index=True)
 
 
+PLACES, CLOSENESS, RISE, AT_END = 1024, 5e-4, 1e-9, 0.01
+
+
 def calibration(best, low, high):
-    """Force of a voltage: the chosen curve less its value at no voltage, mean of up and down, rising."""
-    voltage = np.linspace(low, high, 2001)
-    force = np.mean([best["shape"].predict(p, voltage) for _, p in best["fits"]], axis=0)
-    force = np.maximum.accumulate(np.maximum(force - force[0], 0.0))
-    return lambda v: np.sign(v) * np.interp(np.abs(v), voltage, force)
+    """Voltages and forces as knots: the chosen curve less its value at no voltage, mean of up and down, rising. After each
+    turn of the voltage dry friction keeps one branch flat for a while: there the mean goes on along its tangent."""
+    low, names = max(low, 0.0), best["shape"].names
+
+    def mean(v):
+        return np.mean([best["shape"].predict(p, np.asarray(v, dtype=float)) for _, p in best["fits"]], axis=0)
+
+    def of_branches(name):
+        return [p[names.index(name)] for branch, p in best["fits"] if branch != "both" and name in names]
+
+    breaks, plateaus = of_branches("x0"), of_branches("x1")
+    start, stop = max([low, *breaks]), min([high, *plateaus])
+    start, stop = (start, stop) if start < stop else (low, high)
+    h = (stop - start) / PLACES
+    ends = mean([start, start + h, stop - h, stop])
+    slopes = (ends[1] - ends[0]) / h, (ends[3] - ends[2]) / h
+    end = AT_END * (high - low)
+    floor = mean([low])[0] if breaks and min(breaks) > low + end else -np.inf
+    cap = mean([high])[0] if plateaus and max(plateaus) < high - end else np.inf
+
+    corners = [start + (floor - ends[0]) / slopes[0], stop + (cap - ends[3]) / slopes[1], *breaks, *plateaus]
+    voltage = np.sort(np.r_[np.linspace(low, high, PLACES + 1), [v for v in corners if low < v < high]])
+    force = mean(np.clip(voltage, start, stop)) + slopes[0] * np.minimum(voltage - start, 0.0) + (
+        slopes[1] * np.maximum(voltage - stop, 0.0))
+    force = np.clip(force, floor, cap)
+    return knots(*rising(voltage, force - force[0]))
+
+
+def rising(voltage, force):
+    """From the last place without force on, strictly."""
+    kept, least = [], RISE * force.max()
+    for i, f in enumerate(force):
+        if not kept or (len(kept) == 1 and f <= least):
+            kept = [i]
+        elif f > (force[kept[-1]] if len(kept) > 1 else 0.0) + least:
+            kept.append(i)
+    return voltage[kept], np.r_[0.0, force[kept[1:]]]
+
+
+def knots(voltage, force):
+    """Straight lines within the tolerance (Douglas & Peucker 1973)."""
+    def between(a, b):
+        gap = np.abs(force[a:b + 1] - np.interp(voltage[a:b + 1], voltage[[a, b]], force[[a, b]]))
+        if gap.max() <= CLOSENESS * force[-1]:
+            return [a]
+        farthest = a + int(np.argmax(gap))
+        return between(a, farthest) + between(farthest, b)
+
+    at = [*between(0, len(voltage) - 1), len(voltage) - 1]
+    return voltage[at], force[at]

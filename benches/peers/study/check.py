@@ -13,26 +13,40 @@ import pandas as pd
 # (table, keys that name a row, columns or None for all numbers)
 TABLES = [
     ("derived", "metrics", ["trial"], None),
+    ("derived", "conditions", ["environment", "mode"], None),
     ("derived", "replay", ["trial", "causality"], None),
     ("derived", "replay.agreement", ["causality", "mode", "quantity"], None),
     ("derived", "likert", ["environment", "mode"], None),
-    ("reports/tables", "identify", ["parameter"], ["fitted", "rmse_fitted_rad", "rmse_halved_rad", "rmse_doubled_rad"]),
-    ("reports/tables", "identify.trials", ["trial"], None),
+    ("derived", "identify", ["parameter"], None),
+    ("derived", "identify.profile", ["parameter", "point"], None),
+    ("derived", "identify.threshold", ["threshold"], None),
+    ("derived", "identify.held_out", ["environment", "mode"], None),
+    ("derived", "identify.trials", ["trial"], None),
     ("reports/tables", "characteristic.brake", ["model"], ["rms", "left_out_rms", "r2"]),
     ("reports/tables", "characteristic.motor", ["model"], ["rms", "left_out_rms", "r2"]),
+    ("reports/tables", "modes", ["mode"], None),
+    ("reports/tables", "weight", ["quantity"], None),
 ]
 AVERAGES = ["theta_mean_rad", "force_ex_mean_n", "theta_dot_ci_low_rad_s"]
 # A column that differs by more than this of its largest value is named.
 NAMED = 1e-6
 
 
-def difference(ours, theirs):
-    """Largest difference over the largest value, and how often one is null and the other is not."""
+def difference(ours, theirs, groups=None):
+    """Largest difference over the largest value (of the group), and how often one is null and the other is not."""
     a, b = (np.asarray(v, dtype=float) for v in (ours, theirs))
-    both = ~np.isnan(a) & ~np.isnan(b)
-    largest = np.abs(a[both]).max(initial=0.0)
-    gap = np.abs(a[both] - b[both]).max(initial=0.0)
-    return (gap / largest if largest else gap), int(np.sum(np.isnan(a) != np.isnan(b)))
+    alone = np.isnan(a) != np.isnan(b)
+    gap, size = np.where(np.isnan(a - b), 0.0, np.abs(a - b)), np.where(np.isnan(a - b), 0.0, np.abs(a))
+    groups = np.zeros(len(a), int) if groups is None else pd.factorize(groups)[0]
+    each = [(gap[groups == g].max(), size[groups == g].max()) for g in np.unique(groups)]
+    return max((d / largest if largest else d) for d, largest in each), int(alone.sum())
+
+
+def read(path, keys):
+    table = pd.read_parquet(path)
+    if "point" in keys:  # a profile's points have no name but their place
+        table["point"] = table.groupby("parameter").cumcount()
+    return table.set_index(keys)
 
 
 def compare(roots, study):
@@ -42,10 +56,11 @@ def compare(roots, study):
         where = [root / folder.split("/")[0] / study / Path(*folder.split("/")[1:]) / f"{name}.parquet" for root in roots]
         if not all(p.exists() for p in where):
             continue
-        ours, theirs = (pd.read_parquet(p).set_index(keys) for p in where)
+        ours, theirs = (read(p, keys) for p in where)
         theirs = theirs.reindex(ours.index)
         numbers = columns or [c for c in ours.select_dtypes(["number", "bool"]) if c in theirs]
-        found = {c: difference(ours[c], theirs[c]) for c in numbers}
+        by = "parameter" if "parameter" in keys else None  # each has its own unit, and so its own largest value
+        found = {c: difference(ours[c], theirs[c], by and ours.index.get_level_values(by)) for c in numbers}
         rows.append(row(name, found))
     found = {}
     for path in sorted((roots[0] / "derived" / study / "average").glob("*.parquet")):

@@ -149,9 +149,8 @@ def replay_figure(folder, study, replays, models, fitted, environment):
         top.plot(t, trial.frame.force_cmd_n, "k", linewidth=2.4, alpha=0.35, label="recorded")
         middle.plot(t, np.degrees(trial.theta), "k", linewidth=2.4, alpha=0.35)
         bottom.plot(t, np.degrees(trial.velocity), "k", linewidth=2.4, alpha=0.35)
-        runs = [("model, by eye", model.BY_EYE, dict(color="#882255", linestyle="--"))]
-        if fitted is not None:
-            runs.append(("model, fitted", fitted, dict(color="#117733")))
+        runs = [("model, by eye", model.BY_EYE, dict(color="#882255", linestyle="--")),
+                ("model, fitted", fitted, dict(color="#117733"))]
         for label, plant, style in runs:
             theta, velocity, feedback = trial.force_driven(plant)
             top.plot(t, feedback, label=label, **style)
@@ -163,7 +162,7 @@ def replay_figure(folder, study, replays, models, fitted, environment):
         bottom.set_xlabel("time (s)")
     for axes, label in zip(panels[:, 0], ("F (N)", "θ (°)", "θ' (°/s)")):
         axes.set_ylabel(label)
-    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=4)
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower left", ncols=4)
     save(figure, folder, f"replay.P01.S01.{environment['id']}")
 
 

@@ -227,7 +227,7 @@ def trial_metrics(trial, meta, study):
     m["protocol_inside"] = theta.min() >= low - excess and theta.max() <= high + excess
     m["protocol_met"] = m["protocol_one_movement"] and m["protocol_in_time"] and m["protocol_inside"]
 
-    m |= discrepancy(theta, force, (onset, reversal, end), analysis["grid_points"], lever)
+    m |= discrepancy(theta, force, (onset, reversal, end), analysis["grid_points"], lever, level)
     m |= spring(trial, theta, force, (onset, reversal, end), environment, level)
     m |= wall(t, theta, velocity, force, trial, environment["wall_rad"], lever, level)
 
@@ -254,9 +254,11 @@ def trial_metrics(trial, meta, study):
     return m
 
 
-def discrepancy(theta, force, phases, points, lever):
+def discrepancy(theta, force, phases, points, lever, level):
     onset, reversal, end = phases
-    names = ["discrepancy_mean_n", "discrepancy_max_n", "discrepancy_step_n", "loop_area_j"]
+    names = ["discrepancy_mean_n", "discrepancy_mean_ci_low_n", "discrepancy_mean_ci_high_n", "discrepancy_max_n",
+             "discrepancy_step_n", "discrepancy_step_ci_low_n", "discrepancy_step_ci_high_n", "loop_area_j",
+             "loop_area_ci_low_j", "loop_area_ci_high_j"]
     nothing = dict.fromkeys(names, np.nan)
 
     def advancing(x, f, sign):
@@ -273,11 +275,16 @@ def discrepancy(theta, force, phases, points, lever):
         return nothing
     grid = low + (high - low) * np.linspace(0.0, 1.0, points)
     d = np.interp(grid, x1, f1) - np.interp(grid, x2, f2)
-    last = grid >= high - 0.1 * (high - low)
+    last = points - 1 - (points - 1) // 10
     x, f = theta[onset:end + 1], force[onset:end + 1]
-    area = trapezoid(f, x) + (x[0] - x[-1]) * (f[-1] + f[0]) / 2
-    step = np.polynomial.polynomial.polyfit(grid[last] - theta[reversal], d[last], 1)[0]
-    return dict(zip(names, [trapezoid(d, grid) / (high - low), d.max(), step, lever * area]))
+    area = lever * (trapezoid(f, x) + (x[0] - x[-1]) * (f[-1] + f[0]) / 2)
+    mean = trapezoid(d, grid) / (high - low)
+    middle = newey_west_fit(grid - (low + high) / 2, d, level)[0][0]
+    half = (middle[3] - middle[2]) / 2
+    step, _, step_low, step_high = newey_west_fit(grid[last:] - theta[reversal], d[last:], level)[0][0]
+    wide = lever * (high - low) * half
+    return dict(zip(names, [mean, mean - half, mean + half, d.max(), step, step_low, step_high,
+                            area, area - wide, area + wide]))
 
 
 def spring(trial, theta, force, phases, environment, level):
@@ -351,9 +358,15 @@ SUMMARISED = ["duration_s", "theta_max_rad", "sparc_forward", "sparc_backward", 
               "returned_energy_share", "wall_past_max_rad", "wall_dwell_s"]
 
 
+def deviation(name):
+    """stiffness_n_per_rad -> stiffness_sd_n_per_rad."""
+    unit = next((u for u in ("_n_per_rad", "_rad", "_s", "_n", "_j", "_m") if name.endswith(u)), "")
+    return f"{name.removesuffix(unit)}_sd{unit}"
+
+
 def by_condition(metrics):
     group = metrics.groupby(["participant", "session", "environment", "mode"], sort=False)
     table = group.size().rename("n").to_frame()
     for name in SUMMARISED:
-        table[name], table[f"{name} SD"] = group[name].mean(), group[name].std()
+        table[name], table[deviation(name)] = group[name].mean(), group[name].std()
     return table.reset_index()

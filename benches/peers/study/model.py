@@ -1,20 +1,23 @@
-"""The model of a trial (M L theta'' = F_O + F_ex - B theta' - dry friction), its replay in three causalities by SciPy,
-and the identification of mass, damping and friction."""
+"""The model of a trial (M L theta'' = F_O + F_ex - B theta' - dry friction) and its replay in three causalities by
+SciPy."""
+
+from bisect import bisect_right
 
 import numpy as np
 import pandas as pd
 from scipy import stats
 from scipy.integrate import cumulative_trapezoid, solve_ivp
-from scipy.optimize import least_squares
 
 import metrics
 
-BY_EYE = (0.1, 1.0, 0.0)
-# The coarsest that keep theta within 1e-6 rad of the exact solution on the trials here (see check.py).
-RTOL, ATOL = 1e-6, 1e-8
-# The force's own updates. Without this limit a replay is hardly faster (68 instead of 72 ms), and the identification
-# took more than 500 s of processor time instead of 275 s.
+# Mass, damping, friction, and the lags of the motor, of the brake going on, and of it going off.
+BY_EYE = (0.1, 1.0, 0.0, 0.0, 0.0, 0.0)
+# The coarsest that keep theta within 1e-6 rad of the exact solution on the trials here: at once, and with lags.
+TOLERANCES = dict(rtol=1e-6, atol=1e-8), dict(rtol=1e-7, atol=1e-9)
+# The force's own updates.
 MAX_STEP_S = 0.0125
+# A shorter lag is none.
+LEAST_LAG_S = 1e-6
 FORWARD, BACKWARD, REST = 1, -1, 0
 
 
@@ -43,6 +46,7 @@ class Trial:
         self.update_t = np.r_[0.0, update_t[later]]
         self.update_f = np.r_[np.interp(0.0, update_t, update_f), update_f[later]]
         self.force = np.interp(self.t, self.update_t, self.update_f)
+        self.knots = self.update_t.tolist(), self.update_f.tolist()
         environment, mode, device = study["environment"][meta["environment"]], study["mode"][meta["mode"]], study["device"]
         self.lever, self.let_go = device["lever_m"], study["control"]["let_go_n"]
         self.stops = np.radians([device["theta_min_deg"], device["theta_max_deg"]])
@@ -63,10 +67,22 @@ class Trial:
 
     # --- force-driven -----------------------------------------------------------------------------------------------
 
-    def force_driven(self, plant, times=None):
-        """theta, theta' and feedback at times: phases of motion and rest, with events between them."""
-        mass, damping, friction = plant
-        inertia, times = mass * self.lever, self.t if times is None else times
+    def force_at(self, t):
+        """What np.interp does, five times as fast for one number."""
+        ts, fs = self.knots
+        i = bisect_right(ts, t)
+        if i == len(ts):
+            return fs[-1]
+        return fs[i - 1] + (fs[i] - fs[i - 1]) * (t - ts[i - 1]) / (ts[i] - ts[i - 1])
+
+    def force_driven(self, plant):
+        """theta, theta' and feedback: phases of motion and rest, with events between them."""
+        return self.lagging(plant) if max(plant[3:]) >= LEAST_LAG_S else self.at_once(plant)
+
+    def at_once(self, plant):
+        """Of actuators without lags."""
+        mass, damping, friction, *_ = plant
+        inertia, times = mass * self.lever, self.t
         out = np.empty((3, len(times)))
         t, done = 0.0, 0
         y = np.array([np.clip(self.theta[0], *self.stops), self.velocity[0]])
@@ -84,7 +100,7 @@ class Trial:
             past = y[0] >= self.wall if phase == FORWARD else y[0] > self.wall
             slope, events = self.phase(phase, past, inertia, damping, friction)
             solution = solve_ivp(slope, (t, times[-1]), y, "LSODA", times[done:], events=events,
-                                 rtol=RTOL, atol=ATOL, max_step=MAX_STEP_S)
+                                 **TOLERANCES[0], max_step=MAX_STEP_S)
             if solution.status < 0:
                 raise ArithmeticError(solution.message)
             found = solution.y if len(solution.t) else np.empty((2, 0))
@@ -108,7 +124,7 @@ class Trial:
 
     def phase(self, phase, past, inertia, damping, friction):
         k, rest, most = self.k, self.rest, self.motor_n
-        update_t, update_f = self.update_t, self.update_f
+        force_at = self.force_at
         by_brake = self.brake_only or (self.hybrid and phase == FORWARD)
         low, high = (0.0, self.brake_n) if by_brake else (-most, most)
         sign = phase if by_brake else 1.0
@@ -117,7 +133,7 @@ class Trial:
         def slope(t, y):
             x, v = y
             u = high if past else min(max(k * (x - rest), low), high)
-            return v, (np.interp(t, update_t, update_f) - sign * u - dry - damping * v) / inertia
+            return v, (force_at(t) - sign * u - dry - damping * v) / inertia
 
         stop = self.stops[1] if phase == FORWARD else self.stops[0]
         events = [ending(lambda t, y: y[1], -phase), ending(lambda t, y: y[0] - stop, phase)]
@@ -142,7 +158,7 @@ class Trial:
 
     def leaving(self, t, theta, friction):
         low, high = self.limits(theta, friction)
-        force = np.interp(t, self.update_t, self.update_f)
+        force = self.force_at(t)
         return BACKWARD if force < low else FORWARD if force > high else REST
 
     def release(self, t, theta, friction):
@@ -171,10 +187,97 @@ class Trial:
         needed = np.interp(times, self.update_t, self.update_f)
         return np.clip(needed, min(above, below), max(above, below))
 
+    # --- force-driven, with actuators that lag -------------------------------------------------------------------------
+
+    def lagging(self, plant):
+        """As above; the motor's force and the brake's level are states that follow what they are asked for."""
+        friction, times = plant[2], self.t
+        out = np.empty((3, len(times)))
+        t, done, phase, held = 0.0, 0, None, None
+        y = np.array([np.clip(self.theta[0], *self.stops), self.velocity[0], 0.0, 0.0])
+        while done < len(times):
+            if phase is None:
+                held = self.holds(t) if held is None else held
+                phase = self.leaving_lagging(t, y, friction, held) if y[1] == 0.0 else int(np.sign(y[1]))
+            slope, events = self.phase_lagging(phase, held, y[0], plant)
+            solution = solve_ivp(slope, (t, times[-1]), y, "LSODA", times[done:], events=[e for _, e in events],
+                                 **TOLERANCES[1], max_step=MAX_STEP_S)
+            if solution.status < 0:
+                raise ArithmeticError(solution.message)
+            found = solution.y if len(solution.t) else np.empty((4, 0))
+            until = done + found.shape[1]
+            out[:2, done:until] = found[:2]
+            motor, level = found[2:]
+            needed = np.interp(times[done:until], self.update_t, self.update_f)
+            resting = np.clip(needed, -motor - level, level - motor)
+            out[2, done:until] = resting if phase == REST else phase * level - motor
+            done = until
+            if solution.status == 0:
+                break
+            i = next(i for i, e in enumerate(solution.t_events) if e.size)
+            t, y = solution.t_events[i][0], solution.y_events[i][0].copy()
+            event, held, phase = events[i][0], not held if events[i][0] == "let_go" else None, None
+            if event == "rest":
+                y[1] = 0.0
+            elif event == "stop":
+                y[:2] = self.stops[1] if y[1] > 0 else self.stops[0], 0.0
+            elif event == "wall":
+                y[0] = self.wall
+            elif event in (FORWARD, BACKWARD):
+                phase = event
+        return out
+
+    def holds(self, t):
+        """Whether the user's force keeps the brake on at rest."""
+        return self.hybrid and self.force_at(t) >= self.let_go
+
+    def leaving_lagging(self, t, y, friction, held):
+        """Where a lever at rest goes."""
+        theta, _, motor, level = y
+        force = self.force_at(t) + motor
+        if theta > self.stops[0] and not held and force + level + friction < 0:
+            return BACKWARD
+        return FORWARD if theta < self.stops[1] and force - level - friction > 0 else REST
+
+    def phase_lagging(self, phase, held, theta, plant):
+        """Slope of (theta, theta', motor, level) in a phase, and the events that end it, by name."""
+        mass, damping, friction, *lags = plant
+        motor_lag, on, off = np.maximum(lags, LEAST_LAG_S).tolist()
+        k, rest, inertia, force_at = self.k, self.rest, mass * self.lever, self.force_at
+        up = phase == FORWARD or (phase == REST and held)
+        past = theta >= self.wall if up else theta > self.wall
+        by_brake = self.brake_only or (self.hybrid and up)
+        low, high = (0.0, self.brake_n) if by_brake else (-self.motor_n, self.motor_n)
+        brake_lag = on if by_brake else off
+
+        def slope(t, y):
+            x, v, motor, level = y
+            u = high if past else min(max(k * (x - rest), low), high)
+            asked_motor, asked_level = (0.0, u) if by_brake else (-u, 0.0)
+            moved = 0.0, 0.0
+            if phase != REST:
+                moved = v, (force_at(t) + motor - phase * (level + friction) - damping * v) / inertia
+            return *moved, (asked_motor - motor) / motor_lag, (asked_level - level) / brake_lag
+
+        if phase != REST:
+            stop = self.stops[1] if phase == FORWARD else self.stops[0]
+            events = [("rest", ending(lambda t, y: y[1], -phase)), ("stop", ending(lambda t, y: y[0] - stop, phase))]
+            if np.isfinite(self.wall) and past != up:
+                events.append(("wall", ending(lambda t, y: y[0] - self.wall, phase)))
+            return slope, events
+        events = []
+        if theta < self.stops[1]:
+            events.append((FORWARD, ending(lambda t, y: force_at(t) + y[2] - y[3] - friction, 1)))
+        if theta > self.stops[0] and not held:
+            events.append((BACKWARD, ending(lambda t, y: force_at(t) + y[2] + y[3] + friction, -1)))
+        if self.hybrid:
+            events.append(("let_go", ending(lambda t, y: force_at(t) - self.let_go, -1 if held else 1)))
+        return slope, events
+
     # --- the other causalities ----------------------------------------------------------------------------------------
 
     def position_driven(self, plant):
-        mass, damping, friction = plant
+        mass, damping, friction, *_ = plant
         velocity = central_differences(self.t, self.theta)
         acceleration = central_differences(self.t, velocity)
         forward, past = velocity > 0, self.theta >= self.wall
@@ -185,7 +288,7 @@ class Trial:
 
     def closed_loop(self, plant):
         """The plant alone: between samples all forces are held, so that theta' relaxes exponentially."""
-        mass, damping, friction = plant
+        mass, damping, friction, *_ = plant
         tau = mass * self.lever / damping
         grid = np.union1d(self.t, self.update_t)
         whole = np.interp(grid, self.update_t, self.update_f)
@@ -307,99 +410,3 @@ def agreement(replays, level):
                     row |= {name: value, f"{name}_ci_low": value - t * error, f"{name}_ci_high": value + t * error}
                 rows.append(row)
     return pd.DataFrame(rows)
-
-
-# --- identification -----------------------------------------------------------------------------------------------------
-
-NAMES, UNITS = ["mass", "damping", "friction"], ["kg", "N·s/rad", "N"]
-LOWER, UPPER = np.array([1e-3, 0.0, 0.0]), np.array([2.0, 10.0, 2.0])
-STARTS = [BY_EYE, (0.05, 0.1, 0.1), (0.3, 0.3, 0.2)]
-RESAMPLES, SEED = 2000, 24
-# Finite differences: far above the solver's tolerance.
-STEP, LEAST_STEP = 1e-3, 1e-4
-
-
-def identify(trials, level):
-    """Least squares on every other repeat, judged on the others. Tables of estimates, held-out errors, and trials."""
-    order = pd.DataFrame([t.meta for t in trials])
-    part = order.groupby(["participant", "session", "environment", "mode"]).cumcount() % 2
-    fitted = [t for t, p in zip(trials, part) if p == 0]
-
-    def residuals_of(trial, p):
-        return trial.force_driven(p)[0] - trial.theta
-
-    def residuals(p, of=None):
-        return np.concatenate([residuals_of(t, p) for t in (of or fitted)])
-
-    def slopes(p, free=(0, 1, 2)):
-        at, columns = residuals(p), []
-        for j in free:
-            step = np.zeros(3)
-            step[j] = STEP * p[j] + LEAST_STEP
-            step[j] *= -1 if p[j] + step[j] > UPPER[j] else 1
-            columns.append((residuals(p + step) - at) / step[j])
-        return np.array(columns).T
-
-    def fit(start, held=None):
-        free = [j for j in range(3) if held is None or j != held]
-
-        def whole(q):
-            p = np.array(start, dtype=float)
-            p[free] = q
-            return p
-
-        found = least_squares(lambda q: residuals(whole(q)), np.array(start, dtype=float)[free],
-                              jac=lambda q: slopes(whole(q), free), bounds=(LOWER[free] - 1e-12, UPPER[free]),
-                              x_scale=[0.1, 0.1, 0.1][:len(free)], ftol=1e-8, xtol=1e-6)
-        return whole(found.x), 2 * found.cost
-
-    p, rss = min((fit(start) for start in STARTS), key=lambda found: found[1])
-    sizes = np.cumsum([len(t.t) for t in fitted])[:-1]
-    errors, jacobian = np.split(residuals(p), sizes), np.split(slopes(p), sizes)
-    curvature = np.array([J.T @ J for J in jacobian])
-    gradient = np.array([J.T @ r for J, r in zip(jacobian, errors)])
-    rng, n = np.random.default_rng(SEED), len(fitted)
-    drawn = np.array([np.bincount(rng.integers(n, size=n), minlength=n) for _ in range(RESAMPLES)])
-    moved = np.linalg.solve(np.tensordot(drawn, curvature, 1), (drawn @ gradient)[..., None])[..., 0]
-    resampled = np.clip(p - moved, LOWER, UPPER)
-    z = np.sqrt(n / (n - 1)) * stats.t.ppf(0.5 + level / 2, n - 1)
-    tail = 100 * stats.norm.sf(z)
-    low, high = np.percentile(resampled, [tail, 100 - tail], axis=0)
-    whole = curvature.sum(axis=0)
-    inflation = np.diag(np.linalg.inv(whole)) * np.diag(whole)
-    samples = sum(len(t.t) for t in fitted)
-    rms = np.sqrt(rss / samples)
-    profile = np.full((3, 2), np.nan)
-    for j in range(3):
-        for side, factor in enumerate((0.5, 2.0)):
-            start = p.copy()
-            start[j] *= factor
-            if LOWER[j] <= start[j] <= UPPER[j]:
-                profile[j, side] = np.sqrt(fit(start, j)[1] / samples)
-    verdict = ["identifiable" if inflation[j] <= 100 and np.nanmin(profile[j]) >= 1.01 * rms
-               and high[j] - low[j] <= 2 * p[j] else "not identifiable" for j in range(3)]
-    estimates = pd.DataFrame(dict(
-        parameter=NAMES, unit=UNITS, by_eye=BY_EYE, fitted=p, std_error=resampled.std(axis=0, ddof=1), ci_low=low,
-        ci_high=high, lower_bound=LOWER, upper_bound=UPPER, variance_inflation=inflation, rmse_fitted_rad=rms,
-        rmse_halved_rad=profile[:, 0], rmse_doubled_rad=profile[:, 1], verdict=verdict))
-    rows = []
-    for trial, of in zip(trials, part):
-        row = dict(trial.meta, part="fitted" if of == 0 else "held_out")
-        row["rmse_by_eye_rad"] = np.sqrt(np.mean(residuals_of(trial, BY_EYE) ** 2))
-        row["rmse_fitted_rad"] = np.sqrt(np.mean(residuals_of(trial, p) ** 2))
-        row["rmse_left_out_rad"] = np.nan
-        if of == 0:
-            k = fitted.index(trial)
-            others = np.linalg.solve(whole - curvature[k], gradient.sum(axis=0) - gradient[k])
-            left_out = np.clip(p - others, LOWER, UPPER)
-            row["rmse_left_out_rad"] = np.sqrt(np.mean(residuals_of(trial, left_out) ** 2))
-        rows.append(row)
-    table = pd.DataFrame(rows)
-    held = table[table.part == "held_out"]
-    over = held.groupby(["environment", "mode"], sort=False)[["rmse_by_eye_rad", "rmse_fitted_rad"]]
-    against = over.agg(lambda e: np.sqrt(np.mean(e ** 2))).reset_index()
-    against.insert(2, "n", over.size().to_numpy())
-    every = np.sqrt((held[["rmse_by_eye_rad", "rmse_fitted_rad"]] ** 2).mean())
-    against.loc[len(against)] = ["all", "all", len(held), *every]
-    against["fitted_over_by_eye"] = against.rmse_fitted_rad / against.rmse_by_eye_rad
-    return estimates, against, table, p

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Builds zwidth, makes a Python environment, times `zwidth run` beside the script on the default study, and writes the
-# second section of RESULTS.md. With --full-rounds 0 it leaves the script's identification out, which takes minutes.
+# second section of RESULTS.md.
 #
 # The Python environment is made once, in VENV (default: the build folder).
 set -eu

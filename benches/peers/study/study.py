@@ -1,9 +1,9 @@
 """A study as a script: raw files to averages, metrics, characteristics, replay, identification, figures, tables and a
 summary, with pandas, SciPy and matplotlib.
 
-    python study.py ROOT STUDY [--no-identify]
+    python study.py ROOT STUDY
 
-Reads ROOT/raw/STUDY and writes ROOT/derived and ROOT/reports. Prints the seconds each part takes.
+Reads ROOT/raw/STUDY and writes ROOT/derived and ROOT/reports. Prints the seconds each part takes, and those of processor.
 """
 
 import json
@@ -18,6 +18,7 @@ import pandas as pd
 
 import characterise
 import figures
+import identify
 import metrics
 import model
 import report
@@ -41,6 +42,11 @@ def load(raw):
     return study
 
 
+def forward(knots):
+    """Force of a voltage by a calibration."""
+    return lambda v: np.sign(v) * np.interp(np.abs(v), knots["voltage_v"], knots["force_n"])
+
+
 def read_trials(raw):
     """(metadata, frame) of every trial that counts, and the session's calibration."""
     trials = []
@@ -53,9 +59,6 @@ def read_trials(raw):
                   int(first["repeat"]), first["environment"], first["mode"], "twin"]
         trials.append((dict(zip(KNOWN, values)), frame))
     record = json.loads(next((raw / "sessions").glob("*.json")).read_text())
-
-    def forward(knots):
-        return lambda v: np.sign(v) * np.interp(np.abs(v), knots["voltage_v"], knots["force_n"])
 
     return trials, {name: forward(record["calibration"][name]) for name in ("motor", "brake")}
 
@@ -74,15 +77,15 @@ def likert(trials, study):
     return pd.DataFrame(rows)
 
 
-def main(root, name, with_identification):
+def main(root, name):
     raw, derived, reports = (root / part / name for part in ("raw", "derived", "reports"))
     for folder in (derived / "average", derived / "characterise", reports / "figures", reports / "tables"):
         folder.mkdir(parents=True, exist_ok=True)
-    clock, seconds = [time.perf_counter()], {}
+    clock, seconds = [(time.perf_counter(), time.process_time())], {}
 
     def lap(part):
-        clock.append(time.perf_counter())
-        seconds[part] = clock[-1] - clock[-2]
+        clock.append((time.perf_counter(), time.process_time()))
+        seconds[part] = [now - before for now, before in zip(clock[-1], clock[-2])]
 
     study = load(raw)
     level = study["analysis"]["confidence"]
@@ -92,14 +95,15 @@ def main(root, name, with_identification):
     lap("reading")
 
     tables = {}
-    characteristics = {}
+    characteristics, knots = {}, {}
     for actuator, frames in sweeps.items():
         found = characterise.characterise(frames, level)
         tables[f"characteristic.{actuator}"], tables[f"parameters.{actuator}"], curve, chosen = found
         curve.to_parquet(derived / "characterise" / f"curve.{actuator}.parquet")
         ends = frames[0].command.min(), frames[0].command.max()
-        characteristics[actuator] = (curve, tables[f"parameters.{actuator}"], chosen,
-                                     characterise.calibration(chosen, *ends))
+        knots[actuator] = dict(zip(("voltage_v", "force_n"), (v.tolist() for v in characterise.calibration(chosen, *ends))))
+        characteristics[actuator] = (curve, tables[f"parameters.{actuator}"], chosen, forward(knots[actuator]))
+    (derived / "characterise" / "calibration.json").write_text(json.dumps(knots))
     lap("characteristics")
 
     tables["metrics"] = pd.DataFrame([metrics.trial_metrics(frame, meta, study) for meta, frame in trials])
@@ -120,15 +124,13 @@ def main(root, name, with_identification):
     tables["replay.agreement"] = model.agreement(tables["replay"], level)
     lap("replay")
 
-    fitted = None
-    if with_identification:
-        found = model.identify(models, level)
-        tables["identify"], tables["identify.held_out"], tables["identify.trials"], fitted = found
-        lap("identification")
+    found, fitted = identify.identify(models, tables["replay"], level)
+    tables |= found
+    lap("identification")
 
     tables["likert"] = likert(trials, study)
     tables |= report.plan_tables(study, tables, characteristics)
-    for stem in ("metrics", "conditions", "replay", "replay.agreement", "likert"):
+    for stem in [stem for stem in tables if stem.startswith(("metrics", "conditions", "replay", "likert", "identify"))]:
         tables[stem].to_parquet(derived / f"{stem}.parquet")
     for stem, table in tables.items():
         report.write_table(table, reports / "tables" / stem)
@@ -143,4 +145,4 @@ def main(root, name, with_identification):
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2], "--no-identify" not in sys.argv)
+    main(Path(sys.argv[1]), sys.argv[2])
