@@ -132,10 +132,10 @@ impl<'a> Board<'a> {
 
     fn hear(&mut self) -> anyhow::Result<()> {
         let Some(stream) = &mut self.stream else { return Ok(()) };
-        match stream.read_to_end(&mut self.unread) {
+        match stream.read_to_end(&mut self.unread).map_err(|error| error.kind()) {
             // All there is so far; or all there ever was: the other end is gone, and a serial line would not tell.
-            Err(error) if error.kind() != ErrorKind::WouldBlock => Err(error.into()),
-            Ok(_) | Err(_) => Ok(()),
+            Ok(_) | Err(ErrorKind::WouldBlock | ErrorKind::ConnectionReset) => Ok(()),
+            Err(other) => Err(std::io::Error::from(other).into()),
         }
     }
 
