@@ -308,11 +308,20 @@ impl<const N: usize> Ladder<N> {
 
     /// `exp(A t)` as a matrix, for a step that is repeated: over a long one in twice the precision.
     pub fn flow(&self, t: f64) -> Matrix<N> {
-        if let Some(flow) = self.is_long(t).then(|| precise_flow(&self.a, &self.rest, t)).flatten() {
-            return flow;
+        let [flow] = self.flows(t);
+        flow
+    }
+
+    /// `exp(A k t)` for `k = 1 … M`: where the last of these is long in twice the precision, which takes little more than
+    /// the last one alone.
+    pub fn flows<const M: usize>(&self, t: f64) -> [Matrix<N>; M] {
+        let long = self.is_long(M as f64 * t);
+        if let Some(flows) = long.then(|| precise_flows(&self.a, &self.rest, t)).flatten() {
+            return flows;
         }
         let identity = Matrix::<N>::identity();
-        Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) }
+        let over = |t| Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) };
+        std::array::from_fn(|k| over((k + 1) as f64 * t))
     }
 
     /// Index of the shortest rung whose span is at least `t` (the longest if none is).
@@ -321,15 +330,19 @@ impl<const N: usize> Ladder<N> {
     }
 }
 
-/// `exp((A + rest) t)` for `t` > 0 in twice the precision, rounded once; `None` if it is not finite.
-fn precise_flow<const N: usize>(a: &Matrix<N>, rest: &Matrix<N>, t: f64) -> Option<Matrix<N>> {
+/// `exp((A + rest) k t)` for `k = 1 … M` and `t` > 0 in twice the precision, rounded once; `None` if one is not finite.
+fn precise_flows<const N: usize, const M: usize>(
+    a: &Matrix<N>,
+    rest: &Matrix<N>,
+    t: f64,
+) -> Option<[Matrix<N>; M]> {
     let angle = growth(a) * t;
     if !angle.is_finite() {
         return None;
     }
     let halvings = if angle > RADIUS { libm::ilogb(angle / RADIUS) + 1 } else { 0 };
-    let flows = precise::doublings(a, rest, libm::ldexp(t, -halvings), halvings as usize + 1);
-    flows.last().copied().filter(Matrix::is_finite)
+    let flows = precise::multiples(a, rest, t, halvings);
+    flows.iter().all(Matrix::is_finite).then_some(flows)
 }
 
 /// `exp(A t) - 1`. The rungs are doubled in this form, `X(2s) = 2 X(s) + X(s)²`, because the change

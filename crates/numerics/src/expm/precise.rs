@@ -23,16 +23,37 @@ pub(super) fn doublings<const N: usize>(
     span: f64,
     count: usize,
 ) -> Vec<Matrix<N>> {
-    let entry = |i, j| Pair { high: a.at(i, j), low: rest.at(i, j) };
-    let mut change = series(&Pairs::of(|i, j| entry(i, j) * Pair::from(span)));
+    let mut change = short(a, rest, span);
     let mut flows = Vec::with_capacity(count);
     for _ in 0..count {
         flows.push(change.plus_identity().high);
-        // exp(2x) - 1 = 2 (exp(x) - 1) + (exp(x) - 1)².
-        let square = change.times(&change);
-        change = Pairs::of(|i, j| change.at(i, j) + change.at(i, j) + square.at(i, j));
+        change = change.followed_by(&change);
     }
     flows
+}
+
+/// `exp((A + rest) k t)` for `k = 1 … M`, each rounded once, by `halvings` of `t`, after which it is short.
+pub(super) fn multiples<const N: usize, const M: usize>(
+    a: &Matrix<N>,
+    rest: &Matrix<N>,
+    t: f64,
+    halvings: i32,
+) -> [Matrix<N>; M] {
+    let shortest = short(a, rest, libm::ldexp(t, -halvings));
+    let one = (0..halvings).fold(shortest, |change, _| change.followed_by(&change));
+    let mut all = one;
+    std::array::from_fn(|k| {
+        if k > 0 {
+            all = all.followed_by(&one);
+        }
+        all.plus_identity().high
+    })
+}
+
+/// `exp((A + rest) t) - 1` over a short span.
+fn short<const N: usize>(a: &Matrix<N>, rest: &Matrix<N>, t: f64) -> Pairs<N> {
+    let entry = |i, j| Pair { high: a.at(i, j), low: rest.at(i, j) };
+    series(&Pairs::of(|i, j| entry(i, j) * Pair::from(t)))
 }
 
 /// `exp(X) - 1` by Horner's rule.
@@ -59,6 +80,12 @@ impl<const N: usize> Pairs<N> {
 
     fn at(&self, i: usize, j: usize) -> Pair {
         Pair { high: self.high.at(i, j), low: self.low.at(i, j) }
+    }
+
+    /// The change over one span and then another: `exp(x + y) - 1` from `exp(x) - 1` and `exp(y) - 1`, which commute.
+    fn followed_by(&self, other: &Self) -> Self {
+        let product = self.times(other);
+        Self::of(|i, j| self.at(i, j) + other.at(i, j) + product.at(i, j))
     }
 
     fn plus_identity(&self) -> Self {
@@ -96,6 +123,16 @@ mod tests {
         let flows = doublings(&a, &Matrix::ZERO, libm::ldexp(1.0, -35), 36);
         let last = flows[35];
         assert!((last.at(0, 0) - libm::exp(-1.0)).abs() < 1e-16 && last.at(1, 1).abs() < 1e-300);
+    }
+
+    #[test]
+    fn multiples_are_the_flows_over_so_many_spans() {
+        let flows: [Matrix<2>; 7] = multiples(&turn(1.0), &Matrix::ZERO, 5.0, 8);
+        for (k, flow) in (1..).zip(flows) {
+            let angle = 5.0 * f64::from(k);
+            let (cosine, sine) = (flow.at(0, 0) - libm::cos(angle), flow.at(0, 1) - libm::sin(angle));
+            assert!(cosine.abs() <= 1.2e-16 && sine.abs() <= 1.2e-16, "{angle}: {cosine}, {sine}");
+        }
     }
 
     #[test]

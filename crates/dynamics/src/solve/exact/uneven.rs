@@ -58,8 +58,7 @@ impl<const N: usize> Table<N> {
 
 impl<const N: usize> Level<N> {
     fn new(ladder: &Ladder<N>, span: f64) -> Self {
-        let flows = std::array::from_fn(|i| ladder.flow((i + 1) as f64 * span));
-        Self { span, per_span: 1.0 / span, flows }
+        Self { span, per_span: 1.0 / span, flows: ladder.flows(span) }
     }
 }
 
