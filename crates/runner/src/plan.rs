@@ -4,18 +4,24 @@ use crate::Job;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
+/// For each job those whose outputs it reads.
+pub(crate) fn needs(jobs: &[Job]) -> Vec<BTreeSet<usize>> {
+    let maker: BTreeMap<&PathBuf, usize> =
+        jobs.iter().enumerate().flat_map(|(i, j)| j.outputs.iter().map(move |o| (o, i))).collect();
+    let of = |(i, job): (usize, &Job)| {
+        job.inputs.iter().filter_map(|file| maker.get(file).copied()).filter(|maker| *maker != i).collect()
+    };
+    jobs.iter().enumerate().map(of).collect()
+}
+
 /// Groups of job indices: a group needs only outputs of earlier groups. Jobs that need each other in
 /// a circle come last, together (they fail when they find an input missing).
 pub(crate) fn levels(jobs: &[Job]) -> Vec<Vec<usize>> {
-    let maker: BTreeMap<&PathBuf, usize> =
-        jobs.iter().enumerate().flat_map(|(i, j)| j.outputs.iter().map(move |o| (o, i))).collect();
+    let needs = needs(jobs);
     let mut waiting: BTreeSet<usize> = (0..jobs.len()).collect();
     let mut levels = Vec::new();
     while !waiting.is_empty() {
-        let is_ready = |i: &usize| {
-            jobs[*i].inputs.iter().all(|f| maker.get(f).is_none_or(|m| !waiting.contains(m) || m == i))
-        };
-        let ready: Vec<usize> = waiting.iter().copied().filter(is_ready).collect();
+        let ready: Vec<usize> = waiting.iter().copied().filter(|i| needs[*i].is_disjoint(&waiting)).collect();
         let level = if ready.is_empty() { waiting.iter().copied().collect() } else { ready };
         waiting.retain(|i| !level.contains(i));
         levels.push(level);

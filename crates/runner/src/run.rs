@@ -1,14 +1,15 @@
-//! Runs a plan, level by level, jobs of a level in parallel.
+//! Runs a plan: each job as soon as what it reads is there, as many at a time as there are cores.
 
 use crate::change::{Change, changes};
 use crate::hashes::{Hashes, shown};
-use crate::plan::{levels, wanted};
+use crate::plan::{needs, wanted};
 use crate::provenance::provenance;
 use crate::record::Record;
 use crate::{Job, Made, Records};
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 use zwidth_store::{Files, StoreError, hex_blake3, replace};
 
 /// How to run.
@@ -48,11 +49,12 @@ pub struct Report {
     pub problems: Vec<String>,
 }
 
-/// Runs the jobs that need it. `records` is updated and written to `records_path` as work proceeds;
-/// `done` is called after each job, from any thread. Paths are shown relative to `root`.
+/// Runs the jobs that need it, each as soon as what it reads is there, several at a time. `records` is updated and written
+/// to `records_path` as work proceeds; `done` is called after each job, from any thread. Paths are shown relative to
+/// `root`.
 ///
 /// # Errors
-/// An output or the records cannot be written; then no further level of jobs is begun. Whatever else goes wrong
+/// An output or the records cannot be written; then no job is begun that was not ready before. Whatever else goes wrong
 /// in a job is in its [`Report`].
 pub fn run(
     jobs: &[Job],
@@ -62,96 +64,218 @@ pub fn run(
     options: &Options,
     done: &(dyn Fn(&Report) + Sync),
 ) -> Result<Vec<Report>, StoreError> {
-    let mut records = Records::read(records_path);
-    let wanted = wanted(jobs, options.only.as_deref());
-    let hashes = Hashes::default();
-    let mut failed: BTreeSet<&PathBuf> = BTreeSet::new();
-    let mut reports: Vec<Option<Report>> = jobs.iter().map(|_| None).collect();
-    for level in levels(jobs) {
-        let work: Vec<usize> = level.into_iter().filter(|i| wanted[*i]).collect();
-        let results: Vec<Result<(Report, Option<Record>), StoreError>> = work
-            .par_iter()
-            .map(|i| {
-                let before = records.get(&jobs[*i].name);
-                let result = one(&jobs[*i], before, root, files, options, &hashes, &failed);
-                result.inspect(|(report, _)| done(report))
-            })
-            .collect();
-        let (mut changed, mut disk) = (false, None);
-        for (i, result) in work.into_iter().zip(results) {
-            let (report, record) = match result {
-                Ok(result) => result,
-                Err(error) => {
-                    disk.get_or_insert(error);
-                    continue;
-                }
-            };
-            match (&report.verdict, record) {
-                (Verdict::Made(_), Some(record)) => {
-                    records.0.insert(jobs[i].name.clone(), record);
-                    changed = true;
-                }
-                (Verdict::Failed(_) | Verdict::Blocked(_), _) => {
-                    changed |= records.0.remove(&jobs[i].name).is_some();
-                    failed.extend(&jobs[i].outputs);
-                    withdraw(&jobs[i], files, options, &hashes);
-                }
-                _ => {}
-            }
-            reports[i] = Some(report);
-        }
-        if let Some(error) = disk {
-            // What was made is remembered where there is room for that; the first error is the one to report.
-            let _ = records.write(files, records_path);
-            return Err(error);
-        }
-        if changed && !options.dry_run {
-            records.write(files, records_path)?;
-        }
+    let before = Records::read(records_path);
+    let board = Board::new(jobs, options, before.clone());
+    let (hashes, board) = (Hashes::default(), Mutex::new(board));
+    let run = Run { jobs, before, root, records_path, files, options, done, hashes, board };
+    let mut ready = run.board().ready();
+    while !ready.is_empty() {
+        rayon::scope_fifo(|scope| ready.into_iter().for_each(|i| run.spawn(scope, i)));
+        ready = run.board().in_a_circle();
     }
-    if options.only.is_none() && !options.dry_run && remove_unplanned(jobs, &mut records, root, files) {
+    let Board { mut records, mut changed, reports, disk, .. } =
+        run.board.into_inner().unwrap_or_else(PoisonError::into_inner);
+    if let Some(error) = disk {
+        // What was made is remembered where there is room for that; the first error is the one to report.
+        let _ = records.write(files, records_path);
+        return Err(error);
+    }
+    if options.only.is_none() && !options.dry_run {
+        changed |= remove_unplanned(jobs, &mut records, root, files);
+    }
+    if changed && !options.dry_run {
         records.write(files, records_path)?;
     }
     Ok(reports.into_iter().flatten().collect())
 }
 
-fn one(
-    job: &Job,
-    before: Option<&Record>,
-    root: &Path,
-    files: &dyn Files,
-    options: &Options,
-    hashes: &Hashes,
-    failed: &BTreeSet<&PathBuf>,
-) -> Result<(Report, Option<Record>), StoreError> {
-    let report = |verdict, problems| Report { stage: job.stage, name: job.name.clone(), verdict, problems };
-    if let Some(input) = job.inputs.iter().find(|i| failed.contains(i) && !job.tolerant) {
-        let why = format!("it needs {}, which could not be made", shown(root, input));
-        return Ok((report(Verdict::Blocked(why), Vec::new()), None));
-    }
-    let now = Record::now(job, root, hashes);
-    let reason = if options.fresh { Some(Change::Asked) } else { changes(before, &now).into_iter().next() };
-    let Some(why) = reason.map(|change| change.to_string()) else {
-        let problems = before.map(|b| b.problems.clone()).unwrap_or_default();
-        return Ok((report(Verdict::UpToDate, problems), None));
-    };
-    if options.dry_run {
-        hashes.forget(&job.outputs);
-        return Ok((report(Verdict::Made(why), Vec::new()), None));
-    }
-    let mut record = now.with_origin(&job.name);
-    Ok(match make(job, &record, files)? {
-        Err(error) => (report(Verdict::Failed(error), Vec::new()), None),
-        Ok(made) => {
-            for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
-                let hash = hex_blake3(bytes);
-                record.outputs.insert(shown(root, path), hash.clone());
-                hashes.set(path, hash);
-            }
-            record.problems.clone_from(&made.problems);
-            (report(Verdict::Made(why), made.problems), Some(record))
+/// How much work, s, a run that is killed may forget.
+const SAVED_EVERY_S: f64 = 1.0;
+
+/// How a run stands.
+struct Board<'j> {
+    records: Records,
+    /// Whether these differ from those that the run began with.
+    changed: bool,
+    saved: Instant,
+    /// Outputs that could not be made.
+    failed: BTreeSet<&'j PathBuf>,
+    reports: Vec<Option<Report>>,
+    /// For each job those that read its outputs.
+    readers: Vec<Vec<usize>>,
+    /// For each job how many others it waits for; `None` once it was begun, or if nobody asked for it.
+    waits: Vec<Option<usize>>,
+    /// The first output or record that could not be written.
+    disk: Option<StoreError>,
+}
+
+impl Board<'_> {
+    fn new(jobs: &[Job], options: &Options, records: Records) -> Self {
+        let wanted = wanted(jobs, options.only.as_deref());
+        let needs = needs(jobs);
+        let mut readers = vec![Vec::new(); jobs.len()];
+        for i in (0..jobs.len()).filter(|i| wanted[*i]) {
+            needs[i].iter().for_each(|maker| readers[*maker].push(i));
         }
-    })
+        Board {
+            records,
+            changed: false,
+            saved: Instant::now(),
+            failed: BTreeSet::new(),
+            reports: jobs.iter().map(|_| None).collect(),
+            readers,
+            waits: needs.iter().zip(wanted).map(|(needs, wanted)| wanted.then_some(needs.len())).collect(),
+            disk: None,
+        }
+    }
+
+    /// Jobs that wait for nothing, from now on begun.
+    fn ready(&mut self) -> Vec<usize> {
+        self.begin(|waits| waits == 0)
+    }
+
+    /// Jobs that nothing which is left could make ready: they need each other, and fail when they find an input missing.
+    fn in_a_circle(&mut self) -> Vec<usize> {
+        if self.disk.is_some() { Vec::new() } else { self.begin(|_| true) }
+    }
+
+    fn begin(&mut self, which: impl Fn(usize) -> bool) -> Vec<usize> {
+        let found: Vec<usize> =
+            (0..self.waits.len()).filter(|i| self.waits[*i].is_some_and(&which)).collect();
+        found.iter().for_each(|i| self.waits[*i] = None);
+        found
+    }
+
+    /// Jobs that waited for this one alone, from now on begun.
+    fn freed_by(&mut self, i: usize) -> Vec<usize> {
+        if self.disk.is_some() {
+            return Vec::new();
+        }
+        let mut freed = Vec::new();
+        for reader in self.readers[i].clone() {
+            self.waits[reader] = match self.waits[reader] {
+                Some(1) => {
+                    freed.push(reader);
+                    None
+                }
+                waits => waits.map(|n| n - 1),
+            };
+        }
+        freed
+    }
+}
+
+/// What the jobs of a run share.
+struct Run<'j, 'a> {
+    jobs: &'j [Job<'a>],
+    /// The records that the run began with.
+    before: Records,
+    root: &'j Path,
+    records_path: &'j Path,
+    files: &'j dyn Files,
+    options: &'j Options,
+    done: &'j (dyn Fn(&Report) + Sync),
+    hashes: Hashes,
+    board: Mutex<Board<'j>>,
+}
+
+impl<'j> Run<'j, '_> {
+    fn board(&self) -> MutexGuard<'_, Board<'j>> {
+        self.board.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Runs a job, and then those that it was the last to make ready.
+    fn spawn<'s>(&'s self, scope: &rayon::ScopeFifo<'s>, i: usize) {
+        scope.spawn_fifo(move |scope| {
+            let result = self.one(&self.jobs[i]);
+            if let Ok((report, _)) = &result {
+                (self.done)(report);
+            }
+            let mut board = self.board();
+            if let Err(error) = result.and_then(|result| self.note(&mut board, i, result)) {
+                board.disk.get_or_insert(error);
+            }
+            let freed = board.freed_by(i);
+            drop(board);
+            freed.into_iter().for_each(|next| self.spawn(scope, next));
+        });
+    }
+
+    /// Remembers how a job ended.
+    fn note(
+        &self,
+        board: &mut Board<'j>,
+        i: usize,
+        (report, record): (Report, Option<Record>),
+    ) -> Result<(), StoreError> {
+        let job = &self.jobs[i];
+        match (&report.verdict, record) {
+            (Verdict::Made(_), Some(record)) => {
+                board.records.0.insert(job.name.clone(), record);
+                board.changed = true;
+            }
+            (Verdict::Failed(_) | Verdict::Blocked(_), _) => {
+                board.changed |= board.records.0.remove(&job.name).is_some();
+                board.failed.extend(&job.outputs);
+                self.withdraw(job);
+            }
+            _ => {}
+        }
+        board.reports[i] = Some(report);
+        if board.changed && !self.options.dry_run && board.saved.elapsed().as_secs_f64() >= SAVED_EVERY_S {
+            board.records.write(self.files, self.records_path)?;
+            board.saved = Instant::now();
+        }
+        Ok(())
+    }
+
+    /// Makes a job if it needs it.
+    fn one(&self, job: &Job) -> Result<(Report, Option<Record>), StoreError> {
+        let report =
+            |verdict, problems| Report { stage: job.stage, name: job.name.clone(), verdict, problems };
+        let before = self.before.get(&job.name);
+        let failed = |board: &Board| job.inputs.iter().find(|i| board.failed.contains(i)).cloned();
+        if let Some(input) = failed(&self.board()).filter(|_| !job.tolerant) {
+            let why = format!("it needs {}, which could not be made", shown(self.root, &input));
+            return Ok((report(Verdict::Blocked(why), Vec::new()), None));
+        }
+        let now = Record::now(job, self.root, &self.hashes);
+        let reason =
+            if self.options.fresh { Some(Change::Asked) } else { changes(before, &now).into_iter().next() };
+        let Some(why) = reason.map(|change| change.to_string()) else {
+            let problems = before.map(|b| b.problems.clone()).unwrap_or_default();
+            return Ok((report(Verdict::UpToDate, problems), None));
+        };
+        if self.options.dry_run {
+            self.hashes.forget(&job.outputs);
+            return Ok((report(Verdict::Made(why), Vec::new()), None));
+        }
+        let mut record = now.with_origin(&job.name);
+        Ok(match make(job, &record, self.files)? {
+            Err(error) => (report(Verdict::Failed(error), Vec::new()), None),
+            Ok(made) => {
+                for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
+                    let hash = hex_blake3(bytes);
+                    record.outputs.insert(shown(self.root, path), hash.clone());
+                    self.hashes.set(path, hash);
+                }
+                record.problems.clone_from(&made.problems);
+                (report(Verdict::Made(why), made.problems), Some(record))
+            }
+        })
+    }
+
+    /// What a failed job made before must not pass for current.
+    fn withdraw(&self, job: &Job) {
+        if self.options.dry_run {
+            return;
+        }
+        for path in &job.outputs {
+            // A file that is not there is as good as removed.
+            let _ = self.files.remove(path);
+            self.hashes.set(path, String::new());
+        }
+    }
 }
 
 /// Makes a job's outputs and writes them. The job's own failure is the inner error: the others go on. An output
@@ -169,18 +293,6 @@ fn make(job: &Job, record: &Record, files: &dyn Files) -> Result<Result<Made, St
         replace(files, path, bytes)?;
     }
     Ok(Ok(made))
-}
-
-/// What a failed job made before must not pass for current.
-fn withdraw(job: &Job, files: &dyn Files, options: &Options, hashes: &Hashes) {
-    if options.dry_run {
-        return;
-    }
-    for path in &job.outputs {
-        // A file that is not there is as good as removed.
-        let _ = files.remove(path);
-        hashes.set(path, String::new());
-    }
 }
 
 /// Removes the outputs and records of jobs that are no longer planned, unless a planned job makes them.
@@ -273,6 +385,22 @@ mod tests {
         fs::write(root.join("B.txt"), "edited").unwrap();
         assert_eq!(go(root, 2, &plain)[2].1, Verdict::Made("output B.txt changed".to_owned()));
         assert_eq!(made(&go(root, 2, &Options { fresh: true, ..plain })).len(), 3);
+    }
+
+    #[test]
+    fn jobs_that_need_each_other_fail_and_the_others_go_on() {
+        let folder = folder();
+        let mut jobs = jobs(folder.path(), 1);
+        jobs[1].inputs.push(folder.path().join("AB.txt"));
+        jobs[1].make = Box::new(|_| Err("AB.txt is missing".into()));
+        let records = folder.path().join("records.json");
+        let reports = run(&jobs, folder.path(), &records, &RealFiles, &Options::default(), &|_| {}).unwrap();
+        for report in &reports[..2] {
+            // whichever fails first blocks the other
+            let ended = matches!(report.verdict, Verdict::Failed(_) | Verdict::Blocked(_));
+            assert!(ended, "{report:?}");
+        }
+        assert!(matches!(reports[2].verdict, Verdict::Made(_)));
     }
 
     #[test]
