@@ -1,13 +1,21 @@
-"""Tables and figures of a study, read by others: CSV against Parquet, the text of the PDFs."""
+"""Tables and figures of a study, read by others: CSV against Parquet, the text of the PDFs, PDF against PNG."""
 
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
+import pypdfium2 as pdfium
+from PIL import Image
 from pypdf import PdfReader
 
 from checks import check, equal
 
 MARK = "SYNTHETIC: simulated, not measured"
+DPI = 200
+# Blocks of so many pixels are compared, which two ways to smooth an edge do not change, ...
+BLOCK = 4
+# ... by so much of 255: pdfium draws bold letters a little darker, by up to 80. One block in 5,000 may differ more; where a
+# figure is shifted by three pixels, 100 in 5,000 do.
+FAR = 96
 
 
 def tables(label, folder):
@@ -38,7 +46,7 @@ def words(column, like):
 
 
 def figures(label, folder, synthetic):
-    """Every PDF has text, and the mark of simulated data exactly where the study is simulated."""
+    """Every PDF shows what the PNG shows, has text, and the mark of simulated data exactly where the study is simulated."""
     files = sorted(folder.glob("*.pdf"))
     check(f"{label}: there are figures", bool(files), folder)
     for file in files:
@@ -49,3 +57,15 @@ def figures(label, folder, synthetic):
         marked = synthetic and of_data
         what = "bears the mark of simulated data" if marked else "bears no mark of simulated data"
         equal(f"{label}: {file.name} {what}", MARK in text, marked)
+        far = apart(file)
+        check(f"{label}: {file.name} looks like its PNG", far < 1 / 5000, far)
+
+
+def apart(pdf):
+    """The share of a figure's blocks in which pdfium's drawing of the PDF is far from the PNG."""
+    image = np.asarray(Image.open(pdf.with_suffix(".png")).convert("RGB"), float)
+    page = pdfium.PdfDocument(pdf)[0].render(scale=DPI / 72).to_numpy()[:, :, ::-1].astype(float)
+    height, width = (min(a, b) // BLOCK * BLOCK for a, b in zip(image.shape[:2], page.shape[:2]))
+    means = [a[:height, :width].reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3).mean((1, 3))
+             for a in (image, page)]
+    return (abs(means[0] - means[1]).max(2) > FAR).mean()

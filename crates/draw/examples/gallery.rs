@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(&folder)?;
     for (name, figure) in figures() {
         let drawing = draw(&figure)?;
-        std::fs::write(folder.join(format!("{name}.svg")), drawing.svg())?;
+        std::fs::write(folder.join(format!("{name}.svg")), drawing.svg()?)?;
         std::fs::write(folder.join(format!("{name}.png")), drawing.png(DEFAULT_DPI)?)?;
         std::fs::write(folder.join(format!("{name}.pdf")), drawing.pdf()?)?;
     }

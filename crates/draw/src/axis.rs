@@ -191,7 +191,7 @@ mod tests {
     use super::*;
 
     fn horizontal(axis: &Axis, ends: Ends, length_pt: f64) -> AxisPlan {
-        plan(&Fonts::bundled().unwrap(), axis, Some(ends), Direction::Horizontal, length_pt, true).unwrap()
+        plan(Fonts::bundled().unwrap(), axis, Some(ends), Direction::Horizontal, length_pt, true).unwrap()
     }
 
     fn text(lines: &[Label]) -> String {
@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn an_axis_without_ends_has_its_label_and_no_ticks() {
         let fonts = Fonts::bundled().unwrap();
-        let plan = plan(&fonts, &Axis::new("*θ*", "°"), None, Direction::Vertical, 60.0, true).unwrap();
+        let plan = plan(fonts, &Axis::new("*θ*", "°"), None, Direction::Vertical, 60.0, true).unwrap();
         assert!(plan.ticks.is_empty() && !plan.label.is_empty());
     }
 }

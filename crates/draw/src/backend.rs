@@ -1,4 +1,4 @@
-//! plotters on our SVG: a drawing backend with hundredths of a point for pixels.
+//! plotters on our sheet: a drawing backend with hundredths of a point for pixels.
 //!
 //! plotters counts whole pixels; at 7,200 to the inch that is finer than any printer. Its strokes know no dashes, so
 //! curves go through [`Curve`], an element of ours.
@@ -14,8 +14,8 @@ use plotters_backend::{
 
 use crate::font::{ASCENT_EM, CAP_EM};
 use crate::legend;
+use crate::sheet::{At, Ink, Rect, Sheet};
 use crate::style::{Colour, Dash, Marker, Stroke};
-use crate::svg::{At, Rect, Svg};
 
 /// Backend pixels a point.
 pub(crate) const UNITS_PER_PT: f64 = 100.0;
@@ -31,9 +31,9 @@ fn on_page((x, y): BackendCoord) -> At {
 
 type Outcome = Result<(), DrawingErrorKind<Infallible>>;
 
-/// plotters' hand on an SVG of the given size.
-pub(crate) struct Pen<'s, 'f> {
-    pub(crate) svg: &'s mut Svg<'f>,
+/// plotters' hand on a sheet of the given size.
+pub(crate) struct Pen<'s> {
+    pub(crate) sheet: &'s mut Sheet,
     pub(crate) size_pt: (f64, f64),
 }
 
@@ -48,7 +48,7 @@ fn stroke<S: BackendStyle>(style: &S) -> Stroke {
     Stroke { colour, opacity, width_pt, dash: Dash::Solid }
 }
 
-impl DrawingBackend for Pen<'_, '_> {
+impl DrawingBackend for Pen<'_> {
     type ErrorType = Infallible;
 
     fn get_size(&self) -> (u32, u32) {
@@ -82,8 +82,8 @@ impl DrawingBackend for Pen<'_, '_> {
         let rect = Rect { left, top, right, bottom };
         let (colour, opacity) = colour(style.color());
         match fill {
-            true => self.svg.rect(&rect, colour, opacity),
-            false => self.svg.frame(&rect, 0.0, &stroke(style)),
+            true => self.sheet.rect(&rect, colour, opacity),
+            false => self.sheet.frame(&rect, 0.0, &stroke(style)),
         }
         Ok(())
     }
@@ -94,7 +94,7 @@ impl DrawingBackend for Pen<'_, '_> {
         style: &S,
     ) -> Outcome {
         let points: Vec<At> = path.into_iter().map(on_page).collect();
-        self.svg.stroke(&points, &stroke(style));
+        self.sheet.stroke(&points, &stroke(style));
         Ok(())
     }
 
@@ -106,7 +106,7 @@ impl DrawingBackend for Pen<'_, '_> {
         _fill: bool, // rings are not drawn
     ) -> Outcome {
         let (colour, opacity) = colour(style.color());
-        self.svg.disc(on_page(centre), 2.0 * f64::from(radius) / UNITS_PER_PT, colour, opacity);
+        self.sheet.disc(on_page(centre), 2.0 * f64::from(radius) / UNITS_PER_PT, colour, opacity);
         Ok(())
     }
 
@@ -117,13 +117,13 @@ impl DrawingBackend for Pen<'_, '_> {
     ) -> Outcome {
         let points: Vec<At> = path.into_iter().map(on_page).collect();
         let (colour, opacity) = colour(style.color());
-        self.svg.fill(&points, colour, opacity);
+        self.sheet.fill(&points, colour, opacity);
         Ok(())
     }
 
     fn draw_text<T: BackendTextStyle>(&mut self, text: &str, style: &T, at: BackendCoord) -> Outcome {
         let size_pt = style.size() / UNITS_PER_PT;
-        let label = self.svg.fonts().label(text, size_pt).map_err(font_error)?;
+        let label = self.sheet.fonts.label(text, size_pt).map_err(font_error)?;
         let along = match style.anchor().h_pos {
             HPos::Left => 0.0,
             HPos::Center => label.width_pt / 2.0,
@@ -137,7 +137,7 @@ impl DrawingBackend for Pen<'_, '_> {
         let (x, y) = on_page(at);
         let turned = matches!(style.transform(), FontTransform::Rotate270);
         let start = if turned { (x + down, y + along) } else { (x - along, y + down) };
-        self.svg.text(&label, start, colour(style.color()).0, turned);
+        self.sheet.text(&label, start, colour(style.color()).0, turned);
         Ok(())
     }
 
@@ -146,20 +146,13 @@ impl DrawingBackend for Pen<'_, '_> {
         text: &str,
         style: &T,
     ) -> Result<(u32, u32), DrawingErrorKind<Infallible>> {
-        let label = self.svg.fonts().label(text, style.size() / UNITS_PER_PT).map_err(font_error)?;
+        let label = self.sheet.fonts.label(text, style.size() / UNITS_PER_PT).map_err(font_error)?;
         Ok((units(label.width_pt).unsigned_abs(), units(label.height_pt()).unsigned_abs()))
     }
 }
 
 fn font_error(error: crate::Error) -> DrawingErrorKind<Infallible> {
     DrawingErrorKind::FontError(Box::new(error))
-}
-
-/// What a [`Curve`] is drawn with.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Ink {
-    Stroke(Stroke),
-    Fill(Colour, f64),
 }
 
 /// A curve or an area in data coordinates, with any of our pens.
@@ -177,17 +170,12 @@ impl<'a> PointCollection<'a, (f64, f64)> for &'a Curve {
     }
 }
 
-impl Drawable<Pen<'_, '_>> for Curve {
-    fn draw<I: Iterator<Item = BackendCoord>>(
-        &self,
-        points: I,
-        pen: &mut Pen<'_, '_>,
-        _: (u32, u32),
-    ) -> Outcome {
+impl Drawable<Pen<'_>> for Curve {
+    fn draw<I: Iterator<Item = BackendCoord>>(&self, points: I, pen: &mut Pen<'_>, _: (u32, u32)) -> Outcome {
         let points: Vec<At> = points.map(on_page).collect();
         match &self.ink {
-            Ink::Stroke(stroke) => pen.svg.stroke(&points, stroke),
-            Ink::Fill(colour, opacity) => pen.svg.fill(&points, *colour, *opacity),
+            Ink::Stroke(stroke) => pen.sheet.stroke(&points, stroke),
+            Ink::Fill(colour, opacity) => pen.sheet.fill(&points, *colour, *opacity),
         }
         Ok(())
     }
@@ -209,14 +197,9 @@ impl<'a> PointCollection<'a, (f64, f64)> for &'a Mark {
     }
 }
 
-impl Drawable<Pen<'_, '_>> for Mark {
-    fn draw<I: Iterator<Item = BackendCoord>>(
-        &self,
-        points: I,
-        pen: &mut Pen<'_, '_>,
-        _: (u32, u32),
-    ) -> Outcome {
-        points.map(on_page).for_each(|at| legend::draw_marker(pen.svg, self.marker, at, self.colour));
+impl Drawable<Pen<'_>> for Mark {
+    fn draw<I: Iterator<Item = BackendCoord>>(&self, points: I, pen: &mut Pen<'_>, _: (u32, u32)) -> Outcome {
+        points.map(on_page).for_each(|at| legend::draw_marker(pen.sheet, self.marker, at, self.colour));
         Ok(())
     }
 }
@@ -229,7 +212,7 @@ mod tests {
 
     use super::*;
     use crate::font::Fonts;
-    use crate::svg::{Head, TextAs};
+    use crate::svg::{self, Head};
 
     const RED: RGBColor = RGBColor(255, 0, 0);
 
@@ -237,13 +220,12 @@ mod tests {
     fn check<E>(element: E, expect: &[&str])
     where
         for<'a> &'a E: PointCollection<'a, (i32, i32)>,
-        E: for<'s, 'f> Drawable<Pen<'s, 'f>>,
+        E: for<'s> Drawable<Pen<'s>>,
     {
-        let fonts = Fonts::bundled().unwrap();
-        let mut svg = Svg::new(&fonts, TextAs::Text);
-        Pen { svg: &mut svg, size_pt: (100.0, 50.0) }.into_drawing_area().draw(&element).unwrap();
+        let mut sheet = Sheet::new(Fonts::bundled().unwrap());
+        Pen { sheet: &mut sheet, size_pt: (100.0, 50.0) }.into_drawing_area().draw(&element).unwrap();
         let head = Head { title: "", description: "", provenance: None };
-        let svg = svg.finish(100.0, 50.0, &head);
+        let svg = svg::svg(&sheet.shapes, sheet.fonts, (100.0, 50.0), &head);
         assert!(expect.iter().all(|part| svg.contains(part)), "{expect:?} in {svg}");
     }
 
@@ -272,7 +254,7 @@ mod tests {
         let style = ("sans-serif", 800).into_font().color(&RED);
         check(
             Text::new("*F*_{ex}", (500, 500), style),
-            &["font-style=\"italic\"", ">F</text>", ">ex</text>"],
+            &["aria-label=\"F\"", "xlink:href=\"#i", "aria-label=\"ex\"", "xlink:href=\"#r"],
         );
     }
 }

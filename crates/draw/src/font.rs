@@ -3,16 +3,16 @@
 //! Noto Sans (SIL Open Font Licence) in three faces. Letters are shaped as a text engine would (kerning,
 //! and marks such as the dot of θ̇ set over their letter), so widths measured here are widths on paper.
 
+use std::ops::Range;
+use std::sync::LazyLock;
+
 use rustybuzz::ttf_parser::{GlyphId, OutlineBuilder};
 use rustybuzz::{BufferClusterLevel, Face, UnicodeBuffer};
 
 use crate::error::Error;
 use crate::markup::{self, Run, Script};
 use crate::style::LEAST_PT;
-use crate::svg::number;
 
-/// Family name of the bundled font.
-pub(crate) const FAMILY: &str = "Noto Sans";
 /// Height of capitals and figures over the base line, in em.
 pub(crate) const CAP_EM: f64 = 0.714;
 /// Height kept free over the base line, in em: a dotted letter fits.
@@ -54,6 +54,8 @@ pub(crate) struct Glyph {
     /// Place relative to its piece's start, in font units.
     pub(crate) x: i32,
     pub(crate) y: i32,
+    /// The letters it stands for, in bytes of its piece's text.
+    pub(crate) letters: Range<usize>,
 }
 
 /// Letters of one style, placed.
@@ -66,6 +68,8 @@ pub(crate) struct Piece {
     pub(crate) y_pt: f64,
     pub(crate) size_pt: f64,
     pub(crate) glyphs: Vec<Glyph>,
+    /// From its start to what stands behind it, in font units.
+    pub(crate) advance: i32,
 }
 
 /// A line of text, measured and ready to be drawn.
@@ -95,9 +99,13 @@ pub(crate) struct Fonts {
 }
 
 impl Fonts {
-    pub(crate) fn bundled() -> Result<Self, Error> {
-        let face = |style: Style| Face::from_slice(style.bytes(), 0).ok_or(Error::Font);
-        Ok(Self { faces: [face(Style::Regular)?, face(Style::Italic)?, face(Style::Bold)?] })
+    /// Parsed once a process.
+    pub(crate) fn bundled() -> Result<&'static Self, Error> {
+        static BUNDLED: LazyLock<Option<Fonts>> = LazyLock::new(|| {
+            let face = |style: Style| Face::from_slice(style.bytes(), 0);
+            Some(Fonts { faces: [face(Style::Regular)?, face(Style::Italic)?, face(Style::Bold)?] })
+        });
+        BUNDLED.as_ref().ok_or(Error::Font)
     }
 
     fn face(&self, style: Style) -> &Face<'static> {
@@ -145,6 +153,7 @@ impl Fonts {
             y_pt: -raise_em * size_pt,
             size_pt: piece_size,
             glyphs,
+            advance,
         };
         Ok((piece, f64::from(advance) * piece_size / self.units_per_em(style)))
     }
@@ -164,8 +173,13 @@ impl Fonts {
         let mut glyphs: Vec<Glyph> = Vec::new();
         let mut base = None;
         for (info, place) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {
-            let glyph = Glyph { id: info.glyph_id as u16, x: pen + place.x_offset, y: place.y_offset };
-            let letter = text.get(info.cluster as usize..).and_then(|rest| rest.chars().next());
+            let start = info.cluster as usize;
+            let (x, y) = (pen + place.x_offset, place.y_offset);
+            let glyph = Glyph { id: info.glyph_id as u16, x, y, letters: start..text.len() };
+            if let Some(before) = glyphs.last_mut() {
+                before.letters.end = start;
+            }
+            let letter = text.get(start..).and_then(|rest| rest.chars().next());
             match &base {
                 Some(base) if letter.is_some_and(is_mark) => glyphs.push(self.over(base, glyph, style)),
                 _ => {
@@ -196,11 +210,9 @@ impl Fonts {
         Glyph { x, y, ..mark }
     }
 
-    /// A glyph's outline as SVG path data in font units, y upwards; empty for a space.
-    pub(crate) fn outline(&self, style: Style, id: u16) -> String {
-        let mut path = PathData(String::new());
-        self.face(style).outline_glyph(GlyphId(id), &mut path);
-        path.0
+    /// A glyph's outline in font units, y upwards; a space has none.
+    pub(crate) fn trace(&self, style: Style, id: u16, pen: &mut dyn OutlineBuilder) {
+        self.face(style).outline_glyph(GlyphId(id), pen);
     }
 
     /// Breaks markup at its spaces so that no line is wider than `width_pt`; a single long word may still be.
@@ -249,39 +261,6 @@ pub(crate) fn height_pt(lines: &[Label]) -> f64 {
 /// Accents and dots that stand over the letter before them.
 pub(crate) fn is_mark(letter: char) -> bool {
     ('\u{300}'..='\u{315}').contains(&letter)
-}
-
-struct PathData(String);
-
-impl PathData {
-    fn add(&mut self, command: char, values: &[f32]) {
-        self.0.push(command);
-        for (i, &value) in values.iter().enumerate() {
-            let text = number(f64::from(value));
-            if i > 0 && !text.starts_with('-') {
-                self.0.push(' ');
-            }
-            self.0.push_str(&text);
-        }
-    }
-}
-
-impl OutlineBuilder for PathData {
-    fn move_to(&mut self, x: f32, y: f32) {
-        self.add('M', &[x, y]);
-    }
-    fn line_to(&mut self, x: f32, y: f32) {
-        self.add('L', &[x, y]);
-    }
-    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        self.add('Q', &[x1, y1, x, y]);
-    }
-    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        self.add('C', &[x1, y1, x2, y2, x, y]);
-    }
-    fn close(&mut self) {
-        self.0.push('Z');
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Places plot areas in a grid so that their edges line up whatever stands around them.
 
 use crate::figure::Cell;
-use crate::svg::Rect;
+use crate::sheet::Rect;
 
 /// Room that a panel needs around its plot area, in pt.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -9,19 +9,19 @@ use plotters::element::{Circle, Rectangle, Text as Words};
 use plotters::style::{Color as _, IntoFont as _, RGBColor, TextStyle};
 use plotters_backend::text_anchor::{HPos, Pos, VPos};
 
-use crate::backend::{Curve, Ink, Mark, Pen, UNITS_PER_PT, units};
+use crate::backend::{Curve, Mark, Pen, UNITS_PER_PT, units};
 use crate::curve::{self, COLUMN_PT, Point, Window};
 use crate::error::Error;
 use crate::figure::{Band, Direction, Intervals, Layer, Likert, Line, Points, Reference};
 use crate::likert::{self, Segment};
 use crate::panel::PanelPlan;
 use crate::scale::{Ends, Scale};
+use crate::sheet::{Ink, Sheet};
 use crate::style::{self, BAND_OPACITY, Colour, Dash, LEAST_PT, SMALL_PT, Stroke};
-use crate::svg::Svg;
 
 /// A panel's plot area as plotters sees it.
-struct Plot<'s, 'f> {
-    area: DrawingArea<Pen<'s, 'f>, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
+struct Plot<'s> {
+    area: DrawingArea<Pen<'s>, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
     window: Window,
     x: Scale,
     y: Scale,
@@ -38,13 +38,13 @@ fn rgb(Colour { r, g, b }: Colour) -> RGBColor {
 }
 
 /// Draws all layers of a panel that has data.
-pub(crate) fn draw(svg: &mut Svg<'_>, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> Outcome {
+pub(crate) fn draw(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> Outcome {
     let (Some(x), Some(y)) = (plan.x_scale(), plan.y_scale()) else {
         return Ok(());
     };
     let pixels = |scale: &Scale| units(scale.page_pt.0)..units(scale.page_pt.1);
     let coordinates = Cartesian2d::new(x.ends.0..x.ends.1, y.ends.0..y.ends.1, (pixels(&x), pixels(&y)));
-    let area = Pen { svg, size_pt }.into_drawing_area().apply_coord_spec(coordinates);
+    let area = Pen { sheet, size_pt }.into_drawing_area().apply_coord_spec(coordinates);
     let plot = Plot { area, window: Window { x: x.ends, y: y.ends }, x, y };
     plan.panel.layers.iter().try_for_each(|layer| match layer {
         Layer::Line(line) => plot.line(line),
@@ -57,7 +57,7 @@ pub(crate) fn draw(svg: &mut Svg<'_>, plan: &PanelPlan<'_>, size_pt: (f64, f64))
     })
 }
 
-impl Plot<'_, '_> {
+impl Plot<'_> {
     fn curve(&self, points: Vec<Point>, ink: Ink) -> Outcome {
         self.area.draw(&Curve { points, ink }).map_err(refused)
     }

@@ -10,8 +10,8 @@ use crate::grid::{self, Decor};
 use crate::legend::{self, Legend};
 use crate::panel::{self, PanelPlan};
 use crate::scale;
+use crate::sheet::{At, PT_PER_MM, Rect};
 use crate::style::{SMALL_PT, TITLE_PT};
-use crate::svg::{At, PT_PER_MM, Rect};
 
 /// Free edge of the page, in pt: nothing is cut off by a hair.
 const PAGE_MARGIN_PT: f64 = 2.0;

@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::figure::{Direction, Figure, Layer, LegendPlace};
 use crate::font::{CAP_EM, Fonts, Label};
+use crate::sheet::{At, Rect, Sheet};
 use crate::style::{self, Colour, INK, Marker, SMALL_PT, Stroke};
-use crate::svg::{At, Rect, Svg};
 
 /// Width of a sample of a line or band, in pt.
 const SAMPLE_PT: f64 = 15.0;
@@ -139,21 +139,21 @@ fn samples(layer: &Layer) -> Vec<(String, Sample)> {
 }
 
 /// Draws the legend with its top left corner at `at`.
-pub(crate) fn draw(svg: &mut Svg<'_>, legend: &Legend, (left, top): At) {
+pub(crate) fn draw(sheet: &mut Sheet, legend: &Legend, (left, top): At) {
     for (i, row) in legend.rows.iter().enumerate() {
         let middle = top + ROW_PT * (i as f64 + 0.5);
         for entry in row {
             let x = left + entry.x_pt;
             for sample in &entry.samples {
-                draw_sample(svg, sample, (x + entry.sample_pt / 2.0, middle));
+                draw_sample(sheet, sample, (x + entry.sample_pt / 2.0, middle));
             }
             let base = middle + CAP_EM * SMALL_PT / 2.0;
-            svg.text(&entry.label, (x + entry.sample_pt + NAME_GAP_PT, base), INK, false);
+            sheet.text(&entry.label, (x + entry.sample_pt + NAME_GAP_PT, base), INK, false);
         }
     }
 }
 
-fn draw_sample(svg: &mut Svg<'_>, sample: &Sample, (centre, middle): At) {
+fn draw_sample(sheet: &mut Sheet, sample: &Sample, (centre, middle): At) {
     let half_line = SAMPLE_PT / 2.0;
     let patch = |half_width: f64| Rect {
         left: centre - half_width,
@@ -163,11 +163,11 @@ fn draw_sample(svg: &mut Svg<'_>, sample: &Sample, (centre, middle): At) {
     };
     match sample {
         Sample::Line(stroke) => {
-            svg.stroke(&[(centre - half_line, middle), (centre + half_line, middle)], stroke)
+            sheet.stroke(&[(centre - half_line, middle), (centre + half_line, middle)], stroke)
         }
-        Sample::Band(colour) => svg.rect(&patch(half_line), *colour, style::BAND_OPACITY),
+        Sample::Band(colour) => sheet.rect(&patch(half_line), *colour, style::BAND_OPACITY),
         Sample::Disc { colour, diameter_pt, opacity } => {
-            svg.disc((centre, middle), *diameter_pt, *colour, opacity.max(0.6));
+            sheet.disc((centre, middle), *diameter_pt, *colour, opacity.max(0.6));
         }
         Sample::Whisker { colour, marker, direction } => {
             let half = BOX_PT / 2.0 + WHISKER_OUT_PT;
@@ -175,25 +175,25 @@ fn draw_sample(svg: &mut Svg<'_>, sample: &Sample, (centre, middle): At) {
                 Direction::Horizontal => [(centre - half, middle), (centre + half, middle)],
                 Direction::Vertical => [(centre, middle - half), (centre, middle + half)],
             };
-            svg.stroke(&ends, &Stroke { width_pt: style::WHISKER_PT, ..style::mean(*colour) });
-            draw_marker(svg, *marker, (centre, middle), *colour);
+            sheet.stroke(&ends, &Stroke { width_pt: style::WHISKER_PT, ..style::mean(*colour) });
+            draw_marker(sheet, *marker, (centre, middle), *colour);
         }
-        Sample::Box(colour) => svg.rect(&patch(BOX_PT / 2.0), *colour, 1.0),
+        Sample::Box(colour) => sheet.rect(&patch(BOX_PT / 2.0), *colour, 1.0),
     }
 }
 
 /// A marker of the one size that estimates have.
-pub(crate) fn draw_marker(svg: &mut Svg<'_>, marker: Marker, (x, y): At, colour: Colour) {
+pub(crate) fn draw_marker(sheet: &mut Sheet, marker: Marker, (x, y): At, colour: Colour) {
     let r = style::MARKER_PT / 2.0;
     match marker {
-        Marker::Disc => svg.disc((x, y), style::MARKER_PT, colour, 1.0),
+        Marker::Disc => sheet.disc((x, y), style::MARKER_PT, colour, 1.0),
         Marker::Square => {
             let r = 0.88 * r; // of the disc's area
-            svg.fill(&[(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)], colour, 1.0);
+            sheet.fill(&[(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)], colour, 1.0);
         }
         Marker::Diamond => {
             let r = 1.25 * r; // of the disc's area
-            svg.fill(&[(x, y - r), (x + r, y), (x, y + r), (x - r, y)], colour, 1.0);
+            sheet.fill(&[(x, y - r), (x + r, y), (x, y + r), (x - r, y)], colour, 1.0);
         }
     }
 }
@@ -224,7 +224,7 @@ mod tests {
     fn rows_are_no_wider_than_they_may() {
         let fonts = Fonts::bundled().unwrap();
         let legend =
-            plan(&figure(&["active", "passive", "hybrid", "commanded force"]), &fonts, 120.0).unwrap();
+            plan(&figure(&["active", "passive", "hybrid", "commanded force"]), fonts, 120.0).unwrap();
         assert!(legend.rows.len() > 1);
         for entry in legend.rows.iter().flatten() {
             assert!(entry.end_pt() <= 120.0);

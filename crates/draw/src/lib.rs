@@ -1,4 +1,4 @@
-//! Figures: one style, axes, bands, bars; SVG once, PNG and PDF from that SVG.
+//! Figures: one style, axes, bands, bars; drawn once, written as SVG, PDF and PNG.
 //!
 //! A [`Figure`] is plain data. [`draw`] lays it out and gives a [`Drawing`], which gives the bytes of an SVG, a PNG
 //! and a PDF: the same bytes on every run. Nothing here knows studies, files or the clock.
@@ -18,7 +18,7 @@
 //! let figure = Figure { width_mm: ONE_COLUMN_MM, panels: vec![panel], ..Figure::default() };
 //!
 //! let drawing = draw(&figure)?;
-//! assert!(drawing.svg().starts_with("<?xml"));
+//! assert!(drawing.svg()?.starts_with("<?xml"));
 //! # Ok::<(), zwidth_draw::Error>(())
 //! ```
 //!
@@ -32,7 +32,6 @@ mod axis;
 mod backend;
 mod curve;
 mod error;
-mod export;
 mod figure;
 mod font;
 mod grid;
@@ -43,8 +42,11 @@ mod likert;
 pub mod markup;
 mod page;
 mod panel;
+mod pdf;
+mod png;
 mod references;
 mod scale;
+mod sheet;
 pub mod style;
 mod svg;
 mod ticks;
@@ -57,7 +59,8 @@ pub use figure::{
 };
 
 use font::Fonts;
-use svg::{Head, Svg, TextAs};
+use sheet::{PT_PER_MM, Shape, Sheet};
+use svg::Head;
 
 /// Resolution of PNGs for screens, in dots an inch.
 pub const DEFAULT_DPI: f64 = 200.0;
@@ -65,10 +68,7 @@ pub const DEFAULT_DPI: f64 = 200.0;
 /// A figure that has been laid out and drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
-    /// Words as outlines.
-    outlined: String,
-    /// Words as text, for the PDF.
-    written: String,
+    shapes: Vec<Shape>,
     size_pt: (f64, f64),
     title: String,
     description: String,
@@ -82,32 +82,25 @@ pub struct Drawing {
 /// [`Error`].
 pub fn draw(figure: &Figure) -> Result<Drawing, Error> {
     let fonts = Fonts::bundled()?;
-    let plan = layout::plan(figure, &fonts)?;
-    let title = figure.title.as_deref().map(markup::plain).unwrap_or_default();
-    let document = |text_as| -> Result<String, Error> {
-        let mut svg = Svg::new(&fonts, text_as);
-        page::draw(&mut svg, &plan)?;
-        let head = Head {
-            title: &title,
-            description: &figure.description,
-            provenance: figure.provenance.as_deref(),
-        };
-        Ok(svg.finish(plan.width_pt, plan.height_pt, &head))
-    };
+    let plan = layout::plan(figure, fonts)?;
+    let mut sheet = Sheet::new(fonts);
+    page::draw(&mut sheet, &plan)?;
     Ok(Drawing {
-        outlined: document(TextAs::Outlines)?,
-        written: document(TextAs::Text)?,
+        shapes: sheet.shapes,
         size_pt: (plan.width_pt, plan.height_pt),
+        title: figure.title.as_deref().map(markup::plain).unwrap_or_default(),
         description: figure.description.clone(),
         provenance: figure.provenance.clone(),
-        title,
     })
 }
 
 impl Drawing {
     /// The SVG: words as outlines, title, description and provenance inside, nothing outside needed to show it.
-    pub fn svg(&self) -> &str {
-        &self.outlined
+    ///
+    /// # Errors
+    /// [`Error::Font`] as [`draw`].
+    pub fn svg(&self) -> Result<String, Error> {
+        Ok(svg::svg(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head()))
     }
 
     /// An opaque PNG at `dpi` dots an inch ([`DEFAULT_DPI`] for screens), provenance in its `Comment`.
@@ -116,7 +109,7 @@ impl Drawing {
     /// [`Error::Size`] if `dpi` is not positive or the image would pass 100 megapixels, [`Error::Encode`] if the
     /// libraries refuse the drawing.
     pub fn png(&self, dpi: f64) -> Result<Vec<u8>, Error> {
-        export::png(&self.outlined, dpi, self.provenance.as_deref())
+        png::png(&self.shapes, Fonts::bundled()?, self.size_pt, dpi, self.provenance.as_deref())
     }
 
     /// A one-page PDF of the figure's size, its font embedded so that words can be searched and copied,
@@ -125,14 +118,16 @@ impl Drawing {
     /// # Errors
     /// [`Error::Encode`] if the libraries refuse the drawing.
     pub fn pdf(&self) -> Result<Vec<u8>, Error> {
-        let (title, description) = (&self.title, &self.description);
-        let head = export::PdfHead { title, description, keywords: self.provenance.as_deref() };
-        export::pdf(&self.written, self.size_pt, head)
+        pdf::pdf(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head())
     }
 
     /// Width and height on paper, in mm.
     pub fn size_mm(&self) -> (f64, f64) {
-        (self.size_pt.0 / svg::PT_PER_MM, self.size_pt.1 / svg::PT_PER_MM)
+        (self.size_pt.0 / PT_PER_MM, self.size_pt.1 / PT_PER_MM)
+    }
+
+    fn head(&self) -> Head<'_> {
+        Head { title: &self.title, description: &self.description, provenance: self.provenance.as_deref() }
     }
 }
 

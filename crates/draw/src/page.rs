@@ -9,70 +9,70 @@ use crate::layout::{MARK_PAD_PT, Plan, title_at};
 use crate::legend;
 use crate::panel::{self, PanelPlan};
 use crate::scale::Scale;
+use crate::sheet::{At, Rect, Sheet};
 use crate::style::{
     self, AXIS_PT, Colour, Dash, GREY, GRID, GRID_PT, INK, MARK, PAPER, SMALL_PT, Stroke, TICK_PT,
 };
-use crate::svg::{At, Rect, Svg};
 use crate::words;
 
 /// Draws the page.
-pub(crate) fn draw(svg: &mut Svg<'_>, plan: &Plan<'_>) -> Result<(), Error> {
+pub(crate) fn draw(sheet: &mut Sheet, plan: &Plan<'_>) -> Result<(), Error> {
     let page = Rect { left: 0.0, top: 0.0, right: plan.width_pt, bottom: plan.height_pt };
-    svg.rect(&page, PAPER, 1.0);
-    lines(svg, &plan.title, title_at(), INK);
+    sheet.rect(&page, PAPER, 1.0);
+    lines(sheet, &plan.title, title_at(), INK);
     if let Some((label, frame)) = &plan.mark {
-        stamp(svg, label, frame);
+        stamp(sheet, label, frame);
     }
-    legend::draw(svg, &plan.legend.0, plan.legend.1);
+    legend::draw(sheet, &plan.legend.0, plan.legend.1);
     for panel in &plan.panels {
-        draw_panel(svg, panel, (plan.width_pt, plan.height_pt))?;
+        draw_panel(sheet, panel, (plan.width_pt, plan.height_pt))?;
     }
-    lines(svg, &plan.footnotes.0, (title_at().0, plan.footnotes.1), GREY);
+    lines(sheet, &plan.footnotes.0, (title_at().0, plan.footnotes.1), GREY);
     Ok(())
 }
 
 /// Lines one under the other, the first one's upper edge at `top`.
-pub(crate) fn lines(svg: &mut Svg<'_>, lines: &[Label], (left, mut top): At, colour: Colour) {
+pub(crate) fn lines(sheet: &mut Sheet, lines: &[Label], (left, mut top): At, colour: Colour) {
     for line in lines {
-        svg.text(line, (left, top + ASCENT_EM * line.size_pt), colour, false);
+        sheet.text(line, (left, top + ASCENT_EM * line.size_pt), colour, false);
         top += line.height_pt();
     }
 }
 
 /// Lines centred on `middle`, the first one's upper edge at `top`.
-pub(crate) fn centred(svg: &mut Svg<'_>, block: &[Label], (middle, mut top): At, colour: Colour) {
+pub(crate) fn centred(sheet: &mut Sheet, block: &[Label], (middle, mut top): At, colour: Colour) {
     for line in block {
-        lines(svg, std::slice::from_ref(line), (middle - line.width_pt / 2.0, top), colour);
+        lines(sheet, std::slice::from_ref(line), (middle - line.width_pt / 2.0, top), colour);
         top += line.height_pt();
     }
 }
 
-fn stamp(svg: &mut Svg<'_>, label: &Label, frame: &Rect) {
+fn stamp(sheet: &mut Sheet, label: &Label, frame: &Rect) {
     let stroke = Stroke { width_pt: 0.8, ..style::mean(MARK) };
-    svg.frame(&frame.grown(-stroke.width_pt / 2.0), 2.0, &stroke);
-    svg.text(label, (frame.left + MARK_PAD_PT.0, frame.bottom - MARK_PAD_PT.1), MARK, false);
+    sheet.frame(&frame.grown(-stroke.width_pt / 2.0), 2.0, &stroke);
+    sheet.text(label, (frame.left + MARK_PAD_PT.0, frame.bottom - MARK_PAD_PT.1), MARK, false);
 }
 
-fn draw_panel(svg: &mut Svg<'_>, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> Result<(), Error> {
-    grid_lines(svg, plan);
+fn draw_panel(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> Result<(), Error> {
+    grid_lines(sheet, plan);
     if plan.note.is_empty() {
-        layers::draw(svg, plan, size_pt)?;
+        layers::draw(sheet, plan, size_pt)?;
     }
-    axis_lines(svg, plan);
-    x_labels(svg, plan);
-    y_labels(svg, plan);
+    axis_lines(sheet, plan);
+    x_labels(sheet, plan);
+    y_labels(sheet, plan);
     let plot = &plan.plot;
     let title_top = plot.top - panel::GAP_PT - font::height_pt(&plan.title);
-    lines(svg, &plan.title, (plot.left, title_top), INK);
+    lines(sheet, &plan.title, (plot.left, title_top), INK);
     for word in &plan.references {
-        svg.text(&word.label, word.at, GREY, false);
+        sheet.text(&word.label, word.at, GREY, false);
     }
     let middle =
         ((plot.left + plot.right) / 2.0, (plot.top + plot.bottom - font::height_pt(&plan.note)) / 2.0);
-    centred(svg, &plan.note, middle, GREY);
+    centred(sheet, &plan.note, middle, GREY);
     for layer in plan.panel.layers.iter().filter(|_| plan.note.is_empty()) {
         if let Layer::Text(text) = layer {
-            words::draw(svg, text, plan)?;
+            words::draw(sheet, text, plan)?;
         }
     }
     Ok(())
@@ -90,56 +90,56 @@ fn places(ticks: &[PlannedTick], scale: Option<Scale>) -> impl Iterator<Item = (
     ticks.iter().filter_map(move |tick| scale.map(|scale| (tick, scale.pt(tick.at))))
 }
 
-fn grid_lines(svg: &mut Svg<'_>, plan: &PanelPlan<'_>) {
+fn grid_lines(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     if !plan.note.is_empty() {
         return; // lines would run through the words
     }
     let pen = Stroke { colour: GRID, width_pt: GRID_PT, opacity: 1.0, dash: Dash::Solid };
     let Rect { left, top, right, bottom } = plan.plot;
     for (_, x) in places(&plan.x.ticks, plan.x_scale()).filter(|(tick, _)| !plan.x.named && !tick.minor) {
-        svg.stroke(&[(x, top), (x, bottom)], &pen);
+        sheet.stroke(&[(x, top), (x, bottom)], &pen);
     }
     for (_, y) in places(&plan.y.ticks, plan.y_scale()).filter(|(tick, _)| !plan.y.named && !tick.minor) {
-        svg.stroke(&[(left, y), (right, y)], &pen);
+        sheet.stroke(&[(left, y), (right, y)], &pen);
     }
 }
 
 /// The left and lower edge of the plot, and ticks outwards. Beside names and on a bare axis there is no edge.
-fn axis_lines(svg: &mut Svg<'_>, plan: &PanelPlan<'_>) {
+fn axis_lines(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     let pen = Stroke { width_pt: AXIS_PT, ..style::mean(INK) };
     let Rect { left, top, right, bottom } = plan.plot;
     let corner = [(left, top), (left, bottom), (right, bottom)];
     match (plan.x.bare, plan.y.named || plan.y.bare) {
-        (false, false) => svg.stroke(&corner, &pen),
-        (false, true) => svg.stroke(&corner[1..], &pen),
-        (true, false) => svg.stroke(&corner[..2], &pen),
+        (false, false) => sheet.stroke(&corner, &pen),
+        (false, true) => sheet.stroke(&corner[1..], &pen),
+        (true, false) => sheet.stroke(&corner[..2], &pen),
         (true, true) => {}
     }
     for (tick, x) in places(&plan.x.ticks, plan.x_scale()).filter(|_| !plan.x.named) {
-        svg.stroke(&[(x, bottom), (x, bottom + length_pt(tick))], &pen);
+        sheet.stroke(&[(x, bottom), (x, bottom + length_pt(tick))], &pen);
     }
     for (tick, y) in places(&plan.y.ticks, plan.y_scale()).filter(|_| !plan.y.named) {
-        svg.stroke(&[(left, y), (left - length_pt(tick), y)], &pen);
+        sheet.stroke(&[(left, y), (left - length_pt(tick), y)], &pen);
     }
 }
 
-fn x_labels(svg: &mut Svg<'_>, plan: &PanelPlan<'_>) {
+fn x_labels(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     let plot = &plan.plot;
     let top = plot.bottom + TICK_PT + TICK_GAP_PT;
     for (tick, x) in places(&plan.x.ticks, plan.x_scale()) {
         if plan.x.turned {
             let left = x - font::height_pt(&tick.lines) / 2.0;
             let longest = font::widest_pt(&tick.lines);
-            upwards(svg, &tick.lines, (left, top), |line| longest - line.width_pt);
+            upwards(sheet, &tick.lines, (left, top), |line| longest - line.width_pt);
         } else {
-            centred(svg, &tick.lines, (x, top), INK);
+            centred(sheet, &tick.lines, (x, top), INK);
         }
     }
     let under = plot.bottom + plan.x.depth_pt(Direction::Horizontal) - font::height_pt(&plan.x.label);
-    centred(svg, &plan.x.label, ((plot.left + plot.right) / 2.0, under), INK);
+    centred(sheet, &plan.x.label, ((plot.left + plot.right) / 2.0, under), INK);
 }
 
-fn y_labels(svg: &mut Svg<'_>, plan: &PanelPlan<'_>) {
+fn y_labels(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     let plot = &plan.plot;
     let right = plot.left - TICK_PT - TICK_GAP_PT;
     for (tick, y) in places(&plan.y.ticks, plan.y_scale()) {
@@ -147,18 +147,18 @@ fn y_labels(svg: &mut Svg<'_>, plan: &PanelPlan<'_>) {
         let line_pt = tick.lines.first().map_or(0.0, Label::height_pt);
         let first = y - (tick.lines.len().saturating_sub(1)) as f64 * line_pt / 2.0 + CAP_EM * SMALL_PT / 2.0;
         for (i, line) in tick.lines.iter().enumerate() {
-            svg.text(line, (right - line.width_pt, first + i as f64 * line_pt), INK, false);
+            sheet.text(line, (right - line.width_pt, first + i as f64 * line_pt), INK, false);
         }
     }
     let at = (plot.left - plan.left_pt, plot.top);
-    upwards(svg, &plan.y.label, at, |line| (plot.height() - line.width_pt) / 2.0);
+    upwards(sheet, &plan.y.label, at, |line| (plot.height() - line.width_pt) / 2.0);
 }
 
 /// Lines that read upwards, side by side from `left`; `from_top` is how far below `top` a line ends.
-fn upwards(svg: &mut Svg<'_>, block: &[Label], (mut left, top): At, from_top: impl Fn(&Label) -> f64) {
+fn upwards(sheet: &mut Sheet, block: &[Label], (mut left, top): At, from_top: impl Fn(&Label) -> f64) {
     for line in block {
         let base = (left + ASCENT_EM * line.size_pt, top + from_top(line) + line.width_pt);
-        svg.text(line, base, INK, true);
+        sheet.text(line, base, INK, true);
         left += line.height_pt();
     }
 }

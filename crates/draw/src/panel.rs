@@ -7,8 +7,8 @@ use crate::font::{self, ASCENT_EM, Fonts, Label};
 use crate::grid::Decor;
 use crate::references::{self, Word};
 use crate::scale::{self, Ends, Scale};
+use crate::sheet::Rect;
 use crate::style::{LABEL_PT, SMALL_PT};
-use crate::svg::Rect;
 
 /// Between a plot area and its heading or the words at a reference line's end, in pt.
 pub(crate) const GAP_PT: f64 = 2.0;
@@ -143,7 +143,7 @@ mod tests {
         let line = crate::figure::Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Default::default() };
         let panel = Panel::new(Cell::at(0, 0), bare(), bare(), vec![crate::figure::Layer::Line(line)]);
         let figure = Figure { panels: vec![Panel { height_mm: Some(40.0), ..panel }], ..Figure::default() };
-        let page = crate::layout::plan(&figure, &Fonts::bundled().unwrap()).unwrap();
+        let page = crate::layout::plan(&figure, Fonts::bundled().unwrap()).unwrap();
         let plan = &page.panels[0];
         let length = |scale: Scale| (scale.pt(1.0) - scale.pt(0.0)).abs();
         let (x, y) = (length(plan.x_scale().unwrap()), length(plan.y_scale().unwrap()));

@@ -6,8 +6,8 @@ use crate::figure::{Direction, Layer, Panel, Reference};
 use crate::font::{CAP_EM, DESCENT_EM, Fonts, Label};
 use crate::panel::GAP_PT;
 use crate::scale::Scale;
+use crate::sheet::{At, Rect};
 use crate::style::SMALL_PT;
-use crate::svg::{At, Rect};
 
 /// A label and where its base line starts.
 #[derive(Debug, Clone, PartialEq)]

@@ -146,16 +146,30 @@ pub struct Stroke {
     pub dash: Dash,
 }
 
-impl Default for Stroke {
-    fn default() -> Self {
-        mean(INK)
-    }
-}
-
 impl Stroke {
+    /// Lengths of a dash and of the gap after it, in pt.
+    pub(crate) fn dashes_pt(&self) -> Option<[f64; 2]> {
+        match self.dash {
+            Dash::Solid => None,
+            Dash::Dashed => Some([4.0 * self.width_pt, 2.5 * self.width_pt]),
+            // dots: dashes of almost no length under round ends
+            Dash::Dotted => Some([0.01, 2.1 * self.width_pt]),
+        }
+    }
+
+    pub(crate) fn round_ends(&self) -> bool {
+        self.dash == Dash::Dotted
+    }
+
     /// The same pen with other dashes.
     pub fn dashed(self, dash: Dash) -> Self {
         Self { dash, ..self }
+    }
+}
+
+impl Default for Stroke {
+    fn default() -> Self {
+        mean(INK)
     }
 }
 

@@ -6,18 +6,18 @@ use crate::figure::{Layer, Text, TextPlace};
 use crate::font::{self, Label};
 use crate::page::{centred, lines};
 use crate::panel::PanelPlan;
+use crate::sheet::{Rect, Sheet};
 use crate::style::{INK, SMALL_PT};
-use crate::svg::{Rect, Svg};
 
 /// Distance of words from the plot's edges and from the point they name, in pt.
 const OFF_PT: f64 = 3.0;
 
 /// Draws the words of a text layer over everything else in their panel.
-pub(crate) fn draw(svg: &mut Svg<'_>, text: &Text, plan: &PanelPlan<'_>) -> Result<(), Error> {
+pub(crate) fn draw(sheet: &mut Sheet, text: &Text, plan: &PanelPlan<'_>) -> Result<(), Error> {
     let plot = plan.plot.grown(-OFF_PT);
     let mut block: Vec<Label> = Vec::new();
     for line in &text.lines {
-        block.extend(svg.fonts().block(line, SMALL_PT, plot.width())?);
+        block.extend(sheet.fonts.block(line, SMALL_PT, plot.width())?);
     }
     let (width, height) = (font::widest_pt(&block), font::height_pt(&block));
     if height > plot.height() {
@@ -28,11 +28,11 @@ pub(crate) fn draw(svg: &mut Svg<'_>, text: &Text, plan: &PanelPlan<'_>) -> Resu
         (TextPlace::Over(x, y), Some(x_scale), Some(y_scale)) => {
             let middle = x_scale.pt(x).min(plot.right - width / 2.0).max(plot.left + width / 2.0);
             let top = (y_scale.pt(y) - OFF_PT - height).min(plot.bottom - height).max(plot.top);
-            centred(svg, &block, (middle, top), INK);
+            centred(sheet, &block, (middle, top), INK);
         }
         _ => {
             let corner = emptiest(corners(&plot, width, height), plan);
-            lines(svg, &block, (corner.left, corner.top), INK);
+            lines(sheet, &block, (corner.left, corner.top), INK);
         }
     }
     Ok(())
@@ -99,7 +99,7 @@ mod tests {
         let axis = || Axis::new("", "").ranged(Range::Tight);
         let panel = Panel::new(Cell::at(0, 0), axis(), axis(), vec![Layer::Line(line)]);
         let figure = Figure { panels: vec![panel], ..Figure::default() };
-        let page = crate::layout::plan(&figure, &Fonts::bundled().unwrap()).unwrap();
+        let page = crate::layout::plan(&figure, Fonts::bundled().unwrap()).unwrap();
         let boxes = corners(&page.panels[0].plot, 60.0, 20.0);
         assert_eq!(emptiest(boxes, &page.panels[0]), boxes[expect]);
     }

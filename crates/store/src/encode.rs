@@ -3,7 +3,7 @@
 use crate::write::signal_column;
 use crate::{Samples, Signal, StoreError};
 use arrow::array::RecordBatch;
-use arrow::datatypes::Schema;
+use arrow::datatypes::{DataType, Field, Schema};
 use bytes::Bytes;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -57,7 +57,8 @@ pub fn encoded_column(
     let defect = |e: ParquetError| StoreError::new(Path::new(name), e.to_string(), "try another encoding");
     (|| {
         let batch = RecordBatch::try_new(Arc::new(Schema::new(vec![field])), vec![array])?;
-        let properties = properties_at(zstd, [name].into_iter(), Vec::new(), |_| encoding)?;
+        let compression = Compression::ZSTD(ZstdLevel::try_new(zstd)?);
+        let properties = properties([(name, encoding)].into_iter(), Vec::new(), compression);
         let mut bytes = Vec::new();
         let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties))?;
         writer.write(&batch)?;
@@ -78,30 +79,37 @@ pub fn decoded_rows(bytes: &[u8]) -> Result<usize, StoreError> {
     .map_err(defect)
 }
 
-/// Writer settings of every file we write: one row group, zstd, page statistics off (files are small).
-pub(crate) fn properties<'a>(
-    columns: impl Iterator<Item = &'a str>,
-    footer: Vec<KeyValue>,
-    encoding: impl Fn(&str) -> Encoding,
-) -> Result<WriterProperties, ParquetError> {
-    properties_at(ZSTD_LEVEL, columns, footer, encoding)
+/// Writer settings of a recording: what is kept for ever is made small.
+pub(crate) fn recorded(schema: &Schema, footer: Vec<KeyValue>) -> Result<WriterProperties, ParquetError> {
+    let columns = schema.fields().iter().map(|f| (f.name().as_str(), encoding_of(f.name())));
+    Ok(properties(columns, footer, Compression::ZSTD(ZstdLevel::try_new(ZSTD_LEVEL)?)))
 }
 
-fn properties_at<'a>(
-    zstd: i32,
-    columns: impl Iterator<Item = &'a str>,
+/// Writer settings of a derived table: what can be made again is made quickly.
+pub(crate) fn derived(schema: &Schema, footer: Vec<KeyValue>) -> WriterProperties {
+    let encoding = |f: &Field| match f.data_type() {
+        DataType::Float64 => Encoding::ByteStreamSplit,
+        _ => Encoding::Dictionary,
+    };
+    let columns = schema.fields().iter().map(|f| (f.name().as_str(), encoding(f)));
+    properties(columns, footer, Compression::SNAPPY)
+}
+
+/// One row group, page statistics off (files are small).
+fn properties<'a>(
+    columns: impl Iterator<Item = (&'a str, Encoding)>,
     footer: Vec<KeyValue>,
-    encoding: impl Fn(&str) -> Encoding,
-) -> Result<WriterProperties, ParquetError> {
+    compression: Compression,
+) -> WriterProperties {
     let mut builder = WriterProperties::builder()
         .set_writer_version(WriterVersion::PARQUET_1_0)
-        .set_compression(Compression::ZSTD(ZstdLevel::try_new(zstd)?))
+        .set_compression(compression)
         .set_max_row_group_row_count(None)
         .set_statistics_enabled(EnabledStatistics::Chunk)
         .set_key_value_metadata(Some(footer));
-    for name in columns {
+    for (name, encoding) in columns {
         let path = ColumnPath::from(name);
-        let (dictionary, fallback) = match encoding(name) {
+        let (dictionary, fallback) = match encoding {
             Encoding::Dictionary => (true, ParquetEncoding::PLAIN),
             Encoding::ByteStreamSplit => (false, ParquetEncoding::BYTE_STREAM_SPLIT),
             Encoding::Delta => (false, ParquetEncoding::DELTA_BINARY_PACKED),
@@ -110,5 +118,5 @@ fn properties_at<'a>(
         builder = builder.set_column_dictionary_enabled(path.clone(), dictionary);
         builder = builder.set_column_encoding(path, fallback);
     }
-    Ok(builder.build())
+    builder.build()
 }

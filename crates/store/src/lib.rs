@@ -39,7 +39,7 @@ pub use hash::{file_blake3, hex_blake3};
 pub use journal::Journal;
 pub use layout::Layout;
 pub use lock::{StudyLock, owner};
-pub use read::{TrialFooter, read_footer, read_parquet, read_trial};
+pub use read::{TrialFooter, read_entries, read_footer, read_parquet, read_trial};
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover};
 pub use signal::{COLUMNS, Column, Signal, Storage};
@@ -47,4 +47,4 @@ pub use study::{Answer, SessionLog, StudyData, SweepEntry, TrialEntry, read_stud
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use trial::{Samples, Trial, TrialFile};
 pub use verify::verify;
-pub use write::{described, trial_bytes, write_parquet};
+pub use write::{described, trial_bytes, write_parquet, write_table};

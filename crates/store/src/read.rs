@@ -8,7 +8,9 @@ use arrow::compute::concat_batches;
 use arrow::datatypes::{DataType, Field, Float32Type, Float64Type, SchemaRef, UInt16Type};
 use bytes::Bytes;
 use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::arrow::arrow_reader::{
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
+};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -65,7 +67,7 @@ pub fn read_trial(path: &Path, signals: impl IntoIterator<Item = Signal>) -> Res
     Ok(Trial { meta, file: rest, samples })
 }
 
-/// Reads any Parquet file that [`crate::write_parquet`] wrote, whole: its rows and its footer.
+/// Reads any Parquet file that [`crate::write_parquet`] or [`crate::write_table`] wrote, whole: its rows and its footer.
 pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
     let file = ParquetFile::open(path)?;
     let schema = file.schema.clone();
@@ -74,10 +76,16 @@ pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String
     Ok((batch, file.footer))
 }
 
+/// The footer of such a file, without its rows.
+pub fn read_entries(path: &Path) -> Result<BTreeMap<String, String>, StoreError> {
+    Ok(ParquetFile::open(path)?.footer)
+}
+
 /// An opened Parquet file of ours: footer checked, columns not read yet.
 pub(crate) struct ParquetFile {
     path: std::path::PathBuf,
     bytes: Bytes,
+    metadata: ArrowReaderMetadata,
     pub(crate) footer: BTreeMap<String, String>,
     pub(crate) schema: SchemaRef,
     pub(crate) rows: usize,
@@ -91,23 +99,24 @@ impl ParquetFile {
             return Err(StoreError::new(path, "the file is empty", DAMAGED));
         }
         let bytes = Bytes::from(bytes);
-        let builder = guarded(path, DAMAGED, || ParquetRecordBatchReaderBuilder::try_new(bytes.clone()))?;
-        let metadata = builder.metadata().file_metadata();
-        let footer: BTreeMap<String, String> = metadata
+        let options = ArrowReaderOptions::default();
+        let metadata = guarded(path, DAMAGED, || ArrowReaderMetadata::load(&bytes, options))?;
+        let file_metadata = metadata.metadata().file_metadata();
+        let footer: BTreeMap<String, String> = file_metadata
             .key_value_metadata()
             .into_iter()
             .flatten()
             .map(|kv| (kv.key.clone(), kv.value.clone().unwrap_or_default()))
             .filter(|(key, _)| key != "ARROW:schema")
             .collect();
-        let rows = usize::try_from(metadata.num_rows()).unwrap_or(0);
-        let schema = builder.schema().clone();
+        let rows = usize::try_from(file_metadata.num_rows()).unwrap_or(0);
+        let schema = metadata.schema().clone();
         check_version(path, &footer)?;
         if footer.get(FOOTER_DIGEST) != Some(&footer_digest(&footer)) {
             let what = "the file is damaged: its footer does not match its digest";
             return Err(StoreError::new(path, what, DAMAGED));
         }
-        Ok(Self { path: path.to_owned(), bytes, footer, schema, rows })
+        Ok(Self { path: path.to_owned(), bytes, metadata, footer, schema, rows })
     }
 
     /// Opens a recording: a file without rows is none.
@@ -122,7 +131,8 @@ impl ParquetFile {
     /// The columns of these names, as one batch.
     pub(crate) fn read(&self, names: &[&str]) -> Result<RecordBatch, StoreError> {
         guarded(&self.path, DAMAGED, || {
-            let builder = ParquetRecordBatchReaderBuilder::try_new(self.bytes.clone())?;
+            let metadata = self.metadata.clone();
+            let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(self.bytes.clone(), metadata);
             let mask = ProjectionMask::columns(builder.parquet_schema(), names.iter().copied());
             let reader = builder.with_projection(mask).with_batch_size(self.rows.max(1)).build()?;
             let schema = arrow::array::RecordBatchReader::schema(&reader);

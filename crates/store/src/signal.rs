@@ -116,7 +116,7 @@ impl Signal {
     pub const COUNT: usize = COLUMNS.len();
 
     /// Every signal, in file order.
-    pub fn all() -> impl Iterator<Item = Self> {
+    pub fn all() -> impl Iterator<Item = Self> + Clone {
         COLUMNS.iter().map(|c| c.signal)
     }
 

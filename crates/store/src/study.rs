@@ -2,14 +2,14 @@
 
 use crate::read::TrialFooter;
 use crate::sessions::{join, left_out, read_sessions};
-use crate::sweep::check_place;
+use crate::sweep::placed;
 use crate::{Layout, Signal, StoreError, Trial, TrialFile, read_footer, read_trial};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_study::{
     ActuatorId, Condition, Event, Kind, ParticipantId, PlannedTrial, QuestionId, Seal, SessionId,
-    SessionRecord, Status, Study, TrialMeta,
+    SessionRecord, Source, Status, Study, TrialMeta,
 };
 
 /// One trial file, and what the events say of it.
@@ -63,7 +63,8 @@ impl TrialEntry {
     /// # Errors
     /// Those of [`read_trial`].
     pub fn read(&self, signals: impl IntoIterator<Item = Signal>) -> Result<Trial, StoreError> {
-        let trial = read_trial(&self.path, signals)?;
+        let recorded = signals.into_iter().filter(|signal| self.signals.contains(signal));
+        let trial = read_trial(&self.path, recorded)?;
         Ok(Trial { meta: self.meta.clone(), ..trial })
     }
 }
@@ -75,6 +76,8 @@ pub struct SweepEntry {
     pub path: PathBuf,
     /// What was characterised.
     pub actuator: ActuatorId,
+    /// What it comes from.
+    pub source: Source,
 }
 
 /// A session's record and its events.
@@ -328,13 +331,13 @@ fn list_sweeps(layout: &Layout) -> Vec<Result<SweepEntry, StoreError>> {
         Err(error) => return vec![Err(error)],
     };
     files
-        .into_iter()
+        .into_par_iter()
         .map(|path| {
             let actuator = crate::read::from_path(&path, "actuator")?;
             let actuator = ActuatorId::new(actuator)
                 .map_err(|e| StoreError::new(&path, e.to_string(), "rename the folder"))?;
-            check_place(layout, &path, &actuator)?;
-            Ok(SweepEntry { path, actuator })
+            let source = placed(layout, &path, &actuator)?;
+            Ok(SweepEntry { path, actuator, source })
         })
         .collect()
 }

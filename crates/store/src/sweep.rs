@@ -117,13 +117,13 @@ fn column(
     Ok((field, Arc::new(Float64Array::from(values.to_vec()))))
 }
 
-/// Checks that a sweep lies where its footer says it belongs, so that none exists twice.
-pub(crate) fn check_place(layout: &Layout, path: &Path, actuator: &ActuatorId) -> Result<(), StoreError> {
+/// Checks that a sweep lies where its footer says it belongs, so that none exists twice, and says what it comes from.
+pub(crate) fn placed(layout: &Layout, path: &Path, actuator: &ActuatorId) -> Result<Source, StoreError> {
     let footer = ParquetFile::open_recording(path)?.footer;
     let says = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default();
     let number = says("sweep").parse::<u32>().ok();
     if says("actuator") == actuator.as_str() && number.is_some_and(|n| layout.sweep(actuator, n) == path) {
-        return Ok(());
+        return Source::from_word(says("source")).ok_or_else(|| bad_key(path, "source"));
     }
     let what = format!(
         "the file is sweep {} of '{}' by its footer, but not by its name",
@@ -133,17 +133,21 @@ pub(crate) fn check_place(layout: &Layout, path: &Path, actuator: &ActuatorId) -
     Err(StoreError::new(path, what, "give it its own name again; a sweep must not exist twice"))
 }
 
+const REMEDY: &str = "restore the file from a copy, or import the sweep again";
+
+fn bad_key(path: &Path, name: &str) -> StoreError {
+    StoreError::new(path, format!("footer key '{name}' is not valid"), REMEDY)
+}
+
 /// Reads a sweep; the actuator comes from the path. Checks are those of a trial.
 pub fn read_sweep(path: &Path) -> Result<Sweep, StoreError> {
     let file = ParquetFile::open_recording(path)?;
-    let remedy = "restore the file from a copy, or import the sweep again";
     let key = |name: &str| {
         file.footer
             .get(name)
             .cloned()
-            .ok_or_else(|| StoreError::new(path, format!("footer key '{name}' is missing"), remedy))
+            .ok_or_else(|| StoreError::new(path, format!("footer key '{name}' is missing"), REMEDY))
     };
-    let bad = |name: &str| StoreError::new(path, format!("footer key '{name}' is not valid"), remedy);
     let command = Quantity { name: key("command")?, unit: key("command_unit")? };
     let response = Quantity { name: key("response")?, unit: key("response_unit")? };
     for (name, q) in [(COMMAND, &command), (RESPONSE, &response)] {
@@ -153,22 +157,22 @@ pub fn read_sweep(path: &Path) -> Result<Sweep, StoreError> {
     let values = |name: &str| -> Result<Option<Vec<f64>>, StoreError> {
         let array = batch
             .column_by_name(name)
-            .ok_or_else(|| StoreError::new(path, "the column is missing", remedy).column(name))?;
+            .ok_or_else(|| StoreError::new(path, "the column is missing", REMEDY).column(name))?;
         let Some(digest) = file.footer.get(&format!("{DIGEST}{name}")) else { return Ok(None) };
         let values = floats(array);
         if array.null_count() > 0 || *digest != column_digest(&values, Storage::F64) {
             let what = "the column is damaged: its values do not match their digest";
-            return Err(StoreError::new(path, what, remedy).column(name));
+            return Err(StoreError::new(path, what, REMEDY).column(name));
         }
         Ok(Some(values))
     };
-    let missing = |name: &str| StoreError::new(path, "the column has no digest", remedy).column(name);
+    let missing = |name: &str| StoreError::new(path, "the column has no digest", REMEDY).column(name);
     let known = ["actuator", "source", "command", "command_unit", "response", "response_unit", "sweep"];
     Ok(Sweep {
         actuator: ActuatorId::new(from_path(path, "actuator")?)
             .map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))?,
-        sweep: key("sweep")?.parse().map_err(|_| bad("sweep"))?,
-        source: Source::from_word(&key("source")?).ok_or_else(|| bad("source"))?,
+        sweep: key("sweep")?.parse().map_err(|_| bad_key(path, "sweep"))?,
+        source: Source::from_word(&key("source")?).ok_or_else(|| bad_key(path, "source"))?,
         t_s: values(TIME)?,
         command_values: values(COMMAND)?.ok_or_else(|| missing(COMMAND))?,
         response_values: values(RESPONSE)?.ok_or_else(|| missing(RESPONSE))?,

@@ -1,6 +1,6 @@
 //! From a trial (or any record batch) to the bytes of a Parquet file.
 
-use crate::encode::{encoding_of, properties};
+use crate::encode::{derived, recorded};
 use crate::hash::hex_blake3;
 use crate::{COLUMNS, Column, Samples, Storage, StoreError, Trial};
 use arrow::array::{
@@ -9,7 +9,9 @@ use arrow::array::{
 };
 use arrow::datatypes::{DataType, Field, Int32Type, Schema};
 use parquet::arrow::ArrowWriter;
+use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -40,28 +42,48 @@ pub fn trial_bytes(trial: &Trial, path: &Path) -> Result<Vec<u8>, StoreError> {
     write_parquet(&batch, footer(trial), path)
 }
 
-/// The bytes of a Parquet file with one row group, our encodings, and `footer` as its key-value
+/// The bytes of a recording's Parquet file with one row group, our encodings, and `footer` as its key-value
 /// metadata (in key order), to which the schema version, the units and a digest are added.
 pub fn write_parquet(
     batch: &RecordBatch,
-    mut footer: BTreeMap<String, String>,
+    footer: BTreeMap<String, String>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
+    let properties = recorded(&batch.schema(), entries(batch, footer));
+    write(batch, properties, path)
+}
+
+/// The bytes of a derived table's Parquet file, as [`write_parquet`] but for the encodings: the table can be made again
+/// and is read again at once, so that it is written quickly rather than small.
+pub fn write_table(
+    batch: &RecordBatch,
+    footer: BTreeMap<String, String>,
+    path: &Path,
+) -> Result<Vec<u8>, StoreError> {
+    let properties = derived(&batch.schema(), entries(batch, footer));
+    write(batch, Ok(properties), path)
+}
+
+fn entries(batch: &RecordBatch, mut footer: BTreeMap<String, String>) -> Vec<KeyValue> {
     footer.insert(VERSION.to_owned(), SCHEMA_VERSION.to_string());
     footer.insert(UNITS.to_owned(), units(batch));
     footer.insert(FOOTER_DIGEST.to_owned(), footer_digest(&footer));
-    let footer = footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect();
-    let schema = batch.schema();
-    let names = schema.fields().iter().map(|f| f.name().as_str());
+    footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect()
+}
+
+fn write(
+    batch: &RecordBatch,
+    properties: Result<WriterProperties, ParquetError>,
+    path: &Path,
+) -> Result<Vec<u8>, StoreError> {
     let bytes = (|| {
-        let properties = properties(names, footer, encoding_of)?;
         let mut bytes = Vec::new();
-        let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties))?;
+        let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties?))?;
         writer.write(batch)?;
         writer.close()?;
         Ok(bytes)
     })();
-    bytes.map_err(|e: parquet::errors::ParquetError| {
+    bytes.map_err(|e: ParquetError| {
         StoreError::new(path, format!("cannot encode: {e}"), "this is a defect of zwidth; please report it")
     })
 }

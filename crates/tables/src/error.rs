@@ -25,6 +25,18 @@ pub enum TableError {
         /// The type asked for.
         wanted: crate::Type,
     },
+    /// Columns of unequal length.
+    #[error("column '{column}' of table '{table}' has {found} rows where the first has {expected}")]
+    Ragged {
+        /// The table.
+        table: String,
+        /// The column.
+        column: String,
+        /// Rows of the first column.
+        expected: usize,
+        /// Its rows.
+        found: usize,
+    },
     /// A value that is not a number reached a table.
     #[error(
         "column '{column}' of table '{table}', row {row}: {value} is not a number; a missing value is null"

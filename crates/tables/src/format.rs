@@ -1,6 +1,11 @@
 //! The formats there are, by name.
 
-use crate::{Table, TableError, csv, for_people, html, latex, markdown, typst};
+use crate::html::html;
+use crate::latex::latex;
+use crate::markdown::markdown;
+use crate::shown::Seen;
+use crate::typst::typst;
+use crate::{Table, TableError, csv, for_people};
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_study::Coordinate;
@@ -59,32 +64,34 @@ impl Format {
 }
 
 impl Table {
-    /// The bytes of the table's file: CSV and Parquet in SI units as the table is, the others
-    /// [`for_people`] of it.
+    /// The bytes of the table's files, one a format, with the path of each for errors: CSV and Parquet in SI units as the
+    /// table is, the others [`for_people`] of it, which is rounded and laid out once for all.
     ///
     /// `provenance` goes into the footer of a Parquet file, its entry `origin` as a comment below the others that can
-    /// have one; `path` goes into errors.
+    /// have one.
     ///
     /// # Errors
     /// Those of [`for_people`] and [`Table::to_parquet`].
     pub fn to_bytes(
         &self,
-        format: Format,
+        files: &[(Format, &Path)],
         coordinate: Coordinate,
         provenance: &BTreeMap<String, String>,
-        path: &Path,
-    ) -> Result<Vec<u8>, TableError> {
-        let people = || for_people(self, coordinate);
-        let text = match format {
-            Format::Csv => csv(self)?,
-            Format::Markdown => markdown(&people()?)?,
-            Format::Latex => latex(&people()?)?,
-            Format::Typst => typst(&people()?)?,
-            Format::Html => html(&people()?)?,
-            Format::Parquet => return self.to_parquet(provenance, path),
+    ) -> Result<Vec<Vec<u8>>, TableError> {
+        let one = |seen: &Seen, format: Format, path: &Path| {
+            let text = match format {
+                Format::Csv => csv(self),
+                Format::Markdown => markdown(seen),
+                Format::Latex => latex(seen),
+                Format::Typst => typst(seen),
+                Format::Html => html(seen),
+                Format::Parquet => return self.to_parquet(provenance, path),
+            };
+            let comment = provenance.get("origin").and_then(|origin| format.comment(origin));
+            Ok((text + &comment.unwrap_or_default()).into_bytes())
         };
-        let comment = provenance.get("origin").and_then(|origin| format.comment(origin));
-        Ok((text + &comment.unwrap_or_default()).into_bytes())
+        let all = |seen: &Seen| files.iter().map(|(format, path)| one(seen, *format, path)).collect();
+        Seen::of(&for_people(self, coordinate)?, all)
     }
 }
 
@@ -106,7 +113,8 @@ mod tests {
         let table = Table::new("t", "T", vec![Column::integer("n", "1", "number", [Some(1)])]).unwrap();
         let origin = BTreeMap::from([("origin".to_owned(), "zwidth:tables:2:0f".to_owned())]);
         for format in Format::ALL {
-            let bytes = |from| table.to_bytes(format, Coordinate::Rotational, from, Path::new("t")).unwrap();
+            let file = [(format, Path::new("t"))];
+            let bytes = |from| table.to_bytes(&file, Coordinate::Rotational, from).unwrap().remove(0);
             let (with, without) = (bytes(&origin), bytes(&BTreeMap::new()));
             let carries = with.windows(18).any(|w| w == b"zwidth:tables:2:0f");
             assert_eq!(carries, format != Format::Csv, "{format:?}");
@@ -122,8 +130,9 @@ mod tests {
         let column = Column::float("theta_rad", "rad", "angle", [Some(std::f64::consts::FRAC_PI_2)]);
         let table = Table::new("t", "T", vec![column]).unwrap();
         let text = |format| {
-            let bytes = table.to_bytes(format, Coordinate::Rotational, &BTreeMap::new(), Path::new("t"));
-            String::from_utf8_lossy(&bytes.unwrap()).into_owned()
+            let file = [(format, Path::new("t"))];
+            let bytes = table.to_bytes(&file, Coordinate::Rotational, &BTreeMap::new()).unwrap();
+            String::from_utf8_lossy(&bytes[0]).into_owned()
         };
         assert_eq!(text(Format::Csv), "theta_rad\r\n1.5707963267948966\r\n");
         for format in [Format::Markdown, Format::Latex, Format::Typst, Format::Html] {

@@ -1,23 +1,18 @@
 //! HTML: a `<table>` to be put into a page.
 
-use crate::shown::{Cell, Shown, one_line, rows, shown};
-use crate::{Table, TableError};
+use crate::shown::{Cell, Seen, Shown, one_line, rows};
 
 /// The table as a `<table>`: caption, header cells with words, unit and (on hover) meaning, notes in the
 /// footer. Rounded for people; cells of numbers have the class `number`.
-///
-/// # Errors
-/// Of polars, never in practice.
-pub fn html(table: &Table) -> Result<String, TableError> {
-    let columns = shown(table)?;
+pub(crate) fn html(&Seen { table, columns, .. }: &Seen) -> String {
     let headings: String = columns.iter().map(heading).collect();
-    let body: String = rows(&columns).map(|cells| row(&columns, &cells)).collect();
+    let body: String = rows(columns).map(|cells| row(columns, &cells)).collect();
     let notes: String = table.notes().iter().map(|n| note(n, columns.len())).collect();
     let footer = if notes.is_empty() { notes } else { format!("<tfoot>\n{notes}</tfoot>\n") };
-    Ok(format!(
+    format!(
         "<table>\n<caption>{}</caption>\n<thead>\n<tr>{headings}</tr>\n</thead>\n<tbody>\n{body}</tbody>\n{footer}</table>\n",
         escape(table.title())
-    ))
+    )
 }
 
 fn heading(column: &Shown) -> String {
@@ -78,7 +73,7 @@ mod tests {
 </tfoot>
 </table>
 "#;
-        assert_eq!(html(&sample()).unwrap(), expect);
+        assert_eq!(Seen::of(&sample(), html), expect);
     }
 
     #[test]

@@ -1,11 +1,10 @@
 //! LaTeX: tables with booktabs rules and siunitx columns, to be `\input` into a document.
 
+use crate::Table;
 use crate::latex_escape::escape;
-use crate::layout::{Layout, Placed, Sections, has_page, layout, lines};
-use crate::shown::{Cell, MISSING, rows, shown};
+use crate::layout::{Layout, Placed, Sections, has_page, lines};
+use crate::shown::{Cell, MISSING, Seen, rows};
 use crate::typst::label;
-use crate::width::Room;
-use crate::{Table, TableError};
 
 /// What the document must load, said in the file's first line, and what stands above a column in several lines.
 const PREAMBLE: &str = r"% needs \usepackage{booktabs,longtable,siunitx}; under pdflatex also \usepackage[T1]{fontenc}
@@ -22,15 +21,10 @@ const DENSE: &str = r"\footnotesize\setlength{\tabcolsep}{4pt}";
 /// It fits a text block of 345 pt (`article` at 10 pt) and any wider one: what is wide is set small, long texts wrap,
 /// and columns that still do not fit stand in further tables below, which repeat the columns that say what a row is
 /// about. A `table` floats; one that needs more than a page is a `longtable` with its headings on each.
-///
-/// # Errors
-/// Of polars, never in practice.
-pub fn latex(table: &Table) -> Result<String, TableError> {
-    let columns = shown(table)?;
-    let layout = layout(&columns);
+pub(crate) fn latex(&Seen { table, layout, .. }: &Seen) -> String {
     let notes: String = layout.notes.iter().chain(table.notes()).map(|n| note(n)).collect();
     let set = if layout.long { long } else { floating };
-    Ok(PREAMBLE.to_owned() + &set(table, &layout, &notes))
+    PREAMBLE.to_owned() + &set(table, layout, &notes)
 }
 
 /// One float, with one `tabular` below the other.
@@ -150,7 +144,7 @@ fn column_type(placed: &Placed) -> String {
     if !placed.column.numeric {
         return "l".to_owned();
     }
-    let room = Room::of(placed.column);
+    let room = placed.column.room;
     let sign = if room.sign { "-" } else { "" };
     let decimals = if room.decimals > 0 { format!(".{}", room.decimals) } else { String::new() };
     let power_sign = if room.power_sign { "-" } else { "" };
@@ -185,14 +179,14 @@ mod tests {
   {\footnotesize\raggedright Unit: one\_trial.\par}
 \end{table}
 ";
-        assert_eq!(latex(&sample()).unwrap(), expect);
+        assert_eq!(Seen::of(&sample(), latex), expect);
     }
 
     #[test]
     fn a_power_of_ten_has_room_in_its_column() {
         let column = Column::float("area_j", "J", "", [Some(-1.234_5e-12), Some(25.0), None]);
         let table = Table::new("t", "", vec![column]).unwrap();
-        assert!(latex(&table).unwrap().contains("{@{}S[table-format=-2.3e-2]@{}}"));
+        assert!(Seen::of(&table, latex).contains("{@{}S[table-format=-2.3e-2]@{}}"));
     }
     #[test]
     fn a_table_of_several_pages_repeats_its_headings_and_keeps_its_number() {
@@ -209,7 +203,7 @@ mod tests {
         let mut columns = vec![Column::integer("trial", "1", "", (0..60).map(Some))];
         columns.push(Column::text("mode", "", (0..60).map(|_| Some("hybrid".to_owned()))));
         columns.extend(names.into_iter().zip(0..).map(|(name, i)| Column::float(name, "1", "", numbers(i))));
-        let text = latex(&Table::new("t", "T", columns).unwrap()).unwrap();
+        let text = Seen::of(&Table::new("t", "T", columns).unwrap(), latex);
         assert_eq!(text.matches(r"\begin{longtable}").count(), 1, "{text}");
         assert_eq!(text.matches(r"\caption{T}\label{tab:t}").count(), 1);
         assert_eq!(text.matches("{trial} & ").count(), 2, "on the first page and on all others");
@@ -231,7 +225,7 @@ mod tests {
             "smoothness_h",
         ];
         columns.extend(names.into_iter().map(|name| Column::float(name, "1", "", numbers())));
-        let text = latex(&Table::new("t", "T", columns).unwrap()).unwrap();
+        let text = Seen::of(&Table::new("t", "T", columns).unwrap(), latex);
         assert_eq!(text.matches(r"\begin{longtable}").count(), 2, "{text}");
         assert_eq!(text.matches(r"\addtocounter{table}{-1}").count(), 1);
         assert_eq!(text.matches(r"\caption").count(), 1);

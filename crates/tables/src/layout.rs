@@ -4,7 +4,7 @@
 //! Widths are in digits of the size the table is set in ([`crate::width`]).
 
 use crate::shown::{Cell, Shown};
-use crate::width::{longest_word, widest_cell, width};
+use crate::width::width;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a page has room for: LaTeX's own `article`, whose text block is the narrowest in common use.
@@ -97,7 +97,7 @@ fn placed(column: &Shown) -> Placed<'_> {
 /// The column with its heading in no more than so many lines.
 fn placed_in(column: &Shown, lines: usize) -> Placed<'_> {
     let tokens: Vec<&str> = column.words.split(' ').chain(column.unit.as_deref()).collect();
-    let mut room = tokens.iter().map(|t| width(t)).fold(widest_cell(column), f64::max);
+    let mut room = tokens.iter().map(|t| width(t)).fold(column.widest, f64::max);
     let mut head = broken(&tokens, room);
     while head.len() > lines {
         room += 1.0;
@@ -120,7 +120,7 @@ fn broken(tokens: &[&str], room: f64) -> Vec<String> {
 
 /// Width of a column whose texts do not wrap.
 fn natural(placed: &Placed) -> f64 {
-    placed.head.iter().map(|line| width(line)).fold(widest_cell(placed.column), f64::max)
+    placed.head.iter().map(|line| width(line)).fold(placed.column.widest, f64::max)
 }
 
 /// Width below which a column cannot go.
@@ -128,9 +128,8 @@ fn least(placed: &Placed, narrowest_text: f64) -> f64 {
     if placed.column.numeric {
         return natural(placed);
     }
-    let words = placed.column.cells.iter().map(|c| longest_word(&c.typeset()));
     let head = placed.head.iter().map(|line| width(line));
-    words.chain(head).fold(narrowest_text, f64::max).min(natural(placed))
+    head.fold(narrowest_text.max(placed.column.longest_word), f64::max).min(natural(placed))
 }
 
 fn gaps(columns: usize, page: &Page) -> f64 {
@@ -339,7 +338,7 @@ mod tests {
             .iter_mut()
             .enumerate()
             .for_each(|(i, c)| c.field.name = format!("{}_{i}", c.field.name).into());
-        shown(&Table::new("wide", "Wide", columns).unwrap()).unwrap()
+        shown(&Table::new("wide", "Wide", columns).unwrap())
     }
 
     fn words<'a>(group: &[Placed<'a>]) -> Vec<&'a str> {
@@ -357,7 +356,7 @@ mod tests {
 
     #[test]
     fn a_small_table_is_set_in_the_size_of_the_text_with_low_headings() {
-        let columns = shown(&sample()).unwrap();
+        let columns = shown(&sample());
         let layout = layout(&columns);
         assert!(!layout.dense && !layout.long && layout.notes.is_empty());
         assert_eq!(layout.groups.len(), 1);
@@ -386,7 +385,7 @@ mod tests {
             let names = ["first", "second", "third", "fourth"];
             let cells = |i: usize| texts(&if i == 0 { first } else { [long; 2] });
             let columns = names.into_iter().enumerate().map(|(i, n)| Column::text(n, "", cells(i))).collect();
-            let columns = shown(&Table::new("t", "T", columns).unwrap()).unwrap();
+            let columns = shown(&Table::new("t", "T", columns).unwrap());
             let layout = several(&columns.iter().collect::<Vec<_>>());
             let all: usize = layout.groups.iter().map(|g| g.len()).sum();
             assert_eq!((layout.groups.is_empty(), all.min(expect)), (false, expect));
@@ -417,7 +416,7 @@ mod tests {
             Column::float("value", "1", "", [Some(1.0), Some(2.5)]),
             Column::text("remark", "", texts(&[sentence, "none"])),
         ];
-        let columns = shown(&Table::new("t", "T", columns).unwrap()).unwrap();
+        let columns = shown(&Table::new("t", "T", columns).unwrap());
         let layout = layout(&columns);
         assert_eq!(layout.groups.len(), 1);
         let shares: Vec<bool> = layout.groups[0].iter().map(|c| c.share.is_some()).collect();
@@ -435,7 +434,7 @@ mod tests {
         for name in ["first", "second", "third", "fourth", "fifth"] {
             columns.push(Column::text(name, "", texts(&long)));
         }
-        let columns = shown(&Table::new("t", "T", columns).unwrap()).unwrap();
+        let columns = shown(&Table::new("t", "T", columns).unwrap());
         let layout = layout(&columns);
         let expect = [(0, "actuation passive".to_owned()), (2, "actuation active".to_owned())];
         assert_eq!(layout.sections, BTreeMap::from(expect));
@@ -446,7 +445,7 @@ mod tests {
     fn what_comes_back_further_down_is_no_heading() {
         let column = |cells: &[&str]| {
             let column = Column::text("mode", "", texts(cells));
-            shown(&Table::new("t", "T", vec![column]).unwrap()).unwrap().swap_remove(0)
+            shown(&Table::new("t", "T", vec![column]).unwrap()).swap_remove(0)
         };
         assert_eq!(sections(&[&column(&["a", "a", "b", "b", "a", "a"])]), None);
         assert_eq!(sections(&[&column(&["a", "a", "b", "c"])]), None);
@@ -462,7 +461,7 @@ mod tests {
             Column::text("second", "", texts(&[long, long, "other"])),
             Column::float("value", "1", "", [Some(1.0); 3]),
         ];
-        let columns = shown(&Table::new("t", "T", columns).unwrap()).unwrap();
+        let columns = shown(&Table::new("t", "T", columns).unwrap());
         let keys = keys(&columns.iter().collect::<Vec<_>>());
         assert_eq!(keys.iter().map(|c| c.words.as_str()).collect::<Vec<_>>(), ["first"]);
     }
@@ -470,7 +469,7 @@ mod tests {
     #[test]
     fn a_heading_breaks_between_words_and_never_within_a_unit() {
         let column = Column::float("force_rms_error_n_per_rad", "N/rad", "", [Some(1.0)]);
-        let columns = shown(&Table::new("t", "T", vec![column]).unwrap()).unwrap();
+        let columns = shown(&Table::new("t", "T", vec![column]).unwrap());
         assert_eq!(placed(&columns[0]).head, ["force", "RMS", "error", "(N/rad)"]);
     }
 }

@@ -1,9 +1,8 @@
 //! One table object, many formats: CSV, Markdown, LaTeX, Typst, HTML, Parquet.
 //!
-//! [`Table`] holds SI units and radians. [`csv`] and [`Table::to_parquet`] write it as it is, for machines;
-//! [`markdown`], [`latex`], [`typst`] and [`html`] round it, for people, who are best given
-//! [`for_people`] of it first (degrees, or millimetres in a linear study). [`Table::to_bytes`] does the
-//! right one of the two for a [`Format`].
+//! [`Table`] holds SI units and radians. CSV and Parquet ([`csv`], [`Table::to_parquet`]) hold it as it is, for machines;
+//! Markdown, LaTeX, Typst and HTML are rounded for people, [`for_people`] of it (degrees, or millimetres in a linear
+//! study). [`Table::to_bytes`] writes any [`Format`].
 //!
 //! # How a column is named
 //! `<stem>[_<part>][_<unit>]`, in snake case, the unit always last:
@@ -50,9 +49,6 @@ pub use display::for_people;
 pub use error::TableError;
 pub use format::Format;
 pub use heading::heading;
-pub use html::html;
-pub use identity::identity;
-pub use latex::latex;
-pub use markdown::{escape as escape_markdown, markdown};
+pub use identity::{identity, of_trials};
+pub use markdown::escape as escape_markdown;
 pub use table::{Column, Field, Table, Type, Values};
-pub use typst::typst;

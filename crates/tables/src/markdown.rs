@@ -1,23 +1,18 @@
 //! Markdown, as GitHub reads it.
 
-use crate::shown::{Shown, one_line, rows, shown};
-use crate::{Table, TableError};
+use crate::shown::{Seen, Shown, one_line, rows};
 
 /// The table in GitHub Flavored Markdown: the title in bold, the table, the notes as paragraphs. Rounded for
 /// people.
-///
-/// # Errors
-/// Of polars, never in practice.
-pub fn markdown(table: &Table) -> Result<String, TableError> {
-    let columns = shown(table)?;
+pub(crate) fn markdown(&Seen { table, columns, .. }: &Seen) -> String {
     let headings = columns.iter().map(|c| escape(&c.heading()));
     let rules = columns.iter().map(|c| rule(c).to_owned());
     let mut lines = vec![line(headings), line(rules)];
-    lines.extend(rows(&columns).map(|cells| line(cells.iter().map(|c| escape(&c.typeset())))));
+    lines.extend(rows(columns).map(|cells| line(cells.iter().map(|c| escape(&c.typeset())))));
     let title = format!("**{}**", escape(table.title()));
     let notes = table.notes().iter().map(|note| escape(note));
     let parts: Vec<String> = [title, lines.join("\n")].into_iter().chain(notes).collect();
-    Ok(parts.join("\n\n") + "\n")
+    parts.join("\n\n") + "\n"
 }
 
 fn rule(column: &Shown) -> &'static str {
@@ -71,7 +66,7 @@ mod tests {
 
 Unit: one\\_trial.
 ";
-        assert_eq!(markdown(&sample()).unwrap(), expect);
+        assert_eq!(Seen::of(&sample(), markdown), expect);
     }
 
     #[test]

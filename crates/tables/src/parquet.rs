@@ -8,7 +8,7 @@ use arrow::datatypes::{DataType, Float64Type, Int64Type, Schema};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_store::{StoreError, described, read_parquet, write_parquet};
+use zwidth_store::{StoreError, described, read_entries, read_parquet, write_table};
 
 const NAME: &str = "table_name";
 const TITLE: &str = "table_title";
@@ -22,16 +22,26 @@ impl Table {
         provenance: &BTreeMap<String, String>,
         path: &Path,
     ) -> Result<Vec<u8>, TableError> {
-        let columns = self.columns()?;
+        let columns = self.columns();
         let fields: Vec<_> = columns.iter().map(|c| arrow_field(&c.field)).collect();
-        let arrays = columns.into_iter().map(|c| array(c.values)).collect();
+        let arrays = columns.iter().map(|c| array(&c.values)).collect();
         let batch =
             RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).map_err(|e| defect(path, &e))?;
         let mut footer = provenance.clone();
         footer.insert(NAME.to_owned(), self.name().to_owned());
         footer.insert(TITLE.to_owned(), self.title().to_owned());
         footer.insert(NOTES.to_owned(), self.notes().join("\n"));
-        Ok(write_parquet(&batch, footer, path)?)
+        Ok(write_table(&batch, footer, path)?)
+    }
+
+    /// What a Parquet file says of its table, without its rows.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn title_and_notes(path: &Path) -> Result<(String, Vec<String>), TableError> {
+        let footer = read_entries(path)?;
+        let text = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default();
+        Ok((text(TITLE).to_owned(), text(NOTES).lines().map(str::to_owned).collect()))
     }
 
     /// Reads a table back from its Parquet file.
@@ -73,12 +83,12 @@ fn arrow_field(f: &Field) -> arrow::datatypes::Field {
     described(&f.name, data_type, true, &f.unit, &f.description)
 }
 
-fn array(values: Values) -> ArrayRef {
+fn array(values: &Values) -> ArrayRef {
     match values {
-        Values::Float(v) => Arc::new(Float64Array::from(v)),
-        Values::Integer(v) => Arc::new(Int64Array::from(v)),
-        Values::Text(v) => Arc::new(StringArray::from(v)),
-        Values::Flag(v) => Arc::new(BooleanArray::from(v)),
+        Values::Float(v) => Arc::new(v.iter().collect::<Float64Array>()),
+        Values::Integer(v) => Arc::new(v.iter().collect::<Int64Array>()),
+        Values::Text(v) => Arc::new(v.iter().map(Option::as_deref).collect::<StringArray>()),
+        Values::Flag(v) => Arc::new(v.iter().collect::<BooleanArray>()),
     }
 }
 
@@ -95,7 +105,7 @@ fn values(a: &ArrayRef) -> Option<Values> {
     Some(match a.data_type() {
         DataType::Float64 => Values::Float(a.as_primitive::<Float64Type>().iter().collect()),
         DataType::Int64 => Values::Integer(a.as_primitive::<Int64Type>().iter().collect()),
-        DataType::Utf8 => Values::Text(a.as_string::<i32>().iter().map(|v| v.map(str::to_owned)).collect()),
+        DataType::Utf8 => Values::Text(a.as_string::<i32>().iter().map(|v| v.map(Arc::from)).collect()),
         DataType::Boolean => Values::Flag(a.as_boolean().iter().collect()),
         _ => return None,
     })
@@ -119,7 +129,9 @@ mod tests {
         let bytes = table.to_parquet(&BTreeMap::new(), &path).unwrap();
         std::fs::write(&path, bytes).unwrap();
         let again = Table::from_parquet(&path).unwrap();
-        assert_eq!(again.columns().unwrap(), table.columns().unwrap());
+        assert_eq!(again.columns(), table.columns());
         assert_eq!((again.title(), again.notes()), ("Title", ["a note".to_owned()].as_slice()));
+        let about = Table::title_and_notes(&path).unwrap();
+        assert_eq!(about, ("Title".to_owned(), vec!["a note".to_owned()]));
     }
 }

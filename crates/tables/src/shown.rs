@@ -1,8 +1,10 @@
 //! A table as people see it, before any format: headings and rounded cells.
 
 use crate::heading::{Part, bracketed, quantity, words};
+use crate::layout::{Layout, layout};
 use crate::rounding::{Decimal, rounded};
-use crate::{Column, Field, Table, TableError, Values};
+use crate::width::{Room, longest_word, widest_cell};
+use crate::{Column, Field, Table, Values};
 
 /// What stands where there is no value.
 pub(crate) const MISSING: &str = "–";
@@ -38,6 +40,12 @@ pub(crate) struct Shown {
     /// Whether these are other than whole by their kind.
     pub(crate) fractional: bool,
     pub(crate) cells: Vec<Cell>,
+    /// Room for its numbers.
+    pub(crate) room: Room,
+    /// Width of the widest cell, in digits.
+    pub(crate) widest: f64,
+    /// Width of the longest word of a cell.
+    pub(crate) longest_word: f64,
 }
 
 impl Shown {
@@ -47,10 +55,25 @@ impl Shown {
     }
 }
 
+/// A table as people see it, made once for all formats.
+pub(crate) struct Seen<'a> {
+    pub(crate) table: &'a Table,
+    pub(crate) columns: &'a [Shown],
+    pub(crate) layout: &'a Layout<'a>,
+}
+
+impl Seen<'_> {
+    /// What is written of a table.
+    pub(crate) fn of<T>(table: &Table, write: impl FnOnce(&Seen) -> T) -> T {
+        let columns = shown(table);
+        let layout = &layout(&columns);
+        write(&Seen { table, columns: &columns, layout })
+    }
+}
+
 /// The columns of a table, rounded.
-pub(crate) fn shown(table: &Table) -> Result<Vec<Shown>, TableError> {
-    let columns = table.columns()?;
-    Ok(columns.iter().map(|c| show(c, &columns)).collect())
+pub(crate) fn shown(table: &Table) -> Vec<Shown> {
+    table.columns().iter().map(|c| show(c, table.columns())).collect()
 }
 
 /// The rows of columns: one cell from each.
@@ -76,7 +99,11 @@ fn show(column: &Column, all: &[Column]) -> Shown {
         Values::Text(values) => cells(values, |v| Cell::Text(one_line(v))),
         Values::Flag(values) => cells(values, |v| Cell::Text(if *v { "yes" } else { "no" }.to_owned())),
     };
+    let room = Room::of(&cells);
     Shown {
+        room,
+        widest: widest_cell(&cells, room),
+        longest_word: cells.iter().map(|c| longest_word(&c.typeset())).fold(0.0, f64::max),
         words: words(field),
         unit: bracketed(field),
         description: field.description.to_string(),
@@ -141,7 +168,7 @@ pub(crate) mod tests {
     }
 
     fn texts(table: &Table, column: usize) -> Vec<String> {
-        shown(table).unwrap()[column].cells.iter().map(Cell::typeset).collect()
+        shown(table)[column].cells.iter().map(Cell::typeset).collect()
     }
 
     #[test]

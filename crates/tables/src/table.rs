@@ -1,8 +1,9 @@
-//! The table: a polars frame whose columns know their unit and what they mean.
+//! The table: columns that know their unit and what they mean.
 
 use crate::TableError;
 use polars::prelude::{self as pl, IntoColumn, NamedFrom};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,8 +38,8 @@ pub enum Values {
     Float(Vec<Option<f64>>),
     /// Whole numbers.
     Integer(Vec<Option<i64>>),
-    /// Texts.
-    Text(Vec<Option<String>>),
+    /// Texts; one that comes back row after row is kept once.
+    Text(Vec<Option<Arc<str>>>),
     /// Yes or no.
     Flag(Vec<Option<bool>>),
 }
@@ -51,6 +52,27 @@ impl Values {
             Self::Text(_) => Type::Text,
             Self::Flag(_) => Type::Flag,
         }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Float(v) => v.len(),
+            Self::Integer(v) => v.len(),
+            Self::Text(v) => v.len(),
+            Self::Flag(v) => v.len(),
+        }
+    }
+
+    /// Appends values of the same type; `None` where it is another.
+    fn append(&mut self, more: &Self) -> Option<()> {
+        match (self, more) {
+            (Self::Float(v), Self::Float(more)) => v.extend_from_slice(more),
+            (Self::Integer(v), Self::Integer(more)) => v.extend_from_slice(more),
+            (Self::Text(v), Self::Text(more)) => v.extend_from_slice(more),
+            (Self::Flag(v), Self::Flag(more)) => v.extend_from_slice(more),
+            _ => return None,
+        }
+        Some(())
     }
 }
 
@@ -98,9 +120,10 @@ impl Column {
     pub fn text(
         name: &'static str,
         description: &'static str,
-        values: impl IntoIterator<Item = Option<String>>,
+        values: impl IntoIterator<Item = Option<impl Into<Arc<str>>>>,
     ) -> Self {
-        Self::new(name, "1", description, Values::Text(values.into_iter().collect()))
+        let values = values.into_iter().map(|text| text.map(Into::into));
+        Self::new(name, "1", description, Values::Text(values.collect()))
     }
 
     /// A column of yes and no.
@@ -113,14 +136,13 @@ impl Column {
     }
 }
 
-/// A table: name, title, notes, and a polars frame whose columns are described by `fields`.
+/// A table: name, title, notes, and columns of one length.
 #[derive(Debug, Clone)]
 pub struct Table {
     name: String,
     title: String,
     notes: Vec<String>,
-    fields: Vec<Field>,
-    frame: pl::DataFrame,
+    columns: Vec<Column>,
 }
 
 impl Table {
@@ -129,15 +151,15 @@ impl Table {
     /// # Errors
     /// A float that is not finite (a missing value is null), columns of unequal length.
     pub fn new(name: &str, title: &str, columns: Vec<Column>) -> Result<Self, TableError> {
+        let expected = columns.first().map_or(0, |c| c.values.len());
         for c in &columns {
             check_finite(name, c)?;
+            if c.values.len() != expected {
+                let (table, column) = (name.to_owned(), c.field.name.to_string());
+                return Err(TableError::Ragged { table, column, expected, found: c.values.len() });
+            }
         }
-        let height = columns.first().map_or(0, |c| length(&c.values));
-        let (fields, series): (Vec<_>, Vec<_>) =
-            columns.into_iter().map(|c| (c.field.clone(), series(c))).unzip();
-        let frame = pl::DataFrame::new(height, series)
-            .map_err(|source| TableError::Polars { table: name.to_owned(), source })?;
-        Ok(Self { name: name.to_owned(), title: title.to_owned(), notes: Vec::new(), fields, frame })
+        Ok(Self { name: name.to_owned(), title: title.to_owned(), notes: Vec::new(), columns })
     }
 
     /// A table from a polars frame, as a query gave it; `fields` describe its columns, in order.
@@ -148,11 +170,30 @@ impl Table {
         name: &str,
         title: &str,
         fields: Vec<Field>,
-        frame: pl::DataFrame,
+        frame: &pl::DataFrame,
     ) -> Result<Self, TableError> {
-        let table = Self { name: name.to_owned(), title: title.to_owned(), notes: Vec::new(), fields, frame };
-        table.columns()?.iter().try_for_each(|c| check_finite(name, c))?;
-        Ok(table)
+        let values = |field: &Field| -> Result<Values, pl::PolarsError> {
+            let series = frame.column(&field.name)?;
+            Ok(match field.kind {
+                Type::Float => Values::Float(series.f64()?.iter().collect()),
+                Type::Integer => Values::Integer(series.i64()?.iter().collect()),
+                Type::Text => Values::Text(series.str()?.iter().map(|v| v.map(Arc::from)).collect()),
+                Type::Flag => Values::Flag(series.bool()?.iter().collect()),
+            })
+        };
+        let column = |field: Field| Ok(Column { values: values(&field)?, field });
+        let columns = fields.into_iter().map(column).collect::<Result<_, _>>();
+        let columns = columns.map_err(|source| TableError::Polars { table: name.to_owned(), source })?;
+        Self::new(name, title, columns)
+    }
+
+    /// The rows as a polars frame, for grouping and joining.
+    ///
+    /// # Errors
+    /// Two columns of one name.
+    pub fn frame(&self) -> Result<pl::DataFrame, TableError> {
+        pl::DataFrame::new(self.height(), self.columns.iter().map(series).collect())
+            .map_err(|source| TableError::Polars { table: self.name.clone(), source })
     }
 
     /// The same table with a note below it.
@@ -178,59 +219,50 @@ impl Table {
     }
 
     /// What the columns are, in order.
-    pub fn fields(&self) -> &[Field] {
-        &self.fields
+    pub fn fields(&self) -> impl Iterator<Item = &Field> {
+        self.columns.iter().map(|c| &c.field)
+    }
+
+    /// The columns.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
     }
 
     /// Number of rows.
     pub fn height(&self) -> usize {
-        self.frame.height()
-    }
-
-    /// The rows as a polars frame, for grouping and joining.
-    pub fn frame(&self) -> &pl::DataFrame {
-        &self.frame
+        self.columns.first().map_or(0, |c| c.values.len())
     }
 
     /// The numbers of a column.
     pub fn floats(&self, column: &str) -> Result<Vec<Option<f64>>, TableError> {
-        let series = self.series(column)?;
-        let values = series.f64().map_err(|_| self.wrong_type(column, Type::Float))?;
-        Ok(values.iter().collect())
+        match self.values(column)? {
+            Values::Float(values) => Ok(values.clone()),
+            _ => Err(self.wrong_type(column, Type::Float)),
+        }
     }
 
     /// The whole numbers of a column.
     pub fn integers(&self, column: &str) -> Result<Vec<Option<i64>>, TableError> {
-        let series = self.series(column)?;
-        let values = series.i64().map_err(|_| self.wrong_type(column, Type::Integer))?;
-        Ok(values.iter().collect())
+        match self.values(column)? {
+            Values::Integer(values) => Ok(values.clone()),
+            _ => Err(self.wrong_type(column, Type::Integer)),
+        }
     }
 
     /// The texts of a column.
     pub fn texts(&self, column: &str) -> Result<Vec<Option<String>>, TableError> {
-        let series = self.series(column)?;
-        let values = series.str().map_err(|_| self.wrong_type(column, Type::Text))?;
-        Ok(values.iter().map(|v| v.map(str::to_owned)).collect())
+        match self.values(column)? {
+            Values::Text(values) => Ok(values.iter().map(|v| v.as_deref().map(str::to_owned)).collect()),
+            _ => Err(self.wrong_type(column, Type::Text)),
+        }
     }
 
     /// The yes and no of a column.
     pub fn flags(&self, column: &str) -> Result<Vec<Option<bool>>, TableError> {
-        let series = self.series(column)?;
-        let values = series.bool().map_err(|_| self.wrong_type(column, Type::Flag))?;
-        Ok(values.iter().collect())
-    }
-
-    /// The columns, taken apart again.
-    pub fn columns(&self) -> Result<Vec<Column>, TableError> {
-        let values = |f: &Field| -> Result<Values, TableError> {
-            Ok(match f.kind {
-                Type::Float => Values::Float(self.floats(&f.name)?),
-                Type::Integer => Values::Integer(self.integers(&f.name)?),
-                Type::Text => Values::Text(self.texts(&f.name)?),
-                Type::Flag => Values::Flag(self.flags(&f.name)?),
-            })
-        };
-        self.fields.iter().map(|f| Ok(Column { field: f.clone(), values: values(f)? })).collect()
+        match self.values(column)? {
+            Values::Flag(values) => Ok(values.clone()),
+            _ => Err(self.wrong_type(column, Type::Flag)),
+        }
     }
 
     /// The rows of several tables of one form, one after the other.
@@ -238,23 +270,50 @@ impl Table {
     /// # Errors
     /// Tables whose columns differ.
     pub fn concat(name: &str, title: &str, tables: &[Self]) -> Result<Option<Self>, TableError> {
-        let polars = |source| TableError::Polars { table: name.to_owned(), source };
         let Some((first, others)) = tables.split_first() else {
             return Ok(None);
         };
-        let mut frame = first.frame.clone();
+        let mut columns = first.columns.clone();
         for table in others {
-            frame.vstack_mut(&table.frame).map_err(polars)?;
+            for column in &mut columns {
+                column
+                    .values
+                    .append(table.values(&column.field.name)?)
+                    .ok_or_else(|| table.wrong_type(&column.field.name, column.field.kind))?;
+            }
         }
-        let (name, title) = (name.to_owned(), title.to_owned());
-        Ok(Some(Self { name, title, notes: Vec::new(), fields: first.fields.clone(), frame }))
+        Self::new(name, title, columns).map(Some)
     }
 
-    fn series(&self, column: &str) -> Result<&pl::Column, TableError> {
-        self.frame.column(column).map_err(|_| TableError::NoColumn {
+    /// The rows in the order of a key; rows of one key stay as they are.
+    ///
+    /// # Errors
+    /// None for a table that was made.
+    pub fn sorted<K: Ord>(&self, key: impl Fn(usize) -> K) -> Result<Self, TableError> {
+        fn of<T: Clone>(values: &[Option<T>], rows: &[usize]) -> Vec<Option<T>> {
+            rows.iter().map(|row| values[*row].clone()).collect()
+        }
+        let mut rows: Vec<usize> = (0..self.height()).collect();
+        rows.sort_by_cached_key(|row| key(*row));
+        let column = |c: &Column| {
+            let values = match &c.values {
+                Values::Float(v) => Values::Float(of(v, &rows)),
+                Values::Integer(v) => Values::Integer(of(v, &rows)),
+                Values::Text(v) => Values::Text(of(v, &rows)),
+                Values::Flag(v) => Values::Flag(of(v, &rows)),
+            };
+            Column { field: c.field.clone(), values }
+        };
+        let columns = self.columns.iter().map(column).collect();
+        Ok(Self { notes: self.notes.clone(), ..Self::new(&self.name, &self.title, columns)? })
+    }
+
+    fn values(&self, column: &str) -> Result<&Values, TableError> {
+        let found = self.columns.iter().find(|c| c.field.name == column);
+        found.map(|c| &c.values).ok_or_else(|| TableError::NoColumn {
             table: self.name.clone(),
             column: column.to_owned(),
-            has: self.fields.iter().map(|f| f.name.as_ref()).collect::<Vec<_>>().join(", "),
+            has: self.fields().map(|f| f.name.as_ref()).collect::<Vec<_>>().join(", "),
         })
     }
 
@@ -263,21 +322,12 @@ impl Table {
     }
 }
 
-fn length(values: &Values) -> usize {
-    match values {
-        Values::Float(v) => v.len(),
-        Values::Integer(v) => v.len(),
-        Values::Text(v) => v.len(),
-        Values::Flag(v) => v.len(),
-    }
-}
-
-fn series(column: Column) -> pl::Column {
+fn series(column: &Column) -> pl::Column {
     let name = pl::PlSmallStr::from_str(&column.field.name);
-    match column.values {
+    match &column.values {
         Values::Float(v) => pl::Series::new(name, v),
         Values::Integer(v) => pl::Series::new(name, v),
-        Values::Text(v) => pl::Series::new(name, v),
+        Values::Text(v) => pl::Series::new(name, v.iter().map(Option::as_deref).collect::<Vec<_>>()),
         Values::Flag(v) => pl::Series::new(name, v),
     }
     .into_column()
@@ -315,7 +365,7 @@ mod tests {
         let table = sample();
         assert_eq!(table.floats("force_n").unwrap(), [Some(1.5), None]);
         assert_eq!(table.height(), 2);
-        assert_eq!(table.columns().unwrap().len(), 2);
+        assert_eq!(table.columns().len(), 2);
     }
 
     #[test]
@@ -333,9 +383,21 @@ mod tests {
     }
 
     #[test]
+    fn columns_of_unequal_length_are_refused() {
+        let columns = vec![
+            Column::integer("trial", "1", "", [Some(1), Some(2)]),
+            Column::integer("repeat", "1", "", [Some(1)]),
+        ];
+        let error = Table::new("t", "", columns).unwrap_err();
+        assert_eq!(error.to_string(), "column 'repeat' of table 't' has 1 rows where the first has 2");
+    }
+
+    #[test]
     fn tables_of_one_form_are_put_together() {
         let both = Table::concat("both", "Both", &[sample(), sample()]).unwrap().unwrap();
         assert_eq!(both.height(), 4);
         assert!(Table::concat("none", "", &[]).unwrap().is_none());
+        let other = Table::new("other", "", vec![Column::text("force_n", "", [Some("1")])]).unwrap();
+        assert!(Table::concat("both", "", &[sample(), other]).is_err());
     }
 }

@@ -1,11 +1,11 @@
 //! Typst: a figure with tables, to be included in a document.
 
-use crate::layout::{Layout, Placed, Sections, has_page, layout};
+use crate::Table;
+use crate::layout::{Layout, Placed, Sections, has_page};
 use crate::rounding::Decimal;
-use crate::shown::{Cell, one_line, rows, shown};
+use crate::shown::{Cell, Seen, one_line, rows};
 use crate::symbol::{Piece, pieces};
 use crate::width::Room;
-use crate::{Table, TableError};
 
 /// Tables that are small: their size and gaps.
 const DENSE: &str = "    set text(0.8em)\n    set table(inset: (x: 0.4em, y: 0.4em))\n";
@@ -19,22 +19,16 @@ const GAP: char = '\u{202f}';
 /// The table as a Typst figure with caption and label `<tab:name>`, three rules, the notes below. Rounded for
 /// people; numbers are aligned at the point.
 ///
-/// It is laid out as in [`crate::latex()`]: what is wide is set small, long texts wrap, and columns that still do not
+/// It is laid out as in [`crate::latex`]: what is wide is set small, long texts wrap, and columns that still do not
 /// fit stand in further tables of the figure. One that needs more than a page breaks, with its headings on each.
 ///
 /// Every text is a Typst string, which has no markup: only the quote and the backslash need an escape.
-///
-/// # Errors
-/// Of polars, never in practice.
-pub fn typst(table: &Table) -> Result<String, TableError> {
-    let columns = shown(table)?;
-    let layout = layout(&columns);
-    let figure = figure(table, &layout);
-    Ok(if layout.long {
-        format!("#[\n#show figure.where(kind: table): set block(breakable: true)\n{figure}]\n")
-    } else {
-        figure
-    })
+pub(crate) fn typst(&Seen { table, layout, .. }: &Seen) -> String {
+    let figure = figure(table, layout);
+    match layout.long {
+        true => format!("#[\n#show figure.where(kind: table): set block(breakable: true)\n{figure}]\n"),
+        false => figure,
+    }
 }
 
 fn figure(table: &Table, layout: &Layout) -> String {
@@ -107,7 +101,7 @@ fn row(group: &[Placed], cells: &[&Cell]) -> String {
 fn set(placed: &Placed, cell: &Cell) -> String {
     match cell {
         Cell::Number(number) => {
-            let unseen = unseen(number, Room::of(placed.column));
+            let unseen = unseen(number, placed.column.room);
             let number =
                 literal(&Decimal { mantissa: grouped(&number.mantissa), ..number.clone() }.typeset());
             if unseen.is_empty() { number } else { format!("{number} + hide({})", literal(&unseen)) }
@@ -234,7 +228,7 @@ mod tests {
   },
 ) <tab:spring-rendering>
 "#;
-        assert_eq!(typst(&sample()).unwrap(), expect);
+        assert_eq!(Seen::of(&sample(), typst), expect);
     }
 
     #[test]

@@ -2,13 +2,10 @@
 //! (half an em in most text fonts).
 
 use crate::rounding::Decimal;
-use crate::shown::{Cell, Shown};
+use crate::shown::Cell;
 
-/// Signs about as wide as `i`, as `e` and as `m`.
-const THIN: &str = "ijlI.,:;!|'()[] ⁰¹²³⁴⁵⁶⁷⁸⁹⁻₀₁₂₃₄₅₆₇₈₉·°";
-const NARROW: &str = "acefrstvz";
-const BROAD: &str = "mwMW—%@&±×−+=<>≤≥≈→√∞";
-/// Widths of these, of other capitals and of all other letters, a little more than in Latin Modern.
+/// Widths of signs about as wide as `i`, as `e` and as `m`, of other capitals and of all other letters, a little more than
+/// in Latin Modern.
 const THIN_DIGITS: f64 = 0.65;
 const NARROW_DIGITS: f64 = 0.9;
 const BROAD_DIGITS: f64 = 1.75;
@@ -33,9 +30,39 @@ fn letter(letter: char) -> f64 {
     match letter {
         '0'..='9' | '-' | '–' => 1.0,
         '\u{300}'..='\u{36f}' => 0.0,
-        _ if THIN.contains(letter) => THIN_DIGITS,
-        _ if NARROW.contains(letter) => NARROW_DIGITS,
-        _ if BROAD.contains(letter) => BROAD_DIGITS,
+        'i'
+        | 'j'
+        | 'l'
+        | 'I'
+        | '.'
+        | ','
+        | ':'
+        | ';'
+        | '!'
+        | '|'
+        | '\''
+        | '('
+        | ')'
+        | '['
+        | ']'
+        | ' '
+        | '⁰'
+        | '¹'
+        | '²'
+        | '³'
+        | '⁴'
+        | '⁵'
+        | '⁶'
+        | '⁷'
+        | '⁸'
+        | '⁹'
+        | '⁻'
+        | '·'
+        | '°'
+        | '₀'..='₉' => THIN_DIGITS,
+        'a' | 'c' | 'e' | 'f' | 'r' | 's' | 't' | 'v' | 'z' => NARROW_DIGITS,
+        'm' | 'w' | 'M' | 'W' | '—' | '%' | '@' | '&' | '±' | '×' | '−' | '+' | '=' | '<' | '>' | '≤'
+        | '≥' | '≈' | '→' | '√' | '∞' => BROAD_DIGITS,
         _ if letter.is_uppercase() => CAPITAL_DIGITS,
         _ => LETTER_DIGITS,
     }
@@ -57,11 +84,11 @@ pub(crate) struct Room {
 }
 
 impl Room {
-    /// The room for a column's numbers.
-    pub(crate) fn of(column: &Shown) -> Self {
+    /// The room for the numbers of a column's cells.
+    pub(crate) fn of(cells: &[Cell]) -> Self {
         let number =
             |cell: &Cell| if let Cell::Number(number) = cell { Some(Self::number(number)) } else { None };
-        column.cells.iter().filter_map(number).fold(Self::default(), Self::both)
+        cells.iter().filter_map(number).fold(Self::default(), Self::both)
     }
 
     fn number(number: &Decimal) -> Self {
@@ -97,10 +124,10 @@ impl Room {
     }
 }
 
-/// The width of a column's widest cell.
-pub(crate) fn widest_cell(column: &Shown) -> f64 {
-    let others = column.cells.iter().filter(|c| !matches!(c, Cell::Number(_)));
-    others.map(|c| width(&c.typeset())).fold(Room::of(column).width(), f64::max)
+/// The width of the widest of a column's cells, whose numbers need this room.
+pub(crate) fn widest_cell(cells: &[Cell], room: Room) -> f64 {
+    let others = cells.iter().filter(|c| !matches!(c, Cell::Number(_)));
+    others.map(|c| width(&c.typeset())).fold(room.width(), f64::max)
 }
 
 #[cfg(test)]
@@ -117,9 +144,9 @@ mod tests {
 
     #[test]
     fn the_room_of_a_column_is_that_of_all_its_numbers_together() {
-        let columns = shown(&sample()).unwrap();
+        let columns = shown(&sample());
         let expect = Room { sign: true, whole: 1, decimals: 3, power: 0, power_sign: false };
-        assert_eq!(Room::of(&columns[2]), expect);
+        assert_eq!(Room::of(&columns[2].cells), expect);
         let small = Room::number(&Decimal { mantissa: "1.25".to_owned(), exponent: Some(-12) });
         assert_eq!(small, Room { sign: false, whole: 1, decimals: 2, power: 2, power_sign: true });
         assert!(small.both(expect).width() > expect.width());

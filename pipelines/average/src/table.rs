@@ -95,7 +95,7 @@ mod tests {
             (alignment[0].as_deref(), alignment[points].as_deref()),
             (Some("onset"), Some("landmarks"))
         );
-        let field = table.fields().iter().find(|f| f.name == "theta_dot_sd_rad_s").unwrap();
+        let field = table.fields().find(|f| f.name == "theta_dot_sd_rad_s").unwrap();
         assert_eq!(field.unit, "rad/s");
     }
 }

@@ -160,7 +160,7 @@ pub fn chosen_from(
     curve: &Table,
 ) -> Result<Chosen, StageError> {
     let refuse = |problem: &str| CharacteriseError::Calibration { actuator, problem: problem.to_owned() };
-    let unit = |name: &str| curve.fields().iter().find(|f| f.name == name).map_or("", |f| f.unit.as_ref());
+    let unit = |name: &str| curve.fields().find(|f| f.name == name).map_or("", |f| f.unit.as_ref());
     if (unit("command"), unit("fit")) != ("V", "N") {
         let problem = format!(
             "its sweeps hold {} against {}, not N against V: convert them on import, or give them another actuator's name",

@@ -140,6 +140,10 @@ pub(crate) struct MeanCurve {
     pub(crate) high: Vec<f64>,
 }
 
+/// What figures show of a trial beside time.
+pub const SIGNALS: [Signal; 5] =
+    [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx, Signal::ForceCmd];
+
 /// Name of a signal's columns in a table of the stage `average`: stem and unit suffix.
 pub(crate) fn stem(signal: Signal) -> Option<(&'static str, &'static str)> {
     Some(match signal {
@@ -156,7 +160,7 @@ pub(crate) fn stem(signal: Signal) -> Option<(&'static str, &'static str)> {
 pub(crate) fn mean_curve(average: &Table, signal: Signal) -> Result<Option<MeanCurve>, TableError> {
     let Some((stem, unit)) = stem(signal) else { return Ok(None) };
     let name = |what: &str| format!("{stem}_{what}_{unit}");
-    if !average.fields().iter().any(|f| f.name == name("mean")) {
+    if !average.fields().any(|f| f.name == name("mean")) {
         return Ok(None);
     }
     let column = |what: &str| Ok::<_, TableError>(gaps(average.floats(&name(what))?));

@@ -1,18 +1,21 @@
 //! The data behind a figure, as a table: what is saved beside it.
 
+use std::iter;
+use std::sync::Arc;
 use zwidth_draw::{Axis, Figure, Layer, Ticks, markup};
 use zwidth_tables::{Column, Table, TableError};
 
-/// One drawn value.
-struct Row {
+/// Drawn values of one layer, all columns as long as `x`.
+#[derive(Default)]
+struct Rows {
     panel: i64,
-    axes: String,
+    axes: Arc<str>,
     layer: i64,
-    name: Option<String>,
-    x: Option<f64>,
-    y: Option<f64>,
-    low: Option<f64>,
-    high: Option<f64>,
+    name: Vec<Option<Arc<str>>>,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    low: Vec<f64>,
+    high: Vec<f64>,
 }
 
 /// Every value drawn in `figure`, in the units of its axes: one row a point, with its panel (from 1, in
@@ -21,38 +24,35 @@ struct Row {
 /// # Errors
 /// A value that is infinite.
 pub fn data_table(name: &str, figure: &Figure) -> Result<Table, TableError> {
-    let rows: Vec<Row> = figure
-        .panels
-        .iter()
-        .enumerate()
-        .flat_map(|(p, panel)| {
-            let axes = markup::plain(&format!("{} against {}", words(&panel.y), words(&panel.x)));
-            panel
-                .layers
-                .iter()
-                .enumerate()
-                .flat_map(move |(l, layer)| rows_of(p as i64 + 1, &axes, l as i64 + 1, layer))
-        })
-        .collect();
-    let text = |name, about, get: fn(&Row) -> Option<String>| Column::text(name, about, rows.iter().map(get));
-    let number =
-        |name, about, get: fn(&Row) -> Option<f64>| Column::float(name, "1", about, rows.iter().map(get));
-    let count = |name, about, get: fn(&Row) -> i64| {
-        Column::integer(name, "1", about, rows.iter().map(|r| Some(get(r))))
+    let mut layers = Vec::new();
+    for (p, panel) in (1..).zip(&figure.panels) {
+        let axes: Arc<str> =
+            markup::plain(&format!("{} against {}", words(&panel.y), words(&panel.x))).into();
+        for (l, layer) in (1..).zip(&panel.layers) {
+            layers.push(Rows { panel: p, axes: axes.clone(), layer: l, ..rows_of(layer) });
+        }
+    }
+    let number = |name, about, get: fn(&Rows) -> &Vec<f64>| {
+        Column::float(name, "1", about, layers.iter().flat_map(|l| get(l).iter().copied().map(known)))
     };
+    let count = |name, about, get: fn(&Rows) -> i64| {
+        let values = layers.iter().flat_map(|l| iter::repeat_n(Some(get(l)), l.x.len()));
+        Column::integer(name, "1", about, values)
+    };
+    let axes = layers.iter().flat_map(|l| iter::repeat_n(Some(l.axes.clone()), l.x.len()));
     let title = figure.title.clone().unwrap_or_default();
     Table::new(
         name,
         &title,
         vec![
-            count("panel", "panel of the figure, from 1", |r| r.panel),
-            text("axes", "what its axes show, with units", |r| Some(r.axes.clone())),
-            count("layer", "layer of the panel, from 1", |r| r.layer),
-            text("name", "name in the legend", |r| r.name.clone()),
-            number("x", "place along the x axis, in its unit", |r| r.x),
-            number("y", "place along the y axis, in its unit; a count of answers", |r| r.y),
-            number("low", "lower end of a band or whisker", |r| r.low),
-            number("high", "upper end of a band or whisker", |r| r.high),
+            count("panel", "panel of the figure, from 1", |l| l.panel),
+            Column::text("axes", "what its axes show, with units", axes),
+            count("layer", "layer of the panel, from 1", |l| l.layer),
+            Column::text("name", "name in the legend", layers.iter().flat_map(|l| l.name.iter().cloned())),
+            number("x", "place along the x axis, in its unit", |l| &l.x),
+            number("y", "place along the y axis, in its unit; a count of answers", |l| &l.y),
+            number("low", "lower end of a band or whisker", |l| &l.low),
+            number("high", "upper end of a band or whisker", |l| &l.high),
         ],
     )
 }
@@ -68,37 +68,27 @@ fn known(value: f64) -> Option<f64> {
     (!value.is_nan()).then_some(value)
 }
 
-fn rows_of(panel: i64, axes: &str, layer: i64, data: &Layer) -> Vec<Row> {
-    let row = |name: &Option<String>, x: f64, y: f64, low: f64, high: f64| Row {
-        panel,
-        axes: axes.to_owned(),
-        layer,
-        name: name.as_deref().map(markup::plain),
-        x: known(x),
-        y: known(y),
-        low: known(low),
-        high: known(high),
+/// The values of a layer, those that it has not as gaps.
+fn rows_of(layer: &Layer) -> Rows {
+    let gaps = |n: usize| vec![f64::NAN; n];
+    let rows = |name: &Option<String>, x: &[f64], [y, low, high]: [Vec<f64>; 3]| {
+        let name = vec![name.as_deref().map(|name| markup::plain(name).into()); x.len()];
+        Rows { name, x: x.to_vec(), y, low, high, ..Rows::default() }
     };
-    let gap = f64::NAN;
-    match data {
-        Layer::Line(l) => l.x.iter().zip(&l.y).map(|(x, y)| row(&l.name, *x, *y, gap, gap)).collect(),
-        Layer::Points(p) => p.x.iter().zip(&p.y).map(|(x, y)| row(&p.name, *x, *y, gap, gap)).collect(),
-        Layer::Band(b) => (0..b.x.len()).map(|i| row(&b.name, b.x[i], gap, b.low[i], b.high[i])).collect(),
-        Layer::Intervals(s) => {
-            (0..s.at.len()).map(|i| row(&s.name, s.at[i], s.estimate[i], s.low[i], s.high[i])).collect()
+    match layer {
+        Layer::Line(l) => rows(&l.name, &l.x, [l.y.clone(), gaps(l.x.len()), gaps(l.x.len())]),
+        Layer::Points(p) => rows(&p.name, &p.x, [p.y.clone(), gaps(p.x.len()), gaps(p.x.len())]),
+        Layer::Band(b) => rows(&b.name, &b.x, [gaps(b.x.len()), b.low.clone(), b.high.clone()]),
+        Layer::Intervals(s) => rows(&s.name, &s.at, [s.estimate.clone(), s.low.clone(), s.high.clone()]),
+        Layer::Likert(bars) => {
+            let counts = || bars.rows.iter().enumerate().flat_map(|(r, counts)| iter::repeat(r).zip(counts));
+            let answers = bars.rows.iter().flat_map(|counts| (0..counts.len()).map(|k| bars.answers.get(k)));
+            let x: Vec<f64> = counts().map(|(row, _)| row as f64).collect();
+            let y = counts().map(|(_, n)| f64::from(*n)).collect();
+            let name = answers.map(|answer| answer.map(|answer| markup::plain(answer).into())).collect();
+            Rows { name, ..rows(&None, &x, [y, gaps(x.len()), gaps(x.len())]) }
         }
-        Layer::Likert(bars) => bars
-            .rows
-            .iter()
-            .enumerate()
-            .flat_map(|(r, counts)| {
-                let one = |(k, n): (usize, &u32)| {
-                    row(&bars.answers.get(k).cloned(), r as f64, f64::from(*n), gap, gap)
-                };
-                counts.iter().enumerate().map(one).collect::<Vec<_>>()
-            })
-            .collect(),
-        Layer::Reference(_) | Layer::Text(_) => Vec::new(),
+        Layer::Reference(_) | Layer::Text(_) => Rows::default(),
     }
 }
 

@@ -39,7 +39,7 @@ mod words;
 pub use bow_tie::bow_tie;
 pub use characteristic::{Characterised, characteristic};
 pub use chattering::chattering;
-pub use data::{ModeData, Repeat, Scene};
+pub use data::{ModeData, Repeat, SIGNALS, Scene};
 pub use environment::environment;
 pub use export::data_table;
 pub use freemotion::free_motion;
@@ -53,4 +53,4 @@ pub use simulation::{MOST_SIDE_BY_SIDE, inputs, simulation};
 pub use words::{Words, mark};
 
 /// Version of the figures' form: raised when a figure would look different from the same data.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;

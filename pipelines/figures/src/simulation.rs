@@ -145,7 +145,7 @@ fn angle_panel(run: &Table, column: usize) -> Result<Panel, TableError> {
 /// column's name, in a colour of its own.
 fn parts(run: &Table) -> Vec<Part<'_>> {
     let named = [EXTERNAL, TISSUE, BRAKE, MOTOR, STOP];
-    let columns = run.fields().iter().map(|field| field.name.as_ref());
+    let columns = run.fields().map(|field| field.name.as_ref());
     let others = columns.filter(|column| *column != TIP && named.iter().all(|part| part.0 != *column));
     let words =
         others.filter_map(|column| Some((column, column.strip_prefix("force_")?.strip_suffix("_n")?)));
@@ -158,7 +158,7 @@ fn parts(run: &Table) -> Vec<Part<'_>> {
 fn acting<'a>(run: &Table, parts: &[Part<'a>]) -> Result<Vec<Part<'a>>, TableError> {
     let mut acting = Vec::new();
     for part in parts {
-        let there = run.fields().iter().any(|field| field.name == part.0);
+        let there = run.fields().any(|field| field.name == part.0);
         let acts = |force: &Option<f64>| force.is_some_and(|force| force.abs() > 0.0);
         if part.0 == EXTERNAL.0 || there && run.floats(part.0)?.iter().any(acts) {
             acting.push(*part);

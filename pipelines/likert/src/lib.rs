@@ -18,4 +18,4 @@ mod tally;
 pub use tally::{LikertError, tally};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;

@@ -2,8 +2,10 @@
 
 use polars::prelude::{self as pl, IntoLazy as _};
 use std::borrow::Cow;
+use std::panic::resume_unwind;
+use std::thread;
 use zwidth_study::Condition;
-use zwidth_tables::{Field, Table, TableError, Type};
+use zwidth_tables::{Field, Table, TableError, Type, of_trials};
 
 /// What the repeats of a condition share: the unit of analysis is one participant in one session.
 const GROUP: [&str; 4] = ["participant", "session", "environment", "mode"];
@@ -36,21 +38,20 @@ pub fn by_condition(metrics: &Table, conditions: &[Condition]) -> Result<Table, 
     let metrics = &ordered(metrics, conditions)?;
     let present: Vec<&Field> = SUMMARISED
         .iter()
-        .filter_map(|name| metrics.fields().iter().find(|f| f.name == *name))
+        .filter_map(|name| metrics.fields().find(|f| f.name == *name))
         .filter(|f| metrics.floats(&f.name).is_ok_and(|v| v.iter().any(Option::is_some)))
         .collect();
     let mut aggregates = vec![pl::len().cast(pl::DataType::Int64).alias("n")];
     for field in &present {
-        aggregates.push(pl::col(field.name.as_ref()).mean());
-        aggregates.push(pl::col(field.name.as_ref()).std(1).alias(deviation(field)));
+        let values = || pl::col(field.name.as_ref());
+        aggregates.push(values().mean());
+        aggregates.push(values().std(1).alias(deviation(field)));
+        aggregates.push(values().count().cast(pl::DataType::Int64).alias(count(field)));
     }
-    let table = Table::from_frame(
-        "conditions",
-        "Metrics by condition: mean and SD of the repeats",
-        fields(metrics, &present),
-        grouped(metrics, &aggregates)?,
-    )?;
-    Ok(incomplete(metrics, &present)?.into_iter().fold(table, Table::with_note))
+    let grouped = grouped(metrics, &aggregates)?;
+    let title = "Metrics by condition: mean and SD of the repeats";
+    let table = Table::from_frame("conditions", title, fields(metrics, &present), &grouped)?;
+    Ok(incomplete(metrics, &present, &grouped)?.into_iter().fold(table, Table::with_note))
 }
 
 /// The rows of each session in the order of `conditions`; those of others after them.
@@ -77,16 +78,7 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
             sessions.push(session);
         }
     }
-    let mut rows: Vec<usize> = (0..keys.len()).collect();
-    rows.sort_by_key(|row| keys[*row]);
-    taken(metrics, rows)
-}
-
-/// These rows of a table, in this order.
-fn taken(table: &Table, rows: Vec<usize>) -> Result<Table, TableError> {
-    let rows = pl::IdxCa::from_vec("".into(), rows.into_iter().map(|row| row as pl::IdxSize).collect());
-    let frame = table.frame().take(&rows).map_err(polars)?;
-    Table::from_frame(table.name(), table.title(), table.fields().to_vec(), frame)
+    metrics.sorted(|row| keys[row])
 }
 
 /// The metrics of several conditions as one table in the order of participant, session and trial; `None` for none.
@@ -94,40 +86,36 @@ fn taken(table: &Table, rows: Vec<usize>) -> Result<Table, TableError> {
 /// # Errors
 /// Tables that are not of this stage.
 pub fn together(conditions: &[Table]) -> Result<Option<Table>, TableError> {
-    let Some(all) = Table::concat("metrics", "Metrics, one row a trial", conditions)? else {
-        return Ok(None);
-    };
-    let people = [all.texts("participant")?, all.texts("session")?];
-    let trials = all.integers("trial")?;
-    let key = |row: usize| (&people[0][row], &people[1][row], trials[row]);
-    let mut rows: Vec<usize> = (0..all.height()).collect();
-    rows.sort_by(|a, b| key(*a).cmp(&key(*b)));
-    taken(&all, rows).map(Some)
+    of_trials("metrics", "Metrics, one row a trial", conditions)
 }
 
 fn polars(source: pl::PolarsError) -> TableError {
     TableError::Polars { table: "conditions".to_owned(), source }
 }
 
+/// Polars waits for threads of its own, and a thread of ours that waits takes up other work, however long: so the query
+/// waits on a thread that has no other.
 fn grouped(metrics: &Table, aggregates: &[pl::Expr]) -> Result<pl::DataFrame, TableError> {
-    let lazy = metrics.frame().clone().lazy().group_by_stable(GROUP.map(pl::col));
-    lazy.agg(aggregates).collect().map_err(polars)
+    let query = metrics.frame()?.lazy().group_by_stable(GROUP.map(pl::col)).agg(aggregates);
+    let found = thread::scope(|scope| scope.spawn(|| query.collect()).join());
+    found.unwrap_or_else(|panic| resume_unwind(panic)).map_err(polars)
 }
 
 /// Where a metric is over fewer trials than the condition's n, in words.
-fn incomplete(metrics: &Table, present: &[&Field]) -> Result<Vec<String>, TableError> {
-    let count = |name: &str| pl::col(name).count().cast(pl::DataType::Int64).alias(name);
-    let mut aggregates = vec![pl::len().cast(pl::DataType::Int64).alias("n")];
-    aggregates.extend(present.iter().map(|f| count(&f.name)));
+fn incomplete(
+    metrics: &Table,
+    present: &[&Field],
+    grouped: &pl::DataFrame,
+) -> Result<Vec<String>, TableError> {
     let mut fields: Vec<Field> = fields(metrics, &[]);
-    let whole = |f: &&Field| Field { kind: Type::Integer, ..(*f).clone() };
-    fields.extend(present.iter().map(whole));
-    let counts = Table::from_frame("counts", "", fields, grouped(metrics, &aggregates)?)?;
+    let counted = |f: &&Field| Field { name: count(f).into(), kind: Type::Integer, ..(*f).clone() };
+    fields.extend(present.iter().map(counted));
+    let counts = Table::from_frame("counts", "", fields, grouped)?;
     let (environments, modes, n) =
         (counts.texts("environment")?, counts.texts("mode")?, counts.integers("n")?);
     let mut notes = Vec::new();
     for field in present {
-        for (row, has) in counts.integers(&field.name)?.into_iter().enumerate() {
+        for (row, has) in counts.integers(&count(field))?.into_iter().enumerate() {
             let (has, of) = (has.unwrap_or(0), n[row].unwrap_or(0));
             if 0 < has && has < of {
                 let of_row = |c: &[Option<String>]| c[row].clone().unwrap_or_default();
@@ -140,7 +128,7 @@ fn incomplete(metrics: &Table, present: &[&Field]) -> Result<Vec<String>, TableE
 }
 
 fn fields(metrics: &Table, present: &[&Field]) -> Vec<Field> {
-    let keys = metrics.fields().iter().filter(|f| GROUP.contains(&f.name.as_ref())).cloned();
+    let keys = metrics.fields().filter(|f| GROUP.contains(&f.name.as_ref())).cloned();
     let n = Field { name: "n".into(), unit: "1".into(), description: "trials".into(), kind: Type::Integer };
     let numbers = present.iter().flat_map(|f| {
         let mean = Field { description: format!("mean of: {}", f.description).into(), ..(*f).clone() };
@@ -152,6 +140,11 @@ fn fields(metrics: &Table, present: &[&Field]) -> Vec<Field> {
         [mean, sd]
     });
     keys.chain([n]).chain(numbers).collect()
+}
+
+/// The column that counts a metric's trials.
+fn count(field: &Field) -> String {
+    format!("{} trials", field.name)
 }
 
 /// `stiffness_n_per_rad` → `stiffness_sd_n_per_rad`: the unit stays last.
@@ -185,22 +178,6 @@ mod tests {
     fn condition(mode: &str) -> Condition {
         let environment = zwidth_study::EnvironmentId::new("spring").unwrap();
         Condition { environment, mode: zwidth_study::ModeId::new(mode).unwrap() }
-    }
-
-    #[test]
-    fn the_trials_of_several_conditions_come_together_in_their_order() {
-        let part = |people: [&str; 2], trials: [i64; 2]| {
-            let texts = |name, values: [&str; 2]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
-            let trials = Column::integer("trial", "1", "", trials.map(Some));
-            let columns = vec![texts("participant", people), texts("session", ["S01", "S01"]), trials];
-            Table::new("metrics", "", columns).unwrap()
-        };
-        let parts = [part(["P01", "P02"], [10, 3]), part(["P02", "P01"], [4, 9])];
-        let all = together(&parts).unwrap().unwrap();
-        assert_eq!(all.integers("trial").unwrap(), [9, 10, 3, 4].map(Some));
-        let people: Vec<_> = all.texts("participant").unwrap().into_iter().flatten().collect();
-        assert_eq!(people, ["P01", "P01", "P02", "P02"]);
-        assert!(together(&[]).unwrap().is_none());
     }
 
     #[test]

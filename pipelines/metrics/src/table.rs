@@ -46,7 +46,7 @@ mod tests {
             ("Hz", "_hz"),
         ];
         let table = table(&[]).unwrap();
-        for field in table.fields().iter().filter(|f| f.unit != "1") {
+        for field in table.fields().filter(|f| f.unit != "1") {
             let (_, ending) = endings.iter().find(|(unit, _)| *unit == field.unit).unwrap();
             assert!(field.name.ends_with(ending), "{}: {}", field.name, field.unit);
         }

@@ -1,7 +1,10 @@
 //! The replays as a table: SI units, one row a trial and causality.
 
 use crate::{Comparison, ReplayError, Row};
-use zwidth_tables::{Column, Table, identity};
+use zwidth_tables::{Column, Table, identity, of_trials};
+
+const NAME: &str = "replay";
+const TITLE: &str = "Replay: recorded trials through the model";
 
 /// Which comparisons a column is for.
 #[derive(Clone, Copy, PartialEq)]
@@ -67,7 +70,15 @@ pub fn table(rows: &[Row]) -> Result<Table, ReplayError> {
         ),
         number("reversal_error_s", "s", "that of the model less it", |r| r.reversal_error_s),
     ]);
-    Ok(Table::new("replay", "Replay: recorded trials through the model", columns)?)
+    Ok(Table::new(NAME, TITLE, columns)?)
+}
+
+/// The replays of several conditions as one table in the order of participant, session and trial; `None` for none.
+///
+/// # Errors
+/// Tables that are not of this stage.
+pub fn together(conditions: &[Table]) -> Result<Option<Table>, ReplayError> {
+    Ok(of_trials(NAME, TITLE, conditions)?)
 }
 
 fn applies(of: Of, row: &Row) -> bool {
@@ -110,7 +121,7 @@ mod tests {
     fn every_column_is_defined_on_the_page_about_the_analysis() {
         let page = include_str!("../../../docs/analysis.md");
         let identity = identity(&[]).len();
-        for field in table(&[]).unwrap().fields().iter().skip(identity) {
+        for field in table(&[]).unwrap().fields().skip(identity) {
             assert!(page.contains(&format!("`{}`", field.name)), "{} is not defined", field.name);
         }
     }

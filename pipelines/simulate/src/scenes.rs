@@ -35,7 +35,7 @@ fn check(stem: &str, scene: Scene) {
     let run = run(scene, "exact");
     let table = trajectory_table(&run).unwrap();
     assert_eq!(table.height(), 482, "{stem}");
-    assert!(table.fields().iter().all(|f| f.name == "motion" || !column(&table, &f.name).is_empty()));
+    assert!(table.fields().all(|f| f.name == "motion" || !column(&table, &f.name).is_empty()));
     assert!(events_table(&run).unwrap().height() > 0, "{stem}");
 }
 

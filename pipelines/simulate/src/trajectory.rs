@@ -180,7 +180,7 @@ mod tests {
     fn a_part_that_the_scene_lacks_has_no_column() {
         let names = |scene| {
             let table = trajectory_table(&run(scene)).unwrap();
-            table.fields().iter().map(|f| f.name.to_string()).collect::<Vec<_>>()
+            table.fields().map(|f| f.name.to_string()).collect::<Vec<_>>()
         };
         let bare = names(sticking());
         assert!(!bare.iter().any(|n| n.contains("tissue") || n == "finger_m" || n.contains("gravity")));

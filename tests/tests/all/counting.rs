@@ -129,7 +129,7 @@ fn no_absurd_force_is_in_any_derived_file_table_or_figure() {
     assert!(files.len() > 10, "{files:?}");
     for path in files {
         let table = Table::from_parquet(&path).unwrap();
-        for field in table.fields().iter().filter(|f| f.kind == Type::Float) {
+        for field in table.fields().filter(|f| f.kind == Type::Float) {
             let values = table.floats(&field.name).unwrap();
             let absurd = values.into_iter().flatten().find(|v| v.abs() > SANE);
             assert_eq!(absurd, None, "{} of {}", field.name, path.display());

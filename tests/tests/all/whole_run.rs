@@ -52,8 +52,8 @@ const TABLES: [&str; 19] = [
     "weight",
 ];
 
-/// Jobs that make derived tables: characterise 3, metrics 7, average 6, replay 1, identify 1, likert 1, report 3.
-const DERIVED: usize = 22;
+/// Jobs that make derived tables: characterise 3, metrics 7, average 6, replay 7, identify 1, likert 1, report 3.
+const DERIVED: usize = 28;
 
 /// Jobs of the study: a figure or a printed table is one each, and so is the summary.
 fn jobs() -> usize {
@@ -140,7 +140,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     append_events(&RealFiles, &log, "2026-01-02T00:00:00Z", &[Event::Superseded { trial: 4, by: 40 }])
         .unwrap();
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
-    // The plant rests on all trials, and so does every figure of it. No other condition's metrics, mean and figures do,
+    // The plant rests on all trials, and so does every figure of it. No other condition's metrics, mean, replays and figures do,
     // nor anything about the actuators.
     let expect = strings(&[
         "average P01 S01 spring hybrid",
@@ -155,7 +155,8 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "metrics P01 S01 spring hybrid",
         "metrics of the study",
         "pros and cons",
-        "replay",
+        "replay P01 S01 spring hybrid",
+        "replay of the study",
         "summary",
         "table conditions",
         "table identify",

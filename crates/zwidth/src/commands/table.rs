@@ -33,8 +33,10 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
         let names: Vec<_> = tables.iter().map(Table::name).collect();
         bail!("{} has no table '{name}'; it has {}", asked.study, names.join(", "));
     };
-    let bytes = table.to_bytes(asked.format.into(), data.study.coordinate, &BTreeMap::new(), file)?;
-    screen.result(String::from_utf8(bytes)?);
+    let wanted = [(asked.format.into(), file.as_path())];
+    for bytes in table.to_bytes(&wanted, data.study.coordinate, &BTreeMap::new())? {
+        screen.result(String::from_utf8(bytes)?);
+    }
     Ok(Exit::Fine)
 }
 

@@ -1,32 +1,21 @@
 //! Stage `average`: two tables a condition of a session, one for each alignment; without a mean they are empty and
 //! their note says why.
 
-use super::{JobError, Session, analysis_parameters, derived, known, made, paths, read_all, sessions};
+use super::{JobError, Repeats, analysis_parameters, derived, known, made, paths, read_all, repeats};
 use std::path::PathBuf;
 use zwidth_average::{Alignment, AverageError};
 use zwidth_runner::Job;
-use zwidth_store::{StudyData, Trial, TrialEntry};
-use zwidth_study::{Environment, Mode};
+use zwidth_store::{Layout, Signal, StudyData, Trial};
 use zwidth_tables::Table;
 
-/// The average of a condition with the alignment asked for, if the session has trials of it:
-/// `average/P01.S01.spring.hybrid.parquet` at onset, `….hybrid.landmarks.parquet` by landmarks.
-pub(super) fn aligned(
-    data: &StudyData,
-    session: &Session,
-    environment: &Environment,
-    mode: &Mode,
-    alignment: Alignment,
-) -> Option<PathBuf> {
-    if !session.of(environment).iter().any(|t| t.meta.mode == mode.id) {
-        return None;
-    }
+/// The average of a condition with the alignment asked for: `average/P01.S01.spring.hybrid.parquet` at onset,
+/// `….hybrid.landmarks.parquet` by landmarks.
+pub(super) fn aligned(layout: &Layout, repeats: &Repeats, alignment: Alignment) -> PathBuf {
     let suffix = match alignment {
         Alignment::Onset => "",
         Alignment::Landmarks => ".landmarks",
     };
-    let name = format!("average/{}.{}.{}{suffix}.parquet", session.key(), environment.id, mode.id);
-    Some(derived(&data.layout, name))
+    derived(layout, format!("average/{}{suffix}.parquet", repeats.key))
 }
 
 /// Every average of the study aligned at onset: what the summary speaks of.
@@ -35,37 +24,22 @@ pub(super) fn all(data: &StudyData) -> Vec<PathBuf> {
 }
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
-    let mut jobs = Vec::new();
-    for session in sessions(data) {
-        for environment in &data.study.environments {
-            for mode in &data.study.modes {
-                let of = |alignment| aligned(data, &session, environment, mode, alignment);
-                let outputs: Vec<PathBuf> = Alignment::ALL.into_iter().filter_map(of).collect();
-                if outputs.is_empty() {
-                    continue;
-                }
-                let of_mode = |t: &&TrialEntry| t.meta.mode == mode.id;
-                let trials: Vec<_> = session.of(environment).into_iter().filter(of_mode).collect();
-                let name = format!("average {} {} {}", session.who(), environment.id, mode.id);
-                jobs.push(job(data, name, trials, outputs));
-            }
-        }
-    }
-    jobs
+    repeats(data).into_iter().map(|repeats| job(data, repeats)).collect()
 }
 
-fn job<'a>(data: &'a StudyData, name: String, trials: Vec<&'a TrialEntry>, outputs: Vec<PathBuf>) -> Job<'a> {
-    let out = outputs.clone();
+fn job<'a>(data: &'a StudyData, repeats: Repeats<'a>) -> Job<'a> {
+    let outputs = Alignment::ALL.map(|alignment| aligned(&data.layout, &repeats, alignment)).to_vec();
+    let (out, trials) = (outputs.clone(), repeats.trials);
     Job {
         stage: "average",
-        name,
+        name: format!("average {}", repeats.who),
         version: zwidth_average::VERSION,
         parameters: format!("{}; {}", analysis_parameters(data), known(&trials)),
         inputs: paths(&trials),
         outputs,
         tolerant: false,
         make: Box::new(move |from| {
-            let (trials, problems) = read_all(&trials);
+            let (trials, problems) = read_all(&trials, Signal::all());
             let average = |alignment| average(&trials, data, alignment);
             let tables = Alignment::ALL.into_iter().map(average).collect::<Result<Vec<_>, _>>()?;
             made(&tables, &out, from, problems)

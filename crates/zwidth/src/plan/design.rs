@@ -1,11 +1,12 @@
 //! Figures of what was planned: the environments, and the forces that each mode can render.
 
+use super::JobError;
 use super::characterise;
 use super::figures::figure_job;
-use super::{JobError, split};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use zwidth_runner::Job;
-use zwidth_store::{StudyData, read_sweep};
+use zwidth_store::StudyData;
 use zwidth_study::{Calibration, Environment, Source};
 
 /// What is said of forces where no sweep gave them.
@@ -20,25 +21,28 @@ const SIMULATED: &str = "Forces by the calibration from this study's simulated s
 pub(super) struct Forces {
     pub(super) calibration: Calibration,
     pub(super) footnote: &'static str,
-    pub(super) sources: Vec<Source>,
+    pub(super) sources: BTreeSet<Source>,
 }
 
-/// Files that [`forces`] reads.
+/// The file that [`forces`] reads, if the study has it.
 pub(super) fn inputs(data: &StudyData) -> Vec<PathBuf> {
-    let sweeps = || data.sweeps.iter().map(|s| s.path.clone());
-    characterise::calibration(data).map_or_else(Vec::new, |file| sweeps().chain([file]).collect())
+    characterise::calibration(data).into_iter().collect()
+}
+
+/// Where the forces come from: part of the parameters of every job that shows them.
+pub(super) fn sources(data: &StudyData) -> BTreeSet<Source> {
+    let own = characterise::calibration(data).is_some();
+    data.sweeps.iter().filter(|_| own).map(|s| s.source).collect()
 }
 
 /// The calibration of a study's forces: its own, or else the thesis'.
-pub(super) fn forces(data: &StudyData) -> Result<(Forces, Vec<String>), JobError> {
+pub(super) fn forces(data: &StudyData) -> Result<Forces, JobError> {
+    let sources = sources(data);
     let Some(file) = characterise::calibration(data) else {
-        let thesis = Calibration::thesis();
-        return Ok((Forces { calibration: thesis, footnote: NOT_SWEPT, sources: Vec::new() }, Vec::new()));
+        return Ok(Forces { calibration: Calibration::thesis(), footnote: NOT_SWEPT, sources });
     };
-    let (sweeps, problems) = split(data.sweeps.iter().map(|s| read_sweep(&s.path)).collect());
-    let sources: Vec<Source> = sweeps.iter().map(|s| s.source).collect();
     let footnote = if sources.contains(&Source::Twin) { SIMULATED } else { SWEPT };
-    Ok((Forces { calibration: read(&file)?, footnote, sources }, problems))
+    Ok(Forces { calibration: read(&file)?, footnote, sources })
 }
 
 fn read(file: &Path) -> Result<Calibration, JobError> {
@@ -70,11 +74,11 @@ fn environment_job<'a>(data: &'a StudyData, environment: &'a Environment) -> Job
 }
 
 fn range_job(data: &StudyData) -> Job<'_> {
-    let parameters = format!("{:?}", (&data.study.title, &data.study.modes));
+    let parameters = format!("{:?}", (&data.study.title, &data.study.modes, sources(data)));
     figure_job(data, "rendering_range", inputs(data), parameters, move || {
-        let (forces, problems) = forces(data)?;
-        let Forces { calibration, footnote, sources } = &forces;
-        let figure = zwidth_figures::rendering_range(&data.study, calibration, footnote, sources);
-        Ok((figure.ok_or("no mode has an actuator")?, problems))
+        let Forces { calibration, footnote, sources } = &forces(data)?;
+        let sources: Vec<Source> = sources.iter().copied().collect();
+        let figure = zwidth_figures::rendering_range(&data.study, calibration, footnote, &sources);
+        Ok((figure.ok_or("no mode has an actuator")?, Vec::new()))
     })
 }

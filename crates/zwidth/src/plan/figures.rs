@@ -1,8 +1,8 @@
 //! Stage `figures`: each figure as SVG, PDF and PNG, with its data beside it.
 
 use super::{
-    JobError, Session, average, characterise, design, freemotion, likert_figures, metrics, paths, read_all,
-    replay_figures, sessions,
+    JobError, Repeats, Session, average, characterise, design, freemotion, likert_figures, metrics, paths,
+    read_all, replay_figures, sessions,
 };
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -83,12 +83,12 @@ fn rendered(
 ) -> Result<Vec<Vec<u8>>, JobError> {
     let table = zwidth_figures::data_table(name, &figure)?;
     let drawing = draw(&Figure { provenance: Some(serde_json::to_string(from)?), ..figure })?;
-    Ok(vec![
-        drawing.svg().as_bytes().to_vec(),
-        drawing.pdf()?,
-        drawing.png(DEFAULT_DPI)?,
-        table.to_parquet(from, &out[3])?,
-    ])
+    let others = || -> Result<_, JobError> {
+        Ok((drawing.svg()?.into_bytes(), drawing.pdf()?, table.to_parquet(from, &out[3])?))
+    };
+    let (image, others) = rayon::join(|| drawing.png(DEFAULT_DPI), others);
+    let (svg, pdf, table) = others?;
+    Ok(vec![svg, pdf, image?, table])
 }
 
 /// The choices of study.toml for figures that the study does not have (of a kind that it lacks is no mistake).
@@ -138,16 +138,17 @@ impl<'a> Recorded<'a> {
     /// For the figure of that name, which decides how means are aligned.
     fn new(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment, figure: &str) -> Self {
         let alignment = data.study.figures.alignment(figure);
-        let made = |m| average::aligned(data, session, environment, m, alignment);
-        let metrics = |m| metrics::of_condition(&data.layout, session, environment, m);
+        let conditions: Vec<_> = data.study.modes.iter().map(|m| session.repeats(environment, m)).collect();
+        let average = |repeats: &Repeats| average::aligned(&data.layout, repeats, alignment);
+        let metrics = |repeats: &Repeats| metrics::of_condition(&data.layout, repeats);
         Self {
             data,
             environment,
             who: session.who(),
             trials: session.of(environment),
-            metrics: data.study.modes.iter().filter_map(metrics).collect(),
+            metrics: conditions.iter().flatten().map(metrics).collect(),
             alignment,
-            averages: data.study.modes.iter().map(made).collect(),
+            averages: conditions.iter().map(|c| c.as_ref().map(average)).collect(),
         }
     }
 
@@ -157,7 +158,7 @@ impl<'a> Recorded<'a> {
     }
 
     fn load(&self) -> Result<(Loaded<'a>, Vec<String>), JobError> {
-        let (trials, problems) = read_all(&self.trials);
+        let (trials, problems) = read_all(&self.trials, zwidth_figures::SIGNALS.into_iter());
         let mut onsets = BTreeMap::new();
         for metrics in &self.metrics {
             let metrics = Table::from_parquet(metrics)?;
@@ -249,15 +250,13 @@ fn repeats_jobs<'a>(
 ) -> Vec<Job<'a>> {
     let mut jobs = Vec::new();
     for mode in &data.study.modes {
-        let mine: Vec<_> = session.of(environment).into_iter().filter(|t| t.meta.mode == mode.id).collect();
-        if mine.len() < 2 {
+        let Some(repeats) = session.repeats(environment, mode).filter(|r| r.trials.len() > 1) else {
             continue; // one recording is whole in the figure of the modes
-        }
-        let name = format!("repeats.{}.{}.{}", session.key(), environment.id, mode.id);
+        };
+        let name = format!("repeats.{}", repeats.key);
         let mut source = Recorded::new(data, session, environment, &name);
-        source.trials = mine;
-        source.metrics =
-            metrics::of_condition(&data.layout, session, environment, mode).into_iter().collect();
+        source.metrics = vec![metrics::of_condition(&data.layout, &repeats)];
+        source.trials = repeats.trials;
         source.averages.iter_mut().for_each(|a| *a = None);
         jobs.push(figure_job(data, &name, source.inputs(), parameters(&data.study), move || {
             let (loaded, problems) = source.load()?;

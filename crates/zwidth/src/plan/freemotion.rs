@@ -48,7 +48,7 @@ fn fit_all<F: Send>(
     trials: &[&TrialEntry],
     fit: impl Fn(&Trial) -> Result<F, FreeMotionError> + Sync,
 ) -> (Vec<F>, Vec<String>) {
-    let (trials, mut problems) = read_all(trials);
+    let (trials, mut problems) = read_all(trials, Signal::all());
     let one = |t: &Trial| {
         fit(t).map_err(|e| format!("{} {} trial {}: {e}", t.meta.participant, t.meta.session, t.meta.trial))
     };

@@ -45,6 +45,11 @@ pub(super) fn tables_of(layout: &Layout) -> Vec<PathBuf> {
         .collect()
 }
 
+/// The parameters.
+pub(super) fn plant_of(layout: &Layout) -> PathBuf {
+    derived(layout, "identify.parquet")
+}
+
 /// The plant of a table of parameters; `None` where nothing was fitted.
 pub(super) fn fitted(table: &Table) -> Result<Option<Parameters>, TableError> {
     let values: Vec<f64> = table.floats("fitted")?.into_iter().flatten().collect();
@@ -65,7 +70,7 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     let (inputs, outputs) = (paths(&trials), tables_of(&data.layout));
     let (out, parameters) = (outputs.clone(), parameters(data, &trials));
     let make = move |from: &_| {
-        let (trials, mut problems) = read_all(&trials);
+        let (trials, mut problems) = read_all(&trials, Signal::all());
         let (fitted, more) = fitted_trials(data, &trials);
         problems.extend(more);
         let mut tables = tables(&fitted, data.study.analysis.confidence)?;

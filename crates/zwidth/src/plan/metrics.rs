@@ -1,30 +1,18 @@
 //! Stage `metrics`: a table a condition of a session, then one of the whole study. A changed trial leaves the tables of the
 //! other conditions as they are, and so the figures that take their onsets from there.
 
-use super::{Session, analysis_parameters, derived, known, made, paths, read_all, sessions, split};
+use super::{Repeats, analysis_parameters, derived, joined, known, made, paths, read_all, repeats, split};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use zwidth_runner::Job;
-use zwidth_store::{Layout, StudyData, TrialEntry};
-use zwidth_study::{Environment, Mode};
+use zwidth_store::{Layout, Signal, StudyData};
 use zwidth_tables::Table;
 
 const STAGE: &str = "metrics";
 
-/// The metrics of a condition, `metrics/P01.S01.spring.hybrid.parquet`; if the session has trials of it.
-pub(super) fn of_condition(
-    layout: &Layout,
-    session: &Session,
-    environment: &Environment,
-    mode: &Mode,
-) -> Option<PathBuf> {
-    let name = format!("metrics/{}.{}.{}.parquet", session.key(), environment.id, mode.id);
-    let has_trials = !trials(session, environment, mode).is_empty();
-    has_trials.then(|| derived(layout, name))
-}
-
-fn trials<'a>(session: &Session<'a>, environment: &Environment, mode: &Mode) -> Vec<&'a TrialEntry> {
-    session.of(environment).into_iter().filter(|t| t.meta.mode == mode.id).collect()
+/// The metrics of a condition, `metrics/P01.S01.spring.hybrid.parquet`.
+pub(super) fn of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
+    derived(layout, format!("metrics/{}.parquet", repeats.key))
 }
 
 /// The metrics of the study.
@@ -38,42 +26,23 @@ pub(super) fn by_condition(layout: &Layout) -> PathBuf {
 }
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
-    let mut jobs = Vec::new();
-    for session in sessions(data) {
-        for environment in &data.study.environments {
-            for mode in &data.study.modes {
-                let output = of_condition(&data.layout, &session, environment, mode);
-                let name = format!("metrics {} {} {}", session.who(), environment.id, mode.id);
-                let trials = trials(&session, environment, mode);
-                jobs.extend(output.map(|output| condition_job(data, name, trials, output)));
-            }
-        }
-    }
-    if !jobs.is_empty() {
-        let tables = jobs.iter().flat_map(|job| job.outputs.iter().cloned()).collect();
-        jobs.push(study_job(data, tables));
-    }
-    jobs
+    let conditions = repeats(data).into_iter().map(|repeats| condition_job(data, repeats));
+    joined(conditions.collect(), |tables| study_job(data, tables))
 }
 
-fn condition_job<'a>(
-    data: &'a StudyData,
-    name: String,
-    trials: Vec<&'a TrialEntry>,
-    output: PathBuf,
-) -> Job<'a> {
-    let outputs = vec![output];
-    let out = outputs.clone();
+fn condition_job<'a>(data: &'a StudyData, repeats: Repeats<'a>) -> Job<'a> {
+    let outputs = vec![of_condition(&data.layout, &repeats)];
+    let (out, trials) = (outputs.clone(), repeats.trials);
     Job {
         stage: STAGE,
-        name,
+        name: format!("metrics {}", repeats.who),
         version: zwidth_metrics::VERSION,
         parameters: format!("{}; {:?}; {}", analysis_parameters(data), protocol(data), known(&trials)),
         inputs: paths(&trials),
         outputs,
         tolerant: false,
         make: Box::new(move |from| {
-            let (trials, mut problems) = read_all(&trials);
+            let (trials, mut problems) = read_all(&trials, Signal::all());
             let one = |t| {
                 let row = zwidth_metrics::trial_metrics(t, &data.study);
                 row.map_err(|e| {

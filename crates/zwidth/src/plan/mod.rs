@@ -22,7 +22,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use zwidth_runner::{Job, Made, Provenance};
 use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
-use zwidth_study::{Environment, ParticipantId, SessionId};
+use zwidth_study::{Environment, Mode, ParticipantId, SessionId};
 use zwidth_tables::{Table, TableError};
 
 /// What a job's function can fail with.
@@ -85,6 +85,38 @@ impl<'a> Session<'a> {
     fn of(&self, environment: &Environment) -> Vec<&'a TrialEntry> {
         self.trials.iter().copied().filter(|t| t.meta.environment == environment.id).collect()
     }
+
+    /// The repeats of one condition; `None` if it has none.
+    fn repeats(&self, environment: &Environment, mode: &Mode) -> Option<Repeats<'a>> {
+        let mut trials = self.of(environment);
+        trials.retain(|t| t.meta.mode == mode.id);
+        let (who, key) = (self.who(), self.key());
+        let (who, key) = (
+            format!("{who} {} {}", environment.id, mode.id),
+            format!("{key}.{}.{}", environment.id, mode.id),
+        );
+        (!trials.is_empty()).then_some(Repeats { who, key, trials })
+    }
+}
+
+/// The trials of one condition in one session.
+struct Repeats<'a> {
+    /// `P01 S01 spring hybrid`, for people.
+    who: String,
+    /// `P01.S01.spring.hybrid`.
+    key: String,
+    trials: Vec<&'a TrialEntry>,
+}
+
+/// The conditions of every session that have trials, in the study's order.
+fn repeats(data: &StudyData) -> Vec<Repeats<'_>> {
+    let mut found = Vec::new();
+    for session in sessions(data) {
+        for environment in &data.study.environments {
+            found.extend(data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode)));
+        }
+    }
+    found
 }
 
 /// The sessions with trials that count, each trial in a known condition.
@@ -95,6 +127,13 @@ fn sessions(data: &StudyData) -> Vec<Session<'_>> {
     }
     let session = |((participant, session), trials)| Session { participant, session, trials };
     sessions.into_iter().map(session).collect()
+}
+
+/// The jobs of single conditions, and the job of the study that reads what they make; none for no condition.
+fn joined<'a>(conditions: Vec<Job<'a>>, study: impl FnOnce(Vec<PathBuf>) -> Job<'a>) -> Vec<Job<'a>> {
+    let tables: Vec<PathBuf> = conditions.iter().flat_map(|job| job.outputs.iter().cloned()).collect();
+    let whole = (!tables.is_empty()).then(|| study(tables));
+    conditions.into_iter().chain(whole).collect()
 }
 
 fn paths(trials: &[&TrialEntry]) -> Vec<PathBuf> {
@@ -108,9 +147,12 @@ fn known(trials: &[&TrialEntry]) -> String {
     format!("{known:?}")
 }
 
-/// Reads trials in parallel; what cannot be read is left out and told.
-fn read_all(trials: &[&TrialEntry]) -> (Vec<Trial>, Vec<String>) {
-    let results: Vec<_> = trials.par_iter().map(|trial| trial.read(Signal::all())).collect();
+/// Reads trials in parallel, with these signals; what cannot be read is left out and told.
+fn read_all(
+    trials: &[&TrialEntry],
+    signals: impl Iterator<Item = Signal> + Clone + Sync,
+) -> (Vec<Trial>, Vec<String>) {
+    let results: Vec<_> = trials.par_iter().map(|trial| trial.read(signals.clone())).collect();
     split(results)
 }
 

@@ -17,44 +17,36 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     let mut jobs = Vec::new();
     for session in sessions(data) {
         for environment in &data.study.environments {
-            let trials = trials(&replayable, &session, environment);
+            let mut trials = session.of(environment);
+            trials.retain(|t| replayable.iter().any(|r| std::ptr::eq(*r, *t)));
+            let conditions = data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode));
+            let replays = conditions.map(|repeats| replay::of_condition(&data.layout, &repeats)).collect();
             if !trials.is_empty() {
-                jobs.push(job(data, session.who(), &session.key(), environment, trials));
+                jobs.push(job(data, &session, environment, trials, replays));
             }
         }
     }
     jobs
 }
 
-/// The trials of one environment of one session.
-fn trials<'a>(of: &[&'a TrialEntry], session: &Session, environment: &Environment) -> Vec<&'a TrialEntry> {
-    let mine = |t: &&TrialEntry| {
-        t.meta.participant == *session.participant
-            && t.meta.session == *session.session
-            && t.meta.environment == environment.id
-    };
-    of.iter().copied().filter(mine).collect()
-}
-
 fn job<'a>(
     data: &'a StudyData,
-    who: String,
-    key: &str,
+    session: &Session,
     environment: &'a Environment,
     trials: Vec<&'a TrialEntry>,
+    replays: Vec<PathBuf>,
 ) -> Job<'a> {
-    let tables: Vec<PathBuf> = replay::tables_of(&data.layout)
-        .into_iter()
-        .take(1)
-        .chain(identify::tables_of(&data.layout).into_iter().take(1))
-        .collect();
-    let inputs = paths(&trials).into_iter().chain(tables.iter().cloned()).collect();
+    let (who, key) = (session.who(), session.key());
+    let plant = identify::plant_of(&data.layout);
+    let inputs = paths(&trials).into_iter().chain(replays.iter().cloned()).chain([plant.clone()]).collect();
     let name = format!("replay.{key}.{}", environment.id);
     let drawn = (&data.study.title, environment, &data.study.modes, zwidth_replay::VERSION);
     let parameters = format!("{}; {drawn:?}", replay::parameters(data, &trials));
     figure_job(data, &name, inputs, parameters, move || {
-        let (replays, plant) = (Table::from_parquet(&tables[0])?, Table::from_parquet(&tables[1])?);
-        describe(data, environment, &who, &trials, (&replays, identify::fitted(&plant)?))
+        let tables = replays.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
+        let replays = zwidth_replay::together(&tables)?.ok_or("there is no trial")?;
+        let plant = identify::fitted(&Table::from_parquet(&plant)?)?;
+        describe(data, environment, &who, &trials, (&replays, plant))
     })
 }
 

@@ -1,6 +1,6 @@
 //! Stage `report`: the tables of what was planned, and the pros and cons beside what came out.
 
-use super::design::{Forces, forces, has_actuators, inputs};
+use super::design::{Forces, forces, has_actuators, inputs, sources};
 use super::{derived, made, metrics};
 use std::path::PathBuf;
 use zwidth_report::{Known, device_table, model_table, modes_table, pros_cons_table, weight_table};
@@ -45,7 +45,7 @@ pub(super) fn jobs<'a>(data: &'a StudyData, planned: &[Job]) -> Vec<Job<'a>> {
 fn parameters(data: &StudyData) -> String {
     let study = &data.study;
     let planned = (&study.device, &study.control, &study.masses, &study.environments, &study.modes);
-    format!("{planned:?}")
+    format!("{:?}", (planned, sources(data)))
 }
 
 fn pros_cons_job(data: &StudyData, metrics: Option<PathBuf>) -> Job<'_> {
@@ -60,10 +60,10 @@ fn pros_cons_job(data: &StudyData, metrics: Option<PathBuf>) -> Job<'_> {
         outputs,
         tolerant: false,
         make: Box::new(move |from| {
-            let (Forces { calibration, footnote, .. }, problems) = forces(data)?;
+            let Forces { calibration, footnote, .. } = forces(data)?;
             let metrics = metrics.as_deref().map(Table::from_parquet).transpose()?;
             let known = Known { study: &data.study, calibration: &calibration, metrics: metrics.as_ref() };
-            made(&[pros_cons_table(known)?.with_note(footnote)], &out, from, problems)
+            made(&[pros_cons_table(known)?.with_note(footnote)], &out, from, Vec::new())
         }),
     }
 }
@@ -83,11 +83,11 @@ fn forces_job(data: &StudyData) -> Job<'_> {
         outputs,
         tolerant: false,
         make: Box::new(move |from| {
-            let (Forces { calibration, footnote, .. }, problems) = forces(data)?;
+            let Forces { calibration, footnote, .. } = forces(data)?;
             let mut tables = vec![modes_table(&data.study, &calibration, footnote)?];
             let weight = weight_table(&data.study, &calibration).transpose()?;
             tables.extend(weight.map(|table| table.with_note(footnote)));
-            made(&tables, &out, from, problems)
+            made(&tables, &out, from, Vec::new())
         }),
     }
 }

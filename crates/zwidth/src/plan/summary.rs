@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_report::{LeftOut, Made as Listed, Shown, Summary, findings, summary_markdown};
 use zwidth_runner::{Job, Made, ORIGIN};
-use zwidth_store::{Signal, StudyData, TrialEntry, read_sweep};
+use zwidth_store::{Signal, StudyData, TrialEntry};
 use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Format, Table, TableError};
 
@@ -26,7 +26,6 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
     let printed = outputs("tables", "parquet");
     let mut noted = average::all(data);
     noted.extend(planned.iter().filter(|j| j.stage == "freemotion").flat_map(|j| j.outputs.iter().cloned()));
-    let sweeps: Vec<PathBuf> = data.sweeps.iter().map(|s| s.path.clone()).collect();
     let is_made = |file: PathBuf| planned.iter().any(|j| j.outputs.contains(&file)).then_some(file);
     let numbers = [metrics::of_study(&data.layout), likert::tally_of(&data.layout)].map(is_made);
     let summary = facts(data);
@@ -34,7 +33,7 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
         .iter()
         .chain(&printed)
         .chain(&figures)
-        .chain(&sweeps)
+        .chain(data.sweeps.iter().map(|s| &s.path))
         .chain(numbers.iter().flatten())
         .cloned()
         .collect();
@@ -50,9 +49,6 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
         make: Box::new(move |from| {
             let mut summary = summary.clone();
             summary.limits.extend(notes(&noted)?);
-            for sweep in sweeps.iter().filter_map(|path| read_sweep(path).ok()) {
-                *summary.sources.entry(sweep.source).or_default() += 1;
-            }
             let (there, missing): (Vec<_>, Vec<_>) = figures.iter().partition(|f| f.exists());
             summary.figures = there.into_iter().map(|f| figure(f, &folder)).collect();
             let (there, no_tables): (Vec<_>, Vec<_>) = printed.iter().partition(|f| f.exists());
@@ -107,6 +103,9 @@ fn facts(data: &StudyData) -> Summary {
     for log in &data.sessions {
         *sources.entry(log.record.source).or_default() += log.record.trials.len();
     }
+    for sweep in &data.sweeps {
+        *sources.entry(sweep.source).or_default() += 1;
+    }
     let moves = |c: &TrialEntry| {
         data.study.environment(&c.meta.environment).is_some_and(|e| !matches!(e.scene, Scene::None))
     };
@@ -156,14 +155,14 @@ fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
 fn notes(tables: &[PathBuf]) -> Result<Vec<String>, TableError> {
     let mut notes = BTreeSet::new();
     for path in tables.iter().filter(|p| p.exists()) {
-        let table = Table::from_parquet(path)?;
-        notes.extend(table.notes().iter().filter(|n| !n.contains(zwidth_average::ENDS_AT)).cloned());
+        let (_, about) = Table::title_and_notes(path)?;
+        notes.extend(about.into_iter().filter(|n| !n.contains(zwidth_average::ENDS_AT)));
     }
     Ok(notes.into_iter().collect())
 }
 
 fn table(file: &Path, folder: &Path) -> Result<Listed, TableError> {
-    let caption = Table::from_parquet(file)?.title().to_owned();
+    let (caption, _) = Table::title_and_notes(file)?;
     Ok(Listed { path: relative(&file.with_extension("md"), folder), caption })
 }
 

@@ -4,10 +4,10 @@ use super::{characterise, freemotion, identify, likert, metrics, replay};
 use std::path::PathBuf;
 use zwidth_runner::{Job, Made};
 use zwidth_store::{Layout, StudyData};
-use zwidth_tables::{Format, Table, TableError};
+use zwidth_tables::{Format, Table};
 
 /// Version of the formats: raised when a table would be written differently from the same data.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The derived tables that are printed, if a job makes them.
 pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
@@ -50,9 +50,8 @@ fn job(data: &StudyData, input: PathBuf) -> Job<'_> {
         tolerant: false,
         make: Box::new(move |from| {
             let table = Table::from_parquet(&file)?;
-            let bytes = |(format, path): (&Format, &PathBuf)| table.to_bytes(*format, coordinate, from, path);
-            let outputs = Format::ALL.iter().zip(&out).map(bytes).collect::<Result<_, TableError>>()?;
-            Ok(Made { outputs, problems: Vec::new() })
+            let files: Vec<_> = Format::ALL.into_iter().zip(out.iter().map(PathBuf::as_path)).collect();
+            Ok(Made { outputs: table.to_bytes(&files, coordinate, from)?, problems: Vec::new() })
         }),
     }
 }

@@ -59,8 +59,7 @@ fn the_curve_spans_the_published_torque_and_its_units_are_those_of_the_sweep() {
     let curve = real.derived("characterise/curve.brake.parquet");
     let command = floats(&curve, "command");
     assert_eq!((command[0], *command.last().unwrap()), (0.0, 26212.0));
-    let fields: Vec<_> =
-        curve.fields().iter().filter(|f| f.name == "command").map(|f| f.unit.to_string()).collect();
+    let fields: Vec<_> = curve.fields().filter(|f| f.name == "command").map(|f| f.unit.to_string()).collect();
     assert_eq!(fields, ["counts"]);
     let figure = labels(&real.report("figures/characteristic.brake.svg"));
     for unit in ["(counts)", "(mN·m)"] {

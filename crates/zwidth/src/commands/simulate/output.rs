@@ -35,7 +35,7 @@ impl<'a> Output<'a> {
     pub(super) fn figure(&mut self, name: &str, figure: Figure) -> anyhow::Result<()> {
         let provenance = Some(serde_json::to_string(&self.provenance)?);
         let drawing = draw(&Figure { provenance, ..figure })?;
-        self.write(name, "svg", drawing.svg().as_bytes())?;
+        self.write(name, "svg", drawing.svg()?.as_bytes())?;
         self.write(name, "pdf", &drawing.pdf()?)?;
         self.write(name, "png", &drawing.png(DEFAULT_DPI)?)
     }
@@ -44,7 +44,7 @@ impl<'a> Output<'a> {
     pub(super) fn table(&mut self, name: &str, table: &Table) -> anyhow::Result<()> {
         let parquet = table.to_parquet(&self.provenance, &self.path(name, "parquet"))?;
         self.write(name, "parquet", &parquet)?;
-        self.write(name, "csv", csv(table)?.as_bytes())
+        self.write(name, "csv", csv(table).as_bytes())
     }
 
     fn write(&mut self, name: &str, extension: &str, bytes: &[u8]) -> anyhow::Result<()> {

@@ -1,0 +1,143 @@
+//! Writes a sheet as PDF, words as text in the bundled font, so that they can be found and copied.
+
+use std::sync::LazyLock;
+
+use krilla::Document;
+use krilla::color::rgb;
+use krilla::geom::{PathBuilder, Point, Size, Transform};
+use krilla::metadata::Metadata;
+use krilla::num::NormalizedF32;
+use krilla::page::PageSettings;
+use krilla::paint::{Fill, LineCap, LineJoin, Stroke, StrokeDash};
+use krilla::surface::Surface;
+use krilla::text::{Font, GlyphId, KrillaGlyph};
+use rustybuzz::ttf_parser::OutlineBuilder;
+
+use crate::error::Error;
+use crate::font::{Fonts, Glyph, Piece, Style};
+use crate::sheet::{At, Form, Ink, Shape};
+use crate::style::{self, Colour};
+use crate::svg::Head;
+
+fn fault(reason: &dyn std::fmt::Display) -> Error {
+    Error::Encode { format: "PDF", reason: reason.to_string() }
+}
+
+/// A one-page PDF of a size on paper with the font embedded; the provenance is its keyword.
+pub(crate) fn pdf(
+    shapes: &[Shape],
+    fonts: &Fonts,
+    (width_pt, height_pt): (f64, f64),
+    head: &Head<'_>,
+) -> Result<Vec<u8>, Error> {
+    let size = Size::from_wh(width_pt as f32, height_pt as f32).ok_or_else(|| fault(&"the page is empty"))?;
+    let mut document = Document::new();
+    let metadata = Metadata::new().title(head.title.to_owned()).description(head.description.to_owned());
+    document.set_metadata(match head.provenance {
+        Some(provenance) => metadata.keywords(vec![provenance.to_owned()]),
+        None => metadata,
+    });
+    let mut page = document.start_page_with(PageSettings::new(size));
+    let mut surface = page.surface();
+    shapes.iter().try_for_each(|shape| draw(&mut surface, shape, fonts))?;
+    surface.finish();
+    page.finish();
+    document.finish().map_err(|error| fault(&format!("{error:?}")))
+}
+
+fn draw(surface: &mut Surface<'_>, shape: &Shape, fonts: &Fonts) -> Result<(), Error> {
+    let (fill, stroke) = match &shape.ink {
+        Ink::Fill(colour, opacity) => (Some(fill(*colour, *opacity)), None),
+        Ink::Stroke(pen) => (None, Some(stroke(pen))),
+    };
+    surface.set_fill(fill);
+    surface.set_stroke(stroke);
+    if let Form::Words { piece, start, turned } = &shape.form {
+        return write(surface, piece, *start, *turned, fonts);
+    }
+    let mut paper = Paper(PathBuilder::new());
+    shape.form.trace(fonts, &mut paper);
+    if let Some(path) = paper.0.finish() {
+        surface.draw_path(&path);
+    }
+    Ok(())
+}
+
+fn write(
+    surface: &mut Surface<'_>,
+    piece: &Piece,
+    (x, y): At,
+    turned: bool,
+    fonts: &Fonts,
+) -> Result<(), Error> {
+    let em = fonts.units_per_em(piece.style);
+    let place = |k: usize| piece.glyphs.get(k).map_or(piece.advance, |glyph| glyph.x);
+    let glyph = |(k, glyph): (usize, &Glyph)| {
+        let advance = f64::from(place(k + 1) - glyph.x) / em;
+        let (id, letters) = (GlyphId::new(u32::from(glyph.id)), glyph.letters.clone());
+        KrillaGlyph::new(id, advance as f32, 0.0, (f64::from(glyph.y) / em) as f32, 0.0, letters, None)
+    };
+    let glyphs: Vec<KrillaGlyph> = piece.glyphs.iter().enumerate().map(glyph).collect();
+    let (x, y) = (x as f32, y as f32);
+    surface.push_transform(&match turned {
+        true => Transform::from_row(0.0, -1.0, 1.0, 0.0, x, y),
+        false => Transform::from_translate(x, y),
+    });
+    let from = Point::from_xy((f64::from(place(0)) / em * piece.size_pt) as f32, 0.0);
+    surface.draw_glyphs(from, &glyphs, face(piece.style)?, &piece.text, piece.size_pt as f32, false);
+    surface.pop();
+    Ok(())
+}
+
+/// A face of the bundled font, parsed once a process.
+fn face(style: Style) -> Result<Font, Error> {
+    static FACES: LazyLock<[Option<Font>; 3]> =
+        LazyLock::new(|| Style::ALL.map(|style| Font::new(style.bytes().into(), 0)));
+    FACES[style as usize].clone().ok_or(Error::Font)
+}
+
+fn colour(Colour { r, g, b }: Colour) -> rgb::Color {
+    rgb::Color::new(r, g, b)
+}
+
+fn share(opacity: f64) -> NormalizedF32 {
+    NormalizedF32::new(opacity as f32).unwrap_or(NormalizedF32::ONE)
+}
+
+fn fill(ink: Colour, opacity: f64) -> Fill {
+    Fill { paint: colour(ink).into(), opacity: share(opacity), ..Fill::default() }
+}
+
+fn stroke(pen: &style::Stroke) -> Stroke {
+    let dash = |array: [f64; 2]| StrokeDash { array: array.map(|pt| pt as f32).to_vec(), offset: 0.0 };
+    Stroke {
+        paint: colour(pen.colour).into(),
+        width: pen.width_pt as f32,
+        opacity: share(pen.opacity),
+        line_join: LineJoin::Round,
+        line_cap: if pen.round_ends() { LineCap::Round } else { LineCap::Butt },
+        dash: pen.dashes_pt().map(dash),
+        ..Stroke::default()
+    }
+}
+
+/// An outline on the page.
+struct Paper(PathBuilder);
+
+impl OutlineBuilder for Paper {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.0.move_to(x, y);
+    }
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.0.line_to(x, y);
+    }
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        self.0.quad_to(x1, y1, x, y);
+    }
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        self.0.cubic_to(x1, y1, x2, y2, x, y);
+    }
+    fn close(&mut self) {
+        self.0.close();
+    }
+}
