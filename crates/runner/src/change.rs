@@ -88,9 +88,30 @@ impl fmt::Display for How {
     }
 }
 
-/// Everything that differs, in the order version, parameters, inputs, outputs; nothing if the job is up to date.
-pub(crate) fn changes(before: Option<&Record>, now: &Record) -> Vec<Change> {
+/// Everything that differs, in the order version, parameters, inputs, outputs; nothing if the job is up to date. `outputs`
+/// are the present ones.
+pub(crate) fn changes(
+    before: Option<&Record>,
+    now: &Record,
+    outputs: &BTreeMap<String, String>,
+) -> Vec<Change> {
     let Some(before) = before else { return vec![Change::NeverMade] };
+    let mut changes = of_what_goes_in(before, now);
+    changes.extend(differences(&before.outputs, outputs).map(Change::Output));
+    changes
+}
+
+/// The first of these; outputs are asked for only where nothing else differs.
+pub(crate) fn first_change(
+    before: &Record,
+    now: &Record,
+    outputs: impl Fn() -> BTreeMap<String, String>,
+) -> Option<Change> {
+    let first = of_what_goes_in(before, now).into_iter().next();
+    first.or_else(|| differences(&before.outputs, &outputs()).next().map(Change::Output))
+}
+
+fn of_what_goes_in(before: &Record, now: &Record) -> Vec<Change> {
     let mut changes = Vec::new();
     if before.version != now.version {
         changes.push(Change::Version { recorded: before.version, now: now.version });
@@ -100,7 +121,6 @@ pub(crate) fn changes(before: Option<&Record>, now: &Record) -> Vec<Change> {
         changes.push(Change::Parameters { recorded, now });
     }
     changes.extend(differences(&before.inputs, &now.inputs).map(Change::Input));
-    changes.extend(differences(&before.outputs, &now.outputs).map(Change::Output));
     changes
 }
 
@@ -148,7 +168,9 @@ mod tests {
     fn every_difference_is_told_with_both_hashes_not_only_the_first() {
         let before = record(&[("a", "1"), ("b", "2"), ("c", "3"), ("e", "5")]);
         let now = Record { version: 2, ..record(&[("a", "9"), ("b", ""), ("d", "4"), ("e", TO_BE_MADE)]) };
-        let words: Vec<String> = changes(Some(&before), &now).iter().map(ToString::to_string).collect();
+        let none = BTreeMap::new();
+        let words: Vec<String> =
+            changes(Some(&before), &now, &none).iter().map(ToString::to_string).collect();
         let expect = [
             "algorithm version 1 is now 2",
             "input a changed",
@@ -161,8 +183,8 @@ mod tests {
         let hash = |h: &str| Some(h.to_owned());
         let file =
             FileChange { path: "a".to_owned(), recorded: hash("1"), now: hash("9"), how: How::Changed };
-        assert_eq!(changes(Some(&before), &now)[1], Change::Input(file));
-        assert!(changes(Some(&now), &now).is_empty());
-        assert_eq!(changes(None, &now), [Change::NeverMade]);
+        assert_eq!(changes(Some(&before), &now, &none)[1], Change::Input(file));
+        assert!(changes(Some(&now), &now, &none).is_empty());
+        assert_eq!(changes(None, &now, &none), [Change::NeverMade]);
     }
 }

@@ -1,6 +1,6 @@
 //! Hashes of files, each computed once a run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use zwidth_store::file_blake3;
@@ -10,9 +10,14 @@ pub(crate) const TO_BE_MADE: &str = "to be made";
 
 /// Hashes of files, each computed once a run; a missing file's is empty.
 #[derive(Default)]
-pub(crate) struct Hashes(Mutex<BTreeMap<PathBuf, String>>);
+pub(crate) struct Hashes(Mutex<HashMap<PathBuf, String>>);
 
 impl Hashes {
+    /// With those of files that were read already.
+    pub(crate) fn new(known: &[(PathBuf, String)]) -> Self {
+        Self(Mutex::new(known.iter().cloned().collect()))
+    }
+
     pub(crate) fn of(&self, root: &Path, paths: &[PathBuf]) -> BTreeMap<String, String> {
         paths.iter().map(|p| (shown(root, p), self.one(p))).collect()
     }
@@ -37,7 +42,7 @@ impl Hashes {
         }
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<PathBuf, String>> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<PathBuf, String>> {
         self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }

@@ -1,12 +1,12 @@
 //! Order: which jobs can run now, and which jobs others need.
 
 use crate::Job;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::PathBuf;
 
 /// For each job those whose outputs it reads.
 pub(crate) fn needs(jobs: &[Job]) -> Vec<BTreeSet<usize>> {
-    let maker: BTreeMap<&PathBuf, usize> =
+    let maker: HashMap<&PathBuf, usize> =
         jobs.iter().enumerate().flat_map(|(i, j)| j.outputs.iter().map(move |o| (o, i))).collect();
     let of = |(i, job): (usize, &Job)| {
         job.inputs.iter().filter_map(|file| maker.get(file).copied()).filter(|maker| *maker != i).collect()
@@ -33,7 +33,7 @@ pub(crate) fn levels(jobs: &[Job]) -> Vec<Vec<usize>> {
 pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool) -> Vec<bool> {
     let mut keep: Vec<bool> = jobs.iter().map(chosen).collect();
     loop {
-        let needed: BTreeSet<&PathBuf> =
+        let needed: HashSet<&PathBuf> =
             jobs.iter().zip(&keep).filter(|(_, k)| **k).flat_map(|(j, _)| &j.inputs).collect();
         let more: Vec<usize> = (0..jobs.len())
             .filter(|i| !keep[*i] && jobs[*i].outputs.iter().any(|o| needed.contains(o)))

@@ -28,14 +28,13 @@ pub struct Record {
 }
 
 impl Record {
-    /// The record of a job as it would be written now, with the outputs' present content.
+    /// The record of a job as it would be written now, before its outputs are made.
     pub(crate) fn now(job: &Job, root: &Path, hashes: &Hashes) -> Self {
         Self {
             stage: job.stage.to_owned(),
             version: job.version,
             parameters: job.parameters.clone(),
             inputs: hashes.of(root, &job.inputs),
-            outputs: hashes.of(root, &job.outputs),
             ..Self::default()
         }
     }

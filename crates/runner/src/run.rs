@@ -1,6 +1,6 @@
 //! Runs a plan: each job as soon as what it reads is there, as many at a time as there are cores.
 
-use crate::change::{Change, changes};
+use crate::change::{Change, first_change};
 use crate::hashes::{Hashes, shown};
 use crate::plan::{needs, wanted};
 use crate::provenance::provenance;
@@ -21,6 +21,8 @@ pub struct Options {
     pub dry_run: bool,
     /// Only jobs that are called so ([`Job::is_called`]), and what they need.
     pub only: Option<String>,
+    /// BLAKE3 of files that were read already, hexadecimal.
+    pub known: Vec<(PathBuf, String)>,
 }
 
 /// How a job ended.
@@ -64,9 +66,9 @@ pub fn run(
     options: &Options,
     done: &(dyn Fn(&Report) + Sync),
 ) -> Result<Vec<Report>, StoreError> {
-    let before = Records::read(records_path);
-    let board = Board::new(jobs, options, before.clone());
-    let (hashes, board) = (Hashes::default(), Mutex::new(board));
+    let (before, mut board) = rayon::join(|| Records::read(records_path), || Board::new(jobs, options));
+    board.records = before.clone();
+    let (hashes, board) = (Hashes::new(&options.known), Mutex::new(board));
     let run = Run { jobs, before, root, records_path, files, options, done, hashes, board };
     let mut ready = run.board().ready();
     while !ready.is_empty() {
@@ -110,7 +112,7 @@ struct Board<'j> {
 }
 
 impl Board<'_> {
-    fn new(jobs: &[Job], options: &Options, records: Records) -> Self {
+    fn new(jobs: &[Job], options: &Options) -> Self {
         let wanted = wanted(jobs, options.only.as_deref());
         let needs = needs(jobs);
         let mut readers = vec![Vec::new(); jobs.len()];
@@ -118,7 +120,7 @@ impl Board<'_> {
             needs[i].iter().for_each(|maker| readers[*maker].push(i));
         }
         Board {
-            records,
+            records: Records::default(),
             changed: false,
             saved: Instant::now(),
             failed: BTreeSet::new(),
@@ -240,8 +242,12 @@ impl<'j> Run<'j, '_> {
             return Ok((report(Verdict::Blocked(why), Vec::new()), None));
         }
         let now = Record::now(job, self.root, &self.hashes);
-        let reason =
-            if self.options.fresh { Some(Change::Asked) } else { changes(before, &now).into_iter().next() };
+        let outputs = || self.hashes.of(self.root, &job.outputs);
+        let reason = match before {
+            _ if self.options.fresh => Some(Change::Asked),
+            None => Some(Change::NeverMade),
+            Some(before) => first_change(before, &now, outputs),
+        };
         let Some(why) = reason.map(|change| change.to_string()) else {
             let problems = before.map(|b| b.problems.clone()).unwrap_or_default();
             return Ok((report(Verdict::UpToDate, problems), None));

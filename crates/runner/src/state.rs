@@ -56,7 +56,7 @@ pub fn states<'j, 'a>(
         let work: Vec<&Job> = level.into_iter().filter(|i| wanted[*i]).map(|i| &jobs[i]).collect();
         let state = |job: &&'j Job<'a>| {
             let now = Record::now(job, root, &hashes);
-            State { job, changes: changes(records.get(&job.name), &now) }
+            State { job, changes: changes(records.get(&job.name), &now, &hashes.of(root, &job.outputs)) }
         };
         let found: Vec<State> = work.par_iter().map(state).collect();
         for state in found.iter().filter(|s| !s.changes.is_empty()) {

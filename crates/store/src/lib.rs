@@ -39,7 +39,7 @@ pub use hash::{file_blake3, hex_blake3};
 pub use journal::Journal;
 pub use layout::Layout;
 pub use lock::{StudyLock, owner};
-pub use read::{TrialFooter, read_entries, read_footer, read_parquet, read_trial};
+pub use read::{TrialFooter, read_entries, read_footer, read_parquet, read_parquet_columns, read_trial};
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover};
 pub use signal::{COLUMNS, Column, Signal, Storage};

@@ -11,9 +11,11 @@ use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
 };
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::Arc;
 use zwidth_study::{Kind, ParticipantId, SCHEMA_VERSION, SessionId, Source, Status, TrialMeta};
 
 const DAMAGED: &str = "restore the file from a copy, or exclude the trial";
@@ -53,10 +55,11 @@ pub fn read_trial(path: &Path, signals: impl IntoIterator<Item = Signal>) -> Res
     wanted.sort();
     wanted.dedup();
     let names: Vec<&str> = wanted.iter().map(|s| s.name()).collect();
+    let columns = file.columns()?;
     for signal in &wanted {
-        check_field(path, &file.schema, signal.column())?;
+        check_field(path, columns.schema(), signal.column())?;
     }
-    let batch = file.read(&names)?;
+    let batch = file.read(columns, &names)?;
     let mut samples = Samples::default();
     for signal in wanted {
         if let Some(values) = signal_values(path, &batch, signal.column(), &file.footer)? {
@@ -70,9 +73,20 @@ pub fn read_trial(path: &Path, signals: impl IntoIterator<Item = Signal>) -> Res
 /// Reads any Parquet file that [`crate::write_parquet`] or [`crate::write_table`] wrote, whole: its rows and its footer.
 pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
     let file = ParquetFile::open(path)?;
-    let schema = file.schema.clone();
+    let columns = file.columns()?;
+    let schema = columns.schema().clone();
     let names: Vec<&str> = schema.fields().iter().map(|f| f.name().as_str()).collect();
-    let batch = file.read(&names)?;
+    let batch = file.read(columns, &names)?;
+    Ok((batch, file.footer))
+}
+
+/// The columns of these names of such a file, in its order, and its footer.
+pub fn read_parquet_columns(
+    path: &Path,
+    names: &[&str],
+) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
+    let file = ParquetFile::open(path)?;
+    let batch = file.read(file.columns()?, names)?;
     Ok((batch, file.footer))
 }
 
@@ -84,10 +98,9 @@ pub fn read_entries(path: &Path) -> Result<BTreeMap<String, String>, StoreError>
 /// An opened Parquet file of ours: footer checked, columns not read yet.
 pub(crate) struct ParquetFile {
     path: std::path::PathBuf,
-    bytes: Bytes,
-    metadata: ArrowReaderMetadata,
+    pub(crate) bytes: Bytes,
+    metadata: Arc<ParquetMetaData>,
     pub(crate) footer: BTreeMap<String, String>,
-    pub(crate) schema: SchemaRef,
     pub(crate) rows: usize,
 }
 
@@ -99,9 +112,8 @@ impl ParquetFile {
             return Err(StoreError::new(path, "the file is empty", DAMAGED));
         }
         let bytes = Bytes::from(bytes);
-        let options = ArrowReaderOptions::default();
-        let metadata = guarded(path, DAMAGED, || ArrowReaderMetadata::load(&bytes, options))?;
-        let file_metadata = metadata.metadata().file_metadata();
+        let metadata = guarded(path, DAMAGED, || ParquetMetaDataReader::new().parse_and_finish(&bytes))?;
+        let file_metadata = metadata.file_metadata();
         let footer: BTreeMap<String, String> = file_metadata
             .key_value_metadata()
             .into_iter()
@@ -110,13 +122,12 @@ impl ParquetFile {
             .filter(|(key, _)| key != "ARROW:schema")
             .collect();
         let rows = usize::try_from(file_metadata.num_rows()).unwrap_or(0);
-        let schema = metadata.schema().clone();
         check_version(path, &footer)?;
         if footer.get(FOOTER_DIGEST) != Some(&footer_digest(&footer)) {
             let what = "the file is damaged: its footer does not match its digest";
             return Err(StoreError::new(path, what, DAMAGED));
         }
-        Ok(Self { path: path.to_owned(), bytes, metadata, footer, schema, rows })
+        Ok(Self { path: path.to_owned(), bytes, metadata: Arc::new(metadata), footer, rows })
     }
 
     /// Opens a recording: a file without rows is none.
@@ -128,11 +139,20 @@ impl ParquetFile {
         Ok(file)
     }
 
-    /// The columns of these names, as one batch.
-    pub(crate) fn read(&self, names: &[&str]) -> Result<RecordBatch, StoreError> {
+    /// Its columns as Arrow has them, with their types and units.
+    pub(crate) fn columns(&self) -> Result<ArrowReaderMetadata, StoreError> {
+        let options = ArrowReaderOptions::default();
+        guarded(&self.path, DAMAGED, || ArrowReaderMetadata::try_new(self.metadata.clone(), options))
+    }
+
+    /// Those of these names, as one batch.
+    pub(crate) fn read(
+        &self,
+        columns: ArrowReaderMetadata,
+        names: &[&str],
+    ) -> Result<RecordBatch, StoreError> {
         guarded(&self.path, DAMAGED, || {
-            let metadata = self.metadata.clone();
-            let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(self.bytes.clone(), metadata);
+            let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(self.bytes.clone(), columns);
             let mask = ProjectionMask::columns(builder.parquet_schema(), names.iter().copied());
             let reader = builder.with_projection(mask).with_batch_size(self.rows.max(1)).build()?;
             let schema = arrow::array::RecordBatchReader::schema(&reader);

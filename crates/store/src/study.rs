@@ -2,7 +2,7 @@
 
 use crate::read::TrialFooter;
 use crate::sessions::{join, left_out, read_sessions};
-use crate::sweep::placed;
+use crate::sweep::entry;
 use crate::{Layout, Signal, StoreError, Trial, TrialFile, read_footer, read_trial};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -78,6 +78,8 @@ pub struct SweepEntry {
     pub actuator: ActuatorId,
     /// What it comes from.
     pub source: Source,
+    /// BLAKE3 of the file, hexadecimal.
+    pub blake3: String,
 }
 
 /// A session's record and its events.
@@ -336,8 +338,7 @@ fn list_sweeps(layout: &Layout) -> Vec<Result<SweepEntry, StoreError>> {
             let actuator = crate::read::from_path(&path, "actuator")?;
             let actuator = ActuatorId::new(actuator)
                 .map_err(|e| StoreError::new(&path, e.to_string(), "rename the folder"))?;
-            let source = placed(layout, &path, &actuator)?;
-            Ok(SweepEntry { path, actuator, source })
+            entry(layout, path, actuator)
         })
         .collect()
 }

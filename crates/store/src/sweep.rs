@@ -2,11 +2,11 @@
 
 use crate::read::{ParquetFile, check_described, floats, from_path};
 use crate::write::{DIGEST, column_digest, described};
-use crate::{Layout, Storage, StoreError, write_parquet};
+use crate::{Layout, Storage, StoreError, SweepEntry, hex_blake3, write_parquet};
 use arrow::array::{ArrayRef, Float64Array, RecordBatch, new_null_array};
 use arrow::datatypes::{DataType, Field, Schema};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_study::{ActuatorId, Source};
 
@@ -117,20 +117,21 @@ fn column(
     Ok((field, Arc::new(Float64Array::from(values.to_vec()))))
 }
 
-/// Checks that a sweep lies where its footer says it belongs, so that none exists twice, and says what it comes from.
-pub(crate) fn placed(layout: &Layout, path: &Path, actuator: &ActuatorId) -> Result<Source, StoreError> {
-    let footer = ParquetFile::open_recording(path)?.footer;
+/// A sweep without its samples; it must lie where its footer says it belongs, so that none exists twice.
+pub(crate) fn entry(layout: &Layout, path: PathBuf, actuator: ActuatorId) -> Result<SweepEntry, StoreError> {
+    let ParquetFile { footer, bytes, .. } = ParquetFile::open_recording(&path)?;
     let says = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default();
     let number = says("sweep").parse::<u32>().ok();
-    if says("actuator") == actuator.as_str() && number.is_some_and(|n| layout.sweep(actuator, n) == path) {
-        return Source::from_word(says("source")).ok_or_else(|| bad_key(path, "source"));
+    if says("actuator") == actuator.as_str() && number.is_some_and(|n| layout.sweep(&actuator, n) == path) {
+        let source = Source::from_word(says("source")).ok_or_else(|| bad_key(&path, "source"))?;
+        return Ok(SweepEntry { path, actuator, source, blake3: hex_blake3(&bytes) });
     }
     let what = format!(
         "the file is sweep {} of '{}' by its footer, but not by its name",
         says("sweep"),
         says("actuator")
     );
-    Err(StoreError::new(path, what, "give it its own name again; a sweep must not exist twice"))
+    Err(StoreError::new(&path, what, "give it its own name again; a sweep must not exist twice"))
 }
 
 const REMEDY: &str = "restore the file from a copy, or import the sweep again";
@@ -150,10 +151,11 @@ pub fn read_sweep(path: &Path) -> Result<Sweep, StoreError> {
     };
     let command = Quantity { name: key("command")?, unit: key("command_unit")? };
     let response = Quantity { name: key("response")?, unit: key("response_unit")? };
+    let columns = file.columns()?;
     for (name, q) in [(COMMAND, &command), (RESPONSE, &response)] {
-        check_described(path, &file.schema, &described(name, DataType::Float64, true, &q.unit, &q.name))?;
+        check_described(path, columns.schema(), &described(name, DataType::Float64, true, &q.unit, &q.name))?;
     }
-    let batch = file.read(&[TIME, COMMAND, RESPONSE])?;
+    let batch = file.read(columns, &[TIME, COMMAND, RESPONSE])?;
     let values = |name: &str| -> Result<Option<Vec<f64>>, StoreError> {
         let array = batch
             .column_by_name(name)

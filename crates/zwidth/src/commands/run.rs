@@ -63,7 +63,14 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let data = StudyData::load(layout).map_err(|findings| together(&findings))?;
     let jobs = plan::jobs(&data);
     check_only(&jobs, command)?;
-    let options = Options { fresh: command.fresh, dry_run: command.dry_run, only: command.only.clone() };
+    let trials = data.trials.iter().map(|t| (t.path.clone(), t.blake3.clone()));
+    let sweeps = data.sweeps.iter().map(|s| (s.path.clone(), s.blake3.clone()));
+    let options = Options {
+        fresh: command.fresh,
+        dry_run: command.dry_run,
+        only: command.only.clone(),
+        known: trials.chain(sweeps).collect(),
+    };
     let bars = screen.bars(lengths(&jobs, command.only.as_deref()));
     let done = |report: &Report| bars.done(report.stage, &report.name);
     // Not waited for: what a power cut spoils no longer has the hash in its record, and is made again.
