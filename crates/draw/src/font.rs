@@ -3,8 +3,9 @@
 //! Noto Sans (SIL Open Font Licence) in three faces. Letters are shaped as a text engine would (kerning,
 //! and marks such as the dot of θ̇ set over their letter), so widths measured here are widths on paper.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use rustybuzz::ttf_parser::{GlyphId, OutlineBuilder};
 use rustybuzz::{BufferClusterLevel, Face, UnicodeBuffer};
@@ -93,9 +94,13 @@ impl Label {
     }
 }
 
-/// The faces, parsed.
+/// Glyphs of a text and its whole advance, in font units.
+type Shaped = (Vec<Glyph>, i32);
+
+/// The faces, parsed, and the texts that were shaped already: a page is laid out in rounds, and figures share words.
 pub(crate) struct Fonts {
     faces: [Face<'static>; 3],
+    shaped: Mutex<BTreeMap<(Style, String), Shaped>>,
 }
 
 impl Fonts {
@@ -103,7 +108,8 @@ impl Fonts {
     pub(crate) fn bundled() -> Result<&'static Self, Error> {
         static BUNDLED: LazyLock<Option<Fonts>> = LazyLock::new(|| {
             let face = |style: Style| Face::from_slice(style.bytes(), 0);
-            Some(Fonts { faces: [face(Style::Regular)?, face(Style::Italic)?, face(Style::Bold)?] })
+            let faces = [face(Style::Regular)?, face(Style::Italic)?, face(Style::Bold)?];
+            Some(Fonts { faces, shaped: Mutex::default() })
         });
         BUNDLED.as_ref().ok_or(Error::Font)
     }
@@ -144,7 +150,7 @@ impl Fonts {
             Script::Sub => (SCRIPT_SIZE, -SUB_EM),
             Script::Super => (SCRIPT_SIZE, SUPER_EM),
         };
-        let (glyphs, advance) = self.shape(&run.text, style, markup)?;
+        let (glyphs, advance) = self.shaped(&run.text, style, markup)?;
         let piece_size = scale * size_pt;
         let piece = Piece {
             style,
@@ -158,8 +164,18 @@ impl Fonts {
         Ok((piece, f64::from(advance) * piece_size / self.units_per_em(style)))
     }
 
-    /// Glyphs of a text and its whole advance, in font units.
-    fn shape(&self, text: &str, style: Style, markup: &str) -> Result<(Vec<Glyph>, i32), Error> {
+    fn shaped(&self, text: &str, style: Style, markup: &str) -> Result<Shaped, Error> {
+        let known = || self.shaped.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (style, text.to_owned());
+        if let Some(shaped) = known().get(&key) {
+            return Ok(shaped.clone());
+        }
+        let shaped = self.shape(text, style, markup)?;
+        known().insert(key, shaped.clone());
+        Ok(shaped)
+    }
+
+    fn shape(&self, text: &str, style: Style, markup: &str) -> Result<Shaped, Error> {
         let face = self.face(style);
         if let Some(letter) = text.chars().find(|&c| face.glyph_index(c).is_none()) {
             return Err(Error::Letter { text: markup.to_owned(), letter });

@@ -135,17 +135,21 @@ fn encode(
     writer.finish()
 }
 
-/// The image data, in one piece: the encoder's own way, row by row, takes longer than the compression. No filters, which
-/// are for photographs. Level 6 takes two and a half times as long for files a tenth smaller.
+/// The image data, some rows at a time: the encoder's own way, row by row, takes longer than the compression. No filters,
+/// which are for photographs. Level 6 takes two and a half times as long for files a tenth smaller.
 fn compressed(pixmap: &Pixmap) -> std::io::Result<Vec<u8>> {
     const NO_FILTER: u8 = 0;
+    const ROWS: usize = 16;
     let row_bytes = 4 * pixmap.width() as usize;
-    let mut rows = Vec::with_capacity(pixmap.data().len());
-    for row in pixmap.data().chunks_exact(row_bytes) {
-        rows.push(NO_FILTER);
-        row.chunks_exact(4).for_each(|rgba| rows.extend_from_slice(&rgba[..3])); // on paper nothing shines through
-    }
     let mut zlib = ZlibEncoder::new(Vec::new(), Compression::new(2));
-    zlib.write_all(&rows)?;
+    let mut rows = Vec::with_capacity(ROWS * row_bytes);
+    for some in pixmap.data().chunks(ROWS * row_bytes) {
+        rows.clear();
+        for row in some.chunks_exact(row_bytes) {
+            rows.push(NO_FILTER);
+            row.chunks_exact(4).for_each(|rgba| rows.extend_from_slice(&rgba[..3])); // nothing shines through paper
+        }
+        zlib.write_all(&rows)?;
+    }
     zlib.finish()
 }

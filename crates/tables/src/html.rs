@@ -6,7 +6,9 @@ use crate::shown::{Cell, Seen, Shown, one_line, rows};
 /// footer. Rounded for people; cells of numbers have the class `number`.
 pub(crate) fn html(&Seen { table, columns, .. }: &Seen) -> String {
     let headings: String = columns.iter().map(heading).collect();
-    let body: String = rows(columns).map(|cells| row(columns, &cells)).collect();
+    let set = |k: usize, cell: &Cell| format!("<td{}>{}</td>", class(&columns[k]), content(cell));
+    let row = |cells: Vec<String>| format!("<tr>{}</tr>\n", cells.concat());
+    let body: String = rows(columns, set).into_iter().map(row).collect();
     let notes: String = table.notes().iter().map(|n| note(n, columns.len())).collect();
     let footer = if notes.is_empty() { notes } else { format!("<tfoot>\n{notes}</tfoot>\n") };
     format!(
@@ -21,11 +23,12 @@ fn heading(column: &Shown) -> String {
     format!("<th scope=\"col\"{} title=\"{about}\">{words}{}</th>", class(column), unit.unwrap_or_default())
 }
 
-fn row(columns: &[Shown], cells: &[&Cell]) -> String {
-    let cell =
-        |(column, cell): (&Shown, &&Cell)| format!("<td{}>{}</td>", class(column), escape(&cell.typeset()));
-    let cells: String = columns.iter().zip(cells).map(cell).collect();
-    format!("<tr>{cells}</tr>\n")
+/// A cell; digits are no signs of HTML.
+fn content(cell: &Cell) -> String {
+    match cell {
+        Cell::Number(number) if number.exponent.is_none() => number.typeset(),
+        _ => escape(&cell.typeset()),
+    }
 }
 
 fn note(note: &str, width: usize) -> String {

@@ -109,12 +109,12 @@ fn heading(placed: &Placed) -> String {
 fn body(group: &[Placed], sections: &Sections) -> String {
     let wraps = group.iter().any(|c| c.share.is_some());
     let end = if wraps { r"\\ \addlinespace[2pt]" } else { r"\\" };
-    let row = |(i, cells): (usize, Vec<&Cell>)| {
-        let cells: Vec<String> = group.iter().zip(cells).map(|(placed, cell)| set(placed, cell)).collect();
+    let row = |(i, cells): (usize, Vec<String>)| {
         let above = sections.get(&i).map(|title| section(title, i > 0, group.len())).unwrap_or_default();
         format!("{above}    {} {end}\n", cells.join(" & "))
     };
-    rows(group.iter().map(|p| p.column)).enumerate().map(row).collect()
+    let rows = rows(group.iter().map(|p| p.column), |k, cell| set(&group[k], cell));
+    rows.into_iter().enumerate().map(row).collect()
 }
 
 /// A heading among the rows; no page ends below it.

@@ -8,7 +8,7 @@ use arrow::datatypes::{DataType, Float64Type, Int64Type, Schema};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_store::{StoreError, described, read_entries, read_parquet, write_table};
+use zwidth_store::{StoreError, described, read_entries, read_parquet, read_parquet_columns, write_table};
 
 const NAME: &str = "table_name";
 const TITLE: &str = "table_title";
@@ -46,7 +46,18 @@ impl Table {
 
     /// Reads a table back from its Parquet file.
     pub fn from_parquet(path: &Path) -> Result<Self, TableError> {
-        let (batch, footer) = read_parquet(path)?;
+        Self::back(path, read_parquet(path)?)
+    }
+
+    /// Reads these columns alone, in the order of the file.
+    pub fn columns_from_parquet(path: &Path, names: &[&str]) -> Result<Self, TableError> {
+        Self::back(path, read_parquet_columns(path, names)?)
+    }
+
+    fn back(
+        path: &Path,
+        (batch, footer): (RecordBatch, BTreeMap<String, String>),
+    ) -> Result<Self, TableError> {
         let text = |key: &str| footer.get(key).cloned().unwrap_or_default();
         let columns = batch
             .schema()
@@ -131,6 +142,8 @@ mod tests {
         let again = Table::from_parquet(&path).unwrap();
         assert_eq!(again.columns(), table.columns());
         assert_eq!((again.title(), again.notes()), ("Title", ["a note".to_owned()].as_slice()));
+        let some = Table::columns_from_parquet(&path, &["trial", "mode"]).unwrap();
+        assert_eq!(some.columns(), [table.columns()[0].clone(), table.columns()[2].clone()]);
         let about = Table::title_and_notes(&path).unwrap();
         assert_eq!(about, ("Title".to_owned(), vec!["a note".to_owned()]));
     }

@@ -1,5 +1,7 @@
 //! A table as people see it, before any format: headings and rounded cells.
 
+use std::collections::BTreeMap;
+
 use crate::heading::{Part, bracketed, quantity, words};
 use crate::layout::{Layout, layout};
 use crate::rounding::{Decimal, rounded};
@@ -76,13 +78,24 @@ pub(crate) fn shown(table: &Table) -> Vec<Shown> {
     table.columns().iter().map(|c| show(c, table.columns())).collect()
 }
 
-/// The rows of columns: one cell from each.
+/// The rows of columns, each cell as `set` writes it, given its column's number: once, where the same text comes back in
+/// a column.
 pub(crate) fn rows<'a>(
-    columns: impl IntoIterator<Item = &'a Shown, IntoIter: Clone>,
-) -> impl Iterator<Item = Vec<&'a Cell>> {
-    let columns = columns.into_iter();
-    let height = columns.clone().next().map_or(0, |c| c.cells.len());
-    (0..height).map(move |row| columns.clone().filter_map(|c| c.cells.get(row)).collect())
+    columns: impl IntoIterator<Item = &'a Shown>,
+    set: impl Fn(usize, &Cell) -> String,
+) -> Vec<Vec<String>> {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (k, column) in columns.into_iter().enumerate() {
+        rows.resize_with(column.cells.len(), Vec::new);
+        let mut texts: BTreeMap<&str, String> = BTreeMap::new();
+        for (row, cell) in rows.iter_mut().zip(&column.cells) {
+            row.push(match cell {
+                Cell::Text(text) => texts.entry(text).or_insert_with(|| set(k, cell)).clone(),
+                _ => set(k, cell),
+            });
+        }
+    }
+    rows
 }
 
 /// One line, without control signs: what a cell, a title or a note can hold in any format.

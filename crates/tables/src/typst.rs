@@ -63,8 +63,10 @@ fn one(group: &[Placed], sections: &Sections) -> String {
     let alignment: Vec<&str> = group.iter().map(align).collect();
     let headings: Vec<String> = group.iter().map(heading).collect();
     let section = |i| sections.get(&i).map(|title| section(title, group.len())).unwrap_or_default();
-    let rows = rows(group.iter().map(|p| p.column)).enumerate();
-    let body: String = rows.map(|(i, cells)| section(i) + &row(group, &cells)).collect();
+    let hidden: Vec<Vec<String>> = group.iter().map(|p| hidden(p.column.room)).collect();
+    let rows = rows(group.iter().map(|p| p.column), |k, cell| set(&group[k], &hidden[k], cell));
+    let row = |(i, cells): (usize, Vec<String>)| section(i) + &format!("      {},\n", cells.join(", "));
+    let body: String = rows.into_iter().enumerate().map(row).collect();
     format!(
         "table(
       columns: ({},),
@@ -92,19 +94,13 @@ fn section(title: &str, width: usize) -> String {
     format!("      table.cell(colspan: {width}, align: left, emph({})),\n", expression(title))
 }
 
-fn row(group: &[Placed], cells: &[&Cell]) -> String {
-    let cells: Vec<String> = group.iter().zip(cells).map(|(placed, cell)| set(placed, cell)).collect();
-    format!("      {},\n", cells.join(", "))
-}
-
 /// A cell; a number is followed by what makes it as long behind the point as the column's longest, unseen.
-fn set(placed: &Placed, cell: &Cell) -> String {
+fn set(placed: &Placed, hidden: &[String], cell: &Cell) -> String {
     match cell {
         Cell::Number(number) => {
-            let unseen = unseen(number, placed.column.room);
-            let number =
-                literal(&Decimal { mantissa: grouped(&number.mantissa), ..number.clone() }.typeset());
-            if unseen.is_empty() { number } else { format!("{number} + hide({})", literal(&unseen)) }
+            let decimals = number.mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+            let seen = Decimal { mantissa: grouped(&number.mantissa), exponent: number.exponent };
+            literal(&seen.typeset()) + hidden.get(decimals).map_or("", String::as_str)
         }
         Cell::Missing if placed.column.numeric => {
             format!("table.cell(align: center, {})", expression(&cell.typeset()))
@@ -113,12 +109,14 @@ fn set(placed: &Placed, cell: &Cell) -> String {
     }
 }
 
-/// What a number lacks behind its point. Nothing in a column with powers of ten, whose numbers end with those.
-fn unseen(number: &Decimal, room: Room) -> String {
-    let decimals = number.mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-    if room.power > 0 || decimals == room.decimals {
-        return String::new();
-    }
+/// What follows a number of 0, 1, … decimals, unseen. Nothing in a column with powers of ten, whose numbers end with those.
+fn hidden(room: Room) -> Vec<String> {
+    let lacking = (0..room.decimals).filter(|_| room.power == 0).map(|decimals| unseen(decimals, room));
+    lacking.map(|zeros| format!(" + hide({})", literal(&zeros))).collect()
+}
+
+/// What a number of so many decimals lacks behind its point.
+fn unseen(decimals: usize, room: Room) -> String {
     let longest = grouped(&format!("0.{}", "0".repeat(room.decimals)));
     let own = if decimals == 0 { "0".to_owned() } else { grouped(&format!("0.{}", "0".repeat(decimals))) };
     longest.chars().skip(own.chars().count()).collect()
@@ -252,11 +250,10 @@ mod tests {
 
     #[test]
     fn points_stand_below_each_other() {
-        let number = |mantissa: &str| Decimal { mantissa: mantissa.to_owned(), exponent: None };
         let room = |decimals| Room { decimals, ..Room::default() };
-        assert_eq!(unseen(&number("12"), room(2)), ".00");
-        assert_eq!(unseen(&number("1.5"), room(5)), "00\u{202f}00");
-        assert_eq!(unseen(&number("1.25"), room(2)), "");
+        assert_eq!(hidden(room(2)), [" + hide(\".00\")", " + hide(\"0\")"]);
+        assert_eq!(hidden(room(5))[1], " + hide(\"00\u{202f}00\")");
+        assert!(hidden(Room { power: 1, ..room(2) }).is_empty());
     }
 
     #[test]

@@ -156,6 +156,16 @@ pub(crate) fn stem(signal: Signal) -> Option<(&'static str, &'static str)> {
     })
 }
 
+/// What figures read of a table of the stage `average`.
+pub fn average_columns() -> Vec<String> {
+    let of = |(stem, unit)| ["mean", "ci_low", "ci_high"].map(|what| format!("{stem}_{what}_{unit}"));
+    ["t_s", "n"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(SIGNALS.into_iter().filter_map(stem).flat_map(of))
+        .collect()
+}
+
 /// The mean of a signal and its band; `None` where the average has none.
 pub(crate) fn mean_curve(average: &Table, signal: Signal) -> Result<Option<MeanCurve>, TableError> {
     let Some((stem, unit)) = stem(signal) else { return Ok(None) };

@@ -39,7 +39,7 @@ mod words;
 pub use bow_tie::bow_tie;
 pub use characteristic::{Characterised, characteristic};
 pub use chattering::chattering;
-pub use data::{ModeData, Repeat, SIGNALS, Scene};
+pub use data::{ModeData, Repeat, SIGNALS, Scene, average_columns};
 pub use environment::environment;
 pub use export::data_table;
 pub use freemotion::free_motion;

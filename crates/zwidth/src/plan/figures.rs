@@ -161,11 +161,15 @@ impl<'a> Recorded<'a> {
         let (trials, problems) = read_all(&self.trials, zwidth_figures::SIGNALS.into_iter());
         let mut onsets = BTreeMap::new();
         for metrics in &self.metrics {
-            let metrics = Table::from_parquet(metrics)?;
+            let metrics = Table::columns_from_parquet(metrics, &["trial", "onset_s"])?;
             onsets.extend(metrics.integers("trial")?.into_iter().zip(metrics.floats("onset_s")?));
         }
         let onset = |t: &Trial| onsets.get(&Some(i64::from(t.meta.trial))).copied().flatten();
-        let read = |path: &Option<PathBuf>| path.as_deref().map(Table::from_parquet).transpose();
+        let columns = zwidth_figures::average_columns();
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        let read = |path: &Option<PathBuf>| {
+            path.as_deref().map(|path| Table::columns_from_parquet(path, &columns)).transpose()
+        };
         let averages = self.averages.iter().map(read).collect::<Result<Vec<_>, _>>()?;
         let notes = footnotes(averages.iter().flatten())?;
         let averages = averages.into_iter().map(|t| t.filter(|t| t.height() > 0)).collect();

@@ -1,6 +1,7 @@
 //! Stage `summary`: the page a person reads first.
 
 use super::{average, likert, metrics, sessions};
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_report::{LeftOut, Made as Listed, Shown, Summary, findings, summary_markdown};
@@ -52,7 +53,7 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
             let (there, missing): (Vec<_>, Vec<_>) = figures.iter().partition(|f| f.exists());
             summary.figures = there.into_iter().map(|f| figure(f, &folder)).collect();
             let (there, no_tables): (Vec<_>, Vec<_>) = printed.iter().partition(|f| f.exists());
-            summary.tables = there.into_iter().map(|f| table(f, &folder)).collect::<Result<_, _>>()?;
+            summary.tables = there.par_iter().map(|f| table(f, &folder)).collect::<Result<_, _>>()?;
             summary.shown = shown(data, &numbers, &summary)?;
             summary.left_out.extend(missing.into_iter().chain(no_tables).map(|f| could_not_be_made(f)));
             let origin = from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
