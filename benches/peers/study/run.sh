@@ -9,7 +9,7 @@ target="${CARGO_TARGET_DIR:-../../../target}"
 venv="${VENV:-$target/venv-study}"
 results=../RESULTS.md
 
-cargo build --release --quiet --package zwidth
+cargo build --release --quiet --locked --manifest-path ../../../Cargo.toml --package zwidth
 [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
 "$venv/bin/python" -m pip install --quiet --requirement requirements.txt
 
