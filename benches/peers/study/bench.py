@@ -87,10 +87,10 @@ def another_take(zwidth, root, folder):
     sys.exit("no seed gives a trial of the same condition")
 
 
-def shows_the_plant(zwidth, root):
+def shows_the_plant(root):
     """The figures and tables that read what the identification found, by name."""
     records = json.loads((root / "derived" / STUDY / "records.json").read_text())
-    found = {path for path in records["identify"]["outputs"]}
+    found = set(records["identify"]["outputs"])
     return [name for name, record in records.items() if name != "summary" and found & set(record["inputs"])]
 
 
@@ -143,7 +143,7 @@ def main():
     nothing = [timed(*run) for _ in range(args.repeats)]
     path, other, trial = another_take(args.zwidth, ours, args.folder / "again")
     takes = [path.read_bytes(), other.read_bytes()]
-    shown = shows_the_plant(args.zwidth, ours)
+    shown = shows_the_plant(ours)
     changed = []
     for k in range(args.repeats):
         record(path, takes[(k + 1) % 2])

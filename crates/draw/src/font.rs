@@ -191,10 +191,10 @@ impl Fonts {
         for (info, place) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {
             let start = info.cluster as usize;
             let (x, y) = (pen + place.x_offset, place.y_offset);
-            let glyph = Glyph { id: info.glyph_id as u16, x, y, letters: start..text.len() };
-            if let Some(before) = glyphs.last_mut() {
-                before.letters.end = start;
-            }
+            // the shaper may have moved marks past each other: what follows in the text need not come next
+            let next =
+                shaped.glyph_infos().iter().map(|i| i.cluster as usize).filter(|next| *next > start).min();
+            let glyph = Glyph { id: info.glyph_id as u16, x, y, letters: start..next.unwrap_or(text.len()) };
             let letter = text.get(start..).and_then(|rest| rest.chars().next());
             match &base {
                 Some(base) if letter.is_some_and(is_mark) => glyphs.push(self.over(base, glyph, style)),
@@ -299,6 +299,20 @@ mod tests {
         assert!(dot.y + i32::from(over.y_min) > i32::from(under.y_max), "clear of the letter");
         assert!(dot.x + i32::from(over.x_min) > i32::from(under.x_min), "not left of the letter");
         assert!(dot.x + i32::from(over.x_max) < i32::from(under.x_max) + 40, "not right of the letter");
+    }
+
+    #[test]
+    fn every_glyph_stands_for_letters_of_its_text_though_marks_change_places() {
+        let fonts = Fonts::bundled().unwrap();
+        for text in ["c\u{30c}\u{323}", "x\u{301}\u{323}", "θ\u{307}", "office"] {
+            let label = fonts.label(text, 10.0).unwrap();
+            for glyph in &label.pieces[0].glyphs {
+                assert!(
+                    text.get(glyph.letters.clone()).is_some_and(|letters| !letters.is_empty()),
+                    "{glyph:?}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -107,7 +107,7 @@ impl Drawing {
     ///
     /// # Errors
     /// [`Error::Size`] if `dpi` is not positive or the image would pass 100 megapixels, [`Error::Encode`] if the
-    /// libraries refuse the drawing.
+    /// libraries refuse the drawing, [`Error::Font`] as [`draw`].
     pub fn png(&self, dpi: f64) -> Result<Vec<u8>, Error> {
         png::png(&self.shapes, Fonts::bundled()?, self.size_pt, dpi, self.provenance.as_deref())
     }
@@ -116,7 +116,7 @@ impl Drawing {
     /// provenance among its keywords.
     ///
     /// # Errors
-    /// [`Error::Encode`] if the libraries refuse the drawing.
+    /// [`Error::Encode`] if the libraries refuse the drawing, [`Error::Font`] as [`draw`].
     pub fn pdf(&self) -> Result<Vec<u8>, Error> {
         pdf::pdf(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head())
     }

@@ -84,7 +84,9 @@ fn write(
         false => Transform::from_translate(x, y),
     });
     let from = Point::from_xy((f64::from(place(0)) / em * piece.size_pt) as f32, 0.0);
-    surface.draw_glyphs(from, &glyphs, face(piece.style)?, &piece.text, piece.size_pt as f32, false);
+    // letters that changed places cannot be copied in their order: they are outlines
+    let outlined = !piece.glyphs.is_sorted_by_key(|glyph| glyph.letters.start);
+    surface.draw_glyphs(from, &glyphs, face(piece.style)?, &piece.text, piece.size_pt as f32, outlined);
     surface.pop();
     Ok(())
 }

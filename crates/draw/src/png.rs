@@ -86,7 +86,7 @@ fn paint(pixmap: &mut Pixmap, shape: &Shape, fonts: &Fonts, scale: f32) {
 }
 
 fn ink(Colour { r, g, b }: Colour, opacity: f64) -> Paint<'static> {
-    let alpha = (opacity.clamp(0.0, 1.0) * 255.0).round() as u8;
+    let alpha = (opacity * 255.0).round() as u8;
     Paint { shader: Shader::SolidColor(Color::from_rgba8(r, g, b, alpha)), ..Paint::default() }
 }
 

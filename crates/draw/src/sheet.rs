@@ -79,29 +79,29 @@ impl Sheet {
 
     /// An open polygon drawn with a pen.
     pub(crate) fn stroke(&mut self, points: &[At], stroke: &Stroke) {
-        if points.len() >= 2 {
-            self.put(Form::Curve(places(points)), Ink::Stroke(*stroke));
+        if points.len() >= 2 && stroke.width_pt > 0.0 {
+            self.put(Form::Curve(places(points)), Ink::Stroke(pen(stroke)));
         }
     }
 
     /// A closed polygon filled with a colour.
     pub(crate) fn fill(&mut self, points: &[At], colour: Colour, opacity: f64) {
         if points.len() >= 3 {
-            self.put(Form::Area(places(points)), Ink::Fill(colour, opacity));
+            self.put(Form::Area(places(points)), fill(colour, opacity));
         }
     }
 
     pub(crate) fn disc(&mut self, centre: At, diameter_pt: f64, colour: Colour, opacity: f64) {
-        self.put(Form::Disc(place(centre), hundredth(diameter_pt / 2.0)), Ink::Fill(colour, opacity));
+        self.put(Form::Disc(place(centre), hundredth(diameter_pt / 2.0)), fill(colour, opacity));
     }
 
     pub(crate) fn rect(&mut self, rect: &Rect, colour: Colour, opacity: f64) {
-        self.put(Form::Box(sized(rect), 0.0), Ink::Fill(colour, opacity));
+        self.put(Form::Box(sized(rect), 0.0), fill(colour, opacity));
     }
 
     /// A frame with rounded corners.
     pub(crate) fn frame(&mut self, rect: &Rect, radius_pt: f64, stroke: &Stroke) {
-        self.put(Form::Box(sized(rect), hundredth(radius_pt)), Ink::Stroke(*stroke));
+        self.put(Form::Box(sized(rect), hundredth(radius_pt)), Ink::Stroke(pen(stroke)));
     }
 
     /// A line of text that starts on the base line at `at`; `turned` reads upwards.
@@ -112,6 +112,19 @@ impl Sheet {
             self.put(form, Ink::Fill(colour, 1.0));
         }
     }
+}
+
+/// From 0 to 1; what is no number hides nothing.
+fn share(opacity: f64) -> f64 {
+    if opacity.is_nan() { 1.0 } else { opacity.clamp(0.0, 1.0) }
+}
+
+fn pen(stroke: &Stroke) -> Stroke {
+    Stroke { opacity: share(stroke.opacity), ..*stroke }
+}
+
+fn fill(colour: Colour, opacity: f64) -> Ink {
+    Ink::Fill(colour, share(opacity))
 }
 
 fn hundredth(value: f64) -> f64 {

@@ -253,6 +253,15 @@ fn a_word_of_the_provenance_is_found_in_the_bytes_of_every_format_whatever_stand
 }
 
 #[test]
+fn marks_above_and_below_one_letter_can_be_drawn_in_every_format() {
+    let (_, figure) = gallery::figures().remove(0);
+    for title in ["c\u{30c}\u{323}", "mode x\u{301}\u{323}", "\u{10d}\u{323}"] {
+        let drawing = draw(&Figure { title: Some(title.to_owned()), ..figure.clone() }).unwrap();
+        assert!(drawing.svg().is_ok() && drawing.pdf().is_ok() && drawing.png(50.0).is_ok(), "{title}");
+    }
+}
+
+#[test]
 fn an_image_has_the_size_on_paper_that_its_figure_asks_for() {
     let drawing = &GALLERY["characteristic"];
     let image = ::png::Decoder::new(std::io::Cursor::new(drawing.png(200.0).unwrap())).read_info().unwrap();

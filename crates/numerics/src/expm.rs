@@ -316,12 +316,13 @@ impl<const N: usize> Ladder<N> {
     /// the last one alone.
     pub fn flows<const M: usize>(&self, t: f64) -> [Matrix<N>; M] {
         let long = self.is_long(M as f64 * t);
-        if let Some(flows) = long.then(|| precise_flows(&self.a, &self.rest, t)).flatten() {
-            return flows;
-        }
+        let precise: Option<[Matrix<N>; M]> = long.then(|| precise_flows(&self.a, &self.rest, t)).flatten();
         let identity = Matrix::<N>::identity();
-        let over = |t| Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) };
-        std::array::from_fn(|k| over((k + 1) as f64 * t))
+        let plain = |t| Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) };
+        std::array::from_fn(|k| {
+            let precise = precise.map(|flows| flows[k]).filter(Matrix::is_finite);
+            precise.unwrap_or_else(|| plain((k + 1) as f64 * t))
+        })
     }
 
     /// Index of the shortest rung whose span is at least `t` (the longest if none is).
@@ -330,7 +331,8 @@ impl<const N: usize> Ladder<N> {
     }
 }
 
-/// `exp((A + rest) k t)` for `k = 1 … M` and `t` > 0 in twice the precision, rounded once; `None` if one is not finite.
+/// `exp((A + rest) k t)` for `k = 1 … M` and `t` > 0 in twice the precision, rounded once; `None` where the angle is too
+/// large for a number.
 fn precise_flows<const N: usize, const M: usize>(
     a: &Matrix<N>,
     rest: &Matrix<N>,
@@ -341,8 +343,7 @@ fn precise_flows<const N: usize, const M: usize>(
         return None;
     }
     let halvings = if angle > RADIUS { libm::ilogb(angle / RADIUS) + 1 } else { 0 };
-    let flows = precise::multiples(a, rest, t, halvings);
-    flows.iter().all(Matrix::is_finite).then_some(flows)
+    Some(precise::multiples(a, rest, t, halvings))
 }
 
 /// `exp(A t) - 1`. The rungs are doubled in this form, `X(2s) = 2 X(s) + X(s)²`, because the change
@@ -419,6 +420,17 @@ mod tests {
         for j in 0..3 {
             assert_eq!(flow.at(0, j).to_bits(), if j == 0 { 1.0_f64 } else { 0.0 }.to_bits());
         }
+    }
+
+    #[test]
+    fn multiples_are_the_flows_one_by_one_though_the_last_of_them_is_too_large_for_a_number() {
+        let ladder = Ladder::<1>::new(Matrix::from_fn(|_, _| 200.0), 10.0);
+        let flows: [Matrix<1>; 4] = ladder.flows(1.0);
+        for (k, flow) in (1..=3).zip(flows) {
+            let exact = libm::exp(200.0 * f64::from(k));
+            assert!((flow.at(0, 0) / exact - 1.0).abs() < 1e-13, "{k}: {}", flow.at(0, 0));
+        }
+        assert!(!flows[3].is_finite());
     }
 
     #[test]

@@ -70,12 +70,11 @@ pub fn run(
     board.records = before.clone();
     let (hashes, board) = (Hashes::new(&options.known), Mutex::new(board));
     let run = Run { jobs, before, root, records_path, files, options, done, hashes, board };
-    let mut ready = run.board().ready();
-    while !ready.is_empty() {
-        rayon::scope_fifo(|scope| ready.into_iter().for_each(|i| run.spawn(scope, i)));
-        ready = run.board().in_a_circle();
+    for begun in [Board::ready, Board::in_a_circle] {
+        let begun = begun(&mut run.board());
+        rayon::scope_fifo(|scope| begun.into_iter().for_each(|i| run.spawn(scope, i)));
     }
-    let Board { mut records, mut changed, reports, disk, .. } =
+    let Board { mut records, mut unsaved, reports, disk, .. } =
         run.board.into_inner().unwrap_or_else(PoisonError::into_inner);
     if let Some(error) = disk {
         // What was made is remembered where there is room for that; the first error is the one to report.
@@ -83,22 +82,22 @@ pub fn run(
         return Err(error);
     }
     if options.only.is_none() && !options.dry_run {
-        changed |= remove_unplanned(jobs, &mut records, root, files);
+        unsaved |= remove_unplanned(jobs, &mut records, root, files);
     }
-    if changed && !options.dry_run {
+    if unsaved && !options.dry_run {
         records.write(files, records_path)?;
     }
     Ok(reports.into_iter().flatten().collect())
 }
 
-/// How much work, s, a run that is killed may forget.
+/// How often records are saved while jobs end, s: a run that is killed makes again what came after.
 const SAVED_EVERY_S: f64 = 1.0;
 
 /// How a run stands.
 struct Board<'j> {
     records: Records,
-    /// Whether these differ from those that the run began with.
-    changed: bool,
+    /// Whether these differ from those in their file.
+    unsaved: bool,
     saved: Instant,
     /// Outputs that could not be made.
     failed: BTreeSet<&'j PathBuf>,
@@ -121,7 +120,7 @@ impl Board<'_> {
         }
         Board {
             records: Records::default(),
-            changed: false,
+            unsaved: false,
             saved: Instant::now(),
             failed: BTreeSet::new(),
             reports: jobs.iter().map(|_| None).collect(),
@@ -136,7 +135,8 @@ impl Board<'_> {
         self.begin(|waits| waits == 0)
     }
 
-    /// Jobs that nothing which is left could make ready: they need each other, and fail when they find an input missing.
+    /// Jobs that nothing which is left could make ready: they need each other, or one that does, and fail when they find an
+    /// input missing.
     fn in_a_circle(&mut self) -> Vec<usize> {
         if self.disk.is_some() { Vec::new() } else { self.begin(|_| true) }
     }
@@ -214,19 +214,19 @@ impl<'j> Run<'j, '_> {
         match (&report.verdict, record) {
             (Verdict::Made(_), Some(record)) => {
                 board.records.0.insert(job.name.clone(), record);
-                board.changed = true;
+                board.unsaved = true;
             }
             (Verdict::Failed(_) | Verdict::Blocked(_), _) => {
-                board.changed |= board.records.0.remove(&job.name).is_some();
+                board.unsaved |= board.records.0.remove(&job.name).is_some();
                 board.failed.extend(&job.outputs);
                 self.withdraw(job);
             }
             _ => {}
         }
         board.reports[i] = Some(report);
-        if board.changed && !self.options.dry_run && board.saved.elapsed().as_secs_f64() >= SAVED_EVERY_S {
+        if board.unsaved && !self.options.dry_run && board.saved.elapsed().as_secs_f64() >= SAVED_EVERY_S {
             board.records.write(self.files, self.records_path)?;
-            board.saved = Instant::now();
+            (board.unsaved, board.saved) = (false, Instant::now());
         }
         Ok(())
     }
@@ -391,6 +391,81 @@ mod tests {
         fs::write(root.join("B.txt"), "edited").unwrap();
         assert_eq!(go(root, 2, &plain)[2].1, Verdict::Made("output B.txt changed".to_owned()));
         assert_eq!(made(&go(root, 2, &Options { fresh: true, ..plain })).len(), 3);
+    }
+
+    /// A job of a stage that writes down its name, and how often it was made.
+    fn noted<'a>(
+        root: &Path,
+        (stage, inputs, output): (&'static str, &[&str], &str),
+        made: &'a Mutex<Vec<&'static str>>,
+    ) -> Job<'a> {
+        let inputs: Vec<PathBuf> = inputs.iter().map(|i| root.join(i)).collect();
+        let read = inputs.clone();
+        let make: crate::job::Make = Box::new(move |_| {
+            made.lock().unwrap().push(stage);
+            let texts: Result<Vec<String>, _> = read.iter().map(fs::read_to_string).collect();
+            Ok(Made { outputs: vec![texts?.concat().into_bytes()], problems: Vec::new() })
+        });
+        let outputs = vec![root.join(output)];
+        let (name, parameters) = (stage.to_owned(), String::new());
+        Job { stage, name, version: 1, parameters, inputs, outputs, tolerant: false, make }
+    }
+
+    fn verdicts(root: &Path, jobs: &[Job], options: &Options) -> Vec<Verdict> {
+        let records = root.join("records.json");
+        let reports = run(jobs, root, &records, &RealFiles, options, &|_| {}).unwrap();
+        reports.into_iter().map(|r| r.verdict).collect()
+    }
+
+    #[test]
+    fn a_job_that_waits_for_two_is_begun_once_after_both() {
+        let folder = folder();
+        let made = Mutex::new(Vec::new());
+        let jobs = [
+            ("last", &["left", "right"][..], "last"),
+            ("left", &["first"], "left"),
+            ("right", &["first", "a.txt"], "right"),
+            ("first", &["a.txt"], "first"),
+        ];
+        let jobs: Vec<Job> = jobs.into_iter().map(|job| noted(folder.path(), job, &made)).collect();
+        verdicts(folder.path(), &jobs, &Options::default());
+        let made = made.lock().unwrap();
+        assert_eq!((made.len(), made[0], made[3]), (4, "first", "last"), "{made:?}");
+        assert_eq!(fs::read_to_string(folder.path().join("last")).unwrap(), "aaa");
+    }
+
+    #[test]
+    fn what_waits_for_a_blocked_job_is_blocked_and_what_waits_for_a_circle_ends_with_it() {
+        let folder = folder();
+        let made = Mutex::new(Vec::new());
+        let chain = [("c", &["b"][..], "c"), ("b", &["a"], "b"), ("a", &["nothing"], "a")];
+        let circle = [("x", &["y"][..], "x"), ("y", &["x"], "y"), ("z", &["x"], "z"), ("w", &["a.txt"], "w")];
+        let jobs: Vec<Job> =
+            chain.into_iter().chain(circle).map(|job| noted(folder.path(), job, &made)).collect();
+        let found = verdicts(folder.path(), &jobs, &Options::default());
+        assert!(
+            matches!(found[..3], [Verdict::Blocked(_), Verdict::Blocked(_), Verdict::Failed(_)]),
+            "{found:?}"
+        );
+        assert!(
+            found[3..6].iter().all(|v| matches!(v, Verdict::Blocked(_) | Verdict::Failed(_))),
+            "{found:?}"
+        );
+        assert!(matches!(found[6], Verdict::Made(_)), "{found:?}");
+        let only = Options { only: Some("z".to_owned()), ..Options::default() };
+        assert_eq!(verdicts(folder.path(), &jobs, &only).len(), 3, "with the circle that it waits for");
+    }
+
+    #[test]
+    fn the_hash_of_a_file_that_was_read_already_counts() {
+        let folder = folder();
+        let root = folder.path();
+        let hash = |text: &str| hex_blake3(text.as_bytes());
+        let knowing =
+            |text: &str| Options { known: vec![(root.join("a.txt"), hash(text))], ..Options::default() };
+        go(root, 1, &Options::default());
+        assert!(made(&go(root, 1, &knowing("a"))).is_empty(), "as it is");
+        assert_eq!(made(&go(root, 1, &knowing("as it was a moment ago"))), ["upper"]);
     }
 
     #[test]

@@ -80,7 +80,7 @@ pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String
     Ok((batch, file.footer))
 }
 
-/// The columns of these names of such a file, in its order, and its footer.
+/// The columns of these names of such a file, in its order, and its footer; a name that the file lacks is passed by.
 pub fn read_parquet_columns(
     path: &Path,
     names: &[&str],

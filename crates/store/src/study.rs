@@ -57,7 +57,7 @@ impl TrialEntry {
         excluded.or_else(|| self.sealed.clone())
     }
 
-    /// Reads the trial's file, with the `signals` asked for, as [`read_trial`] does. What is known of it is what the
+    /// Reads the trial's file, with those of the `signals` asked for that were recorded, as [`read_trial`] does. What is known of it is what the
     /// session knows: an unsealed trial has its mode and repeat, where the file has a code.
     ///
     /// # Errors

@@ -119,7 +119,9 @@ fn column(
 
 /// A sweep without its samples; it must lie where its footer says it belongs, so that none exists twice.
 pub(crate) fn entry(layout: &Layout, path: PathBuf, actuator: ActuatorId) -> Result<SweepEntry, StoreError> {
-    let ParquetFile { footer, bytes, .. } = ParquetFile::open_recording(&path)?;
+    let file = ParquetFile::open_recording(&path)?;
+    file.columns()?; // no log holds a sweep's hash that would tell of damage there
+    let ParquetFile { footer, bytes, .. } = file;
     let says = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default();
     let number = says("sweep").parse::<u32>().ok();
     if says("actuator") == actuator.as_str() && number.is_some_and(|n| layout.sweep(&actuator, n) == path) {

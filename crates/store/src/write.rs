@@ -49,7 +49,8 @@ pub fn write_parquet(
     footer: BTreeMap<String, String>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
-    let properties = recorded(&batch.schema(), entries(batch, footer));
+    let properties =
+        recorded(&batch.schema(), entries(batch, footer)).map_err(|e| cannot_encode(path, &e))?;
     write(batch, properties, path)
 }
 
@@ -61,7 +62,7 @@ pub fn write_table(
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
     let properties = derived(&batch.schema(), entries(batch, footer));
-    write(batch, Ok(properties), path)
+    write(batch, properties, path)
 }
 
 fn entries(batch: &RecordBatch, mut footer: BTreeMap<String, String>) -> Vec<KeyValue> {
@@ -71,21 +72,19 @@ fn entries(batch: &RecordBatch, mut footer: BTreeMap<String, String>) -> Vec<Key
     footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect()
 }
 
-fn write(
-    batch: &RecordBatch,
-    properties: Result<WriterProperties, ParquetError>,
-    path: &Path,
-) -> Result<Vec<u8>, StoreError> {
+fn write(batch: &RecordBatch, properties: WriterProperties, path: &Path) -> Result<Vec<u8>, StoreError> {
     let bytes = (|| {
         let mut bytes = Vec::new();
-        let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties?))?;
+        let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties))?;
         writer.write(batch)?;
         writer.close()?;
         Ok(bytes)
     })();
-    bytes.map_err(|e: ParquetError| {
-        StoreError::new(path, format!("cannot encode: {e}"), "this is a defect of zwidth; please report it")
-    })
+    bytes.map_err(|e| cannot_encode(path, &e))
+}
+
+fn cannot_encode(path: &Path, e: &ParquetError) -> StoreError {
+    StoreError::new(path, format!("cannot encode: {e}"), "this is a defect of zwidth; please report it")
 }
 
 /// An Arrow field that carries `unit` and `description`.

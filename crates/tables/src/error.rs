@@ -25,6 +25,26 @@ pub enum TableError {
         /// The type asked for.
         wanted: crate::Type,
     },
+    /// Two columns of one name.
+    #[error("table '{table}' has the column '{column}' twice")]
+    Twice {
+        /// The table.
+        table: String,
+        /// The column.
+        column: String,
+    },
+    /// Tables that are to be one and have different columns.
+    #[error(
+        "table '{table}' has other columns than those it is to be put to ({columns} instead of {expected})"
+    )]
+    Unlike {
+        /// The table.
+        table: String,
+        /// Its columns.
+        columns: String,
+        /// Those of the others.
+        expected: String,
+    },
     /// Columns of unequal length.
     #[error("column '{column}' of table '{table}' has {found} rows where the first has {expected}")]
     Ragged {

@@ -32,7 +32,7 @@ pub fn of_trials(name: &str, title: &str, tables: &[Table]) -> Result<Option<Tab
     let Some(all) = Table::concat(name, title, tables)? else { return Ok(None) };
     let people = [all.texts("participant")?, all.texts("session")?];
     let trials = all.integers("trial")?;
-    all.sorted(|row| (&people[0][row], &people[1][row], trials[row])).map(Some)
+    Ok(Some(all.sorted(|row| (&people[0][row], &people[1][row], trials[row]))))
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ impl Table {
         Self::back(path, read_parquet(path)?)
     }
 
-    /// Reads these columns alone, in the order of the file.
+    /// Reads these columns alone, in the order of the file; a name that it lacks is passed by.
     pub fn columns_from_parquet(path: &Path, names: &[&str]) -> Result<Self, TableError> {
         Self::back(path, read_parquet_columns(path, names)?)
     }

@@ -63,16 +63,15 @@ impl Values {
         }
     }
 
-    /// Appends values of the same type; `None` where it is another.
-    fn append(&mut self, more: &Self) -> Option<()> {
+    /// Appends values of the same type; of another none can come.
+    fn append(&mut self, more: &Self) {
         match (self, more) {
             (Self::Float(v), Self::Float(more)) => v.extend_from_slice(more),
             (Self::Integer(v), Self::Integer(more)) => v.extend_from_slice(more),
             (Self::Text(v), Self::Text(more)) => v.extend_from_slice(more),
             (Self::Flag(v), Self::Flag(more)) => v.extend_from_slice(more),
-            _ => return None,
+            _ => {}
         }
-        Some(())
     }
 }
 
@@ -149,11 +148,15 @@ impl Table {
     /// A table from columns.
     ///
     /// # Errors
-    /// A float that is not finite (a missing value is null), columns of unequal length.
+    /// A float that is not finite (a missing value is null), columns of unequal length, two of one name.
     pub fn new(name: &str, title: &str, columns: Vec<Column>) -> Result<Self, TableError> {
         let expected = columns.first().map_or(0, |c| c.values.len());
-        for c in &columns {
+        for (i, c) in columns.iter().enumerate() {
             check_finite(name, c)?;
+            if columns[..i].iter().any(|before| before.field.name == c.field.name) {
+                let (table, column) = (name.to_owned(), c.field.name.to_string());
+                return Err(TableError::Twice { table, column });
+            }
             if c.values.len() != expected {
                 let (table, column) = (name.to_owned(), c.field.name.to_string());
                 return Err(TableError::Ragged { table, column, expected, found: c.values.len() });
@@ -162,10 +165,10 @@ impl Table {
         Ok(Self { name: name.to_owned(), title: title.to_owned(), notes: Vec::new(), columns })
     }
 
-    /// A table from a polars frame, as a query gave it; `fields` describe its columns, in order.
+    /// A table from those columns of a polars frame, as a query gave it, that `fields` describe.
     ///
     /// # Errors
-    /// Columns that differ from `fields` in name or type; a float that is not finite.
+    /// A field that the frame lacks or has with another type; a float that is not finite.
     pub fn from_frame(
         name: &str,
         title: &str,
@@ -273,23 +276,21 @@ impl Table {
         let Some((first, others)) = tables.split_first() else {
             return Ok(None);
         };
+        let form = |table: &Self| table.fields().map(|f| (f.name.clone(), f.kind)).collect::<Vec<_>>();
         let mut columns = first.columns.clone();
         for table in others {
-            for column in &mut columns {
-                column
-                    .values
-                    .append(table.values(&column.field.name)?)
-                    .ok_or_else(|| table.wrong_type(&column.field.name, column.field.kind))?;
+            if form(table) != form(first) {
+                let (table_name, columns, expected) = (table.name.clone(), table.names(), first.names());
+                return Err(TableError::Unlike { table: table_name, columns, expected });
             }
+            columns.iter_mut().zip(&table.columns).for_each(|(all, more)| all.values.append(&more.values));
         }
         Self::new(name, title, columns).map(Some)
     }
 
     /// The rows in the order of a key; rows of one key stay as they are.
-    ///
-    /// # Errors
-    /// None for a table that was made.
-    pub fn sorted<K: Ord>(&self, key: impl Fn(usize) -> K) -> Result<Self, TableError> {
+    #[must_use]
+    pub fn sorted<K: Ord>(&self, key: impl Fn(usize) -> K) -> Self {
         fn of<T: Clone>(values: &[Option<T>], rows: &[usize]) -> Vec<Option<T>> {
             rows.iter().map(|row| values[*row].clone()).collect()
         }
@@ -304,8 +305,12 @@ impl Table {
             };
             Column { field: c.field.clone(), values }
         };
-        let columns = self.columns.iter().map(column).collect();
-        Ok(Self { notes: self.notes.clone(), ..Self::new(&self.name, &self.title, columns)? })
+        Self { columns: self.columns.iter().map(column).collect(), ..self.clone() }
+    }
+
+    /// The columns' names, for a message.
+    fn names(&self) -> String {
+        self.fields().map(|f| f.name.as_ref()).collect::<Vec<_>>().join(", ")
     }
 
     fn values(&self, column: &str) -> Result<&Values, TableError> {
@@ -313,7 +318,7 @@ impl Table {
         found.map(|c| &c.values).ok_or_else(|| TableError::NoColumn {
             table: self.name.clone(),
             column: column.to_owned(),
-            has: self.fields().map(|f| f.name.as_ref()).collect::<Vec<_>>().join(", "),
+            has: self.names(),
         })
     }
 
@@ -383,11 +388,13 @@ mod tests {
     }
 
     #[test]
-    fn columns_of_unequal_length_are_refused() {
+    fn columns_of_unequal_length_or_of_one_name_are_refused() {
         let columns = vec![
             Column::integer("trial", "1", "", [Some(1), Some(2)]),
             Column::integer("repeat", "1", "", [Some(1)]),
         ];
+        let twice = Table::new("t", "", vec![columns[0].clone(), columns[0].clone()]).unwrap_err();
+        assert_eq!(twice.to_string(), "table 't' has the column 'trial' twice");
         let error = Table::new("t", "", columns).unwrap_err();
         assert_eq!(error.to_string(), "column 'repeat' of table 't' has 1 rows where the first has 2");
     }
@@ -399,5 +406,9 @@ mod tests {
         assert!(Table::concat("none", "", &[]).unwrap().is_none());
         let other = Table::new("other", "", vec![Column::text("force_n", "", [Some("1")])]).unwrap();
         assert!(Table::concat("both", "", &[sample(), other]).is_err());
+        let more = [sample().columns(), &[Column::flag("more", "", [None, None])]].concat();
+        let more = Table::new("more", "", more).unwrap();
+        let error = Table::concat("both", "", &[sample(), more]).unwrap_err().to_string();
+        assert!(error.contains("mode, force_n, more instead of mode, force_n"), "{error}");
     }
 }

@@ -48,6 +48,11 @@ impl<'a> Aligned<'a> {
         self.trial
     }
 
+    /// When each sample comes on the common scale, s.
+    pub(crate) fn times_s(&self) -> &[f64] {
+        &self.t_s
+    }
+
     /// From onset to the last sample on the common scale, s.
     pub(crate) fn length_s(&self) -> f64 {
         self.t_s.last().copied().unwrap_or(0.0)

@@ -100,14 +100,7 @@ pub struct Average {
 /// study, columns of unequal length.
 pub fn average(trials: &[Trial], study: &Study, alignment: Alignment) -> Result<Average, AverageError> {
     let first = trials.first().ok_or(AverageError::Empty)?;
-    check_together(trials)?;
-    let wall_rad = wall(first, study)?;
-    let (aligned, left_out) = align(trials, &study.analysis, wall_rad, alignment)?;
-    let landmarks = match alignment {
-        Alignment::Onset => Vec::new(),
-        Alignment::Landmarks => mean_landmarks(&aligned),
-    };
-    let aligned: Vec<Aligned> = aligned.into_iter().map(|a| warped(a, &landmarks)).collect();
+    let Placed { aligned, left_out, landmarks } = place(trials, study, alignment)?;
     let points = study.analysis.grid_points;
     if points < 2 {
         return Err(AverageError::Grid { points });
@@ -128,6 +121,40 @@ pub fn average(trials: &[Trial], study: &Study, alignment: Alignment) -> Result<
         landmarks,
         t_s,
     })
+}
+
+/// When each sample of each of the trials comes on the scale of their average, s; `None` for a repeat that is not in it.
+///
+/// # Errors
+/// Those of [`average`].
+pub fn times_s(
+    trials: &[Trial],
+    study: &Study,
+    alignment: Alignment,
+) -> Result<Vec<Option<Vec<f64>>>, AverageError> {
+    let placed = place(trials, study, alignment)?;
+    let of = |trial: &Trial| placed.aligned.iter().find(|a| std::ptr::eq(a.trial(), trial));
+    Ok(trials.iter().map(|trial| of(trial).map(|aligned| aligned.times_s().to_vec())).collect())
+}
+
+/// Repeats on the scale of their average.
+struct Placed<'a> {
+    aligned: Vec<Aligned<'a>>,
+    left_out: Vec<LeftOut>,
+    landmarks: Vec<(Landmark, f64)>,
+}
+
+fn place<'a>(trials: &'a [Trial], study: &Study, alignment: Alignment) -> Result<Placed<'a>, AverageError> {
+    let first = trials.first().ok_or(AverageError::Empty)?;
+    check_together(trials)?;
+    let wall_rad = wall(first, study)?;
+    let (aligned, left_out) = align(trials, &study.analysis, wall_rad, alignment)?;
+    let landmarks = match alignment {
+        Alignment::Onset => Vec::new(),
+        Alignment::Landmarks => mean_landmarks(&aligned),
+    };
+    let aligned = aligned.into_iter().map(|a| warped(a, &landmarks)).collect();
+    Ok(Placed { aligned, left_out, landmarks })
 }
 
 fn check_together(trials: &[Trial]) -> Result<(), AverageError> {
@@ -196,6 +223,30 @@ mod tests {
 
     fn course(average: &Average, signal: Signal) -> &Course {
         average.courses.iter().find(|c| c.quantity.signal == signal).unwrap()
+    }
+
+    #[test]
+    fn by_landmarks_every_repeat_turns_when_the_mean_does_and_one_without_an_end_has_no_place() {
+        let mut trials =
+            [(1.0, 0.5), (0.6, 0.9), (0.8, 0.7)].map(|(there, back)| there_and_back(1, there, back));
+        let turns = |trial: &Trial, times: &[f64]| {
+            let theta = trial.samples.get(Signal::Theta).unwrap();
+            let top = (0..theta.len()).max_by(|i, j| theta[*i].total_cmp(&theta[*j])).unwrap();
+            times[top]
+        };
+        let by = |trials: &[Trial], alignment| times_s(trials, &study(), alignment).unwrap();
+        let found = by(&trials, Alignment::Landmarks);
+        let turned: Vec<f64> =
+            trials.iter().zip(&found).map(|(t, times)| turns(t, times.as_ref().unwrap())).collect();
+        for at in &turned {
+            assert!((at - turned[0]).abs() < 2.0 / RATE_HZ, "{turned:?}");
+        }
+        let at_onset = by(&trials, Alignment::Onset);
+        let apart = |i: usize| turns(&trials[i], at_onset[i].as_ref().unwrap());
+        assert!(apart(0) - apart(1) > 0.3);
+        let velocity = vec![1.0; trials[2].samples.len()];
+        trials[2].samples.set(Signal::ThetaDot, velocity);
+        assert!(by(&trials, Alignment::Landmarks)[2].is_none());
     }
 
     #[test]

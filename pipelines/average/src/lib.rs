@@ -33,7 +33,7 @@ mod table;
 #[cfg(test)]
 mod testing;
 
-pub use average::{Average, Course, LeftOut, QUANTITIES, Quantity, Repeat, average};
+pub use average::{Average, Course, LeftOut, QUANTITIES, Quantity, Repeat, average, times_s};
 pub use error::{AverageError, WhyNot};
 pub use landmarks::Landmark;
 pub use notes::ENDS_AT;

@@ -12,6 +12,8 @@ pub struct Repeat<'a> {
     pub trial: &'a Trial,
     /// Movement onset, s; time axes count from it. Without one they count from the trial's start.
     pub onset_s: Option<f64>,
+    /// When each sample comes on the scale of the mean, s, where that is not its time since onset.
+    pub warped_s: Option<&'a [f64]>,
 }
 
 impl ModeData<'_> {
@@ -48,8 +50,11 @@ pub(crate) fn aligned(alignment: Alignment) -> &'static str {
 }
 
 impl Repeat<'_> {
-    /// Time since onset, s.
+    /// Time since onset, s, or on the scale of the mean.
     pub(crate) fn time(&self) -> Vec<f64> {
+        if let Some(warped_s) = self.warped_s {
+            return warped_s.to_vec();
+        }
         let zero = self.onset_s.unwrap_or(0.0);
         self.trial.samples.get(Signal::Time).unwrap_or_default().iter().map(|t| t - zero).collect()
     }
@@ -106,15 +111,14 @@ impl Scene<'_> {
         self.modes.iter().flat_map(|m| &m.repeats).any(|r| r.onset_s.is_some())
     }
 
-    /// Label of the time axis. Repeats are drawn at their own times, means aligned by landmarks at the landmarks' mean
-    /// times.
+    /// Label of the time axis. By landmarks it is the scale of their mean times, to which repeats are stretched too.
     pub(crate) fn time_label(&self) -> &'static str {
         let by_landmarks =
             self.alignment == Alignment::Landmarks && self.modes.iter().any(|m| m.average.is_some());
         match (self.aligned(), by_landmarks) {
             (false, _) => "time",
             (true, false) => "time since movement onset",
-            (true, true) => "time since onset (means: by landmarks)",
+            (true, true) => "time since onset, by landmarks",
         }
     }
 

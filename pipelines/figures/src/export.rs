@@ -22,7 +22,7 @@ struct Rows {
 /// order), what the axes show, its layer, the layer's name, x, y, and the ends of a band or whisker.
 ///
 /// # Errors
-/// A value that is infinite.
+/// A value that is infinite; coordinates of one layer that differ in number.
 pub fn data_table(name: &str, figure: &Figure) -> Result<Table, TableError> {
     let mut layers = Vec::new();
     for (p, panel) in (1..).zip(&figure.panels) {

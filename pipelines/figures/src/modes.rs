@@ -64,7 +64,7 @@ fn footnotes(scene: &Scene) -> Vec<String> {
         }
         legend += match scene.alignment {
             Alignment::Onset => "; thin: every repeat",
-            Alignment::Landmarks => "; thin: every repeat at its own times",
+            Alignment::Landmarks => "; thin: every repeat, stretched so that its landmarks stand at theirs",
         };
         if scene.environment.scene.wall_rad().is_some() {
             legend += "; dotted: at the wall or past it";

@@ -1,6 +1,6 @@
 //! Facts about the figures of trials, on small made-up data.
 
-use crate::{ModeData, Repeat, Scene, loops, modes, rendering_range, repeats};
+use crate::{ModeData, Repeat, SIGNALS, Scene, average_columns, loops, modes, rendering_range, repeats};
 use zwidth_draw::{Axis, Figure, Layer, Line};
 use zwidth_store::{Samples, Signal, Trial};
 use zwidth_study::{Alignment, Kind, Source, Status, Study, TrialMeta, template};
@@ -49,11 +49,13 @@ fn average(trial: &Trial) -> Table {
     columns.push(column("force_ex_mean_n", Signal::ForceEx));
     let bands = ["theta_ci_low_rad", "theta_ci_high_rad", "force_ex_ci_low_n", "force_ex_ci_high_n"];
     columns.extend(bands.map(none));
+    columns.push(Column::text("participant", "", vec![Some("P01"); 81]));
+    columns.push(column("theta_sd_rad", Signal::Theta));
     Table::new("average", "Average", columns).unwrap()
 }
 
 fn scene<'a>(study: &'a Study, trial: &'a Trial, average: Option<&'a Table>) -> Scene<'a> {
-    let repeats = vec![Repeat { trial, onset_s: Some(1.0) }];
+    let repeats = vec![Repeat { trial, onset_s: Some(1.0), warped_s: None }];
     Scene {
         study,
         environment: &study.environments[1],
@@ -96,17 +98,54 @@ fn time_counts_from_onset_and_angles_stand_in_degrees() {
 }
 
 #[test]
+fn a_repeat_stands_at_the_times_that_it_was_stretched_to() {
+    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
+    let stretched: Vec<f64> = (0..81).map(f64::from).collect();
+    let mut scene = scene(&study, &trial, None);
+    scene.modes[0].repeats[0].warped_s = Some(&stretched);
+    assert_eq!(lines(&modes(&scene).unwrap(), 0)[0].x, stretched);
+}
+
+#[test]
 fn loops_say_what_their_dots_mean() {
     let (study, mut trial) = (study(), trial(Source::Recorded, &ALL));
     let mean = average(&trial);
     trial.meta.repeat = 2;
     let mut scene = scene(&study, &trial, Some(&mean));
-    scene.modes[0].repeats.push(Repeat { trial: &trial, onset_s: Some(1.0) });
+    scene.modes[0].repeats.push(Repeat { trial: &trial, onset_s: Some(1.0), warped_s: None });
     let notes = |scene: &Scene| loops(&study, std::slice::from_ref(scene)).unwrap().footnotes;
     let means = "Lines: mean of the repeats (n = 1), aligned at movement onset.";
     assert_eq!(notes(&scene), [means, "Dotted: at the wall or past it."]);
     scene.environment = &study.environments[0];
     assert_eq!(notes(&scene), [means], "no wall, no dots");
+}
+
+/// What the command line reads for a figure is less than there is.
+#[test]
+fn figures_of_trials_need_no_more_than_the_signals_and_the_columns_they_name() {
+    let study = study();
+    let mut whole = trial(Source::Recorded, &ALL);
+    for signal in Signal::all().filter(|s| *s != Signal::Time) {
+        let values = whole.samples.get(Signal::Theta).unwrap().to_vec();
+        if whole.samples.get(signal).is_none() {
+            whole.samples.set(signal, values);
+        }
+    }
+    let mut few = whole.clone();
+    few.samples = zwidth_store::Samples::default();
+    for signal in SIGNALS.into_iter().chain([Signal::Time]) {
+        few.samples.set(signal, whole.samples.get(signal).unwrap().to_vec());
+    }
+    let all = average(&whole);
+    let names = average_columns();
+    let columns = all.columns().iter().filter(|c| names.iter().any(|name| *name == c.field.name)).cloned();
+    let some = Table::new("average", "Average", columns.collect()).unwrap();
+    let of = |trial, average| {
+        let scene = scene(&study, trial, Some(average));
+        let loops = loops(&study, std::slice::from_ref(&scene)).unwrap();
+        [modes(&scene).unwrap(), repeats(&scene, &scene.modes[0]), loops]
+    };
+    assert_eq!(of(&whole, &all), of(&few, &some));
 }
 
 /// A number without a unit says so by its name: a count, or names instead of numbers.
@@ -150,7 +189,7 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
     let mean = average(&trial);
     for (alignment, words, axis) in [
         (Alignment::Onset, "aligned at movement onset", "time since movement onset"),
-        (Alignment::Landmarks, "aligned by landmarks", "time since onset (means: by landmarks)"),
+        (Alignment::Landmarks, "aligned by landmarks", "time since onset, by landmarks"),
     ] {
         let mut scene = Scene { alignment, ..scene(&study, &trial, Some(&mean)) };
         let twice = scene.modes[0].repeats[0];

@@ -78,7 +78,7 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
             sessions.push(session);
         }
     }
-    metrics.sorted(|row| keys[row])
+    Ok(metrics.sorted(|row| keys[row]))
 }
 
 /// The metrics of several conditions as one table in the order of participant, session and trial; `None` for none.

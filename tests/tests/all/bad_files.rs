@@ -100,6 +100,18 @@ fn a_damaged_sweep_is_found_and_told_while_the_trials_are_analysed() {
     assert!(study.layout().derived().join("metrics.parquet").exists());
 }
 
+#[test]
+fn a_sweep_of_which_the_schema_alone_is_damaged_is_left_out_and_its_actuator_has_no_sweep() {
+    let study = study();
+    let path = study.root().join("raw/files/sweeps/actuator=motor/sweep-01.parquet");
+    let mut bytes = fs::read(&path).unwrap();
+    let schema = find(&path, b"ARROW:schema");
+    bytes[schema + 40] = b'!'; // no sign of base64
+    fs::write(&path, bytes).unwrap();
+    zwidth(study.root(), &["run"]).exits(3).says(&["left out: ", "sweep-01.parquet"]);
+    assert!(!study.layout().derived().join("characterise").exists());
+}
+
 /// Where these bytes begin in a file.
 fn find(path: &Path, bytes: &[u8]) -> usize {
     let content = fs::read(path).unwrap();

@@ -1,4 +1,4 @@
-//! Flows over doubled spans in twice the working precision.
+//! Flows over doubled spans, and over multiples of a span, in twice the working precision.
 //!
 //! An exponential multiplies the rounding of its own computation by its condition number. Where that is large
 //! the series and the squarings are done with each number held as an unevaluated sum of two (Dekker 1971;

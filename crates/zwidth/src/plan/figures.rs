@@ -117,6 +117,8 @@ struct Loaded<'a> {
     who: String,
     trials: Vec<Trial>,
     onsets: Vec<Option<f64>>,
+    /// Times of the samples on the scale of the mean, s, where that is not since onset.
+    warped_s: Vec<Option<Vec<f64>>>,
     alignment: Alignment,
     averages: Vec<Option<Table>>,
     notes: Vec<String>,
@@ -157,8 +159,21 @@ impl<'a> Recorded<'a> {
         paths(&self.trials).into_iter().chain(beside.cloned()).collect()
     }
 
+    /// Where means are aligned by landmarks, the times at which their repeats stand behind them; a repeat that is in no mean
+    /// stays at its own.
+    fn warped_s(&self, trials: &[Trial]) -> Vec<Option<Vec<f64>>> {
+        let has_means = self.alignment == Alignment::Landmarks && self.averages.iter().any(Option::is_some);
+        let study = &self.data.study;
+        let of_mode = |of_mode: &[Trial]| {
+            let times_s = || zwidth_average::times_s(of_mode, study, self.alignment).ok();
+            has_means.then(times_s).flatten().unwrap_or_else(|| vec![None; of_mode.len()])
+        };
+        trials.chunk_by(|a, b| a.meta.mode == b.meta.mode).flat_map(of_mode).collect()
+    }
+
     fn load(&self) -> Result<(Loaded<'a>, Vec<String>), JobError> {
-        let (trials, problems) = read_all(&self.trials, zwidth_figures::SIGNALS.into_iter());
+        let (mut trials, problems) = read_all(&self.trials, zwidth_figures::SIGNALS.into_iter());
+        trials.sort_by_key(|t| self.data.study.modes.iter().position(|mode| mode.id == t.meta.mode));
         let mut onsets = BTreeMap::new();
         for metrics in &self.metrics {
             let metrics = Table::columns_from_parquet(metrics, &["trial", "onset_s"])?;
@@ -178,6 +193,7 @@ impl<'a> Recorded<'a> {
             environment: self.environment,
             who: self.who.clone(),
             onsets: trials.iter().map(onset).collect(),
+            warped_s: self.warped_s(&trials),
             trials,
             alignment: self.alignment,
             averages,
@@ -217,8 +233,13 @@ fn ends_early(note: &str) -> bool {
 impl Loaded<'_> {
     fn scene(&self) -> Scene<'_> {
         let mode = |(index, mode): (usize, &'_ zwidth_study::Mode)| {
-            let mine = self.trials.iter().zip(&self.onsets).filter(|(t, _)| t.meta.mode == mode.id);
-            let repeats: Vec<_> = mine.map(|(trial, onset)| Repeat { trial, onset_s: *onset }).collect();
+            let repeat = |i: usize| Repeat {
+                trial: &self.trials[i],
+                onset_s: self.onsets[i],
+                warped_s: self.warped_s[i].as_deref(),
+            };
+            let mine = (0..self.trials.len()).filter(|i| self.trials[*i].meta.mode == mode.id);
+            let repeats: Vec<_> = mine.map(repeat).collect();
             let data = ModeData {
                 index,
                 label: &self.data.study.modes[index].label,

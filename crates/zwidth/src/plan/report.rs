@@ -45,7 +45,7 @@ pub(super) fn jobs<'a>(data: &'a StudyData, planned: &[Job]) -> Vec<Job<'a>> {
 fn parameters(data: &StudyData) -> String {
     let study = &data.study;
     let planned = (&study.device, &study.control, &study.masses, &study.environments, &study.modes);
-    format!("{:?}", (planned, sources(data)))
+    format!("{planned:?}")
 }
 
 fn pros_cons_job(data: &StudyData, metrics: Option<PathBuf>) -> Job<'_> {
@@ -55,7 +55,7 @@ fn pros_cons_job(data: &StudyData, metrics: Option<PathBuf>) -> Job<'_> {
         stage: STAGE,
         name: "pros and cons".to_owned(),
         version: zwidth_report::VERSION,
-        parameters: parameters(data),
+        parameters: format!("{}; {:?}", parameters(data), sources(data)),
         inputs: inputs(data).into_iter().chain(metrics.clone()).collect(),
         outputs,
         tolerant: false,
@@ -78,7 +78,7 @@ fn forces_job(data: &StudyData) -> Job<'_> {
         stage: STAGE,
         name: "modes and weights".to_owned(),
         version: zwidth_report::VERSION,
-        parameters: parameters(data),
+        parameters: format!("{}; {:?}", parameters(data), sources(data)),
         inputs: inputs(data),
         outputs,
         tolerant: false,

@@ -30,14 +30,8 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
     let is_made = |file: PathBuf| planned.iter().any(|j| j.outputs.contains(&file)).then_some(file);
     let numbers = [metrics::of_study(&data.layout), likert::tally_of(&data.layout)].map(is_made);
     let summary = facts(data);
-    let inputs: Vec<PathBuf> = noted
-        .iter()
-        .chain(&printed)
-        .chain(&figures)
-        .chain(data.sweeps.iter().map(|s| &s.path))
-        .chain(numbers.iter().flatten())
-        .cloned()
-        .collect();
+    let inputs: Vec<PathBuf> =
+        noted.iter().chain(&printed).chain(&figures).chain(numbers.iter().flatten()).cloned().collect();
     let (out, folder) = (file(data), data.layout.reports());
     Job {
         stage: "summary",
