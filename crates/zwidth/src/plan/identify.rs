@@ -1,7 +1,7 @@
 //! Stage `identify`: the plant that fits half of the trials best, judged on the other half. The fit balances the forces of
 //! the recorded motion, the judge is the replay driven by force; here stages meet, because they do not know each other.
 
-use super::replay::{calibration, named, parameters, replayable};
+use super::replay::{calibration, is_replayable, named, parameters};
 use super::{JobError, derived, made, paths, read_all, split};
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -63,7 +63,7 @@ fn plant(
 }
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
-    let trials = replayable(data);
+    let trials: Vec<_> = data.counting().filter(|t| is_replayable(data, t)).collect();
     if trials.is_empty() {
         return Vec::new();
     }

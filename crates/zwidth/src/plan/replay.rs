@@ -29,17 +29,12 @@ fn is_rendered(data: &StudyData, trial: &TrialEntry) -> bool {
     data.study.environment(&trial.meta.environment).is_some_and(|e| e.scene != Scene::None)
 }
 
-/// The trials that count with a spring, and with everything that a run of the model driven by force needs.
-pub(super) fn replayable(data: &StudyData) -> Vec<&TrialEntry> {
-    let whole = |t: &&TrialEntry| {
-        let spring = data.study.environment(&t.meta.environment).is_some_and(|e| e.scene.spring().is_some());
-        let recorded = [Signal::Theta, Signal::ForceEx].iter().all(|s| t.signals.contains(s));
-        spring && recorded && calibration(data, &t.meta).is_some()
-    };
-    match data.study.device.lever_m {
-        Some(_) => data.counting().filter(whole).collect(),
-        None => Vec::new(),
-    }
+/// Whether a trial has a spring, and everything that a run of the model driven by force needs.
+pub(super) fn is_replayable(data: &StudyData, trial: &TrialEntry) -> bool {
+    let environment = data.study.environment(&trial.meta.environment);
+    let spring = environment.is_some_and(|e| e.scene.spring().is_some());
+    let recorded = [Signal::Theta, Signal::ForceEx].iter().all(|s| trial.signals.contains(s));
+    data.study.device.lever_m.is_some() && spring && recorded && calibration(data, &trial.meta).is_some()
 }
 
 /// The calibration in force in a trial's session.

@@ -13,12 +13,11 @@ use zwidth_study::{Environment, Mode};
 use zwidth_tables::Table;
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
-    let replayable = replay::replayable(data);
     let mut jobs = Vec::new();
     for session in sessions(data) {
         for environment in &data.study.environments {
             let mut trials = session.of(environment);
-            trials.retain(|t| replayable.iter().any(|r| std::ptr::eq(*r, *t)));
+            trials.retain(|t| replay::is_replayable(data, t));
             let conditions = data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode));
             let replays = conditions.map(|repeats| replay::of_condition(&data.layout, &repeats)).collect();
             if !trials.is_empty() {
