@@ -49,6 +49,10 @@ impl StoreError {
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
                 "free some space and run the command again; nothing was left half-written"
             }
+            ErrorKind::InvalidInput | ErrorKind::IsADirectory => "put the file itself in its place",
+            ErrorKind::FileTooLarge => {
+                "no file that zwidth writes comes near this size; split it, or leave it out"
+            }
             ErrorKind::AlreadyExists => "finished files never change; choose another number or folder",
             _ => "see the message of the system",
         };
