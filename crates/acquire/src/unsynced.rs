@@ -3,7 +3,7 @@
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::Path;
-use zwidth_store::{Append, Files, RealFiles};
+use zwidth_store::{Append, Files, RealFiles, append_to};
 
 /// The real disk without syncs. A kill costs no more than on [`RealFiles`]; a power cut may cost everything.
 #[derive(Debug, Clone, Copy, Default)]
@@ -36,7 +36,7 @@ impl Files for Unsynced {
     }
 
     fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
-        Ok(Box::new(Open(File::options().append(true).create(true).open(path)?)))
+        Ok(Box::new(Open(append_to(path)?)))
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {

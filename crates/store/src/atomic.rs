@@ -4,12 +4,38 @@
 //! what was not synced).
 
 use crate::StoreError;
+use crate::regular::{open_as, read_regular};
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// The file operations that writing needs.
+/// What lies at a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Entry {
+    /// A regular file.
+    File,
+    /// A folder.
+    Folder,
+    /// A link, wherever it leads.
+    Link,
+    /// A pipe, a socket, a device.
+    Special,
+}
+
+/// The file operations that recording and checking need.
 pub trait Files: Sync {
+    /// What lies at `path`; nothing if nothing does, or nothing that can be looked at.
+    fn kind(&self, path: &Path) -> Option<Entry> {
+        path.symlink_metadata().ok().map(|found| entry(&found))
+    }
+    /// The names in a folder, sorted, each with what it is.
+    fn list(&self, folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
+        listed(folder)
+    }
+    /// Reads a regular file of at most `most` bytes whole.
+    fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
+        read_regular(path, most)
+    }
     /// Creates one folder; none is made where there is one.
     fn create_folder(&self, path: &Path) -> io::Result<()>;
     /// Creates `path`, writes `bytes`, and syncs them to the disk.
@@ -45,7 +71,12 @@ impl Files for RealFiles {
     }
 
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        let mut file = File::create(path)?;
+        // What an earlier write of this name left is removed and not written to: it may be a link.
+        match fs::remove_file(path) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
+            _ => {}
+        }
+        let mut file = File::options().write(true).create_new(true).open(path)?;
         file.write_all(bytes)?;
         file.sync_all()
     }
@@ -59,8 +90,7 @@ impl Files for RealFiles {
     }
 
     fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
-        let file = File::options().append(true).create(true).open(path)?;
-        Ok(Box::new(file))
+        Ok(Box::new(append_to(path)?))
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
@@ -79,10 +109,45 @@ impl Append for File {
     }
 }
 
+/// Opens a regular file at its end, or creates it. A link is not followed.
+///
+/// # Errors
+/// What the system says; anything but a regular file at `path`.
+pub fn append_to(path: &Path) -> io::Result<File> {
+    match File::options().append(true).create_new(true).open(path) {
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => open_as(File::options().append(true), path),
+        created => created,
+    }
+}
+
+fn entry(found: &fs::Metadata) -> Entry {
+    let kind = found.file_type();
+    match (kind.is_file(), kind.is_dir(), kind.is_symlink()) {
+        (true, _, _) => Entry::File,
+        (_, true, _) => Entry::Folder,
+        (_, _, true) => Entry::Link,
+        _ => Entry::Special,
+    }
+}
+
+fn listed(folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
+    let mut entries = Vec::new();
+    for found in fs::read_dir(folder)? {
+        let path = found?.path();
+        match path.symlink_metadata() {
+            Ok(found) => entries.push((path, entry(&found))),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => {} // gone since
+            Err(e) => return Err(e),
+        }
+    }
+    entries.sort_by(|a, b| a.0.cmp(&b.0));
+    Ok(entries)
+}
+
 /// Creates every missing folder of `path`, each with its name synced: a file in a folder whose own name is lost is
 /// lost too.
 pub(crate) fn create_folders(files: &dyn Files, path: &Path) -> io::Result<()> {
-    let missing: Vec<&Path> = path.ancestors().take_while(|p| !p.exists()).collect();
+    let missing: Vec<&Path> = path.ancestors().take_while(|p| files.kind(p).is_none()).collect();
     missing.into_iter().rev().filter(|p| *p != Path::new("")).try_for_each(|folder| {
         files.create_folder(folder)?;
         files.sync_folder(folder_of(folder))
@@ -102,7 +167,7 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
 
 /// Writes a new file as a whole; refuses when `path` exists, because finished files never change.
 pub fn write_new(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    if path.exists() {
+    if files.kind(path).is_some() {
         let exists = io::Error::from(io::ErrorKind::AlreadyExists);
         return Err(StoreError::io(path, "write", &exists));
     }

@@ -2,10 +2,14 @@
 
 use crate::atomic::{create_folders, folder_of};
 use crate::recover::Done;
-use crate::{Files, StoreError, hex_blake3, replace};
+use crate::regular::text;
+use crate::{Files, RealFiles, StoreError, hex_blake3, replace};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use zwidth_study::Event;
+
+/// Largest log that is read, bytes: a hundred thousand events and more.
+const MOST_LOG: u64 = 1 << 26;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -29,7 +33,7 @@ fn digest(previous: &str, utc: &str, event: &Event) -> Result<String, serde_json
 /// # Errors
 /// A log that cannot be read to its end, because nothing may follow a line that is in doubt; the write that failed.
 pub fn append_events(files: &dyn Files, path: &Path, utc: &str, events: &[Event]) -> Result<(), StoreError> {
-    let mut previous = if path.exists() { last_digest(path)? } else { None };
+    let mut previous = if files.kind(path).is_some() { last_digest(files, path)? } else { None };
     let mut text = String::new();
     for event in events {
         let chained = digest(previous.as_deref().unwrap_or_default(), utc, event);
@@ -48,8 +52,8 @@ pub fn append_events(files: &dyn Files, path: &Path, utc: &str, events: &[Event]
 }
 
 /// The digest of a log's last line, which the next one follows.
-fn last_digest(path: &Path) -> Result<Option<String>, StoreError> {
-    let text = text_of(path)?;
+fn last_digest(files: &dyn Files, path: &Path) -> Result<Option<String>, StoreError> {
+    let text = text_of(files, path)?;
     if !text.is_empty() && !text.ends_with('\n') {
         let remedy = "run `zwidth recover`, which brings the end of the log in order";
         return Err(StoreError::new(path, "the last line is not finished: it has no line feed", remedy));
@@ -62,10 +66,14 @@ fn last_digest(path: &Path) -> Result<Option<String>, StoreError> {
 /// # Errors
 /// A line that is not JSON, an unknown event, or a checksum that does not follow from the line before.
 pub fn read_events(path: &Path) -> Result<Vec<Event>, StoreError> {
-    if !path.exists() {
+    read_events_from(&RealFiles, path)
+}
+
+pub(crate) fn read_events_from(files: &dyn Files, path: &Path) -> Result<Vec<Event>, StoreError> {
+    if files.kind(path).is_none() {
         return Ok(Vec::new());
     }
-    Ok(lines_of(path, &text_of(path)?)?.into_iter().map(|line| line.event).collect())
+    Ok(lines_of(path, &text_of(files, path)?)?.into_iter().map(|line| line.event).collect())
 }
 
 /// Brings the end of a log in order after a kill or a power cut.
@@ -74,7 +82,7 @@ pub fn read_events(path: &Path) -> Result<Vec<Event>, StoreError> {
 /// feed if it is whole. So is one with a zero byte, which no line of ours has: some file systems show zeros where
 /// data were not synced. Any other line in doubt stays, and is an error of whoever reads the log.
 pub(crate) fn mend_log(files: &dyn Files, path: &Path) -> Result<Option<Done>, StoreError> {
-    let bytes = std::fs::read(path).map_err(|e| StoreError::io(path, "read", &e))?;
+    let bytes = files.read(path, MOST_LOG).map_err(|e| StoreError::io(path, "read", &e))?;
     let lines: Vec<&[u8]> = bytes.split_inclusive(|b| *b == b'\n').collect();
     let Some((last, before)) = lines.split_last() else { return Ok(None) };
     if last.ends_with(b"\n") && !last.contains(&0) {
@@ -93,8 +101,8 @@ pub(crate) fn mend_log(files: &dyn Files, path: &Path) -> Result<Option<Done>, S
     Ok(Some(done))
 }
 
-fn text_of(path: &Path) -> Result<String, StoreError> {
-    std::fs::read_to_string(path).map_err(|e| StoreError::io(path, "read", &e))
+fn text_of(files: &dyn Files, path: &Path) -> Result<String, StoreError> {
+    text(files, path, MOST_LOG)
 }
 
 fn lines_of(path: &Path, text: &str) -> Result<Vec<Line>, StoreError> {
@@ -121,7 +129,6 @@ fn lines_of(path: &Path, text: &str) -> Result<Vec<Line>, StoreError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::RealFiles;
     use std::fs;
 
     const UTC: &str = "2026-01-01T00:00:00Z";

@@ -5,10 +5,13 @@
 //! the batch that was being written. A finished trial becomes a Parquet file, and its journal is removed last.
 
 use crate::atomic::{create_folders, folder_of};
-use crate::frame::{Chain, Frame, Header, MAGIC, decode, encode};
-use crate::{Append, Files, Layout, Samples, StoreError, Trial, TrialFile, record_trial};
+use crate::frame::{Chain, Decoded, Frame, Header, MAGIC, MOST_PAYLOAD, ROW, decode, encode};
+use crate::{Append, Files, Layout, MOST_BYTES, Samples, StoreError, Trial, TrialFile, record_trial};
 use std::path::{Path, PathBuf};
 use zwidth_study::{Sample, Status, TrialMeta};
+
+/// Rows of a frame.
+const MOST_ROWS: usize = MOST_PAYLOAD / ROW;
 
 /// The journal of the trial in progress.
 pub struct Journal {
@@ -38,7 +41,7 @@ impl Journal {
             (&trial, "finished files never change; do the trial again under a number of its own"),
             (&path, "an earlier run was cut short; run `zwidth recover` first"),
         ] {
-            if there.exists() {
+            if files.kind(there).is_some() {
                 return Err(StoreError::new(there, format!("trial {} is there already", meta.trial), remedy));
             }
         }
@@ -58,7 +61,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Appends rows as one frame; when it returns they are safe on the disk.
+    /// Appends rows as one frame, or a few where they are many; when it returns they are safe on the disk.
     ///
     /// # Errors
     /// A row that no trial file can hold (a value that is not finite, time that does not run forward), with its
@@ -70,9 +73,9 @@ impl Journal {
         }
         let problem = self.check(rows).err();
         let good = problem.as_ref().and_then(|p| p.row).map_or(rows.len(), |row| row - 1);
-        if let Some(last) = rows[..good].last() {
-            self.write(&Frame::Rows(rows[..good].to_vec()), &[])?;
-            self.last_s = last.t_s;
+        for rows in rows[..good].chunks(MOST_ROWS) {
+            self.write(&Frame::Rows(rows.to_vec()), &[])?;
+            self.last_s = rows.last().map_or(self.last_s, |last| last.t_s);
         }
         problem.map_or(Ok(()), Err)
     }
@@ -111,9 +114,9 @@ impl Journal {
         }
         let Self { path, file, .. } = self;
         drop(file); // before the file is removed: not every system removes an open one
-        let read = read_journal(&path)?;
+        let read = read_journal(files, &path)?;
         let written = read.trial().map(|trial| record_trial(files, layout, utc, &trial)).transpose()?;
-        remove(files, &path)?;
+        clear(files, &path, &read)?;
         Ok(written)
     }
 
@@ -131,11 +134,46 @@ impl Journal {
     }
 }
 
-/// Removes a journal whose trial is safe.
-pub(crate) fn remove(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
+/// Removes a journal whose trial is safe; one with bytes of which nothing could be made gets another name and stays.
+///
+/// # Errors
+/// A removal that failed; a journal that stays, with where it lies now.
+pub(crate) fn clear(files: &dyn Files, path: &Path, read: &Journaled) -> Result<(), StoreError> {
     let folder = folder_of(path);
-    let removed = files.remove(path).and_then(|()| files.sync_folder(folder));
-    removed.map_err(|e| StoreError::io(path, "remove the journal", &e))
+    let is_all = read.damaged == 0 && (read.header.is_some() || read.rows.is_empty());
+    if is_all {
+        let removed = files.remove(path).and_then(|()| files.sync_folder(folder));
+        return removed.map_err(|e| StoreError::io(path, "remove the journal", &e));
+    }
+    let aside = free_name(files, path);
+    let moved = files.rename(path, &aside).and_then(|()| files.sync_folder(folder));
+    moved.map_err(|e| StoreError::io(path, "rename", &e))?;
+    let Journaled { rows, damaged, .. } = read;
+    Err(if read.header.is_none() {
+        let what =
+            format!("the journal is damaged where it says whose trial it is; {} rows are whole", rows.len());
+        StoreError::new(&aside, what, "no trial was made of it: do the trial again, and keep this file")
+    } else {
+        let what =
+            format!("the journal is damaged: {} rows are whole, {damaged} bytes cannot be read", rows.len());
+        StoreError::new(&aside, what, "the rows are kept as a trial; remove this file when nobody needs it")
+    })
+}
+
+/// What is added to the name of a damaged journal.
+pub(crate) const DAMAGED: &str = ".damaged";
+
+/// A name beside `path` that no file has: what is set aside never takes the place of what was set aside before.
+fn free_name(files: &dyn Files, path: &Path) -> PathBuf {
+    let named = |ending: &str| {
+        let mut name = path.file_name().unwrap_or_default().to_owned();
+        name.push(DAMAGED);
+        name.push(ending);
+        path.with_file_name(name)
+    };
+    let numbered = (2_u32..).map(|n| named(&format!("-{n}")));
+    let mut names = std::iter::once(named("")).chain(numbered);
+    names.find(|path| files.kind(path).is_none()).unwrap_or_else(|| named(""))
 }
 
 /// What a journal holds.
@@ -145,15 +183,20 @@ pub(crate) struct Journaled {
     pub(crate) rows: Vec<Sample>,
     pub(crate) ended: bool,
     pub(crate) answer: Option<u8>,
-    /// What comes after the last whole frame.
-    pub(crate) rest: Vec<u8>,
+    /// Bytes of which nothing could be made.
+    pub(crate) damaged: usize,
+    /// Bytes of an append that was never finished.
+    pub(crate) unfinished: usize,
+    /// Damaged frames that could be mended.
+    pub(crate) mended: usize,
 }
 
 impl Journaled {
-    /// The trial, if it has any row.
+    /// The trial, if it has any row. One that may lack rows is incomplete.
     pub(crate) fn trial(&self) -> Option<Trial> {
         let Header { meta, file } = self.header.clone().filter(|_| !self.rows.is_empty())?;
-        let status = if self.ended { Status::Complete } else { Status::Incomplete };
+        let is_whole = self.ended && self.damaged == 0;
+        let status = if is_whole { Status::Complete } else { Status::Incomplete };
         let meta = TrialMeta { status, likert: self.answer, ..meta };
         Some(Trial { meta, file, samples: Samples::from_rows(&self.rows) })
     }
@@ -163,18 +206,25 @@ impl Journaled {
 ///
 /// # Errors
 /// A file that cannot be read, or that is no journal of this version.
-pub(crate) fn read_journal(path: &Path) -> Result<Journaled, StoreError> {
-    let bytes = std::fs::read(path).map_err(|e| StoreError::io(path, "read", &e))?;
-    let Some(framed) = bytes.strip_prefix(MAGIC) else {
-        return if MAGIC.starts_with(&bytes) || bytes.iter().all(|b| *b == 0) {
-            Ok(Journaled { rest: bytes, ..Journaled::default() })
-        } else {
-            let what = "not a journal of this version";
-            Err(StoreError::new(path, what, "use the zwidth that wrote it, or move the file elsewhere"))
-        };
-    };
-    let (frames, whole) = decode(framed);
-    let mut read = Journaled { rest: framed[whole..].to_vec(), ..Journaled::default() };
+pub(crate) fn read_journal(files: &dyn Files, path: &Path) -> Result<Journaled, StoreError> {
+    let bytes = files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
+    let (first, framed) = bytes.split_at(MAGIC.len().min(bytes.len()));
+    if first != MAGIC && (MAGIC.starts_with(first) || bytes.iter().all(|b| *b == 0)) {
+        return Ok(Journaled { unfinished: bytes.len(), ..Journaled::default() });
+    }
+    let decoded = decode(framed);
+    let read = journaled(decoded);
+    if first != MAGIC && read.header.is_none() {
+        let what = "not a journal of this version";
+        return Err(StoreError::new(path, what, "use the zwidth that wrote it, or move the file elsewhere"));
+    }
+    Ok(read)
+}
+
+/// What the frames of a journal say together.
+fn journaled(decoded: Decoded) -> Journaled {
+    let Decoded { frames, damaged, unfinished, mended } = decoded;
+    let mut read = Journaled { damaged, unfinished, mended, ..Journaled::default() };
     for frame in frames {
         match frame {
             Frame::Header(header) => read.header = Some(header),
@@ -183,7 +233,7 @@ pub(crate) fn read_journal(path: &Path) -> Result<Journaled, StoreError> {
             Frame::Answer(answer) => read.answer = Some(answer),
         }
     }
-    Ok(read)
+    read
 }
 
 #[cfg(test)]

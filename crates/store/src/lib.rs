@@ -6,6 +6,7 @@
 //! which file, which column, which row, and what to do.
 
 mod atomic;
+mod bounds;
 #[cfg(test)]
 mod crashes;
 mod encode;
@@ -30,9 +31,11 @@ mod study;
 mod sweep;
 mod trial;
 mod verify;
+mod walk;
 mod write;
 
-pub use atomic::{Append, Files, RealFiles, replace, write_new};
+pub use atomic::{Append, Entry, Files, RealFiles, append_to, replace, write_new};
+pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;
 pub use events::{append_events, read_events};
@@ -48,5 +51,5 @@ pub use signal::{COLUMNS, Column, Signal, Storage};
 pub use study::{Answer, SessionLog, StudyData, SweepEntry, TrialEntry, read_study};
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use trial::{Samples, Trial, TrialFile};
-pub use verify::verify;
+pub use verify::{verify, verify_from};
 pub use write::{described, trial_bytes, write_parquet, write_table};

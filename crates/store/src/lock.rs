@@ -5,6 +5,7 @@
 //! stands in it did not end in order.
 
 use crate::atomic::create_folders;
+use crate::regular::open_as;
 use crate::{Layout, RealFiles, StoreError};
 use std::fs::{File, TryLockError};
 use std::io::{self, Read as _, Seek as _, Write as _};
@@ -56,9 +57,33 @@ pub fn owner(command: &str, utc: &str) -> String {
     format!("{command}, process {}{host}, since {utc}", std::process::id())
 }
 
+/// Opens the lock's file, or creates it. It is written to, so nothing but a file of its own will do: what a link or a
+/// second name leads to would be emptied.
 fn opened(path: &Path) -> io::Result<File> {
     create_folders(&RealFiles, crate::atomic::folder_of(path))?;
-    File::options().read(true).write(true).create(true).truncate(false).open(path)
+    let created = File::options().read(true).write(true).create_new(true).open(path);
+    let file = match created {
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
+            open_as(File::options().read(true).write(true), path)?
+        }
+        created => created?,
+    };
+    if is_owner(&file)? { Ok(file) } else { Err(io::Error::new(io::ErrorKind::InvalidInput, OTHER)) }
+}
+
+/// Why a file is not taken for the lock's.
+const OTHER: &str = ".lock holds something else than who writes to the study, or has a second name";
+/// Longest owner, bytes.
+const MOST_OWNER: u64 = 1 << 12;
+
+/// Whether a file may be the lock's: short, and known by no other name.
+fn is_owner(file: &File) -> io::Result<bool> {
+    let found = file.metadata()?;
+    #[cfg(unix)]
+    if std::os::unix::fs::MetadataExt::nlink(&found) > 1 {
+        return Ok(false);
+    }
+    Ok(found.len() <= MOST_OWNER)
 }
 
 fn read(file: &mut File) -> Option<String> {
@@ -104,6 +129,22 @@ mod tests {
         assert_eq!(lock.left_behind(), Some("zwidth acquire, process 1, since yesterday"));
         drop(lock);
         assert_eq!(std::fs::read(layout.lock()).unwrap(), b"");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_lock_that_is_a_link_or_a_second_name_of_a_file_leaves_that_file_as_it_is() {
+        let (_folder, layout) = folder_with_study();
+        let text = std::fs::read(layout.study_toml()).unwrap();
+        let as_link = |lock: &Path| std::os::unix::fs::symlink("study.toml", lock);
+        let as_name = |lock: &Path| std::fs::hard_link(layout.study_toml(), lock);
+        for make in [&as_link as &dyn Fn(&Path) -> io::Result<()>, &as_name] {
+            make(&layout.lock()).unwrap();
+            let error = StudyLock::take(&layout, "me").unwrap_err();
+            assert!(error.path == layout.lock() && error.remedy.contains("put the file itself"), "{error}");
+            assert_eq!(std::fs::read(layout.study_toml()).unwrap(), text);
+            std::fs::remove_file(layout.lock()).unwrap();
+        }
     }
 
     #[test]

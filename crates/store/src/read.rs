@@ -1,8 +1,9 @@
 //! Reading strictly: a file that is not exactly what it should be is one clear error.
 
+use crate::bounds::{check_footer, check_pages, check_size};
 use crate::hash::hex_blake3;
 use crate::write::{DIGEST, FOOTER_DIGEST, VERSION, column_digest, described, footer_digest};
-use crate::{Column, Samples, Signal, Storage, StoreError, Trial, TrialFile};
+use crate::{Column, Files, MOST_BYTES, RealFiles, Samples, Signal, Storage, StoreError, Trial, TrialFile};
 use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
 use arrow::compute::concat_batches;
 use arrow::datatypes::{DataType, Field, Float32Type, Float64Type, SchemaRef, UInt16Type};
@@ -19,6 +20,8 @@ use std::sync::Arc;
 use zwidth_study::{Kind, ParticipantId, SCHEMA_VERSION, SessionId, Source, Status, TrialMeta};
 
 const DAMAGED: &str = "restore the file from a copy, or exclude the trial";
+/// Rows that are decoded at a time: what a file claims decides no allocation.
+const BATCH_ROWS: usize = 1 << 16;
 
 /// What a trial file says of itself, without its samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +41,11 @@ pub struct TrialFooter {
 /// Reads what a trial file says of itself, without its samples. Participant and session come from
 /// the path.
 pub fn read_footer(path: &Path) -> Result<TrialFooter, StoreError> {
-    let opened = ParquetFile::open_recording(path)?;
+    read_footer_from(&RealFiles, path)
+}
+
+pub(crate) fn read_footer_from(files: &dyn Files, path: &Path) -> Result<TrialFooter, StoreError> {
+    let opened = ParquetFile::open_recording(files, path)?;
     let (meta, file) = meta_from(path, opened.footer.clone())?;
     let is_recorded = |s: &Signal| opened.footer.contains_key(&format!("{DIGEST}{}", s.name()));
     let signals = Signal::all().filter(is_recorded).collect();
@@ -49,7 +56,15 @@ pub fn read_footer(path: &Path) -> Result<TrialFooter, StoreError> {
 ///
 /// Every column read is checked: type, unit, digest, finite values, time that runs forward.
 pub fn read_trial(path: &Path, signals: impl IntoIterator<Item = Signal>) -> Result<Trial, StoreError> {
-    let file = ParquetFile::open_recording(path)?;
+    read_trial_from(&RealFiles, path, signals)
+}
+
+pub(crate) fn read_trial_from(
+    files: &dyn Files,
+    path: &Path,
+    signals: impl IntoIterator<Item = Signal>,
+) -> Result<Trial, StoreError> {
+    let file = ParquetFile::open_recording(files, path)?;
     let (meta, rest) = meta_from(path, file.footer.clone())?;
     let mut wanted: Vec<Signal> = signals.into_iter().chain([Signal::Time]).collect();
     wanted.sort();
@@ -72,7 +87,7 @@ pub fn read_trial(path: &Path, signals: impl IntoIterator<Item = Signal>) -> Res
 
 /// Reads any Parquet file that [`crate::write_parquet`] or [`crate::write_table`] wrote, whole: its rows and its footer.
 pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
-    let file = ParquetFile::open(path)?;
+    let file = ParquetFile::open(&RealFiles, path)?;
     let columns = file.columns()?;
     let schema = columns.schema().clone();
     let names: Vec<&str> = schema.fields().iter().map(|f| f.name().as_str()).collect();
@@ -85,14 +100,14 @@ pub fn read_parquet_columns(
     path: &Path,
     names: &[&str],
 ) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
-    let file = ParquetFile::open(path)?;
+    let file = ParquetFile::open(&RealFiles, path)?;
     let batch = file.read(file.columns()?, names)?;
     Ok((batch, file.footer))
 }
 
 /// The footer of such a file, without its rows.
 pub fn read_entries(path: &Path) -> Result<BTreeMap<String, String>, StoreError> {
-    Ok(ParquetFile::open(path)?.footer)
+    Ok(ParquetFile::open(&RealFiles, path)?.footer)
 }
 
 /// An opened Parquet file of ours: footer checked, columns not read yet.
@@ -105,12 +120,13 @@ pub(crate) struct ParquetFile {
 }
 
 impl ParquetFile {
-    /// Opens `path`, checks version and footer digest.
-    pub(crate) fn open(path: &Path) -> Result<Self, StoreError> {
-        let bytes = std::fs::read(path).map_err(|e| StoreError::io(path, "read", &e))?;
+    /// Opens `path`, checks what it claims, its version and its footer's digest.
+    pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
+        let bytes = files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
         if bytes.is_empty() {
             return Err(StoreError::new(path, "the file is empty", DAMAGED));
         }
+        check_footer(&bytes).map_err(|why| unreadable(path, DAMAGED, &why))?;
         let bytes = Bytes::from(bytes);
         let metadata = guarded(path, DAMAGED, || ParquetMetaDataReader::new().parse_and_finish(&bytes))?;
         let file_metadata = metadata.file_metadata();
@@ -121,6 +137,7 @@ impl ParquetFile {
             .map(|kv| (kv.key.clone(), kv.value.clone().unwrap_or_default()))
             .filter(|(key, _)| key != "ARROW:schema")
             .collect();
+        check_size(path, &metadata, DAMAGED)?;
         let rows = usize::try_from(file_metadata.num_rows()).unwrap_or(0);
         check_version(path, &footer)?;
         if footer.get(FOOTER_DIGEST) != Some(&footer_digest(&footer)) {
@@ -131,8 +148,8 @@ impl ParquetFile {
     }
 
     /// Opens a recording: a file without rows is none.
-    pub(crate) fn open_recording(path: &Path) -> Result<Self, StoreError> {
-        let file = Self::open(path)?;
+    pub(crate) fn open_recording(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
+        let file = Self::open(files, path)?;
         if file.rows == 0 {
             return Err(StoreError::new(path, "the file has 0 rows", DAMAGED));
         }
@@ -151,10 +168,14 @@ impl ParquetFile {
         columns: ArrowReaderMetadata,
         names: &[&str],
     ) -> Result<RecordBatch, StoreError> {
+        let schema = self.metadata.file_metadata().schema_descr();
+        let mask = ProjectionMask::columns(schema, names.iter().copied());
+        check_pages(&self.bytes, &self.metadata, |place| mask.leaf_included(place))
+            .map_err(|why| unreadable(&self.path, DAMAGED, &why))?;
         guarded(&self.path, DAMAGED, || {
             let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(self.bytes.clone(), columns);
-            let mask = ProjectionMask::columns(builder.parquet_schema(), names.iter().copied());
-            let reader = builder.with_projection(mask).with_batch_size(self.rows.max(1)).build()?;
+            let rows = self.rows.clamp(1, BATCH_ROWS);
+            let reader = builder.with_projection(mask).with_batch_size(rows).build()?;
             let schema = arrow::array::RecordBatchReader::schema(&reader);
             let batches = reader.collect::<Result<Vec<_>, _>>()?;
             Ok(concat_batches(&schema, &batches)?)
@@ -168,11 +189,14 @@ pub(crate) fn guarded<T>(
     remedy: &str,
     decode: impl FnOnce() -> Result<T, parquet::errors::ParquetError>,
 ) -> Result<T, StoreError> {
-    let damaged = |why: String| StoreError::new(path, format!("not a readable Parquet file: {why}"), remedy);
     match catch_unwind(AssertUnwindSafe(decode)) {
-        Ok(result) => result.map_err(|e| damaged(e.to_string())),
-        Err(_) => Err(damaged("the decoder gave up on it".to_owned())),
+        Ok(result) => result.map_err(|e| unreadable(path, remedy, &e.to_string())),
+        Err(_) => Err(unreadable(path, remedy, "the decoder gave up on it")),
     }
+}
+
+fn unreadable(path: &Path, remedy: &str, why: &str) -> StoreError {
+    StoreError::new(path, format!("not a readable Parquet file: {why}"), remedy)
 }
 
 fn check_version(path: &Path, footer: &BTreeMap<String, String>) -> Result<(), StoreError> {

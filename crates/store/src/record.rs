@@ -1,9 +1,11 @@
 //! A trial becomes a file: written as a whole, its place made durable, and called recorded in the session's log.
 
 use crate::atomic::{folder_of, sync_file};
+use crate::events::read_events_from;
+use crate::hash::blake3_of;
+use crate::read::read_trial_from;
 use crate::{
-    Files, Layout, Samples, Signal, Storage, StoreError, Trial, append_events, file_blake3, read_events,
-    read_trial, trial_bytes, write_new,
+    Files, Layout, Samples, Signal, Storage, StoreError, Trial, append_events, trial_bytes, write_new,
 };
 use std::path::{Path, PathBuf};
 use zwidth_study::Event;
@@ -24,15 +26,15 @@ pub fn record_trial(
 ) -> Result<PathBuf, StoreError> {
     let m = &trial.meta;
     let path = layout.trial(&m.participant, &m.session, m.trial);
-    if path.exists() {
-        is_this(&path, trial)?;
+    if files.kind(&path).is_some() {
+        is_this(files, &path, trial)?;
     } else {
         write_new(files, &path, &trial_bytes(trial, &path)?)?;
     }
     settle(files, layout, &path)?;
     let log = layout.events(&m.participant, &m.session);
-    let blake3 = file_blake3(&path)?;
-    if is_recorded(&log, m.trial, &blake3)? {
+    let blake3 = blake3_of(files, &path)?;
+    if is_recorded(files, &log, m.trial, &blake3)? {
         sync_file(files, &log).map_err(|e| StoreError::io(&log, "sync", &e))?;
     } else {
         append_events(files, &log, utc, &[Event::Recorded { trial: m.trial, blake3 }])?;
@@ -42,9 +44,9 @@ pub fn record_trial(
 }
 
 /// Whether the file at `path` holds `trial`.
-fn is_this(path: &Path, trial: &Trial) -> Result<(), StoreError> {
+fn is_this(files: &dyn Files, path: &Path, trial: &Trial) -> Result<(), StoreError> {
     let stored = Trial { samples: as_stored(&trial.samples), ..trial.clone() };
-    if read_trial(path, Signal::all())? == stored {
+    if read_trial_from(files, path, Signal::all())? == stored {
         return Ok(());
     }
     let what = format!("there is another trial {} already", trial.meta.trial);
@@ -68,8 +70,8 @@ fn as_stored(samples: &Samples) -> Samples {
 }
 
 /// Whether the log calls the trial recorded, with this hash.
-fn is_recorded(log: &Path, number: u32, hash: &str) -> Result<bool, StoreError> {
-    let events = read_events(log)?;
+fn is_recorded(files: &dyn Files, log: &Path, number: u32, hash: &str) -> Result<bool, StoreError> {
+    let events = read_events_from(files, log)?;
     let of = |e: &Event| match e {
         Event::Recorded { trial, blake3 } if *trial == number => Some(blake3.clone()),
         _ => None,

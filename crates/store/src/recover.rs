@@ -4,9 +4,8 @@
 
 use crate::atomic::{folder_of, sync_file};
 use crate::events::mend_log;
-use crate::frame::is_unfinished;
-use crate::journal::{Journaled, read_journal, remove};
-use crate::study::files_below;
+use crate::journal::{Journaled, clear, read_journal};
+use crate::walk::{below, files_below};
 use crate::{Files, Layout, StoreError, record_trial};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -32,6 +31,8 @@ pub enum Done {
         rows: usize,
         /// Bytes of an unfinished append at the journal's end, which were left out.
         cut_bytes: usize,
+        /// Damaged frames of the journal that could be mended.
+        mended: usize,
     },
     /// A journal without any sample was removed: the trial had not begun.
     Empty,
@@ -47,8 +48,11 @@ impl fmt::Display for Recovered {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", self.path.display())?;
         match &self.done {
-            Done::Trial { status, rows, cut_bytes } => {
+            Done::Trial { status, rows, cut_bytes, mended } => {
                 write!(f, "recovered from its journal: {}, {rows} samples", status.as_str())?;
+                if *mended > 0 {
+                    write!(f, "; damage in {mended} places was mended, so look after the disk")?;
+                }
                 if *cut_bytes > 0 {
                     write!(f, "; an append of {cut_bytes} bytes was cut short and is lost")?;
                 }
@@ -69,21 +73,21 @@ impl fmt::Display for Recovered {
 /// `utc` is the time of the events that are written.
 pub fn recover(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recovered, StoreError>> {
     let mut found = Vec::new();
-    for path in unfinished(&layout.raw()) {
+    for path in unfinished(files, layout) {
         found.push(swept(files, path));
     }
-    for path in below(&layout.sessions(), ".events.jsonl") {
+    for path in named(files, &layout.sessions(), ".events.jsonl") {
         let mended = mend_log(files, &path);
         found.extend(mended.map(|done| done.map(|done| Recovered { path, done })).transpose());
     }
-    for path in below(&layout.journals(), ".journal") {
+    for path in named(files, &layout.journals(), ".journal") {
         found.extend(journal(files, layout, &path, utc));
     }
     found
 }
 
-fn below(folder: &Path, ending: &str) -> Vec<PathBuf> {
-    let mut paths = files_below(folder).unwrap_or_default();
+fn named(files: &dyn Files, folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let mut paths = files_below(files, folder).unwrap_or_default();
     paths.retain(|path| path.to_string_lossy().ends_with(ending));
     paths
 }
@@ -94,20 +98,24 @@ fn swept(files: &dyn Files, path: PathBuf) -> Result<Recovered, StoreError> {
     Ok(Recovered { path, done: Done::Swept })
 }
 
-/// A journal becomes a trial. One that is damaged in its middle stays under another name besides.
+/// A journal becomes a trial. One of which not all can be read stays under another name besides.
 fn journal(files: &dyn Files, layout: &Layout, path: &Path, utc: &str) -> Vec<Result<Recovered, StoreError>> {
     let attempt = || {
         // What is made of the journal must not outlive it.
         sync_file(files, path).map_err(|e| StoreError::io(path, "sync", &e))?;
-        let read = read_journal(path)?;
+        let read = read_journal(files, path)?;
         let recovered = trial(files, layout, path, &read, utc)?;
-        if is_unfinished(&read.rest) {
-            remove(files, path)?;
-            return Ok(vec![Ok(recovered)]);
-        }
-        Ok(vec![Ok(recovered), Err(set_aside(files, path, &read)?)])
+        Ok((recovered, clear(files, path, &read)))
     };
-    attempt().unwrap_or_else(|error| vec![Err(error)])
+    match attempt() {
+        Err(error) => vec![Err(error)],
+        Ok((recovered, Ok(()))) => vec![Ok(recovered.unwrap_or_else(|| empty(path)))],
+        Ok((recovered, Err(aside))) => recovered.map(Ok).into_iter().chain([Err(aside)]).collect(),
+    }
+}
+
+fn empty(path: &Path) -> Recovered {
+    Recovered { path: path.to_owned(), done: Done::Empty }
 }
 
 fn trial(
@@ -116,8 +124,8 @@ fn trial(
     path: &Path,
     read: &Journaled,
     utc: &str,
-) -> Result<Recovered, StoreError> {
-    let Some(trial) = read.trial() else { return Ok(Recovered { path: path.to_owned(), done: Done::Empty }) };
+) -> Result<Option<Recovered>, StoreError> {
+    let Some(trial) = read.trial() else { return Ok(None) };
     let m = &trial.meta;
     let belongs = layout.journal(&m.participant, &m.session, m.trial);
     if belongs != path {
@@ -125,35 +133,16 @@ fn trial(
             format!("by its content it is the journal of {} {} trial {}", m.participant, m.session, m.trial);
         return Err(StoreError::new(path, what, format!("it belongs at {}", belongs.display())));
     }
-    let done = Done::Trial { status: m.status, rows: trial.samples.len(), cut_bytes: read.rest.len() };
-    Ok(Recovered { path: record_trial(files, layout, utc, &trial)?, done })
-}
-
-/// Keeps a damaged journal for people to look at.
-fn set_aside(files: &dyn Files, path: &Path, read: &Journaled) -> Result<StoreError, StoreError> {
-    let aside = path.with_extension("journal.damaged");
-    let moved = files.rename(path, &aside).and_then(|()| files.sync_folder(folder_of(path)));
-    moved.map_err(|e| StoreError::io(path, "rename", &e))?;
-    let what = format!(
-        "the journal is damaged: its first {} rows are whole, the {} bytes after them cannot be read",
-        read.rows.len(),
-        read.rest.len()
-    );
-    Ok(StoreError::new(&aside, what, "the rows are kept as a trial; remove this file when nobody needs it"))
+    let Journaled { unfinished, mended, .. } = *read;
+    let (rows, cut_bytes) = (trial.samples.len(), unfinished);
+    let done = Done::Trial { status: m.status, rows, cut_bytes, mended };
+    Ok(Some(Recovered { path: record_trial(files, layout, utc, &trial)?, done }))
 }
 
 /// The left-overs of unfinished writes, at any depth.
-pub(crate) fn unfinished(folder: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-    let mut found = Vec::new();
-    for path in entries.flatten().map(|e| e.path()) {
-        if path.is_dir() {
-            found.extend(unfinished(&path));
-        } else if path.extension().is_some_and(|e| e == "tmp") {
-            found.push(path);
-        }
-    }
-    found.sort();
+pub(crate) fn unfinished(files: &dyn Files, layout: &Layout) -> Vec<PathBuf> {
+    let mut found = below(files, &layout.raw()).unwrap_or_default().files;
+    found.retain(|path| path.extension().is_some_and(|e| e == "tmp"));
     found
 }
 
@@ -221,15 +210,51 @@ mod tests {
         let path = journal_of_three(&layout);
         let mut bytes = fs::read(&path).unwrap();
         let second = bytes.len() - 500;
-        bytes[second] ^= 1;
+        bytes[second] ^= 0xff; // more than one bit, which would be mended
         fs::write(&path, &bytes).unwrap();
         let [Ok(done), Err(error)] = exactly(&layout) else { panic!() };
-        assert!(matches!(done.done, Done::Trial { rows: 4, .. }), "{done}");
-        assert!(error.what.contains("its first 4 rows are whole"), "{error}");
+        assert!(
+            matches!(done.done, Done::Trial { rows: 8, status: Status::Incomplete, .. }),
+            "before and behind the damage: {done}"
+        );
+        assert!(error.what.contains("8 rows are whole"), "{error}");
         assert_eq!(fs::read(&error.path).unwrap(), bytes);
         assert_eq!(recovered(&layout), []);
         let [finding] = verify(&layout).try_into().unwrap();
         assert_eq!(finding.path, error.path);
+    }
+
+    #[test]
+    fn a_flipped_bit_of_a_length_or_of_the_first_line_costs_no_sample() {
+        let (_folder, layout) = folder_with_study();
+        let whole = fs::read(journal_of_three(&layout)).unwrap();
+        for bit in 0..8 * 22 {
+            let (_folder, layout) = folder_with_study();
+            let path = layout.journal(&meta(1).participant, &meta(1).session, 1);
+            let mut bytes = whole.clone();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            fs::create_dir(layout.journals()).unwrap();
+            fs::write(&path, bytes).unwrap();
+            let [Ok(done)] = exactly(&layout) else { panic!("{bit}") };
+            assert!(matches!(done.done, Done::Trial { rows: 12, .. }), "bit {bit}: {done}");
+        }
+    }
+
+    #[test]
+    fn a_journal_whose_beginning_is_lost_is_set_aside_beside_the_one_before_and_never_removed() {
+        let (_folder, layout) = folder_with_study();
+        let path = journal_of_three(&layout);
+        let whole = fs::read(&path).unwrap();
+        for (turn, name) in ["journal.damaged", "journal.damaged-2", "journal.damaged-3"].iter().enumerate() {
+            let mut bytes = whole.clone();
+            bytes[30..60].fill(turn as u8);
+            fs::write(&path, &bytes).unwrap();
+            let [Err(error)] = exactly(&layout) else { panic!("{name}") };
+            assert!(error.what.contains("whose trial it is; 12 rows are whole"), "{error}");
+            assert_eq!(error.path, path.with_extension(name));
+            assert_eq!(fs::read(&error.path).unwrap(), bytes);
+        }
+        assert_eq!((recovered(&layout), verify(&layout).len()), (vec![], 3));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Opening what others may have laid there: regular files only. A pipe or a device could hang whoever reads it, and a
 //! link leads out of the data.
 
+use crate::{Files, StoreError};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read as _};
 use std::path::Path;
@@ -38,6 +39,15 @@ pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// Those of [`read_regular`].
 pub fn read_named(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     whole(open_named(path)?, most)
+}
+
+/// A regular file's text.
+pub(crate) fn text(files: &dyn Files, path: &Path, most: u64) -> Result<String, StoreError> {
+    let bytes = files.read(path, most).map_err(|e| StoreError::io(path, "read", &e))?;
+    String::from_utf8(bytes).map_err(|e| {
+        let what = format!("byte {} is no text (UTF-8)", e.utf8_error().valid_up_to());
+        StoreError::new(path, what, "restore the file from a copy, or save it as UTF-8")
+    })
 }
 
 /// Opens a regular file with `options`, which must not create or truncate it: what stands there is looked at first.

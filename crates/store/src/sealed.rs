@@ -136,7 +136,7 @@ mod tests {
         let sealed = Sealed::new();
         let data = sealed.load();
         let shown = format!("{:?} {:?}", data.trials, data.sessions);
-        for path in crate::study::files_below(&sealed.layout.raw()).unwrap() {
+        for path in crate::walk::files_below(&RealFiles, &sealed.layout.raw()).unwrap() {
             if !path.ends_with("study.toml") {
                 let content =
                     [path.display().to_string().as_bytes(), &std::fs::read(&path).unwrap()].concat();

@@ -1,23 +1,29 @@
 //! Sessions: their records and event logs, and what the events say of the trials.
 
+use crate::events::read_events_from;
+use crate::read::read_trial_from;
+use crate::regular::text;
 use crate::sealed::known;
-use crate::study::files_below;
-use crate::{Layout, SessionLog, Signal, StoreError, TrialEntry, read_events, read_trial};
+use crate::walk::files_below;
+use crate::{Entry, Files, Layout, SessionLog, Signal, StoreError, TrialEntry};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_study::{Event, SCHEMA_VERSION, SessionRecord, Source};
 
+/// Largest session record that is read, bytes: a hundred thousand trials.
+const MOST_RECORD: u64 = 1 << 25;
 /// What can be done about a session that is not whole.
 const RESTORE: &str = "restore the session's files from a copy, or import the session again";
 
 /// Every readable session, and the names (`<participant>_<session>`) of those that are not.
 pub(crate) fn read_sessions(
+    files: &dyn Files,
     layout: &Layout,
     problems: &mut Vec<StoreError>,
 ) -> (Vec<SessionLog>, BTreeSet<String>) {
     let (mut sessions, mut unreadable) = (Vec::new(), BTreeSet::new());
-    let files = files_below(&layout.sessions()).unwrap_or_else(|error| {
+    let found = files_below(files, &layout.sessions()).unwrap_or_else(|error| {
         problems.push(error);
         Vec::new()
     });
@@ -25,9 +31,9 @@ pub(crate) fn read_sessions(
         let name = path.file_name()?.to_str()?;
         name.strip_suffix(".events.jsonl").or(name.strip_suffix(".json")).map(str::to_owned)
     };
-    let names: BTreeSet<String> = files.iter().filter_map(name).collect();
+    let names: BTreeSet<String> = found.iter().filter_map(name).collect();
     for name in names {
-        match read_session(layout, &name, problems) {
+        match read_session(files, layout, &name, problems) {
             Ok(session) => sessions.push(session),
             Err(problem) => {
                 problems.push(problem);
@@ -39,19 +45,20 @@ pub(crate) fn read_sessions(
 }
 
 fn read_session(
+    files: &dyn Files,
     layout: &Layout,
     name: &str,
     problems: &mut Vec<StoreError>,
 ) -> Result<SessionLog, StoreError> {
     let path = layout.sessions().join(format!("{name}.json"));
-    let text = std::fs::read_to_string(&path).map_err(|e| StoreError::io(&path, "read", &e))?;
+    let text = text(files, &path, MOST_RECORD)?;
     let record = record_from(&path, &text)?;
     if path != layout.session(&record.participant, &record.session) {
         let what = format!("by its content it is the record of {} {}", record.participant, record.session);
         return Err(StoreError::new(&path, what, RESTORE));
     }
     let events_path = layout.events(&record.participant, &record.session);
-    let events = read_events(&events_path)?;
+    let events = read_events_from(files, &events_path)?;
     let known = known(&record, &events, &events_path);
     problems.extend(known.problems);
     Ok(SessionLog { record, path, events, events_path, trials: known.trials, seal: known.seal })
@@ -79,6 +86,7 @@ fn record_from(path: &Path, text: &str) -> Result<SessionRecord, StoreError> {
 /// A trial that no log calls recorded does not count: nobody knows whether it was superseded or excluded. Those of
 /// `unreadable` sessions are not told again.
 pub(crate) fn join(
+    files: &dyn Files,
     layout: &Layout,
     trials: &mut [TrialEntry],
     sessions: &[SessionLog],
@@ -97,7 +105,7 @@ pub(crate) fn join(
                 continue;
             }
             Some(_) => {
-                changed.push(difference(&trial.path));
+                changed.push(difference(files, &trial.path));
                 trial.excluded = Some("the file is not the one that was recorded".to_owned());
                 continue;
             }
@@ -114,7 +122,7 @@ pub(crate) fn join(
         let what = format!("the log does not speak of {words} {}: left out", trials.join(", "));
         StoreError::new(path, what, RESTORE)
     });
-    silent.chain(changed).chain(sessions.iter().flat_map(|log| lost(layout, log))).collect()
+    silent.chain(changed).chain(sessions.iter().flat_map(|log| lost(files, layout, log))).collect()
 }
 
 /// Gives a trial of a sealed session its mode, or says how it gets one; what does not fit is an error, and leaves it
@@ -143,8 +151,8 @@ fn open(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<Sto
 }
 
 /// How a file whose hash is not the log's came to differ: damage where that can be seen.
-fn difference(path: &Path) -> StoreError {
-    read_trial(path, Signal::all()).err().unwrap_or_else(|| {
+fn difference(files: &dyn Files, path: &Path) -> StoreError {
+    read_trial_from(files, path, Signal::all()).err().unwrap_or_else(|| {
         let what = "the file is not the one that was recorded: its hash differs from the session's log";
         StoreError::new(path, what, "restore the file from a copy, or exclude the trial")
     })
@@ -175,7 +183,7 @@ pub(crate) fn left_out(events: &[Event], trial: u32) -> bool {
 }
 
 /// Trials of a session, by its record or its log, that were not left out and whose files are gone.
-fn lost(layout: &Layout, log: &SessionLog) -> Vec<StoreError> {
+fn lost(files: &dyn Files, layout: &Layout, log: &SessionLog) -> Vec<StoreError> {
     let recorded = log.events.iter().filter(|e| matches!(e, Event::Recorded { .. })).filter_map(Event::trial);
     // A session that is being recorded has trials still to come; an imported one was whole when it was laid down.
     let imported = log.record.source == Source::Imported;
@@ -185,7 +193,7 @@ fn lost(layout: &Layout, log: &SessionLog) -> Vec<StoreError> {
         let path = layout.trial(&log.record.participant, &log.record.session, trial);
         let what = "the trial belongs to the session, but its file is missing";
         let error = || StoreError::new(&path, what, "restore the file from a copy, or exclude the trial");
-        (!path.exists() && !left_out(&log.events, trial)).then(error)
+        (files.kind(&path) != Some(Entry::File) && !left_out(&log.events, trial)).then(error)
     };
     trials.into_iter().filter_map(gone).collect()
 }

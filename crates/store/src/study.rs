@@ -1,9 +1,11 @@
 //! A whole study: every trial, sweep and session there is, joined with the events.
 
-use crate::read::TrialFooter;
+use crate::read::{TrialFooter, read_footer_from};
+use crate::regular::text;
 use crate::sessions::{join, left_out, read_sessions};
 use crate::sweep::entry;
-use crate::{Layout, Signal, StoreError, Trial, TrialFile, read_footer, read_trial};
+use crate::walk::{below, files_below, strange};
+use crate::{Entry, Files, Layout, RealFiles, Signal, StoreError, Trial, TrialFile, read_trial};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,6 +13,9 @@ use zwidth_study::{
     ActuatorId, Condition, Event, Kind, ParticipantId, PlannedTrial, QuestionId, Seal, SessionId,
     SessionRecord, Source, Status, Study, TrialMeta,
 };
+
+/// Largest `study.toml` that is read, bytes: a hundred times a long one.
+pub(crate) const MOST_STUDY: u64 = 1 << 20;
 
 /// One trial file, and what the events say of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -148,12 +153,21 @@ impl StudyData {
     /// A missing or wrong `study.toml`, one error per finding. Anything else that cannot be read is
     /// left out and listed in `problems`.
     pub fn load(layout: &Layout) -> Result<Self, Vec<StoreError>> {
-        let study = read_study(layout)?;
-        let mut problems = Vec::new();
-        let mut trials = keep(&mut problems, read_trials(layout));
-        let sweeps = keep(&mut problems, list_sweeps(layout));
-        let (sessions, unreadable) = read_sessions(layout, &mut problems);
-        problems.extend(join(layout, &mut trials, &sessions, &unreadable));
+        Self::load_from(&RealFiles, layout)
+    }
+
+    /// [`StudyData::load`] from any file layer.
+    ///
+    /// # Errors
+    /// Those of [`StudyData::load`].
+    pub fn load_from(files: &dyn Files, layout: &Layout) -> Result<Self, Vec<StoreError>> {
+        let study = read_study_from(files, layout)?;
+        let mut problems =
+            below(files, &layout.raw()).map_or_else(|error| vec![error], |found| found.strange);
+        let mut trials = keep(&mut problems, read_trials(files, layout));
+        let sweeps = keep(&mut problems, list_sweeps(files, layout));
+        let (sessions, unreadable) = read_sessions(files, layout, &mut problems);
+        problems.extend(join(files, layout, &mut trials, &sessions, &unreadable));
         problems.extend(trials.iter_mut().filter_map(|trial| unfit(&study, trial)));
         Ok(Self { layout: layout.clone(), study, trials, sweeps, sessions, problems })
     }
@@ -276,8 +290,18 @@ fn keep<T>(problems: &mut Vec<StoreError>, results: Vec<Result<T, StoreError>>) 
 /// # Errors
 /// A missing file; every problem in it, with key and line; an id that is not the folder's.
 pub fn read_study(layout: &Layout) -> Result<Study, Vec<StoreError>> {
+    read_study_from(&RealFiles, layout)
+}
+
+pub(crate) fn read_study_from(files: &dyn Files, layout: &Layout) -> Result<Study, Vec<StoreError>> {
+    for folder in [layout.root().join("raw"), layout.raw()] {
+        match files.kind(&folder) {
+            Some(kind @ (Entry::Link | Entry::Special)) => return Err(vec![strange(&folder, kind)]),
+            _ => {}
+        }
+    }
     let path = layout.study_toml();
-    let text = std::fs::read_to_string(&path).map_err(|e| vec![StoreError::io(&path, "read", &e)])?;
+    let text = text(files, &path, MOST_STUDY).map_err(|e| vec![e])?;
     let study = Study::from_toml(&text).map_err(|errors| {
         errors
             .iter()
@@ -297,15 +321,15 @@ pub fn read_study(layout: &Layout) -> Result<Study, Vec<StoreError>> {
     Ok(study)
 }
 
-fn read_trials(layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
-    let files = match parquet_below(&layout.trials()) {
-        Ok(files) => files,
+fn read_trials(files: &dyn Files, layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
+    let found = match parquet_below(files, &layout.trials()) {
+        Ok(found) => found,
         Err(error) => return vec![Err(error)],
     };
-    files
+    found
         .into_par_iter()
         .map(|path| {
-            let TrialFooter { meta, file, signals, rows, blake3 } = read_footer(&path)?;
+            let TrialFooter { meta, file, signals, rows, blake3 } = read_footer_from(files, &path)?;
             let expected = layout.trial(&meta.participant, &meta.session, meta.trial);
             if expected != path {
                 let what = format!("the file is trial {} by its footer, but not by its name", meta.trial);
@@ -327,48 +351,25 @@ fn read_trials(layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
         .collect()
 }
 
-fn list_sweeps(layout: &Layout) -> Vec<Result<SweepEntry, StoreError>> {
-    let files = match parquet_below(&layout.sweeps()) {
-        Ok(files) => files,
+fn list_sweeps(files: &dyn Files, layout: &Layout) -> Vec<Result<SweepEntry, StoreError>> {
+    let found = match parquet_below(files, &layout.sweeps()) {
+        Ok(found) => found,
         Err(error) => return vec![Err(error)],
     };
-    files
+    found
         .into_par_iter()
         .map(|path| {
             let actuator = crate::read::from_path(&path, "actuator")?;
             let actuator = ActuatorId::new(actuator)
                 .map_err(|e| StoreError::new(&path, e.to_string(), "rename the folder"))?;
-            entry(layout, path, actuator)
+            entry(files, layout, path, actuator)
         })
         .collect()
 }
 
 /// The Parquet files below a folder, sorted. What else lies there is a finding of `verify`.
-fn parquet_below(folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
-    let mut files = files_below(folder)?;
-    files.retain(|path| path.extension().is_some_and(|e| e == "parquet"));
-    Ok(files)
-}
-
-/// Every file below a folder, sorted; hidden files (unfinished writes) are passed by. A missing
-/// folder has none.
-pub(crate) fn files_below(folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
-    let mut files = Vec::new();
-    let mut folders = vec![folder.to_owned()];
-    while let Some(folder) = folders.pop() {
-        if !folder.exists() {
-            continue;
-        }
-        let entries = std::fs::read_dir(&folder).map_err(|e| StoreError::io(&folder, "list", &e))?;
-        for entry in entries {
-            let path = entry.map_err(|e| StoreError::io(&folder, "list", &e))?.path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if !path.file_name().is_some_and(|n| n.to_string_lossy().starts_with('.')) {
-                files.push(path);
-            }
-        }
-    }
-    files.sort();
-    Ok(files)
+fn parquet_below(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
+    let mut found = files_below(files, folder)?;
+    found.retain(|path| path.extension().is_some_and(|e| e == "parquet"));
+    Ok(found)
 }

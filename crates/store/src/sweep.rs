@@ -2,7 +2,7 @@
 
 use crate::read::{ParquetFile, check_described, floats, from_path};
 use crate::write::{DIGEST, column_digest, described};
-use crate::{Layout, Storage, StoreError, SweepEntry, hex_blake3, write_parquet};
+use crate::{Files, Layout, RealFiles, Storage, StoreError, SweepEntry, hex_blake3, write_parquet};
 use arrow::array::{ArrayRef, Float64Array, RecordBatch, new_null_array};
 use arrow::datatypes::{DataType, Field, Schema};
 use std::collections::BTreeMap;
@@ -118,8 +118,13 @@ fn column(
 }
 
 /// A sweep without its samples; it must lie where its footer says it belongs, so that none exists twice.
-pub(crate) fn entry(layout: &Layout, path: PathBuf, actuator: ActuatorId) -> Result<SweepEntry, StoreError> {
-    let file = ParquetFile::open_recording(&path)?;
+pub(crate) fn entry(
+    files: &dyn Files,
+    layout: &Layout,
+    path: PathBuf,
+    actuator: ActuatorId,
+) -> Result<SweepEntry, StoreError> {
+    let file = ParquetFile::open_recording(files, &path)?;
     file.columns()?; // no log holds a sweep's hash that would tell of damage there
     let ParquetFile { footer, bytes, .. } = file;
     let says = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default();
@@ -144,7 +149,11 @@ fn bad_key(path: &Path, name: &str) -> StoreError {
 
 /// Reads a sweep; the actuator comes from the path. Checks are those of a trial.
 pub fn read_sweep(path: &Path) -> Result<Sweep, StoreError> {
-    let file = ParquetFile::open_recording(path)?;
+    read_sweep_from(&RealFiles, path)
+}
+
+pub(crate) fn read_sweep_from(files: &dyn Files, path: &Path) -> Result<Sweep, StoreError> {
+    let file = ParquetFile::open_recording(files, path)?;
     let key = |name: &str| {
         file.footer
             .get(name)
@@ -195,7 +204,7 @@ pub fn read_sweep(path: &Path) -> Result<Sweep, StoreError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{RealFiles, write_new};
+    use crate::write_new;
 
     fn sample() -> Sweep {
         Sweep {

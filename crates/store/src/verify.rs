@@ -1,8 +1,11 @@
 //! `verify`: every finding in a study, not only the first.
 
+use crate::journal::DAMAGED;
+use crate::read::read_trial_from;
 use crate::recover::unfinished;
-use crate::study::files_below;
-use crate::{Layout, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry, read_sweep, read_trial};
+use crate::sweep::read_sweep_from;
+use crate::walk::files_below;
+use crate::{Files, Layout, RealFiles, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -14,23 +17,30 @@ const WORK_SPACE_SLACK_RAD: f64 = 0.034_906_585_039_886_59;
 
 /// Checks a whole study: `study.toml`, every file byte by byte, every event. An empty list is a clean study.
 pub fn verify(layout: &Layout) -> Vec<StoreError> {
-    let data = match StudyData::load(layout) {
+    verify_from(&RealFiles, layout)
+}
+
+/// [`verify`] on any file layer.
+pub fn verify_from(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
+    let data = match StudyData::load_from(files, layout) {
         Ok(data) => data,
         Err(findings) => return findings,
     };
     let mut findings = data.problems.clone();
-    findings.extend(data.trials.par_iter().flat_map_iter(|t| trial(&data, t)).collect::<Vec<_>>());
-    findings.extend(data.sweeps.par_iter().filter_map(|s| read_sweep(&s.path).err()).collect::<Vec<_>>());
+    findings.extend(data.trials.par_iter().flat_map_iter(|t| trial(files, &data, t)).collect::<Vec<_>>());
+    findings.extend(
+        data.sweeps.par_iter().filter_map(|s| read_sweep_from(files, &s.path).err()).collect::<Vec<_>>(),
+    );
     findings.extend(data.sessions.iter().flat_map(|s| session(&data, s)));
     findings.extend(doubled(&data));
-    findings.extend(strays(layout));
+    findings.extend(strays(files, layout));
     findings.sort_by(|a, b| (&a.path, &a.column, a.row).cmp(&(&b.path, &b.column, b.row)));
     findings.dedup();
     findings
 }
 
-fn trial(data: &StudyData, entry: &TrialEntry) -> Vec<StoreError> {
-    let read = match read_trial(&entry.path, Signal::all()) {
+fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry) -> Vec<StoreError> {
+    let read = match read_trial_from(files, &entry.path, Signal::all()) {
         Ok(trial) => trial,
         Err(error) => return vec![error],
     };
@@ -150,11 +160,11 @@ fn event_finding(
 }
 
 /// Files that do not belong where they lie, and left-overs of unfinished writes.
-fn strays(layout: &Layout) -> Vec<StoreError> {
+fn strays(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
     let stray = |path: &Path, what: &str, remedy: &str| StoreError::new(path, what, remedy);
     let mut findings = Vec::new();
     for tree in [layout.trials(), layout.sweeps()] {
-        for path in files_below(&tree).unwrap_or_default() {
+        for path in files_below(files, &tree).unwrap_or_default() {
             if path.extension().is_none_or(|e| e != "parquet") {
                 let what = "only Parquet files belong in this tree";
                 findings.push(stray(&path, what, "move the file elsewhere; other tools read the whole tree"));
@@ -162,11 +172,11 @@ fn strays(layout: &Layout) -> Vec<StoreError> {
         }
     }
     let recover = format!("run `zwidth recover {}`", layout.study());
-    for path in unfinished(&layout.raw()) {
+    for path in unfinished(files, layout) {
         findings.push(stray(&path, "a write was cut short here", &recover));
     }
-    for path in files_below(&layout.journals()).unwrap_or_default() {
-        let damaged = path.extension().is_some_and(|e| e == "damaged");
+    for path in files_below(files, &layout.journals()).unwrap_or_default() {
+        let damaged = path.to_string_lossy().contains(DAMAGED);
         findings.push(if damaged {
             let remedy = "what could be read of it is a trial; remove the file when nobody needs it";
             stray(&path, "a journal that could not be read to its end", remedy)

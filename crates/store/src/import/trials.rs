@@ -8,7 +8,7 @@ use super::plan::{Plan, Taken, plan, rate_times};
 use super::recording::Recording;
 use super::report::{FileReport, null_columns};
 use super::{Context, Errors, all};
-use crate::study::files_below;
+use crate::walk::files_below;
 use crate::{
     Samples, Signal, StoreError, Trial, TrialFile, TrialFooter, hex_blake3, read_footer, trial_bytes,
 };
@@ -75,7 +75,7 @@ fn words(piece: &Piece, number: &PlannedTrial) -> String {
 
 /// The same recording must not count twice, under whatever participant or session.
 fn imported_before(context: &Context, files: Vec<(&PathBuf, &str)>) -> Result<(), Errors> {
-    let there = files_below(&context.layout.trials())?;
+    let there = files_below(&crate::RealFiles, &context.layout.trials())?;
     let footers: Vec<TrialFooter> = there.par_iter().filter_map(|path| read_footer(path).ok()).collect();
     let known: BTreeMap<&str, &TrialFooter> =
         footers.iter().filter_map(|f| Some((f.file.get("source_blake3")?.as_str(), f))).collect();

@@ -1,0 +1,275 @@
+//! What a Parquet file claims of itself, looked at before anything takes memory for it.
+//!
+//! A few bytes can claim 10¹² rows, a list of 2³¹ row groups, or a page that unpacks to gigabytes; the decoder reserves
+//! what is claimed, and a reservation that fails ends the process. So the claims are read here first, by walking the
+//! structures of the footer and the headers of the pages (Thrift's compact protocol; parquet-format,
+//! `parquet.thrift`: `FileMetaData`, `PageHeader`) without keeping anything of them.
+
+use crate::StoreError;
+use parquet::file::metadata::ParquetMetaData;
+use std::path::Path;
+
+/// Rows of one file: 70 minutes at 1 kHz; with every signal in memory twice, 0.9 GB.
+pub const MOST_ROWS: usize = 1 << 22;
+/// Columns of one file: forty times those of a trial.
+pub const MOST_COLUMNS: usize = 1 << 10;
+/// Bytes of a column once unpacked: [`MOST_ROWS`] numbers and as much for their levels and dictionary.
+pub const MOST_COLUMN_BYTES: u64 = 1 << 26;
+/// Bytes of a footer: a thousand times a trial's.
+const MOST_FOOTER: usize = 1 << 24;
+/// Row groups: their numbers are 16 bits wide.
+const MOST_GROUPS: usize = i16::MAX as usize;
+/// Structures within each other, in a footer and in a schema: a reader goes down by calling itself.
+const MOST_DEPTH: usize = 32;
+/// The bytes a Parquet file begins and ends with.
+const MAGIC: &[u8; 4] = b"PAR1";
+/// Bytes behind the footer: its length and [`MAGIC`].
+const TAIL: usize = 8;
+
+/// Checks what the footer of a Parquet file claims, as far as the decoder would believe it.
+///
+/// # Errors
+/// Why the file cannot be read, in words.
+pub(crate) fn check_footer(bytes: &[u8]) -> Result<(), String> {
+    let footer = footer_of(bytes).ok_or("it has no footer: it was cut short, or is no Parquet file")?;
+    if footer.len() > MOST_FOOTER {
+        return Err(format!("its footer has {} bytes, and at most {MOST_FOOTER} are read", footer.len()));
+    }
+    let mut claims = Claims::default();
+    Walk { bytes: footer, at: 0 }
+        .fields(0, &mut |walk, field, kind| match (field, kind) {
+            (2, LIST) => walk.list(&mut |walk, _| walk.schema_element(&mut claims.children)),
+            (4, LIST) => walk.list(&mut |walk, kind| {
+                claims.groups += 1;
+                walk.skip(kind, 1)
+            }),
+            _ => walk.skip(kind, 0),
+        })
+        .ok_or("its footer is damaged")?;
+    if claims.groups > MOST_GROUPS {
+        return Err(format!("it has more than {MOST_GROUPS} row groups"));
+    }
+    if depth(&claims.children).is_none_or(|depth| depth > MOST_DEPTH) {
+        return Err(format!("its columns are nested more than {MOST_DEPTH} deep"));
+    }
+    Ok(())
+}
+
+/// Checks the number of rows and columns, by the footer's metadata.
+///
+/// # Errors
+/// The number and the limit.
+pub(crate) fn check_size(path: &Path, metadata: &ParquetMetaData, remedy: &str) -> Result<(), StoreError> {
+    let error = |what: String| Err(StoreError::new(path, what, remedy));
+    let columns = metadata.file_metadata().schema_descr().num_columns();
+    if columns > MOST_COLUMNS {
+        return error(format!("the file claims {columns} columns, and at most {MOST_COLUMNS} are read"));
+    }
+    let rows = metadata.file_metadata().num_rows();
+    if usize::try_from(rows).is_ok_and(|rows| rows <= MOST_ROWS) {
+        return Ok(());
+    }
+    error(format!("the file claims {rows} rows, and at most {MOST_ROWS} are read"))
+}
+
+/// Checks the pages of the columns that `wanted` picks by their place: what they unpack to, and that they lie in the
+/// file.
+///
+/// # Errors
+/// Why the column cannot be read, in words.
+pub(crate) fn check_pages(
+    bytes: &[u8],
+    metadata: &ParquetMetaData,
+    wanted: impl Fn(usize) -> bool,
+) -> Result<(), String> {
+    let mut unpacked = vec![0_u64; metadata.file_metadata().schema_descr().num_columns()];
+    for group in metadata.row_groups() {
+        for (place, column) in group.columns().iter().enumerate().filter(|(place, _)| wanted(*place)) {
+            let name = column.column_path().string();
+            let damaged = || format!("the pages of column {name} are damaged");
+            let first = column.dictionary_page_offset().unwrap_or(i64::MAX).min(column.data_page_offset());
+            let from = usize::try_from(first).map_err(|_| damaged())?;
+            let length = usize::try_from(column.compressed_size()).map_err(|_| damaged())?;
+            let pages = from.checked_add(length).and_then(|to| bytes.get(from..to)).ok_or_else(damaged)?;
+            unpacked[place] = unpacked[place].saturating_add(unpacked_length(pages).ok_or_else(damaged)?);
+            if unpacked[place] > MOST_COLUMN_BYTES {
+                return Err(format!("column {name} unpacks to more than {MOST_COLUMN_BYTES} bytes"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What the pages of a column chunk claim to unpack to, bytes.
+fn unpacked_length(pages: &[u8]) -> Option<u64> {
+    let (mut rest, mut total) = (pages, 0_u64);
+    while !rest.is_empty() {
+        let (mut packed, mut unpacked) = (0, 0);
+        let mut walk = Walk { bytes: rest, at: 0 };
+        walk.fields(0, &mut |walk, field, kind| match (field, kind) {
+            (2, I32) => walk.zigzag().map(|size| unpacked = size),
+            (3, I32) => walk.zigzag().map(|size| packed = size),
+            _ => walk.skip(kind, 0),
+        })?;
+        total = total.saturating_add(u64::try_from(unpacked).ok()?);
+        rest = rest.get(walk.at.checked_add(usize::try_from(packed).ok()?)?..)?;
+    }
+    Some(total)
+}
+
+fn footer_of(bytes: &[u8]) -> Option<&[u8]> {
+    let (body, tail) = bytes.split_at_checked(bytes.len().checked_sub(TAIL)?)?;
+    let (length, magic) = tail.split_first_chunk::<4>()?;
+    let length = u32::from_le_bytes(*length) as usize;
+    let whole = magic == MAGIC && body.starts_with(MAGIC);
+    body.get(body.len().checked_sub(length)?..).filter(|_| whole)
+}
+
+#[derive(Default)]
+struct Claims {
+    groups: usize,
+    /// The number of children of each schema element, in the order in which a tree is walked.
+    children: Vec<usize>,
+}
+
+/// How deep a schema is nested; nothing if its numbers of children fit no tree.
+fn depth(children: &[usize]) -> Option<usize> {
+    let mut open: Vec<usize> = Vec::new();
+    let mut deepest = 0;
+    for n in children {
+        if let Some(parent) = open.last_mut() {
+            *parent = parent.checked_sub(1)?;
+        }
+        open.push(*n);
+        deepest = deepest.max(open.len());
+        if deepest > MOST_DEPTH {
+            return Some(deepest);
+        }
+        while open.last() == Some(&0) {
+            open.pop();
+        }
+    }
+    Some(deepest)
+}
+
+// Types of Thrift's compact protocol.
+const TRUE: u8 = 1;
+const FALSE: u8 = 2;
+const BYTE: u8 = 3;
+const I16: u8 = 4;
+const I32: u8 = 5;
+const I64: u8 = 6;
+const DOUBLE: u8 = 7;
+const BINARY: u8 = 8;
+const LIST: u8 = 9;
+const SET: u8 = 10;
+const STRUCT: u8 = 12;
+/// Bytes of a double.
+const DOUBLE_BYTES: usize = 8;
+/// A length in the upper half of a list's first byte that says that the length follows.
+const LONG: u8 = 15;
+
+/// A place in a structure. Each step is nothing where the bytes end too early or make no sense.
+struct Walk<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl Walk<'_> {
+    fn byte(&mut self) -> Option<u8> {
+        let byte = *self.bytes.get(self.at)?;
+        self.at += 1;
+        Some(byte)
+    }
+
+    fn varint(&mut self) -> Option<u64> {
+        /// Seven bits a byte: ten bytes hold 64.
+        const BITS: u32 = 7;
+        let mut value = 0;
+        for shift in (0..u64::BITS).step_by(BITS as usize) {
+            let byte = self.byte()?;
+            value |= u64::from(byte & 0x7f) << shift;
+            if byte < 0x80 {
+                return Some(value);
+            }
+        }
+        None
+    }
+
+    fn zigzag(&mut self) -> Option<i64> {
+        let n = self.varint()?;
+        Some((n >> 1).cast_signed() ^ -(n & 1).cast_signed())
+    }
+
+    fn pass(&mut self, n: usize) -> Option<()> {
+        self.at = self.at.checked_add(n).filter(|at| *at <= self.bytes.len())?;
+        Some(())
+    }
+
+    /// Walks the fields of a structure; `field` gets each one's number and type, and must walk its value.
+    fn fields(
+        &mut self,
+        depth: usize,
+        field: &mut dyn FnMut(&mut Self, i64, u8) -> Option<()>,
+    ) -> Option<()> {
+        let mut number = 0;
+        if depth > MOST_DEPTH {
+            return None;
+        }
+        loop {
+            let head = self.byte()?;
+            if head == 0 {
+                return Some(());
+            }
+            number = match head >> 4 {
+                0 => self.zigzag()?,
+                step => i64::from(step).checked_add(number)?,
+            };
+            field(self, number, head & 0x0f)?;
+        }
+    }
+
+    /// Walks a list; `element` gets the type, and must walk one. No list has more elements than bytes follow.
+    fn list(&mut self, element: &mut dyn FnMut(&mut Self, u8) -> Option<()>) -> Option<()> {
+        let head = self.byte()?;
+        let length = match head >> 4 {
+            LONG => usize::try_from(self.varint()?).ok()?,
+            short => usize::from(short),
+        };
+        if length > self.bytes.len() - self.at {
+            return None;
+        }
+        (0..length).try_for_each(|_| element(self, head & 0x0f))
+    }
+
+    fn skip(&mut self, kind: u8, depth: usize) -> Option<()> {
+        match kind {
+            _ if depth > MOST_DEPTH => None,
+            TRUE | FALSE => Some(()),
+            BYTE => self.pass(1),
+            I16 | I32 | I64 => self.varint().map(drop),
+            DOUBLE => self.pass(DOUBLE_BYTES),
+            BINARY => {
+                let length = usize::try_from(self.varint()?).ok()?;
+                self.pass(length)
+            }
+            LIST | SET => self.list(&mut |walk, kind| match kind {
+                TRUE | FALSE => walk.pass(1), // in a list a truth value has a byte of its own
+                _ => walk.skip(kind, depth + 1),
+            }),
+            STRUCT => self.fields(depth + 1, &mut |walk, _, kind| walk.skip(kind, depth + 1)),
+            _ => None,
+        }
+    }
+
+    /// Walks an element of the schema and notes its number of children.
+    fn schema_element(&mut self, children: &mut Vec<usize>) -> Option<()> {
+        let mut n = 0;
+        self.fields(1, &mut |walk, field, kind| match (field, kind) {
+            (5, I32) => walk.zigzag().and_then(|count| usize::try_from(count).ok()).map(|count| n = count),
+            _ => walk.skip(kind, 1),
+        })?;
+        children.push(n);
+        Some(())
+    }
+}

@@ -1,0 +1,70 @@
+//! What lies below a folder of the data: files, and what is none of ours.
+
+use crate::{Entry, Files, StoreError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What lies below a folder, at any depth. Linked folders are not entered.
+#[derive(Debug, Default)]
+pub(crate) struct Below {
+    /// Regular files, sorted.
+    pub(crate) files: Vec<PathBuf>,
+    /// Links, pipes, sockets and devices: a finding each.
+    pub(crate) strange: Vec<StoreError>,
+}
+
+/// Lists what lies below `folder`. There is nothing below a missing folder.
+///
+/// # Errors
+/// A folder that cannot be listed.
+pub(crate) fn below(files: &dyn Files, folder: &Path) -> Result<Below, StoreError> {
+    let mut found = Below::default();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        let entries = match files.list(&folder) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => continue,
+            listed => listed.map_err(|e| StoreError::io(&folder, "list", &e))?,
+        };
+        for (path, kind) in entries {
+            match kind {
+                Entry::File => found.files.push(path),
+                Entry::Folder => folders.push(path),
+                Entry::Link | Entry::Special => found.strange.push(strange(&path, kind)),
+            }
+        }
+    }
+    found.files.sort();
+    Ok(found)
+}
+
+/// The finding that something is neither file nor folder.
+pub(crate) fn strange(path: &Path, kind: Entry) -> StoreError {
+    match kind {
+        Entry::Link => StoreError::new(
+            path,
+            "it is a link, which is not followed",
+            "put the file or folder itself here; if the data lie on another disk, name it with --root",
+        ),
+        _ => StoreError::new(
+            path,
+            "it is a pipe, socket or device",
+            "move it elsewhere; only files belong here",
+        ),
+    }
+}
+
+/// Whether a name is hidden: an unfinished write, or the lock.
+pub(crate) fn is_hidden(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
+}
+
+/// Every file below a folder but hidden ones, sorted. What is neither file nor folder is passed by: it is a finding of
+/// the study as a whole.
+///
+/// # Errors
+/// A folder that cannot be listed.
+pub(crate) fn files_below(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
+    let mut found = below(files, folder)?.files;
+    found.retain(|path| !is_hidden(path));
+    Ok(found)
+}
