@@ -7,6 +7,7 @@
 
 mod atomic;
 mod bounds;
+mod codec;
 #[cfg(test)]
 mod crashes;
 mod encode;

@@ -2,6 +2,7 @@
 
 use super::table::{Cells, Table};
 use crate::StoreError;
+use crate::codec::check_codecs;
 use crate::read::guarded;
 use ::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
@@ -17,8 +18,10 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Table, StoreError> {
     if bytes.is_empty() {
         return Err(StoreError::new(path, "the file is empty", REMEDY));
     }
+    let builder = guarded(path, REMEDY, || ParquetRecordBatchReaderBuilder::try_new(Bytes::from(bytes)))?;
+    check_codecs(path, builder.metadata())?;
     let batch: RecordBatch = guarded(path, REMEDY, || {
-        let reader = ParquetRecordBatchReaderBuilder::try_new(Bytes::from(bytes))?.build()?;
+        let reader = builder.build()?;
         let schema = arrow::array::RecordBatchReader::schema(&reader);
         Ok(concat_batches(&schema, &reader.collect::<Result<Vec<_>, _>>()?)?)
     })?;
@@ -54,6 +57,7 @@ fn kind(data_type: &DataType) -> Option<DataType> {
 pub(super) mod tests {
     use super::super::table::Cell;
     use super::*;
+    use crate::codec::tests::said_to_be;
     use ::parquet::arrow::ArrowWriter;
     use arrow::array::{BooleanArray, DictionaryArray, Float32Array, Int64Array, StringArray};
     use arrow::datatypes::Int32Type;
@@ -89,6 +93,13 @@ pub(super) mod tests {
         assert_eq!((cell(0, 1), cell(1, 1)), (Cell::Empty, Cell::Number(2.0)));
         assert_eq!((cell(2, 1), cell(3, 0)), (Cell::Text("b"), Cell::Text("x")));
         assert!(matches!(&table.columns[4], Cells::Other(why) if why.contains("Boolean")));
+    }
+
+    #[test]
+    fn a_file_compressed_with_gzip_is_named_so() {
+        let gzip = said_to_be(&sample(), ::parquet::basic::CompressionCodec::GZIP);
+        let error = read(Path::new("a.parquet"), gzip).unwrap_err();
+        assert!(error.what.contains("compressed with gzip"), "{error}");
     }
 
     #[test]
