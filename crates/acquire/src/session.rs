@@ -4,7 +4,7 @@ use crate::flow::Recorded;
 use crate::{AcquireError, vault};
 use std::path::{Path, PathBuf};
 use zwidth_device::Capabilities;
-use zwidth_store::{Files, Layout, SessionLog, StoreError, StudyData, TrialEntry, hex_blake3, write_new};
+use zwidth_store::{Files, Layout, SessionLog, StoreError, StudyData, TrialEntry, hex_blake3, lay_down};
 use zwidth_study::{
     Calibration, Event, ModeId, OrderRecord, ParticipantId, PlannedTrial, QuestionId, Scene, Seal, SessionId,
     SessionRecord, Status, Study, TrialMeta, order,
@@ -17,8 +17,8 @@ pub struct Plan {
     pub layout: Layout,
     /// The study.
     pub study: Study,
-    /// BLAKE3 of its `study.toml`.
-    pub study_blake3: String,
+    /// The text of its `study.toml`, of which the session keeps a copy.
+    pub study_toml: Vec<u8>,
     /// Who.
     pub participant: ParticipantId,
     /// Which session.
@@ -99,18 +99,15 @@ impl Session {
         }
     }
 
-    /// Writes the record, once, and before it the seal of a blinded session.
+    /// Lays the session down, once, and before it keeps the seal of a blinded one. `utc` is the time of it.
     ///
     /// # Errors
     /// A write that failed.
-    pub fn lay_down(&mut self, plan: &Plan, files: &dyn Files) -> Result<(), AcquireError> {
+    pub fn lay_down(&mut self, plan: &Plan, files: &dyn Files, utc: &str) -> Result<(), AcquireError> {
         if let Some(seal) = &self.seal {
             vault::keep(&plan.keys, plan.layout.study(), &self.record, seal)?;
         }
-        let path = plan.layout.session(&self.record.participant, &self.record.session);
-        let text = self.record.to_json();
-        let text = text.map_err(|e| StoreError::new(&path, e.to_string(), "please report this"))?;
-        write_new(files, &path, text.as_bytes())?;
+        lay_down(files, &plan.layout, utc, &self.record, &plan.study_toml)?;
         self.laid_down = true;
         Ok(())
     }
@@ -135,7 +132,7 @@ fn bare(plan: &Plan, device: &Capabilities) -> Result<SessionRecord, AcquireErro
         plan.session.clone(),
         device.source,
         plan.software.clone(),
-        plan.study_blake3.clone(),
+        hex_blake3(&plan.study_toml),
         Vec::new(),
     );
     record.device = Some(device.name.clone());

@@ -1,9 +1,12 @@
 //! Every write, sync, rename, append and removal of a trial's life fails once, by a kill and by power cuts; what is
 //! promised holds after `recover`, and after a `recover` that was itself cut short.
 
-use crate::faulty::{Faulty, Survives};
+use crate::events::read_events_from;
+use crate::faulty::Faulty;
+use crate::read::read_trial_from;
 use crate::{
-    Journal, Layout, RealFiles, Signal, TrialFile, append_events, read_events, read_trial, recover, verify,
+    Fault, Files, Journal, Layout, Memory, Signal, Survives, TrialFile, append_events, lay_down, recover,
+    verify_from,
 };
 use rayon::prelude::*;
 use std::cell::Cell;
@@ -18,7 +21,7 @@ pub(crate) const UTC: &str = "2026-01-01T00:00:00Z";
 const BATCH: usize = 5;
 const BATCHES: usize = 2;
 /// Steps of a session's first trial: each write, sync, rename, append and removal.
-const STEPS: u32 = 44;
+const STEPS: u64 = 52;
 
 pub(crate) fn meta(trial: u32) -> TrialMeta {
     TrialMeta {
@@ -75,33 +78,48 @@ pub(crate) fn planned(trial: u32) -> PlannedTrial {
     }
 }
 
-/// A study with a session of two trials; the first is finished if `first`.
-fn study(root: &Path, first: bool) -> Layout {
+/// A study without any session.
+pub(crate) fn study_alone(root: &Path) -> Layout {
     let layout = Layout::new(root, StudyId::new("demo").unwrap());
     std::fs::create_dir_all(layout.sessions()).unwrap();
-    std::fs::write(layout.study_toml(), template(layout.study())).unwrap();
-    let m = meta(1);
-    let record = SessionRecord::new(
-        m.participant.clone(),
-        m.session.clone(),
-        Source::Recorded,
-        "tests",
-        "",
-        vec![planned(1), planned(2)],
-    );
-    std::fs::write(layout.session(&m.participant, &m.session), record.to_json().unwrap()).unwrap();
+    std::fs::write(layout.study_toml(), toml(&layout)).unwrap();
+    layout
+}
+
+/// The text of the study's `study.toml`.
+pub(crate) fn toml(layout: &Layout) -> Vec<u8> {
+    template(layout.study()).into_bytes()
+}
+
+/// The record of a session of these trials.
+pub(crate) fn record(layout: &Layout, trials: Vec<PlannedTrial>) -> SessionRecord {
+    let (m, hash) = (meta(1), crate::hex_blake3(&toml(layout)));
+    SessionRecord::new(m.participant, m.session, Source::Recorded, "tests", hash, trials)
+}
+
+/// Lays down a session of two trials.
+fn lay_down_two(files: &dyn Files, layout: &Layout) {
+    let two = record(layout, vec![planned(1), planned(2)]);
+    lay_down(files, layout, UTC, &two, &toml(layout)).unwrap();
+}
+
+/// A study in memory with a session of two trials; the first is finished if `first`.
+fn study(first: bool) -> (Memory, Layout) {
+    let (disk, layout) = (Memory::new(), Layout::new(Path::new("/root"), StudyId::new("demo").unwrap()));
+    disk.put(&layout.study_toml(), &toml(&layout));
+    lay_down_two(&disk, &layout);
     if first {
-        // On the model of a disk, because a real one takes milliseconds for each sync.
-        let disk = Faulty::killed_at(None, root);
         trial(&disk, &layout, 1, &mut Promised::default()).unwrap();
     }
-    layout
+    (disk, layout)
 }
 
 /// A folder with a study in it, whose session has two trials and none done.
 pub(crate) fn folder_with_study() -> (tempfile::TempDir, Layout) {
     let folder = tempfile::tempdir().unwrap();
-    let layout = study(&folder.path().join("root"), false);
+    let layout = study_alone(&folder.path().join("root"));
+    // Without syncs, which take milliseconds each.
+    lay_down_two(&Faulty::never(), &layout);
     (folder, layout)
 }
 
@@ -129,17 +147,20 @@ fn trial(
 }
 
 /// After a whole `recover` every promise holds, nothing is left to be done, and nothing is found wrong.
-fn holds(layout: &Layout, promised: &Promised, first: bool, what: &str) {
-    assert_eq!(verify(layout), [], "{what}");
-    assert_eq!(recover(&RealFiles, layout, UTC), [], "{what}");
+fn holds(disk: &Memory, layout: &Layout, promised: &Promised, first: bool, what: &str) {
+    assert_eq!(verify_from(disk, layout), [], "{what}");
+    assert_eq!(recover(disk, layout, UTC), [], "{what}");
     let m = meta(2);
-    let path = |trial| layout.trial(&m.participant, &m.session, trial);
+    let read = |trial| {
+        let path = layout.trial(&m.participant, &m.session, trial);
+        disk.kind(&path).map(|_| read_trial_from(disk, &path, Signal::all()).unwrap())
+    };
     let all = BATCHES * BATCH;
     if first {
-        let one = read_trial(&path(1), Signal::all()).unwrap();
+        let one = read(1).unwrap();
         assert_eq!((one.samples.len(), one.meta.status), (all, Status::Complete), "{what}");
     }
-    let two = path(2).exists().then(|| read_trial(&path(2), Signal::all()).unwrap());
+    let two = read(2);
     let kept = two.as_ref().map_or(0, |t| t.samples.len());
     assert!(kept >= promised.rows && kept % BATCH == 0, "{what}: {kept} rows of {promised:?}");
     if let Some(two) = &two {
@@ -148,24 +169,23 @@ fn holds(layout: &Layout, promised: &Promised, first: bool, what: &str) {
         assert!(two.meta.status == Status::Complete || !promised.ended, "{what}");
         assert!(two.meta.likert == Some(4) || !promised.finished, "{what}");
     }
-    let events = read_events(&layout.events(&m.participant, &m.session)).unwrap();
+    let events = read_events_from(disk, &layout.events(&m.participant, &m.session)).unwrap();
     let recorded = |e: &&Event| matches!(e, Event::Recorded { trial: 2, .. });
     assert_eq!(events.iter().filter(recorded).count(), usize::from(two.is_some()), "{what}");
     let notes = events.iter().filter(|e| matches!(e, Event::Note { trial: Some(2), .. })).count();
     assert!(notes <= 1 && notes >= usize::from(promised.told), "{what}");
 }
 
-const ENDS: [Survives; 4] = [Survives::Everything, Survives::Synced, Survives::Names, Survives::Zeros];
+const ENDS: [Survives; 5] =
+    [Survives::Everything, Survives::Synced, Survives::Names, Survives::Zeros, Survives::Half];
 
-/// Kills the trial at its n-th step; whether that came before its end.
-fn killed(n: u32, end: Survives, first: bool, then: impl Fn(&Faulty, &Layout, &Promised)) -> bool {
-    let folder = tempfile::tempdir().unwrap();
-    let root = folder.path().join("root");
-    let layout = study(&root, first);
-    let disk = Faulty::killed_at(Some(n), folder.path());
+/// Ends the process at the n-th step of the trial; whether that came before the trial's end.
+fn killed(n: u64, end: Survives, first: bool, then: impl Fn(&Memory, &Layout, &Promised)) -> bool {
+    let (disk, layout) = study(first);
+    disk.fail_in(n, Fault::End);
     let mut promised = Promised::default();
     let ran = trial(&disk, &layout, 2, &mut promised);
-    disk.restart(folder.path(), end, None);
+    disk.restart(end);
     then(&disk, &layout, &promised);
     ran.is_err()
 }
@@ -179,7 +199,7 @@ fn a_fault_at_any_step_of_a_trial_loses_no_more_than_the_batch_being_written() {
                 let found = recover(disk, layout, UTC);
                 let what = format!("step {n}, {end:?} survives: {found:?}");
                 assert!(found.iter().all(Result::is_ok), "{what}");
-                holds(layout, promised, first, &what);
+                holds(disk, layout, promised, first, &what);
             }) {
                 n += 1;
             }
@@ -188,22 +208,17 @@ fn a_fault_at_any_step_of_a_trial_loses_no_more_than_the_batch_being_written() {
     }
 }
 
-/// The folder a test is in, as the model of the disk knows it.
-fn folder(layout: &Layout) -> &Path {
-    layout.root().parent().unwrap()
-}
-
 /// Recovers once with a kill at its m-th step, and then to the end; whether the kill came before the first's end.
-fn recovered_twice(n: u32, m: u32, [end, again]: [Survives; 2]) -> (bool, bool) {
+fn recovered_twice(n: u64, m: u64, [end, again]: [Survives; 2]) -> (bool, bool) {
     let cut = Cell::new(false);
     let killed = killed(n, end, false, |disk, layout, promised| {
-        disk.restart(folder(layout), Survives::Everything, Some(m));
+        disk.fail_in(m, Fault::End);
         let found = recover(disk, layout, UTC);
-        disk.restart(folder(layout), again, None);
+        disk.restart(again);
         let mended = recover(disk, layout, UTC);
         let what = format!("step {n} {end:?}, recovery {m} {again:?}: {found:?} {mended:?}");
         assert!(mended.iter().all(Result::is_ok), "{what}");
-        holds(layout, promised, false, &what);
+        holds(disk, layout, promised, false, &what);
         cut.set(found.iter().any(Result::is_err));
     });
     (killed, cut.get())
@@ -211,7 +226,7 @@ fn recovered_twice(n: u32, m: u32, [end, again]: [Survives; 2]) -> (bool, bool) 
 
 /// Every step of the trial, and every step of its recovery.
 fn check_recoveries(ends: [Survives; 2]) {
-    let of_step = |n: u32| {
+    let of_step = |n: u64| {
         // A recovery has some thirty steps; the one that was not cut is where it ends.
         (0..100).take_while(|m| recovered_twice(n, *m, ends).1).count()
     };
@@ -219,14 +234,31 @@ fn check_recoveries(ends: [Survives; 2]) {
     assert!(tried > 500, "only {tried} recoveries of {ends:?}");
 }
 
-const KILLED_TWICE: [[Survives; 2]; 4] = [
+/// What survives the first time, and the second.
+const KILLED_TWICE: [[Survives; 2]; 5] = [
     [Survives::Everything, Survives::Everything],
     [Survives::Everything, Survives::Synced],
-    [Survives::Synced, Survives::Synced],
+    [Survives::Synced, Survives::Half],
+    [Survives::Half, Survives::Synced],
     [Survives::Zeros, Survives::Names],
 ];
 
 #[test]
 fn a_recovery_that_is_cut_short_at_any_step_is_finished_by_the_next() {
     KILLED_TWICE.into_iter().for_each(check_recoveries);
+}
+
+#[test]
+fn a_disk_that_fills_up_at_any_step_loses_nothing_that_was_stored() {
+    for n in 0..STEPS {
+        let (disk, layout) = study(true);
+        disk.fail_in(n, Fault::Full);
+        let mut promised = Promised::default();
+        let ran = trial(&disk, &layout, 2, &mut promised);
+        disk.restart(Survives::Everything);
+        let found = recover(&disk, &layout, UTC);
+        let what = format!("full from step {n}: {ran:?}, {found:?}");
+        assert!(found.iter().all(Result::is_ok), "{what}");
+        holds(&disk, &layout, &promised, true, &what);
+    }
 }

@@ -1,6 +1,7 @@
 //! The event log of a session: one JSON object a line, chained by checksums, only ever appended to.
 
-use crate::atomic::{create_folders, folder_of};
+use crate::atomic::{create_folders, folder_of, sync_file};
+use crate::head::{Standing, standing, write_head};
 use crate::recover::Done;
 use crate::regular::text;
 use crate::{Files, RealFiles, StoreError, hex_blake3, replace};
@@ -33,47 +34,71 @@ fn digest(previous: &str, utc: &str, event: &Event) -> Result<String, serde_json
 /// # Errors
 /// A log that cannot be read to its end, because nothing may follow a line that is in doubt; the write that failed.
 pub fn append_events(files: &dyn Files, path: &Path, utc: &str, events: &[Event]) -> Result<(), StoreError> {
-    let mut previous = if files.kind(path).is_some() { last_digest(files, path)? } else { None };
+    let mut digests = digests_of(files, path)?;
+    standing(files, path, &digests)?;
     let mut text = String::new();
     for event in events {
-        let chained = digest(previous.as_deref().unwrap_or_default(), utc, event);
+        let previous = digests.last().map(String::as_str).unwrap_or_default();
+        let chained = digest(previous, utc, event);
         let blake3 = chained.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
         let line = Line { utc: utc.to_owned(), event: event.clone(), blake3: blake3.clone() };
         let json = serde_json::to_string(&line);
         text += &json.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
         text.push('\n');
-        previous = Some(blake3);
+        digests.push(blake3);
     }
     let folder = folder_of(path);
     create_folders(files, folder)
         .and_then(|()| files.open_append(path)?.append_synced(text.as_bytes()))
         .and_then(|()| files.sync_folder(folder))
-        .map_err(|e| StoreError::io(path, "append to", &e))
+        .map_err(|e| StoreError::io(path, "append to", &e))?;
+    write_head(files, path, &digests)
 }
 
-/// The digest of a log's last line, which the next one follows.
-fn last_digest(files: &dyn Files, path: &Path) -> Result<Option<String>, StoreError> {
+/// The digests of a log's lines. A missing log has none.
+fn digests_of(files: &dyn Files, path: &Path) -> Result<Vec<String>, StoreError> {
+    if files.kind(path).is_none() {
+        return Ok(Vec::new());
+    }
     let text = text_of(files, path)?;
     if !text.is_empty() && !text.ends_with('\n') {
         let remedy = "run `zwidth recover`, which brings the end of the log in order";
         return Err(StoreError::new(path, "the last line is not finished: it has no line feed", remedy));
     }
-    Ok(lines_of(path, &text)?.pop().map(|line| line.blake3))
+    Ok(lines_of(path, &text)?.into_iter().map(|line| line.blake3).collect())
 }
 
 /// The events of a log, in order. A missing log has none.
 ///
 /// # Errors
-/// A line that is not JSON, an unknown event, or a checksum that does not follow from the line before.
+/// A line that is not JSON, an unknown event, a checksum that does not follow from the line before; lines that the
+/// log's head counts and that are gone.
 pub fn read_events(path: &Path) -> Result<Vec<Event>, StoreError> {
     read_events_from(&RealFiles, path)
 }
 
 pub(crate) fn read_events_from(files: &dyn Files, path: &Path) -> Result<Vec<Event>, StoreError> {
-    if files.kind(path).is_none() {
-        return Ok(Vec::new());
+    let text = if files.kind(path).is_some() { text_of(files, path)? } else { String::new() };
+    let lines = lines_of(path, &text)?;
+    let (digests, events): (Vec<_>, Vec<_>) = lines.into_iter().map(|l| (l.blake3, l.event)).unzip();
+    standing(files, path, &digests)?;
+    Ok(events)
+}
+
+/// Writes a log's head anew where it is behind the log, and says whether it was.
+///
+/// # Errors
+/// A log that lost lines by its head, or is another.
+pub(crate) fn mend_head(files: &dyn Files, path: &Path) -> Result<bool, StoreError> {
+    // A line in doubt is an error of whoever reads the log.
+    let Ok(digests) = digests_of(files, path) else { return Ok(false) };
+    let behind = standing(files, path, &digests)? == Standing::Behind && !digests.is_empty();
+    if behind {
+        // The head must not outlive the lines that it counts.
+        sync_file(files, path).map_err(|e| StoreError::io(path, "sync", &e))?;
+        write_head(files, path, &digests)?;
     }
-    Ok(lines_of(path, &text_of(files, path)?)?.into_iter().map(|line| line.event).collect())
+    Ok(behind)
 }
 
 /// Brings the end of a log in order after a kill or a power cut.
@@ -177,6 +202,45 @@ mod tests {
         assert!(error.remedy.contains("zwidth recover"), "{error}");
         mend_log(&RealFiles, &path).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), text);
+    }
+
+    #[test]
+    fn a_log_that_lost_whole_lines_or_is_gone_or_another_is_noticed_and_nothing_is_appended_to_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = log(folder.path());
+        let text = fs::read_to_string(&path).unwrap();
+        let lines: Vec<&str> = text.split_inclusive('\n').collect();
+        let other = folder.path().join("other/P01_S01.events.jsonl");
+        let notes: Vec<Event> = (0..3).map(|i| Event::Note { trial: None, text: i.to_string() }).collect();
+        append_events(&RealFiles, &other, UTC, &notes).unwrap();
+        for (bad, words) in [
+            (lines[..2].concat(), "has 2 lines where its head counts 3"),
+            (String::new(), "has 0 lines where its head counts 3"),
+            (fs::read_to_string(&other).unwrap(), "not the one that its head belongs to"),
+        ] {
+            fs::write(&path, &bad).unwrap();
+            let error = read_events(&path).unwrap_err();
+            assert!(error.what.contains(words), "{error}");
+            assert_eq!(append_events(&RealFiles, &path, UTC, &notes).unwrap_err(), error);
+            assert_eq!(mend_head(&RealFiles, &path), Err(error));
+            assert_eq!(fs::read_to_string(&path).unwrap(), bad);
+        }
+        fs::remove_file(&path).unwrap();
+        assert!(read_events(&path).unwrap_err().what.contains("has 0 lines"));
+    }
+
+    #[test]
+    fn a_head_that_a_kill_left_behind_is_no_finding_and_is_brought_in_order() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = log(folder.path());
+        let head = fs::read(crate::head::head_of(&path)).unwrap();
+        append_events(&RealFiles, &path, UTC, &[Event::Note { trial: None, text: "more".into() }]).unwrap();
+        let newer = fs::read(crate::head::head_of(&path)).unwrap();
+        fs::write(crate::head::head_of(&path), &head).unwrap();
+        assert_eq!(read_events(&path).unwrap().len(), 4);
+        assert_eq!(mend_head(&RealFiles, &path), Ok(true));
+        assert_eq!(fs::read(crate::head::head_of(&path)).unwrap(), newer);
+        assert_eq!(mend_head(&RealFiles, &path), Ok(false));
     }
 
     #[test]

@@ -240,8 +240,7 @@ fn journaled(decoded: Decoded) -> Journaled {
 mod tests {
     use super::*;
     use crate::crashes::{UTC, folder_with_study, meta, rows};
-    use crate::faulty::Faulty;
-    use crate::{RealFiles, Signal, read_trial};
+    use crate::{Fault, Memory, RealFiles, Signal, Survives, read_trial};
     use zwidth_study::Kind;
 
     fn create(layout: &Layout, trial: u32) -> Result<Journal, StoreError> {
@@ -318,12 +317,14 @@ mod tests {
 
     #[test]
     fn after_a_write_that_failed_nothing_is_appended_behind_it() {
-        let (folder, layout) = folder_with_study();
+        let layout = Layout::new(Path::new("/root"), "demo".parse().unwrap());
+        let disk = Memory::new();
+        disk.put(&layout.study_toml(), b"");
         // Folder and its name, the open file, the header's two steps, the folder: then the first rows fail.
-        let disk = Faulty::killed_at(Some(6), folder.path());
+        disk.fail_in(6, Fault::End);
         let mut journal = Journal::create(&disk, &layout, &meta(1), &TrialFile::new()).unwrap();
         assert!(journal.append(&rows(0, 3)).is_err());
-        disk.restart(folder.path(), crate::faulty::Survives::Everything, None);
+        disk.restart(Survives::Everything);
         let error = journal.append(&rows(3, 3)).unwrap_err();
         assert!(error.remedy.contains("zwidth recover"), "{error}");
     }

@@ -84,6 +84,11 @@ impl Layout {
         self.sessions().join(format!("{participant}_{session}.study.toml"))
     }
 
+    /// The log of the study's sweeps.
+    pub fn sweep_events(&self) -> PathBuf {
+        self.raw().join("sweeps.events.jsonl")
+    }
+
     /// One session's event log.
     pub fn events(&self, participant: &ParticipantId, session: &SessionId) -> PathBuf {
         self.sessions().join(format!("{participant}_{session}.events.jsonl"))

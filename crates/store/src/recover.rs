@@ -3,10 +3,14 @@
 //! It can itself be killed at any moment: run again, it goes on where it stopped. The caller holds the study's lock.
 
 use crate::atomic::{folder_of, sync_file};
-use crate::events::mend_log;
+use crate::events::{mend_head, mend_log};
 use crate::journal::{Journaled, clear, read_journal};
+use crate::laid::mend_laid_down;
+use crate::regular::text;
+use crate::sessions::{MOST_RECORD, record_from};
+use crate::sweep_log::take_in;
 use crate::walk::{below, files_below};
-use crate::{Files, Layout, StoreError, record_trial};
+use crate::{Entry, Files, Layout, StoreError, record_trial};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use zwidth_study::Status;
@@ -42,6 +46,8 @@ pub enum Done {
     Ended,
     /// A half-written file beside its final name was removed.
     Swept,
+    /// A whole file that no log spoke of was taken into the log.
+    Logged,
 }
 
 impl fmt::Display for Recovered {
@@ -62,6 +68,7 @@ impl fmt::Display for Recovered {
             Done::Cut(text) => write!(f, "the last line was an unfinished append and was cut off: {text}"),
             Done::Ended => write!(f, "the last line was whole but for its line feed, which was added"),
             Done::Swept => write!(f, "a half-written file was removed"),
+            Done::Logged => write!(f, "no log spoke of it; it is now in the log"),
         }
     }
 }
@@ -76,13 +83,46 @@ pub fn recover(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Reco
     for path in unfinished(files, layout) {
         found.push(swept(files, path));
     }
-    for path in named(files, &layout.sessions(), ".events.jsonl") {
+    for path in logs(files, layout) {
         let mended = mend_log(files, &path);
-        found.extend(mended.map(|done| done.map(|done| Recovered { path, done })).transpose());
+        found.extend(mended.map(|done| done.map(|done| Recovered { path: path.clone(), done })).transpose());
+        // Not told: it is what a kill between a line and its count leaves.
+        found.extend(mend_head(files, &path).err().map(Err));
+    }
+    found.extend(laid_down(files, layout, utc));
+    match take_in(files, layout, utc) {
+        Ok(paths) => found.extend(paths.into_iter().map(|path| Ok(Recovered { path, done: Done::Logged }))),
+        Err(error) => found.push(Err(error)),
     }
     for path in named(files, &layout.journals(), ".journal") {
         found.extend(journal(files, layout, &path, utc));
     }
+    found
+}
+
+/// Records whose log was never begun.
+fn laid_down(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recovered, StoreError>> {
+    let mut found = Vec::new();
+    for path in named(files, &layout.sessions(), ".json") {
+        // What cannot be read is an error of whoever reads it.
+        let Ok(text) = text(files, &path, MOST_RECORD) else { continue };
+        let Ok(record) = record_from(&path, &text) else { continue };
+        if path != layout.session(&record.participant, &record.session) {
+            continue;
+        }
+        match mend_laid_down(files, layout, &record, text.as_bytes(), utc) {
+            Ok(false) => {}
+            Ok(true) => found.push(Ok(Recovered { path, done: Done::Logged })),
+            Err(error) => found.push(Err(error)),
+        }
+    }
+    found
+}
+
+/// The logs of sessions and of sweeps.
+fn logs(files: &dyn Files, layout: &Layout) -> Vec<PathBuf> {
+    let mut found = named(files, &layout.sessions(), ".events.jsonl");
+    found.extend(Some(layout.sweep_events()).filter(|path| files.kind(path) == Some(Entry::File)));
     found
 }
 
@@ -150,6 +190,7 @@ pub(crate) fn unfinished(files: &dyn Files, layout: &Layout) -> Vec<PathBuf> {
 mod tests {
     use super::*;
     use crate::crashes::{UTC, folder_with_study, meta, rows};
+    use crate::head::head_of;
     use crate::{Journal, RealFiles, Signal, TrialFile, append_events, read_events, read_trial, verify};
     use std::fs;
     use zwidth_study::Event;
@@ -276,14 +317,15 @@ mod tests {
         let (_folder, layout) = folder_with_study();
         let path = journal_of_three(&layout);
         let bytes = fs::read(&path).unwrap();
-        recovered(&layout);
         let log = layout.events(&meta(1).participant, &meta(1).session);
+        let before = [log.clone(), head_of(&log)].map(|path| (fs::read(&path).unwrap(), path));
+        recovered(&layout);
         let trial = layout.trial(&meta(1).participant, &meta(1).session, 1);
         // The file is there and the log does not know it: a kill between the two.
-        fs::remove_file(&log).unwrap();
+        before.iter().for_each(|(bytes, path)| fs::write(path, bytes).unwrap());
         fs::write(&path, &bytes).unwrap();
         let [Ok(_)] = exactly(&layout) else { panic!() };
-        assert_eq!(read_events(&log).unwrap().len(), 1);
+        assert_eq!(read_events(&log).unwrap().len(), 2);
         // Another trial under the same number.
         fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
         let [Err(error)] = exactly(&layout) else { panic!() };
@@ -310,7 +352,9 @@ mod tests {
     fn a_log_cut_in_its_last_line_keeps_the_lines_before() {
         let (_folder, layout) = folder_with_study();
         let log = layout.events(&meta(1).participant, &meta(1).session);
-        append_events(&RealFiles, &log, UTC, &notes(3)).unwrap();
+        append_events(&RealFiles, &log, UTC, &notes(2)).unwrap();
+        let head = fs::read(head_of(&log)).unwrap();
+        append_events(&RealFiles, &log, UTC, &notes(3)[2..]).unwrap();
         let whole = fs::read(&log).unwrap();
         let second = whole
             .iter()
@@ -319,9 +363,10 @@ mod tests {
         let second = second.unwrap();
         for cut in second + 1..whole.len() {
             fs::write(&log, &whole[..cut]).unwrap();
+            fs::write(head_of(&log), &head).unwrap(); // it is written after the line
             let [Ok(done)] = exactly(&layout) else { panic!("{cut}") };
             let is_whole = cut == whole.len() - 1;
-            assert_eq!(read_events(&log).unwrap(), notes(if is_whole { 3 } else { 2 }), "{done}");
+            assert_eq!(read_events(&log).unwrap()[1..], notes(if is_whole { 3 } else { 2 }), "{done}");
             assert_eq!(is_whole, done.done == Done::Ended);
         }
         fs::write(&log, [&whole[..], &[0; 100]].concat()).unwrap();

@@ -54,8 +54,11 @@ fn opened(
 
 #[cfg(test)]
 mod tests {
-    use crate::crashes::{UTC, folder_with_study, meta, rows};
-    use crate::{Journal, Layout, RealFiles, Signal, StudyData, TrialFile, append_events, verify};
+    use crate::crashes::{UTC, folder_with_study, meta, record, rows, study_alone, toml};
+    use crate::{
+        Journal, Layout, RealFiles, SessionLog, Signal, StudyData, TrialFile, append_events, laid_down,
+        lay_down, verify,
+    };
     use std::path::PathBuf;
     use zwidth_study::{
         Event, Kind, ModeId, PlannedTrial, Seal, SessionRecord, Source, Study, TrialMeta, order, template,
@@ -71,7 +74,8 @@ mod tests {
 
     impl Sealed {
         fn new() -> Self {
-            let (_folder, layout) = folder_with_study();
+            let _folder = tempfile::tempdir().unwrap();
+            let layout = study_alone(_folder.path());
             let mut study = Study::from_toml(&template(layout.study())).unwrap();
             (study.design.repeats, study.design.familiarisation) = (1, 1);
             let trials = order::draw(&study, 1, 1, 3);
@@ -80,16 +84,10 @@ mod tests {
             let sealed = Self { _folder, layout, seal, trials };
             let record = SessionRecord {
                 commitment: Some(sealed.seal.commitment()),
-                ..SessionRecord::new(
-                    "P01".parse().unwrap(),
-                    "S01".parse().unwrap(),
-                    Source::Twin,
-                    "",
-                    "",
-                    masked.clone(),
-                )
+                source: Source::Twin,
+                ..record(&sealed.layout, masked.clone())
             };
-            std::fs::write(sealed.record(), record.to_json().unwrap()).unwrap();
+            lay_down(&RealFiles, &sealed.layout, UTC, &record, &toml(&sealed.layout)).unwrap();
             let again = PlannedTrial { trial: 8, mode: sealed.seal.code(8), ..masked[1].clone() };
             sealed.append(Event::Superseded { trial: 2, by: 8 });
             masked.iter().chain([&again]).for_each(|planned| sealed.run(planned));
@@ -107,7 +105,9 @@ mod tests {
 
         fn run(&self, planned: &PlannedTrial) {
             let PlannedTrial { trial, repeat, kind, environment, mode, .. } = planned.clone();
-            let meta = TrialMeta { repeat, kind, environment, mode, source: Source::Twin, ..meta(trial) };
+            let log = StudyData::load(&self.layout).unwrap().sessions.pop();
+            let source = log.map_or(Source::Twin, |log| log.record.source);
+            let meta = TrialMeta { repeat, kind, environment, mode, source, ..meta(trial) };
             let mut journal = Journal::create(&RealFiles, &self.layout, &meta, &TrialFile::new()).unwrap();
             journal.append(&rows(0, 3)).unwrap();
             journal.end().unwrap();
@@ -135,9 +135,12 @@ mod tests {
     fn nothing_names_a_mode_before_it_is_unsealed() {
         let sealed = Sealed::new();
         let data = sealed.load();
-        let shown = format!("{:?} {:?}", data.trials, data.sessions);
+        // A session knows the study, as everybody does.
+        let without_study = |log: &SessionLog| SessionLog { study: None, ..log.clone() };
+        let logs: Vec<_> = data.sessions.iter().map(without_study).collect();
+        let shown = format!("{:?} {logs:?}", data.trials);
         for path in crate::walk::files_below(&RealFiles, &sealed.layout.raw()).unwrap() {
-            if !path.ends_with("study.toml") {
+            if !path.to_string_lossy().ends_with("study.toml") {
                 let content =
                     [path.display().to_string().as_bytes(), &std::fs::read(&path).unwrap()].concat();
                 let content = String::from_utf8_lossy(&content) + shown.as_str();
@@ -186,7 +189,7 @@ mod tests {
         let data = sealed.load();
         assert!(data.sessions[0].is_sealed() && data.counting().count() == 0);
         let [problem] = data.problems.as_slice() else { panic!("{:?}", data.problems) };
-        assert!(problem.row == Some(10) && problem.what.contains("was laid down with"), "{problem}");
+        assert!(problem.row == Some(11) && problem.what.contains("was laid down with"), "{problem}");
         // The right one still opens it, and the wrong one stays a finding.
         sealed.append(sealed.seal.event());
         assert_eq!((sealed.load().counting().count(), verify(&sealed.layout).len()), (6, 1));
@@ -224,7 +227,7 @@ mod tests {
         let sealed = Sealed { _folder, layout, seal: sealed.seal, trials: Vec::new() };
         sealed.run(&sealed.seal.masked(&[PlannedTrial { trial: 1, ..crate::crashes::planned(1) }])[0]);
         let [finding] = verify(&sealed.layout).try_into().unwrap();
-        assert!(finding.what.contains("is not in study.toml"), "a code in an open session: {finding}");
+        assert!(finding.what.contains("in its session's record"), "a code in an open session: {finding}");
     }
 
     #[test]
@@ -232,7 +235,13 @@ mod tests {
         let sealed = Sealed::new();
         let text = std::fs::read_to_string(sealed.record()).unwrap();
         let check = |from: &str, to: &str, words: &str| {
-            std::fs::write(sealed.record(), text.replacen(from, to, 1)).unwrap();
+            let changed = text.replacen(from, to, 1);
+            std::fs::write(sealed.record(), &changed).unwrap();
+            // As if it had been laid down so.
+            let log = sealed.layout.events(&meta(1).participant, &meta(1).session);
+            std::fs::remove_file(&log).unwrap();
+            std::fs::remove_file(crate::head::head_of(&log)).unwrap();
+            append_events(&RealFiles, &log, UTC, &[laid_down(changed.as_bytes())]).unwrap();
             let found = verify(&sealed.layout);
             assert!(found.iter().any(|f| f.what.contains(words)), "{found:?}");
         };

@@ -1,6 +1,7 @@
 //! Sessions: their records and event logs, and what the events say of the trials.
 
 use crate::events::read_events_from;
+use crate::laid::{check_record, contradiction, read_copy};
 use crate::read::read_trial_from;
 use crate::regular::text;
 use crate::sealed::known;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use zwidth_study::{Event, SCHEMA_VERSION, SessionRecord, Source};
 
 /// Largest session record that is read, bytes: a hundred thousand trials.
-const MOST_RECORD: u64 = 1 << 25;
+pub(crate) const MOST_RECORD: u64 = 1 << 25;
 /// What can be done about a session that is not whole.
 const RESTORE: &str = "restore the session's files from a copy, or import the session again";
 
@@ -59,9 +60,11 @@ fn read_session(
     }
     let events_path = layout.events(&record.participant, &record.session);
     let events = read_events_from(files, &events_path)?;
+    check_record(&path, text.as_bytes(), &events)?;
+    let study = read_copy(files, layout, &record)?;
     let known = known(&record, &events, &events_path);
     problems.extend(known.problems);
-    Ok(SessionLog { record, path, events, events_path, trials: known.trials, seal: known.seal })
+    Ok(SessionLog { record, path, events, events_path, trials: known.trials, seal: known.seal, study })
 }
 
 /// The version alone: read first, because another version may have other fields.
@@ -70,7 +73,7 @@ struct Version {
     schema_version: u32,
 }
 
-fn record_from(path: &Path, text: &str) -> Result<SessionRecord, StoreError> {
+pub(crate) fn record_from(path: &Path, text: &str) -> Result<SessionRecord, StoreError> {
     let error = |e: serde_json::Error| StoreError::new(path, format!("not a session record: {e}"), RESTORE);
     let Version { schema_version } = serde_json::from_str(text).map_err(error)?;
     if schema_version != SCHEMA_VERSION {
@@ -101,7 +104,7 @@ pub(crate) fn join(
         let name = format!("{}_{}", m.participant, m.session);
         match logs.get(&name).and_then(|log| join_one(trial, &log.events)) {
             Some(hash) if hash == trial.blake3 => {
-                changed.extend(logs.get(&name).and_then(|log| open(layout, trial, log)));
+                changed.extend(logs.get(&name).and_then(|log| agree(layout, trial, log)));
                 continue;
             }
             Some(_) => {
@@ -123,6 +126,18 @@ pub(crate) fn join(
         StoreError::new(path, what, RESTORE)
     });
     silent.chain(changed).chain(sessions.iter().flat_map(|log| lost(files, layout, log))).collect()
+}
+
+/// Holds a trial's footer against its session's record; one that contradicts it is left out. Then opens its seal.
+fn agree(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<StoreError> {
+    match contradiction(trial, log) {
+        Some(what) => {
+            trial.excluded = Some(what.clone());
+            let remedy = "restore the session's record or the trial's file from a copy";
+            Some(StoreError::new(&trial.path, format!("{what}: left out"), remedy))
+        }
+        None => open(layout, trial, log),
+    }
 }
 
 /// Gives a trial of a sealed session its mode, or says how it gets one; what does not fit is an error, and leaves it
@@ -173,7 +188,9 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             Event::Answer { .. }
             | Event::Note { .. }
             | Event::Unsealed { .. }
-            | Event::StudyAccepted { .. } => {}
+            | Event::StudyAccepted { .. }
+            | Event::LaidDown { .. }
+            | Event::SweepRecorded { .. } => {}
         }
     }
     recorded

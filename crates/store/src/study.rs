@@ -1,11 +1,13 @@
 //! A whole study: every trial, sweep and session there is, joined with the events.
 
+use crate::laid::study_warning;
 use crate::read::{TrialFooter, read_footer_from};
 use crate::regular::text;
 use crate::sessions::{join, left_out, read_sessions};
 use crate::sweep::entry;
+use crate::sweep_log::logged_sweeps;
 use crate::walk::{below, files_below, strange};
-use crate::{Entry, Files, Layout, RealFiles, Signal, StoreError, Trial, TrialFile, read_trial};
+use crate::{Entry, Files, Layout, RealFiles, Signal, StoreError, Trial, TrialFile, hex_blake3, read_trial};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -103,9 +105,20 @@ pub struct SessionLog {
     pub trials: Vec<PlannedTrial>,
     /// The seal, once it was opened and verified.
     pub seal: Option<Seal>,
+    /// The study as it was when the session was laid down; nothing for a session without a copy of it.
+    pub study: Option<Study>,
 }
 
 impl SessionLog {
+    /// BLAKE3 of each `study.toml` under which trials of the session were recorded, or may be.
+    pub fn studies(&self) -> impl Iterator<Item = &str> {
+        let accepted = |event| match event {
+            &Event::StudyAccepted { ref study_blake3 } => Some(study_blake3.as_str()),
+            _ => None,
+        };
+        std::iter::once(self.record.study_blake3.as_str()).chain(self.events.iter().filter_map(accepted))
+    }
+
     /// Whether the session's modes are codes still.
     pub fn is_sealed(&self) -> bool {
         self.record.commitment.is_some() && self.seal.is_none()
@@ -144,6 +157,8 @@ pub struct StudyData {
     pub sessions: Vec<SessionLog>,
     /// What could not be read, and was left out.
     pub problems: Vec<StoreError>,
+    /// What is to be read with care, and counts all the same.
+    pub warnings: Vec<StoreError>,
 }
 
 impl StudyData {
@@ -161,15 +176,19 @@ impl StudyData {
     /// # Errors
     /// Those of [`StudyData::load`].
     pub fn load_from(files: &dyn Files, layout: &Layout) -> Result<Self, Vec<StoreError>> {
-        let study = read_study_from(files, layout)?;
+        let (study, study_blake3) = read_study_from(files, layout)?;
         let mut problems =
             below(files, &layout.raw()).map_or_else(|error| vec![error], |found| found.strange);
         let mut trials = keep(&mut problems, read_trials(files, layout));
         let sweeps = keep(&mut problems, list_sweeps(files, layout));
+        let (sweeps, unsure) = logged_sweeps(files, layout, sweeps);
+        problems.extend(unsure);
         let (sessions, unreadable) = read_sessions(files, layout, &mut problems);
         problems.extend(join(files, layout, &mut trials, &sessions, &unreadable));
         problems.extend(trials.iter_mut().filter_map(|trial| unfit(&study, trial)));
-        Ok(Self { layout: layout.clone(), study, trials, sweeps, sessions, problems })
+        let warning = |log: &SessionLog| study_warning(layout, log, &study, &study_blake3);
+        let warnings = sessions.iter().filter_map(warning).collect();
+        Ok(Self { layout: layout.clone(), study, trials, sweeps, sessions, problems, warnings })
     }
 
     /// The trials that may enter a mean, a metric table or a tally.
@@ -290,10 +309,14 @@ fn keep<T>(problems: &mut Vec<StoreError>, results: Vec<Result<T, StoreError>>) 
 /// # Errors
 /// A missing file; every problem in it, with key and line; an id that is not the folder's.
 pub fn read_study(layout: &Layout) -> Result<Study, Vec<StoreError>> {
-    read_study_from(&RealFiles, layout)
+    read_study_from(&RealFiles, layout).map(|(study, _)| study)
 }
 
-pub(crate) fn read_study_from(files: &dyn Files, layout: &Layout) -> Result<Study, Vec<StoreError>> {
+/// The study and the hash of its file.
+pub(crate) fn read_study_from(
+    files: &dyn Files,
+    layout: &Layout,
+) -> Result<(Study, String), Vec<StoreError>> {
     for folder in [layout.root().join("raw"), layout.raw()] {
         match files.kind(&folder) {
             Some(kind @ (Entry::Link | Entry::Special)) => return Err(vec![strange(&folder, kind)]),
@@ -318,7 +341,7 @@ pub(crate) fn read_study_from(files: &dyn Files, layout: &Layout) -> Result<Stud
         let what = format!("study.id is '{}' in the folder '{}'", study.id, layout.study());
         return Err(vec![StoreError::new(&path, what, "make the id and the folder's name equal")]);
     }
-    Ok(study)
+    Ok((study, hex_blake3(text.as_bytes())))
 }
 
 fn read_trials(files: &dyn Files, layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {

@@ -26,7 +26,7 @@ pub fn verify_from(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
         Ok(data) => data,
         Err(findings) => return findings,
     };
-    let mut findings = data.problems.clone();
+    let mut findings = [data.problems.clone(), data.warnings.clone()].concat();
     findings.extend(data.trials.par_iter().flat_map_iter(|t| trial(files, &data, t)).collect::<Vec<_>>());
     findings.extend(
         data.sweeps.par_iter().filter_map(|s| read_sweep_from(files, &s.path).err()).collect::<Vec<_>>(),

@@ -1,15 +1,29 @@
 //! Events: what happened to a session after, or beside, its samples. Append-only.
 
-use crate::{ModeId, QuestionId};
+use crate::{ActuatorId, ModeId, QuestionId};
 use serde::{Deserialize, Serialize};
 
-/// One line of `sessions/<participant>_<session>.events.jsonl`.
+/// One line of `sessions/<participant>_<session>.events.jsonl`, or of `sweeps.events.jsonl`.
 ///
 /// Files under `trials/` never change; whatever comes later is an event, joined to the trials by
 /// the store when it reads.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Event {
+    /// The session was laid down: the first line of its log.
+    LaidDown {
+        /// BLAKE3 of the session's record, hexadecimal.
+        record_blake3: String,
+    },
+    /// A sweep's file was finished.
+    SweepRecorded {
+        /// What was characterised.
+        actuator: ActuatorId,
+        /// The sweep's number.
+        sweep: u32,
+        /// BLAKE3 of the whole file, hexadecimal.
+        blake3: String,
+    },
     /// A trial's file was finished.
     Recorded {
         /// Trial number.
@@ -82,7 +96,10 @@ impl Event {
             | Self::Superseded { trial, .. }
             | Self::Excluded { trial, .. } => Some(*trial),
             Self::Note { trial, .. } => *trial,
-            Self::Unsealed { .. } | Self::StudyAccepted { .. } => None,
+            Self::LaidDown { .. }
+            | Self::SweepRecorded { .. }
+            | Self::Unsealed { .. }
+            | Self::StudyAccepted { .. } => None,
         }
     }
 }

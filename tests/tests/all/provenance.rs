@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use zwidth_store::{RealFiles, append_events, file_blake3, read_sweep, sweep_bytes};
+use zwidth_store::{RealFiles, append_events, file_blake3};
 use zwidth_study::Event;
 
 pub(crate) const FIGURE: &str = "reports/thesis-twin/figures/modes.P01.S01.spring.svg";
@@ -234,9 +234,7 @@ fn why_tells_a_changed_content_with_what_it_was_and_what_it_is() {
     let name = "raw/thesis-twin/sweeps/actuator=motor/sweep-02.parquet";
     let path = root.path().join(name);
     let before = file_blake3(&path).unwrap();
-    let mut sweep = read_sweep(&path).unwrap();
-    sweep.response_values[10] += 0.1;
-    fs::write(&path, sweep_bytes(&sweep, &path).unwrap()).unwrap();
+    shipped::change_sweep(root.path(), name);
     let why = only(root.path(), &["why", "reports/thesis-twin/figures/characteristic.motor.png"]);
     let now = file_blake3(&path).unwrap();
     let expect =

@@ -6,6 +6,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use tempfile::TempDir;
+use zwidth_store::{Layout, RealFiles, hex_blake3, log_sweeps, read_sweep, sweep_bytes};
 
 /// The study's raw data alone.
 pub(crate) fn raw() -> TempDir {
@@ -24,6 +25,18 @@ pub(crate) fn finished() -> TempDir {
 /// Where the first run's results lie, to be read only.
 pub(crate) fn folder() -> &'static Path {
     &FINISHED.folder
+}
+
+/// Changes the response of a sweep of the motor, as if it had been recorded so.
+pub(crate) fn change_sweep(root: &Path, name: &str) {
+    let path = root.join(name);
+    let mut sweep = read_sweep(&path).unwrap();
+    sweep.response_values[10] += 0.1;
+    let bytes = sweep_bytes(&sweep, &path).unwrap();
+    fs::write(&path, &bytes).unwrap();
+    let layout = Layout::new(root, "thesis-twin".parse().unwrap());
+    let logged = (sweep.actuator, sweep.sweep, hex_blake3(&bytes));
+    log_sweeps(&RealFiles, &layout, "2026-01-02T00:00:00Z", &[logged]).unwrap();
 }
 
 /// The study run once, on four threads, for all tests of this process. It lies under `target/tmp`, because

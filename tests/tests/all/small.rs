@@ -7,8 +7,8 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use zwidth_store::{
-    Layout, Quantity, RealFiles, Samples, Signal, Sweep, Trial, append_events, hex_blake3, sweep_bytes,
-    trial_bytes, write_new,
+    Layout, Quantity, RealFiles, Samples, Signal, Sweep, Trial, append_events, hex_blake3, lay_down,
+    log_sweeps, sweep_bytes, trial_bytes, write_new,
 };
 use zwidth_study::{
     Event, Kind, ParticipantId, PlannedTrial, SessionId, SessionRecord, Source, Status, StudyId, TrialMeta,
@@ -132,16 +132,16 @@ impl Study {
             }
             events.extend(draft.events.iter().cloned());
         }
+        let study_toml = fs::read(self.layout.study_toml()).unwrap();
         let record = SessionRecord::new(
             participant.clone(),
             session_id(),
             drafts[0].source,
             "zwidth tests",
-            hex_blake3(&fs::read(self.layout.study_toml()).unwrap()),
+            hex_blake3(&study_toml),
             drafts.iter().map(planned).collect(),
         );
-        let path = self.layout.session(&participant, &session_id());
-        write_new(&RealFiles, &path, record.to_json().unwrap().as_bytes()).unwrap();
+        lay_down(&RealFiles, &self.layout, UTC, &record, &study_toml).unwrap();
         append_events(&RealFiles, &self.layout.events(&participant, &session_id()), UTC, &events).unwrap();
     }
 
@@ -161,7 +161,10 @@ impl Study {
             file: BTreeMap::new(),
         };
         let path = self.layout.sweep(&sweep.actuator, sweep.sweep);
-        write_new(&RealFiles, &path, &sweep_bytes(&sweep, &path).unwrap()).unwrap();
+        let bytes = sweep_bytes(&sweep, &path).unwrap();
+        write_new(&RealFiles, &path, &bytes).unwrap();
+        log_sweeps(&RealFiles, &self.layout, UTC, &[(sweep.actuator, sweep.sweep, hex_blake3(&bytes))])
+            .unwrap();
         path
     }
 }

@@ -6,7 +6,7 @@ use crate::{shipped, small};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use zwidth_store::{RealFiles, append_events, read_sweep, sweep_bytes};
+use zwidth_store::{RealFiles, append_events};
 use zwidth_study::{Event, Source};
 use zwidth_tables::Table;
 
@@ -179,10 +179,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
 #[test]
 fn a_changed_sweep_remakes_its_own_characteristic_and_what_rests_on_its_forces_and_nothing_else() {
     let root = shipped::finished();
-    let path = root.path().join("raw/thesis-twin/sweeps/actuator=motor/sweep-02.parquet");
-    let mut sweep = read_sweep(&path).unwrap();
-    sweep.response_values[10] += 0.1;
-    fs::write(&path, sweep_bytes(&sweep, &path).unwrap()).unwrap();
+    shipped::change_sweep(root.path(), "raw/thesis-twin/sweeps/actuator=motor/sweep-02.parquet");
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
     let expect = [
         "calibration",

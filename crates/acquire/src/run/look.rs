@@ -86,6 +86,8 @@ fn phase(flow: &Flow, plan: &Plan, view: &View) -> Phase {
 pub(super) fn event(event: &Event) -> String {
     let of = |trial: &Option<u32>| trial.map(|n| format!("trial {n}: ")).unwrap_or_default();
     match event {
+        Event::LaidDown { .. } => "the session was laid down".to_owned(),
+        Event::SweepRecorded { actuator, sweep, .. } => format!("sweep {sweep} of {actuator} recorded"),
         Event::Recorded { trial, .. } => format!("trial {trial} recorded"),
         Event::Answer { trial, value, .. } => format!("trial {trial}: answered {value}"),
         Event::Superseded { trial, by } => {

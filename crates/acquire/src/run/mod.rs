@@ -253,7 +253,8 @@ impl Runner<'_> {
         let checks: Vec<Check> = found.into_iter().map(|f| f.check).collect();
         if !self.session.laid_down {
             self.session.record.checks = checks;
-            self.session.lay_down(self.plan, self.parts.files)?;
+            let utc = (self.parts.utc)(self.parts.clock.now_s());
+            self.session.lay_down(self.plan, self.parts.files, &utc)?;
         } else if !checks.is_empty() {
             let words: Vec<String> = checks.iter().map(look::check_words).collect();
             self.log(Event::Note { trial: None, text: format!("device check: {}", words.join("; ")) })?;

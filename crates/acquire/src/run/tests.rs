@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 use zwidth_device::SimulatedClock;
 use zwidth_device::mock::{Fault, Mock};
-use zwidth_store::{Append, Layout, RealFiles, StudyData, file_blake3, recover, verify};
+use zwidth_store::{Append, Layout, RealFiles, StudyData, recover, verify};
 use zwidth_study::{Calibration, Kind, ModeId, Status, Study, template};
 
 const UTC: &str = "2026-01-01T00:00:00Z";
@@ -37,7 +37,7 @@ impl Desk {
         std::fs::write(layout.study_toml(), &text).unwrap();
         let study = Study::from_toml(&text).unwrap();
         let plan = Plan {
-            study_blake3: file_blake3(&layout.study_toml()).unwrap(),
+            study_toml: text.into_bytes(),
             rate_hz: study.control.rate_hz,
             layout,
             study,
@@ -297,7 +297,7 @@ fn a_session_refuses_another_device_study_or_calibration_and_says_which() {
     let mut plan = desk.plan.clone();
     plan.calibration.motor.force_n[1] = 4.0;
     assert!(refused(&plan, &Mock::default()).contains("the calibration is "));
-    let plan = Plan { study_blake3: "00".repeat(32), ..desk.plan.clone() };
+    let plan = Plan { study_toml: b"another".to_vec(), ..desk.plan.clone() };
     assert!(refused(&plan, &Mock::default()).contains("study.toml is 000000000000"));
     let plan = Plan { rate_hz: 60.0, ..desk.plan.clone() };
     assert!(refused(&plan, &Mock::default()).contains("the rate is 60 Hz, and was 120 Hz"));

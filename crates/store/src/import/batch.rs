@@ -3,10 +3,11 @@
 use super::identity::Identity;
 use super::report::{FileReport, Report};
 use super::{Context, Errors};
-use crate::{Files, Layout, StoreError, append_events, write_new};
+use crate::head::head_of;
+use crate::{Files, Layout, StoreError, append_events, laid_down, log_sweeps, record_bytes, write_new};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use zwidth_study::{Event, PlannedTrial, SessionRecord, Source};
+use zwidth_study::{ActuatorId, Event, PlannedTrial, SessionRecord, Source};
 
 /// What an import is about to write.
 #[derive(Debug, Default)]
@@ -15,6 +16,8 @@ pub(super) struct Batch {
     pub(super) outputs: Vec<(PathBuf, Vec<u8>)>,
     /// New event logs.
     pub(super) logs: Vec<(PathBuf, Vec<Event>)>,
+    /// What the log of the study's sweeps is to say of new ones.
+    pub(super) sweeps: Vec<(ActuatorId, u32, String)>,
     /// The report on every file read.
     pub(super) files: Vec<FileReport>,
 }
@@ -44,12 +47,12 @@ impl Batch {
                 trials.iter().map(|(t, _)| (*t).clone()).collect(),
             );
             let path = context.layout.session(participant, session);
-            let mut json = serde_json::to_vec_pretty(&record).map_err(|e| {
-                StoreError::new(&path, e.to_string(), "this is a defect of zwidth; please report it")
-            })?;
-            json.push(b'\n');
+            let json = record_bytes(&path, &record)?;
+            let laid_down = laid_down(&json);
+            self.outputs.push((context.layout.study_copy(participant, session), context.study_toml.clone()));
             self.outputs.push((path, json));
-            let events: Vec<Event> = trials.into_iter().flat_map(|(_, events)| events).collect();
+            let events = trials.into_iter().flat_map(|(_, events)| events);
+            let events = std::iter::once(laid_down).chain(events).collect();
             self.logs.push((context.layout.events(participant, session), events));
         }
         Ok(())
@@ -64,7 +67,7 @@ impl Batch {
             study: layout.study().clone(),
             trials: below(layout.trials()),
             sweeps: below(layout.sweeps()),
-            sessions: below(layout.sessions()),
+            sessions: self.logs.len(),
             answers: self.logs.iter().flat_map(|(_, events)| events).filter(is_answer).count(),
             files: self.files,
         }
@@ -74,16 +77,18 @@ impl Batch {
     ///
     /// # Errors
     /// The write that failed, saying what was removed, and any file that could not be removed.
-    pub(super) fn write(&self, disk: &dyn Files, utc: &str) -> Result<(), Errors> {
+    pub(super) fn write(&self, disk: &dyn Files, layout: &Layout, utc: &str) -> Result<(), Errors> {
         let mut made = Made { disk, files: Vec::new(), folders: BTreeSet::new() };
         let mut write = || {
             for (path, bytes) in &self.outputs {
                 made.file(path, |disk| write_new(disk, path, bytes))?;
             }
             for (path, events) in &self.logs {
+                made.files.push(head_of(path));
                 made.file(path, |disk| append_events(disk, path, utc, events))?;
             }
-            Ok(())
+            // Last, because it is the one file of theirs that others have lines in.
+            log_sweeps(disk, layout, utc, &self.sweeps)
         };
         let written = write();
         written.map_err(|error| made.undo(error))
@@ -151,8 +156,9 @@ mod tests {
         for fault in 0.. {
             let world = World::new();
             let Err(errors) = world.import_on(&map, &two_trials(&world), &Faulty::at(fault)) else {
-                // Two trials and a record at 4 steps each, a log at 4, 2 for each of 4 folders: all were tried.
-                assert_eq!(fault, 24);
+                // Two trials, a record and the study's copy at 4 steps each, a log and its head at 4, 2 for each of
+                // 4 folders: all were tried.
+                assert_eq!(fault, 32);
                 assert_eq!(world.load().counting().count(), 2);
                 break;
             };

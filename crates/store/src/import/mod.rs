@@ -38,7 +38,8 @@ mod world;
 pub use mapping::Mapping;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped};
 
-use crate::{Files, Layout, StoreError, file_blake3};
+use crate::study::MOST_STUDY;
+use crate::{Files, Layout, StoreError, hex_blake3, read_regular};
 use batch::Batch;
 use mapping::Content;
 use recording::{Recording, Rows};
@@ -63,10 +64,13 @@ pub fn import(
     software: &str,
     disk: &dyn Files,
 ) -> Result<Report, Vec<StoreError>> {
-    let made = file_blake3(&layout.study_toml()).map_err(Errors::from).and_then(|study_blake3| {
-        let context = Context { layout, study, mapping, software, study_blake3 };
+    let read = read_regular(&layout.study_toml(), MOST_STUDY);
+    let read = read.map_err(|e| Errors::from(StoreError::io(&layout.study_toml(), "read", &e)));
+    let made = read.and_then(|study_toml| {
+        let study_blake3 = hex_blake3(&study_toml);
+        let context = Context { layout, study, mapping, software, study_toml, study_blake3 };
         let batch = batch(&context, files)?;
-        batch.write(disk, utc)?;
+        batch.write(disk, layout, utc)?;
         Ok(batch)
     });
     made.map(|batch| batch.report(layout)).map_err(|errors| errors.0)
@@ -121,6 +125,8 @@ struct Context<'a> {
     study: &'a Study,
     mapping: &'a Mapping,
     software: &'a str,
+    /// The text of `study.toml`, of which each session keeps a copy.
+    study_toml: Vec<u8>,
     study_blake3: String,
 }
 

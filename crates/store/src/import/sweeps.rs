@@ -10,7 +10,7 @@ use super::report::FileReport;
 use super::table::ColumnRef;
 use super::wide::wide;
 use super::{Context, Errors, all, identity};
-use crate::{StoreError, Sweep, sweep_bytes};
+use crate::{StoreError, Sweep, hex_blake3, sweep_bytes};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -52,14 +52,18 @@ pub(super) fn sweeps(
                 piece.actuator,
                 piece.command.len()
             ));
-            let path = context.layout.sweep(&piece.actuator, number);
+            let actuator = piece.actuator.clone();
+            let path = context.layout.sweep(&actuator, number);
             let free = taken.insert(path.clone()) && !path.exists();
             let bytes = if free {
                 encode(form, piece, number, &footer, &file)
             } else {
                 Err(duplicate(context, &path, &file))
             };
-            results.push(bytes.map(|bytes| (path, bytes)));
+            results.push(bytes.map(|bytes| {
+                batch.sweeps.push((actuator, number, hex_blake3(&bytes)));
+                (path, bytes)
+            }));
         }
         batch.files.push(report);
     }

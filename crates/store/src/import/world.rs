@@ -129,7 +129,9 @@ impl World {
 
     pub(super) fn events(&self, participant: &str, session: &str) -> Vec<Event> {
         let (p, s) = (participant.parse().unwrap(), session.parse().unwrap());
-        read_events(&self.layout.events(&p, &s)).unwrap()
+        let mut events = read_events(&self.layout.events(&p, &s)).unwrap();
+        assert!(matches!(events.remove(0), Event::LaidDown { .. }));
+        events
     }
 
     /// The whole study, in which `verify` may find nothing.

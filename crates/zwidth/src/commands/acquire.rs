@@ -34,7 +34,7 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         rate_hz: bench.study.control.rate_hz.min(device.capabilities().rate_hz),
         layout: bench.layout,
         study: bench.study,
-        study_blake3: bench.study_blake3,
+        study_toml: bench.study_toml,
         participant: participant.clone(),
         session: session.clone(),
         calibration: bench.calibration,

@@ -1,7 +1,7 @@
 //! `zwidth characterise`: sweeps of an actuator.
 
 use super::device::{Bench, bench};
-use super::recover::lock;
+use super::recover::{lock, now};
 use crate::args::{Actuator, Characterise, DeviceSpec};
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -9,7 +9,9 @@ use anyhow::bail;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_device::{Device as _, Person, SweepPoint, Twin, brake_sweep, motor_sweep};
-use zwidth_store::{Files, Layout, Quantity, RealFiles, Sweep, sweep_bytes, write_new};
+use zwidth_store::{
+    Files, Layout, Quantity, RealFiles, Sweep, hex_blake3, log_sweeps, sweep_bytes, write_new,
+};
 use zwidth_study::{ActuatorId, Source};
 
 pub(crate) fn characterise(root: &Path, command: &Characterise, screen: &Screen) -> anyhow::Result<Exit> {
@@ -25,13 +27,14 @@ pub(crate) fn characterise(root: &Path, command: &Characterise, screen: &Screen)
     let first = free_number(&bench.layout, command.actuator)?;
     for number in first..first.saturating_add(command.sweeps) {
         let software = super::acquire::SOFTWARE;
-        let path = record(&bench, &RealFiles, command.actuator, command.seed, number, software)?;
+        let (path, sweep) = record(&bench, &RealFiles, command.actuator, command.seed, number, software)?;
+        log_sweeps(&RealFiles, &bench.layout, &now(), &[sweep])?;
         screen.result(path.display().to_string());
     }
     Ok(Exit::Fine)
 }
 
-/// Records one sweep on the twin; its file.
+/// Records one sweep on the twin; its file, and what the log of the sweeps is to say of it.
 pub(super) fn record(
     bench: &Bench,
     files: &dyn Files,
@@ -39,7 +42,7 @@ pub(super) fn record(
     seed: u64,
     number: u32,
     software: &str,
-) -> anyhow::Result<PathBuf> {
+) -> anyhow::Result<(PathBuf, (ActuatorId, u32, String))> {
     let points = match actuator {
         Actuator::Motor => motor_sweep(&bench.twin, seed, number)?,
         // A brake's force is its level only while it slips.
@@ -51,15 +54,16 @@ pub(super) fn record(
     let path = bench.layout.sweep(&id, number);
     let device = Twin::new(bench.twin.clone(), Person::typical(seed), seed)?.capabilities().name.clone();
     let file = [
-        ("study_blake3", bench.study_blake3.clone()),
+        ("study_blake3", hex_blake3(&bench.study_toml)),
         ("device", device),
         ("software", software.to_owned()),
         ("seed", seed.to_string()),
     ];
     let sweep =
         Sweep { file: BTreeMap::from(file.map(|(k, v)| (k.to_owned(), v))), ..sweep(id, number, &points) };
-    write_new(files, &path, &sweep_bytes(&sweep, &path)?)?;
-    Ok(path)
+    let bytes = sweep_bytes(&sweep, &path)?;
+    write_new(files, &path, &bytes)?;
+    Ok((path, (sweep.actuator, number, hex_blake3(&bytes))))
 }
 
 fn sweep(actuator: ActuatorId, number: u32, points: &[SweepPoint]) -> Sweep {

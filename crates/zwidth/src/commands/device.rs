@@ -10,14 +10,14 @@ use zwidth_device::check::Step;
 use zwidth_device::{
     Clock, Device, Person, Playback, RealClock, SimulatedClock, Twin, TwinParameters, stop_on_signals,
 };
-use zwidth_store::{Layout, Samples, Signal, file_blake3, hex_blake3, read_study, read_trial};
+use zwidth_store::{Layout, MOST_BYTES, Samples, Signal, hex_blake3, read_regular, read_study, read_trial};
 use zwidth_study::{Calibration, Flags, ParticipantId, Sample, SessionId, Study, StudyId, Voltages};
 
 /// A study, ready to be recorded.
 pub(super) struct Bench {
     pub(super) layout: Layout,
     pub(super) study: Study,
-    pub(super) study_blake3: String,
+    pub(super) study_toml: Vec<u8>,
     pub(super) calibration: Calibration,
     pub(super) twin: TwinParameters,
 }
@@ -36,9 +36,9 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
     } else {
         Calibration::thesis()
     };
-    let study_blake3 = file_blake3(&layout.study_toml())?;
+    let study_toml = read_regular(&layout.study_toml(), MOST_BYTES)?;
     let twin = twin_parameters(&layout, study.device.lever_m)?;
-    Ok(Bench { layout, study, study_blake3, calibration, twin })
+    Ok(Bench { layout, study, study_toml, calibration, twin })
 }
 
 /// The simulated device's parameters: the defaults, with the study's lever and what `raw/<study>/twin.toml` names.

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_acquire::{Auto, Nobody, Options, Outcome, Parts, Plan, Session, Unsynced, number, run};
 use zwidth_device::{Device as _, SimulatedClock};
-use zwidth_store::{Files as _, Layout, RealFiles, hex_blake3, write_new};
+use zwidth_store::{Files as _, Layout, RealFiles, hex_blake3, log_sweeps, write_new};
 use zwidth_study::{ParticipantId, SessionId, template};
 
 /// Version of what this command makes of a seed. Another version gives other bytes, and another software in the files.
@@ -109,7 +109,7 @@ fn one(
     let plan = Plan {
         layout: bench.layout.clone(),
         study: bench.study.clone(),
-        study_blake3: bench.study_blake3.clone(),
+        study_toml: bench.study_toml.clone(),
         participant: participant.clone(),
         session: session.clone(),
         calibration: bench.calibration.clone(),
@@ -164,9 +164,12 @@ fn later(begin: Timestamp, now_s: f64) -> String {
 fn sweep_all(bench: &Bench, seed: u64) -> anyhow::Result<()> {
     let all: Vec<(Actuator, u32)> =
         SWEEPS.iter().flat_map(|(actuator, n)| (1..=*n).map(|number| (*actuator, number))).collect();
-    all.par_iter().try_for_each(|(actuator, number)| {
-        record_sweep(bench, &Unsynced, *actuator, seed, *number, SOFTWARE).map(drop)
-    })
+    let record = |(actuator, number): &(Actuator, u32)| {
+        record_sweep(bench, &Unsynced, *actuator, seed, *number, SOFTWARE).map(|(_, sweep)| sweep)
+    };
+    let sweeps = all.par_iter().map(record).collect::<anyhow::Result<Vec<_>>>()?;
+    let utc = Timestamp::from_second(EPOCH_S)?.to_string();
+    Ok(log_sweeps(&Unsynced, &bench.layout, &utc, &sweeps)?)
 }
 
 /// What was made, and what was not.

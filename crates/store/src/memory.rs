@@ -1,0 +1,319 @@
+//! A disk in memory that fails as it is told to: for simulations of whole sessions and for hostile files, of which
+//! thousands are looked at in a second.
+//!
+//! Beside what a process sees (the page cache) it keeps what is durable: a file's content from its last sync, a name
+//! from the last sync of its folder. [`Memory::restart`] leaves what outlives a kill or a power cut.
+
+use crate::{Append, Entry, Files};
+use std::collections::BTreeMap;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// What happens at a step: a write, a sync, a rename, an append or a removal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// The process ends there, a write half done: nothing works until [`Memory::restart`].
+    End,
+    /// The disk is full from there on: a write is half done and fails, what is there can be read and removed.
+    Full,
+}
+
+/// What outlives the end of a process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Survives {
+    /// A kill: everything that was written, synced or not.
+    Everything,
+    /// A power cut: only what was synced.
+    Synced,
+    /// A power cut that spares names, and loses content that was not synced.
+    Names,
+    /// A power cut that spares names and lengths, and leaves zeros where content was not synced.
+    Zeros,
+    /// A power cut that spares names, and half of what was not synced.
+    Half,
+}
+
+/// A disk in memory. Clones are the same disk.
+#[derive(Debug, Clone, Default)]
+pub struct Memory(Arc<Mutex<State>>);
+
+#[derive(Debug, Default)]
+struct State {
+    /// Steps taken since the start.
+    steps: u64,
+    /// The step at which something fails, and how.
+    fault: Option<(u64, Fault)>,
+    live: BTreeMap<PathBuf, Node>,
+    durable: BTreeMap<PathBuf, Node>,
+    contents: Vec<Content>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Node {
+    Folder,
+    File(usize),
+}
+
+#[derive(Debug, Clone, Default)]
+struct Content {
+    live: Vec<u8>,
+    durable: Vec<u8>,
+}
+
+impl Memory {
+    /// An empty disk.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Lays a file down, with its folders, all of it durable; no step is counted.
+    pub fn put(&self, path: &Path, bytes: &[u8]) {
+        let mut state = self.state();
+        for folder in path.ancestors().skip(1) {
+            state.live.insert(folder.to_owned(), Node::Folder);
+            state.durable.insert(folder.to_owned(), Node::Folder);
+        }
+        state.contents.push(Content { live: bytes.to_vec(), durable: bytes.to_vec() });
+        let file = Node::File(state.contents.len() - 1);
+        state.live.insert(path.to_owned(), file);
+        state.durable.insert(path.to_owned(), file);
+    }
+
+    /// Every file below a folder, with its content.
+    pub fn below(&self, folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+        let state = self.state();
+        let file = |(path, node): (&PathBuf, &Node)| match node {
+            Node::File(number) if path.starts_with(folder) => {
+                Some((path.clone(), state.contents[*number].live.clone()))
+            }
+            _ => None,
+        };
+        state.live.iter().filter_map(file).collect()
+    }
+
+    /// Steps taken so far.
+    pub fn steps(&self) -> u64 {
+        self.state().steps
+    }
+
+    /// Has something fail `steps` steps from now.
+    pub fn fail_in(&self, steps: u64, fault: Fault) {
+        let mut state = self.state();
+        state.fault = Some((state.steps.saturating_add(steps), fault));
+    }
+
+    /// Ends the process now.
+    pub fn end(&self) {
+        self.fail_in(0, Fault::End);
+    }
+
+    /// A new process finds what survives, on a disk that works and has room.
+    pub fn restart(&self, survives: Survives) {
+        let mut state = self.state();
+        state.fault = None;
+        if survives != Survives::Everything {
+            state.lose(survives);
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State {
+    /// Whether a step may be taken; it counts.
+    fn step(&mut self, removes: bool) -> io::Result<()> {
+        let failed = self.fault.filter(|(at, _)| self.steps >= *at).map(|(_, fault)| fault);
+        match failed {
+            Some(Fault::End) => Err(ended()),
+            Some(Fault::Full) if !removes => Err(io::Error::from(ErrorKind::StorageFull)),
+            _ => {
+                self.steps += 1;
+                Ok(())
+            }
+        }
+    }
+
+    /// Whether anything can be looked at: not by a process that has ended.
+    fn look(&self) -> io::Result<()> {
+        match self.fault {
+            Some((at, Fault::End)) if self.steps >= at => Err(ended()),
+            _ => Ok(()),
+        }
+    }
+
+    fn file(&self, path: &Path) -> io::Result<usize> {
+        self.look()?;
+        match self.live.get(path) {
+            Some(Node::File(number)) => Ok(*number),
+            Some(Node::Folder) => Err(io::Error::from(ErrorKind::IsADirectory)),
+            None => Err(io::Error::from(ErrorKind::NotFound)),
+        }
+    }
+
+    /// The file at a path, made if there is none.
+    fn create(&mut self, path: &Path) -> io::Result<usize> {
+        match self.file(path) {
+            Err(e) if e.kind() == ErrorKind::NotFound => {
+                self.parent(path)?;
+                self.contents.push(Content::default());
+                self.live.insert(path.to_owned(), Node::File(self.contents.len() - 1));
+                Ok(self.contents.len() - 1)
+            }
+            found => found,
+        }
+    }
+
+    fn parent(&self, path: &Path) -> io::Result<()> {
+        let folder = path.parent().map(|folder| self.live.get(folder));
+        if folder == Some(Some(&Node::Folder)) { Ok(()) } else { Err(io::Error::from(ErrorKind::NotFound)) }
+    }
+
+    /// Appends to a file and syncs it: two steps, of which the first may do half of its work.
+    fn append(&mut self, number: usize, bytes: &[u8]) -> io::Result<()> {
+        if let Err(e) = self.step(false) {
+            self.contents[number].live.extend_from_slice(&bytes[..bytes.len() / 2]);
+            return Err(e);
+        }
+        self.contents[number].live.extend_from_slice(bytes);
+        self.step(false)?;
+        self.contents[number].durable = self.contents[number].live.clone();
+        Ok(())
+    }
+
+    /// What a power cut leaves.
+    fn lose(&mut self, survives: Survives) {
+        if survives == Survives::Synced {
+            self.live = self.durable.clone();
+        }
+        // A name whose folder is gone leads nowhere.
+        let is_reached = |path: &PathBuf, live: &BTreeMap<PathBuf, Node>| {
+            path.ancestors().skip(1).all(|folder| live.get(folder) == Some(&Node::Folder))
+        };
+        let live = self.live.clone();
+        self.live.retain(|path, _| is_reached(path, &live));
+        for content in &mut self.contents {
+            let written = content.live.len();
+            let synced = content.durable.len().min(written);
+            content.live = match survives {
+                Survives::Half => content.live[..synced + (written - synced) / 2].to_vec(),
+                _ => content.durable.clone(),
+            };
+            if survives == Survives::Zeros {
+                content.live.resize(written.max(content.live.len()), 0);
+            }
+            content.durable = content.live.clone();
+        }
+        self.durable = self.live.clone();
+    }
+}
+
+fn ended() -> io::Error {
+    io::Error::new(ErrorKind::BrokenPipe, "the process has ended")
+}
+
+impl Files for Memory {
+    fn kind(&self, path: &Path) -> Option<Entry> {
+        Some(match self.state().live.get(path)? {
+            Node::Folder => Entry::Folder,
+            Node::File(_) => Entry::File,
+        })
+    }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
+        let state = self.state();
+        state.look()?;
+        if state.live.get(folder) != Some(&Node::Folder) {
+            return Err(io::Error::from(ErrorKind::NotFound));
+        }
+        let inside = state.live.range(folder.to_owned()..).take_while(|(path, _)| path.starts_with(folder));
+        let inside = inside.filter(|(path, _)| path.parent() == Some(folder));
+        let entry = |node: &Node| if *node == Node::Folder { Entry::Folder } else { Entry::File };
+        Ok(inside.map(|(path, node)| (path.clone(), entry(node))).collect())
+    }
+
+    fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
+        let state = self.state();
+        let bytes = &state.contents[state.file(path)?].live;
+        if bytes.len() as u64 > most {
+            return Err(io::Error::from(ErrorKind::FileTooLarge));
+        }
+        Ok(bytes.clone())
+    }
+
+    fn create_folder(&self, path: &Path) -> io::Result<()> {
+        let mut state = self.state();
+        state.step(false)?;
+        state.live.entry(path.to_owned()).or_insert(Node::Folder);
+        Ok(())
+    }
+
+    fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let mut state = self.state();
+        state.look()?;
+        state.live.remove(path); // a new file, whatever stood there
+        let number = state.create(path)?;
+        state.append(number, bytes)
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        let mut state = self.state();
+        state.step(false)?;
+        let file = Node::File(state.file(from)?);
+        state.live.remove(from);
+        state.live.insert(to.to_owned(), file);
+        Ok(())
+    }
+
+    fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        let mut state = self.state();
+        state.step(false)?;
+        let State { live, durable, .. } = &mut *state;
+        durable.retain(|p, _| p.parent() != Some(path));
+        let inside = live.iter().filter(|(p, _)| p.parent() == Some(path));
+        durable.extend(inside.map(|(p, node)| (p.clone(), *node)));
+        Ok(())
+    }
+
+    fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
+        let mut state = self.state();
+        state.step(false)?;
+        let number = state.create(path)?;
+        Ok(Box::new(Handle { disk: self.clone(), number }))
+    }
+
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        let mut state = self.state();
+        state.step(true)?;
+        state.file(path)?;
+        state.live.remove(path);
+        Ok(())
+    }
+
+    fn remove_folder(&self, path: &Path) -> io::Result<()> {
+        let mut state = self.state();
+        state.step(true)?;
+        let is_inside = |p: &PathBuf| p.parent() == Some(path);
+        match state.live.get(path) {
+            Some(Node::Folder) if !state.live.keys().any(is_inside) => {
+                state.live.remove(path);
+                Ok(())
+            }
+            Some(_) => Err(io::Error::from(ErrorKind::DirectoryNotEmpty)),
+            None => Err(io::Error::from(ErrorKind::NotFound)),
+        }
+    }
+}
+
+struct Handle {
+    disk: Memory,
+    number: usize,
+}
+
+impl Append for Handle {
+    fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.disk.state().append(self.number, bytes)
+    }
+}

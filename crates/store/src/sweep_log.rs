@@ -1,0 +1,160 @@
+//! The log of the sweeps: the hash of each, as a session's log has those of its trials.
+
+use crate::events::read_events_from;
+use crate::sweep::{entry, read_sweep_from};
+use crate::walk::files_below;
+use crate::{Entry, Files, Layout, StoreError, SweepEntry, append_events};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_study::{ActuatorId, Event};
+
+/// Says in the log that these sweeps were recorded, in one write.
+///
+/// # Errors
+/// A log that cannot be read to its end; the write that failed.
+pub fn log_sweeps(
+    files: &dyn Files,
+    layout: &Layout,
+    utc: &str,
+    sweeps: &[(ActuatorId, u32, String)],
+) -> Result<(), StoreError> {
+    let event = |(actuator, sweep, blake3): &(ActuatorId, u32, String)| Event::SweepRecorded {
+        actuator: actuator.clone(),
+        sweep: *sweep,
+        blake3: blake3.clone(),
+    };
+    let events: Vec<Event> = sweeps.iter().map(event).collect();
+    if events.is_empty() { Ok(()) } else { append_events(files, &layout.sweep_events(), utc, &events) }
+}
+
+/// The hash of each sweep that the log calls recorded, by its file.
+fn logged(files: &dyn Files, layout: &Layout) -> Result<BTreeMap<PathBuf, String>, StoreError> {
+    let path = |event: Event| match event {
+        Event::SweepRecorded { actuator, sweep, blake3 } => Some((layout.sweep(&actuator, sweep), blake3)),
+        _ => None,
+    };
+    Ok(read_events_from(files, &layout.sweep_events())?.into_iter().filter_map(path).collect())
+}
+
+/// The sweeps that are, by the log, the ones that were recorded; and what does not fit.
+pub(crate) fn logged_sweeps(
+    files: &dyn Files,
+    layout: &Layout,
+    sweeps: Vec<SweepEntry>,
+) -> (Vec<SweepEntry>, Vec<StoreError>) {
+    let logged = match logged(files, layout) {
+        Ok(logged) => logged,
+        Err(error) => return (Vec::new(), vec![error]),
+    };
+    let gone = logged.keys().filter(|path| files.kind(path) != Some(Entry::File)).map(|path| gone(path));
+    let mut problems: Vec<StoreError> = gone.collect();
+    let mut kept = Vec::new();
+    for sweep in sweeps {
+        match logged.get(&sweep.path) {
+            Some(hash) if *hash == sweep.blake3 => kept.push(sweep),
+            Some(_) => problems.push(other(files, &sweep.path)),
+            None => problems.push(unknown(layout, &sweep.path)),
+        }
+    }
+    (kept, problems)
+}
+
+fn gone(path: &Path) -> StoreError {
+    StoreError::new(path, "the log knows the sweep, but its file is missing", "restore the file from a copy")
+}
+
+/// How a file whose hash is not the log's came to differ: damage where that can be seen.
+fn other(files: &dyn Files, path: &Path) -> StoreError {
+    read_sweep_from(files, path).err().unwrap_or_else(|| {
+        let what = "the file is not the one that was recorded: its hash differs from the log of the sweeps";
+        StoreError::new(path, what, "restore the file from a copy")
+    })
+}
+
+fn unknown(layout: &Layout, path: &Path) -> StoreError {
+    let what = "the log of the sweeps does not speak of it: left out";
+    StoreError::new(path, what, format!("run `zwidth recover {}` to take it in", layout.study()))
+}
+
+/// Takes sweeps in that the log does not speak of: a kill came between the file and its line, or an older version wrote
+/// them. Their paths.
+///
+/// # Errors
+/// A log that cannot be read; a write that failed. A sweep that cannot be read stays as it is, for `verify` to tell.
+pub(crate) fn take_in(files: &dyn Files, layout: &Layout, utc: &str) -> Result<Vec<PathBuf>, StoreError> {
+    let logged = logged(files, layout)?;
+    let mut found = Vec::new();
+    for path in files_below(files, &layout.sweeps())?.into_iter().filter(|path| !logged.contains_key(path)) {
+        let Ok(sweep) = read_sweep_from(files, &path) else { continue };
+        if let Ok(entry) = entry(files, layout, path, sweep.actuator.clone()) {
+            found.push((entry.path, (sweep.actuator, sweep.sweep, entry.blake3)));
+        }
+    }
+    let (paths, sweeps): (Vec<PathBuf>, Vec<_>) = found.into_iter().unzip();
+    log_sweeps(files, layout, utc, &sweeps)?;
+    Ok(paths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crashes::{UTC, folder_with_study};
+    use crate::{Quantity, RealFiles, StudyData, Sweep, hex_blake3, recover, sweep_bytes, verify, write_new};
+    use zwidth_study::Source;
+
+    fn write(layout: &Layout, number: u32, last: f64) -> (ActuatorId, u32, String) {
+        let actuator: ActuatorId = "motor".parse().unwrap();
+        let sweep = Sweep {
+            actuator: actuator.clone(),
+            sweep: number,
+            source: Source::Recorded,
+            command: Quantity { name: "voltage".into(), unit: "V".into() },
+            response: Quantity { name: "force".into(), unit: "N".into() },
+            t_s: None,
+            command_values: vec![0.0, 1.0],
+            response_values: vec![0.0, last],
+            file: BTreeMap::new(),
+        };
+        let path = layout.sweep(&actuator, number);
+        let bytes = sweep_bytes(&sweep, &path).unwrap();
+        let _ = std::fs::remove_file(&path);
+        write_new(&RealFiles, &path, &bytes).unwrap();
+        (actuator, number, hex_blake3(&bytes))
+    }
+
+    fn counting(layout: &Layout) -> usize {
+        StudyData::load(layout).unwrap().sweeps.len()
+    }
+
+    #[test]
+    fn a_sweep_that_was_changed_deleted_or_written_anew_is_found_and_left_out() {
+        let (_folder, layout) = folder_with_study();
+        let sweeps: Vec<_> = (1..=3).map(|n| write(&layout, n, 0.26)).collect();
+        log_sweeps(&RealFiles, &layout, UTC, &sweeps).unwrap();
+        assert_eq!((counting(&layout), verify(&layout)), (3, vec![]));
+        write(&layout, 2, 0.27);
+        let [finding] = verify(&layout).try_into().unwrap();
+        assert!(finding.what.contains("its hash differs from the log of the sweeps"), "{finding}");
+        assert_eq!(counting(&layout), 2);
+        write(&layout, 2, 0.26);
+        let path = layout.sweep(&sweeps[2].0, 3);
+        std::fs::remove_file(&path).unwrap();
+        std::fs::create_dir(&path).unwrap();
+        let [finding] = verify(&layout).try_into().unwrap();
+        assert!(finding.what.contains("its file is missing"), "a folder in its place: {finding}");
+    }
+
+    #[test]
+    fn a_sweep_that_no_log_speaks_of_does_not_count_until_recover_takes_it_in() {
+        let (_folder, layout) = folder_with_study();
+        write(&layout, 1, 0.26);
+        let [finding] = verify(&layout).try_into().unwrap();
+        assert!(finding.remedy.contains("zwidth recover"), "{finding}");
+        assert_eq!(counting(&layout), 0);
+        let done: Vec<_> = recover(&RealFiles, &layout, UTC).into_iter().map(Result::unwrap).collect();
+        assert_eq!(done.len(), 1);
+        let done = &done[0];
+        assert!(done.to_string().contains("now in the log"), "{done}");
+        assert_eq!((counting(&layout), verify(&layout)), (1, vec![]));
+    }
+}
