@@ -79,6 +79,11 @@ impl Layout {
         self.sessions().join(format!("{participant}_{session}.json"))
     }
 
+    /// One session's copy of `study.toml`: its very bytes as they were when the session was laid down.
+    pub fn study_copy(&self, participant: &ParticipantId, session: &SessionId) -> PathBuf {
+        self.sessions().join(format!("{participant}_{session}.study.toml"))
+    }
+
     /// One session's event log.
     pub fn events(&self, participant: &ParticipantId, session: &SessionId) -> PathBuf {
         self.sessions().join(format!("{participant}_{session}.events.jsonl"))

@@ -162,7 +162,10 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             Event::Recorded { blake3, .. } => recorded = Some(blake3.clone()),
             Event::Superseded { by, .. } => trial.superseded_by = Some(*by),
             Event::Excluded { reason, .. } => trial.excluded = Some(reason.clone()),
-            Event::Answer { .. } | Event::Note { .. } | Event::Unsealed { .. } => {}
+            Event::Answer { .. }
+            | Event::Note { .. }
+            | Event::Unsealed { .. }
+            | Event::StudyAccepted { .. } => {}
         }
     }
     recorded

@@ -56,6 +56,11 @@ pub enum Event {
         /// The mode of each planned trial, by number.
         order: Vec<SealedTrial>,
     },
+    /// A changed `study.toml` was accepted: from here on the session goes on under the `study.toml` of this hash.
+    StudyAccepted {
+        /// BLAKE3 of that `study.toml`, hexadecimal.
+        study_blake3: String,
+    },
 }
 
 /// A trial, and the mode that was sealed.
@@ -77,7 +82,7 @@ impl Event {
             | Self::Superseded { trial, .. }
             | Self::Excluded { trial, .. } => Some(*trial),
             Self::Note { trial, .. } => *trial,
-            Self::Unsealed { .. } => None,
+            Self::Unsealed { .. } | Self::StudyAccepted { .. } => None,
         }
     }
 }

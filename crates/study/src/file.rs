@@ -5,6 +5,8 @@ mod read;
 mod shape;
 mod write;
 
+pub(crate) use write::value_of;
+
 /// Grams in a kilogram, millimetres in a metre.
 const MILLI: f64 = 1e-3;
 

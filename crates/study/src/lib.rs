@@ -5,6 +5,7 @@
 //! millimetres where people do, and its keys end in their unit.
 
 mod calibration;
+mod changes;
 mod control;
 mod event;
 mod figures;
@@ -20,6 +21,7 @@ mod template;
 mod trial;
 
 pub use calibration::{Calibration, CalibrationError, Characteristic};
+pub use changes::{Affects, StudyChange, study_changes};
 pub use control::{Control, VelocityFilter};
 pub use event::{Event, SealedTrial};
 pub use figures::{Alignment, Figures};

@@ -94,6 +94,7 @@ pub(super) fn event(event: &Event) -> String {
         Event::Excluded { trial, reason } => format!("trial {trial} excluded: {reason}"),
         Event::Note { trial, text } => format!("{}note: {text}", of(trial)),
         Event::Unsealed { .. } => "unsealed".to_owned(),
+        Event::StudyAccepted { .. } => "the changed study.toml was accepted".to_owned(),
     }
 }
 

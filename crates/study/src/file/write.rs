@@ -12,6 +12,11 @@ impl Study {
     }
 }
 
+/// The study as the values of its `study.toml`, in the file's units; nothing of a study that cannot be written.
+pub(crate) fn value_of(study: &Study) -> toml::Value {
+    toml::Value::try_from(File::from(study)).unwrap_or_else(|_| toml::Value::Table(toml::Table::new()))
+}
+
 impl From<&Study> for File {
     fn from(s: &Study) -> Self {
         Self {

@@ -1,0 +1,369 @@
+//! What changed between two versions of a `study.toml`, and what each change affects.
+//!
+//! Both are compared by value: a comment, a blank line or a default that is written out is no change. Every key that
+//! is not known to affect nothing affects the recording.
+
+use crate::Study;
+use crate::file::value_of;
+use std::collections::BTreeMap;
+use toml::Value;
+
+/// What a change of `study.toml` does to a session that was laid down before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Affects {
+    /// Nothing that is recorded: titles, labels, figures, numbers of the analysis.
+    Nothing,
+    /// What is recorded from here on is not what was recorded before: device, control, scene, design, modes, the
+    /// wording of a question.
+    Recording,
+}
+
+/// One value of a `study.toml` that changed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StudyChange {
+    /// The key as a path, with ids in place of indices: `environments.spring.rest_deg`.
+    pub key: String,
+    /// The value before, as the file writes it; [`StudyChange::ABSENT`] if there was none.
+    pub then: String,
+    /// The value now, likewise.
+    pub now: String,
+    /// What the change affects.
+    pub affects: Affects,
+}
+
+impl StudyChange {
+    /// Stands for a value that is not there.
+    pub const ABSENT: &'static str = "absent";
+    /// Stands for an environment, a mode or a question that is there as a whole.
+    pub const PRESENT: &'static str = "present";
+}
+
+impl std::fmt::Display for StudyChange {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} was {} and is {}", self.key, self.then, self.now)
+    }
+}
+
+/// The lists of a study, whose elements have ids.
+const LISTS: [&str; 3] = ["environments", "modes", "questions"];
+
+/// Every value that differs between two versions of a study, by key. Empty if the two are equal: a file whose bytes
+/// differ all the same differs in comments and form alone.
+pub fn study_changes(then: &Study, now: &Study) -> Vec<StudyChange> {
+    // One unit for both: in another coordinate an unchanged scene would have other keys.
+    let same_kind = std::mem::discriminant(&then.coordinate) == std::mem::discriminant(&now.coordinate);
+    let coordinate = if same_kind { now.coordinate } else { then.coordinate };
+    let [before, after] = [flat(then), flat(&Study { coordinate, ..now.clone() })];
+    let mut changes = differences(&before, &after);
+    if !same_kind {
+        let kind = |study: &Study| flat(study).remove("coordinate.kind").unwrap_or_default();
+        changes.push(change("coordinate.kind", kind(then), kind(now)));
+    }
+    if changes.is_empty() && then != now {
+        // Values are compared as the file writes them: to nine decimals.
+        changes.push(change(
+            "study.toml",
+            "one number".to_owned(),
+            "another by less than a billionth".to_owned(),
+        ));
+    }
+    changes.sort_by(|a, b| a.key.cmp(&b.key));
+    changes
+}
+
+fn differences(before: &BTreeMap<String, String>, after: &BTreeMap<String, String>) -> Vec<StudyChange> {
+    let value = |of: &BTreeMap<String, String>, key: &str| {
+        of.get(key).cloned().unwrap_or_else(|| StudyChange::ABSENT.to_owned())
+    };
+    let both = before.keys().chain(after.keys().filter(|key| !before.contains_key(*key)));
+    let mut changes: Vec<StudyChange> = both
+        .filter(|key| !key.ends_with(ORDER) && before.get(*key) != after.get(*key))
+        .map(|key| change(key, value(before, key), value(after, key)))
+        .collect();
+    // An element that came or went is one change, not one for each of its keys.
+    let whole: Vec<String> =
+        changes.iter().filter(|c| is_element(&c.key)).map(|c| format!("{}.", c.key)).collect();
+    changes.retain(|c| !whole.iter().any(|element| c.key.starts_with(element)));
+    changes.extend(LISTS.into_iter().filter_map(|list| reordered(list, before, after)));
+    changes
+}
+
+/// Elements that are in both, in another order. Orders are drawn by the place in the list.
+fn reordered(
+    list: &str,
+    before: &BTreeMap<String, String>,
+    after: &BTreeMap<String, String>,
+) -> Option<StudyChange> {
+    let key = format!("{list}{ORDER}");
+    let ids = |of: &BTreeMap<String, String>, other: &BTreeMap<String, String>| {
+        let all = of.get(&key).map(String::as_str).unwrap_or_default();
+        let in_both = |id: &&str| other.contains_key(&format!("{list}.{id}"));
+        all.split(", ").filter(in_both).collect::<Vec<_>>().join(", ")
+    };
+    let (then, now) = (ids(before, after), ids(after, before));
+    (then != now).then(|| change(list, then, now))
+}
+
+fn change(key: &str, then: String, now: String) -> StudyChange {
+    StudyChange { key: key.to_owned(), then, now, affects: affects(key) }
+}
+
+/// Whether a key names an element of a list, and no value of it.
+fn is_element(key: &str) -> bool {
+    key.split_once('.').is_some_and(|(list, id)| LISTS.contains(&list) && !id.contains('.'))
+}
+
+/// What a change of this key affects. A question's order, group and direction belong to the tally; its wording and its
+/// place belong to what the participant was asked.
+fn affects(key: &str) -> Affects {
+    let parts: Vec<&str> = key.split('.').collect();
+    match parts.as_slice() {
+        ["study", "title"] | ["coordinate", ..] | ["masses", ..] | ["analysis", ..] | ["figures", ..] => {
+            Affects::Nothing
+        }
+        ["environments" | "modes", _, "label"] | ["questions", _, "group" | "reversed"] | ["questions"] => {
+            Affects::Nothing
+        }
+        _ => Affects::Recording,
+    }
+}
+
+/// Where the order of a list stands among the flat keys; no id has such a character.
+const ORDER: &str = "#";
+
+/// A study as keys and values. Elements of lists go by their id.
+fn flat(study: &Study) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    flatten("", &value_of(study), &mut found);
+    found
+}
+
+fn flatten(path: &str, value: &Value, found: &mut BTreeMap<String, String>) {
+    match value {
+        Value::Table(table) => {
+            for (key, inner) in table {
+                let key = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                flatten(&key, inner, found);
+            }
+        }
+        Value::Array(elements) => {
+            let ids: Vec<&str> = elements.iter().filter_map(|e| e.get("id")?.as_str()).collect();
+            found.insert(format!("{path}{ORDER}"), ids.join(", "));
+            for (id, element) in ids.iter().zip(elements) {
+                found.insert(format!("{path}.{id}"), StudyChange::PRESENT.to_owned());
+                flatten(&format!("{path}.{id}"), element, found);
+            }
+        }
+        value => _ = found.insert(path.to_owned(), value.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{StudyId, template};
+
+    fn text() -> String {
+        template(&StudyId::new("demo").unwrap())
+    }
+
+    fn changes(from: &str, to: &str) -> Vec<StudyChange> {
+        assert!(text().contains(from), "the template lost '{from}'");
+        let now = text().replacen(from, to, 1);
+        study_changes(&Study::from_toml(&text()).unwrap(), &Study::from_toml(&now).unwrap())
+    }
+
+    #[track_caller]
+    fn check(from: &str, to: &str, expect: &[(&str, &str, &str, Affects)]) {
+        let found = changes(from, to);
+        let found: Vec<_> =
+            found.iter().map(|c| (c.key.as_str(), c.then.as_str(), c.now.as_str(), c.affects)).collect();
+        assert_eq!(found, expect);
+    }
+
+    #[test]
+    fn comments_blank_lines_and_defaults_written_out_are_no_change() {
+        check("# Practice trials", "\n# Trials to practise", &[]);
+        check("rate_hz = 1000.0\n", "", &[]);
+        check(
+            "[figures]\nalignment = \"onset\"\n",
+            "",
+            &[("figures.alignment", "\"onset\"", "absent", Affects::Nothing)],
+        );
+    }
+
+    #[test]
+    fn titles_labels_figures_masses_and_numbers_of_the_analysis_affect_nothing() {
+        use Affects::Nothing;
+        for (from, to, key, then, now) in [
+            (
+                "title = \"Coupling a motor and a brake: demo\"",
+                "title = \"T\"",
+                "study.title",
+                "\"Coupling a motor and a brake: demo\"",
+                "\"T\"",
+            ),
+            (
+                "label = \"Spring\"",
+                "label = \"Feder\"",
+                "environments.spring.label",
+                "\"Spring\"",
+                "\"Feder\"",
+            ),
+            ("label = \"Active\"", "label = \"Motor\"", "modes.active.label", "\"Active\"", "\"Motor\""),
+            (
+                "alignment = \"onset\"",
+                "alignment = \"landmarks\"",
+                "figures.alignment",
+                "\"onset\"",
+                "\"landmarks\"",
+            ),
+            ("motor_g = 88.0", "motor_g = 90.0", "masses.motor_g", "88.0", "90.0"),
+            ("brake_g = 27.0", "brake_g = 28.0", "masses.brake_g", "27.0", "28.0"),
+            ("onset_deg_s = 10.0", "onset_deg_s = 12.0", "analysis.onset_deg_s", "10.0", "12.0"),
+            ("offset_deg_s = 5.0", "offset_deg_s = 4.0", "analysis.offset_deg_s", "5.0", "4.0"),
+            ("slope_from_deg = 0.0", "slope_from_deg = 1.5", "analysis.slope_from_deg", "0.0", "1.5"),
+            ("grid_points = 401", "grid_points = 201", "analysis.grid_points", "401", "201"),
+            ("confidence = 0.95", "confidence = 0.99", "analysis.confidence", "0.95", "0.99"),
+            (
+                "id = \"felt_wall\"",
+                "id = \"felt_wall\"\ngroup = \"g\"",
+                "questions.felt_wall.group",
+                "absent",
+                "\"g\"",
+            ),
+            (
+                "id = \"felt_wall\"",
+                "id = \"felt_wall\"\nreversed = true",
+                "questions.felt_wall.reversed",
+                "false",
+                "true",
+            ),
+        ] {
+            check(from, to, &[(key, then, now, Nothing)]);
+        }
+    }
+
+    #[test]
+    fn device_control_scene_design_modes_and_wording_affect_the_recording() {
+        use Affects::Recording;
+        for (from, to, key, then, now) in [
+            ("repeats = 6", "repeats = 5", "design.repeats", "6", "5"),
+            ("familiarisation = 3", "familiarisation = 2", "design.familiarisation", "3", "2"),
+            ("trial_limit_s = 4.0", "trial_limit_s = 6.0", "design.trial_limit_s", "4.0", "6.0"),
+            ("pause_s = 5.0", "pause_s = 0.0", "design.pause_s", "5.0", "0.0"),
+            (
+                "order = \"williams\"",
+                "order = \"constrained\"",
+                "design.order",
+                "\"williams\"",
+                "\"constrained\"",
+            ),
+            ("blinded = false", "blinded = true", "design.blinded", "false", "true"),
+            (
+                "name = \"motor and brake on a capstan lever\"",
+                "name = \"d\"",
+                "device.name",
+                "\"motor and brake on a capstan lever\"",
+                "\"d\"",
+            ),
+            ("lever_m = 0.045", "lever_m = 0.05", "device.lever_m", "0.045", "0.05"),
+            ("theta_min_deg = -45.0", "theta_min_deg = -44.0", "device.theta_min_deg", "-45.0", "-44.0"),
+            ("theta_max_deg = 45.0", "theta_max_deg = 44.0", "device.theta_max_deg", "45.0", "44.0"),
+            ("force_rate_hz = 80.0", "force_rate_hz = 10.0", "device.force_rate_hz", "80.0", "10.0"),
+            ("rate_hz = 1000.0", "rate_hz = 120.0", "control.rate_hz", "1000.0", "120.0"),
+            ("let_go_n = 2.0", "let_go_n = 1.0", "control.let_go_n", "2.0", "1.0"),
+            ("force_limit_n = 10.0", "force_limit_n = 8.0", "control.force_limit_n", "10.0", "8.0"),
+            (
+                "velocity_cutoff_hz = 40.0",
+                "velocity_cutoff_hz = 20.0",
+                "control.velocity_cutoff_hz",
+                "40.0",
+                "20.0",
+            ),
+            (
+                "stiffness_n_per_rad = 4.0",
+                "stiffness_n_per_rad = 5.0",
+                "environments.spring.stiffness_n_per_rad",
+                "4.0",
+                "5.0",
+            ),
+            ("rest_deg = -45.0", "rest_deg = -40.0", "environments.spring.rest_deg", "-45.0", "-40.0"),
+            ("wall_deg = 26.6", "wall_deg = 26.5", "environments.spring_wall.wall_deg", "26.6", "26.5"),
+            ("question = \"felt_spring\"", "", "environments.spring.question", "\"felt_spring\"", "absent"),
+            ("motor_max_v = 16.0", "motor_max_v = 12.0", "modes.active.motor_max_v", "16.0", "12.0"),
+            ("brake_max_v = 8.0", "brake_max_v = 6.0", "modes.passive.brake_max_v", "8.0", "6.0"),
+        ] {
+            check(from, to, &[(key, then, now, Recording)]);
+        }
+        let [worded] = changes("linear stiffness.\"", "spring.\"").try_into().unwrap();
+        assert_eq!((worded.key.as_str(), worded.affects), ("questions.felt_spring.text", Recording));
+        let words =
+            changes("velocity = \"second_order\"\nvelocity_cutoff_hz = 40.0", "velocity = \"difference\"");
+        assert!(words.len() == 2 && words.iter().all(|c| c.affects == Recording), "{words:?}");
+    }
+
+    #[test]
+    fn an_element_that_comes_or_goes_is_one_change_and_another_order_is_one() {
+        use Affects::{Nothing, Recording};
+        let passive = "[[modes]]\nid = \"passive\"\nlabel = \"Passive\"\nbrake_max_v = 8.0\n";
+        check(passive, "", &[("modes.passive", "present", "absent", Recording)]);
+        check(
+            "[[questions]]",
+            "[[questions]]\nid = \"new\"\ntext = \"?\"\n\n[[questions]]",
+            &[("questions.new", "absent", "present", Recording)],
+        );
+        let active = "[[modes]]\nid = \"active\"\nlabel = \"Active\"\nmotor_max_v = 16.0\n";
+        let both = format!("{active}\n{passive}");
+        check(
+            &both,
+            &format!("{passive}\n{active}"),
+            &[("modes", "active, passive, hybrid", "passive, active, hybrid", Recording)],
+        );
+        let then = Study::from_toml(&text()).unwrap();
+        let mut now = then.clone();
+        now.questions.reverse();
+        assert_eq!(study_changes(&then, &now)[0].affects, Nothing);
+    }
+
+    #[test]
+    fn another_kind_of_scene_tells_each_of_its_keys() {
+        let found =
+            changes("kind = \"spring\"\nstiffness_n_per_rad = 4.0\nrest_deg = -45.0", "kind = \"free\"");
+        let keys: Vec<_> = found.iter().map(|c| c.key.as_str()).collect();
+        assert_eq!(
+            keys,
+            [
+                "environments.spring.kind",
+                "environments.spring.rest_deg",
+                "environments.spring.stiffness_n_per_rad"
+            ]
+        );
+    }
+
+    #[test]
+    fn the_same_scene_in_another_coordinate_changes_the_figures_alone() {
+        let then = Study::from_toml(&text()).unwrap();
+        let now = Study { coordinate: crate::Coordinate::Linear { lever_m: 0.045 }, ..then.clone() };
+        for (then, now) in [(&then, &now), (&now, &then)] {
+            let [found] = study_changes(then, now).try_into().unwrap();
+            assert_eq!((found.key.as_str(), found.affects), ("coordinate.kind", Affects::Nothing));
+        }
+    }
+
+    #[test]
+    fn a_change_too_small_to_be_written_is_told_and_affects_the_recording() {
+        let then = Study::from_toml(&text()).unwrap();
+        let mut now = then.clone();
+        now.device.theta_max_rad = now.device.theta_max_rad.map(f64::next_up);
+        let [found] = study_changes(&then, &now).try_into().unwrap();
+        assert_eq!(found.affects, Affects::Recording);
+        assert_eq!(study_changes(&then, &then), []);
+    }
+
+    #[test]
+    fn a_change_reads_as_a_sentence() {
+        let [found] = changes("repeats = 6", "repeats = 5").try_into().unwrap();
+        assert_eq!(found.to_string(), "design.repeats was 6 and is 5");
+    }
+}
