@@ -1,3 +1,5 @@
+mod slow_disk;
+
 use super::*;
 use crate::{Auto, Nobody, Phase as Shown, Unsynced};
 use std::cell::Cell;
@@ -8,7 +10,7 @@ use tempfile::TempDir;
 use zwidth_device::SimulatedClock;
 use zwidth_device::mock::{Fault, Mock};
 use zwidth_store::{Append, Layout, RealFiles, StudyData, file_blake3, recover, verify};
-use zwidth_study::{Calibration, Kind, ModeId, Status, Study, template};
+use zwidth_study::{Calibration, Kind, ModeId, Status, Study, Voltages, template};
 
 const UTC: &str = "2026-01-01T00:00:00Z";
 const TRIALS: usize = 7;
