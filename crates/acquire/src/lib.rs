@@ -3,6 +3,7 @@
 mod auto;
 mod error;
 pub mod flow;
+mod folder;
 mod front;
 mod left;
 mod plain;

@@ -12,6 +12,7 @@ mod tests;
 mod trial;
 
 use crate::flow::{Action, EMERGENCY_STOP, Flow, Input, Phase};
+use crate::folder::{StudyFolder, Within};
 use crate::session::{Plan, Session};
 use crate::tape::Tape;
 use crate::{AcquireError, Front, View};
@@ -82,7 +83,7 @@ struct Runner<'a> {
     capabilities: Capabilities,
     /// Ticks a second, Hz: the study's, or the device's if those are fewer.
     rate_hz: f64,
-    files: &'a dyn Files,
+    files: Within<'a>,
     front: &'a mut dyn Front,
     utc: &'a (dyn Fn(f64) -> String + Sync),
     session: Session,
@@ -102,7 +103,7 @@ struct Runner<'a> {
 /// Runs a session from where it stands to where it is left. The study's lock is the caller's.
 ///
 /// # Errors
-/// A device, a disk or a terminal that is gone; a study that this device must not run. The device is at 0 V then, and
+/// A device, a disk, a study's folder or a terminal that is gone; a study that this device must not run. The device is at 0 V then, and
 /// what was finished is safe; the session can be resumed.
 pub fn run<'a>(
     plan: &'a Plan,
@@ -117,6 +118,8 @@ pub fn run<'a>(
         guard.admit(mode, &plan.calibration)?;
     }
     let rate_hz = rate_hz(&plan.study, &capabilities)?;
+    let files = Within::new(files, StudyFolder::open(&plan.layout.raw())?);
+    let folder = files.clone();
     let (flow, first) = Flow::begin(
         session.order(&plan.study),
         plan.study.design.pause_s,
@@ -149,11 +152,13 @@ pub fn run<'a>(
         Ok(runner.outcome())
     };
     // However it is left, the attendant leaves the device at 0 V.
-    if options.live {
+    let left = if options.live {
         thread::scope(|scope| attended(Attendant::in_real_time(scope, station)))
     } else {
         attended(Attendant::here(station))
-    }
+    };
+    // A folder that is gone is behind whatever could not be written.
+    left.map_err(|error| folder.check().err().unwrap_or(error))
 }
 
 /// The rate of the loop: the study's, or the device's if that is lower.
@@ -178,6 +183,7 @@ impl<'a> Runner<'a> {
                 Phase::Stopped { why } => Some(why.clone()),
                 _ => None,
             };
+            self.files.check()?;
             self.show()?;
             let idle = self.idle()?;
             let now_s = self.attendant.now_s();
@@ -252,7 +258,7 @@ impl<'a> Runner<'a> {
         let utc = (self.utc)(self.attendant.now_s());
         let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
         self.view.say(look::event(&event));
-        Ok(append_events(self.files, &path, &utc, &[event])?)
+        Ok(append_events(&self.files, &path, &utc, &[event])?)
     }
 
     /// The device check. The first one of a session goes into its record, which is laid down then; a later one into the
@@ -273,7 +279,7 @@ impl<'a> Runner<'a> {
         let checks: Vec<Check> = found.into_iter().map(|f| f.check).collect();
         if !self.session.laid_down {
             self.session.record.checks = checks;
-            self.session.lay_down(self.plan, self.files)?;
+            self.session.lay_down(self.plan, &self.files)?;
         } else if !checks.is_empty() {
             let words: Vec<String> = checks.iter().map(look::check_words).collect();
             self.log(Event::Note { trial: None, text: format!("device check: {}", words.join("; ")) })?;

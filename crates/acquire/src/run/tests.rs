@@ -1,3 +1,5 @@
+#[cfg(unix)]
+mod moved;
 mod slow_disk;
 
 use super::*;

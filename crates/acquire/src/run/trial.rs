@@ -32,6 +32,7 @@ const LOOK_S: f64 = 0.05;
 impl<'a> Runner<'a> {
     /// Runs a trial to its end, each sample on its way to the journal.
     pub(super) fn record(&mut self, trial: &PlannedTrial) -> Result<End, AcquireError> {
+        self.files.check()?;
         let (environment, mode) = self.condition(trial)?;
         let plan = TrialPlan::new(&self.plan.study, environment, trial.trial, &self.capabilities)?;
         if let Some(cut) = self.await_lever()? {
@@ -52,7 +53,7 @@ impl<'a> Runner<'a> {
         let mut desk = Desk {
             front: self.front,
             flow: &mut self.flow,
-            files: self.files,
+            files: &self.files,
             utc: self.utc,
             plan: self.plan,
             session: &self.session,
@@ -158,7 +159,7 @@ impl<'a> Runner<'a> {
     ) -> Result<(), AcquireError> {
         let Some(tape) = self.tape.take() else { return Ok(()) };
         let utc = (self.utc)(self.attendant.now_s());
-        let path = tape.journal.finish(self.files, &self.plan.layout, likert, &utc)?;
+        let path = tape.journal.finish(&self.files, &self.plan.layout, likert, &utc)?;
         self.view.say(match (path, complete) {
             (None, _) => format!("trial {trial} had not begun: nothing is kept of it"),
             (Some(_), true) => format!("trial {trial} stored"),
@@ -192,7 +193,7 @@ impl<'a> Runner<'a> {
         put("start_utc", Some(start_utc));
         put("no_watchdog", self.is_unwatched().then(|| "true".to_owned()));
         let meta = self.session.meta(trial);
-        Ok(Journal::create(self.files, &self.plan.layout, &meta, &file)?)
+        Ok(Journal::create(&self.files, &self.plan.layout, &meta, &file)?)
     }
 }
 
