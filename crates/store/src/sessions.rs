@@ -57,6 +57,24 @@ fn read_session(
     Ok(SessionLog { record, path, events, events_path, trials: known.trials, seal: known.seal })
 }
 
+/// The records of a study's sessions whose paths are `wanted`, in the order of their names; neither logs nor trials are
+/// read.
+///
+/// # Errors
+/// The first of them that cannot be read.
+pub fn read_records(
+    layout: &Layout,
+    wanted: &dyn Fn(&Path) -> bool,
+) -> Result<Vec<SessionRecord>, StoreError> {
+    let mut paths = files_below(&layout.sessions())?;
+    paths.retain(|path| path.extension().is_some_and(|e| e == "json") && wanted(path));
+    let read = |path: &PathBuf| {
+        let text = std::fs::read_to_string(path).map_err(|e| StoreError::io(path, "read", &e))?;
+        record_from(path, &text)
+    };
+    paths.iter().map(read).collect()
+}
+
 /// The version alone: read first, because another version may have other fields.
 #[derive(Deserialize)]
 struct Version {

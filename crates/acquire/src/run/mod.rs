@@ -261,6 +261,12 @@ impl<'a> Runner<'a> {
         Ok(append_events(&self.files, &path, &utc, &[event])?)
     }
 
+    /// Tells what is to be known of the session, and notes it in its log.
+    fn remark(&mut self) -> Result<(), AcquireError> {
+        let remarks = std::mem::take(&mut self.session.remarks);
+        remarks.into_iter().try_for_each(|text| self.log(Event::Note { trial: None, text }))
+    }
+
     /// The device check. The first one of a session goes into its record, which is laid down then; a later one into the
     /// log. What is not good enough is told, not forbidden: that is a person's to judge.
     fn check(&mut self) -> Result<Input, AcquireError> {
@@ -280,6 +286,7 @@ impl<'a> Runner<'a> {
         if !self.session.laid_down {
             self.session.record.checks = checks;
             self.session.lay_down(self.plan, &self.files)?;
+            self.remark()?;
         } else if !checks.is_empty() {
             let words: Vec<String> = checks.iter().map(look::check_words).collect();
             self.log(Event::Note { trial: None, text: format!("device check: {}", words.join("; ")) })?;

@@ -368,3 +368,24 @@ fn a_signal_leaves_the_session_in_order() {
     assert_eq!(verify(&desk.plan.layout), []);
     assert!(desk.root().join("raw/small/sessions/P01_S01.json").exists());
 }
+
+#[test]
+fn a_participant_without_a_number_is_told_how_it_is_counterbalanced_and_the_log_says_so() {
+    let mut desk = Desk::new(false);
+    (desk.plan.participant, desk.plan.session) = ("anna".parse().unwrap(), "pre".parse().unwrap());
+    let mut said = Vec::new();
+    let mut front = somebody(|view: &View| {
+        said = view.messages.iter().cloned().collect();
+        (view.done == 1).then_some(Input::Quit)
+    });
+    desk.run(&mut Mock::default(), &RealFiles, &mut front).unwrap();
+    drop(front);
+    assert!(said.iter().any(|m| m.contains("anna ends in no number")), "{said:?}");
+    let log = desk.data().sessions[0].clone();
+    let noted =
+        |word: &str| log.events.iter().any(|e| matches!(e, Event::Note { text, .. } if text.contains(word)));
+    assert!(noted("participant anna ends in no number") && noted("session pre ends in no number"));
+    let order = log.record.order.unwrap();
+    assert_eq!((order.participant_number, order.session_number), (1, 1));
+    assert_eq!(verify(&desk.plan.layout), []);
+}
