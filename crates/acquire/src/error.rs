@@ -1,6 +1,6 @@
 //! What can go wrong with a session.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use zwidth_device::{DeviceError, Refusal};
 use zwidth_store::StoreError;
 
@@ -32,7 +32,27 @@ pub enum AcquireError {
         /// What to do.
         remedy: String,
     },
+    /// The study's folder is not where it was when the session began.
+    #[error("{}", gone(.folder, .now.as_deref()))]
+    Gone {
+        /// Where it was.
+        folder: PathBuf,
+        /// Where it is now, if that is known.
+        now: Option<PathBuf>,
+    },
     /// The terminal, or the pipe, is gone.
     #[error("the terminal is gone ({0}); the session can be resumed with the same command")]
     Front(#[from] std::io::Error),
+}
+
+/// What became of the study's folder, and what to do.
+fn gone(folder: &Path, now: Option<&Path>) -> String {
+    let folder = folder.display();
+    let went = match now {
+        Some(now) => format!("what was recorded is now in {}", now.display()),
+        None => "what was recorded went with it".to_owned(),
+    };
+    format!(
+        "{folder}: the study's folder was moved or removed while the session ran, and nothing is written to another;          {went}, the samples of a trial in progress in its folder journal; put it back, and give the same command"
+    )
 }

@@ -1,6 +1,7 @@
 //! A session as it is laid down before its first trial, or found again on the disk.
 
 use crate::flow::Recorded;
+use crate::number::{Numbers, numbers};
 use crate::{AcquireError, vault};
 use std::path::{Path, PathBuf};
 use zwidth_device::Capabilities;
@@ -54,6 +55,8 @@ pub struct Session {
     pub recorded: Vec<Recorded>,
     /// What the log holds.
     pub events: Vec<Event>,
+    /// What is to be told of it, and noted in its log, when it is laid down.
+    pub remarks: Vec<String>,
 }
 
 impl Session {
@@ -151,8 +154,8 @@ fn drawn(plan: &Plan, device: &Capabilities) -> Result<Session, AcquireError> {
         }
         None => seed_of(&plan.study),
     };
-    let (participant_number, session_number) =
-        (number(plan.participant.as_str()), number(plan.session.as_str()));
+    let Numbers { participant: participant_number, session: session_number, remarks } =
+        numbers(&plan.layout, &plan.participant, &plan.session)?;
     let scheme = plan.study.design.order;
     record.order = Some(OrderRecord { scheme, participant_number, session_number });
     let trials = order::draw(&plan.study, participant_number, session_number, seed);
@@ -169,7 +172,7 @@ fn drawn(plan: &Plan, device: &Capabilities) -> Result<Session, AcquireError> {
     };
     let blinded = seal.is_some();
     let (recorded, events) = (Vec::new(), Vec::new());
-    Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events })
+    Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, remarks })
 }
 
 fn found(plan: &Plan, device: &Capabilities, path: &Path) -> Result<Session, AcquireError> {
@@ -202,6 +205,7 @@ fn found(plan: &Plan, device: &Capabilities, path: &Path) -> Result<Session, Acq
         seal,
         modes,
         events: log.events.clone(),
+        remarks: Vec::new(),
     })
 }
 
@@ -260,13 +264,6 @@ fn first(problems: Vec<StoreError>) -> AcquireError {
     problems.into_iter().next().unwrap_or_else(none).into()
 }
 
-/// The number by which a participant or a session is counterbalanced: the digits at the end of its id. An id without
-/// any gets a number from its hash, so that it is assigned at random.
-pub fn number(id: &str) -> u32 {
-    let letters = id.trim_end_matches(|c: char| c.is_ascii_digit()).len();
-    id[letters..].parse().unwrap_or_else(|_| hashed(id))
-}
-
 /// The order's seed of an open study: from its id, the same for every participant.
 pub fn seed_of(study: &Study) -> u64 {
     // 32 bits, which every reader of JSON keeps.
@@ -291,16 +288,6 @@ fn first_u64(bytes: &[u8; 32]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_digits_at_the_end_of_an_id_are_its_number_and_any_id_has_one() {
-        for (id, expect) in [("P01", 1), ("S12", 12), ("P2b7", 7), ("007", 7)] {
-            assert_eq!(number(id), expect, "{id}");
-        }
-        assert_eq!(number("anna"), number("anna"));
-        assert_ne!(number("anna"), number("bert"));
-        assert_eq!(number("P99999999999999999999"), number("P99999999999999999999"));
-    }
 
     #[test]
     fn what_differs_from_the_record_is_told_with_both_sides() {

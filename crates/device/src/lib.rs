@@ -4,7 +4,8 @@
 //! Time belongs to a [`Clock`]: the same loop runs in real time and faster than it.
 //!
 //! [`run_trial`] is that loop: the [`Guard`] judges each reading, the [`Controller`] decides, the guard clamps, the
-//! device is written to, and the sample handed over. [`run_live`] runs it on a thread of its own.
+//! device is written to, and the sample handed over. [`run_live`] runs it on a thread of its own; an [`Attendant`] has
+//! the device for a whole session, and reads on between trials.
 //!
 //! ```
 //! use std::{ops::ControlFlow, sync::atomic::AtomicBool};
@@ -33,6 +34,7 @@
 //! ```
 
 mod angle;
+mod attend;
 pub mod check;
 mod clock;
 mod control;
@@ -50,6 +52,7 @@ mod twin;
 mod velocity;
 
 pub use angle::{AngleFault, Homed, Unwrap};
+pub use attend::{Attendant, Station, TrialTask};
 pub use clock::{Clock, RealClock, SimulatedClock};
 pub use control::{Controller, FORWARD_RAD_S, HOLDING_RAD_S};
 pub use device::{Angle, Capabilities, Cue, Device, Reading};
@@ -60,8 +63,6 @@ pub use playback::Playback;
 pub use priority::Priority;
 pub use signals::stop_on_signals;
 pub use timing::{Histogram, Timing};
-pub use trial::{
-    BatchSink, LiveRun, Sink, TrialEnd, TrialPlan, TrialRun, in_real_time, run_live, run_trial, watch,
-};
+pub use trial::{BatchSink, LiveRun, Sink, TrialEnd, TrialPlan, TrialRun, run_live, run_trial, watch};
 pub use twin::{SweepPoint, Twin, TwinFault, TwinParameter, TwinParameters, brake_sweep, motor_sweep};
 pub use velocity::{Difference, Differentiator, Velocity};

@@ -1,8 +1,12 @@
-//! A device for tests: it moves as it is told, keeps what was written to it, and fails in every way when asked.
+//! A device for tests: it moves as it is told, keeps what was written to it, and fails in every way when asked. And a
+//! clock that two threads can share.
 
 use crate::angle::rad_per_count;
-use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
+use crate::{Angle, Capabilities, Clock, Cue, Device, DeviceError, Reading};
 use std::f64::consts::{FRAC_PI_4, PI};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::Duration;
 use zwidth_study::{Source, Voltages};
 
 /// What goes wrong.
@@ -170,6 +174,53 @@ impl Device for Mock {
 
     fn begin(&mut self, now_s: f64, _cue: &Cue<'_>) {
         self.began_s = now_s;
+    }
+}
+
+/// A clock that goes on with the deadlines that its loop waits for, and that others can watch: no machine is too slow
+/// for it, and no deadline is missed.
+#[derive(Debug, Clone, Default)]
+pub struct SharedClock(Arc<(Mutex<f64>, Condvar)>);
+
+/// Between two deadlines others come to their turn, also where the loop's thread comes before them.
+const TURN: Duration = Duration::from_micros(20);
+
+/// A loop that has not gone on by then is none.
+const NOBODY: Duration = Duration::from_secs(20);
+
+impl SharedClock {
+    /// Now, s.
+    pub fn is_s(&self) -> f64 {
+        *self.lock()
+    }
+
+    /// Stands still until the loop of another thread has gone on for so long, s; from when until when. Without such a
+    /// loop the time passes all the same.
+    pub fn stand(&self, for_s: f64) -> (f64, f64) {
+        let now_s = self.lock();
+        let (from_s, until_s) = (*now_s, *now_s + for_s);
+        let waited = self.0.1.wait_timeout_while(now_s, NOBODY, |now_s| *now_s < until_s);
+        let (mut now_s, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        *now_s = now_s.max(until_s);
+        (from_s, until_s)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, f64> {
+        self.0.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Clock for SharedClock {
+    fn now_s(&mut self) -> f64 {
+        self.is_s()
+    }
+
+    fn wait_until(&mut self, deadline_s: f64) -> f64 {
+        thread::park_timeout(TURN);
+        let mut now_s = self.lock();
+        *now_s = now_s.max(deadline_s);
+        self.0.1.notify_all();
+        *now_s
     }
 }
 

@@ -7,7 +7,8 @@ mod ending;
 mod live;
 mod output;
 
-pub use live::{BatchSink, LiveRun, in_real_time, run_live};
+pub use live::{BatchSink, LiveRun, run_live};
+pub(crate) use live::{Collected, run_caught, said};
 
 use crate::timing::{Pace, Tick};
 use crate::{
@@ -77,6 +78,13 @@ pub struct TrialRun {
     pub timing: Timing,
     /// The motor could run with no watchdog watching it, as was asked for: the trial is to be marked.
     pub unwatched: bool,
+}
+
+impl TrialRun {
+    /// One of which nothing is known but why it ended.
+    pub(crate) fn tripped(trip: Trip) -> Self {
+        Self { end: TrialEnd::Tripped(trip), timing: Timing::default(), unwatched: false }
+    }
 }
 
 /// Runs one trial. However it ends (by a panic too), the last thing written is 0 V, and the guard is disarmed.
@@ -185,12 +193,25 @@ pub fn watch(
     stop: &AtomicBool,
     seen: &mut dyn FnMut(f64, &Reading, &Seen),
 ) -> Result<(), Trip> {
+    let mut goes_on = |now_s| now_s < until_s && !stop.load(Ordering::Relaxed);
+    read_on(device, clock, guard, rate_hz, &mut goes_on, seen)
+}
+
+/// [`watch`], for as long as `goes_on` says so at a tick's time, s.
+pub(crate) fn read_on(
+    device: &mut dyn Device,
+    clock: &mut dyn Clock,
+    guard: &mut Guard,
+    rate_hz: f64,
+    goes_on: &mut dyn FnMut(f64) -> bool,
+    seen: &mut dyn FnMut(f64, &Reading, &Seen),
+) -> Result<(), Trip> {
     let start_s = clock.now_s();
     let mut output = Output::new(device, guard, start_s);
     let mut pace = Pace::new(start_s, 1.0 / rate_hz);
     loop {
         let tick = pace.wait(clock);
-        if tick.now_s >= until_s || stop.load(Ordering::Relaxed) {
+        if !goes_on(tick.now_s) {
             return Ok(());
         }
         let looked = output.look(&Tick { missed_s: 0.0, ..tick });
@@ -204,4 +225,4 @@ pub fn watch(
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

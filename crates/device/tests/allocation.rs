@@ -5,11 +5,31 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use zwidth_device::mock::Mock;
 use zwidth_device::{
-    Controller, Cue, Guard, Limits, SimulatedClock, TrialEnd, TrialPlan, Velocity, run_trial,
+    Controller, Cue, Guard, Limits, SimulatedClock, TrialEnd, TrialPlan, Velocity, run_trial, watch,
 };
 use zwidth_study::{Calibration, Control, Environment, Mode, Sample, Scene, Spring, VelocityFilter};
 
 const HALF_STROKE_RAD: f64 = std::f64::consts::FRAC_PI_4;
+
+/// Allocations of so much reading between trials, s.
+fn allocations_between(for_s: f64) -> u64 {
+    let mut device = Mock::default();
+    let limits = Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
+    let mut guard = Guard::new(&device.capabilities, limits, false);
+    guard.home(&mut device, 0.0).unwrap();
+    let (mut clock, stop) = (SimulatedClock::new(1), AtomicBool::new(false));
+    let mut reads = 0;
+    let counted = allocation_counter::measure(|| {
+        watch(&mut device, &mut clock, &mut guard, 1000.0, for_s, &stop, &mut |_, _, _| reads += 1).unwrap();
+    });
+    assert_eq!(reads, (for_s * 1000.0) as u32);
+    counted.count_total
+}
+
+#[test]
+fn reading_on_between_trials_allocates_nothing() {
+    assert_eq!((allocations_between(0.2), allocations_between(20.0)), (0, 0));
+}
 
 fn allocations(limit_s: f64, filter: VelocityFilter) -> u64 {
     let mut device = Mock::default();

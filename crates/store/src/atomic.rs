@@ -22,7 +22,8 @@ pub enum Entry {
     Special,
 }
 
-/// The file operations that recording and checking need.
+/// The file operations that recording and checking need. What is looked at lies on the real disk, unless a layer says
+/// otherwise.
 pub trait Files: Sync {
     /// What lies at `path`; nothing if nothing does, or nothing that can be looked at.
     fn kind(&self, path: &Path) -> Option<Entry> {

@@ -54,6 +54,7 @@ pub use read::{TrialFooter, read_entries, read_footer, read_parquet, read_parque
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover};
 pub use regular::{MOST_BYTES, open_named, open_regular, read_named, read_regular};
+pub use sessions::read_records;
 pub use signal::{COLUMNS, Column, Signal, Storage};
 pub use study::{Answer, SessionLog, StudyData, SweepEntry, TrialEntry, read_study};
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};

@@ -6,7 +6,7 @@ use crate::read::read_trial_from;
 use crate::regular::text;
 use crate::sealed::known;
 use crate::walk::files_below;
-use crate::{Entry, Files, Layout, SessionLog, Signal, StoreError, TrialEntry};
+use crate::{Entry, Files, Layout, RealFiles, SessionLog, Signal, StoreError, TrialEntry};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -65,6 +65,21 @@ fn read_session(
     let known = known(&record, &events, &events_path);
     problems.extend(known.problems);
     Ok(SessionLog { record, path, events, events_path, trials: known.trials, seal: known.seal, study })
+}
+
+/// The records of a study's sessions whose paths are `wanted`, in the order of their names; neither logs nor trials are
+/// read.
+///
+/// # Errors
+/// The first of them that cannot be read.
+pub fn read_records(
+    layout: &Layout,
+    wanted: &dyn Fn(&Path) -> bool,
+) -> Result<Vec<SessionRecord>, StoreError> {
+    let mut paths = files_below(&RealFiles, &layout.sessions())?;
+    paths.retain(|path| path.extension().is_some_and(|e| e == "json") && wanted(path));
+    let read = |path: &PathBuf| record_from(path, &text(&RealFiles, path, MOST_RECORD)?);
+    paths.iter().map(read).collect()
 }
 
 /// The version alone: read first, because another version may have other fields.

@@ -105,7 +105,7 @@ pub(crate) struct Run {
 pub(crate) struct Acquire {
     /// The study
     pub(crate) study: StudyId,
-    /// The participant's code; the digits at its end say which order
+    /// The participant's code; the number at its end says which order, without one it is that of appearance
     #[arg(long, short, value_name = "P01")]
     pub(crate) participant: ParticipantId,
     /// The session

@@ -57,7 +57,12 @@ impl Flow {
 
     fn failed(&mut self, why: String) -> Vec<Action> {
         match self.phase {
-            Phase::Trial { .. } | Phase::Question { .. } | Phase::Done => self.halt(Halt::Stop),
+            Phase::Trial { .. } | Phase::Done => self.halt(Halt::Stop),
+            Phase::Question { place, late: false } => {
+                let mut actions = vec![self.finish(place, None)];
+                actions.extend(self.stop(why));
+                actions
+            }
             _ => self.stop(why),
         }
     }

@@ -116,6 +116,17 @@ fn a_question_that_a_stop_left_open_is_asked_again_and_its_answer_is_an_event() 
 }
 
 #[test]
+fn a_device_that_fails_while_a_question_is_open_is_told_as_what_stopped_the_session() {
+    let mut flow = ready();
+    let failed = Input::Failed("the turn is lost".into());
+    let actions = feed(&mut flow, [Input::Start, Input::Ended(End::Complete), failed]);
+    assert_eq!(actions, [Action::Finish { trial: 1, complete: true, likert: None }, Action::Off]);
+    assert_eq!(flow.phase(), &Phase::Stopped { why: "the turn is lost".into() });
+    feed(&mut flow, [Input::Start, Input::Homed]);
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, late: true });
+}
+
+#[test]
 fn exclusions_and_notes_speak_of_the_trial_that_ended_not_of_its_repeat() {
     let mut flow = ready();
     run_one(&mut flow);

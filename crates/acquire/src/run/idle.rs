@@ -5,13 +5,13 @@ use crate::AcquireError;
 use crate::flow::{Input, Phase};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-use zwidth_device::{TrialPlan, Trip, watch};
+use zwidth_device::{Station, Trip, watch};
 
 /// A wait on a simulated clock goes this far past the pause's end, s: nothing rounds it to just before.
 const PAST_S: f64 = 1e-6;
 
 impl Runner<'_> {
-    /// Waits a little, reading on, or for as long as the pause is on a simulated clock; what came of it.
+    /// Waits a little, or for as long as the pause is on a simulated clock; what came of it.
     pub(super) fn idle(&mut self) -> Result<Vec<Input>, AcquireError> {
         if self.options.quit.load(Ordering::SeqCst) {
             return Ok(vec![Input::Quit]);
@@ -20,42 +20,28 @@ impl Runner<'_> {
             return Ok(vec![Input::Answer(answer)]);
         }
         let mut inputs = Vec::new();
-        let watched = self.watch()?;
-        inputs.extend(watched.failed);
-        let wait = if watched.waited { Duration::ZERO } else { WAIT };
-        inputs.extend(self.parts.front.next(wait)?);
+        let rests = *self.flow.phase() == Phase::Pause && !self.options.live;
+        let found = match self.flow.phase() {
+            Phase::Pause if rests => self.rest(),
+            Phase::Ready | Phase::Question { .. } | Phase::Pause => self.attendant.fault(),
+            _ => None, // what is stopped or over has nothing to stop for
+        };
+        inputs.extend(found.map(|trip| Input::Failed(trip.to_string())));
+        inputs.extend(self.front.next(if rests { Duration::ZERO } else { WAIT })?);
         Ok(inputs)
     }
 
-    /// Reads on at 0 V while the turn of the shaft is to stay known.
-    fn watch(&mut self) -> Result<Watched, AcquireError> {
-        let wait_s = match (self.flow.phase(), self.options.live) {
-            (Phase::Pause, false) => self.flow.rest_s() + PAST_S,
-            (Phase::Ready | Phase::Question { .. } | Phase::Pause, true) => WAIT.as_secs_f64(),
-            _ => return Ok(Watched::default()),
-        };
-        let until_s = self.parts.clock.now_s() + wait_s;
-        let rate_hz = self.rate_hz()?;
-        let (device, clock, stop) = (&mut *self.parts.device, &mut *self.parts.clock, &*self.options.stop);
-        let seen = watch(device, clock, &mut self.guard, rate_hz, until_s, stop, &mut |_, _, _| {});
-        self.parts.clock.wait_until(until_s);
-        // Without a voltage a large force or a late tick does no harm; a lost turn does.
-        let failed = seen.err().filter(Trip::needs_homing).map(|trip| Input::Failed(trip.to_string()));
-        Ok(Watched { waited: true, failed })
+    /// The pause on a simulated clock, over at once: reads on at 0 V, so that the turn of the shaft stays known.
+    /// Without a voltage a large force or a late tick does no harm; a lost turn does, and is told.
+    fn rest(&mut self) -> Option<Trip> {
+        let until_s = self.attendant.now_s() + self.flow.rest_s() + PAST_S;
+        let (rate_hz, stop) = (self.rate_hz, &*self.options.stop);
+        let rested = self.attendant.ask(move |station| {
+            let Station { device, clock, guard, .. } = station;
+            let seen = watch(*device, *clock, guard, rate_hz, until_s, stop, &mut |_, _, _| {});
+            clock.wait_until(until_s);
+            seen
+        });
+        rested.unwrap_or_else(Err).err().filter(Trip::needs_homing)
     }
-
-    /// The rate of the loop: the study's, or the device's if that is lower.
-    pub(super) fn rate_hz(&self) -> Result<f64, AcquireError> {
-        let study = &self.plan.study;
-        let capabilities = self.parts.device.capabilities();
-        let Some(environment) = study.environments.first() else { return Ok(capabilities.rate_hz) };
-        Ok(TrialPlan::new(study, environment, 0, capabilities)?.rate_hz)
-    }
-}
-
-/// What came of reading on.
-#[derive(Default)]
-struct Watched {
-    waited: bool,
-    failed: Option<Input>,
 }

@@ -1,8 +1,9 @@
 //! The runner: binds a session's flow to device, clock, journal, event log and front end.
 //!
-//! One path for real and simulated time. In real time a trial's loop runs on a thread of its own while this one writes
-//! and shows; on a simulated clock the trial runs here, and a pause is over at once. Between trials the loop goes on
-//! reading at 0 V, so that the turn of the shaft stays known.
+//! One path for real and simulated time: the device is asked for one thing after another. In real time a thread of its
+//! own has it ([`Attendant`]) while this one writes and shows: it runs the trials, and between them reads on at 0 V, so
+//! that the turn of the shaft stays known however long a disk takes. On a simulated clock it is asked here, and a pause
+//! is over at once.
 
 mod idle;
 mod look;
@@ -11,16 +12,20 @@ mod tests;
 mod trial;
 
 use crate::flow::{Action, EMERGENCY_STOP, Flow, Input, Phase};
+use crate::folder::{StudyFolder, Within};
 use crate::session::{Plan, Session};
 use crate::tape::Tape;
 use crate::{AcquireError, Front, View};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::Duration;
-use zwidth_device::check::{Step, check_device};
-use zwidth_device::{Clock, Device, Guard, Limits, Timing, in_real_time};
+use zwidth_device::check::{Finding, Step, check_device};
+use zwidth_device::{
+    Attendant, Capabilities, Clock, Device, Guard, Limits, Station, Timing, TrialPlan, Trip,
+};
 use zwidth_store::{Files, append_events};
-use zwidth_study::{Check, Event, Voltages};
+use zwidth_study::{Check, Event, Study};
 
 /// How long one look at the keys may wait, and how often an idle screen is drawn.
 const WAIT: Duration = Duration::from_millis(50);
@@ -42,7 +47,7 @@ pub struct Parts<'a> {
 /// How a session runs.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// The clock is the machine's: trials get a thread of their own, and pauses are waited for.
+    /// The clock is the machine's: the device gets a thread of its own, and pauses are waited for.
     pub live: bool,
     /// The device's own participant answers the questions.
     pub answers: bool,
@@ -74,10 +79,15 @@ pub struct Outcome {
 struct Runner<'a> {
     plan: &'a Plan,
     options: &'a Options,
-    parts: Parts<'a>,
+    attendant: Attendant<'a>,
+    capabilities: Capabilities,
+    /// Ticks a second, Hz: the study's, or the device's if those are fewer.
+    rate_hz: f64,
+    files: Within<'a>,
+    front: &'a mut dyn Front,
+    utc: &'a (dyn Fn(f64) -> String + Sync),
     session: Session,
     flow: Flow,
-    guard: Guard,
     /// The journal of the trial that runs, or that waits for its answer.
     tape: Option<Tape>,
     /// What the device's participant answers to the open question.
@@ -93,7 +103,7 @@ struct Runner<'a> {
 /// Runs a session from where it stands to where it is left. The study's lock is the caller's.
 ///
 /// # Errors
-/// A device, a disk or a terminal that is gone; a study that this device must not run. The device is at 0 V then, and
+/// A device, a disk, a study's folder or a terminal that is gone; a study that this device must not run. The device is at 0 V then, and
 /// what was finished is safe; the session can be resumed.
 pub fn run<'a>(
     plan: &'a Plan,
@@ -101,11 +111,15 @@ pub fn run<'a>(
     options: &'a Options,
     parts: Parts<'a>,
 ) -> Result<Outcome, AcquireError> {
-    let capabilities = parts.device.capabilities().clone();
+    let Parts { device, clock, files, front, utc } = parts;
+    let capabilities = device.capabilities().clone();
     let guard = Guard::new(&capabilities, Limits::of(&plan.study)?, options.no_watchdog);
     for mode in &plan.study.modes {
         guard.admit(mode, &plan.calibration)?;
     }
+    let rate_hz = rate_hz(&plan.study, &capabilities)?;
+    let files = Within::new(files, StudyFolder::open(&plan.layout.raw())?);
+    let folder = files.clone();
     let (flow, first) = Flow::begin(
         session.order(&plan.study),
         plan.study.design.pause_s,
@@ -113,30 +127,47 @@ pub fn run<'a>(
         &session.events,
     );
     let view = look::view(plan, &session, &capabilities);
-    let seen_s = parts.clock.now_s();
-    let mut runner = Runner {
-        plan,
-        options,
-        parts,
-        session,
-        flow,
-        guard,
-        tape: None,
-        answer: None,
-        view,
-        timing: Timing::default(),
-        stopped: None,
-        seen_s,
+    let station = Station::new(device, clock, guard, rate_hz);
+    let attended = |mut attendant: Attendant<'a>| {
+        let seen_s = attendant.now_s();
+        let mut runner = Runner {
+            plan,
+            options,
+            attendant,
+            capabilities,
+            rate_hz,
+            files,
+            front,
+            utc,
+            session,
+            flow,
+            tape: None,
+            answer: None,
+            view,
+            timing: Timing::default(),
+            stopped: None,
+            seen_s,
+        };
+        runner.begin(first).and_then(|()| runner.go_on())?;
+        Ok(runner.outcome())
     };
-    let left = runner.begin(first).and_then(|()| runner.go_on());
-    // However it was left; a device that is lost is told by `left`, and has its watchdog.
-    let now_s = runner.parts.clock.now_s();
-    let _ = runner.parts.device.write(now_s, Voltages::OFF);
-    left?;
-    Ok(runner.outcome())
+    // However it is left, the attendant leaves the device at 0 V.
+    let left = if options.live {
+        thread::scope(|scope| attended(Attendant::in_real_time(scope, station)))
+    } else {
+        attended(Attendant::here(station))
+    };
+    // A folder that is gone is behind whatever could not be written.
+    left.map_err(|error| folder.check().err().unwrap_or(error))
 }
 
-impl Runner<'_> {
+/// The rate of the loop: the study's, or the device's if that is lower.
+fn rate_hz(study: &Study, device: &Capabilities) -> Result<f64, AcquireError> {
+    let Some(environment) = study.environments.first() else { return Ok(device.rate_hz) };
+    Ok(TrialPlan::new(study, environment, 0, device)?.rate_hz)
+}
+
+impl<'a> Runner<'a> {
     fn begin(&mut self, first: Vec<Action>) -> Result<(), AcquireError> {
         if self.session.laid_down {
             let place = self.flow.done();
@@ -152,9 +183,10 @@ impl Runner<'_> {
                 Phase::Stopped { why } => Some(why.clone()),
                 _ => None,
             };
+            self.files.check()?;
             self.show()?;
             let idle = self.idle()?;
-            let now_s = self.parts.clock.now_s();
+            let now_s = self.attendant.now_s();
             let elapsed_s = now_s - std::mem::replace(&mut self.seen_s, now_s);
             self.feed(Input::Elapsed(elapsed_s))?;
             for input in idle {
@@ -175,7 +207,11 @@ impl Runner<'_> {
             let input = match action {
                 Action::Check => Some(self.check()?),
                 Action::Home => Some(self.home()?),
-                Action::Run(trial) => Some(Input::Ended(self.record(&trial)?)),
+                Action::Run(trial) => {
+                    let end = self.record(&trial)?;
+                    self.seen_s = self.attendant.now_s(); // the trial is no part of the pause after it
+                    Some(Input::Ended(end))
+                }
                 Action::Finish { trial, complete, likert } => {
                     self.finish(trial, complete, likert)?;
                     None
@@ -211,8 +247,7 @@ impl Runner<'_> {
             // Nothing homes from here before a trial that is done again, so the stop is over now.
             self.options.stop.store(false, Ordering::SeqCst);
         }
-        let now_s = self.parts.clock.now_s();
-        let _ = self.parts.device.write(now_s, Voltages::OFF);
+        let _ = self.attendant.ask(Station::off);
     }
 
     fn log(&mut self, event: Event) -> Result<(), AcquireError> {
@@ -220,30 +255,27 @@ impl Runner<'_> {
             self.view.say("not kept: there is no session yet, the device check comes first");
             return Ok(());
         }
-        let utc = (self.parts.utc)(self.parts.clock.now_s());
+        let utc = (self.utc)(self.attendant.now_s());
         let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
         self.view.say(look::event(&event));
-        Ok(append_events(self.parts.files, &path, &utc, &[event])?)
+        Ok(append_events(&self.files, &path, &utc, &[event])?)
+    }
+
+    /// Tells what is to be known of the session, and notes it in its log.
+    fn remark(&mut self) -> Result<(), AcquireError> {
+        let remarks = std::mem::take(&mut self.session.remarks);
+        remarks.into_iter().try_for_each(|text| self.log(Event::Note { trial: None, text }))
     }
 
     /// The device check. The first one of a session goes into its record, which is laid down then; a later one into the
     /// log. What is not good enough is told, not forbidden: that is a person's to judge.
     fn check(&mut self) -> Result<Input, AcquireError> {
         self.show()?;
-        let rate_hz = self.rate_hz()?;
-        let Parts { device, clock, .. } = &mut self.parts;
-        let (calibration, steps, stop) = (&self.plan.calibration, self.options.check, &*self.options.stop);
-        let guard = &mut self.guard;
-        let mut check = || {
-            let mut able = |step| steps(step);
-            check_device(*device, *clock, guard, calibration, rate_hz, None, stop, &mut able)
-        };
-        let found = if self.options.live { in_real_time(check).and_then(|found| found) } else { check() };
-        let found = match found {
+        let found = match self.checked() {
             Ok(found) => found,
             Err(trip) => return Ok(Input::Failed(format!("device check: {trip}"))),
         };
-        if stop.load(Ordering::SeqCst) {
+        if self.options.stop.load(Ordering::SeqCst) {
             return Ok(Input::Failed(EMERGENCY_STOP.to_owned())); // cut short, it proves nothing
         }
         self.view.checks = found.iter().map(|f| look::check_line(&f.check)).collect();
@@ -253,8 +285,9 @@ impl Runner<'_> {
         let checks: Vec<Check> = found.into_iter().map(|f| f.check).collect();
         if !self.session.laid_down {
             self.session.record.checks = checks;
-            let utc = (self.parts.utc)(self.parts.clock.now_s());
-            self.session.lay_down(self.plan, self.parts.files, &utc)?;
+            let utc = (self.utc)(self.attendant.now_s());
+            self.session.lay_down(self.plan, &self.files, &utc)?;
+            self.remark()?;
         } else if !checks.is_empty() {
             let words: Vec<String> = checks.iter().map(look::check_words).collect();
             self.log(Event::Note { trial: None, text: format!("device check: {}", words.join("; ")) })?;
@@ -262,20 +295,30 @@ impl Runner<'_> {
         Ok(Input::Checked)
     }
 
+    fn checked(&mut self) -> Result<Vec<Finding>, Trip> {
+        let (calibration, rate_hz) = (&self.plan.calibration, self.rate_hz);
+        let (steps, stop) = (self.options.check, &*self.options.stop);
+        self.attendant.ask(move |station| {
+            let Station { device, clock, guard, .. } = station;
+            let mut able = |step| steps(step);
+            check_device(*device, *clock, guard, calibration, rate_hz, None, stop, &mut able)
+        })?
+    }
+
     fn home(&mut self) -> Result<Input, AcquireError> {
         self.show()?;
         // What was stopped is over; the next stop is a new one.
         self.options.stop.store(false, Ordering::SeqCst);
-        let now_s = self.parts.clock.now_s();
-        Ok(match self.guard.home(self.parts.device, now_s) {
-            Ok(()) => Input::Homed,
-            Err(error) => Input::Failed(error.to_string()),
+        Ok(match self.attendant.ask(Station::home) {
+            Ok(Ok(())) => Input::Homed,
+            Ok(Err(error)) => Input::Failed(error.to_string()),
+            Err(trip) => Input::Failed(trip.to_string()),
         })
     }
 
     fn show(&mut self) -> Result<(), AcquireError> {
         look::refresh(&mut self.view, &self.flow, self.plan, &self.session);
-        self.parts.front.show(&self.view)
+        self.front.show(&self.view)
     }
 
     fn outcome(self) -> Outcome {

@@ -1,3 +1,7 @@
+#[cfg(unix)]
+mod moved;
+mod slow_disk;
+
 use super::*;
 use crate::{Auto, Nobody, Phase as Shown, Unsynced};
 use std::cell::Cell;
@@ -8,7 +12,7 @@ use tempfile::TempDir;
 use zwidth_device::SimulatedClock;
 use zwidth_device::mock::{Fault, Mock};
 use zwidth_store::{Append, Layout, RealFiles, StudyData, recover, verify};
-use zwidth_study::{Calibration, Kind, ModeId, Status, Study, template};
+use zwidth_study::{Calibration, Kind, ModeId, Status, Study, Voltages, template};
 
 const UTC: &str = "2026-01-01T00:00:00Z";
 const TRIALS: usize = 7;
@@ -363,4 +367,25 @@ fn a_signal_leaves_the_session_in_order() {
     assert_eq!((outcome.done, outcome.interrupted), (3, true));
     assert_eq!(verify(&desk.plan.layout), []);
     assert!(desk.root().join("raw/small/sessions/P01_S01.json").exists());
+}
+
+#[test]
+fn a_participant_without_a_number_is_told_how_it_is_counterbalanced_and_the_log_says_so() {
+    let mut desk = Desk::new(false);
+    (desk.plan.participant, desk.plan.session) = ("anna".parse().unwrap(), "pre".parse().unwrap());
+    let mut said = Vec::new();
+    let mut front = somebody(|view: &View| {
+        said = view.messages.iter().cloned().collect();
+        (view.done == 1).then_some(Input::Quit)
+    });
+    desk.run(&mut Mock::default(), &RealFiles, &mut front).unwrap();
+    drop(front);
+    assert!(said.iter().any(|m| m.contains("anna ends in no number")), "{said:?}");
+    let log = desk.data().sessions[0].clone();
+    let noted =
+        |word: &str| log.events.iter().any(|e| matches!(e, Event::Note { text, .. } if text.contains(word)));
+    assert!(noted("participant anna ends in no number") && noted("session pre ends in no number"));
+    let order = log.record.order.unwrap();
+    assert_eq!((order.participant_number, order.session_number), (1, 1));
+    assert_eq!(verify(&desk.plan.layout), []);
 }

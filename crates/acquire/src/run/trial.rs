@@ -10,11 +10,11 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use zwidth_device::{
-    Controller, Histogram, Reading, Seen, Timing, TrialEnd, TrialPlan, TrialRun, Trip, run_live, run_trial,
+    Controller, Histogram, Reading, Seen, Station, Timing, TrialEnd, TrialPlan, TrialRun, TrialTask, Trip,
     watch,
 };
 use zwidth_store::{Files, Journal, TrialFile, append_events};
-use zwidth_study::{Environment, Event, Flags, Mode, PlannedTrial, Sample};
+use zwidth_study::{Environment, Event, Flags, Mode, PlannedTrial, Sample, Study};
 
 /// Why a trial was cut that a signal ended.
 const SIGNAL: &str = "a signal ended the program";
@@ -29,18 +29,17 @@ const AT_START_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Between two looks at the lever, s.
 const LOOK_S: f64 = 0.05;
 
-impl Runner<'_> {
+impl<'a> Runner<'a> {
     /// Runs a trial to its end, each sample on its way to the journal.
     pub(super) fn record(&mut self, trial: &PlannedTrial) -> Result<End, AcquireError> {
+        self.files.check()?;
         let (environment, mode) = self.condition(trial)?;
-        let capabilities = self.parts.device.capabilities().clone();
-        let plan = TrialPlan::new(&self.plan.study, &environment, trial.trial, &capabilities)?;
+        let plan = TrialPlan::new(&self.plan.study, environment, trial.trial, &self.capabilities)?;
         if let Some(cut) = self.await_lever()? {
             return Ok(cut);
         }
-        self.guard.arm(&mode, &self.plan.calibration)?;
-        let mut controller =
-            Controller::new(&self.plan.study.control, &environment, &mode, &self.plan.calibration);
+        let calibration = &self.plan.calibration;
+        let controller = Controller::new(&self.plan.study.control, environment, mode, calibration);
         let journal = self.journal(trial)?;
         self.view.trace.clear();
         self.show()?;
@@ -50,31 +49,28 @@ impl Runner<'_> {
             blinded: self.session.blinded,
             pace: Pace::new(plan.rate_hz),
         };
-        let (device, clock) = (&mut *self.parts.device, &mut *self.parts.clock);
         let stop = &*self.options.stop;
-        let run = if self.options.live {
-            let mut desk = Desk {
-                front: self.parts.front,
-                flow: &mut self.flow,
-                files: self.parts.files,
-                utc: self.parts.utc,
-                plan: self.plan,
-                session: &self.session,
-                stop,
-                quit: &self.options.quit,
-                drawn: Instant::now(),
-                error: None,
-            };
-            let mut batch = |samples: &[Sample]| desk.take(&mut live, samples);
-            let run = run_live(device, clock, &mut controller, &mut self.guard, &plan, stop, &mut batch).run;
-            if let Some(error) = desk.error {
-                return Err(error);
-            }
-            run
-        } else {
-            let mut sink = |sample: &Sample| live.add(sample);
-            run_trial(device, clock, &mut controller, &mut self.guard, &plan, stop, &mut sink)
+        let mut desk = Desk {
+            front: self.front,
+            flow: &mut self.flow,
+            files: &self.files,
+            utc: self.utc,
+            plan: self.plan,
+            session: &self.session,
+            stop,
+            quit: &self.options.quit,
+            drawn: Instant::now(),
+            error: None,
         };
+        let in_real_time = self.options.live;
+        let mut batch = |samples: &[Sample]| {
+            if in_real_time { desk.take(&mut live, samples) } else { live.add_all(samples) }
+        };
+        let task = TrialTask { plan, mode, calibration, controller, stop };
+        let run = self.attendant.run_trial(task, &mut batch)?;
+        if let Some(error) = desk.error {
+            return Err(error);
+        }
         let _ = live.tape.write(); // what it finds is in `error`
         live.tell();
         let mut tape = live.tape;
@@ -85,27 +81,35 @@ impl Runner<'_> {
     }
 
     /// A trial begins with the lever at its start. After one in which it stayed where it was, somebody carries it
-    /// back; a short pause may be over before. Reads on until it is there, for a while; how that was cut, if it was.
+    /// back; a short pause may be over before. Looks on until it is there, for a while; how that was cut, if it was.
     fn await_lever(&mut self) -> Result<Option<End>, AcquireError> {
         let Some(start_rad) = self.plan.study.device.theta_min_rad else { return Ok(None) };
-        let rate_hz = self.rate_hz()?;
-        let begun_s = self.parts.clock.now_s();
+        let begun_s = self.attendant.now_s();
         loop {
-            let now_s = self.parts.clock.now_s();
-            let (device, clock, stop) =
-                (&mut *self.parts.device, &mut *self.parts.clock, &*self.options.stop);
-            let mut theta_rad = f64::INFINITY;
-            let mut seen = |_: f64, _: &Reading, seen: &Seen| theta_rad = seen.theta_rad;
-            let watched = watch(device, clock, &mut self.guard, rate_hz, now_s + LOOK_S, stop, &mut seen);
-            if let Some(trip) = watched.err().filter(Trip::needs_homing) {
-                return Ok(Some(End::Cut(trip.to_string())));
-            }
+            let theta_rad = match self.look() {
+                Err(trip) => return Ok(Some(End::Cut(trip.to_string()))),
+                Ok(theta_rad) => theta_rad,
+            };
             let there = theta_rad <= start_rad + AT_START_RAD;
-            if there || now_s - begun_s > LEVER_BACK_S || stop.load(Ordering::SeqCst) {
+            let waited_s = self.attendant.now_s() - begun_s;
+            if there || waited_s > LEVER_BACK_S || self.options.stop.load(Ordering::SeqCst) {
                 return Ok(None);
             }
             self.show()?;
         }
+    }
+
+    /// Where the lever is after a short while, rad; nowhere, if nothing could be read.
+    fn look(&mut self) -> Result<f64, Trip> {
+        let (rate_hz, stop) = (self.rate_hz, &*self.options.stop);
+        self.attendant.ask(move |station| {
+            let Station { device, clock, guard, .. } = &mut *station;
+            let until_s = clock.now_s() + LOOK_S;
+            let mut theta_rad = f64::INFINITY;
+            let mut seen = |_: f64, _: &Reading, seen: &Seen| theta_rad = seen.theta_rad;
+            let watched = watch(*device, *clock, guard, rate_hz, until_s, stop, &mut seen);
+            watched.map(|()| theta_rad).map_err(|trip| station.cause(trip))
+        })?
     }
 
     /// What the trial's end comes to.
@@ -122,18 +126,28 @@ impl Runner<'_> {
         };
         if end == End::Complete {
             tape.journal.end()?;
-            self.answer = if self.options.answers { self.parts.device.answer() } else { None };
+            self.answer = if self.options.answers { self.ask_participant() } else { None };
         }
         self.tape = Some(tape);
         if run.timing.missed > 0 {
             self.log(Event::Note { trial: Some(trial), text: missed(&run.timing) })?;
         }
         // After every trial, also after one without a motor: it must not tell a blinded mode.
-        if self.options.no_watchdog && self.parts.device.capabilities().watchdog_s.is_none() {
+        if self.is_unwatched() {
             let text = "the device has no watchdog (--no-watchdog)".to_owned();
             self.log(Event::Note { trial: Some(trial), text })?;
         }
         Ok(end)
+    }
+
+    /// What the device's own participant answers.
+    fn ask_participant(&mut self) -> Option<u8> {
+        self.attendant.ask(|station| station.device.answer()).ok().flatten()
+    }
+
+    /// Whether the motor may run that no watchdog watches, as was asked for.
+    fn is_unwatched(&self) -> bool {
+        self.options.no_watchdog && self.capabilities.watchdog_s.is_none()
     }
 
     /// Makes the file of the trial that ended.
@@ -144,8 +158,8 @@ impl Runner<'_> {
         likert: Option<u8>,
     ) -> Result<(), AcquireError> {
         let Some(tape) = self.tape.take() else { return Ok(()) };
-        let utc = (self.parts.utc)(self.parts.clock.now_s());
-        let path = tape.journal.finish(self.parts.files, &self.plan.layout, likert, &utc)?;
+        let utc = (self.utc)(self.attendant.now_s());
+        let path = tape.journal.finish(&self.files, &self.plan.layout, likert, &utc)?;
         self.view.say(match (path, complete) {
             (None, _) => format!("trial {trial} had not begun: nothing is kept of it"),
             (Some(_), true) => format!("trial {trial} stored"),
@@ -155,35 +169,31 @@ impl Runner<'_> {
     }
 
     /// The environment and the mode of the place at hand.
-    fn condition(&self, trial: &PlannedTrial) -> Result<(Environment, Mode), AcquireError> {
-        let study = &self.plan.study;
+    fn condition(&self, trial: &PlannedTrial) -> Result<(&'a Environment, &'a Mode), AcquireError> {
+        let study: &'a Study = &self.plan.study;
         let mode = self.flow.here().and_then(|place| self.session.modes.get(place));
         let found = study.environment(&trial.environment).zip(mode.and_then(|id| study.mode(id)));
-        let (environment, mode) = found.ok_or_else(|| AcquireError::Refused {
+        found.ok_or_else(|| AcquireError::Refused {
             what: format!("trial {} has an environment or a mode that is not in study.toml", trial.trial),
             remedy: "put study.toml back as it was when the session began".to_owned(),
-        })?;
-        Ok((environment.clone(), mode.clone()))
+        })
     }
 
     fn journal(&mut self, trial: &PlannedTrial) -> Result<Journal, AcquireError> {
+        let start_utc = (self.utc)(self.attendant.now_s());
         let record = &self.session.record;
-        let device = self.parts.device.capabilities();
         let mut file = TrialFile::new();
         let mut put =
             |key: &str, value: Option<String>| file.extend(value.map(|value| (key.to_owned(), value)));
         put("study_blake3", Some(record.study_blake3.clone()));
         put("calibration_blake3", record.calibration_blake3.clone());
-        put("device", Some(device.name.clone()));
+        put("device", Some(self.capabilities.name.clone()));
         put("software", Some(record.software.clone()));
         put("seed", record.seed.map(|seed| seed.to_string()));
-        put("start_utc", Some((self.parts.utc)(self.parts.clock.now_s())));
-        put(
-            "no_watchdog",
-            (self.options.no_watchdog && device.watchdog_s.is_none()).then(|| "true".to_owned()),
-        );
+        put("start_utc", Some(start_utc));
+        put("no_watchdog", self.is_unwatched().then(|| "true".to_owned()));
         let meta = self.session.meta(trial);
-        Ok(Journal::create(self.parts.files, &self.plan.layout, &meta, &file)?)
+        Ok(Journal::create(&self.files, &self.plan.layout, &meta, &file)?)
     }
 }
 
@@ -257,6 +267,10 @@ impl Live<'_> {
         self.tape.add(sample)
     }
 
+    fn add_all(&mut self, samples: &[Sample]) -> ControlFlow<()> {
+        samples.iter().try_for_each(|sample| self.add(sample))
+    }
+
     /// Shows how the loop keeps its time.
     fn tell(&mut self) {
         self.view.timing = self.pace.timing();
@@ -279,7 +293,7 @@ struct Desk<'a> {
 
 impl Desk<'_> {
     fn take(&mut self, live: &mut Live<'_>, samples: &[Sample]) -> ControlFlow<()> {
-        samples.iter().try_for_each(|sample| live.add(sample))?;
+        live.add_all(samples)?;
         match self.serve(live) {
             Ok(()) => ControlFlow::Continue(()),
             Err(error) => {

@@ -1,10 +1,12 @@
 //! A trial in real time: the loop on a thread of its own, samples through a wait-free ring to the caller.
 
-use super::{TrialEnd, TrialPlan, TrialRun, run_trial};
-use crate::{Clock, Controller, Device, Guard, Priority, Timing, Trip};
+use super::{Sink, TrialEnd, TrialPlan, TrialRun, run_trial};
+use crate::{Clock, Controller, Device, Guard, Priority, Trip};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::any::Any;
 use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::Duration;
@@ -33,7 +35,8 @@ pub struct LiveRun {
 /// Runs [`run_trial`] on a thread of its own, at an elevated priority where that is allowed. Meanwhile the caller's
 /// thread is given the samples that have come, every 5 ms; the batch may be empty. Files and screens are its
 /// business: however long it takes, the loop does not wait for it. Should it fall 10 s behind, samples are lost,
-/// counted, and the trial does not count as run to its end.
+/// counted, and the trial does not count as run to its end. Nobody reads the device before or after: a session of
+/// trials is run by [`crate::Attendant`].
 ///
 /// A panic of the loop is a [`Trip::Panic`]; a panic of `batch` stops the trial and goes on.
 pub fn run_live(
@@ -45,39 +48,41 @@ pub fn run_live(
     stop: &AtomicBool,
     batch: &mut BatchSink<'_>,
 ) -> LiveRun {
-    let capacity = (RING_S * plan.rate_hz).ceil() as usize;
-    let unwatched = guard.unwatched();
-    let shared = Shared::default();
-    let (producer, mut consumer) = RingBuffer::new(capacity);
+    let (mut collected, mut ring) = Collected::new(plan.rate_hz);
     let outcome = thread::scope(|scope| {
         let running = scope.spawn(|| {
             let priority = Priority::raise();
-            let mut sink = shared.sink(producer);
-            (run_trial(device, clock, controller, guard, plan, stop, &mut sink), priority)
+            let mut sink = |sample: &Sample| ring.push(sample);
+            (run_caught(device, clock, controller, guard, plan, stop, &mut sink), priority)
         });
-        let _abandon = Abandon(&shared.abandoned);
+        let _abandon = collected.abandon_on_panic();
         while !running.is_finished() {
-            hand_over(&mut consumer, batch, &shared);
+            collected.hand_over(batch);
             thread::sleep(POLL);
         }
-        hand_over(&mut consumer, batch, &shared);
+        collected.hand_over(batch);
         running.join()
     });
-    shared.conclude(outcome, unwatched)
+    let (run, priority) =
+        outcome.unwrap_or_else(|panic| (TrialRun::tripped(said(&*panic)), Priority::Ordinary));
+    let run = collected.conclude(run);
+    LiveRun { run, lost: collected.lost(), priority }
 }
 
-/// Runs `work` in real time, on a thread of its own at an elevated priority where that is allowed: what reads and writes a
-/// device without keeping samples, as its check does.
-///
-/// # Errors
-/// [`Trip::Panic`] if it panics.
-pub fn in_real_time<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, Trip> {
-    let running = || {
-        Priority::raise();
-        work()
-    };
-    let outcome = thread::scope(|scope| scope.spawn(running).join());
-    outcome.map_err(|panic| Trip::Panic { what: said(&*panic) })
+/// [`run_trial`], of which a panic is a [`Trip::Panic`].
+pub(crate) fn run_caught(
+    device: &mut dyn Device,
+    clock: &mut dyn Clock,
+    controller: &mut Controller,
+    guard: &mut Guard,
+    plan: &TrialPlan<'_>,
+    stop: &AtomicBool,
+    sink: &mut Sink<'_>,
+) -> TrialRun {
+    let unwatched = guard.unwatched();
+    let running = || run_trial(device, clock, controller, guard, plan, stop, sink);
+    catch_unwind(AssertUnwindSafe(running))
+        .unwrap_or_else(|panic| TrialRun { unwatched, ..TrialRun::tripped(said(&*panic)) })
 }
 
 /// What the two threads tell each other.
@@ -89,65 +94,95 @@ struct Shared {
     lost: AtomicU64,
 }
 
-impl Shared {
-    /// The loop's side of the ring. The sample after lost ones says that some are missing.
-    fn sink(&self, mut ring: Producer<Sample>) -> impl FnMut(&Sample) -> ControlFlow<()> {
-        let mut gap = false;
-        move |sample| {
-            let flags = sample.flags.with(Flags::DROPOUT, gap);
-            gap = ring.push(Sample { flags, ..*sample }).is_err();
-            self.lost.fetch_add(u64::from(gap), Ordering::Relaxed);
-            if self.abandoned.load(Ordering::Relaxed) {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
+/// The loop's side of the ring that samples go through.
+pub(crate) struct SampleRing {
+    ring: Producer<Sample>,
+    shared: Arc<Shared>,
+    /// The sample before found the ring full.
+    gap: bool,
+}
+
+impl SampleRing {
+    /// Hands a sample over; the one after lost ones says that some are missing. Break: nobody can keep it.
+    pub(crate) fn push(&mut self, sample: &Sample) -> ControlFlow<()> {
+        let flags = sample.flags.with(Flags::DROPOUT, self.gap);
+        self.gap = self.ring.push(Sample { flags, ..*sample }).is_err();
+        self.shared.lost.fetch_add(u64::from(self.gap), Ordering::Relaxed);
+        if self.shared.abandoned.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+/// The caller's side of that ring.
+pub(crate) struct Collected {
+    ring: Consumer<Sample>,
+    shared: Arc<Shared>,
+}
+
+impl Collected {
+    /// A ring for [`RING_S`] of samples, both its sides.
+    pub(crate) fn new(rate_hz: f64) -> (Self, SampleRing) {
+        Self::with_room((RING_S * rate_hz).ceil() as usize)
+    }
+
+    fn with_room(samples: usize) -> (Self, SampleRing) {
+        let shared = Arc::<Shared>::default();
+        let (producer, consumer) = RingBuffer::new(samples);
+        let of_loop = SampleRing { ring: producer, shared: Arc::clone(&shared), gap: false };
+        (Self { ring: consumer, shared }, of_loop)
+    }
+
+    /// Gives `batch` what has come.
+    pub(crate) fn hand_over(&mut self, batch: &mut BatchSink<'_>) {
+        let Ok(chunk) = self.ring.read_chunk(self.ring.slots()) else { return };
+        let (first, second) = chunk.as_slices();
+        let kept = batch(first).is_continue() && (second.is_empty() || batch(second).is_continue());
+        chunk.commit_all();
+        if !kept {
+            self.shared.abandoned.store(true, Ordering::Relaxed);
         }
     }
 
-    fn conclude(&self, outcome: thread::Result<(TrialRun, Priority)>, unwatched: bool) -> LiveRun {
-        let lost = self.lost.load(Ordering::Relaxed);
-        let (mut run, priority) = outcome.unwrap_or_else(|panic| {
-            let end = TrialEnd::Tripped(Trip::Panic { what: said(&*panic) });
-            (TrialRun { end, timing: Timing::default(), unwatched }, Priority::Ordinary)
-        });
-        let tripped = matches!(run.end, TrialEnd::Tripped(_));
-        if self.abandoned.load(Ordering::Relaxed) && !tripped {
+    /// Ends the trial if the caller's thread unwinds while this lives.
+    pub(crate) fn abandon_on_panic(&self) -> Abandon {
+        Abandon(Arc::clone(&self.shared))
+    }
+
+    fn lost(&self) -> u64 {
+        self.shared.lost.load(Ordering::Relaxed)
+    }
+
+    /// The trial's end, as far as the samples did not get through.
+    pub(crate) fn conclude(&self, mut run: TrialRun) -> TrialRun {
+        let (lost, tripped) = (self.lost(), matches!(run.end, TrialEnd::Tripped(_)));
+        if self.shared.abandoned.load(Ordering::Relaxed) && !tripped {
             run.end = TrialEnd::Tripped(Trip::Storage); // it could not keep what came last
         } else if lost > 0 && !tripped {
             run.end = TrialEnd::Tripped(Trip::SamplesLost { lost });
         }
-        LiveRun { run, lost, priority }
-    }
-}
-
-/// Gives the caller what has come.
-fn hand_over(ring: &mut Consumer<Sample>, batch: &mut BatchSink<'_>, shared: &Shared) {
-    let Ok(chunk) = ring.read_chunk(ring.slots()) else { return };
-    let (first, second) = chunk.as_slices();
-    let kept = batch(first).is_continue() && (second.is_empty() || batch(second).is_continue());
-    chunk.commit_all();
-    if !kept {
-        shared.abandoned.store(true, Ordering::Relaxed);
+        run
     }
 }
 
 /// Ends the trial if the caller's thread unwinds.
-struct Abandon<'a>(&'a AtomicBool);
+pub(crate) struct Abandon(Arc<Shared>);
 
-impl Drop for Abandon<'_> {
+impl Drop for Abandon {
     fn drop(&mut self) {
         if thread::panicking() {
-            self.0.store(true, Ordering::Relaxed);
+            self.0.abandoned.store(true, Ordering::Relaxed);
         }
     }
 }
 
-/// The text of a panic.
-fn said(panic: &(dyn Any + Send)) -> String {
+/// A panic as what ended a trial.
+pub(crate) fn said(panic: &(dyn Any + Send)) -> Trip {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    text.or_else(|| panic.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "it did not say why".to_owned())
+    let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
+    Trip::Panic { what: text.unwrap_or_else(|| "it did not say why".to_owned()) }
 }
 
 #[cfg(test)]
@@ -155,7 +190,7 @@ mod tests {
     use super::super::tests::{bench, plan};
     use super::*;
     use crate::mock::{Fault, Mock};
-    use crate::{RealClock, SimulatedClock};
+    use crate::{RealClock, SimulatedClock, Timing};
     use zwidth_study::Voltages;
 
     fn live(device: Mock, batch: &mut BatchSink<'_>) -> (LiveRun, Mock) {
@@ -180,13 +215,6 @@ mod tests {
             samples.extend_from_slice(batch);
             ControlFlow::Continue(())
         }
-    }
-
-    #[test]
-    fn a_panic_in_real_time_is_a_trip_that_says_why() {
-        assert_eq!(in_real_time(|| 7), Ok(7));
-        let trip = in_real_time(|| -> u8 { panic!("out of cheese") }).unwrap_err();
-        assert!(trip.to_string().contains("out of cheese"), "{trip}");
     }
 
     #[test]
@@ -254,19 +282,18 @@ mod tests {
 
     #[test]
     fn samples_that_find_the_ring_full_are_counted_flagged_and_an_error_at_the_end() {
-        let shared = Shared::default();
-        let (producer, mut consumer) = RingBuffer::new(3);
-        let mut sink = shared.sink(producer);
+        let (mut collected, mut ring) = Collected::with_room(3);
         let mut samples = Vec::new();
         live(Mock::default(), &mut collect(&mut samples));
-        samples[..5].iter().for_each(|sample| assert!(sink(sample).is_continue()));
-        let kept: Vec<_> = std::iter::from_fn(|| consumer.pop().ok()).collect();
+        samples[..5].iter().for_each(|sample| assert!(ring.push(sample).is_continue()));
+        let mut kept = Vec::new();
+        collected.hand_over(&mut collect(&mut kept));
         assert_eq!(kept, samples[..3]);
-        assert!(sink(&samples[5]).is_continue());
-        assert!(consumer.pop().unwrap().flags.has(Flags::DROPOUT));
+        assert!(ring.push(&samples[5]).is_continue());
+        collected.hand_over(&mut collect(&mut kept));
+        assert!(kept[3].flags.has(Flags::DROPOUT));
         let run = TrialRun { end: TrialEnd::Limit, timing: Timing::default(), unwatched: false };
-        let concluded = shared.conclude(Ok((run, Priority::Ordinary)), false);
-        assert_eq!(concluded.lost, 2);
-        assert_eq!(concluded.run.end, TrialEnd::Tripped(Trip::SamplesLost { lost: 2 }));
+        assert_eq!(collected.lost(), 2);
+        assert_eq!(collected.conclude(run).end, TrialEnd::Tripped(Trip::SamplesLost { lost: 2 }));
     }
 }

@@ -5,23 +5,23 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use zwidth_study::{Calibration, Control, Mode, Scene, Spring, Voltages};
 
-pub(super) const TICK_S: f64 = 1e-3;
+pub(crate) const TICK_S: f64 = 1e-3;
 /// When faults begin: the lever is on its way, and every mode has a voltage on.
 const FAULT_S: f64 = 0.6;
 
 /// A trial of the hybrid mode in the thesis' spring, ready to be run.
-pub(super) struct Bench {
-    pub(super) device: Mock,
-    pub(super) guard: Guard,
-    pub(super) controller: Controller,
-    pub(super) environment: Environment,
+pub(crate) struct Bench {
+    pub(crate) device: Mock,
+    pub(crate) guard: Guard,
+    pub(crate) controller: Controller,
+    pub(crate) environment: Environment,
 }
 
-fn mode() -> Mode {
+pub(crate) fn mode() -> Mode {
     Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v: Some(8.0), brake_max_v: Some(8.0) }
 }
 
-pub(super) fn bench(device: Mock) -> Bench {
+pub(crate) fn bench(device: Mock) -> Bench {
     let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 };
     let scene = Scene::Spring(spring);
     let environment = Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
@@ -34,7 +34,7 @@ pub(super) fn bench(device: Mock) -> Bench {
     bench
 }
 
-pub(super) fn plan(environment: &Environment) -> TrialPlan<'_> {
+pub(crate) fn plan(environment: &Environment) -> TrialPlan<'_> {
     let velocity = Velocity::new(Control::default().velocity).unwrap();
     TrialPlan { cue: Cue { trial: 1, environment, limit_s: 4.0 }, rate_hz: 1.0 / TICK_S, velocity }
 }

@@ -149,7 +149,7 @@ fn secret(seed: u64, participant: &ParticipantId, session: &SessionId) -> anyhow
 
 /// When a simulated session begins: no clock is looked at.
 fn begin(participant: &ParticipantId, session: &SessionId) -> anyhow::Result<Timestamp> {
-    let day = |id: &str| i64::from(number(id)) - 1;
+    let day = |id: &str| i64::from(number(id).unwrap_or(1)) - 1; // each of its ids has a number
     let days =
         day(participant.as_str()) + WEEK_DAYS * day(session.as_str()) + YEAR_DAYS * i64::from(VERSION - 1);
     Ok(Timestamp::from_second(EPOCH_S + DAY_S * days)?)

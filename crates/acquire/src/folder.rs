@@ -1,0 +1,244 @@
+//! The study's folder, held open while a session is recorded into it.
+//!
+//! A folder that is moved or removed meanwhile is noticed at the next look, and never made anew: what is written after
+//! that would lie apart from all that was recorded before.
+
+use crate::AcquireError;
+use std::fs::{self, File, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use zwidth_store::{Append, Entry, Files, StoreError};
+
+/// A folder, and which one it was at the start.
+#[derive(Debug)]
+pub(crate) struct StudyFolder {
+    path: PathBuf,
+    /// While it is open nothing else gets its identity.
+    #[cfg(unix)]
+    handle: File,
+    identity: Identity,
+}
+
+/// What tells a folder from any other that stands in its place.
+#[cfg(unix)]
+type Identity = (u64, u64);
+/// What tells a folder from most others that stand in its place: when it was made.
+#[cfg(not(unix))]
+type Identity = Option<std::time::SystemTime>;
+
+#[cfg(unix)]
+fn identity(of: &Metadata) -> Identity {
+    use std::os::unix::fs::MetadataExt as _;
+    (of.dev(), of.ino())
+}
+
+#[cfg(not(unix))]
+fn identity(of: &Metadata) -> Identity {
+    of.created().ok()
+}
+
+impl StudyFolder {
+    /// Opens the folder.
+    ///
+    /// # Errors
+    /// It is not there, or cannot be read.
+    pub(crate) fn open(path: &Path) -> Result<Self, StoreError> {
+        let opened = || {
+            #[cfg(unix)]
+            let handle = File::open(path)?;
+            #[cfg(unix)]
+            let identity = identity(&handle.metadata()?);
+            #[cfg(not(unix))]
+            let identity = identity(&fs::metadata(path)?);
+            Ok(Self {
+                path: path.to_owned(),
+                #[cfg(unix)]
+                handle,
+                identity,
+            })
+        };
+        opened().map_err(|e: io::Error| StoreError::io(path, "open the study's folder", &e))
+    }
+
+    /// Whether its path still leads to it.
+    fn is_there(&self) -> bool {
+        is(&self.path, self.identity)
+    }
+
+    /// Nothing, as long as its path leads to it.
+    ///
+    /// # Errors
+    /// It was moved or removed.
+    pub(crate) fn check(&self) -> Result<(), AcquireError> {
+        if self.is_there() {
+            return Ok(());
+        }
+        Err(AcquireError::Gone { folder: self.path.clone(), now: self.now() })
+    }
+
+    /// Where it is now, as far as the system tells (Linux does).
+    #[cfg(unix)]
+    fn now(&self) -> Option<PathBuf> {
+        use std::os::fd::AsRawFd as _;
+        let now = fs::read_link(format!("/proc/self/fd/{}", self.handle.as_raw_fd())).ok()?;
+        is(&now, self.identity).then_some(now)
+    }
+
+    /// Where it is now: no other system tells.
+    #[cfg(not(unix))]
+    fn now(&self) -> Option<PathBuf> {
+        None
+    }
+}
+
+fn is(path: &Path, folder: Identity) -> bool {
+    fs::metadata(path).is_ok_and(|found| found.is_dir() && identity(&found) == folder)
+}
+
+/// The disk, of which nothing is touched once the study's folder is not where it was.
+#[derive(Clone)]
+pub(crate) struct Within<'a> {
+    files: &'a dyn Files,
+    folder: Arc<StudyFolder>,
+}
+
+impl<'a> Within<'a> {
+    pub(crate) fn new(files: &'a dyn Files, folder: StudyFolder) -> Self {
+        Self { files, folder: Arc::new(folder) }
+    }
+
+    /// As [`StudyFolder::check`].
+    pub(crate) fn check(&self) -> Result<(), AcquireError> {
+        self.folder.check()
+    }
+
+    fn there(&self) -> io::Result<&'a dyn Files> {
+        still_there(&self.folder).map(|()| self.files)
+    }
+}
+
+/// What a write is told; the runner tells the whole of it ([`AcquireError::Gone`]).
+fn still_there(folder: &StudyFolder) -> io::Result<()> {
+    let gone = || io::Error::new(io::ErrorKind::NotFound, "the study's folder is not where it was");
+    if folder.is_there() { Ok(()) } else { Err(gone()) }
+}
+
+impl Files for Within<'_> {
+    fn kind(&self, path: &Path) -> Option<Entry> {
+        self.files.kind(path)
+    }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
+        self.files.list(folder)
+    }
+
+    fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
+        self.files.read(path, most)
+    }
+
+    fn create_folder(&self, path: &Path) -> io::Result<()> {
+        let files = self.there()?;
+        // Not even one that went since that look: the folder itself is never made here.
+        if self.folder.path.starts_with(path) {
+            return Err(io::ErrorKind::NotFound.into());
+        }
+        files.create_folder(path)
+    }
+
+    fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        self.there()?.write_synced(path, bytes)
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        self.there()?.rename(from, to)
+    }
+
+    fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        self.there()?.sync_folder(path)
+    }
+
+    fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
+        let file = self.there()?.open_append(path)?;
+        Ok(Box::new(WithinFile { file, folder: Arc::clone(&self.folder) }))
+    }
+
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        self.there()?.remove(path)
+    }
+
+    fn remove_folder(&self, path: &Path) -> io::Result<()> {
+        self.there()?.remove_folder(path)
+    }
+}
+
+/// A file in the study's folder.
+struct WithinFile {
+    file: Box<dyn Append>,
+    folder: Arc<StudyFolder>,
+}
+
+impl Append for WithinFile {
+    fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
+        // First the bytes: the file went with its folder, and keeps them there.
+        self.file.append_synced(bytes)?;
+        still_there(&self.folder)
+    }
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+    use zwidth_store::{RealFiles, write_new};
+
+    /// `raw/s` in a folder of its own, held.
+    fn held() -> (tempfile::TempDir, PathBuf, Within<'static>) {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("raw/s");
+        fs::create_dir_all(&path).unwrap();
+        let files = Within::new(&RealFiles, StudyFolder::open(&path).unwrap());
+        (root, path, files)
+    }
+
+    #[test]
+    fn a_folder_that_was_moved_is_not_made_anew_and_is_named_where_it_is() {
+        let (root, path, files) = held();
+        write_new(&files, &path.join("a/first"), b"1").unwrap();
+        let moved = root.path().join("elsewhere");
+        fs::rename(&path, &moved).unwrap();
+        assert!(write_new(&files, &path.join("b/second"), b"2").is_err());
+        assert!(files.create_folder(&path).is_err() && files.open_append(&path.join("log")).is_err());
+        assert!(!path.exists());
+        let words = files.check().unwrap_err().to_string();
+        assert!(words.contains("moved or removed"), "{words}");
+        if cfg!(target_os = "linux") {
+            assert!(words.contains(&moved.display().to_string()), "{words}");
+        }
+        fs::rename(&moved, &path).unwrap();
+        files.check().unwrap();
+        write_new(&files, &path.join("b/second"), b"2").unwrap();
+    }
+
+    #[test]
+    fn another_folder_in_its_place_is_not_it() {
+        let (root, path, files) = held();
+        fs::rename(&path, root.path().join("old")).unwrap();
+        fs::create_dir(&path).unwrap();
+        assert!(files.check().is_err());
+        assert!(write_new(&files, &path.join("x"), b"").is_err() && !path.join("x").exists());
+        fs::remove_dir_all(root.path().join("old")).unwrap();
+        let words = files.check().unwrap_err().to_string();
+        assert!(!words.contains("deleted") && words.contains("went with it"), "{words}");
+    }
+
+    #[test]
+    fn what_is_appended_to_an_open_file_is_kept_where_the_folder_went() {
+        let (root, path, files) = held();
+        let mut file = files.open_append(&path.join("log")).unwrap();
+        file.append_synced(b"one ").unwrap();
+        fs::rename(&path, root.path().join("old")).unwrap();
+        assert!(file.append_synced(b"two").is_err());
+        assert_eq!(fs::read(root.path().join("old/log")).unwrap(), b"one two");
+    }
+}
