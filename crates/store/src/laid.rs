@@ -163,9 +163,12 @@ pub(crate) fn study_warning(
         }
     };
     let what = format!("study.toml is another than when {participant} {session} was laid down: {changes}");
-    let remedy = format!(
-        "put it back, or accept it for this session with `zwidth accept {} -p {participant} -s {session}`",
-        layout.study()
-    );
+    let remedy = match &log.study {
+        None => "put it back as it was, or say so where results are reported".to_owned(),
+        Some(_) => {
+            let copy = layout.study_copy(participant, session);
+            format!("put it back; as it was, it is {}", layout.shown(&copy).display())
+        }
+    };
     Some(StoreError::new(&log.path, what, remedy))
 }

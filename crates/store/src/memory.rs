@@ -80,14 +80,6 @@ impl Memory {
         state.durable.insert(path.to_owned(), file);
     }
 
-    /// Another disk with the same on it, which works and has room.
-    #[must_use]
-    pub fn copy(&self) -> Self {
-        let State { live, durable, contents, .. } = &*self.state();
-        let (live, durable, contents) = (live.clone(), durable.clone(), contents.clone());
-        Self(Arc::new(Mutex::new(State { live, durable, contents, ..State::default() })))
-    }
-
     /// Every file below a folder, with its content.
     pub fn below(&self, folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
         let state = self.state();

@@ -112,11 +112,11 @@ pub struct SessionLog {
 impl SessionLog {
     /// BLAKE3 of each `study.toml` under which trials of the session were recorded, or may be.
     pub fn studies(&self) -> impl Iterator<Item = &str> {
-        let accepted = |event| match event {
-            &Event::StudyAccepted { ref study_blake3 } => Some(study_blake3.as_str()),
+        let accepted = self.events.iter().filter_map(|event| match event {
+            Event::StudyAccepted { study_blake3 } => Some(study_blake3.as_str()),
             _ => None,
-        };
-        std::iter::once(self.record.study_blake3.as_str()).chain(self.events.iter().filter_map(accepted))
+        });
+        std::iter::once(self.record.study_blake3.as_str()).chain(accepted)
     }
 
     /// Whether the session's modes are codes still.
@@ -318,9 +318,8 @@ pub(crate) fn read_study_from(
     layout: &Layout,
 ) -> Result<(Study, String), Vec<StoreError>> {
     for folder in [layout.root().join("raw"), layout.raw()] {
-        match files.kind(&folder) {
-            Some(kind @ (Entry::Link | Entry::Special)) => return Err(vec![strange(&folder, kind)]),
-            _ => {}
+        if let Some(kind @ (Entry::Link | Entry::Special)) = files.kind(&folder) {
+            return Err(vec![strange(&folder, kind)]);
         }
     }
     let path = layout.study_toml();

@@ -54,7 +54,7 @@ fn two_whole_sessions_give_three_trials() {
 #[test]
 fn a_changed_event_keeps_the_session_out() {
     let change = |s: &Study| edit(&s.events("P02"), "\"by\":2", "\"by\":1");
-    check(change, "P02_S01.events.jsonl, row 2", "the checksum does not match");
+    check(change, "P02_S01.events.jsonl, row 3", "the checksum does not match");
 }
 
 #[test]
@@ -69,17 +69,21 @@ fn a_cut_event_keeps_the_session_out() {
 #[test]
 fn a_missing_log_keeps_the_session_out() {
     let remove = |s: &Study| fs::remove_file(s.events("P02")).unwrap();
-    check(remove, "P02_S01.events.jsonl", "the log does not speak of trials 1, 2");
+    check(remove, "P02_S01.events.jsonl", "the log has 0 lines where its head counts 4: the others are gone");
 }
 
 #[test]
-fn a_log_without_its_end_keeps_the_trials_out_that_it_no_longer_speaks_of() {
+fn a_log_without_its_end_keeps_the_session_out() {
     let shorten = |s: &Study| {
         let text = fs::read_to_string(s.events("P02")).unwrap();
         let kept: Vec<&str> = text.lines().take(2).collect();
         fs::write(s.events("P02"), kept.join("\n") + "\n").unwrap();
     };
-    check(shorten, "P02_S01.events.jsonl", "the log does not speak of trial 2");
+    check(
+        shorten,
+        "P02_S01.events.jsonl",
+        "the log has 2 lines where its head counts 4: the others are gone",
+    );
 }
 
 #[test]
@@ -116,7 +120,7 @@ fn answers_that_make_no_sense_are_findings_with_their_row_and_give_no_tally() {
         append_events(&RealFiles, &study.events("P01"), UTC, &[answer(1, "felt_spring", 4), event]).unwrap();
         let found = zwidth(study.root(), &["verify"]).exits(1);
         assert!(
-            found.out.contains("P01_S01.events.jsonl, row 4: ") && found.out.contains(words),
+            found.out.contains("P01_S01.events.jsonl, row 5: ") && found.out.contains(words),
             "{found:#?}"
         );
         zwidth(study.root(), &["run", "--only", "likert tallies"])

@@ -302,7 +302,7 @@ fn a_session_refuses_another_device_study_or_calibration_and_says_which() {
     plan.calibration.motor.force_n[1] = 4.0;
     assert!(refused(&plan, &Mock::default()).contains("the calibration is "));
     let plan = Plan { study_toml: b"another".to_vec(), ..desk.plan.clone() };
-    assert!(refused(&plan, &Mock::default()).contains("study.toml is 000000000000"));
+    assert!(refused(&plan, &Mock::default()).contains("study.toml is "));
     let plan = Plan { rate_hz: 60.0, ..desk.plan.clone() };
     assert!(refused(&plan, &Mock::default()).contains("the rate is 60 Hz, and was 120 Hz"));
 }
@@ -339,7 +339,7 @@ fn a_blinded_session_shows_neither_modes_nor_voltages_and_its_files_hold_codes()
 #[test]
 fn a_blinded_session_cut_short_resumes_from_its_seal_and_repeats_keep_their_mode() {
     let desk = Desk::new(true);
-    let full = Full(Arc::new(Mutex::new(140)));
+    let full = Full(Arc::new(Mutex::new(150)));
     desk.run(&mut Mock::default(), &full, &mut diligent()).unwrap_err();
     recover(&RealFiles, &desk.plan.layout, UTC);
     let elsewhere = Plan { keys: PathBuf::from("/nonexistent"), ..desk.plan.clone() };
