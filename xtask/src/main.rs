@@ -16,6 +16,7 @@ cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count wh
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
 cargo xtask bits [renew]               the main job's bytes: one thread, many, other processors (qemu-user), as written down
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
+cargo xtask soak properties [CASES [SEED]] fresh cases for every random property [1000000, a new seed]
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
 
 fn main() -> anyhow::Result<()> {
@@ -40,6 +41,10 @@ fn main() -> anyhow::Result<()> {
         ["bits", "renew"] => bits::compare(&soak::program()?, &scratch("bits"), true),
         ["soak", "coverage", rest @ ..] => {
             soak::coverage::coverage(&soak::program()?, &scratch("coverage"), number(rest.first(), 400)?)
+        }
+        ["soak", "properties", rest @ ..] => {
+            let fresh = jiff::Timestamp::now().as_microsecond().unsigned_abs();
+            soak::properties::properties(number(rest.first(), 1_000_000)?, number(rest.get(1), fresh)?)
         }
         ["encodings", study] => encodings::measure(Path::new("."), study),
         _ => bail!("the chores are\n{CHORES}"),

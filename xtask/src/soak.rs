@@ -4,6 +4,7 @@ mod cable;
 pub(crate) mod coverage;
 pub(crate) mod kill;
 pub(crate) mod live;
+pub(crate) mod properties;
 pub(crate) mod watchdog;
 
 use anyhow::{Context as _, bail};

@@ -34,7 +34,7 @@ pub enum DynamicsError {
         /// The term that is nonlinear.
         term: &'static str,
     },
-    /// The state left the finite numbers.
+    /// The state left the numbers that the equations can go on with: an entry is infinite, or beyond 1e100.
     #[error("the state is no longer finite at t = {t_s} s; {suspect} is the extreme parameter")]
     NotFinite {
         /// Time at which it was seen, s.
@@ -61,20 +61,33 @@ pub enum DynamicsError {
 /// Shorthand.
 pub(crate) type Result<T> = std::result::Result<T, DynamicsError>;
 
-/// `value` must be finite and above zero, and no denormal: the inverse of one is infinite.
+/// No parameter is larger, in SI units, and none that divides is smaller than its inverse. No device comes near it;
+/// within it every product of the equations stays below the largest number, 1.8e308.
+pub(crate) const LARGEST: f64 = 1e30;
+
+/// No angle, velocity or force of a state is larger, in SI units: the stiffest spring times it, over the lightest mass
+/// and the shortest lever, times the heaviest finger is still a number (1e30 · 1e100 / 1e-60 · 1e60 = 1e250).
+const LARGEST_STATE: f64 = 1e100;
+
+/// Whether every entry of a state is a number that the equations can go on with.
+pub(crate) fn in_bounds(state: &[f64]) -> bool {
+    state.iter().all(|x| x.abs() <= LARGEST_STATE)
+}
+
+/// `value` must be above zero, and neither it nor its inverse too large.
 pub(crate) fn positive(name: &str, value: f64) -> Result<()> {
-    let ok = value.is_finite() && value >= f64::MIN_POSITIVE;
-    check(name, value, ok, "finite and above 0 (at least 2.3e-308)")
+    let ok = (1.0 / LARGEST..=LARGEST).contains(&value);
+    check(name, value, ok, "above 0: from 1e-30 to 1e30")
 }
 
-/// `value` must be finite and not below zero.
+/// `value` must not be below zero, nor too large.
 pub(crate) fn not_negative(name: &str, value: f64) -> Result<()> {
-    check(name, value, value.is_finite() && value >= 0.0, "finite and not below 0")
+    check(name, value, (0.0..=LARGEST).contains(&value), "finite and not below 0 (at most 1e30)")
 }
 
-/// `value` must be finite.
+/// `value` must be finite, and not too large.
 pub(crate) fn finite(name: &str, value: f64) -> Result<()> {
-    check(name, value, value.is_finite(), "finite")
+    check(name, value, value.abs() <= LARGEST, "finite (at most 1e30 either way)")
 }
 
 /// An error that names the parameter unless `ok`.

@@ -232,7 +232,7 @@ mod tests {
     /// The unsaturated system of a scene.
     fn unsaturated(mut scene: Scene) -> System {
         scene.mode = Mode::Active;
-        scene.motor.max_n = 1e300;
+        scene.motor.max_n = 1e30;
         scene.plant.stops_rad = None;
         scene.input = Input::constant(1.0);
         System::new(scene).unwrap()

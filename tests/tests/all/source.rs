@@ -76,3 +76,16 @@ fn modules_of_tests_are_told_from_others() {
     assert_eq!(test_modules(text), ["real_data", "b"]);
     assert_eq!(code("a // std::fs\nb\n#[cfg(test)]\nmod tests {\nstd::fs"), "a \nb");
 }
+
+/// `.cargo/config.toml` gives proptest its seed, and no property chooses another.
+#[test]
+fn every_random_property_draws_from_one_seed() {
+    assert!(std::env::var("PROPTEST_RNG_SEED").is_ok(), "cargo sets no seed: is .cargo/config.toml there?");
+    let mut properties = 0;
+    for path in files(&workspace().join("crates"), "rs") {
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(!text.contains("rng_seed"), "{} chooses a seed of its own", path.display());
+        properties += text.matches("proptest! {").count();
+    }
+    assert!(properties >= 6, "only {properties} blocks of properties: were they found?");
+}

@@ -6,7 +6,7 @@ use super::region::{
     self, BRAKE, BRAKE_COMMAND, CONTACT, DEPTH, FIRST, GAP, HAND_V, INTENT, INTENT_RATE, MOTOR,
     MOTOR_COMMAND, Motion, N, OMEGA, ONE, Region, Row, SECOND, THETA,
 };
-use crate::error::{DynamicsError, Result, check, finite, not_negative};
+use crate::error::{DynamicsError, Result, check, finite, in_bounds, not_negative};
 use zwidth_numerics::expm::dot;
 
 /// What the actuators are told, held over an advance.
@@ -183,7 +183,7 @@ impl Driven {
                 return Err(DynamicsError::TooMuchWork { limit, what: "events", t_s, suspect });
             }
         }
-        if self.z.iter().all(|x| x.is_finite()) {
+        if in_bounds(&self.z) {
             return Ok(());
         }
         Err(DynamicsError::NotFinite { t_s: dt_s, suspect: self.suspect() })

@@ -21,6 +21,9 @@ use terms::Terms;
 
 use crate::error::{DynamicsError, Result, check, positive};
 
+/// As many as the rows of the longest trial that is read (2^22).
+const MOST_SAMPLES: f64 = 4_194_304.0;
+
 /// What is simulated. Parts that are `None` and terms that are not there are left out of the equations and cost nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", deny_unknown_fields)]
@@ -112,37 +115,14 @@ impl Scene {
         self.start.check(&self.plant)?;
         self.finger.as_ref().map_or(Ok(()), Finger::check)?;
         self.friction.as_ref().map_or(Ok(()), Friction::check)?;
-        self.terms.check(self.duration_s)?;
-        self.check_rates()
+        self.terms.check(&self.plant, self.duration_s)?;
+        self.check_samples()
     }
 
-    /// Stiffness and damping over the mass they act on must stay finite in the equations.
-    fn check_rates(&self) -> Result<()> {
-        /// Well below the largest number, 1.8e308: angles, rates and masses still multiply it.
-        const LARGEST: f64 = 1e280;
-        let mut list = Vec::new();
-        self.environment.list(&mut list);
-        list.extend(self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)));
-        let Plant { mass_kg, lever_m, .. } = self.plant;
-        let mut mass = mass_kg * lever_m;
-        let carried_kg = self.finger.map_or(0.0, |finger| finger.mass_kg);
-        let heaviest =
-            if carried_kg > mass_kg { ("finger.mass_kg", carried_kg) } else { ("plant.mass_kg", mass_kg) };
-        let whole = (mass_kg + carried_kg) * lever_m;
-        check(
-            heaviest.0,
-            heaviest.1,
-            whole <= LARGEST,
-            "so small that all that moves, times the lever, is at most 1e280",
-        )?;
-        if let Some(finger) = &self.finger {
-            list.push(("finger.stiffness_n_per_m", finger.stiffness_n_per_m, 1.0));
-            list.push(("finger.damping_ns_per_m", finger.damping_ns_per_m, 1.0));
-            mass = mass.min(finger.mass_kg);
-        }
-        let allowed = "at most 1e280 times the smallest moving mass (with its lever)";
-        list.iter().try_for_each(|(name, value, _)| check(name, *value, value / mass <= LARGEST, allowed))?;
-        self.terms.check_rates(&self.plant, LARGEST * mass, allowed)
+    /// No run has more samples than a trial has rows: each costs memory.
+    fn check_samples(&self) -> Result<()> {
+        let ok = self.duration_s / self.step_s <= MOST_SAMPLES;
+        check("step_s", self.step_s, ok, "at least duration_s / 4194304: no run has more samples")
     }
 }
 

@@ -22,14 +22,6 @@ impl Plant {
     pub(crate) fn check(&self) -> Result<()> {
         positive("plant.mass_kg", self.mass_kg)?;
         positive("plant.lever_m", self.lever_m)?;
-        let inertia = self.mass_kg * self.lever_m;
-        let ok = inertia.is_finite() && inertia >= f64::MIN_POSITIVE;
-        check(
-            "plant.lever_m",
-            self.lever_m,
-            ok,
-            "such that plant.mass_kg times it is at least 2.3e-308 and finite",
-        )?;
         let Some([low, high]) = self.stops_rad else { return Ok(()) };
         finite("plant.stops_rad[0]", low)?;
         finite("plant.stops_rad[1]", high)?;

@@ -6,7 +6,7 @@ use zwidth_numerics::roots;
 
 use super::embedded::{Attempt, Embedded, Field, dense};
 use super::{Grid, shorten};
-use crate::error::{DynamicsError, Result, positive};
+use crate::error::{DynamicsError, Result, in_bounds, positive};
 use crate::system::flow::Flow;
 use crate::system::region::Region;
 use crate::system::transition::EventKind;
@@ -134,7 +134,11 @@ impl<'a, const N: usize> State<'a, N> {
                 } else {
                     h * factor.clamp(SHRINK, GROW)
                 };
-                self.accept(grid, &attempt, h, if whole { limit } else { self.t + h });
+                let end = if whole { limit } else { self.t + h };
+                if !in_bounds(&attempt.z) {
+                    return Err(DynamicsError::NotFinite { t_s: end, suspect: self.system.suspect() });
+                }
+                self.accept(grid, &attempt, h, end);
                 return Ok(());
             }
             self.out.work.rejected += 1;

@@ -1,7 +1,7 @@
 //! The loop all fixed-step methods share: inputs at the stage times, one step a sample, stops after it.
 
 use super::{Grid, shorten};
-use crate::error::{DynamicsError, Result};
+use crate::error::{DynamicsError, Result, in_bounds};
 use crate::system::direct::{Law, direction};
 use crate::system::{Cursor, OMEGA, System};
 use crate::trajectory::Trajectory;
@@ -52,7 +52,7 @@ pub(crate) fn run<const N: usize>(
         system.constrain(&mut z);
         reader.read(grid.time(i + 1), &mut z);
         reader.held = system.keeps_brake(reader.held, &z);
-        if !z.iter().all(|x| x.is_finite()) {
+        if !in_bounds(&z) {
             return Err(DynamicsError::NotFinite { t_s: grid.time(i + 1), suspect: system.suspect() });
         }
         record(system, &mut out, grid.time(i + 1), &z);

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use toml::Value;
 
 use super::{Affine, READERS, Term};
-use crate::error::{DynamicsError, Result, check};
+use crate::error::{DynamicsError, LARGEST, Result, check};
 use crate::scene::input::Input;
 use crate::scene::plant::Plant;
 
@@ -56,7 +56,7 @@ impl Terms {
         parameters.map(|(term, p)| (format!("{}.{}", term.name(), p.name), p.value, p.usual))
     }
 
-    pub(crate) fn check(&self, duration_s: f64) -> Result<()> {
+    pub(crate) fn check(&self, plant: &Plant, duration_s: f64) -> Result<()> {
         for term in self.iter() {
             for p in term.parameters() {
                 (p.check)(&format!("{}.{}", term.name(), p.name), p.value)?;
@@ -64,6 +64,7 @@ impl Terms {
             if let Some((field, input)) = term.input() {
                 input.check(&format!("{}.{field}", term.name()), duration_s)?;
             }
+            check_coefficients(term, plant)?;
         }
         if self.iter().filter(|term| term.input().is_some()).count() > 1 {
             let (what, remedy) = ("two terms have an input of their own", "leave one of them out");
@@ -72,24 +73,19 @@ impl Terms {
         Ok(())
     }
 
-    /// No coefficient is larger than `most`; where one is, the term's largest number is named.
-    pub(crate) fn check_rates(&self, plant: &Plant, most: f64, allowed: &'static str) -> Result<()> {
-        for term in self.iter() {
-            let Affine { constant_n, per_rad_n, per_rad_s_n, per_input_n } = term.affine(plant);
-            let ok = [constant_n, per_rad_n, per_rad_s_n, per_input_n].iter().all(|x| x.abs() <= most);
-            let largest =
-                term.parameters().into_iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
-            if let Some(p) = largest {
-                check(&format!("{}.{}", term.name(), p.name), p.value, ok, allowed)?;
-            }
-        }
-        Ok(())
-    }
-
     /// Adds the term that a file has under one of the [`names`], which is given by its number.
     pub(crate) fn reader(&mut self, number: usize) -> impl for<'de> DeserializeSeed<'de, Value = ()> {
         Reader { terms: self, read: READERS[number].1 }
     }
+}
+
+/// No coefficient of a term is larger than a parameter may be; where one is, the term's largest number is named.
+fn check_coefficients(term: &dyn Term, plant: &Plant) -> Result<()> {
+    let Affine { constant_n, per_rad_n, per_rad_s_n, per_input_n } = term.affine(plant);
+    let ok = [constant_n, per_rad_n, per_rad_s_n, per_input_n].iter().all(|x| x.abs() <= LARGEST);
+    let largest = term.parameters().into_iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+    let allowed = "such that the term's forces are at most 1e30 N per unit";
+    largest.map_or(Ok(()), |p| check(&format!("{}.{}", term.name(), p.name), p.value, ok, allowed))
 }
 
 /// The keys a file can name a term by.

@@ -173,7 +173,7 @@ fn a_curved_term_is_refused_by_name_where_the_flow_must_be_affine() {
 
 #[test]
 fn a_number_that_makes_no_sense_is_named_with_its_term() {
-    for (stiffness_n_per_rad, says) in [(-1.0, "is -1"), (f64::NAN, "is NaN"), (1e300, "1e280 times")] {
+    for (stiffness_n_per_rad, says) in [(-1.0, "is -1"), (f64::NAN, "is NaN"), (1e300, "at most 1e30")] {
         let mut scene = free();
         scene.terms.set(Bed { stiffness_n_per_rad, ..bed() });
         let error = System::new(scene).unwrap_err().to_string();
@@ -184,7 +184,7 @@ fn a_number_that_makes_no_sense_is_named_with_its_term() {
 #[test]
 fn an_extreme_term_is_the_suspect_of_a_run_that_goes_wrong() {
     let mut scene = free();
-    scene.terms.set(Bed { stiffness_n_per_rad: 1e60, ..bed() });
+    scene.terms.set(Bed { stiffness_n_per_rad: 1e30, ..bed() });
     let error = Exact::default().run(&System::new(scene).unwrap(), &Grid::filling(1.0, 0.1)).unwrap_err();
     assert!(error.to_string().contains("bed.stiffness_n_per_rad = 1"), "{error}");
 }

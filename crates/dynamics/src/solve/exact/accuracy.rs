@@ -68,7 +68,7 @@ fn spring(stiffness: f64, damping: f64, input: Input, theta_rad: f64, step_s: f6
     let mut scene = oscillator(0.0, input, theta_rad);
     scene.plant.mass_kg = MASS;
     scene.environment = Environment::spring(stiffness * MASS, damping * MASS, 0.0);
-    scene.motor.max_n = 1e300;
+    scene.motor.max_n = 1e30;
     Scene { step_s, ..scene }
 }
 
@@ -165,7 +165,7 @@ fn coefficients_that_had_to_be_rounded_cost_no_more_than_the_promise_allows() {
         let natural = libm::pow(10.0, f64::from(exponent));
         let mut scene = oscillator(0.0, at_rest(), 1.0);
         scene.environment = Environment::spring(natural * natural * 0.005, 0.0, 0.0);
-        scene.motor.max_n = 1e300;
+        scene.motor.max_n = 1e30;
         scene.step_s = 1.0;
         let closed = Box::new(move |t| libm::cos(natural * t));
         keep_promise(&format!("{natural} rad/s"), &Case { scene, steps: 1.0, entry: THETA, closed });

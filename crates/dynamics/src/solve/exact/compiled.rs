@@ -7,6 +7,7 @@ use zwidth_numerics::roots;
 use super::block::Block;
 use super::uneven::Table;
 use super::work::Work;
+use crate::error::in_bounds;
 use crate::solve::shorten;
 use crate::system::System;
 use crate::system::region::Region;
@@ -289,7 +290,7 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         let top = self.ladder.rungs.len() - 1;
         let (mut rate, mut guards) = (self.ladder.a.apply_affine(z), self.guards.apply(z));
         let (mut elapsed, mut rest, mut level) = (0.0, span, top);
-        while rest > 0.0 && *pieces <= most_pieces && z.iter().all(|x| x.is_finite()) {
+        while rest > 0.0 && *pieces <= most_pieces && in_bounds(z) {
             while level > 0 && self.ladder.rungs[level].span > rest {
                 level -= 1;
             }

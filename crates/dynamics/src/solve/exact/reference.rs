@@ -43,7 +43,7 @@ impl Reference {
         [scene.plant.mass_kg, scene.plant.lever_m] = self.plant;
         scene.plant.stops_rad = None;
         scene.environment = Environment::spring(self.spring[0], self.spring[1], self.spring[2]);
-        scene.motor.max_n = 1e300;
+        scene.motor.max_n = 1e30;
         scene.start = Start { theta_rad: self.start_rad, theta_dot_rad_s: 0.0 };
         scene.finger = self.finger.map(|(law, [mass_kg, stiffness_n_per_m, damping_ns_per_m])| Finger {
             law,

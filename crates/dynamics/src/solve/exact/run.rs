@@ -5,7 +5,7 @@ use super::compiled::Compiled;
 use super::work::Sums;
 use super::{Exact, Prepared};
 use crate::energy::EnergyBalance;
-use crate::error::{DynamicsError, Result};
+use crate::error::{DynamicsError, Result, in_bounds};
 use crate::solve::{Grid, shorten};
 use crate::system::region::Region;
 use crate::system::transition::EventKind;
@@ -256,7 +256,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
                 break;
             }
         }
-        if !self.z.iter().all(|x| x.is_finite()) {
+        if !in_bounds(&self.z) {
             return Err(DynamicsError::NotFinite { t_s: t + h, suspect: self.system.suspect() });
         }
         self.refresh();
