@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use zwidth_study::printable;
 
 /// Something wrong with a file of the store, or in reading or writing one.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -62,14 +63,14 @@ impl StoreError {
 
 impl fmt::Display for StoreError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path.display())?;
+        write!(f, "{}", printable(&self.path.to_string_lossy()))?;
         if let Some(column) = &self.column {
-            write!(f, ", column {column}")?;
+            write!(f, ", column {}", printable(column))?;
         }
         if let Some(row) = self.row {
             write!(f, ", row {row}")?;
         }
-        write!(f, ": {}; {}", self.what, self.remedy)
+        write!(f, ": {}; {}", printable(&self.what), printable(&self.remedy))
     }
 }
 
@@ -81,5 +82,11 @@ mod tests {
     fn an_error_says_file_column_row_what_and_remedy() {
         let error = StoreError::new(Path::new("a.parquet"), "NaN", "mend it").column("t_s").row0(2);
         assert_eq!(error.to_string(), "a.parquet, column t_s, row 3: NaN; mend it");
+    }
+
+    #[test]
+    fn a_name_with_a_line_feed_forges_no_line_and_one_with_escapes_steers_no_terminal() {
+        let error = StoreError::new(Path::new("a\nb: fine"), "'\u{1b}[2J'", "mend it").column("x\u{202e}");
+        assert_eq!(error.to_string(), r"a\nb: fine, column x\u{202e}: '\u{1b}[2J'; mend it");
     }
 }

@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// No voltage (V) and no force (N) of a characteristic is larger.
+const LARGEST: f64 = 1e6;
+
 /// What is wrong with a calibration, and how to mend it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("calibration: {actuator}: {problem}")]
@@ -59,8 +62,8 @@ impl Characteristic {
         if self.voltage_v.len() < 2 || self.voltage_v.len() != self.force_n.len() {
             return error("voltage_v and force_n need the same number of values, at least 2");
         }
-        if !self.voltage_v.iter().chain(&self.force_n).all(|x| x.is_finite()) {
-            return error("a value is not a finite number");
+        if !self.voltage_v.iter().chain(&self.force_n).all(|x| x.abs() <= LARGEST) {
+            return error("a value is not a finite number of at most 1e6");
         }
         if !rising(&self.voltage_v) || !rising(&self.force_n) {
             return error("voltage_v and force_n must rise, else no voltage belongs to a force");

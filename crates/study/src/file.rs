@@ -57,6 +57,7 @@ mod tests {
         check("id = \"passive\"", "id = \"sealed-1\"", "modes[1].id", "looks like the code");
         check("id = \"passive\"", "id = \"../x\"", "id", "not a valid mode id");
         check("theta_max_deg = 45.0", "theta_max_deg = -50.0", "device.theta_max_deg", "above");
+        check("wall_deg = 26.6", "wall_deg = 1e6", "environments[1].wall_deg", "from -36000 to 36000");
         check("wall_deg = 26.6", "wall_mm = 26.6", "environments[1].wall_mm", "no meaning");
         check("repeats = 6", "repeat = 6", "repeat", "unknown field");
         check("repeats = 6", "repeats = \"six\"", "repeats", "invalid type");
@@ -144,6 +145,31 @@ mod tests {
             assert_eq!(errors[0].key, key);
             assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
         }
+    }
+
+    #[test]
+    fn no_number_decides_how_much_memory_or_time_is_taken() {
+        check("rate_hz = 1000.0", "rate_hz = 1e-300", "control.rate_hz", "from 1e-9 to 1e9");
+        check("grid_points = 401", "grid_points = 4294967295", "analysis.grid_points", "at most 100000");
+        check("repeats = 6", "repeats = 50000", "design.repeats", "300003 trials in a session");
+        check("trial_limit_s = 4.0", "trial_limit_s = 80000.0", "design.trial_limit_s", "at most 4194304");
+        check("lever_m = 0.045", "lever_m = 1e-12", "device.lever_m", "from 1e-9");
+        let many = "[[questions]]\nid = \"q\"\ntext = \"t\"\n".repeat(5000);
+        let errors = Study::from_toml(&format!("{}\n{many}", sample())).unwrap_err();
+        assert!(errors.len() == 100, "{} errors: each costs a look for its line", errors.len());
+    }
+
+    #[test]
+    fn a_text_that_starts_a_line_or_turns_one_is_refused_and_never_shown_as_it_is() {
+        let text = sample();
+        let title = text.lines().find(|line| line.starts_with("title = ")).unwrap();
+        for bad in ["a\\nb", "\\u001b[2J", "\\u202Eabc", "\\u2066x"] {
+            check(title, &format!("title = \"{bad}\""), "study.title", "leave it out");
+        }
+        check(title, &format!("title = \"{}\"", "x".repeat(1001)), "study.title", "longer than 1000");
+        let errors = with_figures("\"a\\u001b[2J\\nb\" = 1").unwrap_err();
+        let told = errors[0].to_string();
+        assert!(!told.contains(['\u{1b}', '\n']) && told.contains(r"\u{1b}[2J\nb"), "{told:?}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Checked ids: nothing a user types becomes a path or a column value unchecked.
 
+use crate::printable;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -8,7 +9,10 @@ const MAX_LENGTH: usize = 32;
 
 /// An id that does not match `[A-Za-z0-9_-]{1,32}`.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("'{value}' is not a valid {what} id: use 1 to 32 of the letters A-Z a-z, digits, '_' and '-'")]
+#[error(
+    "'{}' is not a valid {what} id: use 1 to 32 of the letters A-Z a-z, digits, '_' and '-'",
+    printable(value)
+)]
 pub struct IdError {
     /// Which kind of id it should have been.
     pub what: &'static str,

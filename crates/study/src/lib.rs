@@ -14,6 +14,7 @@ mod id;
 mod locate;
 mod model;
 pub mod order;
+mod printable;
 mod sample;
 mod seal;
 mod session;
@@ -31,6 +32,7 @@ pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Likert, Masses, Mode, OrderScheme,
     Question, Scene, Spring, Study,
 };
+pub use printable::{printable, printable_lines};
 pub use sample::{Flags, Sample, Voltages};
 pub use seal::{Seal, SealError};
 pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};
@@ -42,7 +44,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 
 /// One thing wrong in a `study.toml`: where, what, and how to mend it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {key}: {problem}")]
+#[error("line {line}: {}: {}", printable(key), printable(problem))]
 pub struct StudyError {
     /// Line in the file, from 1.
     pub line: usize,

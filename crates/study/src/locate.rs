@@ -35,7 +35,12 @@ pub fn toml_error(text: &str, error: &toml::de::Error) -> StudyError {
     let source = text.lines().nth(line - 1).unwrap_or_default();
     let key = source.split('=').next().unwrap_or_default().trim();
     let key = if key.is_empty() { "(file)" } else { key };
-    StudyError { line, key: key.to_owned(), problem: error.message().to_owned() }
+    StudyError { line, key: key.to_owned(), problem: one_line(error.message()) }
+}
+
+/// The reader's message in one line: some of them say on a second one what was expected.
+fn one_line(message: &str) -> String {
+    message.lines().map(str::trim).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

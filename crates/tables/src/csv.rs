@@ -1,12 +1,16 @@
 //! CSV, for programs: RFC 4180, every digit, the table's own units.
 
 use crate::{Column, Table, Values};
+use std::borrow::Cow;
 
 /// The table as CSV (RFC 4180): a line of names, then the rows; commas, CRLF, UTF-8.
 ///
 /// Numbers are the shortest text that reads back as the same `f64`; null is an empty field and an empty text
 /// is `""`; yes and no are `true` and `false`. The title and the notes are left out: RFC 4180 has no comments,
 /// and a reader would take them for rows.
+///
+/// A text that a spreadsheet would run as a formula (it begins with `=`, `+`, `-`, `@`, or their wide forms, after spaces or
+/// not) gets an apostrophe in front, by which spreadsheets know text; numbers are never touched.
 pub fn csv(table: &Table) -> String {
     let columns = table.columns();
     let names = columns.iter().map(|c| quoted(&c.field.name)).collect();
@@ -19,10 +23,16 @@ fn field(column: &Column, row: usize) -> String {
     let text = match &column.values {
         Values::Float(v) => v[row].map(|v| format!("{:?}", v + 0.0)), // -0 + 0 is 0
         Values::Integer(v) => v[row].map(|v| v.to_string()),
-        Values::Text(v) => v[row].as_deref().map(quoted),
+        Values::Text(v) => v[row].as_deref().map(|text| quoted(&inert(text))),
         Values::Flag(v) => v[row].map(|v| v.to_string()),
     };
     text.unwrap_or_default()
+}
+
+/// The text, so that no spreadsheet runs it.
+fn inert(text: &str) -> Cow<'_, str> {
+    const STARTS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
+    if text.trim_start().starts_with(STARTS) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
 }
 
 fn quoted(text: &str) -> String {
@@ -56,6 +66,18 @@ mod tests {
         ] {
             assert_eq!(quoted(text), expect);
         }
+    }
+
+    #[test]
+    fn a_text_that_a_spreadsheet_would_run_begins_with_an_apostrophe_and_a_number_does_not() {
+        let texts =
+            ["=1+1", "+x", "-x", "@a", "\t=1", " =1", "＝1", "'=1", "a=b"].map(|t| Some(t.to_owned()));
+        let column = Column::text("x", "", texts);
+        let text = csv(&Table::new("t", "", vec![column]).unwrap());
+        let expect = ["'=1+1", "'+x", "'-x", "'@a", "'\t=1", "' =1", "'＝1", "'=1", "a=b"];
+        assert_eq!(text.lines().skip(1).collect::<Vec<_>>(), expect);
+        let column = Column::float("x", "1", "", [Some(-1.0)]);
+        assert_eq!(csv(&Table::new("t", "", vec![column]).unwrap()), "x\r\n-1.0\r\n");
     }
 
     #[test]

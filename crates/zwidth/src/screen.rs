@@ -4,6 +4,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal as _, Write as _};
+use zwidth_study::{printable, printable_lines};
 
 /// Where words go: results to standard output, progress and errors to standard error.
 pub(crate) struct Screen {
@@ -22,30 +23,44 @@ impl Screen {
 
     /// A result, on standard output. A reader that went away (`| head`) is no error.
     pub(crate) fn result(&self, text: impl AsRef<str>) {
-        let _ = writeln!(std::io::stdout(), "{}", text.as_ref().trim_end_matches('\n'));
+        let _ = writeln!(std::io::stdout(), "{}", printable_lines(text.as_ref().trim_end_matches('\n')));
+    }
+
+    /// A file's text, on standard output: as it is for a program that reads it, safe on a terminal.
+    pub(crate) fn file(&self, text: &str) {
+        if std::io::stdout().is_terminal() {
+            return self.result(text);
+        }
+        let _ = writeln!(std::io::stdout(), "{}", text.trim_end_matches('\n'));
     }
 
     /// A listing for machines.
     pub(crate) fn listing(&self, value: &impl Serialize) -> anyhow::Result<()> {
-        self.result(serde_json::to_string_pretty(value)?);
+        self.file(&serde_json::to_string_pretty(value)?);
         Ok(())
     }
 
     /// Something a person wants to know while the work goes on.
     pub(crate) fn say(&self, text: impl AsRef<str>) {
         if !self.quiet {
-            let _ = writeln!(std::io::stderr(), "{}", text.as_ref());
+            let _ = writeln!(std::io::stderr(), "{}", printable_lines(text.as_ref()));
         }
     }
 
     /// Something skipped or lost.
     pub(crate) fn warn(&self, text: impl AsRef<str>) {
-        let _ = writeln!(std::io::stderr(), "{} {}", self.paint("warning:", "33"), text.as_ref());
+        let _ = writeln!(
+            std::io::stderr(),
+            "{} {}",
+            self.paint("warning:", "33"),
+            printable_lines(text.as_ref())
+        );
     }
 
     /// What made the program fail.
     pub(crate) fn error(&self, error: &anyhow::Error) {
-        let _ = writeln!(std::io::stderr(), "{} {error:#}", self.paint("error:", "31"));
+        let text = format!("{error:#}");
+        let _ = writeln!(std::io::stderr(), "{} {}", self.paint("error:", "31"), printable_lines(&text));
     }
 
     /// A progress bar; none where nobody looks.
@@ -94,7 +109,7 @@ impl Bars {
     /// One job of the stage is done; `what` it was.
     pub(crate) fn done(&self, stage: &str, what: &str) {
         let Some(bar) = self.stages.get(stage) else { return };
-        bar.set_message(what.to_owned());
+        bar.set_message(printable(what).into_owned());
         bar.inc(1);
         if bar.length() == Some(bar.position()) {
             bar.finish_with_message("");

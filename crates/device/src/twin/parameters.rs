@@ -9,6 +9,9 @@ use std::f64::consts::FRAC_PI_4;
 use zwidth_dynamics::{DrivenParameters, Friction, Hand};
 use zwidth_study::Calibration;
 
+/// No number is larger, in its unit.
+const LARGEST: f64 = 1e9;
+
 /// The mechanical stops, rad (thesis Table 3).
 pub(crate) const STOPS_RAD: [f64; 2] = [-FRAC_PI_4, FRAC_PI_4];
 
@@ -140,8 +143,8 @@ impl TwinParameters {
         let mut copy = self.clone();
         for parameter in Self::table() {
             let value = *(parameter.field)(&mut copy);
-            if !(value.is_finite() && value >= 0.0) {
-                let allowed = "finite and not below 0";
+            if !(0.0..=LARGEST).contains(&value) {
+                let allowed = "finite and not below 0 (at most 1e9)";
                 return Err(DeviceError::Parameter { name: parameter.name, value, allowed });
             }
         }

@@ -23,6 +23,21 @@ const MOST_TRIALS: u32 = 100_000;
 const LONGEST_S: f64 = 86_400.0;
 /// No loop is asked to tick faster, Hz: a hundred times what hands feel.
 const FASTEST_HZ: f64 = 100_000.0;
+/// No trial has more samples: what is longer could not be read again.
+pub(super) const MOST_SAMPLES: f64 = 4_194_304.0;
+/// No mean has more points: no figure shows as many.
+const MOST_POINTS: usize = 100_000;
+/// No number is larger, nor one that divides smaller than its inverse, in the unit in which it is typed.
+const LARGEST: f64 = 1e9;
+/// No position lies further out: a hundred turns, or a hundred metres.
+const FARTHEST_DEG: f64 = 36_000.0;
+const FARTHEST_MM: f64 = 100_000.0;
+/// No study has more environments, modes or questions.
+const MOST_LISTED: usize = 1000;
+/// No title, label or question is longer, in characters.
+const LONGEST_TEXT: usize = 1000;
+/// So many problems are told at once.
+const MOST_ERRORS: usize = 100;
 
 impl Study {
     /// Reads and checks a `study.toml`. Every problem found is in the error, each with its key and line.
@@ -43,13 +58,19 @@ pub(super) struct Check<'a> {
 
 impl Check<'_> {
     pub(super) fn error(&mut self, key: &str, problem: String) {
+        if self.errors.len() >= MOST_ERRORS {
+            return;
+        }
         let line = locate::line_of(self.text, key);
         self.errors.push(StudyError { line, key: key.to_owned(), problem });
     }
 
     fn positive(&mut self, key: &str, value: f64) -> f64 {
-        if !(value.is_finite() && value > 0.0) {
-            self.error(key, format!("{value} must be a number above 0"));
+        if !(value > 0.0 && (1.0 / LARGEST..=LARGEST).contains(&value)) {
+            self.error(
+                key,
+                format!("{value} must be a number above 0, from {:e} to {LARGEST:e}", 1.0 / LARGEST),
+            );
         }
         value
     }
@@ -64,17 +85,69 @@ impl Check<'_> {
     }
 
     fn not_negative(&mut self, key: &str, value: f64) -> f64 {
-        if !(value.is_finite() && value >= 0.0) {
-            self.error(key, format!("{value} must be 0 or a number above it"));
+        if !(0.0..=LARGEST).contains(&value) {
+            self.error(key, format!("{value} must be 0 or a number above it, at most {LARGEST:e}"));
         }
         value
     }
 
-    fn finite(&mut self, key: &str, value: f64) -> f64 {
-        if !value.is_finite() {
-            self.error(key, format!("{value} must be a finite number"));
+    /// A number that lies no further from 0 than this.
+    fn near(&mut self, key: &str, value: f64, most: f64) -> f64 {
+        if !(value.abs() <= most) {
+            self.error(key, format!("{value} must be a finite number, from -{most} to {most}"));
         }
         value
+    }
+
+    /// A text that people will read: on one line, and not without end.
+    fn line(&mut self, key: &str, text: &str) {
+        let steers =
+            |c: char| c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        if let Some(c) = text.chars().find(|c| steers(*c)) {
+            let problem =
+                format!("holds {}, which starts a line or turns one; leave it out", c.escape_default());
+            self.error(key, problem);
+        }
+        if text.chars().count() > LONGEST_TEXT {
+            self.error(key, format!("is longer than {LONGEST_TEXT} characters; shorten it"));
+        }
+    }
+
+    /// Every text of the file.
+    fn lines(&mut self, file: &File) {
+        self.line("study.title", &file.study.title);
+        self.line("device.name", &file.device.name);
+        for (i, environment) in file.environments.iter().enumerate() {
+            self.line(&format!("environments[{i}].label"), &environment.label);
+        }
+        for (i, mode) in file.modes.iter().enumerate() {
+            self.line(&format!("modes[{i}].label"), &mode.label);
+        }
+        for (i, question) in file.questions.iter().enumerate() {
+            self.line(&format!("questions[{i}].text"), &question.text);
+            self.line(&format!("questions[{i}].group"), question.group.as_deref().unwrap_or_default());
+        }
+    }
+
+    /// The trials of a session, and the samples of one.
+    fn sizes(&mut self, file: &File) {
+        let DesignTable { repeats, familiarisation, trial_limit_s, .. } = file.design;
+        let conditions = file.environments.len().saturating_mul(file.modes.len()) as u64;
+        let trials = conditions.saturating_mul(repeats.into()).saturating_add(familiarisation.into());
+        if repeats <= MOST_TRIALS && trials > MOST_TRIALS.into() {
+            let problem =
+                format!("{trials} trials in a session must be at most {MOST_TRIALS}: fewer repeats");
+            self.error("design.repeats", problem);
+        }
+        let samples = trial_limit_s * file.control.rate_hz;
+        if trial_limit_s <= LONGEST_S && file.control.rate_hz <= FASTEST_HZ && samples > MOST_SAMPLES {
+            let problem = format!(
+                "at control.rate_hz = {} a trial could have {samples} samples; at most {MOST_SAMPLES} can be \
+                 read again: a shorter limit",
+                file.control.rate_hz
+            );
+            self.error("design.trial_limit_s", problem);
+        }
     }
 
     fn study(&mut self, file: File) -> Study {
@@ -84,6 +157,8 @@ impl Check<'_> {
                 format!("version {} is unknown; this software reads version {SCHEMA_VERSION}", file.schema),
             );
         }
+        self.lines(&file);
+        self.sizes(&file);
         let device = self.device(&file.device);
         let coordinate = self.coordinate(file.coordinate.kind, &device);
         self.unique("environments", file.environments.iter().map(|e| e.id.as_str()));
@@ -120,14 +195,17 @@ impl Check<'_> {
 
     fn unique<'b>(&mut self, list: &str, ids: impl Iterator<Item = &'b str>) {
         let mut seen = BTreeSet::new();
-        let mut empty = true;
+        let mut count = 0;
         for (i, id) in ids.enumerate() {
-            empty = false;
+            count = i + 1;
             if !seen.insert(id) {
                 self.error(&format!("{list}[{i}].id"), format!("'{id}' stands twice; ids must differ"));
             }
         }
-        if empty && list != "questions" {
+        if count > MOST_LISTED {
+            self.error(list, format!("the list has {count} entries; at most {MOST_LISTED} are allowed"));
+        }
+        if count == 0 && list != "questions" {
             self.error(list, "the list is empty; a study needs at least one".to_owned());
         }
     }
@@ -163,8 +241,12 @@ impl Check<'_> {
         Device {
             name: d.name.clone(),
             lever_m: d.lever_m.map(|v| self.positive("device.lever_m", v)),
-            theta_min_rad: d.theta_min_deg.map(|v| self.finite("device.theta_min_deg", v).to_radians()),
-            theta_max_rad: d.theta_max_deg.map(|v| self.finite("device.theta_max_deg", v).to_radians()),
+            theta_min_rad: d
+                .theta_min_deg
+                .map(|v| self.near("device.theta_min_deg", v, FARTHEST_DEG).to_radians()),
+            theta_max_rad: d
+                .theta_max_deg
+                .map(|v| self.near("device.theta_max_deg", v, FARTHEST_DEG).to_radians()),
             force_rate_hz: d.force_rate_hz.map(|v| self.positive("device.force_rate_hz", v)),
         }
     }
@@ -264,10 +346,9 @@ impl Check<'_> {
         };
         let key = format!("{at}.{key}");
         let value = self.required(&key, given.or(missing));
-        let value = self.finite(&key, value);
         match coordinate {
-            Coordinate::Rotational => value.to_radians(),
-            Coordinate::Linear { lever_m } => value * MILLI / lever_m,
+            Coordinate::Rotational => self.near(&key, value, FARTHEST_DEG).to_radians(),
+            Coordinate::Linear { lever_m } => self.near(&key, value, FARTHEST_MM) * MILLI / lever_m,
         }
     }
 
@@ -337,6 +418,9 @@ impl Check<'_> {
         }
         if a.grid_points < 2 {
             self.error("analysis.grid_points", format!("{} must be at least 2", a.grid_points));
+        }
+        if a.grid_points > MOST_POINTS {
+            self.error("analysis.grid_points", format!("{} must be at most {MOST_POINTS}", a.grid_points));
         }
         if !(a.confidence > 0.0 && a.confidence < 1.0) {
             self.error("analysis.confidence", format!("{} must lie between 0 and 1", a.confidence));

@@ -8,7 +8,7 @@ use clap::CommandFactory as _;
 pub(crate) fn completions(shell: clap_complete::Shell, screen: &Screen) -> anyhow::Result<Exit> {
     let mut text = Vec::new();
     clap_complete::generate(shell, &mut Args::command(), "zwidth", &mut text);
-    screen.result(String::from_utf8(text)?);
+    screen.file(&String::from_utf8(text)?);
     Ok(Exit::Fine)
 }
 

@@ -35,7 +35,7 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
     };
     let wanted = [(asked.format.into(), file.as_path())];
     for bytes in table.to_bytes(&wanted, data.study.coordinate, &BTreeMap::new())? {
-        screen.result(String::from_utf8(bytes)?);
+        screen.file(&String::from_utf8(bytes)?);
     }
     Ok(Exit::Fine)
 }
