@@ -4,38 +4,15 @@
 //! that would lie apart from all that was recorded before.
 
 use crate::AcquireError;
-use std::fs::{self, File, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zwidth_store::{Append, Entry, Files, StoreError};
+use zwidth_store::{Append, Entry, Files, Held, StoreError};
 
 /// A folder, and which one it was at the start.
-#[derive(Debug)]
 pub(crate) struct StudyFolder {
     path: PathBuf,
-    /// While it is open nothing else gets its identity.
-    #[cfg(unix)]
-    handle: File,
-    identity: Identity,
-}
-
-/// What tells a folder from any other that stands in its place.
-#[cfg(unix)]
-type Identity = (u64, u64);
-/// What tells a folder from most others that stand in its place: when it was made.
-#[cfg(not(unix))]
-type Identity = Option<std::time::SystemTime>;
-
-#[cfg(unix)]
-fn identity(of: &Metadata) -> Identity {
-    use std::os::unix::fs::MetadataExt as _;
-    (of.dev(), of.ino())
-}
-
-#[cfg(not(unix))]
-fn identity(of: &Metadata) -> Identity {
-    of.created().ok()
+    held: Box<dyn Held>,
 }
 
 impl StudyFolder {
@@ -43,27 +20,9 @@ impl StudyFolder {
     ///
     /// # Errors
     /// It is not there, or cannot be read.
-    pub(crate) fn open(path: &Path) -> Result<Self, StoreError> {
-        let opened = || {
-            #[cfg(unix)]
-            let handle = File::open(path)?;
-            #[cfg(unix)]
-            let identity = identity(&handle.metadata()?);
-            #[cfg(not(unix))]
-            let identity = identity(&fs::metadata(path)?);
-            Ok(Self {
-                path: path.to_owned(),
-                #[cfg(unix)]
-                handle,
-                identity,
-            })
-        };
-        opened().map_err(|e: io::Error| StoreError::io(path, "open the study's folder", &e))
-    }
-
-    /// Whether its path still leads to it.
-    fn is_there(&self) -> bool {
-        is(&self.path, self.identity)
+    pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
+        let held = files.hold(path).map_err(|e| StoreError::io(path, "open the study's folder", &e))?;
+        Ok(Self { path: path.to_owned(), held })
     }
 
     /// Nothing, as long as its path leads to it.
@@ -71,29 +30,11 @@ impl StudyFolder {
     /// # Errors
     /// It was moved or removed.
     pub(crate) fn check(&self) -> Result<(), AcquireError> {
-        if self.is_there() {
+        if self.held.is_there() {
             return Ok(());
         }
-        Err(AcquireError::Gone { folder: self.path.clone(), now: self.now() })
+        Err(AcquireError::Gone { folder: self.path.clone(), now: self.held.now() })
     }
-
-    /// Where it is now, as far as the system tells (Linux does).
-    #[cfg(unix)]
-    fn now(&self) -> Option<PathBuf> {
-        use std::os::fd::AsRawFd as _;
-        let now = fs::read_link(format!("/proc/self/fd/{}", self.handle.as_raw_fd())).ok()?;
-        is(&now, self.identity).then_some(now)
-    }
-
-    /// Where it is now: no other system tells.
-    #[cfg(not(unix))]
-    fn now(&self) -> Option<PathBuf> {
-        None
-    }
-}
-
-fn is(path: &Path, folder: Identity) -> bool {
-    fs::metadata(path).is_ok_and(|found| found.is_dir() && identity(&found) == folder)
 }
 
 /// The disk, of which nothing is touched once the study's folder is not where it was.
@@ -121,7 +62,7 @@ impl<'a> Within<'a> {
 /// What a write is told; the runner tells the whole of it ([`AcquireError::Gone`]).
 fn still_there(folder: &StudyFolder) -> io::Result<()> {
     let gone = || io::Error::new(io::ErrorKind::NotFound, "the study's folder is not where it was");
-    if folder.is_there() { Ok(()) } else { Err(gone()) }
+    if folder.held.is_there() { Ok(()) } else { Err(gone()) }
 }
 
 impl Files for Within<'_> {
@@ -135,6 +76,14 @@ impl Files for Within<'_> {
 
     fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
         self.files.read(path, most)
+    }
+
+    fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {
+        self.files.hold(folder)
+    }
+
+    fn make_private(&self, path: &Path) -> io::Result<()> {
+        self.there()?.make_private(path)
     }
 
     fn create_folder(&self, path: &Path) -> io::Result<()> {
@@ -190,6 +139,7 @@ impl Append for WithinFile {
 #[cfg(unix)]
 mod tests {
     use super::*;
+    use std::fs;
     use zwidth_store::{RealFiles, write_new};
 
     /// `raw/s` in a folder of its own, held.
@@ -197,7 +147,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("raw/s");
         fs::create_dir_all(&path).unwrap();
-        let files = Within::new(&RealFiles, StudyFolder::open(&path).unwrap());
+        let files = Within::new(&RealFiles, StudyFolder::open(&RealFiles, &path).unwrap());
         (root, path, files)
     }
 

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use zwidth_store::{Layout, StoreError, read_records};
+use zwidth_store::{Files, Layout, StoreError, read_records};
 use zwidth_study::{ParticipantId, SessionId, SessionRecord};
 
 /// The numbers of a session, and what is to be told of them.
@@ -27,13 +27,14 @@ pub fn number(id: &str) -> Option<u32> {
 /// # Errors
 /// A record that cannot be read, where an id without a number could stand in it.
 pub(crate) fn numbers(
+    files: &dyn Files,
     layout: &Layout,
     participant: &ParticipantId,
     session: &SessionId,
 ) -> Result<Numbers, StoreError> {
     let all = number(participant.as_str()).is_none() || number(session.as_str()).is_none();
     // Where every id has its number, nothing need be read: a whole simulated study is as fast as its trials.
-    let records = read_records(layout, &|path| all || may_lack_a_number(path))?;
+    let records = read_records(files, layout, &|path| all || may_lack_a_number(path))?;
     Ok(among(&records, participant, session))
 }
 
@@ -115,7 +116,8 @@ mod tests {
         }
 
         fn asked(&self, participant: &str, session: &str) -> Numbers {
-            numbers(&self.layout, &participant.parse().unwrap(), &session.parse().unwrap()).unwrap()
+            numbers(&RealFiles, &self.layout, &participant.parse().unwrap(), &session.parse().unwrap())
+                .unwrap()
         }
 
         /// Lays a session down; its numbers, and how many remarks there are.
@@ -166,7 +168,8 @@ mod tests {
         let study = Study::new();
         write_new(&RealFiles, &study.layout.sessions().join("P01_S01.json"), b"{").unwrap();
         assert_eq!(study.asked("P02", "S01").participant, 2);
-        let error = numbers(&study.layout, &"anna".parse().unwrap(), &"S01".parse().unwrap()).unwrap_err();
+        let error = numbers(&RealFiles, &study.layout, &"anna".parse().unwrap(), &"S01".parse().unwrap())
+            .unwrap_err();
         assert!(error.to_string().contains("P01_S01.json"), "{error}");
         assert!(
             !may_lack_a_number(Path::new("x/P01_S01.json")) && may_lack_a_number(Path::new("a_b1_S01.json"))

@@ -65,7 +65,7 @@ impl Session {
     /// # Errors
     /// A session on the disk that began with another study, device, calibration, rate or seed; one that cannot be
     /// read, or whose seal is not there; a study with an environment that no device renders.
-    pub fn open(plan: &Plan, device: &Capabilities) -> Result<Self, AcquireError> {
+    pub fn open(plan: &Plan, device: &Capabilities, files: &dyn Files) -> Result<Self, AcquireError> {
         if let Some(environment) = plan.study.environments.iter().find(|e| e.scene == Scene::None) {
             return Err(AcquireError::Refused {
                 what: format!(
@@ -76,7 +76,10 @@ impl Session {
             });
         }
         let path = plan.layout.session(&plan.participant, &plan.session);
-        if path.exists() { found(plan, device, &path) } else { drawn(plan, device) }
+        match files.kind(&path) {
+            Some(_) => found(plan, device, files, &path),
+            None => drawn(plan, device, files),
+        }
     }
 
     /// The order, each trial with the question that follows it.
@@ -108,7 +111,7 @@ impl Session {
     /// A write that failed.
     pub fn lay_down(&mut self, plan: &Plan, files: &dyn Files, utc: &str) -> Result<(), AcquireError> {
         if let Some(seal) = &self.seal {
-            vault::keep(&plan.keys, plan.layout.study(), &self.record, seal)?;
+            vault::keep(files, &plan.keys, plan.layout.study(), &self.record, seal)?;
         }
         lay_down(files, &plan.layout, utc, &self.record, &plan.study_toml)?;
         self.laid_down = true;
@@ -145,17 +148,17 @@ fn bare(plan: &Plan, device: &Capabilities) -> Result<SessionRecord, AcquireErro
     Ok(record)
 }
 
-fn drawn(plan: &Plan, device: &Capabilities) -> Result<Session, AcquireError> {
+fn drawn(plan: &Plan, device: &Capabilities, files: &dyn Files) -> Result<Session, AcquireError> {
     let mut record = bare(plan, device)?;
     let seed = match plan.seed {
         Some(seed) => seed,
         None if plan.study.design.blinded => {
-            vault::seed(&plan.keys, plan.layout.study(), || first_u64(&derived(plan, "seed")))?
+            vault::seed(files, &plan.keys, plan.layout.study(), || first_u64(&derived(plan, "seed")))?
         }
         None => seed_of(&plan.study),
     };
     let Numbers { participant: participant_number, session: session_number, remarks } =
-        numbers(&plan.layout, &plan.participant, &plan.session)?;
+        numbers(files, &plan.layout, &plan.participant, &plan.session)?;
     let scheme = plan.study.design.order;
     record.order = Some(OrderRecord { scheme, participant_number, session_number });
     let trials = order::draw(&plan.study, participant_number, session_number, seed);
@@ -175,8 +178,13 @@ fn drawn(plan: &Plan, device: &Capabilities) -> Result<Session, AcquireError> {
     Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, remarks })
 }
 
-fn found(plan: &Plan, device: &Capabilities, path: &Path) -> Result<Session, AcquireError> {
-    let data = StudyData::load(&plan.layout).map_err(first)?;
+fn found(
+    plan: &Plan,
+    device: &Capabilities,
+    files: &dyn Files,
+    path: &Path,
+) -> Result<Session, AcquireError> {
+    let data = StudyData::load_from(files, &plan.layout).map_err(first)?;
     let is_this = |p: &ParticipantId, s: &SessionId| *p == plan.participant && *s == plan.session;
     let log = data.sessions.iter().find(|log| is_this(&log.record.participant, &log.record.session));
     let Some(log) = log else {
@@ -190,7 +198,7 @@ fn found(plan: &Plan, device: &Capabilities, path: &Path) -> Result<Session, Acq
     }
     let seal = match (&log.seal, &log.record.commitment) {
         (Some(seal), _) => Some(seal.clone()),
-        (None, Some(_)) => Some(vault::find(&plan.keys, plan.layout.study(), &log.record)?),
+        (None, Some(_)) => Some(vault::find(files, &plan.keys, plan.layout.study(), &log.record)?),
         (None, None) => None,
     };
     let modes = match &seal {

@@ -6,15 +6,19 @@
 //! ```
 //!
 //! With the commitment in its name a seal is never taken for that of another study of the same id. Opened seals
-//! stay: the event log holds them too.
+//! stay: the event log holds them too. Seeds and seals are for this user alone: files 0600, the study's folder and those
+//! that had to be made 0700, whatever the umask says.
 
 use crate::AcquireError;
+use std::io;
 use std::path::{Path, PathBuf};
-use zwidth_store::{RealFiles, StoreError, write_new};
+use zwidth_store::{Files, StoreError, keep_private, write_private};
 use zwidth_study::{ParticipantId, Seal, SessionId, SessionRecord, StudyId};
 
 /// Digits of the commitment in a seal's name: enough to tell any two apart.
 const DIGITS: usize = 16;
+/// Largest seal that is read, bytes: that of a hundred thousand trials.
+const MOST_SEAL: u64 = 1 << 23;
 
 /// Where a session's seal lies.
 pub fn seal_path(
@@ -32,20 +36,37 @@ pub fn seal_path(
 ///
 /// # Errors
 /// A folder that cannot be written.
-pub fn keep(folder: &Path, study: &StudyId, record: &SessionRecord, seal: &Seal) -> Result<(), AcquireError> {
+pub fn keep(
+    files: &dyn Files,
+    folder: &Path,
+    study: &StudyId,
+    record: &SessionRecord,
+    seal: &Seal,
+) -> Result<(), AcquireError> {
     let path = seal_path(folder, study, &record.participant, &record.session, &seal.commitment());
     let text = seal.to_json().map_err(|e| StoreError::new(&path, e.to_string(), "please report this"))?;
-    if std::fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
-        return Ok(());
+    if files.read(&path, MOST_SEAL).is_ok_and(|there| there == text.as_bytes()) {
+        return ours_alone(files, &path);
     }
-    Ok(write_new(&RealFiles, &path, text.as_bytes())?)
+    Ok(write_private(files, &path, text.as_bytes())?)
+}
+
+/// Keeps a file that is there, and its folder, for this user alone: it may come from where nobody saw to that.
+fn ours_alone(files: &dyn Files, path: &Path) -> Result<(), AcquireError> {
+    path.parent().map_or(Ok(()), |folder| keep_private(files, folder))?;
+    Ok(keep_private(files, path)?)
 }
 
 /// The seal of a sealed session.
 ///
 /// # Errors
 /// It is not there, it is no seal, or it does not fit the session's commitment.
-pub fn find(folder: &Path, study: &StudyId, record: &SessionRecord) -> Result<Seal, AcquireError> {
+pub fn find(
+    files: &dyn Files,
+    folder: &Path,
+    study: &StudyId,
+    record: &SessionRecord,
+) -> Result<Seal, AcquireError> {
     let Some(commitment) = &record.commitment else {
         return Err(AcquireError::Refused {
             what: format!("session {} of {} is not sealed", record.session, record.participant),
@@ -53,7 +74,7 @@ pub fn find(folder: &Path, study: &StudyId, record: &SessionRecord) -> Result<Se
         });
     };
     let path = seal_path(folder, study, &record.participant, &record.session, commitment);
-    let text = std::fs::read_to_string(&path).map_err(|e| {
+    let text = text(files, &path).map_err(|e| {
         let remedy =
             "the seal lies where the session was begun: name that folder with --key, or copy the file here";
         StoreError::new(&path, format!("cannot read the session's seal: {e}"), remedy)
@@ -64,24 +85,37 @@ pub fn find(folder: &Path, study: &StudyId, record: &SessionRecord) -> Result<Se
     Ok(seal)
 }
 
+fn text(files: &dyn Files, path: &Path) -> io::Result<String> {
+    String::from_utf8(files.read(path, MOST_SEAL)?)
+        .map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e.utf8_error()))
+}
+
 /// The study's secret seed: the order of a sealed session must not follow from anything in the data.
 ///
 /// # Errors
 /// A folder that cannot be written, or a file that holds no number.
-pub fn seed(folder: &Path, study: &StudyId, draw: impl FnOnce() -> u64) -> Result<u64, AcquireError> {
+pub fn seed(
+    files: &dyn Files,
+    folder: &Path,
+    study: &StudyId,
+    draw: impl FnOnce() -> u64,
+) -> Result<u64, AcquireError> {
     let path = folder.join(study.as_str()).join("seed");
-    if !path.exists() {
-        write_new(&RealFiles, &path, format!("{}\n", draw()).as_bytes())?;
+    if files.kind(&path).is_none() {
+        write_private(files, &path, format!("{}\n", draw()).as_bytes())?;
+    } else {
+        ours_alone(files, &path)?;
     }
-    let text = std::fs::read_to_string(&path).map_err(|e| StoreError::io(&path, "read", &e))?;
+    let text = text(files, &path).map_err(|e| StoreError::io(&path, "read", &e))?;
     let wrong =
-        |_| StoreError::new(&path, format!("'{}' is no seed", text.trim()), "restore the file from a copy");
+        |_| StoreError::new(&path, "it holds no seed, a number below 2⁶⁴", "restore the file from a copy");
     Ok(text.trim().parse().map_err(wrong)?)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_store::RealFiles;
     use zwidth_study::Source;
 
     fn sealed() -> (SessionRecord, Seal) {
@@ -103,20 +137,22 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let study = "s".parse().unwrap();
         let (mut record, seal) = sealed();
-        keep(folder.path(), &study, &record, &seal).unwrap();
-        keep(folder.path(), &study, &record, &seal).unwrap();
-        assert_eq!(find(folder.path(), &study, &record).unwrap(), seal);
+        keep(&RealFiles, folder.path(), &study, &record, &seal).unwrap();
+        keep(&RealFiles, folder.path(), &study, &record, &seal).unwrap();
+        assert_eq!(find(&RealFiles, folder.path(), &study, &record).unwrap(), seal);
         record.commitment = Some("0".repeat(64));
-        assert!(find(folder.path(), &study, &record).unwrap_err().to_string().contains("--key"));
+        assert!(find(&RealFiles, folder.path(), &study, &record).unwrap_err().to_string().contains("--key"));
         record.commitment = None;
-        assert!(find(folder.path(), &study, &record).unwrap_err().to_string().contains("not sealed"));
+        assert!(
+            find(&RealFiles, folder.path(), &study, &record).unwrap_err().to_string().contains("not sealed")
+        );
     }
 
     #[test]
     fn a_study_keeps_its_first_seed() {
         let folder = tempfile::tempdir().unwrap();
         let study = "s".parse().unwrap();
-        assert_eq!(seed(folder.path(), &study, || 5).unwrap(), 5);
-        assert_eq!(seed(folder.path(), &study, || 6).unwrap(), 5);
+        assert_eq!(seed(&RealFiles, folder.path(), &study, || 5).unwrap(), 5);
+        assert_eq!(seed(&RealFiles, folder.path(), &study, || 6).unwrap(), 5);
     }
 }

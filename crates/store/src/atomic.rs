@@ -4,6 +4,7 @@
 //! what was not synced).
 
 use crate::StoreError;
+use crate::held::{Held, hold};
 use crate::regular::{open_as, read_regular};
 use std::fs::{self, File};
 use std::io::{self, Write as _};
@@ -36,6 +37,15 @@ pub trait Files: Sync {
     /// Reads a regular file of at most `most` bytes whole.
     fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
         read_regular(path, most)
+    }
+    /// Holds a folder open, so that it is known again wherever it goes.
+    fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {
+        hold(folder)
+    }
+    /// Keeps a file or a folder for this user alone: 0600 and 0700, whatever the umask says. Systems without such modes
+    /// have it as its folder has it.
+    fn make_private(&self, path: &Path) -> io::Result<()> {
+        made_private(path)
     }
     /// Creates one folder; none is made where there is one.
     fn create_folder(&self, path: &Path) -> io::Result<()>;
@@ -110,6 +120,23 @@ impl Append for File {
     }
 }
 
+#[cfg(unix)]
+fn made_private(path: &Path) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt as _;
+    let mode = match entry(&path.symlink_metadata()?) {
+        Entry::File => 0o600,
+        Entry::Folder => 0o700,
+        // What it leads to is somebody else's.
+        Entry::Link | Entry::Special => return Err(io::ErrorKind::InvalidInput.into()),
+    };
+    fs::set_permissions(path, fs::Permissions::from_mode(mode))
+}
+
+#[cfg(not(unix))]
+fn made_private(_path: &Path) -> io::Result<()> {
+    Ok(())
+}
+
 /// Opens a regular file at its end, or creates it. A link is not followed.
 ///
 /// # Errors
@@ -148,9 +175,15 @@ fn listed(folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
 /// Creates every missing folder of `path`, each with its name synced: a file in a folder whose own name is lost is
 /// lost too.
 pub(crate) fn create_folders(files: &dyn Files, path: &Path) -> io::Result<()> {
+    create_each(files, path, |_| Ok(()))
+}
+
+/// The same, with something done to each folder as soon as it is there.
+fn create_each(files: &dyn Files, path: &Path, then: impl Fn(&Path) -> io::Result<()>) -> io::Result<()> {
     let missing: Vec<&Path> = path.ancestors().take_while(|p| files.kind(p).is_none()).collect();
     missing.into_iter().rev().filter(|p| *p != Path::new("")).try_for_each(|folder| {
         files.create_folder(folder)?;
+        then(folder)?;
         files.sync_folder(folder_of(folder))
     })
 }
@@ -179,11 +212,43 @@ pub fn write_new(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), Sto
 pub fn replace(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     let folder = folder_of(path);
     create_folders(files, folder).map_err(|e| StoreError::io(folder, "create the folder", &e))?;
+    place(files, path, |beside| files.write_synced(beside, bytes))
+}
+
+/// Writes a new file as a whole that this user alone can read, in a folder that nobody else can enter, whatever the
+/// umask says. Folders that are missing are made so too.
+///
+/// # Errors
+/// A file that is there already; a write that failed; a folder that is another user's or lies on a disk without modes.
+pub fn write_private(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    if files.kind(path).is_some() {
+        return Err(StoreError::io(path, "write", &io::ErrorKind::AlreadyExists.into()));
+    }
+    let folder = folder_of(path);
+    // Each at once: a umask may keep even its owner out of a folder, and nothing else could be made in it.
+    let made = create_each(files, folder, |folder| files.make_private(folder));
+    made.map_err(|e| StoreError::io(folder, "create the folder", &e))?;
+    keep_private(files, folder)?;
+    place(files, path, |beside| {
+        files.write_synced(beside, bytes)?;
+        files.make_private(beside)
+    })
+}
+
+/// Keeps a file or a folder that is there for this user alone.
+///
+/// # Errors
+/// It is another user's, or lies on a disk without modes.
+pub fn keep_private(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
+    files.make_private(path).map_err(|e| StoreError::io(path, "keep from other users", &e))
+}
+
+/// Writes beside a path, and gives what was written its name.
+fn place(files: &dyn Files, path: &Path, write: impl Fn(&Path) -> io::Result<()>) -> Result<(), StoreError> {
     let beside = temporary(path);
-    let placed = files
-        .write_synced(&beside, bytes)
+    let placed = write(&beside)
         .and_then(|()| files.rename(&beside, path))
-        .and_then(|()| files.sync_folder(folder));
+        .and_then(|()| files.sync_folder(folder_of(path)));
     placed.map_err(|e| {
         // The first error is the one to report; a temporary file that cannot be removed is swept up by `verify`.
         let _ = files.remove(&beside);

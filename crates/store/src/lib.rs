@@ -18,6 +18,7 @@ mod faulty;
 mod frame;
 mod hash;
 mod head;
+mod held;
 pub mod import;
 mod journal;
 mod laid;
@@ -39,12 +40,15 @@ mod verify;
 mod walk;
 mod write;
 
-pub use atomic::{Append, Entry, Files, RealFiles, append_to, replace, write_new};
+pub use atomic::{
+    Append, Entry, Files, RealFiles, append_to, keep_private, replace, write_new, write_private,
+};
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;
 pub use events::{append_events, read_events};
 pub use hash::{file_blake3, hex_blake3};
+pub use held::Held;
 pub use journal::Journal;
 pub use laid::{laid_down, lay_down, record_bytes};
 pub use layout::Layout;

@@ -4,7 +4,7 @@
 //! Beside what a process sees (the page cache) it keeps what is durable: a file's content from its last sync, a name
 //! from the last sync of its folder. [`Memory::restart`] leaves what outlives a kill or a power cut.
 
-use crate::{Append, Entry, Files};
+use crate::{Append, Entry, Files, Held};
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -243,6 +243,23 @@ impl Files for Memory {
         Ok(bytes.clone())
     }
 
+    fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {
+        let state = self.state();
+        state.look()?;
+        match state.live.get(folder) {
+            Some(Node::Folder) => Ok(Box::new(HeldFolder { disk: self.clone(), path: folder.to_owned() })),
+            Some(Node::File(_)) => Err(io::Error::from(ErrorKind::NotADirectory)),
+            None => Err(io::Error::from(ErrorKind::NotFound)),
+        }
+    }
+
+    fn make_private(&self, path: &Path) -> io::Result<()> {
+        // Whoever has this disk is alone with it.
+        let state = self.state();
+        state.look()?;
+        state.live.get(path).map(drop).ok_or_else(|| io::Error::from(ErrorKind::NotFound))
+    }
+
     fn create_folder(&self, path: &Path) -> io::Result<()> {
         let mut state = self.state();
         state.step(false)?;
@@ -304,6 +321,22 @@ impl Files for Memory {
             Some(_) => Err(io::Error::from(ErrorKind::DirectoryNotEmpty)),
             None => Err(io::Error::from(ErrorKind::NotFound)),
         }
+    }
+}
+
+/// A folder of this disk. None can be moved, and one that is made anew cannot be told from it.
+struct HeldFolder {
+    disk: Memory,
+    path: PathBuf,
+}
+
+impl Held for HeldFolder {
+    fn is_there(&self) -> bool {
+        self.disk.kind(&self.path) == Some(Entry::Folder)
+    }
+
+    fn now(&self) -> Option<PathBuf> {
+        None
     }
 }
 

@@ -6,7 +6,7 @@ use crate::read::read_trial_from;
 use crate::regular::text;
 use crate::sealed::known;
 use crate::walk::files_below;
-use crate::{Entry, Files, Layout, RealFiles, SessionLog, Signal, StoreError, TrialEntry};
+use crate::{Entry, Files, Layout, SessionLog, Signal, StoreError, TrialEntry};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -73,12 +73,13 @@ fn read_session(
 /// # Errors
 /// The first of them that cannot be read.
 pub fn read_records(
+    files: &dyn Files,
     layout: &Layout,
     wanted: &dyn Fn(&Path) -> bool,
 ) -> Result<Vec<SessionRecord>, StoreError> {
-    let mut paths = files_below(&RealFiles, &layout.sessions())?;
+    let mut paths = files_below(files, &layout.sessions())?;
     paths.retain(|path| path.extension().is_some_and(|e| e == "json") && wanted(path));
-    let read = |path: &PathBuf| record_from(path, &text(&RealFiles, path, MOST_RECORD)?);
+    let read = |path: &PathBuf| record_from(path, &text(files, path, MOST_RECORD)?);
     paths.iter().map(read).collect()
 }
 

@@ -36,7 +36,7 @@ pub struct Parts<'a> {
     pub device: &'a mut dyn Device,
     /// Its time.
     pub clock: &'a mut dyn Clock,
-    /// The disk.
+    /// The disk: everything that a session reads and writes goes through it.
     pub files: &'a dyn Files,
     /// Who sits before it.
     pub front: &'a mut dyn Front,
@@ -118,7 +118,7 @@ pub fn run<'a>(
         guard.admit(mode, &plan.calibration)?;
     }
     let rate_hz = rate_hz(&plan.study, &capabilities)?;
-    let files = Within::new(files, StudyFolder::open(&plan.layout.raw())?);
+    let files = Within::new(files, StudyFolder::open(files, &plan.layout.raw())?);
     let folder = files.clone();
     let (flow, first) = Flow::begin(
         session.order(&plan.study),

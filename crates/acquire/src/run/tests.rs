@@ -1,3 +1,4 @@
+mod in_memory;
 #[cfg(unix)]
 mod moved;
 mod slow_disk;
@@ -70,7 +71,7 @@ impl Desk {
         files: &dyn Files,
         front: &mut dyn Front,
     ) -> Result<Outcome, AcquireError> {
-        let session = Session::open(&self.plan, device.capabilities())?;
+        let session = Session::open(&self.plan, device.capabilities(), files)?;
         let mut clock = SimulatedClock::new(1);
         let parts = Parts { device, clock: &mut clock, files, front, utc: &|_| UTC.to_owned() };
         run(&self.plan, session, &self.options, parts)
@@ -293,8 +294,9 @@ fn a_session_refuses_another_device_study_or_calibration_and_says_which() {
     let desk = Desk::new(false);
     let mut quits = somebody(|view: &View| (view.done == 1).then_some(Input::Quit));
     desk.run(&mut Mock::default(), &RealFiles, &mut quits).unwrap();
-    let refused =
-        |plan: &Plan, device: &Mock| Session::open(plan, device.capabilities()).unwrap_err().to_string();
+    let refused = |plan: &Plan, device: &Mock| {
+        Session::open(plan, device.capabilities(), &RealFiles).unwrap_err().to_string()
+    };
     let mut other = Mock::default();
     other.capabilities.name = "mock 2".to_owned();
     assert!(refused(&desk.plan, &other).contains("the device is mock 2, and was mock 1"));
@@ -331,7 +333,7 @@ fn a_blinded_session_shows_neither_modes_nor_voltages_and_its_files_hold_codes()
     }
     let record = &data.sessions[0].record;
     assert_eq!((record.seed, verify(&desk.plan.layout)), (None, vec![]));
-    let seal = crate::vault::find(&desk.plan.keys, desk.plan.layout.study(), record).unwrap();
+    let seal = crate::vault::find(&RealFiles, &desk.plan.keys, desk.plan.layout.study(), record).unwrap();
     append_events(&RealFiles, &data.sessions[0].events_path, UTC, &[seal.event()]).unwrap();
     assert_eq!(desk.data().counting().count(), TRIALS - 1);
 }
@@ -343,11 +345,13 @@ fn a_blinded_session_cut_short_resumes_from_its_seal_and_repeats_keep_their_mode
     desk.run(&mut Mock::default(), &full, &mut diligent()).unwrap_err();
     recover(&RealFiles, &desk.plan.layout, UTC);
     let elsewhere = Plan { keys: PathBuf::from("/nonexistent"), ..desk.plan.clone() };
-    let error = Session::open(&elsewhere, Mock::default().capabilities()).unwrap_err().to_string();
+    let error =
+        Session::open(&elsewhere, Mock::default().capabilities(), &RealFiles).unwrap_err().to_string();
     assert!(error.contains("--key"), "{error}");
     desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
     let log = desk.data().sessions[0].clone();
-    let seal = crate::vault::find(&desk.plan.keys, desk.plan.layout.study(), &log.record).unwrap();
+    let seal =
+        crate::vault::find(&RealFiles, &desk.plan.keys, desk.plan.layout.study(), &log.record).unwrap();
     append_events(&RealFiles, &log.events_path, UTC, &[seal.event()]).unwrap();
     let data = desk.data();
     assert_eq!(verify(&desk.plan.layout), []);

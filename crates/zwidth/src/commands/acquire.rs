@@ -43,7 +43,7 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         keys,
         secret: secret()?,
     };
-    let laid = Session::open(&plan, device.capabilities())?;
+    let laid = Session::open(&plan, device.capabilities(), &RealFiles)?;
     let options = Options {
         live: !command.fast,
         answers: command.auto,

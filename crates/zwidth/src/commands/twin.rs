@@ -127,7 +127,7 @@ fn one(
         stop: Default::default(),
         quit: Default::default(),
     };
-    let laid = Session::open(&plan, device.capabilities())?;
+    let laid = Session::open(&plan, device.capabilities(), &Unsynced)?;
     let mut clock = SimulatedClock::new(mixed(seed, &["clock", participant.as_str(), session.as_str()]));
     let begin = begin(participant, session)?;
     let utc = |now_s: f64| later(begin, now_s);

@@ -31,7 +31,7 @@ pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::
             command.session
         );
     }
-    let seal = vault::find(&keys(&command.keys, true)?, layout.study(), &log.record)?;
+    let seal = vault::find(&RealFiles, &keys(&command.keys, true)?, layout.study(), &log.record)?;
     seal.opened(&log.record.trials)?;
     append_events(&RealFiles, &log.events_path, &now(), &[seal.event()])?;
     screen.result(format!(
