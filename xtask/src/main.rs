@@ -16,6 +16,8 @@ cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count wh
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
 cargo xtask bits [renew]               the main job's bytes: one thread, many, other processors (qemu-user), as written down
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
+cargo xtask soak simulate [SEEDS [FIRST]] whole sessions in memory with faults drawn from a seed each [100000, from 0]
+cargo xtask soak simulate-twin [SEEDS [FIRST]] the same with the simulated device and participant [1000, from 0]
 cargo xtask soak properties [CASES [SEED]] fresh cases for every random property [1000000, a new seed]
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
 
@@ -41,6 +43,14 @@ fn main() -> anyhow::Result<()> {
         ["bits", "renew"] => bits::compare(&soak::program()?, &scratch("bits"), true),
         ["soak", "coverage", rest @ ..] => {
             soak::coverage::coverage(&soak::program()?, &scratch("coverage"), number(rest.first(), 400)?)
+        }
+        ["soak", "simulate", rest @ ..] => {
+            let seeds = number(rest.first(), 100_000)?;
+            soak::simulate::simulate(soak::simulate::With::Mock, seeds, number(rest.get(1), 0)?)
+        }
+        ["soak", "simulate-twin", rest @ ..] => {
+            let seeds = number(rest.first(), 1000)?;
+            soak::simulate::simulate(soak::simulate::With::Twin, seeds, number(rest.get(1), 0)?)
         }
         ["soak", "properties", rest @ ..] => {
             let fresh = jiff::Timestamp::now().as_microsecond().unsigned_abs();

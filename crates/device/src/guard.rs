@@ -228,7 +228,7 @@ impl Guard {
     }
 
     /// A leaky bucket of lost time.
-    fn keep_time(&mut self, elapsed_s: f64, missed_s: f64) -> Result<(), Trip> {
+    pub(crate) fn keep_time(&mut self, elapsed_s: f64, missed_s: f64) -> Result<(), Trip> {
         let limit_s = away_s(self.capabilities.rate_hz);
         self.lost_s = (self.lost_s - FORGIVEN * elapsed_s).max(0.0) + missed_s;
         if self.lost_s > limit_s { Err(Trip::Deadlines { lost_s: self.lost_s, limit_s }) } else { Ok(()) }

@@ -131,7 +131,7 @@ fn ticks(
             return TrialEnd::Stopped;
         }
         if tick.now_s - start_s >= plan.cue.limit_s {
-            return TrialEnd::Limit;
+            return output.in_time(&tick).map_or_else(TrialEnd::Tripped, |()| TrialEnd::Limit);
         }
         let sample = match step(output, clock, controller, &mut velocity, &tick, start_s) {
             Ok(sample) => sample,

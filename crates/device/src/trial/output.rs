@@ -36,6 +36,11 @@ impl<'a> Output<'a> {
         Ok((reading, seen))
     }
 
+    /// Whether the loop came to this tick in time: one that slept through the rest of a trial has not recorded it.
+    pub(crate) fn in_time(&mut self, tick: &Tick) -> Result<(), Trip> {
+        self.guard.keep_time(tick.now_s - self.looked_s, tick.missed_s)
+    }
+
     /// Writes what the guard permits of the voltages; these, and whether that is less.
     pub(crate) fn command(&mut self, now_s: f64, asked: Voltages) -> Result<(Voltages, bool), Trip> {
         let (voltages, clipped) = self.guard.permit(asked)?;

@@ -297,6 +297,21 @@ fn a_burst_of_missed_deadlines_ends_at_0_v_and_a_hiccup_is_only_counted() {
     assert!(run.timing.lateness.max_s() >= 0.03);
 }
 
+/// Found by seed 3013 of `cargo xtask soak simulate`: a machine that slept from a trial's start to beyond its end left a
+/// complete trial without a sample.
+#[test]
+fn a_loop_that_sleeps_through_the_rest_of_a_trial_has_not_completed_it() {
+    for at_s in [0.0, FAULT_S, 3.99] {
+        let mut bench = bench(Mock::new(|_| (-FRAC_PI_4, 3.0)));
+        let mut clock =
+            Stalling { clock: SimulatedClock::new(1), at_s, away_s: 3600.0, every: None, waits: 0 };
+        let mut sink = |_: &Sample| ControlFlow::Continue(());
+        let run = bench.run_with(&mut clock, &AtomicBool::new(false), &mut sink);
+        assert!(matches!(run.end, TrialEnd::Tripped(Trip::Deadlines { .. })), "{at_s}: {:?}", run.end);
+        assert_eq!(bench.device.writes.last().map(|(_, v)| *v), Some(Voltages::OFF));
+    }
+}
+
 #[test]
 fn deadlines_missed_all_the_time_trip_above_one_in_twenty() {
     let (run, _) = stalled(TICK_S, Some(5));

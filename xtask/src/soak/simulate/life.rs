@@ -1,0 +1,221 @@
+//! The lives of a session, and what must hold after each.
+
+use super::person::Person;
+use super::world::{Draw, Late, Trouble, study, told};
+use super::{Counts, With};
+use jiff::{SignedDuration, Timestamp};
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use zwidth_acquire::{Options, Outcome, Parts, Session, run};
+use zwidth_device::mock::{Fault as DeviceFault, Mock};
+use zwidth_device::{Device, Person as Hand, Twin, TwinParameters};
+use zwidth_store::{Memory, StudyData, Survives, TrialEntry, hex_blake3, recover, verify_from};
+use zwidth_study::{Status, Voltages};
+
+/// Lives that go wrong, at most, before the one that ends the session.
+const MOST_LIVES: u64 = 4;
+/// Lives that end a session once nothing goes wrong any more: a stop within one may send the person home.
+const LAST_LIVES: u64 = 3;
+/// The first day of the simulation.
+const BEGIN: &str = "2026-01-01T08:00:00Z";
+/// The board's watchdog has run out by then, s.
+const LATER_S: f64 = 1.0;
+
+/// The files of a disk.
+type Disk = BTreeMap<PathBuf, Vec<u8>>;
+
+/// Records the session of a seed in several lives; the disk that it leaves.
+///
+/// # Errors
+/// What was promised and did not hold.
+pub(super) fn session(with: With, seed: u64, counts: &mut Counts) -> Result<Disk, String> {
+    let mut desk = Desk::new(with, seed)?;
+    let lives = Draw::new(seed, 2).below(MOST_LIVES + 1);
+    for life in 0..lives {
+        let trouble = Trouble::draw(&mut Draw::new(seed, 10 + life));
+        trouble.words().into_iter().for_each(|word| *counts.entry(word).or_default() += 1);
+        let left = desk.live(life, &trouble, false).map_err(|why| format!("life {life}: {why}"))?;
+        *counts.entry(if left.is_ok() { "lives left in order" } else { "lives cut short" }).or_default() += 1;
+    }
+    for life in lives..lives + LAST_LIVES {
+        let outcome = desk.live(life, &Trouble::none(), true).map_err(|why| format!("last life: {why}"))?;
+        let outcome = outcome.map_err(|why| format!("the last life ended with: {why}"))?;
+        if outcome.done == outcome.total {
+            *counts.entry("trials that were finished and stayed").or_default() += desk.finished.len() as u64;
+            return Ok(desk.disk.below(Path::new("/")));
+        }
+    }
+    Err("the session does not come to its end".to_owned())
+}
+
+/// A session on a disk that loses everything once: what must be found out.
+#[cfg(test)]
+pub(super) fn session_on_a_liar(seed: u64) -> Result<(), String> {
+    let mut desk = Desk::new(With::Mock, seed)?;
+    desk.live(0, &Trouble::none(), true)?.map_err(told)?;
+    let lost = desk.finished.keys().next().cloned().ok_or("no trial")?;
+    let without: Disk =
+        desk.disk.below(Path::new("/")).into_iter().filter(|(path, _)| *path != lost).collect();
+    desk.disk = Memory::new();
+    without.iter().for_each(|(path, bytes)| desk.disk.put(path, bytes));
+    desk.settle().map(drop)
+}
+
+struct Desk {
+    seed: u64,
+    with: With,
+    disk: Memory,
+    plan: zwidth_acquire::Plan,
+    /// The session's record, once it lies there: its hash.
+    record: Option<String>,
+    /// The files of finished trials, and their hashes.
+    finished: BTreeMap<PathBuf, String>,
+}
+
+impl Desk {
+    fn new(with: With, seed: u64) -> Result<Self, String> {
+        let (disk, plan) = study(seed)?;
+        Ok(Self { seed, with, disk, plan, record: None, finished: BTreeMap::new() })
+    }
+
+    /// One life, and what must hold after it; how it was left.
+    fn live(
+        &mut self,
+        life: u64,
+        trouble: &Trouble,
+        diligent: bool,
+    ) -> Result<Result<Outcome, String>, String> {
+        if let Some((steps, fault)) = trouble.disk {
+            self.disk.fail_in(steps, fault);
+        }
+        let mut draw = Draw::new(self.seed, 20 + life);
+        let mut person = Person::new(&mut draw, diligent);
+        let mut mock = Mock::default();
+        mock.faults.extend(trouble.device);
+        let mut clock = Late::new(self.seed, trouble.late.then(|| Draw::new(self.seed, 30 + life)));
+        let utc = time_of_day(life, trouble.jumps)?;
+        let outcome = match self.with {
+            With::Mock => {
+                // A device whose code fails takes the program with it, on a simulated clock: nobody stands between.
+                let recorded = || self.record(&mut mock, &mut clock, &mut person, &utc);
+                let caught = catch_unwind(AssertUnwindSafe(recorded));
+                let asked = matches!(trouble.device, Some((_, DeviceFault::Panic)));
+                match caught {
+                    Ok(outcome) => outcome,
+                    Err(_) if asked => Err("the device's code failed".to_owned()),
+                    Err(panic) => resume_unwind(panic),
+                }
+            }
+            With::Twin => self.record(&mut twin(self.seed)?, &mut clock, &mut person, &utc),
+        };
+        let shown = person.done;
+        if self.with == With::Mock {
+            is_at_0_v(&mock, trouble)?;
+        }
+        self.disk.restart(trouble.survives);
+        let done = self.settle()?;
+        // A person who asked for a trial again, or a life that never saw the session, promises nothing.
+        if done < shown && trouble.survives == Survives::Everything {
+            return Err(format!("{shown} trials were shown as done, and {done} are"));
+        }
+        Ok(outcome)
+    }
+
+    fn record(
+        &self,
+        device: &mut dyn Device,
+        clock: &mut Late,
+        person: &mut Person<'_>,
+        utc: &(dyn Fn(f64) -> String + Sync),
+    ) -> Result<Outcome, String> {
+        let options = Options {
+            live: false,
+            answers: self.with == With::Twin,
+            check: |_| false,
+            no_watchdog: false,
+            stop: Arc::default(),
+            quit: Arc::default(),
+        };
+        let session = Session::open(&self.plan, device.capabilities(), &self.disk).map_err(told)?;
+        let parts = Parts { device, clock, files: &self.disk, front: person, utc };
+        run(&self.plan, session, &options, parts).map_err(told)
+    }
+
+    /// Recovers what the life left, and checks what was promised; trials of the order that are done.
+    fn settle(&mut self) -> Result<usize, String> {
+        let layout = self.plan.layout.clone();
+        for found in recover(&self.disk, &layout, BEGIN) {
+            found.map_err(|why| format!("recover: {why}"))?;
+        }
+        let findings = verify_from(&self.disk, &layout);
+        if let Some(finding) = findings.first() {
+            return Err(format!("verify finds {} after recover, first: {finding}", findings.len()));
+        }
+        let files = self.disk.below(&layout.raw());
+        for (path, hash) in &self.finished {
+            match files.get(path) {
+                None => return Err(format!("{} was finished and is gone", path.display())),
+                Some(bytes) if hex_blake3(bytes) != *hash => {
+                    return Err(format!("{} was finished and has changed", path.display()));
+                }
+                Some(_) => {}
+            }
+        }
+        let record = layout.session(&self.plan.participant, &self.plan.session);
+        let found = files.get(&record).map(|bytes| hex_blake3(bytes));
+        if self.record.is_some() && self.record != found {
+            return Err("the session's record is gone or has changed".to_owned());
+        }
+        self.record = found;
+        if self.record.is_none() {
+            return Ok(0);
+        }
+        let data = StudyData::load_from(&self.disk, &layout).map_err(|e| format!("{e:?}"))?;
+        let log = data.sessions.first().ok_or("the session is not in its study")?;
+        for trial in &data.trials {
+            let drawn = log.record.trials.iter().find(|planned| planned.trial == trial.meta.trial);
+            let same = |p: &zwidth_study::PlannedTrial| {
+                (&p.environment, &p.mode, p.repeat)
+                    == (&trial.meta.environment, &trial.meta.mode, trial.meta.repeat)
+            };
+            if drawn.is_some_and(|planned| !same(planned)) {
+                return Err(format!("trial {} is another than was drawn", trial.meta.trial));
+            }
+            if trial.meta.status == Status::Complete {
+                self.finished.insert(trial.path.clone(), trial.blake3.clone());
+            }
+        }
+        let holds = |t: &&TrialEntry| t.meta.status == Status::Complete && t.superseded_by.is_none();
+        Ok(data.trials.iter().filter(holds).count())
+    }
+}
+
+fn twin(seed: u64) -> Result<Twin, String> {
+    Twin::new(TwinParameters::default(), Hand::draw(seed), seed).map_err(told)
+}
+
+/// The voltages that a life leaves behind: none, at once by its own hand, or by the board's watchdog.
+fn is_at_0_v(mock: &Mock, trouble: &Trouble) -> Result<(), String> {
+    let (last_s, last) = mock.writes.last().copied().unwrap_or((0.0, Voltages::OFF));
+    let unplugged = matches!(trouble.device, Some((_, DeviceFault::Unplugged)));
+    if !unplugged && last != Voltages::OFF {
+        return Err(format!("the last write is {last:?}"));
+    }
+    if mock.output(last_s + LATER_S) != Voltages::OFF {
+        return Err("the board still gives a voltage".to_owned());
+    }
+    Ok(())
+}
+
+/// The time of day at a time of the loop's clock: from a day of its own for each life on, or from any other.
+fn time_of_day(life: u64, jumps: bool) -> Result<impl Fn(f64) -> String + Sync, String> {
+    let begin: Timestamp = BEGIN.parse().map_err(told)?;
+    let days = if jumps { 400 * (1 - 2 * (life as i64 % 2)) } else { life as i64 };
+    let begin = begin.checked_add(SignedDuration::from_hours(24 * days)).map_err(told)?;
+    Ok(move |now_s: f64| {
+        let since = SignedDuration::from_millis((now_s * 1e3) as i64);
+        begin.checked_add(since).unwrap_or(begin).to_string()
+    })
+}

@@ -1,0 +1,138 @@
+//! Whole sessions under one seed each: the flow, a device, a disk in memory and a clock, and what goes wrong with them.
+//!
+//! A session of a few short trials is recorded in several lives. Each but the last is cut short by what its seed draws: a
+//! kill, a power cut, a full disk, a pulled cable, a sensor that stops, a late tick, a clock that jumps, a person who
+//! leaves or presses stop. After each life the device is at 0 V, `recover` succeeds, `verify` finds nothing, and whatever
+//! was finished is there, byte for byte; the last life ends the session in the order in which it was drawn. One seed is
+//! one course of events, so that a seed that fails can be looked at again.
+
+mod life;
+mod person;
+mod world;
+
+use anyhow::{bail, ensure};
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::Command;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread::ScopedJoinHandle;
+use std::time::Instant;
+
+/// Which device the sessions are recorded with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum With {
+    /// The mock, which fails as it is told.
+    Mock,
+    /// The simulated device and its participant.
+    Twin,
+}
+
+/// How often each thing happened.
+type Counts = BTreeMap<&'static str, u64>;
+
+/// Failing seeds that are told one by one.
+const TOLD: usize = 10;
+/// Every so many seeds one is run twice and compared.
+const TWICE: u64 = 100;
+/// Seeds at once.
+const AT_ONCE: usize = 2;
+
+/// Simulates `seeds` sessions from seed `first` on; prints what happened, and fails if a promise was broken.
+pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()> {
+    if cfg!(debug_assertions) {
+        return optimised(with, seeds, first);
+    }
+    // What a device's own code does on purpose is caught by the guard, and told by nobody else.
+    std::panic::set_hook(Box::new(|_| {}));
+    let (next, began) = (AtomicU64::new(first), Instant::now());
+    let last = first.saturating_add(seeds);
+    let (counts, broken) = (Mutex::new(Counts::new()), Mutex::new(Vec::new()));
+    let work = || {
+        let (mut mine, mut failed) = (Counts::new(), Vec::new());
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= last {
+                break;
+            }
+            if let Err(why) = one(with, seed, &mut mine) {
+                failed.push((seed, why));
+            }
+        }
+        if let (Ok(mut counts), Ok(mut broken)) = (counts.lock(), broken.lock()) {
+            mine.into_iter().for_each(|(what, n)| *counts.entry(what).or_default() += n);
+            broken.extend(failed);
+        }
+    };
+    std::thread::scope(|scope| -> anyhow::Result<()> {
+        let threads: Vec<ScopedJoinHandle<'_, ()>> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
+        let ended = threads.into_iter().all(|thread| thread.join().is_ok());
+        ensure!(ended, "a thread of the simulation panicked");
+        Ok(())
+    })?;
+    let (counts, mut broken) =
+        (counts.into_inner().unwrap_or_default(), broken.into_inner().unwrap_or_default());
+    let took_s = began.elapsed().as_secs_f64();
+    println!(
+        "{seeds} seeds from {first}, {with:?}: {took_s:.0} s, {:.2} ms each",
+        1e3 * took_s / seeds as f64
+    );
+    counts.iter().for_each(|(what, n)| println!("{n:>10}  {what}"));
+    broken.sort();
+    for (seed, why) in broken.iter().take(TOLD) {
+        println!("seed {seed}: {why}");
+    }
+    println!("{} promises broken", broken.len());
+    if let Some((seed, _)) = broken.first() {
+        bail!("look at one again with `cargo xtask soak simulate 1 {seed}`");
+    }
+    Ok(())
+}
+
+/// The same in a program that is built for speed.
+fn optimised(with: With, seeds: u64, first: u64) -> anyhow::Result<()> {
+    let chore = if with == With::Twin { "simulate-twin" } else { "simulate" };
+    let status = Command::new(env!("CARGO"))
+        .args(["run", "--quiet", "--release", "--locked", "--package", "xtask", "--", "soak", chore])
+        .args([seeds.to_string(), first.to_string()])
+        .status()?;
+    if !status.success() {
+        bail!("the simulation failed");
+    }
+    Ok(())
+}
+
+/// One seed; what broke, in words.
+fn one(with: With, seed: u64, counts: &mut Counts) -> Result<(), String> {
+    let run = |counts: &mut Counts| {
+        let caught = catch_unwind(AssertUnwindSafe(|| life::session(with, seed, counts)));
+        caught.unwrap_or_else(|_| Err("it panicked".to_owned()))
+    };
+    let disk = run(counts)?;
+    if seed.is_multiple_of(TWICE) {
+        *counts.entry("seeds run twice, the same bytes").or_default() += 1;
+        if run(&mut Counts::new())? != disk {
+            return Err("run twice it leaves other bytes".to_owned());
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_seeds_keep_every_promise_with_either_device() {
+        for seed in 0..6 {
+            one(With::Mock, seed, &mut Counts::new()).unwrap();
+        }
+        one(With::Twin, 1, &mut Counts::new()).unwrap();
+    }
+
+    #[test]
+    fn a_disk_that_loses_what_was_synced_is_found_out() {
+        let found = (0..40).any(|seed| life::session_on_a_liar(seed).is_err());
+        assert!(found, "the simulation sees nothing");
+    }
+}

@@ -1,0 +1,177 @@
+//! What a seed draws: the study, what goes wrong, and a clock that is late.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
+use std::path::{Path, PathBuf};
+use zwidth_acquire::Plan;
+use zwidth_device::mock::Fault as DeviceFault;
+use zwidth_device::{Clock, SimulatedClock};
+use zwidth_store::{Fault, Layout, Memory, Survives};
+use zwidth_study::{Calibration, Study, template};
+
+/// Rate of the loop, Hz, as the thesis'.
+const RATE_HZ: f64 = 120.0;
+/// Longest trial, s: fifty samples at most.
+const LIMIT_S: f64 = 0.41;
+/// A disk that fails does so within so many steps: several trials' worth.
+const MOST_STEPS: u64 = 250;
+
+/// Draws from a seed.
+pub(super) struct Draw(ChaCha8Rng);
+
+impl Draw {
+    /// A stream of its own for each use, so that one more draw in one place changes nothing elsewhere.
+    pub(super) fn new(seed: u64, stream: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(stream);
+        Self(rng)
+    }
+
+    /// A number below `n`, which is small.
+    pub(super) fn below(&mut self, n: u64) -> u64 {
+        self.0.next_u64() % n
+    }
+
+    pub(super) fn one_in(&mut self, n: u64) -> bool {
+        self.below(n) == 0
+    }
+
+    pub(super) fn of<T: Copy>(&mut self, choices: &[T]) -> T {
+        choices[self.below(choices.len() as u64) as usize]
+    }
+}
+
+/// How a life goes wrong.
+pub(super) struct Trouble {
+    /// What the disk does, and after how many steps.
+    pub(super) disk: Option<(u64, Fault)>,
+    /// What the next life finds.
+    pub(super) survives: Survives,
+    /// What the device does, from which time on, s.
+    pub(super) device: Option<(f64, DeviceFault)>,
+    /// Whether ticks are late and the clock jumps.
+    pub(super) late: bool,
+    /// Whether the time of day jumps.
+    pub(super) jumps: bool,
+}
+
+impl Trouble {
+    pub(super) fn none() -> Self {
+        Self { disk: None, survives: Survives::Everything, device: None, late: false, jumps: false }
+    }
+
+    pub(super) fn draw(draw: &mut Draw) -> Self {
+        let power = [Survives::Synced, Survives::Names, Survives::Zeros, Survives::Half];
+        let (fault, survives) = match draw.below(8) {
+            0..=2 => (Some(Fault::End), Survives::Everything),
+            3..=5 => (Some(Fault::End), draw.of(&power)),
+            6 => (Some(Fault::Full), Survives::Everything),
+            _ => (None, Survives::Everything),
+        };
+        let faults = [
+            DeviceFault::Unplugged,
+            DeviceFault::AngleStops,
+            DeviceFault::ForceStops,
+            DeviceFault::ForceNan,
+            DeviceFault::AngleOff(0.9),
+            DeviceFault::Force(40.0),
+            DeviceFault::Panic,
+        ];
+        let device = draw.one_in(4).then(|| (draw.below(3000) as f64 * 1e-3, draw.of(&faults)));
+        Self {
+            disk: fault.map(|fault| (draw.below(MOST_STEPS), fault)),
+            survives,
+            device,
+            late: draw.one_in(4),
+            jumps: draw.one_in(3),
+        }
+    }
+
+    /// What it is called where it is counted.
+    pub(super) fn words(&self) -> Vec<&'static str> {
+        let disk = self.disk.map(|(_, fault)| match (fault, self.survives) {
+            (Fault::Full, _) => "a full disk",
+            (Fault::End, Survives::Everything) => "a kill",
+            (Fault::End, Survives::Synced) => "a power cut: synced names and content stay",
+            (Fault::End, Survives::Names) => "a power cut: names stay, unsynced content goes",
+            (Fault::End, Survives::Zeros) => "a power cut: zeros where content was not synced",
+            (Fault::End, Survives::Half) => "a power cut: half of what was not synced",
+        });
+        let device = self.device.map(|(_, fault)| match fault {
+            DeviceFault::Unplugged => "a pulled cable",
+            DeviceFault::AngleStops => "an angle sensor that stops",
+            DeviceFault::ForceStops => "a force sensor that stops",
+            DeviceFault::AngleNan | DeviceFault::ForceNan => "a reading that is no number",
+            DeviceFault::AngleOff(_) => "an angle that jumps",
+            DeviceFault::Force(_) => "a force beyond the limit",
+            DeviceFault::Panic => "a device whose code fails",
+        });
+        let others = [(self.late, "late ticks"), (self.jumps, "a time of day that jumps")];
+        let others = others.into_iter().filter_map(|(is, word)| is.then_some(word));
+        disk.into_iter().chain(device).chain(others).collect()
+    }
+}
+
+/// A clock of which now and then a tick is late: by a fiftieth of a second, or by the hour that a machine slept.
+pub(super) struct Late {
+    clock: SimulatedClock,
+    draw: Option<Draw>,
+    off_s: f64,
+}
+
+impl Late {
+    pub(super) fn new(seed: u64, draw: Option<Draw>) -> Self {
+        Self { clock: SimulatedClock::new(seed), draw, off_s: 0.0 }
+    }
+}
+
+impl Clock for Late {
+    fn now_s(&mut self) -> f64 {
+        self.clock.now_s() + self.off_s
+    }
+
+    fn wait_until(&mut self, deadline_s: f64) -> f64 {
+        if let Some(draw) = &mut self.draw
+            && draw.one_in(100)
+        {
+            self.off_s += draw.of(&[0.002, 0.009, 0.02, 0.1, 3600.0]);
+        }
+        self.clock.wait_until(deadline_s - self.off_s) + self.off_s
+    }
+}
+
+/// The study of a seed, laid down on a disk of its own: three to six trials and perhaps one for practice.
+pub(super) fn study(seed: u64) -> Result<(Memory, Plan), String> {
+    let mut draw = Draw::new(seed, 1);
+    let layout = Layout::new(Path::new("/simulated"), "soak".parse().map_err(told)?);
+    let mut study = Study::from_toml(&template(layout.study())).map_err(|e| format!("{e:?}"))?;
+    let (environments, modes) = draw.of(&[(1, 3), (2, 2), (2, 3)]);
+    study.environments.truncate(environments);
+    study.modes.truncate(modes);
+    study.design.repeats = 1;
+    study.design.familiarisation = draw.below(2) as u32;
+    study.design.trial_limit_s = LIMIT_S;
+    study.design.blinded = draw.one_in(3);
+    study.control.rate_hz = RATE_HZ;
+    let study_toml = study.to_toml().map_err(told)?.into_bytes();
+    let disk = Memory::new();
+    disk.put(&layout.study_toml(), &study_toml);
+    let plan = Plan {
+        layout,
+        study_toml,
+        participant: format!("P{:02}", 1 + draw.below(3)).parse().map_err(told)?,
+        session: "S01".parse().map_err(told)?,
+        calibration: Calibration::thesis(),
+        software: "simulation 1".to_owned(),
+        rate_hz: study.control.rate_hz,
+        study,
+        seed: draw.one_in(2).then_some(seed),
+        keys: PathBuf::from("/simulated/keys"),
+        secret: [9; 32],
+    };
+    Ok((disk, plan))
+}
+
+pub(super) fn told(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
