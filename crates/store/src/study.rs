@@ -110,7 +110,7 @@ pub struct SessionLog {
 }
 
 impl SessionLog {
-    /// BLAKE3 of each `study.toml` under which trials of the session were recorded, or may be.
+    /// BLAKE3 of the session's own `study.toml`, and of each that was accepted since.
     pub fn studies(&self) -> impl Iterator<Item = &str> {
         let accepted = self.events.iter().filter_map(|event| match event {
             Event::StudyAccepted { study_blake3 } => Some(study_blake3.as_str()),
@@ -344,7 +344,16 @@ pub(crate) fn read_study_from(
 }
 
 fn read_trials(files: &dyn Files, layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
-    let found = match parquet_below(files, &layout.trials()) {
+    read_trials_below(files, layout, &layout.trials())
+}
+
+/// The trials below a folder of the tree.
+pub(crate) fn read_trials_below(
+    files: &dyn Files,
+    layout: &Layout,
+    folder: &Path,
+) -> Vec<Result<TrialEntry, StoreError>> {
+    let found = match parquet_below(files, folder) {
         Ok(found) => found,
         Err(error) => return vec![Err(error)],
     };
