@@ -25,6 +25,6 @@ pub use number::number;
 pub use plain::Plain;
 pub use run::{Options, Outcome, Parts, run};
 pub use screen::{Look, Screen};
-pub use session::{Plan, Session, calibration_blake3, seed_of};
+pub use session::{Plan, Session, calibration_blake3, own_study, seed_of};
 pub use unsynced::Unsynced;
 pub use view::{CheckLine, Current, MESSAGES, Phase, Point, TRACE_HZ, TRACE_POINTS, Timing, View};

@@ -3,12 +3,14 @@
 use crate::flow::Recorded;
 use crate::number::{Numbers, numbers};
 use crate::{AcquireError, vault};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zwidth_device::Capabilities;
-use zwidth_store::{Files, Layout, SessionLog, StoreError, StudyData, TrialEntry, hex_blake3, lay_down};
+use zwidth_store::{
+    Files, Layout, SessionLog, TrialEntry, WholeSession, hex_blake3, lay_down, read_session, session_study,
+};
 use zwidth_study::{
-    Calibration, Event, ModeId, OrderRecord, ParticipantId, PlannedTrial, QuestionId, Scene, Seal, SessionId,
-    SessionRecord, Status, Study, TrialMeta, order,
+    Affects, Calibration, Control, Event, ModeId, OrderRecord, ParticipantId, PlannedTrial, QuestionId,
+    Scene, Seal, SessionId, SessionRecord, Status, Study, StudyChange, TrialMeta, order, study_changes,
 };
 
 /// What a session is made of, besides the device.
@@ -16,10 +18,12 @@ use zwidth_study::{
 pub struct Plan {
     /// Where the study lies.
     pub layout: Layout,
-    /// The study.
+    /// The study to record by: that of `study.toml`, or of a session that is gone on with its own ([`own_study`]).
     pub study: Study,
-    /// The text of its `study.toml`, of which the session keeps a copy.
+    /// The text of the present `study.toml`, of which a session that begins keeps a copy.
     pub study_toml: Vec<u8>,
+    /// A session whose copy differs from that in what is recorded goes on, by its copy; its log says so.
+    pub accept_study_change: bool,
     /// Who.
     pub participant: ParticipantId,
     /// Which session.
@@ -55,16 +59,17 @@ pub struct Session {
     pub recorded: Vec<Recorded>,
     /// What the log holds.
     pub events: Vec<Event>,
-    /// What is to be told of it, and noted in its log, when it is laid down.
-    pub remarks: Vec<String>,
+    /// What is to be told of it, and kept in its log, as soon as it is laid down, or is gone on with.
+    pub opening: Vec<Event>,
 }
 
 impl Session {
     /// Finds the session, or draws its order. Nothing is written but the seed of a blinded study.
     ///
     /// # Errors
-    /// A session on the disk that began with another study, device, calibration, rate or seed; one that cannot be
-    /// read, or whose seal is not there; a study with an environment that no device renders.
+    /// A session on the disk that began with another device, calibration, rate or seed, or with another `study.toml`
+    /// where that matters and is not accepted; one that is not whole, or whose seal is not there; a study with an
+    /// environment that no device renders.
     pub fn open(plan: &Plan, device: &Capabilities, files: &dyn Files) -> Result<Self, AcquireError> {
         if let Some(environment) = plan.study.environments.iter().find(|e| e.scene == Scene::None) {
             return Err(AcquireError::Refused {
@@ -75,10 +80,10 @@ impl Session {
                 remedy: "give it a kind in study.toml".to_owned(),
             });
         }
-        let path = plan.layout.session(&plan.participant, &plan.session);
-        match files.kind(&path) {
-            Some(_) => found(plan, device, files, &path),
-            None => drawn(plan, device, files),
+        match read_session(files, &plan.layout, &plan.participant, &plan.session) {
+            Ok(Some(whole)) => found(plan, device, files, whole),
+            Ok(None) => drawn(plan, device, files),
+            Err(findings) => Err(AcquireError::NotWhole { session: plan.name(), findings }),
         }
     }
 
@@ -117,6 +122,31 @@ impl Session {
         self.laid_down = true;
         Ok(())
     }
+}
+
+impl Plan {
+    /// Participant and session, in words.
+    pub(crate) fn name(&self) -> String {
+        format!("{} {}", self.participant, self.session)
+    }
+}
+
+/// The study by which a session that was laid down goes on: its own copy. Nothing for one that is to begin, and for one
+/// from before there were copies.
+///
+/// # Errors
+/// A session that is not whole.
+pub fn own_study(
+    files: &dyn Files,
+    layout: &Layout,
+    participant: &ParticipantId,
+    session: &SessionId,
+) -> Result<Option<Study>, AcquireError> {
+    let not_whole = |finding| AcquireError::NotWhole {
+        session: format!("{participant} {session}"),
+        findings: vec![finding],
+    };
+    session_study(files, layout, participant, session).map_err(not_whole)
 }
 
 /// BLAKE3 of a calibration's text, hexadecimal.
@@ -175,27 +205,22 @@ fn drawn(plan: &Plan, device: &Capabilities, files: &dyn Files) -> Result<Sessio
     };
     let blinded = seal.is_some();
     let (recorded, events) = (Vec::new(), Vec::new());
-    Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, remarks })
+    let opening = remarks.into_iter().map(|text| Event::Note { trial: None, text }).collect();
+    Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, opening })
 }
 
 fn found(
     plan: &Plan,
     device: &Capabilities,
     files: &dyn Files,
-    path: &Path,
+    whole: WholeSession,
 ) -> Result<Session, AcquireError> {
-    let data = StudyData::load_from(files, &plan.layout).map_err(first)?;
-    let is_this = |p: &ParticipantId, s: &SessionId| *p == plan.participant && *s == plan.session;
-    let log = data.sessions.iter().find(|log| is_this(&log.record.participant, &log.record.session));
-    let Some(log) = log else {
-        let problem = data.problems.into_iter().find(|p| p.path.parent() == path.parent());
-        let unreadable = || StoreError::new(path, "the session cannot be read", "see `zwidth verify`");
-        return Err(problem.unwrap_or_else(unreadable).into());
-    };
+    let WholeSession { log, trials } = whole;
     let differences = differences(&log.record, &bare(plan, device)?, plan.seed);
     if !differences.is_empty() {
-        return Err(AcquireError::Differs { session: path.to_owned(), differences });
+        return Err(AcquireError::Differs { session: log.path, differences });
     }
+    let opening = opening(plan, &log)?;
     let seal = match (&log.seal, &log.record.commitment) {
         (Some(seal), _) => Some(seal.clone()),
         (None, Some(_)) => Some(vault::find(files, &plan.keys, plan.layout.study(), &log.record)?),
@@ -206,19 +231,82 @@ fn found(
         None => log.record.trials.iter().map(|t| t.mode.clone()).collect(),
     };
     Ok(Session {
-        recorded: recorded(&data, log),
+        recorded: recorded(&trials, &log),
         record: log.record.clone(),
         laid_down: true,
         blinded: log.is_sealed(),
         seal,
         modes,
-        events: log.events.clone(),
-        remarks: Vec::new(),
+        events: log.events,
+        opening,
+    })
+}
+
+/// What is to be told, and kept in the log, of a `study.toml` that is another than the session's own.
+///
+/// # Errors
+/// A change of what is recorded that nobody has accepted; a session without a copy, of which nobody knows what changed.
+fn opening(plan: &Plan, log: &SessionLog) -> Result<Vec<Event>, AcquireError> {
+    let hash = hex_blake3(&plan.study_toml);
+    let Some(own) = &log.study else {
+        return if hash == log.record.study_blake3 { Ok(Vec::new()) } else { Err(unknown_change(log)) };
+    };
+    let control = Control { rate_hz: plan.study.control.rate_hz, ..own.control };
+    if plan.study != (Study { control, ..own.clone() }) {
+        return Err(AcquireError::Refused {
+            what: "the session goes on by its own copy of study.toml, and another study was given".to_owned(),
+            remedy: "please report this".to_owned(),
+        });
+    }
+    if log.studies().any(|known| known == hash) {
+        return Ok(Vec::new());
+    }
+    let changes = study_changes(own, &parsed(&plan.study_toml)?);
+    let (matter, rest): (Vec<_>, Vec<_>) = changes.iter().partition(|c| c.affects == Affects::Recording);
+    let words = |changes: &[&StudyChange]| changes.iter().map(ToString::to_string).collect::<Vec<_>>();
+    if !matter.is_empty() && !plan.accept_study_change {
+        return Err(AcquireError::StudyChanged { session: log.path.clone(), changes: words(&matter) });
+    }
+    let text = match (matter.is_empty(), rest.is_empty()) {
+        (true, true) => "study.toml differs from the session's copy in comments or form alone".to_owned(),
+        (true, false) => {
+            format!("study.toml has changed in nothing that is recorded: {}", words(&rest).join("; "))
+        }
+        (false, _) => {
+            format!(
+                "study.toml has changed, and the session goes on by its own copy: {}",
+                words(&matter).join("; ")
+            )
+        }
+    };
+    let accepted = (!matter.is_empty()).then_some(Event::StudyAccepted { study_blake3: hash });
+    let note = Event::Note { trial: None, text };
+    // Noted once, however often the session is gone on with.
+    let note = (!log.events.contains(&note)).then_some(note);
+    Ok(accepted.into_iter().chain(note).collect())
+}
+
+fn unknown_change(log: &SessionLog) -> AcquireError {
+    AcquireError::Refused {
+        what: format!(
+            "{}: study.toml is another than when the session began, and the session has no copy of it, so what changed \
+             is not known",
+            log.path.display()
+        ),
+        remedy: "put study.toml back as it was, or begin a new session".to_owned(),
+    }
+}
+
+fn parsed(study_toml: &[u8]) -> Result<Study, AcquireError> {
+    let text = String::from_utf8_lossy(study_toml);
+    Study::from_toml(&text).map_err(|errors| AcquireError::Refused {
+        what: errors.first().map_or_else(String::new, |e| format!("study.toml: {e}")),
+        remedy: "mend it".to_owned(),
     })
 }
 
 /// What was recorded of a session.
-pub(crate) fn recorded(data: &StudyData, log: &SessionLog) -> Vec<Recorded> {
+pub(crate) fn recorded(trials: &[TrialEntry], log: &SessionLog) -> Vec<Recorded> {
     let answered =
         |n: u32| log.events.iter().any(|e| matches!(e, Event::Answer { trial, .. } if *trial == n));
     let of_session = |t: &&TrialEntry| {
@@ -229,7 +317,7 @@ pub(crate) fn recorded(data: &StudyData, log: &SessionLog) -> Vec<Recorded> {
         complete: t.meta.status == Status::Complete,
         settled: t.meta.likert.is_some() || t.excluded.is_some() || answered(t.meta.trial),
     };
-    data.trials.iter().filter(of_session).map(one).collect()
+    trials.iter().filter(of_session).map(one).collect()
 }
 
 fn opened(seal: &Seal, record: &SessionRecord) -> Result<Vec<ModeId>, AcquireError> {
@@ -244,12 +332,10 @@ fn opened(seal: &Seal, record: &SessionRecord) -> Result<Vec<ModeId>, AcquireErr
 fn differences(record: &SessionRecord, now: &SessionRecord, seed: Option<u64>) -> Vec<String> {
     let words = |value: &Option<String>| value.clone().unwrap_or_else(|| "none".to_owned());
     let rate = |r: &SessionRecord| r.rate_hz.map(|hz| format!("{hz} Hz"));
-    let study = |r: &SessionRecord| Some(short(&r.study_blake3));
     let calibration = |r: &SessionRecord| r.calibration_blake3.as_deref().map(short);
     let seeds = [record.seed.filter(|_| seed.is_some()), seed.filter(|_| record.seed.is_some())];
     let [seed_then, seed_now] = seeds.map(|s| s.map(|s| s.to_string()));
     [
-        ("study.toml is", study(record), study(now)),
         ("the device is", record.device.clone(), now.device.clone()),
         ("the calibration is", calibration(record), calibration(now)),
         ("the rate is", rate(record), rate(now)),
@@ -265,11 +351,6 @@ fn differences(record: &SessionRecord, now: &SessionRecord, seed: Option<u64>) -
 fn short(hash: &str) -> String {
     const SHOWN: usize = 12;
     hash.chars().take(SHOWN).collect()
-}
-
-fn first(problems: Vec<StoreError>) -> AcquireError {
-    let none = || StoreError::new(Path::new("study.toml"), "it cannot be read", "see `zwidth verify`");
-    problems.into_iter().next().unwrap_or_else(none).into()
 }
 
 /// The order's seed of an open study: from its id, the same for every participant.

@@ -2,6 +2,7 @@
 
 use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand, ValueEnum};
+use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
@@ -53,10 +54,7 @@ pub(crate) enum Command {
     /// Open a blinded session's seal: its modes are known from then on
     Unseal(Unseal),
     /// After a kill or a power cut: journals become trials, half-written files go
-    Recover {
-        /// The study
-        study: StudyId,
-    },
+    Recover(Recover),
     /// Bring in recordings of other rigs, as a mapping file says
     Import(Import),
     /// Check studies: every finding, with file, column, row and remedy
@@ -102,6 +100,21 @@ pub(crate) struct Run {
 }
 
 #[derive(Debug, clap::Args)]
+pub(crate) struct Recover {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Accept a study.toml that has changed since sessions began: `verify` notes it then, and warns no more
+    #[arg(long)]
+    pub(crate) accept_study_change: bool,
+    /// Of this participant's session alone
+    #[arg(long, short, value_name = "P01", requires_all = ["session", "accept_study_change"])]
+    pub(crate) participant: Option<ParticipantId>,
+    /// Of this session alone
+    #[arg(long, short, value_name = "S01", requires_all = ["participant", "accept_study_change"])]
+    pub(crate) session: Option<SessionId>,
+}
+
+#[derive(Debug, Clone, PartialEq, clap::Args)]
 pub(crate) struct Acquire {
     /// The study
     pub(crate) study: StudyId,
@@ -137,10 +150,13 @@ pub(crate) struct Acquire {
     /// Use the motor of a device without a watchdog; every trial is marked
     #[arg(long)]
     pub(crate) no_watchdog: bool,
+    /// Go on with a session although study.toml has changed in what it records: by the session's own copy; its log says so
+    #[arg(long)]
+    pub(crate) accept_study_change: bool,
 }
 
 /// Where seals lie.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, PartialEq, Eq, clap::Args)]
 pub(crate) struct Keys {
     /// Folder of the seals of blinded sessions [default: zwidth/ in the user's state folder]
     #[arg(long = "key", value_name = "DIR")]
@@ -240,6 +256,16 @@ pub(crate) enum DeviceSpec {
     Playback(PathBuf),
     /// The real one, on these serial ports.
     Rig(String),
+}
+
+impl fmt::Display for DeviceSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Twin => f.write_str("twin"),
+            Self::Playback(file) => write!(f, "playback:{}", file.display()),
+            Self::Rig(ports) => write!(f, "rig:{ports}"),
+        }
+    }
 }
 
 impl FromStr for DeviceSpec {
