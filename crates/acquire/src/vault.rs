@@ -148,6 +148,87 @@ mod tests {
         );
     }
 
+    /// In which folder the child of the test below keeps a seed and a seal.
+    #[cfg(unix)]
+    const FOLDER: &str = "ZWIDTH_TEST_VAULT";
+
+    #[cfg(unix)]
+    #[test]
+    fn keeps_a_seed_and_a_seal_in_the_folder_that_it_is_told() {
+        let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
+        let study = "s".parse().unwrap();
+        let (record, seal) = sealed();
+        seed(&RealFiles, &folder, &study, || 5).unwrap();
+        keep(&RealFiles, &folder, &study, &record, &seal).unwrap();
+        // Both again, now that they are there.
+        seed(&RealFiles, &folder, &study, || 5).unwrap();
+        keep(&RealFiles, &folder, &study, &record, &seal).unwrap();
+    }
+
+    /// What lies below a folder, with its mode.
+    #[cfg(unix)]
+    fn modes(folder: &Path) -> Vec<(PathBuf, u32)> {
+        use std::os::unix::fs::PermissionsExt as _;
+        let mut found = Vec::new();
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let mode = std::fs::symlink_metadata(&path).unwrap().permissions().mode() & 0o7777;
+            found.push((path.clone(), mode));
+            if path.is_dir() {
+                found.extend(modes(&path));
+            }
+        }
+        found
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn seeds_and_seals_are_for_this_user_alone_whatever_the_umask_says_and_whatever_was_there() {
+        use std::os::unix::fs::PermissionsExt as _;
+        for umask in ["0000", "0022", "0777"] {
+            let root = tempfile::tempdir().unwrap();
+            let folder = root.path().join("state/zwidth");
+            let child = || {
+                let mut command = std::process::Command::new("sh");
+                command.args(["-c", &format!("umask {umask}; exec \"$0\" \"$@\"")]);
+                command.arg(std::env::current_exe().unwrap()).arg("--exact");
+                command.arg("vault::tests::keeps_a_seed_and_a_seal_in_the_folder_that_it_is_told");
+                let output = command.env(FOLDER, &folder).output().unwrap();
+                assert!(output.status.success(), "{umask}: {}", String::from_utf8_lossy(&output.stdout));
+            };
+            let check = || {
+                let found = modes(root.path());
+                assert_eq!(found.len(), 5, "{found:?}");
+                for (path, mode) in found {
+                    let expect = if path.is_dir() { 0o700 } else { 0o600 };
+                    assert_eq!(mode, expect, "{umask}: {} is {mode:o}", path.display());
+                }
+            };
+            child();
+            check();
+            // A vault of before that anybody could read; its own folders are the user's to see to.
+            for (path, _) in modes(&folder) {
+                let open = if path.is_dir() { 0o755 } else { 0o644 };
+                std::fs::set_permissions(&path, std::fs::Permissions::from_mode(open)).unwrap();
+            }
+            child();
+            check();
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_vault_that_is_a_link_is_refused_and_what_it_leads_to_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let elsewhere = folder.path().join("elsewhere");
+        std::fs::create_dir(&elsewhere).unwrap();
+        let before = modes(folder.path());
+        std::os::unix::fs::symlink(&elsewhere, folder.path().join("s")).unwrap();
+        assert!(seed(&RealFiles, folder.path(), &"s".parse().unwrap(), || 5).is_err());
+        std::fs::remove_file(folder.path().join("s")).unwrap();
+        assert_eq!(modes(folder.path()), before);
+    }
+
     #[test]
     fn a_study_keeps_its_first_seed() {
         let folder = tempfile::tempdir().unwrap();
