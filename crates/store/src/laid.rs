@@ -74,7 +74,7 @@ pub(crate) fn mend_laid_down(
     Ok(alone)
 }
 
-const RESTORE: &str = "restore the session's files from a copy, or exclude its trials";
+pub(crate) const RESTORE: &str = "restore the session's files from a copy, or exclude its trials";
 
 /// Whether the record is the one that was laid down, by the log.
 ///
@@ -109,15 +109,24 @@ pub(crate) fn read_copy(
         return Ok(None);
     }
     let text = text(files, &path, MOST_STUDY)?;
-    if hex_blake3(text.as_bytes()) != record.study_blake3 {
-        let what = "it is not the study.toml that the session was laid down with, by the hash in its record";
-        return Err(StoreError::new(&path, what, RESTORE));
-    }
+    is_copy(&path, text.as_bytes(), record)?;
     let first = |errors: Vec<zwidth_study::StudyError>| {
         let what = errors.first().map_or_else(String::new, ToString::to_string);
         StoreError::new(&path, what, RESTORE)
     };
     Study::from_toml(&text).map(Some).map_err(first)
+}
+
+/// Whether these bytes are the `study.toml` of a record.
+///
+/// # Errors
+/// They have not the hash in it.
+pub(crate) fn is_copy(path: &Path, bytes: &[u8], record: &SessionRecord) -> Result<(), StoreError> {
+    if hex_blake3(bytes) == record.study_blake3 {
+        return Ok(());
+    }
+    let what = "it is not the study.toml that the session was laid down with, by the hash in its record";
+    Err(StoreError::new(path, what, RESTORE))
 }
 
 /// What a trial's footer says of it that its session's record says otherwise.

@@ -13,6 +13,7 @@ mod codec;
 #[cfg(test)]
 mod crashes;
 mod encode;
+mod entries;
 mod error;
 mod events;
 #[cfg(test)]

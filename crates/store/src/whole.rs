@@ -2,15 +2,19 @@
 //! whole: what is recorded onto a session in doubt is in doubt as well.
 
 use crate::atomic::folder_of;
+use crate::entries::read_trials_below;
+use crate::events::read_events_from;
 use crate::hash::blake3_of;
 use crate::head::head_of;
-use crate::sessions::{join, lost, read_session as read_named};
-use crate::study::read_trials_below;
+use crate::laid::{RESTORE, check_record, is_copy};
+use crate::regular::text;
+use crate::sessions::{MOST_RECORD, join, lost, read_session as read_named, record_from};
+use crate::study::MOST_STUDY;
 use crate::walk::files_below;
 use crate::{Files, Layout, SessionLog, StoreError, TrialEntry};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use zwidth_study::{Event, ParticipantId, SessionId, Study};
+use zwidth_study::{Event, ParticipantId, SessionId, SessionRecord, Study};
 
 /// A session of which every part is there and fits the others.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,16 +59,32 @@ pub fn read_session(
 ///
 /// # Errors
 /// The first finding.
-pub fn check_session(
-    files: &dyn Files,
-    layout: &Layout,
-    participant: &ParticipantId,
-    session: &SessionId,
-) -> Result<(), StoreError> {
-    let mut findings = Vec::new();
-    let log = log_of(files, layout, participant, session, &mut findings)?;
-    findings.extend(lost(files, layout, &log));
-    findings.into_iter().next().map_or(Ok(()), Err)
+pub fn check_session(files: &dyn Files, layout: &Layout, record: &SessionRecord) -> Result<(), StoreError> {
+    let SessionRecord { participant, session, .. } = record;
+    let path = layout.session(participant, session);
+    let events = read_events_from(files, &layout.events(participant, session))?;
+    if events.is_empty() && has_samples(files, layout, participant, session) {
+        let what = "the session's log is missing, and trials of it are there";
+        return Err(StoreError::new(&layout.events(participant, session), what, RESTORE));
+    }
+    let text = text(files, &path, MOST_RECORD)?;
+    check_record(&path, text.as_bytes(), &events)?;
+    if is_laid_down(&events) {
+        check_copy(files, layout, record)?;
+    } else if record_from(&path, &text)? != *record {
+        return Err(StoreError::new(&path, "the record was changed while the session ran", RESTORE));
+    }
+    lost(files, layout, record, &events).into_iter().next().map_or(Ok(()), Err)
+}
+
+/// Whether the copy of `study.toml` is the one of the record.
+fn check_copy(files: &dyn Files, layout: &Layout, record: &SessionRecord) -> Result<(), StoreError> {
+    let path = layout.study_copy(&record.participant, &record.session);
+    if files.kind(&path).is_none() {
+        return Err(no_copy(files, layout, record));
+    }
+    let bytes = files.read(&path, MOST_STUDY).map_err(|e| StoreError::io(&path, "read", &e))?;
+    is_copy(&path, &bytes, record)
 }
 
 /// The study by which a session was laid down, as its copy says; nothing for one that was not laid down, or that has no
@@ -100,18 +120,21 @@ fn log_of(
         );
         return Err(StoreError::new(&log.path, what, "choose other ids"));
     }
-    // A session has had a copy for as long as its log begins with its being laid down.
-    let is_laid_down = log.events.iter().any(|event| matches!(event, Event::LaidDown { .. }));
-    if log.study.is_none() && is_laid_down {
-        return Err(no_copy(files, layout, &log));
+    if log.study.is_none() && is_laid_down(&log.events) {
+        return Err(no_copy(files, layout, &log.record));
     }
     Ok(log)
 }
 
-fn no_copy(files: &dyn Files, layout: &Layout, log: &SessionLog) -> StoreError {
-    let copy = layout.study_copy(&log.record.participant, &log.record.session);
+/// Whether a log begins with its session's being laid down: for as long sessions have had a copy of `study.toml`.
+fn is_laid_down(events: &[Event]) -> bool {
+    events.iter().any(|event| matches!(event, Event::LaidDown { .. }))
+}
+
+fn no_copy(files: &dyn Files, layout: &Layout, record: &SessionRecord) -> StoreError {
+    let copy = layout.study_copy(&record.participant, &record.session);
     let now = blake3_of(files, &layout.study_toml());
-    let remedy = if now.is_ok_and(|hash| hash == log.record.study_blake3) {
+    let remedy = if now.is_ok_and(|hash| hash == record.study_blake3) {
         "study.toml is what it was, so copy it to this name"
     } else {
         "restore it from a copy"

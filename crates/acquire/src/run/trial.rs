@@ -83,10 +83,9 @@ impl<'a> Runner<'a> {
 
     /// Nothing is recorded onto a session that is not whole any more.
     fn check_session(&self) -> Result<(), AcquireError> {
-        let Plan { layout, participant, session, .. } = self.plan;
         let not_whole =
             |finding| AcquireError::NotWhole { session: self.plan.name(), findings: vec![finding] };
-        check_session(&self.files, layout, participant, session).map_err(not_whole)
+        check_session(&self.files, &self.plan.layout, &self.session.record).map_err(not_whole)
     }
 
     /// A trial begins with the lever at its start. After one in which it stayed where it was, somebody carries it

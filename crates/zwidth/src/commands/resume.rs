@@ -102,7 +102,7 @@ mod tests {
                 },
                 rate: [None, Some(120.0), Some(0.1 + 0.2), Some(1e-7), Some(1e21)][i % 5],
                 seed: [None, Some(u64::MAX), Some(0)][(i / 3) % 3],
-                keys: Keys { folder: (i % 4 > 0).then(|| paths[(i / 4) % paths.len()].into()) },
+                keys: Keys { folder: (!i.is_multiple_of(4)).then(|| paths[(i / 4) % paths.len()].into()) },
                 plain: i & 1 > 0,
                 ascii: i & 2 > 0,
                 auto: i & 4 > 0,
