@@ -68,7 +68,7 @@ impl Session {
     /// # Errors
     /// A session on the disk that began with another device, calibration, rate or seed, or with another `study.toml`
     /// where that matters and is not accepted; one that is not whole, or whose seal is not there; a study with an
-    /// environment that no device renders.
+    /// environment that no device renders; seals that would lie in the data.
     pub fn open(plan: &Plan, device: &Capabilities, files: &dyn Files) -> Result<Self, AcquireError> {
         if let Some(environment) = plan.study.environments.iter().find(|e| e.scene == Scene::None) {
             return Err(AcquireError::Refused {
@@ -78,6 +78,9 @@ impl Session {
                 ),
                 remedy: "give it a kind in study.toml".to_owned(),
             });
+        }
+        if plan.study.design.blinded {
+            vault::check_apart(&plan.keys, &plan.layout)?;
         }
         match read_session(files, &plan.layout, &plan.participant, &plan.session) {
             Ok(Some(whole)) => found(plan, device, files, whole),

@@ -11,14 +11,34 @@
 
 use crate::AcquireError;
 use std::io;
-use std::path::{Path, PathBuf};
-use zwidth_store::{Files, StoreError, keep_private, write_private};
+use std::path::{Path, PathBuf, absolute};
+use zwidth_store::{Files, Layout, StoreError, keep_private, write_private};
 use zwidth_study::{ParticipantId, Seal, SessionId, SessionRecord, StudyId};
 
 /// Digits of the commitment in a seal's name: enough to tell any two apart.
 const DIGITS: usize = 16;
 /// Largest seal that is read, bytes: that of a hundred thousand trials.
 const MOST_SEAL: u64 = 1 << 23;
+
+/// Whether seals in this folder lie apart from the data, which others are to read.
+///
+/// # Errors
+/// The folder lies in one of the data's.
+pub fn check_apart(folder: &Path, layout: &Layout) -> Result<(), AcquireError> {
+    let from_root = |path: &Path| absolute(path).unwrap_or_else(|_| path.to_owned());
+    let vault = from_root(folder);
+    let data = ["raw", "derived", "reports"].map(|name| from_root(&layout.root().join(name)));
+    if data.iter().any(|data| vault.starts_with(data)) {
+        return Err(AcquireError::Refused {
+            what: format!(
+                "{} lies in the data, so whoever reads them could read the seals",
+                folder.display()
+            ),
+            remedy: "name a folder elsewhere with --key".to_owned(),
+        });
+    }
+    Ok(())
+}
 
 /// Where a session's seal lies.
 pub fn seal_path(
@@ -227,6 +247,24 @@ mod tests {
         assert!(seed(&RealFiles, folder.path(), &"s".parse().unwrap(), || 5).is_err());
         std::fs::remove_file(folder.path().join("s")).unwrap();
         assert_eq!(modes(folder.path()), before);
+    }
+
+    #[test]
+    fn a_vault_within_the_data_is_refused() {
+        let check = |root: &str, folder: &str| {
+            check_apart(Path::new(folder), &Layout::new(Path::new(root), "s".parse().unwrap()))
+        };
+        for (root, folder) in
+            [("/x", "/x/raw"), ("/x", "/x/raw/s/keys"), ("", "derived/s"), ("", "reports"), (".", "./raw")]
+        {
+            let error = check(root, folder).unwrap_err().to_string();
+            assert!(error.contains("--key"), "{error}");
+        }
+        let here = std::env::current_dir().unwrap();
+        assert!(check("", here.join("raw").to_str().unwrap()).is_err());
+        for (root, folder) in [("/x", "/x/keys"), ("/x", "/x/rawer"), ("", "keys"), ("/x", "/y/raw")] {
+            check(root, folder).unwrap();
+        }
     }
 
     #[test]
