@@ -21,6 +21,26 @@ pub enum AcquireError {
         /// What differs, with both sides.
         differences: Vec<String>,
     },
+    /// The session on the disk is not as it was laid down and recorded.
+    #[error("{}", not_whole(.session, .findings))]
+    NotWhole {
+        /// Participant and session.
+        session: String,
+        /// What is wrong with it.
+        findings: Vec<StoreError>,
+    },
+    /// `study.toml` has changed in what the session records, and nobody has accepted that.
+    #[error(
+        "{session}: study.toml has changed since the session began: {}; put it back, or go on by the session's own copy of \
+         it with --accept-study-change",
+        .changes.join("; ")
+    )]
+    StudyChanged {
+        /// The session's record.
+        session: PathBuf,
+        /// What changed, with both sides.
+        changes: Vec<String>,
+    },
     /// A mode that this device must not run.
     #[error(transparent)]
     Mode(#[from] Refusal),
@@ -45,6 +65,16 @@ pub enum AcquireError {
     Front(#[from] std::io::Error),
 }
 
+/// Why nothing is recorded onto a session, by its first finding.
+fn not_whole(session: &str, findings: &[StoreError]) -> String {
+    let first = findings.first().map(ToString::to_string).unwrap_or_default();
+    let more = match findings.len() {
+        0 | 1 => String::new(),
+        n => format!(" (and {} more: `zwidth verify` lists them)", n - 1),
+    };
+    format!("nothing is recorded onto session {session}, which is not whole: {first}{more}")
+}
+
 /// What became of the study's folder, and what to do.
 fn gone(folder: &Path, now: Option<&Path>) -> String {
     let folder = folder.display();
@@ -53,6 +83,6 @@ fn gone(folder: &Path, now: Option<&Path>) -> String {
         None => "what was recorded went with it".to_owned(),
     };
     format!(
-        "{folder}: the study's folder was moved or removed while the session ran, and nothing is written to another;          {went}, the samples of a trial in progress in its folder journal; put it back, and give the same command"
+        "{folder}: the study's folder was moved or removed while the session ran, and nothing is written to another; {went}, the samples of a trial in progress in its folder journal; put it back, and give the same command"
     )
 }

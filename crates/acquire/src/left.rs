@@ -10,6 +10,6 @@ pub fn left_to_do(data: &StudyData, log: &SessionLog) -> usize {
         return 0;
     }
     let order = log.record.trials.iter().map(|t| (t.clone(), None)).collect();
-    let (flow, _) = Flow::begin(order, 0.0, &recorded(data, log), &log.events);
+    let (flow, _) = Flow::begin(order, 0.0, &recorded(&data.trials, log), &log.events);
     flow.places().len() - flow.done()
 }

@@ -2,10 +2,11 @@
 
 use crate::flow::Recorded;
 use crate::number::{Numbers, numbers};
+use crate::own::opening;
 use crate::{AcquireError, vault};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zwidth_device::Capabilities;
-use zwidth_store::{Files, Layout, SessionLog, StoreError, StudyData, TrialEntry, hex_blake3, lay_down};
+use zwidth_store::{Files, Layout, SessionLog, TrialEntry, WholeSession, hex_blake3, lay_down, read_session};
 use zwidth_study::{
     Calibration, Event, ModeId, OrderRecord, ParticipantId, PlannedTrial, QuestionId, Scene, Seal, SessionId,
     SessionRecord, Status, Study, TrialMeta, order,
@@ -16,10 +17,12 @@ use zwidth_study::{
 pub struct Plan {
     /// Where the study lies.
     pub layout: Layout,
-    /// The study.
+    /// The study to record by: that of `study.toml`, or of a session that is gone on with its own ([`own_study`]).
     pub study: Study,
-    /// The text of its `study.toml`, of which the session keeps a copy.
+    /// The text of the present `study.toml`, of which a session that begins keeps a copy.
     pub study_toml: Vec<u8>,
+    /// A session whose copy differs from that in what is recorded goes on, by its copy; its log says so.
+    pub accept_study_change: bool,
     /// Who.
     pub participant: ParticipantId,
     /// Which session.
@@ -55,16 +58,17 @@ pub struct Session {
     pub recorded: Vec<Recorded>,
     /// What the log holds.
     pub events: Vec<Event>,
-    /// What is to be told of it, and noted in its log, when it is laid down.
-    pub remarks: Vec<String>,
+    /// What is to be told of it, and kept in its log, as soon as it is laid down, or is gone on with.
+    pub opening: Vec<Event>,
 }
 
 impl Session {
     /// Finds the session, or draws its order. Nothing is written but the seed of a blinded study.
     ///
     /// # Errors
-    /// A session on the disk that began with another study, device, calibration, rate or seed; one that cannot be
-    /// read, or whose seal is not there; a study with an environment that no device renders.
+    /// A session on the disk that began with another device, calibration, rate or seed, or with another `study.toml`
+    /// where that matters and is not accepted; one that is not whole, or whose seal is not there; a study with an
+    /// environment that no device renders; seals that would lie in the data.
     pub fn open(plan: &Plan, device: &Capabilities, files: &dyn Files) -> Result<Self, AcquireError> {
         if let Some(environment) = plan.study.environments.iter().find(|e| e.scene == Scene::None) {
             return Err(AcquireError::Refused {
@@ -75,10 +79,13 @@ impl Session {
                 remedy: "give it a kind in study.toml".to_owned(),
             });
         }
-        let path = plan.layout.session(&plan.participant, &plan.session);
-        match files.kind(&path) {
-            Some(_) => found(plan, device, files, &path),
-            None => drawn(plan, device, files),
+        if plan.study.design.blinded {
+            vault::check_apart(&plan.keys, &plan.layout)?;
+        }
+        match read_session(files, &plan.layout, &plan.participant, &plan.session) {
+            Ok(Some(whole)) => found(plan, device, files, whole),
+            Ok(None) => drawn(plan, device, files),
+            Err(findings) => Err(AcquireError::NotWhole { session: plan.name(), findings }),
         }
     }
 
@@ -116,6 +123,13 @@ impl Session {
         lay_down(files, &plan.layout, utc, &self.record, &plan.study_toml)?;
         self.laid_down = true;
         Ok(())
+    }
+}
+
+impl Plan {
+    /// Participant and session, in words.
+    pub(crate) fn name(&self) -> String {
+        format!("{} {}", self.participant, self.session)
     }
 }
 
@@ -175,27 +189,22 @@ fn drawn(plan: &Plan, device: &Capabilities, files: &dyn Files) -> Result<Sessio
     };
     let blinded = seal.is_some();
     let (recorded, events) = (Vec::new(), Vec::new());
-    Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, remarks })
+    let opening = remarks.into_iter().map(|text| Event::Note { trial: None, text }).collect();
+    Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, opening })
 }
 
 fn found(
     plan: &Plan,
     device: &Capabilities,
     files: &dyn Files,
-    path: &Path,
+    whole: WholeSession,
 ) -> Result<Session, AcquireError> {
-    let data = StudyData::load_from(files, &plan.layout).map_err(first)?;
-    let is_this = |p: &ParticipantId, s: &SessionId| *p == plan.participant && *s == plan.session;
-    let log = data.sessions.iter().find(|log| is_this(&log.record.participant, &log.record.session));
-    let Some(log) = log else {
-        let problem = data.problems.into_iter().find(|p| p.path.parent() == path.parent());
-        let unreadable = || StoreError::new(path, "the session cannot be read", "see `zwidth verify`");
-        return Err(problem.unwrap_or_else(unreadable).into());
-    };
+    let WholeSession { log, trials } = whole;
     let differences = differences(&log.record, &bare(plan, device)?, plan.seed);
     if !differences.is_empty() {
-        return Err(AcquireError::Differs { session: path.to_owned(), differences });
+        return Err(AcquireError::Differs { session: log.path, differences });
     }
+    let opening = opening(plan, &log)?;
     let seal = match (&log.seal, &log.record.commitment) {
         (Some(seal), _) => Some(seal.clone()),
         (None, Some(_)) => Some(vault::find(files, &plan.keys, plan.layout.study(), &log.record)?),
@@ -206,19 +215,19 @@ fn found(
         None => log.record.trials.iter().map(|t| t.mode.clone()).collect(),
     };
     Ok(Session {
-        recorded: recorded(&data, log),
+        recorded: recorded(&trials, &log),
         record: log.record.clone(),
         laid_down: true,
         blinded: log.is_sealed(),
         seal,
         modes,
-        events: log.events.clone(),
-        remarks: Vec::new(),
+        events: log.events,
+        opening,
     })
 }
 
 /// What was recorded of a session.
-pub(crate) fn recorded(data: &StudyData, log: &SessionLog) -> Vec<Recorded> {
+pub(crate) fn recorded(trials: &[TrialEntry], log: &SessionLog) -> Vec<Recorded> {
     let answered =
         |n: u32| log.events.iter().any(|e| matches!(e, Event::Answer { trial, .. } if *trial == n));
     let of_session = |t: &&TrialEntry| {
@@ -229,7 +238,7 @@ pub(crate) fn recorded(data: &StudyData, log: &SessionLog) -> Vec<Recorded> {
         complete: t.meta.status == Status::Complete,
         settled: t.meta.likert.is_some() || t.excluded.is_some() || answered(t.meta.trial),
     };
-    data.trials.iter().filter(of_session).map(one).collect()
+    trials.iter().filter(of_session).map(one).collect()
 }
 
 fn opened(seal: &Seal, record: &SessionRecord) -> Result<Vec<ModeId>, AcquireError> {
@@ -244,12 +253,10 @@ fn opened(seal: &Seal, record: &SessionRecord) -> Result<Vec<ModeId>, AcquireErr
 fn differences(record: &SessionRecord, now: &SessionRecord, seed: Option<u64>) -> Vec<String> {
     let words = |value: &Option<String>| value.clone().unwrap_or_else(|| "none".to_owned());
     let rate = |r: &SessionRecord| r.rate_hz.map(|hz| format!("{hz} Hz"));
-    let study = |r: &SessionRecord| Some(short(&r.study_blake3));
     let calibration = |r: &SessionRecord| r.calibration_blake3.as_deref().map(short);
     let seeds = [record.seed.filter(|_| seed.is_some()), seed.filter(|_| record.seed.is_some())];
     let [seed_then, seed_now] = seeds.map(|s| s.map(|s| s.to_string()));
     [
-        ("study.toml is", study(record), study(now)),
         ("the device is", record.device.clone(), now.device.clone()),
         ("the calibration is", calibration(record), calibration(now)),
         ("the rate is", rate(record), rate(now)),
@@ -265,11 +272,6 @@ fn differences(record: &SessionRecord, now: &SessionRecord, seed: Option<u64>) -
 fn short(hash: &str) -> String {
     const SHOWN: usize = 12;
     hash.chars().take(SHOWN).collect()
-}
-
-fn first(problems: Vec<StoreError>) -> AcquireError {
-    let none = || StoreError::new(Path::new("study.toml"), "it cannot be read", "see `zwidth verify`");
-    problems.into_iter().next().unwrap_or_else(none).into()
 }
 
 /// The order's seed of an open study: from its id, the same for every participant.

@@ -11,14 +11,34 @@
 
 use crate::AcquireError;
 use std::io;
-use std::path::{Path, PathBuf};
-use zwidth_store::{Files, StoreError, keep_private, write_private};
+use std::path::{Path, PathBuf, absolute};
+use zwidth_store::{Files, Layout, StoreError, keep_private, write_private};
 use zwidth_study::{ParticipantId, Seal, SessionId, SessionRecord, StudyId};
 
 /// Digits of the commitment in a seal's name: enough to tell any two apart.
 const DIGITS: usize = 16;
 /// Largest seal that is read, bytes: that of a hundred thousand trials.
 const MOST_SEAL: u64 = 1 << 23;
+
+/// Whether seals in this folder lie apart from the data, which others are to read.
+///
+/// # Errors
+/// The folder lies in one of the data's.
+pub fn check_apart(folder: &Path, layout: &Layout) -> Result<(), AcquireError> {
+    let from_root = |path: &Path| absolute(path).unwrap_or_else(|_| path.to_owned());
+    let vault = from_root(folder);
+    let data = ["raw", "derived", "reports"].map(|name| from_root(&layout.root().join(name)));
+    if data.iter().any(|data| vault.starts_with(data)) {
+        return Err(AcquireError::Refused {
+            what: format!(
+                "{} lies in the data, so whoever reads them could read the seals",
+                folder.display()
+            ),
+            remedy: "name a folder elsewhere with --key".to_owned(),
+        });
+    }
+    Ok(())
+}
 
 /// Where a session's seal lies.
 pub fn seal_path(
@@ -146,6 +166,105 @@ mod tests {
         assert!(
             find(&RealFiles, folder.path(), &study, &record).unwrap_err().to_string().contains("not sealed")
         );
+    }
+
+    /// In which folder the child of the test below keeps a seed and a seal.
+    #[cfg(unix)]
+    const FOLDER: &str = "ZWIDTH_TEST_VAULT";
+
+    #[cfg(unix)]
+    #[test]
+    fn keeps_a_seed_and_a_seal_in_the_folder_that_it_is_told() {
+        let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
+        let study = "s".parse().unwrap();
+        let (record, seal) = sealed();
+        seed(&RealFiles, &folder, &study, || 5).unwrap();
+        keep(&RealFiles, &folder, &study, &record, &seal).unwrap();
+        // Both again, now that they are there.
+        seed(&RealFiles, &folder, &study, || 5).unwrap();
+        keep(&RealFiles, &folder, &study, &record, &seal).unwrap();
+    }
+
+    /// What lies below a folder, with its mode.
+    #[cfg(unix)]
+    fn modes(folder: &Path) -> Vec<(PathBuf, u32)> {
+        use std::os::unix::fs::PermissionsExt as _;
+        let mut found = Vec::new();
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let mode = std::fs::symlink_metadata(&path).unwrap().permissions().mode() & 0o7777;
+            found.push((path.clone(), mode));
+            if path.is_dir() {
+                found.extend(modes(&path));
+            }
+        }
+        found
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn seeds_and_seals_are_for_this_user_alone_whatever_the_umask_says_and_whatever_was_there() {
+        use std::os::unix::fs::PermissionsExt as _;
+        for umask in ["0000", "0022", "0777"] {
+            let root = tempfile::tempdir().unwrap();
+            let folder = root.path().join("state/zwidth");
+            let child = || {
+                let mut command = std::process::Command::new("sh");
+                command.args(["-c", &format!("umask {umask}; exec \"$0\" \"$@\"")]);
+                command.arg(std::env::current_exe().unwrap()).arg("--exact");
+                command.arg("vault::tests::keeps_a_seed_and_a_seal_in_the_folder_that_it_is_told");
+                let output = command.env(FOLDER, &folder).output().unwrap();
+                assert!(output.status.success(), "{umask}: {}", String::from_utf8_lossy(&output.stdout));
+            };
+            let check = || {
+                let found = modes(root.path());
+                assert_eq!(found.len(), 5, "{found:?}");
+                for (path, mode) in found {
+                    let expect = if path.is_dir() { 0o700 } else { 0o600 };
+                    assert_eq!(mode, expect, "{umask}: {} is {mode:o}", path.display());
+                }
+            };
+            child();
+            check();
+            // A vault of before that anybody could read; its own folders are the user's to see to.
+            for (path, _) in modes(&folder) {
+                let open = if path.is_dir() { 0o755 } else { 0o644 };
+                std::fs::set_permissions(&path, std::fs::Permissions::from_mode(open)).unwrap();
+            }
+            child();
+            check();
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_vault_that_is_a_link_is_refused_and_what_it_leads_to_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let elsewhere = folder.path().join("elsewhere");
+        std::fs::create_dir(&elsewhere).unwrap();
+        let before = modes(folder.path());
+        std::os::unix::fs::symlink(&elsewhere, folder.path().join("s")).unwrap();
+        assert!(seed(&RealFiles, folder.path(), &"s".parse().unwrap(), || 5).is_err());
+        std::fs::remove_file(folder.path().join("s")).unwrap();
+        assert_eq!(modes(folder.path()), before);
+    }
+
+    #[test]
+    fn a_vault_within_the_data_is_refused() {
+        let check = |root: &str, folder: &str| {
+            check_apart(Path::new(folder), &Layout::new(Path::new(root), "s".parse().unwrap()))
+        };
+        for (root, folder) in
+            [("/x", "/x/raw"), ("/x", "/x/raw/s/keys"), ("", "derived/s"), ("", "reports"), (".", "./raw")]
+        {
+            let error = check(root, folder).unwrap_err().to_string();
+            assert!(error.contains("--key"), "{error}");
+        }
+        let here = std::env::current_dir().unwrap();
+        assert!(check("", here.join("raw").to_str().unwrap()).is_err());
+        for (root, folder) in [("/x", "/x/keys"), ("/x", "/x/rawer"), ("", "keys"), ("/x", "/y/raw")] {
+            check(root, folder).unwrap();
+        }
     }
 
     #[test]

@@ -3,15 +3,17 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Signals that set the flag: Ctrl-C, a polite kill and, where there is one, the terminal that hangs up.
+/// Signals that set the flag: Ctrl-C, a polite kill and, where there are such, the terminal that hangs up and Ctrl-\.
 const ENDING: &[i32] = &[
     signal_hook::consts::SIGINT,
     signal_hook::consts::SIGTERM,
     #[cfg(unix)]
     signal_hook::consts::SIGHUP,
+    #[cfg(unix)]
+    signal_hook::consts::SIGQUIT,
 ];
 
-/// A flag that Ctrl-C, SIGTERM and SIGHUP set: the `stop` of [`crate::run_trial`]. The program goes on until it looks.
+/// A flag that Ctrl-C, SIGTERM, SIGHUP and SIGQUIT set: the `stop` of [`crate::run_trial`]. The program goes on until it looks.
 ///
 /// # Errors
 /// A system that does not take the handlers.

@@ -2,13 +2,15 @@
 //! which holds the record's hash. Later all three are held against each other, against the trials' footers, and against
 //! the present `study.toml`.
 
+use crate::head::head_of;
 use crate::regular::text;
 use crate::study::MOST_STUDY;
+use crate::whole::has_samples;
 use crate::{
     Files, Layout, SessionLog, StoreError, TrialEntry, append_events, hex_blake3, replace, write_new,
 };
 use std::path::Path;
-use zwidth_study::{Affects, Event, SessionRecord, Study, StudyChange, study_changes};
+use zwidth_study::{Affects, Event, SessionRecord, Source, Study, StudyChange, study_changes};
 
 /// Lays a session down. `study_toml` is the text of the `study.toml` in force. What an earlier attempt that was killed
 /// has done is done again.
@@ -28,8 +30,12 @@ pub fn lay_down(
         // Without a record no session names the copy: it is what a kill left.
         replace(files, &layout.study_copy(&record.participant, &record.session), study_toml)?;
     }
-    write_new(files, &path, &json)?;
     let log = layout.events(&record.participant, &record.session);
+    if files.kind(&path).is_none() && (files.kind(&log).is_some() || files.kind(&head_of(&log)).is_some()) {
+        let what = "there is a log of the session already, and its record is missing";
+        return Err(StoreError::new(&log, what, RESTORE));
+    }
+    write_new(files, &path, &json)?;
     append_events(files, &log, utc, &[laid_down(&json)])
 }
 
@@ -56,14 +62,19 @@ pub(crate) fn mend_laid_down(
     utc: &str,
 ) -> Result<bool, StoreError> {
     let log = layout.events(&record.participant, &record.session);
-    let alone = files.kind(&log).is_none() && files.kind(&crate::head::head_of(&log)).is_none();
+    let (participant, session) = (&record.participant, &record.session);
+    // Nothing is recorded before the first line of the log: with a trial beside it the record does not stand alone, but
+    // has lost its log. The trials of an import come first.
+    let alone = files.kind(&log).is_none()
+        && files.kind(&head_of(&log)).is_none()
+        && (record.source == Source::Imported || !has_samples(files, layout, participant, session));
     if alone {
         append_events(files, &log, utc, &[laid_down(bytes)])?;
     }
     Ok(alone)
 }
 
-const RESTORE: &str = "restore the session's files from a copy, or exclude its trials";
+pub(crate) const RESTORE: &str = "restore the session's files from a copy, or exclude its trials";
 
 /// Whether the record is the one that was laid down, by the log.
 ///
@@ -98,15 +109,24 @@ pub(crate) fn read_copy(
         return Ok(None);
     }
     let text = text(files, &path, MOST_STUDY)?;
-    if hex_blake3(text.as_bytes()) != record.study_blake3 {
-        let what = "it is not the study.toml that the session was laid down with, by the hash in its record";
-        return Err(StoreError::new(&path, what, RESTORE));
-    }
+    is_copy(&path, text.as_bytes(), record)?;
     let first = |errors: Vec<zwidth_study::StudyError>| {
         let what = errors.first().map_or_else(String::new, ToString::to_string);
         StoreError::new(&path, what, RESTORE)
     };
     Study::from_toml(&text).map(Some).map_err(first)
+}
+
+/// Whether these bytes are the `study.toml` of a record.
+///
+/// # Errors
+/// They have not the hash in it.
+pub(crate) fn is_copy(path: &Path, bytes: &[u8], record: &SessionRecord) -> Result<(), StoreError> {
+    if hex_blake3(bytes) == record.study_blake3 {
+        return Ok(());
+    }
+    let what = "it is not the study.toml that the session was laid down with, by the hash in its record";
+    Err(StoreError::new(path, what, RESTORE))
 }
 
 /// What a trial's footer says of it that its session's record says otherwise.
@@ -138,6 +158,21 @@ pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<Stri
         })
 }
 
+/// What changed in `study.toml` since a session was laid down and matters to it, in words, accepted or not; nothing if
+/// nothing does. `hash` is the present file's.
+pub(crate) fn matters(log: &SessionLog, study: &Study, hash: &str) -> Option<String> {
+    if log.record.study_blake3 == hash {
+        return None;
+    }
+    let Some(then) = &log.study else {
+        return Some("what changed is not known, because the session has no copy of it".to_owned());
+    };
+    let matters = |change: &StudyChange| change.affects == Affects::Recording;
+    let told: Vec<String> =
+        study_changes(then, study).iter().filter(|c| matters(c)).map(ToString::to_string).collect();
+    (!told.is_empty()).then(|| told.join("; "))
+}
+
 /// What changed in `study.toml` since a session was laid down and may matter to it: a warning, until an event accepts
 /// the present one. `hash` is the present file's.
 pub(crate) fn study_warning(
@@ -149,26 +184,18 @@ pub(crate) fn study_warning(
     if log.studies().any(|known| known == hash) {
         return None;
     }
+    let changes = matters(log, study, hash)?;
     let (participant, session) = (&log.record.participant, &log.record.session);
-    let changes = match &log.study {
-        None => "what changed is not known, because the session has no copy of it".to_owned(),
-        Some(then) => {
-            let matters = |change: &StudyChange| change.affects == Affects::Recording;
-            let told: Vec<String> =
-                study_changes(then, study).iter().filter(|c| matters(c)).map(ToString::to_string).collect();
-            if told.is_empty() {
-                return None;
-            }
-            told.join("; ")
-        }
-    };
     let what = format!("study.toml is another than when {participant} {session} was laid down: {changes}");
-    let remedy = match &log.study {
-        None => "put it back as it was, or say so where results are reported".to_owned(),
-        Some(_) => {
-            let copy = layout.study_copy(participant, session);
-            format!("put it back; as it was, it is {}", layout.shown(&copy).display())
-        }
+    let copy = layout.study_copy(participant, session);
+    let as_it_was = match &log.study {
+        None => String::new(),
+        Some(_) => format!(" (as it was, it is {})", layout.shown(&copy).display()),
     };
-    Some(StoreError::new(&log.path, what, remedy))
+    let study = layout.study();
+    let accept = format!("zwidth recover {study} --accept-study-change -p {participant} -s {session}");
+    Some(StoreError::new(&log.path, what, format!("put it back{as_it_was}, or accept it with `{accept}`")))
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,12 +5,15 @@
 //! are the boundary to the analysis. Whatever is wrong with a file is one [`StoreError`] that says
 //! which file, which column, which row, and what to do.
 
+mod accept;
 mod atomic;
 mod bounds;
+mod calibrated;
 mod codec;
 #[cfg(test)]
 mod crashes;
 mod encode;
+mod entries;
 mod error;
 mod events;
 #[cfg(test)]
@@ -38,8 +41,10 @@ mod sweep_log;
 mod trial;
 mod verify;
 mod walk;
+mod whole;
 mod write;
 
+pub use accept::{accept_study, study_notes};
 pub use atomic::{
     Append, Entry, Files, RealFiles, append_to, keep_private, replace, write_new, write_private,
 };
@@ -65,4 +70,5 @@ pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::log_sweeps;
 pub use trial::{Samples, Trial, TrialFile};
 pub use verify::{verify, verify_from};
+pub use whole::{WholeSession, check_session, read_session, session_study};
 pub use write::{described, trial_bytes, write_parquet, write_table};

@@ -1,5 +1,6 @@
 //! Sessions: their records and event logs, and what the events say of the trials.
 
+use crate::calibrated::check_calibration;
 use crate::events::read_events_from;
 use crate::laid::{check_record, contradiction, read_copy};
 use crate::read::read_trial_from;
@@ -45,7 +46,8 @@ pub(crate) fn read_sessions(
     (sessions, unreadable)
 }
 
-fn read_session(
+/// One session by the name of its files, `<participant>_<session>`.
+pub(crate) fn read_session(
     files: &dyn Files,
     layout: &Layout,
     name: &str,
@@ -61,6 +63,7 @@ fn read_session(
     let events_path = layout.events(&record.participant, &record.session);
     let events = read_events_from(files, &events_path)?;
     check_record(&path, text.as_bytes(), &events)?;
+    check_calibration(&path, &text)?;
     let study = read_copy(files, layout, &record)?;
     let known = known(&record, &events, &events_path);
     problems.extend(known.problems);
@@ -141,7 +144,10 @@ pub(crate) fn join(
         let what = format!("the log does not speak of {words} {}: left out", trials.join(", "));
         StoreError::new(path, what, RESTORE)
     });
-    silent.chain(changed).chain(sessions.iter().flat_map(|log| lost(files, layout, log))).collect()
+    silent
+        .chain(changed)
+        .chain(sessions.iter().flat_map(|log| lost(files, layout, &log.record, &log.events)))
+        .collect()
 }
 
 /// Holds a trial's footer against its session's record; one that contradicts it is left out. Then opens its seal.
@@ -219,17 +225,22 @@ pub(crate) fn left_out(events: &[Event], trial: u32) -> bool {
 }
 
 /// Trials of a session, by its record or its log, that were not left out and whose files are gone.
-fn lost(files: &dyn Files, layout: &Layout, log: &SessionLog) -> Vec<StoreError> {
-    let recorded = log.events.iter().filter(|e| matches!(e, Event::Recorded { .. })).filter_map(Event::trial);
+pub(crate) fn lost(
+    files: &dyn Files,
+    layout: &Layout,
+    record: &SessionRecord,
+    events: &[Event],
+) -> Vec<StoreError> {
+    let recorded = events.iter().filter(|e| matches!(e, Event::Recorded { .. })).filter_map(Event::trial);
     // A session that is being recorded has trials still to come; an imported one was whole when it was laid down.
-    let imported = log.record.source == Source::Imported;
-    let planned = log.record.trials.iter().filter(|t| imported && t.samples).map(|t| t.trial);
+    let imported = record.source == Source::Imported;
+    let planned = record.trials.iter().filter(|t| imported && t.samples).map(|t| t.trial);
     let trials: BTreeSet<u32> = recorded.chain(planned).collect();
     let gone = |trial: u32| {
-        let path = layout.trial(&log.record.participant, &log.record.session, trial);
+        let path = layout.trial(&record.participant, &record.session, trial);
         let what = "the trial belongs to the session, but its file is missing";
         let error = || StoreError::new(&path, what, "restore the file from a copy, or exclude the trial");
-        (files.kind(&path) != Some(Entry::File) && !left_out(&log.events, trial)).then(error)
+        (files.kind(&path) != Some(Entry::File) && !left_out(events, trial)).then(error)
     };
     trials.into_iter().filter_map(gone).collect()
 }

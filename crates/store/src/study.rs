@@ -1,7 +1,7 @@
 //! A whole study: every trial, sweep and session there is, joined with the events.
 
+use crate::entries::read_trials;
 use crate::laid::study_warning;
-use crate::read::{TrialFooter, read_footer_from};
 use crate::regular::text;
 use crate::sessions::{join, left_out, read_sessions};
 use crate::sweep::entry;
@@ -110,7 +110,7 @@ pub struct SessionLog {
 }
 
 impl SessionLog {
-    /// BLAKE3 of each `study.toml` under which trials of the session were recorded, or may be.
+    /// BLAKE3 of the session's own `study.toml`, and of each that was accepted since.
     pub fn studies(&self) -> impl Iterator<Item = &str> {
         let accepted = self.events.iter().filter_map(|event| match event {
             Event::StudyAccepted { study_blake3 } => Some(study_blake3.as_str()),
@@ -343,36 +343,6 @@ pub(crate) fn read_study_from(
     Ok((study, hex_blake3(text.as_bytes())))
 }
 
-fn read_trials(files: &dyn Files, layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
-    let found = match parquet_below(files, &layout.trials()) {
-        Ok(found) => found,
-        Err(error) => return vec![Err(error)],
-    };
-    found
-        .into_par_iter()
-        .map(|path| {
-            let TrialFooter { meta, file, signals, rows, blake3 } = read_footer_from(files, &path)?;
-            let expected = layout.trial(&meta.participant, &meta.session, meta.trial);
-            if expected != path {
-                let what = format!("the file is trial {} by its footer, but not by its name", meta.trial);
-                let remedy = format!("it belongs at {}; a trial must not exist twice", expected.display());
-                return Err(StoreError::new(&path, what, remedy));
-            }
-            Ok(TrialEntry {
-                path,
-                meta,
-                file,
-                signals,
-                rows,
-                blake3,
-                superseded_by: None,
-                excluded: None,
-                sealed: None,
-            })
-        })
-        .collect()
-}
-
 fn list_sweeps(files: &dyn Files, layout: &Layout) -> Vec<Result<SweepEntry, StoreError>> {
     let found = match parquet_below(files, &layout.sweeps()) {
         Ok(found) => found,
@@ -390,7 +360,7 @@ fn list_sweeps(files: &dyn Files, layout: &Layout) -> Vec<Result<SweepEntry, Sto
 }
 
 /// The Parquet files below a folder, sorted. What else lies there is a finding of `verify`.
-fn parquet_below(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
+pub(crate) fn parquet_below(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
     let mut found = files_below(files, folder)?;
     found.retain(|path| path.extension().is_some_and(|e| e == "parquet"));
     Ok(found)

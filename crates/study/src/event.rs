@@ -70,7 +70,8 @@ pub enum Event {
         /// The mode of each planned trial, by number.
         order: Vec<SealedTrial>,
     },
-    /// A changed `study.toml` was accepted: from here on the session goes on under the `study.toml` of this hash.
+    /// A changed `study.toml` was accepted: the session's trials are read under the one of this hash. The session itself
+    /// goes on by its own copy.
     StudyAccepted {
         /// BLAKE3 of that `study.toml`, hexadecimal.
         study_blake3: String,

@@ -1,9 +1,12 @@
 //! What can be typed. Parsed here, resolved into work by the commands.
 
+mod device;
+
 use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand, ValueEnum};
+use device::DEVICES;
+pub(crate) use device::DeviceSpec;
 use std::path::PathBuf;
-use std::str::FromStr;
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
 use zwidth_study::{ParticipantId, SessionId, StudyId};
 use zwidth_tables::Format;
@@ -53,10 +56,7 @@ pub(crate) enum Command {
     /// Open a blinded session's seal: its modes are known from then on
     Unseal(Unseal),
     /// After a kill or a power cut: journals become trials, half-written files go
-    Recover {
-        /// The study
-        study: StudyId,
-    },
+    Recover(Recover),
     /// Bring in recordings of other rigs, as a mapping file says
     Import(Import),
     /// Check studies: every finding, with file, column, row and remedy
@@ -102,6 +102,21 @@ pub(crate) struct Run {
 }
 
 #[derive(Debug, clap::Args)]
+pub(crate) struct Recover {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Accept a study.toml that has changed since sessions began: `verify` notes it then, and warns no more
+    #[arg(long)]
+    pub(crate) accept_study_change: bool,
+    /// Of this participant's session alone
+    #[arg(long, short, value_name = "P01", requires_all = ["session", "accept_study_change"])]
+    pub(crate) participant: Option<ParticipantId>,
+    /// Of this session alone
+    #[arg(long, short, value_name = "S01", requires_all = ["participant", "accept_study_change"])]
+    pub(crate) session: Option<SessionId>,
+}
+
+#[derive(Debug, Clone, PartialEq, clap::Args)]
 pub(crate) struct Acquire {
     /// The study
     pub(crate) study: StudyId,
@@ -137,10 +152,13 @@ pub(crate) struct Acquire {
     /// Use the motor of a device without a watchdog; every trial is marked
     #[arg(long)]
     pub(crate) no_watchdog: bool,
+    /// Go on with a session although study.toml has changed in what it records: by the session's own copy; its log says so
+    #[arg(long)]
+    pub(crate) accept_study_change: bool,
 }
 
 /// Where seals lie.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, PartialEq, Eq, clap::Args)]
 pub(crate) struct Keys {
     /// Folder of the seals of blinded sessions [default: zwidth/ in the user's state folder]
     #[arg(long = "key", value_name = "DIR")]
@@ -226,33 +244,6 @@ pub(crate) struct Unseal {
     pub(crate) unfinished: bool,
     #[command(flatten)]
     pub(crate) keys: Keys,
-}
-
-/// How devices are written on the command line.
-const DEVICES: &str = "twin|playback:FILE|rig:PORT,PORT";
-
-/// A device by name.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum DeviceSpec {
-    /// The simulated device.
-    Twin,
-    /// A recorded trial.
-    Playback(PathBuf),
-    /// The real one, on these serial ports.
-    Rig(String),
-}
-
-impl FromStr for DeviceSpec {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once(':') {
-            None if text == "twin" => Ok(Self::Twin),
-            Some(("playback", file)) if !file.is_empty() => Ok(Self::Playback(file.into())),
-            Some(("rig", ports)) if !ports.is_empty() => Ok(Self::Rig(ports.to_owned())),
-            _ => Err(format!("it must be {DEVICES}")),
-        }
-    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -357,16 +348,6 @@ mod tests {
     #[test]
     fn the_default_tolerance_is_the_stage_s_own() {
         assert_eq!(positive(DEFAULT_TOLERANCE), Ok(zwidth_simulate::DEFAULT_TOLERANCE));
-    }
-
-    #[test]
-    fn a_device_is_named_by_its_kind_and_what_belongs_to_it() {
-        assert_eq!("twin".parse(), Ok(DeviceSpec::Twin));
-        assert_eq!("playback:a:b".parse(), Ok(DeviceSpec::Playback("a:b".into())));
-        assert_eq!("rig:/dev/x,/dev/y".parse(), Ok(DeviceSpec::Rig("/dev/x,/dev/y".into())));
-        for bad in ["", "twin:1", "playback", "playback:", "rig", "Twin"] {
-            assert!(bad.parse::<DeviceSpec>().unwrap_err().contains("playback:FILE"), "{bad}");
-        }
     }
 
     #[test]

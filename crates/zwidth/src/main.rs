@@ -39,7 +39,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::Characterise(command) => commands::characterise::characterise(root, &command, screen),
         Command::Twin(command) => commands::twin::twin(root, &command, screen),
         Command::Unseal(command) => commands::unseal::unseal(root, &command, screen),
-        Command::Recover { study } => commands::recover::recover(root, study, screen),
+        Command::Recover(command) => commands::recover::recover(root, &command, screen),
         Command::Import(command) => commands::import::import(root, &command, screen),
         Command::Verify { studies } => commands::verify::verify(root, studies, screen),
         Command::List { study } => commands::list::list(root, study, screen),

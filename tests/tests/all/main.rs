@@ -17,6 +17,7 @@ mod folders;
 mod logs;
 mod provenance;
 mod real;
+mod resuming;
 mod running;
 mod shipped;
 mod small;

@@ -30,6 +30,10 @@ use zwidth_study::{Check, Event, Study};
 /// How long one look at the keys may wait, and how often an idle screen is drawn.
 const WAIT: Duration = Duration::from_millis(50);
 
+/// What is told when a blinded session begins or goes on.
+const BLINDED: &str = "blinded: no name, record or screen tells a mode, but whoever opens a trial's file can read it from \
+                       voltages, flags, forces, the angle or the file's size: leave raw/ alone until it is unsealed";
+
 /// What a session runs on.
 pub struct Parts<'a> {
     /// The device.
@@ -172,6 +176,10 @@ impl<'a> Runner<'a> {
         if self.session.laid_down {
             let place = self.flow.done();
             self.view.say(format!("resumed: {place} of {} trials are done", self.flow.places().len()));
+            self.remark()?;
+        }
+        if self.session.blinded {
+            self.view.say(BLINDED);
         }
         self.act(first)
     }
@@ -261,10 +269,9 @@ impl<'a> Runner<'a> {
         Ok(append_events(&self.files, &path, &utc, &[event])?)
     }
 
-    /// Tells what is to be known of the session, and notes it in its log.
+    /// Tells what is to be known of the session, and keeps it in its log.
     fn remark(&mut self) -> Result<(), AcquireError> {
-        let remarks = std::mem::take(&mut self.session.remarks);
-        remarks.into_iter().try_for_each(|text| self.log(Event::Note { trial: None, text }))
+        std::mem::take(&mut self.session.opening).into_iter().try_for_each(|event| self.log(event))
     }
 
     /// The device check. The first one of a session goes into its record, which is laid down then; a later one into the

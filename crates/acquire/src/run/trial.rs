@@ -13,7 +13,7 @@ use zwidth_device::{
     Controller, Histogram, Reading, Seen, Station, Timing, TrialEnd, TrialPlan, TrialRun, TrialTask, Trip,
     watch,
 };
-use zwidth_store::{Files, Journal, TrialFile, append_events};
+use zwidth_store::{Files, Journal, TrialFile, append_events, check_session};
 use zwidth_study::{Environment, Event, Flags, Mode, PlannedTrial, Sample, Study};
 
 /// Why a trial was cut that a signal ended.
@@ -33,6 +33,7 @@ impl<'a> Runner<'a> {
     /// Runs a trial to its end, each sample on its way to the journal.
     pub(super) fn record(&mut self, trial: &PlannedTrial) -> Result<End, AcquireError> {
         self.files.check()?;
+        self.check_session()?;
         let (environment, mode) = self.condition(trial)?;
         let plan = TrialPlan::new(&self.plan.study, environment, trial.trial, &self.capabilities)?;
         if let Some(cut) = self.await_lever()? {
@@ -78,6 +79,13 @@ impl<'a> Runner<'a> {
             return Err(error.into());
         }
         self.conclude(trial.trial, tape, &run)
+    }
+
+    /// Nothing is recorded onto a session that is not whole any more.
+    fn check_session(&self) -> Result<(), AcquireError> {
+        let not_whole =
+            |finding| AcquireError::NotWhole { session: self.plan.name(), findings: vec![finding] };
+        check_session(&self.files, &self.plan.layout, &self.session.record).map_err(not_whole)
     }
 
     /// A trial begins with the lever at its start. After one in which it stayed where it was, somebody carries it

@@ -2,6 +2,7 @@
 
 use super::device::{Bench, bench, checks_itself, clock, keys, mixed, open, raised_by_signals, secret};
 use super::recover::{lock, put_in_order_and_tell};
+use super::resume::resume;
 use crate::args::{Acquire, DeviceSpec};
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -11,7 +12,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use zwidth_acquire::{
-    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session, run, seed_of,
+    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session, own_study, run,
+    seed_of,
 };
 use zwidth_store::RealFiles;
 use zwidth_study::SessionRecord;
@@ -24,9 +26,12 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
     if command.fast && matches!(command.device, DeviceSpec::Rig(_)) {
         bail!("--fast is a simulated clock, which no rig follows; leave it out");
     }
-    let bench = bench(root, command.study.clone(), command.rate)?;
+    let mut bench = bench(root, command.study.clone(), command.rate)?;
     let _lock = lock(&bench.layout, "zwidth acquire")?;
     put_in_order_and_tell(&bench.layout, screen);
+    if let Some(own) = own_study(&RealFiles, &bench.layout, participant, session)? {
+        bench = bench.by(own, command.rate)?;
+    }
     let seed = device_seed(&bench, command);
     let mut device = open(&command.device, &bench, seed, participant, session)?;
     let keys = keys(&command.keys, bench.study.design.blinded)?;
@@ -35,6 +40,7 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         layout: bench.layout,
         study: bench.study,
         study_toml: bench.study_toml,
+        accept_study_change: command.accept_study_change,
         participant: participant.clone(),
         session: session.clone(),
         calibration: bench.calibration,
@@ -59,7 +65,7 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         Parts { device: &mut *device, clock: &mut *clock, files: &RealFiles, front: &mut *front, utc: &utc };
     let outcome = run(&plan, laid, &options, parts);
     drop(front); // the terminal is given back before anything is printed on it
-    Ok(tell(&plan, &outcome?, screen))
+    Ok(tell(&plan, &outcome?, &resume(root, command, plan.study.design.blinded), screen))
 }
 
 /// The simulated device's seed: the one asked for, else the one the session began with, so that it goes on with the same
@@ -86,7 +92,7 @@ fn front(command: &Acquire, stop: Arc<AtomicBool>) -> anyhow::Result<Box<dyn Fro
 }
 
 /// What became of the session, and how to go on with it.
-fn tell(plan: &Plan, outcome: &Outcome, screen: &Screen) -> Exit {
+fn tell(plan: &Plan, outcome: &Outcome, resume: &str, screen: &Screen) -> Exit {
     let Outcome { done, total, timing, .. } = outcome;
     if timing.ticks > 0 {
         let ms = |s: f64| s * 1e3;
@@ -107,7 +113,6 @@ fn tell(plan: &Plan, outcome: &Outcome, screen: &Screen) -> Exit {
         ));
         return Exit::Fine;
     }
-    let resume = format!("zwidth acquire {} -p {} -s {}", plan.study.id, plan.participant, plan.session);
     screen.warn(format!("{session}: {done} of {total} trials are done; go on with `{resume}`"));
     match (&outcome.stopped, outcome.interrupted) {
         (Some(why), _) => {

@@ -57,10 +57,13 @@ pub(super) fn record(
         ("study_blake3", hex_blake3(&bench.study_toml)),
         ("device", device),
         ("software", software.to_owned()),
-        ("seed", seed.to_string()),
     ];
-    let sweep =
-        Sweep { file: BTreeMap::from(file.map(|(k, v)| (k.to_owned(), v))), ..sweep(id, number, &points) };
+    let mut file = BTreeMap::from(file.map(|(k, v)| (k.to_owned(), v)));
+    // The orders of a blinded study may be drawn with the same seed.
+    if !bench.study.design.blinded {
+        file.insert("seed".to_owned(), seed.to_string());
+    }
+    let sweep = Sweep { file, ..sweep(id, number, &points) };
     let bytes = sweep_bytes(&sweep, &path)?;
     write_new(files, &path, &bytes)?;
     Ok((path, (sweep.actuator, number, hex_blake3(&bytes))))

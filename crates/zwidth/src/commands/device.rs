@@ -11,7 +11,7 @@ use zwidth_device::{
     Clock, Device, Person, Playback, RealClock, SimulatedClock, Twin, TwinParameters, stop_on_signals,
 };
 use zwidth_store::{Layout, MOST_BYTES, Samples, Signal, hex_blake3, read_regular, read_study, read_trial};
-use zwidth_study::{Calibration, Flags, ParticipantId, Sample, SessionId, Study, StudyId, Voltages};
+use zwidth_study::{Calibration, Control, Flags, ParticipantId, Sample, SessionId, Study, StudyId, Voltages};
 
 /// A study, ready to be recorded.
 pub(super) struct Bench {
@@ -39,6 +39,16 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
     let study_toml = read_regular(&layout.study_toml(), MOST_BYTES)?;
     let twin = twin_parameters(&layout, study.device.lever_m)?;
     Ok(Bench { layout, study, study_toml, calibration, twin })
+}
+
+impl Bench {
+    /// The same for a session that goes on by the study it began with, at the rate asked for.
+    pub(super) fn by(self, own: Study, rate_hz: Option<f64>) -> anyhow::Result<Self> {
+        let rate_hz = rate_hz.unwrap_or(own.control.rate_hz);
+        let study = Study { control: Control { rate_hz, ..own.control }, ..own };
+        let twin = twin_parameters(&self.layout, study.device.lever_m)?;
+        Ok(Self { study, twin, ..self })
+    }
 }
 
 /// The simulated device's parameters: the defaults, with the study's lever and what `raw/<study>/twin.toml` names.
@@ -117,7 +127,7 @@ pub(super) fn clock(fast: bool, seed: u64) -> Box<dyn Clock> {
     if fast { Box::new(SimulatedClock::new(seed)) } else { Box::new(RealClock::new()) }
 }
 
-/// A flag that Ctrl-C, SIGTERM and SIGHUP raise.
+/// A flag that Ctrl-C, SIGTERM, SIGHUP and SIGQUIT raise.
 pub(super) fn raised_by_signals() -> anyhow::Result<Arc<AtomicBool>> {
     stop_on_signals().context("cannot take signals, so nothing would stop a trial; try again")
 }

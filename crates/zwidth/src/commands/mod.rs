@@ -10,6 +10,7 @@ mod locate;
 mod near;
 pub(crate) mod new;
 pub(crate) mod recover;
+mod resume;
 pub(crate) mod run;
 pub(crate) mod shell;
 pub(crate) mod simulate;

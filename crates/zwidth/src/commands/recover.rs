@@ -1,12 +1,14 @@
 //! `zwidth recover`: what a kill or a power cut left is brought in order.
 
-use super::study;
+use super::{study, together};
+use crate::args::Recover;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use serde::Serialize;
 use std::path::Path;
-use zwidth_store::{Layout, RealFiles, Recovered, StoreError, StudyLock, owner, recover as recover_study};
-use zwidth_study::StudyId;
+use zwidth_store::{
+    Layout, RealFiles, Recovered, StoreError, StudyLock, accept_study, owner, recover as recover_study,
+};
 
 #[derive(Serialize)]
 struct Line {
@@ -15,10 +17,13 @@ struct Line {
     ok: bool,
 }
 
-pub(crate) fn recover(root: &Path, id: StudyId, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = study(root, id)?;
+pub(crate) fn recover(root: &Path, command: &Recover, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = study(root, command.study.clone())?;
     let _lock = lock(&layout, "zwidth recover")?;
-    let lines = put_in_order(&layout);
+    let mut lines = put_in_order(&layout);
+    if command.accept_study_change {
+        lines.extend(accepted(&layout, command)?);
+    }
     let exit = if lines.iter().all(|l| l.ok) { Exit::Fine } else { Exit::Partly };
     if screen.json {
         screen.listing(&lines)?;
@@ -31,6 +36,16 @@ pub(crate) fn recover(root: &Path, id: StudyId, screen: &Screen) -> anyhow::Resu
         screen.result(format!("{}: nothing to recover", layout.study()));
     }
     Ok(exit)
+}
+
+/// Accepts the present `study.toml`, for one session or for all to which a change of it matters.
+fn accepted(layout: &Layout, command: &Recover) -> anyhow::Result<Vec<Line>> {
+    let only = command.participant.as_ref().zip(command.session.as_ref());
+    let accepted = accept_study(&RealFiles, layout, &now(), only).map_err(|findings| together(&findings))?;
+    let file = layout.study_toml().display().to_string();
+    let line = |what| Line { file: file.clone(), what, ok: true };
+    let none = accepted.is_empty().then(|| "study.toml: no change waits to be accepted".to_owned());
+    Ok(accepted.into_iter().chain(none).map(line).collect())
 }
 
 /// The right to write to a study.

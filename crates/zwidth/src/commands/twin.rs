@@ -110,6 +110,7 @@ fn one(
         layout: bench.layout.clone(),
         study: bench.study.clone(),
         study_toml: bench.study_toml.clone(),
+        accept_study_change: false,
         participant: participant.clone(),
         session: session.clone(),
         calibration: bench.calibration.clone(),

@@ -5,7 +5,7 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use serde::Serialize;
 use std::path::Path;
-use zwidth_store::StoreError;
+use zwidth_store::{Layout, RealFiles, StoreError, study_notes};
 use zwidth_study::StudyId;
 
 #[derive(Serialize)]
@@ -27,6 +27,8 @@ pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyho
     } else {
         for (study, findings) in &checked {
             findings.iter().for_each(|f| screen.result(f.to_string()));
+            let notes = study_notes(&RealFiles, &Layout::new(root, study.clone()));
+            notes.iter().for_each(|note| screen.result(format!("{study}: note: {note}")));
             screen.result(match findings.len() {
                 0 => format!("{study}: no findings"),
                 1 => format!("{study}: 1 finding"),

@@ -181,6 +181,34 @@ fn the_turn_stays_known_and_nothing_is_driven_while_the_disk_stands_still_for_se
 }
 
 #[test]
+fn a_disk_that_stands_still_for_seconds_within_a_trial_costs_no_sample() {
+    let mut desk = Desk::new(false);
+    let (clock, stood) = (SharedClock::default(), Arc::<Mutex<Option<(f64, f64)>>>::default());
+    let (of_disk, span) = (clock.clone(), Arc::clone(&stood));
+    let wait = move |path: &Path, in_trial: bool| {
+        let begun = std::fs::metadata(path).is_ok_and(|m| m.len() > 0);
+        let second = in_trial && begun && path.to_string_lossy().contains("trial-002");
+        let mut span = span.lock().unwrap();
+        if second && span.is_none() {
+            *span = Some(of_disk.stand(STANDS_S));
+        }
+    };
+    let (outcome, log) =
+        live(&mut desk, Swinging::new(Mock::new(swinging)), &clock, wait, &mut after_two_trials());
+    assert_eq!((outcome.stopped, outcome.done, log.homings), (None, 2, 1));
+    let (from_s, until_s) = stood.lock().unwrap().unwrap();
+    assert!(until_s - from_s >= STANDS_S, "it stood for {} s", until_s - from_s);
+    assert!(log.longest_s < LONGEST_S, "not read for {} s", log.longest_s);
+    let data = desk.data();
+    let expect = (desk.plan.study.design.trial_limit_s * desk.plan.rate_hz) as usize;
+    for trial in &data.trials {
+        assert_eq!(trial.meta.status, Status::Complete);
+        assert!(trial.rows.abs_diff(expect) <= 2, "{} of {expect} samples", trial.rows);
+    }
+    assert_eq!(verify(&desk.plan.layout), []);
+}
+
+#[test]
 fn an_emergency_stop_is_obeyed_at_once_while_the_disk_stands_still() {
     let mut desk = Desk::new(false);
     let (clock, gate) = (SharedClock::default(), Gate::default());

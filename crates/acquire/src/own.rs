@@ -1,0 +1,86 @@
+//! The study by which a session goes on: its own copy, whatever `study.toml` says by then.
+
+use crate::{AcquireError, Plan};
+use zwidth_store::{Files, Layout, SessionLog, hex_blake3, session_study};
+use zwidth_study::{Affects, Control, Event, ParticipantId, SessionId, Study, StudyChange, study_changes};
+
+/// The study by which a session that was laid down goes on: its own copy. Nothing for one that is to begin, and for one
+/// from before there were copies.
+///
+/// # Errors
+/// A session that is not whole.
+pub fn own_study(
+    files: &dyn Files,
+    layout: &Layout,
+    participant: &ParticipantId,
+    session: &SessionId,
+) -> Result<Option<Study>, AcquireError> {
+    let not_whole = |finding| AcquireError::NotWhole {
+        session: format!("{participant} {session}"),
+        findings: vec![finding],
+    };
+    session_study(files, layout, participant, session).map_err(not_whole)
+}
+
+/// What is to be told, and kept in the log, of a `study.toml` that is another than the session's own.
+///
+/// # Errors
+/// A change of what is recorded that nobody has accepted; a session without a copy, of which nobody knows what changed.
+pub(crate) fn opening(plan: &Plan, log: &SessionLog) -> Result<Vec<Event>, AcquireError> {
+    let hash = hex_blake3(&plan.study_toml);
+    let Some(own) = &log.study else {
+        return if hash == log.record.study_blake3 { Ok(Vec::new()) } else { Err(unknown_change(log)) };
+    };
+    let control = Control { rate_hz: plan.study.control.rate_hz, ..own.control };
+    if plan.study != (Study { control, ..own.clone() }) {
+        return Err(AcquireError::Refused {
+            what: "the session goes on by its own copy of study.toml, and another study was given".to_owned(),
+            remedy: "please report this".to_owned(),
+        });
+    }
+    if log.studies().any(|known| known == hash) {
+        return Ok(Vec::new());
+    }
+    let changes = study_changes(own, &parsed(&plan.study_toml)?);
+    let (matter, rest): (Vec<_>, Vec<_>) = changes.iter().partition(|c| c.affects == Affects::Recording);
+    let words = |changes: &[&StudyChange]| changes.iter().map(ToString::to_string).collect::<Vec<_>>();
+    if !matter.is_empty() && !plan.accept_study_change {
+        return Err(AcquireError::StudyChanged { session: log.path.clone(), changes: words(&matter) });
+    }
+    let text = match (matter.is_empty(), rest.is_empty()) {
+        (true, true) => "study.toml differs from the session's copy in comments or form alone".to_owned(),
+        (true, false) => {
+            format!("study.toml has changed in nothing that is recorded: {}", words(&rest).join("; "))
+        }
+        (false, _) => {
+            format!(
+                "study.toml has changed, and the session goes on by its own copy: {}",
+                words(&matter).join("; ")
+            )
+        }
+    };
+    let accepted = (!matter.is_empty()).then_some(Event::StudyAccepted { study_blake3: hash });
+    let note = Event::Note { trial: None, text };
+    // Noted once, however often the session is gone on with.
+    let note = (!log.events.contains(&note)).then_some(note);
+    Ok(accepted.into_iter().chain(note).collect())
+}
+
+fn unknown_change(log: &SessionLog) -> AcquireError {
+    AcquireError::Refused {
+        what: format!(
+            "{}: study.toml is another than when the session began, and the session has no copy of it, so what changed \
+             is not known",
+            log.path.display()
+        ),
+        remedy: "put study.toml back as it was, or begin a new session".to_owned(),
+    }
+}
+
+fn parsed(study_toml: &[u8]) -> Result<Study, AcquireError> {
+    let text = String::from_utf8_lossy(study_toml);
+    Study::from_toml(&text).map_err(|errors| AcquireError::Refused {
+        what: errors.first().map_or_else(String::new, |e| format!("study.toml: {e}")),
+        remedy: "mend it".to_owned(),
+    })
+}

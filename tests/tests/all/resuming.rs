@@ -1,0 +1,130 @@
+//! Going on with a session: by its own study.toml, only if it is whole, by the command that was suggested; and what a
+//! blinded one leaves.
+
+use crate::acquire::{Desk, TRIALS};
+use crate::binary::{binary, ran, zwidth};
+use crate::folders::{files, listing};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+#[test]
+fn a_session_goes_on_by_its_own_study_toml_whatever_was_edited_meanwhile_and_says_so() {
+    let desk = Desk::new(false);
+    desk.acquire("start\n3\nquit\n", &[]).exits(3);
+    let order = desk.record();
+    desk.edit_study("# Practice trials", "# Trials to practise");
+    let noted = desk.acquire("start\n3\nquit\n", &[]).exits(3);
+    assert!(noted.out.contains("comments or form alone"), "{noted:#?}");
+    desk.edit_study("pause_s = 3.0", "pause_s = 2.0");
+    desk.acquire("", &[]).exits(1).one_error().says(&[
+        "design.pause_s was 3.0 and is 2.0",
+        "put it back",
+        "--accept-study-change",
+    ]);
+    let accepted = desk.acquire("start\n3\nquit\n", &["--accept-study-change"]).exits(3);
+    assert!(accepted.out.contains("the changed study.toml was accepted"), "{accepted:#?}");
+    desk.finish().exits(0);
+    assert_eq!(desk.record(), order);
+    let verified = zwidth(desk.root(), &["verify", "small"]).exits(0);
+    assert!(verified.out.contains("note: ") && verified.out.contains("no findings"), "{verified:#?}");
+}
+
+#[test]
+fn a_change_of_study_toml_after_a_session_is_a_warning_that_names_the_command_which_makes_it_a_note() {
+    let desk = Desk::new(false);
+    desk.finish().exits(0);
+    desk.edit_study("pause_s = 3.0", "pause_s = 2.0");
+    let found = zwidth(desk.root(), &["verify", "small"]).exits(1).out;
+    let command = found.split('`').nth(1).unwrap_or_else(|| panic!("{found}")).to_owned();
+    let words: Vec<&str> = command.split(' ').collect();
+    assert_eq!(words[..2], ["zwidth", "recover"], "{found}");
+    let accepted = zwidth(desk.root(), &words[1..]).exits(0);
+    assert!(accepted.out.contains("design.pause_s was 3.0 and is 2.0"), "{accepted:#?}");
+    let verified = zwidth(desk.root(), &["verify", "small"]).exits(0);
+    assert!(verified.out.contains("note: study.toml is another than when P01 S01"), "{verified:#?}");
+    let again = zwidth(desk.root(), &["recover", "small", "--accept-study-change"]).exits(0);
+    assert!(again.out.contains("no change waits"), "{again:#?}");
+    zwidth(desk.root(), &["recover", "small", "--accept-study-change", "-p", "P01"]).exits(2);
+    zwidth(desk.root(), &["recover", "small", "-p", "P01", "-s", "S01"]).exits(2);
+    desk.verify();
+}
+
+#[test]
+fn a_session_whose_record_is_gone_or_edited_is_refused_before_anything_is_recorded() {
+    let desk = Desk::new(false);
+    desk.acquire("start\n3\nquit\n", &[]).exits(3);
+    let record = desk.root().join("raw/small/sessions/P01_S01.json");
+    let text = fs::read_to_string(&record).unwrap();
+    for (damage, words) in [(None, "its log is there"), (Some(text.replace("120.0", "121.0")), "not the one")]
+    {
+        fs::remove_file(&record).unwrap();
+        if let Some(edited) = damage {
+            fs::write(&record, edited).unwrap();
+        }
+        let before = listing(&desk.root().join("raw"));
+        desk.finish().exits(1).one_error().says(&["nothing is recorded", "P01_S01.json", words]);
+        assert_eq!(listing(&desk.root().join("raw")), before);
+        fs::write(&record, &text).unwrap();
+    }
+    desk.finish().exits(0);
+    desk.verify();
+}
+
+#[cfg(unix)]
+#[test]
+fn the_command_that_is_suggested_goes_on_with_the_session() {
+    let desk = Desk::new(false);
+    let begun = desk.acquire("start\n3\nquit\n", &["--rate", "60", "--seed", "9"]).exits(3);
+    let suggested = begun.err.split('`').nth(1).unwrap_or_else(|| panic!("{begun:#?}"));
+    for word in ["--rate 60", "--seed 9", "--plain", "--fast", "--key ", "--root "] {
+        assert!(suggested.contains(word), "{suggested}");
+    }
+    let folder = binary().parent().unwrap().display().to_string();
+    let path = format!("{folder}:{}", std::env::var("PATH").unwrap_or_default());
+    let shell = Command::new("sh")
+        .args(["-c", &format!("{suggested} --auto")])
+        .env("PATH", path)
+        .env_remove("ZWIDTH_ROOT")
+        .stdin(Stdio::null())
+        .output();
+    let resumed = ran(&shell.unwrap()).exits(0);
+    assert!(resumed.out.contains("resumed: 1 of 7"), "{resumed:#?}");
+    desk.verify();
+}
+
+#[cfg(unix)]
+#[test]
+fn a_blinded_study_leaves_its_seed_in_no_file_and_its_seals_to_their_owner_whatever_the_umask() {
+    use std::os::unix::fs::PermissionsExt as _;
+    const SEED: u64 = 9_876_543_210_987_654_321;
+    let desk = Desk::new(true);
+    let keys = desk.keys();
+    let script = "umask 0; exec \"$0\" \"$@\"";
+    let mut command = Command::new("sh");
+    command.args(["-c", script]).arg(binary()).arg("--root").arg(desk.root());
+    command.args(["twin", "small", "--participants", "1", "--sessions", "2", "--seed", &SEED.to_string()]);
+    ran(&command.arg("--key").arg(&keys).env_remove("ZWIDTH_ROOT").output().unwrap()).exits(0);
+    let spellings = [
+        SEED.to_string().into_bytes(),
+        format!("{SEED:x}").into_bytes(),
+        (SEED as f64).to_string().into_bytes(),
+        SEED.to_le_bytes().to_vec(),
+        SEED.to_be_bytes().to_vec(),
+    ];
+    let raw = desk.root().join("raw");
+    let found: Vec<PathBuf> =
+        listing(&raw).into_keys().map(|name| raw.join(name)).filter(|p| p.is_file()).collect();
+    assert!(found.len() > 2 * TRIALS + 45, "{found:?}");
+    for path in found {
+        let bytes = fs::read(&path).unwrap();
+        for spelling in &spellings {
+            let stands = bytes.windows(spelling.len()).any(|window| window == spelling);
+            assert!(!stands, "the seed stands in {}", path.display());
+        }
+    }
+    let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o7777;
+    assert_eq!((mode(&keys), mode(&keys.join("small"))), (0o700, 0o700));
+    let seals = files(&keys, "json");
+    assert!(seals.len() == 2 && seals.iter().all(|path| mode(path) == 0o600), "{seals:?}");
+}
