@@ -12,7 +12,7 @@
 use crate::AcquireError;
 use std::io;
 use std::path::{Path, PathBuf, absolute};
-use zwidth_store::{Files, Layout, StoreError, keep_private, write_private};
+use zwidth_store::{Files, Layout, StoreError, keep_private, sync_names, write_private};
 use zwidth_study::{ParticipantId, Seal, SessionId, SessionRecord, StudyId};
 
 /// Digits of the commitment in a seal's name: enough to tell any two apart.
@@ -66,9 +66,16 @@ pub fn keep(
     let path = seal_path(folder, study, &record.participant, &record.session, &seal.commitment());
     let text = seal.to_json().map_err(|e| StoreError::new(&path, e.to_string(), "please report this"))?;
     if files.read(&path, MOST_SEAL).is_ok_and(|there| there == text.as_bytes()) {
-        return ours_alone(files, &path);
+        ours_alone(files, &path)?;
+    } else {
+        write_private(files, &path, text.as_bytes())?;
     }
-    Ok(write_private(files, &path, text.as_bytes())?)
+    last(files, folder, &path)
+}
+
+/// Sees to it that a power cut leaves what is kept: without its seal a session could not go on.
+fn last(files: &dyn Files, folder: &Path, path: &Path) -> Result<(), AcquireError> {
+    Ok(sync_names(files, path, folder.parent().unwrap_or(folder))?)
 }
 
 /// Keeps a file that is there, and its folder, for this user alone: it may come from where nobody saw to that.
@@ -126,6 +133,7 @@ pub fn seed(
     } else {
         ours_alone(files, &path)?;
     }
+    last(files, folder, &path)?;
     let text = text(files, &path).map_err(|e| StoreError::io(&path, "read", &e))?;
     let wrong =
         |_| StoreError::new(&path, "it holds no seed, a number below 2⁶⁴", "restore the file from a copy");

@@ -194,6 +194,24 @@ pub(crate) fn sync_file(files: &dyn Files, path: &Path) -> io::Result<()> {
     files.sync_folder(folder_of(path))
 }
 
+/// Syncs the names of a file or folder, and of those it lies in below `top`, as far as they are there: a process that was
+/// killed may have left one unsynced, and a power cut would take everything in it.
+///
+/// # Errors
+/// A folder that cannot be synced; one that may not be looked into is passed by.
+pub fn sync_names(files: &dyn Files, path: &Path, top: &Path) -> Result<(), StoreError> {
+    let below = path.ancestors().take_while(|p| *p != top && *p != Path::new(""));
+    for there in below.filter(|p| files.kind(p).is_some()) {
+        match files.sync_folder(folder_of(there)) {
+            Err(e) if e.kind() != io::ErrorKind::PermissionDenied => {
+                return Err(StoreError::io(folder_of(there), "sync the folder", &e));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
 /// The folder a path lies in.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| *p != Path::new("")).unwrap_or_else(|| Path::new("."))

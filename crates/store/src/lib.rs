@@ -46,7 +46,7 @@ mod write;
 
 pub use accept::{accept_study, study_notes};
 pub use atomic::{
-    Append, Entry, Files, RealFiles, append_to, keep_private, replace, write_new, write_private,
+    Append, Entry, Files, RealFiles, append_to, keep_private, replace, sync_names, write_new, write_private,
 };
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};

@@ -16,6 +16,7 @@ use crate::folder::{StudyFolder, Within};
 use crate::session::{Plan, Session};
 use crate::tape::Tape;
 use crate::{AcquireError, Front, View};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -24,7 +25,7 @@ use zwidth_device::check::{Finding, Step, check_device};
 use zwidth_device::{
     Attendant, Capabilities, Clock, Device, Guard, Limits, Station, Timing, TrialPlan, Trip,
 };
-use zwidth_store::{Files, append_events};
+use zwidth_store::{Files, append_events, sync_names};
 use zwidth_study::{Check, Event, Study};
 
 /// How long one look at the keys may wait, and how often an idle screen is drawn.
@@ -124,6 +125,7 @@ pub fn run<'a>(
     let rate_hz = rate_hz(&plan.study, &capabilities)?;
     let files = Within::new(files, StudyFolder::open(files, &plan.layout.raw())?);
     let folder = files.clone();
+    sync_what_is_there(plan, &files)?;
     let (flow, first) = Flow::begin(
         session.order(&plan.study),
         plan.study.design.pause_s,
@@ -163,6 +165,16 @@ pub fn run<'a>(
     };
     // A folder that is gone is behind whatever could not be written.
     left.map_err(|error| folder.check().err().unwrap_or(error))
+}
+
+/// A life of this session that was killed may have left a folder's name unsynced; what is recorded into it would go with it
+/// in a power cut.
+fn sync_what_is_there(plan: &Plan, files: &dyn Files) -> Result<(), AcquireError> {
+    let Plan { layout, participant, session, .. } = plan;
+    let trials = layout.trial(participant, session, 1);
+    let folders = [trials.parent().map(Path::to_owned), Some(layout.journals()), Some(layout.sessions())];
+    let mut folders = folders.into_iter().flatten();
+    Ok(folders.try_for_each(|folder| sync_names(files, &folder, layout.root()))?)
 }
 
 /// The rate of the loop: the study's, or the device's if that is lower.

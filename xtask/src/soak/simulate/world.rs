@@ -168,6 +168,7 @@ pub(super) fn study(seed: u64) -> Result<(Memory, Plan), String> {
         seed: draw.one_in(2).then_some(seed),
         keys: PathBuf::from("/simulated/keys"),
         secret: [9; 32],
+        accept_study_change: false,
     };
     Ok((disk, plan))
 }

@@ -57,3 +57,25 @@ fn a_session_in_memory_ended_at_any_step_goes_on_in_the_same_order() {
         }
     }
 }
+
+/// Found by seed 13569 of `cargo xtask soak simulate`: a life that was killed between a file and the sync of its name left a
+/// seal, or a folder, that the next life took for kept, and a power cut took it away.
+#[test]
+fn what_a_killed_life_left_unsynced_is_synced_by_the_next_before_a_power_cut_can_take_it() {
+    for blinded in [false, true] {
+        for at in 0..40 {
+            let (desk, disk) = in_memory(blinded);
+            disk.fail_in(at, DiskFault::End);
+            desk.run(&mut Mock::default(), &disk, &mut diligent()).unwrap_err();
+            disk.restart(Survives::Everything);
+            disk.fail_in(150, DiskFault::End);
+            desk.run(&mut Mock::default(), &disk, &mut diligent()).unwrap_err();
+            disk.restart(Survives::Synced);
+            for found in recover(&disk, &desk.plan.layout, UTC) {
+                found.unwrap_or_else(|e| panic!("{at}: {e}"));
+            }
+            let outcome = desk.run(&mut Mock::default(), &disk, &mut diligent()).unwrap();
+            assert_eq!((outcome.done, findings(&desk, &disk)), (TRIALS, vec![]), "{at}");
+        }
+    }
+}
