@@ -5,7 +5,10 @@ use crate::number::{Numbers, numbers};
 use crate::{AcquireError, vault};
 use std::path::{Path, PathBuf};
 use zwidth_device::Capabilities;
-use zwidth_store::{Files, Layout, SessionLog, StoreError, StudyData, TrialEntry, hex_blake3, lay_down};
+use zwidth_store::{
+    Files, Layout, RealFiles, SessionLog, StoreError, StudyData, TrialEntry, check_session_ids, hex_blake3,
+    lay_down,
+};
 use zwidth_study::{
     Calibration, Event, ModeId, OrderRecord, ParticipantId, PlannedTrial, QuestionId, Scene, Seal, SessionId,
     SessionRecord, Status, Study, TrialMeta, order,
@@ -76,7 +79,11 @@ impl Session {
             });
         }
         let path = plan.layout.session(&plan.participant, &plan.session);
-        if path.exists() { found(plan, device, &path) } else { drawn(plan, device) }
+        if path.exists() {
+            return found(plan, device, &path);
+        }
+        check_session_ids(&RealFiles, &plan.layout, &plan.participant, &plan.session)?;
+        drawn(plan, device)
     }
 
     /// The order, each trial with the question that follows it.

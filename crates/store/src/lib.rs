@@ -5,6 +5,7 @@
 //! are the boundary to the analysis. Whatever is wrong with a file is one [`StoreError`] that says
 //! which file, which column, which row, and what to do.
 
+mod alike;
 mod atomic;
 mod bounds;
 mod codec;
@@ -15,11 +16,13 @@ mod error;
 mod events;
 #[cfg(test)]
 mod faulty;
+mod fit;
 mod frame;
 mod hash;
 mod head;
 pub mod import;
 mod journal;
+mod json;
 mod laid;
 mod layout;
 mod lock;
@@ -39,20 +42,22 @@ mod verify;
 mod walk;
 mod write;
 
-pub use atomic::{Append, Entry, Files, RealFiles, append_to, replace, write_new};
+pub use alike::{check_session_ids, check_study_id};
+pub use atomic::{Append, Entry, Files, RealFiles, append_to, is_unfinished, replace, write_new};
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;
 pub use events::{append_events, read_events};
 pub use hash::{file_blake3, hex_blake3};
 pub use journal::Journal;
+pub use json::{MOST_KEYS, from_json};
 pub use laid::{laid_down, lay_down, record_bytes};
 pub use layout::Layout;
 pub use lock::{StudyLock, owner};
 pub use memory::{Fault, Memory, Survives};
 pub use read::{TrialFooter, read_entries, read_footer, read_parquet, read_parquet_columns, read_trial};
 pub use record::record_trial;
-pub use recover::{Done, Recovered, recover};
+pub use recover::{Done, Recovered, recover, unfinished_below};
 pub use regular::{MOST_BYTES, open_named, open_regular, read_named, read_regular};
 pub use sessions::read_records;
 pub use signal::{COLUMNS, Column, Signal, Storage};
@@ -60,5 +65,5 @@ pub use study::{Answer, SessionLog, StudyData, SweepEntry, TrialEntry, read_stud
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::log_sweeps;
 pub use trial::{Samples, Trial, TrialFile};
-pub use verify::{verify, verify_from};
+pub use verify::{Findings, check_samples, findings, verify, verify_from};
 pub use write::{described, trial_bytes, write_parquet, write_table};

@@ -1,6 +1,7 @@
 //! Reading strictly: a file that is not exactly what it should be is one clear error.
 
 use crate::bounds::{check_footer, check_pages, check_size};
+use crate::codec::check_codecs;
 use crate::hash::hex_blake3;
 use crate::write::{DIGEST, FOOTER_DIGEST, VERSION, column_digest, described, footer_digest};
 use crate::{Column, Files, MOST_BYTES, RealFiles, Samples, Signal, Storage, StoreError, Trial, TrialFile};
@@ -140,6 +141,7 @@ impl ParquetFile {
         check_size(path, &metadata, DAMAGED)?;
         let rows = usize::try_from(file_metadata.num_rows()).unwrap_or(0);
         check_version(path, &footer)?;
+        check_codecs(path, &metadata)?;
         if footer.get(FOOTER_DIGEST) != Some(&footer_digest(&footer)) {
             let what = "the file is damaged: its footer does not match its digest";
             return Err(StoreError::new(path, what, DAMAGED));
@@ -343,7 +345,9 @@ pub(crate) fn from_path(path: &Path, key: &str) -> Result<String, StoreError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codec::tests::said_to_be;
     use crate::{RealFiles, trial_bytes, write_new};
+    use parquet::basic::CompressionCodec;
     use std::path::PathBuf;
 
     pub(crate) fn sample_trial() -> Trial {
@@ -411,6 +415,30 @@ mod tests {
             std::fs::write(&path, &bytes[..cut]).unwrap();
             let error = read_trial(&path, Signal::all()).unwrap_err();
             assert!(!error.what.is_empty() && !error.remedy.is_empty());
+        }
+    }
+
+    #[test]
+    fn a_file_compressed_with_what_is_not_read_is_named_so_and_not_called_damaged() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let bytes = std::fs::read(&path).unwrap();
+        let codecs = [
+            ("gzip", CompressionCodec::GZIP),
+            ("Brotli", CompressionCodec::BROTLI),
+            ("LZ4", CompressionCodec::LZ4_RAW),
+        ];
+        for (name, codec) in codecs {
+            std::fs::write(&path, said_to_be(&bytes, codec)).unwrap();
+            let words = format!("compressed with {name}, which this program does not read");
+            for error in [
+                read_trial(&path, Signal::all()).unwrap_err(),
+                read_footer(&path).unwrap_err(),
+                read_parquet(&path).unwrap_err(),
+                read_parquet_columns(&path, &["t_s"]).unwrap_err(),
+            ] {
+                assert_eq!((error.what.as_str(), error.column.as_deref()), (words.as_str(), Some("t_s")));
+            }
         }
     }
 

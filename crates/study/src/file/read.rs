@@ -123,8 +123,9 @@ impl Check<'_> {
         let mut empty = true;
         for (i, id) in ids.enumerate() {
             empty = false;
-            if !seen.insert(id) {
-                self.error(&format!("{list}[{i}].id"), format!("'{id}' stands twice; ids must differ"));
+            if !seen.insert(id.to_ascii_lowercase()) {
+                let what = format!("'{id}' stands twice; ids must differ, and by more than case");
+                self.error(&format!("{list}[{i}].id"), what);
             }
         }
         if empty && list != "questions" {
