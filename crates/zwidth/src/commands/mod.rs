@@ -34,7 +34,7 @@ fn studies(root: &Path, named: Vec<StudyId>) -> anyhow::Result<Vec<Layout>> {
 /// A study that must be there.
 fn study(root: &Path, id: StudyId) -> anyhow::Result<Layout> {
     let layout = Layout::new(root, id);
-    if !layout.study_toml().exists() {
+    if !is_study(&layout.raw()) {
         let there = all(root).unwrap_or_default();
         let there: Vec<&str> = there.iter().map(StudyId::as_str).collect();
         let id = layout.study();
@@ -54,7 +54,7 @@ fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {
         .with_context(|| format!("cannot list {}; choose the data folder with --root", raw.display()))?;
     let mut ids: Vec<StudyId> = list
         .flatten()
-        .filter(|entry| entry.path().join("study.toml").exists())
+        .filter(|entry| is_study(&entry.path()))
         .filter_map(|entry| StudyId::new(entry.file_name().to_string_lossy()).ok())
         .collect();
     ids.sort();
@@ -62,6 +62,11 @@ fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {
         bail!("there is no study under {}; make one with `zwidth new STUDY`", raw.display());
     }
     Ok(ids)
+}
+
+/// Whether a folder is a study's: one with recordings stays one without its study.toml, which is then missed.
+fn is_study(folder: &Path) -> bool {
+    ["study.toml", "trials", "sweeps", "sessions"].iter().any(|name| folder.join(name).exists())
 }
 
 /// Several findings as one error, a line each.
