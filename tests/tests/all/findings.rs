@@ -176,6 +176,20 @@ fn a_study_that_lost_its_study_toml_is_missed_and_the_others_are_looked_at() {
 }
 
 #[test]
+fn a_study_in_a_folder_whose_name_is_no_id_is_told_and_not_passed_by() {
+    let study = study();
+    let odd = study.root().join("raw/my study");
+    fs::create_dir(&odd).unwrap();
+    fs::copy(study.layout().study_toml(), odd.join("study.toml")).unwrap();
+    for command in ["run", "list"] {
+        zwidth(study.root(), &[command]).exits(3).says(&["\"my study\" is left out", "rename the folder"]);
+    }
+    let found = zwidth(study.root(), &["verify"]).exits(1);
+    assert!(found.out.contains("\"my study\" is left out"), "{found:#?}");
+    zwidth(study.root(), &["verify", "found"]).exits(0);
+}
+
+#[test]
 fn a_table_that_cannot_be_read_hides_no_other_table() {
     let study = study();
     zwidth(study.root(), &["run"]).exits(0);

@@ -21,7 +21,7 @@ pub(crate) mod verify;
 pub(crate) mod why;
 
 use anyhow::{Context as _, bail};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zwidth_store::{Layout, StoreError};
 use zwidth_study::StudyId;
 
@@ -29,6 +29,21 @@ use zwidth_study::StudyId;
 fn studies(root: &Path, named: Vec<StudyId>) -> anyhow::Result<Vec<Layout>> {
     let ids = if named.is_empty() { all(root)? } else { named };
     ids.into_iter().map(|id| study(root, id)).collect()
+}
+
+/// Folders of studies that no command can name, if all studies are asked for: none of them is passed by without a word.
+fn nameless(root: &Path, named: &[StudyId]) -> Vec<StoreError> {
+    let folders = if named.is_empty() { std::fs::read_dir(root.join("raw")).ok() } else { None };
+    let finding = |path: PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let why = StudyId::new(name.as_str()).err().filter(|_| is_study(&path))?.why;
+        let what = format!("the study in the folder {name:?} is left out, because its name is no id: {why}");
+        Some(StoreError::new(&root.join("raw"), what, "rename the folder, and study.id in its study.toml"))
+    };
+    let mut found: Vec<StoreError> =
+        folders.into_iter().flatten().flatten().filter_map(|entry| finding(entry.path())).collect();
+    found.sort_by(|a, b| a.what.cmp(&b.what));
+    found
 }
 
 /// A study that must be there.

@@ -1,7 +1,7 @@
 //! `zwidth run`: the main job. Raw data to every figure, table and summary; does only what changed.
 
 use super::near::did_you_mean;
-use super::{studies, together};
+use super::{nameless, studies, together};
 use crate::args::Run;
 use crate::exit::Exit;
 use crate::plan;
@@ -41,7 +41,9 @@ struct Entry {
 }
 
 pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result<Exit> {
-    let mut exit = Exit::Fine;
+    let nameless = nameless(root, &command.studies);
+    nameless.iter().for_each(|finding| screen.warn(finding.to_string()));
+    let mut exit = if nameless.is_empty() { Exit::Fine } else { Exit::Partly };
     let mut outcomes = Vec::new();
     let layouts = studies(root, command.studies.clone())?;
     let several = layouts.len() > 1;
