@@ -6,7 +6,10 @@ use crate::own::opening;
 use crate::{AcquireError, vault};
 use std::path::PathBuf;
 use zwidth_device::Capabilities;
-use zwidth_store::{Files, Layout, SessionLog, TrialEntry, WholeSession, hex_blake3, lay_down, read_session};
+use zwidth_store::{
+    Files, Layout, SessionLog, TrialEntry, WholeSession, check_session_ids, hex_blake3, lay_down,
+    read_session,
+};
 use zwidth_study::{
     Calibration, Event, ModeId, OrderRecord, ParticipantId, PlannedTrial, QuestionId, Scene, Seal, SessionId,
     SessionRecord, Status, Study, TrialMeta, order,
@@ -84,7 +87,10 @@ impl Session {
         }
         match read_session(files, &plan.layout, &plan.participant, &plan.session) {
             Ok(Some(whole)) => found(plan, device, files, whole),
-            Ok(None) => drawn(plan, device, files),
+            Ok(None) => {
+                check_session_ids(files, &plan.layout, &plan.participant, &plan.session)?;
+                drawn(plan, device, files)
+            }
             Err(findings) => Err(AcquireError::NotWhole { session: plan.name(), findings }),
         }
     }

@@ -11,6 +11,8 @@ pub struct Made {
     pub outputs: Vec<Vec<u8>>,
     /// What had to be left out, and why: remembered, and reported at every run.
     pub problems: Vec<String>,
+    /// What is in the outputs and is to be read with care, and why: remembered and reported likewise.
+    pub care: Vec<String>,
 }
 
 /// The function that makes a job's outputs. It reads the job's inputs and nothing else.

@@ -11,6 +11,9 @@
 //!
 //! Jobs that do not need each other run in parallel. A failed job fails alone; jobs that need its
 //! outputs are passed over and say so.
+//!
+//! A run writes and removes by its [`Results`] alone: below `derived/<study>` and `reports/<study>`, whatever the records
+//! of earlier runs say.
 
 mod change;
 mod hashes;
@@ -18,6 +21,7 @@ mod job;
 mod plan;
 mod provenance;
 mod record;
+mod results;
 mod run;
 mod state;
 mod trace;
@@ -27,6 +31,7 @@ pub use job::{Job, Made, Make};
 pub use plan::wanted;
 pub use provenance::{ORIGIN, Provenance, origins};
 pub use record::{Record, Records};
-pub use run::{Options, Report, Verdict, run};
+pub use results::Results;
+pub use run::{Done, Options, Report, Verdict, run};
 pub use state::{Again, State, states};
 pub use trace::{Source, Step, Trace, trace};

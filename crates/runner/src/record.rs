@@ -3,10 +3,11 @@
 use crate::Job;
 use crate::hashes::Hashes;
 use crate::provenance::origin;
+use crate::results::{Results, relative};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-use zwidth_store::{Files, StoreError, replace};
+use zwidth_store::{Layout, StoreError, from_json};
 
 /// What is remembered of a job that succeeded. Paths are relative to the root, hashes are BLAKE3 of contents.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,6 +24,9 @@ pub struct Record {
     pub outputs: BTreeMap<String, String>,
     /// What had to be left out.
     pub problems: Vec<String>,
+    /// What is to be read with care.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub care: Vec<String>,
     /// The word that each of its outputs carries ([`crate::ORIGIN`]).
     pub origin: String,
 }
@@ -39,6 +43,14 @@ impl Record {
         }
     }
 
+    /// The first file it names that no record of the study's can name, and why.
+    fn names_elsewhere(&self, layout: &Layout) -> Option<String> {
+        let outputs = self.outputs.keys().map(|path| (path, Results::named(layout, path).err()));
+        let inputs = self.inputs.keys().map(|path| (path, relative(path).err()));
+        let found = outputs.chain(inputs).find_map(|(path, why)| Some((path, why?)));
+        found.map(|(path, why)| format!("it names {path:?}, and {why}"))
+    }
+
     /// The same with its origin.
     pub(crate) fn with_origin(mut self, name: &str) -> Self {
         self.origin = origin(name, &self);
@@ -50,20 +62,55 @@ impl Record {
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Records(pub(crate) BTreeMap<String, Record>);
 
+/// Largest file of records that is read, bytes (256 MiB): a hundred thousand jobs.
+const MOST_RECORDS: u64 = 1 << 28;
+
 impl Records {
-    /// Reads the records. A missing file, or one that cannot be understood, gives none: then
-    /// everything is made again, which is always right.
-    pub fn read(path: &Path) -> Self {
-        let text = std::fs::read_to_string(path).unwrap_or_default();
-        serde_json::from_str(&text).unwrap_or_default()
+    /// Reads the records of a study, and says which of them are not believed. A missing file gives none, and so does one
+    /// that cannot be understood: then everything is made again, which is always right. A record that names a file which
+    /// is no result of the study, or an input outside of the data folder, is passed by.
+    ///
+    /// # Errors
+    /// A link on the way to the file.
+    pub fn read(results: &Results) -> Result<(Self, Vec<StoreError>), StoreError> {
+        let path = Results::records_file(results.layout());
+        let distrusted = |what: String| {
+            let what =
+                format!("the records of earlier runs cannot be read, so everything is made again: {what}");
+            StoreError::new(&path, what, "nothing is to be done; the file is written anew")
+        };
+        let Some(bytes) = results.read_records(MOST_RECORDS)? else { return Ok(Default::default()) };
+        let bytes = match bytes {
+            Ok(bytes) => bytes,
+            Err(error) => return Ok((Self::default(), vec![distrusted(error.what)])),
+        };
+        let read = std::str::from_utf8(&bytes).map_err(|e| e.to_string());
+        let read = read.and_then(|text| from_json::<Self>(text).map_err(|e| e.to_string()));
+        let Self(all) = match read {
+            Ok(records) => records,
+            Err(what) => return Ok((Self::default(), vec![distrusted(what)])),
+        };
+        let (mut believed, mut remarks) = (BTreeMap::new(), Vec::new());
+        for (job, record) in all {
+            match record.names_elsewhere(results.layout()) {
+                None => _ = believed.insert(job, record),
+                Some(why) => {
+                    let what = format!("the record of the job {job:?} is passed by: {why}");
+                    let remedy = "nothing is to be done; find out who wrote it";
+                    remarks.push(StoreError::new(&path, what, remedy));
+                }
+            }
+        }
+        Ok((Self(believed), remarks))
     }
 
     /// Writes the records, as a whole.
-    pub fn write(&self, files: &dyn Files, path: &Path) -> Result<(), StoreError> {
+    pub(crate) fn write(&self, results: &Results) -> Result<(), StoreError> {
+        let path = Results::records_file(results.layout());
         let text = serde_json::to_vec(self).map_err(|e| {
-            StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
+            StoreError::new(&path, e.to_string(), "this is a defect of zwidth; please report it")
         })?;
-        replace(files, path, &text)
+        results.write(&path, &text)
     }
 
     /// The record of the job of that name.
@@ -79,5 +126,59 @@ impl Records {
     /// The job that made the file at `path`, relative to the root.
     pub fn maker(&self, path: &str) -> Option<(&str, &Record)> {
         self.iter().find(|(_, record)| record.outputs.contains_key(path))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use zwidth_store::RealFiles;
+
+    /// What is read of records with this text, and what is said of them.
+    fn read(text: &str) -> (Records, Vec<String>) {
+        let folder = tempfile::tempdir().unwrap();
+        let layout = Layout::new(folder.path(), "s".parse().unwrap());
+        fs::create_dir_all(layout.derived()).unwrap();
+        fs::write(Results::records_file(&layout), text).unwrap();
+        let (records, remarks) = Records::read(&Results::new(&layout, &RealFiles)).unwrap();
+        (records, remarks.into_iter().map(|remark| remark.what).collect())
+    }
+
+    fn record(input: &str, output: &str) -> String {
+        format!(
+            r#"{{"stage":"a","version":1,"parameters":"","inputs":{{{input:?}:""}},"outputs":{{{output:?}:"00"}},
+               "problems":[],"origin":""}}"#
+        )
+    }
+
+    #[test]
+    fn a_record_that_names_a_file_elsewhere_is_passed_by_and_the_others_are_not() {
+        let good = record("raw/s/a", "derived/s/a");
+        for (bad, path) in [
+            (record("raw/s/a", "/etc/passwd"), "/etc/passwd"),
+            (record("raw/s/a", "derived/t/a"), "derived/t/a"),
+            (record("../../a", "derived/s/a"), "../../a"),
+        ] {
+            let (records, remarks) = read(&format!(r#"{{"bad\u001b[2J": {bad}, "good": {good}}}"#));
+            assert_eq!(records.iter().map(|(job, _)| job).collect::<Vec<_>>(), ["good"]);
+            assert!(
+                matches!(remarks.as_slice(), [one] if one.contains(path) && !one.contains('\u{1b}')),
+                "{remarks:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn records_in_which_a_key_stands_twice_or_that_are_no_records_are_not_believed() {
+        let good = record("raw/s/a", "derived/s/a");
+        let (records, remarks) = read(&format!(r#"{{"good": {good}, "good": {good}}}"#));
+        assert_eq!(records, Records::default());
+        assert!(remarks[0].contains("\"good\" stands twice"), "{remarks:?}");
+        for text in ["", "[]", "{\"a\": 1}", "\u{0}"] {
+            let (records, remarks) = read(text);
+            assert_eq!((records, remarks.len()), (Records::default(), 1), "{text:?}");
+        }
+        assert_eq!(read("{}"), (Records::default(), Vec::new()));
     }
 }

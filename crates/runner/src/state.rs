@@ -70,9 +70,9 @@ pub fn states<'j, 'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Made, Options, run};
+    use crate::{Made, Options, Results, run};
     use std::fs;
-    use zwidth_store::RealFiles;
+    use zwidth_store::{Layout, RealFiles};
 
     /// a → A → AA, each made from the one before in capitals.
     fn jobs(root: &Path) -> Vec<Job<'static>> {
@@ -81,7 +81,7 @@ mod tests {
             let read = input.clone();
             let make: crate::Make = Box::new(move |_| {
                 let text = fs::read_to_string(&read)?.to_uppercase();
-                Ok(Made { outputs: vec![text.into_bytes()], problems: Vec::new() })
+                Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
             });
             let (name, parameters) = (stage.to_owned(), String::new());
             let (inputs, outputs) = (vec![input], vec![root.join(output)]);
@@ -90,24 +90,27 @@ mod tests {
         vec![job("second", "A", "AA"), job("first", "a", "A")]
     }
 
-    fn again(root: &Path, records: &Path) -> Vec<(&'static str, Again)> {
-        let jobs = jobs(root);
-        let found = states(&jobs, root, &Records::read(records), |job| job.stage == "second");
+    fn again(layout: &Layout) -> Vec<(&'static str, Again)> {
+        let jobs = jobs(&layout.derived());
+        let (records, _) = Records::read(&Results::new(layout, &RealFiles)).unwrap();
+        let found = states(&jobs, layout.root(), &records, |job| job.stage == "second");
         found.iter().map(|state| (state.job.stage, state.again())).collect()
     }
 
     #[test]
     fn a_state_tells_what_a_run_would_make_for_certain_and_what_perhaps() {
         let folder = tempfile::tempdir().unwrap();
-        let (root, records) = (folder.path(), folder.path().join("records.json"));
+        let layout = Layout::new(folder.path(), "s".parse().unwrap());
+        let root = layout.derived();
+        fs::create_dir_all(&root).unwrap();
         fs::write(root.join("a"), "x").unwrap();
-        assert_eq!(again(root, &records), [("first", Again::Yes), ("second", Again::Yes)]);
-        run(&jobs(root), root, &records, &RealFiles, &Options::default(), &|_| {}).unwrap();
-        assert_eq!(again(root, &records), [("first", Again::No), ("second", Again::No)]);
+        assert_eq!(again(&layout), [("first", Again::Yes), ("second", Again::Yes)]);
+        run(&jobs(&root), &Results::new(&layout, &RealFiles), &Options::default(), &|_| {}).unwrap();
+        assert_eq!(again(&layout), [("first", Again::No), ("second", Again::No)]);
         fs::write(root.join("a"), "X").unwrap();
-        assert_eq!(again(root, &records), [("first", Again::Yes), ("second", Again::IfInputsDiffer)]);
+        assert_eq!(again(&layout), [("first", Again::Yes), ("second", Again::IfInputsDiffer)]);
         fs::remove_file(root.join("AA")).unwrap();
-        assert_eq!(again(root, &records)[1], ("second", Again::Yes), "whatever comes out of the first");
+        assert_eq!(again(&layout)[1], ("second", Again::Yes), "whatever comes out of the first");
         assert_eq!(fs::read_to_string(root.join("A")).unwrap(), "X", "nothing was made");
     }
 }

@@ -280,10 +280,36 @@ fn temporary(path: &Path) -> PathBuf {
     path.with_file_name(format!(".{name}.{}.tmp", std::process::id()))
 }
 
+/// Whether a file's name is one under which [`replace`] writes, so that the file is what a write that was cut short left.
+pub fn is_unfinished(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".tmp"));
+    inner.and_then(|inner| inner.rsplit_once('.')).is_some_and(|(name, process)| {
+        !name.is_empty() && !process.is_empty() && process.bytes().all(|b| b.is_ascii_digit())
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::faulty::Faulty;
+
+    #[test]
+    fn a_name_that_a_cut_write_left_is_known_and_no_other_is() {
+        assert!(is_unfinished(&temporary(Path::new("a/likert.svg"))));
+        for other in [
+            "a/.notes.tmp",
+            "a/notes.17.tmp",
+            ".x.17.tmp.svg",
+            "a/..17.tmp",
+            ".x.17a.tmp",
+            ".x..tmp",
+            ".17.tmp",
+            "",
+        ] {
+            assert!(!is_unfinished(Path::new(other)), "{other}");
+        }
+    }
 
     #[test]
     fn a_fault_at_any_step_leaves_the_old_file_or_the_new_one_whole() {

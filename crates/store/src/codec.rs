@@ -33,7 +33,9 @@ fn unread(codec: CompressionCodec) -> Option<&'static str> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::read::tests::written;
     use crate::write::write_parquet;
+    use crate::{Signal, read_footer, read_parquet, read_parquet_columns, read_trial};
     use arrow::array::{ArrayRef, Float64Array, RecordBatch};
     use bytes::Bytes;
     use parquet::file::metadata::{ParquetMetaDataReader, ParquetMetaDataWriter, RowGroupMetaData};
@@ -87,5 +89,29 @@ pub(crate) mod tests {
         check(CompressionCodec::ZSTD, None);
         check(CompressionCodec::SNAPPY, None);
         check(CompressionCodec::UNCOMPRESSED, None);
+    }
+
+    #[test]
+    fn a_file_compressed_with_what_is_not_read_is_named_so_and_not_called_damaged() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let bytes = std::fs::read(&path).unwrap();
+        let codecs = [
+            ("gzip", CompressionCodec::GZIP),
+            ("Brotli", CompressionCodec::BROTLI),
+            ("LZ4", CompressionCodec::LZ4_RAW),
+        ];
+        for (name, codec) in codecs {
+            std::fs::write(&path, said_to_be(&bytes, codec)).unwrap();
+            let words = format!("compressed with {name}, which this program does not read");
+            for error in [
+                read_trial(&path, Signal::all()).unwrap_err(),
+                read_footer(&path).unwrap_err(),
+                read_parquet(&path).unwrap_err(),
+                read_parquet_columns(&path, &["t_s"]).unwrap_err(),
+            ] {
+                assert_eq!((error.what.as_str(), error.column.as_deref()), (words.as_str(), Some("t_s")));
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::atomic::{create_folders, folder_of, sync_file};
 use crate::head::{Standing, standing, write_head};
+use crate::json::from_json;
 use crate::recover::Done;
 use crate::regular::text;
 use crate::{Files, RealFiles, StoreError, hex_blake3, replace};
@@ -139,8 +140,7 @@ fn lines_of(path: &Path, text: &str) -> Result<Vec<Line>, StoreError> {
                 "restore the log from a copy; if its last line was cut by a crash, run `zwidth recover`";
             StoreError::new(path, what, remedy).row0(row)
         };
-        let line: Line =
-            serde_json::from_str(json).map_err(|e| error(format!("not a readable event: {e}")))?;
+        let line: Line = from_json(json).map_err(|e| error(format!("not a readable event: {e}")))?;
         let expected = digest(&previous, &line.utc, &line.event).map_err(|e| error(e.to_string()))?;
         if line.blake3 != expected {
             return Err(error("the checksum does not match: a line was changed or is missing".to_owned()));

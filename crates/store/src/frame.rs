@@ -14,7 +14,7 @@
 //! Numbers are little-endian. A frame counts only if its digest holds. Behind damage the digest that stands before a
 //! frame takes the place of the digest that was computed, so that what was lost hides nothing of what comes after it.
 
-use crate::TrialFile;
+use crate::{TrialFile, from_json};
 use serde::{Deserialize, Serialize};
 use zwidth_study::{Flags, Sample, TrialMeta, Voltages};
 
@@ -214,7 +214,7 @@ fn mend(span: &[u8], chain: Chain) -> Option<(Frame, Chain)> {
 
 fn parse(kind: u8, payload: &[u8]) -> Option<Frame> {
     match (kind, payload) {
-        (1, json) => serde_json::from_slice(json).ok().map(Frame::Header),
+        (1, json) => from_json(std::str::from_utf8(json).ok()?).ok().map(Frame::Header),
         (2, rows) if rows.len() % ROW == 0 => {
             Some(Frame::Rows(rows.chunks_exact(ROW).filter_map(row).collect()))
         }

@@ -4,6 +4,7 @@
 //! written after the lines that it counts are safe on the disk, so that it may be behind the log (a kill came between),
 //! and never ahead of it.
 
+use crate::json::from_json;
 use crate::regular::text;
 use crate::{Files, StoreError, replace};
 use serde::{Deserialize, Serialize};
@@ -56,7 +57,7 @@ pub(crate) fn standing(files: &dyn Files, log: &Path, digests: &[String]) -> Res
     }
     let text = text(files, &path, MOST_HEAD)?;
     let remedy = "restore the log and its head from a copy";
-    let head: Head = serde_json::from_str(&text)
+    let head: Head = from_json(&text)
         .map_err(|e| StoreError::new(&path, format!("not the head of a log: {e}"), remedy))?;
     let there = digests.len();
     if there < head.lines {

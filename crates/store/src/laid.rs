@@ -2,6 +2,7 @@
 //! which holds the record's hash. Later all three are held against each other, against the trials' footers, and against
 //! the present `study.toml`.
 
+use crate::alike::check_session_ids;
 use crate::head::head_of;
 use crate::regular::text;
 use crate::study::MOST_STUDY;
@@ -16,7 +17,7 @@ use zwidth_study::{Affects, Event, SessionRecord, Source, Study, StudyChange, st
 /// has done is done again.
 ///
 /// # Errors
-/// A record of the session that is there already; a write that failed.
+/// A record of the session that is there already; ids that differ only by case from those of another; a write that failed.
 pub fn lay_down(
     files: &dyn Files,
     layout: &Layout,
@@ -24,6 +25,7 @@ pub fn lay_down(
     record: &SessionRecord,
     study_toml: &[u8],
 ) -> Result<(), StoreError> {
+    check_session_ids(files, layout, &record.participant, &record.session)?;
     let path = layout.session(&record.participant, &record.session);
     let json = record_bytes(&path, record)?;
     if files.kind(&path).is_none() {

@@ -6,6 +6,7 @@
 //! which file, which column, which row, and what to do.
 
 mod accept;
+mod alike;
 mod atomic;
 mod bounds;
 mod calibrated;
@@ -18,12 +19,14 @@ mod error;
 mod events;
 #[cfg(test)]
 mod faulty;
+mod fit;
 mod frame;
 mod hash;
 mod head;
 mod held;
 pub mod import;
 mod journal;
+mod json;
 mod laid;
 mod layout;
 mod lock;
@@ -45,8 +48,10 @@ mod whole;
 mod write;
 
 pub use accept::{accept_study, study_notes};
+pub use alike::{check_session_ids, check_study_id};
 pub use atomic::{
-    Append, Entry, Files, RealFiles, append_to, keep_private, replace, sync_names, write_new, write_private,
+    Append, Entry, Files, RealFiles, append_to, is_unfinished, keep_private, replace, sync_names, write_new,
+    write_private,
 };
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
@@ -55,13 +60,14 @@ pub use events::{append_events, read_events};
 pub use hash::{file_blake3, hex_blake3};
 pub use held::Held;
 pub use journal::Journal;
+pub use json::{MOST_KEYS, from_json};
 pub use laid::{laid_down, lay_down, record_bytes};
 pub use layout::Layout;
 pub use lock::{StudyLock, owner};
 pub use memory::{Fault, Memory, Survives};
 pub use read::{TrialFooter, read_entries, read_footer, read_parquet, read_parquet_columns, read_trial};
 pub use record::record_trial;
-pub use recover::{Done, Recovered, recover};
+pub use recover::{Done, Recovered, recover, unfinished_below};
 pub use regular::{MOST_BYTES, open_named, open_regular, read_named, read_regular};
 pub use sessions::read_records;
 pub use signal::{COLUMNS, Column, Signal, Storage};
@@ -69,6 +75,6 @@ pub use study::{Answer, SessionLog, StudyData, SweepEntry, TrialEntry, read_stud
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::log_sweeps;
 pub use trial::{Samples, Trial, TrialFile};
-pub use verify::{verify, verify_from};
+pub use verify::{Findings, check_samples, findings, verify, verify_from};
 pub use whole::{WholeSession, check_session, read_session, session_study};
 pub use write::{described, trial_bytes, write_parquet, write_table};

@@ -1,6 +1,7 @@
 //! Reading strictly: a file that is not exactly what it should be is one clear error.
 
 use crate::bounds::{check_footer, check_pages, check_size};
+use crate::codec::check_codecs;
 use crate::hash::hex_blake3;
 use crate::write::{DIGEST, FOOTER_DIGEST, VERSION, column_digest, described, footer_digest};
 use crate::{Column, Files, MOST_BYTES, RealFiles, Samples, Signal, Storage, StoreError, Trial, TrialFile};
@@ -140,6 +141,7 @@ impl ParquetFile {
         check_size(path, &metadata, DAMAGED)?;
         let rows = usize::try_from(file_metadata.num_rows()).unwrap_or(0);
         check_version(path, &footer)?;
+        check_codecs(path, &metadata)?;
         if footer.get(FOOTER_DIGEST) != Some(&footer_digest(&footer)) {
             let what = "the file is damaged: its footer does not match its digest";
             return Err(StoreError::new(path, what, DAMAGED));
@@ -341,7 +343,7 @@ pub(crate) fn from_path(path: &Path, key: &str) -> Result<String, StoreError> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::{RealFiles, trial_bytes, write_new};
     use std::path::PathBuf;
@@ -369,7 +371,7 @@ mod tests {
         Trial { meta, file, samples }
     }
 
-    fn written(folder: &Path) -> (Trial, PathBuf) {
+    pub(crate) fn written(folder: &Path) -> (Trial, PathBuf) {
         let trial = sample_trial();
         let path = folder.join("participant=P01/session=S01/trial-017.parquet");
         write_new(&RealFiles, &path, &trial_bytes(&trial, &path).unwrap()).unwrap();

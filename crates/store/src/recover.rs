@@ -2,7 +2,7 @@
 //!
 //! It can itself be killed at any moment: run again, it goes on where it stopped. The caller holds the study's lock.
 
-use crate::atomic::{folder_of, sync_file};
+use crate::atomic::{folder_of, is_unfinished, sync_file};
 use crate::events::{mend_head, mend_log};
 use crate::journal::{Journaled, clear, read_journal};
 use crate::laid::mend_laid_down;
@@ -179,10 +179,15 @@ fn trial(
     Ok(Some(Recovered { path: record_trial(files, layout, utc, &trial)?, done }))
 }
 
-/// The left-overs of unfinished writes, at any depth.
+/// The left-overs of unfinished writes below `raw/<study>`, at any depth.
 pub(crate) fn unfinished(files: &dyn Files, layout: &Layout) -> Vec<PathBuf> {
-    let mut found = below(files, &layout.raw()).unwrap_or_default().files;
-    found.retain(|path| path.extension().is_some_and(|e| e == "tmp"));
+    unfinished_below(files, &layout.raw())
+}
+
+/// The left-overs of unfinished writes below a folder, at any depth; linked folders are not entered.
+pub fn unfinished_below(files: &dyn Files, folder: &Path) -> Vec<PathBuf> {
+    let mut found = below(files, folder).unwrap_or_default().files;
+    found.retain(|path| is_unfinished(path));
     found
 }
 

@@ -1,7 +1,9 @@
 //! Sessions: their records and event logs, and what the events say of the trials.
 
+use crate::alike::apart;
 use crate::calibrated::check_calibration;
 use crate::events::read_events_from;
+use crate::json::from_json;
 use crate::laid::{check_record, contradiction, read_copy};
 use crate::read::read_trial_from;
 use crate::regular::text;
@@ -18,7 +20,7 @@ pub(crate) const MOST_RECORD: u64 = 1 << 25;
 /// What can be done about a session that is not whole.
 const RESTORE: &str = "restore the session's files from a copy, or import the session again";
 
-/// Every readable session, and the names (`<participant>_<session>`) of those that are not.
+/// Every readable session, and the names (`<participant>_<session>`) of those that are not, or whose ids another's are like.
 pub(crate) fn read_sessions(
     files: &dyn Files,
     layout: &Layout,
@@ -42,6 +44,11 @@ pub(crate) fn read_sessions(
                 unreadable.insert(name);
             }
         }
+    }
+    let (sessions, clashing) = apart(sessions);
+    for (session, finding) in clashing {
+        unreadable.insert(self::name(&session));
+        problems.push(finding);
     }
     (sessions, unreadable)
 }
@@ -94,7 +101,7 @@ struct Version {
 
 pub(crate) fn record_from(path: &Path, text: &str) -> Result<SessionRecord, StoreError> {
     let error = |e: serde_json::Error| StoreError::new(path, format!("not a session record: {e}"), RESTORE);
-    let Version { schema_version } = serde_json::from_str(text).map_err(error)?;
+    let Version { schema_version } = from_json(text).map_err(error)?;
     if schema_version != SCHEMA_VERSION {
         let remedy =
             format!("this software reads version {SCHEMA_VERSION}; use the one that wrote the session");

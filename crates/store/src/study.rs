@@ -1,6 +1,8 @@
 //! A whole study: every trial, sweep and session there is, joined with the events.
 
+use crate::alike::check_study_id;
 use crate::entries::read_trials;
+use crate::fit::unfit;
 use crate::laid::study_warning;
 use crate::regular::text;
 use crate::sessions::{join, left_out, read_sessions};
@@ -165,8 +167,8 @@ impl StudyData {
     /// Reads the study: its `study.toml`, all footers, sessions and events. Samples are not read.
     ///
     /// # Errors
-    /// A missing or wrong `study.toml`, one error per finding. Anything else that cannot be read is
-    /// left out and listed in `problems`.
+    /// A missing or wrong `study.toml`, one error per finding, and behind them whatever else was found. If that file is
+    /// whole, what cannot be read is left out and listed in `problems`.
     pub fn load(layout: &Layout) -> Result<Self, Vec<StoreError>> {
         Self::load_from(&RealFiles, layout)
     }
@@ -176,7 +178,8 @@ impl StudyData {
     /// # Errors
     /// Those of [`StudyData::load`].
     pub fn load_from(files: &dyn Files, layout: &Layout) -> Result<Self, Vec<StoreError>> {
-        let (study, study_blake3) = read_study_from(files, layout)?;
+        check_folders(files, layout).map_err(|error| vec![error])?;
+        let study = read_study_from(files, layout);
         let mut problems =
             below(files, &layout.raw()).map_or_else(|error| vec![error], |found| found.strange);
         let mut trials = keep(&mut problems, read_trials(files, layout));
@@ -185,9 +188,14 @@ impl StudyData {
         problems.extend(unsure);
         let (sessions, unreadable) = read_sessions(files, layout, &mut problems);
         problems.extend(join(files, layout, &mut trials, &sessions, &unreadable));
+        let (study, study_blake3) = match study {
+            Ok(read) => read,
+            Err(findings) => return Err([findings, problems].concat()),
+        };
         problems.extend(trials.iter_mut().filter_map(|trial| unfit(&study, trial)));
         let warning = |log: &SessionLog| study_warning(layout, log, &study, &study_blake3);
-        let warnings = sessions.iter().filter_map(warning).collect();
+        let beside = check_study_id(files, layout).err();
+        let warnings = sessions.iter().filter_map(warning).chain(beside).collect();
         Ok(Self { layout: layout.clone(), study, trials, sweeps, sessions, problems, warnings })
     }
 
@@ -242,41 +250,6 @@ impl StudyData {
     }
 }
 
-/// What keeps a trial from being analysed by this `study.toml`; it then does not count.
-fn unfit(study: &Study, trial: &mut TrialEntry) -> Option<StoreError> {
-    let meta = &trial.meta;
-    let unknown = |what: &str, id: &str| {
-        let remedy = format!("add the {what} to study.toml");
-        (format!("{what} '{id}' is not in study.toml"), remedy, Some(what.to_owned()))
-    };
-    let (what, remedy, column) = if study.environment(&meta.environment).is_none() {
-        unknown("environment", meta.environment.as_str())
-    } else if study.mode(&meta.mode).is_none() && !is_told(trial) {
-        unknown("mode", meta.mode.as_str())
-    } else if let Some(lever) = trial.file.get("lever_m").filter(|l| !is_lever(study, l)) {
-        let now = study.device.lever_m.map_or_else(|| "none".to_owned(), |l| format!("{l} m"));
-        let what = format!("it was converted with a lever of {lever} m, and device.lever_m is {now}");
-        (what, "put device.lever_m back, or import the recording again".to_owned(), None)
-    } else {
-        return None;
-    };
-    trial.excluded = Some(what.clone());
-    let error = StoreError::new(&trial.path, format!("{what}: left out"), remedy);
-    Some(match column {
-        Some(column) => error.column(column),
-        None => error,
-    })
-}
-
-/// Whether it was told already why the trial's mode is a code.
-fn is_told(trial: &TrialEntry) -> bool {
-    trial.meta.mode.is_code() && (trial.sealed.is_some() || trial.excluded.is_some())
-}
-
-fn is_lever(study: &Study, text: &str) -> bool {
-    study.device.lever_m.is_some_and(|lever_m| lever_m.to_string() == text)
-}
-
 fn new_answer(
     (participant, session, trial): &(ParticipantId, SessionId, u32),
     condition: Condition,
@@ -312,16 +285,22 @@ pub fn read_study(layout: &Layout) -> Result<Study, Vec<StoreError>> {
     read_study_from(&RealFiles, layout).map(|(study, _)| study)
 }
 
+/// Whether the study's folder is one, and not a link to one.
+pub(crate) fn check_folders(files: &dyn Files, layout: &Layout) -> Result<(), StoreError> {
+    let folders = [layout.root().join("raw"), layout.raw()];
+    let found = folders.into_iter().find_map(|folder| match files.kind(&folder) {
+        Some(kind @ (Entry::Link | Entry::Special)) => Some(strange(&folder, kind)),
+        _ => None,
+    });
+    found.map_or(Ok(()), Err)
+}
+
 /// The study and the hash of its file.
 pub(crate) fn read_study_from(
     files: &dyn Files,
     layout: &Layout,
 ) -> Result<(Study, String), Vec<StoreError>> {
-    for folder in [layout.root().join("raw"), layout.raw()] {
-        if let Some(kind @ (Entry::Link | Entry::Special)) = files.kind(&folder) {
-            return Err(vec![strange(&folder, kind)]);
-        }
-    }
+    check_folders(files, layout).map_err(|error| vec![error])?;
     let path = layout.study_toml();
     let text = text(files, &path, MOST_STUDY).map_err(|e| vec![e])?;
     let study = Study::from_toml(&text).map_err(|errors| {

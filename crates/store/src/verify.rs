@@ -3,6 +3,7 @@
 use crate::journal::DAMAGED;
 use crate::read::read_trial_from;
 use crate::recover::unfinished;
+use crate::study::check_folders;
 use crate::sweep::read_sweep_from;
 use crate::walk::files_below;
 use crate::{Files, Layout, RealFiles, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry};
@@ -22,34 +23,55 @@ pub fn verify(layout: &Layout) -> Vec<StoreError> {
 
 /// [`verify`] on any file layer.
 pub fn verify_from(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
-    let data = match StudyData::load_from(files, layout) {
-        Ok(data) => data,
-        Err(findings) => return findings,
+    let mut all = match StudyData::load_from(files, layout) {
+        Ok(data) => {
+            let Findings { left_out, with_care } = findings(files, &data);
+            let trials: Vec<_> = data.trials.par_iter().flat_map_iter(|t| trial(files, &data, t)).collect();
+            let sweeps = data.sweeps.par_iter().filter_map(|s| read_sweep_from(files, &s.path).err());
+            [left_out, with_care, trials, sweeps.collect()].concat()
+        }
+        Err(findings) if check_folders(files, layout).is_err() => findings,
+        Err(findings) => {
+            let Findings { left_out, with_care } = strays(files, layout);
+            [findings, left_out, with_care].concat()
+        }
     };
-    let mut findings = [data.problems.clone(), data.warnings.clone()].concat();
-    findings.extend(data.trials.par_iter().flat_map_iter(|t| trial(files, &data, t)).collect::<Vec<_>>());
-    findings.extend(
-        data.sweeps.par_iter().filter_map(|s| read_sweep_from(files, &s.path).err()).collect::<Vec<_>>(),
-    );
-    findings.extend(data.sessions.iter().flat_map(|s| session(&data, s)));
-    findings.extend(doubled(&data));
-    findings.extend(strays(files, layout));
-    findings.sort_by(|a, b| (&a.path, &a.column, a.row).cmp(&(&b.path, &b.column, b.row)));
-    findings.dedup();
-    findings
+    all.sort_by(|a, b| (&a.path, &a.column, a.row).cmp(&(&b.path, &b.column, b.row)));
+    all.dedup();
+    all
+}
+
+/// What is wrong with a study, apart by what it means for the results.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Findings {
+    /// Something was recorded, and no result has it in it.
+    pub left_out: Vec<StoreError>,
+    /// It is in the results, and they are to be read with care.
+    pub with_care: Vec<StoreError>,
+}
+
+/// Every finding that takes no sample to be read: those of loading the study, of its sessions and of what lies beside its
+/// files. What single samples say is told by [`check_samples`], trial by trial.
+pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
+    let mut found = strays(files, &data.layout);
+    found.left_out.splice(0..0, data.problems.iter().cloned());
+    found.with_care.splice(0..0, data.warnings.iter().cloned());
+    found.with_care.extend(data.sessions.iter().flat_map(|s| session(data, s)));
+    found.with_care.extend(doubled(data));
+    found
 }
 
 fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry) -> Vec<StoreError> {
-    let read = match read_trial_from(files, &entry.path, Signal::all()) {
-        Ok(trial) => trial,
-        Err(error) => return vec![error],
-    };
     // Whether it fits study.toml and its session's log was told when the study was loaded.
-    let findings = [
-        work_space(&data.study, &entry.path, &read.samples),
-        too_long(&data.study, &entry.path, &read.samples),
-    ];
-    findings.into_iter().flatten().collect()
+    match read_trial_from(files, &entry.path, Signal::all()) {
+        Ok(trial) => check_samples(&data.study, &entry.path, &trial.samples),
+        Err(error) => vec![error],
+    }
+}
+
+/// What the samples of a trial, which are whole, say against it: it counts, and is to be read with care.
+pub fn check_samples(study: &Study, path: &Path, samples: &Samples) -> Vec<StoreError> {
+    [work_space(study, path, samples), too_long(study, path, samples)].into_iter().flatten().collect()
 }
 
 /// A trial longer than the design allows: usually milliseconds taken for seconds.
@@ -160,29 +182,31 @@ fn event_finding(
 }
 
 /// Files that do not belong where they lie, and left-overs of unfinished writes.
-fn strays(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
+fn strays(files: &dyn Files, layout: &Layout) -> Findings {
     let stray = |path: &Path, what: &str, remedy: &str| StoreError::new(path, what, remedy);
-    let mut findings = Vec::new();
+    let mut found = Findings::default();
     for tree in [layout.trials(), layout.sweeps()] {
         for path in files_below(files, &tree).unwrap_or_default() {
             if path.extension().is_none_or(|e| e != "parquet") {
                 let what = "only Parquet files belong in this tree";
-                findings.push(stray(&path, what, "move the file elsewhere; other tools read the whole tree"));
+                let remedy = "move the file elsewhere; other tools read the whole tree";
+                found.with_care.push(stray(&path, what, remedy));
             }
         }
     }
     let recover = format!("run `zwidth recover {}`", layout.study());
     for path in unfinished(files, layout) {
-        findings.push(stray(&path, "a write was cut short here", &recover));
+        found.left_out.push(stray(&path, "a write was cut short here", &recover));
     }
     for path in files_below(files, &layout.journals()).unwrap_or_default() {
         let damaged = path.to_string_lossy().contains(DAMAGED);
-        findings.push(if damaged {
+        if damaged {
             let remedy = "what could be read of it is a trial; remove the file when nobody needs it";
-            stray(&path, "a journal that could not be read to its end", remedy)
+            found.with_care.push(stray(&path, "a journal that could not be read to its end", remedy));
         } else {
-            stray(&path, "a trial was cut short here, or is being recorded now", &recover)
-        });
+            let what = "a trial was cut short here, or is being recorded now";
+            found.left_out.push(stray(&path, what, &recover));
+        }
     }
-    findings
+    found
 }

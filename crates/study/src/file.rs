@@ -54,6 +54,7 @@ mod tests {
         check("wall_deg = 26.6", "wall_deg = nan", "environments[1].wall_deg", "finite");
         check("lever_m = 0.045", "lever_m = -1.0", "device.lever_m", "above 0");
         check("id = \"passive\"", "id = \"active\"", "modes[1].id", "twice");
+        check("id = \"passive\"", "id = \"Active\"", "modes[1].id", "by more than case");
         check("id = \"passive\"", "id = \"sealed-1\"", "modes[1].id", "looks like the code");
         check("id = \"passive\"", "id = \"../x\"", "id", "not a valid mode id");
         check("theta_max_deg = 45.0", "theta_max_deg = -50.0", "device.theta_max_deg", "above");

@@ -7,26 +7,37 @@ use std::fmt;
 /// Longest id allowed, in characters.
 const MAX_LENGTH: usize = 32;
 
-/// An id that does not match `[A-Za-z0-9_-]{1,32}`.
+/// An id that does not match `[A-Za-z0-9_-]{1,32}`, or that no folder of Windows can have.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "'{}' is not a valid {what} id: use 1 to 32 of the letters A-Z a-z, digits, '_' and '-'",
-    printable(value)
-)]
+#[error("'{}' is not a valid {what} id: {why}", printable(value))]
 pub struct IdError {
     /// Which kind of id it should have been.
     pub what: &'static str,
     /// The text that was refused.
     pub value: String,
+    /// Why, and what to do.
+    pub why: &'static str,
 }
 
-fn is_id(text: &str) -> bool {
-    (1..=MAX_LENGTH).contains(&text.len())
-        && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-')
+/// Why a text is no id of any kind.
+fn refused(text: &str) -> Option<&'static str> {
+    let good = (1..=MAX_LENGTH).contains(&text.len())
+        && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
+    (!good).then_some("use 1 to 32 of the letters A-Z a-z, digits, '_' and '-'")
+}
+
+/// Why a text is no id of which files and folders are named.
+fn refused_as_name(text: &str) -> Option<&'static str> {
+    let is_device = || {
+        let text = text.to_ascii_uppercase();
+        let port = text.strip_prefix("COM").or(text.strip_prefix("LPT")).map(str::as_bytes);
+        ["CON", "PRN", "AUX", "NUL"].contains(&text.as_str()) || matches!(port, Some([b'1'..=b'9']))
+    };
+    refused(text).or_else(|| is_device().then_some("Windows keeps this name for a device; choose another"))
 }
 
 macro_rules! ids {
-    ($($(#[$doc:meta])* $name:ident = $what:literal;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident = $what:literal, unless $refused:ident;)*) => {$(
         $(#[$doc])*
         #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
         #[serde(try_from = "String", into = "String")]
@@ -36,7 +47,10 @@ macro_rules! ids {
             /// Checks `text`; the error shows the text and what is allowed.
             pub fn new(text: impl Into<String>) -> Result<Self, IdError> {
                 let value = text.into();
-                if is_id(&value) { Ok(Self(value)) } else { Err(IdError { what: $what, value }) }
+                match $refused(&value) {
+                    None => Ok(Self(value)),
+                    Some(why) => Err(IdError { what: $what, value, why }),
+                }
             }
 
             /// The id as text.
@@ -75,19 +89,19 @@ macro_rules! ids {
 
 ids! {
     /// A study: the folder's name under `raw/`.
-    StudyId = "study";
+    StudyId = "study", unless refused_as_name;
     /// A participant's code. Names of people never enter a file.
-    ParticipantId = "participant";
+    ParticipantId = "participant", unless refused_as_name;
     /// A session of one participant.
-    SessionId = "session";
+    SessionId = "session", unless refused_as_name;
     /// An environment of the study, such as `spring_wall`.
-    EnvironmentId = "environment";
+    EnvironmentId = "environment", unless refused;
     /// A mode of the study, such as `hybrid`.
-    ModeId = "mode";
+    ModeId = "mode", unless refused;
     /// A question of the study.
-    QuestionId = "question";
+    QuestionId = "question", unless refused;
     /// An actuator or sensor that was characterised, such as `motor`.
-    ActuatorId = "actuator";
+    ActuatorId = "actuator", unless refused;
 }
 
 /// How the code of a sealed mode begins.
@@ -122,6 +136,19 @@ mod tests {
         for bad in ["", "../x", "a/b", "a\\b", ".", "a.b", "é", "a b", "a\0", "C:", &"a".repeat(33)] {
             let error = ParticipantId::new(bad).unwrap_err();
             assert!(error.to_string().contains("participant id"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_name_that_windows_keeps_for_a_device_is_no_study_participant_or_session() {
+        for device in ["CON", "con", "Nul", "AUX", "prn", "COM1", "lpt9"] {
+            let error = StudyId::new(device).unwrap_err().to_string();
+            assert!(error.contains(device) && error.contains("a device; choose another"), "{error}");
+            assert!(ParticipantId::new(device).is_err() && SessionId::new(device).is_err(), "{device}");
+            assert!(serde_json::from_str::<SessionId>(&format!("{device:?}")).is_err());
+        }
+        for name in ["CONE", "COM", "COM0", "COM10", "P_CON", "LPT"] {
+            assert!(StudyId::new(name).is_ok(), "{name}");
         }
     }
 

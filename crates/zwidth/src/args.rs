@@ -2,6 +2,9 @@
 
 mod device;
 
+use crate::limits::{
+    MOST_PARTICIPANTS, MOST_SCALE, MOST_SESSIONS, MOST_SWEEPS, MOST_THREADS, positive, rate, tolerance,
+};
 use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand, ValueEnum};
 use device::DEVICES;
@@ -13,7 +16,8 @@ use zwidth_tables::Format;
 
 /// Force-feedback studies: from raw recordings to figures, tables and a summary.
 ///
-/// Exit codes: 0 fine, 1 failed, 2 bad arguments, 3 done but something was skipped or lost (and listed).
+/// Exit codes: 0 fine, 1 failed, 2 bad arguments, 3 done but something was skipped or lost, or is to be read with care
+/// (and listed).
 #[derive(Debug, Parser)]
 #[command(name = "zwidth", version, max_term_width = 100)]
 pub(crate) struct Args {
@@ -23,9 +27,9 @@ pub(crate) struct Args {
     /// Listings as JSON, for machines
     #[arg(long, global = true)]
     pub(crate) json: bool,
-    /// Number of threads [default: all cores]
-    #[arg(long, global = true, value_name = "N")]
-    pub(crate) threads: Option<usize>,
+    /// Number of threads, at most 1024 [default: all cores]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
+    pub(crate) threads: Option<u16>,
     /// Only results, warnings and errors
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
@@ -139,7 +143,7 @@ pub(crate) struct Acquire {
     #[arg(long)]
     pub(crate) auto: bool,
     /// Rate of the control loop, Hz [default: the study's]
-    #[arg(long, value_name = "HZ", value_parser = positive)]
+    #[arg(long, value_name = "HZ", value_parser = rate)]
     pub(crate) rate: Option<f64>,
     /// Seed of the order and of the simulated device [default: from the study's id; secret if it is blinded]
     #[arg(long, value_name = "N")]
@@ -173,7 +177,7 @@ pub(crate) struct Check {
     #[arg(long, default_value = "twin", value_name = DEVICES)]
     pub(crate) device: DeviceSpec,
     /// Rate of the control loop, Hz [default: the study's]
-    #[arg(long, value_name = "HZ", value_parser = positive)]
+    #[arg(long, value_name = "HZ", value_parser = rate)]
     pub(crate) rate: Option<f64>,
     /// A simulated clock: as fast as the machine can (simulated devices only)
     #[arg(long)]
@@ -190,7 +194,7 @@ pub(crate) struct Characterise {
     #[arg(long, default_value = "twin", value_name = DEVICES)]
     pub(crate) device: DeviceSpec,
     /// Number of sweeps
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_SWEEPS))]
     pub(crate) sweeps: u32,
     /// Seed of the simulated device
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -211,19 +215,19 @@ pub(crate) struct Twin {
     /// The study; it is made with `zwidth new` if it is not there
     pub(crate) study: StudyId,
     /// Number of participants
-    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=MOST_PARTICIPANTS))]
     pub(crate) participants: u32,
     /// Sessions of each
-    #[arg(long, value_name = "M", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "M", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=MOST_SESSIONS))]
     pub(crate) sessions: u32,
     /// Seed of participants, devices and order: one seed, the same bytes
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) seed: u64,
     /// Rate of the control loop, Hz [default: the study's]
-    #[arg(long, value_name = "HZ", value_parser = positive)]
+    #[arg(long, value_name = "HZ", value_parser = rate)]
     pub(crate) rate: Option<f64>,
     /// So many times the repeats of the design, in a study that is made: for data of any size
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_SCALE))]
     pub(crate) scale: u32,
     #[command(flatten)]
     pub(crate) keys: Keys,
@@ -261,16 +265,6 @@ pub(crate) struct Import {
 /// What --tolerance is unless told otherwise: [`zwidth_simulate::DEFAULT_TOLERANCE`] as people write it.
 const DEFAULT_TOLERANCE: &str = "1e-9";
 
-/// A number above zero.
-fn positive(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| "it must be a number".to_owned())?;
-    if number > 0.0 && number.is_finite() {
-        Ok(number)
-    } else {
-        Err("it must be finite and above 0".to_owned())
-    }
-}
-
 #[derive(Debug, clap::Args)]
 pub(crate) struct Simulate {
     /// Scenes; of two or more the inputs are drawn beside each other too
@@ -283,7 +277,7 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "S", value_parser = positive)]
     pub(crate) step: Option<f64>,
     /// Relative error a step that dormand_prince and tr_bdf2 aim for
-    #[arg(long, value_name = "X", value_parser = positive, default_value = DEFAULT_TOLERANCE)]
+    #[arg(long, value_name = "X", value_parser = tolerance, default_value = DEFAULT_TOLERANCE)]
     pub(crate) tolerance: f64,
     /// Folder to write to [default: reports/simulate]
     #[arg(long, value_name = "DIR")]

@@ -10,7 +10,7 @@ pub(crate) enum Exit {
     Fine = 0,
     /// It failed.
     Failed = 1,
-    /// Done, but something was skipped or lost; it was listed.
+    /// Done, but something was skipped or lost, or is to be read with care; it was listed.
     Partly = 3,
 }
 

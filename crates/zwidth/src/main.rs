@@ -3,9 +3,11 @@
 mod args;
 mod commands;
 mod exit;
+mod limits;
 mod plan;
 mod screen;
 
+use anyhow::Context as _;
 use args::{Args, Command};
 use clap::Parser;
 use exit::Exit;
@@ -27,7 +29,9 @@ fn main() -> ExitCode {
 
 fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
     if let Some(threads) = args.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global()
+            .with_context(|| format!("cannot start {threads} threads; choose fewer with --threads"))?;
     }
     // "./raw" reads as "raw" in everything that is printed.
     let root = if args.root == Path::new(".") { Path::new("") } else { &args.root };

@@ -51,8 +51,10 @@ pub struct Summary {
     pub figures: Vec<Made>,
     /// The tables, likewise.
     pub tables: Vec<Made>,
-    /// What was left out.
-    pub left_out: Vec<LeftOut>,
+    /// What was recorded and is in no figure or table.
+    pub left_out: Vec<Remark>,
+    /// What is in them and is to be read with care.
+    pub care: Vec<Remark>,
     /// What these data cannot show: whole sentences.
     pub limits: Vec<String>,
 }
@@ -66,16 +68,17 @@ pub struct Made {
     pub caption: String,
 }
 
-/// Something that was left out.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LeftOut {
-    /// What: a trial, a panel, a figure.
+/// Something that was left out, or is to be read with care.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Remark {
+    /// What: a trial, a file, a panel, a figure.
     pub what: String,
     /// Why.
     pub why: String,
 }
 
-/// The summary in Markdown: what the study is, what was made, what was left out and why, what it cannot show.
+/// The summary in Markdown: what the study is, what was made, what was left out and what to read with care, and why; what
+/// it cannot show.
 ///
 /// Simulated data are called so before anything else is said. With one participant, the text says that it
 /// speaks of nobody else. All texts given are escaped: they are set as they stand.
@@ -89,8 +92,11 @@ pub fn summary_markdown(summary: &Summary) -> String {
     parts.extend([
         section("Figures", &summary.figures, made, "No figure was made."),
         section("Tables", &summary.tables, made, "No table was made."),
-        section("Left out", &summary.left_out, left_out, "Nothing was left out."),
+        section("Left out", &summary.left_out, remark, nothing(summary)),
     ]);
+    if !summary.care.is_empty() {
+        parts.push(section("Read with care", &summary.care, remark, ""));
+    }
     if !summary.limits.is_empty() {
         parts.push(section("What these data cannot show", &summary.limits, |limit| escape(limit), ""));
     }
@@ -129,8 +135,19 @@ fn shown(made: &Made) -> String {
     format!("{} ([{what}]({}))", escape(&made.caption), made.path)
 }
 
-fn left_out(left_out: &LeftOut) -> String {
-    format!("{}: {}", escape(&left_out.what), escape(&left_out.why))
+fn remark(remark: &Remark) -> String {
+    format!("{}: {}", escape(&remark.what), escape(&remark.why))
+}
+
+/// What stands where nothing was left out: where there is nothing, nothing could be.
+fn nothing(summary: &Summary) -> &'static str {
+    if summary.trials == 0 && summary.sweeps == 0 {
+        "There is no trial that counts and no sweep, so that nothing could be left out."
+    } else if summary.tables.is_empty() {
+        "No table was made, so that nothing could be left out of one."
+    } else {
+        "Nothing was left out."
+    }
 }
 
 #[cfg(test)]
@@ -158,10 +175,11 @@ mod tests {
                 path: "tables/metrics.md".to_owned(),
                 caption: "Metrics, a row a trial".to_owned(),
             }],
-            left_out: vec![LeftOut {
+            left_out: vec![Remark {
                 what: "P01 S01 trial 17".to_owned(),
                 why: "excluded: cable caught".to_owned(),
             }],
+            care: Vec::new(),
             limits: vec!["Two participants cannot show an effect after Holm.".to_owned()],
         }
     }
@@ -212,10 +230,30 @@ Device: lever\\_2. Data: 2 participants, 4 sessions, 142 trials that count.
     }
 
     #[test]
+    fn what_is_to_be_read_with_care_has_a_section_of_its_own() {
+        let care = vec![Remark { what: "P01 S01 trial 2".to_owned(), why: "61.0° lies outside".to_owned() }];
+        let text = summary_markdown(&Summary { care, ..sample() });
+        assert!(
+            text.contains("\n\n## Read with care\n\n- P01 S01 trial 2: 61.0° lies outside\n\n## What"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn nothing_was_left_out_is_said_only_where_something_was_made() {
+        let said = |summary: Summary| summary_markdown(&summary).contains("Nothing was left out.");
+        let whole = Summary { left_out: Vec::new(), ..sample() };
+        assert!(said(whole.clone()));
+        assert!(!said(Summary { tables: Vec::new(), ..whole.clone() }));
+        assert!(!said(Summary { trials: 0, sweeps: 0, ..whole }));
+    }
+
+    #[test]
     fn a_run_that_made_nothing_says_so() {
         let text = summary_markdown(&Summary { title: "Empty".to_owned(), ..Summary::default() });
         let expect = "# Empty\n\nData: no trial that counts, no sweep.\n\n## Figures\n\nNo figure was made.\n\n\
-                      ## Tables\n\nNo table was made.\n\n## Left out\n\nNothing was left out.\n";
+                      ## Tables\n\nNo table was made.\n\n## Left out\n\n\
+                      There is no trial that counts and no sweep, so that nothing could be left out.\n";
         assert_eq!(text, expect);
     }
 }

@@ -3,8 +3,11 @@
 use super::identity::Identity;
 use super::report::{FileReport, Report};
 use super::{Context, Errors};
+use crate::alike::check_all_session_ids;
 use crate::head::head_of;
-use crate::{Files, Layout, StoreError, append_events, laid_down, log_sweeps, record_bytes, write_new};
+use crate::{
+    Files, Layout, RealFiles, StoreError, append_events, laid_down, log_sweeps, record_bytes, write_new,
+};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_study::{ActuatorId, Event, PlannedTrial, SessionRecord, Source};
@@ -36,6 +39,7 @@ impl Batch {
         for ((i, trial), events) in identities.iter().zip(trials).zip(events) {
             sessions.entry((&i.participant, &i.session)).or_default().push((trial, events));
         }
+        check_all_session_ids(&RealFiles, context.layout, sessions.keys().copied())?;
         for ((participant, session), mut trials) in sessions {
             trials.sort_by_key(|(t, _)| t.trial);
             let record = SessionRecord::new(

@@ -198,8 +198,9 @@ impl Check<'_> {
         let mut count = 0;
         for (i, id) in ids.enumerate() {
             count = i + 1;
-            if !seen.insert(id) {
-                self.error(&format!("{list}[{i}].id"), format!("'{id}' stands twice; ids must differ"));
+            if !seen.insert(id.to_ascii_lowercase()) {
+                let what = format!("'{id}' stands twice; ids must differ, and by more than case");
+                self.error(&format!("{list}[{i}].id"), what);
             }
         }
         if count > MOST_LISTED {

@@ -1,6 +1,6 @@
 //! `zwidth list`: studies, sessions, trials, and what is missing.
 
-use super::{studies, together};
+use super::{nameless, studies, together};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use serde::Serialize;
@@ -37,9 +37,12 @@ struct Session {
 }
 
 pub(crate) fn list(root: &Path, study: Option<StudyId>, screen: &Screen) -> anyhow::Result<Exit> {
-    let layouts = studies(root, study.into_iter().collect())?;
+    let named: Vec<StudyId> = study.into_iter().collect();
+    let nameless = nameless(root, &named);
+    nameless.iter().for_each(|finding| screen.warn(finding.to_string()));
+    let layouts = studies(root, named)?;
     let mut listings = Vec::new();
-    let mut unreadable = false;
+    let mut unreadable = !nameless.is_empty();
     for layout in &layouts {
         match listing(layout) {
             Ok(listing) => listings.push(listing),

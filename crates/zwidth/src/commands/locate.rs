@@ -1,11 +1,12 @@
 //! From a path that a person typed to the job behind it: by its place, or for a copy elsewhere by what the file says.
 
 use super::near::did_you_mean;
+use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use zwidth_runner::{Records, origins};
-use zwidth_store::{Layout, file_blake3};
+use zwidth_runner::{Records, Results, origins};
+use zwidth_store::{Layout, MOST_BYTES, RealFiles, hex_blake3, read_named};
 use zwidth_study::StudyId;
 
 /// How a file's job was found.
@@ -30,9 +31,14 @@ pub(super) enum Place {
     Outside,
 }
 
-/// The file of the records of a study's jobs.
-pub(super) fn records_file(layout: &Layout) -> PathBuf {
-    layout.derived().join("records.json")
+/// The records of a study's jobs; those that are not believed are told.
+///
+/// # Errors
+/// A link on the way to their file.
+pub(super) fn records(layout: &Layout, screen: &Screen) -> anyhow::Result<Records> {
+    let (records, remarks) = Records::read(&Results::new(layout, &RealFiles))?;
+    remarks.iter().for_each(|remark| screen.warn(remark.to_string()));
+    Ok(records)
 }
 
 /// Where `typed` leads, taken from the current folder, or else from the root.
@@ -78,18 +84,18 @@ pub(super) struct Made {
 ///
 /// # Errors
 /// It cannot be read; nothing in it, nor its content, is known under this root.
-pub(super) fn copies(root: &Path, typed: &Path) -> anyhow::Result<Vec<Made>> {
-    let bytes = std::fs::read(typed).with_context(|| {
+pub(super) fn copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Made>> {
+    let bytes = read_named(typed, MOST_BYTES).with_context(|| {
         format!(
             "cannot read {}, which is under neither derived/ nor reports/ (--root chooses where)",
             typed.display()
         )
     })?;
-    let (origins, content) = (origins(&bytes), file_blake3(typed)?);
+    let (origins, content) = (origins(&bytes), hex_blake3(&bytes));
     let extension = typed.extension();
     let mut found = Vec::new();
     for layout in with_records(root) {
-        let records = Records::read(&records_file(&layout));
+        let records = records(&layout, screen)?;
         for (job, record) in records.iter() {
             let same = record.outputs.iter().find(|(_, hash)| **hash == content).map(|(path, _)| path);
             let by = match same {
@@ -121,7 +127,10 @@ fn with_records(root: &Path) -> Vec<Layout> {
     let mut ids: Vec<StudyId> =
         folders.filter_map(|entry| StudyId::new(entry.file_name().to_string_lossy()).ok()).collect();
     ids.sort();
-    ids.into_iter().map(|id| Layout::new(root, id)).filter(|layout| records_file(layout).exists()).collect()
+    ids.into_iter()
+        .map(|id| Layout::new(root, id))
+        .filter(|layout| Results::records_file(layout).exists())
+        .collect()
 }
 
 fn unknown(root: &Path, typed: &Path, origins: &[String]) -> String {

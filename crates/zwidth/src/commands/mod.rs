@@ -22,7 +22,7 @@ pub(crate) mod verify;
 pub(crate) mod why;
 
 use anyhow::{Context as _, bail};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zwidth_store::{Layout, StoreError};
 use zwidth_study::StudyId;
 
@@ -32,10 +32,25 @@ fn studies(root: &Path, named: Vec<StudyId>) -> anyhow::Result<Vec<Layout>> {
     ids.into_iter().map(|id| study(root, id)).collect()
 }
 
+/// Folders of studies that no command can name, if all studies are asked for: none of them is passed by without a word.
+fn nameless(root: &Path, named: &[StudyId]) -> Vec<StoreError> {
+    let folders = if named.is_empty() { std::fs::read_dir(root.join("raw")).ok() } else { None };
+    let finding = |path: PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let why = StudyId::new(name.as_str()).err().filter(|_| is_study(&path))?.why;
+        let what = format!("the study in the folder {name:?} is left out, because its name is no id: {why}");
+        Some(StoreError::new(&root.join("raw"), what, "rename the folder, and study.id in its study.toml"))
+    };
+    let mut found: Vec<StoreError> =
+        folders.into_iter().flatten().flatten().filter_map(|entry| finding(entry.path())).collect();
+    found.sort_by(|a, b| a.what.cmp(&b.what));
+    found
+}
+
 /// A study that must be there.
 fn study(root: &Path, id: StudyId) -> anyhow::Result<Layout> {
     let layout = Layout::new(root, id);
-    if !layout.study_toml().exists() {
+    if !is_study(&layout.raw()) {
         let there = all(root).unwrap_or_default();
         let there: Vec<&str> = there.iter().map(StudyId::as_str).collect();
         let id = layout.study();
@@ -55,7 +70,7 @@ fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {
         .with_context(|| format!("cannot list {}; choose the data folder with --root", raw.display()))?;
     let mut ids: Vec<StudyId> = list
         .flatten()
-        .filter(|entry| entry.path().join("study.toml").exists())
+        .filter(|entry| is_study(&entry.path()))
         .filter_map(|entry| StudyId::new(entry.file_name().to_string_lossy()).ok())
         .collect();
     ids.sort();
@@ -63,6 +78,11 @@ fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {
         bail!("there is no study under {}; make one with `zwidth new STUDY`", raw.display());
     }
     Ok(ids)
+}
+
+/// Whether a folder is a study's: one with recordings stays one without its study.toml, which is then missed.
+fn is_study(folder: &Path) -> bool {
+    ["study.toml", "trials", "sweeps", "sessions"].iter().any(|name| folder.join(name).exists())
 }
 
 /// Several findings as one error, a line each.

@@ -4,14 +4,16 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
 use std::path::Path;
-use zwidth_store::{Layout, RealFiles, write_new};
+use zwidth_store::{Layout, RealFiles, check_study_id, write_new};
 use zwidth_study::{StudyId, template};
 
 pub(crate) fn new(root: &Path, study: StudyId, screen: &Screen) -> anyhow::Result<Exit> {
-    let path = Layout::new(root, study.clone()).study_toml();
+    let layout = Layout::new(root, study.clone());
+    let path = layout.study_toml();
     if path.exists() {
         bail!("the study '{study}' is there already; edit {}, or choose another id", path.display());
     }
+    check_study_id(&RealFiles, &layout)?;
     write_new(&RealFiles, &path, template(&study).as_bytes())?;
     screen.result(format!("{}", path.display()));
     screen.say(format!("Edit it, then check it with `zwidth verify {study}`."));

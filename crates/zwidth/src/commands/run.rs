@@ -1,18 +1,18 @@
 //! `zwidth run`: the main job. Raw data to every figure, table and summary; does only what changed.
 
-use super::locate::records_file;
 use super::near::did_you_mean;
-use super::{studies, together};
+use super::{nameless, studies, together};
 use crate::args::Run;
 use crate::exit::Exit;
 use crate::plan;
 use crate::screen::Screen;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Instant;
 use zwidth_acquire::Unsynced;
-use zwidth_runner::{Job, Options, Report, Verdict, run as run_jobs, wanted};
-use zwidth_store::{Layout, StudyData};
+use zwidth_runner::{Done, Job, Options, Report, Results, Verdict, run as run_jobs, wanted};
+use zwidth_store::{Layout, RealFiles, StoreError, StudyData, findings};
 
 /// What `--json` prints of a study.
 #[derive(Serialize)]
@@ -22,7 +22,15 @@ struct Outcome {
     up_to_date: usize,
     failed: Vec<Entry>,
     left_out: Vec<String>,
+    read_with_care: Vec<String>,
     seconds: f64,
+}
+
+impl Outcome {
+    /// Whether everything is in the results, and nothing in them is in doubt.
+    fn is_clean(&self) -> bool {
+        self.failed.is_empty() && self.left_out.is_empty() && self.read_with_care.is_empty()
+    }
 }
 
 #[derive(Serialize)]
@@ -33,7 +41,9 @@ struct Entry {
 }
 
 pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result<Exit> {
-    let mut exit = Exit::Fine;
+    let nameless = nameless(root, &command.studies);
+    nameless.iter().for_each(|finding| screen.warn(finding.to_string()));
+    let mut exit = if nameless.is_empty() { Exit::Fine } else { Exit::Partly };
     let mut outcomes = Vec::new();
     let layouts = studies(root, command.studies.clone())?;
     let several = layouts.len() > 1;
@@ -47,7 +57,7 @@ pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result
             }
             Err(error) => return Err(error),
         };
-        if !outcome.failed.is_empty() || !outcome.left_out.is_empty() {
+        if !outcome.is_clean() {
             exit = Exit::Partly;
         }
         outcomes.push(outcome);
@@ -61,7 +71,8 @@ pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result
 fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcome> {
     let start = Instant::now();
     let data = StudyData::load(layout).map_err(|findings| together(&findings))?;
-    let jobs = plan::jobs(&data);
+    let found = findings(&RealFiles, &data);
+    let jobs = plan::jobs(&data, &found);
     check_only(&jobs, command)?;
     let trials = data.trials.iter().map(|t| (t.path.clone(), t.blake3.clone()));
     let sweeps = data.sweeps.iter().map(|s| (s.path.clone(), s.blake3.clone()));
@@ -74,11 +85,16 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let bars = screen.bars(lengths(&jobs, command.only.as_deref()));
     let done = |report: &Report| bars.done(report.stage, &report.name);
     // Not waited for: what a power cut spoils no longer has the hash in its record, and is made again.
-    let reports = run_jobs(&jobs, layout.root(), &records_file(layout), &Unsynced, &options, &done);
+    let done = run_jobs(&jobs, &Results::new(layout, &Unsynced), &options, &done);
     bars.clear();
-    let reports = reports?;
-    let in_vain = plan::chosen_in_vain(&data.study, &jobs);
-    let outcome = outcome(&data, &reports, in_vain, start.elapsed().as_secs_f64());
+    let Done { reports, remarks } = done?;
+    let left_out = words(&found.left_out).chain(plan::chosen_in_vain(&data.study, &jobs));
+    let with_care = words(&found.with_care).chain(words(&remarks));
+    let outcome = Outcome {
+        left_out: sorted(left_out.chain(reports.iter().flat_map(|r| r.problems.iter().cloned()))),
+        read_with_care: sorted(with_care.chain(reports.iter().flat_map(|r| r.care.iter().cloned()))),
+        ..outcome(&data, &reports, start.elapsed().as_secs_f64())
+    };
     if !screen.json {
         tell(&data, &reports, &outcome, command, screen);
     }
@@ -114,7 +130,17 @@ fn check_only(jobs: &[Job], command: &Run) -> anyhow::Result<()> {
     )
 }
 
-fn outcome(data: &StudyData, reports: &[Report], in_vain: Vec<String>, seconds: f64) -> Outcome {
+fn words(findings: &[StoreError]) -> impl Iterator<Item = String> {
+    findings.iter().map(ToString::to_string)
+}
+
+/// Each once, in order.
+fn sorted(lines: impl Iterator<Item = String>) -> Vec<String> {
+    lines.collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// What the jobs made and failed to make; the rest is empty.
+fn outcome(data: &StudyData, reports: &[Report], seconds: f64) -> Outcome {
     let entry = |r: &Report, why: &str| Entry { stage: r.stage, name: r.name.clone(), why: why.to_owned() };
     let made = reports.iter().filter_map(|r| match &r.verdict {
         Verdict::Made(why) => Some(entry(r, why)),
@@ -124,17 +150,13 @@ fn outcome(data: &StudyData, reports: &[Report], in_vain: Vec<String>, seconds: 
         Verdict::Failed(why) | Verdict::Blocked(why) => Some(entry(r, why)),
         _ => None,
     });
-    let unreadable = data.problems.iter().map(ToString::to_string);
-    let mut left_out: Vec<String> =
-        unreadable.chain(reports.iter().flat_map(|r| r.problems.iter().cloned())).chain(in_vain).collect();
-    left_out.sort();
-    left_out.dedup();
     Outcome {
         study: data.layout.study().to_string(),
         made: made.collect(),
         failed: failed.collect(),
         up_to_date: reports.iter().filter(|r| r.verdict == Verdict::UpToDate).count(),
-        left_out,
+        left_out: Vec::new(),
+        read_with_care: Vec::new(),
         seconds,
     }
 }
@@ -153,6 +175,7 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
         outcome.made.iter().for_each(|e| screen.say(format!("  {}: {}", e.name, e.why)));
     }
     outcome.left_out.iter().for_each(|what| screen.warn(format!("left out: {what}")));
+    outcome.read_with_care.iter().for_each(|what| screen.warn(format!("read with care: {what}")));
     outcome.failed.iter().for_each(|e| screen.warn(format!("{} could not be made: {}", e.name, e.why)));
     let layout = &data.layout;
     screen.result(format!(

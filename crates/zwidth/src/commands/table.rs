@@ -25,13 +25,22 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
     if files.is_empty() {
         bail!("{} has no tables yet; make them with `zwidth run {}`", asked.study, asked.study);
     }
-    let tables = files.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
+    let (mut tables, mut unread) = (Vec::new(), Vec::new());
+    for file in &files {
+        match Table::from_parquet(file) {
+            Ok(table) => tables.push((file, table)),
+            Err(error) => unread.push(error),
+        }
+    }
     let Some(name) = &asked.name else {
-        return list(&tables, screen);
+        list(&tables.into_iter().map(|(_, table)| table).collect::<Vec<_>>(), screen)?;
+        unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
+        return Ok(if unread.is_empty() { Exit::Fine } else { Exit::Partly });
     };
-    let Some((file, table)) = files.iter().zip(&tables).find(|(_, t)| t.name() == name) else {
-        let names: Vec<_> = tables.iter().map(Table::name).collect();
-        bail!("{} has no table '{name}'; it has {}", asked.study, names.join(", "));
+    let Some((file, table)) = tables.iter().find(|(_, table)| table.name() == name) else {
+        unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
+        let names: Vec<_> = tables.iter().map(|(_, table)| table.name()).collect();
+        bail!("{} has no table '{name}' that can be read; it has {}", asked.study, names.join(", "));
     };
     let wanted = [(asked.format.into(), file.as_path())];
     for bytes in table.to_bytes(&wanted, data.study.coordinate, &BTreeMap::new())? {
@@ -40,7 +49,7 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
     Ok(Exit::Fine)
 }
 
-fn list(tables: &[Table], screen: &Screen) -> anyhow::Result<Exit> {
+fn list(tables: &[Table], screen: &Screen) -> anyhow::Result<()> {
     let entry =
         |t: &Table| Entry { name: t.name().to_owned(), title: t.title().to_owned(), rows: t.height() };
     if screen.json {
@@ -50,5 +59,5 @@ fn list(tables: &[Table], screen: &Screen) -> anyhow::Result<Exit> {
             .iter()
             .for_each(|t| screen.result(format!("{:<28} {} ({} rows)", t.name(), t.title(), t.height())));
     }
-    Ok(Exit::Fine)
+    Ok(())
 }

@@ -1,6 +1,6 @@
 //! `zwidth trace`: the raw files behind a result, and the jobs between, as the records of the last run have them.
 
-use super::locate::{FoundBy, Made, Place, copies, is_raw, no_job, place, records_file};
+use super::locate::{FoundBy, Made, Place, copies, is_raw, no_job, place, records};
 use super::study;
 use super::why::short;
 use crate::args::Traced;
@@ -11,7 +11,7 @@ use anyhow::{anyhow, bail};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use zwidth_runner::{Record, Records, Source, Step, Trace, trace as follow};
+use zwidth_runner::{Record, Source, Step, Trace, trace as follow};
 use zwidth_store::file_blake3;
 
 /// What `--json` prints of a file.
@@ -58,7 +58,7 @@ impl Raw {
 }
 
 pub(crate) fn trace(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Result<Exit> {
-    let made = made(root, &command.path)?;
+    let made = made(root, &command.path, screen)?;
     let found = made.iter().map(|made| behind(root, made)).collect::<anyhow::Result<Vec<_>>>()?;
     if screen.json {
         screen.listing(&found)?;
@@ -69,17 +69,17 @@ pub(crate) fn trace(root: &Path, command: &Traced, screen: &Screen) -> anyhow::R
 }
 
 /// The job behind the path, or the jobs behind a copy: of a file with several tables in it there are several.
-fn made(root: &Path, typed: &Path) -> anyhow::Result<Vec<Made>> {
+fn made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Made>> {
     let (id, path) = match place(root, typed) {
         Place::Raw(path) => bail!(is_raw(&path)),
-        Place::Outside => return copies(root, typed),
+        Place::Outside => return copies(root, typed, screen),
         Place::Results(id, path) => (id, path),
     };
     if path.starts_with("reports/simulate/") {
         bail!(no_job(&path, &id, &[]));
     }
     let layout = study(root, id)?;
-    let records = Records::read(&records_file(&layout));
+    let records = records(&layout, screen)?;
     if let Some((job, _)) = records.maker(&path) {
         let job = job.to_owned();
         return Ok(vec![Made { layout, records, job, by: FoundBy::Path, path }]);

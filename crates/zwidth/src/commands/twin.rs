@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_acquire::{Auto, Nobody, Options, Outcome, Parts, Plan, Session, Unsynced, number, run};
 use zwidth_device::{Device as _, SimulatedClock};
-use zwidth_store::{Files as _, Layout, RealFiles, hex_blake3, log_sweeps, write_new};
+use zwidth_store::{Files as _, Layout, RealFiles, check_study_id, hex_blake3, log_sweeps, write_new};
 use zwidth_study::{ParticipantId, SessionId, template};
 
 /// Version of what this command makes of a seed. Another version gives other bytes, and another software in the files.
@@ -66,6 +66,7 @@ fn make_study(layout: &Layout, command: &Twin) -> anyhow::Result<()> {
         }
         return Ok(());
     }
+    check_study_id(&RealFiles, layout)?;
     let repeats = 6_u32.checked_mul(command.scale).context("--scale is too large")?;
     let mut text = template(layout.study()).replace("\nrepeats = 6\n", &format!("\nrepeats = {repeats}\n"));
     if let Some(rate_hz) = command.rate {

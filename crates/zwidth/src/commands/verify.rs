@@ -1,6 +1,6 @@
 //! `zwidth verify`: every finding, with file, column, row and remedy.
 
-use super::studies;
+use super::{nameless, studies};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use serde::Serialize;
@@ -19,12 +19,14 @@ struct Finding<'a> {
 }
 
 pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyhow::Result<Exit> {
+    let nameless = nameless(root, &named);
     let checked: Vec<_> =
         studies(root, named)?.into_iter().map(|l| (l.study().clone(), zwidth_store::verify(&l))).collect();
     if screen.json {
-        let rows = checked.iter().flat_map(|(study, all)| all.iter().map(|f| finding(study, f)));
-        screen.listing(&rows.collect::<Vec<_>>())?;
+        let rows = checked.iter().flat_map(|(study, all)| all.iter().map(|f| finding(study.as_str(), f)));
+        screen.listing(&rows.chain(nameless.iter().map(|f| finding("", f))).collect::<Vec<_>>())?;
     } else {
+        nameless.iter().for_each(|f| screen.result(f.to_string()));
         for (study, findings) in &checked {
             findings.iter().for_each(|f| screen.result(f.to_string()));
             let notes = study_notes(&RealFiles, &Layout::new(root, study.clone()));
@@ -36,13 +38,13 @@ pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyho
             });
         }
     }
-    let clean = checked.iter().all(|(_, findings)| findings.is_empty());
+    let clean = nameless.is_empty() && checked.iter().all(|(_, findings)| findings.is_empty());
     Ok(if clean { Exit::Fine } else { Exit::Failed })
 }
 
-fn finding<'a>(study: &'a StudyId, f: &'a StoreError) -> Finding<'a> {
+fn finding<'a>(study: &'a str, f: &'a StoreError) -> Finding<'a> {
     Finding {
-        study: study.as_str(),
+        study,
         file: f.path.display().to_string(),
         column: f.column.as_deref(),
         row: f.row,

@@ -1,6 +1,6 @@
 //! `zwidth why`: what a result was last made from, and whether and why a run would make it again.
 
-use super::locate::{FoundBy, Place, copies, is_raw, no_job, place, records_file};
+use super::locate::{FoundBy, Place, copies, is_raw, no_job, place, records};
 use super::{study, together};
 use crate::args::Traced;
 use crate::exit::Exit;
@@ -9,8 +9,8 @@ use crate::screen::Screen;
 use anyhow::{anyhow, bail};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use zwidth_runner::{Again, Change, FileChange, Record, Records, State, states};
-use zwidth_store::{Layout, StudyData};
+use zwidth_runner::{Again, Change, FileChange, Record, State, states};
+use zwidth_store::{Layout, RealFiles, StudyData, findings};
 
 /// What `--json` prints of a file.
 #[derive(Serialize)]
@@ -54,8 +54,8 @@ struct Asked {
 }
 
 pub(crate) fn why(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Result<Exit> {
-    let found = asked(root, &command.path)?;
-    let whys = found.iter().map(|asked| one(root, asked)).collect::<anyhow::Result<Vec<_>>>()?;
+    let found = asked(root, &command.path, screen)?;
+    let whys = found.iter().map(|asked| one(root, asked, screen)).collect::<anyhow::Result<Vec<_>>>()?;
     if screen.json {
         screen.listing(&whys)?;
     } else {
@@ -64,7 +64,7 @@ pub(crate) fn why(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Res
     Ok(Exit::Fine)
 }
 
-fn asked(root: &Path, typed: &Path) -> anyhow::Result<Vec<Asked>> {
+fn asked(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Asked>> {
     match place(root, typed) {
         Place::Raw(path) => bail!(is_raw(&path)),
         Place::Results(id, path) if path.starts_with("reports/simulate/") => bail!(no_job(&path, &id, &[])),
@@ -72,16 +72,16 @@ fn asked(root: &Path, typed: &Path) -> anyhow::Result<Vec<Asked>> {
             Ok(vec![Asked { layout: study(root, id)?, path, job: None, by: FoundBy::Path }])
         }
         Place::Outside => {
-            let made = copies(root, typed)?.into_iter();
+            let made = copies(root, typed, screen)?.into_iter();
             Ok(made.map(|m| Asked { layout: m.layout, path: m.path, job: Some(m.job), by: m.by }).collect())
         }
     }
 }
 
-fn one(root: &Path, asked: &Asked) -> anyhow::Result<Why> {
+fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
     let layout = &asked.layout;
     let data = StudyData::load(layout).map_err(|findings| together(&findings))?;
-    let jobs = plan::jobs(&data);
+    let jobs = plan::jobs(&data, &findings(&RealFiles, &data));
     let file = root.join(&asked.path);
     let makes = |outputs: &[PathBuf]| outputs.contains(&file);
     let job = jobs
@@ -92,7 +92,7 @@ fn one(root: &Path, asked: &Asked) -> anyhow::Result<Why> {
         let outputs: Vec<String> = outputs.map(|o| o.into_owned()).collect();
         anyhow!(no_job(&asked.path, layout.study(), &outputs.iter().map(String::as_str).collect::<Vec<_>>()))
     })?;
-    let records = Records::read(&records_file(layout));
+    let records = records(layout, screen)?;
     let mut found = states(&jobs, layout.root(), &records, |j| j.name == job.name);
     let at =
         found.iter().position(|s| s.job.name == job.name).ok_or_else(|| anyhow!("the job has no state"))?;

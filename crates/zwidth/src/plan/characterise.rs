@@ -83,7 +83,7 @@ fn calibration_job(data: &StudyData, motor: Vec<PathBuf>, brake: Vec<PathBuf>) -
             // No comment, no provenance: the same curves give the same hash, whoever writes them.
             let text = Calibration { motor, brake }.to_toml()?;
             Calibration::from_toml(&text)?;
-            Ok(Made { outputs: vec![text.into_bytes()], problems: Vec::new() })
+            Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
         }),
     }
 }

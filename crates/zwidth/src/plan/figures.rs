@@ -70,7 +70,7 @@ pub(super) fn figure_job<'a>(
         tolerant: false,
         make: Box::new(move |from| {
             let (figure, problems) = describe()?;
-            Ok(Made { outputs: rendered(&stem, figure, from, &out)?, problems })
+            Ok(Made { outputs: rendered(&stem, figure, from, &out)?, problems, ..Made::default() })
         }),
     }
 }

@@ -21,15 +21,15 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use zwidth_runner::{Job, Made, Provenance};
-use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
-use zwidth_study::{Environment, Mode, ParticipantId, SessionId};
+use zwidth_store::{Findings, Layout, Signal, StudyData, Trial, TrialEntry};
+use zwidth_study::{Environment, Mode, ParticipantId, SessionId, TrialMeta};
 use zwidth_tables::{Table, TableError};
 
 /// What a job's function can fail with.
 type JobError = Box<dyn Error + Send + Sync>;
 
-/// Every job of a study.
-pub(crate) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
+/// Every job of a study, of which this was found.
+pub(crate) fn jobs<'a>(data: &'a StudyData, found: &Findings) -> Vec<Job<'a>> {
     let mut jobs = Vec::new();
     jobs.extend(characterise::jobs(data));
     jobs.extend(metrics::jobs(data));
@@ -43,7 +43,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     jobs.extend(report);
     let tables = tables::jobs(data, &jobs);
     jobs.extend(tables);
-    let summary = summary::job(data, &jobs);
+    let summary = summary::job(data, found, &jobs);
     jobs.push(summary);
     jobs
 }
@@ -136,6 +136,17 @@ fn joined<'a>(conditions: Vec<Job<'a>>, study: impl FnOnce(Vec<PathBuf>) -> Job<
     conditions.into_iter().chain(whole).collect()
 }
 
+/// `P01 S01 trial 2`.
+fn name(trial: &TrialMeta) -> String {
+    format!("{} {} trial {}", trial.participant, trial.session, trial.trial)
+}
+
+/// A text without the folder of the data in it, so that results have the same bytes wherever that lies.
+fn plain(data: &StudyData, text: &str) -> String {
+    let root = data.layout.root().join("").to_string_lossy().into_owned();
+    if root.is_empty() { text.to_owned() } else { text.replace(&root, "") }
+}
+
 fn paths(trials: &[&TrialEntry]) -> Vec<PathBuf> {
     trials.iter().map(|t| t.path.clone()).collect()
 }
@@ -172,7 +183,7 @@ fn made(
 ) -> Result<Made, JobError> {
     let bytes = |(t, path): (&Table, &PathBuf)| t.to_parquet(from, path);
     let outputs = tables.iter().zip(outputs).map(bytes).collect::<Result<_, TableError>>()?;
-    Ok(Made { outputs, problems })
+    Ok(Made { outputs, problems, ..Made::default() })
 }
 
 /// Whatever the analysis of a trial depends on besides its file.

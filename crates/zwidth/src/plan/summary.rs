@@ -1,24 +1,24 @@
 //! Stage `summary`: the page a person reads first.
 
-use super::{average, likert, metrics, sessions};
+use super::{average, likert, metrics, name, plain, sessions};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use zwidth_report::{LeftOut, Made as Listed, Shown, Summary, findings, summary_markdown};
+use zwidth_report::{Made as Listed, Remark, Shown, Summary, findings, summary_markdown};
 use zwidth_runner::{Job, Made, ORIGIN};
-use zwidth_store::{Signal, StudyData, TrialEntry};
+use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
 use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Format, Table, TableError};
 
 /// Version of the summary's form.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// The summary's file.
 pub(crate) fn file(data: &StudyData) -> PathBuf {
     data.layout.reports().join("summary.md")
 }
 
-pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
+pub(super) fn job<'a>(data: &'a StudyData, found: &Findings, planned: &[Job]) -> Job<'a> {
     let outputs = |stage: &str, extension: &str| -> Vec<PathBuf> {
         let of_stage = planned.iter().filter(|j| j.stage == stage).flat_map(|j| &j.outputs);
         of_stage.filter(|o| o.extension().is_some_and(|e| e == extension)).cloned().collect()
@@ -29,9 +29,10 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
     noted.extend(planned.iter().filter(|j| j.stage == "freemotion").flat_map(|j| j.outputs.iter().cloned()));
     let is_made = |file: PathBuf| planned.iter().any(|j| j.outputs.contains(&file)).then_some(file);
     let numbers = [metrics::of_study(&data.layout), likert::tally_of(&data.layout)].map(is_made);
-    let summary = facts(data);
-    let inputs: Vec<PathBuf> =
-        noted.iter().chain(&printed).chain(&figures).chain(numbers.iter().flatten()).cloned().collect();
+    let summary = facts(data, found);
+    let conditions = metrics::of_conditions(planned);
+    let read = noted.iter().chain(&conditions).chain(&printed).chain(&figures);
+    let inputs: Vec<PathBuf> = read.chain(numbers.iter().flatten()).cloned().collect();
     let (out, folder) = (file(data), data.layout.reports());
     Job {
         stage: "summary",
@@ -44,15 +45,23 @@ pub(super) fn job<'a>(data: &'a StudyData, planned: &[Job]) -> Job<'a> {
         make: Box::new(move |from| {
             let mut summary = summary.clone();
             summary.limits.extend(notes(&noted)?);
+            for note in notes(&conditions)? {
+                match metrics::told(&note) {
+                    Ok(left_out) => summary.left_out.push(left_out),
+                    Err(care) => summary.care.push(care),
+                }
+            }
             let (there, missing): (Vec<_>, Vec<_>) = figures.iter().partition(|f| f.exists());
             summary.figures = there.into_iter().map(|f| figure(f, &folder)).collect();
             let (there, no_tables): (Vec<_>, Vec<_>) = printed.iter().partition(|f| f.exists());
-            summary.tables = there.par_iter().map(|f| table(f, &folder)).collect::<Result<_, _>>()?;
+            let tables = there.par_iter().map(|f| table(f, &folder)).collect::<Result<Vec<_>, _>>()?;
+            summary.left_out.extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
+            summary.tables = tables.into_iter().map(|(listed, _)| listed).collect();
             summary.shown = shown(data, &numbers, &summary)?;
             summary.left_out.extend(missing.into_iter().chain(no_tables).map(|f| could_not_be_made(f)));
             let origin = from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
             let text = summary_markdown(&summary) + &origin.unwrap_or_default();
-            Ok(Made { outputs: vec![text.into_bytes()], problems: Vec::new() })
+            Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
         }),
     }
 }
@@ -85,7 +94,7 @@ fn shown(
 /// The table of the metrics by condition, from the summary's folder on.
 const CONDITIONS: &str = "tables/conditions.md";
 
-fn facts(data: &StudyData) -> Summary {
+fn facts(data: &StudyData, found: &Findings) -> Summary {
     let counting: Vec<_> = data.counting().collect();
     let asked = data.answers();
     let with_samples =
@@ -95,8 +104,13 @@ fn facts(data: &StudyData) -> Summary {
     let sessions: BTreeSet<_> = trials.iter().map(|(p, s, _)| (p, s)).collect();
     let people: BTreeSet<_> = trials.iter().map(|(p, _, _)| p).collect();
     let mut sources = BTreeMap::new();
+    // By the footers, wherever there is one.
+    for trial in &data.trials {
+        *sources.entry(trial.meta.source).or_default() += 1;
+    }
     for log in &data.sessions {
-        *sources.entry(log.record.source).or_default() += log.record.trials.len();
+        *sources.entry(log.record.source).or_default() +=
+            log.record.trials.iter().filter(|t| !t.samples).count();
     }
     for sweep in &data.sweeps {
         *sources.entry(sweep.source).or_default() += 1;
@@ -115,16 +129,42 @@ fn facts(data: &StudyData) -> Summary {
         trials: trials.len(),
         sweeps: data.sweeps.len(),
         sources,
-        left_out: data.trials.iter().filter_map(left_out).collect(),
+        left_out: left_out(data, found),
+        care: found.with_care.iter().map(|finding| remark(data, finding)).collect(),
         limits: no_lever.then(|| limit.to_owned()).into_iter().chain(not_recorded(&counting)).collect(),
         ..Summary::default()
     }
 }
 
-/// A trial of the experiment that does not count, and why.
-fn left_out(t: &TrialEntry) -> Option<LeftOut> {
-    let why = t.why_not().filter(|_| t.meta.kind == Kind::Trial)?;
-    Some(LeftOut { what: format!("{} {} trial {}", t.meta.participant, t.meta.session, t.meta.trial), why })
+/// Every trial of the experiment that does not count, and whatever else was found and is in no result.
+fn left_out(data: &StudyData, found: &Findings) -> Vec<Remark> {
+    let mut found_of: BTreeMap<&Path, Vec<Remark>> = BTreeMap::new();
+    for finding in &found.left_out {
+        found_of.entry(&finding.path).or_default().push(remark(data, finding));
+    }
+    let mut all = Vec::new();
+    for trial in data.trials.iter().filter(|t| t.meta.kind == Kind::Trial) {
+        let Some(why) = trial.why_not() else { continue };
+        let found = found_of.remove(trial.path.as_path()).unwrap_or_default();
+        let found: Vec<String> = found.into_iter().map(|remark| remark.why).collect();
+        let why = if found.is_empty() { why } else { found.join("; ") };
+        all.push(Remark { what: name(&trial.meta), why });
+    }
+    all.extend(found_of.into_values().flatten());
+    all
+}
+
+/// A finding as the page has it.
+fn remark(data: &StudyData, finding: &StoreError) -> Remark {
+    let path = data.layout.shown(&finding.path).to_string_lossy().replace('\\', "/");
+    let column = finding.column.as_ref().map(|column| format!(", column {column}")).unwrap_or_default();
+    let row = finding.row.map(|row| format!(", row {row}")).unwrap_or_default();
+    Remark { what: format!("{path}{column}{row}"), why: plain(data, &finding.what) }
+}
+
+/// A table that has nothing in it, and so shows nothing.
+fn empty(table: &Listed, rows: usize) -> Option<Remark> {
+    (rows == 0).then(|| Remark { what: table.path.clone(), why: "the table has no row".to_owned() })
 }
 
 /// What figures and metrics must do without, because some trial was recorded without it.
@@ -156,17 +196,19 @@ fn notes(tables: &[PathBuf]) -> Result<Vec<String>, TableError> {
     Ok(notes.into_iter().collect())
 }
 
-fn table(file: &Path, folder: &Path) -> Result<Listed, TableError> {
-    let (caption, _) = Table::title_and_notes(file)?;
-    Ok(Listed { path: relative(&file.with_extension("md"), folder), caption })
+/// A table, and how many rows it has.
+fn table(file: &Path, folder: &Path) -> Result<(Listed, usize), TableError> {
+    let table = Table::from_parquet(file)?;
+    let path = relative(&file.with_extension("md"), folder);
+    Ok((Listed { path, caption: table.title().to_owned() }, table.height()))
 }
 
 fn figure(file: &Path, folder: &Path) -> Listed {
     Listed { path: relative(file, folder), caption: figure_caption(&stem(file)) }
 }
 
-fn could_not_be_made(file: &Path) -> LeftOut {
-    LeftOut { what: stem(file), why: "it could not be made; `zwidth run` says why".to_owned() }
+fn could_not_be_made(file: &Path) -> Remark {
+    Remark { what: stem(file), why: "it could not be made; `zwidth run` says why".to_owned() }
 }
 
 fn stem(file: &Path) -> String {

@@ -51,7 +51,7 @@ fn job(data: &StudyData, input: PathBuf) -> Job<'_> {
         make: Box::new(move |from| {
             let table = Table::from_parquet(&file)?;
             let files: Vec<_> = Format::ALL.into_iter().zip(out.iter().map(PathBuf::as_path)).collect();
-            Ok(Made { outputs: table.to_bytes(&files, coordinate, from)?, problems: Vec::new() })
+            Ok(Made { outputs: table.to_bytes(&files, coordinate, from)?, ..Made::default() })
         }),
     }
 }

@@ -1,0 +1,309 @@
+//! The results of a study, and the one handle by which a run writes and removes them.
+//!
+//! What a record names is a claim: whoever can write one could else have any file removed. So a path is held against the
+//! two folders that are a run's own, by its text and then, whenever something is opened or removed, on the disk, where no
+//! folder on the way may be a link.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use zwidth_store::{Entry, Files, Layout, MOST_BYTES, StoreError, hex_blake3, replace, unfinished_below};
+
+/// `derived/<study>` and `reports/<study>`: nothing else in a run writes or removes there, and it writes and removes
+/// nothing elsewhere.
+pub struct Results<'a> {
+    layout: &'a Layout,
+    files: &'a dyn Files,
+}
+
+impl<'a> Results<'a> {
+    /// The results of a study, on this disk.
+    pub fn new(layout: &'a Layout, files: &'a dyn Files) -> Self {
+        Self { layout, files }
+    }
+
+    /// Where the study lies.
+    pub(crate) fn layout(&self) -> &Layout {
+        self.layout
+    }
+
+    /// The folder that paths are shown relative to.
+    pub(crate) fn root(&self) -> &Path {
+        self.layout.root()
+    }
+
+    /// Where the records of the study's jobs lie.
+    pub fn records_file(layout: &Layout) -> PathBuf {
+        layout.derived().join("records.json")
+    }
+
+    /// A file of the study's results as records name it: relative to the root, with `/`.
+    ///
+    /// # Errors
+    /// Why it is none, in words.
+    pub(crate) fn named(layout: &Layout, path: &str) -> Result<PathBuf, String> {
+        relative(path)?;
+        let study = layout.study().as_str();
+        match path.split('/').collect::<Vec<_>>().as_slice() {
+            ["derived" | "reports", of, _, ..] if *of == study => Ok(layout.root().join(path)),
+            _ => Err(format!("it lies neither below derived/{study} nor below reports/{study}")),
+        }
+    }
+
+    /// Writes an output, whole.
+    ///
+    /// # Errors
+    /// A path that is not below the study's results, or a link on the way to it; a write that failed.
+    pub(crate) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+        self.check(path)?;
+        replace(self.files, path, bytes)
+    }
+
+    /// Removes an output that its own job made, or was to make; none is fine.
+    ///
+    /// # Errors
+    /// Those of [`Results::write`].
+    pub(crate) fn remove(&self, path: &Path) -> Result<(), StoreError> {
+        self.check(path)?;
+        match self.files.kind(path) {
+            None => Ok(()),
+            Some(Entry::File) => self.files.remove(path).map_err(|e| StoreError::io(path, "remove", &e)),
+            Some(_) => Err(StoreError::new(path, "it is no file, and was not removed", BY_HAND)),
+        }
+    }
+
+    /// Removes an output that no job makes any more, if it still is what a job made.
+    ///
+    /// # Errors
+    /// Those of [`Results::remove`]; another content than the one with this hash, which stays.
+    pub(crate) fn remove_made(&self, path: &Path, blake3: &str) -> Result<(), StoreError> {
+        self.check(path)?;
+        if self.files.kind(path) == Some(Entry::File) {
+            let bytes = self.files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
+            if hex_blake3(&bytes) != blake3 {
+                let what = "no job makes it any more, but it was changed since it was made, and so it stays";
+                return Err(StoreError::new(path, what, BY_HAND));
+            }
+        }
+        self.remove(path)
+    }
+
+    /// Reads the records' file, of at most `most` bytes; nothing if there is none. What keeps it from being read is the
+    /// inner error.
+    ///
+    /// # Errors
+    /// A link on the way to it.
+    pub(crate) fn read_records(&self, most: u64) -> Result<Option<Result<Vec<u8>, StoreError>>, StoreError> {
+        let path = Self::records_file(self.layout);
+        self.check(&path)?;
+        let read = || self.files.read(&path, most).map_err(|e| StoreError::io(&path, "read", &e));
+        Ok(self.files.kind(&path).map(|_| read()))
+    }
+
+    /// Removes what writes of earlier runs that were cut short have left, unless another run of the study goes on, and
+    /// keeps later runs from doing so until what is returned is dropped. It costs nothing but litter if that fails.
+    pub(crate) fn hold(&self) -> Option<File> {
+        let folder = self.layout.derived();
+        self.check_way(&folder).ok()?;
+        for folder in [self.layout.root().join("derived"), folder.clone()] {
+            if self.files.kind(&folder).is_none() {
+                self.files.create_folder(&folder).ok()?;
+            }
+        }
+        let held = File::open(&folder).ok()?;
+        if held.try_lock().is_ok() {
+            self.sweep();
+            held.unlock().ok()?;
+        }
+        held.lock_shared().ok()?;
+        Some(held)
+    }
+
+    fn sweep(&self) {
+        for folder in [self.layout.derived(), self.layout.reports()] {
+            if self.check_way(&folder).is_ok() {
+                // What cannot be removed is litter still, and the next run's to sweep.
+                unfinished_below(self.files, &folder).iter().for_each(|path| _ = self.remove(path));
+            }
+        }
+    }
+
+    /// Whether a path is below the study's results, by its text and by every folder on the way.
+    fn check(&self, path: &Path) -> Result<(), StoreError> {
+        let refused =
+            |why: String| StoreError::new(path, format!("not a result of the study: {why}"), DEFECT);
+        let below_root = path.strip_prefix(self.root()).map_err(|e| refused(e.to_string()))?;
+        let text = below_root.to_str().ok_or_else(|| refused("its name is no text".to_owned()))?;
+        Self::named(self.layout, &text.replace(std::path::MAIN_SEPARATOR, "/")).map_err(refused)?;
+        path.parent().map_or(Ok(()), |folder| self.check_way(folder))
+    }
+
+    /// Whether every folder from the root down to this one is a folder, as far as there are any.
+    fn check_way(&self, folder: &Path) -> Result<(), StoreError> {
+        let mut at = self.root().to_owned();
+        for part in folder.strip_prefix(self.root()).unwrap_or(folder) {
+            at.push(part);
+            match self.files.kind(&at) {
+                Some(Entry::Folder) => {}
+                None => break,
+                Some(kind) => return Err(in_the_way(&at, kind)),
+            }
+        }
+        Ok(())
+    }
+}
+
+const DEFECT: &str = "this is a defect of zwidth; please report it";
+const BY_HAND: &str = "remove it when nobody needs it";
+
+fn in_the_way(folder: &Path, kind: Entry) -> StoreError {
+    match kind {
+        Entry::Link => StoreError::new(
+            folder,
+            "it is a link, and results are written into folders of the study's own alone",
+            "put a folder in its place; if the results are to lie on another disk, name that with --root",
+        ),
+        _ => StoreError::new(folder, "a folder belongs here", "move what lies here elsewhere"),
+    }
+}
+
+/// Whether a path leads down from where it begins, on any system.
+///
+/// # Errors
+/// Why not, in words.
+pub(crate) fn relative(path: &str) -> Result<(), String> {
+    let elsewhere = |part: &str| part.is_empty() || part == "." || part == "..";
+    if path.split('/').any(elsewhere) {
+        return Err("it does not lead down from the data folder".to_owned());
+    }
+    let foreign = |c: char| c == '\\' || c == ':' || c.is_control();
+    if path.contains(foreign) {
+        return Err("it has a sign in it that no path of ours has".to_owned());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use zwidth_store::RealFiles;
+
+    fn world() -> (tempfile::TempDir, Layout) {
+        let folder = tempfile::tempdir().unwrap();
+        let layout = Layout::new(&folder.path().join("root"), "s".parse().unwrap());
+        fs::create_dir_all(layout.raw()).unwrap();
+        fs::create_dir_all(layout.derived()).unwrap();
+        fs::write(layout.study_toml(), "study").unwrap();
+        (folder, layout)
+    }
+
+    #[test]
+    fn only_relative_paths_below_the_two_folders_of_the_study_are_results() {
+        let (_folder, layout) = world();
+        for good in ["derived/s/a", "reports/s/figures/θ.svg"] {
+            assert_eq!(Results::named(&layout, good), Ok(layout.root().join(good)));
+        }
+        for bad in [
+            "",
+            "/etc/passwd",
+            "derived/s",
+            "derived/s/",
+            "derived/s/../../raw/s/study.toml",
+            "derived/./s/a",
+            "derived//s/a",
+            "derived/other/a",
+            "raw/s/study.toml",
+            "study.toml",
+            "../x/derived/s/a",
+            "reports/S/a",
+            "derived\\s\\a",
+            "derived/s/a:b",
+            "C:/derived/s/a",
+            "derived/s/a\nb",
+        ] {
+            assert!(Results::named(&layout, bad).is_err(), "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_outside_is_written_or_removed_by_whatever_path() {
+        let (folder, layout) = world();
+        let results = Results::new(&layout, &RealFiles);
+        let outside = folder.path().join("outside");
+        fs::write(&outside, "theirs").unwrap();
+        for path in [outside.clone(), layout.study_toml(), layout.derived().join("../../raw/s/study.toml")] {
+            assert!(results.write(&path, b"x").is_err(), "{path:?}");
+            assert!(results.remove(&path).is_err() && results.remove_made(&path, "").is_err(), "{path:?}");
+        }
+        assert_eq!(fs::read_to_string(&outside).unwrap(), "theirs");
+        assert_eq!(fs::read_to_string(layout.study_toml()).unwrap(), "study");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_on_the_way_or_in_the_place_leads_nowhere() {
+        use std::os::unix::fs::symlink;
+        let (folder, layout) = world();
+        let results = Results::new(&layout, &RealFiles);
+        let outside = folder.path().join("outside");
+        fs::create_dir(&outside).unwrap();
+        fs::write(outside.join("a"), "theirs").unwrap();
+        symlink(&outside, layout.derived().join("linked")).unwrap();
+        let path = layout.derived().join("linked/a");
+        let hash = hex_blake3(b"theirs");
+        for error in [
+            results.write(&path, b"ours").unwrap_err(),
+            results.remove(&path).unwrap_err(),
+            results.remove_made(&path, &hash).unwrap_err(),
+        ] {
+            assert_eq!(error.path, layout.derived().join("linked"));
+            assert!(error.what.contains("it is a link"), "{error}");
+        }
+        let link = layout.derived().join("a");
+        symlink(outside.join("a"), &link).unwrap();
+        assert!(results.remove_made(&link, &hash).is_err() && link.is_symlink());
+        results.write(&link, b"ours").unwrap();
+        assert!(!link.is_symlink(), "the name is ours, what it led to is not");
+        assert_eq!(fs::read_to_string(outside.join("a")).unwrap(), "theirs");
+    }
+
+    #[test]
+    fn what_was_changed_since_it_was_made_stays() {
+        let (_folder, layout) = world();
+        let results = Results::new(&layout, &RealFiles);
+        let path = layout.derived().join("a");
+        results.write(&path, b"made").unwrap();
+        let hash = hex_blake3(b"made");
+        fs::write(&path, "edited").unwrap();
+        let error = results.remove_made(&path, &hash).unwrap_err();
+        assert!(error.what.contains("was changed since it was made"), "{error}");
+        fs::write(&path, "made").unwrap();
+        results.remove_made(&path, &hash).unwrap();
+        assert!(!path.exists());
+        results.remove_made(&path, &hash).unwrap();
+    }
+
+    #[test]
+    fn litter_of_cut_writes_is_swept_where_no_other_run_goes_on_and_nothing_else_is() {
+        let (_folder, layout) = world();
+        let results = Results::new(&layout, &RealFiles);
+        fs::create_dir_all(layout.reports().join("figures")).unwrap();
+        let litter = layout.reports().join("figures/.likert.svg.17.tmp");
+        let kept = [
+            layout.derived().join("notes.tmp"),
+            layout.derived().join(".x.tmp"),
+            layout.raw().join(".a.17.tmp"),
+        ];
+        for path in kept.iter().chain([&litter]) {
+            fs::write(path, "half").unwrap();
+        }
+        let other = results.hold();
+        assert!(!litter.exists() && kept.iter().all(|path| path.exists()));
+        fs::write(&litter, "half").unwrap();
+        let held = results.hold();
+        assert!(litter.exists(), "it may be the other run's");
+        drop((other, held));
+        drop(results.hold());
+        assert!(!litter.exists());
+    }
+}

@@ -1,0 +1,297 @@
+use super::*;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+use zwidth_store::{Layout, RealFiles};
+
+/// a.txt → upper (A.txt) → both (with b.txt: AB.txt); b.txt → other (B.txt).
+fn jobs(root: &Path, version: u32) -> Vec<Job<'static>> {
+    let job = |stage: &'static str, inputs: &[&str], output: &str, version| {
+        let inputs: Vec<PathBuf> = inputs.iter().map(|i| root.join(i)).collect();
+        let read = inputs.clone();
+        let make: crate::job::Make = Box::new(move |_| {
+            let mut text = String::new();
+            for path in &read {
+                text += &fs::read_to_string(path)?;
+            }
+            if text.contains("bad") {
+                return Err("a bad input".into());
+            }
+            Ok(Made { outputs: vec![text.to_uppercase().into_bytes()], ..Made::default() })
+        });
+        let outputs = vec![root.join(output)];
+        let (name, parameters) = (stage.to_owned(), String::new());
+        Job { stage, name, version, parameters, inputs, outputs, tolerant: false, make }
+    };
+    vec![
+        job("both", &["A.txt", "b.txt"], "AB.txt", 1),
+        job("upper", &["a.txt"], "A.txt", version),
+        job("other", &["b.txt"], "B.txt", 1),
+    ]
+}
+
+fn go(root: &Path, version: u32, options: &Options) -> Vec<(&'static str, Verdict)> {
+    let reports = reports(root, &jobs(root, version), options).unwrap();
+    reports.into_iter().map(|r| (r.stage, r.verdict)).collect()
+}
+
+fn made(results: &[(&'static str, Verdict)]) -> Vec<&'static str> {
+    results.iter().filter(|(_, v)| matches!(v, Verdict::Made(_))).map(|(s, _)| *s).collect()
+}
+
+/// `derived/s` of a folder of its own, in which the inputs lie too.
+struct Folder {
+    _root: TempDir,
+    path: PathBuf,
+}
+
+impl Folder {
+    fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+fn folder() -> Folder {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("derived/s");
+    fs::create_dir_all(&path).unwrap();
+    fs::write(path.join("a.txt"), "a").unwrap();
+    fs::write(path.join("b.txt"), "b").unwrap();
+    Folder { _root: root, path }
+}
+
+fn done(root: &Path, jobs: &[Job], options: &Options) -> Result<Done, StoreError> {
+    let layout = Layout::new(root.ancestors().nth(2).unwrap(), "s".parse().unwrap());
+    run(jobs, &Results::new(&layout, &RealFiles), options, &|_| {})
+}
+
+fn reports(root: &Path, jobs: &[Job], options: &Options) -> Result<Vec<Report>, StoreError> {
+    done(root, jobs, options).map(|done| done.reports)
+}
+
+#[test]
+fn a_second_run_makes_nothing_and_a_changed_file_only_what_depends_on_it() {
+    let folder = folder();
+    let root = folder.path();
+    let plain = Options::default();
+    assert_eq!(made(&go(root, 1, &plain)), ["both", "upper", "other"]);
+    assert_eq!(fs::read_to_string(root.join("AB.txt")).unwrap(), "AB");
+    assert!(made(&go(root, 1, &plain)).is_empty());
+    fs::write(root.join("a.txt"), "x").unwrap();
+    assert_eq!(made(&go(root, 1, &plain)), ["both", "upper"]);
+    fs::write(root.join("a.txt"), "X").unwrap();
+    assert_eq!(made(&go(root, 1, &plain)), ["upper"], "the same output stops the chain");
+}
+
+#[test]
+fn a_new_version_a_missing_and_an_edited_output_are_made_again_and_say_why() {
+    let folder = folder();
+    let root = folder.path();
+    let plain = Options::default();
+    go(root, 1, &plain);
+    assert_eq!(go(root, 2, &plain)[1].1, Verdict::Made("algorithm version 1 is now 2".to_owned()));
+    fs::remove_file(root.join("B.txt")).unwrap();
+    assert_eq!(go(root, 2, &plain)[2].1, Verdict::Made("output derived/s/B.txt is missing".to_owned()));
+    fs::write(root.join("B.txt"), "edited").unwrap();
+    assert_eq!(go(root, 2, &plain)[2].1, Verdict::Made("output derived/s/B.txt changed".to_owned()));
+    assert_eq!(made(&go(root, 2, &Options { fresh: true, ..plain })).len(), 3);
+}
+
+/// A job of a stage that writes down its name, and how often it was made.
+fn noted<'a>(
+    root: &Path,
+    (stage, inputs, output): (&'static str, &[&str], &str),
+    made: &'a Mutex<Vec<&'static str>>,
+) -> Job<'a> {
+    let inputs: Vec<PathBuf> = inputs.iter().map(|i| root.join(i)).collect();
+    let read = inputs.clone();
+    let make: crate::job::Make = Box::new(move |_| {
+        made.lock().unwrap().push(stage);
+        let texts: Result<Vec<String>, _> = read.iter().map(fs::read_to_string).collect();
+        Ok(Made { outputs: vec![texts?.concat().into_bytes()], ..Made::default() })
+    });
+    let outputs = vec![root.join(output)];
+    let (name, parameters) = (stage.to_owned(), String::new());
+    Job { stage, name, version: 1, parameters, inputs, outputs, tolerant: false, make }
+}
+
+fn verdicts(root: &Path, jobs: &[Job], options: &Options) -> Vec<Verdict> {
+    reports(root, jobs, options).unwrap().into_iter().map(|r| r.verdict).collect()
+}
+
+#[test]
+fn a_job_that_waits_for_two_is_begun_once_after_both() {
+    let folder = folder();
+    let made = Mutex::new(Vec::new());
+    let jobs = [
+        ("last", &["left", "right"][..], "last"),
+        ("left", &["first"], "left"),
+        ("right", &["first", "a.txt"], "right"),
+        ("first", &["a.txt"], "first"),
+    ];
+    let jobs: Vec<Job> = jobs.into_iter().map(|job| noted(folder.path(), job, &made)).collect();
+    verdicts(folder.path(), &jobs, &Options::default());
+    let made = made.lock().unwrap();
+    assert_eq!((made.len(), made[0], made[3]), (4, "first", "last"), "{made:?}");
+    assert_eq!(fs::read_to_string(folder.path().join("last")).unwrap(), "aaa");
+}
+
+#[test]
+fn what_waits_for_a_blocked_job_is_blocked_and_what_waits_for_a_circle_ends_with_it() {
+    let folder = folder();
+    let made = Mutex::new(Vec::new());
+    let chain = [("c", &["b"][..], "c"), ("b", &["a"], "b"), ("a", &["nothing"], "a")];
+    let circle = [("x", &["y"][..], "x"), ("y", &["x"], "y"), ("z", &["x"], "z"), ("w", &["a.txt"], "w")];
+    let jobs: Vec<Job> =
+        chain.into_iter().chain(circle).map(|job| noted(folder.path(), job, &made)).collect();
+    let found = verdicts(folder.path(), &jobs, &Options::default());
+    assert!(
+        matches!(found[..3], [Verdict::Blocked(_), Verdict::Blocked(_), Verdict::Failed(_)]),
+        "{found:?}"
+    );
+    assert!(found[3..6].iter().all(|v| matches!(v, Verdict::Blocked(_) | Verdict::Failed(_))), "{found:?}");
+    assert!(matches!(found[6], Verdict::Made(_)), "{found:?}");
+    let only = Options { only: Some("z".to_owned()), ..Options::default() };
+    assert_eq!(verdicts(folder.path(), &jobs, &only).len(), 3, "with the circle that it waits for");
+}
+
+#[test]
+fn the_hash_of_a_file_that_was_read_already_counts() {
+    let folder = folder();
+    let root = folder.path();
+    let hash = |text: &str| hex_blake3(text.as_bytes());
+    let knowing =
+        |text: &str| Options { known: vec![(root.join("a.txt"), hash(text))], ..Options::default() };
+    go(root, 1, &Options::default());
+    assert!(made(&go(root, 1, &knowing("a"))).is_empty(), "as it is");
+    assert_eq!(made(&go(root, 1, &knowing("as it was a moment ago"))), ["upper"]);
+}
+
+#[test]
+fn jobs_that_need_each_other_fail_and_the_others_go_on() {
+    let folder = folder();
+    let mut jobs = jobs(folder.path(), 1);
+    jobs[1].inputs.push(folder.path().join("AB.txt"));
+    jobs[1].make = Box::new(|_| Err("AB.txt is missing".into()));
+    let reports = reports(folder.path(), &jobs, &Options::default()).unwrap();
+    for report in &reports[..2] {
+        // whichever fails first blocks the other
+        let ended = matches!(report.verdict, Verdict::Failed(_) | Verdict::Blocked(_));
+        assert!(ended, "{report:?}");
+    }
+    assert!(matches!(reports[2].verdict, Verdict::Made(_)));
+}
+
+#[test]
+fn a_failed_job_fails_alone_and_what_needs_it_says_so() {
+    let folder = folder();
+    let root = folder.path();
+    fs::write(root.join("a.txt"), "bad").unwrap();
+    let results = go(root, 1, &Options::default());
+    assert!(matches!(&results[0].1, Verdict::Blocked(why) if why.contains("A.txt")));
+    assert_eq!(results[1].1, Verdict::Failed("a bad input".to_owned()));
+    assert!(matches!(results[2].1, Verdict::Made(_)));
+}
+
+#[test]
+fn an_output_that_cannot_be_written_ends_the_run_with_one_error() {
+    let folder = folder();
+    let root = folder.path();
+    fs::create_dir(root.join("A.txt")).unwrap();
+    let run = || reports(root, &jobs(root, 1), &Options::default());
+    assert_eq!(run().unwrap_err().path, root.join("A.txt"));
+    assert!(root.join("B.txt").exists() && !root.join("AB.txt").exists());
+    fs::remove_dir(root.join("A.txt")).unwrap();
+    let made = run().unwrap().into_iter().filter(|r| r.verdict != Verdict::UpToDate).map(|r| r.stage);
+    assert_eq!(made.collect::<Vec<_>>(), ["both", "upper"], "what was made before is remembered");
+}
+
+#[test]
+fn what_a_failed_job_made_before_does_not_stay() {
+    let folder = folder();
+    let root = folder.path();
+    go(root, 1, &Options::default());
+    fs::write(root.join("a.txt"), "bad").unwrap();
+    go(root, 1, &Options::default());
+    assert!(!root.join("A.txt").exists() && !root.join("AB.txt").exists());
+    assert!(root.join("B.txt").exists());
+}
+
+#[test]
+fn a_tolerant_job_is_made_without_the_inputs_that_could_not_be() {
+    let folder = folder();
+    let root = folder.path();
+    fs::write(root.join("a.txt"), "bad").unwrap();
+    let mut jobs = jobs(root, 1);
+    jobs[0].tolerant = true;
+    jobs[0].make = Box::new(|_| Ok(Made { outputs: vec![b"without".to_vec()], ..Made::default() }));
+    let reports = reports(root, &jobs, &Options::default()).unwrap();
+    assert!(matches!(reports[0].verdict, Verdict::Made(_)));
+}
+
+#[test]
+fn a_dry_run_says_what_would_be_made_and_touches_nothing() {
+    let folder = folder();
+    let root = folder.path();
+    let dry = Options { dry_run: true, ..Options::default() };
+    assert_eq!(made(&go(root, 1, &dry)).len(), 3);
+    assert!(!root.join("A.txt").exists() && !root.join("records.json").exists());
+}
+
+#[test]
+fn only_makes_a_stage_and_what_it_needs() {
+    let folder = folder();
+    let only = Options { only: Some("both".to_owned()), ..Options::default() };
+    assert_eq!(made(&go(folder.path(), 1, &only)), ["both", "upper"]);
+}
+
+#[test]
+fn outputs_of_jobs_no_longer_planned_are_removed() {
+    let folder = folder();
+    let root = folder.path();
+    go(root, 1, &Options::default());
+    let mut fewer = jobs(root, 1);
+    fewer.pop();
+    assert!(done(root, &fewer, &Options::default()).unwrap().remarks.is_empty());
+    assert!(!root.join("B.txt").exists());
+    assert!(root.join("AB.txt").exists());
+}
+
+#[test]
+fn an_output_of_a_job_no_longer_planned_that_was_changed_by_hand_stays_and_is_told() {
+    let folder = folder();
+    let root = folder.path();
+    go(root, 1, &Options::default());
+    fs::write(root.join("B.txt"), "edited").unwrap();
+    let mut fewer = jobs(root, 1);
+    fewer.pop();
+    let remarks = done(root, &fewer, &Options::default()).unwrap().remarks;
+    assert_eq!(remarks[0].path, root.join("B.txt"));
+    assert_eq!(fs::read_to_string(root.join("B.txt")).unwrap(), "edited");
+    assert!(done(root, &fewer, &Options::default()).unwrap().remarks.is_empty(), "told once, then forgotten");
+}
+
+#[test]
+fn what_is_to_be_read_with_care_is_remembered_and_told_at_every_run() {
+    let folder = folder();
+    let root = folder.path();
+    let mut jobs = jobs(root, 1);
+    jobs[2].make = Box::new(|_| {
+        let care = vec!["b is strange".to_owned()];
+        Ok(Made { outputs: vec![b"B".to_vec()], care, ..Made::default() })
+    });
+    for _ in 0..2 {
+        assert_eq!(reports(root, &jobs, &Options::default()).unwrap()[2].care, ["b is strange"]);
+    }
+}
+
+#[test]
+fn a_job_whose_output_is_no_result_of_the_study_writes_nothing() {
+    let folder = folder();
+    let root = folder.path();
+    let mut jobs = jobs(root, 1);
+    jobs[2].outputs = vec![root.join("../t/B.txt")];
+    let error = reports(root, &jobs, &Options::default()).unwrap_err();
+    assert!(error.what.contains("not a result of the study"), "{error}");
+    assert!(!root.join("../t").exists());
+}

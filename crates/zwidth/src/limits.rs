@@ -1,0 +1,78 @@
+//! What numbers on the command line can be: none of them decides without a limit how much memory or time is taken.
+
+/// Threads at most: more than any machine that is known to run this has cores.
+pub(crate) const MOST_THREADS: i64 = 1024;
+/// Sweeps at most that one command records.
+pub(crate) const MOST_SWEEPS: i64 = 1000;
+/// Participants at most of a simulated study, sessions of each, and times that its design is repeated: a terabyte is
+/// reached before.
+pub(crate) const MOST_PARTICIPANTS: i64 = 1000;
+pub(crate) const MOST_SESSIONS: i64 = 100;
+pub(crate) const MOST_SCALE: i64 = 10_000;
+/// Rates of the control loop, Hz: a tick a second at least, and no more than study.toml can have.
+const RATES_HZ: [f64; 2] = [1.0, 100_000.0];
+/// Relative errors a step that a solver can aim for: below, it would halve its steps until rounding stops it.
+const TOLERANCES: [f64; 2] = [1e-14, 1.0];
+
+/// A number from one to the other.
+fn within(text: &str, [least, most]: [f64; 2]) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "it must be a number".to_owned())?;
+    let fits = (least..=most).contains(&number);
+    if fits { Ok(number) } else { Err(format!("it must be from {least:?} to {most:?}")) }
+}
+
+/// A rate of the control loop, Hz.
+pub(crate) fn rate(text: &str) -> Result<f64, String> {
+    within(text, RATES_HZ)
+}
+
+/// A relative error a step.
+pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
+    within(text, TOLERANCES)
+}
+
+/// A number above zero.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "it must be a number".to_owned())?;
+    if number > 0.0 && number.is_finite() {
+        Ok(number)
+    } else {
+        Err("it must be finite and above 0".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::Args;
+    use clap::Parser as _;
+
+    #[test]
+    fn a_number_that_would_take_all_memory_or_for_ever_is_refused_with_its_limits() {
+        for (arguments, words) in [
+            (&["--threads", "0", "list"][..], "1..=1024"),
+            (&["--threads", "100000", "list"], "1..=1024"),
+            (&["characterise", "s", "motor", "--sweeps", "0"], "1..=1000"),
+            (&["characterise", "s", "motor", "--sweeps", "4000000000"], "1..=1000"),
+            (&["twin", "s", "--participants", "4000000000"], "1..=1000"),
+            (&["twin", "s", "--sessions", "4000000000"], "1..=100"),
+            (&["twin", "s", "--scale", "4000000000"], "1..=10000"),
+            (&["twin", "s", "--rate", "1e300"], "from 1.0 to 100000.0"),
+            (&["acquire", "s", "-p", "P01", "-s", "S01", "--rate", "1e-300"], "from 1.0 to 100000.0"),
+            (&["check", "s", "--rate", "nan"], "from 1.0 to 100000.0"),
+            (&["simulate", "a.toml", "--tolerance", "1e-300"], "from 1e-14 to 1.0"),
+        ] {
+            let typed = std::iter::once(&"zwidth").chain(arguments);
+            let error = Args::try_parse_from(typed).unwrap_err();
+            assert_eq!(error.exit_code(), 2, "{arguments:?}");
+            assert!(error.to_string().contains(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_above_zero_is_refused() {
+        for text in ["0", "-1", "nan", "inf", "much"] {
+            assert!(positive(text).is_err(), "{text}");
+        }
+    }
+}

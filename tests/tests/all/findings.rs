@@ -1,0 +1,240 @@
+//! What `verify` finds reaches whoever reads a result: each finding is a warning of `run`, stands in the summary, and in
+//! the exit code. So a run never looks complete when the log says that more was recorded.
+
+use crate::binary::zwidth;
+use crate::folders::truncate;
+use crate::small::{Draft, Study, draft, repeats};
+use std::fs;
+use std::path::Path;
+
+/// Three trials of one condition, and a sweep.
+fn study() -> Study {
+    let study = Study::new("found");
+    study.session("P01", &repeats("spring", "hybrid", 1..=3));
+    study.sweep();
+    study
+}
+
+fn summary(study: &Study) -> String {
+    fs::read_to_string(study.layout().reports().join("summary.md")).unwrap().replace('\\', "")
+}
+
+/// The lines of one section of the summary.
+fn section(summary: &str, title: &str) -> String {
+    let from = summary.split_once(&format!("## {title}\n")).map(|(_, rest)| rest).unwrap_or_default();
+    from.split("\n## ").next().unwrap_or_default().to_owned()
+}
+
+/// After `damage` every run says these words on standard error and exits with 3, the section of the summary has them,
+/// `verify` finds the same, and `list` goes on.
+#[track_caller]
+fn check(study: &Study, title: &str, words: &[&str]) {
+    let found = zwidth(study.root(), &["verify"]).exits(1);
+    for arguments in [&["run"][..], &["run"], &["run", "--fresh"]] {
+        let label = if title == "Left out" { "left out: " } else { "read with care: " };
+        zwidth(study.root(), arguments).exits(3).says(&[label]).says(words);
+        let summary = summary(study);
+        let section = section(&summary, title);
+        for word in words {
+            assert!(section.contains(word), "'{word}' is not under '{title}' of {summary}");
+            assert!(found.out.contains(word), "'{word}' is not in {found:#?}");
+        }
+        assert!(title != "Left out" || !summary.contains("Nothing was left out"), "{summary}");
+        assert!(!summary.contains(study.root().to_str().unwrap()), "a path of the machine is in {summary}");
+    }
+}
+
+#[track_caller]
+fn damaged(damage: impl Fn(&Study), words: &[&str]) {
+    let study = study();
+    zwidth(study.root(), &["run"]).exits(0);
+    let before = summary(&study);
+    assert!(words.iter().all(|word| !before.contains(word)), "{before}");
+    damage(&study);
+    check(&study, "Left out", words);
+}
+
+fn edit(path: &Path, from: &str, to: &str) {
+    let text = fs::read_to_string(path).unwrap();
+    assert!(text.contains(from), "{text}");
+    fs::write(path, text.replacen(from, to, 1)).unwrap();
+}
+
+#[test]
+fn a_trial_that_is_gone_is_told_by_run_and_summary() {
+    let words = ["trial-002.parquet", "belongs to the session, but its file is missing"];
+    damaged(|s| fs::remove_file(s.trial("P01", 2)).unwrap(), &words);
+}
+
+#[test]
+fn a_folder_in_the_place_of_a_trial_is_told_by_run_and_summary() {
+    let replace = |s: &Study| {
+        fs::remove_file(s.trial("P01", 2)).unwrap();
+        fs::create_dir(s.trial("P01", 2)).unwrap();
+    };
+    damaged(replace, &["trial-002.parquet", "belongs to the session, but its file is missing"]);
+}
+
+#[test]
+fn an_edited_record_is_told_by_run_and_summary() {
+    let rename = |s: &Study| edit(&s.record("P01"), "zwidth tests", "zwidth 9.9.9");
+    damaged(rename, &["P01_S01.json", "not the one that the session was laid down with"]);
+}
+
+#[test]
+fn a_record_with_a_repeated_key_is_told_by_run_and_summary() {
+    let repeat = |s: &Study| edit(&s.record("P01"), "\"trials\"", "\"software\": \"other\", \"trials\"");
+    damaged(repeat, &["P01_S01.json", "\"software\" stands twice"]);
+}
+
+#[test]
+fn a_log_cut_at_the_end_of_a_line_is_told_by_run_and_summary() {
+    let cut = |s: &Study| {
+        let text = fs::read_to_string(s.events("P01")).unwrap();
+        truncate(&s.events("P01"), text.trim_end().rfind('\n').unwrap() + 1);
+    };
+    damaged(cut, &["P01_S01.events.jsonl", "the log has 3 lines where its head counts 4"]);
+}
+
+#[test]
+fn a_log_line_with_a_repeated_key_is_told_by_run_and_summary() {
+    let repeat = |s: &Study| edit(&s.events("P01"), "{\"utc\"", "{\"blake3\":\"\",\"utc\"");
+    damaged(repeat, &["P01_S01.events.jsonl", "\"blake3\" stands twice"]);
+}
+
+#[test]
+fn a_changed_and_a_deleted_sweep_are_told_by_run_and_summary() {
+    let sweep = |s: &Study| s.layout().sweep(&"motor".parse().unwrap(), 1);
+    damaged(|s| truncate(&sweep(s), 300), &["sweep-01.parquet", "not a readable Parquet file"]);
+    damaged(|s| fs::remove_file(sweep(s)).unwrap(), &["sweep-01.parquet", "its file is missing"]);
+}
+
+#[test]
+fn a_journal_that_waits_for_recover_is_told_by_run_and_summary() {
+    let leave = |s: &Study| {
+        fs::create_dir_all(s.layout().journals()).unwrap();
+        fs::write(s.layout().journals().join("P01_S01.trial-004.journal"), "zwidth journal 1\n").unwrap();
+    };
+    damaged(leave, &["P01_S01.trial-004.journal", "a trial was cut short here"]);
+}
+
+#[test]
+fn what_counts_all_the_same_is_to_be_read_with_care_in_run_and_summary() {
+    let twice = Study::new("found");
+    twice
+        .session("P01", &[draft(1, "spring", "hybrid"), Draft { repeat: 1, ..draft(2, "spring", "hybrid") }]);
+    check(&twice, "Read with care", &["trials 1 and 2 both count as repeat 1 of spring × hybrid"]);
+
+    let stray = study();
+    fs::write(stray.trial("P01", 2).with_file_name("notes.txt"), "a note").unwrap();
+    check(&stray, "Read with care", &["notes.txt", "only Parquet files belong in this tree"]);
+
+    let narrow = study();
+    edit(&narrow.layout().study_toml(), "theta_max_deg = 45.0", "theta_max_deg = 20.0");
+    check(&narrow, "Read with care", &["22.07° lies more than 2° outside of the work space"]);
+    assert!(section(&summary(&narrow), "Read with care").contains("P01 S01 trial 3, theta_rad, row "));
+
+    let short = study();
+    edit(&short.layout().study_toml(), "trial_limit_s = ", "trial_limit_s = 1.0 # ");
+    check(&short, "Read with care", &["longer than design.trial_limit_s = 1 s"]);
+}
+
+#[test]
+fn a_study_toml_that_cannot_be_read_hides_no_other_finding() {
+    let study = study();
+    truncate(&study.trial("P01", 2), 50);
+    truncate(&study.layout().sweep(&"motor".parse().unwrap(), 1), 50);
+    fs::write(study.trial("P01", 1).with_file_name("notes.txt"), "a note").unwrap();
+    edit(&study.layout().study_toml(), "theta_max_deg = 45.0", "theta_max_deg = \"much\"");
+    let found = zwidth(study.root(), &["verify"]).exits(1);
+    for word in ["study.toml", "trial-002.parquet", "sweep-01.parquet", "notes.txt"] {
+        assert!(found.out.contains(word), "'{word}' is not in {found:#?}");
+    }
+    for command in ["run", "list", "table"] {
+        let arguments: &[&str] = if command == "table" { &[command, "found"] } else { &[command] };
+        zwidth(study.root(), arguments).exits(1).says(&[
+            "study.toml",
+            "trial-002.parquet",
+            "sweep-01.parquet",
+        ]);
+    }
+}
+
+#[test]
+fn a_study_that_lost_its_study_toml_is_missed_and_the_others_are_looked_at() {
+    let study = study();
+    let other = study.root().join("raw/other");
+    fs::create_dir_all(other.join("sessions")).unwrap();
+    for command in ["run", "list"] {
+        zwidth(study.root(), &[command]).exits(3).says(&["raw/other/study.toml", "cannot read"]);
+    }
+    let found = zwidth(study.root(), &["verify"]).exits(1);
+    assert!(
+        found.out.contains("raw/other/study.toml") && found.out.contains("found: no findings"),
+        "{found:#?}"
+    );
+}
+
+#[test]
+fn a_study_in_a_folder_whose_name_is_no_id_is_told_and_not_passed_by() {
+    let study = study();
+    let odd = study.root().join("raw/my study");
+    fs::create_dir(&odd).unwrap();
+    fs::copy(study.layout().study_toml(), odd.join("study.toml")).unwrap();
+    for command in ["run", "list"] {
+        zwidth(study.root(), &[command]).exits(3).says(&["\"my study\" is left out", "rename the folder"]);
+    }
+    let found = zwidth(study.root(), &["verify"]).exits(1);
+    assert!(found.out.contains("\"my study\" is left out"), "{found:#?}");
+    zwidth(study.root(), &["verify", "found"]).exits(0);
+}
+
+#[test]
+fn a_table_that_cannot_be_read_hides_no_other_table() {
+    let study = study();
+    zwidth(study.root(), &["run"]).exits(0);
+    truncate(&study.layout().derived().join("metrics.parquet"), 100);
+    let listed =
+        zwidth(study.root(), &["table", "found"]).exits(3).says(&["unreadable: ", "metrics.parquet"]);
+    assert!(listed.out.contains("conditions"), "{listed:#?}");
+    zwidth(study.root(), &["table", "found", "conditions"]).exits(0);
+    zwidth(study.root(), &["table", "found", "metrics"]).exits(1).says(&["unreadable: ", "that can be read"]);
+}
+
+#[test]
+fn nothing_was_left_out_is_not_said_where_nothing_counts() {
+    let study = Study::new("found");
+    zwidth(study.root(), &["run"]).exits(0);
+    let empty = summary(&study);
+    assert!(
+        !empty.contains("Nothing was left out") && empty.contains("nothing could be left out"),
+        "{empty}"
+    );
+}
+
+#[test]
+fn ids_that_differ_only_by_case_or_are_names_of_devices_are_refused() {
+    let study = study();
+    zwidth(study.root(), &["new", "FOUND"]).exits(1).one_error().says(&["differs from 'found' only by case"]);
+    let twin = ["twin", "Found", "--participants", "1", "--sessions", "1"];
+    zwidth(study.root(), &twin).exits(1).one_error().says(&["differs from 'found' only by case"]);
+    for command in [&["new", "con"][..], &["verify", "NUL"]] {
+        zwidth(study.root(), command).exits(2).says(&["Windows keeps this name for a device"]);
+    }
+    let acquire = ["acquire", "found", "-s", "S02", "--plain", "--auto", "--fast", "-p"];
+    let ran = zwidth(study.root(), &[&acquire[..], &["p01"]].concat()).exits(1).one_error();
+    ran.says(&["the participant 'p01' differs from 'P01' only by case"]);
+    zwidth(study.root(), &[&acquire[..], &["COM1"]].concat()).exits(2).says(&["Windows keeps this name"]);
+    assert!(!study.root().join("raw/FOUND").exists() && !study.root().join("raw/Found").exists());
+}
+
+#[test]
+fn a_number_of_threads_out_of_reach_is_one_error() {
+    let study = study();
+    for threads in ["0", "100000", "-1", "18446744073709551616"] {
+        let ran = zwidth(study.root(), &[&format!("--threads={threads}"), "run"]).exits(2);
+        assert!(ran.err.contains("--threads") && ran.out.is_empty(), "{ran:#?}");
+    }
+    assert!(!study.layout().derived().exists());
+    zwidth(study.root(), &["--threads", "64", "run"]).exits(0);
+}
