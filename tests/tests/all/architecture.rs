@@ -72,6 +72,27 @@ fn every_arrow_points_down() {
     assert!(arrows > 20, "only {arrows} arrows: were the members found?");
 }
 
+/// `rust-version` is a promise to whoever builds with that version. Our own code is held to it by clippy
+/// (`incompatible_msrv`), and what it is built of here.
+#[test]
+fn nothing_that_is_built_in_asks_for_a_newer_rust_than_ours() {
+    let metadata = MetadataCommand::new()
+        .manifest_path(workspace().join("Cargo.toml"))
+        .other_options(["--locked".into(), "--filter-platform=x86_64-unknown-linux-gnu".into()])
+        .exec()
+        .unwrap();
+    let is_ours = |p: &&Package| metadata.workspace_members.contains(&p.id);
+    let ours = metadata.packages.iter().find(is_ours).and_then(|p| p.rust_version.clone()).unwrap();
+    let newer: Vec<String> = metadata
+        .packages
+        .iter()
+        .filter(|p| p.rust_version.as_ref().is_some_and(|asked| *asked > ours))
+        .map(|p| format!("{} {} asks for {:?}", p.name, p.version, p.rust_version))
+        .collect();
+    assert!(newer.is_empty(), "rust-version is {ours}, and {newer:?}");
+    assert!(metadata.packages.len() > 100, "{} packages: were they found?", metadata.packages.len());
+}
+
 #[test]
 fn a_member_is_named_after_its_folder() {
     for package in metadata().packages {
