@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use zwidth_study::printable;
 
 /// Something wrong with a file of the store, or in reading or writing one.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -62,14 +63,15 @@ impl StoreError {
 
 impl fmt::Display for StoreError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path.display())?;
+        // Names and values of others stand in each part.
+        write!(f, "{}", printable(&self.path.to_string_lossy()))?;
         if let Some(column) = &self.column {
-            write!(f, ", column {column}")?;
+            write!(f, ", column {}", printable(column))?;
         }
         if let Some(row) = self.row {
             write!(f, ", row {row}")?;
         }
-        write!(f, ": {}; {}", self.what, self.remedy)
+        write!(f, ": {}; {}", printable(&self.what), printable(&self.remedy))
     }
 }
 
@@ -81,5 +83,12 @@ mod tests {
     fn an_error_says_file_column_row_what_and_remedy() {
         let error = StoreError::new(Path::new("a.parquet"), "NaN", "mend it").column("t_s").row0(2);
         assert_eq!(error.to_string(), "a.parquet, column t_s, row 3: NaN; mend it");
+    }
+
+    #[test]
+    fn a_name_or_a_value_of_others_forges_no_line_and_steers_no_terminal() {
+        let error = StoreError::new(Path::new("a\nok.csv"), "'\u{1b}[2J' is no number", "mend it")
+            .column("\u{202e}f");
+        assert_eq!(error.to_string(), r"a\nok.csv, column \u{202e}f: '\u{1b}[2J' is no number; mend it");
     }
 }

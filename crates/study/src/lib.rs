@@ -14,6 +14,7 @@ mod id;
 mod locate;
 mod model;
 pub mod order;
+mod printable;
 mod sample;
 mod seal;
 mod session;
@@ -31,6 +32,7 @@ pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Likert, Masses, Mode, OrderScheme,
     Question, Scene, Spring, Study,
 };
+pub use printable::printable;
 pub use sample::{Flags, Sample, Voltages};
 pub use seal::{Seal, SealError};
 pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};
