@@ -14,6 +14,7 @@ mod bad_import;
 mod binary;
 mod counting;
 mod folders;
+mod hostile_import;
 mod logs;
 mod provenance;
 mod real;

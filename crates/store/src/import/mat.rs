@@ -2,6 +2,7 @@
 //!
 //! Source of the format: MathWorks, "MAT-File Format" (R2024b), "Level 5 MAT-File Format".
 
+use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED, Take, shown};
 use super::table::{Cells, Table};
 use crate::StoreError;
 use arrow::array::Float64Array;
@@ -35,59 +36,127 @@ mod mi {
 /// Flag of a complex array, in the array flags.
 const COMPLEX: u32 = 0x0800;
 
+/// Most bytes of the beginning of a variable: its flags, its size in [`MOST_DIMENSIONS`], its name.
+const HEAD: u64 = 2 * MOST_NAME as u64;
+/// Most dimensions of a variable.
+const MOST_DIMENSIONS: usize = 32;
+
 /// Reads a MAT file: its vectors by name, or with `matrix` the columns of that variable by position.
-pub(super) fn read(path: &Path, bytes: &[u8], matrix: Option<&str>) -> Result<Table, StoreError> {
-    let remedy = "the file may be cut off or damaged; save it again with -v7";
-    let variables = variables(bytes)
-        .map_err(|what| StoreError::new(path, format!("not a readable MAT file: {what}"), remedy))?;
-    match matrix {
-        None => Ok(vectors(variables)),
-        Some(name) => columns(variables, name).map_err(|what| {
-            StoreError::new(path, what, "set matrix in [file] to a numeric matrix of the file").column(name)
-        }),
-    }
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    matrix: Option<&str>,
+    take: &Take,
+) -> Result<Table, StoreError> {
+    let remedy = "the file may be cut off or damaged; save it again with -v7, without what is not needed";
+    let cannot = |what| StoreError::new(path, format!("not a readable MAT file: {what}"), remedy);
+    let Some(matrix) = matrix else {
+        let mut table = Table { names: Some(Vec::new()), ..Table::default() };
+        variables(bytes, &mut |head, data| {
+            let place = table.columns.len();
+            let cells = if take.wants(place, Some(&head.name)) {
+                vector(head, data, take)
+            } else {
+                Ok(Cells::Unread)
+            };
+            table.columns.push(cells?);
+            table.names.get_or_insert_default().push(head.name.clone());
+            Ok(())
+        })
+        .map_err(cannot)?;
+        return Ok(table);
+    };
+    let (mut names, mut found) = (Vec::new(), None);
+    variables(bytes, &mut |head, data| {
+        if head.name == matrix && found.is_none() {
+            found = Some(columns(head, data, take)?);
+        }
+        names.push(shown(&head.name).into_owned());
+        Ok(())
+    })
+    .map_err(cannot)?;
+    let missing = || format!("the variable is missing; the file has {}", names.join(", "));
+    let table = found.unwrap_or_else(|| Err(missing()));
+    table.map_err(|what| {
+        StoreError::new(path, what, "set matrix in [file] to a numeric matrix of the file").column(matrix)
+    })
 }
 
-/// A variable of the file: its name, its size, and its values, first dimension fastest.
-struct Variable {
+/// What a variable says of itself before its values.
+struct Head {
     name: String,
     size: Vec<usize>,
-    values: Result<Vec<f64>, &'static str>,
+    /// What it is where it is not a real numeric array.
+    class: Option<&'static str>,
 }
 
-fn vectors(variables: Vec<Variable>) -> Table {
-    let mut table = Table { names: Some(Vec::new()), ..Table::default() };
-    for Variable { name, size, values } in variables {
-        let long = size.iter().filter(|n| **n != 1).count();
-        table.columns.push(match values {
-            Ok(values) if long <= 1 => Cells::Numbers(Float64Array::from(values)),
-            Ok(_) => {
-                let size = size.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
-                Cells::Other(format!("it is a {size} matrix; name it as matrix in [file] to use its columns"))
-            }
-            Err(class) => {
-                Cells::Other(format!("it is {class}; save what is wanted of it as a numeric variable"))
-            }
-        });
-        table.names.get_or_insert_default().push(name);
+/// The values of a variable, not decoded yet.
+struct Numbers<'a> {
+    kind: u32,
+    data: &'a [u8],
+    big: bool,
+}
+
+/// Gives the values of the variable at hand; only who asks has them unpacked.
+type Values<'a> = &'a dyn Fn(&mut dyn FnMut(Numbers) -> Option<()>) -> Result<(), String>;
+
+/// A variable as a column: its values if it is a vector of numbers, else why not.
+fn vector(head: &Head, values: Values, take: &Take) -> Result<Cells, String> {
+    if let Some(class) = head.class {
+        return Ok(Cells::Other(format!("it is {class}; save what is wanted of it as a numeric variable")));
     }
-    table
+    if head.size.iter().filter(|n| **n != 1).count() > 1 {
+        let size = head.size.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
+        return Ok(Cells::Other(format!(
+            "it is a {size} matrix; name it as matrix in [file] to use its columns"
+        )));
+    }
+    let mut cells = Cells::Unread;
+    let mut fits = true;
+    values(&mut |numbers| {
+        let n = numbers.count()?;
+        fits = take.budget.cells(n);
+        if fits && Some(n) == head.count() {
+            cells = Cells::Numbers(Float64Array::from(numbers.values(0, n)?));
+        }
+        (!fits || matches!(cells, Cells::Numbers(_))).then_some(())
+    })?;
+    if fits { Ok(cells) } else { Err(TOO_MUCH.to_owned()) }
 }
 
-fn columns(variables: Vec<Variable>, name: &str) -> Result<Table, String> {
-    let names = variables.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
-    let missing = format!("the variable is missing; the file has {names}");
-    let variable = variables.into_iter().find(|v| v.name == name).ok_or(missing)?;
-    let values = variable.values.map_err(|class| format!("the variable is {class}"))?;
-    let &[rows, _] = variable.size.as_slice() else {
-        return Err(format!("the variable has {} dimensions where 2 belong", variable.size.len()));
+/// A matrix' columns by position, or why it has none.
+fn columns(head: &Head, values: Values, take: &Take) -> Result<Result<Table, String>, String> {
+    if let Some(class) = head.class {
+        return Ok(Err(format!("the variable is {class}")));
+    }
+    let &[rows, columns] = head.size.as_slice() else {
+        return Ok(Err(format!("the variable has {} dimensions where 2 belong", head.size.len())));
     };
-    let column = |cells: &[f64]| Cells::Numbers(Float64Array::from(cells.to_vec()));
-    let columns = values.chunks_exact(rows.max(1)).map(column).collect();
-    Ok(Table { names: None, columns, lines: Vec::new() })
+    if columns > MOST_COLUMNS {
+        return Err(format!("the matrix has {columns} columns, and at most {MOST_COLUMNS} are read"));
+    }
+    let mut table = Table::default();
+    let mut fits = true;
+    values(&mut |numbers| {
+        let whole = numbers.count() == head.count();
+        for place in (0..columns).filter(|_| whole && rows > 0) {
+            let wanted = take.wants(place, None);
+            fits = fits && (!wanted || take.budget.cells(rows));
+            table.columns.push(match wanted && fits {
+                true => Cells::Numbers(Float64Array::from(numbers.values(place * rows, rows)?)),
+                false => Cells::Unread,
+            });
+        }
+        whole.then_some(())
+    })?;
+    if fits { Ok(Ok(table)) } else { Err(TOO_MUCH.to_owned()) }
 }
 
-fn variables(bytes: &[u8]) -> Result<Vec<Variable>, String> {
+/// Stands for the error of the budget, which takes its place.
+const TOO_MUCH: &str = "it has more values than are read";
+
+/// Goes through the variables of a file.
+fn variables(bytes: &[u8], each: &mut dyn FnMut(&Head, Values) -> Result<(), String>) -> Result<(), String> {
     let header = bytes.get(..HEADER).ok_or("it is shorter than a MAT header")?;
     let big = match &header[HEADER - 2..] {
         b"IM" => false,
@@ -99,32 +168,53 @@ fn variables(bytes: &[u8]) -> Result<Vec<Variable>, String> {
         return Err("it is a version 7.3 (HDF5) file; save it with -v7".to_owned());
     }
     let mut elements = Elements { bytes: &bytes[HEADER..], big };
-    let mut found = Vec::new();
-    while !elements.bytes.is_empty() {
-        let (kind, data) = elements.next().ok_or_else(|| cut_after(&found))?;
-        let variable = match kind {
-            mi::MATRIX => variable(data, big),
-            mi::COMPRESSED => inflate(data).and_then(|plain| {
-                let (kind, data) = Elements { bytes: &plain, big }.next()?;
-                (kind == mi::MATRIX).then(|| variable(data, big))?
-            }),
-            _ => None,
+    let mut last: Option<String> = None;
+    for count in 1.. {
+        if elements.bytes.is_empty() {
+            break;
+        }
+        if count > MOST_COLUMNS {
+            return Err(format!("it has more than {MOST_COLUMNS} variables, and no more are read"));
+        }
+        let damaged = || match &last {
+            None => "its first variable is cut off or damaged".to_owned(),
+            Some(name) => format!("it is cut off or damaged after variable '{}'", shown(name)),
         };
-        found.push(variable.ok_or_else(|| cut_after(&found))?);
+        let (kind, data) = elements.next().ok_or_else(damaged)?;
+        // Of a compressed variable only the beginning is unpacked, until its values are asked for.
+        let beginning = match kind {
+            mi::MATRIX => Vec::new(),
+            mi::COMPRESSED => inflate(data, HEAD).ok_or_else(damaged)?,
+            _ => return Err(damaged()),
+        };
+        let (size, plain) = match kind {
+            mi::MATRIX => (data.len() as u64, data),
+            _ => matrix_tag(&beginning, big).ok_or_else(damaged)?,
+        };
+        let (head, _) = head(plain, big).ok_or_else(damaged)?;
+        each(&head, &|take| match kind {
+            mi::MATRIX => real_part(data, big).and_then(&mut *take).ok_or_else(damaged),
+            _ => {
+                if size > MOST_UNPACKED {
+                    let name = shown(&head.name);
+                    return Err(format!(
+                        "variable '{name}' unpacks to {size} bytes, and at most {MOST_UNPACKED} are read"
+                    ));
+                }
+                let plain = inflate(data, ALIGN as u64 + size).ok_or_else(damaged)?;
+                let matrix = Elements { bytes: &plain, big }.next().map(|(_, data)| data);
+                matrix.and_then(|data| real_part(data, big)).and_then(&mut *take).ok_or_else(damaged)
+            }
+        })?;
+        last = Some(head.name);
     }
-    Ok(found)
+    Ok(())
 }
 
-fn cut_after(found: &[Variable]) -> String {
-    match found.last() {
-        None => "its first variable is cut off or damaged".to_owned(),
-        Some(last) => format!("it is cut off or damaged after variable '{}'", last.name),
-    }
-}
-
-fn inflate(data: &[u8]) -> Option<Vec<u8>> {
+/// The first bytes of a compressed element, at most `most`: what it claims of its size decides nothing.
+fn inflate(data: &[u8], most: u64) -> Option<Vec<u8>> {
     let mut plain = Vec::new();
-    ZlibDecoder::new(data).read_to_end(&mut plain).ok()?;
+    ZlibDecoder::new(data).take(most).read_to_end(&mut plain).ok()?;
     Some(plain)
 }
 
@@ -158,21 +248,38 @@ fn word(bytes: [u8; 4], big: bool) -> u32 {
     if big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
 }
 
-fn variable(data: &[u8], big: bool) -> Option<Variable> {
+/// The size that the tag of a matrix gives, bytes, and what follows the tag.
+fn matrix_tag(bytes: &[u8], big: bool) -> Option<(u64, &[u8])> {
+    let (tag, data) = bytes.split_at_checked(ALIGN)?;
+    let word = |at: usize| Some(word(tag.get(at..at + 4)?.try_into().ok()?, big));
+    (word(0)? == mi::MATRIX).then_some((u64::from(word(4)?), data))
+}
+
+/// What a matrix says of itself, and the elements behind.
+fn head(data: &[u8], big: bool) -> Option<(Head, Elements<'_>)> {
     let mut parts = Elements { bytes: data, big };
     let (_, flags) = parts.next()?;
     let flags = word(flags.get(..4)?.try_into().ok()?, big);
-    let (size_kind, size) = parts.next()?;
-    let size = numbers(size_kind, size, big)?.into_iter().map(whole).collect::<Option<Vec<_>>>()?;
+    let (kind, size) = parts.next()?;
+    let size = Numbers { kind, data: size, big };
+    let dimensions = size.count().filter(|n| *n <= MOST_DIMENSIONS)?;
+    let size = size.values(0, dimensions)?.into_iter().map(whole).collect::<Option<Vec<_>>>()?;
     let (_, name) = parts.next()?;
-    let name = String::from_utf8_lossy(name).into_owned();
-    if let Some(class) = not_numeric(flags) {
-        return Some(Variable { name, size, values: Err(class) });
+    let name = String::from_utf8_lossy(name.get(..MOST_NAME).unwrap_or(name)).into_owned();
+    Some((Head { name, size, class: not_numeric(flags) }, parts))
+}
+
+/// The values of a matrix, as they lie in the file.
+fn real_part(data: &[u8], big: bool) -> Option<Numbers<'_>> {
+    let (kind, data) = head(data, big)?.1.next()?;
+    Some(Numbers { kind, data, big })
+}
+
+impl Head {
+    /// How many values the variable has, by its size.
+    fn count(&self) -> Option<usize> {
+        self.size.iter().try_fold(1_usize, |n, d| n.checked_mul(*d))
     }
-    let (kind, real) = parts.next()?;
-    let values = numbers(kind, real, big)?;
-    let expected = size.iter().try_fold(1_usize, |n, d| n.checked_mul(*d))?;
-    (values.len() == expected).then_some(Variable { name, size, values: Ok(values) })
 }
 
 /// What the array is where it is not a real numeric one (table "MATLAB Array Types").
@@ -193,41 +300,69 @@ fn whole(value: f64) -> Option<usize> {
     (value >= 0.0 && value.fract() == 0.0).then_some(value as usize)
 }
 
-/// The values of a numeric element; MATLAB stores whole numbers in the smallest type that holds them.
-#[allow(clippy::cast_precision_loss)]
-fn numbers(kind: u32, data: &[u8], big: bool) -> Option<Vec<f64>> {
-    macro_rules! all {
-        ($type:ty) => {
-            data.chunks_exact(size_of::<$type>())
-                .map(|chunk| {
-                    let bytes = chunk.try_into().ok()?;
-                    Some(
-                        (if big { <$type>::from_be_bytes(bytes) } else { <$type>::from_le_bytes(bytes) })
-                            as f64,
-                    )
-                })
-                .collect()
-        };
+/// MATLAB stores whole numbers in the smallest type that holds them.
+impl Numbers<'_> {
+    /// Bytes of a value.
+    fn width(&self) -> Option<usize> {
+        match self.kind {
+            mi::INT8 | mi::UINT8 => Some(1),
+            mi::INT16 | mi::UINT16 => Some(2),
+            mi::INT32 | mi::UINT32 | mi::SINGLE => Some(4),
+            mi::DOUBLE | mi::INT64 | mi::UINT64 => Some(8),
+            _ => None,
+        }
     }
-    match kind {
-        mi::INT8 => all!(i8),
-        mi::UINT8 => all!(u8),
-        mi::INT16 => all!(i16),
-        mi::UINT16 => all!(u16),
-        mi::INT32 => all!(i32),
-        mi::UINT32 => all!(u32),
-        mi::SINGLE => all!(f32),
-        mi::DOUBLE => all!(f64),
-        mi::INT64 => all!(i64),
-        mi::UINT64 => all!(u64),
-        _ => None,
+
+    /// How many values there are.
+    fn count(&self) -> Option<usize> {
+        Some(self.data.len() / self.width()?)
+    }
+
+    /// `n` values from the one at `from` on.
+    #[allow(clippy::cast_precision_loss)]
+    fn values(&self, from: usize, n: usize) -> Option<Vec<f64>> {
+        let width = self.width()?;
+        let data = self.data.get(from.checked_mul(width)?..from.checked_add(n)?.checked_mul(width)?)?;
+        let big = self.big;
+        macro_rules! all {
+            ($type:ty) => {
+                data.chunks_exact(size_of::<$type>())
+                    .map(|chunk| {
+                        let bytes = chunk.try_into().ok()?;
+                        let value =
+                            if big { <$type>::from_be_bytes(bytes) } else { <$type>::from_le_bytes(bytes) };
+                        Some(value as f64)
+                    })
+                    .collect()
+            };
+        }
+        match self.kind {
+            mi::INT8 => all!(i8),
+            mi::UINT8 => all!(u8),
+            mi::INT16 => all!(i16),
+            mi::UINT16 => all!(u16),
+            mi::INT32 => all!(i32),
+            mi::UINT32 => all!(u32),
+            mi::SINGLE => all!(f32),
+            mi::DOUBLE => all!(f64),
+            mi::INT64 => all!(i64),
+            mi::UINT64 => all!(u64),
+            _ => None,
+        }
     }
 }
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::limits::{Budget, tests::everything};
     use super::super::table::{Cell, ColumnRef};
     use super::*;
+    use flate2::{Compression, write::ZlibEncoder};
+    use std::io::Write as _;
+
+    fn read(path: &Path, bytes: &[u8], matrix: Option<&str>) -> Result<Table, StoreError> {
+        everything(|take| super::read(path, bytes, matrix, take))
+    }
 
     /// `scipy.io.savemat(f, {"t": [0, .5, 1], "n": int32 [[1], [-2], [300]], "m": arange(6).reshape(3, 2),
     /// "s": {"a": 1}, "c": [1 + 2j], "w": "hi"}, do_compression=True)`, SciPy 1.17.1, without its header.
@@ -358,5 +493,63 @@ pub(super) mod tests {
                 let _ = read(Path::new("a.mat"), &bad, None);
             }
         }
+    }
+
+    /// A MAT file of one compressed variable `x`, of which `zeros` bytes of values are there and `claimed` are claimed.
+    fn bomb(zeros: usize, claimed: u32) -> Vec<u8> {
+        let mut packed = ZlibEncoder::new(Vec::new(), Compression::best());
+        let n = claimed / 8;
+        let head = [mi::MATRIX, 48 + claimed, mi::UINT32, 8, 6, 0, mi::INT32, 8, 1, n, 1 << 16 | mi::INT8];
+        packed.write_all(&head.map(u32::to_le_bytes).concat()).unwrap();
+        packed.write_all(&[b'x', 0, 0, 0]).unwrap();
+        packed.write_all(&[mi::DOUBLE, claimed].map(u32::to_le_bytes).concat()).unwrap();
+        let block = vec![0; 1 << 16];
+        (0..zeros >> 16).for_each(|_| packed.write_all(&block).unwrap());
+        let packed = packed.finish().unwrap();
+        let mut bytes = header(*b"\x00\x01IM");
+        bytes.extend([mi::COMPRESSED, packed.len() as u32].map(u32::to_le_bytes).concat());
+        bytes.extend(packed);
+        bytes
+    }
+
+    fn refused(bytes: &[u8]) -> String {
+        read(Path::new("a.mat"), bytes, None).unwrap_err().what
+    }
+
+    #[test]
+    fn a_variable_that_unpacks_to_more_than_is_read_is_refused_before_it_is_unpacked() {
+        let error = refused(&bomb(1 << 20, 1 << 29));
+        assert!(error.contains("variable 'x' unpacks to 536870960 bytes, and at most 268435456"), "{error}");
+        let x = &read(Path::new("a.mat"), &bomb(1 << 20, 1 << 20), None).unwrap().columns[0];
+        assert_eq!(x.len(), 1 << 17);
+    }
+
+    #[test]
+    fn a_size_that_is_not_that_of_the_values_is_damage_however_large_it_is() {
+        // Less is there than claimed, and much more.
+        assert!(refused(&bomb(1 << 16, 1 << 20)).contains("cut off or damaged"));
+        let x = &read(Path::new("a.mat"), &bomb(1 << 28, 1 << 16), None).unwrap().columns[0];
+        assert_eq!(x.len(), 1 << 13);
+        let mut plain = encode(&[(b'x', &[1.0, 2.0])], false);
+        for size in [3_u32, u32::MAX, i32::MAX as u32] {
+            plain[HEADER + 36..HEADER + 40].copy_from_slice(&size.to_le_bytes());
+            assert!(refused(&plain).contains("cut off or damaged"), "{size}");
+        }
+    }
+
+    #[test]
+    fn a_variable_that_is_not_mapped_is_not_unpacked() {
+        let y = ColumnRef::Name("y".to_owned());
+        let budget = Budget::default();
+        let take = Take { columns: vec![&y], pattern: None, budget: &budget };
+        let table = super::read(Path::new("a.mat"), &bomb(1 << 20, 1 << 31), None, &take).unwrap();
+        assert!(matches!(table.columns[..], [Cells::Unread]));
+    }
+
+    #[test]
+    fn more_variables_than_are_read_are_refused() {
+        let many: Vec<(u8, &[f64])> = (0..=MOST_COLUMNS).map(|_| (b'x', &[] as &[f64])).collect();
+        let error = refused(&encode(&many, false));
+        assert!(error.contains("more than 16384 variables"), "{error}");
     }
 }
