@@ -63,7 +63,6 @@ impl StoreError {
 
 impl fmt::Display for StoreError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Names and values of others stand in each part.
         write!(f, "{}", printable(&self.path.to_string_lossy()))?;
         if let Some(column) = &self.column {
             write!(f, ", column {}", printable(column))?;
@@ -86,9 +85,8 @@ mod tests {
     }
 
     #[test]
-    fn a_name_or_a_value_of_others_forges_no_line_and_steers_no_terminal() {
-        let error = StoreError::new(Path::new("a\nok.csv"), "'\u{1b}[2J' is no number", "mend it")
-            .column("\u{202e}f");
-        assert_eq!(error.to_string(), r"a\nok.csv, column \u{202e}f: '\u{1b}[2J' is no number; mend it");
+    fn a_name_with_a_line_feed_forges_no_line_and_one_with_escapes_steers_no_terminal() {
+        let error = StoreError::new(Path::new("a\nb: fine"), "'\u{1b}[2J'", "mend it").column("x\u{202e}");
+        assert_eq!(error.to_string(), r"a\nb: fine, column x\u{202e}: '\u{1b}[2J'; mend it");
     }
 }

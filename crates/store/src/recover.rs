@@ -75,6 +75,10 @@ impl fmt::Display for Recovered {
             Done::Ended => write!(f, "the last line was whole but for its line feed, which was added"),
             Done::Swept => write!(f, "a half-written file was removed"),
             Done::Logged => write!(f, "no log spoke of it; it is now in the log"),
+            Done::TakenBack { files: 0 } => write!(f, "an import was cut short before it wrote any file"),
+            Done::TakenBack { files: 1 } => {
+                write!(f, "an import was cut short, and the file it had written was removed again")
+            }
             Done::TakenBack { files } => {
                 write!(f, "an import was cut short, and the {files} files it had written were removed again")
             }
@@ -82,9 +86,10 @@ impl fmt::Display for Recovered {
     }
 }
 
-/// Brings a study in order after a kill or a power cut, and says what was done: half-written files and what
-/// an import had written when it was cut short are removed, unfinished lines of event logs are cut off, and each journal becomes a trial, `complete` if its end is in the
-/// journal and `incomplete` otherwise. An error each for what could not be brought in order; the rest is.
+/// Brings a study in order after a kill or a power cut, and says what was done: half-written files and what an import
+/// had written when it was cut short are removed, unfinished lines of event logs are cut off, and each journal becomes a
+/// trial, `complete` if its end is in the journal and `incomplete` otherwise. An error each for what could not be brought
+/// in order; the rest is.
 ///
 /// `utc` is the time of the events that are written.
 pub fn recover(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recovered, StoreError>> {

@@ -32,7 +32,7 @@ pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Likert, Masses, Mode, OrderScheme,
     Question, Scene, Spring, Study,
 };
-pub use printable::printable;
+pub use printable::{printable, printable_lines};
 pub use sample::{Flags, Sample, Voltages};
 pub use seal::{Seal, SealError};
 pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};

@@ -20,6 +20,14 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
+/// The same for text of several lines: each as by [`printable`], the line feeds between them as they are.
+pub fn printable_lines(text: &str) -> Cow<'_, str> {
+    if !text.chars().any(|c| is_unseen(c) && c != '\n') {
+        return Cow::Borrowed(text);
+    }
+    Cow::Owned(text.split('\n').map(printable).collect::<Vec<_>>().join("\n"))
+}
+
 fn is_unseen(c: char) -> bool {
     c.is_control()
         || matches!(
@@ -53,5 +61,6 @@ mod tests {
             r"\u{feff}\u{200b}\u{200f}\u{61c}\u{2028}"
         );
         assert_eq!(printable(r"\n"), r"\n");
+        assert_eq!(printable_lines("a\n\u{1b}b\n"), "a\n\\u{1b}b\n");
     }
 }

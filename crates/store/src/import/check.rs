@@ -1,6 +1,7 @@
 //! Checks a mapping file: from its tables and keys to a [`Mapping`], or every problem with its line.
 
 use super::label::{Label, LabelShape};
+use super::limits::MOST_ERRORS;
 use super::mapping::{Content, FileForm, Mapping, Who};
 use super::shape::{ColumnShape, FileShape, KindShape, Shape, TimeShape, TrialShape};
 use super::table::ColumnRef;
@@ -28,6 +29,9 @@ pub(super) struct Check<'a> {
 
 impl Check<'_> {
     pub(super) fn error(&mut self, key: &str, problem: impl Into<String>) {
+        if self.errors.len() == MOST_ERRORS {
+            return;
+        }
         let line = line_of(self.text, key);
         self.errors.push(StudyError { line, key: key.to_owned(), problem: problem.into() });
     }

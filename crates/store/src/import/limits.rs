@@ -10,8 +10,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Bytes of one recording (256 MiB); files are read side by side up to as many together.
 pub(super) const MOST_FILE: u64 = 1 << 28;
-/// Bytes of a mapping file.
-pub(super) const MOST_MAPPING: u64 = 1 << 20;
+/// Bytes of a mapping file (256 KiB).
+pub(super) const MOST_MAPPING: u64 = 1 << 18;
+/// Errors that are told: nobody reads more, and one a cell would fill memory.
+pub(super) const MOST_ERRORS: usize = 1_000;
 /// Bytes of a line of text, a cell in quotes with line breaks included: 64 for each of [`MOST_COLUMNS`].
 pub(super) const MOST_LINE: usize = 1 << 20;
 /// Columns, keys or variables of one recording.

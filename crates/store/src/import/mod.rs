@@ -48,7 +48,7 @@ pub(crate) use started::take_back_listed;
 use crate::study::MOST_STUDY;
 use crate::{Files, Layout, StoreError, hex_blake3};
 use batch::Batch;
-use limits::{MOST_FILE, Take, shown};
+use limits::{MOST_ERRORS, MOST_FILE, Take, shown};
 use mapping::{Content, Format};
 use rayon::prelude::*;
 use recording::{Recording, Rows};
@@ -83,7 +83,13 @@ pub fn import(
         batch.write(disk, layout, utc)?;
         Ok(batch)
     });
-    made.map(|batch| batch.report(layout)).map_err(|errors| errors.0)
+    made.map(|batch| batch.report(layout)).map_err(|Errors(mut errors)| {
+        if errors.len() >= MOST_ERRORS {
+            let what = "there are more errors than these";
+            errors.push(StoreError::new(&mapping.path, what, "mend these first, and import again"));
+        }
+        errors
+    })
 }
 
 fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
@@ -115,13 +121,16 @@ impl From<StoreError> for Errors {
     }
 }
 
-/// Every value, or every error.
+/// Every value, or every error up to [`MOST_ERRORS`].
 fn all<T, E: Into<Errors>>(results: impl IntoIterator<Item = Result<T, E>>) -> Result<Vec<T>, Errors> {
     let (mut values, mut errors) = (Vec::new(), Vec::new());
     for result in results {
         match result {
             Ok(value) => values.push(value),
-            Err(found) => errors.extend(found.into().0),
+            Err(found) => {
+                let room = MOST_ERRORS - errors.len();
+                errors.extend(found.into().0.into_iter().take(room));
+            }
         }
     }
     if errors.is_empty() { Ok(values) } else { Err(Errors(errors)) }

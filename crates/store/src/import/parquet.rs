@@ -61,7 +61,17 @@ fn rows(path: &Path, metadata: &ArrowReaderMetadata, columns: usize) -> Result<u
     let file = metadata.metadata().file_metadata();
     check_columns(path, columns.max(file.schema_descr().num_columns()))?;
     let rows = usize::try_from(file.num_rows()).ok().filter(|rows| *rows <= MOST_ROWS);
-    rows.ok_or_else(|| too_many_rows(path, &file.num_rows().to_string()))
+    let rows = rows.ok_or_else(|| too_many_rows(path, &file.num_rows().to_string()))?;
+    // The decoder goes by the groups, and a run of one value takes a few bytes whatever its length.
+    let left = metadata
+        .metadata()
+        .row_groups()
+        .iter()
+        .try_fold(rows, |left, group| left.checked_sub(usize::try_from(group.num_rows()).ok()?));
+    if left == Some(0) {
+        return Ok(rows);
+    }
+    Err(unreadable(path, &format!("its footer claims {rows} rows, and its row groups others")))
 }
 
 /// Reads the columns in use.
@@ -302,7 +312,11 @@ pub(super) mod tests {
     fn a_footer_that_claims_more_rows_than_are_read_is_refused() {
         let bytes = sample();
         let metadata = ParquetMetaDataReader::new().parse_and_finish(&Bytes::from(bytes.clone())).unwrap();
-        for rows in [MOST_ROWS as i64 + 1, 1_000_000_000_000, i64::MAX] {
+        for (rows, of_group) in [MOST_ROWS as i64 + 1, 1_000_000_000_000, i64::MAX]
+            .map(|rows| (rows, rows))
+            .into_iter()
+            .chain([(2, 9)])
+        {
             let old = metadata.file_metadata();
             let claims = FileMetaData::new(
                 old.version(),
@@ -312,12 +326,16 @@ pub(super) mod tests {
                 old.schema_descr_ptr(),
                 None,
             );
-            let group = metadata.row_group(0).clone().into_builder().set_num_rows(rows).build().unwrap();
+            let group = metadata.row_group(0).clone().into_builder().set_num_rows(of_group).build().unwrap();
             let claims = ::parquet::file::metadata::ParquetMetaData::new(claims, vec![group]);
             let mut bad = bytes.clone();
             ParquetMetaDataWriter::new(&mut bad, &claims).finish().unwrap();
             let error = refused(bad);
-            assert!(error.contains(&format!("has {rows} rows, and at most 4194304")), "{error}");
+            let words = match rows {
+                2 => "claims 2 rows, and its row groups others".to_owned(),
+                _ => format!("has {rows} rows, and at most 4194304"),
+            };
+            assert!(error.contains(&words), "{error}");
         }
     }
 

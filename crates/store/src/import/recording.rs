@@ -350,6 +350,18 @@ mod tests {
     }
 
     #[test]
+    fn a_file_that_is_wrong_throughout_is_told_up_to_a_thousand_errors() {
+        let world = World::new();
+        let rows: String = (0..3000).map(|i| format!("{i},x\n")).collect();
+        let map = trials_map(&[&ONE.replace("\"hybrid\"", "{ column = \"f\" }"), FORCE]);
+        let bad: String = (0..3000).map(|i| format!("{i},x{i}\n")).collect();
+        assert_eq!(world.import(&map, &[world.file("a.csv", format!("t,f\n{rows}"))]).unwrap_err().len(), 1);
+        let errors = world.import(&map, &[world.file("b.csv", format!("t,f\n{bad}"))]).unwrap_err();
+        assert_eq!(errors.len(), 1001);
+        assert!(errors[1000].what.contains("more errors than these"), "{}", errors[1000]);
+    }
+
+    #[test]
     fn a_missing_file_and_a_damaged_one_are_refused() {
         let world = World::new();
         let map = trials_map(&[ONE, FORCE]);
