@@ -312,11 +312,7 @@ pub(super) mod tests {
     fn a_footer_that_claims_more_rows_than_are_read_is_refused() {
         let bytes = sample();
         let metadata = ParquetMetaDataReader::new().parse_and_finish(&Bytes::from(bytes.clone())).unwrap();
-        for (rows, of_group) in [MOST_ROWS as i64 + 1, 1_000_000_000_000, i64::MAX]
-            .map(|rows| (rows, rows))
-            .into_iter()
-            .chain([(2, 9)])
-        {
+        for rows in [MOST_ROWS as i64 + 1, 1_000_000_000_000, i64::MAX] {
             let old = metadata.file_metadata();
             let claims = FileMetaData::new(
                 old.version(),
@@ -326,15 +322,12 @@ pub(super) mod tests {
                 old.schema_descr_ptr(),
                 None,
             );
-            let group = metadata.row_group(0).clone().into_builder().set_num_rows(of_group).build().unwrap();
+            let group = metadata.row_group(0).clone().into_builder().set_num_rows(rows).build().unwrap();
             let claims = ::parquet::file::metadata::ParquetMetaData::new(claims, vec![group]);
             let mut bad = bytes.clone();
             ParquetMetaDataWriter::new(&mut bad, &claims).finish().unwrap();
             let error = refused(bad);
-            let words = match rows {
-                2 => "claims 2 rows, and its row groups others".to_owned(),
-                _ => format!("has {rows} rows, and at most 4194304"),
-            };
+            let words = format!("has {rows} rows, and at most 4194304");
             assert!(error.contains(&words), "{error}");
         }
     }
