@@ -38,32 +38,6 @@ pub fn check_session_ids(
     Ok(())
 }
 
-/// Whether all of these sessions can be made together.
-///
-/// # Errors
-/// Those of [`check_session_ids`], of the sessions among each other too.
-pub(crate) fn check_all_session_ids<'a>(
-    files: &dyn Files,
-    layout: &Layout,
-    sessions: impl Iterator<Item = (&'a ParticipantId, &'a SessionId)>,
-) -> Result<(), StoreError> {
-    let (mut participants, mut ids) = (BTreeMap::new(), BTreeMap::new());
-    for (participant, session) in sessions {
-        check_session_ids(files, layout, participant, session)?;
-        let path = layout.session(participant, session);
-        let (participant, session) = (participant.as_str(), session.as_str());
-        let first = *participants.entry(participant.to_ascii_lowercase()).or_insert(participant);
-        if first != participant {
-            return Err(clash(&path, "participant", participant, first));
-        }
-        let first = *ids.entry((participant, session.to_ascii_lowercase())).or_insert(session);
-        if first != session {
-            return Err(clash(&path, "session", session, first));
-        }
-    }
-    Ok(())
-}
-
 /// Whether a study can be made under this layout's id.
 ///
 /// # Errors
@@ -183,20 +157,6 @@ mod tests {
         lay(&layout, "Q2", "sa").unwrap();
     }
 
-    #[test]
-    fn sessions_of_one_import_are_held_against_each_other_too() {
-        let (_folder, layout) = folder_with_study();
-        let check = |ids: [(&str, &str); 2]| {
-            let ids =
-                ids.map(|(p, s)| (p.parse::<ParticipantId>().unwrap(), s.parse::<SessionId>().unwrap()));
-            check_all_session_ids(&RealFiles, &layout, ids.iter().map(|(p, s)| (p, s)))
-        };
-        check([("Q1", "Sa"), ("Q2", "sA")]).unwrap();
-        assert!(check([("Q1", "Sa"), ("q1", "Sb")]).unwrap_err().what.contains("participant 'q1'"));
-        assert!(check([("Q1", "Sa"), ("Q1", "sA")]).unwrap_err().what.contains("session 'sA'"));
-    }
-
-    #[cfg(target_os = "linux")]
     #[test]
     fn sessions_whose_ids_differ_only_by_case_are_findings_and_left_out() {
         let (_folder, layout) = folder_with_study();

@@ -82,7 +82,7 @@ pub(crate) fn check_size(path: &Path, metadata: &ParquetMetaData, remedy: &str) 
 }
 
 /// Checks the pages of the columns that `wanted` picks by their place: what they unpack to, and that they lie in the
-/// file.
+/// file. What they unpack to together, bytes.
 ///
 /// # Errors
 /// Why the column cannot be read, in words.
@@ -90,7 +90,7 @@ pub(crate) fn check_pages(
     bytes: &[u8],
     metadata: &ParquetMetaData,
     wanted: impl Fn(usize) -> bool,
-) -> Result<(), String> {
+) -> Result<u64, String> {
     let mut unpacked = vec![0_u64; metadata.file_metadata().schema_descr().num_columns()];
     for group in metadata.row_groups() {
         for (place, column) in group.columns().iter().enumerate().filter(|(place, _)| wanted(*place)) {
@@ -106,7 +106,7 @@ pub(crate) fn check_pages(
             }
         }
     }
-    Ok(())
+    Ok(unpacked.iter().fold(0, |sum, n| sum.saturating_add(*n)))
 }
 
 /// What the pages of a column chunk claim to unpack to, bytes.

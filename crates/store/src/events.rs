@@ -1,13 +1,13 @@
 //! The event log of a session: one JSON object a line, chained by checksums, only ever appended to.
 
 use crate::atomic::{create_folders, folder_of, sync_file};
-use crate::head::{Standing, standing, write_head};
+use crate::head::{Standing, head_bytes, head_of, standing, write_head};
 use crate::json::from_json;
 use crate::recover::Done;
 use crate::regular::text;
 use crate::{Files, RealFiles, StoreError, hex_blake3, replace};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zwidth_study::Event;
 
 /// Largest log that is read, bytes: a hundred thousand events and more.
@@ -37,6 +37,22 @@ fn digest(previous: &str, utc: &str, event: &Event) -> Result<String, serde_json
 pub fn append_events(files: &dyn Files, path: &Path, utc: &str, events: &[Event]) -> Result<(), StoreError> {
     let mut digests = digests_of(files, path)?;
     standing(files, path, &digests)?;
+    let text = chained(path, &mut digests, utc, events)?;
+    let folder = folder_of(path);
+    create_folders(files, folder)
+        .and_then(|()| files.open_append(path)?.append_synced(text.as_bytes()))
+        .and_then(|()| files.sync_folder(folder))
+        .map_err(|e| StoreError::io(path, "append to", &e))?;
+    write_head(files, path, &digests)
+}
+
+/// The lines of events that follow the lines with these digests, to which theirs are added.
+fn chained(
+    path: &Path,
+    digests: &mut Vec<String>,
+    utc: &str,
+    events: &[Event],
+) -> Result<String, StoreError> {
     let mut text = String::new();
     for event in events {
         let previous = digests.last().map(String::as_str).unwrap_or_default();
@@ -48,12 +64,54 @@ pub fn append_events(files: &dyn Files, path: &Path, utc: &str, events: &[Event]
         text.push('\n');
         digests.push(blake3);
     }
-    let folder = folder_of(path);
-    create_folders(files, folder)
-        .and_then(|()| files.open_append(path)?.append_synced(text.as_bytes()))
-        .and_then(|()| files.sync_folder(folder))
-        .map_err(|e| StoreError::io(path, "append to", &e))?;
-    write_head(files, path, &digests)
+    Ok(text)
+}
+
+/// A new log of these events and its head, as files to write in this order.
+///
+/// # Errors
+/// An event that JSON cannot hold.
+pub(crate) fn new_log(
+    path: &Path,
+    utc: &str,
+    events: &[Event],
+) -> Result<Vec<(PathBuf, Vec<u8>)>, StoreError> {
+    let mut digests = Vec::new();
+    let text = chained(path, &mut digests, utc, events)?;
+    let head = head_bytes(path, &digests)?.map(|head| (head_of(path), head));
+    Ok(std::iter::once((path.to_owned(), text.into_bytes())).chain(head).collect())
+}
+
+/// Takes the last lines of a log back as far as `undone` says so, and the log itself where no other line stays: what an
+/// import wrote that was cut short. The head goes first, because it must never be ahead of the log.
+///
+/// # Errors
+/// A log that cannot be read, or lost lines; a write that failed.
+pub(crate) fn take_back_events(
+    files: &dyn Files,
+    path: &Path,
+    undone: &dyn Fn(&Event) -> bool,
+) -> Result<(), StoreError> {
+    let text = text_of(files, path)?;
+    let lines = lines_of(path, &text)?;
+    let digests: Vec<String> = lines.iter().map(|line| line.blake3.clone()).collect();
+    standing(files, path, &digests)?;
+    let stay = lines.len() - lines.iter().rev().take_while(|line| undone(&line.event)).count();
+    let cannot = |e: std::io::Error| StoreError::io(path, "take lines back from", &e);
+    if stay == lines.len() && stay > 0 {
+        return Ok(());
+    }
+    if stay > 0 {
+        write_head(files, path, &digests[..stay])?;
+        let kept: String = text.split_inclusive('\n').take(stay).collect();
+        return replace(files, path, kept.as_bytes());
+    }
+    for file in [head_of(path), path.to_owned()] {
+        if files.kind(&file).is_some() {
+            files.remove(&file).and_then(|()| files.sync_folder(folder_of(&file))).map_err(cannot)?;
+        }
+    }
+    Ok(())
 }
 
 /// The digests of a log's lines. A missing log has none.

@@ -39,11 +39,15 @@ pub(crate) fn head_of(log: &Path) -> PathBuf {
 
 /// Writes the head of a log with these digests of its lines.
 pub(crate) fn write_head(files: &dyn Files, log: &Path, digests: &[String]) -> Result<(), StoreError> {
-    let Some(blake3) = digests.last().cloned() else { return Ok(()) };
-    let path = head_of(log);
+    head_bytes(log, digests)?.map_or(Ok(()), |bytes| replace(files, &head_of(log), &bytes))
+}
+
+/// The bytes of the head of a log with these digests of its lines; an empty log has none.
+pub(crate) fn head_bytes(log: &Path, digests: &[String]) -> Result<Option<Vec<u8>>, StoreError> {
+    let Some(blake3) = digests.last().cloned() else { return Ok(None) };
     let text = serde_json::to_string(&Head { lines: digests.len(), blake3 });
-    let text = text.map_err(|e| StoreError::new(&path, e.to_string(), "please report this"))? + "\n";
-    replace(files, &path, text.as_bytes())
+    let text = text.map_err(|e| StoreError::new(&head_of(log), e.to_string(), "please report this"))?;
+    Ok(Some((text + "\n").into_bytes()))
 }
 
 /// Holds a log, by the digests of its lines, against its head.

@@ -104,6 +104,11 @@ impl Layout {
         self.journals().join(format!("{participant}_{session}.trial-{trial:03}.journal"))
     }
 
+    /// The list of what an import is about to write; it is there while one runs, and after one that was cut short.
+    pub fn import_list(&self) -> PathBuf {
+        self.raw().join("import-unfinished.json")
+    }
+
     /// The lock that only one writer of the study can hold.
     pub fn lock(&self) -> PathBuf {
         self.raw().join(".lock")

@@ -4,6 +4,7 @@
 
 use crate::atomic::{folder_of, is_unfinished, sync_file};
 use crate::events::{mend_head, mend_log};
+use crate::import::take_back_listed;
 use crate::journal::{Journaled, clear, read_journal};
 use crate::laid::mend_laid_down;
 use crate::regular::text;
@@ -48,6 +49,11 @@ pub enum Done {
     Swept,
     /// A whole file that no log spoke of was taken into the log.
     Logged,
+    /// What an import had written when it was cut short was removed again.
+    TakenBack {
+        /// How many files.
+        files: usize,
+    },
 }
 
 impl fmt::Display for Recovered {
@@ -69,20 +75,26 @@ impl fmt::Display for Recovered {
             Done::Ended => write!(f, "the last line was whole but for its line feed, which was added"),
             Done::Swept => write!(f, "a half-written file was removed"),
             Done::Logged => write!(f, "no log spoke of it; it is now in the log"),
+            Done::TakenBack { files: 0 } => write!(f, "an import was cut short before it wrote any file"),
+            Done::TakenBack { files: 1 } => {
+                write!(f, "an import was cut short, and the file it had written was removed again")
+            }
+            Done::TakenBack { files } => {
+                write!(f, "an import was cut short, and the {files} files it had written were removed again")
+            }
         }
     }
 }
 
-/// Brings a study in order after a kill or a power cut, and says what was done: half-written files are removed,
-/// unfinished lines of event logs are cut off, and each journal becomes a trial, `complete` if its end is in the
-/// journal and `incomplete` otherwise. An error each for what could not be brought in order; the rest is.
+/// Brings a study in order after a kill or a power cut, and says what was done: half-written files and what an import
+/// had written when it was cut short are removed, unfinished lines of event logs are cut off, and each journal becomes a
+/// trial, `complete` if its end is in the journal and `incomplete` otherwise. An error each for what could not be brought
+/// in order; the rest is.
 ///
 /// `utc` is the time of the events that are written.
 pub fn recover(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recovered, StoreError>> {
-    let mut found = Vec::new();
-    for path in unfinished(files, layout) {
-        found.push(swept(files, path));
-    }
+    let mut found = sweep_unfinished(files, layout);
+    found.extend(take_back_listed(files, layout));
     for path in logs(files, layout) {
         let mended = mend_log(files, &path);
         found.extend(mended.map(|done| done.map(|done| Recovered { path: path.clone(), done })).transpose());
@@ -177,6 +189,11 @@ fn trial(
     let (rows, cut_bytes) = (trial.samples.len(), unfinished);
     let done = Done::Trial { status: m.status, rows, cut_bytes, mended };
     Ok(Some(Recovered { path: record_trial(files, layout, utc, &trial)?, done }))
+}
+
+/// Removes the left-overs of unfinished writes.
+pub(crate) fn sweep_unfinished(files: &dyn Files, layout: &Layout) -> Vec<Result<Recovered, StoreError>> {
+    unfinished(files, layout).into_iter().map(|path| swept(files, path)).collect()
 }
 
 /// The left-overs of unfinished writes below `raw/<study>`, at any depth.

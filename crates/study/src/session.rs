@@ -48,6 +48,10 @@ pub struct SessionRecord {
     /// The device check before the session.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub checks: Vec<Check>,
+    /// BLAKE3 of each recording that a questionnaire's session was imported from, hexadecimal, sorted. Files of samples
+    /// say it themselves.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub imported_from: Vec<String>,
 }
 
 /// How a session's order was drawn: with the seed, all that [`crate::order::draw`] needs besides the study.
@@ -132,6 +136,7 @@ impl SessionRecord {
             order: None,
             commitment: None,
             checks: Vec::new(),
+            imported_from: Vec::new(),
         }
     }
 

@@ -62,8 +62,8 @@ fn study() -> Study {
     let study = Study::new("disk");
     study.session("P01", &repeats("spring", "hybrid", 1..=3));
     fs::write(study.root().join("map.toml"), MAP).unwrap();
-    for name in ["a.csv", "b.csv", "c.csv"] {
-        fs::write(study.root().join(name), recording(20_000)).unwrap();
+    for (name, rows) in [("a.csv", 20_000), ("b.csv", 20_001), ("c.csv", 20_002)] {
+        fs::write(study.root().join(name), recording(rows)).unwrap();
     }
     study
 }

@@ -32,35 +32,35 @@ unit = "N"
 "#;
 
 /// Four samples as they should be.
-const GOOD: &str = "t,angle,f\n0.00,-45,0.1\n0.01,-44,0.2\n0.02,-42,0.4\n0.03,-45,0.0\n";
+pub(crate) const GOOD: &str = "t,angle,f\n0.00,-45,0.1\n0.01,-44,0.2\n0.02,-42,0.4\n0.03,-45,0.0\n";
 
 /// A study that `zwidth new` made, a mapping, and a folder of recordings.
-struct World {
-    folder: TempDir,
-    map: String,
+pub(crate) struct World {
+    pub(crate) folder: TempDir,
+    pub(crate) map: String,
 }
 
 impl World {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         zwidth(folder.path(), &["new", "rig"]).exits(0);
         Self { folder, map: format!("{LABELS}{COLUMNS}") }
     }
 
     /// The same world, its mapping with one text in place of another.
-    fn mapping(mut self, from: &str, to: &str) -> Self {
+    pub(crate) fn mapping(mut self, from: &str, to: &str) -> Self {
         assert!(self.map.contains(from), "{}", self.map);
         self.map = self.map.replacen(from, to, 1);
         self
     }
 
-    fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+    pub(crate) fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
         let path = self.folder.path().join(name);
         fs::write(&path, content).unwrap();
         path
     }
 
-    fn import(&self, files: &[PathBuf]) -> Ran {
+    pub(crate) fn import(&self, files: &[PathBuf]) -> Ran {
         let map = self.file("map.toml", &self.map);
         let mut arguments = vec!["import", "rig", "--map", map.to_str().unwrap()];
         arguments.extend(files.iter().map(|f| f.to_str().unwrap()));
@@ -69,7 +69,7 @@ impl World {
 
     /// The import must fail with one error that says all of `words`, and leave the study as it is.
     #[track_caller]
-    fn refuses(&self, files: &[PathBuf], words: &[&str]) {
+    pub(crate) fn refuses(&self, files: &[PathBuf], words: &[&str]) {
         let raw = self.folder.path().join("raw");
         let before = listing(&raw);
         self.import(files).exits(1).one_error().says(words);
@@ -78,13 +78,13 @@ impl World {
 
     /// The import must refuse this text as `bad.csv`.
     #[track_caller]
-    fn refuses_text(&self, content: impl AsRef<[u8]>, words: &[&str]) {
+    pub(crate) fn refuses_text(&self, content: impl AsRef<[u8]>, words: &[&str]) {
         self.refuses(&[self.file("bad.csv", content)], words);
     }
 
     /// The import must take this text, and give these forces, bit for bit.
     #[track_caller]
-    fn takes(&self, content: impl AsRef<[u8]>, forces_n: &[f64]) {
+    pub(crate) fn takes(&self, content: impl AsRef<[u8]>, forces_n: &[f64]) {
         self.import(&[self.file("good.csv", content)]).exits(0);
         let path = self.folder.path().join("raw/rig/trials/participant=P01/session=S01/trial-001.parquet");
         let trial = read_trial(&path, Signal::all()).unwrap();
@@ -96,7 +96,7 @@ impl World {
 }
 
 /// [`GOOD`], with one text in place of another.
-fn good_but(from: &str, to: &str) -> String {
+pub(crate) fn good_but(from: &str, to: &str) -> String {
     assert!(GOOD.contains(from));
     GOOD.replacen(from, to, 1)
 }
@@ -153,7 +153,7 @@ fn time_that_runs_backwards_or_stands_still_is_refused_with_its_row() {
 #[test]
 fn a_duplicate_trial_is_refused_in_one_import_and_in_the_next() {
     let world = World::new().mapping("mode = \"hybrid\"", "mode = \"hybrid\"\ntrial = 7");
-    let (a, b) = (world.file("a.csv", GOOD), world.file("b.csv", GOOD));
+    let (a, b) = (world.file("a.csv", GOOD), world.file("b.csv", good_but("0.4", "0.5")));
     world.refuses(
         &[a.clone(), b.clone()],
         &["b.csv", "duplicate trial", "trial 7 of P01 S01", "a.csv", "a number of its own"],
@@ -190,8 +190,8 @@ fn text_that_is_cut_or_no_text_is_refused_with_its_line() {
 #[test]
 fn one_bad_file_among_good_ones_keeps_all_of_them_out() {
     let world = World::new();
-    let files =
-        [world.file("a.csv", GOOD), world.file("bad.csv", good_but("0.4", "NaN")), world.file("c.csv", GOOD)];
+    let good = world.file("c.csv", good_but("0.4", "0.5"));
+    let files = [world.file("a.csv", GOOD), world.file("bad.csv", good_but("0.4", "NaN")), good];
     world.refuses(&files, &["bad.csv", "column f", "row 3"]);
 }
 
@@ -285,7 +285,7 @@ fn a_study_or_a_mapping_that_is_not_there_or_not_understood_is_told() {
         |study: &str, map: &str, file: &str| zwidth(root, &["import", study, "--map", map, file]).exits(1);
     let (map, good) = (map.to_str().unwrap(), good.to_str().unwrap());
     import("nothing", map, good).says(&["raw/nothing/study.toml", "zwidth new nothing"]);
-    import("rig", "nothing.toml", good).says(&["cannot read nothing.toml"]);
+    import("rig", "nothing.toml", good).says(&["nothing.toml", "cannot read", "check the path"]);
     import("rig", map, "nothing.csv").says(&["nothing.csv", "cannot read", "check the path"]);
     World::new()
         .mapping("kind = \"trials\"", "kind = \"trails\"")

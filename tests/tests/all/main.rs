@@ -15,6 +15,7 @@ mod binary;
 mod counting;
 mod findings;
 mod folders;
+mod hostile_import;
 mod logs;
 mod provenance;
 mod real;

@@ -125,7 +125,6 @@ pub fn run<'a>(
     let rate_hz = rate_hz(&plan.study, &capabilities)?;
     let files = Within::new(files, StudyFolder::open(files, &plan.layout.raw())?);
     let folder = files.clone();
-    sync_what_is_there(plan, &files)?;
     let (flow, first) = Flow::begin(
         session.order(&plan.study),
         plan.study.design.pause_s,
@@ -185,6 +184,7 @@ fn rate_hz(study: &Study, device: &Capabilities) -> Result<f64, AcquireError> {
 
 impl<'a> Runner<'a> {
     fn begin(&mut self, first: Vec<Action>) -> Result<(), AcquireError> {
+        sync_what_is_there(self.plan, &self.files)?;
         if self.session.laid_down {
             let place = self.flow.done();
             self.view.say(format!("resumed: {place} of {} trials are done", self.flow.places().len()));

@@ -2,12 +2,10 @@
 
 use super::identity::Identity;
 use super::report::{FileReport, Report};
+use super::started::{Started, TakenBack, end};
 use super::{Context, Errors};
-use crate::alike::check_all_session_ids;
-use crate::head::head_of;
-use crate::{
-    Files, Layout, RealFiles, StoreError, append_events, laid_down, log_sweeps, record_bytes, write_new,
-};
+use crate::events::new_log;
+use crate::{Files, Layout, StoreError, laid_down, log_sweeps, record_bytes, write_new};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_study::{ActuatorId, Event, PlannedTrial, SessionRecord, Source};
@@ -27,29 +25,38 @@ pub(super) struct Batch {
 
 impl Batch {
     /// Adds a session record and an event log for every session among `trials`, which stand in the
-    /// order of `identities`; `events` are those of each trial.
+    /// order of `identities`; `events` are those of each trial, and `sources`, where the trials have no files to say so, the
+    /// hashes of what they were imported from.
     pub(super) fn add_sessions(
         &mut self,
         context: &Context,
         identities: &[Identity],
         trials: &[PlannedTrial],
         events: Vec<Vec<Event>>,
+        sources: &[&str],
     ) -> Result<(), StoreError> {
         let mut sessions: BTreeMap<_, Vec<(&PlannedTrial, Vec<Event>)>> = BTreeMap::new();
+        let mut imported_from: BTreeMap<_, BTreeSet<String>> = BTreeMap::new();
         for ((i, trial), events) in identities.iter().zip(trials).zip(events) {
             sessions.entry((&i.participant, &i.session)).or_default().push((trial, events));
         }
-        check_all_session_ids(&RealFiles, context.layout, sessions.keys().copied())?;
+        for (i, source) in identities.iter().zip(sources) {
+            imported_from.entry((&i.participant, &i.session)).or_default().insert((*source).to_owned());
+        }
         for ((participant, session), mut trials) in sessions {
             trials.sort_by_key(|(t, _)| t.trial);
-            let record = SessionRecord::new(
-                participant.clone(),
-                session.clone(),
-                Source::Imported,
-                context.software,
-                context.study_blake3.clone(),
-                trials.iter().map(|(t, _)| (*t).clone()).collect(),
-            );
+            let imported_from = imported_from.remove(&(participant, session)).unwrap_or_default();
+            let record = SessionRecord {
+                imported_from: imported_from.into_iter().collect(),
+                ..SessionRecord::new(
+                    participant.clone(),
+                    session.clone(),
+                    Source::Imported,
+                    context.software,
+                    context.study_blake3.clone(),
+                    trials.iter().map(|(t, _)| (*t).clone()).collect(),
+                )
+            };
             let path = context.layout.session(participant, session);
             let json = record_bytes(&path, &record)?;
             let laid_down = laid_down(&json);
@@ -77,71 +84,54 @@ impl Batch {
         }
     }
 
-    /// Writes everything, or nothing: when a write fails, what was written before is removed again.
+    /// Writes everything, or nothing: when a write fails, what was written before is removed again; when the process is
+    /// killed, the next import or `recover` does that ([`super::started`]).
     ///
     /// # Errors
     /// The write that failed, saying what was removed, and any file that could not be removed.
     pub(super) fn write(&self, disk: &dyn Files, layout: &Layout, utc: &str) -> Result<(), Errors> {
-        let mut made = Made { disk, files: Vec::new(), folders: BTreeSet::new() };
-        let mut write = || {
-            for (path, bytes) in &self.outputs {
-                made.file(path, |disk| write_new(disk, path, bytes))?;
-            }
-            for (path, events) in &self.logs {
-                made.files.push(head_of(path));
-                made.file(path, |disk| append_events(disk, path, utc, events))?;
-            }
-            // Last, because it is the one file of theirs that others have lines in.
-            log_sweeps(disk, layout, utc, &self.sweeps)
-        };
-        let written = write();
-        written.map_err(|error| made.undo(error))
-    }
-}
-
-/// What has been made on the disk so far.
-struct Made<'a> {
-    disk: &'a dyn Files,
-    files: Vec<PathBuf>,
-    folders: BTreeSet<PathBuf>,
-}
-
-impl Made<'_> {
-    /// Makes one new file with `write`, and remembers it and the folders made for it.
-    fn file(
-        &mut self,
-        path: &Path,
-        write: impl FnOnce(&dyn Files) -> Result<(), StoreError>,
-    ) -> Result<(), StoreError> {
-        if path.exists() {
-            return Err(StoreError::new(path, "it exists already", "finished files never change"));
+        let mut logs = Vec::new();
+        for (path, events) in &self.logs {
+            logs.extend(new_log(path, utc, events)?);
         }
-        self.folders.extend(path.ancestors().skip(1).take_while(|p| !p.exists()).map(Path::to_owned));
-        // Remembered before it is written: a write that fails at its last step leaves the file there.
-        self.files.push(path.to_owned());
-        write(self.disk)
-    }
-
-    /// Removes everything made so far, deepest folders first; returns the error with what came of it.
-    fn undo(&self, mut error: StoreError) -> Errors {
-        let there: Vec<&PathBuf> = self.files.iter().filter(|p| p.exists()).collect();
-        let left: Vec<StoreError> = there
+        let files: Vec<(&Path, &[u8])> = self
+            .outputs
             .iter()
-            .filter_map(|p| self.disk.remove(p).err().map(|e| StoreError::io(p, "remove again", &e)))
+            .chain(&logs)
+            .map(|(path, bytes)| (path.as_path(), bytes.as_slice()))
             .collect();
-        for folder in self.folders.iter().rev().filter(|p| p.exists()) {
-            // A folder that stays is empty, or holds a file named in `left`.
-            let _ = self.disk.remove_folder(folder);
+        if let Some((path, _)) = files.iter().find(|(path, _)| disk.kind(path).is_some()) {
+            let what = "it exists already; nothing was imported";
+            return Err(StoreError::new(path, what, "finished files never change").into());
         }
-        let removed = there.len() - left.len();
-        error.what += &match (removed, left.len()) {
-            (0, 0) => "; nothing was imported".to_owned(),
-            (1, 0) => "; nothing was imported, and the file written before was removed again".to_owned(),
-            (n, 0) => format!("; nothing was imported, and the {n} files written before were removed again"),
-            (_, n) => format!("; {n} files written before could not be removed again"),
+        let started = Started::of(disk, layout, &files);
+        let write = || {
+            started.begin(disk, layout)?;
+            files.iter().try_for_each(|(path, bytes)| write_new(disk, path, bytes))?;
+            // Last, because it is the one file of theirs that others have lines in.
+            log_sweeps(disk, layout, utc, &self.sweeps)?;
+            end(disk, layout)
         };
-        Errors(std::iter::once(error).chain(left).collect())
+        write().map_err(|error| undone(&started, disk, layout, error))
     }
+}
+
+/// Takes back what was written before a write failed; the error with what came of it.
+fn undone(started: &Started, disk: &dyn Files, layout: &Layout, mut error: StoreError) -> Errors {
+    let TakenBack { removed, left, .. } = started.take_back(disk, layout);
+    if left.is_empty() && disk.kind(&layout.import_list()).is_some() {
+        // A list that stays is of files that are gone: the next import removes it.
+        let _ = disk.remove(&layout.import_list());
+    }
+    error.what += &match (removed, left.len()) {
+        (0, 0) => "; nothing was imported".to_owned(),
+        (1, 0) => "; nothing was imported, and the file written before was removed again".to_owned(),
+        (n, 0) => format!("; nothing was imported, and the {n} files written before were removed again"),
+        (_, n) => {
+            format!("; {n} files written before could not be removed again, which the next import will try")
+        }
+    };
+    Errors(std::iter::once(error).chain(left).collect())
 }
 
 #[cfg(test)]
@@ -151,7 +141,9 @@ mod tests {
     use std::path::PathBuf;
 
     fn two_trials(world: &World) -> Vec<PathBuf> {
-        ["a.csv", "b.csv"].map(|n| world.file(n, "t,f\n0,1\n1,2\n")).to_vec()
+        ["a.csv", "b.csv"]
+            .map(|n| world.file(n, format!("t,f\n0,{}\n1,2\n", u8::from(n == "a.csv"))))
+            .to_vec()
     }
 
     #[test]
@@ -160,9 +152,9 @@ mod tests {
         for fault in 0.. {
             let world = World::new();
             let Err(errors) = world.import_on(&map, &two_trials(&world), &Faulty::at(fault)) else {
-                // Two trials, a record and the study's copy at 4 steps each, a log and its head at 4, 2 for each of
-                // 4 folders: all were tried.
-                assert_eq!(fault, 32);
+                // The list, two trials, a record, the study's copy, a log and its head at 4 steps each, 2 for each of
+                // 4 folders, and the sync after the list is removed: all were tried.
+                assert_eq!(fault, 37);
                 assert_eq!(world.load().counting().count(), 2);
                 break;
             };
@@ -176,7 +168,7 @@ mod tests {
     #[test]
     fn what_cannot_be_removed_again_is_named() {
         let world = World::new();
-        let disk = Faulty::stuck_at(12);
+        let disk = Faulty::stuck_at(16);
         let errors = world.import_on(&trials_map(&[ONE, FORCE]), &two_trials(&world), &disk).unwrap_err();
         assert!(errors[0].what.contains("could not be removed again"), "{errors:?}");
         assert!(errors[1].path.ends_with("trial-001.parquet"), "{errors:?}");

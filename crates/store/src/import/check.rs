@@ -1,6 +1,7 @@
 //! Checks a mapping file: from its tables and keys to a [`Mapping`], or every problem with its line.
 
 use super::label::{Label, LabelShape};
+use super::limits::MOST_ERRORS;
 use super::mapping::{Content, FileForm, Mapping, Who};
 use super::shape::{ColumnShape, FileShape, KindShape, Shape, TimeShape, TrialShape};
 use super::table::ColumnRef;
@@ -28,6 +29,9 @@ pub(super) struct Check<'a> {
 
 impl Check<'_> {
     pub(super) fn error(&mut self, key: &str, problem: impl Into<String>) {
+        if self.errors.len() == MOST_ERRORS {
+            return;
+        }
         let line = line_of(self.text, key);
         self.errors.push(StudyError { line, key: key.to_owned(), problem: problem.into() });
     }
@@ -85,7 +89,14 @@ impl Check<'_> {
     }
 
     pub(super) fn regex(&mut self, key: &str, pattern: &str) -> Option<Regex> {
-        self.keep(key, Regex::new(pattern).map_err(|e| format!("is no regular expression: {e}")))
+        self.keep(
+            key,
+            Regex::new(pattern).map_err(|e| {
+                // The reason stands in the last line, below the pattern.
+                let why = e.to_string();
+                format!("is no regular expression: {}", why.lines().next_back().unwrap_or_default())
+            }),
+        )
     }
 
     fn file(&mut self, f: &FileShape) -> FileForm {
@@ -242,7 +253,10 @@ pub(super) mod tests {
         check(&good, "unit = \"N\"", "unit = \"N\"\nscale = 0", 16, "other than 0");
         check(&good, "unit = \"N\"", "unit = \"N\"\noffset = nan", 16, "finite");
         check(&good, "from = \"f\"", "", 12, "needs either from (a column) or derive");
-        check(&good, "from = \"t\"\nunit = \"s\"", "rate_hz = 0", 10, "above 0");
+        for rate in ["0", "-1", "nan", "1e-300", "1e300"] {
+            let rate = format!("rate_hz = {rate}");
+            check(&good, "from = \"t\"\nunit = \"s\"", &rate, 10, "must be a number from 0.001 to 1000000");
+        }
         check(&good, "from = \"t\"\nunit = \"s\"", "", 9, "needs either from (a column) or rate_hz");
         check(&good, "[time]", "[file]\ndecimal = \";\"\n[time]", 10, "must be \".\" or \",\"");
         check(&good, "[time]", "[name]\npattern = '('\n[time]", 10, "no regular expression");

@@ -2,6 +2,7 @@
 
 use super::check::Check;
 use super::convert::Linear;
+use super::limits::RATES_HZ;
 use super::mapping::{Origin, Rule, SignalFrom, Time};
 use super::shape::{ColumnShape, TimeShape};
 use super::unit::{self, Unit};
@@ -16,8 +17,9 @@ impl Check<'_> {
                 Some(Time::Column { from, unit, unit_text: t.unit.unwrap_or_default(), line })
             }
             (None, Some(rate_hz)) => {
-                if !(rate_hz.is_finite() && rate_hz > 0.0) {
-                    self.error("time.rate_hz", format!("{rate_hz} must be a number above 0"));
+                if !RATES_HZ.contains(&rate_hz) {
+                    let (low, high) = (RATES_HZ.start(), RATES_HZ.end());
+                    self.error("time.rate_hz", format!("{rate_hz:?} must be a number from {low} to {high}"));
                 }
                 if t.unit.is_some() || t.offset.is_some() || t.zero.is_some() {
                     self.error("time", "unit, offset and zero have no meaning beside rate_hz; remove them");

@@ -1,7 +1,9 @@
 //! Who, which trial, under which condition: labels resolved, checked, and numbered.
 
 use super::label::Label;
+use super::limits::MOST_NUMBER;
 use super::mapping::Who;
+use super::once::sessions_there;
 use super::recording::Recording;
 use super::{Context, Errors};
 use crate::StoreError;
@@ -84,8 +86,10 @@ fn kind(text: &str) -> Result<Kind, String> {
 /// A number of a trial, a repeat or a sweep. Spreadsheets write it as `3.0` too.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub(super) fn number(what: &str, text: &str) -> Result<u32, String> {
-    let value = whole(text, f64::from(u32::MAX));
-    value.map(|v| v as u32).ok_or_else(|| format!("{what} '{text}' must be a whole number from 1"))
+    let value = whole(text, f64::from(MOST_NUMBER));
+    value
+        .map(|v| v as u32)
+        .ok_or_else(|| format!("{what} '{text}' must be a whole number from 1 to {MOST_NUMBER}"))
 }
 
 /// An answer on the five-point scale.
@@ -123,7 +127,8 @@ pub(super) fn number_trials(
         let (environment, mode) = (i.environment.clone(), i.mode.clone());
         planned.push(PlannedTrial { trial, repeat, kind: i.kind, environment, mode, samples });
     }
-    let errors = duplicates(context, identities, &planned);
+    let mut errors = duplicates(context, identities, &planned);
+    errors.extend(twins(context, identities)?);
     if errors.is_empty() { Ok(planned) } else { Err(Errors(errors)) }
 }
 
@@ -137,7 +142,7 @@ pub(super) fn next<K: Ord>(last: &mut BTreeMap<K, u32>, key: K, given: Option<u3
 
 /// What to do about a session that is there already.
 const AGAIN: &str = "sessions are imported whole, all files in one command: choose another session id, or, to import it \
-                     again, first remove its folder under trials/ and its two files under sessions/";
+                     again, first remove its folder under trials/ and its files under sessions/";
 
 fn duplicates(context: &Context, identities: &[Identity], planned: &[PlannedTrial]) -> Vec<StoreError> {
     let mut errors = Vec::new();
@@ -154,7 +159,7 @@ fn duplicates(context: &Context, identities: &[Identity], planned: &[PlannedTria
             errors.push(duplicate(format!("is in {} too", first.display()), remedy));
         }
         let path = context.layout.trial(&i.participant, &i.session, p.trial);
-        let exists = path.exists();
+        let exists = context.files.kind(&path).is_some();
         if exists {
             let also = format!("lies at {} already", context.layout.shown(&path).display());
             errors.push(duplicate(also, AGAIN));
@@ -165,12 +170,54 @@ fn duplicates(context: &Context, identities: &[Identity], planned: &[PlannedTria
     for ((participant, session), _) in sessions.iter().filter(|(_, named)| !**named) {
         let (record, events) =
             (context.layout.session(participant, session), context.layout.events(participant, session));
-        if let Some(path) = [record, events].iter().find(|p| p.exists()) {
+        if let Some(path) = [record, events].iter().find(|p| context.files.kind(p).is_some()) {
             let what = format!("session {session} of {participant} exists already");
             errors.push(StoreError::new(path, what, AGAIN));
         }
     }
     errors
+}
+
+/// Ids that differ only by case from others: some disks, and some people, take them for the same.
+fn twins(context: &Context, identities: &[Identity]) -> Result<Vec<StoreError>, StoreError> {
+    let there = sessions_there(context.files, context.layout)?;
+    let mut people = Cases::default();
+    let mut sessions = Cases::default();
+    for record in &there {
+        people.knows("", record.participant.as_str());
+        sessions.knows(record.participant.as_str(), record.session.as_str());
+    }
+    let mut errors = Vec::new();
+    for i in identities {
+        let (who, which) = (i.participant.as_str(), i.session.as_str());
+        let twin = people.add("", who).map(|other| ("participant", who, other));
+        let twin = twin.or_else(|| sessions.add(who, which).map(|other| ("session", which, other)));
+        errors.extend(twin.map(|(what, id, other)| {
+            let what = format!("{what} '{id}' differs only by case from '{other}', which is there");
+            StoreError::new(&i.file, what, "write it as it is written there, or choose another id")
+        }));
+    }
+    Ok(errors)
+}
+
+/// Ids, and how they are written.
+#[derive(Default)]
+pub(super) struct Cases(BTreeMap<(String, String), String>);
+
+impl Cases {
+    /// Notes an id, within another.
+    pub(super) fn knows(&mut self, within: &str, id: &str) {
+        self.0.entry((within.to_owned(), id.to_ascii_lowercase())).or_insert_with(|| id.to_owned());
+    }
+
+    /// Notes an id; the one there that differs only by case, if it does. Each such id is told once.
+    pub(super) fn add(&mut self, within: &str, id: &str) -> Option<String> {
+        self.knows(within, id);
+        let there = self.0.get(&(within.to_owned(), id.to_ascii_lowercase()))?;
+        let twin = (there != id).then(|| there.clone())?;
+        let told = (format!("{within} told"), id.to_owned());
+        self.0.insert(told, id.to_owned()).is_none().then_some(twin)
+    }
 }
 
 #[cfg(test)]
@@ -197,7 +244,7 @@ mod tests {
     #[test]
     fn a_number_is_whole_and_at_least_1() {
         assert_eq!((number("trial", "12"), number("trial", "3.0")), (Ok(12), Ok(3)));
-        for bad in ["0", "-1", "1.5", "x"] {
+        for bad in ["0", "-1", "1.5", "x", "1000001", "4294967295", "1e300"] {
             assert!(number("trial", bad).is_err(), "{bad}");
         }
     }
@@ -216,7 +263,9 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
     fn labels_come_from_the_path_and_repeats_are_counted_up_in_file_order() {
         let world = World::new();
         let csv = "t,f\n0,1\n1,2\n";
-        let files = ["P07/9_act.csv", "P07/9_pas.csv", "again/P07/9_act.csv"].map(|n| world.file(n, csv));
+        let names = ["P07/9_act.csv", "P07/9_pas.csv", "again/P07/9_act.csv"];
+        let files =
+            names.map(|n| world.file(n, format!("t,f\n0,1\n1,{}\n", n.bytes().map(u32::from).sum::<u32>())));
         world.import(&trials_map(&[NAMED, FORCE]), &files).unwrap();
         let metas: Vec<_> = (1..=3).map(|n| world.trial("P07", "S09", n).meta).collect();
         assert_eq!(metas.iter().map(|m| m.repeat).collect::<Vec<_>>(), [1, 1, 2]);
@@ -273,5 +322,27 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
         check("trial", "test", "kind 'test' must be trial or familiarisation", "kind");
         check(",1,trial", ",0,trial", "trial '0' must be a whole number from 1", "n");
         check("3,0,1", "6,0,1", "the answer '6' must be a whole number from 1 to 5", "q");
+    }
+
+    #[test]
+    fn an_id_that_differs_only_by_case_from_another_is_refused() {
+        let world = World::new();
+        world.import(&trials_map(&[ONE, FORCE]), &[world.file("a.csv", "t,f\n0,1\n1,2\n")]).unwrap();
+        let before = world.written();
+        let other = world.file("b.csv", "t,f\n0,1\n1,3\n");
+        for (from, to, words) in [
+            ("P01", "p01", "participant 'p01' differs only by case from 'P01'"),
+            ("S01", "s01", "session 's01' differs only by case from 'S01'"),
+        ] {
+            let map = trials_map(&[&ONE.replace(from, to), FORCE]);
+            let errors = world.import(&map, std::slice::from_ref(&other)).unwrap_err();
+            assert!(errors.len() == 1 && errors[0].what.contains(words), "{errors:?}");
+        }
+        assert_eq!(world.written(), before);
+        let csv = "who,mode,n,kind,q,t,f\nPx,active,1,trial,3,0,1\nPX,active,1,trial,3,0,1\npx,active,1,trial,3,1,1\n";
+        let errors = world.import(&trials_map(&[COLUMNS, FORCE]), &[world.file("c.csv", csv)]).unwrap_err();
+        assert_eq!(errors.len(), 2, "{errors:?}");
+        let second = trials_map(&[&ONE.replace("S01", "S02"), FORCE]);
+        assert_eq!(world.import(&second, &[other]).unwrap().sessions, 1);
     }
 }

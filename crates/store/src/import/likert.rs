@@ -2,13 +2,13 @@
 
 use super::batch::Batch;
 use super::identity::{Identity, answer, identity, number_trials};
+use super::limits::{Budget, Take};
 use super::mapping::{Missing, Who};
 use super::recording::Recording;
 use super::report::FileReport;
 use super::table::ColumnRef;
-use super::{Context, Errors, all};
+use super::{Context, Converted, Errors, all, once};
 use crate::StoreError;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_study::{Event, PlannedTrial, QuestionId, Study};
@@ -26,19 +26,27 @@ pub(super) fn likert(
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
     let questions = question_columns(questions, context)?;
-    let read = |path: &PathBuf| convert(context, who, &questions, &context.read(path)?);
-    let (rows, files): (Vec<Vec<Row>>, _) =
-        all(files.par_iter().map(read).collect::<Vec<_>>())?.into_iter().unzip();
-    let rows: Vec<Row> = rows.into_iter().flatten().collect();
+    let budget = Budget::default();
+    let columns = who.columns().into_iter().chain(questions.iter().map(|(_, column)| column)).collect();
+    let take = Take { columns, pattern: None, budget: &budget };
+    let converted =
+        context.convert(files, &take, |recording| convert(context, who, &questions, &budget, recording))?;
+    let mut batch = Batch::default();
+    let (mut rows, mut sources) = (Vec::new(), Vec::new());
+    for Converted { blake3, made: (found, report), .. } in &converted {
+        batch.files.push(report.clone());
+        rows.extend(found);
+        sources.resize(rows.len(), blake3.as_str());
+    }
     let identities: Vec<Identity> = rows.iter().map(|r| r.identity.clone()).collect();
     let planned = number_trials(context, &identities, false)?;
-    let events = |(row, number): (Row, &PlannedTrial)| {
+    once::answers(context, &converted)?;
+    let events = |(row, number): (&Row, &PlannedTrial)| {
         let event = |(question, value)| Event::Answer { trial: number.trial, question, value };
-        row.answers.into_iter().map(event).collect()
+        row.answers.iter().cloned().map(event).collect()
     };
     let events = rows.into_iter().zip(&planned).map(events).collect();
-    let mut batch = Batch { files, ..Batch::default() };
-    batch.add_sessions(context, &identities, &planned, events)?;
+    batch.add_sessions(context, &identities, &planned, events, &sources)?;
     Ok(batch)
 }
 
@@ -76,11 +84,13 @@ fn convert(
     context: &Context,
     who: &Who,
     questions: &[(QuestionId, ColumnRef)],
+    budget: &Budget,
     recording: &Recording,
 ) -> Result<(Vec<Row>, FileReport), Errors> {
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let columns = all(questions.iter().map(|(_, column)| recording.find(column)))?;
     let rows = recording.rows(&context.mapping.file, &[], &labels)?;
+    budget.trials(&recording.path, rows.kept.len())?;
     let read = |row: &usize| {
         let identity = identity(who, recording, *row, context.study)?;
         let answers = questions.iter().zip(&columns).map(|((id, _), column)| {

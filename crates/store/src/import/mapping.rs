@@ -4,12 +4,13 @@ use super::check::check;
 use super::convert::Linear;
 use super::csv::Dialect;
 use super::label::Label;
+use super::limits::MOST_MAPPING;
 pub(super) use super::shape::{Format, Missing, Reduce, Side};
 use super::sweeps::Pairs;
 use super::table::ColumnRef;
 use super::unit::Unit;
 use super::wide::Wide;
-use crate::{Quantity, Signal, StoreError};
+use crate::{Quantity, Signal, StoreError, read_named};
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -178,6 +179,19 @@ pub(super) struct QuantityFrom {
 }
 
 impl Mapping {
+    /// Reads and checks a mapping file that a person named; nothing but a regular file will do.
+    ///
+    /// # Errors
+    /// Those of reading it, and of [`Mapping::from_toml`].
+    pub fn read(path: &Path) -> Result<Self, Vec<StoreError>> {
+        let bytes = read_named(path, MOST_MAPPING).map_err(|e| vec![StoreError::io(path, "read", &e)])?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let what = format!("byte {} is no text (UTF-8)", e.utf8_error().valid_up_to());
+            vec![StoreError::new(path, what, "save the mapping as UTF-8")]
+        })?;
+        Self::from_toml(&text, path)
+    }
+
     /// Reads and checks a mapping file's text; `path` names it in errors.
     ///
     /// # Errors

@@ -15,10 +15,14 @@ mod convert;
 mod csv;
 mod identity;
 mod jsonl;
+#[cfg(test)]
+mod killed;
 mod label;
 mod likert;
+mod limits;
 mod mapping;
 mod mat;
+mod once;
 mod parquet;
 mod plan;
 #[cfg(test)]
@@ -26,6 +30,7 @@ mod real;
 mod recording;
 mod report;
 mod shape;
+mod started;
 mod sweeps;
 mod table;
 mod text;
@@ -37,20 +42,25 @@ mod world;
 
 pub use mapping::Mapping;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped};
+pub use started::settle;
+pub(crate) use started::take_back_listed;
 
 use crate::study::MOST_STUDY;
-use crate::{Files, Layout, StoreError, hex_blake3, read_regular};
+use crate::{Files, Layout, StoreError, hex_blake3};
 use batch::Batch;
-use mapping::Content;
+use limits::{MOST_ERRORS, MOST_FILE, Take, shown};
+use mapping::{Content, Format};
+use rayon::prelude::*;
 use recording::{Recording, Rows};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use zwidth_study::Study;
+use zwidth_study::{Study, printable};
 
 /// Imports `files` into the study at `layout`, as `mapping` says.
 ///
 /// `study` is the content of the study's `study.toml`; `utc` is the time in RFC 3339, for the event
-/// log; `software` is the program with its version, for the session records; `disk` does the writing.
+/// log; `software` is the program with its version, for the session records; `disk` holds the study. The caller holds
+/// the study's lock. What an import before this one left because it was killed is removed first.
 ///
 /// # Errors
 /// Everything found wrong, each with file, column and row; then nothing was written. When writing
@@ -64,20 +74,28 @@ pub fn import(
     software: &str,
     disk: &dyn Files,
 ) -> Result<Report, Vec<StoreError>> {
-    let read = read_regular(&layout.study_toml(), MOST_STUDY);
-    let read = read.map_err(|e| Errors::from(StoreError::io(&layout.study_toml(), "read", &e)));
-    let made = read.and_then(|study_toml| {
+    let made = all(settle(disk, layout)).and_then(|_| {
+        let read = disk.read(&layout.study_toml(), MOST_STUDY);
+        let study_toml = read.map_err(|e| StoreError::io(&layout.study_toml(), "read", &e))?;
         let study_blake3 = hex_blake3(&study_toml);
-        let context = Context { layout, study, mapping, software, study_toml, study_blake3 };
+        let context = Context { layout, study, mapping, software, study_toml, study_blake3, files: disk };
         let batch = batch(&context, files)?;
         batch.write(disk, layout, utc)?;
         Ok(batch)
     });
-    made.map(|batch| batch.report(layout)).map_err(|errors| errors.0)
+    made.map(|batch| batch.report(layout)).map_err(|Errors(mut errors)| {
+        if errors.len() >= MOST_ERRORS {
+            let what = "there are more errors than these";
+            errors.push(StoreError::new(&mapping.path, what, "mend these first, and import again"));
+        }
+        errors
+    })
 }
 
 fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
-    distinct(files)?;
+    if files.is_empty() {
+        return Err(StoreError::new(Path::new("."), "no file is given", "name the files to import").into());
+    }
     match &context.mapping.content {
         Content::Trials { who, time, columns } => trials::trials(context, (who, time, columns), files),
         Content::Sweeps { labels, form } => sweeps::sweeps(context, (labels, form), files),
@@ -85,16 +103,12 @@ fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
     }
 }
 
-fn distinct(files: &[PathBuf]) -> Result<(), Errors> {
-    if files.is_empty() {
-        return Err(StoreError::new(Path::new("."), "no file is given", "name the files to import").into());
-    }
-    let mut seen = BTreeSet::new();
-    let once = |f: &PathBuf| match seen.insert(f.clone()) {
-        true => Ok(()),
-        false => Err(StoreError::new(f, "the file is given twice", "give every file once")),
-    };
-    all(files.iter().map(once)).map(|_| ())
+/// A file, and what was made of it.
+struct Converted<T> {
+    path: PathBuf,
+    /// BLAKE3 of the file, hexadecimal.
+    blake3: String,
+    made: T,
 }
 
 /// Everything found wrong; never empty.
@@ -107,13 +121,16 @@ impl From<StoreError> for Errors {
     }
 }
 
-/// Every value, or every error.
+/// Every value, or every error up to [`MOST_ERRORS`].
 fn all<T, E: Into<Errors>>(results: impl IntoIterator<Item = Result<T, E>>) -> Result<Vec<T>, Errors> {
     let (mut values, mut errors) = (Vec::new(), Vec::new());
     for result in results {
         match result {
             Ok(value) => values.push(value),
-            Err(found) => errors.extend(found.into().0),
+            Err(found) => {
+                let room = MOST_ERRORS - errors.len();
+                errors.extend(found.into().0.into_iter().take(room));
+            }
         }
     }
     if errors.is_empty() { Ok(values) } else { Err(Errors(errors)) }
@@ -128,11 +145,56 @@ struct Context<'a> {
     /// The text of `study.toml`, of which each session keeps a copy.
     study_toml: Vec<u8>,
     study_blake3: String,
+    /// Where the study lies.
+    files: &'a dyn Files,
 }
 
 impl Context<'_> {
-    fn read(&self, path: &Path) -> Result<Recording, StoreError> {
-        Recording::read(path, &self.mapping.file, self.mapping.name.as_ref())
+    /// Reads every file and converts it, side by side as far as they fit into memory together.
+    ///
+    /// # Errors
+    /// Everything found wrong; more in all of them than is read; a recording that is there twice.
+    fn convert<T: Send>(
+        &self,
+        files: &[PathBuf],
+        take: &Take,
+        convert: impl Fn(&Recording) -> Result<T, Errors> + Sync,
+    ) -> Result<Vec<Converted<T>>, Errors> {
+        let one = |path: &PathBuf| {
+            let recording = Recording::read(path, &self.mapping.file, self.mapping.name.as_ref(), take)?;
+            let made = convert(&recording)?;
+            Ok::<_, Errors>(Converted { path: recording.path, blake3: recording.blake3, made })
+        };
+        let mut found = Vec::new();
+        for group in self.groups(files) {
+            found.extend(group.par_iter().map(one).collect::<Vec<_>>());
+            take.budget.held(files)?;
+        }
+        let converted = all(found)?;
+        once::given_once(&converted)?;
+        Ok(converted)
+    }
+
+    /// The files in groups whose contents have at most [`MOST_FILE`] bytes together. What a packed file unpacks to may be
+    /// as much on its own.
+    fn groups<'f>(&self, files: &'f [PathBuf]) -> Vec<&'f [PathBuf]> {
+        let is_packed =
+            |path: &Path| matches!(self.mapping.file.format_of(path), Ok(Format::Parquet | Format::Mat));
+        let bytes = |path: &PathBuf| match is_packed(path) {
+            true => MOST_FILE,
+            false => std::fs::metadata(path).map_or(0, |found| found.len()),
+        };
+        let (mut groups, mut from, mut together) = (Vec::new(), 0, 0);
+        for (i, path) in files.iter().enumerate() {
+            let bytes = bytes(path).min(MOST_FILE);
+            if i > from && together + bytes > MOST_FILE {
+                groups.push(&files[from..i]);
+                (from, together) = (i, 0);
+            }
+            together += bytes;
+        }
+        groups.push(&files[from..]);
+        groups
     }
 
     /// What a file made from a recording says of itself. The recording's name is left out: it may hold
@@ -142,7 +204,7 @@ impl Context<'_> {
             ("study_blake3".to_owned(), self.study_blake3.clone()),
             ("device".to_owned(), self.study.device.name.clone()),
             ("software".to_owned(), self.software.to_owned()),
-            ("source_blake3".to_owned(), source_blake3),
+            (once::SOURCE.to_owned(), source_blake3),
             ("mapping_blake3".to_owned(), self.mapping.blake3.clone()),
         ]);
         if !computed.is_empty() {
@@ -161,23 +223,25 @@ impl Context<'_> {
         rows: &Rows,
         used: &[usize],
     ) -> Result<FileReport, StoreError> {
-        let names: Vec<String> =
-            (0..recording.table.columns.len()).map(|i| recording.table.name(i)).collect();
-        let stray = |name: &&String| !names.iter().enumerate().any(|(i, n)| n == *name && !used.contains(&i));
+        let names: Vec<_> =
+            (0..recording.table.columns.len()).map(|i| recording.table.full_name(i)).collect();
+        let stray = |name: &&String| {
+            !names.iter().enumerate().any(|(i, n)| *n == name.as_str() && !used.contains(&i))
+        };
         if let Some(name) = self.mapping.drop.keys().find(stray) {
             let what = "the column is named in [drop], but it is missing or used";
             return Err(recording.error(what, "remove it from [drop]").column(name));
         }
         let unused = names.iter().enumerate().filter(|(i, _)| !used.contains(i));
         let why =
-            |name: &String| self.mapping.drop.get(name).cloned().unwrap_or_else(|| "not mapped".to_owned());
+            |name: &str| self.mapping.drop.get(name).cloned().unwrap_or_else(|| "not mapped".to_owned());
         let limit = self.mapping.file.rows.unwrap_or(rows.read);
         let dropped = [
             (rows.missing, "a mapped cell is empty or NaN (missing = \"drop\")".to_owned()),
             (rows.past_limit, format!("after the first {limit} (rows = {limit})")),
         ];
         Ok(FileReport {
-            file: recording.path.display().to_string(),
+            file: printable(&recording.path.to_string_lossy()).into_owned(),
             rows_read: rows.read,
             rows_kept: rows.kept.len(),
             rows_dropped: dropped
@@ -186,7 +250,10 @@ impl Context<'_> {
                 .map(|(rows, why)| RowsDropped { rows, why })
                 .collect(),
             columns_dropped: unused
-                .map(|(_, name)| ColumnDropped { column: name.clone(), why: why(name) })
+                .map(|(_, name)| ColumnDropped {
+                    column: printable(&shown(name)).into_owned(),
+                    why: why(name),
+                })
                 .collect(),
             converted: Vec::new(),
             computed: Vec::new(),

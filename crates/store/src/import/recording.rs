@@ -1,9 +1,10 @@
 //! One file of other people's, read but not yet converted.
 
+use super::limits::{MOST_FILE, Take, shown, too_many_rows};
 use super::mapping::{FileForm, Format, Missing};
-use super::table::{Cell, ColumnRef, Table};
+use super::table::{Cell, Cells, ColumnRef, Table};
 use super::{csv, jsonl, mat, parquet};
-use crate::{StoreError, hex_blake3};
+use crate::{MOST_ROWS, StoreError, hex_blake3, read_named};
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -33,23 +34,28 @@ pub(super) struct Rows {
 }
 
 impl Recording {
-    /// Reads `path` as the mapping says.
-    pub(super) fn read(path: &Path, form: &FileForm, name: Option<&Regex>) -> Result<Self, StoreError> {
-        let bytes = std::fs::read(path).map_err(|e| StoreError::io(path, "read", &e))?;
+    /// Reads the columns of `path` that are taken, as the mapping says.
+    pub(super) fn read(
+        path: &Path,
+        form: &FileForm,
+        name: Option<&Regex>,
+        take: &Take,
+    ) -> Result<Self, StoreError> {
+        let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
         let blake3 = hex_blake3(&bytes);
         let groups = name.map_or_else(|| Ok(BTreeMap::new()), |pattern| groups(path, pattern))?;
         let table = match form.format_of(path)? {
-            format @ (Format::Csv | Format::Tsv) => csv::read(path, &bytes, form.dialect(format))?,
-            Format::Jsonl => jsonl::read(path, &bytes)?,
-            Format::Parquet => parquet::read(path, bytes)?,
-            Format::Mat => mat::read(path, &bytes, form.matrix.as_deref())?,
+            format @ (Format::Csv | Format::Tsv) => csv::read(path, &bytes, form.dialect(format), take)?,
+            Format::Jsonl => jsonl::read(path, &bytes, take)?,
+            Format::Parquet => parquet::read(path, bytes, take)?,
+            Format::Mat => mat::read(path, &bytes, form.matrix.as_deref(), take)?,
         };
         Ok(Self { path: path.to_owned(), table, blake3, decimal_comma: form.decimal_comma, groups })
     }
 
     /// An error about the file.
     pub(super) fn error(&self, what: impl Into<String>, remedy: impl Into<String>) -> StoreError {
-        StoreError::new(&self.path, what, remedy)
+        StoreError::new(&self.path, shown(&what.into()), remedy)
     }
 
     /// The text of a named group of the pattern on the path.
@@ -76,7 +82,7 @@ impl Recording {
     /// An error about a cell: column, row, and its line where the file has lines.
     pub(super) fn cell_error(&self, column: usize, row: usize, what: &str, remedy: &str) -> StoreError {
         let what = match self.table.lines.get(row) {
-            Some(line) => format!("{what} (line {line})"),
+            Some(line) => format!("{} (line {line})", shown(what)),
             None => what.to_owned(),
         };
         self.error(what, remedy).column(self.table.name(column)).row0(row)
@@ -135,6 +141,9 @@ impl Recording {
         text: &[usize],
     ) -> Result<Rows, StoreError> {
         let read = self.height(numeric, text)?;
+        if read > MOST_ROWS {
+            return Err(too_many_rows(&self.path, &read.to_string()));
+        }
         let limit = form.rows.unwrap_or(read).min(read);
         let empty = |row: usize, column: &usize| self.table.columns[*column].cell(row) == Cell::Empty;
         let lacks = |row: &usize| {
@@ -165,7 +174,8 @@ impl Recording {
     fn height(&self, numeric: &[usize], text: &[usize]) -> Result<usize, StoreError> {
         let mut columns = numeric.iter().chain(text);
         let Some(first) = columns.next() else {
-            return Ok(self.table.columns.first().map_or(0, super::table::Cells::len));
+            let read = self.table.columns.iter().find(|column| !matches!(column, Cells::Unread));
+            return Ok(read.map_or(0, Cells::len));
         };
         let rows = self.table.columns[*first].len();
         match columns.find(|c| self.table.columns[**c].len() != rows) {
@@ -337,6 +347,18 @@ mod tests {
             [world.file("a.csv", "t,f\nx,y\n"), world.file("b.csv", "t\n0\n"), world.file("c.txt", "t,f\n")];
         let errors = world.import(&trials_map(&[ONE, FORCE]), &files).unwrap_err();
         assert_eq!(errors.len(), 4, "{errors:?}");
+    }
+
+    #[test]
+    fn a_file_that_is_wrong_throughout_is_told_up_to_a_thousand_errors() {
+        let world = World::new();
+        let rows: String = (0..3000).map(|i| format!("{i},x\n")).collect();
+        let map = trials_map(&[&ONE.replace("\"hybrid\"", "{ column = \"f\" }"), FORCE]);
+        let bad: String = (0..3000).map(|i| format!("{i},x{i}\n")).collect();
+        assert_eq!(world.import(&map, &[world.file("a.csv", format!("t,f\n{rows}"))]).unwrap_err().len(), 1);
+        let errors = world.import(&map, &[world.file("b.csv", format!("t,f\n{bad}"))]).unwrap_err();
+        assert_eq!(errors.len(), 1001);
+        assert!(errors[1000].what.contains("more errors than these"), "{}", errors[1000]);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::Signal;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
-use zwidth_study::StudyId;
+use zwidth_study::{StudyId, printable};
 
 /// What an import read, made, and left out.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -92,28 +92,31 @@ fn counted(n: usize, what: &str) -> String {
 
 impl fmt::Display for FileReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {} read, {} kept", self.file, counted(self.rows_read, "row"), self.rows_kept)?;
-        for dropped in &self.rows_dropped {
-            writeln!(f, "  dropped   {}: {}", counted(dropped.rows, "row"), dropped.why)?;
-        }
+        // Names of others stand in each line.
+        self.lines().iter().try_for_each(|line| writeln!(f, "{}", printable(line)))
+    }
+}
+
+impl FileReport {
+    fn lines(&self) -> Vec<String> {
+        let read = counted(self.rows_read, "row");
+        let mut lines = vec![format!("{}: {read} read, {} kept", self.file, self.rows_kept)];
+        let dropped = |d: &RowsDropped| format!("  dropped   {}: {}", counted(d.rows, "row"), d.why);
+        lines.extend(self.rows_dropped.iter().map(dropped));
         // Forty questionnaire columns with one reason are one line.
         for why in self.columns_dropped.iter().map(|c| &c.why).collect::<BTreeSet<_>>() {
             let same = self.columns_dropped.iter().filter(|c| c.why == *why).map(|c| c.column.as_str());
             let same: Vec<&str> = same.collect();
             let what = if same.len() == 1 { "column" } else { "columns" };
-            writeln!(f, "  dropped   {what} {}: {why}", same.join(", "))?;
+            lines.push(format!("  dropped   {what} {}: {why}", same.join(", ")));
         }
-        for (head, lines) in
+        for (head, what) in
             [("converted", &self.converted), ("computed", &self.computed), ("made", &self.made)]
         {
-            for line in lines {
-                writeln!(f, "  {head:<9} {line}")?;
-            }
+            lines.extend(what.iter().map(|line| format!("  {head:<9} {line}")));
         }
-        match self.null.as_slice() {
-            [] => Ok(()),
-            null => writeln!(f, "  null      {}", null.join(", ")),
-        }
+        lines.extend((!self.null.is_empty()).then(|| format!("  null      {}", self.null.join(", "))));
+        lines
     }
 }
 

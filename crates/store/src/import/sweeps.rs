@@ -3,15 +3,15 @@
 use super::batch::Batch;
 use super::convert::Linear;
 use super::label::Label;
+use super::limits::{Budget, Take, check_time};
 use super::mapping::{QuantityFrom, SweepForm, SweepLabels, Time};
 use super::plan::{rate_times, rate_words};
 use super::recording::Recording;
 use super::report::FileReport;
 use super::table::ColumnRef;
 use super::wide::wide;
-use super::{Context, Errors, all, identity};
+use super::{Context, Converted, Errors, all, identity, once};
 use crate::{StoreError, Sweep, hex_blake3, sweep_bytes};
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_study::{ActuatorId, Source};
@@ -31,19 +31,23 @@ pub(super) fn sweeps(
     (labels, form): (&SweepLabels, &SweepForm),
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
-    let read = |path: &PathBuf| {
-        let recording = context.read(path)?;
-        let (pieces, report) = match form {
-            SweepForm::Pairs(form) => pairs(context, labels, form, &recording)?,
-            SweepForm::Wide(form) => wide(context, labels, form, &recording)?,
-        };
-        Ok::<_, Errors>((recording.path, recording.blake3, pieces, report))
+    let budget = Budget::default();
+    let (columns, pattern) = match form {
+        SweepForm::Pairs(form) => (form.columns(), None),
+        SweepForm::Wide(form) => (Vec::new(), Some(&form.pattern)),
     };
-    let converted = all(files.par_iter().map(read).collect::<Vec<_>>())?;
+    let take =
+        Take { columns: columns.into_iter().chain(labels.columns()).collect(), pattern, budget: &budget };
+    let converted = context.convert(files, &take, |recording| match form {
+        SweepForm::Pairs(form) => pairs(context, labels, form, &budget, recording),
+        SweepForm::Wide(form) => wide(context, labels, form, recording),
+    })?;
+    once::sweeps(context, &converted)?;
     let mut batch = Batch::default();
     let (mut last, mut taken) = (BTreeMap::new(), BTreeSet::new());
     let mut results = Vec::new();
-    for (file, blake3, pieces, mut report) in converted {
+    let mut cases = once::actuators_there(context)?;
+    for Converted { path: file, blake3, made: (pieces, mut report) } in converted {
         let footer = context.footer(blake3, &report.computed);
         for piece in pieces {
             let number = identity::next(&mut last, piece.actuator.clone(), piece.number);
@@ -54,11 +58,11 @@ pub(super) fn sweeps(
             ));
             let actuator = piece.actuator.clone();
             let path = context.layout.sweep(&actuator, number);
-            let free = taken.insert(path.clone()) && !path.exists();
-            let bytes = if free {
-                encode(form, piece, number, &footer, &file)
-            } else {
-                Err(duplicate(context, &path, &file))
+            let free = taken.insert(path.clone()) && context.files.kind(&path).is_none();
+            let bytes = match cases.add("", actuator.as_str()) {
+                Some(other) => Err(twin(&actuator, &other, &file)),
+                None if free => encode(form, piece, number, &footer, &file),
+                None => Err(duplicate(context, &path, &file)),
             };
             results.push(bytes.map(|bytes| {
                 batch.sweeps.push((actuator, number, hex_blake3(&bytes)));
@@ -74,6 +78,11 @@ pub(super) fn sweeps(
 fn duplicate(context: &Context, path: &Path, file: &Path) -> StoreError {
     let what = format!("duplicate sweep: {} exists already", context.layout.shown(path).display());
     StoreError::new(file, what, "give the sweep another number in [sweep], or leave the file out")
+}
+
+fn twin(actuator: &ActuatorId, other: &str, file: &Path) -> StoreError {
+    let what = format!("actuator '{actuator}' differs only by case from '{other}', which is there");
+    StoreError::new(file, what, "write it as it is written there, or choose another id")
 }
 
 /// One sweep's file; `from` names the recording in errors.
@@ -107,19 +116,26 @@ pub(super) struct Pairs {
     pub(super) response: (ColumnRef, QuantityFrom),
 }
 
+impl Pairs {
+    /// The columns of command, response and, where it has one, time.
+    fn columns(&self) -> Vec<&ColumnRef> {
+        let time = match &self.time {
+            Some(Time::Column { from, .. }) => Some(from),
+            _ => None,
+        };
+        [Some(&self.command.0), Some(&self.response.0), time].into_iter().flatten().collect()
+    }
+}
+
 /// A row a sample; consecutive rows with equal labels are one sweep.
 fn pairs(
     context: &Context,
     labels: &SweepLabels,
     form: &Pairs,
+    budget: &Budget,
     recording: &Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
-    let time_column = match &form.time {
-        Some(Time::Column { from, .. }) => Some(from),
-        _ => None,
-    };
-    let numeric = [Some(&form.command.0), Some(&form.response.0), time_column].into_iter().flatten();
-    let numeric = all(numeric.map(|c| recording.find(c)))?;
+    let numeric = all(form.columns().into_iter().map(|c| recording.find(c)))?;
     let label_columns = all(labels.columns().map(|c| recording.find(c)))?;
     let rows = recording.rows(&context.mapping.file, &numeric, &label_columns)?;
     let piece = |rows: &[usize]| {
@@ -134,6 +150,9 @@ fn pairs(
             Some(Time::Rate { rate_hz }) => Some(rate_times(*rate_hz, rows)),
             Some(Time::Column { unit, line, .. }) => {
                 let t = column(2, line, unit.to_si)?;
+                check_time(&t).map_err(|(i, what)| {
+                    recording.cell_error(numeric[2], rows[i], &what, "check the unit of the time")
+                })?;
                 runs_forward(&t).map_err(|i| {
                     let what = "time runs backwards or stands still";
                     recording.cell_error(numeric[2], rows[i], what, "sort or mend the recording")
@@ -145,6 +164,7 @@ fn pairs(
         let response = column(1, &form.response.1.line, 1.0)?;
         Ok::<_, StoreError>(Piece { actuator, number, t_s, command, response })
     };
+    budget.trials(&recording.path, recording.pieces(&rows.kept, &label_columns).count())?;
     let pieces = all(recording.pieces(&rows.kept, &label_columns).map(piece))?;
     let mut report = context.file_report(recording, &rows, &[numeric.as_slice(), &label_columns].concat())?;
     match form.time {
@@ -236,14 +256,15 @@ sign = -1
     #[test]
     fn sweeps_are_numbered_in_file_order_or_by_the_mapping_and_may_have_a_time() {
         let world = World::new();
-        let files = ["a.csv", "b.csv"].map(|n| world.file(n, "u,adc,ms,n\n0,1,0,7\n1,1,500,7\n"));
+        let file = |n: &str, last| world.file(n, format!("u,adc,ms,n\n0,1,0,7\n1,{last},500,7\n"));
+        let files = [file("a.csv", 1), file("b.csv", 2), file("c.csv", 3), file("d.csv", 4)];
         let map = format!("{PAIRS}[time]\nfrom = \"ms\"\nunit = \"ms\"\n");
-        world.import(&map, &files).unwrap();
+        world.import(&map, &files[..2]).unwrap();
         assert_eq!(sweep(&world, 2).t_s.unwrap(), [0.0, 0.5]);
         let given = PAIRS.replace("[command]", "sweep = { column = \"n\" }\n[command]");
-        world.import(&given, &files[..1]).unwrap();
+        world.import(&given, &files[2..3]).unwrap();
         assert_eq!(sweep(&world, 7).sweep, 7);
-        let errors = world.import(&given, &files[1..]).unwrap_err();
+        let errors = world.import(&given, &files[3..]).unwrap_err();
         assert!(errors[0].what.contains("duplicate sweep"), "{errors:?}");
     }
 
@@ -256,6 +277,7 @@ sign = -1
         check(PAIRS, "u,adc\n", "0 rows", None);
         let timed = format!("{PAIRS}[time]\nfrom = \"t\"\nunit = \"s\"\n");
         check(&timed, "u,adc,t\n0,1,1\n1,1,0.5\n", "time runs backwards", Some(("t", 2)));
+        check(&timed, "u,adc,t\n0,1,1\n1,1,1e9\n", "more than a day", Some(("t", 2)));
         let path = PAIRS.replace("\"brake\"", "\"../x\"");
         check(&path, "u,adc\n0,1\n", "'../x' is not a valid actuator id", None);
     }

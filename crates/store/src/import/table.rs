@@ -1,7 +1,9 @@
 //! What every format becomes: a table of text or number columns, not yet interpreted.
 
+use super::limits::shown;
 use arrow::array::{Array, Float64Array, LargeStringArray};
 use serde::Deserialize;
+use std::borrow::Cow;
 use std::fmt;
 
 /// A column, by its name or by its place (from 1).
@@ -30,6 +32,8 @@ pub(super) enum Cells {
     Numbers(Float64Array),
     /// Neither: why, in words.
     Other(String),
+    /// Not mapped, and not kept.
+    Unread,
 }
 
 /// One cell.
@@ -56,7 +60,7 @@ impl Cells {
         match self {
             Self::Text(cells) => cells.len(),
             Self::Numbers(cells) => cells.len(),
-            Self::Other(_) => 0,
+            Self::Other(_) | Self::Unread => 0,
         }
     }
 
@@ -102,6 +106,7 @@ impl Table {
         };
         let index = found.ok_or_else(|| format!("the column is missing; the file has {}", self.listing()))?;
         match &self.columns[index] {
+            Cells::Unread => Err("the column was not read".to_owned()),
             Cells::Other(why) => Err(format!("the column cannot be used: {why}")),
             _ => Ok(index),
         }
@@ -109,17 +114,21 @@ impl Table {
 
     /// The name of a column for people: its header, or its position.
     pub(super) fn name(&self, index: usize) -> String {
+        shown(&self.full_name(index)).into_owned()
+    }
+
+    /// The header of a column, however long, or its position.
+    pub(super) fn full_name(&self, index: usize) -> Cow<'_, str> {
         let named = self.names.as_ref().and_then(|names| names.get(index));
-        named.cloned().unwrap_or_else(|| (index + 1).to_string())
+        named.map_or_else(|| Cow::Owned((index + 1).to_string()), |name| Cow::Borrowed(name.as_str()))
     }
 
     fn listing(&self) -> String {
         let n = self.columns.len();
-        match &self.names {
-            None => format!("{n} columns"),
-            Some(names) if n > NAMES_SHOWN => format!("{}, … ({n} columns)", names[..NAMES_SHOWN].join(", ")),
-            Some(names) => names.join(", "),
-        }
+        let Some(names) = &self.names else { return format!("{n} columns") };
+        let first: Vec<_> = names.iter().take(NAMES_SHOWN).map(|name| shown(name)).collect();
+        let rest = if n > NAMES_SHOWN { format!(", … ({n} columns)") } else { String::new() };
+        first.join(", ") + &rest
     }
 }
 

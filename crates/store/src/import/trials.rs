@@ -3,17 +3,14 @@
 use super::batch::Batch;
 use super::convert::{derivative, integral};
 use super::identity::{Identity, identity, number_trials};
+use super::limits::{Budget, Take, check_sizes};
 use super::mapping::{Rule, SignalFrom, Time, Who};
 use super::plan::{Plan, Taken, plan, rate_times};
 use super::recording::Recording;
 use super::report::{FileReport, null_columns};
-use super::{Context, Errors, all};
-use crate::walk::files_below;
-use crate::{
-    Samples, Signal, StoreError, Trial, TrialFile, TrialFooter, hex_blake3, read_footer, trial_bytes,
-};
+use super::{Context, Converted, Errors, all, once};
+use crate::{Samples, Signal, StoreError, Trial, TrialFile, hex_blake3, trial_bytes};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_study::{Event, PlannedTrial, Source, Status, TrialMeta};
 
@@ -30,21 +27,19 @@ pub(super) fn trials(
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
     let plan = plan(context, time, columns)?;
-    let read = |path: &PathBuf| {
-        let recording = context.read(path)?;
-        let (pieces, report) = convert(context, who, &plan, &recording)?;
-        Ok::<_, Errors>((pieces, report, recording.blake3))
-    };
-    let converted = all(files.par_iter().map(read).collect::<Vec<_>>())?;
+    let budget = Budget::default();
+    let taken = plan.taken.iter().map(|taken| taken.from).chain(who.columns()).collect();
+    let take = Take { columns: taken, pattern: None, budget: &budget };
+    let converted =
+        context.convert(files, &take, |recording| convert(context, who, &plan, &budget, recording))?;
     let identities: Vec<Identity> =
-        converted.iter().flat_map(|(pieces, _, _)| pieces.iter().map(|p| p.identity.clone())).collect();
+        converted.iter().flat_map(|c| c.made.0.iter().map(|p| p.identity.clone())).collect();
     let planned = number_trials(context, &identities, true)?;
-    let hashes = files.iter().zip(converted.iter().map(|(_, _, blake3)| blake3.as_str()));
-    imported_before(context, hashes.collect())?;
+    once::trials(context, &converted)?;
     let mut batch = Batch::default();
     let mut numbers = planned.iter();
     let mut made = Vec::new();
-    for (pieces, mut report, blake3) in converted {
+    for Converted { blake3, made: (pieces, mut report), .. } in converted {
         for (piece, number) in pieces.into_iter().zip(&mut numbers) {
             report.made.push(words(&piece, number));
             made.push((piece, number, blake3.clone()));
@@ -59,7 +54,8 @@ pub(super) fn trials(
         vec![Event::Recorded { trial: number.trial, blake3: hex_blake3(bytes) }]
     };
     let events = planned.iter().zip(&batch.outputs).map(recorded).collect();
-    batch.add_sessions(context, &identities, &planned, events)?;
+    // The trials' own footers say what they were imported from.
+    batch.add_sessions(context, &identities, &planned, events, &[])?;
     Ok(batch)
 }
 
@@ -73,30 +69,12 @@ fn words(piece: &Piece, number: &PlannedTrial) -> String {
     )
 }
 
-/// The same recording must not count twice, under whatever participant or session.
-fn imported_before(context: &Context, files: Vec<(&PathBuf, &str)>) -> Result<(), Errors> {
-    let there = files_below(&crate::RealFiles, &context.layout.trials())?;
-    let footers: Vec<TrialFooter> = there.par_iter().filter_map(|path| read_footer(path).ok()).collect();
-    let known: BTreeMap<&str, &TrialFooter> =
-        footers.iter().filter_map(|f| Some((f.file.get("source_blake3")?.as_str(), f))).collect();
-    let twice = |(path, blake3): (&PathBuf, &str)| match known.get(blake3) {
-        None => Ok(()),
-        Some(TrialFooter { meta, .. }) => {
-            let what = format!(
-                "this recording was imported before, as {} {} trial {}",
-                meta.participant, meta.session, meta.trial
-            );
-            Err(StoreError::new(path, what, "leave the file out; a recording must not count twice"))
-        }
-    };
-    all(files.into_iter().map(twice)).map(|_| ())
-}
-
 /// One file's trials: consecutive rows with equal labels are one trial.
 fn convert(
     context: &Context,
     who: &Who,
     plan: &Plan,
+    budget: &Budget,
     recording: &Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
     let numeric = all(plan.taken.iter().map(|t| recording.find(t.from)))?;
@@ -106,6 +84,7 @@ fn convert(
         let identity = identity(who, recording, rows[0], context.study)?;
         Ok::<_, Errors>(Piece { identity, samples: samples(plan, recording, &numeric, rows)? })
     };
+    budget.trials(&recording.path, recording.pieces(&rows.kept, &labels).count())?;
     let pieces = all(recording.pieces(&rows.kept, &labels).map(piece))?;
     let made: Vec<Signal> =
         Signal::all().filter(|s| pieces.iter().any(|p| p.samples.get(*s).is_some())).collect();
@@ -133,7 +112,8 @@ fn samples(plan: &Plan, recording: &Recording, numeric: &[usize], rows: &[usize]
         samples.set(Signal::Time, rate_times(rate_hz, rows));
     }
     let check = |samples: &Samples| {
-        samples.check(&recording.path).map_err(|e| in_their_words(e, plan, recording, numeric, rows))
+        let checked = samples.check(&recording.path).and_then(|()| check_sizes(&recording.path, samples));
+        checked.map_err(|e| in_their_words(e, plan, recording, numeric, rows))
     };
     check(&samples)?;
     for (to, rule) in &plan.derived {

@@ -1,6 +1,7 @@
 //! Wide sweeps: a column a value of one quantity, read from its header; its cells are the other one.
 
 use super::convert::mean;
+use super::limits::shown;
 use super::mapping::{QuantityFrom, Reduce, Side, SweepLabels};
 use super::recording::Recording;
 use super::report::FileReport;
@@ -8,6 +9,7 @@ use super::sweeps::{Piece, note};
 use super::{Context, Errors, all};
 use crate::StoreError;
 use regex::Regex;
+use std::collections::BTreeSet;
 
 /// How a wide file is mapped.
 #[derive(Debug, Clone)]
@@ -62,15 +64,21 @@ pub(super) fn wide(
 /// The columns whose header matches, each with the number in its header.
 fn header_values(pattern: &Regex, recording: &Recording) -> Result<Vec<(usize, f64)>, StoreError> {
     let names = recording.table.names.as_deref().unwrap_or_default();
-    let value = |(place, name): (usize, &String)| {
+    let mut seen = BTreeSet::new();
+    let mut value = |(place, name): (usize, &str)| {
         let text = pattern.captures(name)?.name("value")?.as_str();
+        if !seen.insert(name.to_owned()) {
+            let what = "two columns have this header, and both match the pattern";
+            return Some(Err(recording.error(what, "rename one of them").column(shown(name))));
+        }
         let number: Option<f64> = text.parse().ok().filter(|v: &f64| v.is_finite());
         Some(number.map(|v| (place, v)).ok_or_else(|| {
             let what = format!("'{text}' in the header is not a number");
-            recording.error(what, "mend the pattern in [wide]").column(name)
+            recording.error(what, "mend the pattern in [wide]").column(shown(name))
         }))
     };
-    let found = names.iter().enumerate().filter_map(value).collect::<Result<Vec<_>, _>>()?;
+    let found =
+        names.iter().map(String::as_str).enumerate().filter_map(&mut value).collect::<Result<Vec<_>, _>>()?;
     if found.is_empty() {
         let what = format!("no header matches the pattern '{pattern}'");
         return Err(recording.error(what, "mend the pattern in [wide], or header in [file]"));

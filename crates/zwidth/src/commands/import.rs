@@ -5,19 +5,21 @@ use super::{study, together};
 use crate::args::Import;
 use crate::exit::Exit;
 use crate::screen::Screen;
-use anyhow::{Context as _, anyhow};
+use anyhow::anyhow;
 use std::path::Path;
-use zwidth_store::import::{Mapping, import as import_files};
+use zwidth_store::import::{Mapping, import as import_files, settle};
 use zwidth_store::{RealFiles, read_study};
 
 pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
+    let mapping = Mapping::read(&command.map).map_err(|findings| together(&findings))?;
+    let _lock = lock(&layout, "zwidth import").map_err(|e| anyhow!("{e}; nothing was imported"))?;
     let study = read_study(&layout).map_err(|findings| together(&findings))?;
-    let text = read(&command.map)?;
-    let mapping = Mapping::from_toml(&text, &command.map).map_err(|findings| together(&findings))?;
+    for left in settle(&RealFiles, &layout) {
+        screen.say(left.map_err(|e| anyhow!("{e}; nothing was imported"))?.to_string());
+    }
     let utc = jiff::Timestamp::now().to_string();
     let software = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
-    let _lock = lock(&layout, "zwidth import").map_err(|e| anyhow!("{e}; nothing was imported"))?;
     let report = import_files(&layout, &study, &mapping, &command.files, &utc, software, &RealFiles)
         .map_err(|findings| together(&findings))?;
     if screen.json {
@@ -26,8 +28,4 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
         screen.result(report.to_string());
     }
     Ok(Exit::Fine)
-}
-
-fn read(path: &Path) -> anyhow::Result<String> {
-    std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
 }

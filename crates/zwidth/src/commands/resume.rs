@@ -100,7 +100,7 @@ mod tests {
                     1 => DeviceSpec::Playback(path.into()),
                     _ => DeviceSpec::Rig(format!("/dev/{path},/dev/tty")),
                 },
-                rate: [None, Some(120.0), Some(0.1 + 0.2), Some(1e-7), Some(1e21)][i % 5],
+                rate: [None, Some(120.0), Some(100.1 + 0.2), Some(1.0), Some(1e5)][i % 5],
                 seed: [None, Some(u64::MAX), Some(0)][(i / 3) % 3],
                 keys: Keys { folder: (!i.is_multiple_of(4)).then(|| paths[(i / 4) % paths.len()].into()) },
                 plain: i & 1 > 0,
