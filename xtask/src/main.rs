@@ -3,7 +3,9 @@
 
 mod bits;
 mod encodings;
+mod fuzz;
 mod soak;
+mod tried;
 mod twin;
 
 use anyhow::{Context as _, bail};
@@ -19,6 +21,8 @@ cargo xtask soak coverage [SEEDS]      how often intervals of identified paramet
 cargo xtask soak simulate [SEEDS [FIRST]] whole sessions in memory with faults drawn from a seed each [100000, from 0]
 cargo xtask soak simulate-twin [SEEDS [FIRST]] the same with the simulated device and participant [1000, from 0]
 cargo xtask soak properties [CASES [SEED]] fresh cases for every random property [1000000, a new seed]
+cargo xtask fuzz TARGET|all|seeds [RUNS] any bytes for a reader, or for all of them; or the files they begin from, anew [10000000 or 1000000]
+cargo xtask reliability                write what was tried into docs/reliability.md
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
 
 fn main() -> anyhow::Result<()> {
@@ -56,6 +60,11 @@ fn main() -> anyhow::Result<()> {
             let fresh = jiff::Timestamp::now().as_microsecond().unsigned_abs();
             soak::properties::properties(number(rest.first(), 1_000_000)?, number(rest.get(1), fresh)?)
         }
+        ["fuzz", which, rest @ ..] => {
+            let runs = rest.first().map(|runs| number(Some(runs), 0)).transpose()?;
+            fuzz::fuzz(which, runs)
+        }
+        ["reliability"] => tried::reliability(),
         ["encodings", study] => encodings::measure(Path::new("."), study),
         _ => bail!("the chores are\n{CHORES}"),
     }

@@ -24,6 +24,7 @@ mod frame;
 mod hash;
 mod head;
 mod held;
+pub mod hostile;
 pub mod import;
 mod journal;
 mod json;

@@ -88,7 +88,7 @@ fn table(scene: &str, rows: &[Row], reference_rad: f64) -> Result<Table, TableEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_dynamics::{Friction, Input, Mode, table3};
+    use zwidth_dynamics::{Finger, FingerLaw, Input, Mode, table3};
 
     fn check(solver: &str, step_s: f64, reversals: i64, max_deg: f64) {
         let scene = table3::scene(Mode::Hybrid, Input::sine(2.15));
@@ -129,8 +129,9 @@ mod tests {
     fn a_run_that_fails_is_a_row_that_says_so() {
         let mut scene = table3::scene(Mode::Active, Input::sine(2.15));
         scene.plant.stops_rad = None;
-        // A step so long for such friction grows by 41 powers of ten, and nothing bounds it.
-        scene.friction = Some(Friction { static_n: 0.0, kinetic_n: 0.0, viscous_ns_per_rad: 1e9 });
+        // Each step is so long for tissue so stiff that it grows by many powers of ten, and nothing bounds it.
+        let finger = table3::finger(FingerLaw::Consistent);
+        scene.finger = Some(Finger { stiffness_n_per_m: 1e12, length_m: None, ..finger });
         let table = chattering_table(&scene, &["rk4_per_step"], &[8.3e-3]).unwrap();
         assert_eq!(table.texts("verdict").unwrap()[0].as_deref(), Some("failed"));
         assert_eq!(table.integers("reversals").unwrap(), [None]);

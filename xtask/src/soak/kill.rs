@@ -2,6 +2,7 @@
 //! keeps what it had, `verify` is clean after `recover`, and the session goes on in the same order.
 
 use super::{SESSION, STUDY, fraction, fresh, run};
+use crate::tried::held;
 use anyhow::{Context as _, ensure};
 use jiff::Timestamp;
 use std::io::{BufRead as _, BufReader};
@@ -35,7 +36,7 @@ pub(crate) fn kill(program: &Path, folder: &Path, kills: u32, seed: u64) -> anyh
     let started = Instant::now();
     let whole = fresh(&reference, &SHORT)?;
     acquire(program, &reference, seed, false)?;
-    let length = started.elapsed();
+    let (length, began) = (started.elapsed(), Instant::now());
     let (mut cut, mut worst_s) = (0, 0.0_f64);
     for number in 1..=kills {
         let live = number % LIVE_EVERY == 0;
@@ -59,7 +60,8 @@ pub(crate) fn kill(program: &Path, folder: &Path, kills: u32, seed: u64) -> anyh
         "{kills} kills, {cut} of them within a trial in real time; most that was lost of one: {:.0} ms; nothing finished was lost",
         worst_s * 1e3
     );
-    Ok(())
+    let what = "`kill -9` of the program at random instants of a session, on the real disk";
+    held(what, format!("cargo xtask soak kill {kills}"), kills.into(), began)
 }
 
 /// The arguments of a session that runs by itself.

@@ -1,8 +1,10 @@
 //! Fresh cases for every random property: `cargo test` draws the same ones each time (`.cargo/config.toml`), and what lies
 //! beyond them is looked for here.
 
+use crate::tried::held;
 use anyhow::{bail, ensure};
 use std::process::Command;
+use std::time::Instant;
 
 /// The properties of the dynamics draw so many times the cases of the others (`solve::properties::many`).
 const DYNAMICS: u32 = 40;
@@ -12,6 +14,7 @@ const DYNAMICS: u32 = 40;
 pub(crate) fn properties(cases: u32, seed: u64) -> anyhow::Result<()> {
     ensure!(cases >= DYNAMICS, "{cases} cases are fewer than {DYNAMICS}, one for the others");
     println!("{cases} cases a property of the dynamics, {} of the others, seed {seed}", cases / DYNAMICS);
+    let began = Instant::now();
     let status = Command::new(env!("CARGO"))
         .args(["test", "--workspace", "--locked", "--lib", "--bins"])
         .env("PROPTEST_CASES", (cases / DYNAMICS).to_string())
@@ -20,5 +23,6 @@ pub(crate) fn properties(cases: u32, seed: u64) -> anyhow::Result<()> {
     if !status.success() {
         bail!("a property fails with seed {seed}: keep its smallest case as a test with a name");
     }
-    Ok(())
+    let what = "fresh random cases for each property of the dynamics";
+    held(what, format!("cargo xtask soak properties {cases}"), cases.into(), began)
 }

@@ -3,13 +3,14 @@
 
 use super::cable::{Board, Remote};
 use super::{STUDY, fraction};
+use crate::tried::held;
 use anyhow::{Context as _, bail, ensure};
 use std::ops::ControlFlow;
 use std::os::unix::net::UnixListener;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zwidth_device::{
     Controller, Device as _, Guard, Limits, Person, RealClock, TrialPlan, Twin, TwinParameters, run_live,
 };
@@ -34,6 +35,7 @@ enum Cut {
 
 /// Cuts hosts off, by turns by SIGKILL and by the cable, and tells how long the voltages outlived them.
 pub(crate) fn watchdog(folder: &Path, cuts: u32, seed: u64) -> anyhow::Result<()> {
+    let began = Instant::now();
     std::fs::create_dir_all(folder)?;
     let study = study()?;
     let (mut longest_s, mut done, mut tries) = ([0.0_f64; 2], [0; 2], 0);
@@ -56,7 +58,8 @@ pub(crate) fn watchdog(folder: &Path, cuts: u32, seed: u64) -> anyhow::Result<()
          {unplugged_ms:.1} ms",
         done[0], done[1]
     );
-    Ok(())
+    let what = "hosts killed and cables pulled under voltage: the board goes to 0 V";
+    held(what, format!("cargo xtask soak watchdog {cuts}"), cuts.into(), began)
 }
 
 /// How long the voltages outlived the host, s; none if there were none when it was cut off.

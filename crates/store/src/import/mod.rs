@@ -25,6 +25,7 @@ mod mat;
 mod once;
 mod parquet;
 mod plan;
+pub(crate) mod readers;
 #[cfg(test)]
 mod real;
 mod recording;

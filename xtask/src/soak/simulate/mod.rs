@@ -10,6 +10,7 @@ mod life;
 mod person;
 mod world;
 
+use crate::tried::{Tried, note};
 use anyhow::{bail, ensure};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,6 +27,13 @@ pub(crate) enum With {
     Mock,
     /// The simulated device and its participant.
     Twin,
+}
+
+impl With {
+    /// What the chore is called.
+    fn chore(self) -> &'static str {
+        if self == Self::Twin { "simulate-twin" } else { "simulate" }
+    }
 }
 
 /// How often each thing happened.
@@ -83,6 +91,16 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
         println!("seed {seed}: {why}");
     }
     println!("{} promises broken", broken.len());
+    note(&Tried {
+        what: match with {
+            With::Mock => "sessions of a device that fails, each with faults drawn from its seed".to_owned(),
+            With::Twin => "sessions of the simulated device, each with faults drawn from its seed".to_owned(),
+        },
+        command: format!("cargo xtask soak {} {seeds} {first}", with.chore()),
+        times: seeds,
+        broken: broken.len() as u64,
+        seconds: took_s,
+    })?;
     if let Some((seed, _)) = broken.first() {
         bail!("look at one again with `cargo xtask soak simulate 1 {seed}`");
     }
@@ -91,9 +109,8 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
 
 /// The same in a program that is built for speed.
 fn optimised(with: With, seeds: u64, first: u64) -> anyhow::Result<()> {
-    let chore = if with == With::Twin { "simulate-twin" } else { "simulate" };
     let status = Command::new(env!("CARGO"))
-        .args(["run", "--quiet", "--release", "--locked", "--package", "xtask", "--", "soak", chore])
+        .args(["run", "--quiet", "--release", "--locked", "--package", "xtask", "--", "soak", with.chore()])
         .args([seeds.to_string(), first.to_string()])
         .status()?;
     if !status.success() {

@@ -1,0 +1,59 @@
+//! Each reader as a function of a file's bytes, for tests that put anything in their place (`fuzz/`).
+//!
+//! What a reader makes of them is thrown away; what is looked for is a panic, a hang, or memory without end.
+
+use crate::events::read_events_from;
+use crate::journal::read_journal;
+use crate::read::{read_footer_from, read_trial_from};
+use crate::sessions::record_from;
+use crate::sweep::read_sweep_from;
+use crate::{Files, Signal, StoreError};
+use std::path::{Path, PathBuf};
+
+pub use crate::import::readers::{csv, jsonl, mat, parquet};
+
+/// A journal; the number of its samples.
+///
+/// # Errors
+/// Why it cannot be read.
+pub fn journal(files: &dyn Files, path: &Path) -> Result<usize, StoreError> {
+    read_journal(files, path).map(|read| read.trial().map_or(0, |trial| trial.samples.len()))
+}
+
+/// An event log with its head.
+///
+/// # Errors
+/// Why it cannot be read.
+pub fn events(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
+    read_events_from(files, path).map(drop)
+}
+
+/// Where the head of a log lies.
+pub fn head_of(log: &Path) -> PathBuf {
+    crate::head::head_of(log)
+}
+
+/// A session's record.
+///
+/// # Errors
+/// Why it cannot be read.
+pub fn record(path: &Path, text: &str) -> Result<(), StoreError> {
+    record_from(path, text).map(drop)
+}
+
+/// A trial: its footer, then its samples.
+///
+/// # Errors
+/// Why it cannot be read.
+pub fn trial(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
+    read_footer_from(files, path)?;
+    read_trial_from(files, path, Signal::all()).map(drop)
+}
+
+/// A sweep.
+///
+/// # Errors
+/// Why it cannot be read.
+pub fn sweep(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
+    read_sweep_from(files, path).map(drop)
+}

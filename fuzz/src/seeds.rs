@@ -1,0 +1,191 @@
+//! Writes `fuzz/seeds`: for each target small files as they should be, from which a fuzzer begins. An unseeded one finds no
+//! magic bytes.
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use zwidth_device::TwinParameters;
+use zwidth_store::{
+    Journal, Layout, Memory, Quantity, Samples, Sweep, Trial, TrialFile, append_events, hostile,
+    record_bytes, sweep_bytes, trial_bytes,
+};
+use zwidth_study::{
+    Calibration, Event, Flags, Kind, PlannedTrial, Sample, SessionRecord, Source, Status, TrialMeta,
+    Voltages, template,
+};
+
+const UTC: &str = "2026-01-01T00:00:00Z";
+
+type Any = Box<dyn std::error::Error>;
+
+/// Writes them all, from the workspace's folder on.
+pub fn write() -> Result<(), Any> {
+    let seeds = Path::new("fuzz/seeds");
+    let put = |target: &str, name: &str, bytes: &[u8]| -> Result<(), Any> {
+        let folder = seeds.join(target);
+        std::fs::create_dir_all(&folder)?;
+        Ok(std::fs::write(folder.join(name), bytes)?)
+    };
+    let (disk, layout) = (Memory::new(), Layout::new(Path::new("/r"), "demo".parse()?));
+    let study = template(layout.study()).into_bytes();
+    disk.put(&layout.study_toml(), &study);
+
+    let meta = meta()?;
+    let mut journal = Journal::create(&disk, &layout, &meta, &TrialFile::new())?;
+    let rows: Vec<Sample> = (0..4).map(row).collect();
+    journal.append(&rows)?;
+    journal.end()?;
+    put("journal", "whole", &content(&disk, &layout.journal(&meta.participant, &meta.session, 1))?)?;
+
+    let log = layout.events(&meta.participant, &meta.session);
+    let events = [
+        Event::Note { trial: Some(1), text: "slowly".into() },
+        Event::Recorded { trial: 1, blake3: "0".repeat(64) },
+        Event::Excluded { trial: 1, reason: "the phone rang".into() },
+    ];
+    append_events(&disk, &log, UTC, &events)?;
+    let (lines, head) = (content(&disk, &log)?, content(&disk, &hostile::head_of(&log))?);
+    put("events", "three", &lines)?;
+    put("head", "three", &[head, vec![0], lines.clone()].concat())?;
+
+    let planned = PlannedTrial {
+        trial: 1,
+        repeat: 1,
+        kind: Kind::Trial,
+        environment: meta.environment.clone(),
+        mode: meta.mode.clone(),
+        samples: true,
+    };
+    let (participant, session) = (meta.participant.clone(), meta.session.clone());
+    let hash = "0".repeat(64);
+    let record = SessionRecord::new(participant, session, Source::Recorded, "seeds", hash, vec![planned]);
+    let record = record_bytes(Path::new("P01_S01.json"), &record)?;
+    put("record", "one_trial", &record)?;
+    for (which, bytes) in [(0, &record), (1, &lines), (2, &study), (3, &study)] {
+        put("whole", &which.to_string(), &[&[which], bytes.as_slice()].concat())?;
+    }
+    put("records", "one_job", RECORDS.as_bytes())?;
+
+    put("study", "template", &study)?;
+    put("calibration", "thesis", Calibration::thesis().to_toml()?.as_bytes())?;
+    put("twin", "default", toml::to_string(&TwinParameters::default())?.as_bytes())?;
+    for (target, file) in [
+        ("mapping", "studies/brake_b5zd/map.toml"),
+        ("mapping", "studies/tsa/map.toml"),
+        ("mapping", "studies/likert_vr_shoes/map.toml"),
+        ("scene", "scenes/sine_finger.toml"),
+        ("scene", "scenes/two_actuators.toml"),
+    ] {
+        let name = file.trim_end_matches(".toml").replace('/', "_");
+        put(target, &name, &std::fs::read(file)?)?;
+    }
+
+    let trial = Trial { meta, file: TrialFile::new(), samples: Samples::from_rows(&rows) };
+    let trial = trial_bytes(&trial, Path::new("trial-001.parquet"))?;
+    put("trial", "four_rows", &trial)?;
+    put("parquet", "trial", &trial)?;
+    let quantity = |name: &str, unit: &str| Quantity { name: name.into(), unit: unit.into() };
+    let sweep = Sweep {
+        actuator: "motor".parse()?,
+        sweep: 1,
+        source: Source::Recorded,
+        command: quantity("voltage", "V"),
+        response: quantity("force", "N"),
+        t_s: Some(vec![0.0, 0.1, 0.2]),
+        command_values: vec![0.0, 1.0, 2.0],
+        response_values: vec![0.0, 0.26, 0.52],
+        file: TrialFile::new(),
+    };
+    let sweep = sweep_bytes(&sweep, Path::new("sweep-001.parquet"))?;
+    put("sweep", "three_rows", &sweep)?;
+    put("parquet", "sweep", &sweep)?;
+
+    put("csv", "plain", b"# made by hand\nt,angle,force\n0,0.1,1e-3\n0.01,\"0,2\",-2\n")?;
+    put("csv", "crlf", b"\xef\xbb\xbft;\"a \"\"b\"\"\"\r\n1;2\r\n")?;
+    put(
+        "jsonl",
+        "plain",
+        b"{\"t\":0,\"x\":1.5,\"who\":\"P01\"}\n{\"t\":0.1,\"x\":null,\"who\":\"\\u00e4\"}\n",
+    )?;
+    let data = matrix("data", &[[0.0, 1.0], [0.5, 2.0], [1.0, 3.0]]);
+    let vector = matrix("theta", &[[0.0], [0.1], [0.2]]);
+    put("mat", "plain", &[mat_header(), data.clone(), vector.clone()].concat())?;
+    put("mat", "packed", &[mat_header(), packed(&data)?, packed(&vector)?].concat())?;
+    Ok(())
+}
+
+fn content(disk: &Memory, path: &PathBuf) -> Result<Vec<u8>, Any> {
+    disk.below(path).remove(path).ok_or_else(|| format!("{} was not written", path.display()).into())
+}
+
+fn meta() -> Result<TrialMeta, Any> {
+    Ok(TrialMeta {
+        participant: "P01".parse()?,
+        session: "S01".parse()?,
+        trial: 1,
+        repeat: 1,
+        kind: Kind::Trial,
+        status: Status::Complete,
+        environment: "spring".parse()?,
+        mode: "hybrid".parse()?,
+        likert: Some(4),
+        source: Source::Recorded,
+    })
+}
+
+fn row(i: u32) -> Sample {
+    let x = f64::from(i);
+    Sample {
+        t_s: 1e-3 * x,
+        t_device_s: None,
+        theta_rad: 0.01 * x,
+        theta_dot_rad_s: 10.0,
+        force_ex_n: 0.1 * x,
+        voltages: Voltages { motor_v: 0.1 * x, brake_v: 0.0 },
+        force_age_s: Some(0.003),
+        theta_raw: Some(7),
+        force_cmd_n: 0.026 * x,
+        flags: Flags::MOTOR_ON,
+    }
+}
+
+const RECORDS: &str = r#"{"metrics P01 S01":{"stage":"metrics","version":1,"parameters":"{}",
+"inputs":{"raw/demo/study.toml":"00"},"outputs":{"derived/demo/metrics.parquet":"11"},"problems":[],"origin":"22"}}"#;
+
+/// The header of a MAT file of version 5, little-endian.
+fn mat_header() -> Vec<u8> {
+    let mut header = b"MATLAB 5.0 MAT-file".to_vec();
+    header.resize(124, b' ');
+    header.extend_from_slice(&[0x00, 0x01, b'I', b'M']);
+    header
+}
+
+/// A data element: type, length, bytes, padded to eight.
+fn element(kind: u32, bytes: &[u8]) -> Vec<u8> {
+    let length = u32::try_from(bytes.len()).unwrap_or_default();
+    let mut all = [kind.to_le_bytes(), length.to_le_bytes()].concat();
+    all.extend_from_slice(bytes);
+    all.resize(all.len().next_multiple_of(8), 0);
+    all
+}
+
+/// A matrix of doubles by rows.
+fn matrix<const N: usize>(name: &str, rows: &[[f64; N]]) -> Vec<u8> {
+    let dimensions = [rows.len() as u32, N as u32].map(u32::to_le_bytes).concat();
+    let by_columns = (0..N).flat_map(|j| rows.iter().flat_map(move |row| row[j].to_le_bytes()));
+    let parts = [
+        element(6, &[6_u32.to_le_bytes(), [0; 4]].concat()),
+        element(5, &dimensions),
+        element(1, name.as_bytes()),
+        element(9, &by_columns.collect::<Vec<u8>>()),
+    ];
+    element(14, &parts.concat())
+}
+
+fn packed(element: &[u8]) -> Result<Vec<u8>, Any> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(element)?;
+    let bytes = encoder.finish()?;
+    Ok([15_u32.to_le_bytes().to_vec(), (bytes.len() as u32).to_le_bytes().to_vec(), bytes].concat())
+}

@@ -1,0 +1,177 @@
+//! `cargo xtask fuzz`: any bytes in the place of each file that is read (`fuzz/`).
+//!
+//! libFuzzer is guided by counters that LLVM puts on every edge, which a stable compiler does too when asked by these flags.
+
+use crate::tried::{Tried, note};
+use anyhow::{Context as _, bail, ensure};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// The counters of libFuzzer: which edges were taken, and which numbers were compared.
+const COUNTERS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
+    -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
+    -Cllvm-args=-sanitizer-coverage-trace-compares -Clink-dead-code -Ccodegen-units=4";
+const HOST: &str = "x86_64-unknown-linux-gnu";
+
+/// A target, the runs that it gets, and the longest input in bytes.
+struct Kind {
+    name: &'static str,
+    runs: u64,
+    longest: u32,
+}
+
+const TEXT: u64 = 10_000_000;
+const BINARY: u64 = 1_000_000;
+
+const KINDS: [Kind; 17] = [
+    Kind { name: "journal", runs: TEXT, longest: 4096 },
+    Kind { name: "events", runs: TEXT, longest: 4096 },
+    Kind { name: "head", runs: TEXT, longest: 4096 },
+    Kind { name: "record", runs: TEXT, longest: 4096 },
+    Kind { name: "records", runs: TEXT, longest: 4096 },
+    Kind { name: "csv", runs: TEXT, longest: 4096 },
+    Kind { name: "jsonl", runs: TEXT, longest: 4096 },
+    Kind { name: "study", runs: BINARY, longest: 4096 },
+    Kind { name: "calibration", runs: BINARY, longest: 1024 },
+    Kind { name: "mapping", runs: BINARY, longest: 4096 },
+    Kind { name: "scene", runs: BINARY, longest: 4096 },
+    Kind { name: "twin", runs: BINARY, longest: 1024 },
+    Kind { name: "trial", runs: BINARY, longest: 16_384 },
+    Kind { name: "sweep", runs: BINARY, longest: 16_384 },
+    Kind { name: "mat", runs: BINARY, longest: 4096 },
+    Kind { name: "parquet", runs: BINARY, longest: 8192 },
+    Kind { name: "whole", runs: BINARY, longest: 4096 },
+];
+
+/// Targets at once.
+const AT_ONCE: usize = 2;
+
+/// Memory that a reader may have, MiB, and the time that it may take for one input, s.
+const MOST_MEMORY: &str = "1024";
+const MOST_TIME: &str = "10";
+
+/// Fuzzes one target or `all`, each with so many runs or its own number.
+pub(crate) fn fuzz(which: &str, runs: Option<u64>) -> anyhow::Result<()> {
+    let chosen: Vec<&Kind> = KINDS.iter().filter(|kind| which == "all" || kind.name == which).collect();
+    if chosen.is_empty() && which != "seeds" {
+        let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+        bail!("'{which}' is no target; there are all, {}", names.join(", "));
+    }
+    let program = build()?;
+    if which == "seeds" {
+        let written = Command::new(&program).env("ZWIDTH_FUZZ", "seeds").status()?;
+        ensure!(written.success(), "the seeds cannot be written");
+        return Ok(());
+    }
+    let (next, broken) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || -> anyhow::Result<()> {
+        while let Some(kind) = chosen.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let found = tell(&program, kind, runs.unwrap_or(kind.runs))?;
+            broken.fetch_add(usize::from(found), Ordering::Relaxed);
+        }
+        Ok(())
+    };
+    std::thread::scope(|scope| -> anyhow::Result<()> {
+        let threads: Vec<_> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
+        threads
+            .into_iter()
+            .try_for_each(|thread| thread.join().unwrap_or_else(|_| bail!("a thread panicked")))
+    })?;
+    let broken = broken.into_inner();
+    ensure!(broken == 0, "{broken} targets have a finding: mend it, and keep the input below fuzz/seeds");
+    Ok(())
+}
+
+/// Runs one target, says and notes what came of it; whether it has a finding.
+fn tell(program: &Path, kind: &Kind, runs: u64) -> anyhow::Result<bool> {
+    let began = Instant::now();
+    let found = one(program, kind, runs)?;
+    let seconds = began.elapsed().as_secs_f64();
+    println!(
+        "{:<12} {runs:>9} runs in {seconds:>6.0} s: {}",
+        kind.name,
+        found.as_deref().unwrap_or("no finding")
+    );
+    note(&Tried {
+        what: format!("any bytes as {}", about(kind.name)),
+        command: format!("cargo xtask fuzz {} {runs}", kind.name),
+        times: runs,
+        broken: u64::from(found.is_some()),
+        seconds,
+    })?;
+    Ok(found.is_some())
+}
+
+/// What people call a target's file.
+fn about(name: &str) -> &'static str {
+    match name {
+        "journal" => "a trial's journal",
+        "events" => "a session's log",
+        "head" => "the head of a log, and its log",
+        "record" => "a session's record",
+        "records" => "the runner's records.json",
+        "csv" => "a CSV to be imported",
+        "jsonl" => "JSON lines to be imported",
+        "study" => "study.toml",
+        "calibration" => "calibration.toml",
+        "mapping" => "a mapping file",
+        "scene" => "a scene",
+        "twin" => "twin.toml",
+        "trial" => "a trial's Parquet file",
+        "sweep" => "a sweep's Parquet file",
+        "mat" => "a MAT file to be imported",
+        "parquet" => "a Parquet file to be imported",
+        _ => "any text file of a study, and what verify says of it",
+    }
+}
+
+fn target_folder() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from).join("fuzz")
+}
+
+fn build() -> anyhow::Result<PathBuf> {
+    let status = Command::new(env!("CARGO"))
+        .args([
+            "build",
+            "--release",
+            "--quiet",
+            "--locked",
+            "--manifest-path",
+            "fuzz/Cargo.toml",
+            "--target",
+            HOST,
+        ])
+        .env("RUSTFLAGS", COUNTERS)
+        .env("CARGO_TARGET_DIR", target_folder())
+        .status()?;
+    ensure!(status.success(), "the fuzz targets do not build; they need a C++ compiler");
+    Ok(target_folder().join(HOST).join("release/fuzz"))
+}
+
+/// Runs a target from its seeds on; what it found, in words.
+fn one(program: &Path, kind: &Kind, runs: u64) -> anyhow::Result<Option<String>> {
+    let corpus = target_folder().join("corpus").join(kind.name);
+    std::fs::create_dir_all(&corpus)?;
+    let seeds = Path::new("fuzz/seeds").join(kind.name);
+    let findings = target_folder().join(format!("finding-{}-", kind.name));
+    let output = Command::new(program)
+        .env("ZWIDTH_FUZZ", kind.name)
+        .arg(&corpus)
+        .arg(&seeds)
+        .args([format!("-runs={runs}"), format!("-max_len={}", kind.longest), "-seed=1".to_owned()])
+        .args([format!("-rss_limit_mb={MOST_MEMORY}"), format!("-malloc_limit_mb={MOST_MEMORY}")])
+        .args([format!("-timeout={MOST_TIME}"), "-print_final_stats=1".to_owned(), "-verbosity=0".to_owned()])
+        .arg(format!("-artifact_prefix={}", findings.display()))
+        .output()
+        .with_context(|| format!("{} does not run", program.display()))?;
+    if output.status.success() {
+        return Ok(None);
+    }
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let telling =
+        |line: &&str| ["panicked", "ERROR", "written to", "is no target"].iter().any(|w| line.contains(w));
+    let lines: Vec<&str> = said.lines().filter(telling).collect();
+    Ok(Some(if lines.is_empty() { said } else { lines.join("; ") }))
+}
