@@ -430,20 +430,28 @@ mod tests {
     #[test]
     fn a_trial_is_the_same_on_the_caller_s_thread_and_on_its_own_and_the_turn_stays_known_after_it() {
         let place = Place::new();
-        let (mut device, mut clock) = (Mock::default(), SharedClock::default());
+        let (mut device, mut clock) = (Mock::default().resting(), SharedClock::default());
         let (end, samples) =
             trial(&place, &mut Attendant::here(station(&mut device, &mut clock)), usize::MAX);
-        let (mut device, mut clock) = (Mock::default(), SharedClock::default());
+        let (mut device, mut clock) = (Mock::default().resting(), SharedClock::default());
         let of_test = clock.clone();
         let station = station(&mut device, &mut clock);
         let (end_there, samples_there) = thread::scope(|scope| {
             let mut attendant = Attendant::in_real_time(scope, station);
             let found = trial(&place, &mut attendant, usize::MAX);
             of_test.stand(5.0);
-            assert!(attendant.fault().is_none() && attendant.ask(|s| s.guard.is_homed()).unwrap());
+            assert_eq!(attendant.fault(), None);
+            assert!(attendant.ask(|s| s.guard.is_homed()).unwrap());
             found
         });
-        assert_eq!((&end, samples.len()), (&TrialEnd::LetGo, samples_there.len()));
+        // It begins at another time there, by whose rounding half a second of rest ends a tick later.
+        assert!(
+            samples.len().abs_diff(samples_there.len()) <= 1,
+            "{} and {}",
+            samples.len(),
+            samples_there.len()
+        );
+        assert_eq!(end, TrialEnd::LetGo);
         assert_eq!(end, end_there);
         let close = |(a, b): (&Sample, &Sample)| {
             (a.t_s - b.t_s).abs() < 1e-9 && (a.force_cmd_n - b.force_cmd_n).abs() < 0.01
@@ -456,10 +464,10 @@ mod tests {
     #[test]
     fn a_trial_whose_samples_cannot_be_kept_ends_at_0_v_on_either_thread() {
         let place = Place::new();
-        let (mut device, mut clock) = (Mock::default(), SharedClock::default());
+        let (mut device, mut clock) = (Mock::default().resting(), SharedClock::default());
         let (end, _) = trial(&place, &mut Attendant::here(station(&mut device, &mut clock)), 100);
         assert_eq!(end, TrialEnd::Tripped(Trip::Storage));
-        let (mut device, mut clock) = (Mock::default(), SharedClock::default());
+        let (mut device, mut clock) = (Mock::default().resting(), SharedClock::default());
         let station = station(&mut device, &mut clock);
         let (end, _) =
             thread::scope(|scope| trial(&place, &mut Attendant::in_real_time(scope, station), 100));

@@ -85,6 +85,13 @@ impl Mock {
         Self { capabilities: capabilities(), motion, faults: Vec::new(), writes, began_s: 0.0 }
     }
 
+    /// The same, which rests as it begins until its first trial does: whoever reads on between homing and a trial would see
+    /// it move, and then jump back.
+    #[must_use]
+    pub fn resting(self) -> Self {
+        Self { began_s: f64::MAX, ..self }
+    }
+
     /// The same, with a fault from a host time on, s.
     #[must_use]
     pub fn failing(mut self, from_s: f64, fault: Fault) -> Self {

@@ -89,3 +89,49 @@ fn every_random_property_draws_from_one_seed() {
     }
     assert!(properties >= 6, "only {properties} blocks of properties: were they found?");
 }
+
+/// Which command holds which handle on `raw/` (`zwidth_store::Raw`); none writes there without.
+#[test]
+fn only_the_commands_that_may_hold_a_handle_that_writes_below_raw() {
+    let commands = workspace().join("crates/zwidth/src/commands");
+    let holders = |handle: &str| -> Vec<String> {
+        let holds = |path: &PathBuf| code(&fs::read_to_string(path).unwrap()).contains(handle);
+        let name = |path: &PathBuf| path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let mut found: Vec<String> = files(&commands, "rs").iter().filter(|p| holds(p)).map(name).collect();
+        found.sort();
+        found
+    };
+    assert_eq!(holders("Raw::mends("), ["import", "recover"]);
+    assert_eq!(holders("Raw::adds("), ["acquire", "characterise", "recover", "twin", "unseal"]);
+    assert_eq!(holders("Raw::new_study("), ["new", "twin"]);
+    // The disk itself is handed to what only reads, to the two handles, and to `simulate`, which has a folder of its own.
+    let writes = writes_without_handle();
+    for path in files(&commands, "rs").iter().filter(|p| !p.ends_with("simulate/output.rs")) {
+        for line in code(&fs::read_to_string(path).unwrap()).lines() {
+            assert!(!writes.iter().any(|w| line.contains(w)), "{}: {line}", path.display());
+        }
+    }
+}
+
+/// Calls that write, with a disk instead of a handle.
+fn writes_without_handle() -> Vec<String> {
+    let functions = [
+        "append_events",
+        "log_sweeps",
+        "write_new",
+        "write_private",
+        "replace",
+        "accept_study",
+        "recover_study",
+        "settle",
+        "record_sweep",
+        "lay_down",
+        "keep",
+    ];
+    let disks = ["RealFiles", "Unsynced"];
+    let call = |f: &&str| disks.map(|disk| format!("{f}(&{disk}"));
+    let mut calls: Vec<String> = functions.iter().flat_map(call).collect();
+    calls.extend(disks.map(|disk| format!("files: &{disk}")));
+    calls.extend(disks.map(|disk| format!("{disk}.re"))); // remove, remove_folder, rename
+    calls
+}

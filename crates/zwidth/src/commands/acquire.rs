@@ -15,7 +15,7 @@ use zwidth_acquire::{
     Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session, own_study, run,
     seed_of,
 };
-use zwidth_store::RealFiles;
+use zwidth_store::{Raw, RealFiles};
 use zwidth_study::SessionRecord;
 
 /// The software, as every record and trial names it.
@@ -27,8 +27,9 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         bail!("--fast is a simulated clock, which no rig follows; leave it out");
     }
     let mut bench = bench(root, command.study.clone(), command.rate)?;
-    let _lock = lock(&bench.layout, "zwidth acquire")?;
-    put_in_order_and_tell(&bench.layout, screen);
+    let layout = bench.layout.clone();
+    let lock = lock(&layout, "zwidth acquire")?;
+    put_in_order_and_tell(&layout, &lock, screen);
     if let Some(own) = own_study(&RealFiles, &bench.layout, participant, session)? {
         bench = bench.by(own, command.rate)?;
     }
@@ -49,7 +50,8 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         keys,
         secret: secret()?,
     };
-    let laid = Session::open(&plan, device.capabilities(), &RealFiles)?;
+    let raw = Raw::adds(&RealFiles, &layout, &lock).with_vault(&plan.keys);
+    let laid = Session::open(&plan, device.capabilities(), &raw)?;
     let options = Options {
         live: !command.fast,
         answers: command.auto,
@@ -62,7 +64,7 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
     let mut front = front(command, Arc::clone(&options.stop))?;
     let utc = |_: f64| super::recover::now();
     let parts =
-        Parts { device: &mut *device, clock: &mut *clock, files: &RealFiles, front: &mut *front, utc: &utc };
+        Parts { device: &mut *device, clock: &mut *clock, files: &raw, front: &mut *front, utc: &utc };
     let outcome = run(&plan, laid, &options, parts);
     drop(front); // the terminal is given back before anything is printed on it
     Ok(tell(&plan, &outcome?, &resume(root, command, plan.study.design.blinded), screen))

@@ -10,13 +10,13 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_device::{Device as _, Person, SweepPoint, Twin, brake_sweep, motor_sweep};
 use zwidth_store::{
-    Files, Layout, Quantity, RealFiles, Sweep, hex_blake3, log_sweeps, sweep_bytes, write_new,
+    Files, Layout, Quantity, Raw, RealFiles, Sweep, hex_blake3, log_sweeps, sweep_bytes, write_new,
 };
 use zwidth_study::{ActuatorId, Source};
 
 pub(crate) fn characterise(root: &Path, command: &Characterise, screen: &Screen) -> anyhow::Result<Exit> {
     let bench = bench(root, command.study.clone(), None)?;
-    let _lock = lock(&bench.layout, "zwidth characterise")?;
+    let lock = lock(&bench.layout, "zwidth characterise")?;
     match &command.device {
         DeviceSpec::Twin => {}
         DeviceSpec::Playback(_) => bail!("a recording cannot be characterised; use --device twin"),
@@ -24,11 +24,12 @@ pub(crate) fn characterise(root: &Path, command: &Characterise, screen: &Screen)
             bail!("this version cannot drive a rig yet, so {ports} were not opened; use --device twin")
         }
     }
+    let raw = Raw::adds(&RealFiles, &bench.layout, &lock);
     let first = free_number(&bench.layout, command.actuator)?;
     for number in first..first.saturating_add(command.sweeps) {
         let software = super::acquire::SOFTWARE;
-        let (path, sweep) = record(&bench, &RealFiles, command.actuator, command.seed, number, software)?;
-        log_sweeps(&RealFiles, &bench.layout, &now(), &[sweep])?;
+        let (path, sweep) = record(&bench, &raw, command.actuator, command.seed, number, software)?;
+        log_sweeps(&raw, &bench.layout, &now(), &[sweep])?;
         screen.result(path.display().to_string());
     }
     Ok(Exit::Fine)

@@ -8,19 +8,20 @@ use crate::screen::Screen;
 use anyhow::anyhow;
 use std::path::Path;
 use zwidth_store::import::{Mapping, import as import_files, settle};
-use zwidth_store::{RealFiles, read_study};
+use zwidth_store::{Raw, RealFiles, read_study};
 
 pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
     let mapping = Mapping::read(&command.map).map_err(|findings| together(&findings))?;
-    let _lock = lock(&layout, "zwidth import").map_err(|e| anyhow!("{e}; nothing was imported"))?;
+    let lock = lock(&layout, "zwidth import").map_err(|e| anyhow!("{e}; nothing was imported"))?;
     let study = read_study(&layout).map_err(|findings| together(&findings))?;
-    for left in settle(&RealFiles, &layout) {
+    let raw = Raw::mends(&RealFiles, &layout, &lock);
+    for left in settle(&raw, &layout) {
         screen.say(left.map_err(|e| anyhow!("{e}; nothing was imported"))?.to_string());
     }
     let utc = jiff::Timestamp::now().to_string();
     let software = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
-    let report = import_files(&layout, &study, &mapping, &command.files, &utc, software, &RealFiles)
+    let report = import_files(&layout, &study, &mapping, &command.files, &utc, software, &raw)
         .map_err(|findings| together(&findings))?;
     if screen.json {
         screen.listing(&report)?;

@@ -4,7 +4,7 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
 use std::path::Path;
-use zwidth_store::{Layout, RealFiles, check_study_id, write_new};
+use zwidth_store::{Layout, Raw, RealFiles, check_study_id, write_new};
 use zwidth_study::{StudyId, template};
 
 pub(crate) fn new(root: &Path, study: StudyId, screen: &Screen) -> anyhow::Result<Exit> {
@@ -14,7 +14,7 @@ pub(crate) fn new(root: &Path, study: StudyId, screen: &Screen) -> anyhow::Resul
         bail!("the study '{study}' is there already; edit {}, or choose another id", path.display());
     }
     check_study_id(&RealFiles, &layout)?;
-    write_new(&RealFiles, &path, template(&study).as_bytes())?;
+    write_new(&Raw::new_study(&RealFiles, &layout), &path, template(&study).as_bytes())?;
     screen.result(format!("{}", path.display()));
     screen.say(format!("Edit it, then check it with `zwidth verify {study}`."));
     Ok(Exit::Fine)

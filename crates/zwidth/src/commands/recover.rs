@@ -7,7 +7,7 @@ use crate::screen::Screen;
 use serde::Serialize;
 use std::path::Path;
 use zwidth_store::{
-    Layout, RealFiles, Recovered, StoreError, StudyLock, accept_study, owner, recover as recover_study,
+    Layout, Raw, RealFiles, Recovered, StoreError, StudyLock, accept_study, owner, recover as recover_study,
 };
 
 #[derive(Serialize)]
@@ -19,10 +19,10 @@ struct Line {
 
 pub(crate) fn recover(root: &Path, command: &Recover, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
-    let _lock = lock(&layout, "zwidth recover")?;
-    let mut lines = put_in_order(&layout);
+    let lock = lock(&layout, "zwidth recover")?;
+    let mut lines = put_in_order(&layout, &lock);
     if command.accept_study_change {
-        lines.extend(accepted(&layout, command)?);
+        lines.extend(accepted(&layout, &lock, command)?);
     }
     let exit = if lines.iter().all(|l| l.ok) { Exit::Fine } else { Exit::Partly };
     if screen.json {
@@ -39,9 +39,10 @@ pub(crate) fn recover(root: &Path, command: &Recover, screen: &Screen) -> anyhow
 }
 
 /// Accepts the present `study.toml`, for one session or for all to which a change of it matters.
-fn accepted(layout: &Layout, command: &Recover) -> anyhow::Result<Vec<Line>> {
+fn accepted(layout: &Layout, lock: &StudyLock, command: &Recover) -> anyhow::Result<Vec<Line>> {
     let only = command.participant.as_ref().zip(command.session.as_ref());
-    let accepted = accept_study(&RealFiles, layout, &now(), only).map_err(|findings| together(&findings))?;
+    let raw = Raw::adds(&RealFiles, layout, lock);
+    let accepted = accept_study(&raw, layout, &now(), only).map_err(|findings| together(&findings))?;
     let file = layout.study_toml().display().to_string();
     let line = |what| Line { file: file.clone(), what, ok: true };
     let none = accepted.is_empty().then(|| "study.toml: no change waits to be accepted".to_owned());
@@ -59,16 +60,16 @@ pub(super) fn now() -> String {
 }
 
 /// Recovers a study and tells what was done, for a command that is to write to it.
-pub(super) fn put_in_order_and_tell(layout: &Layout, screen: &Screen) {
-    for line in put_in_order(layout) {
+pub(super) fn put_in_order_and_tell(layout: &Layout, lock: &StudyLock, screen: &Screen) {
+    for line in put_in_order(layout, lock) {
         if line.ok { screen.say(line.what) } else { screen.warn(line.what) }
     }
 }
 
-fn put_in_order(layout: &Layout) -> Vec<Line> {
+fn put_in_order(layout: &Layout, lock: &StudyLock) -> Vec<Line> {
     let line = |found: Result<Recovered, StoreError>| match found {
         Ok(done) => Line { file: done.path.display().to_string(), what: done.to_string(), ok: true },
         Err(error) => Line { file: error.path.display().to_string(), what: error.to_string(), ok: false },
     };
-    recover_study(&RealFiles, layout, &now()).into_iter().map(line).collect()
+    recover_study(&Raw::mends(&RealFiles, layout, lock), layout, &now()).into_iter().map(line).collect()
 }

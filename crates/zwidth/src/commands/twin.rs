@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_acquire::{Auto, Nobody, Options, Outcome, Parts, Plan, Session, Unsynced, number, run};
 use zwidth_device::{Device as _, SimulatedClock};
-use zwidth_store::{Files as _, Layout, RealFiles, check_study_id, hex_blake3, log_sweeps, write_new};
+use zwidth_store::{Files as _, Layout, Raw, RealFiles, check_study_id, hex_blake3, log_sweeps, write_new};
 use zwidth_study::{ParticipantId, SessionId, template};
 
 /// Version of what this command makes of a seed. Another version gives other bytes, and another software in the files.
@@ -33,22 +33,23 @@ pub(crate) fn twin(root: &Path, command: &Twin, screen: &Screen) -> anyhow::Resu
     let layout = Layout::new(root, command.study.clone());
     make_study(&layout, command)?;
     let bench = bench(root, command.study.clone(), command.rate)?;
-    let _lock = lock(&bench.layout, "zwidth twin")?;
+    let lock = lock(&bench.layout, "zwidth twin")?;
     let sessions = sessions(command)?;
     refuse_what_is_there(&bench.layout, &sessions)?;
     let keys = keys(&command.keys, bench.study.design.blinded)?;
+    let raw = Raw::adds(&Unsynced, &bench.layout, &lock).with_vault(&keys);
     let bar = screen.bar(sessions.len());
     let outcomes: Vec<anyhow::Result<Outcome>> = sessions
         .par_iter()
         .map(|(participant, session)| {
-            let outcome = one(&bench, command.seed, participant, session, &keys);
+            let outcome = one(&bench, &raw, command.seed, participant, session, &keys);
             bar.inc(1);
             outcome.with_context(|| format!("{participant} {session}"))
         })
         .collect();
-    let swept = sweep_all(&bench, command.seed);
+    let swept = sweep_all(&bench, &raw, command.seed);
     // Empty, unless a trial could not be made a file: `verify` tells of that.
-    let _ = RealFiles.remove_folder(&bench.layout.journals());
+    let _ = raw.remove_folder(&bench.layout.journals());
     bar.finish_and_clear();
     swept?;
     tell(command, &sessions, outcomes, screen)
@@ -72,7 +73,7 @@ fn make_study(layout: &Layout, command: &Twin) -> anyhow::Result<()> {
     if let Some(rate_hz) = command.rate {
         text = text.replace("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {rate_hz:?}\n"));
     }
-    Ok(write_new(&RealFiles, &path, text.as_bytes())?)
+    Ok(write_new(&Raw::new_study(&RealFiles, layout), &path, text.as_bytes())?)
 }
 
 /// P01 S01, P01 S02, …
@@ -101,6 +102,7 @@ fn refuse_what_is_there(layout: &Layout, sessions: &[(ParticipantId, SessionId)]
 /// One session by the simulated participant.
 fn one(
     bench: &Bench,
+    raw: &Raw,
     seed: u64,
     participant: &ParticipantId,
     session: &SessionId,
@@ -129,13 +131,12 @@ fn one(
         stop: Default::default(),
         quit: Default::default(),
     };
-    let laid = Session::open(&plan, device.capabilities(), &Unsynced)?;
+    let laid = Session::open(&plan, device.capabilities(), raw)?;
     let mut clock = SimulatedClock::new(mixed(seed, &["clock", participant.as_str(), session.as_str()]));
     let begin = begin(participant, session)?;
     let utc = |now_s: f64| later(begin, now_s);
     let mut front = Auto::new(Nobody);
-    let parts =
-        Parts { device: &mut device, clock: &mut clock, files: &Unsynced, front: &mut front, utc: &utc };
+    let parts = Parts { device: &mut device, clock: &mut clock, files: raw, front: &mut front, utc: &utc };
     Ok(run(&plan, laid, &options, parts)?)
 }
 
@@ -163,15 +164,15 @@ fn later(begin: Timestamp, now_s: f64) -> String {
     begin.checked_add(since).unwrap_or(begin).to_string()
 }
 
-fn sweep_all(bench: &Bench, seed: u64) -> anyhow::Result<()> {
+fn sweep_all(bench: &Bench, raw: &Raw, seed: u64) -> anyhow::Result<()> {
     let all: Vec<(Actuator, u32)> =
         SWEEPS.iter().flat_map(|(actuator, n)| (1..=*n).map(|number| (*actuator, number))).collect();
     let record = |(actuator, number): &(Actuator, u32)| {
-        record_sweep(bench, &Unsynced, *actuator, seed, *number, SOFTWARE).map(|(_, sweep)| sweep)
+        record_sweep(bench, raw, *actuator, seed, *number, SOFTWARE).map(|(_, sweep)| sweep)
     };
     let sweeps = all.par_iter().map(record).collect::<anyhow::Result<Vec<_>>>()?;
     let utc = Timestamp::from_second(EPOCH_S)?.to_string();
-    Ok(log_sweeps(&Unsynced, &bench.layout, &utc, &sweeps)?)
+    Ok(log_sweeps(raw, &bench.layout, &utc, &sweeps)?)
 }
 
 /// What was made, and what was not.

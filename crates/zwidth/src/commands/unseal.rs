@@ -9,11 +9,11 @@ use crate::screen::Screen;
 use anyhow::bail;
 use std::path::Path;
 use zwidth_acquire::{left_to_do, vault};
-use zwidth_store::{RealFiles, SessionLog, StudyData, append_events};
+use zwidth_store::{Raw, RealFiles, SessionLog, StudyData, append_events};
 
 pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
-    let _lock = lock(&layout, "zwidth unseal")?;
+    let lock = lock(&layout, "zwidth unseal")?;
     let data = StudyData::load(&layout).map_err(|findings| together(&findings))?;
     let log = session(&data, command)?;
     let name = format!("session {} of {}", command.session, command.participant);
@@ -33,7 +33,7 @@ pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::
     }
     let seal = vault::find(&RealFiles, &keys(&command.keys, true)?, layout.study(), &log.record)?;
     seal.opened(&log.record.trials)?;
-    append_events(&RealFiles, &log.events_path, &now(), &[seal.event()])?;
+    append_events(&Raw::adds(&RealFiles, &layout, &lock), &log.events_path, &now(), &[seal.event()])?;
     screen.result(format!(
         "{name} is unsealed: its order is the one that was committed to before the first trial"
     ));

@@ -1,0 +1,197 @@
+//! The handle that writes below `raw/<study>`: the one way in which a command does.
+//!
+//! It is a file layer that refuses, where the file is opened, whatever lies elsewhere, and what its command may not do: a
+//! command that records adds and removes nothing but its own journals; `recover` and `import` may also remove and write
+//! anew what an unfinished life left. To have one a command holds the study's lock, or makes the study.
+
+use crate::atomic::is_unfinished;
+use crate::{Append, Entry, Files, Held, Layout, StudyLock};
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+/// What a handle may do besides adding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum May {
+    Add,
+    Mend,
+}
+
+/// The right to write below `raw/<study>`.
+pub struct Raw<'a> {
+    files: &'a dyn Files,
+    raw: PathBuf,
+    journals: PathBuf,
+    vault: Option<PathBuf>,
+    may: May,
+}
+
+impl<'a> Raw<'a> {
+    fn of(files: &'a dyn Files, layout: &Layout, may: May) -> Self {
+        Self { files, raw: layout.raw(), journals: layout.journals(), vault: None, may }
+    }
+
+    /// For a study that is made: nobody can hold its lock yet.
+    pub fn new_study(files: &'a dyn Files, layout: &Layout) -> Self {
+        Self::of(files, layout, May::Add)
+    }
+
+    /// For a command that records: it adds, and removes its own journals.
+    pub fn adds(files: &'a dyn Files, layout: &Layout, _lock: &'a StudyLock) -> Self {
+        Self::of(files, layout, May::Add)
+    }
+
+    /// For `recover` and `import`: they take back what an unfinished life left.
+    pub fn mends(files: &'a dyn Files, layout: &Layout, _lock: &'a StudyLock) -> Self {
+        Self::of(files, layout, May::Mend)
+    }
+
+    /// The same, which may add to the folder of seals too.
+    #[must_use]
+    pub fn with_vault(self, folder: &Path) -> Self {
+        Self { vault: Some(folder.to_owned()), ..self }
+    }
+
+    /// The layer below, if the handle is for this path.
+    fn here(&self, path: &Path) -> io::Result<&'a dyn Files> {
+        let straight = path.components().all(|part| part != Component::ParentDir);
+        let within = |folder: &Path| path.starts_with(folder);
+        if straight && (within(&self.raw) || self.vault.as_deref().is_some_and(within)) {
+            return Ok(self.files);
+        }
+        Err(refused(path, "this command writes below raw/ of its study only"))
+    }
+
+    /// The same for something that goes.
+    fn gone(&self, path: &Path, own: bool) -> io::Result<&'a dyn Files> {
+        if own || self.may == May::Mend {
+            return self.here(path);
+        }
+        Err(refused(path, "this command removes nothing that was recorded"))
+    }
+}
+
+fn refused(path: &Path, why: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::PermissionDenied, format!("{why}, and not {}", path.display()))
+}
+
+impl Files for Raw<'_> {
+    fn kind(&self, path: &Path) -> Option<Entry> {
+        self.files.kind(path)
+    }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
+        self.files.list(folder)
+    }
+
+    fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
+        self.files.read(path, most)
+    }
+
+    fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {
+        self.files.hold(folder)
+    }
+
+    fn make_private(&self, path: &Path) -> io::Result<()> {
+        self.here(path)?.make_private(path)
+    }
+
+    fn create_folder(&self, path: &Path) -> io::Result<()> {
+        let above = |folder: &Path| folder.starts_with(path);
+        if above(&self.raw) || self.vault.as_deref().is_some_and(above) {
+            return self.files.create_folder(path);
+        }
+        self.here(path)?.create_folder(path)
+    }
+
+    fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        // What is written lies beside its name first; the name itself is never written to.
+        let beside = is_unfinished(path) || self.files.kind(path).is_none();
+        self.gone(path, beside)?.write_synced(path, bytes)
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        // The head of a log counts its lines, and is written anew with each.
+        let free = self.files.kind(to).is_none() || to.extension().is_some_and(|e| e == "head");
+        self.here(from)?;
+        self.gone(to, free && is_unfinished(from))?.rename(from, to)
+    }
+
+    fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        self.files.sync_folder(path)
+    }
+
+    fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
+        self.here(path)?.open_append(path)
+    }
+
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        self.gone(path, is_unfinished(path) || path.starts_with(&self.journals))?.remove(path)
+    }
+
+    fn remove_folder(&self, path: &Path) -> io::Result<()> {
+        self.gone(path, path == self.journals)?.remove_folder(path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Memory, replace, write_new};
+
+    fn study() -> (Memory, Layout) {
+        let layout = Layout::new(Path::new("/r"), "demo".parse().unwrap());
+        let disk = Memory::new();
+        disk.put(&layout.study_toml(), b"study");
+        disk.put(&layout.raw().join("trials/trial-001.parquet"), b"a trial");
+        disk.put(&layout.journals().join("a.journal"), b"a journal");
+        disk.put(Path::new("/r/derived/demo/x"), b"a result");
+        disk.put(Path::new("/r/raw/other/study.toml"), b"another study");
+        (disk, layout)
+    }
+
+    #[test]
+    fn no_handle_writes_or_removes_outside_of_its_study() {
+        let (disk, layout) = study();
+        let before = disk.below(Path::new("/"));
+        for may in [May::Add, May::Mend] {
+            let raw = Raw::of(&disk, &layout, may).with_vault(Path::new("/keys"));
+            for path in
+                ["/r/derived/demo/x", "/r/raw/other/study.toml", "/r/raw/demo/../other/study.toml", "/etc/x"]
+            {
+                let path = Path::new(path);
+                assert!(replace(&raw, path, b"no").is_err() && raw.remove(path).is_err(), "{path:?}");
+                assert!(raw.open_append(path).is_err() && raw.remove_folder(path).is_err(), "{path:?}");
+                assert!(raw.rename(&layout.study_toml(), path).is_err(), "{path:?}");
+                assert!(raw.make_private(path).is_err(), "{path:?}");
+            }
+        }
+        assert_eq!(disk.below(Path::new("/")), before);
+    }
+
+    #[test]
+    fn a_handle_that_adds_changes_and_removes_nothing_that_was_recorded() {
+        let (disk, layout) = study();
+        let raw = Raw::new_study(&disk, &layout).with_vault(Path::new("/keys"));
+        let trial = layout.raw().join("trials/trial-001.parquet");
+        for path in [&trial, &layout.study_toml()] {
+            assert!(raw.remove(path).is_err() && replace(&raw, path, b"no").is_err());
+            assert!(raw.write_synced(path, b"no").is_err());
+        }
+        assert!(raw.remove_folder(&layout.trials()).is_err());
+        write_new(&raw, &layout.raw().join("trials/trial-002.parquet"), b"a second").unwrap();
+        write_new(&raw, Path::new("/keys/demo/seed"), b"1").unwrap();
+        let head = layout.raw().join("sessions/P01_S01.events.head");
+        replace(&raw, &head, b"1").unwrap();
+        replace(&raw, &head, b"2").unwrap();
+        raw.remove(&layout.journals().join("a.journal")).unwrap();
+        raw.remove_folder(&layout.journals()).unwrap();
+    }
+
+    #[test]
+    fn a_handle_that_mends_may_take_back_what_lies_in_its_study() {
+        let (disk, layout) = study();
+        let raw = Raw::of(&disk, &layout, May::Mend);
+        raw.remove(&layout.raw().join("trials/trial-001.parquet")).unwrap();
+        replace(&raw, &layout.raw().join("sessions/P01_S01.events.jsonl"), b"mended").unwrap();
+    }
+}
