@@ -314,9 +314,10 @@ mod tests {
 
     /// What is asked of an attendant in real time; what comes of it, and the device afterwards.
     fn attended<T>(
-        mut device: Mock,
+        device: Mock,
         ask: impl for<'a> FnOnce(&mut Attendant<'a>, &SharedClock) -> T,
     ) -> (T, Mock) {
+        let mut device = device.resting();
         let clock = SharedClock::default();
         let mut of_device = clock.clone();
         let station = station(&mut device, &mut of_device);
