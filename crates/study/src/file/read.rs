@@ -93,7 +93,7 @@ impl Check<'_> {
 
     /// A number that lies no further from 0 than this.
     fn near(&mut self, key: &str, value: f64, most: f64) -> f64 {
-        if !(value.abs() <= most) {
+        if !(-most..=most).contains(&value) {
             self.error(key, format!("{value} must be a finite number, from -{most} to {most}"));
         }
         value
