@@ -20,7 +20,7 @@ use zwidth_study::{
 pub struct Plan {
     /// Where the study lies.
     pub layout: Layout,
-    /// The study to record by: that of `study.toml`, or of a session that is gone on with its own ([`own_study`]).
+    /// The study to record by: that of `study.toml`, or of a session that is gone on with its own ([`crate::own_study`]).
     pub study: Study,
     /// The text of the present `study.toml`, of which a session that begins keeps a copy.
     pub study_toml: Vec<u8>,
