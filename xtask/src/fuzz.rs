@@ -12,7 +12,7 @@ use std::time::Instant;
 /// The counters of libFuzzer: which edges were taken, and which numbers were compared.
 const COUNTERS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
-    -Cllvm-args=-sanitizer-coverage-trace-compares -Clink-dead-code -Ccodegen-units=4";
+    -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=4";
 const HOST: &str = "x86_64-unknown-linux-gnu";
 
 /// A target, the runs that it gets, and the longest input in bytes.

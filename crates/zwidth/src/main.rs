@@ -6,6 +6,7 @@ mod exit;
 mod limits;
 mod plan;
 mod screen;
+mod text;
 
 use anyhow::Context as _;
 use args::{Args, Command};

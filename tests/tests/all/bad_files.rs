@@ -183,3 +183,29 @@ fn verify_lists_every_finding_and_not_only_the_first() {
         assert_eq!(files.iter().filter(|f| f.ends_with(name)).count(), 1, "{name} in {found:#}");
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_a_device_or_a_link_is_no_scene_no_calibration_and_no_twin_and_nobody_waits_for_it() {
+    use std::os::unix::fs::symlink;
+    let study = study();
+    let pipe = study.root().join("pipe.toml");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    symlink("/dev/zero", study.root().join("zero.toml")).unwrap();
+    for scene in ["pipe.toml", "zero.toml"] {
+        let path = study.root().join(scene);
+        let words = [scene, "is a pipe, socket or device"];
+        zwidth(study.root(), &["simulate", path.to_str().unwrap()]).exits(1).says(&words);
+    }
+    for name in ["calibration.toml", "twin.toml"] {
+        let path = study.layout().raw().join(name);
+        for target in ["/dev/zero", "nowhere"] {
+            symlink(target, &path).unwrap();
+            zwidth(study.root(), &["check", "files", "--fast"])
+                .exits(1)
+                .one_error()
+                .says(&[name, "cannot read"]);
+            fs::remove_file(&path).unwrap();
+        }
+    }
+}

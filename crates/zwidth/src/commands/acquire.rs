@@ -6,6 +6,7 @@ use super::resume::resume;
 use crate::args::{Acquire, DeviceSpec};
 use crate::exit::Exit;
 use crate::screen::Screen;
+use crate::text::beside;
 use anyhow::bail;
 use std::io::{BufReader, stdin, stdout};
 use std::path::Path;
@@ -15,7 +16,7 @@ use zwidth_acquire::{
     Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session, own_study, run,
     seed_of,
 };
-use zwidth_store::{Raw, RealFiles};
+use zwidth_store::{Raw, RealFiles, from_json};
 use zwidth_study::SessionRecord;
 
 /// The software, as every record and trial names it.
@@ -77,7 +78,7 @@ fn device_seed(bench: &Bench, command: &Acquire) -> u64 {
         return mixed(0, &["device", command.study.as_str()]);
     }
     let path = bench.layout.session(&command.participant, &command.session);
-    let begun = || serde_json::from_slice::<SessionRecord>(&std::fs::read(path).ok()?).ok()?.seed;
+    let begun = || from_json::<SessionRecord>(&beside(&path).ok()??).ok()?.seed;
     command.seed.or_else(begun).unwrap_or_else(|| seed_of(&bench.study))
 }
 

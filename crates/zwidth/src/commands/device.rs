@@ -2,6 +2,7 @@
 
 use super::{study, together};
 use crate::args::{DeviceSpec, Keys};
+use crate::text::beside;
 use anyhow::{Context as _, anyhow, bail};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,12 +30,9 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
     let mut study = read_study(&layout).map_err(|findings| together(&findings))?;
     study.control.rate_hz = rate_hz.unwrap_or(study.control.rate_hz);
     let path = layout.raw().join("calibration.toml");
-    let calibration = if path.exists() {
-        let text =
-            std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        Calibration::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?
-    } else {
-        Calibration::thesis()
+    let calibration = match beside(&path)? {
+        Some(text) => Calibration::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?,
+        None => Calibration::thesis(),
     };
     let study_toml = read_regular(&layout.study_toml(), MOST_BYTES)?;
     let twin = twin_parameters(&layout, study.device.lever_m)?;
@@ -56,10 +54,7 @@ fn twin_parameters(layout: &Layout, lever_m: Option<f64>) -> anyhow::Result<Twin
     let path = layout.raw().join("twin.toml");
     let mut twin = TwinParameters::default();
     twin.lever_m = lever_m.unwrap_or(twin.lever_m);
-    if !path.exists() {
-        return Ok(twin);
-    }
-    let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let Some(text) = beside(&path)? else { return Ok(twin) };
     let named: toml::Table = text.parse().map_err(|e| anyhow!("{}: {e}", path.display()))?;
     if named.contains_key("lever_m") {
         bail!("{}: lever_m belongs in study.toml, as device.lever_m; take it out here", path.display());

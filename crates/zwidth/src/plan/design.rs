@@ -3,6 +3,7 @@
 use super::JobError;
 use super::characterise;
 use super::figures::figure_job;
+use crate::text::beside;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use zwidth_runner::Job;
@@ -46,7 +47,8 @@ pub(super) fn forces(data: &StudyData) -> Result<Forces, JobError> {
 }
 
 fn read(file: &Path) -> Result<Calibration, JobError> {
-    Ok(Calibration::from_toml(&std::fs::read_to_string(file)?)?)
+    let text = beside(file)?.unwrap_or_default();
+    Ok(Calibration::from_toml(&text)?)
 }
 
 /// Whether any mode drives an actuator of known voltage.

@@ -1,6 +1,6 @@
 //! A scene as its file has it, and errors that name the file and the line.
 
-use anyhow::{Context as _, anyhow};
+use anyhow::anyhow;
 use std::path::{Path, PathBuf};
 use zwidth_simulate::{DynamicsError, Scene, SimulateError};
 
@@ -13,8 +13,7 @@ pub(super) struct SceneFile {
 
 impl SceneFile {
     pub(super) fn read(path: &Path) -> anyhow::Result<Self> {
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = crate::text::scene(path)?;
         let scene = Scene::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
         Ok(Self { path: path.to_owned(), text, scene })
     }
