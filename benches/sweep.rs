@@ -1,9 +1,11 @@
-//! A sweep over parameters of which only summaries are kept: its memory does not grow with the number of trials.
+//! A sweep over parameters of which only summaries are kept: its memory does not grow with the
+//! number of trials.
 
 use rayon::prelude::*;
 use zwidth_dynamics::{DynamicsError, Environment, Exact, Input, Mode, Scene, Trajectory, table3};
 
-/// What is kept of all trials. Whole numbers and extremes only, so that the order of the trials does not matter.
+/// What is kept of all trials. Whole numbers and extremes only, so that the order of the trials
+/// does not matter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Summary {
     /// Number of trials.
@@ -37,11 +39,12 @@ impl Summary {
     }
 }
 
-/// The hybrid spring of Table 3 with stiffness, damping and push of trial `i`: multiples of irrational numbers fill
-/// the ranges evenly without a random generator (Weyl 1916).
+/// The hybrid spring of Table 3 with stiffness, damping and push of trial `i`: multiples of
+/// irrational numbers fill the ranges evenly without a random generator (Weyl 1916).
 fn scene(i: u32) -> Scene {
-    let spread =
-        |irrational: f64, low: f64, high: f64| low + (high - low) * (f64::from(i) * irrational).fract();
+    let spread = |irrational: f64, low: f64, high: f64| {
+        low + (high - low) * (f64::from(i) * irrational).fract()
+    };
     let stiffness_n_per_rad = spread(std::f64::consts::SQRT_2, 2.0, 8.0);
     let damping_ns_per_rad = spread(std::f64::consts::LN_2, 0.5, 2.0);
     let magnitude_n = spread(std::f64::consts::E, 1.0, 3.0);

@@ -1,6 +1,6 @@
-//! The exact solver in steady state: time a sample with and without finger, an uneven recording against an even
-//! one, and a sweep on one core and on two. Throughput is in samples a second: 25 Melem/s are 40 ns a sample.
-//! Beside its peers: `benches/peers/run.sh`.
+//! The exact solver in steady state: time a sample with and without finger, an uneven recording
+//! against an even one, and a sweep on one core and on two. Throughput is in samples a second: 25
+//! Melem/s are 40 ns a sample. Beside its peers: `benches/peers/run.sh`.
 #![allow(missing_docs, clippy::unwrap_used)] // a bench may panic
 
 use criterion::{
@@ -51,8 +51,10 @@ fn recorded(c: &mut Criterion) {
         let moved = |i: usize| i as f64 + if i == 0 { 0.0 } else { 0.3 * (i as f64 * 1.7).sin() };
         let even: Vec<f64> = (0..=steps).map(|i| i as f64 * step_s).collect();
         let uneven: Vec<f64> = (0..=steps).map(|i| moved(i) * step_s).collect();
-        let grids =
-            [("even", even, Grid::Even { step_s, steps }), ("uneven", uneven.clone(), Grid::Times(uneven))];
+        let grids = [
+            ("even", even, Grid::Even { step_s, steps }),
+            ("uneven", uneven.clone(), Grid::Times(uneven)),
+        ];
         for (name, times, grid) in grids {
             for (finger, scene) in both(table3::scene(Mode::Hybrid, recording(times.clone()))) {
                 steady(&mut group, format!("{name}, {finger}, {samples}"), scene, &grid);
@@ -62,7 +64,8 @@ fn recorded(c: &mut Criterion) {
     group.finish();
 }
 
-/// The number of trials may be set: `ZWIDTH_SWEEP=1000000 cargo bench -p zwidth-benches --bench dynamics sweep`.
+/// The number of trials may be set: `ZWIDTH_SWEEP=1000000 cargo bench -p zwidth-benches --bench
+/// dynamics sweep`.
 fn sweeps(c: &mut Criterion) {
     let trials = std::env::var("ZWIDTH_SWEEP").map_or(1_000_u32, |text| text.parse().unwrap());
     let mut group = c.benchmark_group("sweep, summaries only");

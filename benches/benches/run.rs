@@ -1,6 +1,6 @@
-//! The main job on the study that comes along, as a user starts it: fresh, and with nothing to do. Needs
-//! the release binary: `cargo build --release` first. Beside a script that makes the same, and with one changed
-//! trial: `benches/peers/study/run.sh`.
+//! The main job on the study that comes along, as a user starts it: fresh, and with nothing to do.
+//! Needs the release binary: `cargo build --release` first. Beside a script that makes the same,
+//! and with one changed trial: `benches/peers/study/run.sh`.
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)] // a bench may panic
 
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -1,5 +1,5 @@
-//! One trial of 4,000 samples: written and read by the store (checks, digests, encodings), beside the
-//! same numbers through parquet-rs with its default settings and no checks.
+//! One trial of 4,000 samples: written and read by the store (checks, digests, encodings), beside
+//! the same numbers through parquet-rs with its default settings and no checks.
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)] // a bench may panic
 
 use arrow::array::{ArrayRef, Float64Array, RecordBatch};
@@ -9,7 +9,9 @@ use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_store::{RealFiles, Samples, Signal, Trial, read_footer, read_trial, trial_bytes, write_new};
+use zwidth_store::{
+    RealFiles, Samples, Signal, Trial, read_footer, read_trial, trial_bytes, write_new,
+};
 use zwidth_study::{Kind, Source, Status, TrialMeta};
 
 const SAMPLES: u32 = 4_000;
@@ -61,10 +63,13 @@ fn store(c: &mut Criterion) {
 
     let mut group = c.benchmark_group("trial of 4,000 samples");
     group.throughput(Throughput::Elements(u64::from(SAMPLES)));
-    group.bench_function("encode, store", |b| b.iter(|| trial_bytes(&trial, Path::new("x")).unwrap()));
+    group.bench_function("encode, store", |b| {
+        b.iter(|| trial_bytes(&trial, Path::new("x")).unwrap())
+    });
     group.bench_function("encode, parquet-rs defaults", |b| b.iter(|| plain_bytes(&trial)));
-    group
-        .bench_function("read, store, all signals", |b| b.iter(|| read_trial(&path, Signal::all()).unwrap()));
+    group.bench_function("read, store, all signals", |b| {
+        b.iter(|| read_trial(&path, Signal::all()).unwrap())
+    });
     group.bench_function("read, store, two signals", |b| {
         b.iter(|| read_trial(&path, [Signal::Theta, Signal::ForceEx]).unwrap());
     });
@@ -72,7 +77,8 @@ fn store(c: &mut Criterion) {
         b.iter_batched(
             || plain.clone(),
             |bytes| {
-                let reader = ParquetRecordBatchReaderBuilder::try_new(bytes).unwrap().build().unwrap();
+                let reader =
+                    ParquetRecordBatchReaderBuilder::try_new(bytes).unwrap().build().unwrap();
                 reader.map(|batch| batch.unwrap().num_rows()).sum::<usize>()
             },
             BatchSize::SmallInput,

@@ -1,6 +1,7 @@
-//! How well the control loop keeps 1 kHz, beside the loop that people write in Python: `cargo bench -p zwidth-benches
-//! --bench timing [-- SECONDS]`. On a quiet machine, and with every core busy. Lateness is the time from the deadline
-//! to the waking up; a deadline is missed when the next one has come before its tick.
+//! How well the control loop keeps 1 kHz, beside the loop that people write in Python: `cargo bench
+//! -p zwidth-benches --bench timing [-- SECONDS]`. On a quiet machine, and with every core busy.
+//! Lateness is the time from the deadline to the waking up; a deadline is missed when the next one
+//! has come before its tick.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic, clippy::print_stdout)] // a bench may panic
 
 use std::ops::ControlFlow;
@@ -9,7 +10,8 @@ use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 use zwidth_device::mock::Mock;
 use zwidth_device::{
-    Controller, Cue, Guard, Limits, LiveRun, Priority, RealClock, TrialEnd, TrialPlan, Velocity, run_live,
+    Controller, Cue, Guard, Limits, LiveRun, Priority, RealClock, TrialEnd, TrialPlan, Velocity,
+    run_live,
 };
 use zwidth_study::{Calibration, Control, Environment, Mode, Scene, Spring};
 
@@ -24,10 +26,12 @@ fn to_and_fro(t_s: f64) -> (f64, f64) {
 /// A hybrid trial in the thesis' walled spring on a mock: all of the loop but a serial port.
 fn ours(seconds: f64) -> LiveRun {
     let mut device = Mock::new(to_and_fro);
-    let limits = Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
+    let limits =
+        Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
     let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -HALF_STROKE_RAD };
     let scene = Scene::SpringWall { spring, wall_rad: -0.1 };
-    let environment = Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
+    let environment =
+        Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
     let (motor_max_v, brake_max_v) = (Some(8.0), Some(8.0));
     let mode = Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v };
     let (control, calibration) = (Control::default(), Calibration::thesis());
@@ -36,8 +40,11 @@ fn ours(seconds: f64) -> LiveRun {
     guard.home(&mut device, 0.0).unwrap();
     guard.arm(&mode, &calibration).unwrap();
     let cue = Cue { trial: 1, environment: &environment, limit_s: seconds };
-    let plan =
-        TrialPlan { cue, rate_hz: control.rate_hz, velocity: Velocity::new(control.velocity).unwrap() };
+    let plan = TrialPlan {
+        cue,
+        rate_hz: control.rate_hz,
+        velocity: Velocity::new(control.velocity).unwrap(),
+    };
     let mut kept = Vec::new();
     let mut keep = |batch: &[_]| {
         kept.extend_from_slice(batch);
@@ -61,9 +68,18 @@ fn print_ours(load: &str, live: &LiveRun) {
         Priority::RealTime => "real-time",
         Priority::Ordinary => "ordinary",
     };
-    let numbers =
-        [late(50.0), late(99.0), late(99.9), timing.lateness.max_s(), timing.work.percentile_s(99.0)];
-    row(&format!("zwidth, {priority} thread, {load}"), numbers, [timing.ticks, timing.missed, live.lost]);
+    let numbers = [
+        late(50.0),
+        late(99.0),
+        late(99.9),
+        timing.lateness.max_s(),
+        timing.work.percentile_s(99.0),
+    ];
+    row(
+        &format!("zwidth, {priority} thread, {load}"),
+        numbers,
+        [timing.ticks, timing.missed, live.lost],
+    );
     if let TrialEnd::Tripped(trip) = &live.run.end {
         println!("  ended early: {trip}");
     }
@@ -78,7 +94,9 @@ fn print_python(load: &str, seconds: f64) {
     };
     let text = String::from_utf8(output.stdout).unwrap();
     let values: Vec<f64> = text.split_whitespace().map(|word| word.parse().unwrap()).collect();
-    let [p50, p99, p999, max, work, ticks, missed] = values[..] else { panic!("python3 failed: {text}") };
+    let [p50, p99, p999, max, work, ticks, missed] = values[..] else {
+        panic!("python3 failed: {text}")
+    };
     row(
         &format!("Python, time.sleep, {load}"),
         [p50, p99, p999, max, work],

@@ -1,5 +1,6 @@
-//! A large sweep with its time and its memory: `cargo run --release -p zwidth-benches --example sweep -- 1000000 2`
-//! for a million trials on two threads. The peak of memory is read where the system tells it (Linux).
+//! A large sweep with its time and its memory: `cargo run --release -p zwidth-benches --example
+//! sweep -- 1000000 2` for a million trials on two threads. The peak of memory is read where the
+//! system tells it (Linux).
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // an example may panic
 
 use std::time::Instant;

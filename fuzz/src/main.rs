@@ -1,7 +1,8 @@
-//! `ZWIDTH_FUZZ=journal fuzz CORPUS`: libFuzzer on one reader. `ZWIDTH_FUZZ=seeds fuzz`: the files to begin from.
+//! `ZWIDTH_FUZZ=journal fuzz CORPUS`: libFuzzer on one reader. `ZWIDTH_FUZZ=seeds fuzz`: the files
+//! to begin from.
 //!
-//! A reader may refuse what it is given, and must neither panic nor hang nor take more memory than is allowed. A panic of
-//! a decoder that the reader catches is none.
+//! A reader may refuse what it is given, and must neither panic nor hang nor take more memory than
+//! is allowed. A panic of a decoder that the reader catches is none.
 #![no_main]
 
 mod seeds;
@@ -22,7 +23,10 @@ fn choose() {
         std::process::exit(written.is_err().into());
     }
     let Some(target) = targets::named(&name) else {
-        eprintln!("'{name}' is no target; ZWIDTH_FUZZ is seeds, or one of {}", targets::names().join(", "));
+        eprintln!(
+            "'{name}' is no target; ZWIDTH_FUZZ is seeds, or one of {}",
+            targets::names().join(", ")
+        );
         std::process::exit(2)
     };
     let _ = TARGET.set(target);

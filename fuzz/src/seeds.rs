@@ -1,5 +1,5 @@
-//! Writes `fuzz/seeds`: for each target small files as they should be, from which a fuzzer begins. An unseeded one finds no
-//! magic bytes.
+//! Writes `fuzz/seeds`: for each target small files as they should be, from which a fuzzer begins.
+//! An unseeded one finds no magic bytes.
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
@@ -11,8 +11,8 @@ use zwidth_store::{
     record_bytes, sweep_bytes, trial_bytes,
 };
 use zwidth_study::{
-    Calibration, Event, Flags, Kind, PlannedTrial, Sample, SessionRecord, Source, Status, TrialMeta,
-    Voltages, template,
+    Calibration, Event, Flags, Kind, PlannedTrial, Sample, SessionRecord, Source, Status,
+    TrialMeta, Voltages, template,
 };
 
 const UTC: &str = "2026-01-01T00:00:00Z";
@@ -36,7 +36,11 @@ pub fn write() -> Result<(), Any> {
     let rows: Vec<Sample> = (0..4).map(row).collect();
     journal.append(&rows)?;
     journal.end()?;
-    put("journal", "whole", &content(&disk, &layout.journal(&meta.participant, &meta.session, 1))?)?;
+    put(
+        "journal",
+        "whole",
+        &content(&disk, &layout.journal(&meta.participant, &meta.session, 1))?,
+    )?;
 
     let log = layout.events(&meta.participant, &meta.session);
     let events = [
@@ -59,7 +63,8 @@ pub fn write() -> Result<(), Any> {
     };
     let (participant, session) = (meta.participant.clone(), meta.session.clone());
     let hash = "0".repeat(64);
-    let record = SessionRecord::new(participant, session, Source::Recorded, "seeds", hash, vec![planned]);
+    let record =
+        SessionRecord::new(participant, session, Source::Recorded, "seeds", hash, vec![planned]);
     let record = record_bytes(Path::new("P01_S01.json"), &record)?;
     put("record", "one_trial", &record)?;
     for (which, bytes) in [(0, &record), (1, &lines), (2, &study), (3, &study)] {
@@ -116,7 +121,9 @@ pub fn write() -> Result<(), Any> {
 }
 
 fn content(disk: &Memory, path: &PathBuf) -> Result<Vec<u8>, Any> {
-    disk.below(path).remove(path).ok_or_else(|| format!("{} was not written", path.display()).into())
+    disk.below(path)
+        .remove(path)
+        .ok_or_else(|| format!("{} was not written", path.display()).into())
 }
 
 fn meta() -> Result<TrialMeta, Any> {

@@ -149,8 +149,8 @@ fn parquet(bytes: &[u8]) {
     let _ = hostile::parquet(bytes);
 }
 
-/// A study of one session with these bytes as one of its files: the first byte says which. Everything that is said of it
-/// can be shown.
+/// A study of one session with these bytes as one of its files: the first byte says which.
+/// Everything that is said of it can be shown.
 fn whole(bytes: &[u8]) {
     let (Some(layout), Some((which, bytes))) = (layout(), bytes.split_first()) else { return };
     let disk = Memory::new();

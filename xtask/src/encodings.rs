@@ -2,7 +2,9 @@
 
 use std::path::Path;
 use std::time::Instant;
-use zwidth_store::{Encoding, Layout, Signal, Storage, StudyData, decoded_rows, encoded_column, read_trial};
+use zwidth_store::{
+    Encoding, Layout, Signal, Storage, StudyData, decoded_rows, encoded_column, read_trial,
+};
 use zwidth_study::StudyId;
 
 const CANDIDATES: [(&str, Encoding); 4] = [
@@ -16,9 +18,14 @@ const CANDIDATES: [(&str, Encoding); 4] = [
 pub(crate) fn measure(root: &Path, study: &str) -> anyhow::Result<()> {
     let layout = Layout::new(root, StudyId::new(study)?);
     let data = StudyData::load(&layout).map_err(|e| anyhow::anyhow!("{e:?}"))?;
-    let trials =
-        data.trials.iter().map(|t| read_trial(&t.path, Signal::all())).collect::<Result<Vec<_>, _>>()?;
-    println!("| column | encoding | zstd | bytes a sample | write ns | read ns |\n|---|---|---|---|---|---|");
+    let trials = data
+        .trials
+        .iter()
+        .map(|t| read_trial(&t.path, Signal::all()))
+        .collect::<Result<Vec<_>, _>>()?;
+    println!(
+        "| column | encoding | zstd | bytes a sample | write ns | read ns |\n|---|---|---|---|---|---|"
+    );
     for signal in Signal::all() {
         let columns: Vec<&[f64]> = trials.iter().filter_map(|t| t.samples.get(signal)).collect();
         if columns.is_empty() {
@@ -36,12 +43,20 @@ pub(crate) fn measure(root: &Path, study: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn row(signal: Signal, name: &str, encoding: Encoding, level: i32, columns: &[&[f64]]) -> anyhow::Result<()> {
+fn row(
+    signal: Signal,
+    name: &str,
+    encoding: Encoding,
+    level: i32,
+    columns: &[&[f64]],
+) -> anyhow::Result<()> {
     let samples: usize = columns.iter().map(|c| c.len()).sum();
     let per_sample = |start: Instant| start.elapsed().as_nanos() as f64 / samples as f64;
     let start = Instant::now();
-    let files =
-        columns.iter().map(|c| encoded_column(signal, c, encoding, level)).collect::<Result<Vec<_>, _>>()?;
+    let files = columns
+        .iter()
+        .map(|c| encoded_column(signal, c, encoding, level))
+        .collect::<Result<Vec<_>, _>>()?;
     let write = per_sample(start);
     let start = Instant::now();
     let rows = files.iter().map(|f| decoded_rows(f)).sum::<Result<usize, _>>()?;

@@ -16,7 +16,9 @@ const CHORES: &str =
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
 cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
-cargo xtask bits [renew]               the main job's bytes: one thread, many, other processors (qemu-user), as written down
+cargo xtask bits                       the main job's bytes: one thread, many, other processors (qemu-user), as written down
+cargo xtask bits --without-origin      only their content, without what files say of their making, against what is written down
+cargo xtask bits renew                 writes that content down
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
 cargo xtask soak simulate [SEEDS [FIRST]] whole sessions in memory with faults drawn from a seed each [100000, from 0]
 cargo xtask soak simulate-twin [SEEDS [FIRST]] the same with the simulated device and participant [1000, from 0]
@@ -43,11 +45,20 @@ fn main() -> anyhow::Result<()> {
         }
         // What `soak watchdog` runs and cuts off.
         ["soak", "host", socket] => soak::watchdog::host(Path::new(socket)),
-        ["bits"] => bits::compare(&soak::program()?, &scratch("bits"), false),
-        ["bits", "renew"] => bits::compare(&soak::program()?, &scratch("bits"), true),
-        ["soak", "coverage", rest @ ..] => {
-            soak::coverage::coverage(&soak::program()?, &scratch("coverage"), number(rest.first(), 400)?)
+        ["bits", how @ ..] => {
+            let how = match how {
+                [] => bits::How::AllWays,
+                ["--without-origin"] => bits::How::WithoutOrigin,
+                ["renew"] => bits::How::Renew,
+                _ => bail!("the chores are\n{CHORES}"),
+            };
+            bits::compare(&soak::program()?, &scratch("bits"), how)
         }
+        ["soak", "coverage", rest @ ..] => soak::coverage::coverage(
+            &soak::program()?,
+            &scratch("coverage"),
+            number(rest.first(), 400)?,
+        ),
         ["soak", "simulate", rest @ ..] => {
             let seeds = number(rest.first(), 100_000)?;
             soak::simulate::simulate(soak::simulate::With::Mock, seeds, number(rest.get(1), 0)?)
@@ -58,7 +69,10 @@ fn main() -> anyhow::Result<()> {
         }
         ["soak", "properties", rest @ ..] => {
             let fresh = jiff::Timestamp::now().as_microsecond().unsigned_abs();
-            soak::properties::properties(number(rest.first(), 1_000_000)?, number(rest.get(1), fresh)?)
+            soak::properties::properties(
+                number(rest.first(), 1_000_000)?,
+                number(rest.get(1), fresh)?,
+            )
         }
         ["fuzz", which, rest @ ..] => {
             let runs = rest.first().map(|runs| number(Some(runs), 0)).transpose()?;

@@ -21,13 +21,18 @@ const SESSION: [&str; 4] = ["-p", "P01", "-s", "S01"];
 /// The program, built for release, as users run it.
 pub(crate) fn program() -> anyhow::Result<PathBuf> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let built =
-        Command::new(&cargo).args(["build", "--quiet", "--release", "--package", "zwidth"]).status()?;
+    let built = Command::new(&cargo)
+        .args(["build", "--quiet", "--release", "--package", "zwidth"])
+        .status()?;
     if !built.success() {
         bail!("the program does not build");
     }
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
-    target.join("release/zwidth").canonicalize().context("the built program is not where cargo puts it")
+    let target =
+        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
+    target
+        .join("release/zwidth")
+        .canonicalize()
+        .context("the built program is not where cargo puts it")
 }
 
 /// A fresh root with a study: the template with these replacements.
@@ -48,13 +53,18 @@ fn fresh(root: &Path, changes: &[(&str, &str)]) -> anyhow::Result<Layout> {
     Ok(layout)
 }
 
-/// Runs the program on a root and returns what it said; an exit code that is not allowed is an error.
+/// Runs the program on a root and returns what it said; an exit code that is not allowed is an
+/// error.
 fn run(program: &Path, root: &Path, arguments: &[&str], allowed: &[i32]) -> anyhow::Result<Output> {
     let output = Command::new(program).arg("--root").arg(root).args(arguments).output()?;
     let code = output.status.code();
     if !code.is_some_and(|code| allowed.contains(&code)) {
         let told = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        bail!("zwidth {arguments:?} ended with {code:?}\n{}\n{}", told(&output.stdout), told(&output.stderr));
+        bail!(
+            "zwidth {arguments:?} ended with {code:?}\n{}\n{}",
+            told(&output.stdout),
+            told(&output.stderr)
+        );
     }
     Ok(output)
 }

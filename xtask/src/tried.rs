@@ -1,7 +1,10 @@
-//! What was tried and what came of it: chores note it, and `cargo xtask reliability` makes `docs/reliability.md` of it.
+//! What was tried and what came of it: chores note it, and `cargo xtask reliability` makes
+//! `docs/reliability.md` of it. A row of the page stays until a longer try of the same takes its
+//! place: the notes lie in a build's folder, which may be emptied at any time.
 
 use anyhow::Context as _;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 use zwidth_store::hex_blake3;
@@ -23,7 +26,9 @@ pub(crate) struct Tried {
 
 /// Where the notes lie: beside what cargo builds, one file a thing.
 fn folder() -> PathBuf {
-    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from).join("tried")
+    std::env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| PathBuf::from("target"), PathBuf::from)
+        .join("tried")
 }
 
 /// Notes it in the place of an earlier, shorter try of the same.
@@ -45,7 +50,7 @@ pub(crate) fn held(what: &str, command: String, times: u64, began: Instant) -> a
     note(&Tried { what: what.to_owned(), command, times, broken: 0, seconds })
 }
 
-/// The notes, in order of their words.
+/// The notes.
 fn all() -> anyhow::Result<Vec<Tried>> {
     let mut all = Vec::new();
     let entries = std::fs::read_dir(folder())
@@ -56,7 +61,6 @@ fn all() -> anyhow::Result<Vec<Tried>> {
             .with_context(|| format!("{} is no note", path.display()))?;
         all.push(tried);
     }
-    all.sort_by(|a: &Tried, b: &Tried| a.what.cmp(&b.what));
     Ok(all)
 }
 
@@ -64,34 +68,61 @@ fn all() -> anyhow::Result<Vec<Tried>> {
 pub(crate) fn reliability() -> anyhow::Result<()> {
     const PATH: &str = "docs/reliability.md";
     let text = std::fs::read_to_string(PATH)?;
-    std::fs::write(PATH, put(&text, &table(&all()?))?)?;
+    std::fs::write(PATH, put(&text, &all()?)?)?;
     Ok(())
 }
 
 const BEGIN: &str = "<!-- begin: cargo xtask reliability -->\n";
 const END: &str = "<!-- end -->\n";
 
-/// The text with the table between its marks.
-fn put(text: &str, table: &str) -> anyhow::Result<String> {
+const HEAD: &str = "| tried | times | promises broken | took | again |\n|---|---|---|---|---|\n";
+
+/// The text with the notes in the table between its marks, in order of their words.
+fn put(text: &str, notes: &[Tried]) -> anyhow::Result<String> {
     let (before, rest) =
         text.split_once(BEGIN).context("the page lost the mark at which its table begins")?;
-    let (_, after) = rest.split_once(END).context("the page lost the mark at which its table ends")?;
-    Ok(format!("{before}{BEGIN}{table}{END}{after}"))
+    let (table, after) =
+        rest.split_once(END).context("the page lost the mark at which its table ends")?;
+    let earlier = table.strip_prefix(HEAD).unwrap_or_default().lines();
+    let mut rows: BTreeMap<String, String> =
+        earlier.map(|row| (cell(row, WHAT).to_owned(), row.to_owned())).collect();
+    for tried in notes {
+        let times = rows.get(&tried.what).map_or(0, |row| ungrouped(cell(row, TIMES)));
+        if tried.broken > 0 || times <= tried.times {
+            rows.insert(tried.what.clone(), row(tried));
+        }
+    }
+    let table: String = rows.values().map(|row| format!("{row}\n")).collect();
+    Ok(format!("{before}{BEGIN}{HEAD}{table}{END}{after}"))
 }
 
-fn table(all: &[Tried]) -> String {
-    let mut text = "| tried | times | promises broken | took | again |\n|---|---|---|---|---|\n".to_owned();
-    for Tried { what, command, times, broken, seconds } in all {
-        text += &format!("| {what} | {} | {broken} | {} | `{command}` |\n", grouped(*times), took(*seconds));
-    }
-    text
+/// Columns of the table.
+const WHAT: usize = 0;
+const TIMES: usize = 1;
+
+fn cell(row: &str, column: usize) -> &str {
+    row.trim_matches('|').split('|').nth(column).unwrap_or_default().trim()
+}
+
+fn row(Tried { what, command, times, broken, seconds }: &Tried) -> String {
+    let (times, took) = (grouped(*times), took(*seconds));
+    format!("| {what} | {times} | {broken} | {took} | `{command}` |")
+}
+
+/// 1,000,000 as 1000000.
+fn ungrouped(text: &str) -> u64 {
+    text.replace(',', "").parse().unwrap_or(0)
 }
 
 /// 1000000 as 1,000,000.
 fn grouped(n: u64) -> String {
     let digits = n.to_string();
-    let groups: Vec<&str> =
-        digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
+    let groups: Vec<&str> = digits
+        .as_bytes()
+        .rchunks(3)
+        .rev()
+        .filter_map(|group| std::str::from_utf8(group).ok())
+        .collect();
     groups.join(",")
 }
 
@@ -103,22 +134,26 @@ fn took(seconds: f64) -> String {
 mod tests {
     use super::*;
 
+    fn kills(times: u64, broken: u64) -> Tried {
+        let command = format!("cargo xtask soak kill {times}");
+        Tried { what: "a kill".to_owned(), command, times, broken, seconds: 300.0 }
+    }
+
     #[test]
     fn the_table_stands_between_its_marks_and_nothing_else_changes() {
-        let tried = Tried {
-            what: "a kill".to_owned(),
-            command: "cargo xtask soak kill 1000".to_owned(),
-            times: 1_234_567,
-            broken: 0,
-            seconds: 300.0,
-        };
-        let page = format!("# Title\n{BEGIN}old\n{END}rest\n");
-        let made = put(&page, &table(&[tried])).unwrap();
-        assert!(made.starts_with("# Title\n") && made.ends_with("rest\n") && !made.contains("old"));
-        assert!(
-            made.contains("| a kill | 1,234,567 | 0 | 5 min | `cargo xtask soak kill 1000` |\n"),
-            "{made}"
-        );
-        assert!(put("no marks", "").is_err());
+        let page = format!("# Title\n{BEGIN}{HEAD}{END}rest\n");
+        let row = "| a kill | 1,234,567 | 0 | 5 min | `cargo xtask soak kill 1234567` |\n";
+        let made = put(&page, &[kills(1_234_567, 0)]).unwrap();
+        assert_eq!(made, format!("# Title\n{BEGIN}{HEAD}{row}{END}rest\n"));
+        assert!(put("no marks", &[]).is_err());
+    }
+
+    #[test]
+    fn a_row_stays_until_a_longer_try_or_a_broken_promise_takes_its_place() {
+        let page = put(&format!("{BEGIN}{HEAD}{END}"), &[kills(1000, 0)]).unwrap();
+        assert_eq!(put(&page, &[]).unwrap(), page);
+        assert_eq!(put(&page, &[kills(50, 0)]).unwrap(), page);
+        assert!(put(&page, &[kills(2000, 0)]).unwrap().contains("| a kill | 2,000 | 0 |"));
+        assert!(put(&page, &[kills(50, 1)]).unwrap().contains("| a kill | 50 | 1 |"));
     }
 }

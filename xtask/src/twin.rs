@@ -6,8 +6,18 @@ use std::path::Path;
 use std::process::Command;
 
 /// One participant, one session, at the thesis' 120 Hz.
-const ARGUMENTS: [&str; 10] =
-    ["twin", "thesis-twin", "--participants", "1", "--sessions", "1", "--seed", "1", "--rate", "120"];
+const ARGUMENTS: [&str; 10] = [
+    "twin",
+    "thesis-twin",
+    "--participants",
+    "1",
+    "--sessions",
+    "1",
+    "--seed",
+    "1",
+    "--rate",
+    "120",
+];
 
 /// Writes `raw/thesis-twin` under `root`, replacing what stands there.
 pub(crate) fn write(root: &Path) -> anyhow::Result<()> {

@@ -1,13 +1,13 @@
-//! The crate `diffsol`: its implicit methods and its explicit one, with its root finding and its interpolation.
-//! The problem is built once for all runs; a solver is made for each phase.
+//! The crate `diffsol`: its implicit methods and its explicit one, with its root finding and its
+//! interpolation. The problem is built once for all runs; a solver is made for each phase.
 
 use std::cell::Cell;
 use std::rc::Rc;
 
 use diffsol::error::DiffsolError;
 use diffsol::{
-    NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations, OdeEquationsImplicit,
-    OdeSolverMethod, OdeSolverProblem, OdeSolverStopReason,
+    NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations,
+    OdeEquationsImplicit, OdeSolverMethod, OdeSolverProblem, OdeSolverStopReason,
 };
 
 use crate::dopri::Aim;
@@ -43,7 +43,8 @@ fn problem<const N: usize>(
     tolerance: f64,
 ) -> Result<
     OdeSolverProblem<
-        impl OdeEquationsImplicit<T = f64, V = NalgebraVec<f64>, M = Matrix, C = NalgebraContext> + use<N>,
+        impl OdeEquationsImplicit<T = f64, V = NalgebraVec<f64>, M = Matrix, C = NalgebraContext>
+        + use<N>,
     >,
     DiffsolError,
 > {
@@ -70,17 +71,22 @@ fn array<const N: usize>(y: &[f64]) -> [f64; N] {
     std::array::from_fn(|i| y[i])
 }
 
-/// Runs of the scene with a method and a tolerance; each returns the number of evaluations of the right-hand side
-/// and of its derivative.
+/// Runs of the scene with a method and a tolerance; each returns the number of evaluations of the
+/// right-hand side and of its derivative.
 pub(crate) fn prepare<const N: usize>(
     method: Method,
     aim: Aim,
 ) -> Result<impl FnMut(&mut Samples) -> Result<u64, String>, String> {
     let (_, start, phase) = START;
-    let shared =
-        Rc::new(Shared { phase: Cell::new(phase), start: Cell::new(start), evaluations: Cell::new(0) });
+    let shared = Rc::new(Shared {
+        phase: Cell::new(phase),
+        start: Cell::new(start),
+        evaluations: Cell::new(0),
+    });
     let mut problem = problem::<N>(&shared, aim.tolerance).map_err(|error| error.to_string())?;
-    Ok(move |out: &mut Samples| run(method, &mut problem, &shared, out).map_err(|error| error.to_string()))
+    Ok(move |out: &mut Samples| {
+        run(method, &mut problem, &shared, out).map_err(|error| error.to_string())
+    })
 }
 
 fn run<E>(
@@ -118,7 +124,8 @@ where
     Ok(shared.evaluations.get())
 }
 
-/// One phase: samples until a root, which is returned with its state and number, or until all are there.
+/// One phase: samples until a root, which is returned with its state and number, or until all are
+/// there.
 fn smooth<'a, E>(
     mut solver: impl OdeSolverMethod<'a, E>,
     out: &mut Samples,
@@ -129,8 +136,11 @@ where
     let mut y = solver.interpolate(solver.state().t)?;
     while out.next_s().is_finite() {
         let reason = solver.step()?;
-        let root =
-            if let OdeSolverStopReason::RootFound(t, guard) = reason { Some((t, guard)) } else { None };
+        let root = if let OdeSolverStopReason::RootFound(t, guard) = reason {
+            Some((t, guard))
+        } else {
+            None
+        };
         let until = root.map_or(solver.state().t, |(t, _)| t);
         while out.next_s() <= until {
             solver.interpolate_inplace(out.next_s(), &mut y)?;

@@ -1,5 +1,6 @@
-//! The honest fast peer: Dormand–Prince 5(4) by hand for two or four states, with the dense output of Hairer, Nørsett &
-//! Wanner (Solving Ordinary Differential Equations I, II.6) and events on it. Nothing generic, nothing allocated.
+//! The honest fast peer: Dormand–Prince 5(4) by hand for two or four states, with the dense output
+//! of Hairer, Nørsett & Wanner (Solving Ordinary Differential Equations I, II.6) and events on it.
+//! Nothing generic, nothing allocated.
 
 use crate::scene::{END_S, Full, Phase, START, Samples, State, full, release};
 
@@ -19,7 +20,8 @@ macro_rules! along {
     };
 }
 
-/// One attempted step: its end, the slope there, the error in units of the tolerance, and the dense output.
+/// One attempted step: its end, the slope there, the error in units of the tolerance, and the dense
+/// output.
 struct Step<const N: usize> {
     end: Full<N>,
     slope: Full<N>,
@@ -40,8 +42,7 @@ fn attempt<const N: usize>(
     let k3 = phase.slope::<N>(t + 0.3 * h, &along!(y, h, 3.0 / 40.0, k1; 9.0 / 40.0, k2));
     let at = along!(y, h, 44.0 / 45.0, k1; -56.0 / 15.0, k2; 32.0 / 9.0, k3);
     let k4 = phase.slope::<N>(t + 0.8 * h, &at);
-    let at =
-        along!(y, h, 19372.0 / 6561.0, k1; -25360.0 / 2187.0, k2; 64448.0 / 6561.0, k3; -212.0 / 729.0, k4);
+    let at = along!(y, h, 19372.0 / 6561.0, k1; -25360.0 / 2187.0, k2; 64448.0 / 6561.0, k3; -212.0 / 729.0, k4);
     let k5 = phase.slope::<N>(t + 8.0 / 9.0 * h, &at);
     let at = along!(y, h, 9017.0 / 3168.0, k1; -355.0 / 33.0, k2; 46732.0 / 5247.0, k3; 49.0 / 176.0, k4;
         -5103.0 / 18656.0, k5);
@@ -59,7 +60,12 @@ fn attempt<const N: usize>(
     let bend = [h * k1[0] - change[0], h * k1[1] - change[1]];
     let fourth = [change[0] - h * k7[0] - bend[0], change[1] - h * k7[1] - bend[1]];
     let squares = share(0) * share(0) + share(1) * share(1);
-    Step { end, slope: k7, error: (0.5 * squares).sqrt(), dense: [[y[0], y[1]], change, bend, fourth, last] }
+    Step {
+        end,
+        slope: k7,
+        error: (0.5 * squares).sqrt(),
+        dense: [[y[0], y[1]], change, bend, fourth, last],
+    }
 }
 
 impl<const N: usize> Step<N> {
@@ -71,15 +77,17 @@ impl<const N: usize> Step<N> {
         std::array::from_fn(|i| a[i] + s * (b[i] + r * (c[i] + s * (d[i] + r * e[i]))))
     }
 
-    /// The first guard that is below 0 at the step's end, and the share at which it falls through 0.
+    /// The first guard that is below 0 at the step's end, and the share at which it falls through
+    /// 0.
     #[inline]
     fn event(&self, phase: Phase) -> Option<(f64, usize)> {
         let below = phase.guards([self.end[0], self.end[1]]);
         if below[0] >= 0.0 && below[1] >= 0.0 {
             return None;
         }
-        let root =
-            |i: usize| if below[i] < 0.0 { crossing(|s| phase.guards(self.at(s))[i]) } else { f64::INFINITY };
+        let root = |i: usize| {
+            if below[i] < 0.0 { crossing(|s| phase.guards(self.at(s))[i]) } else { f64::INFINITY }
+        };
         let shares = [root(0), root(1)];
         let first = usize::from(shares[1] < shares[0]);
         Some((shares[first], first))
@@ -136,8 +144,15 @@ pub(crate) fn run(aim: Aim, out: &mut Samples) -> u64 {
 }
 
 /// One phase, to its end.
-fn smooth<const N: usize>(aim: Aim, t: &mut f64, y: &mut State, phase: &mut Phase, out: &mut Samples) -> u64 {
-    /// First step after a change of phase, s; a tenth of the fast time constant, and rejected if too long.
+fn smooth<const N: usize>(
+    aim: Aim,
+    t: &mut f64,
+    y: &mut State,
+    phase: &mut Phase,
+    out: &mut Samples,
+) -> u64 {
+    /// First step after a change of phase, s; a tenth of the fast time constant, and rejected if
+    /// too long.
     const FIRST_S: f64 = 5e-4;
     let mut h = FIRST_S.min(aim.largest_step_s);
     let mut z = full::<N>(*t, *y);

@@ -1,5 +1,6 @@
-//! One scene, solved by zwidth and by Rust peers: `zwidth-peers reference` writes θ of the exact solution, one
-//! sample a line; `zwidth-peers measure` tunes, times and writes one row a peer. See `run.sh`.
+//! One scene, solved by zwidth and by Rust peers: `zwidth-peers reference` writes θ of the exact
+//! solution, one sample a line; `zwidth-peers measure` tunes, times and writes one row a peer. See
+//! `run.sh`.
 
 mod diffsol_peer;
 mod dopri;

@@ -1,5 +1,6 @@
-//! The crate `ode_solvers`: Dopri5 with its continuous output. It has no events, so a run is stopped by its
-//! `solout` once a guard is below 0, the event is located on the continuous output, and a new run starts there.
+//! The crate `ode_solvers`: Dopri5 with its continuous output. It has no events, so a run is
+//! stopped by its `solout` once a guard is below 0, the event is located on the continuous output,
+//! and a new run starts there.
 
 use std::cell::Cell;
 
@@ -78,14 +79,19 @@ fn smooth<const N: usize>(
         OutputType::Continuous,
     );
     let mut model = ContinuousOutputModel::new();
-    let stats =
-        stepper.integrate_with_continuous_output_model(&mut model).map_err(|error| error.to_string())?;
+    let stats = stepper
+        .integrate_with_continuous_output_model(&mut model)
+        .map_err(|error| error.to_string())?;
     let (_, end) = model.bounds();
     let at = |t: f64| -> State { model.evaluate(t).map_or([f64::NAN; 2], |y| [y[0], y[1]]) };
     let below = phase.guards(stepper.y_out().last().map_or([f64::NAN; 2], |y| [y[0], y[1]]));
     let time = |share: f64| (from_s.get() + share * (end - from_s.get())).min(end);
     let root = |i: usize| {
-        if below[i] < 0.0 { time(crossing(|share| phase.guards(at(time(share)))[i])) } else { f64::INFINITY }
+        if below[i] < 0.0 {
+            time(crossing(|share| phase.guards(at(time(share)))[i]))
+        } else {
+            f64::INFINITY
+        }
     };
     let roots = [root(0), root(1)];
     let first = usize::from(roots[1] < roots[0]);

@@ -12,7 +12,8 @@ pub(crate) fn grid() -> Grid {
 }
 
 pub(crate) fn system() -> Result<System, String> {
-    System::new(table3::scene(Mode::Hybrid, Input::sine(MAGNITUDE_N))).map_err(|error| error.to_string())
+    System::new(table3::scene(Mode::Hybrid, Input::sine(MAGNITUDE_N)))
+        .map_err(|error| error.to_string())
 }
 
 /// θ of the exact solution at every sample, rad.
@@ -27,14 +28,24 @@ pub(crate) fn prepare(system: &System) -> Result<Box<dyn Prepared + '_>, String>
 }
 
 /// An exact run of a system that is ready; returns the number of products with a flow matrix.
-pub(crate) fn exact(prepared: &mut dyn Prepared, grid: &Grid, out: &mut Samples) -> Result<u64, String> {
+pub(crate) fn exact(
+    prepared: &mut dyn Prepared,
+    grid: &Grid,
+    out: &mut Samples,
+) -> Result<u64, String> {
     out.clear();
-    let run = prepared.visit(grid, &mut |_, z| out.push([z[0], z[1]])).map_err(|error| error.to_string())?;
+    let run = prepared
+        .visit(grid, &mut |_, z| out.push([z[0], z[1]]))
+        .map_err(|error| error.to_string())?;
     Ok(run.work.evaluations)
 }
 
 /// A run of a general solver; returns the number of evaluations.
-pub(crate) fn general(solver: &dyn Solver, system: &System, out: &mut Samples) -> Result<u64, String> {
+pub(crate) fn general(
+    solver: &dyn Solver,
+    system: &System,
+    out: &mut Samples,
+) -> Result<u64, String> {
     out.clear();
     let run = solver.run(system, &grid()).map_err(|error| error.to_string())?;
     out.theta.extend(run.theta_rad());

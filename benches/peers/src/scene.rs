@@ -1,16 +1,17 @@
-//! The sticking scene as the mode machine every peer is given: Table 3 of the thesis without finger, a sine of
-//! 2.15 N, motor 3.25 N, brake 13 N, lever 1 m. The brake's own limits and the lever's stops are never reached in
-//! this scene, so no peer has to look for them. Where the lever sticks nothing is integrated: the time of its
-//! release follows from the sine in closed form.
+//! The sticking scene as the mode machine every peer is given: Table 3 of the thesis without
+//! finger, a sine of 2.15 N, motor 3.25 N, brake 13 N, lever 1 m. The brake's own limits and the
+//! lever's stops are never reached in this scene, so no peer has to look for them. Where the lever
+//! sticks nothing is integrated: the time of its release follows from the sine in closed form.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// θ, rad, and θ̇, rad/s.
 pub(crate) type State = [f64; 2];
 
-/// What a method integrates: N = 2, θ and θ̇ with the sine evaluated at every stage, or N = 4, where the sine's
-/// swing and its rate join the state as an oscillator. The second spares the sines, and a Runge–Kutta method keeps
-/// its order there: with a fast mode beside it, an evaluated sine lowers the order (Prothero & Robinson 1974).
+/// What a method integrates: N = 2, θ and θ̇ with the sine evaluated at every stage, or N = 4, where
+/// the sine's swing and its rate join the state as an oscillator. The second spares the sines, and
+/// a Runge–Kutta method keeps its order there: with a fast mode beside it, an evaluated sine lowers
+/// the order (Prothero & Robinson 1974).
 pub(crate) type Full<const N: usize> = [f64; N];
 
 /// M_O, kg, at a lever of 1 m.
@@ -154,7 +155,8 @@ pub(crate) fn release(t: f64, theta: f64) -> (f64, Phase) {
     if rises < falls { (rises, Phase::Forward) } else { (falls, backward(theta)) }
 }
 
-/// The next time after `t` at which the push rises or falls through a force; infinite if it never does.
+/// The next time after `t` at which the push rises or falls through a force; infinite if it never
+/// does.
 fn next_time(t: f64, force: f64, falling: bool) -> f64 {
     let angle = (force / MAGNITUDE - 1.0).asin();
     let first = if falling { PI - angle } else { angle };

@@ -1,5 +1,6 @@
-//! Every peer is tuned alike: of all its tolerances and largest steps whose error stays below the target the
-//! fastest is kept. Then all are timed in rounds, one after the other, so that a busy moment hits them all.
+//! Every peer is tuned alike: of all its tolerances and largest steps whose error stays below the
+//! target the fastest is kept. Then all are timed in rounds, one after the other, so that a busy
+//! moment hits them all.
 
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -16,8 +17,8 @@ use crate::scene::Samples;
 const TARGETS_RAD: [f64; 2] = [1e-6, 1e-10];
 /// Tolerances tried.
 const TOLERANCES: [f64; 23] = [
-    1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9, 3e-10, 1e-10,
-    3e-11, 1e-11, 3e-12, 1e-12, 3e-13, 1e-13,
+    1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9,
+    3e-10, 1e-10, 3e-11, 1e-11, 3e-12, 1e-12, 3e-13, 1e-13,
 ];
 /// Largest steps tried, s. An explicit method of order 5 is stable up to about 17 ms on this scene.
 const LARGEST_STEPS_S: [f64; 10] =
@@ -107,7 +108,9 @@ fn peers(system: &System) -> Vec<Peer<'_>> {
             method: "Dopri5, restarted",
             steps: true,
             forms: &[false, true],
-            make: Box::new(|aim| Ok(Box::new(move |out: &mut Samples| ode_solvers_peer::run(aim, out)))),
+            make: Box::new(|aim| {
+                Ok(Box::new(move |out: &mut Samples| ode_solvers_peer::run(aim, out)))
+            }),
         },
         diffsol_by(Method::Bdf, "BDF"),
         diffsol_by(Method::TrBdf2, "TR-BDF2"),
@@ -120,7 +123,11 @@ fn peers(system: &System) -> Vec<Peer<'_>> {
 fn error(out: &Samples, reference: &[f64]) -> f64 {
     let differences = || out.theta.iter().zip(reference).map(|(a, b)| (a - b).abs());
     let whole = out.theta.len() == reference.len() && out.theta_dot.len() == reference.len();
-    if whole && differences().all(f64::is_finite) { differences().fold(0.0, f64::max) } else { f64::INFINITY }
+    if whole && differences().all(f64::is_finite) {
+        differences().fold(0.0, f64::max)
+    } else {
+        f64::INFINITY
+    }
 }
 
 /// The shortest of the runs that fit into a time, at least two.
@@ -148,7 +155,12 @@ fn settings(peer: &Peer<'_>) -> Vec<Aim> {
         .collect()
 }
 
-fn tune<'a>(peer: &Peer<'a>, target_rad: f64, reference: &[f64], out: &mut Samples) -> Option<Tuned<'a>> {
+fn tune<'a>(
+    peer: &Peer<'a>,
+    target_rad: f64,
+    reference: &[f64],
+    out: &mut Samples,
+) -> Option<Tuned<'a>> {
     let mut found: Option<(Duration, Tuned<'a>)> = None;
     for aim in settings(peer) {
         let Ok(mut run) = (peer.make)(aim) else { continue };
@@ -161,28 +173,46 @@ fn tune<'a>(peer: &Peer<'a>, target_rad: f64, reference: &[f64], out: &mut Sampl
         let time = if error_rad <= target_rad { best(&mut run, TRIAL, out) } else { Duration::MAX };
         if time < found.as_ref().map_or(Duration::MAX, |(least, _)| *least) {
             let Peer { name, method, .. } = *peer;
-            found =
-                Some((time, Tuned { name, method, target_rad, aim: Some(aim), error_rad, evaluations, run }));
+            found = Some((
+                time,
+                Tuned { name, method, target_rad, aim: Some(aim), error_rad, evaluations, run },
+            ));
         }
     }
     found.map(|(_, tuned)| tuned)
 }
 
 /// The exact solver, ready and from nothing: it has nothing to tune.
-fn exact<'a>(system: &'a System, grid: &'a Grid, out: &mut Samples) -> Result<Vec<Tuned<'a>>, String> {
+fn exact<'a>(
+    system: &'a System,
+    grid: &'a Grid,
+    out: &mut Samples,
+) -> Result<Vec<Tuned<'a>>, String> {
     let mut prepared = ours::prepare(system)?;
     let ready: Run<'a> = Box::new(move |out| ours::exact(prepared.as_mut(), grid, out));
-    let fresh: Run<'a> = Box::new(move |out| ours::exact(ours::prepare(system)?.as_mut(), grid, out));
+    let fresh: Run<'a> =
+        Box::new(move |out| ours::exact(ours::prepare(system)?.as_mut(), grid, out));
     let mut all = Vec::new();
-    for (name, method, mut run) in [("zwidth exact", "ready", ready), ("zwidth exact", "first run", fresh)] {
+    for (name, method, mut run) in
+        [("zwidth exact", "ready", ready), ("zwidth exact", "first run", fresh)]
+    {
         let evaluations = run(out)?;
-        all.push(Tuned { name, method, target_rad: 0.0, aim: None, error_rad: 0.0, evaluations, run });
+        all.push(Tuned {
+            name,
+            method,
+            target_rad: 0.0,
+            aim: None,
+            error_rad: 0.0,
+            evaluations,
+            run,
+        });
     }
     Ok(all)
 }
 
-/// Tunes and times all; one tab-separated row a peer and target: name, method, form of the sine, target, tolerance, largest step,
-/// error, evaluations, seconds in the first and second pass, remark.
+/// Tunes and times all; one tab-separated row a peer and target: name, method, form of the sine,
+/// target, tolerance, largest step, error, evaluations, seconds in the first and second pass,
+/// remark.
 pub(crate) fn measure() -> Result<String, String> {
     let (system, grid, reference) = (ours::system()?, ours::grid(), ours::reference()?);
     let mut out = Samples::default();
@@ -192,16 +222,19 @@ pub(crate) fn measure() -> Result<String, String> {
         for target in TARGETS_RAD {
             match tune(&peer, target, &reference, &mut out) {
                 Some(tuned) => all.push(tuned),
-                None => {
-                    writeln!(rows, "{}\t{}\t\t{target:e}\t\t\t\t\t\t\tnot reached", peer.name, peer.method)
-                        .map_err(|error| error.to_string())?
-                }
+                None => writeln!(
+                    rows,
+                    "{}\t{}\t\t{target:e}\t\t\t\t\t\t\tnot reached",
+                    peer.name, peer.method
+                )
+                .map_err(|error| error.to_string())?,
             }
         }
     }
     let passes = [pass(&mut all, &mut out), pass(&mut all, &mut out)];
     for (i, tuned) in all.iter().enumerate() {
-        writeln!(rows, "{}", row(tuned, passes[0][i], passes[1][i])).map_err(|error| error.to_string())?;
+        writeln!(rows, "{}", row(tuned, passes[0][i], passes[1][i]))
+            .map_err(|error| error.to_string())?;
     }
     Ok(rows)
 }
@@ -219,7 +252,8 @@ fn pass(all: &mut [Tuned<'_>], out: &mut Samples) -> Vec<Duration> {
 
 fn row(tuned: &Tuned<'_>, first: Duration, second: Duration) -> String {
     let Tuned { name, method, target_rad, error_rad, evaluations, .. } = tuned;
-    let sine = tuned.aim.map_or("", |aim| if aim.sine_joins { "in the state" } else { "evaluated" });
+    let sine =
+        tuned.aim.map_or("", |aim| if aim.sine_joins { "in the state" } else { "evaluated" });
     let tolerance = tuned.aim.map_or_else(String::new, |aim| format!("{:e}", aim.tolerance));
     let step = tuned.aim.map(|aim| aim.largest_step_s).filter(|step| step.is_finite());
     let step = step.map_or_else(String::new, |step| step.to_string());

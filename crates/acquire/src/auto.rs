@@ -3,8 +3,8 @@
 use crate::{AcquireError, Front, Input, Phase, View};
 use std::time::Duration;
 
-/// Another front end, and somebody who starts each trial, skips a question that the device's own participant did not
-/// answer, and ends the session when it is done or stopped.
+/// Another front end, and somebody who starts each trial, skips a question that the device's own
+/// participant did not answer, and ends the session when it is done or stopped.
 #[derive(Debug)]
 pub struct Auto<F> {
     front: F,

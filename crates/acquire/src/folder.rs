@@ -1,7 +1,7 @@
 //! The study's folder, held open while a session is recorded into it.
 //!
-//! A folder that is moved or removed meanwhile is noticed at the next look, and never made anew: what is written after
-//! that would lie apart from all that was recorded before.
+//! A folder that is moved or removed meanwhile is noticed at the next look, and never made anew:
+//! what is written after that would lie apart from all that was recorded before.
 
 use crate::AcquireError;
 use std::io;
@@ -21,7 +21,8 @@ impl StudyFolder {
     /// # Errors
     /// It is not there, or cannot be read.
     pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
-        let held = files.hold(path).map_err(|e| StoreError::io(path, "open the study's folder", &e))?;
+        let held =
+            files.hold(path).map_err(|e| StoreError::io(path, "open the study's folder", &e))?;
         Ok(Self { path: path.to_owned(), held })
     }
 
@@ -158,7 +159,9 @@ mod tests {
         let moved = root.path().join("elsewhere");
         fs::rename(&path, &moved).unwrap();
         assert!(write_new(&files, &path.join("b/second"), b"2").is_err());
-        assert!(files.create_folder(&path).is_err() && files.open_append(&path.join("log")).is_err());
+        assert!(
+            files.create_folder(&path).is_err() && files.open_append(&path.join("log")).is_err()
+        );
         assert!(!path.exists());
         let words = files.check().unwrap_err().to_string();
         assert!(words.contains("moved or removed"), "{words}");

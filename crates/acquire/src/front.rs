@@ -7,15 +7,17 @@ use std::time::Duration;
 ///
 /// The screen, lines in and out, and nobody are the three.
 pub trait Front {
-    /// Shows the view. Called at least at every change of phase, and some twenty times a second while a trial runs.
+    /// Shows the view. Called at least at every change of phase, and some twenty times a second
+    /// while a trial runs.
     ///
     /// # Errors
     /// A terminal or a pipe that is gone.
     fn show(&mut self, view: &View) -> Result<(), AcquireError>;
 
-    /// The next input by a person, waiting for one at most `wait`; none if there was none. Only the inputs of people
-    /// come from here: [`Input::Start`], [`Input::Answer`], [`Input::Skip`], [`Input::Repeat`], [`Input::Exclude`],
-    /// [`Input::Note`], [`Input::Stop`], [`Input::Quit`].
+    /// The next input by a person, waiting for one at most `wait`; none if there was none. Only the
+    /// inputs of people come from here: [`Input::Start`], [`Input::Answer`], [`Input::Skip`],
+    /// [`Input::Repeat`], [`Input::Exclude`], [`Input::Note`], [`Input::Stop`],
+    /// [`Input::Quit`].
     ///
     /// # Errors
     /// A terminal or a pipe that is gone.

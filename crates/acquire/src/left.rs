@@ -4,7 +4,8 @@ use crate::flow::Flow;
 use crate::session::recorded;
 use zwidth_store::{SessionLog, StudyData};
 
-/// How many trials of a session's order are still to be done; 0 of an imported one, which has no order.
+/// How many trials of a session's order are still to be done; 0 of an imported one, which has no
+/// order.
 pub fn left_to_do(data: &StudyData, log: &SessionLog) -> usize {
     if log.record.order.is_none() {
         return 0;

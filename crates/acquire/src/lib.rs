@@ -1,4 +1,5 @@
-//! A session of trials: its flow, the runner that binds it to a device and the store, and the screen.
+//! A session of trials: its flow, the runner that binds it to a device and the store, and the
+//! screen.
 
 mod auto;
 mod error;

@@ -1,7 +1,7 @@
 //! By which numbers a session is counterbalanced.
 //!
-//! The digits at the end of an id are its number. An id without any gets its place among all of its kind that appeared in
-//! the study so far, and keeps it: every session's record holds both numbers.
+//! The digits at the end of an id are its number. An id without any gets its place among all of its
+//! kind that appeared in the study so far, and keeps it: every session's record holds both numbers.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -33,15 +33,19 @@ pub(crate) fn numbers(
     session: &SessionId,
 ) -> Result<Numbers, StoreError> {
     let all = number(participant.as_str()).is_none() || number(session.as_str()).is_none();
-    // Where every id has its number, nothing need be read: a whole simulated study is as fast as its trials.
+    // Where every id has its number, nothing need be read: a whole simulated study is as fast as
+    // its trials.
     let records = read_records(files, layout, &|path| all || may_lack_a_number(path))?;
     Ok(among(&records, participant, session))
 }
 
-/// Whether the ids in a record's name, `<participant>_<session>`, may be without a number; an id may hold a `_`, too.
+/// Whether the ids in a record's name, `<participant>_<session>`, may be without a number; an id
+/// may hold a `_`, too.
 fn may_lack_a_number(record: &Path) -> bool {
-    let name = record.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let lacks = |(at, _): (usize, &str)| number(&name[..at]).is_none() || number(&name[at + 1..]).is_none();
+    let name =
+        record.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let lacks =
+        |(at, _): (usize, &str)| number(&name[..at]).is_none() || number(&name[at + 1..]).is_none();
     name.match_indices('_').any(lacks)
 }
 
@@ -62,7 +66,8 @@ fn among(records: &[SessionRecord], participant: &ParticipantId, session: &Sessi
     Numbers { participant, session, remarks }
 }
 
-/// The number of an id, and what is to be told of it; `known` are the numbers of those that appeared before.
+/// The number of an id, and what is to be told of it; `known` are the numbers of those that
+/// appeared before.
 fn one(kind: &str, id: &str, known: &BTreeMap<&str, u32>) -> (u32, Option<String>) {
     if let Some(digits) = number(id) {
         let namesake = known.iter().find(|(other, n)| **n == digits && number(other).is_none());
@@ -94,7 +99,9 @@ mod tests {
 
     #[test]
     fn the_digits_at_the_end_of_an_id_are_its_number_and_an_id_without_any_has_none() {
-        for (id, expect) in [("P01", Some(1)), ("S12", Some(12)), ("P2b7", Some(7)), ("007", Some(7))] {
+        for (id, expect) in
+            [("P01", Some(1)), ("S12", Some(12)), ("P2b7", Some(7)), ("007", Some(7))]
+        {
             assert_eq!(number(id), expect, "{id}");
         }
         for id in ["anna", "pre", "P1x", "P99999999999999999999"] {
@@ -116,8 +123,13 @@ mod tests {
         }
 
         fn asked(&self, participant: &str, session: &str) -> Numbers {
-            numbers(&RealFiles, &self.layout, &participant.parse().unwrap(), &session.parse().unwrap())
-                .unwrap()
+            numbers(
+                &RealFiles,
+                &self.layout,
+                &participant.parse().unwrap(),
+                &session.parse().unwrap(),
+            )
+            .unwrap()
         }
 
         /// Lays a session down; its numbers, and how many remarks there are.
@@ -125,9 +137,11 @@ mod tests {
             let numbers = self.asked(participant, session);
             let (participant, session) = (participant.parse().unwrap(), session.parse().unwrap());
             let path = self.layout.session(&participant, &session);
-            let mut record = SessionRecord::new(participant, session, Source::Twin, "", "", Vec::new());
+            let mut record =
+                SessionRecord::new(participant, session, Source::Twin, "", "", Vec::new());
             let scheme = OrderScheme::Williams;
-            let Numbers { participant: participant_number, session: session_number, remarks } = numbers;
+            let Numbers { participant: participant_number, session: session_number, remarks } =
+                numbers;
             record.order = Some(OrderRecord { scheme, participant_number, session_number });
             write_new(&RealFiles, &path, record.to_json().unwrap().as_bytes()).unwrap();
             (participant_number, session_number, remarks.len())
@@ -160,7 +174,10 @@ mod tests {
         assert_eq!(study.add("anna", "S02"), (4, 2, 1), "third to appear, and 3 is taken");
         assert_eq!(study.add("P02", "S01"), (2, 1, 0));
         let late = study.asked("P04", "S01");
-        assert!(late.participant == 4 && late.remarks[0].contains("as participant anna has"), "{late:?}");
+        assert!(
+            late.participant == 4 && late.remarks[0].contains("as participant anna has"),
+            "{late:?}"
+        );
     }
 
     #[test]
@@ -168,11 +185,13 @@ mod tests {
         let study = Study::new();
         write_new(&RealFiles, &study.layout.sessions().join("P01_S01.json"), b"{").unwrap();
         assert_eq!(study.asked("P02", "S01").participant, 2);
-        let error = numbers(&RealFiles, &study.layout, &"anna".parse().unwrap(), &"S01".parse().unwrap())
-            .unwrap_err();
+        let error =
+            numbers(&RealFiles, &study.layout, &"anna".parse().unwrap(), &"S01".parse().unwrap())
+                .unwrap_err();
         assert!(error.to_string().contains("P01_S01.json"), "{error}");
         assert!(
-            !may_lack_a_number(Path::new("x/P01_S01.json")) && may_lack_a_number(Path::new("a_b1_S01.json"))
+            !may_lack_a_number(Path::new("x/P01_S01.json"))
+                && may_lack_a_number(Path::new("a_b1_S01.json"))
         );
     }
 }

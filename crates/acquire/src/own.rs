@@ -2,10 +2,12 @@
 
 use crate::{AcquireError, Plan};
 use zwidth_store::{Files, Layout, SessionLog, hex_blake3, session_study};
-use zwidth_study::{Affects, Control, Event, ParticipantId, SessionId, Study, StudyChange, study_changes};
+use zwidth_study::{
+    Affects, Control, Event, ParticipantId, SessionId, Study, StudyChange, study_changes,
+};
 
-/// The study by which a session that was laid down goes on: its own copy. Nothing for one that is to begin, and for one
-/// from before there were copies.
+/// The study by which a session that was laid down goes on: its own copy. Nothing for one that is
+/// to begin, and for one from before there were copies.
 ///
 /// # Errors
 /// A session that is not whole.
@@ -22,19 +24,26 @@ pub fn own_study(
     session_study(files, layout, participant, session).map_err(not_whole)
 }
 
-/// What is to be told, and kept in the log, of a `study.toml` that is another than the session's own.
+/// What is to be told, and kept in the log, of a `study.toml` that is another than the session's
+/// own.
 ///
 /// # Errors
-/// A change of what is recorded that nobody has accepted; a session without a copy, of which nobody knows what changed.
+/// A change of what is recorded that nobody has accepted; a session without a copy, of which nobody
+/// knows what changed.
 pub(crate) fn opening(plan: &Plan, log: &SessionLog) -> Result<Vec<Event>, AcquireError> {
     let hash = hex_blake3(&plan.study_toml);
     let Some(own) = &log.study else {
-        return if hash == log.record.study_blake3 { Ok(Vec::new()) } else { Err(unknown_change(log)) };
+        return if hash == log.record.study_blake3 {
+            Ok(Vec::new())
+        } else {
+            Err(unknown_change(log))
+        };
     };
     let control = Control { rate_hz: plan.study.control.rate_hz, ..own.control };
     if plan.study != (Study { control, ..own.clone() }) {
         return Err(AcquireError::Refused {
-            what: "the session goes on by its own copy of study.toml, and another study was given".to_owned(),
+            what: "the session goes on by its own copy of study.toml, and another study was given"
+                .to_owned(),
             remedy: "please report this".to_owned(),
         });
     }
@@ -42,15 +51,25 @@ pub(crate) fn opening(plan: &Plan, log: &SessionLog) -> Result<Vec<Event>, Acqui
         return Ok(Vec::new());
     }
     let changes = study_changes(own, &parsed(&plan.study_toml)?);
-    let (matter, rest): (Vec<_>, Vec<_>) = changes.iter().partition(|c| c.affects == Affects::Recording);
-    let words = |changes: &[&StudyChange]| changes.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let (matter, rest): (Vec<_>, Vec<_>) =
+        changes.iter().partition(|c| c.affects == Affects::Recording);
+    let words =
+        |changes: &[&StudyChange]| changes.iter().map(ToString::to_string).collect::<Vec<_>>();
     if !matter.is_empty() && !plan.accept_study_change {
-        return Err(AcquireError::StudyChanged { session: log.path.clone(), changes: words(&matter) });
+        return Err(AcquireError::StudyChanged {
+            session: log.path.clone(),
+            changes: words(&matter),
+        });
     }
     let text = match (matter.is_empty(), rest.is_empty()) {
-        (true, true) => "study.toml differs from the session's copy in comments or form alone".to_owned(),
+        (true, true) => {
+            "study.toml differs from the session's copy in comments or form alone".to_owned()
+        }
         (true, false) => {
-            format!("study.toml has changed in nothing that is recorded: {}", words(&rest).join("; "))
+            format!(
+                "study.toml has changed in nothing that is recorded: {}",
+                words(&rest).join("; ")
+            )
         }
         (false, _) => {
             format!(

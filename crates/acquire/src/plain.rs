@@ -1,8 +1,9 @@
 //! Plain mode: a line in, a line out, for scripts, tests and people who read with their ears.
 //!
-//! Lines in: `start`, `answer N` (or `N` alone), `skip`, `repeat`, `exclude REASON`, `note TEXT`, `stop`, `quit`. They are taken in
-//! order, each when the session waits for somebody; so a script may say everything at once. `stop` alone is obeyed
-//! the moment it is read, and what was said before it and not yet taken is forgotten. The end of the input is `quit`.
+//! Lines in: `start`, `answer N` (or `N` alone), `skip`, `repeat`, `exclude REASON`, `note TEXT`,
+//! `stop`, `quit`. They are taken in order, each when the session waits for somebody; so a script
+//! may say everything at once. `stop` alone is obeyed the moment it is read, and what was said
+//! before it and not yet taken is forgotten. The end of the input is `quit`.
 //!
 //! Lines out: one a phase, one a message.
 
@@ -28,11 +29,17 @@ pub struct Plain<W> {
 }
 
 impl<W: Write> Plain<W> {
-    /// Reads `input` on a thread of its own; `stop` is raised as soon as that word is read. `ends`: the end of the
-    /// input ends the session.
-    pub fn new(input: impl BufRead + Send + 'static, out: W, stop: Arc<AtomicBool>, ends: bool) -> Self {
+    /// Reads `input` on a thread of its own; `stop` is raised as soon as that word is read. `ends`:
+    /// the end of the input ends the session.
+    pub fn new(
+        input: impl BufRead + Send + 'static,
+        out: W,
+        stop: Arc<AtomicBool>,
+        ends: bool,
+    ) -> Self {
         let (sender, lines) = channel();
-        // The thread ends with the input, or with the program; nobody waits for a line that may never come.
+        // The thread ends with the input, or with the program; nobody waits for a line that may
+        // never come.
         std::thread::spawn(move || {
             // By bytes: a letter in another encoding must not end the session.
             for bytes in input.split(b'\n').map_while(Result::ok) {
@@ -125,7 +132,9 @@ fn parse(line: &str) -> Result<Input, String> {
         ("quit", "") => Ok(Input::Quit),
         ("exclude", reason) => Ok(Input::Exclude(reason.to_owned())),
         ("note", text) => Ok(Input::Note(text.to_owned())),
-        ("answer", n) => n.parse().map(Input::Answer).map_err(|_| format!("'{n}' is no answer: 1 to 5")),
+        ("answer", n) => {
+            n.parse().map(Input::Answer).map_err(|_| format!("'{n}' is no answer: 1 to 5"))
+        }
         (n, "") if n.parse::<u8>().is_ok() => Ok(Input::Answer(n.parse().unwrap_or(0))),
         _ => Err(format!(
             "'{line}' is not understood: start, answer 1 to 5, skip, repeat, exclude REASON, note TEXT, stop, quit"
@@ -204,7 +213,8 @@ mod tests {
 
     #[test]
     fn a_script_is_taken_in_order_and_its_end_is_quit() {
-        let (mut plain, _) = plain("start\n\nanswer 4\nexclude  slipped off \nnote a b\n3\nrepeat\n");
+        let (mut plain, _) =
+            plain("start\n\nanswer 4\nexclude  slipped off \nnote a b\n3\nrepeat\n");
         assert_eq!(next(&mut plain, Phase::Ready), Input::Start);
         assert_eq!(next(&mut plain, question()), Input::Answer(4));
         assert_eq!(next(&mut plain, Phase::Ready), Input::Exclude("slipped off".into()));
@@ -225,7 +235,9 @@ mod tests {
     #[test]
     fn while_a_trial_runs_lines_wait_for_its_end() {
         let (mut plain, _) = plain("answer 2\n");
-        plain.show(&View { phase: Phase::Trial { t_s: 0.0, limit_s: 4.0 }, ..View::default() }).unwrap();
+        plain
+            .show(&View { phase: Phase::Trial { t_s: 0.0, limit_s: 4.0 }, ..View::default() })
+            .unwrap();
         for _ in 0..20 {
             assert_eq!(plain.next(SOON).unwrap(), None);
         }
@@ -250,7 +262,8 @@ mod tests {
         assert_eq!(next(&mut plain, Phase::Ready), Input::Quit);
         let told = String::from_utf8(plain.out).unwrap();
         assert!(
-            told.contains("'begin' is not understood: start") && told.contains("'much' is no answer"),
+            told.contains("'begin' is not understood: start")
+                && told.contains("'much' is no answer"),
             "{told}"
         );
     }
@@ -258,7 +271,8 @@ mod tests {
     #[test]
     fn a_phase_is_one_line_however_often_it_is_shown_and_every_message_another() {
         let (mut plain, _) = plain("");
-        let mut view = View { phase: Phase::Pause { left_s: 5.0, pause_s: 5.0 }, ..View::default() };
+        let mut view =
+            View { phase: Phase::Pause { left_s: 5.0, pause_s: 5.0 }, ..View::default() };
         view.say("one");
         plain.show(&view).unwrap();
         view.phase = Phase::Pause { left_s: 4.0, pause_s: 5.0 };

@@ -11,8 +11,8 @@ use zwidth_store::{
     read_session,
 };
 use zwidth_study::{
-    Calibration, Event, ModeId, OrderRecord, ParticipantId, PlannedTrial, QuestionId, Scene, Seal, SessionId,
-    SessionRecord, Status, Study, TrialMeta, order,
+    Calibration, Event, ModeId, OrderRecord, ParticipantId, PlannedTrial, QuestionId, Scene, Seal,
+    SessionId, SessionRecord, Status, Study, TrialMeta, order,
 };
 
 /// What a session is made of, besides the device.
@@ -20,11 +20,13 @@ use zwidth_study::{
 pub struct Plan {
     /// Where the study lies.
     pub layout: Layout,
-    /// The study to record by: that of `study.toml`, or of a session that is gone on with its own ([`crate::own_study`]).
+    /// The study to record by: that of `study.toml`, or of a session that is gone on with its own
+    /// ([`crate::own_study`]).
     pub study: Study,
     /// The text of the present `study.toml`, of which a session that begins keeps a copy.
     pub study_toml: Vec<u8>,
-    /// A session whose copy differs from that in what is recorded goes on, by its copy; its log says so.
+    /// A session whose copy differs from that in what is recorded goes on, by its copy; its log
+    /// says so.
     pub accept_study_change: bool,
     /// Who.
     pub participant: ParticipantId,
@@ -36,11 +38,13 @@ pub struct Plan {
     pub software: String,
     /// Rate of the control loop, Hz.
     pub rate_hz: f64,
-    /// The order's seed, where one is asked for. A study has one seed: its participants are balanced under it.
+    /// The order's seed, where one is asked for. A study has one seed: its participants are
+    /// balanced under it.
     pub seed: Option<u64>,
     /// The folder of seals and of the seed that is not to be known.
     pub keys: PathBuf,
-    /// Random bytes nobody can guess, from which a blinded session has its seal's nonce and its study the seed.
+    /// Random bytes nobody can guess, from which a blinded session has its seal's nonce and its
+    /// study the seed.
     pub secret: [u8; 32],
 }
 
@@ -61,7 +65,8 @@ pub struct Session {
     pub recorded: Vec<Recorded>,
     /// What the log holds.
     pub events: Vec<Event>,
-    /// What is to be told of it, and kept in its log, as soon as it is laid down, or is gone on with.
+    /// What is to be told of it, and kept in its log, as soon as it is laid down, or is gone on
+    /// with.
     pub opening: Vec<Event>,
 }
 
@@ -69,10 +74,15 @@ impl Session {
     /// Finds the session, or draws its order. Nothing is written but the seed of a blinded study.
     ///
     /// # Errors
-    /// A session on the disk that began with another device, calibration, rate or seed, or with another `study.toml`
-    /// where that matters and is not accepted; one that is not whole, or whose seal is not there; a study with an
-    /// environment that no device renders; seals that would lie in the data.
-    pub fn open(plan: &Plan, device: &Capabilities, files: &dyn Files) -> Result<Self, AcquireError> {
+    /// A session on the disk that began with another device, calibration, rate or seed, or with
+    /// another `study.toml` where that matters and is not accepted; one that is not whole, or
+    /// whose seal is not there; a study with an environment that no device renders; seals that
+    /// would lie in the data.
+    pub fn open(
+        plan: &Plan,
+        device: &Capabilities,
+        files: &dyn Files,
+    ) -> Result<Self, AcquireError> {
         if let Some(environment) = plan.study.environments.iter().find(|e| e.scene == Scene::None) {
             return Err(AcquireError::Refused {
                 what: format!(
@@ -97,7 +107,8 @@ impl Session {
 
     /// The order, each trial with the question that follows it.
     pub fn order(&self, study: &Study) -> Vec<(PlannedTrial, Option<QuestionId>)> {
-        let question = |t: &PlannedTrial| study.environment(&t.environment).and_then(|e| e.question.clone());
+        let question =
+            |t: &PlannedTrial| study.environment(&t.environment).and_then(|e| e.question.clone());
         self.record.trials.iter().map(|t| (t.clone(), question(t))).collect()
     }
 
@@ -118,11 +129,17 @@ impl Session {
         }
     }
 
-    /// Lays the session down, once, and before it keeps the seal of a blinded one. `utc` is the time of it.
+    /// Lays the session down, once, and before it keeps the seal of a blinded one. `utc` is the
+    /// time of it.
     ///
     /// # Errors
     /// A write that failed.
-    pub fn lay_down(&mut self, plan: &Plan, files: &dyn Files, utc: &str) -> Result<(), AcquireError> {
+    pub fn lay_down(
+        &mut self,
+        plan: &Plan,
+        files: &dyn Files,
+        utc: &str,
+    ) -> Result<(), AcquireError> {
         if let Some(seal) = &self.seal {
             vault::keep(files, &plan.keys, plan.layout.study(), &self.record, seal)?;
         }
@@ -173,7 +190,9 @@ fn drawn(plan: &Plan, device: &Capabilities, files: &dyn Files) -> Result<Sessio
     let seed = match plan.seed {
         Some(seed) => seed,
         None if plan.study.design.blinded => {
-            vault::seed(files, &plan.keys, plan.layout.study(), || first_u64(&derived(plan, "seed")))?
+            vault::seed(files, &plan.keys, plan.layout.study(), || {
+                first_u64(&derived(plan, "seed"))
+            })?
         }
         None => seed_of(&plan.study),
     };
@@ -291,8 +310,8 @@ fn hashed(text: &str) -> u32 {
     (first_u64(blake3::hash(text.as_bytes()).as_bytes()) >> u32::BITS) as u32
 }
 
-/// 32 bytes from the secret. Of two for different purposes neither tells the other: a nonce is shown in the end, the
-/// seed never.
+/// 32 bytes from the secret. Of two for different purposes neither tells the other: a nonce is
+/// shown in the end, the seed never.
 fn derived(plan: &Plan, purpose: &str) -> [u8; 32] {
     *blake3::keyed_hash(&plan.secret, purpose.as_bytes()).as_bytes()
 }
@@ -316,7 +335,8 @@ mod tests {
                 "abcdef0123456789",
                 Vec::new(),
             );
-            (record.device, record.rate_hz, record.seed) = (Some(device.to_owned()), Some(120.0), seed);
+            (record.device, record.rate_hz, record.seed) =
+                (Some(device.to_owned()), Some(120.0), seed);
             record
         };
         let then = record("twin 1", Some(3));

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use zwidth_store::{Journal, StoreError};
 use zwidth_study::Sample;
 
-/// Samples are kept back for so long, s, before they are written and synced together: half of the 100 ms that a kill
-/// may take.
+/// Samples are kept back for so long, s, before they are written and synced together: half of the
+/// 100 ms that a kill may take.
 pub(crate) const BATCH_S: f64 = 0.05;
 
 /// A journal, and the samples that it does not hold yet.

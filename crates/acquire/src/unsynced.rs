@@ -5,7 +5,8 @@ use std::io::{self, Write as _};
 use std::path::Path;
 use zwidth_store::{Append, Files, RealFiles, append_to};
 
-/// The real disk without syncs. A kill costs no more than on [`RealFiles`]; a power cut may cost everything.
+/// The real disk without syncs. A kill costs no more than on [`RealFiles`]; a power cut may cost
+/// everything.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Unsynced;
 

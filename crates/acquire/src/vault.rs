@@ -5,9 +5,9 @@
 //! <folder>/<study>/<participant>_<session>.<16 digits of the commitment>.json
 //! ```
 //!
-//! With the commitment in its name a seal is never taken for that of another study of the same id. Opened seals
-//! stay: the event log holds them too. Seeds and seals are for this user alone: files 0600, the study's folder and those
-//! that had to be made 0700, whatever the umask says.
+//! With the commitment in its name a seal is never taken for that of another study of the same id.
+//! Opened seals stay: the event log holds them too. Seeds and seals are for this user alone: files
+//! 0600, the study's folder and those that had to be made 0700, whatever the umask says.
 
 use crate::AcquireError;
 use std::io;
@@ -52,7 +52,8 @@ pub fn seal_path(
     folder.join(study.as_str()).join(format!("{participant}_{session}.{digits}.json"))
 }
 
-/// Keeps a seal. One that lies there already is this very one, by its name: a simulated study made again from its seed.
+/// Keeps a seal. One that lies there already is this very one, by its name: a simulated study made
+/// again from its seed.
 ///
 /// # Errors
 /// A folder that cannot be written.
@@ -64,7 +65,8 @@ pub fn keep(
     seal: &Seal,
 ) -> Result<(), AcquireError> {
     let path = seal_path(folder, study, &record.participant, &record.session, &seal.commitment());
-    let text = seal.to_json().map_err(|e| StoreError::new(&path, e.to_string(), "please report this"))?;
+    let text =
+        seal.to_json().map_err(|e| StoreError::new(&path, e.to_string(), "please report this"))?;
     if files.read(&path, MOST_SEAL).is_ok_and(|there| there == text.as_bytes()) {
         ours_alone(files, &path)?;
     } else {
@@ -78,7 +80,8 @@ fn last(files: &dyn Files, folder: &Path, path: &Path) -> Result<(), AcquireErro
     Ok(sync_names(files, path, folder.parent().unwrap_or(folder))?)
 }
 
-/// Keeps a file that is there, and its folder, for this user alone: it may come from where nobody saw to that.
+/// Keeps a file that is there, and its folder, for this user alone: it may come from where nobody
+/// saw to that.
 fn ours_alone(files: &dyn Files, path: &Path) -> Result<(), AcquireError> {
     path.parent().map_or(Ok(()), |folder| keep_private(files, folder))?;
     Ok(keep_private(files, path)?)
@@ -117,7 +120,8 @@ fn text(files: &dyn Files, path: &Path) -> io::Result<String> {
         .map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e.utf8_error()))
 }
 
-/// The study's secret seed: the order of a sealed session must not follow from anything in the data.
+/// The study's secret seed: the order of a sealed session must not follow from anything in the
+/// data.
 ///
 /// # Errors
 /// A folder that cannot be written, or a file that holds no number.
@@ -135,8 +139,13 @@ pub fn seed(
     }
     last(files, folder, &path)?;
     let text = text(files, &path).map_err(|e| StoreError::io(&path, "read", &e))?;
-    let wrong =
-        |_| StoreError::new(&path, "it holds no seed, a number below 2⁶⁴", "restore the file from a copy");
+    let wrong = |_| {
+        StoreError::new(
+            &path,
+            "it holds no seed, a number below 2⁶⁴",
+            "restore the file from a copy",
+        )
+    };
     Ok(text.trim().parse().map_err(wrong)?)
 }
 
@@ -169,10 +178,18 @@ mod tests {
         keep(&RealFiles, folder.path(), &study, &record, &seal).unwrap();
         assert_eq!(find(&RealFiles, folder.path(), &study, &record).unwrap(), seal);
         record.commitment = Some("0".repeat(64));
-        assert!(find(&RealFiles, folder.path(), &study, &record).unwrap_err().to_string().contains("--key"));
+        assert!(
+            find(&RealFiles, folder.path(), &study, &record)
+                .unwrap_err()
+                .to_string()
+                .contains("--key")
+        );
         record.commitment = None;
         assert!(
-            find(&RealFiles, folder.path(), &study, &record).unwrap_err().to_string().contains("not sealed")
+            find(&RealFiles, folder.path(), &study, &record)
+                .unwrap_err()
+                .to_string()
+                .contains("not sealed")
         );
     }
 
@@ -222,7 +239,11 @@ mod tests {
                 command.arg(std::env::current_exe().unwrap()).arg("--exact");
                 command.arg("vault::tests::keeps_a_seed_and_a_seal_in_the_folder_that_it_is_told");
                 let output = command.env(FOLDER, &folder).output().unwrap();
-                assert!(output.status.success(), "{umask}: {}", String::from_utf8_lossy(&output.stdout));
+                assert!(
+                    output.status.success(),
+                    "{umask}: {}",
+                    String::from_utf8_lossy(&output.stdout)
+                );
             };
             let check = || {
                 let found = modes(root.path());
@@ -262,15 +283,21 @@ mod tests {
         let check = |root: &str, folder: &str| {
             check_apart(Path::new(folder), &Layout::new(Path::new(root), "s".parse().unwrap()))
         };
-        for (root, folder) in
-            [("/x", "/x/raw"), ("/x", "/x/raw/s/keys"), ("", "derived/s"), ("", "reports"), (".", "./raw")]
-        {
+        for (root, folder) in [
+            ("/x", "/x/raw"),
+            ("/x", "/x/raw/s/keys"),
+            ("", "derived/s"),
+            ("", "reports"),
+            (".", "./raw"),
+        ] {
             let error = check(root, folder).unwrap_err().to_string();
             assert!(error.contains("--key"), "{error}");
         }
         let here = std::env::current_dir().unwrap();
         assert!(check("", here.join("raw").to_str().unwrap()).is_err());
-        for (root, folder) in [("/x", "/x/keys"), ("/x", "/x/rawer"), ("", "keys"), ("/x", "/y/raw")] {
+        for (root, folder) in
+            [("/x", "/x/keys"), ("/x", "/x/rawer"), ("", "keys"), ("/x", "/y/raw")]
+        {
             check(root, folder).unwrap();
         }
     }

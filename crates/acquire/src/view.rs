@@ -1,6 +1,7 @@
 //! Everything a screen shows, as plain values: the runner fills it, a screen draws it.
 //!
-//! What would give a blinded session's mode away is not in here at all, so that no screen can show it by mistake.
+//! What would give a blinded session's mode away is not in here at all, so that no screen can show
+//! it by mistake.
 
 use std::collections::VecDeque;
 use zwidth_study::{Kind, Voltages};
@@ -8,7 +9,8 @@ use zwidth_study::{Kind, Voltages};
 /// Points of a trace kept, at most: a trial of 10 s at [`TRACE_HZ`].
 pub const TRACE_POINTS: usize = 1000;
 
-/// Points a second that go into a trace, at most: twice what a terminal can show of a four-second trial.
+/// Points a second that go into a trace, at most: twice what a terminal can show of a four-second
+/// trial.
 pub const TRACE_HZ: f64 = 100.0;
 
 /// Lines of talk kept.

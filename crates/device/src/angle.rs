@@ -1,21 +1,22 @@
 //! The lever's angle from a sensor that turns with the shaft and forgets its turns.
 //!
-//! One turn of the shaft is 52.8° of the prototype's lever (thesis §4.2), so a count alone leaves the angle open by
-//! multiples of that. [`Homed`] fixes the turn at the lower stop, [`Unwrap`] counts turns from there.
+//! One turn of the shaft is 52.8° of the prototype's lever (thesis §4.2), so a count alone leaves
+//! the angle open by multiples of that. [`Homed`] fixes the turn at the lower stop, [`Unwrap`]
+//! counts turns from there.
 
 use crate::{Angle, Capabilities, DeviceError, Reading};
 use std::f64::consts::TAU;
 
-/// A step further than this from the predicted one is refused, turns: half of the half turn at which a step and its
-/// alias are equally short.
+/// A step further than this from the predicted one is refused, turns: half of the half turn at
+/// which a step and its alias are equally short.
 const REFUSED_TURN: f64 = 0.25;
 
-/// A speed is taken over at least this long, s. Two readings that lie microseconds apart, as at the change from one loop
-/// to the next, would make one count of the sensor tens of turns a second.
+/// A speed is taken over at least this long, s. Two readings that lie microseconds apart, as at the
+/// change from one loop to the next, would make one count of the sensor tens of turns a second.
 const SPEED_OVER_S: f64 = 0.5e-3;
 
-/// How far from its stop the lever may be when it is homed by a sensor that gives angles, rad: 2°, the same as it
-/// may later lie outside the work space.
+/// How far from its stop the lever may be when it is homed by a sensor that gives angles, rad: 2°,
+/// the same as it may later lie outside the work space.
 const HOME_RAD: f64 = 2.0 * TAU / 360.0;
 
 /// Why an angle is not to be believed any more.
@@ -47,11 +48,12 @@ pub enum AngleFault {
 
 /// Counts turns: a count that wraps becomes one that does not.
 ///
-/// The step between two readings is taken as the one below half a turn, and refused when it lies more than a quarter
-/// of a turn from the predicted step (at the speed of the last half millisecond or more). So every motion is unwrapped exactly
-/// whose steps stay below half a turn and differ by less than a quarter from one to the next; on the prototype half
-/// a turn is 26.4° of lever, 3,180°/s at 8.3 ms. A faster step may alias, and is refused unless its alias happens to
-/// lie near the predicted step, which no sensor of this kind can tell.
+/// The step between two readings is taken as the one below half a turn, and refused when it lies
+/// more than a quarter of a turn from the predicted step (at the speed of the last half millisecond
+/// or more). So every motion is unwrapped exactly whose steps stay below half a turn and differ by
+/// less than a quarter from one to the next; on the prototype half a turn is 26.4° of lever,
+/// 3,180°/s at 8.3 ms. A faster step may alias, and is refused unless its alias happens to lie near
+/// the predicted step, which no sensor of this kind can tell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unwrap {
     per_turn: i64,
@@ -78,7 +80,8 @@ impl Unwrap {
     /// Follows to the count of a later reading; the count without wraps.
     ///
     /// # Errors
-    /// A step too far from the predicted one, or a code the sensor does not have. The state stays as it was.
+    /// A step too far from the predicted one, or a code the sensor does not have. The state stays
+    /// as it was.
     pub fn follow(&mut self, t_s: f64, raw: u16) -> Result<i64, AngleFault> {
         let raw = code(raw, self.per_turn)?;
         let step = shortest(raw - self.raw, self.per_turn);
@@ -109,8 +112,8 @@ fn shortest(step: i64, per_turn: i64) -> i64 {
     (step + half).rem_euclid(per_turn) - half
 }
 
-/// How much of the half turn that may lie between two readings was never used: 1 for a lever at rest, 0 at the limit
-/// beyond which turns are lost. From the largest step, counts.
+/// How much of the half turn that may lie between two readings was never used: 1 for a lever at
+/// rest, 0 at the limit beyond which turns are lost. From the largest step, counts.
 pub(crate) fn unwrap_margin(largest_step: i64, counts_per_turn: u32) -> f64 {
     1.0 - largest_step.abs() as f64 / (0.5 * f64::from(counts_per_turn))
 }
@@ -134,7 +137,8 @@ impl Homed {
     /// From the reading at the lower stop, which lies at `stop_rad`.
     ///
     /// # Errors
-    /// A reading that does not fit what the device says of its sensor, or an angle that is not at the stop.
+    /// A reading that does not fit what the device says of its sensor, or an angle that is not at
+    /// the stop.
     pub fn at_stop(
         capabilities: &Capabilities,
         stop_rad: f64,
@@ -152,13 +156,21 @@ impl Homed {
                 at_stop: i64::from(raw),
                 rad_per_count: rad_per_count(counts, capabilities.shaft_per_lever),
             },
-            (Angle::Lever(theta_rad), None) if (theta_rad - stop_rad).abs() <= HOME_RAD => Sensor::Lever,
+            (Angle::Lever(theta_rad), None) if (theta_rad - stop_rad).abs() <= HOME_RAD => {
+                Sensor::Lever
+            }
             (Angle::Lever(theta_rad), None) => {
                 let (found, stop) = (theta_rad.to_degrees(), stop_rad.to_degrees());
-                let what = format!("the lever is at {found:.1} degrees, its lower stop at {stop:.1}");
+                let what =
+                    format!("the lever is at {found:.1} degrees, its lower stop at {stop:.1}");
                 return Err(unable(what, "hold it against the stop and home again"));
             }
-            _ => return Err(unable(AngleFault::Kind.to_string(), "correct the device's description")),
+            _ => {
+                return Err(unable(
+                    AngleFault::Kind.to_string(),
+                    "correct the device's description",
+                ));
+            }
         };
         Ok(Self { stop_rad, sensor })
     }
@@ -267,7 +279,8 @@ mod tests {
 
     #[test]
     fn half_a_turn_of_the_prototypes_shaft_is_26_4_degrees_of_lever() {
-        let half_turn_deg = (f64::from(PER_TURN / 2) * rad_per_count(PER_TURN, 75.0 / 11.0)).to_degrees();
+        let half_turn_deg =
+            (f64::from(PER_TURN / 2) * rad_per_count(PER_TURN, 75.0 / 11.0)).to_degrees();
         assert!((half_turn_deg - 26.4).abs() < 1e-9);
         assert!((half_turn_deg / 0.0083 - 3180.7).abs() < 0.1);
         assert!((unwrap_margin(-512, PER_TURN) - 0.75).abs() < 1e-12);

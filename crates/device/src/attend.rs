@@ -1,14 +1,14 @@
 //! A device that is never left alone.
 //!
-//! In real time a thread of its own has the device for a whole session, and the caller asks it for one thing after
-//! another. While nothing is asked it reads on at 0 V, so that the turn of the shaft stays known whatever the caller is
-//! waiting for: a disk, a screen, a person. On a simulated clock no time passes between two questions, and all of it
-//! happens on the caller's thread.
+//! In real time a thread of its own has the device for a whole session, and the caller asks it for
+//! one thing after another. While nothing is asked it reads on at 0 V, so that the turn of the
+//! shaft stays known whatever the caller is waiting for: a disk, a screen, a person. On a simulated
+//! clock no time passes between two questions, and all of it happens on the caller's thread.
 
 use crate::trial::{Collected, read_on, run_caught, said};
 use crate::{
-    BatchSink, Clock, Controller, Device, DeviceError, Guard, Priority, Refusal, TrialEnd, TrialPlan,
-    TrialRun, Trip, run_trial,
+    BatchSink, Clock, Controller, Device, DeviceError, Guard, Priority, Refusal, TrialEnd,
+    TrialPlan, TrialRun, Trip, run_trial,
 };
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -19,8 +19,8 @@ use std::thread::{self, Scope};
 use std::time::Duration;
 use zwidth_study::{Calibration, Mode, Sample, Voltages};
 
-/// A caller that waits looks so often whether samples have come: no more is lost by a kill than this and one write of
-/// the journal.
+/// A caller that waits looks so often whether samples have come: no more is lost by a kill than
+/// this and one write of the journal.
 const POLL: Duration = Duration::from_millis(5);
 
 /// Without a known turn there is nothing to read for, and questions are looked for so often, s.
@@ -56,7 +56,12 @@ pub struct TrialTask<'a> {
 
 impl<'a> Station<'a> {
     /// A device that is read `rate_hz` times a second while nothing is asked. Nothing is homed yet.
-    pub fn new(device: &'a mut dyn Device, clock: &'a mut dyn Clock, guard: Guard, rate_hz: f64) -> Self {
+    pub fn new(
+        device: &'a mut dyn Device,
+        clock: &'a mut dyn Clock,
+        guard: Guard,
+        rate_hz: f64,
+    ) -> Self {
         Self { device, clock, guard, rate_hz, fault: None }
     }
 
@@ -79,13 +84,14 @@ impl<'a> Station<'a> {
         self.device.write(now_s, Voltages::OFF)
     }
 
-    /// What a trip is due to: one that says no more than that the turn is not known is due to what was found while
-    /// nothing was asked.
+    /// What a trip is due to: one that says no more than that the turn is not known is due to what
+    /// was found while nothing was asked.
     pub fn cause(&mut self, trip: Trip) -> Trip {
         if trip == Trip::NotHomed { self.fault.take().unwrap_or(trip) } else { trip }
     }
 
-    /// Reads on at 0 V while nothing is asked, as `idle` says at each tick; whether something was found.
+    /// Reads on at 0 V while nothing is asked, as `idle` says at each tick; whether something was
+    /// found.
     fn read_on(&mut self, idle: &mut dyn FnMut(f64) -> bool) -> bool {
         if !self.guard.is_homed() {
             let now_s = self.clock.now_s();
@@ -94,7 +100,8 @@ impl<'a> Station<'a> {
         }
         let (device, clock, guard) = (&mut *self.device, &mut *self.clock, &mut self.guard);
         let reading = || read_on(device, clock, guard, self.rate_hz, idle, &mut |_, _, _| {});
-        let found = catch_unwind(AssertUnwindSafe(reading)).unwrap_or_else(|panic| Err(said(&*panic)));
+        let found =
+            catch_unwind(AssertUnwindSafe(reading)).unwrap_or_else(|panic| Err(said(&*panic)));
         self.fault = found.err();
         if self.fault.is_some() {
             self.guard.lose();
@@ -161,7 +168,8 @@ impl<'a> Attendant<'a> {
         }
     }
 
-    /// What was found while nothing was asked, told once: the turn of the shaft is not known any more.
+    /// What was found while nothing was asked, told once: the turn of the shaft is not known any
+    /// more.
     pub fn fault(&mut self) -> Option<Trip> {
         let Place::There { shared, .. } = &self.0 else { return None };
         let found = shared.fault.swap(false, Ordering::Relaxed);
@@ -182,16 +190,22 @@ impl<'a> Attendant<'a> {
         }
     }
 
-    /// Has the station run a trial, armed with its mode. In real time the caller's thread is given the samples that
-    /// have come, every 5 ms; the batch may be empty. However long it takes for them, the loop does not wait for it;
-    /// should it fall 10 s behind, samples are lost, counted, and the trial does not count as run to its end. On a
-    /// simulated clock each sample is a batch.
+    /// Has the station run a trial, armed with its mode. In real time the caller's thread is given
+    /// the samples that have come, every 5 ms; the batch may be empty. However long it takes
+    /// for them, the loop does not wait for it; should it fall 10 s behind, samples are lost,
+    /// counted, and the trial does not count as run to its end. On a simulated clock each
+    /// sample is a batch.
     ///
-    /// In real time a panic of the loop is a [`Trip::Panic`], and a panic of `batch` stops the trial and goes on.
+    /// In real time a panic of the loop is a [`Trip::Panic`], and a panic of `batch` stops the
+    /// trial and goes on.
     ///
     /// # Errors
     /// A mode that is not to be used on this device.
-    pub fn run_trial(&mut self, task: TrialTask<'a>, batch: &mut BatchSink<'_>) -> Result<TrialRun, Refusal> {
+    pub fn run_trial(
+        &mut self,
+        task: TrialTask<'a>,
+        batch: &mut BatchSink<'_>,
+    ) -> Result<TrialRun, Refusal> {
         match &mut self.0 {
             Place::Here(station) => {
                 let mut sink = |sample: &Sample| batch(from_ref(sample));
@@ -221,7 +235,8 @@ impl<'a> Attendant<'a> {
 }
 
 impl<'a> TrialTask<'a> {
-    /// Arms the guard and runs the trial. One that could not begin for want of a known turn says why it is not known.
+    /// Arms the guard and runs the trial. One that could not begin for want of a known turn says
+    /// why it is not known.
     fn run(
         mut self,
         station: &mut Station<'a>,
@@ -321,7 +336,8 @@ mod tests {
         let clock = SharedClock::default();
         let mut of_device = clock.clone();
         let station = station(&mut device, &mut of_device);
-        let found = thread::scope(|scope| ask(&mut Attendant::in_real_time(scope, station), &clock));
+        let found =
+            thread::scope(|scope| ask(&mut Attendant::in_real_time(scope, station), &clock));
         (found, device)
     }
 
@@ -338,56 +354,64 @@ mod tests {
             assert!(attendant.ask(|station| station.guard.is_homed()).unwrap());
             homed_s
         });
-        let writes: Vec<f64> = device.writes.iter().map(|(at_s, _)| *at_s).filter(|s| *s > homed_s).collect();
-        assert!(writes.len() >= 600 && writes.windows(2).all(|pair| pair[1] - pair[0] < 1.01 / RATE_HZ));
+        let writes: Vec<f64> =
+            device.writes.iter().map(|(at_s, _)| *at_s).filter(|s| *s > homed_s).collect();
+        assert!(
+            writes.len() >= 600 && writes.windows(2).all(|pair| pair[1] - pair[0] < 1.01 / RATE_HZ)
+        );
         assert!(device.writes.iter().all(|(_, voltages)| *voltages == Voltages::OFF));
     }
 
     #[test]
     fn what_is_found_while_nothing_is_asked_is_told_once_and_is_over_after_homing() {
-        let (told, _) = attended(Mock::default().failing(2.0, Fault::AngleStops), |attendant, clock| {
-            homed(attendant);
-            clock.stand(5.0);
-            let told = attendant.fault();
-            assert_eq!(attendant.fault(), None);
-            assert!(!attendant.ask(|station| station.guard.is_homed()).unwrap());
-            clock.stand(1.0);
-            assert_eq!(attendant.fault(), None, "without a turn to keep nothing is read");
-            homed(attendant);
-            clock.stand(1.0);
-            homed(attendant);
-            told
-        });
+        let (told, _) =
+            attended(Mock::default().failing(2.0, Fault::AngleStops), |attendant, clock| {
+                homed(attendant);
+                clock.stand(5.0);
+                let told = attendant.fault();
+                assert_eq!(attendant.fault(), None);
+                assert!(!attendant.ask(|station| station.guard.is_homed()).unwrap());
+                clock.stand(1.0);
+                assert_eq!(attendant.fault(), None, "without a turn to keep nothing is read");
+                homed(attendant);
+                clock.stand(1.0);
+                homed(attendant);
+                told
+            });
         assert!(matches!(told, Some(Trip::Stale { sensor: "angle", .. })), "{told:?}");
     }
 
     #[test]
     fn what_finds_no_turn_says_why_there_is_none() {
-        let (why, _) = attended(Mock::default().failing(1.0, Fault::AngleOff(0.5)), |attendant, clock| {
-            homed(attendant);
-            clock.stand(2.0);
-            let looked = |station: &mut Station<'_>| {
-                let Station { device, clock, guard, .. } = station;
-                let (stop, until_s) = (AtomicBool::default(), clock.now_s() + 1.0);
-                let found = watch(*device, *clock, guard, RATE_HZ, until_s, &stop, &mut |_, _, _| {});
-                found.map_err(|trip| station.cause(trip)).unwrap_err()
-            };
-            attendant.ask(looked).unwrap()
-        });
+        let (why, _) =
+            attended(Mock::default().failing(1.0, Fault::AngleOff(0.5)), |attendant, clock| {
+                homed(attendant);
+                clock.stand(2.0);
+                let looked = |station: &mut Station<'_>| {
+                    let Station { device, clock, guard, .. } = station;
+                    let (stop, until_s) = (AtomicBool::default(), clock.now_s() + 1.0);
+                    let found =
+                        watch(*device, *clock, guard, RATE_HZ, until_s, &stop, &mut |_, _, _| {});
+                    found.map_err(|trip| station.cause(trip)).unwrap_err()
+                };
+                attendant.ask(looked).unwrap()
+            });
         assert!(matches!(why, Trip::Angle(_)), "{why}");
     }
 
     #[test]
     fn a_panic_is_told_the_device_is_at_0_v_and_the_thread_goes_on() {
-        let (asked, device) = attended(Mock::default().failing(3.0, Fault::Panic), |attendant, clock| {
-            let asked = attendant.ask(|_| -> u8 { panic!("out of cheese") }).unwrap_err().to_string();
-            homed(attendant);
-            clock.stand(4.0);
-            let found = attendant.fault().unwrap().to_string();
-            assert!(found.contains("asked to"), "{found}");
-            attendant.ask(|station| station.off()).unwrap().unwrap();
-            asked
-        });
+        let (asked, device) =
+            attended(Mock::default().failing(3.0, Fault::Panic), |attendant, clock| {
+                let asked =
+                    attendant.ask(|_| -> u8 { panic!("out of cheese") }).unwrap_err().to_string();
+                homed(attendant);
+                clock.stand(4.0);
+                let found = attendant.fault().unwrap().to_string();
+                assert!(found.contains("asked to"), "{found}");
+                attendant.ask(|station| station.off()).unwrap().unwrap();
+                asked
+            });
         assert!(asked.contains("out of cheese"), "{asked}");
         assert_eq!(device.writes.last().unwrap().1, Voltages::OFF);
     }
@@ -417,7 +441,11 @@ mod tests {
     }
 
     /// A trial, and a second of rest; how it ended, and its samples.
-    fn trial<'a>(place: &'a Place, attendant: &mut Attendant<'a>, keep: usize) -> (TrialEnd, Vec<Sample>) {
+    fn trial<'a>(
+        place: &'a Place,
+        attendant: &mut Attendant<'a>,
+        keep: usize,
+    ) -> (TrialEnd, Vec<Sample>) {
         let mut samples = Vec::new();
         attendant.ask(Station::home).unwrap().unwrap();
         let mut batch = |batch: &[Sample]| {
@@ -429,7 +457,8 @@ mod tests {
     }
 
     #[test]
-    fn a_trial_is_the_same_on_the_caller_s_thread_and_on_its_own_and_the_turn_stays_known_after_it() {
+    fn a_trial_is_the_same_on_the_caller_s_thread_and_on_its_own_and_the_turn_stays_known_after_it()
+    {
         let place = Place::new();
         let (mut device, mut clock) = (Mock::default().resting(), SharedClock::default());
         let (end, samples) =
@@ -445,7 +474,8 @@ mod tests {
             assert!(attendant.ask(|s| s.guard.is_homed()).unwrap());
             found
         });
-        // It begins at another time there, by whose rounding half a second of rest ends a tick later.
+        // It begins at another time there, by whose rounding half a second of rest ends a tick
+        // later.
         assert!(
             samples.len().abs_diff(samples_there.len()) <= 1,
             "{} and {}",

@@ -1,7 +1,8 @@
 //! The device check before a session: does the device do what it says, now?
 //!
-//! Four steps, each with something for a person to do first ([`Step`]); what is found in one is a pure function of
-//! its readings ([`at_rest`], [`loaded`], [`by_hand`]) or of how far the lever went ([`actuators`]).
+//! Four steps, each with something for a person to do first ([`Step`]); what is found in one is a
+//! pure function of its readings ([`at_rest`], [`loaded`], [`by_hand`]) or of how far the lever
+//! went ([`actuators`]).
 
 mod actuators;
 mod readings;
@@ -36,7 +37,8 @@ pub enum Step {
     Rest,
     /// This mass, kg, hung from the load cell so that it pulls towards +θ.
     Load(f64),
-    /// Lever against its lower stop; then, for four seconds, all the way to the upper stop and back.
+    /// Lever against its lower stop; then, for four seconds, all the way to the upper stop and
+    /// back.
     Hand,
     /// Lever against its lower stop, hands off: it will move a little.
     Actuators,
@@ -48,8 +50,9 @@ const REST_S: f64 = 2.0;
 /// Length of the step by hand, s: a trial's.
 const HAND_S: f64 = 4.0;
 
-/// Checks a device at such a rate. `ask` says what a person is to do and returns when it is done, or false to leave a
-/// step out; a mass is asked for only if one is known. Ends early, without an error, when `stop` is set.
+/// Checks a device at such a rate. `ask` says what a person is to do and returns when it is done,
+/// or false to leave a step out; a mass is asked for only if one is known. Ends early, without an
+/// error, when `stop` is set.
 ///
 /// # Errors
 /// A device that is lost, or anything else that would end a trial.
@@ -121,8 +124,8 @@ fn look(
     }
 }
 
-/// Homes, and reads while a hand moves the lever. A device with a participant of its own is told to begin a trial in
-/// free space, numbered 0.
+/// Homes, and reads while a hand moves the lever. A device with a participant of its own is told to
+/// begin a trial in free space, numbered 0.
 fn look_by_hand(
     device: &mut dyn Device,
     clock: &mut dyn Clock,
@@ -139,8 +142,9 @@ fn look_by_hand(
         device.begin(start_s, &Cue { trial: 0, environment: &environment, limit_s: HAND_S });
     }
     let mut looks = Vec::new();
-    let mut seen =
-        |t_s: f64, reading: &crate::Reading, _: &crate::Seen| looks.push(Look { t_s, reading: *reading });
+    let mut seen = |t_s: f64, reading: &crate::Reading, _: &crate::Seen| {
+        looks.push(Look { t_s, reading: *reading })
+    };
     watch(device, clock, guard, rate_hz, start_s + HAND_S, stop, &mut seen)?;
     Ok(looks)
 }
@@ -189,7 +193,8 @@ mod tests {
         for seed in 1..4 {
             let person = Person::typical(seed);
             let mut device = Twin::new(TwinParameters::default(), person, seed).unwrap();
-            let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
+            let limits =
+                Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
             let mut guard = Guard::new(device.capabilities(), limits, false);
             let mut clock = SimulatedClock::new(seed);
             let (calibration, stop) = (Calibration::thesis(), AtomicBool::new(false));
@@ -248,8 +253,17 @@ mod tests {
         let mut guard = Guard::new(device.capabilities(), limits, false);
         let mut clock = SimulatedClock::new(1);
         let (calibration, mut yes) = (Calibration::thesis(), |_| true);
-        check_device(&mut device, &mut clock, &mut guard, &calibration, 1000.0, None, &stop, &mut yes)
-            .unwrap();
+        check_device(
+            &mut device,
+            &mut clock,
+            &mut guard,
+            &calibration,
+            1000.0,
+            None,
+            &stop,
+            &mut yes,
+        )
+        .unwrap();
         assert!(
             !device.after.is_empty() && device.after.iter().all(|v| *v == Voltages::OFF),
             "{:?}",

@@ -11,13 +11,13 @@ pub trait Clock: Send {
     /// Now, s.
     fn now_s(&mut self) -> f64;
 
-    /// Waits for a deadline, s, and returns when it really woke: not before the deadline, and later by the jitter.
-    /// A deadline that is past returns at once.
+    /// Waits for a deadline, s, and returns when it really woke: not before the deadline, and later
+    /// by the jitter. A deadline that is past returns at once.
     fn wait_until(&mut self, deadline_s: f64) -> f64;
 }
 
-/// The last stretch before a deadline is spent looking at the clock, s: a sleeping thread wakes some 50 µs late (the
-/// timer slack of an ordinary Linux thread) and now and then later.
+/// The last stretch before a deadline is spent looking at the clock, s: a sleeping thread wakes
+/// some 50 µs late (the timer slack of an ordinary Linux thread) and now and then later.
 const SPIN_S: f64 = 200e-6;
 
 /// The machine's monotonic clock; 0 where it was made.
@@ -30,12 +30,16 @@ pub struct RealClock {
 impl RealClock {
     /// Begins at 0 now.
     #[must_use]
-    #[expect(clippy::new_without_default, reason = "a clock begins when it is asked to, not by default")]
+    #[expect(
+        clippy::new_without_default,
+        reason = "a clock begins when it is asked to, not by default"
+    )]
     pub fn new() -> Self {
         Self { origin: Instant::now(), speed: 1.0 }
     }
 
-    /// Begins at 0 now and runs so many times as fast: to watch a recording that is played, or the twin.
+    /// Begins at 0 now and runs so many times as fast: to watch a recording that is played, or the
+    /// twin.
     ///
     /// # Errors
     /// A speed that is not above 0 and finite.
@@ -71,8 +75,8 @@ const JITTER_S: f64 = 20e-6;
 /// The simulated jitter ends at so many times its mean, so that no deadline is missed by chance.
 const JITTER_MOST: f64 = 10.0;
 
-/// A clock that is never waited for: each deadline is met at once, late by a jitter drawn from a seed (exponential,
-/// mean 20 µs, at most 200 µs). The work between two deadlines takes no time.
+/// A clock that is never waited for: each deadline is met at once, late by a jitter drawn from a
+/// seed (exponential, mean 20 µs, at most 200 µs). The work between two deadlines takes no time.
 #[derive(Debug, Clone)]
 pub struct SimulatedClock {
     now_s: f64,
@@ -112,7 +116,9 @@ mod tests {
     #[test]
     fn no_clock_wakes_before_its_deadline_or_runs_back() {
         let mut faster = RealClock::faster(10.0).unwrap();
-        for clock in [&mut SimulatedClock::new(1) as &mut dyn Clock, &mut RealClock::new(), &mut faster] {
+        for clock in
+            [&mut SimulatedClock::new(1) as &mut dyn Clock, &mut RealClock::new(), &mut faster]
+        {
             let mut last_s = clock.now_s();
             for i in 1..20 {
                 let deadline_s = f64::from(i) * 1e-4;

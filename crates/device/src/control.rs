@@ -1,23 +1,26 @@
-//! The prototype's control sequence: scene → demanded force → inverse characteristic → voltages (thesis Fig. 32,
-//! §4.2, §6.2.1).
+//! The prototype's control sequence: scene → demanded force → inverse characteristic → voltages
+//! (thesis Fig. 32, §4.2, §6.2.1).
 //!
-//! Signs: a demanded force above 0 resists, that is, it pushes towards −θ. The motor is odd in its voltage and a
-//! voltage above 0 pushes towards +θ, so resisting takes a negative one. The brake only knows a level.
+//! Signs: a demanded force above 0 resists, that is, it pushes towards −θ. The motor is odd in its
+//! voltage and a voltage above 0 pushes towards +θ, so resisting takes a negative one. The brake
+//! only knows a level.
 
 use zwidth_study::{Calibration, Control, Environment, Flags, Mode, Scene, Voltages};
 
-/// The lever counts as moving forward from this velocity on, rad/s (5.7°/s): five times what one flickering count
-/// of the prototype's sensor shows through the default velocity filter.
+/// The lever counts as moving forward from this velocity on, rad/s (5.7°/s): five times what one
+/// flickering count of the prototype's sensor shows through the default velocity filter.
 pub const FORWARD_RAD_S: f64 = 0.1;
 
-/// A lever that moved forward counts as holding or going back from this velocity down, rad/s. Not 0: the filter of a
-/// lever that stands still decays towards 0 and does not reach it, and the brake would never let go.
+/// A lever that moved forward counts as holding or going back from this velocity down, rad/s. Not
+/// 0: the filter of a lever that stands still decays towards 0 and does not reach it, and the brake
+/// would never let go.
 pub const HOLDING_RAD_S: f64 = 0.05;
 
 /// What a scene demands at an angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Demand {
-    /// Resisting force u = K (θ − θ_rest), N (thesis (8) without damping, as the prototype commands it, §4.3).
+    /// Resisting force u = K (θ − θ_rest), N (thesis (8) without damping, as the prototype
+    /// commands it, §4.3).
     force_n: f64,
     /// Behind the wall: the actuators get all the voltage they may have.
     wall: bool,
@@ -46,10 +49,11 @@ enum Drive {
 /// | brake alone (passive) | brake | brake |
 /// | both (hybrid) | brake | motor, once the user's force is below the let-go threshold; until then the brake |
 ///
-/// Motor: −clamp(u, −F_m, F_m); brake: clamp(u, 0, F_b). From θ_wall on each gives all its mode allows.
+/// Motor: −clamp(u, −F_m, F_m); brake: clamp(u, 0, F_b). From θ_wall on each gives all its mode
+/// allows.
 ///
-/// θ̇ > 0 is asked with hysteresis, since a counted angle makes a slow velocity flicker: forward above
-/// [`FORWARD_RAD_S`], until it is down to [`HOLDING_RAD_S`].
+/// θ̇ > 0 is asked with hysteresis, since a counted angle makes a slow velocity flicker: forward
+/// above [`FORWARD_RAD_S`], until it is down to [`HOLDING_RAD_S`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller {
     scene: Scene,
@@ -65,7 +69,12 @@ pub struct Controller {
 
 impl Controller {
     /// For an environment, a mode and the calibration in force.
-    pub fn new(control: &Control, environment: &Environment, mode: &Mode, calibration: &Calibration) -> Self {
+    pub fn new(
+        control: &Control,
+        environment: &Environment,
+        mode: &Mode,
+        calibration: &Calibration,
+    ) -> Self {
         Self {
             scene: environment.scene,
             calibration: calibration.clone(),
@@ -79,7 +88,12 @@ impl Controller {
 
     /// The voltages for an angle, rad, a velocity, rad/s, and the user's force, N; with the flags
     /// [`Flags::SATURATED`] and [`Flags::PAST_WALL`] where they hold.
-    pub fn step(&mut self, theta_rad: f64, theta_dot_rad_s: f64, force_n: f64) -> (Voltages, Flags) {
+    pub fn step(
+        &mut self,
+        theta_rad: f64,
+        theta_dot_rad_s: f64,
+        force_n: f64,
+    ) -> (Voltages, Flags) {
         let demand = demand(&self.scene, theta_rad);
         self.forward = theta_dot_rad_s > if self.forward { HOLDING_RAD_S } else { FORWARD_RAD_S };
         self.braking = self.forward || (self.braking && force_n >= self.let_go_n);
@@ -94,7 +108,8 @@ impl Controller {
 
     /// The resisting force voltages stand for, by the calibration, N; above 0 pushes towards −θ.
     pub fn force_n(&self, voltages: Voltages) -> f64 {
-        self.calibration.brake.force_n(voltages.brake_v) - self.calibration.motor.force_n(voltages.motor_v)
+        self.calibration.brake.force_n(voltages.brake_v)
+            - self.calibration.motor.force_n(voltages.motor_v)
     }
 
     /// Which actuator is in charge; none in a mode that has none.
@@ -113,7 +128,10 @@ impl Controller {
         let resisting_v = if demand.wall {
             self.motor_max_v
         } else {
-            self.calibration.motor.voltage_v(demand.force_n).clamp(-self.motor_max_v, self.motor_max_v)
+            self.calibration
+                .motor
+                .voltage_v(demand.force_n)
+                .clamp(-self.motor_max_v, self.motor_max_v)
         };
         let motor_v = if resisting_v == 0.0 { 0.0 } else { -resisting_v };
         (Voltages { motor_v, brake_v: 0.0 }, demand.wall || demand.force_n.abs() > most_n)
@@ -150,7 +168,8 @@ mod tests {
     }
 
     fn controller(scene: Scene, motor_max_v: Option<f64>, brake_max_v: Option<f64>) -> Controller {
-        let mode = Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v };
+        let mode =
+            Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v };
         let environment =
             Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
         Controller::new(&Control::default(), &environment, &mode, &Calibration::thesis())

@@ -42,8 +42,8 @@ pub struct Reading {
     pub t_device_s: Option<f64>,
     /// The angle.
     pub angle: Angle,
-    /// Age of the angle, s: 0 for one that was taken when it was asked for. A loop that outruns its sensor sees it
-    /// grow, and safety sees a sensor that has stopped.
+    /// Age of the angle, s: 0 for one that was taken when it was asked for. A loop that outruns
+    /// its sensor sees it grow, and safety sees a sensor that has stopped.
     pub angle_age_s: f64,
     /// User force at the lever's end, N; above 0 pushes into the object (+θ).
     pub force_n: f64,
@@ -77,8 +77,8 @@ pub trait Device: Send {
     /// What it is and can do.
     fn capabilities(&self) -> &Capabilities;
 
-    /// The reading with the lever held against its lower stop, both actuators off. Which turn of the shaft this is,
-    /// no sensor knows at power-up: nothing else may come before it.
+    /// The reading with the lever held against its lower stop, both actuators off. Which turn of
+    /// the shaft this is, no sensor knows at power-up: nothing else may come before it.
     ///
     /// # Errors
     /// A device that is lost, or a lever that is not at the stop.
@@ -96,7 +96,8 @@ pub trait Device: Send {
     /// A device that is lost.
     fn write(&mut self, now_s: f64, voltages: Voltages) -> Result<(), DeviceError>;
 
-    /// A trial begins at `now_s`. Only a device with a participant of its own, or a recording to play, cares.
+    /// A trial begins at `now_s`. Only a device with a participant of its own, or a recording to
+    /// play, cares.
     fn begin(&mut self, _now_s: f64, _cue: &Cue<'_>) {}
 
     /// The answer of a device's own participant to the question of the trial that has ended, 1…5.

@@ -1,8 +1,9 @@
-//! What stands between any control law and the device: no voltage reaches an actuator that this has not let through.
+//! What stands between any control law and the device: no voltage reaches an actuator that this has
+//! not let through.
 //!
-//! The guard knows where the lever is ([`Guard::home`]), which voltages the trial's mode may use ([`Guard::arm`]),
-//! judges every reading ([`Guard::see`]) and clamps every command ([`Guard::permit`]). Whatever it finds wrong is a
-//! [`Trip`], upon which the loop goes to 0 V.
+//! The guard knows where the lever is ([`Guard::home`]), which voltages the trial's mode may use
+//! ([`Guard::arm`]), judges every reading ([`Guard::see`]) and clamps every command
+//! ([`Guard::permit`]). Whatever it finds wrong is a [`Trip`], upon which the loop goes to 0 V.
 
 mod refuse;
 mod trip;
@@ -23,15 +24,17 @@ pub const AWAY_S: f64 = 0.05;
 /// …or for so many nominal periods, if that is longer.
 const AWAY_PERIODS: f64 = 3.0;
 
-/// Lost time is forgiven at this rate, s per s: more than one deadline in twenty, missed for long, trips.
+/// Lost time is forgiven at this rate, s per s: more than one deadline in twenty, missed for long,
+/// trips.
 const FORGIVEN: f64 = 0.05;
 
-/// How far outside its work space the lever may seem to be, rad: 2°. Stops give a little; a lost turn is 52.8°.
+/// How far outside its work space the lever may seem to be, rad: 2°. Stops give a little; a lost
+/// turn is 52.8°.
 const OUTSIDE_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
-/// The angle sensor has proved itself once the lever has moved by this much since it was homed, rad: 0.1°, eight
-/// counts of the prototype's sensor. Before, the motor stays off. A spring that rests where the lever is homed
-/// demands next to nothing by then.
+/// The angle sensor has proved itself once the lever has moved by this much since it was homed,
+/// rad: 0.1°, eight counts of the prototype's sensor. Before, the motor stays off. A spring that
+/// rests where the lever is homed demands next to nothing by then.
 const PROOF_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 /// The force value is marked as stale beyond so many of its periods.
@@ -101,15 +104,16 @@ struct Tracking {
 }
 
 impl Guard {
-    /// For a device. `no_watchdog`: the motor of a device without a watchdog is allowed all the same; every trial is
-    /// marked ([`crate::TrialRun::unwatched`]).
+    /// For a device. `no_watchdog`: the motor of a device without a watchdog is allowed all the
+    /// same; every trial is marked ([`crate::TrialRun::unwatched`]).
     pub fn new(capabilities: &Capabilities, limits: Limits, no_watchdog: bool) -> Self {
         let capabilities = capabilities.clone();
         Self { capabilities, limits, no_watchdog, tracking: None, ceiling: None, lost_s: 0.0 }
     }
 
-    /// Both actuators off, then the reading at the lower stop: from here on the turn of the shaft is known. The motor
-    /// stays off until the lever has moved, unless the angle sensor has proved itself before and was not lost since.
+    /// Both actuators off, then the reading at the lower stop: from here on the turn of the shaft
+    /// is known. The motor stays off until the lever has moved, unless the angle sensor has
+    /// proved itself before and was not lost since.
     ///
     /// # Errors
     /// A device that is lost, or a lever that is not at its stop.
@@ -151,7 +155,11 @@ impl Guard {
     }
 
     /// Allows voltages for a step of the device check, which switches on nothing.
-    pub(crate) fn arm_for_check(&mut self, most: Voltages, calibration: &Calibration) -> Result<(), Refusal> {
+    pub(crate) fn arm_for_check(
+        &mut self,
+        most: Voltages,
+        calibration: &Calibration,
+    ) -> Result<(), Refusal> {
         self.allow(&Asked { name: "check", most, switches_on_force: false }, calibration)
     }
 
@@ -187,11 +195,12 @@ impl Guard {
         self.tracking = None;
     }
 
-    /// Judges a reading; `elapsed_s` since the one before, of which `missed_s` went by in missed deadlines. A force of
-    /// unknown age counts as new.
+    /// Judges a reading; `elapsed_s` since the one before, of which `missed_s` went by in missed
+    /// deadlines. A force of unknown age counts as new.
     ///
     /// # Errors
-    /// What is wrong with it. The loop then goes to 0 V, and where the turn may be lost, homing is asked for again.
+    /// What is wrong with it. The loop then goes to 0 V, and where the turn may be lost, homing is
+    /// asked for again.
     pub fn see(
         &mut self,
         now_s: f64,
@@ -231,7 +240,11 @@ impl Guard {
     pub(crate) fn keep_time(&mut self, elapsed_s: f64, missed_s: f64) -> Result<(), Trip> {
         let limit_s = away_s(self.capabilities.rate_hz);
         self.lost_s = (self.lost_s - FORGIVEN * elapsed_s).max(0.0) + missed_s;
-        if self.lost_s > limit_s { Err(Trip::Deadlines { lost_s: self.lost_s, limit_s }) } else { Ok(()) }
+        if self.lost_s > limit_s {
+            Err(Trip::Deadlines { lost_s: self.lost_s, limit_s })
+        } else {
+            Ok(())
+        }
     }
 
     /// Numbers are numbers and not too old.

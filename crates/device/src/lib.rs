@@ -1,11 +1,14 @@
-//! Devices behind one trait: the simulated one, playback, and what stands between them and the control of a trial.
+//! Devices behind one trait: the simulated one, playback, and what stands between them and the
+//! control of a trial.
 //!
-//! A [`Device`] is an instrument: it reads a sample and takes two voltages. It knows no scene and no study folder.
-//! Time belongs to a [`Clock`]: the same loop runs in real time and faster than it.
+//! A [`Device`] is an instrument: it reads a sample and takes two voltages. It knows no scene and
+//! no study folder. Time belongs to a [`Clock`]: the same loop runs in real time and faster than
+//! it.
 //!
-//! [`run_trial`] is that loop: the [`Guard`] judges each reading, the [`Controller`] decides, the guard clamps, the
-//! device is written to, and the sample handed over. [`run_live`] runs it on a thread of its own; an [`Attendant`] has
-//! the device for a whole session, and reads on between trials.
+//! [`run_trial`] is that loop: the [`Guard`] judges each reading, the [`Controller`] decides, the
+//! guard clamps, the device is written to, and the sample handed over. [`run_live`] runs it on a
+//! thread of its own; an [`Attendant`] has the device for a whole session, and reads on between
+//! trials.
 //!
 //! ```
 //! use std::{ops::ControlFlow, sync::atomic::AtomicBool};
@@ -63,6 +66,10 @@ pub use playback::Playback;
 pub use priority::Priority;
 pub use signals::stop_on_signals;
 pub use timing::{Histogram, Timing};
-pub use trial::{BatchSink, LiveRun, Sink, TrialEnd, TrialPlan, TrialRun, run_live, run_trial, watch};
-pub use twin::{SweepPoint, Twin, TwinFault, TwinParameter, TwinParameters, brake_sweep, motor_sweep};
+pub use trial::{
+    BatchSink, LiveRun, Sink, TrialEnd, TrialPlan, TrialRun, run_live, run_trial, watch,
+};
+pub use twin::{
+    SweepPoint, Twin, TwinFault, TwinParameter, TwinParameters, brake_sweep, motor_sweep,
+};
 pub use velocity::{Difference, Differentiator, Velocity};

@@ -1,5 +1,5 @@
-//! A device for tests: it moves as it is told, keeps what was written to it, and fails in every way when asked. And a
-//! clock that two threads can share.
+//! A device for tests: it moves as it is told, keeps what was written to it, and fails in every way
+//! when asked. And a clock that two threads can share.
 
 use crate::angle::rad_per_count;
 use crate::{Angle, Capabilities, Clock, Cue, Device, DeviceError, Reading};
@@ -12,7 +12,8 @@ use zwidth_study::{Source, Voltages};
 /// What goes wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
-    /// The cable is pulled: nothing can be read or written any more. The board still has its watchdog.
+    /// The cable is pulled: nothing can be read or written any more. The board still has its
+    /// watchdog.
     Unplugged,
     /// The angle sensor gives no new value.
     AngleStops,
@@ -30,7 +31,8 @@ pub enum Fault {
     Panic,
 }
 
-/// Where the lever is, rad, and what the user pushes with, N, so many seconds after a trial's begin.
+/// Where the lever is, rad, and what the user pushes with, N, so many seconds after a trial's
+/// begin.
 pub type Motion = fn(f64) -> (f64, f64);
 
 /// A device for tests.
@@ -85,8 +87,8 @@ impl Mock {
         Self { capabilities: capabilities(), motion, faults: Vec::new(), writes, began_s: 0.0 }
     }
 
-    /// The same, which rests as it begins until its first trial does: whoever reads on between homing and a trial would see
-    /// it move, and then jump back.
+    /// The same, which rests as it begins until its first trial does: whoever reads on between
+    /// homing and a trial would see it move, and then jump back.
     #[must_use]
     pub fn resting(self) -> Self {
         Self { began_s: f64::MAX, ..self }
@@ -99,21 +101,28 @@ impl Mock {
         self
     }
 
-    /// What the board gives its actuators at a host time, s: what was last written, unless its watchdog has run out.
+    /// What the board gives its actuators at a host time, s: what was last written, unless its
+    /// watchdog has run out.
     pub fn output(&self, now_s: f64) -> Voltages {
-        let fresh = |at_s: f64| self.capabilities.watchdog_s.is_none_or(|wait_s| now_s - at_s < wait_s);
+        let fresh =
+            |at_s: f64| self.capabilities.watchdog_s.is_none_or(|wait_s| now_s - at_s < wait_s);
         let written = self.writes.iter().rev().find(|(at_s, _)| *at_s <= now_s);
         written.filter(|(at_s, _)| fresh(*at_s)).map_or(Voltages::OFF, |(_, voltages)| *voltages)
     }
 
     /// When this fault began, if it has.
     fn since(&self, now_s: f64, fault: Fault) -> Option<f64> {
-        self.faults.iter().find(|(from_s, f)| *f == fault && *from_s <= now_s).map(|(from_s, _)| *from_s)
+        self.faults
+            .iter()
+            .find(|(from_s, f)| *f == fault && *from_s <= now_s)
+            .map(|(from_s, _)| *from_s)
     }
 
     fn connected(&self, now_s: f64) -> Result<(), DeviceError> {
-        let lost =
-            || DeviceError::Lost { device: self.capabilities.name.clone(), what: "unplugged".to_owned() };
+        let lost = || DeviceError::Lost {
+            device: self.capabilities.name.clone(),
+            what: "unplugged".to_owned(),
+        };
         self.since(now_s, Fault::Unplugged).map_or(Ok(()), |_| Err(lost()))
     }
 
@@ -152,7 +161,13 @@ impl Device for Mock {
     fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
         self.connected(now_s)?;
         let angle = self.angle(-FRAC_PI_4);
-        Ok(Reading { t_device_s: None, angle, angle_age_s: 0.0, force_n: 0.0, force_age_s: Some(0.0) })
+        Ok(Reading {
+            t_device_s: None,
+            angle,
+            angle_age_s: 0.0,
+            force_n: 0.0,
+            force_age_s: Some(0.0),
+        })
     }
 
     #[expect(clippy::panic, reason = "a fault that is asked for")]
@@ -184,8 +199,8 @@ impl Device for Mock {
     }
 }
 
-/// A clock that goes on with the deadlines that its loop waits for, and that others can watch: no machine is too slow
-/// for it, and no deadline is missed.
+/// A clock that goes on with the deadlines that its loop waits for, and that others can watch: no
+/// machine is too slow for it, and no deadline is missed.
 #[derive(Debug, Clone, Default)]
 pub struct SharedClock(Arc<(Mutex<f64>, Condvar)>);
 
@@ -201,8 +216,8 @@ impl SharedClock {
         *self.lock()
     }
 
-    /// Stands still until the loop of another thread has gone on for so long, s; from when until when. Without such a
-    /// loop the time passes all the same.
+    /// Stands still until the loop of another thread has gone on for so long, s; from when until
+    /// when. Without such a loop the time passes all the same.
     pub fn stand(&self, for_s: f64) -> (f64, f64) {
         let now_s = self.lock();
         let (from_s, until_s) = (*now_s, *now_s + for_s);

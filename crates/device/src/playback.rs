@@ -6,11 +6,12 @@ use zwidth_study::{Sample, Source, Voltages};
 /// Plays a recorded trial: lever and force as they were, whatever is commanded. In real time with
 /// [`crate::RealClock`], faster with [`crate::RealClock::faster`] or [`crate::SimulatedClock`].
 ///
-/// Before its first row and past its last one, that row stands. In between the last row that has come stands until
-/// the next, and its age grows, so that a gap in the recording is one here too.
+/// Before its first row and past its last one, that row stands. In between the last row that has
+/// come stands until the next, and its age grows, so that a gap in the recording is one here too.
 ///
-/// What comes of it was not measured in the condition it is given out for: its source is [`Source::Twin`], whatever the
-/// recording's was, and everything made of it is marked as simulated.
+/// What comes of it was not measured in the condition it is given out for: its source is
+/// [`Source::Twin`], whatever the recording's was, and everything made of it is marked as
+/// simulated.
 #[derive(Debug, Clone)]
 pub struct Playback {
     capabilities: Capabilities,
@@ -119,7 +120,8 @@ mod tests {
     }
 
     fn playback() -> Playback {
-        Playback::new(vec![row(0.0, -0.7, 0.0), row(0.1, -0.5, 1.0), row(0.2, -0.4, 2.0)], -0.785).unwrap()
+        Playback::new(vec![row(0.0, -0.7, 0.0), row(0.1, -0.5, 1.0), row(0.2, -0.4, 2.0)], -0.785)
+            .unwrap()
     }
 
     #[test]
@@ -130,7 +132,9 @@ mod tests {
             Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
         for begin_s in [5.0, 7.0] {
             playback.begin(begin_s, &Cue { trial: 1, environment: &environment, limit_s: 4.0 });
-            for (t_s, theta_rad, age_s) in [(0.0, -0.7, 0.0), (0.125, -0.5, 0.025), (0.5, -0.4, 0.0)] {
+            for (t_s, theta_rad, age_s) in
+                [(0.0, -0.7, 0.0), (0.125, -0.5, 0.025), (0.5, -0.4, 0.0)]
+            {
                 let reading = playback.read(begin_s + t_s).unwrap();
                 assert_eq!(reading.angle, Angle::Lever(theta_rad));
                 assert!((reading.angle_age_s - age_s).abs() < 1e-9);

@@ -5,18 +5,20 @@
 pub enum Priority {
     /// It runs whenever it wants to.
     RealTime,
-    /// It shares the machine as the system sees fit: more jitter, and now and then a missed deadline.
+    /// It shares the machine as the system sees fit: more jitter, and now and then a missed
+    /// deadline.
     Ordinary,
 }
 
-/// Priority among real-time threads, 1…99: below the threads that serve interrupts (50 on Linux), whose data it waits
-/// for.
+/// Priority among real-time threads, 1…99: below the threads that serve interrupts (50 on Linux),
+/// whose data it waits for.
 #[cfg(unix)]
 const REAL_TIME: u8 = 40;
 
 impl Priority {
-    /// Asks for real-time scheduling (`SCHED_FIFO`) for the thread that calls. Systems allow it to an administrator,
-    /// or to a group named in `/etc/security/limits.conf` (`rtprio`); elsewhere the thread stays as it is.
+    /// Asks for real-time scheduling (`SCHED_FIFO`) for the thread that calls. Systems allow it to
+    /// an administrator, or to a group named in `/etc/security/limits.conf` (`rtprio`);
+    /// elsewhere the thread stays as it is.
     #[cfg(unix)]
     pub fn raise() -> Self {
         use thread_priority::{

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Signals that set the flag: Ctrl-C, a polite kill and, where there are such, the terminal that hangs up and Ctrl-\.
+/// Signals that set the flag: Ctrl-C, a polite kill and, where there are such, the terminal that
+/// hangs up and Ctrl-\.
 const ENDING: &[i32] = &[
     signal_hook::consts::SIGINT,
     signal_hook::consts::SIGTERM,
@@ -13,7 +14,8 @@ const ENDING: &[i32] = &[
     signal_hook::consts::SIGQUIT,
 ];
 
-/// A flag that Ctrl-C, SIGTERM, SIGHUP and SIGQUIT set: the `stop` of [`crate::run_trial`]. The program goes on until it looks.
+/// A flag that Ctrl-C, SIGTERM, SIGHUP and SIGQUIT set: the `stop` of [`crate::run_trial`]. The
+/// program goes on until it looks.
 ///
 /// # Errors
 /// A system that does not take the handlers.

@@ -8,8 +8,8 @@ const PER_OCTAVE: u64 = 32;
 const OCTAVES: u64 = 31;
 const BUCKETS: usize = (PER_OCTAVE * (OCTAVES + 1)) as usize;
 
-/// Durations counted in fixed buckets, each 3 % wide (the first ones 1 ns), as HdrHistogram does: counting one
-/// allocates nothing and takes the same few nanoseconds always.
+/// Durations counted in fixed buckets, each 3 % wide (the first ones 1 ns), as HdrHistogram does:
+/// counting one allocates nothing and takes the same few nanoseconds always.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
     counts: Vec<u64>,
@@ -41,8 +41,8 @@ impl Histogram {
         self.max_s
     }
 
-    /// The duration that `percent` % of all do not exceed, s: the upper end of its bucket, at most 3 % too long;
-    /// 0 if none was counted.
+    /// The duration that `percent` % of all do not exceed, s: the upper end of its bucket, at most
+    /// 3 % too long; 0 if none was counted.
     pub fn percentile_s(&self, percent: f64) -> f64 {
         let rank = (percent / 100.0 * self.count as f64).ceil().max(1.0) as u64;
         let mut seen = 0;
@@ -109,8 +109,8 @@ impl Timing {
     }
 }
 
-/// Deadlines on a grid: `start + k·period`. A deadline that cannot be met any more is left out and counted; ticks are
-/// never bunched up to catch up.
+/// Deadlines on a grid: `start + k·period`. A deadline that cannot be met any more is left out and
+/// counted; ticks are never bunched up to catch up.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Pace {
     start_s: f64,
@@ -154,10 +154,12 @@ mod tests {
 
     #[test]
     fn a_duration_lies_in_a_bucket_no_wider_than_one_part_in_32() {
-        for ns in (0..40).map(|i| 3_u64.pow(i / 2) + u64::from(i)).filter(|ns| *ns < 60_000_000_000) {
+        for ns in (0..40).map(|i| 3_u64.pow(i / 2) + u64::from(i)).filter(|ns| *ns < 60_000_000_000)
+        {
             let upper = upper_ns(bucket(ns));
             assert!(
-                upper >= ns as f64 && upper <= (ns as f64 * (1.0 + 1.0 / 32.0)).max(ns as f64 + 1.0),
+                upper >= ns as f64
+                    && upper <= (ns as f64 * (1.0 + 1.0 / 32.0)).max(ns as f64 + 1.0),
                 "{ns}"
             );
         }
@@ -168,7 +170,9 @@ mod tests {
     fn percentiles_of_a_thousand_known_durations() {
         let mut histogram = Histogram::default();
         (1..=1000).for_each(|us| histogram.add(f64::from(us) * 1e-6));
-        for (percent, expect_s) in [(50.0, 500e-6), (99.0, 990e-6), (99.9, 999e-6), (100.0, 1000e-6)] {
+        for (percent, expect_s) in
+            [(50.0, 500e-6), (99.0, 990e-6), (99.9, 999e-6), (100.0, 1000e-6)]
+        {
             let found_s = histogram.percentile_s(percent);
             assert!(found_s >= expect_s && found_s <= expect_s * 1.032, "{percent}: {found_s}");
         }

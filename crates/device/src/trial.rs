@@ -1,7 +1,8 @@
 //! One trial: the loop that real and simulated time, real and simulated devices all go through.
 //!
-//! A tick: wait for the deadline, read, judge, decide, write, hand over the sample. Nothing in it allocates, locks or
-//! touches a disk (`tests/allocation.rs`), as long as the device and the sink do not.
+//! A tick: wait for the deadline, read, judge, decide, write, hand over the sample. Nothing in it
+//! allocates, locks or touches a disk (`tests/allocation.rs`), as long as the device and the sink
+//! do not.
 
 mod ending;
 mod live;
@@ -12,7 +13,8 @@ pub(crate) use live::{Collected, run_caught, said};
 
 use crate::timing::{Pace, Tick};
 use crate::{
-    Capabilities, Clock, Controller, Cue, Device, DeviceError, Guard, Reading, Seen, Timing, Trip, Velocity,
+    Capabilities, Clock, Controller, Cue, Device, DeviceError, Guard, Reading, Seen, Timing, Trip,
+    Velocity,
 };
 use ending::Ending;
 pub(crate) use output::Output;
@@ -20,7 +22,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use zwidth_study::{Environment, Flags, Sample, Study};
 
-/// Where samples go, one by one. Break: they cannot be kept any more (a full disk), and the trial ends at 0 V.
+/// Where samples go, one by one. Break: they cannot be kept any more (a full disk), and the trial
+/// ends at 0 V.
 pub type Sink<'a> = dyn FnMut(&Sample) -> ControlFlow<()> + 'a;
 
 /// What a trial is to be.
@@ -76,7 +79,8 @@ pub struct TrialRun {
     pub end: TrialEnd,
     /// How well it kept its time.
     pub timing: Timing,
-    /// The motor could run with no watchdog watching it, as was asked for: the trial is to be marked.
+    /// The motor could run with no watchdog watching it, as was asked for: the trial is to be
+    /// marked.
     pub unwatched: bool,
 }
 
@@ -87,10 +91,11 @@ impl TrialRun {
     }
 }
 
-/// Runs one trial. However it ends (by a panic too), the last thing written is 0 V, and the guard is disarmed.
+/// Runs one trial. However it ends (by a panic too), the last thing written is 0 V, and the guard
+/// is disarmed.
 ///
-/// The guard must be homed ([`Guard::home`]) and armed with the mode ([`Guard::arm`]); otherwise the trial ends at
-/// once and says so. `stop` is looked at in every tick.
+/// The guard must be homed ([`Guard::home`]) and armed with the mode ([`Guard::arm`]); otherwise
+/// the trial ends at once and says so. `stop` is looked at in every tick.
 pub fn run_trial(
     device: &mut dyn Device,
     clock: &mut dyn Clock,
@@ -178,9 +183,9 @@ fn step(
     })
 }
 
-/// Reads on with both actuators off until `until_s`, so that the turn of the shaft stays known between trials.
-/// `seen` gets every reading that can be believed, with its host time. Without a voltage a late tick or a large force
-/// does no harm.
+/// Reads on with both actuators off until `until_s`, so that the turn of the shaft stays known
+/// between trials. `seen` gets every reading that can be believed, with its host time. Without a
+/// voltage a late tick or a large force does no harm.
 ///
 /// # Errors
 /// What safety found, if it needs homing; a stop ends it without one.

@@ -1,7 +1,8 @@
 //! The lever's velocity from its angles.
 //!
-//! A difference of two counted angles at 1 kHz is a velocity in steps of 0.22 rad/s (one count of the prototype's
-//! sensor in 1 ms): its sign at slow motion is noise. The differentiator trades that for a stated delay.
+//! A difference of two counted angles at 1 kHz is a velocity in steps of 0.22 rad/s (one count of
+//! the prototype's sensor in 1 ms): its sign at slow motion is noise. The differentiator trades
+//! that for a stated delay.
 
 use crate::DeviceError;
 use crate::error::positive;
@@ -10,8 +11,9 @@ use zwidth_study::VelocityFilter;
 
 /// A velocity filter. Causal: it knows only what has been read.
 ///
-/// At 1 kHz on the prototype's sensor, a lever at rest whose count flickers by one shows velocities of up to
-/// 0.021 rad/s with the default differentiator (40 Hz, 8.0 ms late) and 0.22 rad/s with the difference (0.5 ms late).
+/// At 1 kHz on the prototype's sensor, a lever at rest whose count flickers by one shows velocities
+/// of up to 0.021 rad/s with the default differentiator (40 Hz, 8.0 ms late) and 0.22 rad/s with
+/// the difference (0.5 ms late).
 #[derive(Debug, Clone, PartialEq)]
 pub enum Velocity {
     /// A second-order differentiator.
@@ -35,7 +37,8 @@ impl Velocity {
         }
     }
 
-    /// The velocity at a new angle, rad/s; 0 at the first. An angle that is not newer than the last changes nothing.
+    /// The velocity at a new angle, rad/s; 0 at the first. An angle that is not newer than the last
+    /// changes nothing.
     pub fn step(&mut self, t_s: f64, theta_rad: f64) -> f64 {
         match self {
             Self::Differentiator(filter) => filter.step(t_s, theta_rad),
@@ -52,10 +55,11 @@ impl Velocity {
     }
 }
 
-/// The critically damped filter H(s) = s ω² / (s + ω)², whose velocity is 2/ω late at low frequencies.
+/// The critically damped filter H(s) = s ω² / (s + ω)², whose velocity is 2/ω late at low
+/// frequencies.
 ///
-/// Solved exactly between the samples, the angle taken as joined by straight lines, so that uneven times do no harm
-/// and no step is too long.
+/// Solved exactly between the samples, the angle taken as joined by straight lines, so that uneven
+/// times do no harm and no step is too long.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Differentiator {
     /// ω, 1/s.
@@ -84,8 +88,8 @@ impl Differentiator {
     }
 }
 
-/// ÿ + 2ω ẏ + ω² y = ω² x for x = x₀ + s τ: the ramp is followed 2 s/ω late, and what differs from that, z, decays as
-/// z = (z₀ + (ż₀ + ω z₀) τ) e^(−ωτ).
+/// ÿ + 2ω ẏ + ω² y = ω² x for x = x₀ + s τ: the ramp is followed 2 s/ω late, and what differs from
+/// that, z, decays as z = (z₀ + (ż₀ + ω z₀) τ) e^(−ωτ).
 fn advance(omega: f64, last: Smooth, t_s: f64, x: f64) -> Smooth {
     let h = t_s - last.t_s;
     let slope = (x - last.x) / h;
@@ -195,7 +199,8 @@ mod tests {
     #[test]
     fn a_cut_off_that_is_none_is_refused() {
         for cutoff_hz in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let error = Velocity::new(VelocityFilter::SecondOrder { cutoff_hz }).unwrap_err().to_string();
+            let error =
+                Velocity::new(VelocityFilter::SecondOrder { cutoff_hz }).unwrap_err().to_string();
             assert!(error.contains("velocity_cutoff_hz"), "{error}");
         }
     }

@@ -1,4 +1,5 @@
-//! The control tick allocates nothing: a trial of 2,000 ticks allocates as often as one of 200, once at its start.
+//! The control tick allocates nothing: a trial of 2,000 ticks allocates as often as one of 200,
+//! once at its start.
 #![allow(clippy::unwrap_used)] // a test may panic
 
 use std::ops::ControlFlow;
@@ -7,20 +8,24 @@ use zwidth_device::mock::Mock;
 use zwidth_device::{
     Controller, Cue, Guard, Limits, SimulatedClock, TrialEnd, TrialPlan, Velocity, run_trial, watch,
 };
-use zwidth_study::{Calibration, Control, Environment, Mode, Sample, Scene, Spring, VelocityFilter};
+use zwidth_study::{
+    Calibration, Control, Environment, Mode, Sample, Scene, Spring, VelocityFilter,
+};
 
 const HALF_STROKE_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Allocations of so much reading between trials, s.
 fn allocations_between(for_s: f64) -> u64 {
     let mut device = Mock::default();
-    let limits = Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
+    let limits =
+        Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
     let mut guard = Guard::new(&device.capabilities, limits, false);
     guard.home(&mut device, 0.0).unwrap();
     let (mut clock, stop) = (SimulatedClock::new(1), AtomicBool::new(false));
     let mut reads = 0;
     let counted = allocation_counter::measure(|| {
-        watch(&mut device, &mut clock, &mut guard, 1000.0, for_s, &stop, &mut |_, _, _| reads += 1).unwrap();
+        watch(&mut device, &mut clock, &mut guard, 1000.0, for_s, &stop, &mut |_, _, _| reads += 1)
+            .unwrap();
     });
     assert_eq!(reads, (for_s * 1000.0) as u32);
     counted.count_total
@@ -33,10 +38,12 @@ fn reading_on_between_trials_allocates_nothing() {
 
 fn allocations(limit_s: f64, filter: VelocityFilter) -> u64 {
     let mut device = Mock::default();
-    let limits = Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
+    let limits =
+        Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
     let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -HALF_STROKE_RAD };
     let scene = Scene::SpringWall { spring, wall_rad: 0.1 };
-    let environment = Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
+    let environment =
+        Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
     let (motor_max_v, brake_max_v) = (Some(8.0), Some(8.0));
     let mode = Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v };
     let calibration = Calibration::thesis();
@@ -53,7 +60,15 @@ fn allocations(limit_s: f64, filter: VelocityFilter) -> u64 {
         ControlFlow::Continue(())
     };
     let counted = allocation_counter::measure(|| {
-        let run = run_trial(&mut device, &mut clock, &mut controller, &mut guard, &plan, &stop, &mut sink);
+        let run = run_trial(
+            &mut device,
+            &mut clock,
+            &mut controller,
+            &mut guard,
+            &plan,
+            &stop,
+            &mut sink,
+        );
         assert_eq!(run.end, TrialEnd::Limit);
     });
     assert_eq!(samples, (limit_s * 1000.0) as u32);

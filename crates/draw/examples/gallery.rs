@@ -1,4 +1,5 @@
-//! Draws one of every kind of figure, from made-up numbers, into the folder named on the command line.
+//! Draws one of every kind of figure, from made-up numbers, into the folder named on the command
+//! line.
 //!
 //! `cargo run -p zwidth-draw --example gallery -- target/gallery`
 
@@ -67,13 +68,19 @@ fn push(mode: usize, repeat: u32) -> Push {
     for i in 0..3000 {
         let t = f64::from(i) / 1000.0;
         let way = (TAU * (t - lag) / period / 2.0).sin().max(0.0);
-        let speed = if way > 0.0 { (TAU * (t - lag) / period / 2.0).cos() * TAU / period / 2.0 } else { 0.0 };
+        let speed = if way > 0.0 {
+            (TAU * (t - lag) / period / 2.0).cos() * TAU / period / 2.0
+        } else {
+            0.0
+        };
         let theta = reach * way;
         let wall = if theta > WALL_DEG { (theta - WALL_DEG) * [0.2, 4.0, 4.2][mode] } else { 0.0 };
         let spring = 0.14 * theta - if speed < 0.0 { drop * way.min(0.4) } else { 0.0 };
         run.t_s.push(t);
         run.theta_deg.push(theta);
-        run.force_n.push((spring + wall + depth * (40.0 * t + phase).sin() + 0.04 * noise.next()).max(0.0));
+        run.force_n.push(
+            (spring + wall + depth * (40.0 * t + phase).sin() + 0.04 * noise.next()).max(0.0),
+        );
         run.velocity_deg_s.push(reach * speed + 1.5 * noise.next());
     }
     run
@@ -101,7 +108,8 @@ fn mean_sd(runs: &[Push], name: &str) -> Vec<(f64, f64)> {
 
 fn mode_layers(x: &str, y: &str) -> Vec<Layer> {
     let mut layers = Vec::new();
-    let all: Vec<Vec<Push>> = (0..3).map(|mode| (0..6).map(|repeat| push(mode, repeat)).collect()).collect();
+    let all: Vec<Vec<Push>> =
+        (0..3).map(|mode| (0..6).map(|repeat| push(mode, repeat)).collect()).collect();
     for (mode, runs) in all.iter().enumerate() {
         let colour = style::mode_colour(mode);
         layers.extend(runs.iter().map(|run| {
@@ -115,8 +123,10 @@ fn mode_layers(x: &str, y: &str) -> Vec<Layer> {
         let x: Vec<f64> = along.iter().map(|(mean, _)| *mean).collect();
         let y: Vec<f64> = across.iter().map(|(mean, _)| *mean).collect();
         if along[1].1 == 0.0 {
-            let (low, high) =
-                across.iter().map(|(mean, sd)| (mean - 2.57 * sd / 2.45, mean + 2.57 * sd / 2.45)).unzip();
+            let (low, high) = across
+                .iter()
+                .map(|(mean, sd)| (mean - 2.57 * sd / 2.45, mean + 2.57 * sd / 2.45))
+                .unzip();
             layers.push(Layer::Band(Band { x: x.clone(), low, high, colour, name: name.clone() }));
         }
         let dotted = mean_sd(runs, "θ").iter().map(|(theta, _)| *theta > WALL_DEG).collect();
@@ -127,12 +137,19 @@ fn mode_layers(x: &str, y: &str) -> Vec<Layer> {
 
 fn wall(direction: Direction, label: Option<&str>) -> Layer {
     let label = label.map(str::to_owned);
-    Layer::Reference(Reference { direction, at: WALL_DEG, label, stroke: style::reference(), name: None })
+    Layer::Reference(Reference {
+        direction,
+        at: WALL_DEG,
+        label,
+        stroke: style::reference(),
+        name: None,
+    })
 }
 
 fn four_panels() -> Figure {
     let t = || Axis::new("*t*", "s").ranged(Range::Tight).linked("t");
-    let (theta, force) = (Axis::new("*θ*", "°").linked("θ"), Axis::new("*F*_{ex}", "N").linked("F"));
+    let (theta, force) =
+        (Axis::new("*θ*", "°").linked("θ"), Axis::new("*F*_{ex}", "N").linked("F"));
     let mut angle = mode_layers("t", "θ");
     angle.push(wall(Direction::Horizontal, None));
     let mut loops = mode_layers("θ", "F");
@@ -162,7 +179,13 @@ fn one_mode() -> Figure {
             let run = push(2, i);
             let (x, y) = (quantity(&run, x).to_vec(), quantity(&run, y).to_vec());
             let stroke = style::single(style::repeat_colour(style::mode_colour(2), i as usize, 6));
-            Layer::Line(Line { x, y, stroke, name: Some(format!("repeat {}", i + 1)), ..Line::default() })
+            Layer::Line(Line {
+                x,
+                y,
+                stroke,
+                name: Some(format!("repeat {}", i + 1)),
+                ..Line::default()
+            })
         };
         (0..6).map(repeat).collect()
     };
@@ -310,12 +333,24 @@ fn powers() -> Figure {
     for (i, (name, order)) in [("Euler", 1.0), ("Runge–Kutta", 4.0)].into_iter().enumerate() {
         let (x, y) = (steps.clone(), steps.iter().map(|h| order * h - 1.0).collect::<Vec<f64>>());
         let colour = style::mode_colour(i);
-        layers.push(Layer::Points(Points { x: x.clone(), y: y.clone(), colour, ..Points::default() }));
+        layers.push(Layer::Points(Points {
+            x: x.clone(),
+            y: y.clone(),
+            colour,
+            ..Points::default()
+        }));
         let name = Some(name.to_owned());
-        layers.push(Layer::Line(Line { x, y, stroke: style::single(colour), name, ..Line::default() }));
+        layers.push(Layer::Line(Line {
+            x,
+            y,
+            stroke: style::single(colour),
+            name,
+            ..Line::default()
+        }));
     }
     let axis = |label: &str, unit: &str| Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) };
-    let panel = Panel::new(Cell::at(0, 0), axis("step *h*", "s"), axis("largest error", "rad"), layers);
+    let panel =
+        Panel::new(Cell::at(0, 0), axis("step *h*", "s"), axis("largest error", "rad"), layers);
     Figure { width_mm: ONE_COLUMN_MM, panels: vec![panel], ..Figure::default() }
 }
 

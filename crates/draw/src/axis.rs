@@ -63,7 +63,8 @@ impl AxisPlan {
         } else {
             TICK_PT
         };
-        let label = if self.label.is_empty() { 0.0 } else { LABEL_GAP_PT + font::height_pt(&self.label) };
+        let label =
+            if self.label.is_empty() { 0.0 } else { LABEL_GAP_PT + font::height_pt(&self.label) };
         ticks + label
     }
 
@@ -75,7 +76,8 @@ impl AxisPlan {
             (Direction::Horizontal, false) => font::widest_pt(&tick.lines) / 2.0,
             _ => font::height_pt(&tick.lines) / 2.0,
         };
-        let over = |out: &dyn Fn(&PlannedTick) -> f64| self.ticks.iter().map(out).fold(0.0, f64::max);
+        let over =
+            |out: &dyn Fn(&PlannedTick) -> f64| self.ticks.iter().map(out).fold(0.0, f64::max);
         (
             over(&|tick| half(tick) - scale.pt(tick.at)),
             over(&|tick| scale.pt(tick.at) + half(tick) - length_pt),
@@ -133,7 +135,13 @@ fn label(axis: &Axis, exponent: i32) -> String {
 }
 
 /// Whether neighbouring ticks and their labels keep their distance.
-fn apart(fonts: &Fonts, ticks: &ticks::Ticks, ends: Ends, direction: Direction, length_pt: f64) -> bool {
+fn apart(
+    fonts: &Fonts,
+    ticks: &ticks::Ticks,
+    ends: Ends,
+    direction: Direction,
+    length_pt: f64,
+) -> bool {
     let width = |label: &str| fonts.label(label, SMALL_PT).map_or(0.0, |label| label.width_pt);
     ticks.ticks.windows(2).all(|pair| {
         let spacing = (pair[1].at - pair[0].at) / (ends.1 - ends.0) * length_pt;
@@ -149,7 +157,8 @@ fn apart(fonts: &Fonts, ticks: &ticks::Ticks, ends: Ends, direction: Direction, 
 
 /// Share of a horizontal axis' slot that a name may fill.
 const SLOT_SHARE: f64 = 0.92;
-/// Widths that names beside a vertical axis may take, in pt: the first at which all are lower than their rows.
+/// Widths that names beside a vertical axis may take, in pt: the first at which all are lower than
+/// their rows.
 const NAME_PT: [f64; 4] = [80.0, 120.0, 160.0, 220.0];
 /// Longest name that reads upwards under a horizontal axis, in pt.
 const TURNED_PT: f64 = 60.0;
@@ -164,7 +173,11 @@ fn categories(
 ) -> Result<(Vec<PlannedTick>, bool), Error> {
     let set = |width_pt: f64| -> Result<Vec<PlannedTick>, Error> {
         let tick = |(i, name): (usize, &String)| {
-            Ok(PlannedTick { at: i as f64, lines: fonts.block(name, SMALL_PT, width_pt)?, minor: false })
+            Ok(PlannedTick {
+                at: i as f64,
+                lines: fonts.block(name, SMALL_PT, width_pt)?,
+                minor: false,
+            })
         };
         names.iter().enumerate().map(tick).collect()
     };
@@ -178,7 +191,11 @@ fn categories(
                 return Ok((ticks, false));
             }
         }
-        return Err(Error::TextTooLong { text: names.join(" / "), need_pt: highest_pt, have_pt: slot_pt });
+        return Err(Error::TextTooLong {
+            text: names.join(" / "),
+            need_pt: highest_pt,
+            have_pt: slot_pt,
+        });
     }
     match set(SLOT_SHARE * slot_pt) {
         Err(Error::TextTooLong { .. }) => Ok((set(TURNED_PT)?, true)),
@@ -191,7 +208,8 @@ mod tests {
     use super::*;
 
     fn horizontal(axis: &Axis, ends: Ends, length_pt: f64) -> AxisPlan {
-        plan(Fonts::bundled().unwrap(), axis, Some(ends), Direction::Horizontal, length_pt, true).unwrap()
+        plan(Fonts::bundled().unwrap(), axis, Some(ends), Direction::Horizontal, length_pt, true)
+            .unwrap()
     }
 
     fn text(lines: &[Label]) -> String {
@@ -225,8 +243,9 @@ mod tests {
     #[test]
     fn decades_have_inner_ticks_only_where_they_can_be_told_apart() {
         let powers = Axis { ticks: Ticks::Powers, ..Axis::new("*h*", "s") };
-        let minors =
-            |length_pt| horizontal(&powers, (-4.0, -2.0), length_pt).ticks.iter().filter(|t| t.minor).count();
+        let minors = |length_pt| {
+            horizontal(&powers, (-4.0, -2.0), length_pt).ticks.iter().filter(|t| t.minor).count()
+        };
         assert_eq!((minors(100.0), minors(50.0)), (16, 0));
     }
 
@@ -234,14 +253,16 @@ mod tests {
     fn long_names_wrap_and_those_that_cannot_are_turned() {
         let wrapped = horizontal(&Axis::categories(["session 9", "session 10"]), (-0.5, 1.5), 50.0);
         assert_eq!((text(&wrapped.ticks[0].lines).as_str(), wrapped.turned), ("session/9", false));
-        let turned = horizontal(&Axis::categories(["administration", "configuration"]), (-0.5, 1.5), 40.0);
+        let turned =
+            horizontal(&Axis::categories(["administration", "configuration"]), (-0.5, 1.5), 40.0);
         assert!(turned.turned);
     }
 
     #[test]
     fn an_axis_without_ends_has_its_label_and_no_ticks() {
         let fonts = Fonts::bundled().unwrap();
-        let plan = plan(fonts, &Axis::new("*θ*", "°"), None, Direction::Vertical, 60.0, true).unwrap();
+        let plan =
+            plan(fonts, &Axis::new("*θ*", "°"), None, Direction::Vertical, 60.0, true).unwrap();
         assert!(plan.ticks.is_empty() && !plan.label.is_empty());
     }
 }

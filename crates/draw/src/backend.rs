@@ -1,7 +1,7 @@
 //! plotters on our sheet: a drawing backend with hundredths of a point for pixels.
 //!
-//! plotters counts whole pixels; at 7,200 to the inch that is finer than any printer. Its strokes know no dashes, so
-//! curves go through [`Curve`], an element of ours.
+//! plotters counts whole pixels; at 7,200 to the inch that is finer than any printer. Its strokes
+//! know no dashes, so curves go through [`Curve`], an element of ours.
 
 use std::convert::Infallible;
 
@@ -67,7 +67,12 @@ impl DrawingBackend for Pen<'_> {
         self.draw_rect(point, (point.0 + 1, point.1 + 1), &color, true)
     }
 
-    fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Outcome {
+    fn draw_line<S: BackendStyle>(
+        &mut self,
+        from: BackendCoord,
+        to: BackendCoord,
+        style: &S,
+    ) -> Outcome {
         self.draw_path([from, to], style)
     }
 
@@ -121,7 +126,12 @@ impl DrawingBackend for Pen<'_> {
         Ok(())
     }
 
-    fn draw_text<T: BackendTextStyle>(&mut self, text: &str, style: &T, at: BackendCoord) -> Outcome {
+    fn draw_text<T: BackendTextStyle>(
+        &mut self,
+        text: &str,
+        style: &T,
+        at: BackendCoord,
+    ) -> Outcome {
         let size_pt = style.size() / UNITS_PER_PT;
         let label = self.sheet.fonts.label(text, size_pt).map_err(font_error)?;
         let along = match style.anchor().h_pos {
@@ -146,7 +156,8 @@ impl DrawingBackend for Pen<'_> {
         text: &str,
         style: &T,
     ) -> Result<(u32, u32), DrawingErrorKind<Infallible>> {
-        let label = self.sheet.fonts.label(text, style.size() / UNITS_PER_PT).map_err(font_error)?;
+        let label =
+            self.sheet.fonts.label(text, style.size() / UNITS_PER_PT).map_err(font_error)?;
         Ok((units(label.width_pt).unsigned_abs(), units(label.height_pt()).unsigned_abs()))
     }
 }
@@ -171,7 +182,12 @@ impl<'a> PointCollection<'a, (f64, f64)> for &'a Curve {
 }
 
 impl Drawable<Pen<'_>> for Curve {
-    fn draw<I: Iterator<Item = BackendCoord>>(&self, points: I, pen: &mut Pen<'_>, _: (u32, u32)) -> Outcome {
+    fn draw<I: Iterator<Item = BackendCoord>>(
+        &self,
+        points: I,
+        pen: &mut Pen<'_>,
+        _: (u32, u32),
+    ) -> Outcome {
         let points: Vec<At> = points.map(on_page).collect();
         match &self.ink {
             Ink::Stroke(stroke) => pen.sheet.stroke(&points, stroke),
@@ -198,8 +214,15 @@ impl<'a> PointCollection<'a, (f64, f64)> for &'a Mark {
 }
 
 impl Drawable<Pen<'_>> for Mark {
-    fn draw<I: Iterator<Item = BackendCoord>>(&self, points: I, pen: &mut Pen<'_>, _: (u32, u32)) -> Outcome {
-        points.map(on_page).for_each(|at| legend::draw_marker(pen.sheet, self.marker, at, self.colour));
+    fn draw<I: Iterator<Item = BackendCoord>>(
+        &self,
+        points: I,
+        pen: &mut Pen<'_>,
+        _: (u32, u32),
+    ) -> Outcome {
+        points
+            .map(on_page)
+            .for_each(|at| legend::draw_marker(pen.sheet, self.marker, at, self.colour));
         Ok(())
     }
 }
@@ -223,7 +246,10 @@ mod tests {
         E: for<'s> Drawable<Pen<'s>>,
     {
         let mut sheet = Sheet::new(Fonts::bundled().unwrap());
-        Pen { sheet: &mut sheet, size_pt: (100.0, 50.0) }.into_drawing_area().draw(&element).unwrap();
+        Pen { sheet: &mut sheet, size_pt: (100.0, 50.0) }
+            .into_drawing_area()
+            .draw(&element)
+            .unwrap();
         let head = Head { title: "", description: "", provenance: None };
         let svg = svg::svg(&sheet.shapes, sheet.fonts, (100.0, 50.0), &head);
         assert!(expect.iter().all(|part| svg.contains(part)), "{expect:?} in {svg}");

@@ -1,4 +1,5 @@
-//! Curves made ready for paper: broken at gaps, cut at the plot's edge, thinned to what print can show.
+//! Curves made ready for paper: broken at gaps, cut at the plot's edge, thinned to what print can
+//! show.
 
 /// A point of a curve.
 pub(crate) type Point = (f64, f64);
@@ -11,8 +12,8 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// The point moved inside, if rounding put it out: of values near the end of f64 little is left, not even a
-    /// number.
+    /// The point moved inside, if rounding put it out: of values near the end of f64 little is
+    /// left, not even a number.
     fn hold(&self, (x, y): Point) -> Option<Point> {
         let held = (x.max(self.x.0).min(self.x.1), y.max(self.y.0).min(self.y.1));
         (x.is_finite() && y.is_finite()).then_some(held)
@@ -23,9 +24,9 @@ impl Window {
     }
 }
 
-/// Stretches of finite points, in order. Neighbouring stretches of a different `kind` share the point between
-/// them, so that a curve stays connected where it changes from solid to dotted. A piece between two points is
-/// of the `true` kind if both its ends are.
+/// Stretches of finite points, in order. Neighbouring stretches of a different `kind` share the
+/// point between them, so that a curve stays connected where it changes from solid to dotted. A
+/// piece between two points is of the `true` kind if both its ends are.
 pub(crate) fn stretches(points: &[Point], kind: impl Fn(usize) -> bool) -> Vec<(bool, Vec<Point>)> {
     let mut found: Vec<(bool, Vec<Point>)> = Vec::new();
     let mut connected = false;
@@ -66,8 +67,12 @@ pub(crate) fn cut_line(points: &[Point], window: &Window) -> Vec<Vec<Point>> {
 fn cut_piece(a: Point, b: Point, window: &Window) -> Option<(Point, Point)> {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-    let edges =
-        [(-dx, a.0 - window.x.0), (dx, window.x.1 - a.0), (-dy, a.1 - window.y.0), (dy, window.y.1 - a.1)];
+    let edges = [
+        (-dx, a.0 - window.x.0),
+        (dx, window.x.1 - a.0),
+        (-dy, a.1 - window.y.0),
+        (dy, window.y.1 - a.1),
+    ];
     for (outward, room) in edges {
         if outward < 0.0 {
             enter = enter.max(room / outward);
@@ -114,21 +119,24 @@ fn cut_below(polygon: &[Point], limit: f64) -> Vec<Point> {
 
 /// Keeps what lies at `x <= limit`.
 fn cut_above(polygon: &[Point], limit: f64) -> Vec<Point> {
-    let mirror = |points: &[Point]| -> Vec<Point> { points.iter().map(|&(x, y)| (-x, y)).collect() };
+    let mirror =
+        |points: &[Point]| -> Vec<Point> { points.iter().map(|&(x, y)| (-x, y)).collect() };
     mirror(&cut_below(&mirror(polygon), -limit))
 }
 
-/// Width of the columns that a curve is thinned in, in pt: 200 to the inch, less than any line is wide.
+/// Width of the columns that a curve is thinned in, in pt: 200 to the inch, less than any line is
+/// wide.
 pub(crate) const COLUMN_PT: f64 = 0.36;
 /// How far the thinned curve may lie off the given one, in pt: a tenth of the thinnest line.
 const TOLERANCE_PT: f64 = 0.04;
 
 /// Indices of the points that print needs, from points on the page in pt.
 ///
-/// Two passes. Of every run of points within one column of [`COLUMN_PT`] the first, lowest, highest and last stay
-/// (the M4 of Jugel et al. 2014, doi:10.14778/2732951.2732953): no spike is lost, and noise costs at most four
-/// points a column. Of those, points closer than 0.04 pt to the line through their neighbours go (Douglas &
-/// Peucker 1973): smooth curves need a hundred points or two, not thousands.
+/// Two passes. Of every run of points within one column of [`COLUMN_PT`] the first, lowest, highest
+/// and last stay (the M4 of Jugel et al. 2014, doi:10.14778/2732951.2732953): no spike is lost, and
+/// noise costs at most four points a column. Of those, points closer than 0.04 pt to the line
+/// through their neighbours go (Douglas & Peucker 1973): smooth curves need a hundred points or
+/// two, not thousands.
 pub(crate) fn thin(points: &[Point]) -> Vec<usize> {
     straighten(points, &extremes(points))
 }
@@ -138,7 +146,8 @@ fn extremes(points: &[Point]) -> Vec<usize> {
     let mut kept = Vec::new();
     let mut start = 0;
     while start < points.len() {
-        let run = (start..points.len()).take_while(|&i| column(i).total_cmp(&column(start)).is_eq());
+        let run =
+            (start..points.len()).take_while(|&i| column(i).total_cmp(&column(start)).is_eq());
         let end = run.last().unwrap_or(start);
         let height = |i: &usize, j: &usize| points[*i].1.total_cmp(&points[*j].1);
         let lowest = (start..=end).min_by(height).unwrap_or(start);
@@ -158,7 +167,8 @@ fn straighten(points: &[Point], chosen: &[usize]) -> Vec<usize> {
     let mut open = vec![(0, chosen.len() - 1)];
     while let Some((first, last)) = open.pop() {
         (keep[first], keep[last]) = (true, true);
-        let off = |i: usize| distance(points[chosen[i]], points[chosen[first]], points[chosen[last]]);
+        let off =
+            |i: usize| distance(points[chosen[i]], points[chosen[first]], points[chosen[last]]);
         let farthest = (first + 1..last).max_by(|&i, &j| off(i).total_cmp(&off(j)));
         if let Some(middle) = farthest.filter(|&i| off(i) > TOLERANCE_PT) {
             open.extend([(first, middle), (middle, last)]);
@@ -187,7 +197,10 @@ mod tests {
     fn a_nan_breaks_the_curve_and_nothing_bridges_it() {
         let points = [(0.0, 0.0), (1.0, 1.0), (2.0, f64::NAN), (3.0, 3.0), (4.0, 4.0)];
         let found = stretches(&points, |_| false);
-        assert_eq!(found, [(false, vec![points[0], points[1]]), (false, vec![points[3], points[4]])]);
+        assert_eq!(
+            found,
+            [(false, vec![points[0], points[1]]), (false, vec![points[3], points[4]])]
+        );
     }
 
     #[test]
@@ -231,7 +244,10 @@ mod tests {
         assert!(kept.len() < 300, "{}", kept.len());
         let thinned: Vec<Point> = kept.iter().map(|&i| curve[i]).collect();
         for &p in &curve {
-            let off = thinned.windows(2).map(|pair| distance(p, pair[0], pair[1])).fold(f64::MAX, f64::min);
+            let off = thinned
+                .windows(2)
+                .map(|pair| distance(p, pair[0], pair[1]))
+                .fold(f64::MAX, f64::min);
             assert!(off < 0.05, "{p:?} is {off} pt off");
         }
     }
@@ -243,7 +259,8 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             f64::from(state >> 8) / f64::from(1 << 24)
         };
-        let mut curve: Vec<Point> = (0..100_000).map(|i| (f64::from(i) / 1000.0, noise())).collect();
+        let mut curve: Vec<Point> =
+            (0..100_000).map(|i| (f64::from(i) / 1000.0, noise())).collect();
         curve[54_321].1 = 50.0;
         let kept = thin(&curve);
         assert!(kept.len() <= (4.0 * 100.0 / COLUMN_PT) as usize + 4, "{}", kept.len());

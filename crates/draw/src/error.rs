@@ -1,19 +1,24 @@
 //! What can be wrong with a figure's description.
 
-/// Why a figure could not be drawn. `panel` is the panel's row and column in the grid, counted from 1.
+/// Why a figure could not be drawn. `panel` is the panel's row and column in the grid, counted from
+/// 1.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The figure holds no panel.
     #[error("the figure has no panels; give it at least one")]
     NoPanels,
     /// A panel has neither data nor a note.
-    #[error("panel {panel} has nothing to draw; give it data, or a note that says why there are none")]
+    #[error(
+        "panel {panel} has nothing to draw; give it data, or a note that says why there are none"
+    )]
     NoData {
         /// Row and column.
         panel: String,
     },
     /// Two arrays that belong together differ in length.
-    #[error("panel {panel}: {first} has {first_len} values but {second} has {second_len}; they go in pairs")]
+    #[error(
+        "panel {panel}: {first} has {first_len} values but {second} has {second_len}; they go in pairs"
+    )]
     Lengths {
         /// Row and column.
         panel: String,
@@ -41,7 +46,9 @@ pub enum Error {
         value: f64,
     },
     /// A reference line or a text has no place.
-    #[error("panel {panel}: {what} stands at {value}; it needs a finite place, or is to be left out")]
+    #[error(
+        "panel {panel}: {what} stands at {value}; it needs a finite place, or is to be left out"
+    )]
     Place {
         /// Row and column.
         panel: String,
@@ -91,7 +98,9 @@ pub enum Error {
         need_pt: f64,
     },
     /// A text does not fit where it belongs, even when wrapped and set smaller.
-    #[error("\"{text}\" needs {need_pt:.0} pt and has {have_pt:.0}; shorten it or make the figure larger")]
+    #[error(
+        "\"{text}\" needs {need_pt:.0} pt and has {have_pt:.0}; shorten it or make the figure larger"
+    )]
     TextTooLong {
         /// The markup.
         text: String,

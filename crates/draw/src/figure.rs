@@ -1,8 +1,8 @@
 //! The description of a figure: plain data, nothing drawn yet.
 //!
-//! Lengths on paper are millimetres (`_mm`) or points (`_pt`, 1/72 inch). Data carry the unit that the axis
-//! names: what stands in a layer is what stands on the axis (degrees, if the axis says degrees).
-//! Every text is [markup](crate::markup): `*F*_{ex}`, `10^{−3}`, `**bold**`.
+//! Lengths on paper are millimetres (`_mm`) or points (`_pt`, 1/72 inch). Data carry the unit that
+//! the axis names: what stands in a layer is what stands on the axis (degrees, if the axis says
+//! degrees). Every text is [markup](crate::markup): `*F*_{ex}`, `10^{−3}`, `**bold**`.
 //! In every array of data NaN means "no value here" and leaves a gap; an infinity is an error.
 
 use crate::style::{self, Colour, Marker, Stroke};
@@ -15,9 +15,11 @@ pub const TWO_COLUMNS_MM: f64 = 175.0;
 /// A whole figure. `Figure::default()` is an empty one, two columns wide, its legend above.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Heading above everything; a thesis puts it into the caption instead. Also the file's own title.
+    /// Heading above everything; a thesis puts it into the caption instead. Also the file's own
+    /// title.
     pub title: Option<String>,
-    /// What the figure shows, in a sentence: `<desc>` of the SVG, subject of the PDF, for readers who cannot see it.
+    /// What the figure shows, in a sentence: `<desc>` of the SVG, subject of the PDF, for readers
+    /// who cannot see it.
     pub description: String,
     /// Width on paper, e.g. [`ONE_COLUMN_MM`].
     pub width_mm: f64,
@@ -31,9 +33,11 @@ pub struct Figure {
     pub legend: LegendPlace,
     /// Small print under the figure.
     pub footnotes: Vec<String>,
-    /// A stamp at the figure's head, clear of the data: `SYNTHETIC` on figures made from simulated recordings.
+    /// A stamp at the figure's head, clear of the data: `SYNTHETIC` on figures made from simulated
+    /// recordings.
     pub mark: Option<String>,
-    /// Where the figure comes from (hashes, parameters, versions), stored in the files and not shown.
+    /// Where the figure comes from (hashes, parameters, versions), stored in the files and not
+    /// shown.
     pub provenance: Option<String>,
 }
 
@@ -105,8 +109,8 @@ pub struct Panel {
     pub layers: Vec<Layer>,
     /// Shown instead of the layers where there is nothing to draw: `no angle was recorded`.
     pub note: Option<String>,
-    /// Height of the plot area; `None`: as suits the content. Where the figure has a height of its own these
-    /// count as proportions.
+    /// Height of the plot area; `None`: as suits the content. Where the figure has a height of its
+    /// own these count as proportions.
     pub height_mm: Option<f64>,
 }
 
@@ -136,8 +140,9 @@ pub struct Axis {
     pub unit: String,
     /// Ends of the axis.
     pub range: Range,
-    /// Axes of one figure with the same key share one range that holds all of theirs, x with y too. Directly stacked panels that share
-    /// their x axis number it once, at the bottom; neighbours that share their y axis once, at the left.
+    /// Axes of one figure with the same key share one range that holds all of theirs, x with y
+    /// too. Directly stacked panels that share their x axis number it once, at the bottom;
+    /// neighbours that share their y axis once, at the left.
     pub link: Option<String>,
     /// What stands at the ticks.
     pub ticks: Ticks,
@@ -146,7 +151,13 @@ pub struct Axis {
 impl Axis {
     /// A numeric axis that fits its data with a little room.
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { label: label.into(), unit: unit.into(), range: Range::Auto, link: None, ticks: Ticks::Numbers }
+        Self {
+            label: label.into(),
+            unit: unit.into(),
+            range: Range::Auto,
+            link: None,
+            ticks: Ticks::Numbers,
+        }
     }
 
     /// An axis of named places at 0, 1, 2, …; on a y axis the first is on top.
@@ -189,13 +200,15 @@ pub enum Ticks {
     Numbers,
     /// Whole numbers without their sign: counts of answers to either side of zero.
     Magnitudes,
-    /// Powers of ten: the data are logarithms to base ten, and a whole number *n* reads 10ⁿ. Bare ticks stand at the
-    /// two- to ninefold of each power where there is room. The axis always holds two powers, unless its range is fixed.
+    /// Powers of ten: the data are logarithms to base ten, and a whole number *n* reads 10ⁿ. Bare
+    /// ticks stand at the two- to ninefold of each power where there is room. The axis always
+    /// holds two powers, unless its range is fixed.
     Powers,
     /// These names at 0, 1, 2, …; none is left out, long ones wrap or turn.
     Categories(Vec<String>),
-    /// Nothing, and no edge of the plot either: for a drawing of things. Where both axes of a panel are bare one unit
-    /// is as long on the one as on the other, and the panel's range grows where it must.
+    /// Nothing, and no edge of the plot either: for a drawing of things. Where both axes of a panel
+    /// are bare one unit is as long on the one as on the other, and the panel's range grows
+    /// where it must.
     Bare,
 }
 
@@ -234,7 +247,8 @@ pub struct Line {
     pub x: Vec<f64>,
     /// Vertical positions, as many; NaN breaks the curve.
     pub y: Vec<f64>,
-    /// Where `true` at both ends of a piece, the piece is dotted (past the wall, say). Empty: nowhere.
+    /// Where `true` at both ends of a piece, the piece is dotted (past the wall, say). Empty:
+    /// nowhere.
     pub dotted: Vec<bool>,
     /// Pen.
     pub stroke: Stroke,
@@ -287,8 +301,8 @@ impl Default for Points {
     }
 }
 
-/// A straight line across the whole panel, with a label outside of the plot area: over a vertical line, to the
-/// right of a horizontal one.
+/// A straight line across the whole panel, with a label outside of the plot area: over a vertical
+/// line, to the right of a horizontal one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
     /// Which way the line runs.
@@ -342,9 +356,9 @@ pub struct Intervals {
     pub name: Option<String>,
 }
 
-/// Diverging stacked bars: one row of boxes a group of people, one box an answer, with its count inside. The
-/// middle answer of an odd number straddles zero, so that the bar leans to the side that the answers lean to.
-/// Belongs on `y: Axis::categories(rows)`.
+/// Diverging stacked bars: one row of boxes a group of people, one box an answer, with its count
+/// inside. The middle answer of an odd number straddles zero, so that the bar leans to the side
+/// that the answers lean to. Belongs on `y: Axis::categories(rows)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Likert {
     /// The answers from the most negative to the most positive: the legend.
@@ -364,8 +378,8 @@ pub enum LikertScale {
     Percent,
 }
 
-/// Offset of the `index`-th of `count` marks that share one category, in category units: the marks spread over
-/// half of the category's room.
+/// Offset of the `index`-th of `count` marks that share one category, in category units: the marks
+/// spread over half of the category's room.
 pub fn dodge(index: usize, count: usize) -> f64 {
     /// Share of the room between two categories that marks of one category take up.
     const SPREAD: f64 = 0.5;

@@ -1,7 +1,8 @@
 //! The bundled font: letters to placed glyphs, glyphs to outlines.
 //!
-//! Noto Sans (SIL Open Font Licence) in three faces. Letters are shaped as a text engine would (kerning,
-//! and marks such as the dot of θ̇ set over their letter), so widths measured here are widths on paper.
+//! Noto Sans (SIL Open Font Licence) in three faces. Letters are shaped as a text engine would
+//! (kerning, and marks such as the dot of θ̇ set over their letter), so widths measured here are
+//! widths on paper.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -97,7 +98,8 @@ impl Label {
 /// Glyphs of a text and its whole advance, in font units.
 type Shaped = (Vec<Glyph>, i32);
 
-/// The faces, parsed, and the texts that were shaped already: a page is laid out in rounds, and figures share words.
+/// The faces, parsed, and the texts that were shaped already: a page is laid out in rounds, and
+/// figures share words.
 pub(crate) struct Fonts {
     faces: [Face<'static>; 3],
     shaped: Mutex<BTreeMap<(Style, String), Shaped>>,
@@ -139,7 +141,13 @@ impl Fonts {
         Ok(label)
     }
 
-    fn piece(&self, run: &Run, size_pt: f64, x_pt: f64, markup: &str) -> Result<(Piece, f64), Error> {
+    fn piece(
+        &self,
+        run: &Run,
+        size_pt: f64,
+        x_pt: f64,
+        markup: &str,
+    ) -> Result<(Piece, f64), Error> {
         let style = match run {
             Run { bold: true, .. } => Style::Bold,
             Run { italic: true, .. } => Style::Italic,
@@ -191,13 +199,25 @@ impl Fonts {
         for (info, place) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {
             let start = info.cluster as usize;
             let (x, y) = (pen + place.x_offset, place.y_offset);
-            // the shaper may have moved marks past each other: what follows in the text need not come next
-            let next =
-                shaped.glyph_infos().iter().map(|i| i.cluster as usize).filter(|next| *next > start).min();
-            let glyph = Glyph { id: info.glyph_id as u16, x, y, letters: start..next.unwrap_or(text.len()) };
+            // the shaper may have moved marks past each other: what follows in the text need not
+            // come next
+            let next = shaped
+                .glyph_infos()
+                .iter()
+                .map(|i| i.cluster as usize)
+                .filter(|next| *next > start)
+                .min();
+            let glyph = Glyph {
+                id: info.glyph_id as u16,
+                x,
+                y,
+                letters: start..next.unwrap_or(text.len()),
+            };
             let letter = text.get(start..).and_then(|rest| rest.chars().next());
             match &base {
-                Some(base) if letter.is_some_and(is_mark) => glyphs.push(self.over(base, glyph, style)),
+                Some(base) if letter.is_some_and(is_mark) => {
+                    glyphs.push(self.over(base, glyph, style))
+                }
                 _ => {
                     base = Some(glyph.clone());
                     glyphs.push(glyph);
@@ -208,7 +228,8 @@ impl Fonts {
         Ok((glyphs, pen))
     }
 
-    /// A mark moved to stand over its letter: the font knows where for Latin letters, not for Greek ones.
+    /// A mark moved to stand over its letter: the font knows where for Latin letters, not for Greek
+    /// ones.
     fn over(&self, base: &Glyph, mark: Glyph, style: Style) -> Glyph {
         /// Between a letter and its mark, in font units.
         const GAP: i32 = 70;
@@ -231,8 +252,14 @@ impl Fonts {
         self.face(style).outline_glyph(GlyphId(id), pen);
     }
 
-    /// Breaks markup at its spaces so that no line is wider than `width_pt`; a single long word may still be.
-    pub(crate) fn wrap(&self, markup: &str, size_pt: f64, width_pt: f64) -> Result<Vec<Label>, Error> {
+    /// Breaks markup at its spaces so that no line is wider than `width_pt`; a single long word may
+    /// still be.
+    pub(crate) fn wrap(
+        &self,
+        markup: &str,
+        size_pt: f64,
+        width_pt: f64,
+    ) -> Result<Vec<Label>, Error> {
         let mut lines: Vec<(Vec<Run>, Label)> = Vec::new();
         for word in markup::words(markup) {
             if let Some((line, label)) = lines.last_mut() {
@@ -249,9 +276,14 @@ impl Fonts {
         Ok(lines.into_iter().map(|(_, label)| label).collect())
     }
 
-    /// Sets markup in lines no wider than `width_pt`: at `size_pt`, or smaller down to [`LEAST_PT`] where a word is
-    /// too long.
-    pub(crate) fn block(&self, markup: &str, size_pt: f64, width_pt: f64) -> Result<Vec<Label>, Error> {
+    /// Sets markup in lines no wider than `width_pt`: at `size_pt`, or smaller down to [`LEAST_PT`]
+    /// where a word is too long.
+    pub(crate) fn block(
+        &self,
+        markup: &str,
+        size_pt: f64,
+        width_pt: f64,
+    ) -> Result<Vec<Label>, Error> {
         let mut widest = 0.0;
         for size_pt in [size_pt, (size_pt + LEAST_PT) / 2.0, LEAST_PT] {
             let lines = self.wrap(markup, size_pt, width_pt)?;
@@ -298,7 +330,10 @@ mod tests {
         let (under, over) = (bounds(theta), bounds(dot));
         assert!(dot.y + i32::from(over.y_min) > i32::from(under.y_max), "clear of the letter");
         assert!(dot.x + i32::from(over.x_min) > i32::from(under.x_min), "not left of the letter");
-        assert!(dot.x + i32::from(over.x_max) < i32::from(under.x_max) + 40, "not right of the letter");
+        assert!(
+            dot.x + i32::from(over.x_max) < i32::from(under.x_max) + 40,
+            "not right of the letter"
+        );
     }
 
     #[test]

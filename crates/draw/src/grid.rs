@@ -33,7 +33,8 @@ pub(crate) fn clash(cells: &[Cell]) -> Option<usize> {
             || a.column + a.columns <= b.column
             || b.column + b.columns <= a.column
     };
-    let within = |first: usize, count: usize| first < MOST_TRACKS && (1..=MOST_TRACKS).contains(&count);
+    let within =
+        |first: usize, count: usize| first < MOST_TRACKS && (1..=MOST_TRACKS).contains(&count);
     let sound = |c: &Cell| within(c.row, c.rows) && within(c.column, c.columns);
     (0..cells.len())
         .find(|&i| !sound(&cells[i]) || cells[..i].iter().any(|earlier| !apart(earlier, &cells[i])))
@@ -59,10 +60,11 @@ pub(crate) fn row_margins(cells: &[Cell], decor: &[Decor]) -> Vec<(f64, f64)> {
     margins(size(cells).0, spans)
 }
 
-/// Lengths of tracks that share what the margins and gaps leave of `whole`, by weight. May be negative.
+/// Lengths of tracks that share what the margins and gaps leave of `whole`, by weight. May be
+/// negative.
 pub(crate) fn share(whole: f64, margins: &[(f64, f64)], gap: f64, weights: &[f64]) -> Vec<f64> {
-    let taken: f64 =
-        margins.iter().map(|(a, b)| a + b).sum::<f64>() + gap * margins.len().saturating_sub(1) as f64;
+    let taken: f64 = margins.iter().map(|(a, b)| a + b).sum::<f64>()
+        + gap * margins.len().saturating_sub(1) as f64;
     let total: f64 = weights.iter().sum();
     weights.iter().map(|weight| (whole - taken) * weight / total).collect()
 }
@@ -95,7 +97,8 @@ mod tests {
     #[test]
     fn plots_of_a_column_line_up_though_their_labels_differ_in_width() {
         let cells = [Cell::at(0, 0), Cell::at(1, 0), Cell::at(0, 1).spanning(2, 1)];
-        let decor = [20.0, 34.0, 25.0].map(|left| Decor { left, right: 4.0, top: 3.0, bottom: 10.0 });
+        let decor =
+            [20.0, 34.0, 25.0].map(|left| Decor { left, right: 4.0, top: 3.0, bottom: 10.0 });
         let margins = column_margins(&cells, &decor);
         let widths = share(300.0, &margins, 10.0, &[1.0, 1.0]);
         let columns = tracks(0.0, &margins, 10.0, &widths);

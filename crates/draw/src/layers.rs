@@ -43,7 +43,8 @@ pub(crate) fn draw(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64))
         return Ok(());
     };
     let pixels = |scale: &Scale| units(scale.page_pt.0)..units(scale.page_pt.1);
-    let coordinates = Cartesian2d::new(x.ends.0..x.ends.1, y.ends.0..y.ends.1, (pixels(&x), pixels(&y)));
+    let coordinates =
+        Cartesian2d::new(x.ends.0..x.ends.1, y.ends.0..y.ends.1, (pixels(&x), pixels(&y)));
     let area = Pen { sheet, size_pt }.into_drawing_area().apply_coord_spec(coordinates);
     let plot = Plot { area, window: Window { x: x.ends, y: y.ends }, x, y };
     plan.panel.layers.iter().try_for_each(|layer| match layer {
@@ -101,19 +102,25 @@ impl Plot<'_> {
         let edge = |edge: &[f64]| -> Vec<Point> {
             // a gap in either edge is a gap in both
             let whole = |i: usize| band.low[i].is_finite() && band.high[i].is_finite();
-            (0..edge.len()).map(|i| (band.x[i], if whole(i) { edge[i] } else { f64::NAN })).collect()
+            (0..edge.len())
+                .map(|i| (band.x[i], if whole(i) { edge[i] } else { f64::NAN }))
+                .collect()
         };
         let lows = curve::stretches(&edge(&band.low), |_| false);
         let highs = curve::stretches(&edge(&band.high), |_| false);
         for ((_, low), (_, high)) in lows.into_iter().zip(highs) {
             let mut outline = self.thinned(low);
             outline.extend(self.thinned(high).into_iter().rev());
-            self.curve(curve::cut_area(&outline, &self.window), Ink::Fill(band.colour, BAND_OPACITY))?;
+            self.curve(
+                curve::cut_area(&outline, &self.window),
+                Ink::Fill(band.colour, BAND_OPACITY),
+            )?;
         }
         Ok(())
     }
 
-    /// Points inside the plot; of those that fall on the same spot of print (200 to the inch) only the first.
+    /// Points inside the plot; of those that fall on the same spot of print (200 to the inch) only
+    /// the first.
     fn points(&self, points: &Points) -> Outcome {
         let mut taken = BTreeSet::new();
         for at in points.x.iter().copied().zip(points.y.iter().copied()) {
@@ -148,7 +155,8 @@ impl Plot<'_> {
             }
             let estimate = point(at, intervals.estimate[i]);
             if self.window.holds(estimate) {
-                let mark = Mark { at: estimate, marker: intervals.marker, colour: intervals.colour };
+                let mark =
+                    Mark { at: estimate, marker: intervals.marker, colour: intervals.colour };
                 self.area.draw(&mark).map_err(refused)?;
             }
         }
@@ -183,8 +191,8 @@ impl Plot<'_> {
         Ok(Some(page))
     }
 
-    /// Writes a count into its box, or over it if it is too narrow, clear of the count that ends at `taken_pt`. Says
-    /// how far the room over the bar is taken then.
+    /// Writes a count into its box, or over it if it is too narrow, clear of the count that ends at
+    /// `taken_pt`. Says how far the room over the bar is taken then.
     fn count(
         &self,
         count: u32,
@@ -196,7 +204,11 @@ impl Plot<'_> {
         let (text, middle_pt) = (count.to_string(), (room_pt.0 + room_pt.1) / 2.0);
         let style = |size_pt: f64, ink: Colour, vertical| {
             let font = ("sans-serif", size_pt * UNITS_PER_PT).into_font();
-            TextStyle { font, color: rgb(ink).to_backend_color(), pos: Pos::new(HPos::Center, vertical) }
+            TextStyle {
+                font,
+                color: rgb(ink).to_backend_color(),
+                pos: Pos::new(HPos::Center, vertical),
+            }
         };
         let mut width_pt = 0.0;
         for size_pt in [SMALL_PT, LEAST_PT] {

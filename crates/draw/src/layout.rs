@@ -1,7 +1,8 @@
 //! Where everything stands on the page.
 //!
-//! From top to bottom: heading and stamp, legend, the grid of panels, legend (if below), footnotes. The grid is
-//! solved in rounds, because the room for tick labels depends on the ticks, and those on the size of the plot.
+//! From top to bottom: heading and stamp, legend, the grid of panels, legend (if below), footnotes.
+//! The grid is solved in rounds, because the room for tick labels depends on the ticks, and those
+//! on the size of the plot.
 
 use crate::error::Error;
 use crate::figure::{Cell, Figure, LegendPlace, Panel, Ticks};
@@ -57,7 +58,9 @@ fn check(figure: &Figure) -> Result<(), Error> {
     sensible("width_mm", figure.width_mm, MOST_MM)?;
     figure.height_mm.map_or(Ok(()), |height| sensible("height_mm", height, MOST_MM))?;
     for panel in &figure.panels {
-        panel.height_mm.map_or(Ok(()), |height| sensible("a panel's height_mm", height, MOST_MM))?;
+        panel
+            .height_mm
+            .map_or(Ok(()), |height| sensible("a panel's height_mm", height, MOST_MM))?;
         scale::check(panel)?;
     }
     for &weight in &figure.column_weights {
@@ -79,8 +82,9 @@ pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Er
     let width_pt = figure.width_mm * PT_PER_MM;
     let inner_pt = width_pt - 2.0 * PAGE_MARGIN_PT;
     let mark = mark(figure, fonts, width_pt)?;
-    let (mark_width, mark_height) =
-        mark.as_ref().map_or((0.0, 0.0), |(_, frame)| (frame.width() + BLOCK_GAP_PT, frame.height()));
+    let (mark_width, mark_height) = mark
+        .as_ref()
+        .map_or((0.0, 0.0), |(_, frame)| (frame.width() + BLOCK_GAP_PT, frame.height()));
     let beside_mark_pt = inner_pt - mark_width;
     let title = title(figure, fonts, beside_mark_pt)?;
     let title_pt = if title.is_empty() { 0.0 } else { font::height_pt(&title) + TITLE_GAP_PT };
@@ -130,7 +134,11 @@ fn mark(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Option<(Label, 
     let label = fonts.label(&format!("**{mark}**"), SMALL_PT)?;
     let room_pt = width_pt / 2.0;
     if label.width_pt > room_pt {
-        return Err(Error::TextTooLong { text: mark.clone(), need_pt: label.width_pt, have_pt: room_pt });
+        return Err(Error::TextTooLong {
+            text: mark.clone(),
+            need_pt: label.width_pt,
+            have_pt: room_pt,
+        });
     }
     let right = width_pt - PAGE_MARGIN_PT;
     let left = right - label.width_pt - 2.0 * MARK_PAD_PT.0;
@@ -146,8 +154,8 @@ fn footnotes(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Vec<Label>
     Ok(lines)
 }
 
-/// Plans all panels from `top` down and says where the lowest ends. The grid is `height_pt` high, or as high as
-/// suits the panels.
+/// Plans all panels from `top` down and says where the lowest ends. The grid is `height_pt` high,
+/// or as high as suits the panels.
 fn solve<'a>(
     figure: &'a Figure,
     fonts: &Fonts,
@@ -175,7 +183,8 @@ fn solve<'a>(
     Ok((panels, bottom))
 }
 
-/// Plot areas of the panels, given the room each needs around its own, and the lower end of the grid.
+/// Plot areas of the panels, given the room each needs around its own, and the lower end of the
+/// grid.
 fn place(
     figure: &Figure,
     cells: &[Cell],
@@ -209,9 +218,10 @@ fn row_heights(figure: &Figure, widths: &[f64]) -> Vec<f64> {
     let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
     let usual = usual_height_pt(rows, narrowest);
     let of_row = |row: usize| {
-        let alone = figure.panels.iter().filter(|panel| panel.cell.row == row && panel.cell.rows == 1);
-        let asked =
-            alone.map(|panel| panel.height_mm.map_or(own_height_pt(panel, usual), |mm| mm * PT_PER_MM));
+        let alone =
+            figure.panels.iter().filter(|panel| panel.cell.row == row && panel.cell.rows == 1);
+        let asked = alone
+            .map(|panel| panel.height_mm.map_or(own_height_pt(panel, usual), |mm| mm * PT_PER_MM));
         asked.reduce(f64::max).unwrap_or(usual)
     };
     (0..rows).map(of_row).collect()

@@ -33,7 +33,9 @@ impl Sample {
     fn width_pt(&self) -> f64 {
         match self {
             Sample::Line(_) | Sample::Band(_) => SAMPLE_PT,
-            Sample::Whisker { direction: Direction::Horizontal, .. } => BOX_PT + 2.0 * WHISKER_OUT_PT,
+            Sample::Whisker { direction: Direction::Horizontal, .. } => {
+                BOX_PT + 2.0 * WHISKER_OUT_PT
+            }
             _ => BOX_PT,
         }
     }
@@ -73,7 +75,8 @@ impl Legend {
     }
 
     pub(crate) fn width_pt(&self) -> f64 {
-        let ends = self.rows.iter().flatten().map(|e| e.x_pt + SAMPLE_PT + NAME_GAP_PT + e.label.width_pt);
+        let ends =
+            self.rows.iter().flatten().map(|e| e.x_pt + SAMPLE_PT + NAME_GAP_PT + e.label.width_pt);
         ends.fold(0.0, f64::max)
     }
 }
@@ -132,7 +135,9 @@ fn samples(layer: &Layer) -> Vec<(String, Sample)> {
         Layer::Likert(likert) => {
             let count = likert.answers.len();
             let answers = likert.answers.iter().enumerate();
-            return answers.map(|(i, a)| (a.clone(), Sample::Box(style::likert_colour(i, count)))).collect();
+            return answers
+                .map(|(i, a)| (a.clone(), Sample::Box(style::likert_colour(i, count))))
+                .collect();
         }
     };
     name.iter().map(|name| (name.clone(), sample.clone())).collect()
@@ -189,7 +194,11 @@ pub(crate) fn draw_marker(sheet: &mut Sheet, marker: Marker, (x, y): At, colour:
         Marker::Disc => sheet.disc((x, y), style::MARKER_PT, colour, 1.0),
         Marker::Square => {
             let r = 0.88 * r; // of the disc's area
-            sheet.fill(&[(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)], colour, 1.0);
+            sheet.fill(
+                &[(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)],
+                colour,
+                1.0,
+            );
         }
         Marker::Diamond => {
             let r = 1.25 * r; // of the disc's area
@@ -209,14 +218,18 @@ mod tests {
             let band = Layer::Band(Band { name: name.clone(), ..Band::default() });
             [band, Layer::Line(Line { name, ..Line::default() })]
         });
-        let panel = Panel::new(Cell::at(0, 0), Axis::new("", ""), Axis::new("", ""), layers.collect());
+        let panel =
+            Panel::new(Cell::at(0, 0), Axis::new("", ""), Axis::new("", ""), layers.collect());
         Figure { panels: vec![panel.clone(), panel], ..Figure::default() }
     }
 
     #[test]
     fn a_name_appears_once_with_all_its_samples() {
         let entries = entries(&figure(&["active", "passive"]));
-        assert_eq!(entries.iter().map(|e| e.name.as_str()).collect::<Vec<_>>(), ["active", "passive"]);
+        assert_eq!(
+            entries.iter().map(|e| e.name.as_str()).collect::<Vec<_>>(),
+            ["active", "passive"]
+        );
         assert!(entries.iter().all(|entry| entry.samples.len() == 2));
     }
 
@@ -224,7 +237,8 @@ mod tests {
     fn rows_are_no_wider_than_they_may() {
         let fonts = Fonts::bundled().unwrap();
         let legend =
-            plan(&figure(&["active", "passive", "hybrid", "commanded force"]), fonts, 120.0).unwrap();
+            plan(&figure(&["active", "passive", "hybrid", "commanded force"]), fonts, 120.0)
+                .unwrap();
         assert!(legend.rows.len() > 1);
         for entry in legend.rows.iter().flatten() {
             assert!(entry.end_pt() <= 120.0);

@@ -1,7 +1,8 @@
 //! Figures: one style, axes, bands, bars; drawn once, written as SVG, PDF and PNG.
 //!
-//! A [`Figure`] is plain data. [`draw`] lays it out and gives a [`Drawing`], which gives the bytes of an SVG, a PNG
-//! and a PDF: the same bytes on every run. Nothing here knows studies, files or the clock.
+//! A [`Figure`] is plain data. [`draw`] lays it out and gives a [`Drawing`], which gives the bytes
+//! of an SVG, a PNG and a PDF: the same bytes on every run. Nothing here knows studies, files or
+//! the clock.
 //!
 //! ```
 //! use zwidth_draw::{Axis, Cell, Figure, Layer, Line, ONE_COLUMN_MM, Panel, draw, style};
@@ -22,9 +23,10 @@
 //! # Ok::<(), zwidth_draw::Error>(())
 //! ```
 //!
-//! **Thinning.** A curve keeps of every run of points within 1/200 inch the first, lowest, highest and last, and of
-//! those the ones that lie more than 0.04 pt (14 µm) off the straight line through their neighbours. Of points that
-//! fall on one spot of 1/200 inch one is drawn. What is left out could not be seen in print.
+//! **Thinning.** A curve keeps of every run of points within 1/200 inch the first, lowest, highest
+//! and last, and of those the ones that lie more than 0.04 pt (14 µm) off the straight line through
+//! their neighbours. Of points that fall on one spot of 1/200 inch one is drawn. What is left out
+//! could not be seen in print.
 
 #![cfg_attr(test, allow(clippy::float_cmp))] // tests compare exact results exactly
 
@@ -78,8 +80,8 @@ pub struct Drawing {
 /// Lays a figure out and draws it.
 ///
 /// # Errors
-/// Data that do not fit together, nothing to draw, an impossible range or size, a text that finds no room: see
-/// [`Error`].
+/// Data that do not fit together, nothing to draw, an impossible range or size, a text that finds
+/// no room: see [`Error`].
 pub fn draw(figure: &Figure) -> Result<Drawing, Error> {
     let fonts = Fonts::bundled()?;
     let plan = layout::plan(figure, fonts)?;
@@ -95,7 +97,8 @@ pub fn draw(figure: &Figure) -> Result<Drawing, Error> {
 }
 
 impl Drawing {
-    /// The SVG: words as outlines, title, description and provenance inside, nothing outside needed to show it.
+    /// The SVG: words as outlines, title, description and provenance inside, nothing outside needed
+    /// to show it.
     ///
     /// # Errors
     /// [`Error::Font`] as [`draw`].
@@ -103,17 +106,18 @@ impl Drawing {
         Ok(svg::svg(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head()))
     }
 
-    /// An opaque PNG at `dpi` dots an inch ([`DEFAULT_DPI`] for screens), provenance in its `Comment`.
+    /// An opaque PNG at `dpi` dots an inch ([`DEFAULT_DPI`] for screens), provenance in its
+    /// `Comment`.
     ///
     /// # Errors
-    /// [`Error::Size`] if `dpi` is not positive or the image would pass 100 megapixels, [`Error::Encode`] if the
-    /// libraries refuse the drawing, [`Error::Font`] as [`draw`].
+    /// [`Error::Size`] if `dpi` is not positive or the image would pass 100 megapixels,
+    /// [`Error::Encode`] if the libraries refuse the drawing, [`Error::Font`] as [`draw`].
     pub fn png(&self, dpi: f64) -> Result<Vec<u8>, Error> {
         png::png(&self.shapes, Fonts::bundled()?, self.size_pt, dpi, self.provenance.as_deref())
     }
 
-    /// A one-page PDF of the figure's size, its font embedded so that words can be searched and copied,
-    /// provenance among its keywords.
+    /// A one-page PDF of the figure's size, its font embedded so that words can be searched and
+    /// copied, provenance among its keywords.
     ///
     /// # Errors
     /// [`Error::Encode`] if the libraries refuse the drawing, [`Error::Font`] as [`draw`].
@@ -127,7 +131,11 @@ impl Drawing {
     }
 
     fn head(&self) -> Head<'_> {
-        Head { title: &self.title, description: &self.description, provenance: self.provenance.as_deref() }
+        Head {
+            title: &self.title,
+            description: &self.description,
+            provenance: self.provenance.as_deref(),
+        }
     }
 }
 

@@ -13,8 +13,8 @@ pub(crate) struct Segment {
     pub(crate) to: f64,
 }
 
-/// The boxes of one row from left to right, zero counts left out. Zero on the axis is the middle of the neutral
-/// answer, or the border between the two halves if the number of answers is even.
+/// The boxes of one row from left to right, zero counts left out. Zero on the axis is the middle of
+/// the neutral answer, or the border between the two halves if the number of answers is even.
 pub(crate) fn segments(counts: &[u32], scale: LikertScale) -> Vec<Segment> {
     let total: f64 = counts.iter().map(|&count| f64::from(count)).sum();
     let unit = match scale {
@@ -53,7 +53,9 @@ pub(crate) fn check(likert: &Likert, panel: &Panel) -> Result<(), Error> {
     }
     match &panel.y.ticks {
         Ticks::Categories(names) if names.len() == likert.rows.len() => Ok(()),
-        Ticks::Categories(names) => lengths("the y axis' names", names.len(), "rows", likert.rows.len()),
+        Ticks::Categories(names) => {
+            lengths("the y axis' names", names.len(), "rows", likert.rows.len())
+        }
         _ => lengths("the y axis' names", 0, "rows", likert.rows.len()),
     }
 }
@@ -63,7 +65,8 @@ mod tests {
     use super::*;
 
     fn check_row(counts: &[u32], scale: LikertScale, expect: &[(usize, f64, f64)]) {
-        let seen: Vec<_> = segments(counts, scale).iter().map(|s| (s.answer, s.from, s.to)).collect();
+        let seen: Vec<_> =
+            segments(counts, scale).iter().map(|s| (s.answer, s.from, s.to)).collect();
         assert_eq!(seen, expect);
     }
 
@@ -88,9 +91,10 @@ mod tests {
     #[test]
     fn boxes_of_a_row_touch_and_add_up_to_all_answers() {
         for counts in [[3, 1, 4, 1, 5], [0, 0, 7, 0, 0], [9, 0, 0, 0, 1]] {
-            for (scale, whole) in
-                [(LikertScale::Counts, f64::from(counts.iter().sum::<u32>())), (LikertScale::Percent, 100.0)]
-            {
+            for (scale, whole) in [
+                (LikertScale::Counts, f64::from(counts.iter().sum::<u32>())),
+                (LikertScale::Percent, 100.0),
+            ] {
                 let row = segments(&counts, scale);
                 assert!(row.windows(2).all(|pair| pair[0].to == pair[1].from));
                 let length: f64 = row.iter().map(|s| s.to - s.from).sum();

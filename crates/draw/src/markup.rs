@@ -8,8 +8,8 @@
 //! | `⁻³` | raised too, so that units may be typed as they are |
 //! | `\*` | a star; a backslash takes the meaning off any sign |
 //!
-//! A sign without its partner stands for itself, so any text can be set: the worst that happens is a visible star.
-//! Names that come from data go through [`escape`].
+//! A sign without its partner stands for itself, so any text can be set: the worst that happens is
+//! a visible star. Names that come from data go through [`escape`].
 
 /// Height of the letters of one run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -53,7 +53,9 @@ pub(crate) fn parse(markup: &str) -> Vec<Run> {
         if let Some(escaped) = after.chars().next().filter(|_| letter == '\\') {
             now.text.push(escaped);
             rest = &after[escaped.len_utf8()..];
-        } else if let Some(tail) = rest.strip_prefix("**").filter(|tail| now.bold || tail.contains("**")) {
+        } else if let Some(tail) =
+            rest.strip_prefix("**").filter(|tail| now.bold || tail.contains("**"))
+        {
             let bold = !now.bold;
             turn(&mut runs, &mut now, |run| run.bold = bold);
             rest = tail;
@@ -61,7 +63,9 @@ pub(crate) fn parse(markup: &str) -> Vec<Run> {
             let italic = !now.italic;
             turn(&mut runs, &mut now, |run| run.italic = italic);
             rest = after;
-        } else if let Some((script, tail)) = script_start(rest).filter(|_| now.script == Script::Base) {
+        } else if let Some((script, tail)) =
+            script_start(rest).filter(|_| now.script == Script::Base)
+        {
             turn(&mut runs, &mut now, |run| run.script = script);
             rest = tail;
         } else if letter == '}' && now.script != Script::Base {
@@ -81,7 +85,8 @@ pub(crate) fn parse(markup: &str) -> Vec<Run> {
     runs
 }
 
-/// Splits markup at its spaces into words, each with the styles that reign there. A double space stays one.
+/// Splits markup at its spaces into words, each with the styles that reign there. A double space
+/// stays one.
 pub(crate) fn words(markup: &str) -> Vec<Vec<Run>> {
     let mut words: Vec<Vec<Run>> = vec![Vec::new()];
     for run in parse(&markup.replace("  ", "\u{a0} ")) {
@@ -115,11 +120,14 @@ fn turn(runs: &mut Vec<Run>, now: &mut Run, change: impl FnOnce(&mut Run)) {
     push(runs, std::mem::replace(now, next));
 }
 
-/// Appends a run, joined to the one before if their styles agree, so that letters are shaped together.
+/// Appends a run, joined to the one before if their styles agree, so that letters are shaped
+/// together.
 fn push(runs: &mut Vec<Run>, run: Run) {
     match runs.last_mut() {
         _ if run.text.is_empty() => {}
-        Some(last) if Run { text: String::new(), ..*last } == (Run { text: String::new(), ..run }) => {
+        Some(last)
+            if Run { text: String::new(), ..*last } == (Run { text: String::new(), ..run }) =>
+        {
             last.text.push_str(&run.text);
         }
         _ => runs.push(run),
@@ -165,7 +173,8 @@ mod tests {
                     Script::Sub => "_",
                     Script::Super => "^",
                 };
-                let (bold, italic) = (if run.bold { "b" } else { "" }, if run.italic { "i" } else { "" });
+                let (bold, italic) =
+                    (if run.bold { "b" } else { "" }, if run.italic { "i" } else { "" });
                 format!("{bold}{italic}{script}:{}", run.text)
             })
             .collect();

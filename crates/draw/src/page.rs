@@ -67,8 +67,10 @@ fn draw_panel(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> R
     for word in &plan.references {
         sheet.text(&word.label, word.at, GREY, false);
     }
-    let middle =
-        ((plot.left + plot.right) / 2.0, (plot.top + plot.bottom - font::height_pt(&plan.note)) / 2.0);
+    let middle = (
+        (plot.left + plot.right) / 2.0,
+        (plot.top + plot.bottom - font::height_pt(&plan.note)) / 2.0,
+    );
     centred(sheet, &plan.note, middle, GREY);
     for layer in plan.panel.layers.iter().filter(|_| plan.note.is_empty()) {
         if let Layer::Text(text) = layer {
@@ -86,7 +88,10 @@ fn length_pt(tick: &PlannedTick) -> f64 {
 }
 
 /// Each tick with its place on the page.
-fn places(ticks: &[PlannedTick], scale: Option<Scale>) -> impl Iterator<Item = (&PlannedTick, f64)> {
+fn places(
+    ticks: &[PlannedTick],
+    scale: Option<Scale>,
+) -> impl Iterator<Item = (&PlannedTick, f64)> {
     ticks.iter().filter_map(move |tick| scale.map(|scale| (tick, scale.pt(tick.at))))
 }
 
@@ -96,15 +101,20 @@ fn grid_lines(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     }
     let pen = Stroke { colour: GRID, width_pt: GRID_PT, opacity: 1.0, dash: Dash::Solid };
     let Rect { left, top, right, bottom } = plan.plot;
-    for (_, x) in places(&plan.x.ticks, plan.x_scale()).filter(|(tick, _)| !plan.x.named && !tick.minor) {
+    for (_, x) in
+        places(&plan.x.ticks, plan.x_scale()).filter(|(tick, _)| !plan.x.named && !tick.minor)
+    {
         sheet.stroke(&[(x, top), (x, bottom)], &pen);
     }
-    for (_, y) in places(&plan.y.ticks, plan.y_scale()).filter(|(tick, _)| !plan.y.named && !tick.minor) {
+    for (_, y) in
+        places(&plan.y.ticks, plan.y_scale()).filter(|(tick, _)| !plan.y.named && !tick.minor)
+    {
         sheet.stroke(&[(left, y), (right, y)], &pen);
     }
 }
 
-/// The left and lower edge of the plot, and ticks outwards. Beside names and on a bare axis there is no edge.
+/// The left and lower edge of the plot, and ticks outwards. Beside names and on a bare axis there
+/// is no edge.
 fn axis_lines(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     let pen = Stroke { width_pt: AXIS_PT, ..style::mean(INK) };
     let Rect { left, top, right, bottom } = plan.plot;
@@ -135,7 +145,8 @@ fn x_labels(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
             centred(sheet, &tick.lines, (x, top), INK);
         }
     }
-    let under = plot.bottom + plan.x.depth_pt(Direction::Horizontal) - font::height_pt(&plan.x.label);
+    let under =
+        plot.bottom + plan.x.depth_pt(Direction::Horizontal) - font::height_pt(&plan.x.label);
     centred(sheet, &plan.x.label, ((plot.left + plot.right) / 2.0, under), INK);
 }
 
@@ -145,7 +156,8 @@ fn y_labels(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     for (tick, y) in places(&plan.y.ticks, plan.y_scale()) {
         // centred by the capitals' height, which is what digits have
         let line_pt = tick.lines.first().map_or(0.0, Label::height_pt);
-        let first = y - (tick.lines.len().saturating_sub(1)) as f64 * line_pt / 2.0 + CAP_EM * SMALL_PT / 2.0;
+        let first = y - (tick.lines.len().saturating_sub(1)) as f64 * line_pt / 2.0
+            + CAP_EM * SMALL_PT / 2.0;
         for (i, line) in tick.lines.iter().enumerate() {
             sheet.text(line, (right - line.width_pt, first + i as f64 * line_pt), INK, false);
         }
@@ -154,8 +166,14 @@ fn y_labels(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     upwards(sheet, &plan.y.label, at, |line| (plot.height() - line.width_pt) / 2.0);
 }
 
-/// Lines that read upwards, side by side from `left`; `from_top` is how far below `top` a line ends.
-fn upwards(sheet: &mut Sheet, block: &[Label], (mut left, top): At, from_top: impl Fn(&Label) -> f64) {
+/// Lines that read upwards, side by side from `left`; `from_top` is how far below `top` a line
+/// ends.
+fn upwards(
+    sheet: &mut Sheet,
+    block: &[Label],
+    (mut left, top): At,
+    from_top: impl Fn(&Label) -> f64,
+) {
     for line in block {
         let base = (left + ASCENT_EM * line.size_pt, top + from_top(line) + line.width_pt);
         sheet.text(line, base, INK, true);

@@ -76,7 +76,9 @@ pub(crate) fn plan<'a>(
     let title = block(&panel.title, LABEL_PT, plot.width())?;
     let note = block(&panel.note, SMALL_PT, NOTE_SHARE * plot.width())?;
     let references = match panel.note {
-        None => references::plan(fonts, panel, (x_scale(&x, &plot), y_scale(&y, &plot)), &title, &plot)?,
+        None => {
+            references::plan(fonts, panel, (x_scale(&x, &plot), y_scale(&y, &plot)), &title, &plot)?
+        }
         Some(_) => Vec::new(),
     };
     let decor = decor(&x, &y, &title, &references, &plot);
@@ -103,7 +105,8 @@ fn decor(x: &AxisPlan, y: &AxisPlan, title: &[Label], references: &[Word], plot:
     let (x_before, x_after) = x.overhang_pt(Direction::Horizontal, plot.width());
     let (y_before, y_after) = y.overhang_pt(Direction::Vertical, plot.height());
     let words_right = references.iter().map(|word| word.at.0 + word.label.width_pt - plot.right);
-    let words_top = references.iter().map(|word| plot.top - word.at.1 + ASCENT_EM * word.label.size_pt);
+    let words_top =
+        references.iter().map(|word| plot.top - word.at.1 + ASCENT_EM * word.label.size_pt);
     let heading = if title.is_empty() { 0.0 } else { GAP_PT + font::height_pt(title) };
     Decor {
         left: y.depth_pt(Direction::Vertical).max(x_before),
@@ -113,11 +116,13 @@ fn decor(x: &AxisPlan, y: &AxisPlan, title: &[Label], references: &[Word], plot:
     }
 }
 
-/// Whether a panel's x and y axis carry numbers: not where the panel below, or to the left, shares that axis.
+/// Whether a panel's x and y axis carry numbers: not where the panel below, or to the left, shares
+/// that axis.
 fn numbered(figure: &Figure, panel: &Panel) -> [bool; 2] {
     let same = |a: &Option<String>, b: &Option<String>| a.is_some() && a == b;
-    let any =
-        |holds: &dyn Fn(&Panel, Cell) -> bool| figure.panels.iter().any(|other| holds(other, other.cell));
+    let any = |holds: &dyn Fn(&Panel, Cell) -> bool| {
+        figure.panels.iter().any(|other| holds(other, other.cell))
+    };
     let cell = panel.cell;
     let below = any(&|other, o| {
         o.row == cell.row + cell.rows
@@ -140,9 +145,12 @@ mod tests {
     #[test]
     fn one_unit_of_a_bare_panel_is_as_long_across_as_upwards() {
         let bare = || Axis::bare(-1.0, 1.0);
-        let line = crate::figure::Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Default::default() };
-        let panel = Panel::new(Cell::at(0, 0), bare(), bare(), vec![crate::figure::Layer::Line(line)]);
-        let figure = Figure { panels: vec![Panel { height_mm: Some(40.0), ..panel }], ..Figure::default() };
+        let line =
+            crate::figure::Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Default::default() };
+        let panel =
+            Panel::new(Cell::at(0, 0), bare(), bare(), vec![crate::figure::Layer::Line(line)]);
+        let figure =
+            Figure { panels: vec![Panel { height_mm: Some(40.0), ..panel }], ..Figure::default() };
         let page = crate::layout::plan(&figure, Fonts::bundled().unwrap()).unwrap();
         let plan = &page.panels[0];
         let length = |scale: Scale| (scale.pt(1.0) - scale.pt(0.0)).abs();
@@ -155,11 +163,15 @@ mod tests {
     #[test]
     fn stacked_panels_number_a_shared_axis_once() {
         let axis = |link: &str| Axis::new("t", "s").linked(link);
-        let panel =
-            |row, link: &str| Panel::new(Cell::at(row, 0), axis(link), Axis::new("F", "N"), Vec::new());
-        let figure =
-            Figure { panels: vec![panel(0, "t"), panel(1, "t"), panel(2, "other")], ..Figure::default() };
-        let x_numbered: Vec<bool> = figure.panels.iter().map(|panel| numbered(&figure, panel)[0]).collect();
+        let panel = |row, link: &str| {
+            Panel::new(Cell::at(row, 0), axis(link), Axis::new("F", "N"), Vec::new())
+        };
+        let figure = Figure {
+            panels: vec![panel(0, "t"), panel(1, "t"), panel(2, "other")],
+            ..Figure::default()
+        };
+        let x_numbered: Vec<bool> =
+            figure.panels.iter().map(|panel| numbered(&figure, panel)[0]).collect();
         assert_eq!(x_numbered, [false, true, true]);
         assert!(figure.panels.iter().all(|panel| numbered(&figure, panel)[1]));
     }

@@ -30,9 +30,11 @@ pub(crate) fn pdf(
     (width_pt, height_pt): (f64, f64),
     head: &Head<'_>,
 ) -> Result<Vec<u8>, Error> {
-    let size = Size::from_wh(width_pt as f32, height_pt as f32).ok_or_else(|| fault(&"the page is empty"))?;
+    let size = Size::from_wh(width_pt as f32, height_pt as f32)
+        .ok_or_else(|| fault(&"the page is empty"))?;
     let mut document = Document::new();
-    let metadata = Metadata::new().title(head.title.to_owned()).description(head.description.to_owned());
+    let metadata =
+        Metadata::new().title(head.title.to_owned()).description(head.description.to_owned());
     document.set_metadata(match head.provenance {
         Some(provenance) => metadata.keywords(vec![provenance.to_owned()]),
         None => metadata,
@@ -75,7 +77,15 @@ fn write(
     let glyph = |(k, glyph): (usize, &Glyph)| {
         let advance = f64::from(place(k + 1) - glyph.x) / em;
         let (id, letters) = (GlyphId::new(u32::from(glyph.id)), glyph.letters.clone());
-        KrillaGlyph::new(id, advance as f32, 0.0, (f64::from(glyph.y) / em) as f32, 0.0, letters, None)
+        KrillaGlyph::new(
+            id,
+            advance as f32,
+            0.0,
+            (f64::from(glyph.y) / em) as f32,
+            0.0,
+            letters,
+            None,
+        )
     };
     let glyphs: Vec<KrillaGlyph> = piece.glyphs.iter().enumerate().map(glyph).collect();
     let (x, y) = (x as f32, y as f32);
@@ -86,7 +96,14 @@ fn write(
     let from = Point::from_xy((f64::from(place(0)) / em * piece.size_pt) as f32, 0.0);
     // letters that changed places cannot be copied in their order: they are outlines
     let outlined = !piece.glyphs.is_sorted_by_key(|glyph| glyph.letters.start);
-    surface.draw_glyphs(from, &glyphs, face(piece.style)?, &piece.text, piece.size_pt as f32, outlined);
+    surface.draw_glyphs(
+        from,
+        &glyphs,
+        face(piece.style)?,
+        &piece.text,
+        piece.size_pt as f32,
+        outlined,
+    );
     surface.pop();
     Ok(())
 }
@@ -111,7 +128,8 @@ fn fill(ink: Colour, opacity: f64) -> Fill {
 }
 
 fn stroke(pen: &style::Stroke) -> Stroke {
-    let dash = |array: [f64; 2]| StrokeDash { array: array.map(|pt| pt as f32).to_vec(), offset: 0.0 };
+    let dash =
+        |array: [f64; 2]| StrokeDash { array: array.map(|pt| pt as f32).to_vec(), offset: 0.0 };
     Stroke {
         paint: colour(pen.colour).into(),
         width: pen.width_pt as f32,

@@ -8,7 +8,8 @@ use png::chunk::IDAT;
 use png::{BitDepth, ColorType, Encoder, PixelDimensions, Unit};
 use rustybuzz::ttf_parser::OutlineBuilder;
 use tiny_skia::{
-    Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Shader, StrokeDash, Transform,
+    Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Shader, StrokeDash,
+    Transform,
 };
 
 use crate::error::Error;
@@ -70,8 +71,9 @@ fn paint(pixmap: &mut Pixmap, shape: &Shape, fonts: &Fonts, scale: f32) {
             pixmap.fill_path(&path, &ink, FillRule::Winding, Transform::identity(), None);
         }
         Ink::Stroke(stroke) => {
-            let dash =
-                |[dash, gap]: [f64; 2]| StrokeDash::new(vec![dash as f32 * scale, gap as f32 * scale], 0.0);
+            let dash = |[dash, gap]: [f64; 2]| {
+                StrokeDash::new(vec![dash as f32 * scale, gap as f32 * scale], 0.0)
+            };
             let pen = tiny_skia::Stroke {
                 width: stroke.width_pt as f32 * scale,
                 line_join: LineJoin::Round,
@@ -126,7 +128,11 @@ fn encode(
     let mut encoder = Encoder::new(bytes, pixmap.width(), pixmap.height());
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
-    encoder.set_pixel_dims(Some(PixelDimensions { xppu: per_metre, yppu: per_metre, unit: Unit::Meter }));
+    encoder.set_pixel_dims(Some(PixelDimensions {
+        xppu: per_metre,
+        yppu: per_metre,
+        unit: Unit::Meter,
+    }));
     if let Some(comment) = comment {
         encoder.add_itxt_chunk("Comment".to_owned(), comment.to_owned())?;
     }
@@ -135,8 +141,9 @@ fn encode(
     writer.finish()
 }
 
-/// The image data, some rows at a time: the encoder's own way, row by row, takes longer than the compression. No filters,
-/// which are for photographs. Level 6 takes two and a half times as long for files a tenth smaller.
+/// The image data, some rows at a time: the encoder's own way, row by row, takes longer than the
+/// compression. No filters, which are for photographs. Level 6 takes two and a half times as long
+/// for files a tenth smaller.
 fn compressed(pixmap: &Pixmap) -> std::io::Result<Vec<u8>> {
     const NO_FILTER: u8 = 0;
     const ROWS: usize = 16;

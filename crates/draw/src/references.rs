@@ -16,8 +16,8 @@ pub(crate) struct Word {
     pub(crate) at: At,
 }
 
-/// Places the labels of a panel's reference lines: those of horizontal lines right of the plot, those of vertical
-/// lines over it, beside its heading where there is room.
+/// Places the labels of a panel's reference lines: those of horizontal lines right of the plot,
+/// those of vertical lines over it, beside its heading where there is room.
 pub(crate) fn plan(
     fonts: &Fonts,
     panel: &Panel,
@@ -31,8 +31,8 @@ pub(crate) fn plan(
     Ok(words)
 }
 
-/// Labels of the lines of one direction with their places on the page, in order. Lines outside of the axis have
-/// none.
+/// Labels of the lines of one direction with their places on the page, in order. Lines outside of
+/// the axis have none.
 fn labels(
     fonts: &Fonts,
     panel: &Panel,

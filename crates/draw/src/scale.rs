@@ -11,7 +11,8 @@ pub(crate) type Ends = (f64, f64);
 
 /// Share of the data's extent that `Range::Auto` leaves free on either side.
 const ROOM: f64 = 0.04;
-/// An extent narrower than this share of its place is drawn as if it were this wide: rounding is not data.
+/// An extent narrower than this share of its place is drawn as if it were this wide: rounding is
+/// not data.
 const NARROWEST: f64 = 1e-12;
 /// Values below this are nothing on any axis; ticks would leave the range of f64.
 const SMALLEST: f64 = 1e-270;
@@ -147,7 +148,9 @@ fn along(direction: Direction, along: Option<Ends>, across: Option<Ends>) -> [Op
 
 fn cover<const N: usize>(arrays: [&Vec<f64>; N]) -> Option<Ends> {
     let finite = arrays.into_iter().flatten().copied().filter(|v| v.is_finite());
-    finite.fold(None, |ends: Option<Ends>, v| Some(ends.map_or((v, v), |(a, b)| (a.min(v), b.max(v)))))
+    finite.fold(None, |ends: Option<Ends>, v| {
+        Some(ends.map_or((v, v), |(a, b)| (a.min(v), b.max(v))))
+    })
 }
 
 fn union(a: Option<Ends>, b: Option<Ends>) -> Option<Ends> {
@@ -172,8 +175,9 @@ pub(crate) fn ends(figure: &Figure) -> Result<Vec<[Option<Ends>; 2]>, Error> {
             }
         }
     }
-    let linked =
-        |axis: &Axis, own| axis.link.as_deref().and_then(|key| shared.get(key).copied()).unwrap_or(own);
+    let linked = |axis: &Axis, own| {
+        axis.link.as_deref().and_then(|key| shared.get(key).copied()).unwrap_or(own)
+    };
     Ok(figure
         .panels
         .iter()
@@ -202,15 +206,18 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
             && low.abs().max(high.abs()) < largest
     };
     match ends {
-        Some(ends) if !drawable(ends) => Err(Error::Range { panel: name(panel), low: ends.0, high: ends.1 }),
+        Some(ends) if !drawable(ends) => {
+            Err(Error::Range { panel: name(panel), low: ends.0, high: ends.1 })
+        }
         ends => Ok(ends),
     }
 }
 
-/// Logarithms between which fewer than two whole powers lie reach to the ones around them: with one number alone an
-/// axis says nothing.
+/// Logarithms between which fewer than two whole powers lie reach to the ones around them: with one
+/// number alone an axis says nothing.
 fn two_powers((low, high): Ends) -> Ends {
-    let (inner, outer) = ((libm::ceil(low), libm::floor(high)), (libm::floor(low), libm::ceil(high)));
+    let (inner, outer) =
+        ((libm::ceil(low), libm::floor(high)), (libm::floor(low), libm::ceil(high)));
     if inner.1 > inner.0 { (low, high) } else { outer }
 }
 
@@ -250,7 +257,10 @@ mod tests {
 
     #[test]
     fn a_panel_without_any_value_asks_for_a_note() {
-        assert!(matches!(check(&panel(vec![1.0, f64::NAN], vec![f64::NAN, 1.0])), Err(Error::NoData { .. })));
+        assert!(matches!(
+            check(&panel(vec![1.0, f64::NAN], vec![f64::NAN, 1.0])),
+            Err(Error::NoData { .. })
+        ));
         let axis = || Axis::new("x", "");
         assert!(check(&Panel::with_note(Cell::at(0, 0), axis(), axis(), "not recorded")).is_ok());
     }
@@ -286,7 +296,9 @@ mod tests {
 
     #[test]
     fn a_range_that_is_no_range_is_refused() {
-        for (low, high) in [(1.0, 1.0), (2.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY), (-1e308, 1e308)] {
+        for (low, high) in
+            [(1.0, 1.0), (2.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY), (-1e308, 1e308)]
+        {
             let mut bad = panel(vec![0.0, 1.0], vec![0.0, 1.0]);
             bad.x.range = Range::Fixed(low, high);
             assert!(matches!(

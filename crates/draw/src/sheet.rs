@@ -28,7 +28,12 @@ impl Rect {
         self.bottom - self.top
     }
     pub(crate) fn grown(&self, by: f64) -> Self {
-        Self { left: self.left - by, top: self.top - by, right: self.right + by, bottom: self.bottom + by }
+        Self {
+            left: self.left - by,
+            top: self.top - by,
+            right: self.right + by,
+            bottom: self.bottom + by,
+        }
     }
 }
 
@@ -107,7 +112,8 @@ impl Sheet {
     /// A line of text that starts on the base line at `at`; `turned` reads upwards.
     pub(crate) fn text(&mut self, label: &Label, (x, y): At, colour: Colour, turned: bool) {
         for piece in label.pieces.iter().filter(|piece| !piece.text.trim().is_empty()) {
-            let (dx, dy) = if turned { (piece.y_pt, -piece.x_pt) } else { (piece.x_pt, piece.y_pt) };
+            let (dx, dy) =
+                if turned { (piece.y_pt, -piece.x_pt) } else { (piece.x_pt, piece.y_pt) };
             let form = Form::Words { piece: piece.clone(), start: place((x + dx, y + dy)), turned };
             self.put(form, Ink::Fill(colour, 1.0));
         }
@@ -144,10 +150,16 @@ fn places(points: &[At]) -> Vec<At> {
 
 fn sized(rect: &Rect) -> Rect {
     let (left, top) = place((rect.left, rect.top));
-    Rect { left, top, right: left + hundredth(rect.width()), bottom: top + hundredth(rect.height()) }
+    Rect {
+        left,
+        top,
+        right: left + hundredth(rect.width()),
+        bottom: top + hundredth(rect.height()),
+    }
 }
 
-/// Control points of a quarter circle as a cubic, in radii from its ends: off by 0.03 % of the radius.
+/// Control points of a quarter circle as a cubic, in radii from its ends: off by 0.03 % of the
+/// radius.
 const QUARTER: f64 = 0.552_284_75;
 
 impl Form {
@@ -191,13 +203,17 @@ fn polygon(points: &[At], pen: &mut dyn OutlineBuilder) {
 /// A rectangle with round corners, clockwise from the upper edge's left end.
 fn rounded(&Rect { left, top, right, bottom }: &Rect, r: f64, pen: &mut dyn OutlineBuilder) {
     let corners = [((right, top), (1.0, 0.0)), ((right, bottom), (0.0, 1.0))];
-    let corners = corners.into_iter().chain([((left, bottom), (-1.0, 0.0)), ((left, top), (0.0, -1.0))]);
+    let corners =
+        corners.into_iter().chain([((left, bottom), (-1.0, 0.0)), ((left, top), (0.0, -1.0))]);
     pen.move_to((left + r) as f32, top as f32);
     for ((x, y), (dx, dy)) in corners {
         // the way turns from (dx, dy) to (-dy, dx)
-        let at = |back: f64, on: f64| ((x - back * dx - on * dy) as f32, (y - back * dy + on * dx) as f32);
+        let at = |back: f64, on: f64| {
+            ((x - back * dx - on * dy) as f32, (y - back * dy + on * dx) as f32)
+        };
         let rest = (1.0 - QUARTER) * r;
-        let ((x0, y0), (x1, y1), (x2, y2), (x3, y3)) = (at(r, 0.0), at(rest, 0.0), at(0.0, rest), at(0.0, r));
+        let ((x0, y0), (x1, y1), (x2, y2), (x3, y3)) =
+            (at(r, 0.0), at(rest, 0.0), at(0.0, rest), at(0.0, r));
         pen.line_to(x0, y0);
         pen.curve_to(x1, y1, x2, y2, x3, y3);
     }
@@ -276,8 +292,16 @@ mod tests {
 
     #[test]
     fn a_disc_touches_the_four_sides_of_its_square_and_a_round_corner_its_two() {
-        let expect =
-            [(2.0, 0.0), (2.0, 0.0), (4.0, 2.0), (4.0, 2.0), (2.0, 4.0), (2.0, 4.0), (0.0, 2.0), (0.0, 2.0)];
+        let expect = [
+            (2.0, 0.0),
+            (2.0, 0.0),
+            (4.0, 2.0),
+            (4.0, 2.0),
+            (2.0, 4.0),
+            (2.0, 4.0),
+            (0.0, 2.0),
+            (0.0, 2.0),
+        ];
         assert_eq!(ends(&Form::Disc((2.0, 2.0), 2.0))[..8], expect);
         let rect = Rect { left: 0.0, top: 0.0, right: 10.0, bottom: 6.0 };
         let found = ends(&Form::Box(rect, 1.0));
@@ -298,8 +322,11 @@ mod tests {
     fn turned_letters_read_upwards() {
         let fonts = Fonts::bundled().unwrap();
         let label = fonts.label("l", 10.0).unwrap();
-        let words = |turned| Form::Words { piece: label.pieces[0].clone(), start: (50.0, 50.0), turned };
-        for ((x, y), (turned_x, turned_y)) in ends(&words(false)).into_iter().zip(ends(&words(true))) {
+        let words =
+            |turned| Form::Words { piece: label.pieces[0].clone(), start: (50.0, 50.0), turned };
+        for ((x, y), (turned_x, turned_y)) in
+            ends(&words(false)).into_iter().zip(ends(&words(true)))
+        {
             assert!(x >= 50.0 && y <= 50.0, "to the right of its start and above it: {x}, {y}");
             assert!((turned_x - y).abs() < 1e-5 && (turned_y - (100.0 - x)).abs() < 1e-5);
         }

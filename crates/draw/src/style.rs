@@ -1,8 +1,8 @@
 //! The one style of all figures: colours, pens, sizes.
 //!
-//! Colours are told apart by readers with any common colour blindness: the categorical ones are Paul Tol's
-//! "vibrant" scheme (Tol, *Colour Schemes*, SRON/EPS/TN/09-002, 2021), the diverging ones ColorBrewer's
-//! "PuOr" (Harrower & Brewer 2003, doi:10.1179/000870403235002042).
+//! Colours are told apart by readers with any common colour blindness: the categorical ones are
+//! Paul Tol's "vibrant" scheme (Tol, *Colour Schemes*, SRON/EPS/TN/09-002, 2021), the diverging
+//! ones ColorBrewer's "PuOr" (Harrower & Brewer 2003, doi:10.1179/000870403235002042).
 
 /// An sRGB colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
@@ -23,8 +23,13 @@ impl Colour {
 
     /// The colour on the straight way from `self` (0) to `other` (1).
     pub fn mix(self, other: Self, share: f64) -> Self {
-        let channel = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
-        Self { r: channel(self.r, other.r), g: channel(self.g, other.g), b: channel(self.b, other.b) }
+        let channel =
+            |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
+        Self {
+            r: channel(self.r, other.r),
+            g: channel(self.g, other.g),
+            b: channel(self.b, other.b),
+        }
     }
 }
 
@@ -58,7 +63,8 @@ pub const MOTOR: Colour = MODES[5];
 /// The fingertip's tissue, in figures of forces by part.
 pub const TISSUE: Colour = MODES[2];
 
-/// The colour of the study's `index`-th mode, the same in every figure. After the sixth they start again.
+/// The colour of the study's `index`-th mode, the same in every figure. After the sixth they start
+/// again.
 pub fn mode_colour(index: usize) -> Colour {
     MODES[index % MODES.len()]
 }
@@ -74,12 +80,14 @@ const ENVIRONMENTS: [Colour; 7] = [
     Colour::hex(0xaa_44_99), // purple
 ];
 
-/// The colour of the study's `index`-th environment, where curves of one mode differ by environment.
+/// The colour of the study's `index`-th environment, where curves of one mode differ by
+/// environment.
 pub fn environment_colour(index: usize) -> Colour {
     ENVIRONMENTS[index % ENVIRONMENTS.len()]
 }
 
-/// The colour of the `index`-th of `count` repeats of one mode: from a dark to a light shade of the mode's own.
+/// The colour of the `index`-th of `count` repeats of one mode: from a dark to a light shade of the
+/// mode's own.
 pub fn repeat_colour(mode: Colour, index: usize, count: usize) -> Colour {
     /// How far the outermost shades are mixed with black and with white.
     const REACH: f64 = 0.5;
@@ -88,8 +96,8 @@ pub fn repeat_colour(mode: Colour, index: usize, count: usize) -> Colour {
     mode.mix(end, REACH * place.abs())
 }
 
-/// Colour of answer `index` of `count`, from the most negative (orange-brown) over a light grey to the most
-/// positive (violet).
+/// Colour of answer `index` of `count`, from the most negative (orange-brown) over a light grey to
+/// the most positive (violet).
 pub fn likert_colour(index: usize, count: usize) -> Colour {
     const NEUTRAL: Colour = Colour::hex(0xe6_e6_e6);
     const NEGATIVE: [Colour; 3] = [NEUTRAL, Colour::hex(0xfd_b8_63), Colour::hex(0xe6_61_01)];

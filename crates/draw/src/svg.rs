@@ -1,7 +1,7 @@
 //! Writes a sheet as SVG, words as outlines.
 //!
-//! Shapes of one style stand in one group, and each glyph's outline is written once, so that files stay small and can
-//! be edited by hand.
+//! Shapes of one style stand in one group, and each glyph's outline is written once, so that files
+//! stay small and can be edited by hand.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -106,7 +106,8 @@ impl Body<'_> {
                 path.0
             });
             if !outline.is_empty() {
-                let _ = write!(self.text, "<use xlink:href=\"#{}\"", glyph_name(piece.style, glyph.id));
+                let _ =
+                    write!(self.text, "<use xlink:href=\"#{}\"", glyph_name(piece.style, glyph.id));
                 attribute(&mut self.text, "x", glyph.x);
                 attribute(&mut self.text, "y", glyph.y);
                 self.text.push_str("/>");
@@ -117,7 +118,8 @@ impl Body<'_> {
 
     fn defs(&self) -> String {
         let mut defs = String::from("<defs>\n");
-        for ((style, id), outline) in self.glyphs.iter().filter(|(_, outline)| !outline.is_empty()) {
+        for ((style, id), outline) in self.glyphs.iter().filter(|(_, outline)| !outline.is_empty())
+        {
             let _ = writeln!(defs, "<path id=\"{}\" d=\"{outline}\"/>", glyph_name(*style, *id));
         }
         defs + "</defs>\n"
@@ -199,7 +201,8 @@ fn hex(Colour { r, g, b }: Colour) -> String {
 }
 
 fn rect_attributes(rect: &Rect) -> String {
-    let (x, y, w, h) = (number(rect.left), number(rect.top), number(rect.width()), number(rect.height()));
+    let (x, y, w, h) =
+        (number(rect.left), number(rect.top), number(rect.width()), number(rect.height()));
     format!("x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"")
 }
 
@@ -240,7 +243,8 @@ fn decimal(hundredths: i64) -> String {
     text
 }
 
-/// Digit by digit: curves have ten thousands of numbers, and formatting them is most of writing a figure.
+/// Digit by digit: curves have ten thousands of numbers, and formatting them is most of writing a
+/// figure.
 fn push_decimal(text: &mut String, hundredths: i64) {
     let size = hundredths.unsigned_abs();
     let (whole, rest) = (size / 100, (size % 100) as u8);

@@ -17,7 +17,8 @@ static GALLERY: LazyLock<BTreeMap<&str, Drawing>> = LazyLock::new(|| {
 /// Figures with as little room as they can do with.
 fn crowded() -> Vec<(&'static str, Figure)> {
     let row = |i: u32| vec![1, i % 7, 90 - i % 7, 0, 1 + i % 3, 2, 1];
-    let items = (0..24).map(|i| format!("{i}. I felt that the virtual shoes moved as my own would"));
+    let items =
+        (0..24).map(|i| format!("{i}. I felt that the virtual shoes moved as my own would"));
     let survey = Likert {
         answers: (1..=7).map(|i| format!("answer {i}")).collect(),
         rows: (0..24).map(row).collect(),
@@ -25,13 +26,16 @@ fn crowded() -> Vec<(&'static str, Figure)> {
     };
     let mut share = Axis::new("answers", "%");
     share.ticks = Ticks::Magnitudes;
-    let survey = Panel::new(Cell::at(0, 0), share, Axis::categories(items), vec![Layer::Likert(survey)]);
+    let survey =
+        Panel::new(Cell::at(0, 0), share, Axis::categories(items), vec![Layer::Likert(survey)]);
     let names = ["administration", "configuration", "closed loop", "none"];
     let whiskers = |direction| {
         let at: Vec<f64> = (0..4).map(f64::from).collect();
         let estimate = vec![-12_345.6, 99_000.0, 1e5, f64::NAN];
-        let (low, high) =
-            (estimate.iter().map(|v| v - 2e4).collect(), estimate.iter().map(|v| v + 1e4).collect());
+        let (low, high) = (
+            estimate.iter().map(|v| v - 2e4).collect(),
+            estimate.iter().map(|v| v + 1e4).collect(),
+        );
         let (colour, marker) = (style::mode_colour(3), style::Marker::Diamond);
         Layer::Intervals(Intervals {
             direction,
@@ -70,8 +74,12 @@ fn crowded() -> Vec<(&'static str, Figure)> {
         Panel::new(Cell::at(0, 1), value(), Axis::categories(names), across)
             .titled("**b**  a heading of two lines"),
     ];
-    let narrow =
-        Figure { width_mm: ONE_COLUMN_MM, mark: Some("SYNTHETIC".into()), panels, ..Figure::default() };
+    let narrow = Figure {
+        width_mm: ONE_COLUMN_MM,
+        mark: Some("SYNTHETIC".into()),
+        panels,
+        ..Figure::default()
+    };
     vec![("survey", Figure { panels: vec![survey], ..Figure::default() }), ("narrow", narrow)]
 }
 
@@ -154,7 +162,10 @@ fn the_image_is_the_svg_as_another_renderer_draws_it() {
         let off: Vec<u8> = ours.iter().zip(theirs).map(|(a, b)| a.abs_diff(*b)).collect();
         let far = off.iter().filter(|off| **off > 64).count() as f64 / off.len() as f64;
         let mean = off.iter().map(|off| f64::from(*off)).sum::<f64>() / off.len() as f64;
-        assert!(far < 1e-3 && mean < 0.2, "{name}: {far} of the pixels are far off, {mean} on average");
+        assert!(
+            far < 1e-3 && mean < 0.2,
+            "{name}: {far} of the pixels are far off, {mean} on average"
+        );
     }
 }
 
@@ -186,7 +197,12 @@ fn a_legend_lies_on_no_plot_and_on_no_stamp() {
 fn a_legend_under_a_heading_is_as_wide_as_the_page() {
     let names = ["external force", "finger tissue", "brake"].map(str::to_owned);
     let line = |name: &String| {
-        Layer::Line(Line { x: vec![0.0], y: vec![0.0], name: Some(name.clone()), ..Line::default() })
+        Layer::Line(Line {
+            x: vec![0.0],
+            y: vec![0.0],
+            name: Some(name.clone()),
+            ..Line::default()
+        })
     };
     let panel = Panel::new(
         Cell::at(0, 0),
@@ -220,7 +236,10 @@ fn the_same_figure_gives_the_same_bytes() {
 fn the_svg_needs_nothing_from_outside() {
     for (name, drawing) in GALLERY.iter() {
         let svg = drawing.svg().unwrap();
-        assert!(!svg.contains("<text") && !svg.contains("font-family"), "{name}: words must be outlines");
+        assert!(
+            !svg.contains("<text") && !svg.contains("font-family"),
+            "{name}: words must be outlines"
+        );
         let links = svg.matches("href=\"").count();
         assert_eq!(links, svg.matches("href=\"#").count(), "{name}: links must stay inside");
     }
@@ -235,7 +254,10 @@ fn the_files_carry_title_description_provenance_and_mark() {
     let png = drawing.png(100.0).unwrap();
     assert!(png.windows(14).any(|bytes| bytes == b"zwidth gallery"));
     let pdf = drawing.pdf().unwrap();
-    assert!(pdf.starts_with(b"%PDF-") && pdf.windows(9).any(|bytes| bytes == b"FontFile2"), "font embedded");
+    assert!(
+        pdf.starts_with(b"%PDF-") && pdf.windows(9).any(|bytes| bytes == b"FontFile2"),
+        "font embedded"
+    );
 }
 
 #[test]
@@ -245,7 +267,11 @@ fn a_word_of_the_provenance_is_found_in_the_bytes_of_every_format_whatever_stand
         let (_, figure) = gallery::figures().remove(0);
         let provenance = Some(format!("{beside} zwidth:figures:3:0f"));
         let drawing = draw(&Figure { provenance, ..figure }).unwrap();
-        let files = [drawing.svg().unwrap().into_bytes(), drawing.pdf().unwrap(), drawing.png(50.0).unwrap()];
+        let files = [
+            drawing.svg().unwrap().into_bytes(),
+            drawing.pdf().unwrap(),
+            drawing.png(50.0).unwrap(),
+        ];
         for (format, bytes) in ["SVG", "PDF", "PNG"].iter().zip(files) {
             assert!(bytes.windows(word.len()).any(|w| w == word), "{format} beside '{beside}'");
         }
@@ -257,14 +283,18 @@ fn marks_above_and_below_one_letter_can_be_drawn_in_every_format() {
     let (_, figure) = gallery::figures().remove(0);
     for title in ["c\u{30c}\u{323}", "mode x\u{301}\u{323}", "\u{10d}\u{323}"] {
         let drawing = draw(&Figure { title: Some(title.to_owned()), ..figure.clone() }).unwrap();
-        assert!(drawing.svg().is_ok() && drawing.pdf().is_ok() && drawing.png(50.0).is_ok(), "{title}");
+        assert!(
+            drawing.svg().is_ok() && drawing.pdf().is_ok() && drawing.png(50.0).is_ok(),
+            "{title}"
+        );
     }
 }
 
 #[test]
 fn an_image_has_the_size_on_paper_that_its_figure_asks_for() {
     let drawing = &GALLERY["characteristic"];
-    let image = ::png::Decoder::new(std::io::Cursor::new(drawing.png(200.0).unwrap())).read_info().unwrap();
+    let image =
+        ::png::Decoder::new(std::io::Cursor::new(drawing.png(200.0).unwrap())).read_info().unwrap();
     let info = image.info();
     assert_eq!(info.width, (ONE_COLUMN_MM / 25.4 * 200.0).round() as u32);
     assert_eq!(info.pixel_dims.unwrap().xppu, 7874);
@@ -294,7 +324,19 @@ fn a_long_recording_makes_a_small_file() {
 
 /// Numbers that have broken plots before, among ordinary ones.
 fn number() -> impl Strategy<Value = f64> {
-    let odd = [0.0, -0.0, 1.0, 1e-321, 1e-9, 1e300, -1e308, f64::MAX, f64::NAN, f64::INFINITY, 1e6 + 1e-9];
+    let odd = [
+        0.0,
+        -0.0,
+        1.0,
+        1e-321,
+        1e-9,
+        1e300,
+        -1e308,
+        f64::MAX,
+        f64::NAN,
+        f64::INFINITY,
+        1e6 + 1e-9,
+    ];
     prop_oneof![-10.0..10.0, proptest::sample::select(odd.to_vec())]
 }
 
@@ -304,51 +346,55 @@ fn any_axis() -> impl Strategy<Value = Axis> {
         Just(Range::Tight),
         (number(), number()).prop_map(|(low, high)| Range::Fixed(low, high))
     ];
-    (range, any::<bool>(), "[a-zθ*_^{}\\\\ ]{0,12}", 0..3).prop_map(|(range, linked, label, kind)| {
-        let axis = match kind {
-            0 => Axis::categories(["a", "b c"]),
-            1 => Axis { ticks: Ticks::Powers, ..Axis::new(label, "N") },
-            _ => Axis::new(label, "N"),
-        };
-        let axis = axis.ranged(range);
-        if linked { axis.linked("shared") } else { axis }
-    })
+    (range, any::<bool>(), "[a-zθ*_^{}\\\\ ]{0,12}", 0..3).prop_map(
+        |(range, linked, label, kind)| {
+            let axis = match kind {
+                0 => Axis::categories(["a", "b c"]),
+                1 => Axis { ticks: Ticks::Powers, ..Axis::new(label, "N") },
+                _ => Axis::new(label, "N"),
+            };
+            let axis = axis.ranged(range);
+            if linked { axis.linked("shared") } else { axis }
+        },
+    )
 }
 
 fn any_layer() -> impl Strategy<Value = Layer> {
     let numbers = || proptest::collection::vec(number(), 4);
-    (0..6, numbers(), numbers(), numbers(), number()).prop_map(|(kind, x, low, high, at)| match kind {
-        0 => Layer::Line(Line {
-            x,
-            y: low,
-            dotted: high.iter().map(|v| *v > 0.0).collect(),
-            ..Line::default()
-        }),
-        1 => Layer::Band(Band { x, low, high, ..Band::default() }),
-        2 => Layer::Points(Points { x, y: low, ..Points::default() }),
-        3 => Layer::Intervals(Intervals {
-            direction: Direction::Vertical,
-            estimate: low.clone(),
-            at: x,
-            low,
-            high,
-            colour: style::INK,
-            marker: style::Marker::Diamond,
-            name: Some("interval".into()),
-        }),
-        4 => Layer::Likert(Likert {
-            answers: ["no", "", "yes"].map(String::from).to_vec(),
-            rows: [x, low].map(|row| row[..3].iter().map(|v| *v as u32).collect()).to_vec(),
-            scale: LikertScale::Counts,
-        }),
-        _ => Layer::Reference(Reference {
-            direction: Direction::Horizontal,
-            label: Some("here".into()),
-            stroke: style::reference(),
-            name: None,
-            at,
-        }),
-    })
+    (0..6, numbers(), numbers(), numbers(), number()).prop_map(
+        |(kind, x, low, high, at)| match kind {
+            0 => Layer::Line(Line {
+                x,
+                y: low,
+                dotted: high.iter().map(|v| *v > 0.0).collect(),
+                ..Line::default()
+            }),
+            1 => Layer::Band(Band { x, low, high, ..Band::default() }),
+            2 => Layer::Points(Points { x, y: low, ..Points::default() }),
+            3 => Layer::Intervals(Intervals {
+                direction: Direction::Vertical,
+                estimate: low.clone(),
+                at: x,
+                low,
+                high,
+                colour: style::INK,
+                marker: style::Marker::Diamond,
+                name: Some("interval".into()),
+            }),
+            4 => Layer::Likert(Likert {
+                answers: ["no", "", "yes"].map(String::from).to_vec(),
+                rows: [x, low].map(|row| row[..3].iter().map(|v| *v as u32).collect()).to_vec(),
+                scale: LikertScale::Counts,
+            }),
+            _ => Layer::Reference(Reference {
+                direction: Direction::Horizontal,
+                label: Some("here".into()),
+                stroke: style::reference(),
+                name: None,
+                at,
+            }),
+        },
+    )
 }
 
 proptest! {

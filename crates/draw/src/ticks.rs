@@ -50,9 +50,14 @@ fn multiple(step: Step, count: i64) -> f64 {
 /// More ticks than this crowd any axis.
 const MOST_TICKS: f64 = 12.0;
 
-/// The densest ticks from `low` to `high` (`low < high`, both finite) that `fits` accepts. All kinds but plain numbers
-/// keep to whole numbers.
-pub(crate) fn choose(low: f64, high: f64, kind: &figure::Ticks, fits: impl Fn(&Ticks) -> bool) -> Ticks {
+/// The densest ticks from `low` to `high` (`low < high`, both finite) that `fits` accepts. All
+/// kinds but plain numbers keep to whole numbers.
+pub(crate) fn choose(
+    low: f64,
+    high: f64,
+    kind: &figure::Ticks,
+    fits: impl Fn(&Ticks) -> bool,
+) -> Ticks {
     let power = libm::floor(libm::log10((high - low) / MOST_TICKS)) as i32;
     let whole = *kind != figure::Ticks::Numbers;
     let mut step = Step { digit: 1, power: if whole { power.max(0) } else { power } };
@@ -73,7 +78,8 @@ pub(crate) fn choose(low: f64, high: f64, kind: &figure::Ticks, fits: impl Fn(&T
 }
 
 fn every(step: Step, low: f64, high: f64, kind: &figure::Ticks) -> Ticks {
-    /// Share of a step by which an axis may miss its last tick and still have it: rounding of the ends.
+    /// Share of a step by which an axis may miss its last tick and still have it: rounding of the
+    /// ends.
     const SLACK: f64 = 1e-9;
     let first = libm::ceil(low / step.size() - SLACK) as i64;
     let last = libm::floor(high / step.size() + SLACK) as i64;
@@ -82,12 +88,16 @@ fn every(step: Step, low: f64, high: f64, kind: &figure::Ticks) -> Ticks {
     let tick = |count: i64| {
         let shown = if *kind == figure::Ticks::Magnitudes { count.abs() } else { count };
         let number = write(shown * step.digit, step.power - exponent);
-        Tick { at: multiple(step, count), label: if powers { format!("10^{{{number}}}") } else { number } }
+        Tick {
+            at: multiple(step, count),
+            label: if powers { format!("10^{{{number}}}") } else { number },
+        }
     };
     Ticks { ticks: (first..=last).map(tick).collect(), exponent }
 }
 
-/// Places of the two- to ninefold of every power of ten between 10^`low` and 10^`high`, as logarithms.
+/// Places of the two- to ninefold of every power of ten between 10^`low` and 10^`high`, as
+/// logarithms.
 pub(crate) fn between_powers(low: f64, high: f64) -> impl Iterator<Item = f64> {
     let powers = libm::floor(low) as i64..=libm::floor(high) as i64;
     let places = powers.flat_map(|n| (2..=9).map(move |k| n as f64 + libm::log10(f64::from(k))));
@@ -163,8 +173,11 @@ mod tests {
     #[test]
     fn logarithms_are_written_as_powers_of_ten_and_skip_some_where_there_is_no_room_for_all() {
         let powers = |low, high, most: usize| {
-            let ticks = choose(low, high, &figure::Ticks::Powers, |ticks| ticks.ticks.len() <= most);
-            assert!(ticks.exponent == 0 && ticks.ticks.iter().all(|tick| tick.at == tick.at.round()));
+            let ticks =
+                choose(low, high, &figure::Ticks::Powers, |ticks| ticks.ticks.len() <= most);
+            assert!(
+                ticks.exponent == 0 && ticks.ticks.iter().all(|tick| tick.at == tick.at.round())
+            );
             ticks.ticks.into_iter().map(|tick| tick.label).collect::<Vec<_>>().join(" ")
         };
         assert_eq!(powers(-1.3, 1.0, 9), "10^{−1} 10^{0} 10^{1}");

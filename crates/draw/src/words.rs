@@ -57,8 +57,8 @@ fn emptiest(boxes: [Rect; 4], plan: &PanelPlan<'_>) -> Rect {
     best.1
 }
 
-/// How much of a panel's data lies inside a rectangle of the page: points by number, curves by length in pt. Only for
-/// comparing places.
+/// How much of a panel's data lies inside a rectangle of the page: points by number, curves by
+/// length in pt. Only for comparing places.
 fn covered(plan: &PanelPlan<'_>, rect: &Rect) -> f64 {
     let (Some(x_scale), Some(y_scale)) = (plan.x_scale(), plan.y_scale()) else {
         return 0.0;
@@ -67,10 +67,13 @@ fn covered(plan: &PanelPlan<'_>, rect: &Rect) -> f64 {
         x.iter().zip(y).map(|(&x, &y)| (x_scale.pt(x), y_scale.pt(y))).collect()
     };
     let window = Window { x: (rect.left, rect.right), y: (rect.top, rect.bottom) };
-    let inside = |points: &[Point]| points.iter().filter(|&&point| window.holds(point)).count() as f64;
+    let inside =
+        |points: &[Point]| points.iter().filter(|&&point| window.holds(point)).count() as f64;
     let of_layer = |layer: &Layer| match layer {
         Layer::Line(line) => length(&page(&line.x, &line.y), &window),
-        Layer::Band(b) => length(&page(&b.x, &b.low), &window) + length(&page(&b.x, &b.high), &window),
+        Layer::Band(b) => {
+            length(&page(&b.x, &b.low), &window) + length(&page(&b.x, &b.high), &window)
+        }
         Layer::Points(points) => inside(&page(&points.x, &points.y)),
         _ => 0.0,
     };

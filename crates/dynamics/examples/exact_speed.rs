@@ -1,4 +1,5 @@
-//! Nanoseconds a sample of the exact solver, in steady state: `cargo run --release --example exact_speed`.
+//! Nanoseconds a sample of the exact solver, in steady state: `cargo run --release --example
+//! exact_speed`.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 use std::time::Instant;
@@ -49,8 +50,10 @@ fn peer(tolerance: f64) {
         std::hint::black_box(solver.run(&system, &grid).unwrap());
         best = best.min(start.elapsed().as_secs_f64());
     }
-    let (run, exact) = (solver.run(&system, &grid).unwrap(), Exact::default().run(&system, &grid).unwrap());
-    let error = run.theta_rad().zip(exact.theta_rad()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let (run, exact) =
+        (solver.run(&system, &grid).unwrap(), Exact::default().run(&system, &grid).unwrap());
+    let error =
+        run.theta_rad().zip(exact.theta_rad()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     println!(
         "dormand_prince at {tolerance:e}: {:.1} us a run, {error:.1e} rad, {} steps",
         best * 1e6,
@@ -77,9 +80,16 @@ fn main() {
         for (name, times) in [("even", even), ("uneven", uneven)] {
             let value = times.iter().map(|t| 2.15 + 2.15 * (1.57 * t).sin()).collect();
             let input = Input::Series(Series { t_s: times.clone(), value });
-            let grid =
-                if name == "even" { Grid::Even { step_s: step, steps: n } } else { Grid::Times(times) };
-            measure(&format!("recorded, {name}, {step}"), table3::scene(Mode::Hybrid, input.clone()), &grid);
+            let grid = if name == "even" {
+                Grid::Even { step_s: step, steps: n }
+            } else {
+                Grid::Times(times)
+            };
+            measure(
+                &format!("recorded, {name}, {step}"),
+                table3::scene(Mode::Hybrid, input.clone()),
+                &grid,
+            );
             let finger = table3::with_finger(table3::scene(Mode::Hybrid, input));
             measure(&format!("recorded, {name}, {step}, finger"), finger, &grid);
         }

@@ -1,14 +1,21 @@
-//! Displacement control (thesis Fig. 7): the motion is given, the forces follow from the equations of motion.
+//! Displacement control (thesis Fig. 7): the motion is given, the forces follow from the equations
+//! of motion.
 
 use crate::system::{OMEGA, System, THETA};
 use crate::trajectory::Forces;
 
 impl System {
-    /// Forces for a given motion of the lever: θ (rad), θ̇ (rad/s), θ̈ (rad/s²). The user's force is the one the
-    /// motion needs, M_O L θ̈ less what acts on the lever; there is no finger and nothing lags.
+    /// Forces for a given motion of the lever: θ (rad), θ̇ (rad/s), θ̈ (rad/s²). The user's force is
+    /// the one the motion needs, M_O L θ̈ less what acts on the lever; there is no finger and
+    /// nothing lags.
     ///
     /// The motion decides all: no force feeds back into it, so that nothing can oscillate.
-    pub fn prescribed(&self, theta_rad: f64, theta_dot_rad_s: f64, theta_ddot_rad_s2: f64) -> Forces {
+    pub fn prescribed(
+        &self,
+        theta_rad: f64,
+        theta_dot_rad_s: f64,
+        theta_ddot_rad_s2: f64,
+    ) -> Forces {
         let (mut z, _) = self.start();
         z[THETA] = theta_rad;
         z[OMEGA] = theta_dot_rad_s;

@@ -52,8 +52,9 @@ impl EnergyBalance {
 }
 
 impl Trajectory {
-    /// The balance of a sampled run by the trapezoidal rule, for methods that do not integrate it: what is left
-    /// over is the method's and the sampling's error, and the impacts, which leave no sample.
+    /// The balance of a sampled run by the trapezoidal rule, for methods that do not integrate it:
+    /// what is left over is the method's and the sampling's error, and the impacts, which leave
+    /// no sample.
     pub fn sampled_energy(&self, system: &System) -> EnergyBalance {
         let powers = |i: usize| system.sampled_powers(&self.forces(system, i), self.state(i));
         let mut sums = [0.0; PARTS];
@@ -68,7 +69,16 @@ impl Trajectory {
         let stored = |i: usize| system.stored_j(self.state(i));
         let stored_j = if self.is_empty() { 0.0 } else { stored(self.len() - 1) - stored(0) };
         let impacts_j = 0.0;
-        EnergyBalance { external_j, motor_j, brake_j, friction_j, terms_j, tissue_j, impacts_j, stored_j }
+        EnergyBalance {
+            external_j,
+            motor_j,
+            brake_j,
+            friction_j,
+            terms_j,
+            tissue_j,
+            impacts_j,
+            stored_j,
+        }
     }
 }
 
@@ -76,7 +86,8 @@ impl Trajectory {
 pub(crate) const PARTS: usize = 6;
 
 impl System {
-    /// Force and velocity of each part in a region, in the order of the balance; power is their product.
+    /// Force and velocity of each part in a region, in the order of the balance; power is their
+    /// product.
     pub(crate) fn powers(&self, region: &Region) -> [(Row, Row); PARTS] {
         let side = if region.motion == Motion::Forward { Side::Up } else { Side::Down };
         let forces = self.lever_forces(region, side);
@@ -154,6 +165,9 @@ mod tests {
             (sampled.tissue_j, exact.tissue_j),
             (sampled.stored_j, exact.stored_j),
         ];
-        assert!(pairs.iter().all(|(a, b)| (a - b).abs() < 1e-4 * exact.summed_j()), "{sampled:?} {exact:?}");
+        assert!(
+            pairs.iter().all(|(a, b)| (a - b).abs() < 1e-4 * exact.summed_j()),
+            "{sampled:?} {exact:?}"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! What can go wrong: a parameter that makes no sense, a scene a method cannot run, a run that does not end.
+//! What can go wrong: a parameter that makes no sense, a scene a method cannot run, a run that does
+//! not end.
 
 use thiserror::Error;
 
@@ -34,7 +35,8 @@ pub enum DynamicsError {
         /// The term that is nonlinear.
         term: &'static str,
     },
-    /// The state left the numbers that the equations can go on with: an entry is infinite, or beyond 1e100.
+    /// The state left the numbers that the equations can go on with: an entry is infinite, or
+    /// beyond 1e100.
     #[error("the state is no longer finite at t = {t_s} s; {suspect} is the extreme parameter")]
     NotFinite {
         /// Time at which it was seen, s.
@@ -61,12 +63,14 @@ pub enum DynamicsError {
 /// Shorthand.
 pub(crate) type Result<T> = std::result::Result<T, DynamicsError>;
 
-/// No parameter is larger, in SI units, and none that divides is smaller than its inverse. No device comes near it;
-/// within it every product of the equations stays below the largest number, 1.8e308.
+/// No parameter is larger, in SI units, and none that divides is smaller than its inverse. No
+/// device comes near it; within it every product of the equations stays below the largest number,
+/// 1.8e308.
 pub(crate) const LARGEST: f64 = 1e30;
 
-/// No angle, velocity or force of a state is larger, in SI units: the stiffest spring times it, over the lightest mass
-/// and the shortest lever, times the heaviest finger is still a number (1e30 · 1e100 / 1e-60 · 1e60 = 1e250).
+/// No angle, velocity or force of a state is larger, in SI units: the stiffest spring times it,
+/// over the lightest mass and the shortest lever, times the heaviest finger is still a number (1e30
+/// · 1e100 / 1e-60 · 1e60 = 1e250).
 const LARGEST_STATE: f64 = 1e100;
 
 /// Whether every entry of a state is a number that the equations can go on with.
@@ -92,5 +96,9 @@ pub(crate) fn finite(name: &str, value: f64) -> Result<()> {
 
 /// An error that names the parameter unless `ok`.
 pub(crate) fn check(name: &str, value: f64, ok: bool, allowed: &'static str) -> Result<()> {
-    if ok { Ok(()) } else { Err(DynamicsError::Parameter { name: name.to_owned(), value, allowed }) }
+    if ok {
+        Ok(())
+    } else {
+        Err(DynamicsError::Parameter { name: name.to_owned(), value, allowed })
+    }
 }

@@ -10,10 +10,11 @@ use crate::trajectory::Trajectory;
 
 /// Runs every scene over its own grid and maps the run to a summary, on all cores of rayon's pool.
 ///
-/// Scenes are taken as they are needed and each trajectory is dropped once it is summed up, so that with a source
-/// that makes scenes on the fly and a reduction at the end (`max`, `count`, …) memory does not depend on the number
-/// of trials. The results keep the scenes' order and are the same bits for any number of threads; a trial that
-/// cannot be run is an error in its place and does not end the others.
+/// Scenes are taken as they are needed and each trajectory is dropped once it is summed up, so that
+/// with a source that makes scenes on the fly and a reduction at the end (`max`, `count`, …) memory
+/// does not depend on the number of trials. The results keep the scenes' order and are the same
+/// bits for any number of threads; a trial that cannot be run is an error in its place and does not
+/// end the others.
 ///
 /// ```
 /// use rayon::prelude::*;
@@ -60,7 +61,8 @@ mod tests {
     }
 
     #[test]
-    fn one_thread_and_many_give_the_same_bits_in_the_same_order_and_a_bad_trial_is_reported_in_its_place() {
+    fn one_thread_and_many_give_the_same_bits_in_the_same_order_and_a_bad_trial_is_reported_in_its_place()
+     {
         let one = ends(1);
         assert_eq!(one, ends(4));
         assert!(one.iter().enumerate().all(|(i, end)| end.is_err() == (i % 10 == 0)));

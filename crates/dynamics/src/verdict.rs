@@ -1,8 +1,10 @@
-//! What a run is worth: smooth, chattering of the method, a cycle of the device, or a step that is too long.
+//! What a run is worth: smooth, chattering of the method, a cycle of the device, or a step that is
+//! too long.
 //!
-//! Switching on the sign of θ̇ chatters where the exact motion sticks; the amplitude falls with the step and the
-//! count grows. A cycle of the device keeps both. A step outside the method's stability region is
-//! found from the regions that were visited, also where saturation or a stop keeps the run bounded.
+//! Switching on the sign of θ̇ chatters where the exact motion sticks; the amplitude falls with the
+//! step and the count grows. A cycle of the device keeps both. A step outside the method's
+//! stability region is found from the regions that were visited, also where saturation or a stop
+//! keeps the run bounded.
 
 use std::cmp::Ordering;
 
@@ -47,8 +49,8 @@ pub struct Judgement {
     pub verdict: Verdict,
     /// Fast swings with the step, half of it, and a quarter.
     pub swings: [Swings; 3],
-    /// Largest growth of a step over the visited regions, per step, over the exact flow's own growth; above 1
-    /// the step is unstable. 1 for methods without a limit.
+    /// Largest growth of a step over the visited regions, per step, over the exact flow's own
+    /// growth; above 1 the step is unstable. 1 for methods without a limit.
     pub amplification: f64,
     /// What went wrong, if the run failed.
     pub error: Option<DynamicsError>,
@@ -65,12 +67,18 @@ pub fn judge(solver: &dyn Solver, system: &System, step_s: f64) -> Judgement {
         [Ok(a), Ok(b), Ok(c)] => {
             let amplification = amplification(solver, system, &a, step_s);
             let swings = [fast_swings(&a), fast_swings(&b), fast_swings(&c)];
-            let verdict = if amplification > STABLE { Verdict::UnstableStep } else { compare(&swings) };
+            let verdict =
+                if amplification > STABLE { Verdict::UnstableStep } else { compare(&swings) };
             Judgement { verdict, swings, amplification, error: None }
         }
         runs => {
             let error = runs.into_iter().find_map(Result::err);
-            Judgement { verdict: Verdict::Failed, swings: Default::default(), amplification: 1.0, error }
+            Judgement {
+                verdict: Verdict::Failed,
+                swings: Default::default(),
+                amplification: 1.0,
+                error,
+            }
         }
     }
 }
@@ -79,7 +87,8 @@ pub fn judge(solver: &dyn Solver, system: &System, step_s: f64) -> Judgement {
 fn compare(swings: &[Swings; 3]) -> Verdict {
     /// Fewer fast swings are an impact or a transient.
     const FEW: usize = 6;
-    /// Chattering falls with the step, to a quarter here; a cycle that keeps half of its amplitude is real.
+    /// Chattering falls with the step, to a quarter here; a cycle that keeps half of its amplitude
+    /// is real.
     const KEPT: f64 = 0.5;
     let (coarse, fine) = (swings[0], swings[2]);
     if coarse.count < FEW && fine.count < FEW {
@@ -111,7 +120,8 @@ fn event_turns(run: &Trajectory) -> Vec<(f64, f64)> {
     turns.map(|event| (event.t_s, event.theta_rad)).collect()
 }
 
-/// Time and angle of the samples at which a motion has ended: the velocity changed its sign or became zero.
+/// Time and angle of the samples at which a motion has ended: the velocity changed its sign or
+/// became zero.
 fn sampled_turns(run: &Trajectory) -> Vec<(f64, f64)> {
     let mut last = Some(Ordering::Equal);
     let mut turns = Vec::new();
@@ -131,7 +141,8 @@ fn amplification(solver: &dyn Solver, system: &System, run: &Trajectory, h: f64)
     moving.filter_map(|region| growth(solver, &system.linear_part(region), h)).fold(1.0, f64::max)
 }
 
-/// ρ(method) / max(1, ρ(exact)) for one step of a linear system; `None` for methods without a limit.
+/// ρ(method) / max(1, ρ(exact)) for one step of a linear system; `None` for methods without a
+/// limit.
 pub(crate) fn growth(solver: &dyn Solver, a: &LinearPart, h: f64) -> Option<f64> {
     let method = spectral_radius(&solver.amplification(a, h)?);
     let exact = spectral_radius(&Ladder::new(a.a, h).flow(h));
@@ -151,7 +162,9 @@ impl System {
     pub(crate) fn linear_part(&self, region: &Region) -> LinearPart {
         let flow = self.flow(region);
         let dynamic = self.layout.dynamic;
-        let a = Matrix::from_fn(|i, j| if i < dynamic && j < dynamic { flow.rows[i].0[j] } else { 0.0 });
+        let a = Matrix::from_fn(
+            |i, j| if i < dynamic && j < dynamic { flow.rows[i].0[j] } else { 0.0 },
+        );
         let positions = [Some(THETA), self.layout.finger];
         let velocities = std::array::from_fn(|i| i < dynamic && !positions.contains(&Some(i)));
         LinearPart { a, velocities }
@@ -188,7 +201,12 @@ mod tests {
     fn methods_that_switch_on_the_sign_chatter_where_the_lever_sticks_and_the_others_do_not() {
         for h in [8.3e-3, 0.83e-3, 0.2e-3] {
             check(&stage(), sticking(), h, Verdict::NumericalChattering);
-            check(&Rk4 { switching: Switching::PerStep }, sticking(), h, Verdict::NumericalChattering);
+            check(
+                &Rk4 { switching: Switching::PerStep },
+                sticking(),
+                h,
+                Verdict::NumericalChattering,
+            );
             check(&SymplecticEuler, sticking(), h, Verdict::NumericalChattering);
             check(&MoreauJean::default(), sticking(), h, Verdict::Smooth);
             check(&Exact::default(), sticking(), h, Verdict::Smooth);

@@ -5,15 +5,15 @@
 pub struct Activity {
     /// First sample with |v| above the upper threshold.
     pub onset: usize,
-    /// First sample with |v| below the lower threshold after the last one above the upper; `None` where the
-    /// series ends while the signal is still active.
+    /// First sample with |v| below the lower threshold after the last one above the upper; `None`
+    /// where the series ends while the signal is still active.
     pub end: Option<usize>,
 }
 
-/// The activity of `v`: it switches on where |v| > `on`, off where |v| < `off`, and lasts from the first
-/// switching on to the last switching off, so that a pause in between (a reversal, with `v` a velocity)
-/// belongs to it. Noise between the thresholds neither begins nor prolongs it. `None` if |v| never exceeds `on`.
-/// Unit of `on` and `off` as `v`; `off` is at most `on`.
+/// The activity of `v`: it switches on where |v| > `on`, off where |v| < `off`, and lasts from the
+/// first switching on to the last switching off, so that a pause in between (a reversal, with `v` a
+/// velocity) belongs to it. Noise between the thresholds neither begins nor prolongs it. `None` if
+/// |v| never exceeds `on`. Unit of `on` and `off` as `v`; `off` is at most `on`.
 pub fn activity(v: &[f64], on: f64, off: f64) -> Option<Activity> {
     let onset = v.iter().position(|v| v.abs() > on)?;
     let last = v.iter().rposition(|v| v.abs() > on)?;
@@ -26,7 +26,11 @@ mod tests {
     use super::*;
 
     fn check(v: &[f64], expect: Option<(usize, Option<usize>)>) {
-        assert_eq!(activity(v, 0.5, 0.2), expect.map(|(onset, end)| Activity { onset, end }), "{v:?}");
+        assert_eq!(
+            activity(v, 0.5, 0.2),
+            expect.map(|(onset, end)| Activity { onset, end }),
+            "{v:?}"
+        );
     }
 
     #[test]

@@ -1,11 +1,13 @@
-//! Cubics through neighbouring samples: a smooth signal between samples that are far apart, and its integral.
+//! Cubics through neighbouring samples: a smooth signal between samples that are far apart, and its
+//! integral.
 
 /// Fewest samples a cubic takes.
 pub const SAMPLES: usize = 4;
 
-/// Value at `at` of the cubic through the four samples (tᵢ, yᵢ) around it, by Lagrange's formula; at the ends through the
-/// outermost four, beyond which it is an extrapolation. Its error is at most 3/128 h⁴ |y''''| between even samples h apart.
-/// `None` for fewer than four samples. `t` is strictly increasing and as long as `y`.
+/// Value at `at` of the cubic through the four samples (tᵢ, yᵢ) around it, by Lagrange's formula;
+/// at the ends through the outermost four, beyond which it is an extrapolation. Its error is at
+/// most 3/128 h⁴ |y''''| between even samples h apart. `None` for fewer than four samples. `t` is
+/// strictly increasing and as long as `y`.
 pub fn value(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let last = t.len().min(y.len()).checked_sub(SAMPLES)?;
     let first = t.partition_point(|t| *t < at).saturating_sub(2).min(last);
@@ -17,9 +19,10 @@ pub fn value(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
     Some((0..SAMPLES).map(|i| weight(i) * y[i]).sum())
 }
 
-/// ∫ y dt over each interval between samples: the trapezoid less h³/12 times the mean of the second derivatives at its two
-/// ends, which are divided differences. Fourth order; one value fewer than samples. At the outermost samples the second
-/// derivative counts as 0. `t` is strictly increasing and as long as `y`.
+/// ∫ y dt over each interval between samples: the trapezoid less h³/12 times the mean of the second
+/// derivatives at its two ends, which are divided differences. Fourth order; one value fewer than
+/// samples. At the outermost samples the second derivative counts as 0. `t` is strictly increasing
+/// and as long as `y`.
 pub fn integrals(t: &[f64], y: &[f64]) -> Vec<f64> {
     let slope = |i: usize| (y[i + 1] - y[i]) / (t[i + 1] - t[i]);
     let bend = |i: usize| {

@@ -38,7 +38,9 @@ pub enum NumericsError {
         column: usize,
     },
     /// A minimisation whose starting point has no finite cost.
-    #[error("the sum of squares at the starting point is {value}: choose a start where the model is finite")]
+    #[error(
+        "the sum of squares at the starting point is {value}: choose a start where the model is finite"
+    )]
     BadStart {
         /// Sum of squares found there.
         value: f64,
@@ -46,7 +48,11 @@ pub enum NumericsError {
 }
 
 /// Checks that `found` equals `expected`, naming the input `what` otherwise.
-pub(crate) fn same_length(what: &'static str, expected: usize, found: usize) -> Result<(), NumericsError> {
+pub(crate) fn same_length(
+    what: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), NumericsError> {
     if expected == found {
         return Ok(());
     }

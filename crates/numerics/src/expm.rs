@@ -20,13 +20,14 @@ pub const ORDER: usize = 9;
 /// The lowest rung spans `RADIUS / growth(A)`: 1/32, so that `ORDER` powers are exact to rounding.
 const RADIUS: f64 = 0.031_25;
 
-/// Powers kept of an envelope's series, and what covers the others: with `RADIUS` they are below 1e-7 of the
-/// sum where it is not tiny, and the curvature an envelope bounds is passed by a factor of two anyway.
+/// Powers kept of an envelope's series, and what covers the others: with `RADIUS` they are below
+/// 1e-7 of the sum where it is not tiny, and the curvature an envelope bounds is passed by a factor
+/// of two anyway.
 const BOUND_ORDER: usize = 4;
 const BOUND_MARGIN: f64 = 1.0 + 1e-6;
 
-/// From this many radians (or time constants) on, a flow is computed in twice the precision: the doublings would
-/// else magnify its rounding beyond 1e-14 of the largest signal.
+/// From this many radians (or time constants) on, a flow is computed in twice the precision: the
+/// doublings would else magnify its rounding beyond 1e-14 of the largest signal.
 const PRECISE_FROM: f64 = 16.0;
 
 /// More rungs than this are never needed: 2^200 shortest spans exceed any span of interest.
@@ -71,8 +72,8 @@ impl<const N: usize> Matrix<N> {
         out
     }
 
-    /// `A v` for a vector that ends in 1 and a matrix whose last row is zero but for its last entry: the form
-    /// an affine map has in augmented coordinates, and a third cheaper.
+    /// `A v` for a vector that ends in 1 and a matrix whose last row is zero but for its last
+    /// entry: the form an affine map has in augmented coordinates, and a third cheaper.
     #[inline]
     pub fn apply_affine(&self, v: &[f64; N]) -> [f64; N] {
         let mut out = self.columns[N - 1];
@@ -113,7 +114,8 @@ impl<const N: usize> Matrix<N> {
 
     /// The inverse by Gauss–Jordan elimination with row pivoting; `None` if the matrix is singular.
     pub fn inverse(&self) -> Option<Self> {
-        let mut rows: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| self.at(i, j)));
+        let mut rows: [[f64; N]; N] =
+            std::array::from_fn(|i| std::array::from_fn(|j| self.at(i, j)));
         let mut inverse: [[f64; N]; N] =
             std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
         for k in 0..N {
@@ -147,7 +149,10 @@ impl<const N: usize> Matrix<N> {
 
     /// Largest absolute entry; NaN if any entry is.
     pub fn largest(&self) -> f64 {
-        self.columns.iter().flatten().fold(0.0, |m: f64, x| if x.is_nan() { *x } else { m.max(x.abs()) })
+        self.columns
+            .iter()
+            .flatten()
+            .fold(0.0, |m: f64, x| if x.is_nan() { *x } else { m.max(x.abs()) })
     }
 }
 
@@ -194,8 +199,18 @@ pub fn growth<const N: usize>(matrix: &Matrix<N>) -> f64 {
 #[inline]
 pub fn taylor<const N: usize>(a: &Matrix<N>, z0: &[f64; N]) -> [[f64; N]; ORDER + 1] {
     /// Reciprocals 1/k; a multiplication costs a tenth of a division.
-    const INVERSE: [f64; ORDER + 1] =
-        [0.0, 1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0, 1.0 / 6.0, 1.0 / 7.0, 1.0 / 8.0, 1.0 / 9.0];
+    const INVERSE: [f64; ORDER + 1] = [
+        0.0,
+        1.0,
+        1.0 / 2.0,
+        1.0 / 3.0,
+        1.0 / 4.0,
+        1.0 / 5.0,
+        1.0 / 6.0,
+        1.0 / 7.0,
+        1.0 / 8.0,
+        1.0 / 9.0,
+    ];
     let mut c = [*z0; ORDER + 1];
     for k in 1..=ORDER {
         c[k] = a.apply(&c[k - 1]).map(|x| x * INVERSE[k]);
@@ -245,12 +260,14 @@ impl<const N: usize> Ladder<N> {
         Self::with_rest(a, reach, || Matrix::ZERO)
     }
 
-    /// The ladder of a matrix whose entries are no doubles, given as these rounded (`a`) and what rounding took away
-    /// (`rest`, asked for where it counts). Flows that are computed in twice the precision are those of the sum.
+    /// The ladder of a matrix whose entries are no doubles, given as these rounded (`a`) and what
+    /// rounding took away (`rest`, asked for where it counts). Flows that are computed in twice
+    /// the precision are those of the sum.
     pub fn with_rest(a: Matrix<N>, reach: f64, rest: impl FnOnce() -> Matrix<N>) -> Self {
         let rate = growth(&a);
         let longest = libm::ldexp(1.0, libm::ilogb(reach));
-        let wanted = if rate > 0.0 { libm::ldexp(1.0, libm::ilogb(RADIUS / rate)) } else { longest };
+        let wanted =
+            if rate > 0.0 { libm::ldexp(1.0, libm::ilogb(RADIUS / rate)) } else { longest };
         let span = wanted.min(longest);
         let mut change = series(&a, span, ORDER);
         let bound = series(&a.map(f64::abs), span, BOUND_ORDER).map(|x| BOUND_MARGIN * x);
@@ -312,11 +329,12 @@ impl<const N: usize> Ladder<N> {
         flow
     }
 
-    /// `exp(A k t)` for `k = 1 … M`: where the last of these is long in twice the precision, which takes little more than
-    /// the last one alone.
+    /// `exp(A k t)` for `k = 1 … M`: where the last of these is long in twice the precision, which
+    /// takes little more than the last one alone.
     pub fn flows<const M: usize>(&self, t: f64) -> [Matrix<N>; M] {
         let long = self.is_long(M as f64 * t);
-        let precise: Option<[Matrix<N>; M]> = long.then(|| precise_flows(&self.a, &self.rest, t)).flatten();
+        let precise: Option<[Matrix<N>; M]> =
+            long.then(|| precise_flows(&self.a, &self.rest, t)).flatten();
         let identity = Matrix::<N>::identity();
         let plain = |t| Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) };
         std::array::from_fn(|k| {
@@ -331,8 +349,8 @@ impl<const N: usize> Ladder<N> {
     }
 }
 
-/// `exp((A + rest) k t)` for `k = 1 … M` and `t` > 0 in twice the precision, rounded once; `None` where the angle is too
-/// large for a number.
+/// `exp((A + rest) k t)` for `k = 1 … M` and `t` > 0 in twice the precision, rounded once; `None`
+/// where the angle is too large for a number.
 fn precise_flows<const N: usize, const M: usize>(
     a: &Matrix<N>,
     rest: &Matrix<N>,
@@ -347,8 +365,8 @@ fn precise_flows<const N: usize, const M: usize>(
 }
 
 /// `exp(A t) - 1`. The rungs are doubled in this form, `X(2s) = 2 X(s) + X(s)²`, because the change
-/// over a short span keeps its leading digits where the flow itself would lose them to the identity:
-/// the error grows with the number of doublings, not with their product.
+/// over a short span keeps its leading digits where the flow itself would lose them to the
+/// identity: the error grows with the number of doublings, not with their product.
 fn series<const N: usize>(a: &Matrix<N>, t: f64, order: usize) -> Matrix<N> {
     let scaled = a.map(|x| x * t);
     let mut sum = Matrix::ZERO;
@@ -362,7 +380,8 @@ fn plus_identity<const N: usize>(change: &Matrix<N>) -> Matrix<N> {
     change.zip(&Matrix::identity(), |x, unit| x + unit)
 }
 
-/// The next rung, given its change; `|Φ(s + t)| ≤ |Φ(s)| |Φ(t)|` entry by entry carries the envelope over.
+/// The next rung, given its change; `|Φ(s + t)| ≤ |Φ(s)| |Φ(t)|` entry by entry carries the
+/// envelope over.
 fn double<const N: usize>(rung: &Rung<N>, change: &Matrix<N>) -> Rung<N> {
     let second = rung.flow.map(f64::abs).product(&rung.envelope);
     Rung {
@@ -393,9 +412,11 @@ mod tests {
 
     #[test]
     fn a_rate_that_is_no_double_keeps_its_phase_with_its_rest() {
-        // A third of a radian a second, for 3 · 2^20 s: 2^20 rad. The third alone is off by 6e-11 rad.
+        // A third of a radian a second, for 3 · 2^20 s: 2^20 rad. The third alone is off by 6e-11
+        // rad.
         let third = Pair::from(1.0) / Pair::from(3.0);
-        let turn = |omega: f64| Matrix::<2>::from_fn(|i, j| omega * [[0.0, 1.0], [-1.0, 0.0]][i][j]);
+        let turn =
+            |omega: f64| Matrix::<2>::from_fn(|i, j| omega * [[0.0, 1.0], [-1.0, 0.0]][i][j]);
         let t = 3.0 * libm::ldexp(1.0, 20);
         let expect = libm::cos(libm::ldexp(1.0, 20));
         let error = |ladder: Ladder<2>| (ladder.flow(t).at(0, 0) - expect).abs();
@@ -439,8 +460,8 @@ mod tests {
         for rung in &ladder.rungs {
             for i in 0..=50 {
                 let flow = ladder.flow(rung.span * f64::from(i) / 50.0);
-                let inside =
-                    flow.zip(&rung.envelope, |x, e| f64::from(u8::from(x.abs() <= e * (1.0 + 1e-12))));
+                let inside = flow
+                    .zip(&rung.envelope, |x, e| f64::from(u8::from(x.abs() <= e * (1.0 + 1e-12))));
                 assert!(inside.columns.iter().flatten().all(|&ok| ok > 0.5), "{}", rung.span);
             }
         }
@@ -450,7 +471,8 @@ mod tests {
     fn an_affine_product_is_the_product() {
         let rows = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [0.0, 0.0, 1.0]];
         let matrix = Matrix::<3>::from_fn(|i, j| rows[i][j]);
-        let (quick, plain) = (matrix.apply_affine(&[7.0, 8.0, 1.0]), matrix.apply(&[7.0, 8.0, 1.0]));
+        let (quick, plain) =
+            (matrix.apply_affine(&[7.0, 8.0, 1.0]), matrix.apply(&[7.0, 8.0, 1.0]));
         assert!(quick.iter().zip(plain).all(|(a, b)| (a - b).abs() < 1e-13));
     }
 

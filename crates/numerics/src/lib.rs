@@ -1,7 +1,8 @@
-//! Numerical building blocks: least squares, interpolation, quadrature, crossings, spectra. Pure functions on slices.
+//! Numerical building blocks: least squares, interpolation, quadrature, crossings, spectra. Pure
+//! functions on slices.
 //!
-//! Nothing here reads a file, knows a unit or draws a random number. Sums run in the order of the input, in
-//! plain loops, so that a result has the same bits on every machine.
+//! Nothing here reads a file, knows a unit or draws a random number. Sums run in the order of the
+//! input, in plain loops, so that a result has the same bits on every machine.
 
 pub mod activity;
 pub mod cubic;

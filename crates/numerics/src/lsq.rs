@@ -1,12 +1,13 @@
 //! Linear least squares for few columns and many rows, by Householder reflections.
 //!
-//! Golub & Van Loan, *Matrix Computations*, 4th ed., §5.3.2. The QR route keeps the condition number of X
-//! rather than squaring it, as the normal equations would: Longley's data keep ten digits.
+//! Golub & Van Loan, *Matrix Computations*, 4th ed., §5.3.2. The QR route keeps the condition
+//! number of X rather than squaring it, as the normal equations would: Longley's data keep ten
+//! digits.
 
 use crate::error::{NumericsError, all_finite, same_length};
 
-/// A column whose part not explained by earlier columns is smaller than this share of its length counts as
-/// dependent on them: a hundred times the rounding error of a sum over 10 000 rows.
+/// A column whose part not explained by earlier columns is smaller than this share of its length
+/// counts as dependent on them: a hundred times the rounding error of a sum over 10 000 rows.
 const RANK_TOLERANCE: f64 = 1e-12;
 
 /// The solution of min ‖y − X β‖₂ over n rows and p columns.
@@ -32,20 +33,23 @@ impl LinearFit {
         self.rss / self.df as f64
     }
 
-    /// Standard errors √(s² (XᵀX)⁻¹ⱼⱼ), for independent errors of one variance. Samples of a recording are
-    /// not independent: use a heteroscedasticity and autocorrelation consistent covariance there.
+    /// Standard errors √(s² (XᵀX)⁻¹ⱼⱼ), for independent errors of one variance. Samples of a
+    /// recording are not independent: use a heteroscedasticity and autocorrelation consistent
+    /// covariance there.
     pub fn std_errors(&self) -> Vec<f64> {
         let s2 = self.residual_variance();
         self.xtx_inverse.iter().enumerate().map(|(j, row)| (s2 * row[j]).sqrt()).collect()
     }
 }
 
-/// Fits y = X β by least squares; `columns` are the columns of X (a column of ones is an intercept).
+/// Fits y = X β by least squares; `columns` are the columns of X (a column of ones is an
+/// intercept).
 ///
 /// Cost 2 n p² operations; p is meant to be small (at most about 8).
 ///
 /// # Errors
-/// Unequal lengths, a NaN or infinity (with its row), no more rows than columns, linearly dependent columns.
+/// Unequal lengths, a NaN or infinity (with its row), no more rows than columns, linearly dependent
+/// columns.
 pub fn fit(columns: &[&[f64]], y: &[f64]) -> Result<LinearFit, NumericsError> {
     check_input(columns, y)?;
     let mut q: Vec<Vec<f64>> = columns.iter().map(|c| c.to_vec()).collect();
@@ -179,31 +183,32 @@ mod tests {
     #[test]
     fn longley_agrees_with_the_certified_values_despite_collinearity() {
         let y = [
-            60323.0, 61122.0, 60171.0, 61187.0, 63221.0, 63639.0, 64989.0, 63761.0, 66019.0, 67857.0,
-            68169.0, 66513.0, 68655.0, 69564.0, 69331.0, 70551.0,
+            60323.0, 61122.0, 60171.0, 61187.0, 63221.0, 63639.0, 64989.0, 63761.0, 66019.0,
+            67857.0, 68169.0, 66513.0, 68655.0, 69564.0, 69331.0, 70551.0,
         ];
         let deflator = [
-            83.0, 88.5, 88.2, 89.5, 96.2, 98.1, 99.0, 100.0, 101.2, 104.6, 108.4, 110.8, 112.6, 114.2, 115.7,
-            116.9,
+            83.0, 88.5, 88.2, 89.5, 96.2, 98.1, 99.0, 100.0, 101.2, 104.6, 108.4, 110.8, 112.6,
+            114.2, 115.7, 116.9,
         ];
         let gnp = [
-            234289.0, 259426.0, 258054.0, 284599.0, 328975.0, 346999.0, 365385.0, 363112.0, 397469.0,
-            419180.0, 442769.0, 444546.0, 482704.0, 502601.0, 518173.0, 554894.0,
+            234289.0, 259426.0, 258054.0, 284599.0, 328975.0, 346999.0, 365385.0, 363112.0,
+            397469.0, 419180.0, 442769.0, 444546.0, 482704.0, 502601.0, 518173.0, 554894.0,
         ];
         let unemployed = [
-            2356.0, 2325.0, 3682.0, 3351.0, 2099.0, 1932.0, 1870.0, 3578.0, 2904.0, 2822.0, 2936.0, 4681.0,
-            3813.0, 3931.0, 4806.0, 4007.0,
+            2356.0, 2325.0, 3682.0, 3351.0, 2099.0, 1932.0, 1870.0, 3578.0, 2904.0, 2822.0, 2936.0,
+            4681.0, 3813.0, 3931.0, 4806.0, 4007.0,
         ];
         let forces = [
-            1590.0, 1456.0, 1616.0, 1650.0, 3099.0, 3594.0, 3547.0, 3350.0, 3048.0, 2857.0, 2798.0, 2637.0,
-            2552.0, 2514.0, 2572.0, 2827.0,
+            1590.0, 1456.0, 1616.0, 1650.0, 3099.0, 3594.0, 3547.0, 3350.0, 3048.0, 2857.0, 2798.0,
+            2637.0, 2552.0, 2514.0, 2572.0, 2827.0,
         ];
         let population = [
-            107608.0, 108632.0, 109773.0, 110929.0, 112075.0, 113270.0, 115094.0, 116219.0, 117388.0,
-            118734.0, 120445.0, 121950.0, 123366.0, 125368.0, 127852.0, 130081.0,
+            107608.0, 108632.0, 109773.0, 110929.0, 112075.0, 113270.0, 115094.0, 116219.0,
+            117388.0, 118734.0, 120445.0, 121950.0, 123366.0, 125368.0, 127852.0, 130081.0,
         ];
         let year: Vec<f64> = (1947..1963).map(f64::from).collect();
-        let fit = fit(&[&[1.0; 16], &deflator, &gnp, &unemployed, &forces, &population, &year], &y).unwrap();
+        let fit = fit(&[&[1.0; 16], &deflator, &gnp, &unemployed, &forces, &population, &year], &y)
+            .unwrap();
         let certified = [
             (-3482258.63459582, 890420.383607373),
             (15.0618722713733, 84.9149257747669),
@@ -227,7 +232,9 @@ mod tests {
         for (found, expected) in fit.xtx_inverse.concat().iter().zip([0.25, 0.0, 0.0, 0.25]) {
             assert!((found - expected).abs() < 1e-15);
         }
-        assert!((fit.coefficients[0] - 2.0).abs() < 1e-14 && (fit.coefficients[1] - 1.0).abs() < 1e-14);
+        assert!(
+            (fit.coefficients[0] - 2.0).abs() < 1e-14 && (fit.coefficients[1] - 1.0).abs() < 1e-14
+        );
     }
 
     #[test]
@@ -238,8 +245,13 @@ mod tests {
     #[test]
     fn bad_input_is_named() {
         let x = [1.0, 2.0, 3.0];
-        let check = |columns: &[&[f64]], y: &[f64], error| assert_eq!(fit(columns, y).unwrap_err(), error);
-        check(&[&x, &x], &x[..2], NumericsError::LengthMismatch { what: "a column", expected: 2, found: 3 });
+        let check =
+            |columns: &[&[f64]], y: &[f64], error| assert_eq!(fit(columns, y).unwrap_err(), error);
+        check(
+            &[&x, &x],
+            &x[..2],
+            NumericsError::LengthMismatch { what: "a column", expected: 2, found: 3 },
+        );
         check(&[&x, &x, &x], &x, NumericsError::TooFewRows { rows: 3, parameters: 3 });
         check(&[&x, &[2.0, 4.0, 6.0]], &x, NumericsError::RankDeficient { column: 1 });
         check(&[&[0.0; 3]], &x, NumericsError::RankDeficient { column: 0 });

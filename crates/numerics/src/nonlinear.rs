@@ -1,8 +1,9 @@
 //! Non-linear least squares with bounds, by a projected Levenberg–Marquardt method.
 //!
-//! Marquardt (1963), damping after Nielsen (1999, IMM-REP-1999-05), bounds by projection after Kanzow,
-//! Yamashita & Fukushima (2004, J. Comput. Appl. Math. 172). The few parameters live in fixed arrays and the
-//! Jacobian is never stored: one pass over the samples sums what a step needs, in the samples' order.
+//! Marquardt (1963), damping after Nielsen (1999, IMM-REP-1999-05), bounds by projection after
+//! Kanzow, Yamashita & Fukushima (2004, J. Comput. Appl. Math. 172). The few parameters live in
+//! fixed arrays and the Jacobian is never stored: one pass over the samples sums what a step needs,
+//! in the samples' order.
 
 use crate::error::NumericsError;
 
@@ -10,8 +11,8 @@ use crate::error::NumericsError;
 const FIRST_DAMPING: f64 = 1e-3;
 /// Damping shrinks to no less than a third of itself after one good step.
 const SMALLEST_SHRINK: f64 = 1.0 / 3.0;
-/// A step that promises less than this share of the sum of squares is not worth taking: the rounding error of
-/// the sum itself.
+/// A step that promises less than this share of the sum of squares is not worth taking: the
+/// rounding error of the sum itself.
 const REDUCTION_TOLERANCE: f64 = 1e-14;
 /// A step shorter than this share of every parameter is none.
 const STEP_TOLERANCE: f64 = 1e-12;
@@ -64,10 +65,12 @@ struct Sums<const P: usize> {
 
 /// Minimises Σᵢ rᵢ(θ)² over `samples` residuals from `start` within `bounds`.
 ///
-/// `residual(i, θ)` gives rᵢ and its gradient ∂rᵢ/∂θ. A local minimum is found: the start decides which one.
+/// `residual(i, θ)` gives rᵢ and its gradient ∂rᵢ/∂θ. A local minimum is found: the start decides
+/// which one.
 ///
 /// # Errors
-/// [`NumericsError::BadStart`] if the sum of squares at `start` (moved into the bounds) is not finite.
+/// [`NumericsError::BadStart`] if the sum of squares at `start` (moved into the bounds) is not
+/// finite.
 pub fn least_squares<const P: usize>(
     samples: usize,
     residual: impl Fn(usize, &[f64; P]) -> (f64, [f64; P]),
@@ -125,9 +128,15 @@ fn sum_up<const P: usize>(
 }
 
 /// θ + δ with (JᵀJ + μ diag JᵀJ) δ = −Jᵀr over the parameters that are free to move.
-fn step<const P: usize>(parameters: &[f64; P], sums: &Sums<P>, damping: f64, bounds: &Bounds<P>) -> [f64; P] {
-    let free: [bool; P] =
-        core::array::from_fn(|j| sums.hessian[j][j] > 0.0 && !bounds.holds(parameters, &sums.gradient, j));
+fn step<const P: usize>(
+    parameters: &[f64; P],
+    sums: &Sums<P>,
+    damping: f64,
+    bounds: &Bounds<P>,
+) -> [f64; P] {
+    let free: [bool; P] = core::array::from_fn(|j| {
+        sums.hessian[j][j] > 0.0 && !bounds.holds(parameters, &sums.gradient, j)
+    });
     let matrix: [[f64; P]; P] = core::array::from_fn(|j| {
         core::array::from_fn(|k| match (free[j] && free[k], j == k) {
             (true, true) => sums.hessian[j][j] * (1.0 + damping),
@@ -184,10 +193,14 @@ mod tests {
         assert!((found.rss / rss - 1.0).abs() < 1e-9, "{} against {rss}", found.rss);
     }
 
-    const MISRA_Y: [f64; 14] =
-        [10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.40, 75.47, 81.78];
-    const MISRA_X: [f64; 14] =
-        [77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1, 689.1, 760.0];
+    const MISRA_Y: [f64; 14] = [
+        10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.40, 75.47,
+        81.78,
+    ];
+    const MISRA_X: [f64; 14] = [
+        77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1, 689.1,
+        760.0,
+    ];
 
     /// y = b₁ (1 − exp(−b₂ x)).
     fn misra(i: usize, b: &[f64; 2]) -> (f64, [f64; 2]) {
@@ -221,16 +234,21 @@ mod tests {
         let bounds = Bounds { lower: [0.0, 6e-4], upper: [1e3, 1.0] };
         let found = least_squares(14, misra, [500.0, 1e-2], &bounds).unwrap();
         let shape = MISRA_X.map(|x| 1.0 - libm::exp(-6e-4 * x));
-        let (sy, ss) = shape.iter().zip(MISRA_Y).fold((0.0, 0.0), |(a, b), (s, y)| (a + s * y, b + s * s));
+        let (sy, ss) =
+            shape.iter().zip(MISRA_Y).fold((0.0, 0.0), |(a, b), (s, y)| (a + s * y, b + s * s));
         assert_eq!(found.parameters[1..], [6e-4]);
         assert!((found.parameters[0] / (sy / ss) - 1.0).abs() < 1e-8);
     }
 
     #[test]
     fn a_parameter_without_any_effect_stays_at_its_start() {
-        let found =
-            least_squares(3, |i, b: &[f64; 2]| (b[0] - i as f64, [1.0, 0.0]), [9.0, 4.0], &Bounds::NONE)
-                .unwrap();
+        let found = least_squares(
+            3,
+            |i, b: &[f64; 2]| (b[0] - i as f64, [1.0, 0.0]),
+            [9.0, 4.0],
+            &Bounds::NONE,
+        )
+        .unwrap();
         assert!((found.parameters[0] - 1.0).abs() < 1e-6);
         assert_eq!(found.parameters[1..], [4.0]);
     }

@@ -11,7 +11,8 @@ pub struct Phases {
     pub end: usize,
 }
 
-/// The phases of a movement that lasts from sample `onset` to sample `end` of the coordinate `x`; both must lie in `x`.
+/// The phases of a movement that lasts from sample `onset` to sample `end` of the coordinate `x`;
+/// both must lie in `x`.
 pub fn phases(x: &[f64], onset: usize, end: usize) -> Phases {
     let mut reversal = onset;
     for i in onset..=end {
@@ -22,8 +23,8 @@ pub fn phases(x: &[f64], onset: usize, end: usize) -> Phases {
     Phases { onset, reversal, end }
 }
 
-/// When the polyline through (tᵢ, xᵢ) first passes `level` upwards, in the unit of `t`. `None` if it never exceeds
-/// `level`, or does so from its first sample on.
+/// When the polyline through (tᵢ, xᵢ) first passes `level` upwards, in the unit of `t`. `None` if
+/// it never exceeds `level`, or does so from its first sample on.
 pub fn first_passing(t: &[f64], x: &[f64], level: f64) -> Option<f64> {
     let after = x.iter().position(|x| *x > level)?;
     let before = after.checked_sub(1)?;

@@ -11,7 +11,8 @@ pub fn polynomial(c: &[f64], t: f64) -> f64 {
 /// No dip is missed that lasts longer than `resolution`: an interval is passed over only where
 /// its end values exceed `max|p''| width² / 8`, the most a curve can sag below its chord.
 /// `Some(0)` if `p(0) < 0` already, or if `p` is not finite; `None` if `p` stays at or above zero.
-/// A polynomial that cannot be told from zero over a whole stretch counts as falling where the search gives up.
+/// A polynomial that cannot be told from zero over a whole stretch counts as falling where the
+/// search gives up.
 pub fn first_descent(c: &[f64], span: f64, resolution: f64) -> Option<f64> {
     /// Intervals looked at: forty halvings for a crossing, and many near misses.
     const MOST_INTERVALS: u32 = 4_000;
@@ -45,7 +46,8 @@ fn descend(search: &Search, left_over: &mut u32, left: [f64; 2], right: [f64; 2]
     if left[1].min(right[1]) >= search.sag * width * width {
         return None;
     }
-    // The slope stays within max|p''| width of the chord's: where that is below zero there is one crossing.
+    // The slope stays within max|p''| width of the chord's: where that is below zero there is one
+    // crossing.
     let steepest = 8.0 * search.sag * width;
     if right[1] < 0.0
         && (right[1] - left[1]) / width + steepest < 0.0
@@ -69,17 +71,21 @@ fn descend(search: &Search, left_over: &mut u32, left: [f64; 2], right: [f64; 2]
     first.or_else(|| descend(search, left_over, centre, right))
 }
 
-/// The single crossing between two points: the root, moved on by some units in the last place until the
-/// polynomial is below zero there. `None` if it hardly falls; then halving has to find it.
+/// The single crossing between two points: the root, moved on by some units in the last place until
+/// the polynomial is below zero there. `None` if it hardly falls; then halving has to find it.
 fn just_below(search: &Search, left: [f64; 2], right: [f64; 2]) -> Option<f64> {
     let p = |t: f64| polynomial(search.c, t);
     let root = bracketed(p, left[0], right[0], search.resolution);
     let ulp = root.abs().max(search.resolution) * f64::EPSILON;
-    [0.0, 1.0, 4.0, 16.0, 64.0].iter().map(|k| root + k * ulp).find(|&t| t <= right[0] && p(t) < 0.0)
+    [0.0, 1.0, 4.0, 16.0, 64.0]
+        .iter()
+        .map(|k| root + k * ulp)
+        .find(|&t| t <= right[0] && p(t) < 0.0)
 }
 
 /// Root of `f` in `[left, right]` by the Illinois variant of regula falsi (Dowell & Jarratt 1971),
-/// to within about `resolution`. The signs of `f` at the ends must differ; else the nearer end is returned.
+/// to within about `resolution`. The signs of `f` at the ends must differ; else the nearer end is
+/// returned.
 pub fn bracketed(mut f: impl FnMut(f64) -> f64, left: f64, right: f64, resolution: f64) -> f64 {
     /// Illinois converges superlinearly; bisection from 1 to 1e-16 would take 54.
     const MOST_STEPS: usize = 200;

@@ -1,11 +1,12 @@
 //! Sampled signals: interpolation, integrals, derivatives, threshold crossings, loop area.
 //!
-//! `t` (or `x`) is strictly increasing unless said otherwise; its unit and that of `y` are the caller's.
+//! `t` (or `x`) is strictly increasing unless said otherwise; its unit and that of `y` are the
+//! caller's.
 
 use crate::error::{NumericsError, same_length};
 
-/// Value of the polyline through (tᵢ, yᵢ) at `at`; `None` outside [t₀, tₙ₋₁] or for an empty series (there is
-/// no extrapolation). At a sample it is that sample, exactly.
+/// Value of the polyline through (tᵢ, yᵢ) at `at`; `None` outside [t₀, tₙ₋₁] or for an empty series
+/// (there is no extrapolation). At a sample it is that sample, exactly.
 pub fn interpolate(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let after = t.partition_point(|&t| t < at);
     let (&t1, &y1) = (t.get(after)?, y.get(after)?);
@@ -30,7 +31,8 @@ pub fn trapezoid(t: &[f64], y: &[f64]) -> Result<f64, NumericsError> {
     Ok(cumulative_trapezoid(t, y)?.last().copied().unwrap_or(0.0))
 }
 
-/// ∫ y dt from the first sample to each sample, by the trapezoidal rule; as long as `t`, starting with 0.
+/// ∫ y dt from the first sample to each sample, by the trapezoidal rule; as long as `t`, starting
+/// with 0.
 ///
 /// # Errors
 /// Unequal lengths.
@@ -46,9 +48,10 @@ pub fn cumulative_trapezoid(t: &[f64], y: &[f64]) -> Result<Vec<f64>, NumericsEr
     Ok(integral)
 }
 
-/// dy/dt at every sample of an uneven grid, exact for a parabola inside: with h₋, h₊ the steps to either side,
-/// dy/dt = (h₋ s₊ + h₊ s₋) / (h₋ + h₊), s± the slopes of the two segments. At the ends it is the slope of the
-/// end segment (first order). As long as `t`; a single sample has no slope and gives an empty vector.
+/// dy/dt at every sample of an uneven grid, exact for a parabola inside: with h₋, h₊ the steps to
+/// either side, dy/dt = (h₋ s₊ + h₊ s₋) / (h₋ + h₊), s± the slopes of the two segments. At the ends
+/// it is the slope of the end segment (first order). As long as `t`; a single sample has no slope
+/// and gives an empty vector.
 ///
 /// # Errors
 /// Unequal lengths.
@@ -56,29 +59,33 @@ pub fn central_differences(t: &[f64], y: &[f64]) -> Result<Vec<f64>, NumericsErr
     same_length("y", t.len(), y.len())?;
     let steps: Vec<f64> = t.windows(2).map(|t| t[1] - t[0]).collect();
     let slopes: Vec<f64> = y.windows(2).zip(&steps).map(|(y, h)| (y[1] - y[0]) / h).collect();
-    let inner =
-        steps.windows(2).zip(slopes.windows(2)).map(|(h, s)| (h[0] * s[1] + h[1] * s[0]) / (h[0] + h[1]));
+    let inner = steps
+        .windows(2)
+        .zip(slopes.windows(2))
+        .map(|(h, s)| (h[0] * s[1] + h[1] * s[0]) / (h[0] + h[1]));
     Ok(slopes.first().copied().into_iter().chain(inner).chain(slopes.last().copied()).collect())
 }
 
-/// First excursion of |v| with hysteresis: the first index where |v| exceeds `on`, and the last index before
-/// |v| falls below `off` after that (the last sample, where it never does). `None` if `on` is never exceeded.
-/// With `off` < `on` noise about one threshold cannot end the excursion. Unit of `on` and `off` as `v`.
+/// First excursion of |v| with hysteresis: the first index where |v| exceeds `on`, and the last
+/// index before |v| falls below `off` after that (the last sample, where it never does). `None` if `on` is never exceeded.
+/// With `off` < `on` noise about one threshold cannot end the excursion. Unit of `on` and `off` as
+/// `v`.
 pub fn crossings_with_hysteresis(v: &[f64], on: f64, off: f64) -> Option<(usize, usize)> {
     let start = v.iter().position(|v| v.abs() > on)?;
     let length = v[start..].iter().position(|v| v.abs() < off).unwrap_or(v.len() - start);
     Some((start, start + length.max(1) - 1))
 }
 
-/// Signed area ∮ y dx enclosed by the path (xᵢ, yᵢ), closed from its last point to its first (shoelace
-/// formula): positive if run clockwise. With displacement and resisting force it is the energy taken from
-/// the user over the loop. `x` need not be ordered.
+/// Signed area ∮ y dx enclosed by the path (xᵢ, yᵢ), closed from its last point to its first
+/// (shoelace formula): positive if run clockwise. With displacement and resisting force it is the
+/// energy taken from the user over the loop. `x` need not be ordered.
 ///
 /// # Errors
 /// Unequal lengths.
 pub fn loop_area(x: &[f64], y: &[f64]) -> Result<f64, NumericsError> {
     same_length("y", x.len(), y.len())?;
-    let (Some(&x0), Some(&y0), Some(&xn), Some(&yn)) = (x.first(), y.first(), x.last(), y.last()) else {
+    let (Some(&x0), Some(&y0), Some(&xn), Some(&yn)) = (x.first(), y.first(), x.last(), y.last())
+    else {
         return Ok(0.0);
     };
     Ok(trapezoid(x, y)? + (x0 - xn) * (yn + y0) / 2.0)
@@ -93,7 +100,9 @@ mod tests {
     #[test]
     fn interpolation_is_exact_on_samples_and_lines_and_absent_outside() {
         let y = T.map(|t| 2.0 * t - 1.0);
-        for (at, expected) in [(0.0, Some(-1.0)), (2.0, Some(3.0)), (1.0, Some(1.0)), (3.5, Some(6.0))] {
+        for (at, expected) in
+            [(0.0, Some(-1.0)), (2.0, Some(3.0)), (1.0, Some(1.0)), (3.5, Some(6.0))]
+        {
             assert_eq!(interpolate(&T, &y, at), expected);
         }
         assert_eq!(interpolate_all(&T, &y, &[-1e-9, 3.6, f64::NAN]), [None, None, None]);
@@ -106,7 +115,8 @@ mod tests {
         assert_eq!(trapezoid(&T, &T), Ok(3.5 * 3.5 / 2.0));
         assert_eq!(cumulative_trapezoid(&T, &T).unwrap(), T.map(|t| t * t / 2.0));
         let error = |n: u32| {
-            let t: Vec<f64> = (0..=n).map(|i| f64::from(i) * core::f64::consts::PI / f64::from(n)).collect();
+            let t: Vec<f64> =
+                (0..=n).map(|i| f64::from(i) * core::f64::consts::PI / f64::from(n)).collect();
             let y: Vec<f64> = t.iter().map(|&t| libm::sin(t)).collect();
             (trapezoid(&t, &y).unwrap() - 2.0).abs()
         };
@@ -143,13 +153,16 @@ mod tests {
         assert_eq!(loop_area(&[], &[]), Ok(0.0));
     }
 
-    /// x = 2 cos φ, y = 0.5 sin φ encloses π; the inscribed polygon of n corners n/(2π) sin(2π/n) times that.
+    /// x = 2 cos φ, y = 0.5 sin φ encloses π; the inscribed polygon of n corners n/(2π) sin(2π/n)
+    /// times that.
     #[test]
     fn the_area_of_an_ellipse_is_that_of_its_polygon() {
         let n = 360;
         let angle = |i: i32| f64::from(i) * core::f64::consts::TAU / f64::from(n);
         let (x, y): (Vec<_>, Vec<_>) =
             (0..n).map(|i| (2.0 * libm::cos(angle(i)), -0.5 * libm::sin(angle(i)))).unzip();
-        assert!((loop_area(&x, &y).unwrap() - f64::from(n) / 2.0 * libm::sin(angle(1))).abs() < 1e-12);
+        assert!(
+            (loop_area(&x, &y).unwrap() - f64::from(n) / 2.0 * libm::sin(angle(1))).abs() < 1e-12
+        );
     }
 }

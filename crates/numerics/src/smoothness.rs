@@ -2,24 +2,28 @@
 
 use crate::spectrum::squared_fourier;
 
-/// Nothing of a hand's movement is sought above this, Hz (Balasubramanian 2015: ω_c,max = 20π rad/s).
+/// Nothing of a hand's movement is sought above this, Hz (Balasubramanian 2015: ω_c,max = 20π
+/// rad/s).
 const CUTOFF_HZ: f64 = 10.0;
 /// The spectrum ends where it stays below this share of its value at 0 Hz (there: V̄ = 0.05).
 const AMPLITUDE: f64 = 0.05;
-/// Zero padding: the spectrum is evaluated on 2⁴ times as many frequencies as the samples' own, as the authors do.
+/// Zero padding: the spectrum is evaluated on 2⁴ times as many frequencies as the samples' own, as
+/// the authors do.
 const PADDING: usize = 16;
 /// Fewest samples of a speed profile that has a shape.
 const LEAST_SAMPLES: usize = 3;
 
-/// Spectral arc length of a speed profile, SPARC: −∫₀^ωc √((1/ωc)² + (dV̂/dω)²) dω, V̂(ω) = |V(ω)| / |V(0)|,
-/// ωc the last frequency up to 10 Hz at which V̂ ≥ 0.05. Dimensionless and negative; the nearer to −1 the smoother. It
-/// depends neither on the movement's size nor on its duration.
+/// Spectral arc length of a speed profile, SPARC: −∫₀^ωc √((1/ωc)² + (dV̂/dω)²) dω, V̂(ω) = |V(ω)| /
+/// |V(0)|, ωc the last frequency up to 10 Hz at which V̂ ≥ 0.05. Dimensionless and negative; the
+/// nearer to −1 the smoother. It depends neither on the movement's size nor on its duration.
 ///
-/// Balasubramanian, Melendez-Calderon, Roby-Brami & Burdet (2015), J. NeuroEng. Rehabil. 12:112. The arc is that
-/// of the polyline through V̂ at steps of rate / (16 · 2^⌈log₂ n⌉), as in the authors' own program.
+/// Balasubramanian, Melendez-Calderon, Roby-Brami & Burdet (2015), J. NeuroEng. Rehabil. 12:112.
+/// The arc is that of the polyline through V̂ at steps of rate / (16 · 2^⌈log₂ n⌉), as in the
+/// authors' own program.
 ///
-/// `t` in s, increasing, as long as `speed` (≥ 0, in any unit). `None` for fewer than 3 samples, for samples that come
-/// slower than 20 a second (10 Hz is then beyond them), and for a speed that is 0 throughout.
+/// `t` in s, increasing, as long as `speed` (≥ 0, in any unit). `None` for fewer than 3 samples,
+/// for samples that come slower than 20 a second (10 Hz is then beyond them), and for a speed that
+/// is 0 throughout.
 pub fn spectral_arc_length(t: &[f64], speed: &[f64]) -> Option<f64> {
     let n = t.len().min(speed.len());
     if n < LEAST_SAMPLES {
@@ -35,8 +39,10 @@ pub fn spectral_arc_length(t: &[f64], speed: &[f64]) -> Option<f64> {
     let share: Vec<f64> = power.iter().map(|p| (p / power[0]).sqrt()).collect();
     let last = share.iter().rposition(|share| *share >= AMPLITUDE).filter(|last| *last > 0)?;
     let width = (last as f64).recip();
-    let arc: f64 =
-        share[..=last].windows(2).map(|w| (width * width + (w[1] - w[0]) * (w[1] - w[0])).sqrt()).sum();
+    let arc: f64 = share[..=last]
+        .windows(2)
+        .map(|w| (width * width + (w[1] - w[0]) * (w[1] - w[0])).sqrt())
+        .sum();
     Some(-arc)
 }
 
@@ -54,8 +60,9 @@ mod tests {
         (0..=(rate_hz * length_s) as u32).map(|i| f64::from(i) / rate_hz).collect()
     }
 
-    /// `expect`: NumPy, written from the paper's equations: each V(ω) by `np.trapezoid(v * np.exp(-1j*w*(t-t[0])), t)`,
-    /// then the sum over `np.diff`; where the samples are even, `np.fft.rfft(v, 16 * 2**ceil(log2(n)))` gives the same.
+    /// `expect`: NumPy, written from the paper's equations: each V(ω) by `np.trapezoid(v *
+    /// np.exp(-1j*w*(t-t[0])), t)`, then the sum over `np.diff`; where the samples are even,
+    /// `np.fft.rfft(v, 16 * 2**ceil(log2(n)))` gives the same.
     fn check(t: &[f64], speed: impl Fn(f64) -> f64, expect: f64) {
         let v: Vec<f64> = t.iter().map(|t| speed(*t).abs()).collect();
         let found = spectral_arc_length(t, &v).unwrap();
@@ -70,8 +77,13 @@ mod tests {
         let wobbling = |t: f64| minimum_jerk(t / 1.5) * (1.0 + 0.3 * libm::sin(TAU * 5.0 * t));
         check(&t, wobbling, -1.9424526338637178);
         check(&t, |t| minimum_jerk(t / 0.8) + minimum_jerk((t - 0.7) / 0.8), -2.131994898959485);
-        let uneven: Vec<f64> = t.iter().zip(0u32..).map(|(t, i)| t + 1e-3 * f64::from(i * 7 % 5)).collect();
-        check(&uneven, |t| minimum_jerk(t / 1.6) + 0.2 * libm::sin(TAU * 3.0 * t), -1.7633349926919184);
+        let uneven: Vec<f64> =
+            t.iter().zip(0u32..).map(|(t, i)| t + 1e-3 * f64::from(i * 7 % 5)).collect();
+        check(
+            &uneven,
+            |t| minimum_jerk(t / 1.6) + 0.2 * libm::sin(TAU * 3.0 * t),
+            -1.7633349926919184,
+        );
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Spectra of sampled signals whose samples need not be even, by the Fourier integral itself.
 //!
-//! ∫ y e^(−2πift) dt by the trapezoidal rule at the recorded times: no resampling. The lengths here (seconds at
-//! up to some kilohertz) need no fast transform, and a plain loop gives the same bits on every processor.
+//! ∫ y e^(−2πift) dt by the trapezoidal rule at the recorded times: no resampling. The lengths here
+//! (seconds at up to some kilohertz) need no fast transform, and a plain loop gives the same bits
+//! on every processor.
 
 use core::f64::consts::TAU;
 
@@ -9,7 +10,8 @@ use core::f64::consts::TAU;
 const LANES: usize = 4;
 /// Length of a segment of [`band_power`], s: its bins are 1 Hz wide.
 const SEGMENT_S: f64 = 1.0;
-/// Segments overlap by at least half, so that the window's weights add up nearly evenly (Welch 1967).
+/// Segments overlap by at least half, so that the window's weights add up nearly evenly (Welch
+/// 1967).
 const LARGEST_HOP_S: f64 = SEGMENT_S / 2.0;
 /// ∫ w² dt of the Hann window over a segment of 1 s.
 const HANN_POWER_S: f64 = 3.0 / 8.0;
@@ -37,7 +39,11 @@ pub fn squared_fourier(t: &[f64], y: &[f64], step_hz: f64, first: usize, count: 
 }
 
 /// sum ← sum + now, now ← now · turn: complex numbers, lane by lane.
-fn add_and_turn(sum: &mut [[f64; LANES]; 2], now: &mut [[f64; LANES]; 2], turn: &[[f64; LANES]; 2]) {
+fn add_and_turn(
+    sum: &mut [[f64; LANES]; 2],
+    now: &mut [[f64; LANES]; 2],
+    turn: &[[f64; LANES]; 2],
+) {
     for lane in 0..LANES {
         let (re, im) = (now[0][lane], now[1][lane]);
         sum[0][lane] += re;
@@ -62,24 +68,34 @@ fn trapezoidal_weights(t: &[f64]) -> Vec<f64> {
 pub struct BandPower {
     /// Mean square of the signal's part in the band, unit of the signal squared.
     pub power: f64,
-    /// Where the spectrum is highest in the band, Hz; `None` where it falls from the band's lower edge on: then the
-    /// band holds the tail of something slower and no oscillation of its own.
+    /// Where the spectrum is highest in the band, Hz; `None` where it falls from the band's lower
+    /// edge on: then the band holds the tail of something slower and no oscillation of its
+    /// own.
     pub dominant_hz: Option<f64>,
-    /// The highest frequency taken in, Hz: the band's upper end, or the last bin below the Nyquist frequency.
+    /// The highest frequency taken in, Hz: the band's upper end, or the last bin below the Nyquist
+    /// frequency.
     pub top_hz: f64,
 }
 
-/// Power and dominant frequency of `y` (at the times `t`, s) from `low_hz` to `high_hz`, by Welch's method (1967,
-/// IEEE Trans. Audio Electroacoust. 15:70).
+/// Power and dominant frequency of `y` (at the times `t`, s) from `low_hz` to `high_hz`, by Welch's
+/// method (1967, IEEE Trans. Audio Electroacoust. 15:70).
 ///
-/// Segments of 1 s, evenly spread with an overlap of at least half, each without its straight line and under a Hann
-/// window; the mean of their one-sided periodograms, power = Σ 2 |Y|² / (⅜ s · 1 s) over the bins of 1 Hz. The
-/// dominant frequency lies between the highest bin and its higher neighbour by the ratio of their amplitudes
-/// (Grandke 1983, IEEE Trans. Instrum. Meas. 32:350), exact for a pure tone.
+/// Segments of 1 s, evenly spread with an overlap of at least half, each without its straight line
+/// and under a Hann window; the mean of their one-sided periodograms, power = Σ 2 |Y|² / (⅜ s · 1
+/// s) over the bins of 1 Hz. The dominant frequency lies between the highest bin and its higher
+/// neighbour by the ratio of their amplitudes (Grandke 1983, IEEE Trans. Instrum. Meas. 32:350),
+/// exact for a pure tone.
 ///
-/// Frequencies at or above `nyquist_hz` are never looked at. `None` if that leaves nothing of the band, if `t` spans
-/// less than 1 s, or where the signal is 0. `low_hz` and `high_hz` are whole numbers of hertz.
-pub fn band_power(t: &[f64], y: &[f64], nyquist_hz: f64, low_hz: usize, high_hz: usize) -> Option<BandPower> {
+/// Frequencies at or above `nyquist_hz` are never looked at. `None` if that leaves nothing of the
+/// band, if `t` spans less than 1 s, or where the signal is 0. `low_hz` and `high_hz` are whole
+/// numbers of hertz.
+pub fn band_power(
+    t: &[f64],
+    y: &[f64],
+    nyquist_hz: f64,
+    low_hz: usize,
+    high_hz: usize,
+) -> Option<BandPower> {
     let top = (low_hz..=high_hz).rfind(|f| (*f as f64) < nyquist_hz)?;
     let (below, bins) = (low_hz.checked_sub(1)?, top + 3 - low_hz);
     let power = mean_periodogram(t, y, below, bins)?;
@@ -127,8 +143,8 @@ fn windowed(t: &[f64], y: &[f64], from: f64) -> Vec<f64> {
     centred().zip(t).map(|((t0, y0), &t)| (y0 - slope * t0) * window(t)).collect()
 }
 
-/// How far a tone lies from its highest bin `k`, in bins: with r the amplitude of the higher neighbour over that of
-/// the bin, ±(2r − 1) / (1 + r) for a Hann window.
+/// How far a tone lies from its highest bin `k`, in bins: with r the amplitude of the higher
+/// neighbour over that of the bin, ±(2r − 1) / (1 + r) for a Hann window.
 fn offset(power: &[f64], k: usize) -> f64 {
     let (before, after) = (power[k - 1], power[k + 1]);
     let ratio = (before.max(after) / power[k]).sqrt();
@@ -177,15 +193,19 @@ mod tests {
 
     #[test]
     fn uneven_samples_of_a_tone_tell_the_same() {
-        let t: Vec<f64> =
-            times(200.0, 2.4).iter().zip(0u32..).map(|(t, i)| t + 1e-3 * f64::from(i * 7 % 5)).collect();
+        let t: Vec<f64> = times(200.0, 2.4)
+            .iter()
+            .zip(0u32..)
+            .map(|(t, i)| t + 1e-3 * f64::from(i * 7 % 5))
+            .collect();
         let found = band_power(&t, &tone(&t, 1.0, 17.0), 100.0, 5, 50).unwrap();
         check(found.power, 0.5, 0.02);
         check(found.dominant_hz.unwrap(), 17.0, 0.02);
     }
 
-    /// NumPy and SciPy: `welch(x, 100, window="hann", nperseg=100, noverlap=50, detrend="linear")` on the samples
-    /// below, summed over 5 … 49 Hz. SciPy's line is that of 100 samples, ours of 101.
+    /// NumPy and SciPy: `welch(x, 100, window="hann", nperseg=100, noverlap=50, detrend="linear")`
+    /// on the samples below, summed over 5 … 49 Hz. SciPy's line is that of 100 samples, ours
+    /// of 101.
     #[test]
     fn the_power_is_that_of_scipys_welch() {
         let t = times(100.0, 2.0);

@@ -11,8 +11,9 @@ pub struct Updates {
     pub values: Vec<f64>,
 }
 
-/// Finds the updates of a signal that is held between them: an age grows with the clock until a new value comes. A
-/// value of age a at time t was taken at t − a. All three are equally long; times in s.
+/// Finds the updates of a signal that is held between them: an age grows with the clock until a new
+/// value comes. A value of age a at time t was taken at t − a. All three are equally long; times in
+/// s.
 pub fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Updates {
     let is_new = |i: &usize| match i.checked_sub(1) {
         // half of the interval: the age is stored in single precision
@@ -32,9 +33,9 @@ pub fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Updates {
 }
 
 impl Updates {
-    /// The signal at times `t`: straight lines between updates, the last value after the last of them. A held value
-    /// lags behind by half of the sensor's interval on average, and so turns an elastic spring into one that gives
-    /// more than it gets.
+    /// The signal at times `t`: straight lines between updates, the last value after the last of
+    /// them. A held value lags behind by half of the sensor's interval on average, and so turns
+    /// an elastic spring into one that gives more than it gets.
     pub fn at(&self, t: &[f64]) -> Vec<f64> {
         let last = self.values.last().copied().unwrap_or(0.0);
         interpolate_all(&self.t, &self.values, t).into_iter().map(|v| v.unwrap_or(last)).collect()
@@ -45,7 +46,8 @@ impl Updates {
 mod tests {
     use super::*;
 
-    /// A ramp of 3 N/s sampled 1000 times a second by a sensor of 80 a second, whose values arrive 2 ms late.
+    /// A ramp of 3 N/s sampled 1000 times a second by a sensor of 80 a second, whose values arrive
+    /// 2 ms late.
     #[test]
     fn a_held_ramp_becomes_a_ramp_again() {
         let t: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();

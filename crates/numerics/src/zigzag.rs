@@ -11,12 +11,12 @@ pub struct Leg {
     pub up: bool,
 }
 
-/// The legs of `y`: a leg ends at an extreme from which `y` retreats by more than `least` (in the unit of `y`); the
-/// first one begins with the first sample and counts once it is longer than `least`. Empty if `y` never leaves
-/// a range of `least`.
+/// The legs of `y`: a leg ends at an extreme from which `y` retreats by more than `least` (in the
+/// unit of `y`); the first one begins with the first sample and counts once it is longer than
+/// `least`. Empty if `y` never leaves a range of `least`.
 ///
-/// With `least` above the noise, turns of noise are none; every leg but the first is longer than `least`. This is
-/// the hysteresis filter of rainflow counting (ASTM E1049).
+/// With `least` above the noise, turns of noise are none; every leg but the first is longer than
+/// `least`. This is the hysteresis filter of rainflow counting (ASTM E1049).
 pub fn zigzag(y: &[f64], least: f64) -> Vec<Leg> {
     let mut legs = Vec::new();
     let (mut lowest, mut highest) = (0, 0);

@@ -6,7 +6,8 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// One thing that differs. Hashes are BLAKE3 of contents; `None` where there was, or is, no such file.
+/// One thing that differs. Hashes are BLAKE3 of contents; `None` where there was, or is, no such
+/// file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
 pub enum Change {
@@ -68,7 +69,9 @@ impl fmt::Display for Change {
         match self {
             Self::NeverMade => f.write_str("never made"),
             Self::Asked => f.write_str("asked to be made again"),
-            Self::Version { recorded, now } => write!(f, "algorithm version {recorded} is now {now}"),
+            Self::Version { recorded, now } => {
+                write!(f, "algorithm version {recorded} is now {now}")
+            }
             Self::Parameters { .. } => f.write_str("its parameters changed"),
             Self::Input(file) => write!(f, "input {} {}", file.path, file.how),
             Self::Output(file) => write!(f, "output {} {}", file.path, file.how),
@@ -88,8 +91,8 @@ impl fmt::Display for How {
     }
 }
 
-/// Everything that differs, in the order version, parameters, inputs, outputs; nothing if the job is up to date. `outputs`
-/// are the present ones.
+/// Everything that differs, in the order version, parameters, inputs, outputs; nothing if the job
+/// is up to date. `outputs` are the present ones.
 pub(crate) fn changes(
     before: Option<&Record>,
     now: &Record,
@@ -141,11 +144,8 @@ fn differences<'a>(
         let now = known(hash).filter(|_| how != How::ToBeMade);
         FileChange { path: path.clone(), recorded, now, how }
     });
-    let dropped = before.iter().filter(|(path, _)| !now.contains_key(*path)).map(|(path, hash)| FileChange {
-        path: path.clone(),
-        recorded: known(hash),
-        now: None,
-        how: How::Dropped,
+    let dropped = before.iter().filter(|(path, _)| !now.contains_key(*path)).map(|(path, hash)| {
+        FileChange { path: path.clone(), recorded: known(hash), now: None, how: How::Dropped }
     });
     differ.chain(dropped)
 }
@@ -167,7 +167,10 @@ mod tests {
     #[test]
     fn every_difference_is_told_with_both_hashes_not_only_the_first() {
         let before = record(&[("a", "1"), ("b", "2"), ("c", "3"), ("e", "5")]);
-        let now = Record { version: 2, ..record(&[("a", "9"), ("b", ""), ("d", "4"), ("e", TO_BE_MADE)]) };
+        let now = Record {
+            version: 2,
+            ..record(&[("a", "9"), ("b", ""), ("d", "4"), ("e", TO_BE_MADE)])
+        };
         let none = BTreeMap::new();
         let words: Vec<String> =
             changes(Some(&before), &now, &none).iter().map(ToString::to_string).collect();
@@ -181,8 +184,12 @@ mod tests {
         ];
         assert_eq!(words, expect);
         let hash = |h: &str| Some(h.to_owned());
-        let file =
-            FileChange { path: "a".to_owned(), recorded: hash("1"), now: hash("9"), how: How::Changed };
+        let file = FileChange {
+            path: "a".to_owned(),
+            recorded: hash("1"),
+            now: hash("9"),
+            how: How::Changed,
+        };
         assert_eq!(changes(Some(&before), &now, &none)[1], Change::Input(file));
         assert!(changes(Some(&now), &now, &none).is_empty());
         assert_eq!(changes(None, &now, &none), [Change::NeverMade]);

@@ -35,7 +35,8 @@ impl Hashes {
         self.lock().insert(path.to_owned(), hash);
     }
 
-    /// Where nothing is made, an output that would be has no known content, so that what needs it shows too.
+    /// Where nothing is made, an output that would be has no known content, so that what needs it
+    /// shows too.
     pub(crate) fn forget(&self, paths: &[PathBuf]) {
         for path in paths {
             self.set(path, TO_BE_MADE.to_owned());

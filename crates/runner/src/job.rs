@@ -11,12 +11,14 @@ pub struct Made {
     pub outputs: Vec<Vec<u8>>,
     /// What had to be left out, and why: remembered, and reported at every run.
     pub problems: Vec<String>,
-    /// What is in the outputs and is to be read with care, and why: remembered and reported likewise.
+    /// What is in the outputs and is to be read with care, and why: remembered and reported
+    /// likewise.
     pub care: Vec<String>,
 }
 
 /// The function that makes a job's outputs. It reads the job's inputs and nothing else.
-pub type Make<'a> = Box<dyn Fn(&Provenance) -> Result<Made, Box<dyn Error + Send + Sync>> + Send + Sync + 'a>;
+pub type Make<'a> =
+    Box<dyn Fn(&Provenance) -> Result<Made, Box<dyn Error + Send + Sync>> + Send + Sync + 'a>;
 
 /// One unit of work.
 pub struct Job<'a> {
@@ -39,7 +41,8 @@ pub struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Whether a person who says `name` means this job: its stage, its name, or the file stem of an output.
+    /// Whether a person who says `name` means this job: its stage, its name, or the file stem of an
+    /// output.
     pub fn is_called(&self, name: &str) -> bool {
         let has_stem = |o: &PathBuf| o.file_stem().is_some_and(|stem| stem == name);
         self.stage == name || self.name == name || self.outputs.iter().any(has_stem)

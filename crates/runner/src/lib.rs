@@ -1,19 +1,21 @@
-//! Runs jobs: declared inputs, outputs, parameters and versions; content hashes; does only what changed.
+//! Runs jobs: declared inputs, outputs, parameters and versions; content hashes; does only what
+//! changed.
 //!
 //! **A job is made again** exactly when one of these differs from the record of its last success:
-//! its stage's algorithm version, its parameters, the set or the content of its input files, the set
-//! or the content of its output files (a missing or edited output counts). Nothing else matters: no
-//! time stamp, no order, no number of threads. Outputs of jobs that are no longer planned are removed.
+//! its stage's algorithm version, its parameters, the set or the content of its input files, the
+//! set or the content of its output files (a missing or edited output counts). Nothing else
+//! matters: no time stamp, no order, no number of threads. Outputs of jobs that are no longer
+//! planned are removed.
 //!
-//! Each output carries its *origin* ([`ORIGIN`]): stage, version and one digest of everything its job depends on, by which
-//! a file found alone is told from which job it is. [`states`] says what a run would do now and why; [`trace`] follows
-//! the records back to the files that no job makes.
+//! Each output carries its *origin* ([`ORIGIN`]): stage, version and one digest of everything its
+//! job depends on, by which a file found alone is told from which job it is. [`states`] says what a
+//! run would do now and why; [`trace`] follows the records back to the files that no job makes.
 //!
 //! Jobs that do not need each other run in parallel. A failed job fails alone; jobs that need its
 //! outputs are passed over and say so.
 //!
-//! A run writes and removes by its [`Results`] alone: below `derived/<study>` and `reports/<study>`, whatever the records
-//! of earlier runs say.
+//! A run writes and removes by its [`Results`] alone: below `derived/<study>` and
+//! `reports/<study>`, whatever the records of earlier runs say.
 
 mod change;
 mod hashes;

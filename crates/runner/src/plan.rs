@@ -9,19 +9,24 @@ pub(crate) fn needs(jobs: &[Job]) -> Vec<BTreeSet<usize>> {
     let maker: HashMap<&PathBuf, usize> =
         jobs.iter().enumerate().flat_map(|(i, j)| j.outputs.iter().map(move |o| (o, i))).collect();
     let of = |(i, job): (usize, &Job)| {
-        job.inputs.iter().filter_map(|file| maker.get(file).copied()).filter(|maker| *maker != i).collect()
+        job.inputs
+            .iter()
+            .filter_map(|file| maker.get(file).copied())
+            .filter(|maker| *maker != i)
+            .collect()
     };
     jobs.iter().enumerate().map(of).collect()
 }
 
-/// Groups of job indices: a group needs only outputs of earlier groups. Jobs that need each other in
-/// a circle come last, together (they fail when they find an input missing).
+/// Groups of job indices: a group needs only outputs of earlier groups. Jobs that need each other
+/// in a circle come last, together (they fail when they find an input missing).
 pub(crate) fn levels(jobs: &[Job]) -> Vec<Vec<usize>> {
     let needs = needs(jobs);
     let mut waiting: BTreeSet<usize> = (0..jobs.len()).collect();
     let mut levels = Vec::new();
     while !waiting.is_empty() {
-        let ready: Vec<usize> = waiting.iter().copied().filter(|i| needs[*i].is_disjoint(&waiting)).collect();
+        let ready: Vec<usize> =
+            waiting.iter().copied().filter(|i| needs[*i].is_disjoint(&waiting)).collect();
         let level = if ready.is_empty() { waiting.iter().copied().collect() } else { ready };
         waiting.retain(|i| !level.contains(i));
         levels.push(level);
@@ -45,7 +50,8 @@ pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool) -> Vec<boo
     }
 }
 
-/// Which jobs a run looks at: all, or those that are called so ([`Job::is_called`]) and those whose outputs they need.
+/// Which jobs a run looks at: all, or those that are called so ([`Job::is_called`]) and those whose
+/// outputs they need.
 pub fn wanted(jobs: &[Job], only: Option<&str>) -> Vec<bool> {
     with_needs(jobs, |job| only.is_none_or(|name| job.is_called(name)))
 }

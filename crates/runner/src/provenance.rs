@@ -1,12 +1,14 @@
-//! What a file says of its making: the entries for its footer or metadata, and the one word that finds its job again.
+//! What a file says of its making: the entries for its footer or metadata, and the one word that
+//! finds its job again.
 
 use crate::record::Record;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::hex_blake3;
 
-/// Where a result comes from, for the footer of a table or the metadata of a figure: `job`, `stage`,
-/// `algorithm_version`, `parameters`, `input <path>` with the hash of each input, and [`ORIGIN`]. No time and no
-/// path of the machine is in it, so that the same inputs give the same bytes.
+/// Where a result comes from, for the footer of a table or the metadata of a figure: `job`,
+/// `stage`, `algorithm_version`, `parameters`, `input <path>` with the hash of each input, and
+/// [`ORIGIN`]. No time and no path of the machine is in it, so that the same inputs give the same
+/// bytes.
 pub type Provenance = BTreeMap<String, String>;
 
 /// The key of the file's origin: `zwidth:<stage>:<version>:<BLAKE3 of all other entries>`.
@@ -30,7 +32,8 @@ pub(crate) fn provenance(name: &str, record: &Record) -> Provenance {
     own.into_iter().chain(inputs).collect()
 }
 
-/// The origin of what the job of that name makes; the record's own origin and outputs are left out of the digest.
+/// The origin of what the job of that name makes; the record's own origin and outputs are left out
+/// of the digest.
 pub(crate) fn origin(name: &str, record: &Record) -> String {
     let mut entries = provenance(name, record);
     entries.remove(ORIGIN);
@@ -42,7 +45,8 @@ pub(crate) fn origin(name: &str, record: &Record) -> String {
     format!("{PREFIX}{}:{}:{}", record.stage, record.version, hex_blake3(text.as_bytes()))
 }
 
-/// Every origin that stands in a file of any format (SVG, PDF, PNG, Parquet, comments of tables), each once, in order.
+/// Every origin that stands in a file of any format (SVG, PDF, PNG, Parquet, comments of tables),
+/// each once, in order.
 pub fn origins(bytes: &[u8]) -> Vec<String> {
     let mut seen = BTreeSet::new();
     let starts = bytes.windows(PREFIX.len()).enumerate().filter(|(_, w)| *w == PREFIX.as_bytes());
@@ -106,8 +110,9 @@ mod tests {
     fn origins_are_found_between_any_bytes_and_nothing_else_is_taken_for_one() {
         let digest = "0123456789abcdef".repeat(4);
         let whole = format!("zwidth:tables:12:{digest}");
-        let text =
-            format!("\u{0}zwidth:zwidth:{whole}--{whole} zwidth:Tables:1:{digest} zwidth:tables::{digest}");
+        let text = format!(
+            "\u{0}zwidth:zwidth:{whole}--{whole} zwidth:Tables:1:{digest} zwidth:tables::{digest}"
+        );
         assert_eq!(origins(text.as_bytes()), std::slice::from_ref(&whole));
         assert!(origins(&whole.as_bytes()[..whole.len() - 1]).is_empty());
         assert!(origins(b"zwidth:").is_empty() && origins(b"").is_empty());

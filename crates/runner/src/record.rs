@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::{Layout, StoreError, from_json};
 
-/// What is remembered of a job that succeeded. Paths are relative to the root, hashes are BLAKE3 of contents.
+/// What is remembered of a job that succeeded. Paths are relative to the root, hashes are BLAKE3 of
+/// contents.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Record {
     /// The job's stage.
@@ -66,20 +67,24 @@ pub struct Records(pub(crate) BTreeMap<String, Record>);
 const MOST_RECORDS: u64 = 1 << 28;
 
 impl Records {
-    /// Reads the records of a study, and says which of them are not believed. A missing file gives none, and so does one
-    /// that cannot be understood: then everything is made again, which is always right. A record that names a file which
-    /// is no result of the study, or an input outside of the data folder, is passed by.
+    /// Reads the records of a study, and says which of them are not believed. A missing file gives
+    /// none, and so does one that cannot be understood: then everything is made again, which is
+    /// always right. A record that names a file which is no result of the study, or an input
+    /// outside of the data folder, is passed by.
     ///
     /// # Errors
     /// A link on the way to the file.
     pub fn read(results: &Results) -> Result<(Self, Vec<StoreError>), StoreError> {
         let path = Results::records_file(results.layout());
         let distrusted = |what: String| {
-            let what =
-                format!("the records of earlier runs cannot be read, so everything is made again: {what}");
+            let what = format!(
+                "the records of earlier runs cannot be read, so everything is made again: {what}"
+            );
             StoreError::new(&path, what, "nothing is to be done; the file is written anew")
         };
-        let Some(bytes) = results.read_records(MOST_RECORDS)? else { return Ok(Default::default()) };
+        let Some(bytes) = results.read_records(MOST_RECORDS)? else {
+            return Ok(Default::default());
+        };
         let bytes = match bytes {
             Ok(bytes) => bytes,
             Err(error) => return Ok((Self::default(), vec![distrusted(error.what)])),

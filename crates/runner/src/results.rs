@@ -1,15 +1,17 @@
 //! The results of a study, and the one handle by which a run writes and removes them.
 //!
-//! What a record names is a claim: whoever can write one could else have any file removed. So a path is held against the
-//! two folders that are a run's own, by its text and then, whenever something is opened or removed, on the disk, where no
-//! folder on the way may be a link.
+//! What a record names is a claim: whoever can write one could else have any file removed. So a
+//! path is held against the two folders that are a run's own, by its text and then, whenever
+//! something is opened or removed, on the disk, where no folder on the way may be a link.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use zwidth_store::{Entry, Files, Layout, MOST_BYTES, StoreError, hex_blake3, replace, unfinished_below};
+use zwidth_store::{
+    Entry, Files, Layout, MOST_BYTES, StoreError, hex_blake3, replace, unfinished_below,
+};
 
-/// `derived/<study>` and `reports/<study>`: nothing else in a run writes or removes there, and it writes and removes
-/// nothing elsewhere.
+/// `derived/<study>` and `reports/<study>`: nothing else in a run writes or removes there, and it
+/// writes and removes nothing elsewhere.
 pub struct Results<'a> {
     layout: &'a Layout,
     files: &'a dyn Files,
@@ -52,7 +54,8 @@ impl<'a> Results<'a> {
     /// Writes an output, whole.
     ///
     /// # Errors
-    /// A path that is not below the study's results, or a link on the way to it; a write that failed.
+    /// A path that is not below the study's results, or a link on the way to it; a write that
+    /// failed.
     pub(crate) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
         self.check(path)?;
         replace(self.files, path, bytes)
@@ -66,7 +69,9 @@ impl<'a> Results<'a> {
         self.check(path)?;
         match self.files.kind(path) {
             None => Ok(()),
-            Some(Entry::File) => self.files.remove(path).map_err(|e| StoreError::io(path, "remove", &e)),
+            Some(Entry::File) => {
+                self.files.remove(path).map_err(|e| StoreError::io(path, "remove", &e))
+            }
             Some(_) => Err(StoreError::new(path, "it is no file, and was not removed", BY_HAND)),
         }
     }
@@ -78,7 +83,8 @@ impl<'a> Results<'a> {
     pub(crate) fn remove_made(&self, path: &Path, blake3: &str) -> Result<(), StoreError> {
         self.check(path)?;
         if self.files.kind(path) == Some(Entry::File) {
-            let bytes = self.files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
+            let bytes =
+                self.files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
             if hex_blake3(&bytes) != blake3 {
                 let what = "no job makes it any more, but it was changed since it was made, and so it stays";
                 return Err(StoreError::new(path, what, BY_HAND));
@@ -87,20 +93,24 @@ impl<'a> Results<'a> {
         self.remove(path)
     }
 
-    /// Reads the records' file, of at most `most` bytes; nothing if there is none. What keeps it from being read is the
-    /// inner error.
+    /// Reads the records' file, of at most `most` bytes; nothing if there is none. What keeps it
+    /// from being read is the inner error.
     ///
     /// # Errors
     /// A link on the way to it.
-    pub(crate) fn read_records(&self, most: u64) -> Result<Option<Result<Vec<u8>, StoreError>>, StoreError> {
+    pub(crate) fn read_records(
+        &self,
+        most: u64,
+    ) -> Result<Option<Result<Vec<u8>, StoreError>>, StoreError> {
         let path = Self::records_file(self.layout);
         self.check(&path)?;
         let read = || self.files.read(&path, most).map_err(|e| StoreError::io(&path, "read", &e));
         Ok(self.files.kind(&path).map(|_| read()))
     }
 
-    /// Removes what writes of earlier runs that were cut short have left, unless another run of the study goes on, and
-    /// keeps later runs from doing so until what is returned is dropped. It costs nothing but litter if that fails.
+    /// Removes what writes of earlier runs that were cut short have left, unless another run of the
+    /// study goes on, and keeps later runs from doing so until what is returned is dropped. It
+    /// costs nothing but litter if that fails.
     pub(crate) fn hold(&self) -> Option<File> {
         let folder = self.layout.derived();
         self.check_way(&folder).ok()?;
@@ -129,8 +139,9 @@ impl<'a> Results<'a> {
 
     /// Whether a path is below the study's results, by its text and by every folder on the way.
     fn check(&self, path: &Path) -> Result<(), StoreError> {
-        let refused =
-            |why: String| StoreError::new(path, format!("not a result of the study: {why}"), DEFECT);
+        let refused = |why: String| {
+            StoreError::new(path, format!("not a result of the study: {why}"), DEFECT)
+        };
         let below_root = path.strip_prefix(self.root()).map_err(|e| refused(e.to_string()))?;
         let text = below_root.to_str().ok_or_else(|| refused("its name is no text".to_owned()))?;
         Self::named(self.layout, &text.replace(std::path::MAIN_SEPARATOR, "/")).map_err(refused)?;
@@ -231,9 +242,14 @@ mod tests {
         let results = Results::new(&layout, &RealFiles);
         let outside = folder.path().join("outside");
         fs::write(&outside, "theirs").unwrap();
-        for path in [outside.clone(), layout.study_toml(), layout.derived().join("../../raw/s/study.toml")] {
+        for path in
+            [outside.clone(), layout.study_toml(), layout.derived().join("../../raw/s/study.toml")]
+        {
             assert!(results.write(&path, b"x").is_err(), "{path:?}");
-            assert!(results.remove(&path).is_err() && results.remove_made(&path, "").is_err(), "{path:?}");
+            assert!(
+                results.remove(&path).is_err() && results.remove_made(&path, "").is_err(),
+                "{path:?}"
+            );
         }
         assert_eq!(fs::read_to_string(&outside).unwrap(), "theirs");
         assert_eq!(fs::read_to_string(layout.study_toml()).unwrap(), "study");

@@ -5,7 +5,7 @@ use crate::hashes::{Hashes, shown};
 use crate::plan::{needs, wanted};
 use crate::provenance::provenance;
 use crate::record::Record;
-use crate::{Job, Made, Records, Results};
+use crate::{Job, Made, Provenance, Records, Results};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -23,6 +23,8 @@ pub struct Options {
     pub only: Option<String>,
     /// BLAKE3 of files that were read already, hexadecimal.
     pub known: Vec<(PathBuf, String)>,
+    /// Outputs say nothing of their making: their bytes are their content alone.
+    pub without_origin: bool,
 }
 
 /// How a job ended.
@@ -58,16 +60,17 @@ pub struct Report {
 pub struct Done {
     /// How each job ended.
     pub reports: Vec<Report>,
-    /// What was wrong with the records of earlier runs, and what was not removed though no job makes it any more.
+    /// What was wrong with the records of earlier runs, and what was not removed though no job
+    /// makes it any more.
     pub remarks: Vec<StoreError>,
 }
 
-/// Runs the jobs that need it, each as soon as what it reads is there, several at a time. The records are written as work
-/// proceeds; `done` is called after each job, from any thread.
+/// Runs the jobs that need it, each as soon as what it reads is there, several at a time. The
+/// records are written as work proceeds; `done` is called after each job, from any thread.
 ///
 /// # Errors
-/// An output or the records cannot be written; then no job is begun that was not ready before. Whatever else goes wrong
-/// in a job is in its [`Report`].
+/// An output or the records cannot be written; then no job is begun that was not ready before.
+/// Whatever else goes wrong in a job is in its [`Report`].
 pub fn run(
     jobs: &[Job],
     results: &Results,
@@ -89,7 +92,8 @@ pub fn run(
     let Board { mut records, mut unsaved, reports, stayed, disk, .. } =
         run.board.into_inner().unwrap_or_else(PoisonError::into_inner);
     if let Some(error) = disk {
-        // What was made is remembered where there is room for that; the first error is the one to report.
+        // What was made is remembered where there is room for that; the first error is the one to
+        // report.
         let _ = records.write(results);
         return Err(error);
     }
@@ -120,7 +124,8 @@ struct Board<'j> {
     reports: Vec<Option<Report>>,
     /// For each job those that read its outputs.
     readers: Vec<Vec<usize>>,
-    /// For each job how many others it waits for; `None` once it was begun, or if nobody asked for it.
+    /// For each job how many others it waits for; `None` once it was begun, or if nobody asked for
+    /// it.
     waits: Vec<Option<usize>>,
     /// Outputs of failed jobs that could not be removed.
     stayed: Vec<StoreError>,
@@ -143,7 +148,11 @@ impl Board<'_> {
             failed: BTreeSet::new(),
             reports: jobs.iter().map(|_| None).collect(),
             readers,
-            waits: needs.iter().zip(wanted).map(|(needs, wanted)| wanted.then_some(needs.len())).collect(),
+            waits: needs
+                .iter()
+                .zip(wanted)
+                .map(|(needs, wanted)| wanted.then_some(needs.len()))
+                .collect(),
             stayed: Vec::new(),
             disk: None,
         }
@@ -154,8 +163,8 @@ impl Board<'_> {
         self.begin(|waits| waits == 0)
     }
 
-    /// Jobs that nothing which is left could make ready: they need each other, or one that does, and fail when they find an
-    /// input missing.
+    /// Jobs that nothing which is left could make ready: they need each other, or one that does,
+    /// and fail when they find an input missing.
     fn in_a_circle(&mut self) -> Vec<usize> {
         if self.disk.is_some() { Vec::new() } else { self.begin(|_| true) }
     }
@@ -242,7 +251,10 @@ impl<'j> Run<'j, '_> {
             _ => {}
         }
         board.reports[i] = Some(report);
-        if board.unsaved && !self.options.dry_run && board.saved.elapsed().as_secs_f64() >= SAVED_EVERY_S {
+        if board.unsaved
+            && !self.options.dry_run
+            && board.saved.elapsed().as_secs_f64() >= SAVED_EVERY_S
+        {
             board.records.write(self.results)?;
             (board.unsaved, board.saved) = (false, Instant::now());
         }
@@ -283,7 +295,11 @@ impl<'j> Run<'j, '_> {
             return Ok((without(Verdict::Made(why)), None));
         }
         let mut record = now.with_origin(&job.name);
-        Ok(match make(job, &record, self.results)? {
+        let from = match self.options.without_origin {
+            true => Provenance::new(),
+            false => provenance(&job.name, &record),
+        };
+        Ok(match make(job, &from, self.results)? {
             Err(error) => (without(Verdict::Failed(error)), None),
             Ok(made) => {
                 for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
@@ -311,10 +327,15 @@ impl<'j> Run<'j, '_> {
     }
 }
 
-/// Makes a job's outputs and writes them. The job's own failure is the inner error: the others go on. An output
-/// that cannot be written is the outer one: the disk is full or read-only, for the others too.
-fn make(job: &Job, record: &Record, results: &Results) -> Result<Result<Made, String>, StoreError> {
-    let made = match (job.make)(&provenance(&job.name, record)) {
+/// Makes a job's outputs and writes them. The job's own failure is the inner error: the others go
+/// on. An output that cannot be written is the outer one: the disk is full or read-only, for the
+/// others too.
+fn make(
+    job: &Job,
+    from: &Provenance,
+    results: &Results,
+) -> Result<Result<Made, String>, StoreError> {
+    let made = match (job.make)(from) {
         Ok(made) => made,
         Err(error) => return Ok(Err(error.to_string())),
     };
@@ -331,15 +352,22 @@ fn make(job: &Job, record: &Record, results: &Results) -> Result<Result<Made, St
 /// Takes the records of jobs that are no longer planned out of the others.
 fn unplanned(jobs: &[Job], records: &mut Records) -> Vec<Record> {
     let names: BTreeSet<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
-    let gone: Vec<String> = records.0.keys().filter(|n| !names.contains(n.as_str())).cloned().collect();
+    let gone: Vec<String> =
+        records.0.keys().filter(|n| !names.contains(n.as_str())).cloned().collect();
     gone.iter().filter_map(|name| records.0.remove(name)).collect()
 }
 
-/// Removes what a job that is no longer planned made, unless a planned job makes it; what stayed nevertheless.
-fn remove_unplanned(planned: &BTreeSet<&PathBuf>, record: &Record, results: &Results) -> Vec<StoreError> {
+/// Removes what a job that is no longer planned made, unless a planned job makes it; what stayed
+/// nevertheless.
+fn remove_unplanned(
+    planned: &BTreeSet<&PathBuf>,
+    record: &Record,
+    results: &Results,
+) -> Vec<StoreError> {
     let remove = |(path, hash): (&String, &String)| {
         // Every record was held against this when it was read.
-        let path = Results::named(results.layout(), path).ok().filter(|path| !planned.contains(path))?;
+        let path =
+            Results::named(results.layout(), path).ok().filter(|path| !planned.contains(path))?;
         results.remove_made(&path, hash).err()
     };
     record.outputs.iter().filter_map(remove).collect()

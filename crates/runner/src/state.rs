@@ -41,8 +41,8 @@ impl State<'_, '_> {
     }
 }
 
-/// The chosen jobs, and those whose outputs they need, however far back, as a run would find them: those that others
-/// need first.
+/// The chosen jobs, and those whose outputs they need, however far back, as a run would find them:
+/// those that others need first.
 pub fn states<'j, 'a>(
     jobs: &'j [Job<'a>],
     root: &Path,
@@ -56,7 +56,10 @@ pub fn states<'j, 'a>(
         let work: Vec<&Job> = level.into_iter().filter(|i| wanted[*i]).map(|i| &jobs[i]).collect();
         let state = |job: &&'j Job<'a>| {
             let now = Record::now(job, root, &hashes);
-            State { job, changes: changes(records.get(&job.name), &now, &hashes.of(root, &job.outputs)) }
+            State {
+                job,
+                changes: changes(records.get(&job.name), &now, &hashes.of(root, &job.outputs)),
+            }
         };
         let found: Vec<State> = work.par_iter().map(state).collect();
         for state in found.iter().filter(|s| !s.changes.is_empty()) {
@@ -105,7 +108,8 @@ mod tests {
         fs::create_dir_all(&root).unwrap();
         fs::write(root.join("a"), "x").unwrap();
         assert_eq!(again(&layout), [("first", Again::Yes), ("second", Again::Yes)]);
-        run(&jobs(&root), &Results::new(&layout, &RealFiles), &Options::default(), &|_| {}).unwrap();
+        run(&jobs(&root), &Results::new(&layout, &RealFiles), &Options::default(), &|_| {})
+            .unwrap();
         assert_eq!(again(&layout), [("first", Again::No), ("second", Again::No)]);
         fs::write(root.join("a"), "X").unwrap();
         assert_eq!(again(&layout), [("first", Again::Yes), ("second", Again::IfInputsDiffer)]);

@@ -1,4 +1,5 @@
-//! What a file was made from, back to files that no job makes: what the records say, not what a plan would guess.
+//! What a file was made from, back to files that no job makes: what the records say, not what a
+//! plan would guess.
 
 use crate::Records;
 use crate::record::Record;
@@ -30,8 +31,8 @@ pub struct Trace<'r> {
     pub steps: Vec<Step<'r>>,
     /// The files in which the chain ends, because no job makes them, sorted.
     pub sources: Vec<Source>,
-    /// Files read on the way whose job has made them with another content since: of the contents read there is no record
-    /// any more, and the chain ends there. Sorted.
+    /// Files read on the way whose job has made them with another content since: of the contents
+    /// read there is no record any more, and the chain ends there. Sorted.
     pub lost: Vec<Source>,
 }
 
@@ -52,7 +53,9 @@ pub fn trace<'r>(records: &'r Records, job: &str) -> Option<Trace<'r>> {
             let source = || Source { path: path.clone(), blake3: blake3.clone() };
             match makers.get(path) {
                 None => _ = sources.insert(source()),
-                Some(maker) if maker.record.outputs.get(path) != Some(blake3) => _ = lost.insert(source()),
+                Some(maker) if maker.record.outputs.get(path) != Some(blake3) => {
+                    _ = lost.insert(source())
+                }
                 Some(maker) if seen.insert(maker.job) => waiting.push_back(*maker),
                 Some(_) => {}
             }
@@ -67,7 +70,9 @@ mod tests {
     use super::*;
 
     fn record(inputs: &[(&str, &str)], output: (&str, &str)) -> Record {
-        let map = |files: &[(&str, &str)]| files.iter().map(|(p, h)| ((*p).into(), (*h).into())).collect();
+        let map = |files: &[(&str, &str)]| {
+            files.iter().map(|(p, h)| ((*p).into(), (*h).into())).collect()
+        };
         Record { inputs: map(inputs), outputs: map(&[output]), ..Record::default() }
     }
 

@@ -1,10 +1,11 @@
 //! Akaike's information criterion with the small-sample correction.
 
-/// AICc = n ln(rss / n) + 2k + 2k(k + 1) / (n − k − 1) for a least-squares fit to n independent points
-/// (Hurvich & Tsai 1989, Biometrika 76:297), up to a constant of the data; smaller is better.
+/// AICc = n ln(rss / n) + 2k + 2k(k + 1) / (n − k − 1) for a least-squares fit to n independent
+/// points (Hurvich & Tsai 1989, Biometrika 76:297), up to a constant of the data; smaller is
+/// better.
 ///
-/// `parameters` counts those of the curve; k adds one for the error variance. `None` where the correction does
-/// not exist (n ≤ k + 1) or the fit is exact.
+/// `parameters` counts those of the curve; k adds one for the error variance. `None` where the
+/// correction does not exist (n ≤ k + 1) or the fit is exact.
 pub fn aicc(points: usize, rss: f64, parameters: usize) -> Option<f64> {
     let (n, k) = (points as f64, parameters as f64 + 1.0);
     let room = n - k - 1.0;

@@ -12,8 +12,9 @@ pub fn lag1(segments: &[&[f64]]) -> Option<f64> {
     (n > 1 && squares > 0.0).then(|| products / squares)
 }
 
-/// Durbin & Watson's (1950) statistic Σ (eᵢ − eᵢ₋₁)² / Σ eᵢ²: near 2 without autocorrelation, towards 0 with
-/// positive, towards 4 with negative. No unit; `None` if all residuals are 0 or there are fewer than two.
+/// Durbin & Watson's (1950) statistic Σ (eᵢ − eᵢ₋₁)² / Σ eᵢ²: near 2 without autocorrelation,
+/// towards 0 with positive, towards 4 with negative. No unit; `None` if all residuals are 0 or
+/// there are fewer than two.
 pub fn durbin_watson(residuals: &[f64]) -> Option<f64> {
     let differences: f64 = residuals.windows(2).map(|w| (w[1] - w[0]) * (w[1] - w[0])).sum();
     let squares: f64 = residuals.iter().map(|e| e * e).sum();

@@ -6,8 +6,8 @@ use crate::student_t::critical_value;
 
 /// Mean, SD and pointwise t band of repeats, one entry a grid point. Units as the values.
 ///
-/// Where fewer than half of the repeats have a value all four are `None`: the average ends there. Where only
-/// one has (of one or two repeats) there is a mean without SD or band.
+/// Where fewer than half of the repeats have a value all four are `None`: the average ends there.
+/// Where only one has (of one or two repeats) there is a mean without SD or band.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Band {
     /// Repeats that have a value here, also where they are too few.
@@ -16,18 +16,19 @@ pub struct Band {
     pub mean: Vec<Option<f64>>,
     /// Their sample standard deviation (divisor n − 1).
     pub sd: Vec<Option<f64>>,
-    /// Lower end of the mean's t interval, df = n − 1. Pointwise: it covers each point, not the whole curve.
+    /// Lower end of the mean's t interval, df = n − 1. Pointwise: it covers each point, not the
+    /// whole curve.
     pub ci_low: Vec<Option<f64>>,
     /// Upper end of the mean's t interval.
     pub ci_high: Vec<Option<f64>>,
 }
 
-/// The [`Band`] of `rows` (one a repeat, each as long as the grid, `None` where the repeat has ended or has no
-/// value) at confidence `level`.
+/// The [`Band`] of `rows` (one a repeat, each as long as the grid, `None` where the repeat has
+/// ended or has no value) at confidence `level`.
 ///
 /// # Errors
-/// Rows of different length, a value that is not finite (its index is that of the grid point), `level` outside
-/// (0, 1).
+/// Rows of different length, a value that is not finite (its index is that of the grid point),
+/// `level` outside (0, 1).
 pub fn band(rows: &[Vec<Option<f64>>], level: f64) -> Result<Band, StatsError> {
     let points = rows.first().map_or(0, Vec::len);
     if let Some(row) = rows.iter().position(|r| r.len() != points) {
@@ -81,7 +82,8 @@ mod tests {
 
     #[test]
     fn each_point_is_the_mean_and_interval_of_its_repeats() {
-        let rows = vec![vec![Some(1.0), Some(4.0)], vec![Some(2.0), None], vec![Some(4.5), Some(6.0)]];
+        let rows =
+            vec![vec![Some(1.0), Some(4.0)], vec![Some(2.0), None], vec![Some(4.5), Some(6.0)]];
         let band = band(&rows, 0.9).unwrap();
         for (point, values) in [(0, vec![1.0, 2.0, 4.5]), (1, vec![4.0, 6.0])] {
             let alone = mean(&values, 0.9).unwrap();
@@ -109,7 +111,10 @@ mod tests {
     #[test]
     fn a_single_repeat_has_no_band() {
         let band = band(&[vec![Some(3.0), None]], 0.95).unwrap();
-        assert_eq!((band.mean, band.sd, band.ci_low), (vec![Some(3.0), None], vec![None; 2], vec![None; 2]));
+        assert_eq!(
+            (band.mean, band.sd, band.ci_low),
+            (vec![Some(3.0), None], vec![None; 2], vec![None; 2])
+        );
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! The bootstrap over blocks: resampled statistics and their percentile interval.
 //!
-//! Samples of one recording are not independent, blocks of it (or whole sweeps, trials, participants) nearly
-//! are: those are what is drawn. Efron & Tibshirani (1993), *An Introduction to the Bootstrap*; Künsch (1989),
-//! Ann. Statist. 17:1217 for blocks of a series.
+//! Samples of one recording are not independent, blocks of it (or whole sweeps, trials,
+//! participants) nearly are: those are what is drawn. Efron & Tibshirani (1993), *An Introduction
+//! to the Bootstrap*; Künsch (1989), Ann. Statist. 17:1217 for blocks of a series.
 //!
-//! Each resample draws from its own stream of the ChaCha8 cipher, keyed with the seed: the numbers are those of
-//! the cipher's definition, on any machine, in any later version, and with any number of threads.
+//! Each resample draws from its own stream of the ChaCha8 cipher, keyed with the seed: the numbers
+//! are those of the cipher's definition, on any machine, in any later version, and with any number
+//! of threads.
 
 use crate::error::{StatsError, all_finite, check_level};
 use crate::student_t::critical_value;
@@ -16,10 +17,11 @@ use rayon::prelude::*;
 /// Number of bytes of the cipher's key.
 const KEY_BYTES: usize = 32;
 
-/// Evaluates `statistic` on `resamples` samples of `draws` blocks each, drawn from `blocks` with replacement.
+/// Evaluates `statistic` on `resamples` samples of `draws` blocks each, drawn from `blocks` with
+/// replacement.
 ///
-/// `draws` is `blocks.len()` for the ordinary bootstrap. One value a resample, in the order of the resamples;
-/// the same for one seed whatever the number of threads. Empty if there are no blocks.
+/// `draws` is `blocks.len()` for the ordinary bootstrap. One value a resample, in the order of the
+/// resamples; the same for one seed whatever the number of threads. Empty if there are no blocks.
 pub fn resample<B: Sync, T: Send>(
     blocks: &[B],
     draws: usize,
@@ -32,14 +34,15 @@ pub fn resample<B: Sync, T: Send>(
     }
     let one = |number: usize| {
         let mut rng = stream(seed, number as u64);
-        let drawn: Vec<&B> = (0..draws).map(|_| &blocks[index_below(&mut rng, blocks.len())]).collect();
+        let drawn: Vec<&B> =
+            (0..draws).map(|_| &blocks[index_below(&mut rng, blocks.len())]).collect();
         statistic(&drawn)
     };
     (0..resamples).into_par_iter().map(one).collect()
 }
 
-/// The percentile interval of resampled `values`: their (1 ∓ level)/2 quantiles, interpolated as NumPy's
-/// default does (type 7 of Hyndman & Fan 1996). Unit as the values; `None` without values.
+/// The percentile interval of resampled `values`: their (1 ∓ level)/2 quantiles, interpolated as
+/// NumPy's default does (type 7 of Hyndman & Fan 1996). Unit as the values; `None` without values.
 ///
 /// # Errors
 /// A value that is not finite, `level` outside (0, 1).
@@ -52,11 +55,11 @@ pub fn percentile_interval(values: &[f64], level: f64) -> Result<Option<(f64, f6
     Ok(quantile(&sorted, tail).zip(quantile(&sorted, 1.0 - tail)))
 }
 
-/// The level at which percentiles of a bootstrap over `n` independent blocks make an interval of `level`
-/// (Hesterberg 2015, Amer. Statist. 69:371, the "expanded percentile interval"): 2Φ(z) − 1 with
-/// z = √(n / (n − 1)) t(level, df n − 1). Resampled means of n values scatter by √((n − 1)/n) too little, and
-/// know the variance from n values only; for 15 blocks 95 % becomes 97.4 %. Below 1 always; at n = 2 it is the
-/// whole range of the resamples.
+/// The level at which percentiles of a bootstrap over `n` independent blocks make an interval of
+/// `level` (Hesterberg 2015, Amer. Statist. 69:371, the "expanded percentile interval"): 2Φ(z) − 1
+/// with z = √(n / (n − 1)) t(level, df n − 1). Resampled means of n values scatter by √((n − 1)/n)
+/// too little, and know the variance from n values only; for 15 blocks 95 % becomes 97.4 %. Below 1
+/// always; at n = 2 it is the whole range of the resamples.
 ///
 /// # Errors
 /// `level` outside (0, 1), `n` below 2.
@@ -84,8 +87,8 @@ fn stream(seed: u64, number: u64) -> ChaCha8Rng {
     rng
 }
 
-/// A whole number below `n`, from the high half of a 64 × 64 bit product (Lemire 2019); its bias is below
-/// n / 2⁶⁴.
+/// A whole number below `n`, from the high half of a 64 × 64 bit product (Lemire 2019); its bias is
+/// below n / 2⁶⁴.
 fn index_below(rng: &mut ChaCha8Rng, n: usize) -> usize {
     ((u128::from(rng.next_u64()) * n as u128) >> u64::BITS) as usize
 }
@@ -102,13 +105,16 @@ mod tests {
     fn one_thread_gives_the_bits_of_many() {
         let values: Vec<f64> = (0..50).map(|i| libm::sin(f64::from(i))).collect();
         let run = || resample(&values, values.len(), 200, 7, mean);
-        let on = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run);
+        let on = |threads| {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+        };
         assert_eq!(on(1), on(4));
         assert_ne!(run(), resample(&values, values.len(), 200, 8, mean));
     }
 
-    /// The draws are part of every stored interval: this fails if a new version of anything changes them. The
-    /// numbers come from a separate ChaCha8 written in Python: key = seed, nonce = number of the resample.
+    /// The draws are part of every stored interval: this fails if a new version of anything changes
+    /// them. The numbers come from a separate ChaCha8 written in Python: key = seed, nonce =
+    /// number of the resample.
     #[test]
     fn the_draws_of_a_seed_are_fixed() {
         let blocks: Vec<usize> = (0..10).collect();
@@ -131,7 +137,8 @@ mod tests {
     /// NumPy: `np.quantile([3, 1, 2, 5, 4, 9], [0.025, 0.975])`.
     #[test]
     fn percentiles_are_those_of_numpy() {
-        let (low, high) = percentile_interval(&[3.0, 1.0, 2.0, 5.0, 4.0, 9.0], 0.95).unwrap().unwrap();
+        let (low, high) =
+            percentile_interval(&[3.0, 1.0, 2.0, 5.0, 4.0, 9.0], 0.95).unwrap().unwrap();
         assert!((low - 1.125).abs() < 1e-14 && (high - 8.5).abs() < 1e-14);
         assert_eq!(percentile_interval(&[2.0], 0.95).unwrap(), Some((2.0, 2.0)));
         assert_eq!(percentile_interval(&[], 0.95).unwrap(), None);

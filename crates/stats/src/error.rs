@@ -14,7 +14,9 @@ pub enum StatsError {
         value: f64,
     },
     /// A confidence level outside (0, 1).
-    #[error("a confidence level of {level} makes no interval: give a share between 0 and 1, such as 0.95")]
+    #[error(
+        "a confidence level of {level} makes no interval: give a share between 0 and 1, such as 0.95"
+    )]
     Level {
         /// The level asked for.
         level: f64,
@@ -26,7 +28,9 @@ pub enum StatsError {
         df: f64,
     },
     /// Repeats that do not lie on one grid.
-    #[error("row {row} has {found} points where the first has {expected}: put all repeats on one grid first")]
+    #[error(
+        "row {row} has {found} points where the first has {expected}: put all repeats on one grid first"
+    )]
     Ragged {
         /// The first such row.
         row: usize,

@@ -1,24 +1,31 @@
-//! Standard errors for fits to recordings, whose samples are neither independent nor of one variance.
+//! Standard errors for fits to recordings, whose samples are neither independent nor of one
+//! variance.
 
 use crate::error::StatsError;
 use zwidth_numerics::NumericsError;
 use zwidth_numerics::lsq::LinearFit;
 
-/// Covariance of the coefficients of a linear fit that holds under autocorrelation and unequal variance
-/// (Newey & West 1987, Econometrica 55:703): (XᵀX)⁻¹ S (XᵀX)⁻¹ with
+/// Covariance of the coefficients of a linear fit that holds under autocorrelation and unequal
+/// variance (Newey & West 1987, Econometrica 55:703): (XᵀX)⁻¹ S (XᵀX)⁻¹ with
 /// S = Γ₀ + Σₗ (1 − l / (L + 1)) (Γₗ + Γₗᵀ), Γₗ = Σᵢ eᵢ eᵢ₋ₗ xᵢ xᵢ₋ₗᵀ, L = `lags`.
 ///
-/// `columns` are those of the fit, in the order of recording; p × p, in the units of the coefficients. There is
-/// no small-sample factor, as in statsmodels' `cov_type="HAC"`. `lags` should span the time over which
-/// residuals stay correlated; 0 gives White's heteroscedasticity-consistent covariance. Lags beyond the
-/// recording add nothing.
+/// `columns` are those of the fit, in the order of recording; p × p, in the units of the
+/// coefficients. There is no small-sample factor, as in statsmodels' `cov_type="HAC"`. `lags`
+/// should span the time over which residuals stay correlated; 0 gives White's
+/// heteroscedasticity-consistent covariance. Lags beyond the recording add nothing.
 ///
 /// # Errors
 /// Columns that are not those of the fit (number or length).
-pub fn newey_west(columns: &[&[f64]], fit: &LinearFit, lags: usize) -> Result<Vec<Vec<f64>>, StatsError> {
+pub fn newey_west(
+    columns: &[&[f64]],
+    fit: &LinearFit,
+    lags: usize,
+) -> Result<Vec<Vec<f64>>, StatsError> {
     check_columns(columns, fit)?;
-    let scores: Vec<Vec<f64>> =
-        columns.iter().map(|c| c.iter().zip(&fit.residuals).map(|(x, e)| x * e).collect()).collect();
+    let scores: Vec<Vec<f64>> = columns
+        .iter()
+        .map(|c| c.iter().zip(&fit.residuals).map(|(x, e)| x * e).collect())
+        .collect();
     let meat = long_run_sum(&scores, lags);
     Ok(product(&product(&fit.xtx_inverse, &meat), &fit.xtx_inverse))
 }
@@ -66,8 +73,8 @@ mod tests {
     use super::*;
     use zwidth_numerics::lsq;
 
-    /// 24 rows made from whole numbers, so that another program has the same bits: an intercept, a ramp, a
-    /// scrambled column, and errors of an AR(1) process with coefficient 0.7.
+    /// 24 rows made from whole numbers, so that another program has the same bits: an intercept, a
+    /// ramp, a scrambled column, and errors of an AR(1) process with coefficient 0.7.
     fn design() -> (Vec<Vec<f64>>, Vec<f64>) {
         let rows = 0..24u32;
         let x: Vec<f64> = rows.clone().map(|i| f64::from(i) * 0.5).collect();
@@ -81,7 +88,8 @@ mod tests {
         (vec![vec![1.0; 24], x, z], y)
     }
 
-    /// statsmodels: `OLS(y, X).fit(cov_type="HAC", cov_kwds={"maxlags": L}).cov_params()`, upper triangle.
+    /// statsmodels: `OLS(y, X).fit(cov_type="HAC", cov_kwds={"maxlags": L}).cov_params()`, upper
+    /// triangle.
     #[test]
     fn covariances_agree_with_statsmodels() {
         let statsmodels: [(usize, [f64; 6]); 4] = [

@@ -35,7 +35,12 @@ pub struct Estimate {
 ///
 /// # Errors
 /// `level` outside (0, 1), `df` not positive, an estimate or standard error that is not finite.
-pub fn t_interval(estimate: f64, std_error: f64, df: f64, level: f64) -> Result<Estimate, StatsError> {
+pub fn t_interval(
+    estimate: f64,
+    std_error: f64,
+    df: f64,
+    level: f64,
+) -> Result<Estimate, StatsError> {
     all_finite(&[estimate, std_error])?;
     let half = critical_value(level, df)? * std_error;
     Ok(Estimate { estimate, std_error, ci_low: estimate - half, ci_high: estimate + half, df })
@@ -53,13 +58,14 @@ pub fn mean(values: &[f64], level: f64) -> Result<Mean, StatsError> {
         return Ok(Mean { n, estimate: None, sd: None, interval: None });
     }
     let (estimate, sd) = mean_and_sd(values);
-    let interval =
-        sd.map(|sd| t_interval(estimate, sd / (n as f64).sqrt(), (n - 1) as f64, level)).transpose()?;
+    let interval = sd
+        .map(|sd| t_interval(estimate, sd / (n as f64).sqrt(), (n - 1) as f64, level))
+        .transpose()?;
     Ok(Mean { n, estimate: Some(estimate), sd, interval })
 }
 
-/// Sample standard deviation (divisor n − 1), unit as the values; `None` for fewer than two. A value that is not
-/// finite gives NaN: check before.
+/// Sample standard deviation (divisor n − 1), unit as the values; `None` for fewer than two. A
+/// value that is not finite gives NaN: check before.
 pub fn sd(values: &[f64]) -> Option<f64> {
     mean_and_sd(values).1
 }
@@ -81,8 +87,13 @@ mod tests {
     fn the_mean_of_six_repeats_has_the_interval_of_scipy() {
         let mean = mean(&[4.1, 3.9, 4.4, 4.0, 4.6, 4.3], 0.95).unwrap();
         let interval = mean.interval.unwrap();
-        let found =
-            [mean.estimate.unwrap(), mean.sd.unwrap(), interval.std_error, interval.ci_low, interval.ci_high];
+        let found = [
+            mean.estimate.unwrap(),
+            mean.sd.unwrap(),
+            interval.std_error,
+            interval.ci_low,
+            interval.ci_high,
+        ];
         let scipy = [
             4.216666666666667,
             0.26394443859772204,
@@ -98,13 +109,22 @@ mod tests {
 
     #[test]
     fn one_value_has_a_mean_and_no_interval_and_none_has_neither() {
-        assert_eq!(mean(&[2.5], 0.95).unwrap(), Mean { n: 1, estimate: Some(2.5), sd: None, interval: None });
-        assert_eq!(mean(&[], 0.95).unwrap(), Mean { n: 0, estimate: None, sd: None, interval: None });
+        assert_eq!(
+            mean(&[2.5], 0.95).unwrap(),
+            Mean { n: 1, estimate: Some(2.5), sd: None, interval: None }
+        );
+        assert_eq!(
+            mean(&[], 0.95).unwrap(),
+            Mean { n: 0, estimate: None, sd: None, interval: None }
+        );
     }
 
     #[test]
     fn nan_and_a_level_of_95_are_refused() {
-        assert!(matches!(mean(&[1.0, f64::NAN], 0.95), Err(StatsError::NonFinite { index: 1, .. })));
+        assert!(matches!(
+            mean(&[1.0, f64::NAN], 0.95),
+            Err(StatsError::NonFinite { index: 1, .. })
+        ));
         assert_eq!(mean(&[1.0, 2.0], 95.0), Err(StatsError::Level { level: 95.0 }));
     }
 }

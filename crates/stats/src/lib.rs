@@ -1,7 +1,7 @@
 //! Statistics a reviewer accepts: intervals, bootstraps, information criteria, residual checks.
 //!
-//! Pure functions on slices: no files, no clock, no hidden random state. A result that does not exist (the
-//! interval of one value) is `None`, never NaN.
+//! Pure functions on slices: no files, no clock, no hidden random state. A result that does not
+//! exist (the interval of one value) is `None`, never NaN.
 
 pub mod aicc;
 pub mod autocorrelation;

@@ -5,14 +5,15 @@ use crate::hac::newey_west;
 use crate::interval::{Estimate, t_interval};
 use zwidth_numerics::lsq::LinearFit;
 
-/// The covariance looks back over one tenth of the recording: long against the time over which residuals stay
-/// alike in free or guided motion of about one movement a second, short enough to leave ten such stretches.
+/// The covariance looks back over one tenth of the recording: long against the time over which
+/// residuals stay alike in free or guided motion of about one movement a second, short enough to
+/// leave ten such stretches.
 const SHARE_OF_RECORDING: usize = 10;
 
-/// Degrees of freedom of the interval. With lags that grow with the recording the t statistic is not normal
-/// (Kiefer & Vogelsang 2005, Econometric Theory 21:1130). Its two-sided critical values for n/10 lags are
-/// 1.84, 2.23 and 3.06 at 90, 95 and 99 % (simulated: 60 000 records of 1 000 independent normal values);
-/// Student's t with 9 degrees of freedom has 1.83, 2.26 and 3.25.
+/// Degrees of freedom of the interval. With lags that grow with the recording the t statistic is
+/// not normal (Kiefer & Vogelsang 2005, Econometric Theory 21:1130). Its two-sided critical values
+/// for n/10 lags are 1.84, 2.23 and 3.06 at 90, 95 and 99 % (simulated: 60 000 records of 1 000
+/// independent normal values); Student's t with 9 degrees of freedom has 1.83, 2.26 and 3.25.
 const DF: f64 = 9.0;
 
 /// The coefficients of a fit to one recording, with intervals.
@@ -24,19 +25,25 @@ pub struct RecordingFit {
     pub lags: usize,
 }
 
-/// Estimates with standard errors and intervals at confidence `level` for a fit to evenly recorded samples:
-/// [`newey_west`] with n / 10 lags, and t with 9 degrees of freedom.
+/// Estimates with standard errors and intervals at confidence `level` for a fit to evenly recorded
+/// samples: [`newey_west`] with n / 10 lags, and t with 9 degrees of freedom.
 ///
-/// Samples hundreds of times a second are not independent: what the model leaves out (friction, the hand)
-/// changes slowly, so residuals resemble their neighbours and the usual standard errors are several times too
-/// small. The interval speaks of this recording only, not of how another would differ.
+/// Samples hundreds of times a second are not independent: what the model leaves out (friction, the
+/// hand) changes slowly, so residuals resemble their neighbours and the usual standard errors are
+/// several times too small. The interval speaks of this recording only, not of how another would
+/// differ.
 ///
 /// # Errors
 /// Columns that are not those of the fit, `level` outside (0, 1).
-pub fn recording_fit(columns: &[&[f64]], fit: &LinearFit, level: f64) -> Result<RecordingFit, StatsError> {
+pub fn recording_fit(
+    columns: &[&[f64]],
+    fit: &LinearFit,
+    level: f64,
+) -> Result<RecordingFit, StatsError> {
     let lags = fit.residuals.len() / SHARE_OF_RECORDING;
     let covariance = newey_west(columns, fit, lags)?;
-    let estimate = |(j, &b): (usize, &f64)| t_interval(b, covariance[j][j].max(0.0).sqrt(), DF, level);
+    let estimate =
+        |(j, &b): (usize, &f64)| t_interval(b, covariance[j][j].max(0.0).sqrt(), DF, level);
     let estimates = fit.coefficients.iter().enumerate().map(estimate).collect::<Result<_, _>>()?;
     Ok(RecordingFit { estimates, lags })
 }
@@ -53,7 +60,8 @@ mod tests {
         (x, y)
     }
 
-    /// statsmodels 0.15: `OLS(y, X).fit(cov_type="HAC", cov_kwds={"maxlags": 20}).bse`; SciPy: `t.ppf(0.975, 9)`.
+    /// statsmodels 0.15: `OLS(y, X).fit(cov_type="HAC", cov_kwds={"maxlags": 20}).bse`; SciPy:
+    /// `t.ppf(0.975, 9)`.
     #[test]
     fn standard_errors_are_those_of_statsmodels_with_a_tenth_of_the_recording_as_lags() {
         let (x, y) = data();

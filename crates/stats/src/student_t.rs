@@ -1,13 +1,13 @@
 //! Student's t: two-sided p-values and critical values.
 //!
-//! Written on `libm` rather than taken from a distribution library, because those call the platform's own
-//! `ln` and `exp`, whose last bits differ between machines, and intervals are stored. The tests hold it against
-//! such a library and against SciPy.
+//! Written on `libm` rather than taken from a distribution library, because those call the
+//! platform's own `ln` and `exp`, whose last bits differ between machines, and intervals are
+//! stored. The tests hold it against such a library and against SciPy.
 
 use crate::error::{StatsError, check_level};
 
-/// From here on the series for ln Γ(a + ½) − ln Γ(a) is exact to rounding, and free of the cancellation that
-/// the difference of two large logarithms suffers.
+/// From here on the series for ln Γ(a + ½) − ln Γ(a) is exact to rounding, and free of the
+/// cancellation that the difference of two large logarithms suffers.
 const SERIES_FROM: f64 = 20.0;
 /// Keeps a denominator of the continued fraction away from 0 (Lentz's method).
 const TINY: f64 = 1e-300;
@@ -16,8 +16,8 @@ const SETTLED: f64 = 1e-16;
 /// More terms than the continued fraction takes for ten billion degrees of freedom.
 const MAX_TERMS: usize = 200_000;
 
-/// P(|T| ≥ |t|) for `df` degrees of freedom: the regularised incomplete beta function I_x(df/2, ½) at
-/// x = df / (df + t²) (DLMF §8.17). `df` need not be whole.
+/// P(|T| ≥ |t|) for `df` degrees of freedom: the regularised incomplete beta function I_x(df/2, ½)
+/// at x = df / (df + t²) (DLMF §8.17). `df` need not be whole.
 ///
 /// # Errors
 /// `df` not positive, `t` not a number.
@@ -86,13 +86,15 @@ fn ln_beta_half(a: f64) -> f64 {
     if a < SERIES_FROM {
         return half_ln_pi - (libm::lgamma(a + 0.5) - libm::lgamma(a));
     }
-    // Tricomi & Erdélyi (1951), Pacific J. Math. 1: the logarithm of their series for Γ(a + ½) / Γ(a)
+    // Tricomi & Erdélyi (1951), Pacific J. Math. 1: the logarithm of their series for Γ(a + ½) /
+    // Γ(a)
     let u = 1.0 / (a * a);
     let series = (-1.0 / 8.0 + u * (1.0 / 192.0 + u * (-1.0 / 640.0 + u * (17.0 / 14336.0)))) / a;
     half_ln_pi - (0.5 * libm::log(a) + series)
 }
 
-/// The continued fraction of the incomplete beta function (DLMF 8.17.22), by the modified Lentz method.
+/// The continued fraction of the incomplete beta function (DLMF 8.17.22), by the modified Lentz
+/// method.
 fn beta_fraction(x: f64, a: f64, b: f64) -> f64 {
     let away_from_zero = |v: f64| if v.abs() < TINY { TINY } else { v };
     let mut c = 1.0;
@@ -143,7 +145,10 @@ mod tests {
             let other = StudentsT::new(0.0, 1.0, df).unwrap();
             for t in [0.1, 0.5, 1.0, 1.7, 2.5, 6.0, 40.0] {
                 let (ours, theirs) = (two_sided_p(-t, df).unwrap(), 2.0 * other.cdf(-t));
-                assert!((ours - theirs).abs() < 1e-11 + 1e-9 * theirs, "t {t} df {df}: {ours} {theirs}");
+                assert!(
+                    (ours - theirs).abs() < 1e-11 + 1e-9 * theirs,
+                    "t {t} df {df}: {ours} {theirs}"
+                );
             }
         }
     }

@@ -1,5 +1,5 @@
-//! What one append of a journal costs: 100 ms at 1 kHz, written and synced. `cargo run --release --example
-//! journal_cost -p zwidth-store -- FOLDER` on the disk in question.
+//! What one append of a journal costs: 100 ms at 1 kHz, written and synced. `cargo run --release
+//! --example journal_cost -p zwidth-store -- FOLDER` on the disk in question.
 #![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;
@@ -13,7 +13,8 @@ const APPENDS: usize = 200;
 const ROWS: usize = 100;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let folder = PathBuf::from(std::env::args().nth(1).ok_or("name a folder on the disk to measure")?);
+    let folder =
+        PathBuf::from(std::env::args().nth(1).ok_or("name a folder on the disk to measure")?);
     let layout = Layout::new(&folder, StudyId::new("journal_cost")?);
     let meta = TrialMeta {
         participant: "P01".parse()?,

@@ -1,4 +1,5 @@
-//! A `study.toml` that was changed after sessions were laid down: an event accepts it, session by session.
+//! A `study.toml` that was changed after sessions were laid down: an event accepts it, session by
+//! session.
 
 use crate::laid::{matters, study_warning};
 use crate::sessions::read_sessions;
@@ -6,8 +7,8 @@ use crate::study::read_study_from;
 use crate::{Files, Layout, StoreError, append_events};
 use zwidth_study::{Event, ParticipantId, SessionId};
 
-/// Accepts the present `study.toml` for every session to which a change of it matters, or for `only` one; what was
-/// accepted, in words, a session each. The caller holds the study's lock.
+/// Accepts the present `study.toml` for every session to which a change of it matters, or for
+/// `only` one; what was accepted, in words, a session each. The caller holds the study's lock.
 ///
 /// # Errors
 /// A `study.toml` or the session asked for that cannot be read; a write that failed.
@@ -21,7 +22,8 @@ pub fn accept_study(
     let mut problems = Vec::new();
     let (mut sessions, _) = read_sessions(files, layout, &mut problems);
     if let Some((participant, session)) = only {
-        sessions.retain(|log| (&log.record.participant, &log.record.session) == (participant, session));
+        sessions
+            .retain(|log| (&log.record.participant, &log.record.session) == (participant, session));
         if sessions.is_empty() {
             let path = layout.session(participant, session);
             let of_it = problems
@@ -37,12 +39,15 @@ pub fn accept_study(
         append_events(files, &log.events_path, utc, &[event]).map_err(|error| vec![error])?;
         let (participant, session) = (&log.record.participant, &log.record.session);
         let changes = matters(log, &study, &hash).unwrap_or_default();
-        accepted.push(format!("{participant} {session}: the changed study.toml is accepted: {changes}"));
+        accepted.push(format!(
+            "{participant} {session}: the changed study.toml is accepted: {changes}"
+        ));
     }
     Ok(accepted)
 }
 
-/// What is to be known of a study although it is no finding: changes of `study.toml` that were accepted.
+/// What is to be known of a study although it is no finding: changes of `study.toml` that were
+/// accepted.
 pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
     let Ok((study, hash)) = read_study_from(files, layout) else { return Vec::new() };
     let (sessions, _) = read_sessions(files, layout, &mut Vec::new());
@@ -85,10 +90,16 @@ mod tests {
         let (participant, session) = (meta(1).participant, meta(1).session);
         let accept = |only| accept_study(&RealFiles, &layout, UTC, only).unwrap();
         let said = accept(Some((&participant, &session)));
-        assert_eq!(said, ["P01 S01: the changed study.toml is accepted: design.pause_s was 5.0 and is 4.0"]);
+        assert_eq!(
+            said,
+            ["P01 S01: the changed study.toml is accepted: design.pause_s was 5.0 and is 4.0"]
+        );
         assert_eq!(verify(&layout), []);
         let [note] = study_notes(&RealFiles, &layout).try_into().unwrap();
-        assert!(note.contains("P01 S01") && note.contains("design.pause_s was 5.0 and is 4.0"), "{note}");
+        assert!(
+            note.contains("P01 S01") && note.contains("design.pause_s was 5.0 and is 4.0"),
+            "{note}"
+        );
         // Accepted once; another change asks again.
         assert_eq!(accept(None), Vec::<String>::new());
         change(&layout, "pause_s = 5.0", "pause_s = 3.0");
@@ -110,10 +121,11 @@ mod tests {
             .unwrap();
         assert!(error.to_string().contains("no such session"), "{error}");
         fs::write(layout.session(&meta(1).participant, &session), "{").unwrap();
-        let [error] = accept_study(&RealFiles, &layout, UTC, Some((&meta(1).participant, &session)))
-            .unwrap_err()
-            .try_into()
-            .unwrap();
+        let [error] =
+            accept_study(&RealFiles, &layout, UTC, Some((&meta(1).participant, &session)))
+                .unwrap_err()
+                .try_into()
+                .unwrap();
         assert!(error.to_string().contains("not a session record"), "{error}");
     }
 }

@@ -1,6 +1,6 @@
-//! Ids that differ only by case: two folders on one system, one and the same on another, and for people most likely one id
-//! that was once typed otherwise. None is made beside another, and of those that are there nobody knows whose trials are
-//! whose.
+//! Ids that differ only by case: two folders on one system, one and the same on another, and for
+//! people most likely one id that was once typed otherwise. None is made beside another, and of
+//! those that are there nobody knows whose trials are whose.
 
 use crate::regular::text;
 use crate::sessions::{MOST_RECORD, record_from};
@@ -53,7 +53,10 @@ pub fn check_study_id(files: &dyn Files, layout: &Layout) -> Result<(), StoreErr
     match beside.into_iter().find(|(path, kind)| *kind == Entry::Folder && is_alike(path)) {
         None => Ok(()),
         Some((path, _)) => {
-            let other = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let other = path
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned())
+                .unwrap_or_default();
             Err(clash(&here, "study", layout.study().as_str(), &other))
         }
     }
@@ -63,15 +66,17 @@ pub fn check_study_id(files: &dyn Files, layout: &Layout) -> Result<(), StoreErr
 pub(crate) fn apart(sessions: Vec<SessionLog>) -> (Vec<SessionLog>, Vec<(SessionLog, StoreError)>) {
     let mut participants: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     let mut ids: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
-    let of = |log: &SessionLog| (log.record.participant.to_string(), log.record.session.to_string());
+    let of =
+        |log: &SessionLog| (log.record.participant.to_string(), log.record.session.to_string());
     for (participant, session) in sessions.iter().map(of) {
         ids.entry((participant.clone(), session.to_ascii_lowercase())).or_default().insert(session);
         participants.entry(participant.to_ascii_lowercase()).or_default().insert(participant);
     }
     let finding = |log: &SessionLog| {
         let (participant, session) = of(log);
-        let other =
-            |ids: Option<&BTreeSet<String>>, id: &str| ids?.iter().find(|other| *other != id).cloned();
+        let other = |ids: Option<&BTreeSet<String>>, id: &str| {
+            ids?.iter().find(|other| *other != id).cloned()
+        };
         let alike = other(participants.get(&participant.to_ascii_lowercase()), &participant)
             .map(|other| ("participant", participant.clone(), other));
         let (what, id, other) = alike.or_else(|| {
@@ -81,7 +86,8 @@ pub(crate) fn apart(sessions: Vec<SessionLog>) -> (Vec<SessionLog>, Vec<(Session
         let said = clash(&log.path, what, &id, &other);
         Some(StoreError {
             what: format!("{}: its trials are left out", said.what),
-            remedy: "find out whose trials they are, and import the sessions anew under one id".to_owned(),
+            remedy: "find out whose trials they are, and import the sessions anew under one id"
+                .to_owned(),
             ..said
         })
     };
@@ -105,7 +111,8 @@ fn clash(path: &Path, what: &str, id: &str, other: &str) -> StoreError {
     StoreError::new(path, format!("the {what} '{id}' differs from '{other}' only by case"), RENAME)
 }
 
-/// Participant and session of a record whose file's name could be one of ids that are alike; the others are not read.
+/// Participant and session of a record whose file's name could be one of ids that are alike; the
+/// others are not read.
 fn perhaps_alike(
     files: &dyn Files,
     path: &Path,
@@ -113,7 +120,8 @@ fn perhaps_alike(
     session: &SessionId,
 ) -> Option<(ParticipantId, SessionId)> {
     let stem = path.file_name()?.to_str()?.strip_suffix(".json")?;
-    let starts = |with: &str| stem.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
+    let starts =
+        |with: &str| stem.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
     let (of_participant, whole) = (format!("{participant}_"), format!("{participant}_{session}"));
     let of_another = starts(&of_participant) && !stem.starts_with(&of_participant);
     if !of_another && !alike(stem, &whole) {
@@ -134,7 +142,8 @@ mod tests {
         let (participant, session) = (participant.parse().unwrap(), session.parse().unwrap());
         let study_toml = std::fs::read(layout.study_toml()).unwrap();
         let hash = crate::hex_blake3(&study_toml);
-        let record = SessionRecord::new(participant, session, Source::Recorded, "tests", hash, Vec::new());
+        let record =
+            SessionRecord::new(participant, session, Source::Recorded, "tests", hash, Vec::new());
         lay_down(&RealFiles, layout, UTC, &record, &study_toml)
     }
 
@@ -152,7 +161,11 @@ mod tests {
             let error = lay(&layout, participant, session).unwrap_err();
             assert_eq!(error.what, words);
         }
-        assert_eq!(std::fs::read_dir(layout.sessions()).unwrap().count(), before, "nothing was written");
+        assert_eq!(
+            std::fs::read_dir(layout.sessions()).unwrap().count(),
+            before,
+            "nothing was written"
+        );
         lay(&layout, "Q1", "Sb").unwrap();
         lay(&layout, "Q2", "sa").unwrap();
     }
@@ -186,7 +199,8 @@ mod tests {
     fn a_study_beside_one_of_the_same_letters_is_refused() {
         let (_folder, layout) = folder_with_study();
         check_study_id(&RealFiles, &layout).unwrap();
-        let shout = Layout::new(layout.root(), layout.study().as_str().to_uppercase().parse().unwrap());
+        let shout =
+            Layout::new(layout.root(), layout.study().as_str().to_uppercase().parse().unwrap());
         let error = check_study_id(&RealFiles, &shout).unwrap_err();
         assert!(error.what.contains("only by case"), "{error}");
     }

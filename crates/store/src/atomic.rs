@@ -1,7 +1,7 @@
 //! Whole files or none: written beside the final name, synced, renamed, the folder synced.
 //!
-//! [`Files`] is the seam at which tests inject faults (a write, sync or rename that fails, a power cut that drops
-//! what was not synced).
+//! [`Files`] is the seam at which tests inject faults (a write, sync or rename that fails, a power
+//! cut that drops what was not synced).
 
 use crate::StoreError;
 use crate::held::{Held, hold};
@@ -23,8 +23,8 @@ pub enum Entry {
     Special,
 }
 
-/// The file operations that recording and checking need. What is looked at lies on the real disk, unless a layer says
-/// otherwise.
+/// The file operations that recording and checking need. What is looked at lies on the real disk,
+/// unless a layer says otherwise.
 pub trait Files: Sync {
     /// What lies at `path`; nothing if nothing does, or nothing that can be looked at.
     fn kind(&self, path: &Path) -> Option<Entry> {
@@ -42,8 +42,8 @@ pub trait Files: Sync {
     fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {
         hold(folder)
     }
-    /// Keeps a file or a folder for this user alone: 0600 and 0700, whatever the umask says. Systems without such modes
-    /// have it as its folder has it.
+    /// Keeps a file or a folder for this user alone: 0600 and 0700, whatever the umask says.
+    /// Systems without such modes have it as its folder has it.
     fn make_private(&self, path: &Path) -> io::Result<()> {
         made_private(path)
     }
@@ -143,7 +143,9 @@ fn made_private(_path: &Path) -> io::Result<()> {
 /// What the system says; anything but a regular file at `path`.
 pub fn append_to(path: &Path) -> io::Result<File> {
     match File::options().append(true).create_new(true).open(path) {
-        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => open_as(File::options().append(true), path),
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
+            open_as(File::options().append(true), path)
+        }
         created => created,
     }
 }
@@ -172,14 +174,18 @@ fn listed(folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
     Ok(entries)
 }
 
-/// Creates every missing folder of `path`, each with its name synced: a file in a folder whose own name is lost is
-/// lost too.
+/// Creates every missing folder of `path`, each with its name synced: a file in a folder whose own
+/// name is lost is lost too.
 pub(crate) fn create_folders(files: &dyn Files, path: &Path) -> io::Result<()> {
     create_each(files, path, |_| Ok(()))
 }
 
 /// The same, with something done to each folder as soon as it is there.
-fn create_each(files: &dyn Files, path: &Path, then: impl Fn(&Path) -> io::Result<()>) -> io::Result<()> {
+fn create_each(
+    files: &dyn Files,
+    path: &Path,
+    then: impl Fn(&Path) -> io::Result<()>,
+) -> io::Result<()> {
     let missing: Vec<&Path> = path.ancestors().take_while(|p| files.kind(p).is_none()).collect();
     missing.into_iter().rev().filter(|p| *p != Path::new("")).try_for_each(|folder| {
         files.create_folder(folder)?;
@@ -194,8 +200,9 @@ pub(crate) fn sync_file(files: &dyn Files, path: &Path) -> io::Result<()> {
     files.sync_folder(folder_of(path))
 }
 
-/// Syncs the names of a file or folder, and of those it lies in below `top`, as far as they are there: a process that was
-/// killed may have left one unsynced, and a power cut would take everything in it.
+/// Syncs the names of a file or folder, and of those it lies in below `top`, as far as they are
+/// there: a process that was killed may have left one unsynced, and a power cut would take
+/// everything in it.
 ///
 /// # Errors
 /// A folder that cannot be synced; one that may not be looked into is passed by.
@@ -233,17 +240,19 @@ pub fn replace(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), Store
     place(files, path, |beside| files.write_synced(beside, bytes))
 }
 
-/// Writes a new file as a whole that this user alone can read, in a folder that nobody else can enter, whatever the
-/// umask says. Folders that are missing are made so too.
+/// Writes a new file as a whole that this user alone can read, in a folder that nobody else can
+/// enter, whatever the umask says. Folders that are missing are made so too.
 ///
 /// # Errors
-/// A file that is there already; a write that failed; a folder that is another user's or lies on a disk without modes.
+/// A file that is there already; a write that failed; a folder that is another user's or lies on a
+/// disk without modes.
 pub fn write_private(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     if files.kind(path).is_some() {
         return Err(StoreError::io(path, "write", &io::ErrorKind::AlreadyExists.into()));
     }
     let folder = folder_of(path);
-    // Each at once: a umask may keep even its owner out of a folder, and nothing else could be made in it.
+    // Each at once: a umask may keep even its owner out of a folder, and nothing else could be made
+    // in it.
     let made = create_each(files, folder, |folder| files.make_private(folder));
     made.map_err(|e| StoreError::io(folder, "create the folder", &e))?;
     keep_private(files, folder)?;
@@ -262,25 +271,32 @@ pub fn keep_private(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
 }
 
 /// Writes beside a path, and gives what was written its name.
-fn place(files: &dyn Files, path: &Path, write: impl Fn(&Path) -> io::Result<()>) -> Result<(), StoreError> {
+fn place(
+    files: &dyn Files,
+    path: &Path,
+    write: impl Fn(&Path) -> io::Result<()>,
+) -> Result<(), StoreError> {
     let beside = temporary(path);
     let placed = write(&beside)
         .and_then(|()| files.rename(&beside, path))
         .and_then(|()| files.sync_folder(folder_of(path)));
     placed.map_err(|e| {
-        // The first error is the one to report; a temporary file that cannot be removed is swept up by `verify`.
+        // The first error is the one to report; a temporary file that cannot be removed is swept up
+        // by `verify`.
         let _ = files.remove(&beside);
         StoreError::io(path, "write", &e)
     })
 }
 
-/// The name beside `path` under which it is written: hidden, so that readers of the folder pass it by.
+/// The name beside `path` under which it is written: hidden, so that readers of the folder pass it
+/// by.
 fn temporary(path: &Path) -> PathBuf {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     path.with_file_name(format!(".{name}.{}.tmp", std::process::id()))
 }
 
-/// Whether a file's name is one under which [`replace`] writes, so that the file is what a write that was cut short left.
+/// Whether a file's name is one under which [`replace`] writes, so that the file is what a write
+/// that was cut short left.
 pub fn is_unfinished(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".tmp"));
@@ -321,7 +337,11 @@ mod tests {
             assert!(error.remedy.contains("free some space"), "{error}");
             let found = fs::read(&path).unwrap();
             assert!(found == b"old content" || found == b"the new content", "fault {fault}");
-            assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1, "litter after {fault}");
+            assert_eq!(
+                fs::read_dir(path.parent().unwrap()).unwrap().count(),
+                1,
+                "litter after {fault}"
+            );
         }
     }
 

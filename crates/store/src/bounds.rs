@@ -1,9 +1,10 @@
 //! What a Parquet file claims of itself, looked at before anything takes memory for it.
 //!
-//! A few bytes can claim 10¹² rows, a list of 2³¹ row groups, or a page that unpacks to gigabytes; the decoder reserves
-//! what is claimed, and a reservation that fails ends the process. So the claims are read here first, by walking the
-//! structures of the footer and the headers of the pages (Thrift's compact protocol; parquet-format,
-//! `parquet.thrift`: `FileMetaData`, `PageHeader`) without keeping anything of them.
+//! A few bytes can claim 10¹² rows, a list of 2³¹ row groups, or a page that unpacks to gigabytes;
+//! the decoder reserves what is claimed, and a reservation that fails ends the process. So the
+//! claims are read here first, by walking the structures of the footer and the headers of the pages
+//! (Thrift's compact protocol; parquet-format, `parquet.thrift`: `FileMetaData`, `PageHeader`)
+//! without keeping anything of them.
 
 use crate::StoreError;
 use parquet::file::metadata::ParquetMetaData;
@@ -13,7 +14,8 @@ use std::path::Path;
 pub const MOST_ROWS: usize = 1 << 22;
 /// Columns of one file: forty times those of a trial.
 pub const MOST_COLUMNS: usize = 1 << 10;
-/// Bytes of a column once unpacked: [`MOST_ROWS`] numbers and as much for their levels and dictionary.
+/// Bytes of a column once unpacked: [`MOST_ROWS`] numbers and as much for their levels and
+/// dictionary.
 pub const MOST_COLUMN_BYTES: u64 = 1 << 26;
 /// Bytes of a footer: a thousand times a trial's.
 const MOST_FOOTER: usize = 1 << 24;
@@ -31,9 +33,13 @@ const TAIL: usize = 8;
 /// # Errors
 /// Why the file cannot be read, in words.
 pub(crate) fn check_footer(bytes: &[u8]) -> Result<(), String> {
-    let footer = footer_of(bytes).ok_or("it has no footer: it was cut short, or is no Parquet file")?;
+    let footer =
+        footer_of(bytes).ok_or("it has no footer: it was cut short, or is no Parquet file")?;
     if footer.len() > MOST_FOOTER {
-        return Err(format!("its footer has {} bytes, and at most {MOST_FOOTER} are read", footer.len()));
+        return Err(format!(
+            "its footer has {} bytes, and at most {MOST_FOOTER} are read",
+            footer.len()
+        ));
     }
     let mut claims = Claims::default();
     Walk { bytes: footer, at: 0 }
@@ -55,15 +61,22 @@ pub(crate) fn check_footer(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks the number of rows and columns, and that the row groups have as many, by the footer's metadata.
+/// Checks the number of rows and columns, and that the row groups have as many, by the footer's
+/// metadata.
 ///
 /// # Errors
 /// The number and the limit.
-pub(crate) fn check_size(path: &Path, metadata: &ParquetMetaData, remedy: &str) -> Result<(), StoreError> {
+pub(crate) fn check_size(
+    path: &Path,
+    metadata: &ParquetMetaData,
+    remedy: &str,
+) -> Result<(), StoreError> {
     let error = |what: String| Err(StoreError::new(path, what, remedy));
     let columns = metadata.file_metadata().schema_descr().num_columns();
     if columns > MOST_COLUMNS {
-        return error(format!("the file claims {columns} columns, and at most {MOST_COLUMNS} are read"));
+        return error(format!(
+            "the file claims {columns} columns, and at most {MOST_COLUMNS} are read"
+        ));
     }
     let rows = metadata.file_metadata().num_rows();
     if !usize::try_from(rows).is_ok_and(|rows| rows <= MOST_ROWS) {
@@ -81,8 +94,8 @@ pub(crate) fn check_size(path: &Path, metadata: &ParquetMetaData, remedy: &str) 
     }
 }
 
-/// Checks the pages of the columns that `wanted` picks by their place: what they unpack to, and that they lie in the
-/// file. What they unpack to together, bytes.
+/// Checks the pages of the columns that `wanted` picks by their place: what they unpack to, and
+/// that they lie in the file. What they unpack to together, bytes.
 ///
 /// # Errors
 /// Why the column cannot be read, in words.
@@ -93,16 +106,23 @@ pub(crate) fn check_pages(
 ) -> Result<u64, String> {
     let mut unpacked = vec![0_u64; metadata.file_metadata().schema_descr().num_columns()];
     for group in metadata.row_groups() {
-        for (place, column) in group.columns().iter().enumerate().filter(|(place, _)| wanted(*place)) {
+        for (place, column) in
+            group.columns().iter().enumerate().filter(|(place, _)| wanted(*place))
+        {
             let name = column.column_path().string();
             let damaged = || format!("the pages of column {name} are damaged");
-            let first = column.dictionary_page_offset().unwrap_or(i64::MAX).min(column.data_page_offset());
+            let first =
+                column.dictionary_page_offset().unwrap_or(i64::MAX).min(column.data_page_offset());
             let from = usize::try_from(first).map_err(|_| damaged())?;
             let length = usize::try_from(column.compressed_size()).map_err(|_| damaged())?;
-            let pages = from.checked_add(length).and_then(|to| bytes.get(from..to)).ok_or_else(damaged)?;
-            unpacked[place] = unpacked[place].saturating_add(unpacked_length(pages).ok_or_else(damaged)?);
+            let pages =
+                from.checked_add(length).and_then(|to| bytes.get(from..to)).ok_or_else(damaged)?;
+            unpacked[place] =
+                unpacked[place].saturating_add(unpacked_length(pages).ok_or_else(damaged)?);
             if unpacked[place] > MOST_COLUMN_BYTES {
-                return Err(format!("column {name} unpacks to more than {MOST_COLUMN_BYTES} bytes"));
+                return Err(format!(
+                    "column {name} unpacks to more than {MOST_COLUMN_BYTES} bytes"
+                ));
             }
         }
     }
@@ -215,7 +235,8 @@ impl Walk<'_> {
         Some(())
     }
 
-    /// Walks the fields of a structure; `field` gets each one's number and type, and must walk its value.
+    /// Walks the fields of a structure; `field` gets each one's number and type, and must walk its
+    /// value.
     fn fields(
         &mut self,
         depth: usize,
@@ -238,7 +259,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Walks a list; `element` gets the type, and must walk one. No list has more elements than bytes follow.
+    /// Walks a list; `element` gets the type, and must walk one. No list has more elements than
+    /// bytes follow.
     fn list(&mut self, element: &mut dyn FnMut(&mut Self, u8) -> Option<()>) -> Option<()> {
         let head = self.byte()?;
         let length = match head >> 4 {
@@ -275,7 +297,9 @@ impl Walk<'_> {
     fn schema_element(&mut self, children: &mut Vec<usize>) -> Option<()> {
         let mut n = 0;
         self.fields(1, &mut |walk, field, kind| match (field, kind) {
-            (5, I32) => walk.zigzag().and_then(|count| usize::try_from(count).ok()).map(|count| n = count),
+            (5, I32) => {
+                walk.zigzag().and_then(|count| usize::try_from(count).ok()).map(|count| n = count)
+            }
             _ => walk.skip(kind, 1),
         })?;
         children.push(n);

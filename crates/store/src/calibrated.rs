@@ -6,8 +6,8 @@ use serde_json::value::RawValue;
 use std::path::Path;
 use zwidth_study::{Calibration, Characteristic};
 
-/// What of a record says with which calibration it was recorded. Numbers as they are written: the reader of JSON may be
-/// off by their last bit.
+/// What of a record says with which calibration it was recorded. Numbers as they are written: the
+/// reader of JSON may be off by their last bit.
 #[derive(Deserialize)]
 struct Calibrated {
     calibration: Option<Written>,
@@ -46,8 +46,9 @@ pub(crate) fn check_calibration(path: &Path, record: &str) -> Result<(), StoreEr
 }
 
 fn read(Written { motor, brake }: &Written) -> Option<Calibration> {
-    let numbers =
-        |raw: &[Box<RawValue>]| raw.iter().map(|n| n.get().parse().ok()).collect::<Option<Vec<f64>>>();
+    let numbers = |raw: &[Box<RawValue>]| {
+        raw.iter().map(|n| n.get().parse().ok()).collect::<Option<Vec<f64>>>()
+    };
     let characteristic = |knots: &Knots| {
         let (voltage_v, force_n) = (numbers(&knots.voltage_v)?, numbers(&knots.force_n)?);
         Some(Characteristic { voltage_v, force_n })

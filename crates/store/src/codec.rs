@@ -1,4 +1,5 @@
-//! How the columns of a Parquet file are compressed: what this program does not read is named, not called damage.
+//! How the columns of a Parquet file are compressed: what this program does not read is named, not
+//! called damage.
 
 use crate::StoreError;
 use parquet::basic::CompressionCodec;
@@ -11,7 +12,8 @@ use std::path::Path;
 /// The first column that is not, with what it is compressed with and what to do.
 pub(crate) fn check_codecs(path: &Path, metadata: &ParquetMetaData) -> Result<(), StoreError> {
     let mut columns = metadata.row_groups().iter().flat_map(|group| group.columns());
-    let unread = columns.find_map(|c| Some((c.column_path().string(), unread(c.compression_codec())?)));
+    let unread =
+        columns.find_map(|c| Some((c.column_path().string(), unread(c.compression_codec())?)));
     unread.map_or(Ok(()), |(column, name)| {
         let what = format!("compressed with {name}, which this program does not read");
         Err(StoreError::new(path, what, "write it anew with zstd, snappy or none").column(column))
@@ -110,7 +112,10 @@ pub(crate) mod tests {
                 read_parquet(&path).unwrap_err(),
                 read_parquet_columns(&path, &["t_s"]).unwrap_err(),
             ] {
-                assert_eq!((error.what.as_str(), error.column.as_deref()), (words.as_str(), Some("t_s")));
+                assert_eq!(
+                    (error.what.as_str(), error.column.as_deref()),
+                    (words.as_str(), Some("t_s"))
+                );
             }
         }
     }

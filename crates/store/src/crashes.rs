@@ -1,19 +1,20 @@
-//! Every write, sync, rename, append and removal of a trial's life fails once, by a kill and by power cuts; what is
-//! promised holds after `recover`, and after a `recover` that was itself cut short.
+//! Every write, sync, rename, append and removal of a trial's life fails once, by a kill and by
+//! power cuts; what is promised holds after `recover`, and after a `recover` that was itself cut
+//! short.
 
 use crate::events::read_events_from;
 use crate::faulty::Faulty;
 use crate::read::read_trial_from;
 use crate::{
-    Fault, Files, Journal, Layout, Memory, Signal, Survives, TrialFile, append_events, lay_down, recover,
-    verify_from,
+    Fault, Files, Journal, Layout, Memory, Signal, Survives, TrialFile, append_events, lay_down,
+    recover, verify_from,
 };
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::path::Path;
 use zwidth_study::{
-    Event, Flags, Kind, PlannedTrial, Sample, SessionRecord, Source, Status, StudyId, TrialMeta, Voltages,
-    template,
+    Event, Flags, Kind, PlannedTrial, Sample, SessionRecord, Source, Status, StudyId, TrialMeta,
+    Voltages, template,
 };
 
 pub(crate) const UTC: &str = "2026-01-01T00:00:00Z";
@@ -105,7 +106,8 @@ fn lay_down_two(files: &dyn Files, layout: &Layout) {
 
 /// A study in memory with a session of two trials; the first is finished if `first`.
 fn study(first: bool) -> (Memory, Layout) {
-    let (disk, layout) = (Memory::new(), Layout::new(Path::new("/root"), StudyId::new("demo").unwrap()));
+    let (disk, layout) =
+        (Memory::new(), Layout::new(Path::new("/root"), StudyId::new("demo").unwrap()));
     disk.put(&layout.study_toml(), &toml(&layout));
     lay_down_two(&disk, &layout);
     if first {
@@ -146,7 +148,8 @@ fn trial(
     Ok(())
 }
 
-/// After a whole `recover` every promise holds, nothing is left to be done, and nothing is found wrong.
+/// After a whole `recover` every promise holds, nothing is left to be done, and nothing is found
+/// wrong.
 fn holds(disk: &Memory, layout: &Layout, promised: &Promised, first: bool, what: &str) {
     assert_eq!(verify_from(disk, layout), [], "{what}");
     assert_eq!(recover(disk, layout, UTC), [], "{what}");
@@ -203,12 +206,17 @@ fn a_fault_at_any_step_of_a_trial_loses_no_more_than_the_batch_being_written() {
             }) {
                 n += 1;
             }
-            assert_eq!(n, if first { STEPS - 8 } else { STEPS }, "the folders are there after a first trial");
+            assert_eq!(
+                n,
+                if first { STEPS - 8 } else { STEPS },
+                "the folders are there after a first trial"
+            );
         }
     }
 }
 
-/// Recovers once with a kill at its m-th step, and then to the end; whether the kill came before the first's end.
+/// Recovers once with a kill at its m-th step, and then to the end; whether the kill came before
+/// the first's end.
 fn recovered_twice(n: u64, m: u64, [end, again]: [Survives; 2]) -> (bool, bool) {
     let cut = Cell::new(false);
     let killed = killed(n, end, false, |disk, layout, promised| {

@@ -28,16 +28,16 @@ pub enum Encoding {
     Plain,
 }
 
-/// zstd level: on real recordings level 9 saves at most 2.3 % more and takes twice as long to write.
+/// zstd level: on real recordings level 9 saves at most 2.3 % more and takes twice as long to
+/// write.
 const ZSTD_LEVEL: i32 = 3;
 
 /// The encoding of a column, by its name.
 pub fn encoding_of(column: &str) -> Encoding {
     match column {
-        "t_s" | "t_device_s" | "theta_rad" | "theta_dot_rad_s" | "theta_ddot_rad_s2" | "force_ex_n"
-        | "torque_ex_nm" | "force_cmd_n" | "force_age_s" | "command" | "response" => {
-            Encoding::ByteStreamSplit
-        }
+        "t_s" | "t_device_s" | "theta_rad" | "theta_dot_rad_s" | "theta_ddot_rad_s2"
+        | "force_ex_n" | "torque_ex_nm" | "force_cmd_n" | "force_age_s" | "command"
+        | "response" => Encoding::ByteStreamSplit,
         "theta_raw" => Encoding::Delta,
         _ => Encoding::Dictionary,
     }
@@ -54,7 +54,8 @@ pub fn encoded_column(
     samples.set(signal, values.to_vec());
     let (field, array) = signal_column(signal.column(), &samples);
     let name = signal.name();
-    let defect = |e: ParquetError| StoreError::new(Path::new(name), e.to_string(), "try another encoding");
+    let defect =
+        |e: ParquetError| StoreError::new(Path::new(name), e.to_string(), "try another encoding");
     (|| {
         let batch = RecordBatch::try_new(Arc::new(Schema::new(vec![field])), vec![array])?;
         let compression = Compression::ZSTD(ZstdLevel::try_new(zstd)?);
@@ -70,17 +71,22 @@ pub fn encoded_column(
 
 /// Rows decoded from the bytes of a Parquet file, to measure an encoding.
 pub fn decoded_rows(bytes: &[u8]) -> Result<usize, StoreError> {
-    let defect =
-        |e: ParquetError| StoreError::new(Path::new("(memory)"), e.to_string(), "try another encoding");
+    let defect = |e: ParquetError| {
+        StoreError::new(Path::new("(memory)"), e.to_string(), "try another encoding")
+    };
     (|| {
-        let reader = ParquetRecordBatchReaderBuilder::try_new(Bytes::copy_from_slice(bytes))?.build()?;
+        let reader =
+            ParquetRecordBatchReaderBuilder::try_new(Bytes::copy_from_slice(bytes))?.build()?;
         reader.map(|batch| Ok(batch?.num_rows())).sum::<Result<usize, ParquetError>>()
     })()
     .map_err(defect)
 }
 
 /// Writer settings of a recording: what is kept for ever is made small.
-pub(crate) fn recorded(schema: &Schema, footer: Vec<KeyValue>) -> Result<WriterProperties, ParquetError> {
+pub(crate) fn recorded(
+    schema: &Schema,
+    footer: Vec<KeyValue>,
+) -> Result<WriterProperties, ParquetError> {
     let columns = schema.fields().iter().map(|f| (f.name().as_str(), encoding_of(f.name())));
     Ok(properties(columns, footer, Compression::ZSTD(ZstdLevel::try_new(ZSTD_LEVEL)?)))
 }

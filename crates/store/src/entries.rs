@@ -7,7 +7,10 @@ use rayon::prelude::*;
 use std::path::Path;
 
 /// Every trial of the study.
-pub(crate) fn read_trials(files: &dyn Files, layout: &Layout) -> Vec<Result<TrialEntry, StoreError>> {
+pub(crate) fn read_trials(
+    files: &dyn Files,
+    layout: &Layout,
+) -> Vec<Result<TrialEntry, StoreError>> {
     read_trials_below(files, layout, &layout.trials())
 }
 
@@ -27,8 +30,10 @@ pub(crate) fn read_trials_below(
             let TrialFooter { meta, file, signals, rows, blake3 } = read_footer_from(files, &path)?;
             let expected = layout.trial(&meta.participant, &meta.session, meta.trial);
             if expected != path {
-                let what = format!("the file is trial {} by its footer, but not by its name", meta.trial);
-                let remedy = format!("it belongs at {}; a trial must not exist twice", expected.display());
+                let what =
+                    format!("the file is trial {} by its footer, but not by its name", meta.trial);
+                let remedy =
+                    format!("it belongs at {}; a trial must not exist twice", expected.display());
                 return Err(StoreError::new(&path, what, remedy));
             }
             Ok(TrialEntry {

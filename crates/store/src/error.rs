@@ -22,7 +22,13 @@ pub struct StoreError {
 impl StoreError {
     /// An error about a whole file.
     pub fn new(path: &Path, what: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { path: path.to_owned(), column: None, row: None, what: what.into(), remedy: remedy.into() }
+        Self {
+            path: path.to_owned(),
+            column: None,
+            row: None,
+            what: what.into(),
+            remedy: remedy.into(),
+        }
     }
 
     /// The same error, in a column.
@@ -54,7 +60,9 @@ impl StoreError {
             ErrorKind::FileTooLarge => {
                 "no file that zwidth writes comes near this size; split it, or leave it out"
             }
-            ErrorKind::AlreadyExists => "finished files never change; choose another number or folder",
+            ErrorKind::AlreadyExists => {
+                "finished files never change; choose another number or folder"
+            }
             _ => "see the message of the system",
         };
         Self::new(path, format!("cannot {doing}: {error}"), remedy)
@@ -86,7 +94,8 @@ mod tests {
 
     #[test]
     fn a_name_with_a_line_feed_forges_no_line_and_one_with_escapes_steers_no_terminal() {
-        let error = StoreError::new(Path::new("a\nb: fine"), "'\u{1b}[2J'", "mend it").column("x\u{202e}");
+        let error =
+            StoreError::new(Path::new("a\nb: fine"), "'\u{1b}[2J'", "mend it").column("x\u{202e}");
         assert_eq!(error.to_string(), r"a\nb: fine, column x\u{202e}: '\u{1b}[2J'; mend it");
     }
 }

@@ -20,7 +20,8 @@ struct Line {
     utc: String,
     #[serde(rename = "what")]
     event: Event,
-    /// BLAKE3 over the previous line's digest, the time and the event: a changed or missing line shows.
+    /// BLAKE3 over the previous line's digest, the time and the event: a changed or missing line
+    /// shows.
     blake3: String,
 }
 
@@ -30,11 +31,18 @@ fn digest(previous: &str, utc: &str, event: &Event) -> Result<String, serde_json
 
 /// Appends events in one synced write. `utc` is the time in RFC 3339.
 ///
-/// Killed meanwhile, each line is there whole or can be seen to be unfinished; [`crate::recover`] mends the log then.
+/// Killed meanwhile, each line is there whole or can be seen to be unfinished; [`crate::recover`]
+/// mends the log then.
 ///
 /// # Errors
-/// A log that cannot be read to its end, because nothing may follow a line that is in doubt; the write that failed.
-pub fn append_events(files: &dyn Files, path: &Path, utc: &str, events: &[Event]) -> Result<(), StoreError> {
+/// A log that cannot be read to its end, because nothing may follow a line that is in doubt; the
+/// write that failed.
+pub fn append_events(
+    files: &dyn Files,
+    path: &Path,
+    utc: &str,
+    events: &[Event],
+) -> Result<(), StoreError> {
     let mut digests = digests_of(files, path)?;
     standing(files, path, &digests)?;
     let text = chained(path, &mut digests, utc, events)?;
@@ -57,7 +65,8 @@ fn chained(
     for event in events {
         let previous = digests.last().map(String::as_str).unwrap_or_default();
         let chained = digest(previous, utc, event);
-        let blake3 = chained.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
+        let blake3 =
+            chained.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
         let line = Line { utc: utc.to_owned(), event: event.clone(), blake3: blake3.clone() };
         let json = serde_json::to_string(&line);
         text += &json.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
@@ -82,8 +91,9 @@ pub(crate) fn new_log(
     Ok(std::iter::once((path.to_owned(), text.into_bytes())).chain(head).collect())
 }
 
-/// Takes the last lines of a log back as far as `undone` says so, and the log itself where no other line stays: what an
-/// import wrote that was cut short. The head goes first, because it must never be ahead of the log.
+/// Takes the last lines of a log back as far as `undone` says so, and the log itself where no other
+/// line stays: what an import wrote that was cut short. The head goes first, because it must never
+/// be ahead of the log.
 ///
 /// # Errors
 /// A log that cannot be read, or lost lines; a write that failed.
@@ -108,7 +118,10 @@ pub(crate) fn take_back_events(
     }
     for file in [head_of(path), path.to_owned()] {
         if files.kind(&file).is_some() {
-            files.remove(&file).and_then(|()| files.sync_folder(folder_of(&file))).map_err(cannot)?;
+            files
+                .remove(&file)
+                .and_then(|()| files.sync_folder(folder_of(&file)))
+                .map_err(cannot)?;
         }
     }
     Ok(())
@@ -122,7 +135,11 @@ fn digests_of(files: &dyn Files, path: &Path) -> Result<Vec<String>, StoreError>
     let text = text_of(files, path)?;
     if !text.is_empty() && !text.ends_with('\n') {
         let remedy = "run `zwidth recover`, which brings the end of the log in order";
-        return Err(StoreError::new(path, "the last line is not finished: it has no line feed", remedy));
+        return Err(StoreError::new(
+            path,
+            "the last line is not finished: it has no line feed",
+            remedy,
+        ));
     }
     Ok(lines_of(path, &text)?.into_iter().map(|line| line.blake3).collect())
 }
@@ -130,8 +147,8 @@ fn digests_of(files: &dyn Files, path: &Path) -> Result<Vec<String>, StoreError>
 /// The events of a log, in order. A missing log has none.
 ///
 /// # Errors
-/// A line that is not JSON, an unknown event, a checksum that does not follow from the line before; lines that the
-/// log's head counts and that are gone.
+/// A line that is not JSON, an unknown event, a checksum that does not follow from the line before;
+/// lines that the log's head counts and that are gone.
 pub fn read_events(path: &Path) -> Result<Vec<Event>, StoreError> {
     read_events_from(&RealFiles, path)
 }
@@ -139,7 +156,8 @@ pub fn read_events(path: &Path) -> Result<Vec<Event>, StoreError> {
 pub(crate) fn read_events_from(files: &dyn Files, path: &Path) -> Result<Vec<Event>, StoreError> {
     let text = if files.kind(path).is_some() { text_of(files, path)? } else { String::new() };
     let lines = lines_of(path, &text)?;
-    let (digests, events): (Vec<_>, Vec<_>) = lines.into_iter().map(|l| (l.blake3, l.event)).unzip();
+    let (digests, events): (Vec<_>, Vec<_>) =
+        lines.into_iter().map(|l| (l.blake3, l.event)).unzip();
     standing(files, path, &digests)?;
     Ok(events)
 }
@@ -162,9 +180,10 @@ pub(crate) fn mend_head(files: &dyn Files, path: &Path) -> Result<bool, StoreErr
 
 /// Brings the end of a log in order after a kill or a power cut.
 ///
-/// An append ends with a line feed, so a last line without one was never finished: it is cut off, or gets its line
-/// feed if it is whole. So is one with a zero byte, which no line of ours has: some file systems show zeros where
-/// data were not synced. Any other line in doubt stays, and is an error of whoever reads the log.
+/// An append ends with a line feed, so a last line without one was never finished: it is cut off,
+/// or gets its line feed if it is whole. So is one with a zero byte, which no line of ours has:
+/// some file systems show zeros where data were not synced. Any other line in doubt stays, and is
+/// an error of whoever reads the log.
 pub(crate) fn mend_log(files: &dyn Files, path: &Path) -> Result<Option<Done>, StoreError> {
     let bytes = files.read(path, MOST_LOG).map_err(|e| StoreError::io(path, "read", &e))?;
     let lines: Vec<&[u8]> = bytes.split_inclusive(|b| *b == b'\n').collect();
@@ -194,14 +213,17 @@ fn lines_of(path: &Path, text: &str) -> Result<Vec<Line>, StoreError> {
     let mut lines = Vec::new();
     for (row, json) in text.lines().enumerate() {
         let error = |what: String| {
-            let remedy =
-                "restore the log from a copy; if its last line was cut by a crash, run `zwidth recover`";
+            let remedy = "restore the log from a copy; if its last line was cut by a crash, run `zwidth recover`";
             StoreError::new(path, what, remedy).row0(row)
         };
-        let line: Line = from_json(json).map_err(|e| error(format!("not a readable event: {e}")))?;
-        let expected = digest(&previous, &line.utc, &line.event).map_err(|e| error(e.to_string()))?;
+        let line: Line =
+            from_json(json).map_err(|e| error(format!("not a readable event: {e}")))?;
+        let expected =
+            digest(&previous, &line.utc, &line.event).map_err(|e| error(e.to_string()))?;
         if line.blake3 != expected {
-            return Err(error("the checksum does not match: a line was changed or is missing".to_owned()));
+            return Err(error(
+                "the checksum does not match: a line was changed or is missing".to_owned(),
+            ));
         }
         previous.clone_from(&line.blake3);
         lines.push(line);
@@ -219,7 +241,8 @@ mod tests {
     fn log(folder: &Path) -> std::path::PathBuf {
         let path = folder.join("P01_S01.events.jsonl");
         let excluded = Event::Excluded { trial: 2, reason: "the phone rang".into() };
-        append_events(&RealFiles, &path, UTC, &[Event::Superseded { trial: 1, by: 7 }, excluded]).unwrap();
+        append_events(&RealFiles, &path, UTC, &[Event::Superseded { trial: 1, by: 7 }, excluded])
+            .unwrap();
         let note = Event::Note { trial: None, text: "the end".into() };
         append_events(&RealFiles, &path, UTC, &[note]).unwrap();
         path
@@ -263,13 +286,15 @@ mod tests {
     }
 
     #[test]
-    fn a_log_that_lost_whole_lines_or_is_gone_or_another_is_noticed_and_nothing_is_appended_to_it() {
+    fn a_log_that_lost_whole_lines_or_is_gone_or_another_is_noticed_and_nothing_is_appended_to_it()
+    {
         let folder = tempfile::tempdir().unwrap();
         let path = log(folder.path());
         let text = fs::read_to_string(&path).unwrap();
         let lines: Vec<&str> = text.split_inclusive('\n').collect();
         let other = folder.path().join("other/P01_S01.events.jsonl");
-        let notes: Vec<Event> = (0..3).map(|i| Event::Note { trial: None, text: i.to_string() }).collect();
+        let notes: Vec<Event> =
+            (0..3).map(|i| Event::Note { trial: None, text: i.to_string() }).collect();
         append_events(&RealFiles, &other, UTC, &notes).unwrap();
         for (bad, words) in [
             (lines[..2].concat(), "has 2 lines where its head counts 3"),
@@ -292,7 +317,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = log(folder.path());
         let head = fs::read(crate::head::head_of(&path)).unwrap();
-        append_events(&RealFiles, &path, UTC, &[Event::Note { trial: None, text: "more".into() }]).unwrap();
+        append_events(&RealFiles, &path, UTC, &[Event::Note { trial: None, text: "more".into() }])
+            .unwrap();
         let newer = fs::read(crate::head::head_of(&path)).unwrap();
         fs::write(crate::head::head_of(&path), &head).unwrap();
         assert_eq!(read_events(&path).unwrap().len(), 4);

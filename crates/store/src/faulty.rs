@@ -1,5 +1,5 @@
-//! The real disk, failing on purpose, for tests of what reads it by other ways than [`Files`]. Kills and power cuts are
-//! [`crate::Memory`]'s.
+//! The real disk, failing on purpose, for tests of what reads it by other ways than [`Files`].
+//! Kills and power cuts are [`crate::Memory`]'s.
 
 use crate::{Append, Files, RealFiles};
 use std::fs;
@@ -7,7 +7,8 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-/// Fails at the n-th step, after doing half of it where it is a write, and from then on. Nothing is synced.
+/// Fails at the n-th step, after doing half of it where it is a write, and from then on. Nothing is
+/// synced.
 #[derive(Clone)]
 pub(crate) struct Faulty {
     /// Steps that still work; none counts down where nothing fails.
@@ -48,7 +49,11 @@ impl Faulty {
     }
 
     /// Writes and syncs: two steps, of which the first may do half of its work.
-    fn write(&self, bytes: &[u8], mut write: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
+    fn write(
+        &self,
+        bytes: &[u8],
+        mut write: impl FnMut(&[u8]) -> io::Result<()>,
+    ) -> io::Result<()> {
         if let Err(e) = self.step() {
             write(&bytes[..bytes.len() / 2])?;
             return Err(e);
@@ -102,7 +107,8 @@ struct Handle {
 
 impl Append for Handle {
     fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let write = |bytes: &[u8]| fs::File::options().append(true).open(&self.path)?.write_all(bytes);
+        let write =
+            |bytes: &[u8]| fs::File::options().append(true).open(&self.path)?.write_all(bytes);
         self.disk.write(bytes, write)
     }
 }

@@ -16,7 +16,8 @@ pub(crate) fn unfit(study: &Study, trial: &mut TrialEntry) -> Option<StoreError>
         unknown("mode", meta.mode.as_str())
     } else if let Some(lever) = trial.file.get("lever_m").filter(|l| !is_lever(study, l)) {
         let now = study.device.lever_m.map_or_else(|| "none".to_owned(), |l| format!("{l} m"));
-        let what = format!("it was converted with a lever of {lever} m, and device.lever_m is {now}");
+        let what =
+            format!("it was converted with a lever of {lever} m, and device.lever_m is {now}");
         (what, "put device.lever_m back, or import the recording again".to_owned(), None)
     } else {
         return None;

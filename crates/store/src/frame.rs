@@ -11,8 +11,9 @@
 //! digest  = BLAKE3(digest of the frame before · length · kind · payload)
 //! ```
 //!
-//! Numbers are little-endian. A frame counts only if its digest holds. Behind damage the digest that stands before a
-//! frame takes the place of the digest that was computed, so that what was lost hides nothing of what comes after it.
+//! Numbers are little-endian. A frame counts only if its digest holds. Behind damage the digest
+//! that stands before a frame takes the place of the digest that was computed, so that what was
+//! lost hides nothing of what comes after it.
 
 use crate::{TrialFile, from_json};
 use serde::{Deserialize, Serialize};
@@ -24,7 +25,8 @@ pub(crate) const MAGIC: &[u8] = b"zwidth journal 1\n";
 const DIGEST: usize = 32;
 /// Bytes before a frame's payload: its length and its kind.
 const HEAD: usize = 5;
-/// Longest payload, bytes: a batch is a tenth of a second, which at the fastest loop (100 kHz) is 770 kB.
+/// Longest payload, bytes: a batch is a tenth of a second, which at the fastest loop (100 kHz) is
+/// 770 kB.
 pub(crate) const MOST_PAYLOAD: usize = 1 << 20;
 /// Flipped bits in a digest that still leave no doubt what it is a digest of.
 const FLIPPED: u32 = 8;
@@ -88,7 +90,8 @@ pub(crate) struct Decoded {
     pub(crate) unfinished: usize,
 }
 
-/// The frames in `bytes` (what follows [`MAGIC`]). Behind damage it goes on with the next whole frame.
+/// The frames in `bytes` (what follows [`MAGIC`]). Behind damage it goes on with the next whole
+/// frame.
 pub(crate) fn decode(bytes: &[u8]) -> Decoded {
     let mut found = Decoded::default();
     let (mut at, mut chain) = (0, Chain::default());
@@ -128,7 +131,8 @@ struct Whole {
     exact: bool,
 }
 
-/// The frame that `bytes` begin with, if it is whole. A few flipped bits in the digest alone do no harm.
+/// The frame that `bytes` begin with, if it is whole. A few flipped bits in the digest alone do no
+/// harm.
 fn first(bytes: &[u8], chain: Chain) -> Option<Whole> {
     let end = HEAD + payload_length(bytes)?;
     let (body, rest) = bytes.split_at_checked(end)?;
@@ -151,7 +155,8 @@ fn payload_length(head: &[u8]) -> Option<usize> {
     (possible && length <= MOST_PAYLOAD).then_some(length)
 }
 
-/// Whether a digest is the expected one but for a few bits: of another body it differs in some hundred.
+/// Whether a digest is the expected one but for a few bits: of another body it differs in some
+/// hundred.
 fn is_near(found: &Chain, expected: &Chain) -> bool {
     let differ: u32 = found.iter().zip(expected).map(|(a, b)| (a ^ b).count_ones()).sum();
     differ <= FLIPPED
@@ -160,7 +165,8 @@ fn is_near(found: &Chain, expected: &Chain) -> bool {
 /// Finds whole frames behind damage. Each follows the digest that stands before it.
 struct Search<'a> {
     bytes: &'a [u8],
-    /// Bytes that may still be hashed: bytes made to look like frames at every place would take for ever.
+    /// Bytes that may still be hashed: bytes made to look like frames at every place would take
+    /// for ever.
     left: usize,
 }
 
@@ -185,8 +191,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The frame that fills `span`, which is damaged: by its length or kind, which the span tells, or by one bit of its
-/// payload, which is found by trying each. The digest proves the right one.
+/// The frame that fills `span`, which is damaged: by its length or kind, which the span tells, or
+/// by one bit of its payload, which is found by trying each. The digest proves the right one.
 fn mend(span: &[u8], chain: Chain) -> Option<(Frame, Chain)> {
     let (body, found) = span.split_at_checked(span.len().checked_sub(DIGEST)?)?;
     let length = body.len().checked_sub(HEAD).filter(|length| *length <= MOST_PAYLOAD)?;
@@ -247,7 +253,9 @@ fn row_bytes(s: &Sample) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(ROW);
     bytes.push(bits);
     floats.iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
-    [s.theta_raw.unwrap_or(0), s.flags.0].iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
+    [s.theta_raw.unwrap_or(0), s.flags.0]
+        .iter()
+        .for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
     bytes
 }
 
@@ -270,12 +278,13 @@ fn row(bytes: &[u8]) -> Option<Sample> {
     })
 }
 
-/// How a digest ends that was not synced, on a file system that shows zeros then; one in 65,536 others does.
+/// How a digest ends that was not synced, on a file system that shows zeros then; one in 65,536
+/// others does.
 const UNSYNCED: [u8; 2] = [0; 2];
 
-/// Whether what follows the last whole frame is no more than one unfinished append: a frame that passes the end of the
-/// file, or one that ends in zeros, which some file systems show where data were not synced. A length is believed only
-/// where a frame can have it.
+/// Whether what follows the last whole frame is no more than one unfinished append: a frame that
+/// passes the end of the file, or one that ends in zeros, which some file systems show where data
+/// were not synced. A length is believed only where a frame can have it.
 fn is_unfinished(rest: &[u8]) -> bool {
     let written = rest.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
     if written < HEAD {
@@ -297,7 +306,8 @@ mod tests {
         let file = [("device".to_owned(), "none".to_owned())].into();
         let mut whole = rows(2, 3);
         whole[1].t_device_s = Some(-1.5);
-        whole[2] = Sample { force_age_s: None, theta_raw: None, flags: Flags(u16::MAX), ..whole[2] };
+        whole[2] =
+            Sample { force_age_s: None, theta_raw: None, flags: Flags(u16::MAX), ..whole[2] };
         let header = Frame::Header(Header { meta: meta(2), file });
         vec![header, Frame::Rows(rows(0, 2)), Frame::Rows(whole), Frame::End, Frame::Answer(4)]
     }
@@ -356,7 +366,9 @@ mod tests {
         let all: Vec<Frame> = frames()[..1].iter().cloned().chain(batches).collect();
         let (bytes, _) = encoded(&all);
         (0..10_000_u32).into_par_iter().for_each(|i| {
-            let drawn = u64::from_le_bytes(*blake3::hash(&i.to_le_bytes()).as_bytes().first_chunk().unwrap());
+            let drawn = u64::from_le_bytes(
+                *blake3::hash(&i.to_le_bytes()).as_bytes().first_chunk().unwrap(),
+            );
             let bit = drawn as usize % (bytes.len() * BITS);
             let mut bad = bytes.clone();
             bad[bit / BITS] ^= 1 << (bit % BITS);
@@ -374,8 +386,9 @@ mod tests {
             let hit = |i: usize| ends[i] < from + 4 && from < ends[i + 1];
             let spared = |i: &usize| !hit(*i);
             let whole: Vec<Frame> = (0..5).filter(spared).map(|i| frames()[i].clone()).collect();
-            // A head alone can be mended; what was hit otherwise is gone, and nothing else is, but for a frame whose
-            // digest is the one that was hit and the frame behind it, which nothing vouches for.
+            // A head alone can be mended; what was hit otherwise is gone, and nothing else is, but
+            // for a frame whose digest is the one that was hit and the frame behind it,
+            // which nothing vouches for.
             let kept = |frame: &Frame| decoded.frames.contains(frame);
             let lost = whole.iter().filter(|frame| !kept(frame)).count();
             let in_digest = (0..5).any(|i| hit(i) && from + 4 > ends[i + 1] - DIGEST);

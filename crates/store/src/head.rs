@@ -1,8 +1,8 @@
 //! The head of a log: how many lines it has, and the digest of the last, in a file of its own.
 //!
-//! A log that is cut at a line's end is a log as whole as any other; only something outside of it can tell. The head is
-//! written after the lines that it counts are safe on the disk, so that it may be behind the log (a kill came between),
-//! and never ahead of it.
+//! A log that is cut at a line's end is a log as whole as any other; only something outside of it
+//! can tell. The head is written after the lines that it counts are safe on the disk, so that it
+//! may be behind the log (a kill came between), and never ahead of it.
 
 use crate::json::from_json;
 use crate::regular::text;
@@ -38,7 +38,11 @@ pub(crate) fn head_of(log: &Path) -> PathBuf {
 }
 
 /// Writes the head of a log with these digests of its lines.
-pub(crate) fn write_head(files: &dyn Files, log: &Path, digests: &[String]) -> Result<(), StoreError> {
+pub(crate) fn write_head(
+    files: &dyn Files,
+    log: &Path,
+    digests: &[String],
+) -> Result<(), StoreError> {
     head_bytes(log, digests)?.map_or(Ok(()), |bytes| replace(files, &head_of(log), &bytes))
 }
 
@@ -46,7 +50,8 @@ pub(crate) fn write_head(files: &dyn Files, log: &Path, digests: &[String]) -> R
 pub(crate) fn head_bytes(log: &Path, digests: &[String]) -> Result<Option<Vec<u8>>, StoreError> {
     let Some(blake3) = digests.last().cloned() else { return Ok(None) };
     let text = serde_json::to_string(&Head { lines: digests.len(), blake3 });
-    let text = text.map_err(|e| StoreError::new(&head_of(log), e.to_string(), "please report this"))?;
+    let text =
+        text.map_err(|e| StoreError::new(&head_of(log), e.to_string(), "please report this"))?;
     Ok(Some((text + "\n").into_bytes()))
 }
 
@@ -54,7 +59,11 @@ pub(crate) fn head_bytes(log: &Path, digests: &[String]) -> Result<Option<Vec<u8
 ///
 /// # Errors
 /// Lines that are gone, or another log than the head's; a head that cannot be read.
-pub(crate) fn standing(files: &dyn Files, log: &Path, digests: &[String]) -> Result<Standing, StoreError> {
+pub(crate) fn standing(
+    files: &dyn Files,
+    log: &Path,
+    digests: &[String],
+) -> Result<Standing, StoreError> {
     let path = head_of(log);
     if files.kind(&path).is_none() {
         return Ok(Standing::Behind);
@@ -65,13 +74,14 @@ pub(crate) fn standing(files: &dyn Files, log: &Path, digests: &[String]) -> Res
         .map_err(|e| StoreError::new(&path, format!("not the head of a log: {e}"), remedy))?;
     let there = digests.len();
     if there < head.lines {
-        let what =
-            format!("the log has {there} lines where its head counts {}: the others are gone", head.lines);
+        let what = format!(
+            "the log has {there} lines where its head counts {}: the others are gone",
+            head.lines
+        );
         return Err(StoreError::new(log, what, remedy));
     }
     if head.lines.checked_sub(1).and_then(|last| digests.get(last)) != Some(&head.blake3) {
-        let what =
-            "the log is not the one that its head belongs to: a line was changed, or the log was replaced";
+        let what = "the log is not the one that its head belongs to: a line was changed, or the log was replaced";
         return Err(StoreError::new(log, what, remedy));
     }
     Ok(if there == head.lines { Standing::Even } else { Standing::Behind })

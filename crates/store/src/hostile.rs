@@ -1,6 +1,8 @@
-//! Each reader as a function of a file's bytes, for tests that put anything in their place (`fuzz/`).
+//! Each reader as a function of a file's bytes, for tests that put anything in their place
+//! (`fuzz/`).
 //!
-//! What a reader makes of them is thrown away; what is looked for is a panic, a hang, or memory without end.
+//! What a reader makes of them is thrown away; what is looked for is a panic, a hang, or memory
+//! without end.
 
 use crate::events::read_events_from;
 use crate::journal::read_journal;

@@ -1,12 +1,15 @@
 //! The journal: a trial's samples are safe on the disk while it runs.
 //!
-//! One file a trial in progress, made of checksummed frames ([`crate::frame`]): what is known of the trial, then
-//! rows as they come, then the end. Each append is synced before it returns, so that a power cut takes no more than
-//! the batch that was being written. A finished trial becomes a Parquet file, and its journal is removed last.
+//! One file a trial in progress, made of checksummed frames ([`crate::frame`]): what is known of
+//! the trial, then rows as they come, then the end. Each append is synced before it returns, so
+//! that a power cut takes no more than the batch that was being written. A finished trial becomes a
+//! Parquet file, and its journal is removed last.
 
 use crate::atomic::{create_folders, folder_of};
 use crate::frame::{Chain, Decoded, Frame, Header, MAGIC, MOST_PAYLOAD, ROW, decode, encode};
-use crate::{Append, Files, Layout, MOST_BYTES, Samples, StoreError, Trial, TrialFile, record_trial};
+use crate::{
+    Append, Files, Layout, MOST_BYTES, Samples, StoreError, Trial, TrialFile, record_trial,
+};
 use std::path::{Path, PathBuf};
 use zwidth_study::{Sample, Status, TrialMeta};
 
@@ -25,7 +28,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Begins the journal of a trial. `meta.status` and `meta.likert` do not matter: they are known at the end.
+    /// Begins the journal of a trial. `meta.status` and `meta.likert` do not matter: they are known
+    /// at the end.
     ///
     /// # Errors
     /// The trial is there already, as a file or as a journal; a write that failed.
@@ -42,7 +46,11 @@ impl Journal {
             (&path, "an earlier run was cut short; run `zwidth recover` first"),
         ] {
             if files.kind(there).is_some() {
-                return Err(StoreError::new(there, format!("trial {} is there already", meta.trial), remedy));
+                return Err(StoreError::new(
+                    there,
+                    format!("trial {} is there already", meta.trial),
+                    remedy,
+                ));
             }
         }
         let header = Frame::Header(Header { meta: meta.clone(), file: file.clone() });
@@ -61,12 +69,13 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Appends rows as one frame, or a few where they are many; when it returns they are safe on the disk.
+    /// Appends rows as one frame, or a few where they are many; when it returns they are safe on
+    /// the disk.
     ///
     /// # Errors
-    /// A row that no trial file can hold (a value that is not finite, time that does not run forward), with its
-    /// column and its place among `rows`: the rows before it are kept. A write that failed: nothing can be appended
-    /// after it.
+    /// A row that no trial file can hold (a value that is not finite, time that does not run
+    /// forward), with its column and its place among `rows`: the rows before it are kept. A
+    /// write that failed: nothing can be appended after it.
     pub fn append(&mut self, rows: &[Sample]) -> Result<(), StoreError> {
         if rows.is_empty() {
             return Ok(());
@@ -82,14 +91,17 @@ impl Journal {
 
     fn check(&self, rows: &[Sample]) -> Result<(), StoreError> {
         if rows[0].t_s <= self.last_s {
-            let what =
-                format!("time runs backwards or stands still: {} s after {} s", rows[0].t_s, self.last_s);
+            let what = format!(
+                "time runs backwards or stands still: {} s after {} s",
+                rows[0].t_s, self.last_s
+            );
             return Err(StoreError::new(&self.path, what, "check the clock").column("t_s").row0(0));
         }
         Samples::from_rows(rows).check(&self.path)
     }
 
-    /// The trial has run to its end. Without it, [`Journal::finish`] and [`crate::recover`] make it `incomplete`.
+    /// The trial has run to its end. Without it, [`Journal::finish`] and [`crate::recover`] make it
+    /// `incomplete`.
     ///
     /// # Errors
     /// A write that failed.
@@ -97,11 +109,12 @@ impl Journal {
         self.write(&Frame::End, &[])
     }
 
-    /// Makes the trial a finished file, with the answer to its question, and removes the journal. The path of the
-    /// file; none if the trial has no row, so that there is nothing to keep.
+    /// Makes the trial a finished file, with the answer to its question, and removes the journal.
+    /// The path of the file; none if the trial has no row, so that there is nothing to keep.
     ///
     /// # Errors
-    /// A write that failed: the journal is still there then, and [`crate::recover`] goes on where this stopped.
+    /// A write that failed: the journal is still there then, and [`crate::recover`] goes on where
+    /// this stopped.
     pub fn finish(
         mut self,
         files: &dyn Files,
@@ -115,7 +128,8 @@ impl Journal {
         let Self { path, file, .. } = self;
         drop(file); // before the file is removed: not every system removes an open one
         let read = read_journal(files, &path)?;
-        let written = read.trial().map(|trial| record_trial(files, layout, utc, &trial)).transpose()?;
+        let written =
+            read.trial().map(|trial| record_trial(files, layout, utc, &trial)).transpose()?;
         clear(files, &path, &read)?;
         Ok(written)
     }
@@ -123,9 +137,14 @@ impl Journal {
     fn write(&mut self, frame: &Frame, before: &[u8]) -> Result<(), StoreError> {
         if self.broken {
             let what = "an earlier write failed, so that nothing can be appended";
-            return Err(StoreError::new(&self.path, what, "end the trial, then run `zwidth recover`"));
+            return Err(StoreError::new(
+                &self.path,
+                what,
+                "end the trial, then run `zwidth recover`",
+            ));
         }
-        let defect = |e: serde_json::Error| StoreError::new(&self.path, e.to_string(), "please report this");
+        let defect =
+            |e: serde_json::Error| StoreError::new(&self.path, e.to_string(), "please report this");
         let (bytes, chain) = encode(frame, self.chain).map_err(defect)?;
         let written = self.file.append_synced(&[before, &bytes].concat());
         self.broken = written.is_err();
@@ -134,7 +153,8 @@ impl Journal {
     }
 }
 
-/// Removes a journal whose trial is safe; one with bytes of which nothing could be made gets another name and stays.
+/// Removes a journal whose trial is safe; one with bytes of which nothing could be made gets
+/// another name and stays.
 ///
 /// # Errors
 /// A removal that failed; a journal that stays, with where it lies now.
@@ -150,20 +170,33 @@ pub(crate) fn clear(files: &dyn Files, path: &Path, read: &Journaled) -> Result<
     moved.map_err(|e| StoreError::io(path, "rename", &e))?;
     let Journaled { rows, damaged, .. } = read;
     Err(if read.header.is_none() {
-        let what =
-            format!("the journal is damaged where it says whose trial it is; {} rows are whole", rows.len());
-        StoreError::new(&aside, what, "no trial was made of it: do the trial again, and keep this file")
+        let what = format!(
+            "the journal is damaged where it says whose trial it is; {} rows are whole",
+            rows.len()
+        );
+        StoreError::new(
+            &aside,
+            what,
+            "no trial was made of it: do the trial again, and keep this file",
+        )
     } else {
-        let what =
-            format!("the journal is damaged: {} rows are whole, {damaged} bytes cannot be read", rows.len());
-        StoreError::new(&aside, what, "the rows are kept as a trial; remove this file when nobody needs it")
+        let what = format!(
+            "the journal is damaged: {} rows are whole, {damaged} bytes cannot be read",
+            rows.len()
+        );
+        StoreError::new(
+            &aside,
+            what,
+            "the rows are kept as a trial; remove this file when nobody needs it",
+        )
     })
 }
 
 /// What is added to the name of a damaged journal.
 pub(crate) const DAMAGED: &str = ".damaged";
 
-/// A name beside `path` that no file has: what is set aside never takes the place of what was set aside before.
+/// A name beside `path` that no file has: what is set aside never takes the place of what was set
+/// aside before.
 fn free_name(files: &dyn Files, path: &Path) -> PathBuf {
     let named = |ending: &str| {
         let mut name = path.file_name().unwrap_or_default().to_owned();
@@ -216,7 +249,11 @@ pub(crate) fn read_journal(files: &dyn Files, path: &Path) -> Result<Journaled, 
     let read = journaled(decoded);
     if first != MAGIC && read.header.is_none() {
         let what = "not a journal of this version";
-        return Err(StoreError::new(path, what, "use the zwidth that wrote it, or move the file elsewhere"));
+        return Err(StoreError::new(
+            path,
+            what,
+            "use the zwidth that wrote it, or move the file elsewhere",
+        ));
     }
     Ok(read)
 }
@@ -244,7 +281,12 @@ mod tests {
     use zwidth_study::Kind;
 
     fn create(layout: &Layout, trial: u32) -> Result<Journal, StoreError> {
-        Journal::create(&RealFiles, layout, &meta(trial), &[("device".to_owned(), "none".to_owned())].into())
+        Journal::create(
+            &RealFiles,
+            layout,
+            &meta(trial),
+            &[("device".to_owned(), "none".to_owned())].into(),
+        )
     }
 
     #[test]
@@ -258,7 +300,10 @@ mod tests {
         let path = journal.finish(&RealFiles, &layout, Some(5), UTC).unwrap().unwrap();
         let trial = read_trial(&path, Signal::all()).unwrap();
         assert_eq!(trial.meta, TrialMeta { likert: Some(5), ..meta(1) });
-        assert_eq!(trial.samples.get(Signal::Theta), Samples::from_rows(&rows(0, 120)).get(Signal::Theta));
+        assert_eq!(
+            trial.samples.get(Signal::Theta),
+            Samples::from_rows(&rows(0, 120)).get(Signal::Theta)
+        );
         assert_eq!(trial.file["device"], "none");
         assert_eq!(std::fs::read_dir(layout.journals()).unwrap().count(), 0);
     }
@@ -285,7 +330,10 @@ mod tests {
     #[test]
     fn a_row_that_no_file_can_hold_is_refused_and_those_before_it_are_kept() {
         for (damage, words) in [
-            ((|r: &mut Sample| r.force_ex_n = f64::NAN) as fn(&mut Sample), "column force_ex_n, row 4: NaN"),
+            (
+                (|r: &mut Sample| r.force_ex_n = f64::NAN) as fn(&mut Sample),
+                "column force_ex_n, row 4: NaN",
+            ),
             (|r| r.t_s = 0.0, "column t_s, row 4: time runs backwards"),
             (|r| r.voltages.motor_v = 1e39, "column voltage_motor_v, row 4"),
         ] {
@@ -296,7 +344,10 @@ mod tests {
             let error = journal.append(&bad).unwrap_err();
             assert!(error.to_string().contains(words), "{error}");
             let late = journal.append(&rows(2, 1)).unwrap_err();
-            assert!(late.to_string().contains("row 1: time runs backwards or stands still"), "{late}");
+            assert!(
+                late.to_string().contains("row 1: time runs backwards or stands still"),
+                "{late}"
+            );
             journal.append(&rows(3, 2)).unwrap();
             let path = journal.finish(&RealFiles, &layout, None, UTC).unwrap().unwrap();
             assert_eq!(read_trial(&path, []).unwrap().samples.len(), 5);
@@ -320,7 +371,8 @@ mod tests {
         let layout = Layout::new(Path::new("/root"), "demo".parse().unwrap());
         let disk = Memory::new();
         disk.put(&layout.study_toml(), b"");
-        // Folder and its name, the open file, the header's two steps, the folder: then the first rows fail.
+        // Folder and its name, the open file, the header's two steps, the folder: then the first
+        // rows fail.
         disk.fail_in(6, Fault::End);
         let mut journal = Journal::create(&disk, &layout, &meta(1), &TrialFile::new()).unwrap();
         assert!(journal.append(&rows(0, 3)).is_err());

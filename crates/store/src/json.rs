@@ -1,14 +1,15 @@
 //! JSON that may have been changed by hand, or made to do harm.
 //!
-//! Where a key stands twice, readers differ in which of the two they believe; so an object with one is refused. So is
-//! text with more keys, or nested deeper, than any file of ours.
+//! Where a key stands twice, readers differ in which of the two they believe; so an object with one
+//! is refused. So is text with more keys, or nested deeper, than any file of ours.
 
 use serde::de::{DeserializeOwned, DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
 use std::cell::Cell;
 use std::collections::HashSet;
 use std::fmt;
 
-/// Keys of all objects of one text together: ten for each of the trials of the largest session record.
+/// Keys of all objects of one text together: ten for each of the trials of the largest session
+/// record.
 pub const MOST_KEYS: usize = 1 << 20;
 /// Objects and lists within each other; ours go down to five.
 const MOST_NESTED: usize = 16;
@@ -16,8 +17,8 @@ const MOST_NESTED: usize = 16;
 /// Reads JSON of ours.
 ///
 /// # Errors
-/// Text that is not JSON, or not of this form; a key that stands twice in an object; more than [`MOST_KEYS`] keys; objects
-/// and lists nested more than 16 deep. With line and column.
+/// Text that is not JSON, or not of this form; a key that stands twice in an object; more than
+/// [`MOST_KEYS`] keys; objects and lists nested more than 16 deep. With line and column.
 pub fn from_json<T: DeserializeOwned>(text: &str) -> Result<T, serde_json::Error> {
     let keys = Cell::new(0);
     let mut reader = serde_json::Deserializer::from_str(text);
@@ -118,20 +119,30 @@ mod tests {
 
     #[test]
     fn a_key_that_stands_twice_is_refused_at_any_depth_and_said_with_its_place() {
-        assert_eq!(refused(r#"{"a": 1, "a": 1}"#), r#"the key "a" stands twice at line 1 column 12"#);
-        assert!(
-            refused("{\"a\": [{\"b\": {}},\n{\"c\": 1, \"d\": 2, \"c\": 3}]}").contains("\"c\" stands twice")
-        );
-        assert!(refused(r#"{"a": 1, "\u0061": 2}"#).contains("\"a\" stands twice"), "however it is written");
         assert_eq!(
-            from_json::<Map>(r#"{"a": {"a": [1, -2.5, null, true, "x"]}, "b": {"a": 1}}"#).unwrap().len(),
+            refused(r#"{"a": 1, "a": 1}"#),
+            r#"the key "a" stands twice at line 1 column 12"#
+        );
+        assert!(
+            refused("{\"a\": [{\"b\": {}},\n{\"c\": 1, \"d\": 2, \"c\": 3}]}")
+                .contains("\"c\" stands twice")
+        );
+        assert!(
+            refused(r#"{"a": 1, "\u0061": 2}"#).contains("\"a\" stands twice"),
+            "however it is written"
+        );
+        assert_eq!(
+            from_json::<Map>(r#"{"a": {"a": [1, -2.5, null, true, "x"]}, "b": {"a": 1}}"#)
+                .unwrap()
+                .len(),
             2
         );
     }
 
     #[test]
     fn what_is_nested_deeper_than_anything_of_ours_is_refused() {
-        let nested = |depth: usize| format!("{{\"a\": {}{}}}", "[".repeat(depth), "]".repeat(depth));
+        let nested =
+            |depth: usize| format!("{{\"a\": {}{}}}", "[".repeat(depth), "]".repeat(depth));
         assert!(from_json::<Map>(&nested(MOST_NESTED - 1)).is_ok());
         assert!(refused(&nested(MOST_NESTED)).contains("nested more than 16 deep"));
         assert!(refused(&nested(1 << 20)).contains("nested more than 16 deep"));
@@ -139,8 +150,9 @@ mod tests {
 
     #[test]
     fn more_keys_than_any_file_of_ours_has_are_refused_and_thirty_thousand_are_not_too_many() {
-        let keys =
-            |n: usize| format!("{{{}}}", (0..n).map(|i| format!("\"{i}\":0")).collect::<Vec<_>>().join(","));
+        let keys = |n: usize| {
+            format!("{{{}}}", (0..n).map(|i| format!("\"{i}\":0")).collect::<Vec<_>>().join(","))
+        };
         assert_eq!(from_json::<Map>(&keys(30_000)).unwrap().len(), 30_000);
         assert!(refused(&keys(MOST_KEYS + 1)).contains("more than 1048576 keys"));
     }

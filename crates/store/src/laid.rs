@@ -1,6 +1,6 @@
-//! A session is laid down before its first trial: its copy of `study.toml`, its record, and the first line of its log,
-//! which holds the record's hash. Later all three are held against each other, against the trials' footers, and against
-//! the present `study.toml`.
+//! A session is laid down before its first trial: its copy of `study.toml`, its record, and the
+//! first line of its log, which holds the record's hash. Later all three are held against each
+//! other, against the trials' footers, and against the present `study.toml`.
 
 use crate::alike::check_session_ids;
 use crate::head::head_of;
@@ -8,16 +8,18 @@ use crate::regular::text;
 use crate::study::MOST_STUDY;
 use crate::whole::has_samples;
 use crate::{
-    Files, Layout, SessionLog, StoreError, TrialEntry, append_events, hex_blake3, replace, write_new,
+    Files, Layout, SessionLog, StoreError, TrialEntry, append_events, hex_blake3, replace,
+    write_new,
 };
 use std::path::Path;
 use zwidth_study::{Affects, Event, SessionRecord, Source, Study, StudyChange, study_changes};
 
-/// Lays a session down. `study_toml` is the text of the `study.toml` in force. What an earlier attempt that was killed
-/// has done is done again.
+/// Lays a session down. `study_toml` is the text of the `study.toml` in force. What an earlier
+/// attempt that was killed has done is done again.
 ///
 /// # Errors
-/// A record of the session that is there already; ids that differ only by case from those of another; a write that failed.
+/// A record of the session that is there already; ids that differ only by case from those of
+/// another; a write that failed.
 pub fn lay_down(
     files: &dyn Files,
     layout: &Layout,
@@ -33,7 +35,9 @@ pub fn lay_down(
         replace(files, &layout.study_copy(&record.participant, &record.session), study_toml)?;
     }
     let log = layout.events(&record.participant, &record.session);
-    if files.kind(&path).is_none() && (files.kind(&log).is_some() || files.kind(&head_of(&log)).is_some()) {
+    if files.kind(&path).is_none()
+        && (files.kind(&log).is_some() || files.kind(&head_of(&log)).is_some())
+    {
         let what = "there is a log of the session already, and its record is missing";
         return Err(StoreError::new(&log, what, RESTORE));
     }
@@ -46,7 +50,8 @@ pub fn lay_down(
 /// # Errors
 /// A value that JSON cannot hold.
 pub fn record_bytes(path: &Path, record: &SessionRecord) -> Result<Vec<u8>, StoreError> {
-    let text = record.to_json().map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
+    let text =
+        record.to_json().map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
     Ok(text.into_bytes())
 }
 
@@ -55,7 +60,8 @@ pub fn laid_down(record: &[u8]) -> Event {
     Event::LaidDown { record_blake3: hex_blake3(record) }
 }
 
-/// Writes the first line of a log that a kill kept from being written: the record stands alone then.
+/// Writes the first line of a log that a kill kept from being written: the record stands alone
+/// then.
 pub(crate) fn mend_laid_down(
     files: &dyn Files,
     layout: &Layout,
@@ -65,8 +71,8 @@ pub(crate) fn mend_laid_down(
 ) -> Result<bool, StoreError> {
     let log = layout.events(&record.participant, &record.session);
     let (participant, session) = (&record.participant, &record.session);
-    // Nothing is recorded before the first line of the log: with a trial beside it the record does not stand alone, but
-    // has lost its log. The trials of an import come first.
+    // Nothing is recorded before the first line of the log: with a trial beside it the record does
+    // not stand alone, but has lost its log. The trials of an import come first.
     let alone = files.kind(&log).is_none()
         && files.kind(&head_of(&log)).is_none()
         && (record.source == Source::Imported || !has_samples(files, layout, participant, session));
@@ -127,7 +133,8 @@ pub(crate) fn is_copy(path: &Path, bytes: &[u8], record: &SessionRecord) -> Resu
     if hex_blake3(bytes) == record.study_blake3 {
         return Ok(());
     }
-    let what = "it is not the study.toml that the session was laid down with, by the hash in its record";
+    let what =
+        "it is not the study.toml that the session was laid down with, by the hash in its record";
     Err(StoreError::new(path, what, RESTORE))
 }
 
@@ -135,10 +142,12 @@ pub(crate) fn is_copy(path: &Path, bytes: &[u8], record: &SessionRecord) -> Resu
 pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<String> {
     let (record, meta) = (&log.record, &trial.meta);
     let differs = |what: &str, footer: &str, record: &str| {
-        (footer != record).then(|| format!("its {what} is '{footer}' and '{record}' in its session's record"))
+        (footer != record)
+            .then(|| format!("its {what} is '{footer}' and '{record}' in its session's record"))
     };
     let footer = |key: &str| trial.file.get(key).map(String::as_str);
-    let both = |what: &str, key: &str, of_record: Option<&str>| differs(what, footer(key)?, of_record?);
+    let both =
+        |what: &str, key: &str, of_record: Option<&str>| differs(what, footer(key)?, of_record?);
     // A trial that was done again, or sealed, stands in the session's trials as they are known now.
     let planned = log.record.trials.iter().find(|t| t.trial == meta.trial);
     let of_plan = planned.and_then(|t| {
@@ -147,7 +156,8 @@ pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<Stri
             .or_else(|| differs("kind", meta.kind.as_str(), t.kind.as_str()))
             .or_else(|| differs("repeat", &meta.repeat.to_string(), &t.repeat.to_string()))
     });
-    let accepted = log.studies().any(|hash| footer("study_blake3").is_none_or(|of_trial| of_trial == hash));
+    let accepted =
+        log.studies().any(|hash| footer("study_blake3").is_none_or(|of_trial| of_trial == hash));
     let seed = record.seed.map(|seed| seed.to_string());
     differs("source", meta.source.as_str(), record.source.as_str())
         .or(of_plan)
@@ -155,13 +165,14 @@ pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<Stri
         .or_else(|| both("device", "device", record.device.as_deref()))
         .or_else(|| both("seed", "seed", seed.as_deref()))
         .or_else(|| {
-            (!accepted)
-                .then(|| "it was recorded under a study.toml that its session does not know".to_owned())
+            (!accepted).then(|| {
+                "it was recorded under a study.toml that its session does not know".to_owned()
+            })
         })
 }
 
-/// What changed in `study.toml` since a session was laid down and matters to it, in words, accepted or not; nothing if
-/// nothing does. `hash` is the present file's.
+/// What changed in `study.toml` since a session was laid down and matters to it, in words, accepted
+/// or not; nothing if nothing does. `hash` is the present file's.
 pub(crate) fn matters(log: &SessionLog, study: &Study, hash: &str) -> Option<String> {
     if log.record.study_blake3 == hash {
         return None;
@@ -175,8 +186,8 @@ pub(crate) fn matters(log: &SessionLog, study: &Study, hash: &str) -> Option<Str
     (!told.is_empty()).then(|| told.join("; "))
 }
 
-/// What changed in `study.toml` since a session was laid down and may matter to it: a warning, until an event accepts
-/// the present one. `hash` is the present file's.
+/// What changed in `study.toml` since a session was laid down and may matter to it: a warning,
+/// until an event accepts the present one. `hash` is the present file's.
 pub(crate) fn study_warning(
     layout: &Layout,
     log: &SessionLog,
@@ -188,15 +199,21 @@ pub(crate) fn study_warning(
     }
     let changes = matters(log, study, hash)?;
     let (participant, session) = (&log.record.participant, &log.record.session);
-    let what = format!("study.toml is another than when {participant} {session} was laid down: {changes}");
+    let what =
+        format!("study.toml is another than when {participant} {session} was laid down: {changes}");
     let copy = layout.study_copy(participant, session);
     let as_it_was = match &log.study {
         None => String::new(),
         Some(_) => format!(" (as it was, it is {})", layout.shown(&copy).display()),
     };
     let study = layout.study();
-    let accept = format!("zwidth recover {study} --accept-study-change -p {participant} -s {session}");
-    Some(StoreError::new(&log.path, what, format!("put it back{as_it_was}, or accept it with `{accept}`")))
+    let accept =
+        format!("zwidth recover {study} --accept-study-change -p {participant} -s {session}");
+    Some(StoreError::new(
+        &log.path,
+        what,
+        format!("put it back{as_it_was}, or accept it with `{accept}`"),
+    ))
 }
 
 #[cfg(test)]

@@ -79,7 +79,8 @@ impl Layout {
         self.sessions().join(format!("{participant}_{session}.json"))
     }
 
-    /// One session's copy of `study.toml`: its very bytes as they were when the session was laid down.
+    /// One session's copy of `study.toml`: its very bytes as they were when the session was laid
+    /// down.
     pub fn study_copy(&self, participant: &ParticipantId, session: &SessionId) -> PathBuf {
         self.sessions().join(format!("{participant}_{session}.study.toml"))
     }
@@ -104,7 +105,8 @@ impl Layout {
         self.journals().join(format!("{participant}_{session}.trial-{trial:03}.journal"))
     }
 
-    /// The list of what an import is about to write; it is there while one runs, and after one that was cut short.
+    /// The list of what an import is about to write; it is there while one runs, and after one that
+    /// was cut short.
     pub fn import_list(&self) -> PathBuf {
         self.raw().join("import-unfinished.json")
     }

@@ -52,8 +52,8 @@ mod write;
 pub use accept::{accept_study, study_notes};
 pub use alike::{check_session_ids, check_study_id};
 pub use atomic::{
-    Append, Entry, Files, RealFiles, append_to, is_unfinished, keep_private, replace, sync_names, write_new,
-    write_private,
+    Append, Entry, Files, RealFiles, append_to, is_unfinished, keep_private, replace, sync_names,
+    write_new, write_private,
 };
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
@@ -68,7 +68,9 @@ pub use layout::Layout;
 pub use lock::{StudyLock, owner};
 pub use memory::{Fault, Memory, Survives};
 pub use raw::Raw;
-pub use read::{TrialFooter, read_entries, read_footer, read_parquet, read_parquet_columns, read_trial};
+pub use read::{
+    TrialFooter, read_entries, read_footer, read_parquet, read_parquet_columns, read_trial,
+};
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover, unfinished_below};
 pub use regular::{MOST_BYTES, open_named, open_regular, read_named, read_regular};

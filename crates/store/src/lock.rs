@@ -1,8 +1,8 @@
 //! One writer at a time: a lock file that says who holds it.
 //!
-//! The lock is the operating system's (`flock`, `LockFileEx`): it goes with the process that holds it, however that
-//! ends, so that no lock is ever stale. The file stays where it is, empty while nobody holds it; an owner that still
-//! stands in it did not end in order.
+//! The lock is the operating system's (`flock`, `LockFileEx`): it goes with the process that holds
+//! it, however that ends, so that no lock is ever stale. The file stays where it is, empty while
+//! nobody holds it; an owner that still stands in it did not end in order.
 
 use crate::atomic::create_folders;
 use crate::regular::open_as;
@@ -44,21 +44,23 @@ impl StudyLock {
 
 impl Drop for StudyLock {
     fn drop(&mut self) {
-        // A name that stays says no more than that its owner did not end in order; the lock itself goes in any case.
+        // A name that stays says no more than that its owner did not end in order; the lock itself
+        // goes in any case.
         let _ = self.file.set_len(0);
     }
 }
 
 /// An owner's id: what it does, its process and host, and since when.
 pub fn owner(command: &str, utc: &str) -> String {
-    let host =
-        std::fs::read_to_string("/proc/sys/kernel/hostname").ok().or(std::env::var("COMPUTERNAME").ok());
+    let host = std::fs::read_to_string("/proc/sys/kernel/hostname")
+        .ok()
+        .or(std::env::var("COMPUTERNAME").ok());
     let host = host.map(|name| format!(" on {}", name.trim())).unwrap_or_default();
     format!("{command}, process {}{host}, since {utc}", std::process::id())
 }
 
-/// Opens the lock's file, or creates it. It is written to, so nothing but a file of its own will do: what a link or a
-/// second name leads to would be emptied.
+/// Opens the lock's file, or creates it. It is written to, so nothing but a file of its own will
+/// do: what a link or a second name leads to would be emptied.
 fn opened(path: &Path) -> io::Result<File> {
     create_folders(&RealFiles, crate::atomic::folder_of(path))?;
     let created = File::options().read(true).write(true).create_new(true).open(path);
@@ -68,7 +70,11 @@ fn opened(path: &Path) -> io::Result<File> {
         }
         created => created?,
     };
-    if is_owner(&file)? { Ok(file) } else { Err(io::Error::new(io::ErrorKind::InvalidInput, OTHER)) }
+    if is_owner(&file)? {
+        Ok(file)
+    } else {
+        Err(io::Error::new(io::ErrorKind::InvalidInput, OTHER))
+    }
 }
 
 /// Why a file is not taken for the lock's.
@@ -100,7 +106,8 @@ fn written(file: &mut File, owner: &str) -> io::Result<()> {
 }
 
 fn held(path: &Path, file: &mut File) -> StoreError {
-    let who = read(file).filter(|text| !text.is_empty()).unwrap_or_else(|| "another process".to_owned());
+    let who =
+        read(file).filter(|text| !text.is_empty()).unwrap_or_else(|| "another process".to_owned());
     StoreError::new(path, format!("the study is in use: {who}"), "wait for it, or end it")
 }
 
@@ -112,7 +119,8 @@ mod tests {
     #[test]
     fn the_second_who_asks_is_told_who_holds_it() {
         let (_folder, layout) = folder_with_study();
-        let first = StudyLock::take(&layout, &owner("zwidth acquire", "2026-01-01T00:00:00Z")).unwrap();
+        let first =
+            StudyLock::take(&layout, &owner("zwidth acquire", "2026-01-01T00:00:00Z")).unwrap();
         assert_eq!(first.left_behind(), None);
         let error = StudyLock::take(&layout, "another").unwrap_err();
         let words = format!("in use: zwidth acquire, process {}", std::process::id());
@@ -141,7 +149,10 @@ mod tests {
         for make in [&as_link as &dyn Fn(&Path) -> io::Result<()>, &as_name] {
             make(&layout.lock()).unwrap();
             let error = StudyLock::take(&layout, "me").unwrap_err();
-            assert!(error.path == layout.lock() && error.remedy.contains("put the file itself"), "{error}");
+            assert!(
+                error.path == layout.lock() && error.remedy.contains("put the file itself"),
+                "{error}"
+            );
             assert_eq!(std::fs::read(layout.study_toml()).unwrap(), text);
             std::fs::remove_file(layout.lock()).unwrap();
         }

@@ -1,8 +1,9 @@
-//! A disk in memory that fails as it is told to: for simulations of whole sessions and for hostile files, of which
-//! thousands are looked at in a second.
+//! A disk in memory that fails as it is told to: for simulations of whole sessions and for hostile
+//! files, of which thousands are looked at in a second.
 //!
-//! Beside what a process sees (the page cache) it keeps what is durable: a file's content from its last sync, a name
-//! from the last sync of its folder. [`Memory::restart`] leaves what outlives a kill or a power cut.
+//! Beside what a process sees (the page cache) it keeps what is durable: a file's content from its
+//! last sync, a name from the last sync of its folder. [`Memory::restart`] leaves what outlives a
+//! kill or a power cut.
 
 use crate::{Append, Entry, Files, Held};
 use std::collections::BTreeMap;
@@ -15,7 +16,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 pub enum Fault {
     /// The process ends there, a write half done: nothing works until [`Memory::restart`].
     End,
-    /// The disk is full from there on: a write is half done and fails, what is there can be read and removed.
+    /// The disk is full from there on: a write is half done and fails, what is there can be read
+    /// and removed.
     Full,
 }
 
@@ -168,7 +170,11 @@ impl State {
 
     fn parent(&self, path: &Path) -> io::Result<()> {
         let folder = path.parent().map(|folder| self.live.get(folder));
-        if folder == Some(Some(&Node::Folder)) { Ok(()) } else { Err(io::Error::from(ErrorKind::NotFound)) }
+        if folder == Some(Some(&Node::Folder)) {
+            Ok(())
+        } else {
+            Err(io::Error::from(ErrorKind::NotFound))
+        }
     }
 
     /// Appends to a file and syncs it: two steps, of which the first may do half of its work.
@@ -228,7 +234,8 @@ impl Files for Memory {
         if state.live.get(folder) != Some(&Node::Folder) {
             return Err(io::Error::from(ErrorKind::NotFound));
         }
-        let inside = state.live.range(folder.to_owned()..).take_while(|(path, _)| path.starts_with(folder));
+        let inside =
+            state.live.range(folder.to_owned()..).take_while(|(path, _)| path.starts_with(folder));
         let inside = inside.filter(|(path, _)| path.parent() == Some(folder));
         let entry = |node: &Node| if *node == Node::Folder { Entry::Folder } else { Entry::File };
         Ok(inside.map(|(path, node)| (path.clone(), entry(node))).collect())
@@ -247,7 +254,9 @@ impl Files for Memory {
         let state = self.state();
         state.look()?;
         match state.live.get(folder) {
-            Some(Node::Folder) => Ok(Box::new(HeldFolder { disk: self.clone(), path: folder.to_owned() })),
+            Some(Node::Folder) => {
+                Ok(Box::new(HeldFolder { disk: self.clone(), path: folder.to_owned() }))
+            }
             Some(Node::File(_)) => Err(io::Error::from(ErrorKind::NotADirectory)),
             None => Err(io::Error::from(ErrorKind::NotFound)),
         }

@@ -1,8 +1,9 @@
 //! The handle that writes below `raw/<study>`: the one way in which a command does.
 //!
-//! It is a file layer that refuses, where the file is opened, whatever lies elsewhere, and what its command may not do: a
-//! command that records adds and removes nothing but its own journals; `recover` and `import` may also remove and write
-//! anew what an unfinished life left. To have one a command holds the study's lock, or makes the study.
+//! It is a file layer that refuses, where the file is opened, whatever lies elsewhere, and what its
+//! command may not do: a command that records adds and removes nothing but its own journals;
+//! `recover` and `import` may also remove and write anew what an unfinished life left. To have one
+//! a command holds the study's lock, or makes the study.
 
 use crate::atomic::is_unfinished;
 use crate::{Append, Entry, Files, Held, Layout, StudyLock};
@@ -19,6 +20,7 @@ enum May {
 /// The right to write below `raw/<study>`.
 pub struct Raw<'a> {
     files: &'a dyn Files,
+    root: PathBuf,
     raw: PathBuf,
     journals: PathBuf,
     vault: Option<PathBuf>,
@@ -27,7 +29,8 @@ pub struct Raw<'a> {
 
 impl<'a> Raw<'a> {
     fn of(files: &'a dyn Files, layout: &Layout, may: May) -> Self {
-        Self { files, raw: layout.raw(), journals: layout.journals(), vault: None, may }
+        let root = layout.root().to_owned();
+        Self { files, root, raw: layout.raw(), journals: layout.journals(), vault: None, may }
     }
 
     /// For a study that is made: nobody can hold its lock yet.
@@ -51,14 +54,27 @@ impl<'a> Raw<'a> {
         Self { vault: Some(folder.to_owned()), ..self }
     }
 
-    /// The layer below, if the handle is for this path.
+    /// The layer below, if the handle is for this path, by its text and by every folder on the way.
     fn here(&self, path: &Path) -> io::Result<&'a dyn Files> {
         let straight = path.components().all(|part| part != Component::ParentDir);
-        let within = |folder: &Path| path.starts_with(folder);
-        if straight && (within(&self.raw) || self.vault.as_deref().is_some_and(within)) {
-            return Ok(self.files);
+        let vault = self.vault.as_deref().filter(|vault| path.starts_with(vault));
+        let top = if path.starts_with(&self.raw) { Some(self.root.as_path()) } else { vault };
+        let top = top
+            .filter(|_| straight)
+            .ok_or_else(|| refused(path, "this command writes below raw/ of its study only"))?;
+        self.check_way(top, path)?;
+        Ok(self.files)
+    }
+
+    /// Whether no folder between the top and the path is a link, which would lead a writer out of
+    /// the study.
+    fn check_way(&self, top: &Path, path: &Path) -> io::Result<()> {
+        let folders =
+            path.ancestors().skip(1).take_while(|folder| *folder != top && folder.starts_with(top));
+        match folders.into_iter().find(|folder| self.files.kind(folder) == Some(Entry::Link)) {
+            Some(link) => Err(refused(link, "this command follows no link below raw/")),
+            None => Ok(()),
         }
-        Err(refused(path, "this command writes below raw/ of its study only"))
     }
 
     /// The same for something that goes.
@@ -155,17 +171,56 @@ mod tests {
         let before = disk.below(Path::new("/"));
         for may in [May::Add, May::Mend] {
             let raw = Raw::of(&disk, &layout, may).with_vault(Path::new("/keys"));
-            for path in
-                ["/r/derived/demo/x", "/r/raw/other/study.toml", "/r/raw/demo/../other/study.toml", "/etc/x"]
-            {
+            for path in [
+                "/r/derived/demo/x",
+                "/r/raw/other/study.toml",
+                "/r/raw/demo/../other/study.toml",
+                "/etc/x",
+            ] {
                 let path = Path::new(path);
-                assert!(replace(&raw, path, b"no").is_err() && raw.remove(path).is_err(), "{path:?}");
-                assert!(raw.open_append(path).is_err() && raw.remove_folder(path).is_err(), "{path:?}");
+                assert!(
+                    replace(&raw, path, b"no").is_err() && raw.remove(path).is_err(),
+                    "{path:?}"
+                );
+                assert!(
+                    raw.open_append(path).is_err() && raw.remove_folder(path).is_err(),
+                    "{path:?}"
+                );
                 assert!(raw.rename(&layout.study_toml(), path).is_err(), "{path:?}");
                 assert!(raw.make_private(path).is_err(), "{path:?}");
             }
         }
         assert_eq!(disk.below(Path::new("/")), before);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn no_handle_follows_a_linked_folder_out_of_its_study() {
+        use crate::RealFiles;
+        use std::fs;
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let layout = Layout::new(&folder.path().join("root"), "demo".parse().unwrap());
+        let (outside, vault) = (folder.path().join("outside"), folder.path().join("vault"));
+        for made in [&layout.raw(), &outside, &vault] {
+            fs::create_dir_all(made).unwrap();
+        }
+        fs::write(outside.join("theirs"), "theirs").unwrap();
+        symlink(&outside, layout.trials()).unwrap();
+        symlink(&outside, vault.join("demo")).unwrap();
+        for may in [May::Add, May::Mend] {
+            let raw = Raw::of(&RealFiles, &layout, may).with_vault(&vault);
+            for linked in [layout.trials(), vault.join("demo")] {
+                let error = write_new(&raw, &linked.join("new"), b"ours").unwrap_err();
+                assert!(error.to_string().contains("follows no link"), "{error}");
+                let theirs = linked.join("theirs");
+                assert!(raw.remove(&theirs).is_err() && raw.open_append(&theirs).is_err());
+                assert!(raw.create_folder(&linked.join("folder")).is_err());
+            }
+        }
+        let left: Vec<_> =
+            fs::read_dir(&outside).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(left, ["theirs"]);
     }
 
     #[test]

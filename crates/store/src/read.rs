@@ -4,7 +4,9 @@ use crate::bounds::{check_footer, check_pages, check_size};
 use crate::codec::check_codecs;
 use crate::hash::hex_blake3;
 use crate::write::{DIGEST, FOOTER_DIGEST, VERSION, column_digest, described, footer_digest};
-use crate::{Column, Files, MOST_BYTES, RealFiles, Samples, Signal, Storage, StoreError, Trial, TrialFile};
+use crate::{
+    Column, Files, MOST_BYTES, RealFiles, Samples, Signal, Storage, StoreError, Trial, TrialFile,
+};
 use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
 use arrow::compute::concat_batches;
 use arrow::datatypes::{DataType, Field, Float32Type, Float64Type, SchemaRef, UInt16Type};
@@ -56,7 +58,10 @@ pub(crate) fn read_footer_from(files: &dyn Files, path: &Path) -> Result<TrialFo
 /// Reads a trial, with only the `signals` asked for (all: `Signal::all()`). Time is always read.
 ///
 /// Every column read is checked: type, unit, digest, finite values, time that runs forward.
-pub fn read_trial(path: &Path, signals: impl IntoIterator<Item = Signal>) -> Result<Trial, StoreError> {
+pub fn read_trial(
+    path: &Path,
+    signals: impl IntoIterator<Item = Signal>,
+) -> Result<Trial, StoreError> {
     read_trial_from(&RealFiles, path, signals)
 }
 
@@ -86,7 +91,8 @@ pub(crate) fn read_trial_from(
     Ok(Trial { meta, file: rest, samples })
 }
 
-/// Reads any Parquet file that [`crate::write_parquet`] or [`crate::write_table`] wrote, whole: its rows and its footer.
+/// Reads any Parquet file that [`crate::write_parquet`] or [`crate::write_table`] wrote, whole: its
+/// rows and its footer.
 pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
     let file = ParquetFile::open(&RealFiles, path)?;
     let columns = file.columns()?;
@@ -96,7 +102,8 @@ pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String
     Ok((batch, file.footer))
 }
 
-/// The columns of these names of such a file, in its order, and its footer; a name that the file lacks is passed by.
+/// The columns of these names of such a file, in its order, and its footer; a name that the file
+/// lacks is passed by.
 pub fn read_parquet_columns(
     path: &Path,
     names: &[&str],
@@ -129,7 +136,8 @@ impl ParquetFile {
         }
         check_footer(&bytes).map_err(|why| unreadable(path, DAMAGED, &why))?;
         let bytes = Bytes::from(bytes);
-        let metadata = guarded(path, DAMAGED, || ParquetMetaDataReader::new().parse_and_finish(&bytes))?;
+        let metadata =
+            guarded(path, DAMAGED, || ParquetMetaDataReader::new().parse_and_finish(&bytes))?;
         let file_metadata = metadata.file_metadata();
         let footer: BTreeMap<String, String> = file_metadata
             .key_value_metadata()
@@ -161,7 +169,9 @@ impl ParquetFile {
     /// Its columns as Arrow has them, with their types and units.
     pub(crate) fn columns(&self) -> Result<ArrowReaderMetadata, StoreError> {
         let options = ArrowReaderOptions::default();
-        guarded(&self.path, DAMAGED, || ArrowReaderMetadata::try_new(self.metadata.clone(), options))
+        guarded(&self.path, DAMAGED, || {
+            ArrowReaderMetadata::try_new(self.metadata.clone(), options)
+        })
     }
 
     /// Those of these names, as one batch.
@@ -175,7 +185,8 @@ impl ParquetFile {
         check_pages(&self.bytes, &self.metadata, |place| mask.leaf_included(place))
             .map_err(|why| unreadable(&self.path, DAMAGED, &why))?;
         guarded(&self.path, DAMAGED, || {
-            let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(self.bytes.clone(), columns);
+            let builder =
+                ParquetRecordBatchReaderBuilder::new_with_metadata(self.bytes.clone(), columns);
             let rows = self.rows.clamp(1, BATCH_ROWS);
             let reader = builder.with_projection(mask).with_batch_size(rows).build()?;
             let schema = arrow::array::RecordBatchReader::schema(&reader);
@@ -185,7 +196,8 @@ impl ParquetFile {
     }
 }
 
-/// Runs a decoder on bytes that may be damaged: an error, or a panic of the decoder, is one error of ours.
+/// Runs a decoder on bytes that may be damaged: an error, or a panic of the decoder, is one error
+/// of ours.
 pub(crate) fn guarded<T>(
     path: &Path,
     remedy: &str,
@@ -203,13 +215,16 @@ fn unreadable(path: &Path, remedy: &str, why: &str) -> StoreError {
 
 fn check_version(path: &Path, footer: &BTreeMap<String, String>) -> Result<(), StoreError> {
     let error = |what: String| {
-        let remedy =
-            format!("this software reads version {SCHEMA_VERSION}; use `zwidth import` for other files");
+        let remedy = format!(
+            "this software reads version {SCHEMA_VERSION}; use `zwidth import` for other files"
+        );
         Err(StoreError::new(path, what, remedy))
     };
     match footer.get(VERSION) {
         None => error("not a zwidth file: no schema version in its footer".to_owned()),
-        Some(v) if *v != SCHEMA_VERSION.to_string() => error(format!("schema version {v} is unknown")),
+        Some(v) if *v != SCHEMA_VERSION.to_string() => {
+            error(format!("schema version {v} is unknown"))
+        }
         Some(_) => Ok(()),
     }
 }
@@ -225,14 +240,19 @@ pub(crate) fn check_field(path: &Path, schema: &SchemaRef, c: &Column) -> Result
 }
 
 /// Checks that `schema` has `expected`, with its type and unit.
-pub(crate) fn check_described(path: &Path, schema: &SchemaRef, expected: &Field) -> Result<(), StoreError> {
+pub(crate) fn check_described(
+    path: &Path,
+    schema: &SchemaRef,
+    expected: &Field,
+) -> Result<(), StoreError> {
     let name = expected.name();
     let remedy = "convert the file with `zwidth import`";
     let Ok(found) = schema.field_with_name(name) else {
         return Err(StoreError::new(path, "the column is missing", remedy).column(name));
     };
     if found.data_type() != expected.data_type() {
-        let what = format!("its type is {} where {} belongs", found.data_type(), expected.data_type());
+        let what =
+            format!("its type is {} where {} belongs", found.data_type(), expected.data_type());
         return Err(StoreError::new(path, what, remedy).column(name));
     }
     let unit = |f: &Field| f.metadata().get("unit").cloned().unwrap_or_default();
@@ -304,7 +324,8 @@ fn meta_from(
     let (environment, mode) = (take("environment")?, take("mode")?);
     let meta = TrialMeta {
         participant: from_path(path, "participant").and_then(|t| {
-            ParticipantId::new(t).map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
+            ParticipantId::new(t)
+                .map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
         })?,
         session: from_path(path, "session").and_then(|t| {
             SessionId::new(t).map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
@@ -313,13 +334,19 @@ fn meta_from(
         repeat: number("repeat", take("repeat")?)?,
         kind: Kind::from_word(&kind).ok_or_else(|| bad("kind", &kind))?,
         status: Status::from_word(&status).ok_or_else(|| bad("status", &status))?,
-        environment: environment.clone().try_into().map_err(|_| bad("environment", &environment))?,
+        environment: environment
+            .clone()
+            .try_into()
+            .map_err(|_| bad("environment", &environment))?,
         mode: mode.clone().try_into().map_err(|_| bad("mode", &mode))?,
         likert: match likert.as_str() {
             "" => None,
-            text => {
-                Some(text.parse().ok().filter(|v| (1..=5).contains(v)).ok_or_else(|| bad("likert", text))?)
-            }
+            text => Some(
+                text.parse()
+                    .ok()
+                    .filter(|v| (1..=5).contains(v))
+                    .ok_or_else(|| bad("likert", text))?,
+            ),
         },
         source: Source::from_word(&source).ok_or_else(|| bad("source", &source))?,
     };

@@ -1,23 +1,26 @@
-//! A trial becomes a file: written as a whole, its place made durable, and called recorded in the session's log.
+//! A trial becomes a file: written as a whole, its place made durable, and called recorded in the
+//! session's log.
 
 use crate::atomic::{folder_of, sync_file};
 use crate::events::read_events_from;
 use crate::hash::blake3_of;
 use crate::read::read_trial_from;
 use crate::{
-    Files, Layout, Samples, Signal, Storage, StoreError, Trial, append_events, trial_bytes, write_new,
+    Files, Layout, Samples, Signal, Storage, StoreError, Trial, append_events, trial_bytes,
+    write_new,
 };
 use std::path::{Path, PathBuf};
 use zwidth_study::Event;
 
-/// Writes a trial's file and the event that calls it recorded; gives the file's path. `utc` is the time of the event.
+/// Writes a trial's file and the event that calls it recorded; gives the file's path. `utc` is the
+/// time of the event.
 ///
-/// What a first attempt has done already is not done again: the file may be there with this very trial in it, and
-/// the event may be there with the file's hash.
+/// What a first attempt has done already is not done again: the file may be there with this very
+/// trial in it, and the event may be there with the file's hash.
 ///
 /// # Errors
-/// Samples that break a promise of the schema; another trial under the same number; a log that cannot be read; a
-/// write that failed.
+/// Samples that break a promise of the schema; another trial under the same number; a log that
+/// cannot be read; a write that failed.
 pub fn record_trial(
     files: &dyn Files,
     layout: &Layout,
@@ -86,9 +89,11 @@ fn is_recorded(files: &dyn Files, log: &Path, number: u32, hash: &str) -> Result
     }
 }
 
-/// Syncs every folder from a file up to the root: a process that was killed may have left names unsynced.
+/// Syncs every folder from a file up to the root: a process that was killed may have left names
+/// unsynced.
 fn settle(files: &dyn Files, layout: &Layout, path: &Path) -> Result<(), StoreError> {
-    let below_root = folder_of(path).ancestors().take_while(|folder| folder.starts_with(layout.root()));
+    let below_root =
+        folder_of(path).ancestors().take_while(|folder| folder.starts_with(layout.root()));
     let folders = below_root.filter(|folder| *folder != Path::new(""));
     for folder in folders {
         files.sync_folder(folder).map_err(|e| StoreError::io(folder, "sync the folder", &e))?;

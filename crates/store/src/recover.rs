@@ -1,6 +1,7 @@
 //! `recover`: what a killed process or a power cut has left is brought in order.
 //!
-//! It can itself be killed at any moment: run again, it goes on where it stopped. The caller holds the study's lock.
+//! It can itself be killed at any moment: run again, it goes on where it stopped. The caller holds
+//! the study's lock.
 
 use crate::atomic::{folder_of, is_unfinished, sync_file};
 use crate::events::{mend_head, mend_log};
@@ -71,39 +72,56 @@ impl fmt::Display for Recovered {
                 Ok(())
             }
             Done::Empty => write!(f, "the journal had no samples yet and was removed"),
-            Done::Cut(text) => write!(f, "the last line was an unfinished append and was cut off: {text}"),
-            Done::Ended => write!(f, "the last line was whole but for its line feed, which was added"),
+            Done::Cut(text) => {
+                write!(f, "the last line was an unfinished append and was cut off: {text}")
+            }
+            Done::Ended => {
+                write!(f, "the last line was whole but for its line feed, which was added")
+            }
             Done::Swept => write!(f, "a half-written file was removed"),
             Done::Logged => write!(f, "no log spoke of it; it is now in the log"),
-            Done::TakenBack { files: 0 } => write!(f, "an import was cut short before it wrote any file"),
+            Done::TakenBack { files: 0 } => {
+                write!(f, "an import was cut short before it wrote any file")
+            }
             Done::TakenBack { files: 1 } => {
                 write!(f, "an import was cut short, and the file it had written was removed again")
             }
             Done::TakenBack { files } => {
-                write!(f, "an import was cut short, and the {files} files it had written were removed again")
+                write!(
+                    f,
+                    "an import was cut short, and the {files} files it had written were removed again"
+                )
             }
         }
     }
 }
 
-/// Brings a study in order after a kill or a power cut, and says what was done: half-written files and what an import
-/// had written when it was cut short are removed, unfinished lines of event logs are cut off, and each journal becomes a
-/// trial, `complete` if its end is in the journal and `incomplete` otherwise. An error each for what could not be brought
-/// in order; the rest is.
+/// Brings a study in order after a kill or a power cut, and says what was done: half-written files
+/// and what an import had written when it was cut short are removed, unfinished lines of event logs
+/// are cut off, and each journal becomes a trial, `complete` if its end is in the journal and
+/// `incomplete` otherwise. An error each for what could not be brought in order; the rest is.
 ///
 /// `utc` is the time of the events that are written.
-pub fn recover(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recovered, StoreError>> {
+pub fn recover(
+    files: &dyn Files,
+    layout: &Layout,
+    utc: &str,
+) -> Vec<Result<Recovered, StoreError>> {
     let mut found = sweep_unfinished(files, layout);
     found.extend(take_back_listed(files, layout));
     for path in logs(files, layout) {
         let mended = mend_log(files, &path);
-        found.extend(mended.map(|done| done.map(|done| Recovered { path: path.clone(), done })).transpose());
+        found.extend(
+            mended.map(|done| done.map(|done| Recovered { path: path.clone(), done })).transpose(),
+        );
         // Not told: it is what a kill between a line and its count leaves.
         found.extend(mend_head(files, &path).err().map(Err));
     }
     found.extend(laid_down(files, layout, utc));
     match take_in(files, layout, utc) {
-        Ok(paths) => found.extend(paths.into_iter().map(|path| Ok(Recovered { path, done: Done::Logged }))),
+        Ok(paths) => {
+            found.extend(paths.into_iter().map(|path| Ok(Recovered { path, done: Done::Logged })))
+        }
         Err(error) => found.push(Err(error)),
     }
     for path in named(files, &layout.journals(), ".journal") {
@@ -151,7 +169,12 @@ fn swept(files: &dyn Files, path: PathBuf) -> Result<Recovered, StoreError> {
 }
 
 /// A journal becomes a trial. One of which not all can be read stays under another name besides.
-fn journal(files: &dyn Files, layout: &Layout, path: &Path, utc: &str) -> Vec<Result<Recovered, StoreError>> {
+fn journal(
+    files: &dyn Files,
+    layout: &Layout,
+    path: &Path,
+    utc: &str,
+) -> Vec<Result<Recovered, StoreError>> {
     let attempt = || {
         // What is made of the journal must not outlive it.
         sync_file(files, path).map_err(|e| StoreError::io(path, "sync", &e))?;
@@ -181,8 +204,10 @@ fn trial(
     let m = &trial.meta;
     let belongs = layout.journal(&m.participant, &m.session, m.trial);
     if belongs != path {
-        let what =
-            format!("by its content it is the journal of {} {} trial {}", m.participant, m.session, m.trial);
+        let what = format!(
+            "by its content it is the journal of {} {} trial {}",
+            m.participant, m.session, m.trial
+        );
         return Err(StoreError::new(path, what, format!("it belongs at {}", belongs.display())));
     }
     let Journaled { unfinished, mended, .. } = *read;
@@ -192,7 +217,10 @@ fn trial(
 }
 
 /// Removes the left-overs of unfinished writes.
-pub(crate) fn sweep_unfinished(files: &dyn Files, layout: &Layout) -> Vec<Result<Recovered, StoreError>> {
+pub(crate) fn sweep_unfinished(
+    files: &dyn Files,
+    layout: &Layout,
+) -> Vec<Result<Recovered, StoreError>> {
     unfinished(files, layout).into_iter().map(|path| swept(files, path)).collect()
 }
 
@@ -201,7 +229,8 @@ pub(crate) fn unfinished(files: &dyn Files, layout: &Layout) -> Vec<PathBuf> {
     unfinished_below(files, &layout.raw())
 }
 
-/// The left-overs of unfinished writes below a folder, at any depth; linked folders are not entered.
+/// The left-overs of unfinished writes below a folder, at any depth; linked folders are not
+/// entered.
 pub fn unfinished_below(files: &dyn Files, folder: &Path) -> Vec<PathBuf> {
     let mut found = below(files, folder).unwrap_or_default().files;
     found.retain(|path| is_unfinished(path));
@@ -213,7 +242,9 @@ mod tests {
     use super::*;
     use crate::crashes::{UTC, folder_with_study, meta, rows};
     use crate::head::head_of;
-    use crate::{Journal, RealFiles, Signal, TrialFile, append_events, read_events, read_trial, verify};
+    use crate::{
+        Journal, RealFiles, Signal, TrialFile, append_events, read_events, read_trial, verify,
+    };
     use std::fs;
     use zwidth_study::Event;
 
@@ -308,7 +339,9 @@ mod tests {
         let (_folder, layout) = folder_with_study();
         let path = journal_of_three(&layout);
         let whole = fs::read(&path).unwrap();
-        for (turn, name) in ["journal.damaged", "journal.damaged-2", "journal.damaged-3"].iter().enumerate() {
+        for (turn, name) in
+            ["journal.damaged", "journal.damaged-2", "journal.damaged-3"].iter().enumerate()
+        {
             let mut bytes = whole.clone();
             bytes[30..60].fill(turn as u8);
             fs::write(&path, &bytes).unwrap();
@@ -388,7 +421,11 @@ mod tests {
             fs::write(head_of(&log), &head).unwrap(); // it is written after the line
             let [Ok(done)] = exactly(&layout) else { panic!("{cut}") };
             let is_whole = cut == whole.len() - 1;
-            assert_eq!(read_events(&log).unwrap()[1..], notes(if is_whole { 3 } else { 2 }), "{done}");
+            assert_eq!(
+                read_events(&log).unwrap()[1..],
+                notes(if is_whole { 3 } else { 2 }),
+                "{done}"
+            );
             assert_eq!(is_whole, done.done == Done::Ended);
         }
         fs::write(&log, [&whole[..], &[0; 100]].concat()).unwrap();

@@ -1,5 +1,5 @@
-//! Opening what others may have laid there: regular files only. A pipe or a device could hang whoever reads it, and a
-//! link leads out of the data.
+//! Opening what others may have laid there: regular files only. A pipe or a device could hang
+//! whoever reads it, and a link leads out of the data.
 
 use crate::{Files, StoreError};
 use std::fs::{File, Metadata, OpenOptions};
@@ -9,15 +9,18 @@ use std::path::Path;
 /// The largest file that is read whole into memory, bytes (1 GiB).
 pub const MOST_BYTES: u64 = 1 << 30;
 
-/// Opens a regular file for reading. A link is refused, not followed; a pipe or a device does not block.
+/// Opens a regular file for reading. A link is refused, not followed; a pipe or a device does not
+/// block.
 ///
 /// # Errors
-/// What the system says; [`io::ErrorKind::InvalidInput`] for anything but a regular file, with what it is.
+/// What the system says; [`io::ErrorKind::InvalidInput`] for anything but a regular file, with what
+/// it is.
 pub fn open_regular(path: &Path) -> io::Result<File> {
     open_as(OpenOptions::new().read(true), path)
 }
 
-/// Opens a file that a person named, for reading, as [`open_regular`] does; a link of theirs is followed.
+/// Opens a file that a person named, for reading, as [`open_regular`] does; a link of theirs is
+/// followed.
 ///
 /// # Errors
 /// Those of [`open_regular`].
@@ -28,7 +31,8 @@ pub fn open_named(path: &Path) -> io::Result<File> {
 /// Reads a regular file whole ([`open_regular`]).
 ///
 /// # Errors
-/// Those of [`open_regular`]; [`io::ErrorKind::FileTooLarge`] for more than `most` bytes, of which none is read.
+/// Those of [`open_regular`]; [`io::ErrorKind::FileTooLarge`] for more than `most` bytes, of which
+/// none is read.
 pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     whole(open_regular(path)?, most)
 }
@@ -50,7 +54,8 @@ pub(crate) fn text(files: &dyn Files, path: &Path, most: u64) -> Result<String, 
     })
 }
 
-/// Opens a regular file with `options`, which must not create or truncate it: what stands there is looked at first.
+/// Opens a regular file with `options`, which must not create or truncate it: what stands there is
+/// looked at first.
 pub(crate) fn open_as(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
     refuse(path, &path.symlink_metadata()?)?;
     #[cfg(unix)]

@@ -12,7 +12,8 @@ pub(crate) struct Known {
     pub(crate) problems: Vec<StoreError>,
 }
 
-/// Reads from record and events what is known of the trials. An unsealing that does not verify opens nothing.
+/// Reads from record and events what is known of the trials. An unsealing that does not verify
+/// opens nothing.
 pub(crate) fn known(record: &SessionRecord, events: &[Event], events_path: &Path) -> Known {
     let mut known = Known { trials: record.trials.clone(), seal: None, problems: Vec::new() };
     for (row, event) in events.iter().enumerate() {
@@ -20,8 +21,7 @@ pub(crate) fn known(record: &SessionRecord, events: &[Event], events_path: &Path
         match opened(record, nonce, order) {
             Ok((seal, trials)) => (known.seal, known.trials) = (Some(seal), trials),
             Err(why) => {
-                let remedy =
-                    "nothing is unsealed by it; unseal with the seal that the session was laid down with";
+                let remedy = "nothing is unsealed by it; unseal with the seal that the session was laid down with";
                 known.problems.push(StoreError::new(events_path, why, remedy).row0(row));
             }
         }
@@ -56,15 +56,17 @@ fn opened(
 mod tests {
     use crate::crashes::{UTC, folder_with_study, meta, record, rows, study_alone, toml};
     use crate::{
-        Journal, Layout, RealFiles, SessionLog, Signal, StudyData, TrialFile, append_events, laid_down,
-        lay_down, verify,
+        Journal, Layout, RealFiles, SessionLog, Signal, StudyData, TrialFile, append_events,
+        laid_down, lay_down, verify,
     };
     use std::path::PathBuf;
     use zwidth_study::{
-        Event, Kind, ModeId, PlannedTrial, Seal, SessionRecord, Source, Study, TrialMeta, order, template,
+        Event, Kind, ModeId, PlannedTrial, Seal, SessionRecord, Source, Study, TrialMeta, order,
+        template,
     };
 
-    /// A sealed session of six trials and one to practise, all recorded; the second was done again as the eighth.
+    /// A sealed session of six trials and one to practise, all recorded; the second was done again
+    /// as the eighth.
     struct Sealed {
         _folder: tempfile::TempDir,
         layout: Layout,
@@ -108,7 +110,8 @@ mod tests {
             let log = StudyData::load(&self.layout).unwrap().sessions.pop();
             let source = log.map_or(Source::Twin, |log| log.record.source);
             let meta = TrialMeta { repeat, kind, environment, mode, source, ..meta(trial) };
-            let mut journal = Journal::create(&RealFiles, &self.layout, &meta, &TrialFile::new()).unwrap();
+            let mut journal =
+                Journal::create(&RealFiles, &self.layout, &meta, &TrialFile::new()).unwrap();
             journal.append(&rows(0, 3)).unwrap();
             journal.end().unwrap();
             journal.finish(&RealFiles, &self.layout, Some(4), UTC).unwrap();
@@ -128,7 +131,10 @@ mod tests {
         assert_eq!((data.counting().count(), data.answers().len()), (0, 0));
         let why = |trial: usize| data.trials[trial - 1].why_not().unwrap();
         assert_eq!(why(3), "sealed: unseal with `zwidth unseal demo -p P01 -s S01`");
-        assert_eq!((why(1).as_str(), why(2).as_str()), ("familiarisation", "superseded by trial 8"));
+        assert_eq!(
+            (why(1).as_str(), why(2).as_str()),
+            ("familiarisation", "superseded by trial 8")
+        );
     }
 
     #[test]
@@ -142,7 +148,8 @@ mod tests {
         for path in crate::walk::files_below(&RealFiles, &sealed.layout.raw()).unwrap() {
             if !path.to_string_lossy().ends_with("study.toml") {
                 let content =
-                    [path.display().to_string().as_bytes(), &std::fs::read(&path).unwrap()].concat();
+                    [path.display().to_string().as_bytes(), &std::fs::read(&path).unwrap()]
+                        .concat();
                 let content = String::from_utf8_lossy(&content) + shown.as_str();
                 for mode in ["active", "passive", "hybrid"] {
                     assert!(!content.contains(mode), "{mode} in {}", path.display());
@@ -157,9 +164,11 @@ mod tests {
         sealed.append(sealed.seal.event());
         let data = sealed.load();
         assert_eq!((data.problems.clone(), verify(&sealed.layout)), (vec![], vec![]));
-        let mut expected: Vec<_> = sealed.trials.iter().map(|t| (t.mode.clone(), t.repeat)).collect();
+        let mut expected: Vec<_> =
+            sealed.trials.iter().map(|t| (t.mode.clone(), t.repeat)).collect();
         expected.push(expected[1].clone());
-        let found: Vec<_> = data.trials.iter().map(|t| (t.meta.mode.clone(), t.meta.repeat)).collect();
+        let found: Vec<_> =
+            data.trials.iter().map(|t| (t.meta.mode.clone(), t.meta.repeat)).collect();
         assert_eq!(found, expected);
         let conditions: Vec<_> = data.counting().map(|t| t.meta.condition()).collect();
         assert_eq!(conditions.len(), 6);
@@ -189,7 +198,10 @@ mod tests {
         let data = sealed.load();
         assert!(data.sessions[0].is_sealed() && data.counting().count() == 0);
         let [problem] = data.problems.as_slice() else { panic!("{:?}", data.problems) };
-        assert!(problem.row == Some(11) && problem.what.contains("was laid down with"), "{problem}");
+        assert!(
+            problem.row == Some(11) && problem.what.contains("was laid down with"),
+            "{problem}"
+        );
         // The right one still opens it, and the wrong one stays a finding.
         sealed.append(sealed.seal.event());
         assert_eq!((sealed.load().counting().count(), verify(&sealed.layout).len()), (6, 1));
@@ -225,9 +237,14 @@ mod tests {
         assert!(found.len() == 1 && found[0].path == sealed.record(), "{found:?}");
         let (_folder, layout) = folder_with_study();
         let sealed = Sealed { _folder, layout, seal: sealed.seal, trials: Vec::new() };
-        sealed.run(&sealed.seal.masked(&[PlannedTrial { trial: 1, ..crate::crashes::planned(1) }])[0]);
+        sealed.run(
+            &sealed.seal.masked(&[PlannedTrial { trial: 1, ..crate::crashes::planned(1) }])[0],
+        );
         let [finding] = verify(&sealed.layout).try_into().unwrap();
-        assert!(finding.what.contains("in its session's record"), "a code in an open session: {finding}");
+        assert!(
+            finding.what.contains("in its session's record"),
+            "a code in an open session: {finding}"
+        );
     }
 
     #[test]

@@ -20,7 +20,8 @@ pub(crate) const MOST_RECORD: u64 = 1 << 25;
 /// What can be done about a session that is not whole.
 const RESTORE: &str = "restore the session's files from a copy, or import the session again";
 
-/// Every readable session, and the names (`<participant>_<session>`) of those that are not, or whose ids another's are like.
+/// Every readable session, and the names (`<participant>_<session>`) of those that are not, or
+/// whose ids another's are like.
 pub(crate) fn read_sessions(
     files: &dyn Files,
     layout: &Layout,
@@ -64,7 +65,8 @@ pub(crate) fn read_session(
     let text = text(files, &path, MOST_RECORD)?;
     let record = record_from(&path, &text)?;
     if path != layout.session(&record.participant, &record.session) {
-        let what = format!("by its content it is the record of {} {}", record.participant, record.session);
+        let what =
+            format!("by its content it is the record of {} {}", record.participant, record.session);
         return Err(StoreError::new(&path, what, RESTORE));
     }
     let events_path = layout.events(&record.participant, &record.session);
@@ -74,11 +76,19 @@ pub(crate) fn read_session(
     let study = read_copy(files, layout, &record)?;
     let known = known(&record, &events, &events_path);
     problems.extend(known.problems);
-    Ok(SessionLog { record, path, events, events_path, trials: known.trials, seal: known.seal, study })
+    Ok(SessionLog {
+        record,
+        path,
+        events,
+        events_path,
+        trials: known.trials,
+        seal: known.seal,
+        study,
+    })
 }
 
-/// The records of a study's sessions whose paths are `wanted`, in the order of their names; neither logs nor trials are
-/// read.
+/// The records of a study's sessions whose paths are `wanted`, in the order of their names; neither
+/// logs nor trials are read.
 ///
 /// # Errors
 /// The first of them that cannot be read.
@@ -100,20 +110,26 @@ struct Version {
 }
 
 pub(crate) fn record_from(path: &Path, text: &str) -> Result<SessionRecord, StoreError> {
-    let error = |e: serde_json::Error| StoreError::new(path, format!("not a session record: {e}"), RESTORE);
+    let error =
+        |e: serde_json::Error| StoreError::new(path, format!("not a session record: {e}"), RESTORE);
     let Version { schema_version } = from_json(text).map_err(error)?;
     if schema_version != SCHEMA_VERSION {
-        let remedy =
-            format!("this software reads version {SCHEMA_VERSION}; use the one that wrote the session");
-        return Err(StoreError::new(path, format!("schema version {schema_version} is unknown"), remedy));
+        let remedy = format!(
+            "this software reads version {SCHEMA_VERSION}; use the one that wrote the session"
+        );
+        return Err(StoreError::new(
+            path,
+            format!("schema version {schema_version} is unknown"),
+            remedy,
+        ));
     }
     serde_json::from_str(text).map_err(error)
 }
 
 /// Joins the events to the trials, and says what does not fit together.
 ///
-/// A trial that no log calls recorded does not count: nobody knows whether it was superseded or excluded. Those of
-/// `unreadable` sessions are not told again.
+/// A trial that no log calls recorded does not count: nobody knows whether it was superseded or
+/// excluded. Those of `unreadable` sessions are not told again.
 pub(crate) fn join(
     files: &dyn Files,
     layout: &Layout,
@@ -157,7 +173,8 @@ pub(crate) fn join(
         .collect()
 }
 
-/// Holds a trial's footer against its session's record; one that contradicts it is left out. Then opens its seal.
+/// Holds a trial's footer against its session's record; one that contradicts it is left out. Then
+/// opens its seal.
 fn agree(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<StoreError> {
     match contradiction(trial, log) {
         Some(what) => {
@@ -169,13 +186,14 @@ fn agree(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<St
     }
 }
 
-/// Gives a trial of a sealed session its mode, or says how it gets one; what does not fit is an error, and leaves it
-/// out.
+/// Gives a trial of a sealed session its mode, or says how it gets one; what does not fit is an
+/// error, and leaves it out.
 fn open(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<StoreError> {
     log.record.commitment.as_ref()?;
     let Some(seal) = &log.seal else {
         let m = &trial.meta;
-        let command = format!("zwidth unseal {} -p {} -s {}", layout.study(), m.participant, m.session);
+        let command =
+            format!("zwidth unseal {} -p {} -s {}", layout.study(), m.participant, m.session);
         trial.sealed = Some(format!("sealed: unseal with `{command}`"));
         return None;
     };
@@ -187,7 +205,10 @@ fn open(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<Sto
             None
         }
         None => {
-            let what = format!("the mode '{}' is not the code of this trial of the session", trial.meta.mode);
+            let what = format!(
+                "the mode '{}' is not the code of this trial of the session",
+                trial.meta.mode
+            );
             trial.sealed = Some(what.clone());
             Some(StoreError::new(&trial.path, format!("{what}: left out"), RESTORE).column("mode"))
         }
@@ -197,7 +218,8 @@ fn open(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<Sto
 /// How a file whose hash is not the log's came to differ: damage where that can be seen.
 fn difference(files: &dyn Files, path: &Path) -> StoreError {
     read_trial_from(files, path, Signal::all()).err().unwrap_or_else(|| {
-        let what = "the file is not the one that was recorded: its hash differs from the session's log";
+        let what =
+            "the file is not the one that was recorded: its hash differs from the session's log";
         StoreError::new(path, what, "restore the file from a copy, or exclude the trial")
     })
 }
@@ -238,15 +260,18 @@ pub(crate) fn lost(
     record: &SessionRecord,
     events: &[Event],
 ) -> Vec<StoreError> {
-    let recorded = events.iter().filter(|e| matches!(e, Event::Recorded { .. })).filter_map(Event::trial);
-    // A session that is being recorded has trials still to come; an imported one was whole when it was laid down.
+    let recorded =
+        events.iter().filter(|e| matches!(e, Event::Recorded { .. })).filter_map(Event::trial);
+    // A session that is being recorded has trials still to come; an imported one was whole when it
+    // was laid down.
     let imported = record.source == Source::Imported;
     let planned = record.trials.iter().filter(|t| imported && t.samples).map(|t| t.trial);
     let trials: BTreeSet<u32> = recorded.chain(planned).collect();
     let gone = |trial: u32| {
         let path = layout.trial(&record.participant, &record.session, trial);
         let what = "the trial belongs to the session, but its file is missing";
-        let error = || StoreError::new(&path, what, "restore the file from a copy, or exclude the trial");
+        let error =
+            || StoreError::new(&path, what, "restore the file from a copy, or exclude the trial");
         (files.kind(&path) != Some(Entry::File) && !left_out(events, trial)).then(error)
     };
     trials.into_iter().filter_map(gone).collect()

@@ -75,7 +75,13 @@ pub const COLUMNS: [Column; 13] = [
     column(Signal::Time, "t_s", "s", F64, "time since the trial's start, host clock, as measured"),
     column(Signal::DeviceTime, "t_device_s", "s", F64, "the device's own clock"),
     column(Signal::Theta, "theta_rad", "rad", F64, "lever angle"),
-    column(Signal::ThetaDot, "theta_dot_rad_s", "rad/s", F64, "lever velocity as the controller used it"),
+    column(
+        Signal::ThetaDot,
+        "theta_dot_rad_s",
+        "rad/s",
+        F64,
+        "lever velocity as the controller used it",
+    ),
     column(Signal::ThetaDdot, "theta_ddot_rad_s2", "rad/s²", F64, "lever acceleration"),
     column(
         Signal::ForceEx,
@@ -93,7 +99,13 @@ pub const COLUMNS: [Column; 13] = [
     ),
     column(Signal::VoltageMotor, "voltage_motor_v", "V", F32, "commanded motor voltage"),
     column(Signal::VoltageBrake, "voltage_brake_v", "V", F32, "commanded brake voltage"),
-    column(Signal::ForceAge, "force_age_s", "s", F32, "age of the force value (held between updates)"),
+    column(
+        Signal::ForceAge,
+        "force_age_s",
+        "s",
+        F32,
+        "age of the force value (held between updates)",
+    ),
     column(Signal::ThetaRaw, "theta_raw", "counts", U16, "the angle sensor's own count"),
     column(
         Signal::ForceCmd,

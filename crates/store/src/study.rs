@@ -9,7 +9,9 @@ use crate::sessions::{join, left_out, read_sessions};
 use crate::sweep::entry;
 use crate::sweep_log::logged_sweeps;
 use crate::walk::{below, files_below, strange};
-use crate::{Entry, Files, Layout, RealFiles, Signal, StoreError, Trial, TrialFile, hex_blake3, read_trial};
+use crate::{
+    Entry, Files, Layout, RealFiles, Signal, StoreError, Trial, TrialFile, hex_blake3, read_trial,
+};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -66,8 +68,9 @@ impl TrialEntry {
         excluded.or_else(|| self.sealed.clone())
     }
 
-    /// Reads the trial's file, with those of the `signals` asked for that were recorded, as [`read_trial`] does. What is known of it is what the
-    /// session knows: an unsealed trial has its mode and repeat, where the file has a code.
+    /// Reads the trial's file, with those of the `signals` asked for that were recorded, as
+    /// [`read_trial`] does. What is known of it is what the session knows: an unsealed trial
+    /// has its mode and repeat, where the file has a code.
     ///
     /// # Errors
     /// Those of [`read_trial`].
@@ -102,12 +105,13 @@ pub struct SessionLog {
     pub events: Vec<Event>,
     /// The events' file.
     pub events_path: PathBuf,
-    /// The session's trials as they are known now: those of the record, with their modes if they were unsealed, and
-    /// those that took, or are to take, another's place.
+    /// The session's trials as they are known now: those of the record, with their modes if they
+    /// were unsealed, and those that took, or are to take, another's place.
     pub trials: Vec<PlannedTrial>,
     /// The seal, once it was opened and verified.
     pub seal: Option<Seal>,
-    /// The study as it was when the session was laid down; nothing for a session without a copy of it.
+    /// The study as it was when the session was laid down; nothing for a session without a copy of
+    /// it.
     pub study: Option<Study>,
 }
 
@@ -167,8 +171,8 @@ impl StudyData {
     /// Reads the study: its `study.toml`, all footers, sessions and events. Samples are not read.
     ///
     /// # Errors
-    /// A missing or wrong `study.toml`, one error per finding, and behind them whatever else was found. If that file is
-    /// whole, what cannot be read is left out and listed in `problems`.
+    /// A missing or wrong `study.toml`, one error per finding, and behind them whatever else was
+    /// found. If that file is whole, what cannot be read is left out and listed in `problems`.
     pub fn load(layout: &Layout) -> Result<Self, Vec<StoreError>> {
         Self::load_from(&RealFiles, layout)
     }
@@ -209,7 +213,8 @@ impl StudyData {
     pub fn answers(&self) -> Vec<Answer> {
         let mut answers = BTreeMap::new();
         for t in self.counting() {
-            let question = self.study.environment(&t.meta.environment).and_then(|e| e.question.clone());
+            let question =
+                self.study.environment(&t.meta.environment).and_then(|e| e.question.clone());
             if let (Some(question), Some(value)) = (question, t.meta.likert) {
                 let m = &t.meta;
                 let who = (m.participant.clone(), m.session.clone(), m.trial);
@@ -230,8 +235,8 @@ impl StudyData {
         answers.into_values().collect()
     }
 
-    /// The conditions of a session's trials that count, with or without samples. Those of a sealed session are codes,
-    /// which no study knows, and drop out.
+    /// The conditions of a session's trials that count, with or without samples. Those of a sealed
+    /// session are codes, which no study knows, and drop out.
     fn counting_conditions(&self, log: &SessionLog) -> BTreeMap<u32, Condition> {
         let of_session = |t: &&TrialEntry| {
             t.meta.participant == log.record.participant && t.meta.session == log.record.session
@@ -240,12 +245,15 @@ impl StudyData {
             .trials
             .iter()
             .filter(|p| p.kind == Kind::Trial && !p.samples && !left_out(&log.events, p.trial))
-            .map(|p| (p.trial, Condition { environment: p.environment.clone(), mode: p.mode.clone() }))
+            .map(|p| {
+                (p.trial, Condition { environment: p.environment.clone(), mode: p.mode.clone() })
+            })
             .collect();
         conditions.retain(|_, c| {
             self.study.environment(&c.environment).is_some() && self.study.mode(&c.mode).is_some()
         });
-        conditions.extend(self.counting().filter(of_session).map(|t| (t.meta.trial, t.meta.condition())));
+        conditions
+            .extend(self.counting().filter(of_session).map(|t| (t.meta.trial, t.meta.condition())));
         conditions
     }
 }

@@ -58,7 +58,10 @@ pub fn sweep_bytes(sweep: &Sweep, path: &Path) -> Result<Vec<u8>, StoreError> {
     }
     let mut footer = sweep.file.clone();
     let mut columns: Vec<(Field, ArrayRef)> = vec![
-        (described("sweep", DataType::Int32, false, "1", "number of the sweep"), sweep_number(sweep, n)),
+        (
+            described("sweep", DataType::Int32, false, "1", "number of the sweep"),
+            sweep_number(sweep, n),
+        ),
         match &sweep.t_s {
             Some(t) => column(path, &mut footer, TIME, t, n, "s", TIME_ABOUT)?,
             None => (
@@ -85,8 +88,9 @@ pub fn sweep_bytes(sweep: &Sweep, path: &Path) -> Result<Vec<u8>, StoreError> {
     footer.insert("sweep".to_owned(), sweep.sweep.to_string());
     footer.insert("actuator".to_owned(), sweep.actuator.to_string());
     let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
-    let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
-        .map_err(|e| StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it"))?;
+    let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).map_err(|e| {
+        StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
+    })?;
     write_parquet(&batch, footer, path)
 }
 
@@ -117,7 +121,8 @@ fn column(
     Ok((field, Arc::new(Float64Array::from(values.to_vec()))))
 }
 
-/// A sweep without its samples; it must lie where its footer says it belongs, so that none exists twice.
+/// A sweep without its samples; it must lie where its footer says it belongs, so that none exists
+/// twice.
 pub(crate) fn entry(
     files: &dyn Files,
     layout: &Layout,
@@ -129,7 +134,9 @@ pub(crate) fn entry(
     let ParquetFile { footer, bytes, .. } = file;
     let says = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default();
     let number = says("sweep").parse::<u32>().ok();
-    if says("actuator") == actuator.as_str() && number.is_some_and(|n| layout.sweep(&actuator, n) == path) {
+    if says("actuator") == actuator.as_str()
+        && number.is_some_and(|n| layout.sweep(&actuator, n) == path)
+    {
         let source = Source::from_word(says("source")).ok_or_else(|| bad_key(&path, "source"))?;
         return Ok(SweepEntry { path, actuator, source, blake3: hex_blake3(&bytes) });
     }
@@ -164,7 +171,11 @@ pub(crate) fn read_sweep_from(files: &dyn Files, path: &Path) -> Result<Sweep, S
     let response = Quantity { name: key("response")?, unit: key("response_unit")? };
     let columns = file.columns()?;
     for (name, q) in [(COMMAND, &command), (RESPONSE, &response)] {
-        check_described(path, columns.schema(), &described(name, DataType::Float64, true, &q.unit, &q.name))?;
+        check_described(
+            path,
+            columns.schema(),
+            &described(name, DataType::Float64, true, &q.unit, &q.name),
+        )?;
     }
     let batch = file.read(columns, &[TIME, COMMAND, RESPONSE])?;
     let values = |name: &str| -> Result<Option<Vec<f64>>, StoreError> {
@@ -179,8 +190,10 @@ pub(crate) fn read_sweep_from(files: &dyn Files, path: &Path) -> Result<Sweep, S
         }
         Ok(Some(values))
     };
-    let missing = |name: &str| StoreError::new(path, "the column has no digest", REMEDY).column(name);
-    let known = ["actuator", "source", "command", "command_unit", "response", "response_unit", "sweep"];
+    let missing =
+        |name: &str| StoreError::new(path, "the column has no digest", REMEDY).column(name);
+    let known =
+        ["actuator", "source", "command", "command_unit", "response", "response_unit", "sweep"];
     Ok(Sweep {
         actuator: ActuatorId::new(from_path(path, "actuator")?)
             .map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))?,

@@ -24,13 +24,19 @@ pub fn log_sweeps(
         blake3: blake3.clone(),
     };
     let events: Vec<Event> = sweeps.iter().map(event).collect();
-    if events.is_empty() { Ok(()) } else { append_events(files, &layout.sweep_events(), utc, &events) }
+    if events.is_empty() {
+        Ok(())
+    } else {
+        append_events(files, &layout.sweep_events(), utc, &events)
+    }
 }
 
 /// The hash of each sweep that the log calls recorded, by its file.
 fn logged(files: &dyn Files, layout: &Layout) -> Result<BTreeMap<PathBuf, String>, StoreError> {
     let path = |event: Event| match event {
-        Event::SweepRecorded { actuator, sweep, blake3 } => Some((layout.sweep(&actuator, sweep), blake3)),
+        Event::SweepRecorded { actuator, sweep, blake3 } => {
+            Some((layout.sweep(&actuator, sweep), blake3))
+        }
         _ => None,
     };
     Ok(read_events_from(files, &layout.sweep_events())?.into_iter().filter_map(path).collect())
@@ -46,7 +52,8 @@ pub(crate) fn logged_sweeps(
         Ok(logged) => logged,
         Err(error) => return (Vec::new(), vec![error]),
     };
-    let gone = logged.keys().filter(|path| files.kind(path) != Some(Entry::File)).map(|path| gone(path));
+    let gone =
+        logged.keys().filter(|path| files.kind(path) != Some(Entry::File)).map(|path| gone(path));
     let mut problems: Vec<StoreError> = gone.collect();
     let mut kept = Vec::new();
     for sweep in sweeps {
@@ -60,7 +67,11 @@ pub(crate) fn logged_sweeps(
 }
 
 fn gone(path: &Path) -> StoreError {
-    StoreError::new(path, "the log knows the sweep, but its file is missing", "restore the file from a copy")
+    StoreError::new(
+        path,
+        "the log knows the sweep, but its file is missing",
+        "restore the file from a copy",
+    )
 }
 
 /// How a file whose hash is not the log's came to differ: damage where that can be seen.
@@ -76,15 +87,22 @@ fn unknown(layout: &Layout, path: &Path) -> StoreError {
     StoreError::new(path, what, format!("run `zwidth recover {}` to take it in", layout.study()))
 }
 
-/// Takes sweeps in that the log does not speak of: a kill came between the file and its line, or an older version wrote
-/// them. Their paths.
+/// Takes sweeps in that the log does not speak of: a kill came between the file and its line, or an
+/// older version wrote them. Their paths.
 ///
 /// # Errors
-/// A log that cannot be read; a write that failed. A sweep that cannot be read stays as it is, for `verify` to tell.
-pub(crate) fn take_in(files: &dyn Files, layout: &Layout, utc: &str) -> Result<Vec<PathBuf>, StoreError> {
+/// A log that cannot be read; a write that failed. A sweep that cannot be read stays as it is, for
+/// `verify` to tell.
+pub(crate) fn take_in(
+    files: &dyn Files,
+    layout: &Layout,
+    utc: &str,
+) -> Result<Vec<PathBuf>, StoreError> {
     let logged = logged(files, layout)?;
     let mut found = Vec::new();
-    for path in files_below(files, &layout.sweeps())?.into_iter().filter(|path| !logged.contains_key(path)) {
+    for path in
+        files_below(files, &layout.sweeps())?.into_iter().filter(|path| !logged.contains_key(path))
+    {
         let Ok(sweep) = read_sweep_from(files, &path) else { continue };
         if let Ok(entry) = entry(files, layout, path, sweep.actuator.clone()) {
             found.push((entry.path, (sweep.actuator, sweep.sweep, entry.blake3)));
@@ -99,7 +117,9 @@ pub(crate) fn take_in(files: &dyn Files, layout: &Layout, utc: &str) -> Result<V
 mod tests {
     use super::*;
     use crate::crashes::{UTC, folder_with_study};
-    use crate::{Quantity, RealFiles, StudyData, Sweep, hex_blake3, recover, sweep_bytes, verify, write_new};
+    use crate::{
+        Quantity, RealFiles, StudyData, Sweep, hex_blake3, recover, sweep_bytes, verify, write_new,
+    };
     use zwidth_study::Source;
 
     fn write(layout: &Layout, number: u32, last: f64) -> (ActuatorId, u32, String) {
@@ -151,7 +171,8 @@ mod tests {
         let [finding] = verify(&layout).try_into().unwrap();
         assert!(finding.remedy.contains("zwidth recover"), "{finding}");
         assert_eq!(counting(&layout), 0);
-        let done: Vec<_> = recover(&RealFiles, &layout, UTC).into_iter().map(Result::unwrap).collect();
+        let done: Vec<_> =
+            recover(&RealFiles, &layout, UTC).into_iter().map(Result::unwrap).collect();
         assert_eq!(done.len(), 1);
         let done = &done[0];
         assert!(done.to_string().contains("now in the log"), "{done}");

@@ -12,7 +12,8 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// The samples of these rows, with the columns that they have: a quantity that one of them lacks has none.
+    /// The samples of these rows, with the columns that they have: a quantity that one of them
+    /// lacks has none.
     pub fn from_rows(rows: &[Sample]) -> Self {
         let mut samples = Self::default();
         for column in &COLUMNS {
@@ -47,7 +48,8 @@ impl Samples {
     /// their storage, and a time that runs forward. The error names column and row.
     pub fn check(&self, path: &Path) -> Result<(), StoreError> {
         if self.get(Signal::Time).is_none() {
-            let remedy = "a trial needs its time; give the recording's rate where it has no time column";
+            let remedy =
+                "a trial needs its time; give the recording's rate where it has no time column";
             return Err(StoreError::new(path, "the column is missing", remedy).column("t_s"));
         }
         if self.is_empty() {
@@ -60,8 +62,11 @@ impl Samples {
         for (spec, column) in COLUMNS.iter().zip(&self.columns) {
             let Some(values) = column else { continue };
             if values.len() != self.len() {
-                let what = format!("it has {} values where others have {}", values.len(), self.len());
-                return Err(StoreError::new(path, what, "columns must be equally long").column(spec.name));
+                let what =
+                    format!("it has {} values where others have {}", values.len(), self.len());
+                return Err(
+                    StoreError::new(path, what, "columns must be equally long").column(spec.name)
+                );
             }
             if let Some(row) = values.iter().position(|v| !fits(*v, spec.storage)) {
                 let what = format!("{} is not a number this column can hold", values[row]);
@@ -77,8 +82,11 @@ impl Samples {
         match t.windows(2).position(|w| w[1] <= w[0]) {
             None => Ok(()),
             Some(i) => {
-                let what = format!("time runs backwards or stands still: {} s after {} s", t[i + 1], t[i]);
-                Err(StoreError::new(path, what, "sort or mend the recording").column("t_s").row0(i + 1))
+                let what =
+                    format!("time runs backwards or stands still: {} s after {} s", t[i + 1], t[i]);
+                Err(StoreError::new(path, what, "sort or mend the recording")
+                    .column("t_s")
+                    .row0(i + 1))
             }
         }
     }
@@ -113,8 +121,9 @@ fn fits(value: f64, storage: crate::Storage) -> bool {
 /// What a trial file says of itself besides the trial: key → value, in the file's footer.
 ///
 /// Known keys: `study_blake3`, `calibration_blake3`, `device`, `software`, `start_utc`, `seed`,
-/// `lever_m` (the lever length that turned lengths into angles or torques into forces), `made_by_import` (what import computed, such as a derivative), `source_blake3` and `mapping_blake3`
-/// (the imported file and the mapping it came through).
+/// `lever_m` (the lever length that turned lengths into angles or torques into forces),
+/// `made_by_import` (what import computed, such as a derivative), `source_blake3` and
+/// `mapping_blake3` (the imported file and the mapping it came through).
 pub type TrialFile = BTreeMap<String, String>;
 
 /// A trial: what is known of it, what its file says of itself, and its samples.
@@ -155,7 +164,11 @@ mod tests {
             "voltage_motor_v, row 2",
             Some(2),
         );
-        check(&[(Time, &[0.0, 1.0, 1.0])], "runs backwards or stands still: 1 s after 1 s", Some(3));
+        check(
+            &[(Time, &[0.0, 1.0, 1.0])],
+            "runs backwards or stands still: 1 s after 1 s",
+            Some(3),
+        );
     }
 
     #[test]
@@ -165,8 +178,9 @@ mod tests {
         assert_eq!(samples.get(Signal::Time), Some([0.001, 0.002, 0.003].as_slice()));
         assert_eq!(samples.get(Signal::ThetaRaw), Some([1.0, 2.0, 3.0].as_slice()));
         assert_eq!(samples.get(Signal::Flags), Some([256.0; 3].as_slice()));
-        let lacks =
-            |samples: &Samples| Signal::all().filter(|s| samples.get(*s).is_none()).collect::<Vec<_>>();
+        let lacks = |samples: &Samples| {
+            Signal::all().filter(|s| samples.get(*s).is_none()).collect::<Vec<_>>()
+        };
         assert_eq!(lacks(&samples), [Signal::DeviceTime, Signal::ThetaDdot, Signal::TorqueEx]);
         rows[1].force_age_s = None;
         assert!(lacks(&Samples::from_rows(&rows)).contains(&Signal::ForceAge));

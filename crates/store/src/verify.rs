@@ -6,17 +6,20 @@ use crate::recover::unfinished;
 use crate::study::check_folders;
 use crate::sweep::read_sweep_from;
 use crate::walk::files_below;
-use crate::{Files, Layout, RealFiles, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry};
+use crate::{
+    Files, Layout, RealFiles, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry,
+};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use zwidth_study::{Event, PlannedTrial, Study};
 
-/// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit at
-/// which the safety layer cuts the voltage).
+/// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit
+/// at which the safety layer cuts the voltage).
 const WORK_SPACE_SLACK_RAD: f64 = 0.034_906_585_039_886_59;
 
-/// Checks a whole study: `study.toml`, every file byte by byte, every event. An empty list is a clean study.
+/// Checks a whole study: `study.toml`, every file byte by byte, every event. An empty list is a
+/// clean study.
 pub fn verify(layout: &Layout) -> Vec<StoreError> {
     verify_from(&RealFiles, layout)
 }
@@ -26,8 +29,10 @@ pub fn verify_from(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
     let mut all = match StudyData::load_from(files, layout) {
         Ok(data) => {
             let Findings { left_out, with_care } = findings(files, &data);
-            let trials: Vec<_> = data.trials.par_iter().flat_map_iter(|t| trial(files, &data, t)).collect();
-            let sweeps = data.sweeps.par_iter().filter_map(|s| read_sweep_from(files, &s.path).err());
+            let trials: Vec<_> =
+                data.trials.par_iter().flat_map_iter(|t| trial(files, &data, t)).collect();
+            let sweeps =
+                data.sweeps.par_iter().filter_map(|s| read_sweep_from(files, &s.path).err());
             [left_out, with_care, trials, sweeps.collect()].concat()
         }
         Err(findings) if check_folders(files, layout).is_err() => findings,
@@ -50,8 +55,9 @@ pub struct Findings {
     pub with_care: Vec<StoreError>,
 }
 
-/// Every finding that takes no sample to be read: those of loading the study, of its sessions and of what lies beside its
-/// files. What single samples say is told by [`check_samples`], trial by trial.
+/// Every finding that takes no sample to be read: those of loading the study, of its sessions and
+/// of what lies beside its files. What single samples say is told by [`check_samples`], trial by
+/// trial.
 pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
     let mut found = strays(files, &data.layout);
     found.left_out.splice(0..0, data.problems.iter().cloned());
@@ -69,9 +75,13 @@ fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry) -> Vec<StoreEr
     }
 }
 
-/// What the samples of a trial, which are whole, say against it: it counts, and is to be read with care.
+/// What the samples of a trial, which are whole, say against it: it counts, and is to be read with
+/// care.
 pub fn check_samples(study: &Study, path: &Path, samples: &Samples) -> Vec<StoreError> {
-    [work_space(study, path, samples), too_long(study, path, samples)].into_iter().flatten().collect()
+    [work_space(study, path, samples), too_long(study, path, samples)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// A trial longer than the design allows: usually milliseconds taken for seconds.
@@ -89,7 +99,9 @@ fn doubled(data: &StudyData) -> Vec<StoreError> {
     let mut findings = Vec::new();
     for t in data.counting() {
         let m = &t.meta;
-        if let Some(first) = seen.insert((&m.participant, &m.session, m.condition(), m.repeat), m.trial) {
+        if let Some(first) =
+            seen.insert((&m.participant, &m.session, m.condition(), m.repeat), m.trial)
+        {
             let what = format!(
                 "trials {first} and {} both count as repeat {} of {} × {}",
                 m.trial, m.repeat, m.environment, m.mode
@@ -109,9 +121,9 @@ fn work_space(study: &Study, path: &Path, samples: &Samples) -> Option<StoreErro
     let low = study.device.theta_min_rad.unwrap_or(f64::NEG_INFINITY) - WORK_SPACE_SLACK_RAD;
     let high = study.device.theta_max_rad.unwrap_or(f64::INFINITY) + WORK_SPACE_SLACK_RAD;
     let row = theta.iter().position(|v| !(low..=high).contains(v))?;
-    let what = format!("{:.2}° lies more than 2° outside of the work space", theta[row].to_degrees());
-    let remedy =
-        "exclude the trial if the angle was lost, or mend theta_min_deg and theta_max_deg in study.toml";
+    let what =
+        format!("{:.2}° lies more than 2° outside of the work space", theta[row].to_degrees());
+    let remedy = "exclude the trial if the angle was lost, or mend theta_min_deg and theta_max_deg in study.toml";
     Some(StoreError::new(path, what, remedy).column(Signal::Theta.name()).row0(row))
 }
 
@@ -129,7 +141,8 @@ fn session(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
 fn record(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
     let record = &log.record;
     let mut findings = Vec::new();
-    let mut finding = |what: String, remedy: &str| findings.push(StoreError::new(&log.path, what, remedy));
+    let mut finding =
+        |what: String, remedy: &str| findings.push(StoreError::new(&log.path, what, remedy));
     if let Some(error) = record.calibration.as_ref().and_then(|c| c.check().err()) {
         finding(error.to_string(), "restore the record from a copy");
     }
@@ -138,12 +151,15 @@ fn record(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
     }
     let unlike = |hex: &String| hex.len() != 64 || !hex.bytes().all(|b| b.is_ascii_hexdigit());
     if record.commitment.as_ref().is_some_and(unlike) {
-        let what = "the commitment is not 64 hexadecimal digits, so that nothing can unseal the session";
+        let what =
+            "the commitment is not 64 hexadecimal digits, so that nothing can unseal the session";
         finding(what.to_owned(), "restore the record from a copy");
     }
     let names_a_mode = |t: &&PlannedTrial| data.study.mode(&t.mode).is_some();
-    if let Some(t) = record.trials.iter().filter(|_| record.commitment.is_some()).find(names_a_mode) {
-        let what = format!("the session is sealed, but its record names the mode of trial {}", t.trial);
+    if let Some(t) = record.trials.iter().filter(|_| record.commitment.is_some()).find(names_a_mode)
+    {
+        let what =
+            format!("the session is sealed, but its record names the mode of trial {}", t.trial);
         finding(what, "the session was not blind: say so where it is reported");
     }
     if record.commitment.is_some() && record.seed.is_some() {
@@ -160,7 +176,11 @@ fn event_finding(
     event: &Event,
 ) -> Option<StoreError> {
     let finding = |what: String| {
-        Some(StoreError::new(&log.events_path, what, "the log only grows: add an event that puts it right"))
+        Some(StoreError::new(
+            &log.events_path,
+            what,
+            "the log only grows: add an event that puts it right",
+        ))
     };
     if let Some(trial) = event.trial().filter(|t| !known.contains(t)) {
         return finding(format!(
@@ -174,9 +194,9 @@ fn event_finding(
         Event::Answer { trial, value, .. } if !(1..=5).contains(value) => {
             finding(format!("the answer to trial {trial} is {value}; answers are 1 to 5"))
         }
-        Event::Superseded { by, .. } if !known.contains(by) => {
-            finding(format!("trial {by}, said to take a trial's place, is not in the session's record"))
-        }
+        Event::Superseded { by, .. } if !known.contains(by) => finding(format!(
+            "trial {by}, said to take a trial's place, is not in the session's record"
+        )),
         _ => None,
     }
 }
@@ -206,8 +226,13 @@ fn strays(files: &dyn Files, layout: &Layout) -> Findings {
     for path in files_below(files, &layout.journals()).unwrap_or_default() {
         let damaged = path.to_string_lossy().contains(DAMAGED);
         if damaged {
-            let remedy = "what could be read of it is a trial; remove the file when nobody needs it";
-            found.with_care.push(stray(&path, "a journal that could not be read to its end", remedy));
+            let remedy =
+                "what could be read of it is a trial; remove the file when nobody needs it";
+            found.with_care.push(stray(
+                &path,
+                "a journal that could not be read to its end",
+                remedy,
+            ));
         } else {
             let what = "a trial was cut short here, or is being recorded now";
             found.left_out.push(stray(&path, what, &recover));

@@ -58,8 +58,8 @@ pub(crate) fn is_hidden(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
 }
 
-/// Every file below a folder but hidden ones, sorted. What is neither file nor folder is passed by: it is a finding of
-/// the study as a whole.
+/// Every file below a folder but hidden ones, sorted. What is neither file nor folder is passed by:
+/// it is a finding of the study as a whole.
 ///
 /// # Errors
 /// A folder that cannot be listed.

@@ -1,5 +1,5 @@
-//! One session, held against itself: record, log, copy of `study.toml` and trials. Who goes on with it must find it
-//! whole: what is recorded onto a session in doubt is in doubt as well.
+//! One session, held against itself: record, log, copy of `study.toml` and trials. Who goes on with
+//! it must find it whole: what is recorded onto a session in doubt is in doubt as well.
 
 use crate::atomic::folder_of;
 use crate::entries::read_trials_below;
@@ -28,8 +28,8 @@ pub struct WholeSession {
 /// Reads one session with its trials; nothing, if nothing of it was laid down.
 ///
 /// # Errors
-/// Every finding: a record, a log or a copy of `study.toml` that is gone or was changed; a trial that is gone, was
-/// changed, or of which the log does not speak.
+/// Every finding: a record, a log or a copy of `study.toml` that is gone or was changed; a trial
+/// that is gone, was changed, or of which the log does not speak.
 pub fn read_session(
     files: &dyn Files,
     layout: &Layout,
@@ -41,7 +41,8 @@ pub fn read_session(
         return left.map_or(Ok(None), |finding| Err(vec![finding]));
     }
     let mut findings = Vec::new();
-    let log = log_of(files, layout, participant, session, &mut findings).map_err(|error| vec![error])?;
+    let log =
+        log_of(files, layout, participant, session, &mut findings).map_err(|error| vec![error])?;
     let folder = folder_of_trials(layout, participant, session);
     let mut trials = Vec::new();
     for read in read_trials_below(files, layout, &folder) {
@@ -54,12 +55,16 @@ pub fn read_session(
     if findings.is_empty() { Ok(Some(WholeSession { log, trials })) } else { Err(findings) }
 }
 
-/// Whether a session that was laid down still is what it was: its record, its log and its copy of `study.toml` by their
-/// content, its trials by their names. Quick enough before each trial.
+/// Whether a session that was laid down still is what it was: its record, its log and its copy of
+/// `study.toml` by their content, its trials by their names. Quick enough before each trial.
 ///
 /// # Errors
 /// The first finding.
-pub fn check_session(files: &dyn Files, layout: &Layout, record: &SessionRecord) -> Result<(), StoreError> {
+pub fn check_session(
+    files: &dyn Files,
+    layout: &Layout,
+    record: &SessionRecord,
+) -> Result<(), StoreError> {
     let SessionRecord { participant, session, .. } = record;
     let path = layout.session(participant, session);
     let events = read_events_from(files, &layout.events(participant, session))?;
@@ -72,13 +77,21 @@ pub fn check_session(files: &dyn Files, layout: &Layout, record: &SessionRecord)
     if is_laid_down(&events) {
         check_copy(files, layout, record)?;
     } else if record_from(&path, &text)? != *record {
-        return Err(StoreError::new(&path, "the record was changed while the session ran", RESTORE));
+        return Err(StoreError::new(
+            &path,
+            "the record was changed while the session ran",
+            RESTORE,
+        ));
     }
     lost(files, layout, record, &events).into_iter().next().map_or(Ok(()), Err)
 }
 
 /// Whether the copy of `study.toml` is the one of the record.
-fn check_copy(files: &dyn Files, layout: &Layout, record: &SessionRecord) -> Result<(), StoreError> {
+fn check_copy(
+    files: &dyn Files,
+    layout: &Layout,
+    record: &SessionRecord,
+) -> Result<(), StoreError> {
     let path = layout.study_copy(&record.participant, &record.session);
     if files.kind(&path).is_none() {
         return Err(no_copy(files, layout, record));
@@ -87,8 +100,8 @@ fn check_copy(files: &dyn Files, layout: &Layout, record: &SessionRecord) -> Res
     is_copy(&path, &bytes, record)
 }
 
-/// The study by which a session was laid down, as its copy says; nothing for one that was not laid down, or that has no
-/// copy because it is older than copies are.
+/// The study by which a session was laid down, as its copy says; nothing for one that was not laid
+/// down, or that has no copy because it is older than copies are.
 ///
 /// # Errors
 /// A record, a log or a copy that is gone or was changed.
@@ -126,7 +139,8 @@ fn log_of(
     Ok(log)
 }
 
-/// Whether a log begins with its session's being laid down: for as long sessions have had a copy of `study.toml`.
+/// Whether a log begins with its session's being laid down: for as long sessions have had a copy of
+/// `study.toml`.
 fn is_laid_down(events: &[Event]) -> bool {
     events.iter().any(|event| matches!(event, Event::LaidDown { .. }))
 }
@@ -142,8 +156,8 @@ fn no_copy(files: &dyn Files, layout: &Layout, record: &SessionRecord) -> StoreE
     StoreError::new(&copy, "the session's copy of study.toml is missing", remedy)
 }
 
-/// What of a session without a record is there all the same. A copy of `study.toml` alone is what a kill leaves before
-/// anything was laid down.
+/// What of a session without a record is there all the same. A copy of `study.toml` alone is what a
+/// kill leaves before anything was laid down.
 fn left_behind(
     files: &dyn Files,
     layout: &Layout,
@@ -175,9 +189,11 @@ pub(crate) fn has_samples(
     };
     // No id has a dot.
     let journal = format!("{participant}_{session}.trial-");
-    let is_journal =
-        |path: &Path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&journal));
-    some(&folder_of_trials(layout, participant, session), &|_| true) || some(&layout.journals(), &is_journal)
+    let is_journal = |path: &Path| {
+        path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&journal))
+    };
+    some(&folder_of_trials(layout, participant, session), &|_| true)
+        || some(&layout.journals(), &is_journal)
 }
 
 fn folder_of_trials(layout: &Layout, participant: &ParticipantId, session: &SessionId) -> PathBuf {

@@ -4,8 +4,8 @@ use crate::encode::{derived, recorded};
 use crate::hash::hex_blake3;
 use crate::{COLUMNS, Column, Samples, Storage, StoreError, Trial};
 use arrow::array::{
-    ArrayRef, DictionaryArray, Float32Array, Float64Array, Int32Array, RecordBatch, StringArray, UInt16Array,
-    new_null_array,
+    ArrayRef, DictionaryArray, Float32Array, Float64Array, Int32Array, RecordBatch, StringArray,
+    UInt16Array, new_null_array,
 };
 use arrow::datatypes::{DataType, Field, Int32Type, Schema};
 use parquet::arrow::ArrowWriter;
@@ -29,21 +29,23 @@ const UNITS: &str = "units";
 /// The bytes of a trial's file. The same trial gives the same bytes.
 ///
 /// # Errors
-/// Samples that break a promise of the schema, with column and row ([`Samples::check`]). `path` only
-/// names the file in errors.
+/// Samples that break a promise of the schema, with column and row ([`Samples::check`]). `path`
+/// only names the file in errors.
 pub fn trial_bytes(trial: &Trial, path: &Path) -> Result<Vec<u8>, StoreError> {
     trial.samples.check(path)?;
     let mut columns: Vec<(Field, ArrayRef)> =
         COLUMNS.iter().map(|c| signal_column(c, &trial.samples)).collect();
     columns.extend(constant_columns(trial));
     let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
-    let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
-        .map_err(|e| StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it"))?;
+    let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).map_err(|e| {
+        StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
+    })?;
     write_parquet(&batch, footer(trial), path)
 }
 
-/// The bytes of a recording's Parquet file with one row group, our encodings, and `footer` as its key-value
-/// metadata (in key order), to which the schema version, the units and a digest are added.
+/// The bytes of a recording's Parquet file with one row group, our encodings, and `footer` as its
+/// key-value metadata (in key order), to which the schema version, the units and a digest are
+/// added.
 pub fn write_parquet(
     batch: &RecordBatch,
     footer: BTreeMap<String, String>,
@@ -54,8 +56,9 @@ pub fn write_parquet(
     write(batch, properties, path)
 }
 
-/// The bytes of a derived table's Parquet file, as [`write_parquet`] but for the encodings: the table can be made again
-/// and is read again at once, so that it is written quickly rather than small.
+/// The bytes of a derived table's Parquet file, as [`write_parquet`] but for the encodings: the
+/// table can be made again and is read again at once, so that it is written quickly rather than
+/// small.
 pub fn write_table(
     batch: &RecordBatch,
     footer: BTreeMap<String, String>,
@@ -72,7 +75,11 @@ fn entries(batch: &RecordBatch, mut footer: BTreeMap<String, String>) -> Vec<Key
     footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect()
 }
 
-fn write(batch: &RecordBatch, properties: WriterProperties, path: &Path) -> Result<Vec<u8>, StoreError> {
+fn write(
+    batch: &RecordBatch,
+    properties: WriterProperties,
+    path: &Path,
+) -> Result<Vec<u8>, StoreError> {
     let bytes = (|| {
         let mut bytes = Vec::new();
         let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties))?;
@@ -84,11 +91,21 @@ fn write(batch: &RecordBatch, properties: WriterProperties, path: &Path) -> Resu
 }
 
 fn cannot_encode(path: &Path, e: &ParquetError) -> StoreError {
-    StoreError::new(path, format!("cannot encode: {e}"), "this is a defect of zwidth; please report it")
+    StoreError::new(
+        path,
+        format!("cannot encode: {e}"),
+        "this is a defect of zwidth; please report it",
+    )
 }
 
 /// An Arrow field that carries `unit` and `description`.
-pub fn described(name: &str, data_type: DataType, nullable: bool, unit: &str, about: &str) -> Field {
+pub fn described(
+    name: &str,
+    data_type: DataType,
+    nullable: bool,
+    unit: &str,
+    about: &str,
+) -> Field {
     let metadata = [("unit", unit), ("description", about)];
     Field::new(name, data_type, nullable)
         .with_metadata(metadata.map(|(k, v)| (k.to_owned(), v.to_owned())).into())
@@ -138,7 +155,11 @@ fn constant_columns(trial: &Trial) -> Vec<(Field, ArrayRef)> {
         word("status", meta.status.as_str(), "complete or incomplete"),
         word("environment", meta.environment.as_str(), "what was rendered"),
         word("mode", meta.mode.as_str(), "how; a sealed code until the session is unsealed"),
-        integer("likert", meta.likert.map(i32::from), "answer 1…5, where given before the file was finished"),
+        integer(
+            "likert",
+            meta.likert.map(i32::from),
+            "answer 1…5, where given before the file was finished",
+        ),
     ]
 }
 

@@ -19,7 +19,8 @@ pub struct CalibrationError {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Characteristic {
-    /// Voltages of the knots, V, rising; the first is where force begins (0 V, or the end of a dead zone).
+    /// Voltages of the knots, V, rising; the first is where force begins (0 V, or the end of a
+    /// dead zone).
     pub voltage_v: Vec<f64>,
     /// Forces at the lever's end there, N, rising; the first is 0.
     pub force_n: Vec<f64>,
@@ -41,8 +42,8 @@ impl Characteristic {
         along(&self.voltage_v, &self.force_n, voltage_v.abs()).copysign(voltage_v)
     }
 
-    /// Voltage for a force, V, with the force's sign: 0 V for no force, and the end of the dead zone for the
-    /// smallest; the last knot's voltage for more than the actuator can give.
+    /// Voltage for a force, V, with the force's sign: 0 V for no force, and the end of the dead
+    /// zone for the smallest; the last knot's voltage for more than the actuator can give.
     pub fn voltage_v(&self, force_n: f64) -> f64 {
         if force_n == 0.0 {
             0.0
@@ -69,15 +70,17 @@ impl Characteristic {
             return error("voltage_v and force_n must rise, else no voltage belongs to a force");
         }
         if self.voltage_v[0] < 0.0 || self.force_n[0] != 0.0 {
-            return error("the first knot is where force begins: a voltage of at least 0 V, and 0 N");
+            return error(
+                "the first knot is where force begins: a voltage of at least 0 V, and 0 N",
+            );
         }
         Ok(())
     }
 }
 
 impl Calibration {
-    /// The prototype's nominal characteristics: 0.26 N/V up to 16 V (thesis §5.1), and a brake that begins at
-    /// about 1 V and gives 13 N at 8 V (§5.1, App. D).
+    /// The prototype's nominal characteristics: 0.26 N/V up to 16 V (thesis §5.1), and a brake that
+    /// begins at about 1 V and gives 13 N at 8 V (§5.1, App. D).
     pub fn thesis() -> Self {
         Self {
             motor: Characteristic { voltage_v: vec![0.0, 16.0], force_n: vec![0.0, 4.16] },
@@ -110,7 +113,8 @@ impl Calibration {
     /// # Errors
     /// A value that cannot be written.
     pub fn to_toml(&self) -> Result<String, CalibrationError> {
-        toml::to_string(self).map_err(|e| CalibrationError { actuator: "file", problem: e.to_string() })
+        toml::to_string(self)
+            .map_err(|e| CalibrationError { actuator: "file", problem: e.to_string() })
     }
 }
 

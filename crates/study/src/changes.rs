@@ -1,7 +1,7 @@
 //! What changed between two versions of a `study.toml`, and what each change affects.
 //!
-//! Both are compared by value: a comment, a blank line or a default that is written out is no change. Every key that
-//! is not known to affect nothing affects the recording.
+//! Both are compared by value: a comment, a blank line or a default that is written out is no
+//! change. Every key that is not known to affect nothing affects the recording.
 
 use crate::Study;
 use crate::file::value_of;
@@ -13,8 +13,8 @@ use toml::Value;
 pub enum Affects {
     /// Nothing that is recorded: titles, labels, figures, numbers of the analysis.
     Nothing,
-    /// What is recorded from here on is not what was recorded before: device, control, scene, design, modes, the
-    /// wording of a question.
+    /// What is recorded from here on is not what was recorded before: device, control, scene,
+    /// design, modes, the wording of a question.
     Recording,
 }
 
@@ -47,11 +47,12 @@ impl std::fmt::Display for StudyChange {
 /// The lists of a study, whose elements have ids.
 const LISTS: [&str; 3] = ["environments", "modes", "questions"];
 
-/// Every value that differs between two versions of a study, by key. Empty if the two are equal: a file whose bytes
-/// differ all the same differs in comments and form alone.
+/// Every value that differs between two versions of a study, by key. Empty if the two are equal: a
+/// file whose bytes differ all the same differs in comments and form alone.
 pub fn study_changes(then: &Study, now: &Study) -> Vec<StudyChange> {
     // One unit for both: in another coordinate an unchanged scene would have other keys.
-    let same_kind = std::mem::discriminant(&then.coordinate) == std::mem::discriminant(&now.coordinate);
+    let same_kind =
+        std::mem::discriminant(&then.coordinate) == std::mem::discriminant(&now.coordinate);
     let coordinate = if same_kind { now.coordinate } else { then.coordinate };
     let [before, after] = [flat(then), flat(&Study { coordinate, ..now.clone() })];
     let mut changes = differences(&before, &after);
@@ -71,7 +72,10 @@ pub fn study_changes(then: &Study, now: &Study) -> Vec<StudyChange> {
     changes
 }
 
-fn differences(before: &BTreeMap<String, String>, after: &BTreeMap<String, String>) -> Vec<StudyChange> {
+fn differences(
+    before: &BTreeMap<String, String>,
+    after: &BTreeMap<String, String>,
+) -> Vec<StudyChange> {
     let value = |of: &BTreeMap<String, String>, key: &str| {
         of.get(key).cloned().unwrap_or_else(|| StudyChange::ABSENT.to_owned())
     };
@@ -113,17 +117,19 @@ fn is_element(key: &str) -> bool {
     key.split_once('.').is_some_and(|(list, id)| LISTS.contains(&list) && !id.contains('.'))
 }
 
-/// What a change of this key affects. A question's order, group and direction belong to the tally; its wording and its
-/// place belong to what the participant was asked.
+/// What a change of this key affects. A question's order, group and direction belong to the tally;
+/// its wording and its place belong to what the participant was asked.
 fn affects(key: &str) -> Affects {
     let parts: Vec<&str> = key.split('.').collect();
     match parts.as_slice() {
-        ["study", "title"] | ["coordinate", ..] | ["masses", ..] | ["analysis", ..] | ["figures", ..] => {
-            Affects::Nothing
-        }
-        ["environments" | "modes", _, "label"] | ["questions", _, "group" | "reversed"] | ["questions"] => {
-            Affects::Nothing
-        }
+        ["study", "title"]
+        | ["coordinate", ..]
+        | ["masses", ..]
+        | ["analysis", ..]
+        | ["figures", ..] => Affects::Nothing,
+        ["environments" | "modes", _, "label"]
+        | ["questions", _, "group" | "reversed"]
+        | ["questions"] => Affects::Nothing,
         _ => Affects::Recording,
     }
 }
@@ -176,8 +182,10 @@ mod tests {
     #[track_caller]
     fn check(from: &str, to: &str, expect: &[(&str, &str, &str, Affects)]) {
         let found = changes(from, to);
-        let found: Vec<_> =
-            found.iter().map(|c| (c.key.as_str(), c.then.as_str(), c.now.as_str(), c.affects)).collect();
+        let found: Vec<_> = found
+            .iter()
+            .map(|c| (c.key.as_str(), c.then.as_str(), c.now.as_str(), c.affects))
+            .collect();
         assert_eq!(found, expect);
     }
 
@@ -210,7 +218,13 @@ mod tests {
                 "\"Spring\"",
                 "\"Feder\"",
             ),
-            ("label = \"Active\"", "label = \"Motor\"", "modes.active.label", "\"Active\"", "\"Motor\""),
+            (
+                "label = \"Active\"",
+                "label = \"Motor\"",
+                "modes.active.label",
+                "\"Active\"",
+                "\"Motor\"",
+            ),
             (
                 "alignment = \"onset\"",
                 "alignment = \"landmarks\"",
@@ -222,7 +236,13 @@ mod tests {
             ("brake_g = 27.0", "brake_g = 28.0", "masses.brake_g", "27.0", "28.0"),
             ("onset_deg_s = 10.0", "onset_deg_s = 12.0", "analysis.onset_deg_s", "10.0", "12.0"),
             ("offset_deg_s = 5.0", "offset_deg_s = 4.0", "analysis.offset_deg_s", "5.0", "4.0"),
-            ("slope_from_deg = 0.0", "slope_from_deg = 1.5", "analysis.slope_from_deg", "0.0", "1.5"),
+            (
+                "slope_from_deg = 0.0",
+                "slope_from_deg = 1.5",
+                "analysis.slope_from_deg",
+                "0.0",
+                "1.5",
+            ),
             ("grid_points = 401", "grid_points = 201", "analysis.grid_points", "401", "201"),
             ("confidence = 0.95", "confidence = 0.99", "analysis.confidence", "0.95", "0.99"),
             (
@@ -268,9 +288,27 @@ mod tests {
                 "\"d\"",
             ),
             ("lever_m = 0.045", "lever_m = 0.05", "device.lever_m", "0.045", "0.05"),
-            ("theta_min_deg = -45.0", "theta_min_deg = -44.0", "device.theta_min_deg", "-45.0", "-44.0"),
-            ("theta_max_deg = 45.0", "theta_max_deg = 44.0", "device.theta_max_deg", "45.0", "44.0"),
-            ("force_rate_hz = 80.0", "force_rate_hz = 10.0", "device.force_rate_hz", "80.0", "10.0"),
+            (
+                "theta_min_deg = -45.0",
+                "theta_min_deg = -44.0",
+                "device.theta_min_deg",
+                "-45.0",
+                "-44.0",
+            ),
+            (
+                "theta_max_deg = 45.0",
+                "theta_max_deg = 44.0",
+                "device.theta_max_deg",
+                "45.0",
+                "44.0",
+            ),
+            (
+                "force_rate_hz = 80.0",
+                "force_rate_hz = 10.0",
+                "device.force_rate_hz",
+                "80.0",
+                "10.0",
+            ),
             ("rate_hz = 1000.0", "rate_hz = 120.0", "control.rate_hz", "1000.0", "120.0"),
             ("let_go_n = 2.0", "let_go_n = 1.0", "control.let_go_n", "2.0", "1.0"),
             ("force_limit_n = 10.0", "force_limit_n = 8.0", "control.force_limit_n", "10.0", "8.0"),
@@ -288,18 +326,47 @@ mod tests {
                 "4.0",
                 "5.0",
             ),
-            ("rest_deg = -45.0", "rest_deg = -40.0", "environments.spring.rest_deg", "-45.0", "-40.0"),
-            ("wall_deg = 26.6", "wall_deg = 26.5", "environments.spring_wall.wall_deg", "26.6", "26.5"),
-            ("question = \"felt_spring\"", "", "environments.spring.question", "\"felt_spring\"", "absent"),
-            ("motor_max_v = 16.0", "motor_max_v = 12.0", "modes.active.motor_max_v", "16.0", "12.0"),
+            (
+                "rest_deg = -45.0",
+                "rest_deg = -40.0",
+                "environments.spring.rest_deg",
+                "-45.0",
+                "-40.0",
+            ),
+            (
+                "wall_deg = 26.6",
+                "wall_deg = 26.5",
+                "environments.spring_wall.wall_deg",
+                "26.6",
+                "26.5",
+            ),
+            (
+                "question = \"felt_spring\"",
+                "",
+                "environments.spring.question",
+                "\"felt_spring\"",
+                "absent",
+            ),
+            (
+                "motor_max_v = 16.0",
+                "motor_max_v = 12.0",
+                "modes.active.motor_max_v",
+                "16.0",
+                "12.0",
+            ),
             ("brake_max_v = 8.0", "brake_max_v = 6.0", "modes.passive.brake_max_v", "8.0", "6.0"),
         ] {
             check(from, to, &[(key, then, now, Recording)]);
         }
         let [worded] = changes("linear stiffness.\"", "spring.\"").try_into().unwrap();
-        assert_eq!((worded.key.as_str(), worded.affects), ("questions.felt_spring.text", Recording));
-        let words =
-            changes("velocity = \"second_order\"\nvelocity_cutoff_hz = 40.0", "velocity = \"difference\"");
+        assert_eq!(
+            (worded.key.as_str(), worded.affects),
+            ("questions.felt_spring.text", Recording)
+        );
+        let words = changes(
+            "velocity = \"second_order\"\nvelocity_cutoff_hz = 40.0",
+            "velocity = \"difference\"",
+        );
         assert!(words.len() == 2 && words.iter().all(|c| c.affects == Recording), "{words:?}");
     }
 
@@ -328,8 +395,10 @@ mod tests {
 
     #[test]
     fn another_kind_of_scene_tells_each_of_its_keys() {
-        let found =
-            changes("kind = \"spring\"\nstiffness_n_per_rad = 4.0\nrest_deg = -45.0", "kind = \"free\"");
+        let found = changes(
+            "kind = \"spring\"\nstiffness_n_per_rad = 4.0\nrest_deg = -45.0",
+            "kind = \"free\"",
+        );
         let keys: Vec<_> = found.iter().map(|c| c.key.as_str()).collect();
         assert_eq!(
             keys,
@@ -344,7 +413,8 @@ mod tests {
     #[test]
     fn the_same_scene_in_another_coordinate_changes_the_figures_alone() {
         let then = Study::from_toml(&text()).unwrap();
-        let now = Study { coordinate: crate::Coordinate::Linear { lever_m: 0.045 }, ..then.clone() };
+        let now =
+            Study { coordinate: crate::Coordinate::Linear { lever_m: 0.045 }, ..then.clone() };
         for (then, now) in [(&then, &now), (&now, &then)] {
             let [found] = study_changes(then, now).try_into().unwrap();
             assert_eq!((found.key.as_str(), found.affects), ("coordinate.kind", Affects::Nothing));

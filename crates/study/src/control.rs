@@ -7,8 +7,8 @@ pub struct Control {
     pub rate_hz: f64,
     /// The brake lets go only below this user force, N (thesis §6.2.1).
     pub let_go_n: f64,
-    /// Limit of the force on a finger, N: a motor that can give more is refused, and a larger measured force
-    /// stops the trial.
+    /// Limit of the force on a finger, N: a motor that can give more is refused, and a larger
+    /// measured force stops the trial.
     pub force_limit_n: f64,
     /// How velocity is made of angles.
     pub velocity: VelocityFilter,
@@ -30,8 +30,8 @@ impl Default for Control {
 pub enum VelocityFilter {
     /// The difference of the last two angles over their time; late by half of it.
     Difference,
-    /// A differentiator with a critically damped second-order low-pass, s ω² / (s + ω)² with ω = 2π `cutoff_hz`;
-    /// a slow signal comes late by 2/ω = 1/(π `cutoff_hz`).
+    /// A differentiator with a critically damped second-order low-pass, s ω² / (s + ω)² with ω = 2π
+    /// `cutoff_hz`; a slow signal comes late by 2/ω = 1/(π `cutoff_hz`).
     SecondOrder {
         /// Cut-off frequency, Hz.
         cutoff_hz: f64,

@@ -40,8 +40,8 @@ pub enum Event {
         /// The answer as given (not reversed), 1…5.
         value: u8,
     },
-    /// The trial was done again, or is to be; this one no longer counts. The one that takes its place has its
-    /// environment, mode, repeat and kind.
+    /// The trial was done again, or is to be; this one no longer counts. The one that takes its
+    /// place has its environment, mode, repeat and kind.
     Superseded {
         /// Trial number that no longer counts.
         trial: u32,
@@ -62,16 +62,16 @@ pub enum Event {
         /// The remark.
         text: String,
     },
-    /// The sealed order of modes was opened. It is true only if it verifies against the session's commitment
-    /// ([`crate::Seal`]).
+    /// The sealed order of modes was opened. It is true only if it verifies against the session's
+    /// commitment ([`crate::Seal`]).
     Unsealed {
         /// The nonce of the seal, hexadecimal.
         nonce: String,
         /// The mode of each planned trial, by number.
         order: Vec<SealedTrial>,
     },
-    /// A changed `study.toml` was accepted: the session's trials are read under the one of this hash. The session itself
-    /// goes on by its own copy.
+    /// A changed `study.toml` was accepted: the session's trials are read under the one of this
+    /// hash. The session itself goes on by its own copy.
     StudyAccepted {
         /// BLAKE3 of that `study.toml`, hexadecimal.
         study_blake3: String,

@@ -10,8 +10,9 @@ pub enum Alignment {
     /// At movement onset: t is each repeat's own time since then.
     #[default]
     Onset,
-    /// By landmarks: each repeat's time is warped, piecewise linearly, so that its landmarks (start, wall contact,
-    /// reversal, end) meet their mean times. What repeats do at different times is then not smeared.
+    /// By landmarks: each repeat's time is warped, piecewise linearly, so that its landmarks
+    /// (start, wall contact, reversal, end) meet their mean times. What repeats do at different
+    /// times is then not smeared.
     Landmarks,
 }
 
@@ -36,14 +37,17 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// The kinds of figures that show a mean of repeats, and hence know an alignment. Figures are called
-    /// `modes.<participant>.<session>.<environment>` and `loops.<participant>.<session>`.
+    /// The kinds of figures that show a mean of repeats, and hence know an alignment. Figures are
+    /// called `modes.<participant>.<session>.<environment>` and
+    /// `loops.<participant>.<session>`.
     pub const WITH_MEANS: [&'static str; 2] = ["modes", "loops"];
 
-    /// How the figure of that id shows its means: by the longest choice that its id begins with, else at onset.
+    /// How the figure of that id shows its means: by the longest choice that its id begins with,
+    /// else at onset.
     pub fn alignment(&self, id: &str) -> Alignment {
         let cuts = id.match_indices('.').map(|(at, _)| &id[..at]);
-        let chosen = std::iter::once("").chain(cuts).chain([id]).filter_map(|part| self.alignment.get(part));
+        let chosen =
+            std::iter::once("").chain(cuts).chain([id]).filter_map(|part| self.alignment.get(part));
         chosen.copied().last().unwrap_or_default()
     }
 
@@ -63,7 +67,8 @@ mod tests {
             alignment: choices.iter().map(|(id, a)| ((*id).to_owned(), *a)).collect(),
         };
         let [onset, landmarks] = Alignment::ALL;
-        let figures = chosen(&[("", landmarks), ("modes.P01", onset), ("modes.P01.S02.spring", landmarks)]);
+        let figures =
+            chosen(&[("", landmarks), ("modes.P01", onset), ("modes.P01.S02.spring", landmarks)]);
         for (id, expect) in [
             ("modes.P01.S01.spring", onset),
             ("modes.P01.S02.spring", landmarks),

@@ -58,7 +58,12 @@ mod tests {
         check("id = \"passive\"", "id = \"sealed-1\"", "modes[1].id", "looks like the code");
         check("id = \"passive\"", "id = \"../x\"", "id", "not a valid mode id");
         check("theta_max_deg = 45.0", "theta_max_deg = -50.0", "device.theta_max_deg", "above");
-        check("wall_deg = 26.6", "wall_deg = 1e6", "environments[1].wall_deg", "from -36000 to 36000");
+        check(
+            "wall_deg = 26.6",
+            "wall_deg = 1e6",
+            "environments[1].wall_deg",
+            "from -36000 to 36000",
+        );
         check("wall_deg = 26.6", "wall_mm = 26.6", "environments[1].wall_mm", "no meaning");
         check("repeats = 6", "repeat = 6", "repeat", "unknown field");
         check("repeats = 6", "repeats = \"six\"", "repeats", "invalid type");
@@ -93,7 +98,9 @@ mod tests {
         let mut study = Study::from_toml(&sample()).unwrap();
         study.design.order = OrderScheme::Constrained;
         study.design.blinded = true;
-        for velocity in [VelocityFilter::Difference, VelocityFilter::SecondOrder { cutoff_hz: 15.0 }] {
+        for velocity in
+            [VelocityFilter::Difference, VelocityFilter::SecondOrder { cutoff_hz: 15.0 }]
+        {
             study.control = Control { rate_hz: 120.0, let_go_n: 1.5, force_limit_n: 8.0, velocity };
             assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
         }
@@ -130,7 +137,11 @@ mod tests {
     fn a_choice_that_is_not_possible_is_one_error_that_lists_what_is() {
         for (figures, key, words) in [
             ("alignment = \"landmark\"", "figures.alignment", "must be \"onset\" or \"landmarks\""),
-            ("modes.alignment = 1", "figures.modes.alignment", "must be \"onset\" or \"landmarks\""),
+            (
+                "modes.alignment = 1",
+                "figures.modes.alignment",
+                "must be \"onset\" or \"landmarks\"",
+            ),
             ("mods.alignment = \"onset\"", "figures.mods", "there are modes, loops"),
             ("repeats.alignment = \"onset\"", "figures.repeats", "there are modes, loops"),
             (
@@ -138,7 +149,11 @@ mod tests {
                 "figures.modes.P01.S01.wall",
                 "{spring, spring_wall}",
             ),
-            ("loops.P01.S01.spring.alignment = \"onset\"", "figures.loops.P01.S01.spring", "as long"),
+            (
+                "loops.P01.S01.spring.alignment = \"onset\"",
+                "figures.loops.P01.S01.spring",
+                "as long",
+            ),
             ("modes.align = \"onset\"", "figures.modes.align", "has the key alignment"),
         ] {
             let errors = with_figures(figures).unwrap_err();
@@ -151,9 +166,19 @@ mod tests {
     #[test]
     fn no_number_decides_how_much_memory_or_time_is_taken() {
         check("rate_hz = 1000.0", "rate_hz = 1e-300", "control.rate_hz", "from 1e-9 to 1e9");
-        check("grid_points = 401", "grid_points = 4294967295", "analysis.grid_points", "at most 100000");
+        check(
+            "grid_points = 401",
+            "grid_points = 4294967295",
+            "analysis.grid_points",
+            "at most 100000",
+        );
         check("repeats = 6", "repeats = 50000", "design.repeats", "300003 trials in a session");
-        check("trial_limit_s = 4.0", "trial_limit_s = 80000.0", "design.trial_limit_s", "at most 4194304");
+        check(
+            "trial_limit_s = 4.0",
+            "trial_limit_s = 80000.0",
+            "design.trial_limit_s",
+            "at most 4194304",
+        );
         check("lever_m = 0.045", "lever_m = 1e-12", "device.lever_m", "from 1e-9");
         let many = "[[questions]]\nid = \"q\"\ntext = \"t\"\n".repeat(5000);
         let errors = Study::from_toml(&format!("{}\n{many}", sample())).unwrap_err();
@@ -167,7 +192,12 @@ mod tests {
         for bad in ["a\\nb", "\\u001b[2J", "\\u202Eabc", "\\u2066x"] {
             check(title, &format!("title = \"{bad}\""), "study.title", "leave it out");
         }
-        check(title, &format!("title = \"{}\"", "x".repeat(1001)), "study.title", "longer than 1000");
+        check(
+            title,
+            &format!("title = \"{}\"", "x".repeat(1001)),
+            "study.title",
+            "longer than 1000",
+        );
         let errors = with_figures("\"a\\u001b[2J\\nb\" = 1").unwrap_err();
         let told = errors[0].to_string();
         assert!(!told.contains(['\u{1b}', '\n']) && told.contains(r"\u{1b}[2J\nb"), "{told:?}");
@@ -175,7 +205,9 @@ mod tests {
 
     #[test]
     fn every_problem_is_reported_not_only_the_first() {
-        let text = sample().replace("repeats = 6", "repeats = 0").replace("lever_m = 0.045", "lever_m = 0.0");
+        let text = sample()
+            .replace("repeats = 6", "repeats = 0")
+            .replace("lever_m = 0.045", "lever_m = 0.0");
         assert_eq!(Study::from_toml(&text).unwrap_err().len(), 2);
     }
 

@@ -33,7 +33,8 @@ fn refused_as_name(text: &str) -> Option<&'static str> {
         let port = text.strip_prefix("COM").or(text.strip_prefix("LPT")).map(str::as_bytes);
         ["CON", "PRN", "AUX", "NUL"].contains(&text.as_str()) || matches!(port, Some([b'1'..=b'9']))
     };
-    refused(text).or_else(|| is_device().then_some("Windows keeps this name for a device; choose another"))
+    refused(text)
+        .or_else(|| is_device().then_some("Windows keeps this name for a device; choose another"))
 }
 
 macro_rules! ids {
@@ -108,7 +109,8 @@ ids! {
 const CODE: &str = "sealed-";
 
 impl ModeId {
-    /// A code that stands in for a mode while it is sealed: `sealed-` and sixteen hexadecimal digits.
+    /// A code that stands in for a mode while it is sealed: `sealed-` and sixteen hexadecimal
+    /// digits.
     pub(crate) fn code(digest: &blake3::Hash) -> Self {
         const DIGITS: usize = 16;
         Self(format!("{CODE}{}", &digest.to_hex()[..DIGITS]))
@@ -133,7 +135,8 @@ mod tests {
 
     #[test]
     fn nothing_that_could_be_a_path_is_an_id() {
-        for bad in ["", "../x", "a/b", "a\\b", ".", "a.b", "é", "a b", "a\0", "C:", &"a".repeat(33)] {
+        for bad in ["", "../x", "a/b", "a\\b", ".", "a.b", "é", "a b", "a\0", "C:", &"a".repeat(33)]
+        {
             let error = ParticipantId::new(bad).unwrap_err();
             assert!(error.to_string().contains("participant id"), "{error}");
         }
@@ -143,8 +146,14 @@ mod tests {
     fn a_name_that_windows_keeps_for_a_device_is_no_study_participant_or_session() {
         for device in ["CON", "con", "Nul", "AUX", "prn", "COM1", "lpt9"] {
             let error = StudyId::new(device).unwrap_err().to_string();
-            assert!(error.contains(device) && error.contains("a device; choose another"), "{error}");
-            assert!(ParticipantId::new(device).is_err() && SessionId::new(device).is_err(), "{device}");
+            assert!(
+                error.contains(device) && error.contains("a device; choose another"),
+                "{error}"
+            );
+            assert!(
+                ParticipantId::new(device).is_err() && SessionId::new(device).is_err(),
+                "{device}"
+            );
             assert!(serde_json::from_str::<SessionId>(&format!("{device:?}")).is_err());
         }
         for name in ["CONE", "COM", "COM0", "COM10", "P_CON", "LPT"] {

@@ -1,5 +1,5 @@
-//! The words of a study: ids, modes, environments, conditions, trials, design; `study.toml` read and
-//! written; the order of the trials, and its seal. No files, no clock: text in, values out.
+//! The words of a study: ids, modes, environments, conditions, trials, design; `study.toml` read
+//! and written; the order of the trials, and its seal. No files, no clock: text in, values out.
 //!
 //! Angles are radians and everything else is SI in memory; `study.toml` speaks degrees and
 //! millimetres where people do, and its keys end in their unit.
@@ -26,11 +26,13 @@ pub use changes::{Affects, StudyChange, study_changes};
 pub use control::{Control, VelocityFilter};
 pub use event::{Event, SealedTrial};
 pub use figures::{Alignment, Figures};
-pub use id::{ActuatorId, EnvironmentId, IdError, ModeId, ParticipantId, QuestionId, SessionId, StudyId};
+pub use id::{
+    ActuatorId, EnvironmentId, IdError, ModeId, ParticipantId, QuestionId, SessionId, StudyId,
+};
 pub use locate::{line_of, toml_error};
 pub use model::{
-    Analysis, Condition, Coordinate, Design, Device, Environment, Likert, Masses, Mode, OrderScheme,
-    Question, Scene, Spring, Study,
+    Analysis, Condition, Coordinate, Design, Device, Environment, Likert, Masses, Mode,
+    OrderScheme, Question, Scene, Spring, Study,
 };
 pub use printable::{printable, printable_lines};
 pub use sample::{Flags, Sample, Voltages};

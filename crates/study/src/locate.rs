@@ -29,7 +29,8 @@ pub(crate) fn line_at(text: &str, offset: usize) -> usize {
     1 + text.bytes().take(offset).filter(|b| *b == b'\n').count()
 }
 
-/// What the TOML reader found wrong in `text` (its grammar, an unknown key, a wrong type), with key and line.
+/// What the TOML reader found wrong in `text` (its grammar, an unknown key, a wrong type), with key
+/// and line.
 pub fn toml_error(text: &str, error: &toml::de::Error) -> StudyError {
     let line = error.span().map_or(1, |span| line_at(text, span.start));
     let source = text.lines().nth(line - 1).unwrap_or_default();
@@ -64,8 +65,8 @@ mod tests {
 
     #[test]
     fn an_error_of_the_toml_reader_gets_its_key_and_line() {
-        let error =
-            toml::from_str::<std::collections::BTreeMap<String, u8>>("a = 1\nb = \"x\"\n").unwrap_err();
+        let error = toml::from_str::<std::collections::BTreeMap<String, u8>>("a = 1\nb = \"x\"\n")
+            .unwrap_err();
         let found = toml_error("a = 1\nb = \"x\"\n", &error);
         assert_eq!((found.line, found.key.as_str()), (2, "b"));
         assert!(found.problem.contains("invalid type"), "{found}");

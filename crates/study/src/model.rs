@@ -50,7 +50,8 @@ impl Study {
 
     /// Every condition of the study, environments first, in the order of the file.
     pub fn conditions(&self) -> Vec<Condition> {
-        let of = |e: &Environment, m: &Mode| Condition { environment: e.id.clone(), mode: m.id.clone() };
+        let of =
+            |e: &Environment, m: &Mode| Condition { environment: e.id.clone(), mode: m.id.clone() };
         self.environments.iter().flat_map(|e| self.modes.iter().map(move |m| of(e, m))).collect()
     }
 }

@@ -1,13 +1,15 @@
 //! The order of a session's trials.
 //!
-//! Blocks of one environment follow each other; within a block every mode comes `repeats` times. Which environment
-//! comes first, and by which rows of a Williams square the modes follow each other, is counterbalanced over
-//! participants: with one seed for the study, participants whose numbers follow each other get the rows in turn.
+//! Blocks of one environment follow each other; within a block every mode comes `repeats` times.
+//! Which environment comes first, and by which rows of a Williams square the modes follow each
+//! other, is counterbalanced over participants: with one seed for the study, participants whose
+//! numbers follow each other get the rows in turn.
 //!
-//! Williams, E. J. (1949), Experimental designs balanced for the estimation of residual effects of treatments,
-//! Aust. J. Sci. Res. A 2:149–168.
+//! Williams, E. J. (1949), Experimental designs balanced for the estimation of residual effects of
+//! treatments, Aust. J. Sci. Res. A 2:149–168.
 //!
-//! Random numbers are those of the ChaCha8 cipher keyed with the seed: one seed gives one order, on any machine.
+//! Random numbers are those of the ChaCha8 cipher keyed with the seed: one seed gives one order, on
+//! any machine.
 
 use crate::{Kind, OrderScheme, PlannedTrial, Scene, Study};
 use rand_chacha::ChaCha8Rng;
@@ -17,11 +19,12 @@ use std::collections::BTreeMap;
 /// How often a mode may come in a row in a constrained order.
 const IN_A_ROW: usize = 2;
 
-/// The sequences of Williams squares for `n` conditions, each a permutation of 0…n − 1: n of them for an even n, 2n
-/// for an odd one. Each condition stands equally often in each position, and each follows each other equally often.
+/// The sequences of Williams squares for `n` conditions, each a permutation of 0…n − 1: n of them
+/// for an even n, 2n for an odd one. Each condition stands equally often in each position, and each
+/// follows each other equally often.
 ///
-/// The first row is 0, 1, n − 1, 2, n − 2, …; the next adds 1 (mod n) to each entry; an odd n takes the mirror image
-/// of each row besides (Williams 1949).
+/// The first row is 0, 1, n − 1, 2, n − 2, …; the next adds 1 (mod n) to each entry; an odd n takes
+/// the mirror image of each row besides (Williams 1949).
 pub fn williams(n: usize) -> Vec<Vec<usize>> {
     let zigzag = |i: usize| if i % 2 == 1 { i.div_ceil(2) } else { n - i / 2 };
     let row = |add: usize| (0..n).map(|i| (zigzag(i) + add) % n).collect::<Vec<_>>();
@@ -35,17 +38,24 @@ pub fn williams(n: usize) -> Vec<Vec<usize>> {
 
 /// Draws a session: familiarisation first, then a block of trials an environment.
 ///
-/// The order of the environments is a row of their Williams square, by participant and session number in turn. In a
-/// Williams block each repeat is one row of the modes' square: over as many participants as it has rows, every repeat
-/// of every environment sees each row once. In a constrained block the trials are drawn one by one, in proportion to
-/// what remains, with no mode more than twice in a row (a study of one mode has no choice).
+/// The order of the environments is a row of their Williams square, by participant and session
+/// number in turn. In a Williams block each repeat is one row of the modes' square: over as many
+/// participants as it has rows, every repeat of every environment sees each row once. In a
+/// constrained block the trials are drawn one by one, in proportion to what remains, with no mode
+/// more than twice in a row (a study of one mode has no choice).
 ///
-/// Familiarisation takes environments in the order of the blocks and all modes in turn, so that few trials cover
-/// every environment and every mode, and environments × modes of them cover every condition.
+/// Familiarisation takes environments in the order of the blocks and all modes in turn, so that few
+/// trials cover every environment and every mode, and environments × modes of them cover every
+/// condition.
 ///
-/// `seed` belongs to the study: participants are balanced against each other only under one seed. Numbers may start
-/// anywhere.
-pub fn draw(study: &Study, participant_number: u32, session_number: u32, seed: u64) -> Vec<PlannedTrial> {
+/// `seed` belongs to the study: participants are balanced against each other only under one seed.
+/// Numbers may start anywhere.
+pub fn draw(
+    study: &Study,
+    participant_number: u32,
+    session_number: u32,
+    seed: u64,
+) -> Vec<PlannedTrial> {
     let (environments, modes) = (study.environments.len(), study.modes.len());
     let person = participant_number as usize;
     let mut shared = stream(seed, Stream::Study, 0);
@@ -75,9 +85,12 @@ fn familiarisation(
 ) -> Vec<(Kind, usize, usize)> {
     let mut order: Vec<usize> = (0..modes).collect();
     shuffle(rng, &mut order);
-    // Both indices run in step until they meet again at their least common multiple; then the modes shift by one.
+    // Both indices run in step until they meet again at their least common multiple; then the modes
+    // shift by one.
     let period = blocks.len() * modes / gcd(blocks.len(), modes);
-    let trial = |i: usize| (Kind::Familiarisation, blocks[i % blocks.len()], order[(i + i / period) % modes]);
+    let trial = |i: usize| {
+        (Kind::Familiarisation, blocks[i % blocks.len()], order[(i + i / period) % modes])
+    };
     (0..trials as usize).map(trial).collect()
 }
 
@@ -106,7 +119,8 @@ fn constrained(rng: &mut ChaCha8Rng, modes: usize, repeats: usize) -> Vec<usize>
     let mut order: Vec<usize> = Vec::new();
     for _ in 0..modes * repeats {
         let may = |mode: usize| left[mode] > 0 && (modes == 1 || can_follow(&order, &left, mode));
-        let weights: Vec<usize> = (0..modes).map(|mode| if may(mode) { left[mode] } else { 0 }).collect();
+        let weights: Vec<usize> =
+            (0..modes).map(|mode| if may(mode) { left[mode] } else { 0 }).collect();
         let mut place = below(rng, weights.iter().sum());
         let chosen = weights.iter().position(|w| {
             let here = place < *w;
@@ -120,8 +134,8 @@ fn constrained(rng: &mut ChaCha8Rng, modes: usize, repeats: usize) -> Vec<usize>
     order
 }
 
-/// Whether `mode` may come next, and the rest can then still be placed: the remaining trials of each mode fit into
-/// the gaps between all others.
+/// Whether `mode` may come next, and the rest can then still be placed: the remaining trials of
+/// each mode fit into the gaps between all others.
 fn can_follow(order: &[usize], left: &[usize], mode: usize) -> bool {
     let run = 1 + order.iter().rev().take_while(|m| **m == mode).count();
     let remaining = |m: usize| left[m] - usize::from(m == mode);
@@ -174,8 +188,8 @@ fn stream(seed: u64, of: Stream, number: u64) -> ChaCha8Rng {
     rng
 }
 
-/// A whole number below `n`, from the high half of a 64 × 64 bit product (Lemire 2019); 0 for `n` = 0. Its bias is
-/// below n / 2⁶⁴.
+/// A whole number below `n`, from the high half of a 64 × 64 bit product (Lemire 2019); 0 for `n` =
+/// 0. Its bias is below n / 2⁶⁴.
 fn below(rng: &mut ChaCha8Rng, n: usize) -> usize {
     ((u128::from(rng.next_u64()) * n as u128) >> u64::BITS) as usize
 }
@@ -194,7 +208,10 @@ mod tests {
 
     fn study(scheme: OrderScheme, modes: usize, repeats: u32) -> Study {
         let mut study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
-        let mode = |i: usize| crate::Mode { id: format!("m{i}").parse().unwrap(), ..study.modes[0].clone() };
+        let mode = |i: usize| crate::Mode {
+            id: format!("m{i}").parse().unwrap(),
+            ..study.modes[0].clone()
+        };
         study.modes = (0..modes).map(mode).collect();
         study.design.order = scheme;
         study.design.repeats = repeats;
@@ -216,10 +233,15 @@ mod tests {
             assert_eq!(rows.len(), each * n);
             for condition in 0..n {
                 for position in 0..n {
-                    assert_eq!(rows.iter().filter(|r| r[position] == condition).count(), each, "{n}");
+                    assert_eq!(
+                        rows.iter().filter(|r| r[position] == condition).count(),
+                        each,
+                        "{n}"
+                    );
                 }
                 for next in (0..n).filter(|next| *next != condition) {
-                    let pairs = rows.iter().flat_map(|r| r.windows(2)).filter(|w| **w == [condition, next]);
+                    let pairs =
+                        rows.iter().flat_map(|r| r.windows(2)).filter(|w| **w == [condition, next]);
                     assert_eq!(pairs.count(), each, "{n}: {condition} before {next}");
                 }
             }
@@ -240,19 +262,22 @@ mod tests {
         assert!(trials.iter().zip(1..).all(|(t, n)| t.trial == n && t.samples));
         let practice = trials.iter().take_while(|t| t.kind == Kind::Familiarisation).count();
         assert_eq!(practice, 3);
-        let block =
-            |from: usize| trials[from..from + 18].iter().all(|t| t.environment == trials[from].environment);
+        let block = |from: usize| {
+            trials[from..from + 18].iter().all(|t| t.environment == trials[from].environment)
+        };
         assert!(block(3) && block(21) && trials[3].environment != trials[21].environment);
         for condition in study.conditions() {
-            let of =
-                trials.iter().filter(|t| t.environment == condition.environment && t.mode == condition.mode);
-            let repeats: Vec<u32> = of.filter(|t| t.kind == Kind::Trial).map(|t| t.repeat).collect();
+            let of = trials
+                .iter()
+                .filter(|t| t.environment == condition.environment && t.mode == condition.mode);
+            let repeats: Vec<u32> =
+                of.filter(|t| t.kind == Kind::Trial).map(|t| t.repeat).collect();
             assert_eq!(repeats, [1, 2, 3, 4, 5, 6]);
         }
     }
 
-    /// As many participants as the square has rows: each repeat of each environment sees each row once, and as many
-    /// begin with one environment as with the other.
+    /// As many participants as the square has rows: each repeat of each environment sees each row
+    /// once, and as many begin with one environment as with the other.
     #[test]
     fn participants_are_balanced_against_each_other() {
         for modes in [2, 3, 4, 5] {
@@ -297,7 +322,8 @@ mod tests {
     #[test]
     fn constrained_orders_begin_with_each_mode_and_pair_them_about_equally_often() {
         let study = study(OrderScheme::Constrained, 3, 6);
-        let orders: Vec<_> = (0..600).map(|p| modes_in(&study, &draw(&study, p, 1, 5), 0)).collect();
+        let orders: Vec<_> =
+            (0..600).map(|p| modes_in(&study, &draw(&study, p, 1, 5), 0)).collect();
         for mode in 0..3 {
             let first = orders.iter().filter(|o| o[0] == mode).count();
             assert!((150..250).contains(&first), "{first} of 600 begin with {mode}");
@@ -312,12 +338,15 @@ mod tests {
             let mut study = study(OrderScheme::Williams, modes, 1);
             study.design.familiarisation = 2 * modes as u32;
             let trials = draw(&study, 3, 1, 2);
-            let practice: Vec<_> = trials.iter().filter(|t| t.kind == Kind::Familiarisation).collect();
+            let practice: Vec<_> =
+                trials.iter().filter(|t| t.kind == Kind::Familiarisation).collect();
             let few = &practice[..modes.max(2)];
             assert!(study.environments.iter().all(|e| few.iter().any(|t| t.environment == e.id)));
             assert!(study.modes.iter().all(|m| few.iter().any(|t| t.mode == m.id)), "{modes}");
             let covers = |c: &crate::Condition| {
-                practice.iter().any(|t| t.environment == c.environment && t.mode == c.mode && t.repeat == 1)
+                practice
+                    .iter()
+                    .any(|t| t.environment == c.environment && t.mode == c.mode && t.repeat == 1)
             };
             assert!(study.conditions().iter().all(covers), "{modes} modes");
         }
@@ -327,8 +356,10 @@ mod tests {
     fn one_seed_gives_one_order_and_another_another() {
         let study = study(OrderScheme::Williams, 3, 6);
         for scheme in [OrderScheme::Williams, OrderScheme::Constrained] {
-            let study =
-                Study { design: crate::Design { order: scheme, ..study.design.clone() }, ..study.clone() };
+            let study = Study {
+                design: crate::Design { order: scheme, ..study.design.clone() },
+                ..study.clone()
+            };
             assert_eq!(draw(&study, 1, 1, 1), draw(&study, 1, 1, 1));
             assert_ne!(draw(&study, 1, 1, 1), draw(&study, 1, 1, 2));
             assert_ne!(draw(&study, 1, 1, 1), draw(&study, 2, 1, 1));
@@ -336,19 +367,26 @@ mod tests {
         }
     }
 
-    /// A session is resumed with the order it was drawn with: this fails if a new version of anything changes it. The
-    /// numbers come from the same rules written in Python on a separate ChaCha8.
+    /// A session is resumed with the order it was drawn with: this fails if a new version of
+    /// anything changes it. The numbers come from the same rules written in Python on a
+    /// separate ChaCha8.
     #[test]
     fn the_order_of_a_seed_is_fixed() {
         let study = study(OrderScheme::Williams, 3, 2);
         let drawn = draw(&study, 1, 1, 1);
-        assert_eq!([0, 1].map(|e| modes_in(&study, &drawn, e)), [[2, 0, 1, 1, 0, 2], [0, 1, 2, 1, 0, 2]]);
+        assert_eq!(
+            [0, 1].map(|e| modes_in(&study, &drawn, e)),
+            [[2, 0, 1, 1, 0, 2], [0, 1, 2, 1, 0, 2]]
+        );
         let study = Study {
             design: crate::Design { order: OrderScheme::Constrained, ..study.design.clone() },
             ..study
         };
         let drawn = draw(&study, 1, 1, 1);
-        assert_eq!([0, 1].map(|e| modes_in(&study, &drawn, e)), [[2, 2, 1, 0, 1, 0], [0, 2, 1, 1, 0, 2]]);
+        assert_eq!(
+            [0, 1].map(|e| modes_in(&study, &drawn, e)),
+            [[2, 2, 1, 0, 1, 0], [0, 2, 1, 1, 0, 2]]
+        );
     }
 
     /// The largest numbers that fit are numbers like any other.

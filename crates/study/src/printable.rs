@@ -1,10 +1,12 @@
-//! Text of others, safe to show: nothing in it steers a terminal, forges a line, or turns what is read.
+//! Text of others, safe to show: nothing in it steers a terminal, forges a line, or turns what is
+//! read.
 
 use std::borrow::Cow;
 
-/// The text with every character escaped that would not be seen as itself: control characters (C0, DEL, C1), those that
-/// turn the direction of what follows, those of no width, separators of lines and paragraphs, and the byte-order mark.
-/// A line feed becomes `\n`, a tab `\t`, a carriage return `\r`, any other its number: `\u{202e}`.
+/// The text with every character escaped that would not be seen as itself: control characters (C0,
+/// DEL, C1), those that turn the direction of what follows, those of no width, separators of lines
+/// and paragraphs, and the byte-order mark. A line feed becomes `\n`, a tab `\t`, a carriage return
+/// `\r`, any other its number: `\u{202e}`.
 pub fn printable(text: &str) -> Cow<'_, str> {
     if !text.chars().any(is_unseen) {
         return Cow::Borrowed(text);
@@ -20,7 +22,8 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// The same for text of several lines: each as by [`printable`], the line feeds between them as they are.
+/// The same for text of several lines: each as by [`printable`], the line feeds between them as
+/// they are.
 pub fn printable_lines(text: &str) -> Cow<'_, str> {
     if !text.chars().any(|c| is_unseen(c) && c != '\n') {
         return Cow::Borrowed(text);
@@ -54,7 +57,10 @@ mod tests {
     #[test]
     fn what_steers_a_terminal_or_turns_a_line_is_escaped() {
         assert_eq!(printable("a\nok: b\r\t"), r"a\nok: b\r\t");
-        assert_eq!(printable("\u{1b}[2J\u{7}\u{0}\u{7f}\u{9b}1m"), r"\u{1b}[2J\u{7}\u{0}\u{7f}\u{9b}1m");
+        assert_eq!(
+            printable("\u{1b}[2J\u{7}\u{0}\u{7f}\u{9b}1m"),
+            r"\u{1b}[2J\u{7}\u{0}\u{7f}\u{9b}1m"
+        );
         assert_eq!(printable("x\u{202e}vsc\u{2066}\u{2069}"), r"x\u{202e}vsc\u{2066}\u{2069}");
         assert_eq!(
             printable("\u{feff}\u{200b}\u{200f}\u{61c}\u{2028}"),

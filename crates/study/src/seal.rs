@@ -1,12 +1,15 @@
-//! Sealing: the order of the modes is fixed before the first trial, and known to nobody until it is opened.
+//! Sealing: the order of the modes is fixed before the first trial, and known to nobody until it is
+//! opened.
 //!
-//! The session's record holds codes in place of modes, and the commitment BLAKE3(nonce ‖ text), where the nonce is
-//! 32 random bytes and the text has a line `<trial> <mode>` for each trial, by number, each ended by a line feed.
-//! Opening the seal shows nonce and order: whoever reads the log can then check that the order is the one that was
-//! committed to. A code is BLAKE3 of the trial's number (4 bytes, little-endian) keyed with the nonce: it differs
-//! from trial to trial and knows nothing of the mode.
+//! The session's record holds codes in place of modes, and the commitment BLAKE3(nonce ‖ text),
+//! where the nonce is 32 random bytes and the text has a line `<trial> <mode>` for each trial, by
+//! number, each ended by a line feed. Opening the seal shows nonce and order: whoever reads the log
+//! can then check that the order is the one that was committed to. A code is BLAKE3 of the trial's
+//! number (4 bytes, little-endian) keyed with the nonce: it differs from trial to trial and knows
+//! nothing of the mode.
 //!
-//! This protects against accident, not against a person with the disk: the voltages of a recording tell its mode.
+//! This protects against accident, not against a person with the disk: the voltages of a recording
+//! tell its mode.
 
 use crate::{Event, Kind, ModeId, PlannedTrial, SealedTrial};
 use serde::{Deserialize, Serialize};
@@ -42,7 +45,8 @@ pub enum SealError {
     },
 }
 
-/// The order of the modes, and the nonce it is sealed with. Kept outside of the data until it is opened.
+/// The order of the modes, and the nonce it is sealed with. Kept outside of the data until it is
+/// opened.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Seal {
     /// 32 random bytes: without them the order could be guessed from its commitment.
@@ -74,10 +78,16 @@ impl Seal {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{trial} {mode}");
         }
-        blake3::Hasher::new().update(&self.nonce).update(text.as_bytes()).finalize().to_hex().to_string()
+        blake3::Hasher::new()
+            .update(&self.nonce)
+            .update(text.as_bytes())
+            .finalize()
+            .to_hex()
+            .to_string()
     }
 
-    /// The code of a trial: what stands in place of its mode, in the record and in the trial's file.
+    /// The code of a trial: what stands in place of its mode, in the record and in the trial's
+    /// file.
     pub fn code(&self, trial: u32) -> ModeId {
         ModeId::code(&blake3::keyed_hash(&self.nonce, &trial.to_le_bytes()))
     }
@@ -94,8 +104,8 @@ impl Seal {
         Err(SealError::OtherOrder { committed: commitment.to_owned(), found })
     }
 
-    /// The trials as a sealed session shows them: codes in place of modes, and in place of repeats the place
-    /// among the trials of the same kind and environment.
+    /// The trials as a sealed session shows them: codes in place of modes, and in place of repeats
+    /// the place among the trials of the same kind and environment.
     #[must_use]
     pub fn masked(&self, trials: &[PlannedTrial]) -> Vec<PlannedTrial> {
         let mut places = Counter::default();
@@ -110,9 +120,11 @@ impl Seal {
     /// The trials of a sealed session with their modes and repeats: undoes [`Seal::masked`].
     ///
     /// # Errors
-    /// [`SealError::OtherTrial`] for a trial that is not in the order, or has another code than this seal gives it.
+    /// [`SealError::OtherTrial`] for a trial that is not in the order, or has another code than
+    /// this seal gives it.
     pub fn opened(&self, trials: &[PlannedTrial]) -> Result<Vec<PlannedTrial>, SealError> {
-        let modes: BTreeMap<u32, &ModeId> = self.order.iter().map(|(trial, mode)| (*trial, mode)).collect();
+        let modes: BTreeMap<u32, &ModeId> =
+            self.order.iter().map(|(trial, mode)| (*trial, mode)).collect();
         let mut repeats = Counter::default();
         let open = |t: &PlannedTrial| {
             let mode = modes.get(&t.trial).filter(|_| t.mode == self.code(t.trial));
@@ -135,7 +147,8 @@ impl Seal {
     /// # Errors
     /// A nonce that is not 64 hexadecimal digits.
     pub fn from_event(nonce: &str, order: &[SealedTrial]) -> Result<Self, SealError> {
-        let nonce = blake3::Hash::from_hex(nonce).map_err(|e| SealError::NotASeal(format!("nonce: {e}")))?;
+        let nonce = blake3::Hash::from_hex(nonce)
+            .map_err(|e| SealError::NotASeal(format!("nonce: {e}")))?;
         let order = order.iter().map(|t| (t.trial, t.mode.clone())).collect();
         Ok(Self { nonce: *nonce.as_bytes(), order })
     }
@@ -153,14 +166,16 @@ impl Seal {
     /// # Errors
     /// Text that is no seal.
     pub fn from_json(text: &str) -> Result<Self, SealError> {
-        let file: File = serde_json::from_str(text).map_err(|e| SealError::NotASeal(e.to_string()))?;
+        let file: File =
+            serde_json::from_str(text).map_err(|e| SealError::NotASeal(e.to_string()))?;
         Self::from_event(&file.nonce, &file.order)
     }
 }
 
 impl From<&Seal> for File {
     fn from(seal: &Seal) -> Self {
-        let sealed = |(trial, mode): &(u32, ModeId)| SealedTrial { trial: *trial, mode: mode.clone() };
+        let sealed =
+            |(trial, mode): &(u32, ModeId)| SealedTrial { trial: *trial, mode: mode.clone() };
         Self {
             nonce: blake3::Hash::from(seal.nonce).to_hex().to_string(),
             order: seal.order.iter().map(sealed).collect(),
@@ -216,7 +231,8 @@ mod tests {
         assert_eq!(seal.verify(&commitment), Ok(()));
         let mut swapped = seal.clone();
         let first = swapped.order[3].1.clone();
-        let other = swapped.order.iter().position(|(trial, mode)| *trial > 4 && *mode != first).unwrap();
+        let other =
+            swapped.order.iter().position(|(trial, mode)| *trial > 4 && *mode != first).unwrap();
         swapped.order[3].1 = swapped.order[other].1.clone();
         swapped.order[other].1 = first;
         let renonced = Seal { nonce: [8; 32], ..seal.clone() };
@@ -231,7 +247,8 @@ mod tests {
         let codes: BTreeSet<ModeId> = (1..=10_000).map(|trial| seal.code(trial)).collect();
         assert_eq!(codes.len(), 10_000);
         assert!(codes.iter().all(ModeId::is_code));
-        let all_active = seal.order.iter().map(|(trial, _)| (*trial, "active".parse().unwrap())).collect();
+        let all_active =
+            seal.order.iter().map(|(trial, _)| (*trial, "active".parse().unwrap())).collect();
         let other = Seal { order: all_active, ..seal.clone() };
         assert!((1..100).all(|trial| other.code(trial) == seal.code(trial)));
     }
@@ -242,8 +259,11 @@ mod tests {
         for scheme in [OrderScheme::Williams, OrderScheme::Constrained] {
             let trials = planned(scheme);
             let seal = Seal::new([7; 32], &trials);
-            let turned =
-                |t: &PlannedTrial| PlannedTrial { mode: "active".parse().unwrap(), repeat: 1, ..t.clone() };
+            let turned = |t: &PlannedTrial| PlannedTrial {
+                mode: "active".parse().unwrap(),
+                repeat: 1,
+                ..t.clone()
+            };
             let turned: Vec<_> = trials.iter().map(turned).collect();
             assert_eq!(seal.masked(&trials), seal.masked(&turned));
         }

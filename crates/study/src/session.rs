@@ -1,7 +1,8 @@
 //! What is fixed about a session when it is laid down.
 
 use crate::{
-    Calibration, EnvironmentId, Kind, ModeId, OrderScheme, ParticipantId, SCHEMA_VERSION, SessionId, Source,
+    Calibration, EnvironmentId, Kind, ModeId, OrderScheme, ParticipantId, SCHEMA_VERSION,
+    SessionId, Source,
 };
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -35,26 +36,28 @@ pub struct SessionRecord {
     /// Rate of the control loop, Hz.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
-    /// The seed the order was drawn with; absent from a sealed session, because it would give the order away.
+    /// The seed the order was drawn with; absent from a sealed session, because it would give the
+    /// order away.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// How the order was drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub order: Option<OrderRecord>,
-    /// The commitment to the sealed order, hexadecimal ([`crate::Seal::commitment`]). With it the modes of
-    /// `trials` are codes, and the session is sealed until an event opens it.
+    /// The commitment to the sealed order, hexadecimal ([`crate::Seal::commitment`]). With it the
+    /// modes of `trials` are codes, and the session is sealed until an event opens it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub commitment: Option<String>,
     /// The device check before the session.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub checks: Vec<Check>,
-    /// BLAKE3 of each recording that a questionnaire's session was imported from, hexadecimal, sorted. Files of samples
-    /// say it themselves.
+    /// BLAKE3 of each recording that a questionnaire's session was imported from, hexadecimal,
+    /// sorted. Files of samples say it themselves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub imported_from: Vec<String>,
 }
 
-/// How a session's order was drawn: with the seed, all that [`crate::order::draw`] needs besides the study.
+/// How a session's order was drawn: with the seed, all that [`crate::order::draw`] needs besides
+/// the study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OrderRecord {
@@ -87,8 +90,8 @@ pub struct Check {
 pub struct PlannedTrial {
     /// Number within the session, from 1.
     pub trial: u32,
-    /// Repeat of the condition, from 1; in a sealed session the place among the trials of its kind and
-    /// environment, because a repeat tells which modes are alike.
+    /// Repeat of the condition, from 1; in a sealed session the place among the trials of its kind
+    /// and environment, because a repeat tells which modes are alike.
     pub repeat: u32,
     /// Experiment or familiarisation.
     pub kind: Kind,
@@ -111,7 +114,8 @@ fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> 
 }
 
 impl SessionRecord {
-    /// A record of nothing but its trials: device, calibration, order and checks are unknown or do not apply.
+    /// A record of nothing but its trials: device, calibration, order and checks are unknown or do
+    /// not apply.
     pub fn new(
         participant: ParticipantId,
         session: SessionId,
@@ -168,8 +172,10 @@ mod tests {
 
     #[test]
     fn a_whole_record_comes_back() {
-        let order = OrderRecord { scheme: OrderScheme::Williams, participant_number: 1, session_number: 2 };
-        let check = Check { name: "rate".to_owned(), value: 119.9, unit: "Hz".to_owned(), ok: true };
+        let order =
+            OrderRecord { scheme: OrderScheme::Williams, participant_number: 1, session_number: 2 };
+        let check =
+            Check { name: "rate".to_owned(), value: 119.9, unit: "Hz".to_owned(), ok: true };
         let whole = SessionRecord {
             device: Some("twin 1".to_owned()),
             calibration: Some(Calibration::thesis()),
@@ -181,12 +187,16 @@ mod tests {
             checks: vec![check],
             ..record()
         };
-        assert_eq!(serde_json::from_str::<SessionRecord>(&whole.to_json().unwrap()).unwrap(), whole);
+        assert_eq!(
+            serde_json::from_str::<SessionRecord>(&whole.to_json().unwrap()).unwrap(),
+            whole
+        );
     }
 
     #[test]
     fn a_check_without_a_number_is_refused_and_not_written_as_null() {
-        let check = Check { name: "rate".to_owned(), value: f64::NAN, unit: "Hz".to_owned(), ok: false };
+        let check =
+            Check { name: "rate".to_owned(), value: f64::NAN, unit: "Hz".to_owned(), ok: false };
         let error = SessionRecord { checks: vec![check], ..record() }.to_json().unwrap_err();
         assert!(error.to_string().contains("NaN is not a finite number"), "{error}");
     }

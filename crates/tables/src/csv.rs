@@ -5,17 +5,19 @@ use std::borrow::Cow;
 
 /// The table as CSV (RFC 4180): a line of names, then the rows; commas, CRLF, UTF-8.
 ///
-/// Numbers are the shortest text that reads back as the same `f64`; null is an empty field and an empty text
-/// is `""`; yes and no are `true` and `false`. The title and the notes are left out: RFC 4180 has no comments,
-/// and a reader would take them for rows.
+/// Numbers are the shortest text that reads back as the same `f64`; null is an empty field and an
+/// empty text is `""`; yes and no are `true` and `false`. The title and the notes are left out: RFC
+/// 4180 has no comments, and a reader would take them for rows.
 ///
-/// A text that a spreadsheet would run as a formula (it begins with `=`, `+`, `-`, `@`, or their wide forms, after spaces or
-/// not) gets an apostrophe in front, by which spreadsheets know text; numbers are never touched.
+/// A text that a spreadsheet would run as a formula (it begins with `=`, `+`, `-`, `@`, or their
+/// wide forms, after spaces or not) gets an apostrophe in front, by which spreadsheets know text;
+/// numbers are never touched.
 pub fn csv(table: &Table) -> String {
     let columns = table.columns();
     let names = columns.iter().map(|c| quoted(&c.field.name)).collect();
     let row = |i| columns.iter().map(|c| field(c, i)).collect();
-    let lines: Vec<Vec<String>> = std::iter::once(names).chain((0..table.height()).map(row)).collect();
+    let lines: Vec<Vec<String>> =
+        std::iter::once(names).chain((0..table.height()).map(row)).collect();
     lines.iter().map(|line| line.join(",") + "\r\n").collect()
 }
 
@@ -32,7 +34,11 @@ fn field(column: &Column, row: usize) -> String {
 /// The text, so that no spreadsheet runs it.
 fn inert(text: &str) -> Cow<'_, str> {
     const STARTS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
-    if text.trim_start().starts_with(STARTS) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
+    if text.trim_start().starts_with(STARTS) {
+        Cow::Owned(format!("'{text}"))
+    } else {
+        Cow::Borrowed(text)
+    }
 }
 
 fn quoted(text: &str) -> String {
@@ -70,8 +76,8 @@ mod tests {
 
     #[test]
     fn a_text_that_a_spreadsheet_would_run_begins_with_an_apostrophe_and_a_number_does_not() {
-        let texts =
-            ["=1+1", "+x", "-x", "@a", "\t=1", " =1", "＝1", "'=1", "a=b"].map(|t| Some(t.to_owned()));
+        let texts = ["=1+1", "+x", "-x", "@a", "\t=1", " =1", "＝1", "'=1", "a=b"]
+            .map(|t| Some(t.to_owned()));
         let column = Column::text("x", "", texts);
         let text = csv(&Table::new("t", "", vec![column]).unwrap());
         let expect = ["'=1+1", "'+x", "'-x", "'@a", "'\t=1", "' =1", "'＝1", "'=1", "a=b"];
@@ -83,7 +89,8 @@ mod tests {
     #[test]
     fn numbers_read_back_as_the_same_bits_and_zero_has_no_sign() {
         let values = [0.1 + 0.2, 1e-321, -1.797e308, 1.0 / 3.0, 123_456_789.0];
-        let table = Table::new("t", "", vec![Column::float("x", "1", "", values.map(Some))]).unwrap();
+        let table =
+            Table::new("t", "", vec![Column::float("x", "1", "", values.map(Some))]).unwrap();
         let text = csv(&table);
         let read: Vec<f64> = text.lines().skip(1).map(|l| l.parse().unwrap()).collect();
         assert_eq!(read.map_bits(), values.to_vec().map_bits());

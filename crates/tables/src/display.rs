@@ -8,7 +8,8 @@ use zwidth_study::Coordinate;
 const SMALL_TORQUE_NM: f64 = 0.1;
 const TORQUE: &str = "N·m";
 
-/// The table as people read it: other units, and names that follow them; descriptions, title and notes stay.
+/// The table as people read it: other units, and names that follow them; descriptions, title and
+/// notes stay.
 ///
 /// | in the table | lever ([`Coordinate::Rotational`]) | slide ([`Coordinate::Linear`], x = L θ) |
 /// |---|---|---|
@@ -18,8 +19,9 @@ const TORQUE: &str = "N·m";
 /// | N·s/rad, N·s²/rad | as they are | N·s/mm, N·s²/mm, ÷ 1000 L |
 /// | `torque_nm` N·m | mN·m if every torque of the table is below 0.1 N·m | likewise |
 ///
-/// Everything else is left alone: pure numbers, texts, yes and no, whole numbers, and all other units.
-/// The torques of a table are decided on together, so that an estimate and its standard error keep one unit.
+/// Everything else is left alone: pure numbers, texts, yes and no, whole numbers, and all other
+/// units. The torques of a table are decided on together, so that an estimate and its standard
+/// error keep one unit.
 ///
 /// # Errors
 /// A lever length that makes a value infinite, or two columns that would get one name.
@@ -58,12 +60,16 @@ fn renamed(field: Field, conversion: Conversion) -> Field {
     let (stem, suffix) = unit::stem(&field.name, &field.unit);
     let linear = field.unit.starts_with("rad") && conversion.unit.starts_with("mm");
     let stem = if linear { theta_to_x(stem) } else { stem.to_owned() };
-    let suffix = suffix.map(|i| unit::suffixes(&conversion.unit).swap_remove(i)).unwrap_or_default();
+    let suffix =
+        suffix.map(|i| unit::suffixes(&conversion.unit).swap_remove(i)).unwrap_or_default();
     Field { name: (stem + &suffix).into(), unit: conversion.unit.into(), ..field }
 }
 
 fn theta_to_x(stem: &str) -> String {
-    stem.split('_').map(|word| if word == "theta" { "x" } else { word }).collect::<Vec<_>>().join("_")
+    stem.split('_')
+        .map(|word| if word == "theta" { "x" } else { word })
+        .collect::<Vec<_>>()
+        .join("_")
 }
 
 #[cfg(test)]
@@ -72,10 +78,18 @@ mod tests {
 
     const LINEAR: Coordinate = Coordinate::Linear { lever_m: 0.05 };
 
-    fn check(column: (&'static str, &'static str, f64), coordinate: Coordinate, expect: (&str, &str, f64)) {
+    fn check(
+        column: (&'static str, &'static str, f64),
+        coordinate: Coordinate,
+        expect: (&str, &str, f64),
+    ) {
         let (name, unit, value) = column;
-        let table =
-            Table::new("t", "T", vec![Column::float(name, unit, "what it is", [Some(value), None])]).unwrap();
+        let table = Table::new(
+            "t",
+            "T",
+            vec![Column::float(name, unit, "what it is", [Some(value), None])],
+        )
+        .unwrap();
         let shown = for_people(&table.with_note("a note"), coordinate).unwrap();
         let field = shown.fields().next().unwrap();
         assert_eq!((field.name.as_ref(), field.unit.as_ref()), (expect.0, expect.1));
@@ -92,7 +106,11 @@ mod tests {
     fn a_lever_is_read_in_degrees_and_its_stiffness_in_newtons_per_radian() {
         let turn = Coordinate::Rotational;
         check(("theta_max_rad", "rad", std::f64::consts::PI), turn, ("theta_max_deg", "°", 180.0));
-        check(("theta_dot_rad_s", "rad/s", 1.0), turn, ("theta_dot_deg_s", "°/s", 57.295_779_513_082_32));
+        check(
+            ("theta_dot_rad_s", "rad/s", 1.0),
+            turn,
+            ("theta_dot_deg_s", "°/s", 57.295_779_513_082_32),
+        );
         check(
             ("theta_ddot_rad_s2", "rad/s²", 1.0),
             turn,
@@ -105,7 +123,11 @@ mod tests {
     fn a_slide_is_read_in_millimetres() {
         check(("theta_max_rad", "rad", 0.2), LINEAR, ("x_max_mm", "mm", 10.0));
         check(("theta_dot_peak_rad_s", "rad/s", 2.0), LINEAR, ("x_dot_peak_mm_s", "mm/s", 100.0));
-        check(("slope_ci_low_n_per_rad", "N/rad", 100.0), LINEAR, ("slope_ci_low_n_per_mm", "N/mm", 2.0));
+        check(
+            ("slope_ci_low_n_per_rad", "N/rad", 100.0),
+            LINEAR,
+            ("slope_ci_low_n_per_mm", "N/mm", 2.0),
+        );
         check(("damping_ns_per_rad", "N·s/rad", 5.0), LINEAR, ("damping_ns_per_mm", "N·s/mm", 0.1));
         check(("onset_rad", "rad", 0.2), LINEAR, ("onset_mm", "mm", 10.0));
         check(("loop_area_j", "J", 0.3), LINEAR, ("loop_area_j", "J", 0.3));
@@ -143,7 +165,8 @@ mod tests {
     #[test]
     fn a_lever_without_length_is_an_error_and_no_infinity() {
         let table =
-            Table::new("t", "T", vec![Column::float("k_n_per_rad", "N/rad", "", [Some(1.0)])]).unwrap();
+            Table::new("t", "T", vec![Column::float("k_n_per_rad", "N/rad", "", [Some(1.0)])])
+                .unwrap();
         assert!(for_people(&table, Coordinate::Linear { lever_m: 0.0 }).is_err());
     }
 }

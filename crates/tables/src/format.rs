@@ -49,8 +49,8 @@ impl Format {
         Self::ALL.into_iter().find(|f| f.extension() == extension)
     }
 
-    /// The lines that, at the end of a file, hold its `origin` and are not shown; `None` where the format has no comments
-    /// (CSV by RFC 4180; Parquet has its footer).
+    /// The lines that, at the end of a file, hold its `origin` and are not shown; `None` where the
+    /// format has no comments (CSV by RFC 4180; Parquet has its footer).
     pub fn comment(self, origin: &str) -> Option<String> {
         let text = format!("{origin} (`zwidth trace FILE` tells what it was made from)");
         match self {
@@ -64,11 +64,12 @@ impl Format {
 }
 
 impl Table {
-    /// The bytes of the table's files, one a format, with the path of each for errors: CSV and Parquet in SI units as the
-    /// table is, the others [`for_people`] of it, which is rounded and laid out once for all.
+    /// The bytes of the table's files, one a format, with the path of each for errors: CSV and
+    /// Parquet in SI units as the table is, the others [`for_people`] of it, which is rounded
+    /// and laid out once for all.
     ///
-    /// `provenance` goes into the footer of a Parquet file, its entry `origin` as a comment below the others that can
-    /// have one.
+    /// `provenance` goes into the footer of a Parquet file, its entry `origin` as a comment below
+    /// the others that can have one.
     ///
     /// # Errors
     /// Those of [`for_people`] and [`Table::to_parquet`].
@@ -90,7 +91,8 @@ impl Table {
             let comment = provenance.get("origin").and_then(|origin| format.comment(origin));
             Ok((text + &comment.unwrap_or_default()).into_bytes())
         };
-        let all = |seen: &Seen| files.iter().map(|(format, path)| one(seen, *format, path)).collect();
+        let all =
+            |seen: &Seen| files.iter().map(|(format, path)| one(seen, *format, path)).collect();
         Seen::of(&for_people(self, coordinate)?, all)
     }
 }
@@ -110,11 +112,13 @@ mod tests {
 
     #[test]
     fn the_origin_is_a_comment_in_every_format_that_has_comments_and_in_the_footer_of_parquet() {
-        let table = Table::new("t", "T", vec![Column::integer("n", "1", "number", [Some(1)])]).unwrap();
+        let table =
+            Table::new("t", "T", vec![Column::integer("n", "1", "number", [Some(1)])]).unwrap();
         let origin = BTreeMap::from([("origin".to_owned(), "zwidth:tables:2:0f".to_owned())]);
         for format in Format::ALL {
             let file = [(format, Path::new("t"))];
-            let bytes = |from| table.to_bytes(&file, Coordinate::Rotational, from).unwrap().remove(0);
+            let bytes =
+                |from| table.to_bytes(&file, Coordinate::Rotational, from).unwrap().remove(0);
             let (with, without) = (bytes(&origin), bytes(&BTreeMap::new()));
             let carries = with.windows(18).any(|w| w == b"zwidth:tables:2:0f");
             assert_eq!(carries, format != Format::Csv, "{format:?}");
@@ -127,7 +131,8 @@ mod tests {
 
     #[test]
     fn programs_get_radians_and_people_degrees() {
-        let column = Column::float("theta_rad", "rad", "angle", [Some(std::f64::consts::FRAC_PI_2)]);
+        let column =
+            Column::float("theta_rad", "rad", "angle", [Some(std::f64::consts::FRAC_PI_2)]);
         let table = Table::new("t", "T", vec![column]).unwrap();
         let text = |format| {
             let file = [(format, Path::new("t"))];

@@ -23,7 +23,8 @@ const DOT: char = '\u{307}';
 /// Two dots above the sign before it: a second derivative in time.
 const DDOT: char = '\u{308}';
 
-/// What stands above the column for people: its name in words, and its unit in brackets unless that is 1.
+/// What stands above the column for people: its name in words, and its unit in brackets unless that
+/// is 1.
 ///
 /// `loop_area_j` → `loop area (J)`, `theta_dot_max_deg_s` → `θ̇ max (°/s)`.
 pub fn heading(field: &Field) -> String {
@@ -71,7 +72,9 @@ pub(crate) enum Part {
 /// The quantity a column belongs to, and its part in it (naming rule: crate docs).
 pub(crate) fn quantity(field: &Field) -> (&str, Part) {
     let (stem, _) = unit::stem(&field.name, &field.unit);
-    for (word, part) in [("std_error", Part::StdError), ("ci_low", Part::CiLow), ("ci_high", Part::CiHigh)] {
+    for (word, part) in
+        [("std_error", Part::StdError), ("ci_low", Part::CiLow), ("ci_high", Part::CiHigh)]
+    {
         match stem.strip_suffix(word) {
             Some("") => return ("estimate", part),
             Some(rest) if rest.ends_with('_') => return (rest.trim_end_matches('_'), part),

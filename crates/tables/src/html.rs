@@ -2,8 +2,8 @@
 
 use crate::shown::{Cell, Seen, Shown, one_line, rows};
 
-/// The table as a `<table>`: caption, header cells with words, unit and (on hover) meaning, notes in the
-/// footer. Rounded for people; cells of numbers have the class `number`.
+/// The table as a `<table>`: caption, header cells with words, unit and (on hover) meaning, notes
+/// in the footer. Rounded for people; cells of numbers have the class `number`.
 pub(crate) fn html(&Seen { table, columns, .. }: &Seen) -> String {
     let headings: String = columns.iter().map(heading).collect();
     let set = |k: usize, cell: &Cell| format!("<td{}>{}</td>", class(&columns[k]), content(cell));
@@ -20,7 +20,11 @@ pub(crate) fn html(&Seen { table, columns, .. }: &Seen) -> String {
 fn heading(column: &Shown) -> String {
     let unit = column.unit.as_ref().map(|u| format!(" <span class=\"unit\">{}</span>", escape(u)));
     let (words, about) = (escape(&column.words), escape(&column.description));
-    format!("<th scope=\"col\"{} title=\"{about}\">{words}{}</th>", class(column), unit.unwrap_or_default())
+    format!(
+        "<th scope=\"col\"{} title=\"{about}\">{words}{}</th>",
+        class(column),
+        unit.unwrap_or_default()
+    )
 }
 
 /// A cell; digits are no signs of HTML.
@@ -39,7 +43,8 @@ fn class(column: &Shown) -> &'static str {
     if column.numeric { " class=\"number\"" } else { "" }
 }
 
-/// `text` such that HTML shows it as it stands, on one line, between tags and within a quoted attribute.
+/// `text` such that HTML shows it as it stands, on one line, between tags and within a quoted
+/// attribute.
 fn escape(text: &str) -> String {
     let mut escaped = String::new();
     for letter in one_line(text).chars() {

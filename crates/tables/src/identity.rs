@@ -3,8 +3,8 @@
 use crate::{Column, Table, TableError};
 use zwidth_study::TrialMeta;
 
-/// Participant, session, trial, repeat, environment, mode and source: the first columns of every table
-/// with one row a trial.
+/// Participant, session, trial, repeat, environment, mode and source: the first columns of every
+/// table with one row a trial.
 pub fn identity(trials: &[&TrialMeta]) -> Vec<Column> {
     let text = |name, description, get: fn(&TrialMeta) -> &str| {
         Column::text(name, description, trials.iter().map(|t| Some(get(t).to_owned())))
@@ -23,8 +23,8 @@ pub fn identity(trials: &[&TrialMeta]) -> Vec<Column> {
     ]
 }
 
-/// The rows of several tables of one form about trials, in the order of participant, session and trial; `None` for no
-/// table.
+/// The rows of several tables of one form about trials, in the order of participant, session and
+/// trial; `None` for no table.
 ///
 /// # Errors
 /// Tables whose columns differ, or that do not say which trial a row is about.
@@ -42,9 +42,12 @@ mod tests {
     #[test]
     fn the_trials_of_several_conditions_come_together_in_their_order() {
         let part = |people: [&str; 2], trials: [i64; 2]| {
-            let texts = |name, values: [&str; 2]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
+            let texts = |name, values: [&str; 2]| {
+                Column::text(name, "", values.map(|v| Some(v.to_owned())))
+            };
             let trials = Column::integer("trial", "1", "", trials.map(Some));
-            let columns = vec![texts("participant", people), texts("session", ["S01", "S01"]), trials];
+            let columns =
+                vec![texts("participant", people), texts("session", ["S01", "S01"]), trials];
             Table::new("metrics", "", columns).unwrap()
         };
         let parts = [part(["P01", "P02"], [10, 3]), part(["P02", "P01"], [4, 9])];

@@ -6,7 +6,8 @@ use crate::layout::{Layout, Placed, Sections, has_page, lines};
 use crate::shown::{Cell, MISSING, Seen, rows};
 use crate::typst::label;
 
-/// What the document must load, said in the file's first line, and what stands above a column in several lines.
+/// What the document must load, said in the file's first line, and what stands above a column in
+/// several lines.
 const PREAMBLE: &str = r"% needs \usepackage{booktabs,longtable,siunitx}; under pdflatex also \usepackage[T1]{fontenc}
 \providecommand*\zwidthhead[2]{\begin{tabular}[b]{@{}#1@{}}#2\end{tabular}}
 ";
@@ -15,12 +16,14 @@ const CAPTION: &str = r"\setlength{\abovecaptionskip}{0pt}\setlength{\belowcapti
 /// A table that is small: its size and gaps.
 const DENSE: &str = r"\footnotesize\setlength{\tabcolsep}{4pt}";
 
-/// The table in LaTeX with caption and label `tab:name`, the notes below. Rounded for people; columns of numbers are
-/// aligned at the point (siunitx `S`). Compiles with pdflatex, lualatex and xelatex.
+/// The table in LaTeX with caption and label `tab:name`, the notes below. Rounded for people;
+/// columns of numbers are aligned at the point (siunitx `S`). Compiles with pdflatex, lualatex and
+/// xelatex.
 ///
-/// It fits a text block of 345 pt (`article` at 10 pt) and any wider one: what is wide is set small, long texts wrap,
-/// and columns that still do not fit stand in further tables below, which repeat the columns that say what a row is
-/// about. A `table` floats; one that needs more than a page is a `longtable` with its headings on each.
+/// It fits a text block of 345 pt (`article` at 10 pt) and any wider one: what is wide is set
+/// small, long texts wrap, and columns that still do not fit stand in further tables below, which
+/// repeat the columns that say what a row is about. A `table` floats; one that needs more than a
+/// page is a `longtable` with its headings on each.
 pub(crate) fn latex(&Seen { table, layout, .. }: &Seen) -> String {
     let notes: String = layout.notes.iter().chain(table.notes()).map(|n| note(n)).collect();
     let set = if layout.long { long } else { floating };
@@ -47,8 +50,8 @@ fn floating(table: &Table, layout: &Layout, notes: &str) -> String {
     )
 }
 
-/// A `longtable` after the other under one number: the first has the caption, the others and all further pages say
-/// that they continue it.
+/// A `longtable` after the other under one number: the first has the caption, the others and all
+/// further pages say that they continue it.
 fn long(table: &Table, layout: &Layout, notes: &str) -> String {
     let label = label(table.name());
     let caption = format!("  \\caption{{{}}}\\label{{tab:{label}}}\\\\\n", escape(table.title()));
@@ -57,7 +60,8 @@ fn long(table: &Table, layout: &Layout, notes: &str) -> String {
         let again = format!(
             "  \\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\tablename~\\ref{{tab:{label}}}, continued}}\\\\\n"
         );
-        let (first, before) = if i == 0 { (&caption, String::new()) } else { (&again, go_on(group)) };
+        let (first, before) =
+            if i == 0 { (&caption, String::new()) } else { (&again, go_on(group)) };
         let headed = |above: &str| format!("{above}    \\toprule\n{head}    \\midrule\n");
         format!(
             "{before}\\begin{{longtable}}{{{types}}}\n{}  \\endfirsthead\n{}  \\endhead\n    \\bottomrule\n  \
@@ -72,11 +76,13 @@ fn long(table: &Table, layout: &Layout, notes: &str) -> String {
     format!("\\begingroup{size}\n{}{notes}\\endgroup\n", tables.concat())
 }
 
-/// Before a table that goes on under the same number: a new page, if it has room there and not on this one.
+/// Before a table that goes on under the same number: a new page, if it has room there and not on
+/// this one.
 fn go_on(group: &[Placed]) -> String {
     let lines = lines(group);
-    let room =
-        format!("\\par\\ifdim\\dimexpr\\pagegoal-\\pagetotal\\relax<{lines}\\baselineskip\\newpage\\fi\n");
+    let room = format!(
+        "\\par\\ifdim\\dimexpr\\pagegoal-\\pagetotal\\relax<{lines}\\baselineskip\\newpage\\fi\n"
+    );
     format!("{}\\addtocounter{{table}}{{-1}}\n", if has_page(group) { room.as_str() } else { "" })
 }
 
@@ -110,7 +116,8 @@ fn body(group: &[Placed], sections: &Sections) -> String {
     let wraps = group.iter().any(|c| c.share.is_some());
     let end = if wraps { r"\\ \addlinespace[2pt]" } else { r"\\" };
     let row = |(i, cells): (usize, Vec<String>)| {
-        let above = sections.get(&i).map(|title| section(title, i > 0, group.len())).unwrap_or_default();
+        let above =
+            sections.get(&i).map(|title| section(title, i > 0, group.len())).unwrap_or_default();
         format!("{above}    {} {end}\n", cells.join(" & "))
     };
     let rows = rows(group.iter().map(|p| p.column), |k, cell| set(&group[k], cell));
@@ -136,10 +143,14 @@ fn set(placed: &Placed, cell: &Cell) -> String {
     }
 }
 
-/// `l`, a paragraph, or siunitx' `S` with room for the longest of sign, whole part, decimals and power.
+/// `l`, a paragraph, or siunitx' `S` with room for the longest of sign, whole part, decimals and
+/// power.
 fn column_type(placed: &Placed) -> String {
     if let Some(share) = placed.share {
-        return format!(r">{{\raggedright\arraybackslash}}p{{{:.3}\linewidth}}", (share * 1e3).floor() / 1e3);
+        return format!(
+            r">{{\raggedright\arraybackslash}}p{{{:.3}\linewidth}}",
+            (share * 1e3).floor() / 1e3
+        );
     }
     if !placed.column.numeric {
         return "l".to_owned();
@@ -202,7 +213,9 @@ mod tests {
         ];
         let mut columns = vec![Column::integer("trial", "1", "", (0..60).map(Some))];
         columns.push(Column::text("mode", "", (0..60).map(|_| Some("hybrid".to_owned()))));
-        columns.extend(names.into_iter().zip(0..).map(|(name, i)| Column::float(name, "1", "", numbers(i))));
+        columns.extend(
+            names.into_iter().zip(0..).map(|(name, i)| Column::float(name, "1", "", numbers(i))),
+        );
         let text = Seen::of(&Table::new("t", "T", columns).unwrap(), latex);
         assert_eq!(text.matches(r"\begin{longtable}").count(), 1, "{text}");
         assert_eq!(text.matches(r"\caption{T}\label{tab:t}").count(), 1);

@@ -3,8 +3,8 @@
 use crate::shown::one_line;
 use crate::symbol::{Piece, pieces};
 
-/// Signs that LaTeX has a command for. Braces keep `[` and `*` from being read as an option of the row above,
-/// and `{}` keeps two signs from becoming one ligature.
+/// Signs that LaTeX has a command for. Braces keep `[` and `*` from being read as an option of the
+/// row above, and `{}` keeps two signs from becoming one ligature.
 const SIGNS: [(char, &str); 42] = [
     ('\\', r"\textbackslash{}"),
     ('{', r"\{"),
@@ -95,8 +95,9 @@ const LEVEL: &str = "0123456789-+";
 
 /// `text` on one line, every sign of TeX escaped, symbols as mathematics.
 ///
-/// Latin letters with accents are left as they are (both engines read UTF-8). A sign outside all of these is
-/// given to engines that have Unicode fonts; pdflatex, which has none, sets its number: `[U+4E2D]`.
+/// Latin letters with accents are left as they are (both engines read UTF-8). A sign outside all of
+/// these is given to engines that have Unicode fonts; pdflatex, which has none, sets its number:
+/// `[U+4E2D]`.
 ///
 /// What a symbol has below the line (`M_O`) is set there.
 pub(crate) fn escape(text: &str) -> String {
@@ -156,7 +157,10 @@ fn sign(letter: char) -> String {
         (Some(raised), _) => format!(r"\ensuremath{{^{{{raised}}}}}"),
         (_, Some(lowered)) => format!(r"\ensuremath{{_{{{lowered}}}}}"),
         _ if letter.is_ascii() || is_latin(letter) => letter.to_string(),
-        _ => format!(r"\ifdefined\Umathchar {letter}\else{{[}}U+{:04X}{{]}}\fi{{}}", u32::from(letter)),
+        _ => format!(
+            r"\ifdefined\Umathchar {letter}\else{{[}}U+{:04X}{{]}}\fi{{}}",
+            u32::from(letter)
+        ),
     }
 }
 
@@ -169,8 +173,8 @@ fn level(row: &str, letter: char) -> Option<char> {
     row.chars().zip(LEVEL.chars()).find(|(sign, _)| *sign == letter).map(|(_, level)| level)
 }
 
-/// Letters of western and central European languages and their marks, as far as pdflatex has them in its T1
-/// fonts.
+/// Letters of western and central European languages and their marks, as far as pdflatex has them
+/// in its T1 fonts.
 fn is_latin(letter: char) -> bool {
     let lacking = matches!(letter, 'Ħ' | 'ħ' | 'ĸ' | 'Ŀ' | 'ŀ' | 'ŉ' | 'Ŧ' | 'ŧ');
     matches!(letter, 'À'..='ž' | '¡' | '¿' | '«' | '»' | '§' | '£' | '©') && !lacking

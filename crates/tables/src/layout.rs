@@ -1,5 +1,5 @@
-//! How a table is laid out on paper: at which size, where headings and texts wrap, and which columns stand in which
-//! of several tables, where one is not wide enough.
+//! How a table is laid out on paper: at which size, where headings and texts wrap, and which
+//! columns stand in which of several tables, where one is not wide enough.
 //!
 //! Widths are in digits of the size the table is set in ([`crate::width`]).
 
@@ -7,7 +7,8 @@ use crate::shown::{Cell, Shown};
 use crate::width::width;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a page has room for: LaTeX's own `article`, whose text block is the narrowest in common use.
+/// What a page has room for: LaTeX's own `article`, whose text block is the narrowest in common
+/// use.
 struct Page {
     /// Width of the text block.
     digits: f64,
@@ -15,8 +16,8 @@ struct Page {
     gap_digits: f64,
 }
 
-/// Set in the size of the text: at 11 pt a block of 360 pt, digits of 5.48 pt, gaps of 12 pt (a little more at 10 and
-/// at 12 pt).
+/// Set in the size of the text: at 11 pt a block of 360 pt, digits of 5.48 pt, gaps of 12 pt (a
+/// little more at 10 and at 12 pt).
 const ROOMY: Page = Page { digits: 65.7, gap_digits: 2.4 };
 /// Set small: at 12 pt a block of 390 pt, digits of 5 pt, gaps of 8 pt, which are wider at 10 pt.
 const DENSE: Page = Page { digits: 78.0, gap_digits: 1.9 };
@@ -28,7 +29,8 @@ const NARROWEST_TEXT_DIGITS: f64 = 11.0;
 const WIDEST_TEXT_DIGITS: f64 = 22.0;
 /// The columns that say what a row is about may take this share of each of several tables.
 const KEYS_SHARE: f64 = 0.5;
-/// Several tables are made of about one width, if that takes no more of them: the first of these shares of the page.
+/// Several tables are made of about one width, if that takes no more of them: the first of these
+/// shares of the page.
 const EVEN_SHARES: [f64; 4] = [0.7, 0.8, 0.9, 1.0];
 /// Lines of one page, with room for caption and notes.
 const PAGE_LINES: usize = 42;
@@ -44,7 +46,8 @@ pub(crate) struct Layout<'a> {
     pub(crate) dense: bool,
     /// Whether it needs more than a page.
     pub(crate) long: bool,
-    /// Tables to be set one below the other; the columns that say what a row is about stand in each.
+    /// Tables to be set one below the other; the columns that say what a row is about stand in
+    /// each.
     pub(crate) groups: Vec<Vec<Placed<'a>>>,
     /// Headings among the rows, by the row they stand above, where the first columns became such.
     pub(crate) sections: Sections,
@@ -66,8 +69,8 @@ pub(crate) struct Placed<'a> {
     pub(crate) share: Option<f64>,
 }
 
-/// The first that fits of: headings on one line, or more; small and texts wrapped; the first columns as headings among
-/// the rows; several tables.
+/// The first that fits of: headings on one line, or more; small and texts wrapped; the first
+/// columns as headings among the rows; several tables.
 pub(crate) fn layout(columns: &[Shown]) -> Layout<'_> {
     let all: Vec<&Shown> = columns.iter().collect();
     let whole = |dense, placed| finished(dense, vec![placed], Vec::new());
@@ -89,7 +92,8 @@ fn finished<'a>(dense: bool, groups: Vec<Vec<Placed<'a>>>, notes: Vec<String>) -
     Layout { dense, long: lines > PAGE_LINES, groups, sections: Sections::new(), notes }
 }
 
-/// The column with its heading in as many lines as it takes to be no wider than the cells, or than its longest word.
+/// The column with its heading in as many lines as it takes to be no wider than the cells, or than
+/// its longest word.
 fn placed(column: &Shown) -> Placed<'_> {
     placed_in(column, usize::MAX)
 }
@@ -111,7 +115,9 @@ fn broken(tokens: &[&str], room: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for token in tokens {
         match lines.last_mut() {
-            Some(line) if width(line) + width(" ") + width(token) <= room => *line += &format!(" {token}"),
+            Some(line) if width(line) + width(" ") + width(token) <= room => {
+                *line += &format!(" {token}")
+            }
             _ => lines.push((*token).to_owned()),
         }
     }
@@ -140,9 +146,13 @@ fn fits(columns: &Vec<Placed>, page: &Page) -> bool {
     columns.iter().map(natural).sum::<f64>() + gaps(columns.len(), page) <= page.digits
 }
 
-/// The columns with texts wrapped so that all fits, if it can: what the page has beyond the least widths is shared
-/// out by how far each text is from its natural width.
-fn squeezed<'a>(mut columns: Vec<Placed<'a>>, page: &Page, narrowest_text: f64) -> Option<Vec<Placed<'a>>> {
+/// The columns with texts wrapped so that all fits, if it can: what the page has beyond the least
+/// widths is shared out by how far each text is from its natural width.
+fn squeezed<'a>(
+    mut columns: Vec<Placed<'a>>,
+    page: &Page,
+    narrowest_text: f64,
+) -> Option<Vec<Placed<'a>>> {
     if fits(&columns, page) {
         return Some(columns);
     }
@@ -161,10 +171,12 @@ fn squeezed<'a>(mut columns: Vec<Placed<'a>>, page: &Page, narrowest_text: f64) 
     Some(columns)
 }
 
-/// One table whose first texts, as many as stay the same over several rows, are headings above these rows.
+/// One table whose first texts, as many as stay the same over several rows, are headings above
+/// these rows.
 fn sectioned<'a>(all: &[&'a Shown]) -> Option<Layout<'a>> {
     let texts = all.iter().take_while(|c| !c.numeric).count();
-    let (first, sections) = (1..=texts).rev().find_map(|first| Some((first, sections(&all[..first])?)))?;
+    let (first, sections) =
+        (1..=texts).rev().find_map(|first| Some((first, sections(&all[..first])?)))?;
     let rest = all[first..].iter().map(|c| placed(c)).collect();
     let placed = squeezed(rest, &DENSE, NARROWEST_TEXT_DIGITS)?;
     let layout = finished(true, vec![placed], Vec::new());
@@ -172,30 +184,37 @@ fn sectioned<'a>(all: &[&'a Shown]) -> Option<Layout<'a>> {
     Some(Layout { sections, long, ..layout })
 }
 
-/// The rows at which one of the columns changes, if one does, at most at every other row, and nothing comes back.
+/// The rows at which one of the columns changes, if one does, at most at every other row, and
+/// nothing comes back.
 fn sections(columns: &[&Shown]) -> Option<Sections> {
     let title = |row| columns.iter().map(|c| said(c, row)).collect::<Vec<_>>().join(", ");
     let titles: Vec<String> = (0..columns[0].cells.len()).map(title).collect();
     let begins = |row: &usize| *row == 0 || titles[*row] != titles[row - 1];
-    let sections: Sections = (0..titles.len()).filter(begins).map(|row| (row, titles[row].clone())).collect();
+    let sections: Sections =
+        (0..titles.len()).filter(begins).map(|row| (row, titles[row].clone())).collect();
     let distinct: BTreeSet<&String> = titles.iter().collect();
     let several = sections.len() > 1 && 2 * sections.len() <= titles.len();
     (several && distinct.len() == sections.len()).then_some(sections)
 }
 
-/// Several tables: what is the same in every row is said once, the columns that say what a row is about stand in each.
+/// Several tables: what is the same in every row is said once, the columns that say what a row is
+/// about stand in each.
 fn several<'a>(all: &[&'a Shown]) -> Layout<'a> {
     let one_row = all.iter().all(|c| is_same(c));
-    let (same, varying): (Vec<&Shown>, Vec<&Shown>) = all.iter().partition(|c| is_same(c) && !one_row);
+    let (same, varying): (Vec<&Shown>, Vec<&Shown>) =
+        all.iter().partition(|c| is_same(c) && !one_row);
     let keys = keys(&varying);
     let is_key = |column: &Shown| keys.iter().any(|key| std::ptr::eq(*key, column));
     let others: Vec<&Shown> = varying.iter().copied().filter(|c| !is_key(c)).collect();
-    let with_keys = |group: &[&'a Shown]| keys.iter().chain(group).map(|c| placed(c)).collect::<Vec<_>>();
-    let packed = |share: f64| packed(&others, |group| capped_fits(&with_keys(group), share * DENSE.digits));
+    let with_keys =
+        |group: &[&'a Shown]| keys.iter().chain(group).map(|c| placed(c)).collect::<Vec<_>>();
+    let packed =
+        |share: f64| packed(&others, |group| capped_fits(&with_keys(group), share * DENSE.digits));
     let fewest = packed(1.0).len();
     let even = EVEN_SHARES.map(packed).into_iter().find(|g| g.len() == fewest);
     let groups = even.filter(|g| !g.is_empty()).unwrap_or_else(|| vec![Vec::new()]);
-    let groups = groups.iter().map(|g| with_keys(g)).map(|g| squeezed(g.clone(), &DENSE, 0.0).unwrap_or(g));
+    let groups =
+        groups.iter().map(|g| with_keys(g)).map(|g| squeezed(g.clone(), &DENSE, 0.0).unwrap_or(g));
     finished(true, groups.collect(), notes(&same))
 }
 
@@ -213,7 +232,8 @@ fn packed<'a>(columns: &[&'a Shown], fits: impl Fn(&[&'a Shown]) -> bool) -> Vec
 
 /// Whether the columns fit into a width when long texts are wrapped.
 fn capped_fits(columns: &[Placed], digits: f64) -> bool {
-    let capped = |c: &Placed| if c.column.numeric { natural(c) } else { least(c, WIDEST_TEXT_DIGITS) };
+    let capped =
+        |c: &Placed| if c.column.numeric { natural(c) } else { least(c, WIDEST_TEXT_DIGITS) };
     columns.iter().map(capped).sum::<f64>() + gaps(columns.len(), &DENSE) <= digits
 }
 
@@ -222,17 +242,19 @@ fn is_same(column: &Shown) -> bool {
     column.cells.len() > 1 && column.cells.windows(2).all(|pair| pair[0] == pair[1])
 }
 
-/// The columns that say what a row is about: texts and whole numbers in front, to the last text among them; where
-/// those take too much room, only as many as tell the rows apart.
+/// The columns that say what a row is about: texts and whole numbers in front, to the last text
+/// among them; where those take too much room, only as many as tell the rows apart.
 fn keys<'a>(columns: &[&'a Shown]) -> Vec<&'a Shown> {
     let front = columns.iter().take_while(|c| !c.fractional).count();
     let to_last_text = columns[..front].iter().rposition(|c| !c.numeric).map_or(0, |last| last + 1);
     let mut keys = columns[..to_last_text].to_vec();
-    let room = |keys: &[&Shown]| keys.iter().map(|c| natural(&placed(c)) + DENSE.gap_digits).sum::<f64>();
+    let room =
+        |keys: &[&Shown]| keys.iter().map(|c| natural(&placed(c)) + DENSE.gap_digits).sum::<f64>();
     let mut at = keys.len();
     while room(&keys) > KEYS_SHARE * DENSE.digits && at > 0 {
         at -= 1;
-        let fewer: Vec<&Shown> = keys.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, c)| *c).collect();
+        let fewer: Vec<&Shown> =
+            keys.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, c)| *c).collect();
         if tell_apart(&fewer) || !tell_apart(&keys) {
             keys = fewer;
         }
@@ -248,12 +270,13 @@ fn tell_apart(columns: &[&Shown]) -> bool {
     height > 0 && rows.windows(2).all(|pair| pair[0] != pair[1])
 }
 
-/// Neighbours that belong together: their words begin with those of the first of them (`stiffness`, `stiffness CI
-/// low`).
+/// Neighbours that belong together: their words begin with those of the first of them (`stiffness`,
+/// `stiffness CI low`).
 fn blocks<'a>(columns: &[&'a Shown]) -> Vec<Vec<&'a Shown>> {
     let mut blocks: Vec<Vec<&Shown>> = Vec::new();
     for column in columns {
-        let belongs = |block: &&mut Vec<&Shown>| column.words.starts_with(&format!("{} ", block[0].words));
+        let belongs =
+            |block: &&mut Vec<&Shown>| column.words.starts_with(&format!("{} ", block[0].words));
         match blocks.last_mut().filter(belongs) {
             Some(block) => block.push(column),
             None => blocks.push(vec![column]),
@@ -279,7 +302,8 @@ fn cut<'a>(block: Vec<&'a Shown>, fits: impl Fn(&[&'a Shown]) -> bool) -> Vec<Ve
 
 /// `In every row: participant P01, source twin. Without any value: oscillation.`
 fn notes(same: &[&Shown]) -> Vec<String> {
-    let (empty, full): (Vec<&Shown>, Vec<&Shown>) = same.iter().partition(|c| c.cells[0] == Cell::Missing);
+    let (empty, full): (Vec<&Shown>, Vec<&Shown>) =
+        same.iter().partition(|c| c.cells[0] == Cell::Missing);
     let sentence = |words: &str, parts: Vec<String>| {
         (!parts.is_empty()).then(|| format!("{words}: {}.", parts.join(", ")))
     };
@@ -320,8 +344,14 @@ mod tests {
 
     /// What each row says of itself, one column that is the same in all, and `numbers` columns.
     fn wide(numbers: usize, height: i64) -> Vec<Shown> {
-        const NAMES: [&str; 6] =
-            ["force_max_n", "force_max_sd_n", "loop_area_j", "velocity_peak_m_s", "share", "dwell_s"];
+        const NAMES: [&str; 6] = [
+            "force_max_n",
+            "force_max_sd_n",
+            "loop_area_j",
+            "velocity_peak_m_s",
+            "share",
+            "dwell_s",
+        ];
         let text = |i: i64| Some(if i % 2 == 0 { "active" } else { "passive" }.to_owned());
         let mut columns = vec![
             Column::text("source", "", (0..height).map(|_| Some("twin".to_owned()))),
@@ -330,7 +360,12 @@ mod tests {
             Column::integer("n", "1", "", (0..height).map(|i| Some(i % 3))),
         ];
         let number = |i: usize| {
-            Column::float(NAMES[i % NAMES.len()], "1", "", (0..height).map(|row| Some(1.5 + row as f64)))
+            Column::float(
+                NAMES[i % NAMES.len()],
+                "1",
+                "",
+                (0..height).map(|row| Some(1.5 + row as f64)),
+            )
         };
         columns.extend((0..numbers).map(number));
         // Names are unique in a frame; headings need not be, so that each stands here for itself.
@@ -380,11 +415,13 @@ mod tests {
 
     #[test]
     fn rows_that_differ_in_nothing_or_only_in_their_keys_are_still_a_table() {
-        let long = "what every row says in so many words that it takes more than one line of any page";
+        let long =
+            "what every row says in so many words that it takes more than one line of any page";
         for (first, expect) in [(["a", "b"], 1), (["a", "a"], 4)] {
             let names = ["first", "second", "third", "fourth"];
             let cells = |i: usize| texts(&if i == 0 { first } else { [long; 2] });
-            let columns = names.into_iter().enumerate().map(|(i, n)| Column::text(n, "", cells(i))).collect();
+            let columns =
+                names.into_iter().enumerate().map(|(i, n)| Column::text(n, "", cells(i))).collect();
             let columns = shown(&Table::new("t", "T", columns).unwrap());
             let layout = several(&columns.iter().collect::<Vec<_>>());
             let all: usize = layout.groups.iter().map(|g| g.len()).sum();
@@ -395,9 +432,10 @@ mod tests {
     #[test]
     fn columns_of_one_quantity_stay_together() {
         let column = |words: &str| Shown { words: words.to_owned(), ..wide(1, 2).swap_remove(4) };
-        let columns =
-            ["stiffness", "stiffness CI low", "stiffness CI high", "stiff", "loop area"].map(column);
-        let blocks: Vec<usize> = blocks(&columns.iter().collect::<Vec<_>>()).iter().map(Vec::len).collect();
+        let columns = ["stiffness", "stiffness CI low", "stiffness CI high", "stiff", "loop area"]
+            .map(column);
+        let blocks: Vec<usize> =
+            blocks(&columns.iter().collect::<Vec<_>>()).iter().map(Vec::len).collect();
         assert_eq!(blocks, [3, 1, 1]);
     }
 
@@ -410,7 +448,8 @@ mod tests {
 
     #[test]
     fn long_texts_wrap_into_what_the_page_has_left() {
-        let sentence = "a sentence that would take most of a line of the page, and then goes on to a second";
+        let sentence =
+            "a sentence that would take most of a line of the page, and then goes on to a second";
         let columns = vec![
             Column::text("quantity", "", texts(&["mass", "damping"])),
             Column::float("value", "1", "", [Some(1.0), Some(2.5)]),

@@ -1,8 +1,8 @@
 //! One table object, many formats: CSV, Markdown, LaTeX, Typst, HTML, Parquet.
 //!
-//! [`Table`] holds SI units and radians. CSV and Parquet ([`csv`], [`Table::to_parquet`]) hold it as it is, for machines;
-//! Markdown, LaTeX, Typst and HTML are rounded for people, [`for_people`] of it (degrees, or millimetres in a linear
-//! study). [`Table::to_bytes`] writes any [`Format`].
+//! [`Table`] holds SI units and radians. CSV and Parquet ([`csv`], [`Table::to_parquet`]) hold it
+//! as it is, for machines; Markdown, LaTeX, Typst and HTML are rounded for people, [`for_people`]
+//! of it (degrees, or millimetres in a linear study). [`Table::to_bytes`] writes any [`Format`].
 //!
 //! # How a column is named
 //! `<stem>[_<part>][_<unit>]`, in snake case, the unit always last:
@@ -13,16 +13,17 @@
 //! | its standard error | `slope_std_error_n_per_rad` | `exponent_std_error` | `std_error` |
 //! | its interval | `slope_ci_low_n_per_rad`, `slope_ci_high_n_per_rad` | `exponent_ci_low`, `exponent_ci_high` | `ci_low`, `ci_high` |
 //!
-//! The unit's suffix is its letters in lower case without `·`, a power as a digit, and `/` as `_per_` or `_`:
-//! `N·m` → `nm`, `rad/s²` → `rad_s2`, `N/rad` → `n_per_rad`; the unit `1` has none. Columns of one stem and
-//! one unit belong together, wherever they stand in the table.
+//! The unit's suffix is its letters in lower case without `·`, a power as a digit, and `/` as
+//! `_per_` or `_`: `N·m` → `nm`, `rad/s²` → `rad_s2`, `N/rad` → `n_per_rad`; the unit `1` has none.
+//! Columns of one stem and one unit belong together, wherever they stand in the table.
 //!
 //! # How a number is rounded for people
-//! Two significant digits of the uncertainty decide the last digit of estimate, standard error and interval,
-//! row by row. The uncertainty is the standard error, or else half the interval. Without either, a number has
-//! four significant digits (never fewer than its whole part, below a million; an exact `0.5` stays `0.5`).
-//! From 10⁶ on, and where more than seven decimals would be needed, powers of ten are used. There is no `-0`;
-//! null is `–`. CSV keeps every digit: the shortest text that reads back as the same number, null is empty.
+//! Two significant digits of the uncertainty decide the last digit of estimate, standard error and
+//! interval, row by row. The uncertainty is the standard error, or else half the interval. Without
+//! either, a number has four significant digits (never fewer than its whole part, below a million;
+//! an exact `0.5` stays `0.5`). From 10⁶ on, and where more than seven decimals would be needed,
+//! powers of ten are used. There is no `-0`; null is `–`. CSV keeps every digit: the shortest text
+//! that reads back as the same number, null is empty.
 
 mod csv;
 mod display;

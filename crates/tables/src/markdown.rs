@@ -2,13 +2,15 @@
 
 use crate::shown::{Cell, Seen, Shown, one_line, rows};
 
-/// The table in GitHub Flavored Markdown: the title in bold, the table, the notes as paragraphs. Rounded for
-/// people.
+/// The table in GitHub Flavored Markdown: the title in bold, the table, the notes as paragraphs.
+/// Rounded for people.
 pub(crate) fn markdown(&Seen { table, columns, .. }: &Seen) -> String {
     let headings = columns.iter().map(|c| escape(&c.heading()));
     let rules = columns.iter().map(|c| rule(c).to_owned());
     let mut lines = vec![line(headings), line(rules)];
-    lines.extend(rows(columns, |_, cell| content(cell)).into_iter().map(|cells| line(cells.into_iter())));
+    lines.extend(
+        rows(columns, |_, cell| content(cell)).into_iter().map(|cells| line(cells.into_iter())),
+    );
     let title = format!("**{}**", escape(table.title()));
     let notes = table.notes().iter().map(|note| escape(note));
     let parts: Vec<String> = [title, lines.join("\n")].into_iter().chain(notes).collect();
@@ -31,14 +33,17 @@ fn line(cells: impl Iterator<Item = String>) -> String {
     format!("| {} |", cells.collect::<Vec<_>>().join(" | "))
 }
 
-/// `text` such that Markdown sets it as it stands, on one line: in a paragraph, a list item or a table's cell.
+/// `text` such that Markdown sets it as it stands, on one line: in a paragraph, a list item or a
+/// table's cell.
 pub fn escape(text: &str) -> String {
     let text = one_line(text);
     let block = block_sign(&text);
     let mut escaped = String::new();
     for (i, letter) in text.char_indices() {
-        let inline =
-            matches!(letter, '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '|' | '~' | '$' | '&' | '#');
+        let inline = matches!(
+            letter,
+            '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '|' | '~' | '$' | '&' | '#'
+        );
         if inline || Some(i) == block {
             escaped.push('\\');
         }

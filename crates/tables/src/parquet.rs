@@ -8,7 +8,9 @@ use arrow::datatypes::{DataType, Float64Type, Int64Type, Schema};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_store::{StoreError, described, read_entries, read_parquet, read_parquet_columns, write_table};
+use zwidth_store::{
+    StoreError, described, read_entries, read_parquet, read_parquet_columns, write_table,
+};
 
 const NAME: &str = "table_name";
 const TITLE: &str = "table_title";
@@ -25,8 +27,8 @@ impl Table {
         let columns = self.columns();
         let fields: Vec<_> = columns.iter().map(|c| arrow_field(&c.field)).collect();
         let arrays = columns.iter().map(|c| array(&c.values)).collect();
-        let batch =
-            RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).map_err(|e| defect(path, &e))?;
+        let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
+            .map_err(|e| defect(path, &e))?;
         let mut footer = provenance.clone();
         footer.insert(NAME.to_owned(), self.name().to_owned());
         footer.insert(TITLE.to_owned(), self.title().to_owned());
@@ -72,7 +74,10 @@ impl Table {
                 let meta = |key: &str| f.metadata().get(key).cloned().unwrap_or_default();
                 let (unit, description) = (meta("unit").into(), meta("description").into());
                 let kind = kind_of(&values);
-                Ok(Column { field: Field { name: f.name().clone().into(), unit, description, kind }, values })
+                Ok(Column {
+                    field: Field { name: f.name().clone().into(), unit, description, kind },
+                    values,
+                })
             })
             .collect::<Result<Vec<_>, StoreError>>()?;
         let table = Self::new(&text(NAME), &text(TITLE), columns)?;
@@ -116,7 +121,9 @@ fn values(a: &ArrayRef) -> Option<Values> {
     Some(match a.data_type() {
         DataType::Float64 => Values::Float(a.as_primitive::<Float64Type>().iter().collect()),
         DataType::Int64 => Values::Integer(a.as_primitive::<Int64Type>().iter().collect()),
-        DataType::Utf8 => Values::Text(a.as_string::<i32>().iter().map(|v| v.map(Arc::from)).collect()),
+        DataType::Utf8 => {
+            Values::Text(a.as_string::<i32>().iter().map(|v| v.map(Arc::from)).collect())
+        }
         DataType::Boolean => Values::Flag(a.as_boolean().iter().collect()),
         _ => return None,
     })

@@ -4,7 +4,8 @@
 const UNCERTAINTY_DIGITS: usize = 2;
 /// Significant digits of a number of unknown uncertainty.
 const PLAIN_DIGITS: usize = 4;
-/// An uncertainty smaller than this share of its number is a residue of arithmetic: nothing is measured that well.
+/// An uncertainty smaller than this share of its number is a residue of arithmetic: nothing is
+/// measured that well.
 const RESIDUE: f64 = 1e-9;
 /// From 10 to this power on, a number is shown with a power of ten.
 const LARGE: i32 = 6;
@@ -40,7 +41,8 @@ impl Decimal {
     /// For people: `−1.23 × 10⁻⁷`, with spaces that do not break.
     pub(crate) fn typeset(&self) -> String {
         let mantissa = self.mantissa.replace('-', "−");
-        self.exponent.map_or_else(|| mantissa.clone(), |e| format!("{mantissa}\u{a0}×\u{a0}10{}", raised(e)))
+        self.exponent
+            .map_or_else(|| mantissa.clone(), |e| format!("{mantissa}\u{a0}×\u{a0}10{}", raised(e)))
     }
 }
 
@@ -50,7 +52,8 @@ fn raised(exponent: i32) -> String {
     exponent.to_string().chars().map(raise).collect()
 }
 
-/// `value` to the digits its `uncertainty` allows (same unit), or to four where that is not known or nothing.
+/// `value` to the digits its `uncertainty` allows (same unit), or to four where that is not known
+/// or nothing.
 pub(crate) fn rounded(value: f64, uncertainty: Option<f64>) -> Decimal {
     match uncertainty.filter(|u| *u > RESIDUE * value.abs()) {
         Some(u) => at_place(value, last_place(u, UNCERTAINTY_DIGITS)),

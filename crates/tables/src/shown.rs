@@ -53,7 +53,9 @@ pub(crate) struct Shown {
 impl Shown {
     /// Words and unit.
     pub(crate) fn heading(&self) -> String {
-        self.unit.as_ref().map_or_else(|| self.words.clone(), |unit| format!("{} {unit}", self.words))
+        self.unit
+            .as_ref()
+            .map_or_else(|| self.words.clone(), |unit| format!("{} {unit}", self.words))
     }
 }
 
@@ -78,8 +80,8 @@ pub(crate) fn shown(table: &Table) -> Vec<Shown> {
     table.columns().iter().map(|c| show(c, table.columns())).collect()
 }
 
-/// The rows of columns, each cell as `set` writes it, given its column's number: once, where the same text comes back in
-/// a column.
+/// The rows of columns, each cell as `set` writes it, given its column's number: once, where the
+/// same text comes back in a column.
 pub(crate) fn rows<'a>(
     columns: impl IntoIterator<Item = &'a Shown>,
     set: impl Fn(usize, &Cell) -> String,
@@ -110,7 +112,9 @@ fn show(column: &Column, all: &[Column]) -> Shown {
         Values::Float(values) => numbers(values, &uncertainties(field, all)),
         Values::Integer(values) => cells(values, |v| Cell::Number(Decimal::integer(*v))),
         Values::Text(values) => cells(values, |v| Cell::Text(one_line(v))),
-        Values::Flag(values) => cells(values, |v| Cell::Text(if *v { "yes" } else { "no" }.to_owned())),
+        Values::Flag(values) => {
+            cells(values, |v| Cell::Text(if *v { "yes" } else { "no" }.to_owned()))
+        }
     };
     let room = Room::of(&cells);
     Shown {
@@ -138,8 +142,8 @@ fn numbers(values: &[Option<f64>], uncertainties: &[Option<f64>]) -> Vec<Cell> {
     values.iter().enumerate().map(number).collect()
 }
 
-/// Row by row, the uncertainty of the quantity that `field` is part of: its standard error, or else half
-/// its interval.
+/// Row by row, the uncertainty of the quantity that `field` is part of: its standard error, or else
+/// half its interval.
 fn uncertainties(field: &Field, all: &[Column]) -> Vec<Option<f64>> {
     let part = |part| sibling(field, part, all);
     let std_errors = part(Part::StdError);
@@ -167,8 +171,8 @@ fn sibling<'a>(field: &Field, part: Part, all: &'a [Column]) -> &'a [Option<f64>
 pub(crate) mod tests {
     use super::*;
 
-    /// A small table with all there is: numbers with an uncertainty, nulls, signs that every format must
-    /// escape, a note.
+    /// A small table with all there is: numbers with an uncertainty, nulls, signs that every format
+    /// must escape, a note.
     pub(crate) fn sample() -> Table {
         let columns = vec![
             Column::text("mode", "the mode", [Some("a|b & <c>".to_owned()), None]),
@@ -177,7 +181,9 @@ pub(crate) mod tests {
             Column::float("slope_std_error_n_per_rad", "N/rad", "its error", [Some(0.0321), None]),
             Column::flag("wall_reached", "whether", [Some(true), None]),
         ];
-        Table::new("spring_rendering", "Slope, 100 %", columns).unwrap().with_note("Unit: one_trial.")
+        Table::new("spring_rendering", "Slope, 100 %", columns)
+            .unwrap()
+            .with_note("Unit: one_trial.")
     }
 
     fn texts(table: &Table, column: usize) -> Vec<String> {

@@ -9,8 +9,9 @@ pub(crate) enum Piece<'a> {
     Below(&'a str),
 }
 
-/// The pieces of `text`. Below the line stands what follows a single letter and `_`, begins with a letter and ends
-/// with its word; all other words with `_` are names (`spring_wall`, `P_01`) and stay as they are.
+/// The pieces of `text`. Below the line stands what follows a single letter and `_`, begins with a
+/// letter and ends with its word; all other words with `_` are names (`spring_wall`, `P_01`) and
+/// stay as they are.
 pub(crate) fn pieces(text: &str) -> Vec<Piece<'_>> {
     let mut pieces = Vec::new();
     let mut rest = 0; // where the text begins that is in no piece yet
@@ -31,7 +32,8 @@ pub(crate) fn pieces(text: &str) -> Vec<Piece<'_>> {
 fn subscript(text: &str, at: usize) -> Option<usize> {
     let of_name = |c: char| c.is_alphanumeric() || c == '_';
     let mut before = text[..at].chars().rev();
-    let symbol = before.next().is_some_and(char::is_alphabetic) && !before.next().is_some_and(of_name);
+    let symbol =
+        before.next().is_some_and(char::is_alphabetic) && !before.next().is_some_and(of_name);
     let below = &text[at + 1..];
     let end = below.find(|c| !of_name(c)).unwrap_or(below.len());
     let word = below.starts_with(char::is_alphabetic) && !below[..end].contains('_');
@@ -62,7 +64,9 @@ mod tests {
 
     #[test]
     fn names_stay_as_they_are() {
-        for name in ["spring_wall", "P_01", "one_trial", "a_b_c", "_x", "x_", "trial-7_b", "1_a", ""] {
+        for name in
+            ["spring_wall", "P_01", "one_trial", "a_b_c", "_x", "x_", "trial-7_b", "1_a", ""]
+        {
             check(name, name);
         }
     }

@@ -85,7 +85,12 @@ pub struct Column {
 }
 
 impl Column {
-    fn new(name: &'static str, unit: &'static str, description: &'static str, values: Values) -> Self {
+    fn new(
+        name: &'static str,
+        unit: &'static str,
+        description: &'static str,
+        values: Values,
+    ) -> Self {
         let field = Field {
             name: name.into(),
             unit: unit.into(),
@@ -148,7 +153,8 @@ impl Table {
     /// A table from columns.
     ///
     /// # Errors
-    /// A float that is not finite (a missing value is null), columns of unequal length, two of one name.
+    /// A float that is not finite (a missing value is null), columns of unequal length, two of one
+    /// name.
     pub fn new(name: &str, title: &str, columns: Vec<Column>) -> Result<Self, TableError> {
         let expected = columns.first().map_or(0, |c| c.values.len());
         for (i, c) in columns.iter().enumerate() {
@@ -180,13 +186,16 @@ impl Table {
             Ok(match field.kind {
                 Type::Float => Values::Float(series.f64()?.iter().collect()),
                 Type::Integer => Values::Integer(series.i64()?.iter().collect()),
-                Type::Text => Values::Text(series.str()?.iter().map(|v| v.map(Arc::from)).collect()),
+                Type::Text => {
+                    Values::Text(series.str()?.iter().map(|v| v.map(Arc::from)).collect())
+                }
                 Type::Flag => Values::Flag(series.bool()?.iter().collect()),
             })
         };
         let column = |field: Field| Ok(Column { values: values(&field)?, field });
         let columns = fields.into_iter().map(column).collect::<Result<_, _>>();
-        let columns = columns.map_err(|source| TableError::Polars { table: name.to_owned(), source })?;
+        let columns =
+            columns.map_err(|source| TableError::Polars { table: name.to_owned(), source })?;
         Self::new(name, title, columns)
     }
 
@@ -255,7 +264,9 @@ impl Table {
     /// The texts of a column.
     pub fn texts(&self, column: &str) -> Result<Vec<Option<String>>, TableError> {
         match self.values(column)? {
-            Values::Text(values) => Ok(values.iter().map(|v| v.as_deref().map(str::to_owned)).collect()),
+            Values::Text(values) => {
+                Ok(values.iter().map(|v| v.as_deref().map(str::to_owned)).collect())
+            }
             _ => Err(self.wrong_type(column, Type::Text)),
         }
     }
@@ -276,14 +287,19 @@ impl Table {
         let Some((first, others)) = tables.split_first() else {
             return Ok(None);
         };
-        let form = |table: &Self| table.fields().map(|f| (f.name.clone(), f.kind)).collect::<Vec<_>>();
+        let form =
+            |table: &Self| table.fields().map(|f| (f.name.clone(), f.kind)).collect::<Vec<_>>();
         let mut columns = first.columns.clone();
         for table in others {
             if form(table) != form(first) {
-                let (table_name, columns, expected) = (table.name.clone(), table.names(), first.names());
+                let (table_name, columns, expected) =
+                    (table.name.clone(), table.names(), first.names());
                 return Err(TableError::Unlike { table: table_name, columns, expected });
             }
-            columns.iter_mut().zip(&table.columns).for_each(|(all, more)| all.values.append(&more.values));
+            columns
+                .iter_mut()
+                .zip(&table.columns)
+                .for_each(|(all, more)| all.values.append(&more.values));
         }
         Self::new(name, title, columns).map(Some)
     }
@@ -332,7 +348,9 @@ fn series(column: &Column) -> pl::Column {
     match &column.values {
         Values::Float(v) => pl::Series::new(name, v),
         Values::Integer(v) => pl::Series::new(name, v),
-        Values::Text(v) => pl::Series::new(name, v.iter().map(Option::as_deref).collect::<Vec<_>>()),
+        Values::Text(v) => {
+            pl::Series::new(name, v.iter().map(Option::as_deref).collect::<Vec<_>>())
+        }
         Values::Flag(v) => pl::Series::new(name, v),
     }
     .into_column()
@@ -342,7 +360,8 @@ fn check_finite(table: &str, column: &Column) -> Result<(), TableError> {
     let Values::Float(values) = &column.values else {
         return Ok(());
     };
-    match values.iter().enumerate().find_map(|(i, v)| v.filter(|v| !v.is_finite()).map(|v| (i, v))) {
+    match values.iter().enumerate().find_map(|(i, v)| v.filter(|v| !v.is_finite()).map(|v| (i, v)))
+    {
         None => Ok(()),
         Some((row, value)) => Err(TableError::NotFinite {
             table: table.to_owned(),
@@ -359,7 +378,11 @@ mod tests {
 
     fn sample() -> Table {
         let columns = vec![
-            Column::text("mode", "the mode", [Some("active".to_owned()), Some("hybrid".to_owned())]),
+            Column::text(
+                "mode",
+                "the mode",
+                [Some("active".to_owned()), Some("hybrid".to_owned())],
+            ),
             Column::float("force_n", "N", "a force", [Some(1.5), None]),
         ];
         Table::new("sample", "A sample", columns).unwrap()
@@ -396,7 +419,10 @@ mod tests {
         let twice = Table::new("t", "", vec![columns[0].clone(), columns[0].clone()]).unwrap_err();
         assert_eq!(twice.to_string(), "table 't' has the column 'trial' twice");
         let error = Table::new("t", "", columns).unwrap_err();
-        assert_eq!(error.to_string(), "column 'repeat' of table 't' has 1 rows where the first has 2");
+        assert_eq!(
+            error.to_string(),
+            "column 'repeat' of table 't' has 1 rows where the first has 2"
+        );
     }
 
     #[test]
@@ -404,7 +430,8 @@ mod tests {
         let both = Table::concat("both", "Both", &[sample(), sample()]).unwrap().unwrap();
         assert_eq!(both.height(), 4);
         assert!(Table::concat("none", "", &[]).unwrap().is_none());
-        let other = Table::new("other", "", vec![Column::text("force_n", "", [Some("1")])]).unwrap();
+        let other =
+            Table::new("other", "", vec![Column::text("force_n", "", [Some("1")])]).unwrap();
         assert!(Table::concat("both", "", &[sample(), other]).is_err());
         let more = [sample().columns(), &[Column::flag("more", "", [None, None])]].concat();
         let more = Table::new("more", "", more).unwrap();

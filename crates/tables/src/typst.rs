@@ -16,23 +16,28 @@ const GROUP: usize = 3;
 /// A thin space that does not break.
 const GAP: char = '\u{202f}';
 
-/// The table as a Typst figure with caption and label `<tab:name>`, three rules, the notes below. Rounded for
-/// people; numbers are aligned at the point.
+/// The table as a Typst figure with caption and label `<tab:name>`, three rules, the notes below.
+/// Rounded for people; numbers are aligned at the point.
 ///
-/// It is laid out as in [`crate::latex`]: what is wide is set small, long texts wrap, and columns that still do not
-/// fit stand in further tables of the figure. One that needs more than a page breaks, with its headings on each.
+/// It is laid out as in [`crate::latex`]: what is wide is set small, long texts wrap, and columns
+/// that still do not fit stand in further tables of the figure. One that needs more than a page
+/// breaks, with its headings on each.
 ///
-/// Every text is a Typst string, which has no markup: only the quote and the backslash need an escape.
+/// Every text is a Typst string, which has no markup: only the quote and the backslash need an
+/// escape.
 pub(crate) fn typst(&Seen { table, layout, .. }: &Seen) -> String {
     let figure = figure(table, layout);
     match layout.long {
-        true => format!("#[\n#show figure.where(kind: table): set block(breakable: true)\n{figure}]\n"),
+        true => {
+            format!("#[\n#show figure.where(kind: table): set block(breakable: true)\n{figure}]\n")
+        }
         false => figure,
     }
 }
 
 fn figure(table: &Table, layout: &Layout) -> String {
-    let tables: Vec<String> = layout.groups.iter().map(|group| kept(group, &layout.sections)).collect();
+    let tables: Vec<String> =
+        layout.groups.iter().map(|group| kept(group, &layout.sections)).collect();
     let notes: String = layout.notes.iter().chain(table.notes()).map(|n| note(n)).collect();
     format!(
         "#figure(
@@ -53,19 +58,25 @@ fn figure(table: &Table, layout: &Layout) -> String {
 /// One table, on one page if that has room for it.
 fn kept(group: &[Placed], sections: &Sections) -> String {
     let table = one(group, sections);
-    if has_page(group) { format!("    block(breakable: false, {table})\n") } else { format!("    {table}\n") }
+    if has_page(group) {
+        format!("    block(breakable: false, {table})\n")
+    } else {
+        format!("    {table}\n")
+    }
 }
 
 fn one(group: &[Placed], sections: &Sections) -> String {
-    let width =
-        |c: &Placed| c.share.map_or("auto".to_owned(), |s| format!("{:.1}%", (s * 1e3).floor() / 10.0));
+    let width = |c: &Placed| {
+        c.share.map_or("auto".to_owned(), |s| format!("{:.1}%", (s * 1e3).floor() / 10.0))
+    };
     let widths: Vec<String> = group.iter().map(width).collect();
     let alignment: Vec<&str> = group.iter().map(align).collect();
     let headings: Vec<String> = group.iter().map(heading).collect();
     let section = |i| sections.get(&i).map(|title| section(title, group.len())).unwrap_or_default();
     let hidden: Vec<Vec<String>> = group.iter().map(|p| hidden(p.column.room)).collect();
     let rows = rows(group.iter().map(|p| p.column), |k, cell| set(&group[k], &hidden[k], cell));
-    let row = |(i, cells): (usize, Vec<String>)| section(i) + &format!("      {},\n", cells.join(", "));
+    let row =
+        |(i, cells): (usize, Vec<String>)| section(i) + &format!("      {},\n", cells.join(", "));
     let body: String = rows.into_iter().enumerate().map(row).collect();
     format!(
         "table(
@@ -85,7 +96,8 @@ fn one(group: &[Placed], sections: &Sections) -> String {
 
 /// Line by line; what stands on one line stays there.
 fn heading(placed: &Placed) -> String {
-    let lines: Vec<String> = placed.head.iter().map(|line| format!("box({})", expression(line))).collect();
+    let lines: Vec<String> =
+        placed.head.iter().map(|line| format!("box({})", expression(line))).collect();
     lines.join(" + linebreak() + ")
 }
 
@@ -94,11 +106,13 @@ fn section(title: &str, width: usize) -> String {
     format!("      table.cell(colspan: {width}, align: left, emph({})),\n", expression(title))
 }
 
-/// A cell; a number is followed by what makes it as long behind the point as the column's longest, unseen.
+/// A cell; a number is followed by what makes it as long behind the point as the column's longest,
+/// unseen.
 fn set(placed: &Placed, hidden: &[String], cell: &Cell) -> String {
     match cell {
         Cell::Number(number) => {
-            let decimals = number.mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+            let decimals =
+                number.mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
             let seen = Decimal { mantissa: grouped(&number.mantissa), exponent: number.exponent };
             literal(&seen.typeset()) + hidden.get(decimals).map_or("", String::as_str)
         }
@@ -109,16 +123,22 @@ fn set(placed: &Placed, hidden: &[String], cell: &Cell) -> String {
     }
 }
 
-/// What follows a number of 0, 1, … decimals, unseen. Nothing in a column with powers of ten, whose numbers end with those.
+/// What follows a number of 0, 1, … decimals, unseen. Nothing in a column with powers of ten, whose
+/// numbers end with those.
 fn hidden(room: Room) -> Vec<String> {
-    let lacking = (0..room.decimals).filter(|_| room.power == 0).map(|decimals| unseen(decimals, room));
+    let lacking =
+        (0..room.decimals).filter(|_| room.power == 0).map(|decimals| unseen(decimals, room));
     lacking.map(|zeros| format!(" + hide({})", literal(&zeros))).collect()
 }
 
 /// What a number of so many decimals lacks behind its point.
 fn unseen(decimals: usize, room: Room) -> String {
     let longest = grouped(&format!("0.{}", "0".repeat(room.decimals)));
-    let own = if decimals == 0 { "0".to_owned() } else { grouped(&format!("0.{}", "0".repeat(decimals))) };
+    let own = if decimals == 0 {
+        "0".to_owned()
+    } else {
+        grouped(&format!("0.{}", "0".repeat(decimals)))
+    };
     longest.chars().skip(own.chars().count()).collect()
 }
 

@@ -5,8 +5,8 @@ use zwidth_study::Coordinate;
 /// Millimetres in a metre, and any other thousandth in a unit.
 const MILLI: f64 = 1000.0;
 
-/// Numerators of a stiffness, a damping and a mass: per radian in files, per millimetre of x = L θ in a
-/// linear study. A numerator with a torque in it has no such reading and stays per radian.
+/// Numerators of a stiffness, a damping and a mass: per radian in files, per millimetre of x = L θ
+/// in a linear study. A numerator with a torque in it has no such reading and stays per radian.
 const PER_ANGLE: [&str; 3] = ["N", "N·s", "N·s²"];
 
 /// What a value must be multiplied by to be in another unit.
@@ -45,8 +45,9 @@ pub(crate) fn small_torque() -> Conversion {
     Conversion { unit: "mN·m".to_owned(), factor: MILLI }
 }
 
-/// The suffixes by which a name may carry its unit, the longest first; none for the unit `1`. The product
-/// sign may be left out or be an underscore: `N·m·s/rad` is `nms_per_rad` or `nm_s_per_rad`.
+/// The suffixes by which a name may carry its unit, the longest first; none for the unit `1`. The
+/// product sign may be left out or be an underscore: `N·m·s/rad` is `nms_per_rad` or
+/// `nm_s_per_rad`.
 pub(crate) fn suffixes(unit: &str) -> Vec<String> {
     if unit == "1" || unit.is_empty() {
         return Vec::new();
@@ -80,11 +81,13 @@ fn slug(unit: &str, solidus: &str, dot: &str) -> String {
     slug
 }
 
-/// `name` without the suffix of `unit`, and that suffix's place in [`suffixes`]; the whole name where it
-/// carries none.
+/// `name` without the suffix of `unit`, and that suffix's place in [`suffixes`]; the whole name
+/// where it carries none.
 pub(crate) fn stem<'a>(name: &'a str, unit: &str) -> (&'a str, Option<usize>) {
-    let found =
-        suffixes(unit).iter().enumerate().find_map(|(i, s)| Some((name.strip_suffix(s.as_str())?, i)));
+    let found = suffixes(unit)
+        .iter()
+        .enumerate()
+        .find_map(|(i, s)| Some((name.strip_suffix(s.as_str())?, i)));
     found.map_or((name, None), |(stem, i)| (stem, Some(i)))
 }
 

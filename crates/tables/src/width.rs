@@ -1,11 +1,11 @@
-//! How wide texts and numbers come out on paper, roughly and rather too wide than too narrow, in widths of a digit
-//! (half an em in most text fonts).
+//! How wide texts and numbers come out on paper, roughly and rather too wide than too narrow, in
+//! widths of a digit (half an em in most text fonts).
 
 use crate::rounding::Decimal;
 use crate::shown::Cell;
 
-/// Widths of signs about as wide as `i`, as `e` and as `m`, of other capitals and of all other letters, a little more than
-/// in Latin Modern.
+/// Widths of signs about as wide as `i`, as `e` and as `m`, of other capitals and of all other
+/// letters, a little more than in Latin Modern.
 const THIN_DIGITS: f64 = 0.65;
 const NARROW_DIGITS: f64 = 0.9;
 const BROAD_DIGITS: f64 = 1.75;
@@ -61,8 +61,8 @@ fn letter(letter: char) -> f64 {
         | '°'
         | '₀'..='₉' => THIN_DIGITS,
         'a' | 'c' | 'e' | 'f' | 'r' | 's' | 't' | 'v' | 'z' => NARROW_DIGITS,
-        'm' | 'w' | 'M' | 'W' | '—' | '%' | '@' | '&' | '±' | '×' | '−' | '+' | '=' | '<' | '>' | '≤'
-        | '≥' | '≈' | '→' | '√' | '∞' => BROAD_DIGITS,
+        'm' | 'w' | 'M' | 'W' | '—' | '%' | '@' | '&' | '±' | '×' | '−' | '+' | '=' | '<' | '>'
+        | '≤' | '≥' | '≈' | '→' | '√' | '∞' => BROAD_DIGITS,
         _ if letter.is_uppercase() => CAPITAL_DIGITS,
         _ => LETTER_DIGITS,
     }
@@ -86,8 +86,9 @@ pub(crate) struct Room {
 impl Room {
     /// The room for the numbers of a column's cells.
     pub(crate) fn of(cells: &[Cell]) -> Self {
-        let number =
-            |cell: &Cell| if let Cell::Number(number) = cell { Some(Self::number(number)) } else { None };
+        let number = |cell: &Cell| {
+            if let Cell::Number(number) = cell { Some(Self::number(number)) } else { None }
+        };
         cells.iter().filter_map(number).fold(Self::default(), Self::both)
     }
 

@@ -3,7 +3,8 @@
 mod device;
 
 use crate::limits::{
-    MOST_PARTICIPANTS, MOST_SCALE, MOST_SESSIONS, MOST_SWEEPS, MOST_THREADS, positive, rate, tolerance,
+    MOST_PARTICIPANTS, MOST_SCALE, MOST_SESSIONS, MOST_SWEEPS, MOST_THREADS, positive, rate,
+    tolerance,
 };
 use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand, ValueEnum};
@@ -16,8 +17,8 @@ use zwidth_tables::Format;
 
 /// Force-feedback studies: from raw recordings to figures, tables and a summary.
 ///
-/// Exit codes: 0 fine, 1 failed, 2 bad arguments, 3 done but something was skipped or lost, or is to be read with care
-/// (and listed).
+/// Exit codes: 0 fine, 1 failed, 2 bad arguments, 3 done but something was skipped or lost, or is
+/// to be read with care (and listed).
 #[derive(Debug, Parser)]
 #[command(name = "zwidth", version, max_term_width = 100)]
 pub(crate) struct Args {
@@ -103,13 +104,17 @@ pub(crate) struct Run {
     /// Say what would be made, and why; make nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
+    /// Files say nothing of their making, so that two programs' bytes can be compared
+    #[arg(long, hide = true)]
+    pub(crate) without_origin: bool,
 }
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Recover {
     /// The study
     pub(crate) study: StudyId,
-    /// Accept a study.toml that has changed since sessions began: `verify` notes it then, and warns no more
+    /// Accept a study.toml that has changed since sessions began: `verify` notes it then, and
+    /// warns no more
     #[arg(long)]
     pub(crate) accept_study_change: bool,
     /// Of this participant's session alone
@@ -124,7 +129,8 @@ pub(crate) struct Recover {
 pub(crate) struct Acquire {
     /// The study
     pub(crate) study: StudyId,
-    /// The participant's code; the number at its end says which order, without one it is that of appearance
+    /// The participant's code; the number at its end says which order, without one it is that of
+    /// appearance
     #[arg(long, short, value_name = "P01")]
     pub(crate) participant: ParticipantId,
     /// The session
@@ -145,7 +151,8 @@ pub(crate) struct Acquire {
     /// Rate of the control loop, Hz [default: the study's]
     #[arg(long, value_name = "HZ", value_parser = rate)]
     pub(crate) rate: Option<f64>,
-    /// Seed of the order and of the simulated device [default: from the study's id; secret if it is blinded]
+    /// Seed of the order and of the simulated device [default: from the study's id; secret if it
+    /// is blinded]
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
     /// A simulated clock: as fast as the machine can (simulated devices only)
@@ -156,7 +163,8 @@ pub(crate) struct Acquire {
     /// Use the motor of a device without a watchdog; every trial is marked
     #[arg(long)]
     pub(crate) no_watchdog: bool,
-    /// Go on with a session although study.toml has changed in what it records: by the session's own copy; its log says so
+    /// Go on with a session although study.toml has changed in what it records: by the session's
+    /// own copy; its log says so
     #[arg(long)]
     pub(crate) accept_study_change: bool,
 }
@@ -262,7 +270,8 @@ pub(crate) struct Import {
     pub(crate) files: Vec<PathBuf>,
 }
 
-/// What --tolerance is unless told otherwise: [`zwidth_simulate::DEFAULT_TOLERANCE`] as people write it.
+/// What --tolerance is unless told otherwise: [`zwidth_simulate::DEFAULT_TOLERANCE`] as people
+/// write it.
 const DEFAULT_TOLERANCE: &str = "1e-9";
 
 #[derive(Debug, clap::Args)]
@@ -273,7 +282,8 @@ pub(crate) struct Simulate {
     /// The solver
     #[arg(long, value_name = "NAME", default_value = DEFAULT_SOLVER, value_parser = PossibleValuesParser::new(SOLVERS))]
     pub(crate) solver: String,
-    /// Time between samples in s, which is the step of solvers of a fixed step [default: the scene's]
+    /// Time between samples in s, which is the step of solvers of a fixed step [default: the
+    /// scene's]
     #[arg(long, value_name = "S", value_parser = positive)]
     pub(crate) step: Option<f64>,
     /// Relative error a step that dormand_prince and tr_bdf2 aim for
@@ -282,7 +292,8 @@ pub(crate) struct Simulate {
     /// Folder to write to [default: reports/simulate]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Every solver at steps from 8.3 ms down: which oscillation is the method's, and which the model's
+    /// Every solver at steps from 8.3 ms down: which oscillation is the method's, and which the
+    /// model's
     #[arg(long)]
     pub(crate) chattering: bool,
     /// Instead of pushing the lever, move it from stop to stop and back: force against angle
@@ -304,7 +315,8 @@ pub(crate) struct Table {
 /// A result asked about.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Traced {
-    /// A file under derived/ or reports/, from the current folder or from --root on; or a copy of one, anywhere
+    /// A file under derived/ or reports/, from the current folder or from --root on; or a copy of
+    /// one, anywhere
     pub(crate) path: PathBuf,
 }
 

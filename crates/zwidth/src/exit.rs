@@ -22,6 +22,8 @@ pub(crate) fn guarded(program: impl FnOnce() -> anyhow::Result<Exit>) -> anyhow:
             .map(String::as_str)
             .or_else(|| payload.downcast_ref::<&str>().copied())
             .unwrap_or("no message");
-        Err(anyhow!("zwidth has a defect and stopped ({words}); nothing was half-written; please report it"))
+        Err(anyhow!(
+            "zwidth has a defect and stopped ({words}); nothing was half-written; please report it"
+        ))
     })
 }

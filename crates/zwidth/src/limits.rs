@@ -1,17 +1,19 @@
-//! What numbers on the command line can be: none of them decides without a limit how much memory or time is taken.
+//! What numbers on the command line can be: none of them decides without a limit how much memory or
+//! time is taken.
 
 /// Threads at most: more than any machine that is known to run this has cores.
 pub(crate) const MOST_THREADS: i64 = 1024;
 /// Sweeps at most that one command records.
 pub(crate) const MOST_SWEEPS: i64 = 1000;
-/// Participants at most of a simulated study, sessions of each, and times that its design is repeated: a terabyte is
-/// reached before.
+/// Participants at most of a simulated study, sessions of each, and times that its design is
+/// repeated: a terabyte is reached before.
 pub(crate) const MOST_PARTICIPANTS: i64 = 1000;
 pub(crate) const MOST_SESSIONS: i64 = 100;
 pub(crate) const MOST_SCALE: i64 = 10_000;
 /// Rates of the control loop, Hz: a tick a second at least, and no more than study.toml can have.
 const RATES_HZ: [f64; 2] = [1.0, 100_000.0];
-/// Relative errors a step that a solver can aim for: below, it would halve its steps until rounding stops it.
+/// Relative errors a step that a solver can aim for: below, it would halve its steps until rounding
+/// stops it.
 const TOLERANCES: [f64; 2] = [1e-14, 1.0];
 
 /// A number from one to the other.
@@ -58,7 +60,10 @@ mod tests {
             (&["twin", "s", "--sessions", "4000000000"], "1..=100"),
             (&["twin", "s", "--scale", "4000000000"], "1..=10000"),
             (&["twin", "s", "--rate", "1e300"], "from 1.0 to 100000.0"),
-            (&["acquire", "s", "-p", "P01", "-s", "S01", "--rate", "1e-300"], "from 1.0 to 100000.0"),
+            (
+                &["acquire", "s", "-p", "P01", "-s", "S01", "--rate", "1e-300"],
+                "from 1.0 to 100000.0",
+            ),
             (&["check", "s", "--rate", "nan"], "from 1.0 to 100000.0"),
             (&["simulate", "a.toml", "--tolerance", "1e-300"], "from 1e-14 to 1.0"),
         ] {

@@ -1,4 +1,5 @@
-//! The command line: `zwidth`. This file is the table of contents; each command is a file of its own.
+//! The command line: `zwidth`. This file is the table of contents; each command is a file of its
+//! own.
 
 mod args;
 mod commands;
@@ -16,7 +17,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    // A decoder's panic on a damaged file is caught and told as an error of that file; its own words would only confuse.
+    // A decoder's panic on a damaged file is caught and told as an error of that file; its own
+    // words would only confuse.
     std::panic::set_hook(Box::new(|_| {}));
     let args = Args::parse();
     let screen = screen::Screen::new(args.quiet, args.verbose, args.json);
@@ -31,8 +33,9 @@ fn main() -> ExitCode {
 fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
     if let Some(threads) = args.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        pool.build_global()
-            .with_context(|| format!("cannot start {threads} threads; choose fewer with --threads"))?;
+        pool.build_global().with_context(|| {
+            format!("cannot start {threads} threads; choose fewer with --threads")
+        })?;
     }
     // "./raw" reads as "raw" in everything that is printed.
     let root = if args.root == Path::new(".") { Path::new("") } else { &args.root };
@@ -41,7 +44,9 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::New { study } => commands::new::new(root, study, screen),
         Command::Acquire(command) => commands::acquire::acquire(root, &command, screen),
         Command::Check(command) => commands::check::check(root, &command, screen),
-        Command::Characterise(command) => commands::characterise::characterise(root, &command, screen),
+        Command::Characterise(command) => {
+            commands::characterise::characterise(root, &command, screen)
+        }
         Command::Twin(command) => commands::twin::twin(root, &command, screen),
         Command::Unseal(command) => commands::unseal::unseal(root, &command, screen),
         Command::Recover(command) => commands::recover::recover(root, &command, screen),

@@ -16,14 +16,18 @@ pub(crate) struct Screen {
 
 impl Screen {
     pub(crate) fn new(quiet: bool, verbose: bool, json: bool) -> Self {
-        let colour =
-            std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+        let colour = std::io::stderr().is_terminal()
+            && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
         Self { quiet, verbose, json, bold: colour }
     }
 
     /// A result, on standard output. A reader that went away (`| head`) is no error.
     pub(crate) fn result(&self, text: impl AsRef<str>) {
-        let _ = writeln!(std::io::stdout(), "{}", printable_lines(text.as_ref().trim_end_matches('\n')));
+        let _ = writeln!(
+            std::io::stdout(),
+            "{}",
+            printable_lines(text.as_ref().trim_end_matches('\n'))
+        );
     }
 
     /// A file's text, on standard output: as it is for a program that reads it, safe on a terminal.
@@ -60,7 +64,12 @@ impl Screen {
     /// What made the program fail.
     pub(crate) fn error(&self, error: &anyhow::Error) {
         let text = format!("{error:#}");
-        let _ = writeln!(std::io::stderr(), "{} {}", self.paint("error:", "31"), printable_lines(&text));
+        let _ = writeln!(
+            std::io::stderr(),
+            "{} {}",
+            self.paint("error:", "31"),
+            printable_lines(&text)
+        );
     }
 
     /// A progress bar; none where nobody looks.
@@ -74,7 +83,8 @@ impl Screen {
         Bars::new(stages, self.target())
     }
 
-    /// Where bars go: indicatif draws none where standard error is no terminal, or one that cannot move its cursor.
+    /// Where bars go: indicatif draws none where standard error is no terminal, or one that cannot
+    /// move its cursor.
     fn target(&self) -> ProgressDrawTarget {
         if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() }
     }
@@ -96,11 +106,16 @@ pub(crate) struct Bars {
 }
 
 impl Bars {
-    fn new(stages: impl IntoIterator<Item = (&'static str, usize)>, target: ProgressDrawTarget) -> Self {
+    fn new(
+        stages: impl IntoIterator<Item = (&'static str, usize)>,
+        target: ProgressDrawTarget,
+    ) -> Self {
         let all = MultiProgress::with_draw_target(target);
         let bar = |(stage, length): (&'static str, usize)| {
             let bar = all.add(ProgressBar::new(length as u64));
-            let bar = bar.with_style(style("{prefix:>13}  {bar:30} {pos}/{len} {msg}")).with_prefix(stage);
+            let bar = bar
+                .with_style(style("{prefix:>13}  {bar:30} {pos}/{len} {msg}"))
+                .with_prefix(stage);
             (stage, bar)
         };
         Self { stages: stages.into_iter().map(bar).collect(), all }

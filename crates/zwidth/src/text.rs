@@ -10,7 +10,8 @@ const MOST_BESIDE: u64 = 1 << 25;
 /// Bytes of a scene (64 MiB): one may hold a recorded series.
 const MOST_SCENE: u64 = 1 << 26;
 
-/// The text of a file beside `study.toml`, if anything stands there. A link is refused, not followed.
+/// The text of a file beside `study.toml`, if anything stands there. A link is refused, not
+/// followed.
 pub(crate) fn beside(path: &Path) -> anyhow::Result<Option<String>> {
     if path.symlink_metadata().is_err() {
         return Ok(None);

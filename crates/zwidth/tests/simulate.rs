@@ -41,7 +41,8 @@ fn two_scenes_give_their_own_files_and_those_they_share() {
     }
     for name in ["ramp.trajectory", "ramp.events", "step.trajectory", "step.events"] {
         assert!(
-            reports.join(format!("{name}.parquet")).exists() && reports.join(format!("{name}.csv")).exists()
+            reports.join(format!("{name}.parquet")).exists()
+                && reports.join(format!("{name}.csv")).exists()
         );
     }
     let svg = std::fs::read_to_string(reports.join("ramp.svg")).unwrap();
@@ -82,7 +83,8 @@ fn a_bow_tie_is_drawn_instead_of_a_run() {
     let root = folder("bow_tie");
     let scene = scene("two_actuators");
     let out = root.join("elsewhere");
-    let output = simulate(&root, &[scene.to_str().unwrap(), "--bow-tie", "--out", out.to_str().unwrap()]);
+    let output =
+        simulate(&root, &[scene.to_str().unwrap(), "--bow-tie", "--out", out.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(out.join("two_actuators.bow_tie.png").exists());
     assert!(!out.join("two_actuators.png").exists());

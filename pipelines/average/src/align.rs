@@ -20,7 +20,11 @@ pub(crate) struct Aligned<'a> {
 
 impl<'a> Aligned<'a> {
     /// Places `trial` at its onset, or says why it has none.
-    pub(crate) fn new(trial: &'a Trial, analysis: &Analysis, wall_rad: Option<f64>) -> Result<Self, WhyNot> {
+    pub(crate) fn new(
+        trial: &'a Trial,
+        analysis: &Analysis,
+        wall_rad: Option<f64>,
+    ) -> Result<Self, WhyNot> {
         let t = trial.samples.get(Signal::Time).unwrap_or_default();
         let theta = trial.samples.get(Signal::Theta).ok_or(WhyNot::NoAngle)?;
         let velocity = trial.samples.get(Signal::ThetaDot).ok_or(WhyNot::NoVelocity)?;
@@ -28,7 +32,8 @@ impl<'a> Aligned<'a> {
         let moving = moving.ok_or(WhyNot::NoMovement)?;
         let found = phases(theta, moving.onset, moving.end.unwrap_or(t.len() - 1));
         let wall_s = wall_rad.and_then(|wall| first_passing(t, theta, wall));
-        let landmarks = [Some(t[found.onset]), wall_s, Some(t[found.reversal]), moving.end.map(|end| t[end])];
+        let landmarks =
+            [Some(t[found.onset]), wall_s, Some(t[found.reversal]), moving.end.map(|end| t[end])];
         let onset_s = t[moving.onset];
         Ok(Self {
             trial,
@@ -100,11 +105,13 @@ pub(crate) fn check_lengths(trial: &Trial) -> Result<(), AverageError> {
 /// Repeats of one length differ by no more than this share of it after their onset is taken off.
 const ROUNDING: f64 = 1e-9;
 
-/// How long the average lasts, s: as long as at least half of the repeats do (with `lengths_s` not empty).
+/// How long the average lasts, s: as long as at least half of the repeats do (with `lengths_s` not
+/// empty).
 pub(crate) fn average_length_s(mut lengths_s: Vec<f64>) -> f64 {
     lengths_s.sort_by(|a, b| b.total_cmp(a));
     let half = lengths_s[lengths_s.len().div_ceil(2) - 1];
-    // the shortest of those that last as long but for rounding: none is to drop out at the last point
+    // the shortest of those that last as long but for rounding: none is to drop out at the last
+    // point
     lengths_s.into_iter().filter(|l| *l >= half * (1.0 - ROUNDING)).fold(half, f64::min)
 }
 

@@ -5,7 +5,9 @@ use crate::landmarks::Landmark;
 use crate::{AverageError, WhyNot};
 use zwidth_stats::band::{Band, band};
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Alignment, Analysis, Condition, ParticipantId, Scene, SessionId, Source, Study};
+use zwidth_study::{
+    Alignment, Analysis, Condition, ParticipantId, Scene, SessionId, Source, Study,
+};
 
 /// A quantity that is averaged: the signal, and how its columns are called.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,7 +77,8 @@ pub struct Average {
     pub source: Source,
     /// How the repeats were made to meet.
     pub alignment: Alignment,
-    /// Landmarks and their mean times since onset, s, in order; empty where repeats are aligned at onset alone.
+    /// Landmarks and their mean times since onset, s, in order; empty where repeats are aligned at
+    /// onset alone.
     pub landmarks: Vec<(Landmark, f64)>,
     /// The grid: time since onset, s; aligned by landmarks, on the scale of their mean times.
     pub t_s: Vec<f64>,
@@ -89,16 +92,21 @@ pub struct Average {
     pub courses: Vec<Course>,
 }
 
-/// The mean course of `trials`: the repeats of one condition by one participant in one session, in any number.
+/// The mean course of `trials`: the repeats of one condition by one participant in one session, in
+/// any number.
 ///
-/// A repeat that cannot be placed (no velocity, no movement; for landmarks, no end) is left out and listed; the
-/// result says so.
+/// A repeat that cannot be placed (no velocity, no movement; for landmarks, no end) is left out and
+/// listed; the result says so.
 ///
 /// # Errors
-/// [`AverageError::WhyNot`] where there is no average and no fault: free motion, or no repeat that can be placed
-/// (the first one's reason). Otherwise: no trial, trials of different conditions, an environment that is not in the
-/// study, columns of unequal length.
-pub fn average(trials: &[Trial], study: &Study, alignment: Alignment) -> Result<Average, AverageError> {
+/// [`AverageError::WhyNot`] where there is no average and no fault: free motion, or no repeat that
+/// can be placed (the first one's reason). Otherwise: no trial, trials of different conditions, an
+/// environment that is not in the study, columns of unequal length.
+pub fn average(
+    trials: &[Trial],
+    study: &Study,
+    alignment: Alignment,
+) -> Result<Average, AverageError> {
     let first = trials.first().ok_or(AverageError::Empty)?;
     let Placed { aligned, left_out, landmarks } = place(trials, study, alignment)?;
     let points = study.analysis.grid_points;
@@ -123,7 +131,8 @@ pub fn average(trials: &[Trial], study: &Study, alignment: Alignment) -> Result<
     })
 }
 
-/// When each sample of each of the trials comes on the scale of their average, s; `None` for a repeat that is not in it.
+/// When each sample of each of the trials comes on the scale of their average, s; `None` for a
+/// repeat that is not in it.
 ///
 /// # Errors
 /// Those of [`average`].
@@ -144,7 +153,11 @@ struct Placed<'a> {
     landmarks: Vec<(Landmark, f64)>,
 }
 
-fn place<'a>(trials: &'a [Trial], study: &Study, alignment: Alignment) -> Result<Placed<'a>, AverageError> {
+fn place<'a>(
+    trials: &'a [Trial],
+    study: &Study,
+    alignment: Alignment,
+) -> Result<Placed<'a>, AverageError> {
     let first = trials.first().ok_or(AverageError::Empty)?;
     check_together(trials)?;
     let wall_rad = wall(first, study)?;
@@ -165,7 +178,8 @@ fn check_together(trials: &[Trial]) -> Result<(), AverageError> {
     }
 }
 
-/// Where the wall of the trial's environment begins, if it has one; an error where nothing is rendered to average.
+/// Where the wall of the trial's environment begins, if it has one; an error where nothing is
+/// rendered to average.
 fn wall(trial: &Trial, study: &Study) -> Result<Option<f64>, AverageError> {
     let id = &trial.meta.environment;
     let unknown = || AverageError::UnknownEnvironment { environment: id.clone() };
@@ -199,13 +213,19 @@ fn align<'a>(
 
 fn repeat(aligned: &Aligned) -> Repeat {
     let meta = &aligned.trial().meta;
-    Repeat { trial: meta.trial, repeat: meta.repeat, onset_s: aligned.onset_s, length_s: aligned.length_s() }
+    Repeat {
+        trial: meta.trial,
+        repeat: meta.repeat,
+        onset_s: aligned.onset_s,
+        length_s: aligned.length_s(),
+    }
 }
 
 fn courses(aligned: &[Aligned], t_s: &[f64], level: f64) -> Result<Vec<Course>, AverageError> {
     let mut courses = Vec::new();
     for quantity in QUANTITIES {
-        let rows: Option<Vec<_>> = aligned.iter().map(|a| a.on_grid(quantity.signal, t_s)).collect();
+        let rows: Option<Vec<_>> =
+            aligned.iter().map(|a| a.on_grid(quantity.signal, t_s)).collect();
         let Some(repeats) = rows else { continue };
         courses.push(Course { quantity, band: band(&repeats, level)? });
     }
@@ -227,8 +247,8 @@ mod tests {
 
     #[test]
     fn by_landmarks_every_repeat_turns_when_the_mean_does_and_one_without_an_end_has_no_place() {
-        let mut trials =
-            [(1.0, 0.5), (0.6, 0.9), (0.8, 0.7)].map(|(there, back)| there_and_back(1, there, back));
+        let mut trials = [(1.0, 0.5), (0.6, 0.9), (0.8, 0.7)]
+            .map(|(there, back)| there_and_back(1, there, back));
         let turns = |trial: &Trial, times: &[f64]| {
             let theta = trial.samples.get(Signal::Theta).unwrap();
             let top = (0..theta.len()).max_by(|i, j| theta[*i].total_cmp(&theta[*j])).unwrap();
@@ -261,7 +281,8 @@ mod tests {
         assert!((onsets[1] - onsets[0] - 0.5).abs() < 1e-12);
     }
 
-    /// Three repeats scaled 0.9, 1.0, 1.1: mean 1, SD 0.1, half width t(0.975, 2) 0.1 / √3, of θ − rest.
+    /// Three repeats scaled 0.9, 1.0, 1.1: mean 1, SD 0.1, half width t(0.975, 2) 0.1 / √3, of θ −
+    /// rest.
     #[test]
     fn mean_sd_and_band_are_those_of_the_repeats_at_each_time() {
         let trials = [repeat(1, 0.3, 0.9, 3.0), repeat(2, 0.3, 1.0, 3.0), repeat(3, 0.3, 1.1, 3.0)];
@@ -288,10 +309,18 @@ mod tests {
         let third_longest = found.repeats[0].length_s;
         assert_eq!(found.t_s.last(), Some(&third_longest));
         assert_eq!((found.n[0], found.n.last()), (5, Some(&3)));
-        assert!(found.notes()[0].contains("fewer than half of the 5 repeats"), "{:?}", found.notes());
+        assert!(
+            found.notes()[0].contains("fewer than half of the 5 repeats"),
+            "{:?}",
+            found.notes()
+        );
         // of five repeats the mean loses the two shortest on its way
         assert_eq!(found.drops().iter().map(|d| d.1).collect::<Vec<_>>(), [4, 3]);
-        assert!(found.notes()[0].contains("number of repeats falls: to 4 at 2.4"), "{:?}", found.notes());
+        assert!(
+            found.notes()[0].contains("number of repeats falls: to 4 at 2.4"),
+            "{:?}",
+            found.notes()
+        );
         let even = at_onset(&[repeat(1, 0.3, 1.0, 3.0)], &study());
         assert!(even.notes().is_empty());
     }
@@ -305,11 +334,12 @@ mod tests {
         assert!(found.notes()[0].contains("no repeat lasts longer"), "{:?}", found.notes());
     }
 
-    /// There in 1.0, 1.4 and 1.2 s, back in 0.8, 1.2 and 1.6 s: three warps of one raised cosine, so that aligned by
-    /// landmarks it comes out as itself, there in 1.2 s and back in 1.2 s.
+    /// There in 1.0, 1.4 and 1.2 s, back in 0.8, 1.2 and 1.6 s: three warps of one raised cosine,
+    /// so that aligned by landmarks it comes out as itself, there in 1.2 s and back in 1.2 s.
     #[test]
     fn landmarks_keep_what_an_average_at_onset_smears() {
-        let trials = [there_and_back(1, 1.0, 0.8), there_and_back(2, 1.4, 1.2), there_and_back(3, 1.2, 1.6)];
+        let trials =
+            [there_and_back(1, 1.0, 0.8), there_and_back(2, 1.4, 1.2), there_and_back(3, 1.2, 1.6)];
         let mut study = study();
         (study.analysis.onset_rad_s, study.analysis.offset_rad_s) = (1e-9, 1e-10);
         let spring = study.environments[0].scene.spring().unwrap();
@@ -326,10 +356,15 @@ mod tests {
             assert!((mean.unwrap() - expect).abs() < 2e-3, "{mean:?} against {expect} at {t}");
         }
         assert!(theta.band.sd.iter().all(|sd| sd.unwrap() < 2e-3));
-        let peak =
-            |a: &Average| course(a, Signal::Theta).band.mean.iter().flatten().copied().fold(0.0, f64::max);
+        let peak = |a: &Average| {
+            course(a, Signal::Theta).band.mean.iter().flatten().copied().fold(0.0, f64::max)
+        };
         assert!(peak(&found) > 0.999 && peak(&at_onset(&trials, &study)) < 0.97);
-        assert!(found.notes().iter().any(|n| n.contains("wall contact 0.599 s")), "{:?}", found.notes());
+        assert!(
+            found.notes().iter().any(|n| n.contains("wall contact 0.599 s")),
+            "{:?}",
+            found.notes()
+        );
     }
 
     #[test]
@@ -407,7 +442,8 @@ mod tests {
         assert_eq!(mixed, Err(AverageError::Mixed { trial: 2 }));
         check_reason(|_, s| s.analysis.grid_points = 1, AverageError::Grid { points: 1 });
         let found = (3.0 * RATE_HZ) as usize + 1;
-        let ragged = AverageError::Ragged { trial: 1, column: "force_ex_n", expected: found, found: 1 };
+        let ragged =
+            AverageError::Ragged { trial: 1, column: "force_ex_n", expected: found, found: 1 };
         check_reason(|t, _| t.samples.set(Signal::ForceEx, vec![0.0]), ragged);
     }
 }

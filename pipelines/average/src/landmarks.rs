@@ -31,12 +31,13 @@ impl fmt::Display for Landmark {
     }
 }
 
-/// When a repeat passes each landmark, s since its onset, in the order of [`Landmark::ALL`]; `None` where it does not.
+/// When a repeat passes each landmark, s since its onset, in the order of [`Landmark::ALL`]; `None`
+/// where it does not.
 pub(crate) type Times = [Option<f64>; 4];
 
-/// The landmarks that every repeat passes, each after the one before; start and end always (they must be there).
-/// A wall that one repeat does not reach, or a reversal that coincides with the end because a brake holds the lever,
-/// is no landmark for any of them.
+/// The landmarks that every repeat passes, each after the one before; start and end always (they
+/// must be there). A wall that one repeat does not reach, or a reversal that coincides with the end
+/// because a brake holds the lever, is no landmark for any of them.
 pub(crate) fn shared(repeats: &[Times]) -> Vec<Landmark> {
     let [start, wall, reversal, end] = Landmark::ALL;
     let mut shared = vec![start];
@@ -54,9 +55,9 @@ pub(crate) fn shared(repeats: &[Times]) -> Vec<Landmark> {
     shared
 }
 
-/// The time t of a repeat that passes landmarks at `own` times, on the scale where they are at `common` times: piecewise
-/// linear between them, and past the last a shift. Both increase and are of one length; times before the first
-/// landmark shift with it.
+/// The time t of a repeat that passes landmarks at `own` times, on the scale where they are at
+/// `common` times: piecewise linear between them, and past the last a shift. Both increase and are
+/// of one length; times before the first landmark shift with it.
 pub(crate) fn warp(t: f64, own: &[f64], common: &[f64]) -> f64 {
     let after = own.partition_point(|own| *own <= t);
     let Some(before) = after.checked_sub(1) else {

@@ -1,28 +1,34 @@
-//! Stage: the mean of the repeats of a condition, aligned at movement onset or by landmarks, with its band.
+//! Stage: the mean of the repeats of a condition, aligned at movement onset or by landmarks, with
+//! its band.
 //!
-//! [`average`] takes the repeats of one condition by one participant in one session and gives their mean course in
-//! time, or the reason why there is none; [`table`] puts the means of many conditions together.
+//! [`average`] takes the repeats of one condition by one participant in one session and gives their
+//! mean course in time, or the reason why there is none; [`table`] puts the means of many
+//! conditions together.
 //!
 //! * **Alignment at onset**: t = 0 is each repeat's movement onset, its first sample with |θ̇| above
-//!   `analysis.onset_rad_s`. A repeat lasts from there to its last sample; what lies before is left out.
-//! * **Alignment by landmarks**: in addition, the time of each repeat is warped, piecewise linearly, so that its start,
-//!   wall contact, reversal and end meet the mean times of these over the repeats (Kneip & Gasser 1992, Ann. Stat.
-//!   20:1266). After the end it is shifted. A landmark that one repeat does not pass, or not in this order, is none for
-//!   the condition. Values are not changed, only their times: the mean of θ̇ is not the derivative of the mean of θ.
-//! * **Grid**: `analysis.grid_points` even times from 0 to where the average ends: the longest time that at least
-//!   half of the repeats reach. Values between samples are on the straight line between them.
-//! * **Mean, SD and band**: at each time over the n repeats that reach it, n a column: where it falls the mean may
-//!   jump, and the notes say where; the band is the mean's Student-t
-//!   interval with n − 1 degrees of freedom at `analysis.confidence`. It is pointwise: it covers each
-//!   time, not the whole curve. One repeat has a mean and no band.
+//!   `analysis.onset_rad_s`. A repeat lasts from there to its last sample; what lies before is left
+//!   out.
+//! * **Alignment by landmarks**: in addition, the time of each repeat is warped, piecewise
+//!   linearly, so that its start, wall contact, reversal and end meet the mean times of these over
+//!   the repeats (Kneip & Gasser 1992, Ann. Stat. 20:1266). After the end it is shifted. A landmark
+//!   that one repeat does not pass, or not in this order, is none for the condition. Values are not
+//!   changed, only their times: the mean of θ̇ is not the derivative of the mean of θ.
+//! * **Grid**: `analysis.grid_points` even times from 0 to where the average ends: the longest time
+//!   that at least half of the repeats reach. Values between samples are on the straight line
+//!   between them.
+//! * **Mean, SD and band**: at each time over the n repeats that reach it, n a column: where it
+//!   falls the mean may jump, and the notes say where; the band is the mean's Student-t interval
+//!   with n − 1 degrees of freedom at `analysis.confidence`. It is pointwise: it covers each time,
+//!   not the whole curve. One repeat has a mean and no band.
 //! * A quantity that is not recorded in every repeat is null.
 //!
-//! A mean aligned at onset smears what repeats do at different times (the reversal, the contact with a wall): peaks of
-//! the mean are lower than the mean of the peaks. The mean aligned by landmarks keeps them, at the price of a time scale
-//! that is no repeat's own; the metrics table has the mean of the peaks.
+//! A mean aligned at onset smears what repeats do at different times (the reversal, the contact
+//! with a wall): peaks of the mean are lower than the mean of the peaks. The mean aligned by
+//! landmarks keeps them, at the price of a time scale that is no repeat's own; the metrics table
+//! has the mean of the peaks.
 //!
-//! Pure: trials in memory, tables out; the same trials give the same bits. Only trials that count may come in
-//! (`StudyData::counting`): the caller filters.
+//! Pure: trials in memory, tables out; the same trials give the same bits. Only trials that count
+//! may come in (`StudyData::counting`): the caller filters.
 
 mod align;
 mod average;

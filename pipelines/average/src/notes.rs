@@ -6,15 +6,17 @@ use crate::Average;
 pub const ENDS_AT: &str = "the average ends at";
 
 impl Average {
-    /// In words: where the average ends and where repeats drop out of it before, by which landmarks it is aligned,
-    /// and which trials are not in it.
+    /// In words: where the average ends and where repeats drop out of it before, by which landmarks
+    /// it is aligned, and which trials are not in it.
     pub fn notes(&self) -> Vec<String> {
         let name = format!(
             "{} {} {} {}",
             self.participant, self.session, self.condition.environment, self.condition.mode
         );
-        let left_out =
-            self.left_out.iter().map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
+        let left_out = self
+            .left_out
+            .iter()
+            .map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
         let notes = self.end_note(&name).into_iter().chain(self.landmark_note(&name));
         notes.chain(left_out).collect()
     }
@@ -34,7 +36,10 @@ impl Average {
         let drops: Vec<_> = drops.iter().map(|(t, n)| format!("to {n} at {t:.3} s")).collect();
         let jumps = match drops.is_empty() {
             true => String::new(),
-            false => format!(" The mean may jump where the number of repeats falls: {}.", drops.join(", ")),
+            false => format!(
+                " The mean may jump where the number of repeats falls: {}.",
+                drops.join(", ")
+            ),
         };
         Some(format!("{name}: {ENDS_AT} {end:.3} s; {why}.{jumps}"))
     }
@@ -50,6 +55,9 @@ impl Average {
             return None;
         }
         let times: Vec<_> = self.landmarks.iter().map(|(l, t)| format!("{l} {t:.3} s")).collect();
-        Some(format!("{name}: aligned by the landmarks that all of its repeats pass: {}.", times.join(", ")))
+        Some(format!(
+            "{name}: aligned by the landmarks that all of its repeats pass: {}.",
+            times.join(", ")
+        ))
     }
 }

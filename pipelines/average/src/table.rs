@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use zwidth_stats::band::Band;
 use zwidth_tables::{Column, Table, TableError};
 
-/// The four columns of a quantity: what stands between stem and unit in the name, the meaning, the values.
+/// The four columns of a quantity: what stands between stem and unit in the name, the meaning, the
+/// values.
 type Part = (&'static str, &'static str, fn(&Band) -> &[Option<f64>]);
 
 const PARTS: [Part; 4] = [
@@ -15,10 +16,10 @@ const PARTS: [Part; 4] = [
     ("ci_high", "upper end of the mean's pointwise t interval", |b| &b.ci_high),
 ];
 
-/// One row a point of time of each average: participant, session, environment, mode, source, `alignment` (`onset` or
-/// `landmarks`), `t_s` since onset, `n` repeats, and mean, SD and band of each quantity (null where not every repeat
-/// has it). Notes say where an average ends and where repeats drop out of it, its landmarks, and which trials are not in
-/// it.
+/// One row a point of time of each average: participant, session, environment, mode, source,
+/// `alignment` (`onset` or `landmarks`), `t_s` since onset, `n` repeats, and mean, SD and band of
+/// each quantity (null where not every repeat has it). Notes say where an average ends and where
+/// repeats drop out of it, its landmarks, and which trials are not in it.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -55,12 +56,19 @@ fn identity<'a, I: Iterator<Item = (&'a Average, usize)>>(rows: impl Fn() -> I) 
         text("environment", "what was rendered", |a| a.condition.environment.as_str()),
         text("mode", "how it was rendered", |a| a.condition.mode.as_str()),
         text("source", "recorded, twin or imported", |a| a.source.as_str()),
-        text("alignment", "what the repeats were aligned at: onset or landmarks", |a| a.alignment.as_str()),
+        text("alignment", "what the repeats were aligned at: onset or landmarks", |a| {
+            a.alignment.as_str()
+        }),
     ]
 }
 
 /// A column whose name and description are made here rather than written out.
-fn renamed(quantity: Quantity, name: String, description: String, values: Vec<Option<f64>>) -> Column {
+fn renamed(
+    quantity: Quantity,
+    name: String,
+    description: String,
+    values: Vec<Option<f64>>,
+) -> Column {
     let mut column = Column::float("", quantity.signal.column().unit, "", values);
     column.field.name = Cow::Owned(name);
     column.field.description = Cow::Owned(description);

@@ -1,7 +1,7 @@
 //! Whether the command was on its way up or down: an actuator may answer the two differently.
 
-/// A command that falls back (or recovers) by more than this share of its sweep's span has turned; less is
-/// jitter of a measured command.
+/// A command that falls back (or recovers) by more than this share of its sweep's span has turned;
+/// less is jitter of a measured command.
 const TURN: f64 = 0.02;
 
 /// The way the command was going.
@@ -48,15 +48,16 @@ impl Branch {
 
 /// The branch of each sample of one sweep, in the order of recording.
 ///
-/// A branch ends at its furthest command (the last of equals) as soon as the command has come back from there
-/// by more than 2 % of the sweep's span. Samples left out of the recording do not matter: only the commands'
-/// order does. A command that never moves is on its way up.
+/// A branch ends at its furthest command (the last of equals) as soon as the command has come back
+/// from there by more than 2 % of the sweep's span. Samples left out of the recording do not
+/// matter: only the commands' order does. A command that never moves is on its way up.
 pub fn branches(command: &[f64]) -> Vec<Branch> {
     let highest = command.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let lowest = command.iter().copied().fold(f64::INFINITY, f64::min);
     let threshold = TURN * (highest - lowest);
     let moved = |x: &f64| (x - command[0]).abs() > threshold;
-    let mut branch = command.iter().find(|x| moved(x)).map_or(Branch::Up, |x| first(command[0], *x));
+    let mut branch =
+        command.iter().find(|x| moved(x)).map_or(Branch::Up, |x| first(command[0], *x));
     let (mut found, mut furthest) = (Vec::with_capacity(command.len()), 0);
     for (i, &x) in command.iter().enumerate() {
         found.push(branch);

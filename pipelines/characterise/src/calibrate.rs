@@ -7,8 +7,8 @@ use zwidth_study::Characteristic;
 
 /// Places at which a curve is looked at, evenly over its voltages; breaks and plateaus come on top.
 const PLACES: usize = 1024;
-/// Straight lines between knots stay this close to the curve, as a share of the largest force: 7 mN of the brake's
-/// 13 N, less than any load cell here resolves.
+/// Straight lines between knots stay this close to the curve, as a share of the largest force: 7 mN
+/// of the brake's 13 N, less than any load cell here resolves.
 const CLOSENESS: f64 = 5e-4;
 /// A break or plateau within this share of the voltages from their end is at the end.
 const AT_END: f64 = 0.01;
@@ -26,21 +26,28 @@ pub struct Chosen {
     pub voltage_v: (f64, f64),
 }
 
-/// Force against voltage of `actuator` (`motor` or `brake`) by knots, made from its chosen curve (N against V).
+/// Force against voltage of `actuator` (`motor` or `brake`) by knots, made from its chosen curve (N
+/// against V).
 ///
-/// * **No force** is the response at the lowest voltage of the sweeps that is not negative: the load cell's zero and
-///   the friction that the lever meets without the actuator are in it, and are taken off.
-/// * **Hysteresis**: the mean of both branches, as a controller does not ask which way its voltage goes; where one of them
-///   has not turned yet, the mean's tangent. After each turn of the voltage dry friction keeps the response for a while
-///   (a stretch that is flat on one branch alone): neither that nor the other branch's half of the friction is the
-///   actuator's. Flat on both is a dead zone, or an actuator that can give no more, and stays.
-/// * **Knots** lie on that curve: where force begins (0 V, or the end of the dead zone), where it ends to rise, and
-///   in between as many as keep straight lines within 0.05 % of the largest force (Douglas & Peucker 1973): a hinge
-///   has two. They rise strictly, so that forward and inverse undo each other.
+/// * **No force** is the response at the lowest voltage of the sweeps that is not negative: the
+///   load cell's zero and the friction that the lever meets without the actuator are in it, and are
+///   taken off.
+/// * **Hysteresis**: the mean of both branches, as a controller does not ask which way its voltage
+///   goes; where one of them has not turned yet, the mean's tangent. After each turn of the voltage
+///   dry friction keeps the response for a while (a stretch that is flat on one branch alone):
+///   neither that nor the other branch's half of the friction is the actuator's. Flat on both is a
+///   dead zone, or an actuator that can give no more, and stays.
+/// * **Knots** lie on that curve: where force begins (0 V, or the end of the dead zone), where it
+///   ends to rise, and in between as many as keep straight lines within 0.05 % of the largest force
+///   (Douglas & Peucker 1973): a hinge has two. They rise strictly, so that forward and inverse
+///   undo each other.
 ///
 /// # Errors
 /// A curve without a voltage above 0, or whose response does not rise.
-pub fn calibrated(actuator: &'static str, chosen: &Chosen) -> Result<Characteristic, CharacteriseError> {
+pub fn calibrated(
+    actuator: &'static str,
+    chosen: &Chosen,
+) -> Result<Characteristic, CharacteriseError> {
     let (low, high) = (chosen.voltage_v.0.max(0.0), chosen.voltage_v.1);
     let refuse = |problem: String| Err(CharacteriseError::Calibration { actuator, problem });
     if high <= low {
@@ -98,7 +105,8 @@ impl Met {
 impl Chosen {
     fn met(&self, low: f64, high: f64) -> Met {
         let end = AT_END * (high - low);
-        let (breaks, plateaus) = (self.of_branches(Quantity::Break), self.of_branches(Quantity::Plateau));
+        let (breaks, plateaus) =
+            (self.of_branches(Quantity::Break), self.of_branches(Quantity::Plateau));
         let from = breaks.iter().copied().fold(low, f64::max);
         let to = plateaus.iter().copied().fold(high, f64::min);
         let (from, to) = if from < to { (from, to) } else { (low, high) };
@@ -127,17 +135,22 @@ impl Chosen {
 
     /// Mean response of both branches.
     fn response(&self, voltage_v: f64) -> f64 {
-        let [up, down] = Branch::ALL.map(|branch| self.model.predict(&self.parameters, voltage_v, branch));
+        let [up, down] =
+            Branch::ALL.map(|branch| self.model.predict(&self.parameters, voltage_v, branch));
         0.5 * (up + down)
     }
 
     /// Voltages to look at, rising: an even grid with the curve's own kinks and other `corners`.
     fn places(&self, low: f64, high: f64, corners: [f64; 2]) -> Vec<f64> {
-        let is_kink =
-            |(_, _, q): &(Option<Branch>, &str, Quantity)| matches!(q, Quantity::Break | Quantity::Plateau);
+        let is_kink = |(_, _, q): &(Option<Branch>, &str, Quantity)| {
+            matches!(q, Quantity::Break | Quantity::Plateau)
+        };
         let parameters = self.model.parameters();
-        let kinks =
-            parameters.iter().zip(&self.parameters).filter(|(about, _)| is_kink(about)).map(|(_, x)| *x);
+        let kinks = parameters
+            .iter()
+            .zip(&self.parameters)
+            .filter(|(about, _)| is_kink(about))
+            .map(|(_, x)| *x);
         let step = (high - low) / PLACES as f64;
         let even = (0..PLACES).map(|i| low + step * i as f64).chain([high]);
         let mut places: Vec<f64> =
@@ -147,7 +160,8 @@ impl Chosen {
     }
 }
 
-/// The part of a curve that rises, from the last place without force, strictly; forces below 0 count as 0.
+/// The part of a curve that rises, from the last place without force, strictly; forces below 0
+/// count as 0.
 fn rising(curve: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let largest = curve.iter().map(|(_, force)| *force).fold(0.0, f64::max);
     let mut kept: Vec<(f64, f64)> = Vec::with_capacity(curve.len());
@@ -162,8 +176,8 @@ fn rising(curve: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     kept
 }
 
-/// The first and the last point, and recursively the one farthest from the straight line, while it is farther than
-/// `tolerance` in force.
+/// The first and the last point, and recursively the one farthest from the straight line, while it
+/// is farther than `tolerance` in force.
 fn knots(curve: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     let (Some(&first), Some(&last)) = (curve.first(), curve.last()) else { return Vec::new() };
     let slope = (last.1 - first.1) / (last.0 - first.0);
@@ -195,9 +209,11 @@ mod tests {
     }
 
     fn check_knots(found: &Characteristic, expect: &[(f64, f64)]) {
-        let knots: Vec<_> = found.voltage_v.iter().zip(&found.force_n).map(|(v, f)| (*v, *f)).collect();
-        let near =
-            |(a, b): (&(f64, f64), &(f64, f64))| (a.0 - b.0).abs() < 1e-12 && (a.1 - b.1).abs() < 1e-12;
+        let knots: Vec<_> =
+            found.voltage_v.iter().zip(&found.force_n).map(|(v, f)| (*v, *f)).collect();
+        let near = |(a, b): (&(f64, f64), &(f64, f64))| {
+            (a.0 - b.0).abs() < 1e-12 && (a.1 - b.1).abs() < 1e-12
+        };
         assert!(knots.len() == expect.len() && knots.iter().zip(expect).all(near), "{knots:?}");
     }
 
@@ -205,8 +221,14 @@ mod tests {
     fn straight_laws_have_their_corners_as_knots() {
         check_knots(&made("line", &[0.02, 0.26], (0.0, 16.0)), &[(0.0, 0.0), (16.0, 4.16)]);
         check_knots(&made("line", &[0.02, 0.26], (-16.0, 16.0)), &[(0.0, 0.0), (16.0, 4.16)]);
-        check_knots(&made("hinge", &[-0.3, 13.0 / 7.0, 1.0], (0.0, 8.0)), &[(1.0, 0.0), (8.0, 13.0)]);
-        check_knots(&made("saturation", &[0.1, 2.0, 1.3, 7.1], (0.0, 8.0)), &[(1.3, 0.0), (7.1, 11.6)]);
+        check_knots(
+            &made("hinge", &[-0.3, 13.0 / 7.0, 1.0], (0.0, 8.0)),
+            &[(1.0, 0.0), (8.0, 13.0)],
+        );
+        check_knots(
+            &made("saturation", &[0.1, 2.0, 1.3, 7.1], (0.0, 8.0)),
+            &[(1.3, 0.0), (7.1, 11.6)],
+        );
     }
 
     #[test]
@@ -217,8 +239,9 @@ mod tests {
         check_knots(&made("saturation_up_down", &full, (0.0, 8.0)), &[(0.75, 0.0), (6.5, 11.5)]);
     }
 
-    /// A motor of 0.26 N/V that moves its load cell through ±0.078 N of friction, up to 16 V and back: friction turns round
-    /// over the first 0.6 V of each way, and at 16 V the cell has 4.082 N where the motor has 4.16 N.
+    /// A motor of 0.26 N/V that moves its load cell through ±0.078 N of friction, up to 16 V and
+    /// back: friction turns round over the first 0.6 V of each way, and at 16 V the cell has
+    /// 4.082 N where the motor has 4.16 N.
     #[test]
     fn what_friction_keeps_after_a_turn_is_not_the_motors() {
         let (up, down) = ([0.078, 0.26, 0.6, 16.0], [0.078, 0.26, 0.0, 15.4]);
@@ -238,7 +261,8 @@ mod tests {
         }
     }
 
-    /// Every law, through the file: forward(inverse(F)) = F, and inverse(forward(V)) = V where force is made.
+    /// Every law, through the file: forward(inverse(F)) = F, and inverse(forward(V)) = V where
+    /// force is made.
     #[test]
     fn forward_and_inverse_undo_each_other_through_the_file() {
         let laws: [(&str, &[f64]); 5] = [
@@ -254,8 +278,14 @@ mod tests {
             let Calibration { motor, brake } = Calibration::from_toml(&text).unwrap();
             for i in 0..=1000 {
                 let force = brake.max_n() * f64::from(i) / 1000.0;
-                assert!((brake.force_n(brake.voltage_v(force)) - force).abs() < 1e-9, "{name}: {force} N");
-                assert!((motor.force_n(motor.voltage_v(-force)) + force).abs() < 1e-9, "{name}: -{force} N");
+                assert!(
+                    (brake.force_n(brake.voltage_v(force)) - force).abs() < 1e-9,
+                    "{name}: {force} N"
+                );
+                assert!(
+                    (motor.force_n(motor.voltage_v(-force)) + force).abs() < 1e-9,
+                    "{name}: -{force} N"
+                );
             }
         }
     }

@@ -17,19 +17,24 @@ use zwidth_stats::interval::sd;
 /// Commands are gathered into this many bins at most for AICc.
 const BINS: usize = 50;
 
-/// Fits every candidate of [`models::ALL`] to the sweeps, judges each and chooses one (rule: see the crate).
-/// Candidates with hysteresis are there only if the command went both up and down.
+/// Fits every candidate of [`models::ALL`] to the sweeps, judges each and chooses one (rule: see
+/// the crate). Candidates with hysteresis are there only if the command went both up and down.
 ///
 /// # Errors
-/// Columns of unequal length, a NaN or infinity (with sweep and row), fewer than six points or three different
-/// commands, sweeps of which none can be left out, a confidence level outside (0, 1).
-pub fn characterise(sweeps: &[Sweep], settings: &Settings) -> Result<Characteristic, CharacteriseError> {
+/// Columns of unequal length, a NaN or infinity (with sweep and row), fewer than six points or
+/// three different commands, sweeps of which none can be left out, a confidence level outside (0,
+/// 1).
+pub fn characterise(
+    sweeps: &[Sweep],
+    settings: &Settings,
+) -> Result<Characteristic, CharacteriseError> {
     let samples = Samples::new(sweeps)?;
     let noise = noise(&samples);
     let grouping = if samples.sweeps.len() > 1 { Grouping::Sweep } else { Grouping::Block };
     let folds = folds(&samples);
     let both = samples.has_both_branches();
-    let models: Vec<Model> = models::ALL.into_iter().filter(|model| both || !model.hysteresis).collect();
+    let models: Vec<Model> =
+        models::ALL.into_iter().filter(|model| both || !model.hysteresis).collect();
     let fitted = models.par_iter().map(|model| candidate(model, &samples, &folds, noise, settings));
     let mut candidates = fitted.collect::<Result<Vec<_>, _>>()?;
     let left_out = format!("{} {}s", folds.len(), grouping.name());
@@ -88,8 +93,9 @@ fn quality(
     left_out: &LeftOut,
     noise: Option<f64>,
 ) -> Quality {
-    let residual =
-        |i: usize| samples.response[i] - model.predict(fitted, samples.command[i], samples.branch[i]);
+    let residual = |i: usize| {
+        samples.response[i] - model.predict(fitted, samples.command[i], samples.branch[i])
+    };
     let residuals: Vec<f64> = (0..samples.len()).map(residual).collect();
     let n = samples.len() as f64;
     let mean = samples.response.iter().sum::<f64>() / n;
@@ -133,7 +139,8 @@ fn parameters(
     let mut parameters = Vec::with_capacity(fitted.len());
     for (j, (branch, name, quantity)) in model.parameters().into_iter().enumerate() {
         let is_set = quantity == Quantity::Knot;
-        let values: Vec<f64> = candidate.resampled.iter().map(|p| p[j]).filter(|_| !is_set).collect();
+        let values: Vec<f64> =
+            candidate.resampled.iter().map(|p| p[j]).filter(|_| !is_set).collect();
         let holds = |(low, high): (f64, f64)| (low.min(fitted[j]), high.max(fitted[j]));
         let interval = candidate.interval(&values, settings.level)?.map(holds);
         let unit = quantity.unit(&settings.command_unit, &settings.response_unit);
@@ -172,9 +179,14 @@ fn note(
     }
 }
 
-/// What to say of a break or plateau with one command or none to one side of it, or whose interval reaches there:
-/// it is known to lie beyond the first or last place where the data could show it.
-fn edge_note((low, high): (f64, f64), at: f64, interval: Option<(f64, f64)>, unit: &str) -> Option<String> {
+/// What to say of a break or plateau with one command or none to one side of it, or whose interval
+/// reaches there: it is known to lie beyond the first or last place where the data could show it.
+fn edge_note(
+    (low, high): (f64, f64),
+    at: f64,
+    interval: Option<(f64, f64)>,
+    unit: &str,
+) -> Option<String> {
     let outside = |(a, b): (f64, f64)| a < low || b >= high;
     let edge = |sign: &str, place: f64| {
         format!("{sign} {} {unit} (edge of the data): not identifiable", significant(place))
@@ -182,7 +194,9 @@ fn edge_note((low, high): (f64, f64), at: f64, interval: Option<(f64, f64)>, uni
     match at {
         _ if at < low => Some(edge("≤", low)),
         _ if at >= high => Some(edge("≥", high)),
-        _ => interval.filter(|i| outside(*i)).map(|_| "its interval reaches the edge of the data".to_owned()),
+        _ => interval
+            .filter(|i| outside(*i))
+            .map(|_| "its interval reaches the edge of the data".to_owned()),
     }
 }
 
@@ -200,8 +214,9 @@ mod tests {
     /// Uniform noise in ±`half`, the same for one seed.
     fn scatter(n: usize, half: f64, seed: u64) -> Vec<f64> {
         let values: Vec<f64> = (-500..=500).map(|i| half * f64::from(i) / 500.0).collect();
-        let drawn =
-            zwidth_stats::bootstrap::resample(&values, n, 1, seed, |d| d.iter().map(|v| **v).collect());
+        let drawn = zwidth_stats::bootstrap::resample(&values, n, 1, seed, |d| {
+            d.iter().map(|v| **v).collect()
+        });
         drawn.into_iter().next().unwrap()
     }
 
@@ -228,7 +243,8 @@ mod tests {
         characterise(&sweeps, &settings()).unwrap()
     }
 
-    /// The model that made the data is chosen, its intervals hold the truth and its errors are the noise.
+    /// The model that made the data is chosen, its intervals hold the truth and its errors are the
+    /// noise.
     fn check_recovered(name: &str, truth: &[f64], sweeps: u64, command: &[f64]) {
         let found = simulate(name, truth, sweeps, command);
         let chosen = &found.candidates[found.chosen];
@@ -239,7 +255,10 @@ mod tests {
         }
         let q = chosen.quality.unwrap();
         assert!((q.rms / (0.2 / 3.0_f64.sqrt()) - 1.0).abs() < 0.15);
-        assert!((q.rms_over_noise.unwrap() - 1.0).abs() < 0.15 && q.autocorrelation.unwrap().abs() < 0.2);
+        assert!(
+            (q.rms_over_noise.unwrap() - 1.0).abs() < 0.15
+                && q.autocorrelation.unwrap().abs() < 0.2
+        );
     }
 
     #[test]
@@ -253,7 +272,8 @@ mod tests {
         }
     }
 
-    /// The thesis' device: 15 sweeps of the motor, 0.26 N/V, 30 of the brake, 13 N at 8 V from 1 V on.
+    /// The thesis' device: 15 sweeps of the motor, 0.26 N/V, 30 of the brake, 13 N at 8 V from 1 V
+    /// on.
     #[test]
     fn the_prototypes_motor_and_brake_are_recovered() {
         check_recovered("line", &[0.02, 0.26], 15, &up_and_down(16.0));
@@ -281,18 +301,23 @@ mod tests {
             text.starts_with("rejected: RMS ") && text.contains(" times the noise, residual auto"),
             "{text}"
         );
-        assert_eq!((found.grouping, found.folds, found.sweeps, found.points), (Grouping::Sweep, 3, 3, 1203));
+        assert_eq!(
+            (found.grouping, found.folds, found.sweeps, found.points),
+            (Grouping::Sweep, 3, 3, 1203)
+        );
     }
 
     /// A law that none of the others knows: the spline is chosen, and says nothing of a break.
     #[test]
     fn an_unknown_monotone_law_is_left_to_the_spline() {
         let command = up_and_down(10.0);
-        let law = |x: f64| 8.0 * libm::tanh(0.4 * x) + 3.0 * libm::exp(-0.5 * (9.0 - x) * (9.0 - x));
+        let law =
+            |x: f64| 8.0 * libm::tanh(0.4 * x) + 3.0 * libm::exp(-0.5 * (9.0 - x) * (9.0 - x));
         let noise = scatter(command.len(), 0.2, 3);
         let law = |x: f64| if x < 9.0 { law(x) } else { law(9.0) + 2.0 * (x - 9.0) };
         let response: Vec<f64> = command.iter().zip(&noise).map(|(x, e)| law(*x) + e).collect();
-        let found = characterise(&[Sweep { command: &command, response: &response }], &settings()).unwrap();
+        let found =
+            characterise(&[Sweep { command: &command, response: &response }], &settings()).unwrap();
         assert_eq!(found.candidates[found.chosen].name, "spline", "{}", found.reason);
     }
 
@@ -313,7 +338,9 @@ mod tests {
     #[test]
     fn one_thread_gives_the_bits_of_many() {
         let run = || simulate("saturation", &[0.0, 1.0, 2.0, 7.0], 3, &up_and_down(10.0));
-        let on = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run);
+        let on = |threads| {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+        };
         assert_eq!(on(1), on(4));
     }
 
@@ -342,7 +369,8 @@ mod tests {
     #[test]
     fn sweeps_that_cannot_be_left_out_are_an_error() {
         let (x, still) = ([0.0, 1.0, 2.0, 3.0], [1.0, 1.0, 1.0]);
-        let sweeps = [Sweep { command: &x, response: &x }, Sweep { command: &still, response: &still }];
+        let sweeps =
+            [Sweep { command: &x, response: &x }, Sweep { command: &still, response: &still }];
         let error = characterise(&sweeps, &settings()).unwrap_err();
         assert_eq!(error, CharacteriseError::NothingFits { grouping: Grouping::Sweep });
     }

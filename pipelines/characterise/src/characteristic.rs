@@ -51,15 +51,16 @@ pub struct Characteristic {
     pub command_min: f64,
     /// Highest command.
     pub command_max: f64,
-    /// Scatter that no curve explains, unit of the response: pooled standard deviation of the response about
-    /// local straight lines over the command, one for each run of five neighbouring samples of a sweep
-    /// (√(Σ rss / Σ df)). `None` without a degree of freedom.
+    /// Scatter that no curve explains, unit of the response: pooled standard deviation of the
+    /// response about local straight lines over the command, one for each run of five
+    /// neighbouring samples of a sweep (√(Σ rss / Σ df)). `None` without a degree of freedom.
     pub noise: Option<f64>,
     /// Whether sweeps or blocks were left out and drawn.
     pub grouping: Grouping,
     /// How many of them were left out in turn.
     pub folds: usize,
-    /// Every candidate, by number of free parameters; those with hysteresis only if the command went both ways.
+    /// Every candidate, by number of free parameters; those with hysteresis only if the command
+    /// went both ways.
     pub candidates: Vec<Candidate>,
     /// Index of the chosen one in `candidates`.
     pub chosen: usize,
@@ -84,18 +85,19 @@ pub struct Candidate {
     pub verdict: Verdict,
     /// The verdict with its reason, in words.
     pub verdict_text: String,
-    /// Mean squared error on each part left out of the fit, unit of the response squared; empty if it could not
-    /// be fitted.
+    /// Mean squared error on each part left out of the fit, unit of the response squared; empty if
+    /// it could not be fitted.
     pub left_out: Vec<f64>,
     /// How many independent parts the resamples drew: the sweeps; `None` for blocks of residuals.
     pub independent: Option<usize>,
-    /// The parameters on each resample that could be fitted, in the model's order: what bands are drawn from.
+    /// The parameters on each resample that could be fitted, in the model's order: what bands are
+    /// drawn from.
     pub resampled: Vec<Vec<f64>>,
 }
 
 impl Candidate {
-    /// The interval that `values`, one a resample, give at confidence `level`: between percentiles further out
-    /// than the level says where few sweeps were drawn
+    /// The interval that `values`, one a resample, give at confidence `level`: between percentiles
+    /// further out than the level says where few sweeps were drawn
     /// ([`expanded_level`](zwidth_stats::bootstrap::expanded_level)).
     ///
     /// # Errors
@@ -121,12 +123,13 @@ pub struct Parameter {
     pub estimate: f64,
     /// Standard deviation over the resamples; `None` with fewer than two.
     pub std_error: Option<f64>,
-    /// Lower end of the percentile interval, widened to hold the estimate: next to a parameter at the edge of the data all
-    /// resamples may lie to one side.
+    /// Lower end of the percentile interval, widened to hold the estimate: next to a parameter at
+    /// the edge of the data all resamples may lie to one side.
     pub ci_low: Option<f64>,
     /// Upper end, likewise.
     pub ci_high: Option<f64>,
-    /// What the number must not be taken for, such as `≤ 0 V (edge of the data): not identifiable`.
+    /// What the number must not be taken for, such as `≤ 0 V (edge of the data): not
+    /// identifiable`.
     pub note: Option<String>,
 }
 
@@ -143,7 +146,8 @@ pub struct Quality {
     pub cv_rms: f64,
     /// Standard error of `cv_rms`, from the spread over what was left out.
     pub cv_std_error: f64,
-    /// AICc of the residuals' means in at most 50 equal bins of the command: reported, not decisive.
+    /// AICc of the residuals' means in at most 50 equal bins of the command: reported, not
+    /// decisive.
     pub aicc: Option<f64>,
     /// First-order autocorrelation of the residuals, within sweeps, in the order of recording.
     pub autocorrelation: Option<f64>,

@@ -21,7 +21,8 @@ pub(crate) struct LeftOut {
     pub(crate) std_error: f64,
 }
 
-/// What is left out, one at a time: each sweep, or of a single sweep ten contiguous blocks of two samples or more.
+/// What is left out, one at a time: each sweep, or of a single sweep ten contiguous blocks of two
+/// samples or more.
 pub(crate) fn folds(samples: &Samples) -> Vec<Range<usize>> {
     match samples.sweeps.as_slice() {
         [only] => split(only, (only.len() / MIN_BLOCK).clamp(1, BLOCKS)),
@@ -29,12 +30,18 @@ pub(crate) fn folds(samples: &Samples) -> Vec<Range<usize>> {
     }
 }
 
-/// Root of the mean over folds of the mean squared error on the fold left out, and its standard error: that of
-/// the mean over folds, SD / √K, carried through the root. `None` if a fit without one fold is impossible.
-pub(crate) fn cross_validate(model: &Model, samples: &Samples, folds: &[Range<usize>]) -> Option<LeftOut> {
+/// Root of the mean over folds of the mean squared error on the fold left out, and its standard
+/// error: that of the mean over folds, SD / √K, carried through the root. `None` if a fit without
+/// one fold is impossible.
+pub(crate) fn cross_validate(
+    model: &Model,
+    samples: &Samples,
+    folds: &[Range<usize>],
+) -> Option<LeftOut> {
     let cells: Vec<_> = folds.iter().map(|fold| samples.cells(fold.clone())).collect();
     let error = |out: usize| {
-        let kept = cells.iter().enumerate().map(|(k, cells)| (cells.as_slice(), u32::from(k != out)));
+        let kept =
+            cells.iter().enumerate().map(|(k, cells)| (cells.as_slice(), u32::from(k != out)));
         let parameters = model.fit(&samples.steps.gather(kept), None)?;
         Some(mean_square(model, samples, &parameters, &folds[out]))
     };
@@ -56,8 +63,9 @@ pub(crate) fn mean_and_error(folds: &[f64]) -> (f64, f64) {
 
 /// Mean squared error on the samples of `fold`.
 fn mean_square(model: &Model, samples: &Samples, parameters: &[f64], fold: &Range<usize>) -> f64 {
-    let error =
-        |i: usize| samples.response[i] - model.predict(parameters, samples.command[i], samples.branch[i]);
+    let error = |i: usize| {
+        samples.response[i] - model.predict(parameters, samples.command[i], samples.branch[i])
+    };
     fold.clone().map(error).map(|r| r * r).sum::<f64>() / fold.len() as f64
 }
 
@@ -71,7 +79,8 @@ mod tests {
     fn sweeps_are_folds_and_a_single_sweep_is_cut_into_blocks() {
         let x: Vec<f64> = (0..50).map(f64::from).collect();
         let lengths = |n: &[usize]| {
-            let sweeps: Vec<_> = n.iter().map(|&n| Sweep { command: &x[..n], response: &x[..n] }).collect();
+            let sweeps: Vec<_> =
+                n.iter().map(|&n| Sweep { command: &x[..n], response: &x[..n] }).collect();
             folds(&Samples::new(&sweeps).unwrap()).iter().map(Range::len).collect::<Vec<_>>()
         };
         assert_eq!(lengths(&[30, 20]), [30, 20]);
@@ -84,8 +93,10 @@ mod tests {
     #[test]
     fn the_error_is_that_on_the_sweep_left_out() {
         let x = [0.0, 1.0, 2.0, 3.0];
-        let sweeps =
-            [Sweep { command: &x, response: &x }, Sweep { command: &x, response: &x.map(|x| x + 1.0) }];
+        let sweeps = [
+            Sweep { command: &x, response: &x },
+            Sweep { command: &x, response: &x.map(|x| x + 1.0) },
+        ];
         let samples = Samples::new(&sweeps).unwrap();
         let found = cross_validate(&by_name("line").unwrap(), &samples, &folds(&samples)).unwrap();
         assert!((found.rms - 1.0).abs() < 1e-14 && found.std_error < 1e-14);

@@ -8,7 +8,9 @@ use zwidth_stats::StatsError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CharacteriseError {
     /// A sweep whose two columns differ in length.
-    #[error("sweep {sweep} has {commands} commands and {responses} responses: each sample needs both")]
+    #[error(
+        "sweep {sweep} has {commands} commands and {responses} responses: each sample needs both"
+    )]
     LengthMismatch {
         /// The first such sweep.
         sweep: usize,

@@ -9,8 +9,8 @@ use zwidth_stats::student_t::critical_value;
 
 /// y = intercept + slope · x by ordinary least squares over all samples of all sweeps.
 ///
-/// Its intervals take samples as independent, as the thesis does. Samples of a recording are not: the bootstrap
-/// intervals of [`crate::Candidate`] are the ones to trust.
+/// Its intervals take samples as independent, as the thesis does. Samples of a recording are not:
+/// the bootstrap intervals of [`crate::Candidate`] are the ones to trust.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstOrder {
     /// Response per command.
@@ -52,15 +52,18 @@ pub fn first_order(sweeps: &[Sweep], level: f64) -> Result<FirstOrder, Character
 }
 
 impl FirstOrder {
-    /// The line on `grid` with the band of its mean, ± t s √(x'(XᵀX)⁻¹x), and that of a single new response,
-    /// ± t s √(1 + x'(XᵀX)⁻¹x) (Draper & Smith 1998, *Applied Regression Analysis*, §3.1).
+    /// The line on `grid` with the band of its mean, ± t s √(x'(XᵀX)⁻¹x), and that of a single new
+    /// response, ± t s √(1 + x'(XᵀX)⁻¹x) (Draper & Smith 1998, *Applied Regression Analysis*,
+    /// §3.1).
     pub fn curve(&self, grid: &[f64]) -> Curve {
         let half = self.critical * self.residual_sd;
         let [[v00, v01], [v10, v11]] = self.xtx_inverse;
         let mut curve = Curve::default();
         for &x in grid {
-            let (fit, leverage) =
-                (self.intercept.estimate + self.slope.estimate * x, v00 + x * (v01 + v10 + x * v11));
+            let (fit, leverage) = (
+                self.intercept.estimate + self.slope.estimate * x,
+                v00 + x * (v01 + v10 + x * v11),
+            );
             let (mean, new) = (half * leverage.sqrt(), half * (1.0 + leverage).sqrt());
             curve.push(x, fit, (fit - mean, fit + mean), (fit - new, fit + new));
         }
@@ -72,7 +75,8 @@ impl FirstOrder {
 mod tests {
     use super::*;
 
-    /// statsmodels: `OLS(y, add_constant(x)).fit()`, `conf_int()`, `get_prediction([1, 3.5]).summary_frame()`.
+    /// statsmodels: `OLS(y, add_constant(x)).fit()`, `conf_int()`, `get_prediction([1,
+    /// 3.5]).summary_frame()`.
     #[test]
     fn intervals_and_bands_are_those_of_statsmodels() {
         let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];

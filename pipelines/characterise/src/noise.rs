@@ -4,15 +4,17 @@ use crate::models::weighted_line;
 use crate::samples::{Samples, split};
 use core::ops::Range;
 
-/// Neighbouring samples that share one local line: short enough that any smooth curve is straight over it, long
-/// enough that the line leaves three of five degrees of freedom.
+/// Neighbouring samples that share one local line: short enough that any smooth curve is straight
+/// over it, long enough that the line leaves three of five degrees of freedom.
 const WINDOW: usize = 5;
 
-/// Pooled standard deviation of the response about local straight lines (response over command; their mean
-/// where the command stands still), one for each run of five neighbouring samples of a sweep, a remainder
-/// shared out among them: √(Σ rss / Σ df), in the unit of the response. `None` without a degree of freedom.
+/// Pooled standard deviation of the response about local straight lines (response over command;
+/// their mean where the command stands still), one for each run of five neighbouring samples of a
+/// sweep, a remainder shared out among them: √(Σ rss / Σ df), in the unit of the response. `None`
+/// without a degree of freedom.
 pub(crate) fn noise(samples: &Samples) -> Option<f64> {
-    let windows = samples.sweeps.iter().flat_map(|sweep| split(sweep, (sweep.len() / WINDOW).max(1)));
+    let windows =
+        samples.sweeps.iter().flat_map(|sweep| split(sweep, (sweep.len() / WINDOW).max(1)));
     let (rss, df) = windows.fold((0.0, 0), |(rss, df), window| {
         let (more, free) = about_local_line(samples, window);
         (rss + more, df + free)
@@ -49,7 +51,8 @@ mod tests {
     /// A local line through (0, 1, 0, 1, 0) is level and leaves Σ r² = 1.2.
     #[test]
     fn it_is_the_spread_about_each_local_line() {
-        let up = Sweep { command: &[0.0, 1.0, 2.0, 3.0, 4.0], response: &[0.0, 1.0, 0.0, 1.0, 0.0] };
+        let up =
+            Sweep { command: &[0.0, 1.0, 2.0, 3.0, 4.0], response: &[0.0, 1.0, 0.0, 1.0, 0.0] };
         let found = noise(&Samples::new(&[up, up]).unwrap()).unwrap();
         assert!((found - (1.2_f64 / 3.0).sqrt()).abs() < 1e-14);
     }

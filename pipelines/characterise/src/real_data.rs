@@ -3,8 +3,8 @@
 use crate::{Characteristic, Settings, Sweep, Verdict, characterise, first_order};
 use std::path::PathBuf;
 
-/// Rows of numbers of a comma-separated file under the folder of real recordings; `skip` header lines; empty
-/// cells end a row.
+/// Rows of numbers of a comma-separated file under the folder of real recordings; `skip` header
+/// lines; empty cells end a row.
 fn rows(file: &str, skip: usize) -> Option<Vec<Vec<f64>>> {
     let Some(folder) = std::env::var_os("ZWIDTH_REAL_DATA") else {
         println!("skipped: ZWIDTH_REAL_DATA is not set");
@@ -56,7 +56,8 @@ fn the_motor_of_the_haptic_paddle_has_the_published_line() {
 
 #[test]
 fn the_load_cell_of_the_haptic_paddle_has_the_published_line() {
-    let Some(rows) = rows("ethz_haptic_paddle/force_sensor/transfer_function_put_together.csv", 1) else {
+    let Some(rows) = rows("ethz_haptic_paddle/force_sensor/transfer_function_put_together.csv", 1)
+    else {
         return;
     };
     let masses_kg = [0.0, 0.085, 0.196, 0.482, 0.553, 0.718, 1.062];
@@ -77,7 +78,8 @@ fn the_particle_brake_is_a_power_law_above_a_break() {
         return;
     };
     let (counts, adc) = (column(&rows, 0), column(&rows, 1));
-    let torque_mnm: Vec<f64> = adc.iter().map(|a| -(20.0 / 4095.0) * (a - adc[0]) * 7.0616).collect();
+    let torque_mnm: Vec<f64> =
+        adc.iter().map(|a| -(20.0 / 4095.0) * (a - adc[0]) * 7.0616).collect();
     let found = check(&counts, &torque_mnm, ("counts", "mN·m"));
     let named = |name: &str| found.candidates.iter().find(|c| c.name == name).unwrap();
     for (name, rms, verdict) in [

@@ -5,14 +5,15 @@ use crate::error::{CharacteriseError, MIN_COMMANDS, MIN_POINTS};
 use crate::steps::{Cell, Gathered, Steps};
 use core::ops::Range;
 
-/// One ramp of an actuator (or of a load on a sensor), in the order of recording. Units are the caller's.
+/// One ramp of an actuator (or of a load on a sensor), in the order of recording. Units are the
+/// caller's.
 #[derive(Debug, Clone, Copy)]
 pub struct Sweep<'a> {
     /// What was set: volts, counts, newtons, …
     pub command: &'a [f64],
-    /// What was measured, one a command. A held value belongs in here once, at its own update: repeated, it
-    /// would hide the noise. A sample that cannot show the response is left out by whoever records: a brake
-    /// makes no force of its own unless the lever slips.
+    /// What was measured, one a command. A held value belongs in here once, at its own update:
+    /// repeated, it would hide the noise. A sample that cannot show the response is left out
+    /// by whoever records: a brake makes no force of its own unless the lever slips.
     pub response: &'a [f64],
 }
 
@@ -36,7 +37,10 @@ impl Samples {
         let branch = sweeps.iter().flat_map(|s| branches(s.command)).collect();
         let steps = Steps::new(&command);
         if command.len() < MIN_POINTS || steps.levels.len() < MIN_COMMANDS {
-            return Err(CharacteriseError::TooFew { points: command.len(), commands: steps.levels.len() });
+            return Err(CharacteriseError::TooFew {
+                points: command.len(),
+                commands: steps.levels.len(),
+            });
         }
         Ok(Self { sweeps: ranges(sweeps), command, response, branch, steps })
     }
@@ -47,7 +51,8 @@ impl Samples {
 
     /// Lowest and highest command.
     pub(crate) fn command_range(&self) -> (f64, f64) {
-        let fold = |start, pick: fn(f64, f64) -> f64| self.command.iter().copied().fold(start, pick);
+        let fold =
+            |start, pick: fn(f64, f64) -> f64| self.command.iter().copied().fold(start, pick);
         (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max))
     }
 
@@ -80,7 +85,12 @@ fn check(number: usize, sweep: &Sweep) -> Result<(), CharacteriseError> {
     }
     for (column, values) in [("command", sweep.command), ("response", sweep.response)] {
         if let Some(row) = values.iter().position(|v| !v.is_finite()) {
-            return Err(CharacteriseError::NonFinite { sweep: number, row, column, value: values[row] });
+            return Err(CharacteriseError::NonFinite {
+                sweep: number,
+                row,
+                column,
+                value: values[row],
+            });
         }
     }
     Ok(())
@@ -108,7 +118,8 @@ mod tests {
     use super::*;
 
     fn check_error(sweeps: &[(&[f64], &[f64])], expected: &str) {
-        let sweeps: Vec<_> = sweeps.iter().map(|&(command, response)| Sweep { command, response }).collect();
+        let sweeps: Vec<_> =
+            sweeps.iter().map(|&(command, response)| Sweep { command, response }).collect();
         assert_eq!(Samples::new(&sweeps).err().map(|e| e.to_string()).as_deref(), Some(expected));
     }
 

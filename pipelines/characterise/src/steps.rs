@@ -6,8 +6,8 @@ use core::ops::Range;
 
 /// More different commands than this are gathered in as many steps of equal width.
 ///
-/// Over a step of width h a curve f departs from its value at the mean command by f'' h²/24 on average: for a
-/// parabola over the whole span, 1/(12 · 256²) ≈ 10⁻⁶ of its rise.
+/// Over a step of width h a curve f departs from its value at the mean command by f'' h²/24 on
+/// average: for a parabola over the whole span, 1/(12 · 256²) ≈ 10⁻⁶ of its rise.
 pub(crate) const MOST_STEPS: usize = 256;
 
 /// Which step each sample belongs to.
@@ -16,8 +16,8 @@ pub(crate) struct Steps {
     of: Vec<usize>,
     /// Mean command of each step, rising: the command itself where a step is one command.
     pub(crate) levels: Vec<f64>,
-    /// Whether each step is one command. A sum of squares then depends on the samples through the means alone:
-    /// the fit is that to the samples.
+    /// Whether each step is one command. A sum of squares then depends on the samples through the
+    /// means alone: the fit is that to the samples.
     exact: bool,
 }
 
@@ -52,7 +52,8 @@ impl Steps {
 
     /// Steps of equal width from `low` to `high`, those without a sample left out.
     fn wide(command: &[f64], low: f64, high: f64) -> Self {
-        let step = |x: f64| (((x - low) / (high - low) * MOST_STEPS as f64) as usize).min(MOST_STEPS - 1);
+        let step =
+            |x: f64| (((x - low) / (high - low) * MOST_STEPS as f64) as usize).min(MOST_STEPS - 1);
         let mut sums = vec![(0.0, 0.0); MOST_STEPS];
         for &x in command {
             let (n, sum) = &mut sums[step(x)];
@@ -63,7 +64,8 @@ impl Steps {
         Self { of, levels: used.iter().map(|&s| sums[s].1 / sums[s].0).collect(), exact: false }
     }
 
-    /// The cells of the samples in `range`: those on the way up by step, then those on the way down.
+    /// The cells of the samples in `range`: those on the way up by step, then those on the way
+    /// down.
     pub(crate) fn cells(
         &self,
         range: Range<usize>,
@@ -83,7 +85,10 @@ impl Steps {
     }
 
     /// Groups of cells, each counted as often as its number says.
-    pub(crate) fn gather<'a>(&self, groups: impl Iterator<Item = (&'a [Cell], u32)>) -> Gathered<'_> {
+    pub(crate) fn gather<'a>(
+        &self,
+        groups: impl Iterator<Item = (&'a [Cell], u32)>,
+    ) -> Gathered<'_> {
         let mut total = vec![Cell::default(); 2 * self.levels.len()];
         for (cells, times) in groups.filter(|(_, times)| *times > 0) {
             for (sum, cell) in total.iter_mut().zip(cells) {
@@ -142,8 +147,10 @@ mod tests {
 
     #[test]
     fn a_step_is_one_command_and_its_points_are_means_by_branch() {
-        let sweep =
-            Sweep { command: &[0.0, 1.0, 2.0, 1.0, 0.0, 0.0], response: &[1.0, 2.0, 4.0, 6.0, 3.0, 5.0] };
+        let sweep = Sweep {
+            command: &[0.0, 1.0, 2.0, 1.0, 0.0, 0.0],
+            response: &[1.0, 2.0, 4.0, 6.0, 3.0, 5.0],
+        };
         let samples = Samples::new(&[sweep]).unwrap();
         let gathered = samples.gathered();
         let points = |branch| -> Vec<_> {
@@ -168,11 +175,14 @@ mod tests {
         assert_eq!(all.samples, 6);
     }
 
-    /// How far the line through the steps is from the line through the samples, as a share of its standard error.
+    /// How far the line through the steps is from the line through the samples, as a share of its
+    /// standard error.
     fn departure(commands: u32) -> f64 {
-        let x: Vec<f64> = (0..20_000).map(|i| f64::from(i % commands) * 16.0 / f64::from(commands)).collect();
-        let y: Vec<f64> =
-            (0..20_000u32).map(|i| 0.26 * x[i as usize] + f64::from(i * 7919 % 1009) / 1009.0).collect();
+        let x: Vec<f64> =
+            (0..20_000).map(|i| f64::from(i % commands) * 16.0 / f64::from(commands)).collect();
+        let y: Vec<f64> = (0..20_000u32)
+            .map(|i| 0.26 * x[i as usize] + f64::from(i * 7919 % 1009) / 1009.0)
+            .collect();
         let samples = Samples::new(&[Sweep { command: &x, response: &y }]).unwrap();
         let found = by_name("line").unwrap().fit(&samples.gathered(), None).unwrap();
         let exact = lsq::fit(&[&vec![1.0; x.len()], &x], &y).unwrap();

@@ -3,8 +3,8 @@
 use crate::curve::mean_response;
 use crate::models;
 use crate::{
-    Branch, Candidate, CharacteriseError, Characteristic, Chosen, Curve, Parameter, Sweep, Verdict, curve,
-    first_order,
+    Branch, Candidate, CharacteriseError, Characteristic, Chosen, Curve, Parameter, Sweep, Verdict,
+    curve, first_order,
 };
 use std::borrow::Cow;
 use zwidth_tables::{Column, Field, Table, TableError, Type, Values};
@@ -38,7 +38,12 @@ pub fn models_table(of: Subject, c: &Characteristic) -> Result<Table, TableError
         Column::text(name, about, all.iter().map(|m| Some(get(m).to_owned())))
     };
     let error = |name, about, get: fn(&crate::Quality) -> Option<f64>| {
-        float(name, of.response_unit, about, all.iter().map(|m| m.quality.as_ref().and_then(get)).collect())
+        float(
+            name,
+            of.response_unit,
+            about,
+            all.iter().map(|m| m.quality.as_ref().and_then(get)).collect(),
+        )
     };
     let number = |name, about, get: fn(&crate::Quality) -> Option<f64>| {
         float(name, "1", about, all.iter().map(|m| m.quality.as_ref().and_then(get)).collect())
@@ -53,19 +58,25 @@ pub fn models_table(of: Subject, c: &Characteristic) -> Result<Table, TableError
             error("left_out_rms", "root mean square error on what was left out of the fit", |q| {
                 Some(q.cv_rms)
             }),
-            number("rms_over_noise", "rms over the scatter that no curve explains", |q| q.rms_over_noise),
-            number("r2", "coefficient of determination R²", |q| q.r2),
-            number("autocorrelation", "of neighbouring residuals; near 0 for a fit that fits", |q| {
-                q.autocorrelation
+            number("rms_over_noise", "rms over the scatter that no curve explains", |q| {
+                q.rms_over_noise
             }),
+            number("r2", "coefficient of determination R²", |q| q.r2),
+            number(
+                "autocorrelation",
+                "of neighbouring residuals; near 0 for a fit that fits",
+                |q| q.autocorrelation,
+            ),
             number("aicc", "AICc on per-command bins; reported, not decisive", |q| q.aicc),
             text("verdict", "chosen or not, and why", |m| &m.verdict_text),
         ],
     )?;
-    let noise = c.noise.map(|n| format!("Scatter that no curve explains: {n:.3} {}.", of.response_unit));
+    let noise =
+        c.noise.map(|n| format!("Scatter that no curve explains: {n:.3} {}.", of.response_unit));
     let plural = if c.sweeps == 1 { "" } else { "s" };
     let (sweeps, points, folds, grouping) = (c.sweeps, c.points, c.folds, c.grouping.name());
-    let sweeps = format!("{sweeps} sweep{plural}, {points} points; left out in turn: {folds} {grouping}s.");
+    let sweeps =
+        format!("{sweeps} sweep{plural}, {points} points; left out in turn: {folds} {grouping}s.");
     let notes = [Some(c.reason.clone()), Some(sweeps), noise];
     Ok(notes.into_iter().flatten().fold(table, Table::with_note))
 }
@@ -109,8 +120,8 @@ fn branch_name(branch: Option<Branch>) -> &'static str {
 /// Points of the curve's grid.
 const GRID_POINTS: usize = 201;
 
-/// The chosen fit with its bands, the mean of the samples and the first-order fit, on an even grid over the
-/// commands; up and then down if the chosen model has hysteresis.
+/// The chosen fit with its bands, the mean of the samples and the first-order fit, on an even grid
+/// over the commands; up and then down if the chosen model has hysteresis.
 pub fn curve_table(
     of: Subject,
     sweeps: &[Sweep],
@@ -121,7 +132,8 @@ pub fn curve_table(
     let grid: Vec<f64> = (0..GRID_POINTS).map(|i| c.command_min + step * i as f64).collect();
     let line = first_order(sweeps, level)?.curve(&grid);
     let chosen = &c.candidates[c.chosen];
-    let (mut all, mut names, mut mean, mut first_order) = (Curve::default(), vec![], vec![], vec![]);
+    let (mut all, mut names, mut mean, mut first_order) =
+        (Curve::default(), vec![], vec![], vec![]);
     for branch in models::by_name(chosen.name).map_or(&[None][..], |model| model.branches()) {
         let curve = curve(chosen, &grid, branch.unwrap_or(Branch::Up), level)?;
         all.append(curve.unwrap_or_else(|| line.clone()));
@@ -137,14 +149,36 @@ pub fn curve_table(
         &format!("Characteristic of the {}: fitted curve", of.actuator.replace('_', " ")),
         vec![
             Column::text("branch", "way of the command: up, down or both", names),
-            float("command", of.command_unit, "command", all.command.iter().copied().map(Some).collect()),
-            float("mean", of.response_unit, "mean of all samples within half a step of the command", mean),
+            float(
+                "command",
+                of.command_unit,
+                "command",
+                all.command.iter().copied().map(Some).collect(),
+            ),
+            float(
+                "mean",
+                of.response_unit,
+                "mean of all samples within half a step of the command",
+                mean,
+            ),
             response("fit", "chosen model", &all.fit),
             response("ci_low", "lower end of the band of the mean", &all.ci_low),
             response("ci_high", "upper end of the band of the mean", &all.ci_high),
-            response("prediction_low", "lower end of the band of a new response", &all.prediction_low),
-            response("prediction_high", "upper end of the band of a new response", &all.prediction_high),
-            response("first_order", "straight line over all samples, as in the thesis", &first_order),
+            response(
+                "prediction_low",
+                "lower end of the band of a new response",
+                &all.prediction_low,
+            ),
+            response(
+                "prediction_high",
+                "upper end of the band of a new response",
+                &all.prediction_high,
+            ),
+            response(
+                "first_order",
+                "straight line over all samples, as in the thesis",
+                &first_order,
+            ),
         ],
     )?)
 }
@@ -159,7 +193,8 @@ pub fn chosen_from(
     parameters: &Table,
     curve: &Table,
 ) -> Result<Chosen, StageError> {
-    let refuse = |problem: &str| CharacteriseError::Calibration { actuator, problem: problem.to_owned() };
+    let refuse =
+        |problem: &str| CharacteriseError::Calibration { actuator, problem: problem.to_owned() };
     let unit = |name: &str| curve.fields().find(|f| f.name == name).map_or("", |f| f.unit.as_ref());
     if (unit("command"), unit("fit")) != ("V", "N") {
         let problem = format!(
@@ -175,7 +210,8 @@ pub fn chosen_from(
     let (name, model) =
         row.and_then(|n| models::by_name(&n).map(|m| (n, m))).ok_or_else(|| refuse(remedy))?;
     let of = parameters.texts("model")?;
-    let mine = of.iter().zip(parameters.floats("estimate")?).filter(|(of, _)| of.as_ref() == Some(&name));
+    let mine =
+        of.iter().zip(parameters.floats("estimate")?).filter(|(of, _)| of.as_ref() == Some(&name));
     let parameters: Vec<f64> = mine.filter_map(|(_, estimate)| estimate).collect();
     let command: Vec<f64> = curve.floats("command")?.into_iter().flatten().collect();
     match (command.first(), command.last()) {
@@ -188,8 +224,9 @@ pub fn chosen_from(
 
 /// Row of the chosen model in a [`models_table`].
 fn chosen_row(models: &Table) -> Result<Option<usize>, TableError> {
-    let is_chosen =
-        |text: &Option<String>| text.as_deref().is_some_and(|t| t.starts_with(Verdict::Chosen.name()));
+    let is_chosen = |text: &Option<String>| {
+        text.as_deref().is_some_and(|t| t.starts_with(Verdict::Chosen.name()))
+    };
     Ok(models.texts("verdict")?.iter().position(is_chosen))
 }
 

@@ -10,9 +10,9 @@ use zwidth_stats::bootstrap::resample;
 const BLOCK_SHARE: usize = 10;
 const MIN_BLOCK: usize = 2;
 
-/// The parameters of `model` on each resample of the data it could be fitted to, `fitted` being those of the
-/// data themselves: whole sweeps drawn with replacement, or blocks of residuals if there is but one sweep. Each
-/// search starts from `fitted`.
+/// The parameters of `model` on each resample of the data it could be fitted to, `fitted` being
+/// those of the data themselves: whole sweeps drawn with replacement, or blocks of residuals if
+/// there is but one sweep. Each search starts from `fitted`.
 pub(crate) fn resampled(
     model: &Model,
     samples: &Samples,
@@ -27,7 +27,12 @@ pub(crate) fn resampled(
 }
 
 /// A sweep drawn twice weighs twice.
-fn by_sweep(model: &Model, samples: &Samples, fitted: &[f64], settings: &Settings) -> Vec<Option<Vec<f64>>> {
+fn by_sweep(
+    model: &Model,
+    samples: &Samples,
+    fitted: &[f64],
+    settings: &Settings,
+) -> Vec<Option<Vec<f64>>> {
     let cells: Vec<_> = samples.sweeps.iter().map(|sweep| samples.cells(sweep.clone())).collect();
     let numbers: Vec<usize> = (0..cells.len()).collect();
     resample(&numbers, numbers.len(), settings.resamples, settings.seed, |drawn| {
@@ -38,9 +43,9 @@ fn by_sweep(model: &Model, samples: &Samples, fitted: &[f64], settings: &Setting
     })
 }
 
-/// The fitted curve plus blocks of residuals drawn from anywhere in the sweep (Künsch 1989; Davison & Hinkley
-/// 1997, *Bootstrap Methods and their Application*, §8.2.3), enlarged by √(n / (n − p)) because a fit makes its
-/// residuals too small.
+/// The fitted curve plus blocks of residuals drawn from anywhere in the sweep (Künsch 1989; Davison
+/// & Hinkley 1997, *Bootstrap Methods and their Application*, §8.2.3), enlarged by √(n / (n − p))
+/// because a fit makes its residuals too small.
 fn by_block(
     model: &Model,
     samples: &Samples,
@@ -48,10 +53,15 @@ fn by_block(
     fitted: &[f64],
     settings: &Settings,
 ) -> Vec<Option<Vec<f64>>> {
-    let curve: Vec<f64> =
-        samples.command.iter().zip(&samples.branch).map(|(&x, &b)| model.predict(fitted, x, b)).collect();
+    let curve: Vec<f64> = samples
+        .command
+        .iter()
+        .zip(&samples.branch)
+        .map(|(&x, &b)| model.predict(fitted, x, b))
+        .collect();
     let enlarge = (n as f64 / (n - model.complexity()) as f64).sqrt();
-    let residuals: Vec<f64> = samples.response.iter().zip(&curve).map(|(y, f)| enlarge * (y - f)).collect();
+    let residuals: Vec<f64> =
+        samples.response.iter().zip(&curve).map(|(y, f)| enlarge * (y - f)).collect();
     let length = n.div_ceil(BLOCK_SHARE).max(MIN_BLOCK);
     let blocks: Vec<Range<usize>> = (0..=n - length).map(|start| start..start + length).collect();
     resample(&blocks, n.div_ceil(length), settings.resamples, settings.seed, |drawn| {
@@ -77,7 +87,8 @@ mod tests {
     const X: [f64; 6] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
 
     fn slopes(responses: &[[f64; 6]]) -> Vec<f64> {
-        let sweeps: Vec<_> = responses.iter().map(|response| Sweep { command: &X, response }).collect();
+        let sweeps: Vec<_> =
+            responses.iter().map(|response| Sweep { command: &X, response }).collect();
         let samples = Samples::new(&sweeps).unwrap();
         let line = by_name("line").unwrap();
         let fitted = line.fit(&samples.gathered(), None).unwrap();

@@ -7,8 +7,8 @@ use crate::models;
 /// Residuals that exceed the noise by more than this show that the curve is wrong.
 const LACK_OF_FIT: f64 = 1.5;
 
-/// A candidate whose error exceeds the smallest by more standard errors of the difference than this is worse: one in
-/// forty is by chance.
+/// A candidate whose error exceeds the smallest by more standard errors of the difference than this
+/// is worse: one in forty is by chance.
 const STD_ERRORS: f64 = 2.0;
 
 /// Two errors closer than this share of themselves are the same but for rounding.
@@ -39,10 +39,14 @@ impl Verdict {
     }
 }
 
-/// Chooses a candidate, writes every verdict, and gives the chosen one's index with the reason in a sentence.
-/// `left_out` says what cross-validation left out (`10 blocks`), `unit` is that of the response. `None` if no
-/// candidate could be fitted.
-pub(crate) fn judge(candidates: &mut [Candidate], left_out: &str, unit: &str) -> Option<(usize, String)> {
+/// Chooses a candidate, writes every verdict, and gives the chosen one's index with the reason in a
+/// sentence. `left_out` says what cross-validation left out (`10 blocks`), `unit` is that of the
+/// response. `None` if no candidate could be fitted.
+pub(crate) fn judge(
+    candidates: &mut [Candidate],
+    left_out: &str,
+    unit: &str,
+) -> Option<(usize, String)> {
     let (best, chosen) = choose(candidates)?;
     let reason = reason(candidates, best, chosen, left_out, unit);
     let winner = candidates[chosen].clone();
@@ -53,10 +57,12 @@ pub(crate) fn judge(candidates: &mut [Candidate], left_out: &str, unit: &str) ->
     Some((chosen, reason))
 }
 
-/// The candidate with the smallest cross-validated RMS (the simplest of equals), and the simplest that is as good
-/// for all that can be told. A curve that is no law takes part only if every law lacks fit.
+/// The candidate with the smallest cross-validated RMS (the simplest of equals), and the simplest
+/// that is as good for all that can be told. A curve that is no law takes part only if every law
+/// lacks fit.
 fn choose(candidates: &[Candidate]) -> Option<(usize, usize)> {
-    let laws_fail = candidates.iter().filter(|c| is_law(c)).filter_map(|c| c.quality).all(|q| lacks_fit(&q));
+    let laws_fail =
+        candidates.iter().filter(|c| is_law(c)).filter_map(|c| c.quality).all(|q| lacks_fit(&q));
     let fitted: Vec<usize> = (0..candidates.len())
         .filter(|&i| candidates[i].quality.is_some() && (laws_fail || is_law(&candidates[i])))
         .collect();
@@ -70,13 +76,18 @@ fn choose(candidates: &[Candidate]) -> Option<(usize, usize)> {
     Some((best, good.min_by(simpler)?))
 }
 
-/// Whether the error on what was left out is within one standard error of that of `best`, and the mean square within
-/// two standard errors of the difference. The difference is taken part by part: what makes a part hard for every
-/// candidate (a sweep of another gain, say) then does not count, and a small misfit in every sweep does.
+/// Whether the error on what was left out is within one standard error of that of `best`, and the
+/// mean square within two standard errors of the difference. The difference is taken part by part:
+/// what makes a part hard for every candidate (a sweep of another gain, say) then does not count,
+/// and a small misfit in every sweep does.
 fn is_as_good(candidate: &Candidate, best: &Candidate) -> bool {
     let Some((q, smallest)) = candidate.quality.zip(best.quality) else { return false };
-    let differences: Vec<f64> =
-        candidate.left_out.iter().zip(&best.left_out).map(|(square, of_best)| square - of_best).collect();
+    let differences: Vec<f64> = candidate
+        .left_out
+        .iter()
+        .zip(&best.left_out)
+        .map(|(square, of_best)| square - of_best)
+        .collect();
     let (excess, std_error) = mean_and_error(&differences);
     let rounding = SAME * smallest.cv_rms * smallest.cv_rms;
     q.cv_rms <= smallest.cv_rms * (1.0 + SAME) + smallest.cv_std_error
@@ -87,7 +98,13 @@ fn is_law(candidate: &Candidate) -> bool {
     models::by_name(candidate.name).is_none_or(|model| model.shape.is_law())
 }
 
-fn reason(candidates: &[Candidate], best: usize, chosen: usize, left_out: &str, unit: &str) -> String {
+fn reason(
+    candidates: &[Candidate],
+    best: usize,
+    chosen: usize,
+    left_out: &str,
+    unit: &str,
+) -> String {
     let (winner, best) = (&candidates[chosen], &candidates[best]);
     let error = best.quality.map(|q| left_out_error(&q, unit)).unwrap_or_default();
     let smallest = format!("the smallest cross-validated RMS ({error}, {left_out})");
@@ -123,7 +140,8 @@ fn words(candidate: &Candidate, winner: &Candidate, unit: &str) -> String {
             candidate.complexity
         );
     };
-    let against = || format!("{} against {}", left_out_error(&q, unit), left_out_error(&best, unit));
+    let against =
+        || format!("{} against {}", left_out_error(&q, unit), left_out_error(&best, unit));
     match candidate.verdict {
         Verdict::Chosen => format!("chosen: {}{}", residuals(&q, unit), warning(&q)),
         Verdict::NotNeeded if !is_law(candidate) && is_law(winner) => {
@@ -133,7 +151,9 @@ fn words(candidate: &Candidate, winner: &Candidate, unit: &str) -> String {
                 against()
             )
         }
-        Verdict::NotNeeded => format!("not needed: RMS on data left out {} for {}", against(), winner.name),
+        Verdict::NotNeeded => {
+            format!("not needed: RMS on data left out {} for {}", against(), winner.name)
+        }
         _ if fits_worse(&q, Some(best)) => format!("rejected: {}", residuals(&q, unit)),
         _ => format!("rejected: RMS on data left out {} for {}", against(), winner.name),
     }
@@ -142,7 +162,8 @@ fn words(candidate: &Candidate, winner: &Candidate, unit: &str) -> String {
 /// `RMS 3.09 mN·m is 8.6 times the noise, residual autocorrelation 0.98`.
 fn residuals(q: &Quality, unit: &str) -> String {
     let ratio = q.rms_over_noise.map(|r| format!(" is {r:.1} times the noise")).unwrap_or_default();
-    let alike = q.autocorrelation.map(|r| format!(", residual autocorrelation {r:.2}")).unwrap_or_default();
+    let alike =
+        q.autocorrelation.map(|r| format!(", residual autocorrelation {r:.2}")).unwrap_or_default();
     format!("RMS {} {unit}{ratio}{alike}", significant(q.rms))
 }
 
@@ -163,7 +184,11 @@ fn fits_worse(q: &Quality, winner: Option<Quality>) -> bool {
 }
 
 fn warning(q: &Quality) -> &'static str {
-    if lacks_fit(q) { "; lack of fit: the best of these curves, yet not the whole story" } else { "" }
+    if lacks_fit(q) {
+        "; lack of fit: the best of these curves, yet not the whole story"
+    } else {
+        ""
+    }
 }
 
 /// Three significant digits.
@@ -179,9 +204,13 @@ mod tests {
 
     #[test]
     fn numbers_have_three_significant_digits() {
-        for (value, text) in
-            [(3.086, "3.09"), (0.32613, "0.326"), (1234.5, "1234"), (0.0, "0.00"), (4e-5, "0.0000400")]
-        {
+        for (value, text) in [
+            (3.086, "3.09"),
+            (0.32613, "0.326"),
+            (1234.5, "1234"),
+            (0.0, "0.00"),
+            (4e-5, "0.0000400"),
+        ] {
             assert_eq!(significant(value), text);
         }
     }
@@ -216,13 +245,16 @@ mod tests {
     }
 
     fn check(candidates: &[(&'static str, [f64; 4], f64)], chosen: &str, reason: &str) {
-        let mut candidates: Vec<Candidate> =
-            candidates.iter().map(|(name, errors, ratio)| candidate(name, errors, *ratio)).collect();
+        let mut candidates: Vec<Candidate> = candidates
+            .iter()
+            .map(|(name, errors, ratio)| candidate(name, errors, *ratio))
+            .collect();
         let (found, why) = judge(&mut candidates, "4 sweeps", "N").unwrap();
         assert_eq!((candidates[found].name, why.as_str()), (chosen, reason));
     }
 
-    /// The misfit is in one block only, and large there: the difference varies from block to block as much.
+    /// The misfit is in one block only, and large there: the difference varies from block to block
+    /// as much.
     #[test]
     fn a_large_misfit_in_one_part_counts_too() {
         let line = ("line", [1.0, 1.0, 1.0, 9.0], 1.0);
@@ -231,7 +263,8 @@ mod tests {
         check(&[line, ("hinge", [1.0; 4], 1.0)], "hinge", reason);
     }
 
-    /// The sweeps differ more from each other than the candidates do; yet one of these is worse on every sweep.
+    /// The sweeps differ more from each other than the candidates do; yet one of these is worse on
+    /// every sweep.
     #[test]
     fn candidates_are_compared_sweep_by_sweep() {
         check(

@@ -9,20 +9,29 @@ use zwidth_tables::{Table, TableError};
 
 /// Height of the panel, mm.
 const PANEL_MM: f64 = 60.0;
-/// Width of the pens of brake and motor, pt: they show on both sides of the total's, which lies over them.
+/// Width of the pens of brake and motor, pt: they show on both sides of the total's, which lies
+/// over them.
 const UNDER_PT: f64 = 3.0;
 
-/// Force against angle of one stroke there and back: total black, brake dotted, motor dashed. `table` is the bow tie of
-/// the stage `simulate`; the force shown is the one felt by the hand, which resists.
+/// Force against angle of one stroke there and back: total black, brake dotted, motor dashed.
+/// `table` is the bow tie of the stage `simulate`; the force shown is the one felt by the hand,
+/// which resists.
 ///
 /// # Errors
 /// A table that lacks a column.
 pub fn bow_tie(table: &Table) -> Result<Figure, TableError> {
     let words = Words::new(Coordinate::Rotational);
     let theta = words.positions(table.floats("theta_rad")?);
-    let felt = |column: &str| Ok::<_, TableError>(gaps(table.floats(column)?).into_iter().map(|f| -f));
+    let felt =
+        |column: &str| Ok::<_, TableError>(gaps(table.floats(column)?).into_iter().map(|f| -f));
     let line = |x: &[f64], y: Vec<f64>, stroke: Stroke, name: &str| {
-        Layer::Line(Line { x: x.to_vec(), y, stroke, name: Some(name.to_owned()), ..Line::default() })
+        Layer::Line(Line {
+            x: x.to_vec(),
+            y,
+            stroke,
+            name: Some(name.to_owned()),
+            ..Line::default()
+        })
     };
     let total: Vec<f64> = felt("force_total_n")?.collect();
     let under = |colour, dash| Stroke { width_pt: UNDER_PT, dash, ..style::mean(colour) };
@@ -38,12 +47,26 @@ pub fn bow_tie(table: &Table) -> Result<Figure, TableError> {
     let layers = vec![
         zero(Direction::Horizontal),
         zero(Direction::Vertical),
-        line(&theta, acting(felt("force_brake_n")?), under(style::BRAKE, Dash::Dotted), "brake (stronger)"),
-        line(&theta, acting(felt("force_motor_n")?), under(style::MOTOR, Dash::Dashed), "motor (weaker)"),
+        line(
+            &theta,
+            acting(felt("force_brake_n")?),
+            under(style::BRAKE, Dash::Dotted),
+            "brake (stronger)",
+        ),
+        line(
+            &theta,
+            acting(felt("force_motor_n")?),
+            under(style::MOTOR, Dash::Dashed),
+            "motor (weaker)",
+        ),
         line(&closed(&theta), closed(&total), style::single(style::INK), "total"),
     ];
-    let panel =
-        Panel::new(Cell::at(0, 0), words.position_axis(), Axis::new("resisting force *F*", "N"), layers);
+    let panel = Panel::new(
+        Cell::at(0, 0),
+        words.position_axis(),
+        Axis::new("resisting force *F*", "N"),
+        layers,
+    );
     Ok(Figure {
         title: Some(plain(table.title())),
         description: format!(

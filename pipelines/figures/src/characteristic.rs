@@ -1,4 +1,5 @@
-//! Figures 22 and 23: what came of a command, every sweep, with the first-order fit and the chosen one.
+//! Figures 22 and 23: what came of a command, every sweep, with the first-order fit and the chosen
+//! one.
 
 mod words;
 
@@ -39,10 +40,16 @@ pub struct Characterised<'a> {
     pub level: f64,
 }
 
-/// The characteristic of one actuator or sensor: all sweeps faint, their mean, the first-order fit with its R², the
-/// chosen fit with the band for a new response, and where it begins and ends to rise.
-pub fn characteristic(actuator: &str, sweeps: &[Sweep], of: Characterised) -> Result<Figure, TableError> {
-    let quantity = |of: fn(&Sweep) -> &Quantity| sweeps.first().map(of).cloned().unwrap_or_else(nothing);
+/// The characteristic of one actuator or sensor: all sweeps faint, their mean, the first-order fit
+/// with its R², the chosen fit with the band for a new response, and where it begins and ends to
+/// rise.
+pub fn characteristic(
+    actuator: &str,
+    sweeps: &[Sweep],
+    of: Characterised,
+) -> Result<Figure, TableError> {
+    let quantity =
+        |of: fn(&Sweep) -> &Quantity| sweeps.first().map(of).cloned().unwrap_or_else(nothing);
     let (command, response) = (quantity(|s| &s.command), quantity(|s| &s.response));
     let chosen = chosen(of.models)?;
     let mut layers = samples(sweeps);
@@ -81,9 +88,11 @@ fn samples(sweeps: &[Sweep]) -> Vec<Layer> {
         return vec![points(sweeps, n > MANY_POINTS)];
     }
     let all = sweeps.iter().flat_map(|s| &s.command_values).copied();
-    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let (low, high) =
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let line = |(number, sweep): (usize, &Sweep)| {
-        let (x, y) = step_means(&sweep.command_values, &sweep.response_values, (high - low) / STEPS);
+        let (x, y) =
+            step_means(&sweep.command_values, &sweep.response_values, (high - low) / STEPS);
         let name = (number == 0).then(|| "sweeps".to_owned());
         Layer::Line(Line { x, y, stroke: style::faint(style::GREY), name, ..Line::default() })
     };
@@ -102,7 +111,8 @@ fn points(sweeps: &[Sweep], many: bool) -> Layer {
     })
 }
 
-/// Means of runs of samples whose commands lie in one step of this width, in the order of recording.
+/// Means of runs of samples whose commands lie in one step of this width, in the order of
+/// recording.
 fn step_means(x: &[f64], y: &[f64], step: f64) -> (Vec<f64>, Vec<f64>) {
     let place = |x: f64| libm::floor(x / step) as i64;
     let samples: Vec<(f64, f64)> = x.iter().copied().zip(y.iter().copied()).collect();
@@ -126,15 +136,17 @@ fn parts(curve: &Table) -> Result<Vec<Part>, TableError> {
     let mut parts: Vec<Part> = Vec::new();
     for same in names.chunk_by(|a, b| a == b) {
         let start = parts.last().map_or(0, |p| p.rows.end);
-        let name = same[0].clone().filter(|n| n != "both").map(|n| format!(", {n}")).unwrap_or_default();
+        let name =
+            same[0].clone().filter(|n| n != "both").map(|n| format!(", {n}")).unwrap_or_default();
         let colour = style::mode_colour(parts.len());
         parts.push(Part { name, rows: start..start + same.len(), colour });
     }
     Ok(parts)
 }
 
-/// Bands, fits, means and the first-order fit, in the order in which they lie over each other: the mean is thin on the
-/// broad chosen fit, so that both are seen where they agree. Where the line was chosen it is the first-order fit.
+/// Bands, fits, means and the first-order fit, in the order in which they lie over each other: the
+/// mean is thin on the broad chosen fit, so that both are seen where they agree. Where the line was
+/// chosen it is the first-order fit.
 fn curves(of: Characterised, chosen: &str, sweeps: usize) -> Result<Vec<Layer>, TableError> {
     let parts = parts(of.curve)?;
     let column = |name: &str, part: &Part| {
@@ -145,7 +157,8 @@ fn curves(of: Characterised, chosen: &str, sweeps: usize) -> Result<Vec<Layer>, 
         Ok::<_, TableError>(Layer::Line(Line { x, y, stroke, name: Some(name), ..Line::default() }))
     };
     let first_order = format!("first-order fit{}", r_squared(of.models)?);
-    let fit = if chosen == "line" { format!("{first_order} (chosen)") } else { "chosen fit".to_owned() };
+    let fit =
+        if chosen == "line" { format!("{first_order} (chosen)") } else { "chosen fit".to_owned() };
     let band = format!("{} prediction band", percent(of.level));
     let (mut layers, mut over) = (Vec::new(), Vec::new());
     for part in &parts {
@@ -212,8 +225,10 @@ mod tests {
 
     /// `n` sweeps of `samples` up to 8 V, 2 N/V above 1 V.
     fn sweeps(n: u32, samples: u32, source: Source) -> Vec<Sweep> {
-        let command: Vec<f64> = (0..samples).map(|i| 8.0 * f64::from(i) / f64::from(samples - 1)).collect();
-        let quantity = |name: &str, unit: &str| Quantity { name: name.to_owned(), unit: unit.to_owned() };
+        let command: Vec<f64> =
+            (0..samples).map(|i| 8.0 * f64::from(i) / f64::from(samples - 1)).collect();
+        let quantity =
+            |name: &str, unit: &str| Quantity { name: name.to_owned(), unit: unit.to_owned() };
         let sweep = |sweep| Sweep {
             actuator: "brake".parse().unwrap(),
             sweep,
@@ -263,7 +278,8 @@ mod tests {
     }
 
     fn curve() -> Table {
-        let numbers = ["command", "mean", "fit", "prediction_low", "prediction_high", "first_order"];
+        let numbers =
+            ["command", "mean", "fit", "prediction_low", "prediction_high", "first_order"];
         let mut columns = vec![texts("branch", &["up", "up", "down", "down"])];
         columns.extend(numbers.map(|name| floats(name, &[0.0, 8.0, 0.0, 8.0])));
         Table::new("curve", "Curve", columns).unwrap()
@@ -271,7 +287,8 @@ mod tests {
 
     fn figure(sweeps: &[Sweep], note: &str) -> Figure {
         let (models, parameters, curve) = (models(), parameters_of(note), curve());
-        let of = Characterised { models: &models, parameters: &parameters, curve: &curve, level: 0.95 };
+        let of =
+            Characterised { models: &models, parameters: &parameters, curve: &curve, level: 0.95 };
         characteristic("brake", sweeps, of).unwrap()
     }
 
@@ -290,7 +307,8 @@ mod tests {
         let found = figure(&sweeps(2, 50, Source::Recorded), "");
         let bands = ["95 % prediction band, up", "95 % prediction band, down"];
         let fits = ["chosen fit, up", "chosen fit, down"];
-        let rest = ["mean of the sweeps", "mean of the sweeps", "first-order fit, *R*^{2} = 0.9877"];
+        let rest =
+            ["mean of the sweeps", "mean of the sweeps", "first-order fit, *R*^{2} = 0.9877"];
         assert_eq!(names(&found), [&["samples"][..], &bands, &fits, &rest].concat());
         assert_eq!(
             found.footnotes,
@@ -308,8 +326,7 @@ mod tests {
     #[test]
     fn many_samples_become_a_faint_line_a_sweep() {
         let found = figure(&sweeps(3, 6000, Source::Recorded), "");
-        let is_sweep =
-            |layer: &&Layer| matches!(layer, Layer::Line(l) if l.stroke == style::faint(style::GREY));
+        let is_sweep = |layer: &&Layer| matches!(layer, Layer::Line(l) if l.stroke == style::faint(style::GREY));
         let lines: Vec<&Layer> = found.panels[0].layers.iter().filter(is_sweep).collect();
         assert_eq!(lines.len(), 3);
         let Layer::Line(line) = lines[0] else { panic!() };
@@ -327,7 +344,10 @@ mod tests {
             found.panels[0].layers.iter().filter_map(label).collect()
         };
         assert_eq!(labels(""), ["begins at 1.00 V (up)", "begins at 0.500 V (down)"]);
-        assert_eq!(labels("≤ 0.1 V (edge of the data): not identifiable"), ["begins at 1.00 V (up)"]);
+        assert_eq!(
+            labels("≤ 0.1 V (edge of the data): not identifiable"),
+            ["begins at 1.00 V (up)"]
+        );
     }
 
     #[test]

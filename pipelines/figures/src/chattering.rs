@@ -1,5 +1,5 @@
-//! Swings of solvers against their step, on axes of logarithms: an oscillation of the method vanishes with its step,
-//! one of the model stays.
+//! Swings of solvers against their step, on axes of logarithms: an oscillation of the method
+//! vanishes with its step, one of the model stays.
 
 use crate::words::{model_mark, plain};
 use zwidth_draw::style::{self, Stroke};
@@ -22,8 +22,8 @@ struct Curve {
     reversals: Vec<f64>,
 }
 
-/// Amplitude of the fast swings, largest angle beyond the exact one, and reversals, each against the step.
-/// `table` is the table of chattering of the stage `simulate`.
+/// Amplitude of the fast swings, largest angle beyond the exact one, and reversals, each against
+/// the step. `table` is the table of chattering of the stage `simulate`.
 ///
 /// # Errors
 /// A table that lacks a column.
@@ -33,8 +33,12 @@ pub fn chattering(table: &Table) -> Result<Figure, TableError> {
     let counted = merged(&curves);
     let panels = vec![
         panel(0, ("amplitude of fast swings", "°"), &swinging, |curve| &curve.amplitude_deg),
-        panel(1, ("largest angle beyond the exact one", "°"), &swinging, |curve| &curve.excess_deg),
-        panel(2, ("number of reversals", ""), &counted.iter().collect::<Vec<_>>(), |curve| &curve.reversals),
+        panel(1, ("largest angle beyond the exact one", "°"), &swinging, |curve| {
+            &curve.excess_deg
+        }),
+        panel(2, ("number of reversals", ""), &counted.iter().collect::<Vec<_>>(), |curve| {
+            &curve.reversals
+        }),
     ];
     Ok(Figure {
         title: Some(plain(table.title())),
@@ -57,7 +61,8 @@ impl Curve {
     }
 }
 
-/// Curves without swings that turn equally often lie on each other: they are drawn as one, with all their names.
+/// Curves without swings that turn equally often lie on each other: they are drawn as one, with all
+/// their names.
 fn merged(curves: &[Curve]) -> Vec<Curve> {
     let mut merged: Vec<Curve> = Vec::new();
     for curve in curves {
@@ -119,7 +124,8 @@ fn panel(
     let layers = curves.iter().flat_map(|curve| {
         let (x, y) = (logarithms(&curve.step_ms), logarithms(pick(curve)));
         let (stroke, name) = (curve.stroke, Some(plain(&curve.name)));
-        let points = Points { x: x.clone(), y: y.clone(), colour: stroke.colour, ..Points::default() };
+        let points =
+            Points { x: x.clone(), y: y.clone(), colour: stroke.colour, ..Points::default() };
         [Layer::Points(points), Layer::Line(Line { x, y, stroke, name, ..Line::default() })]
     });
     let powers = |axis: Axis| Axis { ticks: Ticks::Powers, ..axis };
@@ -154,7 +160,8 @@ mod tests {
     use zwidth_tables::Column;
 
     fn figure() -> Figure {
-        let solvers = ["exact", "exact", "moreau_jean", "moreau_jean", "rk4_per_step", "rk4_per_step"];
+        let solvers =
+            ["exact", "exact", "moreau_jean", "moreau_jean", "rk4_per_step", "rk4_per_step"];
         let float = |name, values: [f64; 6]| Column::float(name, "", "", values.map(Some));
         let columns = vec![
             Column::text("solver", "", solvers.map(|s| Some(s.to_owned()))),
@@ -180,7 +187,9 @@ mod tests {
         let amplitude = lines(&figure.panels[0])[0];
         assert!((amplitude.x[0] - 1.0).abs() < 1e-12 && (amplitude.x[1] - 0.0).abs() < 1e-12);
         assert!((10_f64.powf(amplitude.y[0]) - 0.1_f64.to_degrees()).abs() < 1e-12);
-        assert!(figure.panels.iter().all(|p| p.x.ticks == Ticks::Powers && p.y.ticks == Ticks::Powers));
+        assert!(
+            figure.panels.iter().all(|p| p.x.ticks == Ticks::Powers && p.y.ticks == Ticks::Powers)
+        );
     }
 
     #[test]
@@ -200,10 +209,13 @@ mod tests {
     #[test]
     fn solvers_that_do_not_swing_share_a_line_of_reversals_and_are_named_below() {
         let figure = figure();
-        let names: Vec<_> = lines(&figure.panels[2]).iter().filter_map(|line| line.name.clone()).collect();
+        let names: Vec<_> =
+            lines(&figure.panels[2]).iter().filter_map(|line| line.name.clone()).collect();
         assert_eq!(names, ["exact, Moreau–Jean", "RK4, switched per step"]);
         assert_eq!(lines(&figure.panels[1]).len(), 1);
-        assert!(figure.footnotes.concat().contains("No fast swings at any step: exact, Moreau–Jean."));
+        assert!(
+            figure.footnotes.concat().contains("No fast swings at any step: exact, Moreau–Jean.")
+        );
         assert!(figure.mark.unwrap().starts_with("SIMULATION"));
     }
 }

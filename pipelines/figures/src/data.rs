@@ -35,7 +35,9 @@ impl ModeData<'_> {
 }
 
 /// How many repeats means are of: `n = 6`, `n = 4 to 6`; nothing without a mean.
-pub(crate) fn repeats_averaged<'a>(modes: impl Iterator<Item = &'a ModeData<'a>>) -> Option<String> {
+pub(crate) fn repeats_averaged<'a>(
+    modes: impl Iterator<Item = &'a ModeData<'a>>,
+) -> Option<String> {
     let counts: Vec<usize> = modes.filter_map(ModeData::averaged).collect();
     let (least, most) = (counts.iter().min()?, counts.iter().max()?);
     Some(if least == most { format!("n = {most}") } else { format!("n = {least} to {most}") })
@@ -106,15 +108,17 @@ impl Scene<'_> {
         self.modes.iter().flat_map(|m| &m.repeats).any(|r| r.signal(signal).is_some())
     }
 
-    /// Whether time counts from movement onset: where some repeat has one, those without are not drawn over time.
+    /// Whether time counts from movement onset: where some repeat has one, those without are not
+    /// drawn over time.
     pub(crate) fn aligned(&self) -> bool {
         self.modes.iter().flat_map(|m| &m.repeats).any(|r| r.onset_s.is_some())
     }
 
-    /// Label of the time axis. By landmarks it is the scale of their mean times, to which repeats are stretched too.
+    /// Label of the time axis. By landmarks it is the scale of their mean times, to which repeats
+    /// are stretched too.
     pub(crate) fn time_label(&self) -> &'static str {
-        let by_landmarks =
-            self.alignment == Alignment::Landmarks && self.modes.iter().any(|m| m.average.is_some());
+        let by_landmarks = self.alignment == Alignment::Landmarks
+            && self.modes.iter().any(|m| m.average.is_some());
         match (self.aligned(), by_landmarks) {
             (false, _) => "time",
             (true, false) => "time since movement onset",
@@ -162,7 +166,8 @@ pub(crate) fn stem(signal: Signal) -> Option<(&'static str, &'static str)> {
 
 /// What figures read of a table of the stage `average`.
 pub fn average_columns() -> Vec<String> {
-    let of = |(stem, unit)| ["mean", "ci_low", "ci_high"].map(|what| format!("{stem}_{what}_{unit}"));
+    let of =
+        |(stem, unit)| ["mean", "ci_low", "ci_high"].map(|what| format!("{stem}_{what}_{unit}"));
     ["t_s", "n"]
         .map(str::to_owned)
         .into_iter()

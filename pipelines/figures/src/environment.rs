@@ -1,4 +1,5 @@
-//! Figures 26 and 27: what an environment renders, drawn to the angles of the study: device, spring, wall.
+//! Figures 26 and 27: what an environment renders, drawn to the angles of the study: device,
+//! spring, wall.
 
 use crate::words::{Words, plain};
 use std::f64::consts::TAU;
@@ -10,7 +11,8 @@ use zwidth_study::{Coordinate, Environment, Spring, Study};
 
 /// Height of the drawing, mm.
 const PANEL_MM: f64 = 50.0;
-/// What the drawing covers, in lengths of the lever: to either side of the axis, below it and above it.
+/// What the drawing covers, in lengths of the lever: to either side of the axis, below it and above
+/// it.
 const REACH: (f64, f64, f64) = (1.35, -0.3, 1.36);
 // Distances from the axis, in lengths of the lever.
 /// The arc of the work space: just beyond the lever's tip.
@@ -35,20 +37,23 @@ const COIL: f64 = 0.07;
 const HATCHES: usize = 7;
 /// Length of a hatch.
 const HATCH: f64 = 0.09;
-/// The lever is drawn at this share of its work space: the spring is seen at length, and a wall ahead.
+/// The lever is drawn at this share of its work space: the spring is seen at length, and a wall
+/// ahead.
 const LEVER_AT: f64 = 0.33;
 /// Pieces of an arc over a whole turn.
 const PIECES: f64 = 360.0;
 
 type Point = (f64, f64);
 
-/// The device and what it renders, as far as it is a lever between stops on a spring; none otherwise.
+/// The device and what it renders, as far as it is a lever between stops on a spring; none
+/// otherwise.
 ///
-/// Angles are true; θ = 0 stands upright, and θ > 0 compresses. Lengths are in lengths of the lever. What the drawing
-/// shows is commanded, not measured.
+/// Angles are true; θ = 0 stands upright, and θ > 0 compresses. Lengths are in lengths of the
+/// lever. What the drawing shows is commanded, not measured.
 pub fn environment(study: &Study, environment: &Environment) -> Option<Figure> {
     let (low, high) = (study.device.theta_min_rad?, study.device.theta_max_rad?);
-    let spring = environment.scene.spring().filter(|_| study.coordinate == Coordinate::Rotational)?;
+    let spring =
+        environment.scene.spring().filter(|_| study.coordinate == Coordinate::Rotational)?;
     let wall = environment.scene.wall_rad();
     let words = Words::new(study.coordinate);
     let lever = low + LEVER_AT * (high - low);
@@ -56,8 +61,12 @@ pub fn environment(study: &Study, environment: &Environment) -> Option<Figure> {
     layers.extend(rendered_spring(spring, lever, high));
     layers.extend(wall.iter().flat_map(|at| rendered_wall(words, *at)));
     layers.extend(device(lever));
-    let panel =
-        Panel::new(Cell::at(0, 0), Axis::bare(-REACH.0, REACH.0), Axis::bare(REACH.1, REACH.2), layers);
+    let panel = Panel::new(
+        Cell::at(0, 0),
+        Axis::bare(-REACH.0, REACH.0),
+        Axis::bare(REACH.1, REACH.2),
+        layers,
+    );
     Some(Figure {
         title: Some(plain(&environment.label)),
         description: format!(
@@ -74,7 +83,13 @@ pub fn environment(study: &Study, environment: &Environment) -> Option<Figure> {
 }
 
 /// What is drawn, in numbers.
-fn footnotes(study: &Study, words: Words, spring: Spring, wall: Option<f64>, high: f64) -> Vec<String> {
+fn footnotes(
+    study: &Study,
+    words: Words,
+    spring: Spring,
+    wall: Option<f64>,
+    high: f64,
+) -> Vec<String> {
     let force = |theta_rad: f64| spring.stiffness_n_per_rad * (theta_rad - spring.rest_rad);
     let lever = study.device.lever_m.map(|l| format!("Lever {} mm. ", number(l * 1e3)));
     let mut notes = vec![format!(
@@ -165,7 +180,8 @@ fn ground(theta: f64, (from, to): (f64, f64), stroke: Stroke) -> Vec<Layer> {
     layers
 }
 
-/// The spring between the lever and the end of the work space, and where the lever stands when it rests.
+/// The spring between the lever and the end of the work space, and where the lever stands when it
+/// rests.
 fn rendered_spring(spring: Spring, lever: f64, high: f64) -> Vec<Layer> {
     let pen = style::mean(style::TISSUE);
     let span = high - lever;
@@ -203,7 +219,13 @@ fn device(lever: f64) -> Vec<Layer> {
     let bar = Stroke { width_pt: 3.2, ..style::mean(style::INK) };
     let force = style::mean(style::INK);
     let disc = |colour, diameter_pt| {
-        Layer::Points(Points { x: vec![0.0], y: vec![0.0], colour, diameter_pt, ..Points::default() })
+        Layer::Points(Points {
+            x: vec![0.0],
+            y: vec![0.0],
+            colour,
+            diameter_pt,
+            ..Points::default()
+        })
     };
     let mut layers = vec![line([(0.0, 0.0), at(1.0, lever)], bar)];
     layers.extend(arrow(0.93, lever - 0.42, lever - 0.04, force));
@@ -229,7 +251,8 @@ mod tests {
     }
 
     fn texts(figure: &Figure) -> Vec<String> {
-        let words = |layer: &Layer| if let Layer::Text(t) = layer { Some(t.lines.join(" ")) } else { None };
+        let words =
+            |layer: &Layer| if let Layer::Text(t) = layer { Some(t.lines.join(" ")) } else { None };
         figure.panels[0].layers.iter().filter_map(words).collect()
     }
 
@@ -252,7 +275,8 @@ mod tests {
         for label in ["−45°", "45°", "0°", "wall 26.6°", "*K* = 4 N/rad"] {
             assert!(labels.iter().any(|l| l == label), "{label} is not in {labels:?}");
         }
-        study.environments[1].scene = Scene::Spring(Spring { stiffness_n_per_rad: 3.0, rest_rad: -0.5 });
+        study.environments[1].scene =
+            Scene::Spring(Spring { stiffness_n_per_rad: 3.0, rest_rad: -0.5 });
         let figure = environment(&study, &study.environments[1]).unwrap();
         assert!(!texts(&figure).iter().any(|l| l.starts_with("wall")));
         assert!(radii_deg(&figure).iter().any(|deg| (deg + 0.5_f64.to_degrees()).abs() < 1e-9));
@@ -263,7 +287,11 @@ mod tests {
         let study = study();
         let figure = environment(&study, &study.environments[1]).unwrap();
         // 4 N/rad from −45° on: 4 · 71.6° = 5.00 N at the wall, 4 · 90° = 6.28 N at the upper stop.
-        assert!(figure.footnotes[0].contains("at rest at −45°, 6.28 N at 45°"), "{:?}", figure.footnotes);
+        assert!(
+            figure.footnotes[0].contains("at rest at −45°, 6.28 N at 45°"),
+            "{:?}",
+            figure.footnotes
+        );
         assert!(figure.footnotes[1].contains("from 26.6° on (where the spring has 5 N)"));
     }
 

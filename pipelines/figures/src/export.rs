@@ -18,8 +18,9 @@ struct Rows {
     high: Vec<f64>,
 }
 
-/// Every value drawn in `figure`, in the units of its axes: one row a point, with its panel (from 1, in
-/// order), what the axes show, its layer, the layer's name, x, y, and the ends of a band or whisker.
+/// Every value drawn in `figure`, in the units of its axes: one row a point, with its panel (from
+/// 1, in order), what the axes show, its layer, the layer's name, x, y, and the ends of a band or
+/// whisker.
 ///
 /// # Errors
 /// A value that is infinite; coordinates of one layer that differ in number.
@@ -33,7 +34,12 @@ pub fn data_table(name: &str, figure: &Figure) -> Result<Table, TableError> {
         }
     }
     let number = |name, about, get: fn(&Rows) -> &Vec<f64>| {
-        Column::float(name, "1", about, layers.iter().flat_map(|l| get(l).iter().copied().map(known)))
+        Column::float(
+            name,
+            "1",
+            about,
+            layers.iter().flat_map(|l| get(l).iter().copied().map(known)),
+        )
     };
     let count = |name, about, get: fn(&Rows) -> i64| {
         let values = layers.iter().flat_map(|l| iter::repeat_n(Some(get(l)), l.x.len()));
@@ -48,7 +54,11 @@ pub fn data_table(name: &str, figure: &Figure) -> Result<Table, TableError> {
             count("panel", "panel of the figure, from 1", |l| l.panel),
             Column::text("axes", "what its axes show, with units", axes),
             count("layer", "layer of the panel, from 1", |l| l.layer),
-            Column::text("name", "name in the legend", layers.iter().flat_map(|l| l.name.iter().cloned())),
+            Column::text(
+                "name",
+                "name in the legend",
+                layers.iter().flat_map(|l| l.name.iter().cloned()),
+            ),
             number("x", "place along the x axis, in its unit", |l| &l.x),
             number("y", "place along the y axis, in its unit; a count of answers", |l| &l.y),
             number("low", "lower end of a band or whisker", |l| &l.low),
@@ -79,13 +89,18 @@ fn rows_of(layer: &Layer) -> Rows {
         Layer::Line(l) => rows(&l.name, &l.x, [l.y.clone(), gaps(l.x.len()), gaps(l.x.len())]),
         Layer::Points(p) => rows(&p.name, &p.x, [p.y.clone(), gaps(p.x.len()), gaps(p.x.len())]),
         Layer::Band(b) => rows(&b.name, &b.x, [gaps(b.x.len()), b.low.clone(), b.high.clone()]),
-        Layer::Intervals(s) => rows(&s.name, &s.at, [s.estimate.clone(), s.low.clone(), s.high.clone()]),
+        Layer::Intervals(s) => {
+            rows(&s.name, &s.at, [s.estimate.clone(), s.low.clone(), s.high.clone()])
+        }
         Layer::Likert(bars) => {
-            let counts = || bars.rows.iter().enumerate().flat_map(|(r, counts)| iter::repeat(r).zip(counts));
-            let answers = bars.rows.iter().flat_map(|counts| (0..counts.len()).map(|k| bars.answers.get(k)));
+            let counts =
+                || bars.rows.iter().enumerate().flat_map(|(r, counts)| iter::repeat(r).zip(counts));
+            let answers =
+                bars.rows.iter().flat_map(|counts| (0..counts.len()).map(|k| bars.answers.get(k)));
             let x: Vec<f64> = counts().map(|(row, _)| row as f64).collect();
             let y = counts().map(|(_, n)| f64::from(*n)).collect();
-            let name = answers.map(|answer| answer.map(|answer| markup::plain(answer).into())).collect();
+            let name =
+                answers.map(|answer| answer.map(|answer| markup::plain(answer).into())).collect();
             Rows { name, ..rows(&None, &x, [y, gaps(x.len()), gaps(x.len())]) }
         }
         Layer::Reference(_) | Layer::Text(_) => Rows::default(),
@@ -99,8 +114,12 @@ mod tests {
 
     #[test]
     fn every_point_of_a_line_is_a_row_and_a_gap_is_null() {
-        let line =
-            Line { x: vec![0.0, 1.0], y: vec![2.0, f64::NAN], name: Some("*a*".into()), ..Line::default() };
+        let line = Line {
+            x: vec![0.0, 1.0],
+            y: vec![2.0, f64::NAN],
+            name: Some("*a*".into()),
+            ..Line::default()
+        };
         let panel = Panel::new(
             Cell::at(0, 0),
             Axis::new("*t*", "s"),

@@ -1,4 +1,5 @@
-//! Plane-fit coefficients of free motion with their intervals: sessions side by side, one colour a mode.
+//! Plane-fit coefficients of free motion with their intervals: sessions side by side, one colour a
+//! mode.
 
 use crate::words::{mark, percent, plain};
 use zwidth_draw::style::{self, Marker};
@@ -16,7 +17,8 @@ const COEFFICIENTS: [(&str, &str, &str, &str); 3] = [
     ("damping", "nm_s_per_rad", "damping *b*", "N·m·s/rad"),
 ];
 
-/// One panel a coefficient of torque = c + I·acc + b·vel. `fits` is the table of the stage `freemotion`.
+/// One panel a coefficient of torque = c + I·acc + b·vel. `fits` is the table of the stage
+/// `freemotion`.
 pub fn free_motion(study: &Study, fits: &Table) -> Result<Figure, TableError> {
     let sessions = sessions(fits)?;
     let mut panels = Vec::new();
@@ -30,7 +32,8 @@ pub fn free_motion(study: &Study, fits: &Table) -> Result<Figure, TableError> {
                 Ok(rows.iter().map(|r| values[*r].unwrap_or(f64::NAN)).collect())
             };
             let keys = keys(fits)?;
-            let place = |r: &usize| sessions.iter().position(|s| *s == keys[*r]).unwrap_or(0) as f64;
+            let place =
+                |r: &usize| sessions.iter().position(|s| *s == keys[*r]).unwrap_or(0) as f64;
             layers.push(Layer::Intervals(Intervals {
                 direction: Direction::Vertical,
                 at: rows.iter().map(|r| place(r) + dodge(index, study.modes.len())).collect(),
@@ -42,8 +45,12 @@ pub fn free_motion(study: &Study, fits: &Table) -> Result<Figure, TableError> {
                 name: Some(plain(&mode.label)),
             }));
         }
-        let panel =
-            Panel::new(Cell::at(0, i), Axis::categories(sessions.clone()), Axis::new(label, unit), layers);
+        let panel = Panel::new(
+            Cell::at(0, i),
+            Axis::categories(sessions.clone()),
+            Axis::new(label, unit),
+            layers,
+        );
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
     }
     Ok(Figure {

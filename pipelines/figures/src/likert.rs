@@ -19,12 +19,18 @@ const ROW_MM: f64 = 7.5;
 const COLUMNS: usize = 2;
 
 /// Diverging bars, `COLUMNS` panels side by side. `footnotes` says what was reversed.
-pub fn likert(title: &str, panels: &[LikertPanel], footnotes: &[String], sources: &[Source]) -> Figure {
+pub fn likert(
+    title: &str,
+    panels: &[LikertPanel],
+    footnotes: &[String],
+    sources: &[Source],
+) -> Figure {
     let columns = COLUMNS.min(panels.len().max(1));
     let totals = panels.iter().flat_map(|p| &p.rows).map(|(_, counts)| counts.iter().sum::<u32>());
     let (least, most) = totals.fold((u32::MAX, 0), |(a, b), n| (a.min(n), b.max(n)));
     let scale = if least == most { LikertScale::Counts } else { LikertScale::Percent };
-    let drawn = panels.iter().enumerate().map(|(i, p)| panel(p, Cell::at(i / columns, i % columns), scale));
+    let drawn =
+        panels.iter().enumerate().map(|(i, p)| panel(p, Cell::at(i / columns, i % columns), scale));
     Figure {
         title: Some(plain(title)),
         description: format!(

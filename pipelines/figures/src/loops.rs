@@ -1,4 +1,5 @@
-//! Force against position for every environment side by side: the force discrepancy at a glance (Fig. 31).
+//! Force against position for every environment side by side: the force discrepancy at a glance
+//! (Fig. 31).
 
 use crate::data::{ModeData, Scene, aligned, repeats_averaged};
 use crate::panels::{axis, mean_loop, repeat_loop};
@@ -53,13 +54,15 @@ pub fn loops(study: &Study, scenes: &[Scene]) -> Result<Figure, TableError> {
     })
 }
 
-/// Which means the loops are, and of how many repeats, where there is one; what dots mean, where there are any.
+/// Which means the loops are, and of how many repeats, where there is one; what dots mean, where
+/// there are any.
 fn footnotes(scenes: &[Scene], panels: &[Panel]) -> Vec<String> {
     let several = |m: &&ModeData| m.repeats.len() > 1;
     let averaged = repeats_averaged(scenes.iter().flat_map(|s| &s.modes).filter(several));
     let means = scenes.first().zip(averaged);
-    let means =
-        means.map(|(scene, n)| format!("Lines: mean of the repeats ({n}), {}.", aligned(scene.alignment)));
+    let means = means.map(|(scene, n)| {
+        format!("Lines: mean of the repeats ({n}), {}.", aligned(scene.alignment))
+    });
     let has_dots = |l: &Layer| matches!(l, Layer::Line(line) if line.dotted.contains(&true));
     let dotted = panels.iter().flat_map(|p| &p.layers).any(has_dots);
     let dots = dotted.then(|| "Dotted: at the wall or past it.".to_owned());
@@ -67,7 +70,12 @@ fn footnotes(scenes: &[Scene], panels: &[Panel]) -> Vec<String> {
 }
 
 /// The mean loop, or every repeat's where there is no mean.
-fn one(scene: &Scene, words: Words, mode: &ModeData, colour: Colour) -> Result<Vec<Layer>, TableError> {
+fn one(
+    scene: &Scene,
+    words: Words,
+    mode: &ModeData,
+    colour: Colour,
+) -> Result<Vec<Layer>, TableError> {
     let load = scene.load();
     let name = plain(&scene.environment.label);
     let named = |line: Line| Layer::Line(Line { name: Some(name.clone()), ..line });
@@ -77,5 +85,8 @@ fn one(scene: &Scene, words: Words, mode: &ModeData, colour: Colour) -> Result<V
         return Ok(vec![named(line)]);
     }
     let lines = mode.repeats.iter().filter(|r| r.signal(Signal::Theta).is_some());
-    Ok(lines.filter_map(|r| repeat_loop(words, r, load, style::single(colour))).map(named).collect())
+    Ok(lines
+        .filter_map(|r| repeat_loop(words, r, load, style::single(colour)))
+        .map(named)
+        .collect())
 }

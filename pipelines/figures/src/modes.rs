@@ -1,5 +1,5 @@
-//! Figures 28 and 29: position, force and velocity against time, force against position; the mean of
-//! each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall.
+//! Figures 28 and 29: position, force and velocity against time, force against position; the mean
+//! of each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall.
 
 use crate::data::{Scene, aligned};
 use crate::panels::{axis, mean_loop, mean_over_time, repeat_loop, repeat_over_time, wall_line};
@@ -39,8 +39,11 @@ pub fn modes(scene: &Scene) -> Result<Figure, TableError> {
 }
 
 fn describe(scene: &Scene, words: Words) -> String {
-    let counts: Vec<String> =
-        scene.modes.iter().map(|m| format!("{} {}", m.repeats.len(), m.label.to_lowercase())).collect();
+    let counts: Vec<String> = scene
+        .modes
+        .iter()
+        .map(|m| format!("{} {}", m.repeats.len(), m.label.to_lowercase()))
+        .collect();
     format!(
         "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}. Thick: mean of \
          the repeats, {}, with its pointwise {} band; thin: every repeat.",
@@ -64,7 +67,9 @@ fn footnotes(scene: &Scene) -> Vec<String> {
         }
         legend += match scene.alignment {
             Alignment::Onset => "; thin: every repeat",
-            Alignment::Landmarks => "; thin: every repeat, stretched so that its landmarks stand at theirs",
+            Alignment::Landmarks => {
+                "; thin: every repeat, stretched so that its landmarks stand at theirs"
+            }
         };
         if scene.environment.scene.wall_rad().is_some() {
             legend += "; dotted: at the wall or past it";
@@ -87,13 +92,15 @@ fn over_time(
         let note = format!("no {} was recorded", recorded_word(words, signal));
         return Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::with_note(cell, time, y, note) });
     }
-    let at_wall = (signal == Signal::Theta).then(|| wall_line(scene, words, Direction::Horizontal)).flatten();
+    let at_wall =
+        (signal == Signal::Theta).then(|| wall_line(scene, words, Direction::Horizontal)).flatten();
     let mut layers: Vec<Layer> = at_wall.into_iter().collect();
     for mode in &scene.modes {
         let single = mode.average.is_none();
         let colour = style::mode_colour(mode.index);
         let stroke = if single { style::single(colour) } else { style::faint(colour) };
-        let lines = mode.repeats.iter().filter_map(|r| repeat_over_time(scene, words, r, signal, stroke));
+        let lines =
+            mode.repeats.iter().filter_map(|r| repeat_over_time(scene, words, r, signal, stroke));
         layers.extend(lines.enumerate().map(|(i, mut line)| {
             line.name = (single && i == 0).then(|| mode.name());
             Layer::Line(line)
@@ -117,12 +124,19 @@ fn loop_panel(scene: &Scene, words: Words, load: Signal) -> Result<Panel, TableE
     let mut layers: Vec<Layer> = wall_line(scene, words, Direction::Vertical).into_iter().collect();
     for mode in &scene.modes {
         let colour = style::mode_colour(mode.index);
-        let stroke = if mode.average.is_none() { style::single(colour) } else { style::faint(colour) };
-        layers
-            .extend(mode.repeats.iter().filter_map(|r| repeat_loop(words, r, load, stroke)).map(Layer::Line));
+        let stroke =
+            if mode.average.is_none() { style::single(colour) } else { style::faint(colour) };
+        layers.extend(
+            mode.repeats
+                .iter()
+                .filter_map(|r| repeat_loop(words, r, load, stroke))
+                .map(Layer::Line),
+        );
     }
     for mode in &scene.modes {
-        layers.extend(mean_loop(scene, words, mode, load, style::mode_colour(mode.index))?.map(Layer::Line));
+        layers.extend(
+            mean_loop(scene, words, mode, load, style::mode_colour(mode.index))?.map(Layer::Line),
+        );
     }
     Ok(Panel::new(cell, x, y, layers))
 }

@@ -50,7 +50,12 @@ pub(crate) fn repeat_over_time(
 }
 
 /// One repeat's force against position.
-pub(crate) fn repeat_loop(words: Words, repeat: &Repeat, load: Signal, stroke: Stroke) -> Option<Line> {
+pub(crate) fn repeat_loop(
+    words: Words,
+    repeat: &Repeat,
+    load: Signal,
+    stroke: Stroke,
+) -> Option<Line> {
     let x = on_axis(words, Signal::Theta, repeat.signal(Signal::Theta)?);
     Some(Line { x, y: repeat.signal(load)?.to_vec(), stroke, ..Line::default() })
 }
@@ -66,7 +71,8 @@ pub(crate) fn mean_over_time(
     let Some(curve) = mean_curve(average, signal)? else { return Ok(Vec::new()) };
     let x = gaps(average.floats("t_s")?);
     let colour = style::mode_colour(mode.index);
-    let dotted = mean_curve(average, Signal::Theta)?.map_or(Vec::new(), |c| past_wall(scene, &c.mean));
+    let dotted =
+        mean_curve(average, Signal::Theta)?.map_or(Vec::new(), |c| past_wall(scene, &c.mean));
     let shown = |values: &[f64]| on_axis(words, signal, values);
     let name = Some(mode.name());
     let mut layers = Vec::new();
@@ -74,7 +80,13 @@ pub(crate) fn mean_over_time(
         let (low, high) = (shown(&curve.low), shown(&curve.high));
         layers.push(Layer::Band(Band { x: x.clone(), low, high, colour, name: name.clone() }));
     }
-    layers.push(Layer::Line(Line { x, y: shown(&curve.mean), dotted, stroke: style::mean(colour), name }));
+    layers.push(Layer::Line(Line {
+        x,
+        y: shown(&curve.mean),
+        dotted,
+        stroke: style::mean(colour),
+        name,
+    }));
     Ok(layers)
 }
 
@@ -87,7 +99,9 @@ pub(crate) fn mean_loop(
     colour: Colour,
 ) -> Result<Option<Line>, TableError> {
     let Some(average) = mode.average else { return Ok(None) };
-    let (Some(theta), Some(force)) = (mean_curve(average, Signal::Theta)?, mean_curve(average, load)?) else {
+    let (Some(theta), Some(force)) =
+        (mean_curve(average, Signal::Theta)?, mean_curve(average, load)?)
+    else {
         return Ok(None);
     };
     Ok(Some(Line {
@@ -107,5 +121,11 @@ pub(crate) fn wall_line(scene: &Scene, words: Words, direction: Direction) -> Op
         Direction::Horizontal => None,
     };
     let at = words.position(wall);
-    Some(Layer::Reference(Reference { direction, at, label, stroke: style::reference(), name: None }))
+    Some(Layer::Reference(Reference {
+        direction,
+        at,
+        label,
+        stroke: style::reference(),
+        name: None,
+    }))
 }

@@ -3,7 +3,8 @@
 use crate::words::{mark, plain};
 use zwidth_draw::style::{self, Dash};
 use zwidth_draw::{
-    Axis, Band, Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, Range, Reference, Text, TextPlace,
+    Axis, Band, Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, Range, Reference, Text,
+    TextPlace,
 };
 use zwidth_study::{Calibration, Characteristic, Mode, Source, Study};
 
@@ -25,31 +26,40 @@ enum Way {
     Decompression,
 }
 
-/// An actuator of a mode at work: its curve, its highest voltage, and which signs of force it can make.
+/// An actuator of a mode at work: its curve, its highest voltage, and which signs of force it can
+/// make.
 struct Acting<'a> {
     curve: &'a Characteristic,
     max_v: f64,
-    /// Least and largest force as shares of the curve: −1 and 1 for either sign, one of them 0 for one sign alone.
+    /// Least and largest force as shares of the curve: −1 and 1 for either sign, one of them 0 for
+    /// one sign alone.
     shares: (f64, f64),
 }
 
-/// For each mode a panel a way: the device's force on the lever, positive against a push into the object, that any
-/// command up to the mode's own voltage can make. `calibration` gives forces for voltages, `footnote` says where it
-/// is from, and `sources` where the sweeps behind it are from. None where no mode has an actuator.
+/// For each mode a panel a way: the device's force on the lever, positive against a push into the
+/// object, that any command up to the mode's own voltage can make. `calibration` gives forces for
+/// voltages, `footnote` says where it is from, and `sources` where the sweeps behind it are from.
+/// None where no mode has an actuator.
 ///
-/// A motor makes either sign on either way. A brake makes a force against the motion alone: against the push while
-/// compressing, against the return while decompressing. A mode of both has the brake on the way in and the motor on
-/// the way back (thesis §2.2).
+/// A motor makes either sign on either way. A brake makes a force against the motion alone: against
+/// the push while compressing, against the return while decompressing. A mode of both has the brake
+/// on the way in and the motor on the way back (thesis §2.2).
 pub fn rendering_range(
     study: &Study,
     calibration: &Calibration,
     footnote: &str,
     sources: &[Source],
 ) -> Option<Figure> {
-    let modes: Vec<(usize, &Mode)> =
-        study.modes.iter().enumerate().filter(|(_, m)| m.motor_max_v.or(m.brake_max_v).is_some()).collect();
-    let most = |get: fn(&Mode) -> Option<f64>| modes.iter().filter_map(|(_, m)| get(m)).reduce(f64::max);
-    let max_v = most(|m| m.motor_max_v).into_iter().chain(most(|m| m.brake_max_v)).reduce(f64::max)?;
+    let modes: Vec<(usize, &Mode)> = study
+        .modes
+        .iter()
+        .enumerate()
+        .filter(|(_, m)| m.motor_max_v.or(m.brake_max_v).is_some())
+        .collect();
+    let most =
+        |get: fn(&Mode) -> Option<f64>| modes.iter().filter_map(|(_, m)| get(m)).reduce(f64::max);
+    let max_v =
+        most(|m| m.motor_max_v).into_iter().chain(most(|m| m.brake_max_v)).reduce(f64::max)?;
     let mut panels = Vec::new();
     for (row, way) in [Way::Compression, Way::Decompression].into_iter().enumerate() {
         for (column, (index, mode)) in modes.iter().enumerate() {
@@ -90,11 +100,22 @@ fn acting<'a>(mode: &Mode, way: Way, calibration: &'a Calibration) -> Option<Act
     }
 }
 
-fn panel(cell: Cell, mode: &Mode, index: usize, way: Way, calibration: &Calibration, max_v: f64) -> Panel {
+fn panel(
+    cell: Cell,
+    mode: &Mode,
+    index: usize,
+    way: Way,
+    calibration: &Calibration,
+    max_v: f64,
+) -> Panel {
     let axis_v = AXIS * max_v;
     let x = Axis::new("command", "V").ranged(Range::Fixed(0.0, axis_v)).linked("command");
-    let y = Axis::new(if way == Way::Compression { "*F*, compressing" } else { "*F*, decompressing" }, "N");
-    let layers = acting(mode, way, calibration).map(|a| area(&a, index, axis_v)).unwrap_or_default();
+    let y = Axis::new(
+        if way == Way::Compression { "*F*, compressing" } else { "*F*, decompressing" },
+        "N",
+    );
+    let layers =
+        acting(mode, way, calibration).map(|a| area(&a, index, axis_v)).unwrap_or_default();
     let panel = Panel::new(cell, x, y.linked(format!("{way:?}")), layers);
     let title = (way == Way::Compression).then(|| plain(&mode.label));
     Panel { title, height_mm: Some(PANEL_MM), ..panel }
@@ -107,7 +128,8 @@ fn area(acting: &Acting, index: usize, axis_v: f64) -> Vec<Layer> {
     let from_v = gap_v.min(acting.max_v);
     let x: Vec<f64> =
         (0..=PIECES).map(|i| from_v + (acting.max_v - from_v) * i as f64 / PIECES as f64).collect();
-    let edge = |share: f64| x.iter().map(|v| share * acting.curve.force_n(*v)).collect::<Vec<f64>>();
+    let edge =
+        |share: f64| x.iter().map(|v| share * acting.curve.force_n(*v)).collect::<Vec<f64>>();
     let (low, high) = (edge(acting.shares.0), edge(acting.shares.1));
     let close = Line {
         x: vec![acting.max_v; 2],
@@ -116,11 +138,22 @@ fn area(acting: &Acting, index: usize, axis_v: f64) -> Vec<Layer> {
         ..Line::default()
     };
     let outline = |y: &Vec<f64>| {
-        Layer::Line(Line { x: x.clone(), y: y.clone(), stroke: style::mean(colour), ..Line::default() })
+        Layer::Line(Line {
+            x: x.clone(),
+            y: y.clone(),
+            stroke: style::mean(colour),
+            ..Line::default()
+        })
     };
     let mut layers = vec![
         reference(Direction::Horizontal, 0.0),
-        Layer::Band(Band { x: x.clone(), low: low.clone(), high: high.clone(), colour, name: None }),
+        Layer::Band(Band {
+            x: x.clone(),
+            low: low.clone(),
+            high: high.clone(),
+            colour,
+            name: None,
+        }),
         outline(&low),
         outline(&high),
         Layer::Line(close),
@@ -148,7 +181,9 @@ fn extremes(acting: &Acting, low_n: f64, high_n: f64) -> Vec<String> {
     match (acting.shares.0 < 0.0, acting.shares.1 > 0.0) {
         (true, true) => vec![format!("motor: ±{high_n:.2} N")],
         (false, _) => vec![format!("brake: 0 … {high_n:.1} N")],
-        (true, false) => vec![format!("brake: 0 … −{:.1} N,", -low_n), "against the return".to_owned()],
+        (true, false) => {
+            vec![format!("brake: 0 … −{:.1} N,", -low_n), "against the return".to_owned()]
+        }
     }
 }
 

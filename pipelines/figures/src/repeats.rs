@@ -64,13 +64,18 @@ fn force_panel(scene: &Scene, words: Words, mode: &ModeData, load: Signal) -> Pa
     finished(Panel::new(Cell::at(0, 0), x, y, layers), words)
 }
 
-/// The commanded force of the repeat that goes furthest: before it turns it is every repeat's. Of its way back what lies
-/// on the way there is left out, for dots on dots make a solid line.
+/// The commanded force of the repeat that goes furthest: before it turns it is every repeat's. Of
+/// its way back what lies on the way there is left out, for dots on dots make a solid line.
 fn commanded(words: Words, mode: &ModeData) -> Option<Layer> {
-    let curve = |r: &Repeat| Some((r.signal(Signal::Theta)?.to_vec(), r.signal(Signal::ForceCmd)?.to_vec()));
+    let curve = |r: &Repeat| {
+        Some((r.signal(Signal::Theta)?.to_vec(), r.signal(Signal::ForceCmd)?.to_vec()))
+    };
     let furthest = |theta: &[f64]| theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let (theta, force) =
-        mode.repeats.iter().filter_map(curve).max_by(|(a, _), (b, _)| furthest(a).total_cmp(&furthest(b)))?;
+    let (theta, force) = mode
+        .repeats
+        .iter()
+        .filter_map(curve)
+        .max_by(|(a, _), (b, _)| furthest(a).total_cmp(&furthest(b)))?;
     let x = on_axis(words, Signal::Theta, &theta);
     let name = Some("commanded force".to_owned());
     Some(Layer::Line(Line {
@@ -94,16 +99,19 @@ fn once(theta: &[f64], force: &[f64]) -> Vec<f64> {
         let share = if to > from { (at - theta[from]) / (theta[to] - theta[from]) } else { 0.0 };
         Some(force[from] + share * (force[to] - force[from]))
     };
-    let drawn = |i: usize| i > turn && before(theta[i]).is_some_and(|f| (f - force[i]).abs() <= same_n);
+    let drawn =
+        |i: usize| i > turn && before(theta[i]).is_some_and(|f| (f - force[i]).abs() <= same_n);
     (0..force.len()).map(|i| if drawn(i) { f64::NAN } else { force[i] }).collect()
 }
 
 fn time_panel(scene: &Scene, words: Words, mode: &ModeData, cell: Cell, signal: Signal) -> Panel {
-    let lines = mode.repeats.iter().zip(strokes(mode)).enumerate().filter_map(|(i, (repeat, stroke))| {
-        let line = repeat_over_time(scene, words, repeat, signal, stroke)?;
-        Some(Layer::Line(Line { name: Some(name(mode, i)), ..line }))
-    });
-    let at_wall = (signal == Signal::Theta).then(|| wall_line(scene, words, Direction::Horizontal)).flatten();
+    let lines =
+        mode.repeats.iter().zip(strokes(mode)).enumerate().filter_map(|(i, (repeat, stroke))| {
+            let line = repeat_over_time(scene, words, repeat, signal, stroke)?;
+            Some(Layer::Line(Line { name: Some(name(mode, i)), ..line }))
+        });
+    let at_wall =
+        (signal == Signal::Theta).then(|| wall_line(scene, words, Direction::Horizontal)).flatten();
     let layers = at_wall.into_iter().chain(lines).collect();
     finished(Panel::new(cell, time_axis(scene.time_label()), axis(words, signal), layers), words)
 }
@@ -125,6 +133,10 @@ mod tests {
         let back = once(&theta, &[0.0, 4.0, 8.0, 6.0, 2.0]);
         assert_eq!(back[..3], [0.0, 4.0, 8.0]);
         assert!(back[3..].iter().all(|f| f.is_nan()), "{back:?}");
-        assert_eq!(once(&theta, &[0.0, 4.0, 8.0, 2.0, 1.0])[3..], [2.0, 1.0], "another force stays");
+        assert_eq!(
+            once(&theta, &[0.0, 4.0, 8.0, 2.0, 1.0])[3..],
+            [2.0, 1.0],
+            "another force stays"
+        );
     }
 }

@@ -1,5 +1,5 @@
-//! Figure 24, reality against simulation: forces, position and velocity against time of one recorded trial a mode, and
-//! those of the model that was given its external force.
+//! Figure 24, reality against simulation: forces, position and velocity against time of one
+//! recorded trial a mode, and those of the model that was given its external force.
 
 use crate::words::{Words, mark, plain, time_axis, together};
 use zwidth_draw::style::{self, Dash, Stroke};
@@ -54,7 +54,8 @@ pub fn replay(
         panels.push(position(words, wall_rad, trial, column));
         panels.push(velocity(words, trial, column));
     }
-    let wall = wall_rad.map(|_| format!("Dashed line across the {}: the wall.", words.position_word()));
+    let wall =
+        wall_rad.map(|_| format!("Dashed line across the {}: the wall.", words.position_word()));
     let own = "Feedback: recorded is what was commanded, the model's is what acts, so that a brake that holds \
                the lever gives no more than it must.";
     Figure {
@@ -71,7 +72,11 @@ pub fn replay(
             words.position_word(),
         ),
         panels,
-        footnotes: [own.to_owned()].into_iter().chain(wall).chain(notes.iter().map(|n| plain(n))).collect(),
+        footnotes: [own.to_owned()]
+            .into_iter()
+            .chain(wall)
+            .chain(notes.iter().map(|n| plain(n)))
+            .collect(),
         mark: mark(trials.iter().map(|t| t.source)),
         ..Figure::default()
     }
@@ -97,16 +102,19 @@ fn forces(trial: &Replayed, column: usize) -> Panel {
     let recorded = &trial.recorded;
     let mut layers = vec![level(0.0)];
     layers.extend(line(recorded, &recorded.force_ex_n, EXTERNAL, "external force, recorded"));
-    layers
-        .extend(models(trial).filter_map(|(motion, pen, name)| line(motion, &motion.feedback_n, pen, name)));
+    layers.extend(
+        models(trial).filter_map(|(motion, pen, name)| line(motion, &motion.feedback_n, pen, name)),
+    );
     layers.extend(line(recorded, &recorded.feedback_n, RECORDED, "recorded"));
     let axis = Axis::new("*F*", "N").linked("force");
-    let panel = Panel::new(Cell::at(0, column), time_axis(""), axis, layers).titled(plain(&trial.title));
+    let panel =
+        Panel::new(Cell::at(0, column), time_axis(""), axis, layers).titled(plain(&trial.title));
     Panel { height_mm: Some(PANEL_MM), ..panel }
 }
 
 fn position(words: Words, wall_rad: Option<f64>, trial: &Replayed, column: usize) -> Panel {
-    let mut layers: Vec<Layer> = wall_rad.map(|wall| level(words.position(wall))).into_iter().collect();
+    let mut layers: Vec<Layer> =
+        wall_rad.map(|wall| level(words.position(wall))).into_iter().collect();
     layers.extend(lines(words, trial, |m| &m.theta_rad));
     let axis = words.position_axis().linked("position");
     let panel = Panel::new(Cell::at(1, column), time_axis(""), axis, layers);
@@ -114,17 +122,28 @@ fn position(words: Words, wall_rad: Option<f64>, trial: &Replayed, column: usize
 }
 
 fn velocity(words: Words, trial: &Replayed, column: usize) -> Panel {
-    let layers = [level(0.0)].into_iter().chain(lines(words, trial, |m| &m.theta_dot_rad_s)).collect();
+    let layers =
+        [level(0.0)].into_iter().chain(lines(words, trial, |m| &m.theta_dot_rad_s)).collect();
     let axis = words.velocity_axis().linked("velocity");
     let panel = Panel::new(Cell::at(2, column), time_axis("time"), axis, layers);
     Panel { height_mm: Some(PANEL_MM), ..panel }
 }
 
 /// The recording and the models on it.
-fn lines(words: Words, trial: &Replayed, of: fn(&Motion) -> &Vec<f64>) -> impl Iterator<Item = Layer> {
+fn lines(
+    words: Words,
+    trial: &Replayed,
+    of: fn(&Motion) -> &Vec<f64>,
+) -> impl Iterator<Item = Layer> {
     let line = move |(motion, stroke, name): (&Motion, Stroke, &str)| {
         let y = words.positions(of(motion).iter().copied().map(Some));
-        Layer::Line(Line { x: motion.t_s.clone(), y, stroke, name: Some(name.to_owned()), ..Line::default() })
+        Layer::Line(Line {
+            x: motion.t_s.clone(),
+            y,
+            stroke,
+            name: Some(name.to_owned()),
+            ..Line::default()
+        })
     };
     [(&trial.recorded, RECORDED, "recorded")].into_iter().chain(models(trial)).map(line)
 }
@@ -143,7 +162,13 @@ mod tests {
     fn moved(by: f64) -> Motion {
         let t_s: Vec<f64> = (0..50).map(|i| f64::from(i) / 10.0).collect();
         let y: Vec<f64> = t_s.iter().map(|t| by + libm::sin(*t)).collect();
-        Motion { t_s, theta_rad: y.clone(), theta_dot_rad_s: y.clone(), force_ex_n: y.clone(), feedback_n: y }
+        Motion {
+            t_s,
+            theta_rad: y.clone(),
+            theta_dot_rad_s: y.clone(),
+            force_ex_n: y.clone(),
+            feedback_n: y,
+        }
     }
 
     fn figure(fitted: bool) -> Figure {

@@ -1,4 +1,5 @@
-//! Figures 11, 12, 33–35: forces of model runs against angle and time, and their angle. Figure 8: the inputs.
+//! Figures 11, 12, 33–35: forces of model runs against angle and time, and their angle. Figure 8:
+//! the inputs.
 
 use crate::data::gaps;
 use crate::words::{Words, model_mark, plain, time_axis};
@@ -24,18 +25,20 @@ type Part<'a> = (&'a str, &'a str, Stroke);
 /// Broad, so that the tissue's share on it leaves its edges.
 const EXTERNAL: Part<'static> =
     ("force_ex_n", "external force", Stroke { width_pt: 1.7, ..style::mean(style::INK) });
-/// Follows the external force closely and lies over it: thinner, so that both are seen. Not dashed: a loop that is run
-/// through twice fills the gaps of its own dashes.
+/// Follows the external force closely and lies over it: thinner, so that both are seen. Not dashed:
+/// a loop that is run through twice fills the gaps of its own dashes.
 const TISSUE: Part<'static> =
     ("force_tissue_n", "finger tissue", Stroke { width_pt: 0.7, ..style::mean(style::TISSUE) });
 const BRAKE: Part<'static> = ("force_brake_n", "brake", style::single(style::BRAKE));
 const MOTOR: Part<'static> = ("force_motor_n", "motor", style::single(style::MOTOR));
 const STOP: Part<'static> = ("force_stop_n", "stop", style::single(style::GREY));
-/// What arrives of the external force at the lever: between it and the tissue's share, and not drawn.
+/// What arrives of the external force at the lever: between it and the tissue's share, and not
+/// drawn.
 const TIP: &str = "force_tip_n";
 
-/// Model runs, a column each (at most [`MOST_SIDE_BY_SIDE`] are readable): forces by part against the angle, external
-/// and tissue force against time, the angle against time. `runs` are tables of the stage `simulate`, named by their titles.
+/// Model runs, a column each (at most [`MOST_SIDE_BY_SIDE`] are readable): forces by part against
+/// the angle, external and tissue force against time, the angle against time. `runs` are tables of
+/// the stage `simulate`, named by their titles.
 ///
 /// # Errors
 /// A table that lacks a column.
@@ -64,7 +67,8 @@ pub fn simulation(runs: &[&Table]) -> Result<Figure, TableError> {
     })
 }
 
-/// The external force of several runs against time, side by side (Fig. 8), [`MOST_SIDE_BY_SIDE`] in a row.
+/// The external force of several runs against time, side by side (Fig. 8), [`MOST_SIDE_BY_SIDE`] in
+/// a row.
 ///
 /// # Errors
 /// A table that lacks a column.
@@ -73,7 +77,8 @@ pub fn inputs(runs: &[&Table]) -> Result<Figure, TableError> {
         let cell = Cell::at(i / MOST_SIDE_BY_SIDE, i % MOST_SIDE_BY_SIDE);
         let line = over_time(run, &EXTERNAL)?;
         let layers = vec![Layer::Line(Line { name: None, ..line })];
-        let panel = Panel::new(cell, time_axis("*t*"), Axis::new("*F*_{ex}", "N").linked("input"), layers);
+        let panel =
+            Panel::new(cell, time_axis("*t*"), Axis::new("*F*_{ex}", "N").linked("input"), layers);
         Ok(Panel { height_mm: Some(INPUT_MM), ..panel.titled(plain(run.title())) })
     };
     let names: Vec<&str> = runs.iter().map(|run| run.title()).collect();
@@ -91,7 +96,8 @@ fn notes(runs: &[&Table]) -> Vec<String> {
     for run in runs {
         for note in run.notes() {
             let common = runs.iter().all(|other| other.notes().contains(note));
-            let note = if common { plain(note) } else { plain(&format!("{}: {note}", run.title())) };
+            let note =
+                if common { plain(note) } else { plain(&format!("{}: {note}", run.title())) };
             if !notes.contains(&note) {
                 notes.push(note);
             }
@@ -129,7 +135,8 @@ fn force_panel(run: &Table, column: usize) -> Result<Panel, TableError> {
     for part in acting(run, &[EXTERNAL, TISSUE])? {
         layers.push(Layer::Line(over_time(run, &part)?));
     }
-    let panel = Panel::new(Cell::at(1, column), time_axis(""), force_axis().linked("force"), layers);
+    let panel =
+        Panel::new(Cell::at(1, column), time_axis(""), force_axis().linked("force"), layers);
     Ok(Panel { height_mm: Some(TIME_MM), ..panel })
 }
 
@@ -141,14 +148,15 @@ fn angle_panel(run: &Table, column: usize) -> Result<Panel, TableError> {
     Ok(Panel { height_mm: Some(TIME_MM), ..panel })
 }
 
-/// The parts of a run's force: the named ones, then each other one (friction and the scene's terms) by the word in its
-/// column's name, in a colour of its own.
+/// The parts of a run's force: the named ones, then each other one (friction and the scene's terms)
+/// by the word in its column's name, in a colour of its own.
 fn parts(run: &Table) -> Vec<Part<'_>> {
     let named = [EXTERNAL, TISSUE, BRAKE, MOTOR, STOP];
     let columns = run.fields().map(|field| field.name.as_ref());
-    let others = columns.filter(|column| *column != TIP && named.iter().all(|part| part.0 != *column));
-    let words =
-        others.filter_map(|column| Some((column, column.strip_prefix("force_")?.strip_suffix("_n")?)));
+    let others =
+        columns.filter(|column| *column != TIP && named.iter().all(|part| part.0 != *column));
+    let words = others
+        .filter_map(|column| Some((column, column.strip_prefix("force_")?.strip_suffix("_n")?)));
     let pen = |i: usize| style::single(style::environment_colour(i));
     let others = words.enumerate().map(|(i, (column, word))| (column, word, pen(i)));
     named.into_iter().chain(others).collect()
@@ -173,7 +181,13 @@ fn over_time(run: &Table, part: &Part) -> Result<Line, TableError> {
 
 fn line(run: &Table, (column, name, stroke): &Part, x: Vec<f64>) -> Result<Line, TableError> {
     let y = gaps(run.floats(column)?);
-    Ok(Line { x, y, stroke: *stroke, name: Some(plain(&name.replace('_', " "))), ..Line::default() })
+    Ok(Line {
+        x,
+        y,
+        stroke: *stroke,
+        name: Some(plain(&name.replace('_', " "))),
+        ..Line::default()
+    })
 }
 
 #[cfg(test)]
@@ -239,7 +253,10 @@ mod tests {
     #[test]
     fn a_note_that_holds_for_one_run_only_names_it() {
         let (a, b) = (run("A", true, "smooth"), run("B", true, "chattering"));
-        assert_eq!(simulation(&[&a, &b]).unwrap().footnotes, ["A: smooth", "for all", "B: chattering"]);
+        assert_eq!(
+            simulation(&[&a, &b]).unwrap().footnotes,
+            ["A: smooth", "for all", "B: chattering"]
+        );
     }
 
     #[test]

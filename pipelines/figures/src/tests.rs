@@ -1,6 +1,8 @@
 //! Facts about the figures of trials, on small made-up data.
 
-use crate::{ModeData, Repeat, SIGNALS, Scene, average_columns, loops, modes, rendering_range, repeats};
+use crate::{
+    ModeData, Repeat, SIGNALS, Scene, average_columns, loops, modes, rendering_range, repeats,
+};
 use zwidth_draw::{Axis, Figure, Layer, Line};
 use zwidth_store::{Samples, Signal, Trial};
 use zwidth_study::{Alignment, Kind, Source, Status, Study, TrialMeta, template};
@@ -47,7 +49,8 @@ fn average(trial: &Trial) -> Table {
     columns.push(Column::integer("n", "1", "", vec![Some(1); 81]));
     columns.push(column("theta_mean_rad", Signal::Theta));
     columns.push(column("force_ex_mean_n", Signal::ForceEx));
-    let bands = ["theta_ci_low_rad", "theta_ci_high_rad", "force_ex_ci_low_n", "force_ex_ci_high_n"];
+    let bands =
+        ["theta_ci_low_rad", "theta_ci_high_rad", "force_ex_ci_low_n", "force_ex_ci_high_n"];
     columns.extend(bands.map(none));
     columns.push(Column::text("participant", "", vec![Some("P01"); 81]));
     columns.push(column("theta_sd_rad", Signal::Theta));
@@ -138,7 +141,8 @@ fn figures_of_trials_need_no_more_than_the_signals_and_the_columns_they_name() {
     }
     let all = average(&whole);
     let names = average_columns();
-    let columns = all.columns().iter().filter(|c| names.iter().any(|name| *name == c.field.name)).cloned();
+    let columns =
+        all.columns().iter().filter(|c| names.iter().any(|name| *name == c.field.name)).cloned();
     let some = Table::new("average", "Average", columns.collect()).unwrap();
     let of = |trial, average| {
         let scene = scene(&study, trial, Some(average));
@@ -161,7 +165,8 @@ fn every_axis_with_a_label_has_a_unit() {
         loops(&study, std::slice::from_ref(&scene)).unwrap(),
         rendering_range(&study, &calibration, "", &[]).unwrap(),
     ];
-    let axes: Vec<&Axis> = figures.iter().flat_map(|f| &f.panels).flat_map(|p| [&p.x, &p.y]).collect();
+    let axes: Vec<&Axis> =
+        figures.iter().flat_map(|f| &f.panels).flat_map(|p| [&p.x, &p.y]).collect();
     let labelled: Vec<_> = axes.into_iter().filter(|a| !a.label.is_empty()).collect();
     assert!(labelled.len() > 20, "{}", labelled.len());
     for axis in labelled {
@@ -177,7 +182,8 @@ fn the_line_of_the_wall_lies_behind_the_data() {
     let scene = scene(&study, &trial, Some(&mean));
     for figure in [modes(&scene).unwrap(), repeats(&scene, &scene.modes[0])] {
         let of_wall = |l: &Layer| matches!(l, Layer::Reference(_));
-        let with_wall: Vec<_> = figure.panels.iter().filter(|p| p.layers.iter().any(of_wall)).collect();
+        let with_wall: Vec<_> =
+            figure.panels.iter().filter(|p| p.layers.iter().any(of_wall)).collect();
         assert_eq!(with_wall.len(), 2, "force against angle, and angle against time");
         assert!(with_wall.iter().all(|p| of_wall(&p.layers[0])));
     }
@@ -195,14 +201,19 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
         let twice = scene.modes[0].repeats[0];
         scene.modes[0].repeats.push(twice);
         let figure = modes(&scene).unwrap();
-        assert!(figure.footnotes[0].contains(words) && figure.description.contains(words), "{figure:?}");
+        assert!(
+            figure.footnotes[0].contains(words) && figure.description.contains(words),
+            "{figure:?}"
+        );
         assert_eq!(figure.panels[2].x.label, axis);
-        let names: Vec<_> = lines(&figure, 0).into_iter().filter_map(|l| l.name.as_deref()).collect();
+        let names: Vec<_> =
+            lines(&figure, 0).into_iter().filter_map(|l| l.name.as_deref()).collect();
         assert_eq!(names, ["Active (n = 1 of 2)"]);
         let loops = loops(&study, std::slice::from_ref(&scene)).unwrap();
         assert_eq!(loops.footnotes[0], format!("Lines: mean of the repeats (n = 1), {words}."));
     }
-    let without = modes(&Scene { alignment: Alignment::Landmarks, ..scene(&study, &trial, None) }).unwrap();
+    let without =
+        modes(&Scene { alignment: Alignment::Landmarks, ..scene(&study, &trial, None) }).unwrap();
     assert_eq!(without.panels[2].x.label, "time since movement onset", "there is no mean");
 }
 
@@ -226,7 +237,9 @@ fn a_signal_that_was_not_recorded_leaves_a_panel_that_says_so() {
 #[test]
 fn every_figure_of_a_simulated_trial_says_so_and_none_of_a_measured_one() {
     let study = study();
-    for (source, marked) in [(Source::Twin, true), (Source::Recorded, false), (Source::Imported, false)] {
+    for (source, marked) in
+        [(Source::Twin, true), (Source::Recorded, false), (Source::Imported, false)]
+    {
         let trial = trial(source, &ALL);
         let scene = scene(&study, &trial, None);
         let figures = [

@@ -1,11 +1,12 @@
-//! Averages over a stretch of time whose weights vanish at its ends: with them, averages of derivatives are averages
-//! of the signal itself.
+//! Averages over a stretch of time whose weights vanish at its ends: with them, averages of
+//! derivatives are averages of the signal itself.
 
-/// Half of a stretch, s: much shorter than a stroke of the hand or a slow motor, long enough for the angle sensor's
-/// steps to average out.
+/// Half of a stretch, s: much shorter than a stroke of the hand or a slow motor, long enough for
+/// the angle sensor's steps to average out.
 pub(crate) const HALF_S: f64 = 0.1;
 
-/// The samples strictly inside a stretch: one that lies at its end, but for rounding, has weight 0 and does not count.
+/// The samples strictly inside a stretch: one that lies at its end, but for rounding, has weight 0
+/// and does not count.
 const INSIDE: f64 = 1.0 - 1e-9;
 
 /// The samples of a stretch, and their weights.
@@ -20,12 +21,14 @@ pub(crate) struct Stretch {
     pub(crate) curvature: Vec<f64>,
 }
 
-/// The stretch of 2 [`HALF_S`] about sample `centre` of the times `t`; `None` where the recording does not cover it.
+/// The stretch of 2 [`HALF_S`] about sample `centre` of the times `t`; `None` where the recording
+/// does not cover it.
 ///
-/// φ(s) = (1 − s²)⁵ with s = (t − t_centre) / [`HALF_S`]. φ and φ' vanish at both ends, so integrating by parts twice
-/// gives ∫φ ÿ dt = ∫φ'' y dt, without a term at the ends (modulating functions: Shinbrot 1957, Trans. ASME 79:547).
-/// Integrals are sums over the samples, times half of the two intervals beside each; because φ'' and two more
-/// derivatives vanish at the ends as well, these sums are integrals but for a share of (interval / [`HALF_S`])⁶.
+/// φ(s) = (1 − s²)⁵ with s = (t − t_centre) / [`HALF_S`]. φ and φ' vanish at both ends, so
+/// integrating by parts twice gives ∫φ ÿ dt = ∫φ'' y dt, without a term at the ends (modulating
+/// functions: Shinbrot 1957, Trans. ASME 79:547). Integrals are sums over the samples, times half
+/// of the two intervals beside each; because φ'' and two more derivatives vanish at the ends as
+/// well, these sums are integrals but for a share of (interval / [`HALF_S`])⁶.
 pub(crate) fn stretch(t: &[f64], centre: usize) -> Option<Stretch> {
     let at = t[centre];
     let first = t.partition_point(|t| *t <= at - HALF_S * INSIDE);
@@ -79,7 +82,8 @@ mod tests {
     #[test]
     fn of_a_parabola_the_averages_are_its_value_slope_and_curvature() {
         let t = even(201, 1e-3);
-        let y: Vec<f64> = t.iter().map(|t| 2.0 + 3.0 * (t - 0.1) + 5.0 * (t - 0.1) * (t - 0.1)).collect();
+        let y: Vec<f64> =
+            t.iter().map(|t| 2.0 + 3.0 * (t - 0.1) + 5.0 * (t - 0.1) * (t - 0.1)).collect();
         let s = stretch(&t, 100).unwrap();
         let of = |weights: &[f64]| average(weights, &y[s.first..]);
         assert!((of(&s.slope) - 3.0).abs() < 1e-6, "{}", of(&s.slope));

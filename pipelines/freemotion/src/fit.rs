@@ -11,7 +11,9 @@ use zwidth_study::{Study, TrialMeta};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FreeMotionError {
     /// No torque and nothing to make it from.
-    #[error("no torque was recorded, and no force with a lever length (device.lever_m) to make it from")]
+    #[error(
+        "no torque was recorded, and no force with a lever length (device.lever_m) to make it from"
+    )]
     NoTorque,
     /// A signal the fit needs was not recorded.
     #[error("no {column} was recorded: {needs}")]
@@ -75,12 +77,12 @@ pub struct PlaneFit {
     pub bandwidth_s: f64,
 }
 
-/// The plane through `trial`'s samples; the torque is the recorded one, or L F_ex where a force and a lever length
-/// are there instead. Intervals at `study.analysis.confidence`.
+/// The plane through `trial`'s samples; the torque is the recorded one, or L F_ex where a force and
+/// a lever length are there instead. Intervals at `study.analysis.confidence`.
 ///
 /// # Errors
-/// A signal that is not recorded; too few samples; an acceleration or velocity that does not vary, or that are
-/// proportional to each other.
+/// A signal that is not recorded; too few samples; an acceleration or velocity that does not vary,
+/// or that are proportional to each other.
 pub fn plane_fit(trial: &Trial, study: &Study) -> Result<PlaneFit, FreeMotionError> {
     let column = |signal: Signal| recorded(&trial.samples, signal, NEEDS);
     let torque = torque(&trial.samples, study.device.lever_m)?;
@@ -106,7 +108,8 @@ pub(crate) fn torque(samples: &Samples, lever_m: Option<f64>) -> Result<Vec<f64>
     if let Some(torque) = samples.get(Signal::TorqueEx) {
         return Ok(torque.to_vec());
     }
-    let (force, lever_m) = samples.get(Signal::ForceEx).zip(lever_m).ok_or(FreeMotionError::NoTorque)?;
+    let (force, lever_m) =
+        samples.get(Signal::ForceEx).zip(lever_m).ok_or(FreeMotionError::NoTorque)?;
     Ok(force.iter().map(|force| lever_m * force).collect())
 }
 
@@ -118,7 +121,9 @@ pub(crate) fn sample_interval_s(t: &[f64]) -> f64 {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use zwidth_study::{EnvironmentId, Kind, ModeId, ParticipantId, SessionId, Source, Status, StudyId};
+    use zwidth_study::{
+        EnvironmentId, Kind, ModeId, ParticipantId, SessionId, Source, Status, StudyId,
+    };
 
     pub(crate) fn study() -> Study {
         Study::from_toml(&zwidth_study::template(&StudyId::new("free").unwrap())).unwrap()
@@ -153,8 +158,14 @@ pub(crate) mod tests {
 
     fn plane(measured: Signal, scale: f64) -> Trial {
         let [t, acc, vel] = motion(400);
-        let torque = acc.iter().zip(&vel).map(|(a, v)| (0.01 + 0.5 * a - 0.25 * v) * scale).collect();
-        trial([(Signal::Time, t), (Signal::ThetaDdot, acc), (Signal::ThetaDot, vel), (measured, torque)])
+        let torque =
+            acc.iter().zip(&vel).map(|(a, v)| (0.01 + 0.5 * a - 0.25 * v) * scale).collect();
+        trial([
+            (Signal::Time, t),
+            (Signal::ThetaDdot, acc),
+            (Signal::ThetaDot, vel),
+            (measured, torque),
+        ])
     }
 
     #[test]

@@ -1,28 +1,33 @@
 //! Stage: what free motion tells of the device: plane fits, and the plant.
 //!
-//! Where nothing is rendered, what the user feels is the device itself. [`plane_fit`] describes one recording by
+//! Where nothing is rendered, what the user feels is the device itself. [`plane_fit`] describes one
+//! recording by
 //!
 //! τ = c + I θ̈ + b θ̇,
 //!
-//! least squares over all its samples: c an offset (N·m), I the inertia felt (kg·m²), b the damping felt
-//! (N·m·s/rad); smaller is more transparent. A time average of free motion means nothing (no two movements
-//! follow the same course), but these three can be compared over controllers and sessions.
+//! least squares over all its samples: c an offset (N·m), I the inertia felt (kg·m²), b the damping
+//! felt (N·m·s/rad); smaller is more transparent. A time average of free motion means nothing (no
+//! two movements follow the same course), but these three can be compared over controllers and
+//! sessions.
 //!
-//! Where the angle was recorded and no acceleration, [`plant_fit`] asks for more of the device, and never differentiates twice:
+//! Where the angle was recorded and no acceleration, [`plant_fit`] asks for more of the device, and
+//! never differentiates twice:
 //!
 //! τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ,
 //!
-//! averaged over stretches in which the device slips, with weights that turn θ̈ into an average of θ.
+//! averaged over stretches in which the device slips, with weights that turn θ̈ into an average of
+//! θ.
 //!
 //! # Intervals
-//! Samples taken hundreds of times a second are not independent: what the plane leaves out (friction that turns
-//! with the direction, the sensor's delay, the hand) changes over tenths of a second, so a residual resembles the
-//! ones around it and the usual standard errors come out several times too small. Standard errors are Newey
-//! and West's with a tenth of the recording as bandwidth, and intervals are t with 9 degrees of freedom
-//! ([`zwidth_stats::recording`]). They speak of one recording; sessions differ by more than that.
+//! Samples taken hundreds of times a second are not independent: what the plane leaves out
+//! (friction that turns with the direction, the sensor's delay, the hand) changes over tenths of a
+//! second, so a residual resembles the ones around it and the usual standard errors come out
+//! several times too small. Standard errors are Newey and West's with a tenth of the recording as
+//! bandwidth, and intervals are t with 9 degrees of freedom ([`zwidth_stats::recording`]). They
+//! speak of one recording; sessions differ by more than that.
 //!
-//! Pure: samples in memory, table out; the same samples give the same bits. Only trials that count may come in
-//! (`StudyData::counting`): the caller filters.
+//! Pure: samples in memory, table out; the same samples give the same bits. Only trials that count
+//! may come in (`StudyData::counting`): the caller filters.
 
 mod average;
 mod fit;

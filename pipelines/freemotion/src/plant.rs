@@ -14,11 +14,12 @@ const NEEDS: &str = "a plant fit needs torque, angle and velocity";
 
 /// τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ for one recording, from its angle: θ̈ is never formed.
 ///
-/// Each side is averaged over stretches of 0.2 s with weights φ that vanish with their derivatives at both
-/// ends: ∫φ τ = c ∫φ + I ∫φ'' θ − b ∫φ' θ + τ_c sgn θ̇ ∫φ + κ ∫φ θ. What a double differentiation makes of the
-/// angle sensor's steps would pull I towards 0; here they average out, and torque and angle pass through the same
-/// weights, so none lags behind the other. A stretch counts where |θ̇| ≥ `analysis.onset_rad_s` with one sign at
-/// every sample: stuck, dry friction takes any value. One stretch a sample, and least squares over all of them.
+/// Each side is averaged over stretches of 0.2 s with weights φ that vanish with their derivatives
+/// at both ends: ∫φ τ = c ∫φ + I ∫φ'' θ − b ∫φ' θ + τ_c sgn θ̇ ∫φ + κ ∫φ θ. What a double
+/// differentiation makes of the angle sensor's steps would pull I towards 0; here they average out,
+/// and torque and angle pass through the same weights, so none lags behind the other. A stretch
+/// counts where |θ̇| ≥ `analysis.onset_rad_s` with one sign at every sample: stuck, dry friction
+/// takes any value. One stretch a sample, and least squares over all of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantFit {
     /// Which trial.
@@ -45,14 +46,16 @@ pub struct PlantFit {
     pub bandwidth_s: f64,
 }
 
-/// The plant through `trial`'s slipping stretches; the torque is the recorded one, or L F_ex where a force and a lever
-/// length are there instead. Intervals at `study.analysis.confidence`.
+/// The plant through `trial`'s slipping stretches; the torque is the recorded one, or L F_ex where
+/// a force and a lever length are there instead. Intervals at `study.analysis.confidence`.
 ///
 /// # Errors
-/// A signal that is not recorded; no stretch that slips, or too few; movements too alike to tell the five apart.
+/// A signal that is not recorded; no stretch that slips, or too few; movements too alike to tell
+/// the five apart.
 pub fn plant_fit(trial: &Trial, study: &Study) -> Result<PlantFit, FreeMotionError> {
     let column = |signal: Signal| recorded(&trial.samples, signal, NEEDS);
-    let (t, theta, velocity) = (column(Signal::Time)?, column(Signal::Theta)?, column(Signal::ThetaDot)?);
+    let (t, theta, velocity) =
+        (column(Signal::Time)?, column(Signal::Theta)?, column(Signal::ThetaDot)?);
     let torque = torque(&trial.samples, study.device.lever_m)?;
     let least_rad_s = study.analysis.onset_rad_s;
     let rows: Vec<Row> = (0..t.len())
@@ -62,8 +65,13 @@ pub fn plant_fit(trial: &Trial, study: &Study) -> Result<PlantFit, FreeMotionErr
         return Err(FreeMotionError::NoSlip { needed_s: 2.0 * HALF_S, least_rad_s });
     }
     let of = |get: fn(&Row) -> f64| rows.iter().map(get).collect::<Vec<f64>>();
-    let columns =
-        [vec![1.0; rows.len()], of(|r| r.acceleration), of(|r| r.velocity), of(|r| r.sign), of(|r| r.angle)];
+    let columns = [
+        vec![1.0; rows.len()],
+        of(|r| r.acceleration),
+        of(|r| r.velocity),
+        of(|r| r.sign),
+        of(|r| r.angle),
+    ];
     let columns: [&[f64]; 5] = columns.each_ref().map(Vec::as_slice);
     let fit = lsq::fit(&columns, &of(|r| r.torque))?;
     let intervals = recording_fit(&columns, &fit, study.analysis.confidence)?;
@@ -129,7 +137,10 @@ mod tests {
         let [c, i, b, friction, k] = PLANT;
         let torque = (0..t.len())
             .map(|n| {
-                c + i * acceleration[n] + b * velocity[n] + friction * velocity[n].signum() + k * theta[n]
+                c + i * acceleration[n]
+                    + b * velocity[n]
+                    + friction * velocity[n].signum()
+                    + k * theta[n]
             })
             .collect();
         let stepped = |y: &f64| if step_rad > 0.0 { (y / step_rad).round() * step_rad } else { *y };
@@ -163,7 +174,8 @@ mod tests {
         check(0.0, 5e-4);
     }
 
-    /// The same angle through a sensor of 4,096 counts a turn: differentiated twice, its steps would be 60 rad/s² high.
+    /// The same angle through a sensor of 4,096 counts a turn: differentiated twice, its steps
+    /// would be 60 rad/s² high.
     #[test]
     fn the_steps_of_a_sensor_leave_the_inertia_within_two_percent() {
         check(core::f64::consts::TAU / 4096.0, 0.02);

@@ -11,8 +11,11 @@ const RATE_HZ: f64 = 200.0;
 /// Columns: torque N·m, acceleration rad/s², velocity rad/s.
 fn read(path: &Path) -> Trial {
     let text = std::fs::read_to_string(path).unwrap();
-    let rows: Vec<Vec<f64>> =
-        text.lines().skip(1).map(|line| line.split(',').map(|v| v.parse().unwrap()).collect()).collect();
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|v| v.parse().unwrap()).collect())
+        .collect();
     let column = |j: usize| rows.iter().map(|row| row[j]).collect();
     trial([
         (Signal::Time, (0..rows.len()).map(|i| i as f64 / RATE_HZ).collect()),
@@ -22,8 +25,8 @@ fn read(path: &Path) -> Trial {
     ])
 }
 
-/// statsmodels 0.15: `OLS(torque, [1, acc, vel]).fit(cov_type="HAC", cov_kwds={"maxlags": n // 10})`: `params`,
-/// then `bse`, each for c, I, b.
+/// statsmodels 0.15: `OLS(torque, [1, acc, vel]).fit(cov_type="HAC", cov_kwds={"maxlags": n //
+/// 10})`: `params`, then `bse`, each for c, I, b.
 const STATSMODELS: [(&str, usize, [f64; 6]); 12] = [
     (
         "session_10/fg_compensated.csv",

@@ -7,7 +7,8 @@ use zwidth_tables::{Column, Table, TableError, identity};
 /// What a coefficient is, the names of its four columns, its unit, and where it stands.
 type Coefficient<F> = (&'static str, [&'static str; 4], &'static str, fn(&F) -> Estimate);
 
-const OFFSET: [&str; 4] = ["offset_nm", "offset_std_error_nm", "offset_ci_low_nm", "offset_ci_high_nm"];
+const OFFSET: [&str; 4] =
+    ["offset_nm", "offset_std_error_nm", "offset_ci_low_nm", "offset_ci_high_nm"];
 const INERTIA: [&str; 4] =
     ["inertia_kg_m2", "inertia_std_error_kg_m2", "inertia_ci_low_kg_m2", "inertia_ci_high_kg_m2"];
 const DAMPING: [&str; 4] = [
@@ -49,8 +50,8 @@ const PARTS: [Part; 4] = [
     ("upper end of the interval within this recording", |e| e.ci_high),
 ];
 
-/// One row a trial, in the order given: which trial it is; c, I and b of τ = c + I θ̈ + b θ̇, each with standard
-/// error and interval; how well the plane fits.
+/// One row a trial, in the order given: which trial it is; c, I and b of τ = c + I θ̈ + b θ̇, each
+/// with standard error and interval; how well the plane fits.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -68,8 +69,9 @@ pub fn table(fits: &[PlaneFit]) -> Result<Table, TableError> {
     Ok(doubts(fits).into_iter().fold(Table::new("free_motion", title, columns)?, Table::with_note))
 }
 
-/// One row a trial, in the order given: which trial it is; c, I, b, τ_c and κ of τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ,
-/// each with standard error and interval; how well they fit. A note names what the recording does not show.
+/// One row a trial, in the order given: which trial it is; c, I, b, τ_c and κ of
+/// τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ, each with standard error and interval; how well they fit. A
+/// note names what the recording does not show.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -87,10 +89,14 @@ pub fn plant_table(fits: &[PlantFit]) -> Result<Table, TableError> {
     Ok(unseen(fits).into_iter().fold(Table::new("plant", title, columns)?, Table::with_note))
 }
 
-fn coefficients<'a, F>(of: &'a [Coefficient<F>], fits: &'a [F]) -> impl Iterator<Item = Column> + 'a {
+fn coefficients<'a, F>(
+    of: &'a [Coefficient<F>],
+    fits: &'a [F],
+) -> impl Iterator<Item = Column> + 'a {
     of.iter().flat_map(move |(what, names, unit, get)| {
         names.iter().zip(PARTS).map(move |(name, (meaning, part))| {
-            let mut column = Column::float(name, unit, meaning, fits.iter().map(|f| Some(part(get(f)))));
+            let mut column =
+                Column::float(name, unit, meaning, fits.iter().map(|f| Some(part(get(f)))));
             column.field.description = format!("{what}: {meaning}").into();
             column
         })
@@ -115,8 +121,11 @@ fn unseen(fits: &[PlantFit]) -> Vec<String> {
     let note = |(what, _, _, get): &Coefficient<PlantFit>| {
         let around_zero = |f: &&PlantFit| get(f).ci_low <= 0.0 && get(f).ci_high >= 0.0;
         let count = fits.iter().filter(around_zero).count();
-        let of =
-            if fits.len() == 1 { String::new() } else { format!(" in {count} of {} recordings", fits.len()) };
+        let of = if fits.len() == 1 {
+            String::new()
+        } else {
+            format!(" in {count} of {} recordings", fits.len())
+        };
         let says = "its interval holds 0, so these movements bound it and do not show it";
         (count > 0).then(|| format!("The {what} is not identified{of}: {says}."))
     };
@@ -131,7 +140,11 @@ fn rms(values: impl Iterator<Item = f64>) -> Column {
     Column::float("rms_nm", "N·m", "RMS of the residuals", values.map(Some))
 }
 
-fn count(name: &'static str, description: &'static str, values: impl Iterator<Item = usize>) -> Column {
+fn count(
+    name: &'static str,
+    description: &'static str,
+    values: impl Iterator<Item = usize>,
+) -> Column {
     Column::integer(name, "1", description, values.map(|n| Some(n as i64)))
 }
 
@@ -148,7 +161,8 @@ mod tests {
 
     #[test]
     fn an_estimate_stands_between_the_ends_of_its_interval() {
-        let series = |step: u32| (0..100u32).map(|i| f64::from(i * i * step % 23)).collect::<Vec<_>>();
+        let series =
+            |step: u32| (0..100u32).map(|i| f64::from(i * i * step % 23)).collect::<Vec<_>>();
         let t = (0..100u32).map(f64::from).collect();
         let columns = [
             (Signal::Time, t),
@@ -174,7 +188,8 @@ mod tests {
         };
         let fit = PlantFit {
             meta: trial(
-                [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::TorqueEx].map(|s| (s, vec![0.0])),
+                [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::TorqueEx]
+                    .map(|s| (s, vec![0.0])),
             )
             .meta,
             offset_nm: of(3.0),
@@ -190,6 +205,10 @@ mod tests {
         };
         let notes = plant_table(&[fit]).unwrap().notes().to_vec();
         assert_eq!(notes.len(), 1);
-        assert!(notes[0].starts_with("The inertia I is not identified: its interval"), "{}", notes[0]);
+        assert!(
+            notes[0].starts_with("The inertia I is not identified: its interval"),
+            "{}",
+            notes[0]
+        );
     }
 }

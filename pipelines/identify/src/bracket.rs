@@ -1,7 +1,7 @@
 //! The force below which the brake lets go, from what the controller did.
 //!
-//! A threshold between two recorded forces cannot be told apart from any other between them: it has a bracket, which
-//! holds it for certain, and no interval.
+//! A threshold between two recorded forces cannot be told apart from any other between them: it has
+//! a bracket, which holds it for certain, and no interval.
 
 /// A trial with motor and brake, sample by sample; all of one length.
 #[derive(Debug, Clone, Copy)]
@@ -21,15 +21,17 @@ pub struct Switching<'a> {
 pub struct Bracket {
     /// Largest force at which the brake let go; `None` where it never did.
     pub low_n: Option<f64>,
-    /// Smallest force at which it held on to a lever that did not move on; `None` where there was none.
+    /// Smallest force at which it held on to a lever that did not move on; `None` where there was
+    /// none.
     pub high_n: Option<f64>,
     /// Times it let go.
     pub releases: usize,
 }
 
 impl Bracket {
-    /// The bracket that trials leave. The controller's rule is the thesis' (§6.2.1): with the brake on, a lever that does not move
-    /// on (θ̇ ≤ 0) keeps it while the user's force is at least the threshold, and gets the motor once it is below.
+    /// The bracket that trials leave. The controller's rule is the thesis' (§6.2.1): with the brake
+    /// on, a lever that does not move on (θ̇ ≤ 0) keeps it while the user's force is at least
+    /// the threshold, and gets the motor once it is below.
     pub fn of<'a>(trials: impl IntoIterator<Item = Switching<'a>>) -> Self {
         let mut bracket = Self { low_n: None, high_n: None, releases: 0 };
         for trial in trials {

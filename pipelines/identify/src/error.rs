@@ -13,7 +13,9 @@ pub enum IdentifyError {
         trials: usize,
     },
     /// The model runs from none of the starts.
-    #[error("the model does not run on every trial from any of the {starts} starts: give other starts")]
+    #[error(
+        "the model does not run on every trial from any of the {starts} starts: give other starts"
+    )]
     NoStart {
         /// Starts that were tried.
         starts: usize,

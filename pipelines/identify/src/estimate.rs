@@ -15,15 +15,15 @@ pub struct Estimate {
     pub parameter: Parameter,
     /// Its value.
     pub fitted: f64,
-    /// Standard error by leaving out each trial in turn; `None` where the trials do not determine the parameter, or not
-    /// without one of them.
+    /// Standard error by leaving out each trial in turn; `None` where the trials do not determine
+    /// the parameter, or not without one of them.
     pub std_error: Option<f64>,
     /// Effective degrees of freedom of the standard error; `None` likewise.
     pub df: Option<f64>,
     /// Where the profile stays within the level asked for; an end may be a bound. `None` likewise.
     pub interval: Option<(f64, f64)>,
-    /// Variance inflation: by how much its variance is larger than if the other parameters were known, 1 at least;
-    /// `None` for a parameter that the trials do not determine.
+    /// Variance inflation: by how much its variance is larger than if the other parameters were
+    /// known, 1 at least; `None` for a parameter that the trials do not determine.
     pub inflation: Option<f64>,
     /// Its profile, by rising value; empty without standard error.
     pub profile: Vec<Point>,
@@ -31,7 +31,8 @@ pub struct Estimate {
     pub verdict: Verdict,
 }
 
-/// A standard error below this share of the value is that of the arithmetic: there is no noise, and nothing to profile.
+/// A standard error below this share of the value is that of the arithmetic: there is no noise, and
+/// nothing to profile.
 const NOISELESS: f64 = 1e-6;
 
 /// How far an estimate scatters.
@@ -41,15 +42,21 @@ pub(crate) struct Spread {
     pub(crate) df: f64,
 }
 
-/// The spread of free parameter `j`, from what its estimate becomes without each trial in turn: the trial-block
-/// jackknife (Efron 1982; as the covariance CR3 of Bell & McCaffrey 2002, Surv. Methodol. 28:169), V = (G − 1)/G Σ_g (p_g − p̄)².
-/// It holds whatever the errors within a trial are like. Its degrees of freedom are Satterthwaite's (1946),
-/// (Σ_g h_g)² / Σ_g h_g² with the trials' shares h_g = (A⁻¹ A_g A⁻¹)_jj of the variance: few where few trials tell.
-pub(crate) fn spread<const P: usize>(blocks: &[Block<P>], free: &[bool; P], j: usize) -> Option<Spread> {
+/// The spread of free parameter `j`, from what its estimate becomes without each trial in turn: the
+/// trial-block jackknife (Efron 1982; as the covariance CR3 of Bell & McCaffrey 2002, Surv.
+/// Methodol. 28:169), V = (G − 1)/G Σ_g (p_g − p̄)². It holds whatever the errors within a trial are
+/// like. Its degrees of freedom are Satterthwaite's (1946), (Σ_g h_g)² / Σ_g h_g² with the trials'
+/// shares h_g = (A⁻¹ A_g A⁻¹)_jj of the variance: few where few trials tell.
+pub(crate) fn spread<const P: usize>(
+    blocks: &[Block<P>],
+    free: &[bool; P],
+    j: usize,
+) -> Option<Spread> {
     let all = sum(blocks);
     let inverse_all = inverse(&all.curvature, free)?;
     let without = |g: usize| {
-        let others = sum(blocks.iter().enumerate().filter(|(i, _)| *i != g).map(|(_, block)| block));
+        let others =
+            sum(blocks.iter().enumerate().filter(|(i, _)| *i != g).map(|(_, block)| block));
         let inverse = inverse(&others.curvature, free)?;
         Some(-(0..P).map(|k| inverse[j][k] * others.gradient[k]).sum::<f64>())
     };
@@ -61,13 +68,18 @@ pub(crate) fn spread<const P: usize>(blocks: &[Block<P>], free: &[bool; P], j: u
         let row = |k: usize| (0..P).map(|l| block.curvature[k][l] * inverse_all[l][j]).sum::<f64>();
         (0..P).map(|k| inverse_all[j][k] * row(k)).sum::<f64>()
     };
-    let (total, squares) = blocks.iter().map(share).fold((0.0, 0.0), |(s, q), h| (s + h, q + h * h));
+    let (total, squares) =
+        blocks.iter().map(share).fold((0.0, 0.0), |(s, q), h| (s + h, q + h * h));
     Some(Spread { std_error: variance.sqrt(), df: total * total / squares })
         .filter(|s| s.std_error.is_finite() && s.df > 0.0)
 }
 
 /// Which parameters are free to move: those that are on no bound and that the recordings feel.
-pub(crate) fn free<const P: usize>(parameters: &[Parameter; P], at: &[f64; P], all: &Block<P>) -> [bool; P] {
+pub(crate) fn free<const P: usize>(
+    parameters: &[Parameter; P],
+    at: &[f64; P],
+    all: &Block<P>,
+) -> [bool; P] {
     core::array::from_fn(|j| !on_bound(&parameters[j], at[j]) && all.curvature[j][j] > 0.0)
 }
 
@@ -76,8 +88,8 @@ pub(crate) fn on_bound(parameter: &Parameter, value: f64) -> bool {
     value <= parameter.lower || value >= parameter.upper
 }
 
-/// One Gauss–Newton step from `at` with the normal equations of some trials, over the parameters that are free and
-/// within the bounds; `None` where these trials do not determine them.
+/// One Gauss–Newton step from `at` with the normal equations of some trials, over the parameters
+/// that are free and within the bounds; `None` where these trials do not determine them.
 pub(crate) fn stepped<const P: usize>(
     parameters: &[Parameter; P],
     at: &[f64; P],
@@ -92,9 +104,12 @@ pub(crate) fn stepped<const P: usize>(
     }))
 }
 
-/// The inverse over the free parameters, 0 elsewhere, by Gauss–Jordan elimination of the matrix scaled to a
-/// diagonal of ones; `None` if it is singular.
-pub(crate) fn inverse<const P: usize>(matrix: &[[f64; P]; P], free: &[bool; P]) -> Option<[[f64; P]; P]> {
+/// The inverse over the free parameters, 0 elsewhere, by Gauss–Jordan elimination of the matrix
+/// scaled to a diagonal of ones; `None` if it is singular.
+pub(crate) fn inverse<const P: usize>(
+    matrix: &[[f64; P]; P],
+    free: &[bool; P],
+) -> Option<[[f64; P]; P]> {
     let scale: [f64; P] = core::array::from_fn(|j| matrix[j][j].sqrt());
     let both = |j: usize, k: usize| free[j] && free[k];
     let mut left: [[f64; P]; P] = core::array::from_fn(|j| {
@@ -107,7 +122,8 @@ pub(crate) fn inverse<const P: usize>(matrix: &[[f64; P]; P], free: &[bool; P]) 
         core::array::from_fn(|j| core::array::from_fn(|k| f64::from(u8::from(j == k))));
     for j in 0..P {
         let pivot = left[j][j];
-        // positive definite: every pivot is above 0, and rounding is what is left of one that is not
+        // positive definite: every pivot is above 0, and rounding is what is left of one that is
+        // not
         if pivot.is_nan() || pivot <= f64::EPSILON {
             return None;
         }
@@ -129,7 +145,8 @@ pub(crate) fn inverse<const P: usize>(matrix: &[[f64; P]; P], free: &[bool; P]) 
     }))
 }
 
-/// What the trials' parts of the normal equations, and the fits with one parameter held, say of each parameter.
+/// What the trials' parts of the normal equations, and the fits with one parameter held, say of
+/// each parameter.
 pub(crate) fn estimates<const P: usize>(
     problem: &Problem<P>,
     minimum: &Minimum<P>,
@@ -146,7 +163,8 @@ pub(crate) fn estimates<const P: usize>(
         let spread = spread(blocks, &free, j).filter(|_| free[j]);
         let fitted = minimum.parameters[j];
         let noisy = spread.filter(|spread| spread.std_error > NOISELESS * fitted.abs());
-        let curve = noisy.and_then(|spread| Curve::new(problem, minimum, (&all, slopes), &free, (j, spread)));
+        let curve = noisy
+            .and_then(|spread| Curve::new(problem, minimum, (&all, slopes), &free, (j, spread)));
         let critical = spread.map(|spread| critical_value(level, spread.df)).transpose()?;
         let interval = match (noisy, &curve) {
             (None, _) => spread.map(|_| (fitted, fitted)),
@@ -173,7 +191,8 @@ mod tests {
     use super::*;
     use crate::{Recording, Task, identify};
 
-    /// Five trials of a line through two columns made of whole numbers, every other repeat held out.
+    /// Five trials of a line through two columns made of whole numbers, every other repeat held
+    /// out.
     fn line(trial: usize) -> (Vec<[f64; 2]>, Vec<f64>) {
         let row = |i: usize| {
             let x = (i + 1) as f64 / 6.0 * (1.0 + 0.5 * trial as f64);
@@ -191,11 +210,13 @@ mod tests {
         let (rows, y): (Vec<_>, Vec<_>) = (0..10).map(|i| line(i / 2)).unzip();
         let recordings: Vec<_> =
             metas.iter().zip(&y).map(|(meta, observed)| Recording { meta, observed }).collect();
-        let parameter = |name, lower| Parameter { name, unit: "1", by_eye: 0.5, lower, upper: 10.0 };
+        let parameter =
+            |name, lower| Parameter { name, unit: "1", by_eye: 0.5, lower, upper: 10.0 };
         let parameters = [parameter("x", -10.0), parameter("z", lower)];
         let task = Task { parameters: &parameters, starts: &[], level: 0.95 };
-        let explain =
-            |i: usize, p: &[f64; 2]| Some(rows[i].iter().map(|r| p[0] * r[0] + p[1] * r[1]).collect());
+        let explain = |i: usize, p: &[f64; 2]| {
+            Some(rows[i].iter().map(|r| p[0] * r[0] + p[1] * r[1]).collect())
+        };
         identify(&recordings, &task, explain, |_, _| None).unwrap().estimates
     }
 
@@ -203,9 +224,9 @@ mod tests {
         assert!((found / expect - 1.0).abs() < share, "{found} instead of {expect}");
     }
 
-    /// NumPy and SciPy: `lstsq` on the rows of five trials, and five times on those of four of them; SE² = 4/5 Σ (b₋g − mean)²;
-    /// df = (Σ h)²/Σ h² with h = diag(A⁻¹ X_gᵀX_g A⁻¹); b ∓ `t.ppf(0.975, df)` SE; Σ r² with b₀ held at b₀ + SE over that of the
-    /// fit.
+    /// NumPy and SciPy: `lstsq` on the rows of five trials, and five times on those of four of
+    /// them; SE² = 4/5 Σ (b₋g − mean)²; df = (Σ h)²/Σ h² with h = diag(A⁻¹ X_gᵀX_g A⁻¹); b ∓
+    /// `t.ppf(0.975, df)` SE; Σ r² with b₀ held at b₀ + SE over that of the fit.
     #[test]
     fn standard_error_degrees_of_freedom_interval_and_profile_are_those_of_numpy_and_scipy() {
         let found = fitted(-10.0);
@@ -222,10 +243,15 @@ mod tests {
             close(one_off(estimate, fitted + std_error).likelihood_ratio, 1.0, 1e-6);
             assert_eq!(estimate.verdict, Verdict::Identifiable);
         }
-        close(one_off(&found[0], SCIPY[0][0] + SCIPY[0][1]).relative_error, 1.0044031616756472, 1e-8);
+        close(
+            one_off(&found[0], SCIPY[0][0] + SCIPY[0][1]).relative_error,
+            1.0044031616756472,
+            1e-8,
+        );
     }
 
-    /// With b̂ beyond the bound a, the ratio is ((v − b̂)² − (a − b̂)²)/SE², which meets t² at b̂ + √(t² SE² + (a − b̂)²).
+    /// With b̂ beyond the bound a, the ratio is ((v − b̂)² − (a − b̂)²)/SE², which meets t² at b̂ +
+    /// √(t² SE² + (a − b̂)²).
     #[test]
     fn a_value_on_its_bound_has_a_bracket_from_there() {
         let (lower, [free, _, _, _, free_high]) = (0.97, SCIPY[1]);
@@ -247,8 +273,20 @@ mod tests {
 
     /// Estimate, standard error, degrees of freedom and interval of either column.
     const SCIPY: [[f64; 5]; 2] = [
-        [2.01103809188346, 0.00391665044356254, 3.534853848951035, 1.999575463550812, 2.022500720216108],
-        [0.960841342525034, 0.01903117042108361, 4.956659735515703, 0.9117912208814738, 1.009891464168594],
+        [
+            2.01103809188346,
+            0.00391665044356254,
+            3.534853848951035,
+            1.999575463550812,
+            2.022500720216108,
+        ],
+        [
+            0.960841342525034,
+            0.01903117042108361,
+            4.956659735515703,
+            0.9117912208814738,
+            1.009891464168594,
+        ],
     ];
 
     #[test]

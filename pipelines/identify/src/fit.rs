@@ -16,7 +16,8 @@ pub(crate) struct Block<const P: usize> {
 }
 
 /// Predictions of trial `i` at parameters; `None` where the model does not run.
-pub(crate) type Predict<'a, const P: usize> = &'a (dyn Fn(usize, &[f64; P]) -> Option<Vec<f64>> + Sync);
+pub(crate) type Predict<'a, const P: usize> =
+    &'a (dyn Fn(usize, &[f64; P]) -> Option<Vec<f64>> + Sync);
 
 /// What is fitted: the trials by their numbers, what was recorded of each, and the model.
 pub(crate) struct Problem<'a, const P: usize> {
@@ -54,12 +55,15 @@ impl<const P: usize> Problem<'_, P> {
         self.trials.iter().map(|i| self.observed[*i].len()).sum()
     }
 
-    /// The minimiser asks for residuals one by one: all of a point are made at once, in parallel, and kept.
+    /// The minimiser asks for residuals one by one: all of a point are made at once, in parallel,
+    /// and kept.
     fn from(&self, start: [f64; P]) -> Result<Minimum<P>, IdentifyError> {
         let kept: RefCell<Kept<P>> = RefCell::new(Kept::new());
         let residual = |i: usize, at: &[f64; P]| kept.borrow_mut().at(self, at, i);
-        let bounds =
-            Bounds { lower: self.parameters.map(|p| p.lower), upper: self.parameters.map(|p| p.upper) };
+        let bounds = Bounds {
+            lower: self.parameters.map(|p| p.lower),
+            upper: self.parameters.map(|p| p.upper),
+        };
         Ok(least_squares(self.samples(), residual, start, &bounds)?)
     }
 
@@ -71,7 +75,9 @@ impl<const P: usize> Problem<'_, P> {
 
     /// Their slopes.
     pub(crate) fn slopes(&self, at: &[f64; P]) -> Vec<Vec<[f64; P]>> {
-        let one = |i: &usize| slopes(|p| (self.predict)(*i, p), self.observed[*i].len(), self.parameters, at);
+        let one = |i: &usize| {
+            slopes(|p| (self.predict)(*i, p), self.observed[*i].len(), self.parameters, at)
+        };
         self.trials.par_iter().map(one).collect()
     }
 
@@ -104,8 +110,8 @@ impl<const P: usize> Kept<P> {
         (self.errors[i], self.slopes[i])
     }
 
-    /// A minimiser steps back from a point that is no better, and never looks at its slopes: they are not made,
-    /// which spares six runs of seven.
+    /// A minimiser steps back from a point that is no better, and never looks at its slopes: they
+    /// are not made, which spares six runs of seven.
     fn make(&mut self, problem: &Problem<P>, at: &[f64; P]) {
         self.errors = problem.errors(at).concat();
         let rss: f64 = self.errors.iter().map(|e| e * e).sum();

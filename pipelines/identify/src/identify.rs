@@ -64,9 +64,9 @@ pub struct Identified {
 
 /// Fits parameters to half of the recordings and judges them on all.
 ///
-/// `explain(i, p)` gives what recording `i` should have observed at parameters `p`, and `judge(i, p)` the model's error of θ
-/// (rad, root mean square) on it; either `None` where the model does not run there. The fit begins at the choice by eye and
-/// at every one of the task's starts.
+/// `explain(i, p)` gives what recording `i` should have observed at parameters `p`, and `judge(i,
+/// p)` the model's error of θ (rad, root mean square) on it; either `None` where the model does not
+/// run there. The fit begins at the choice by eye and at every one of the task's starts.
 ///
 /// # Errors
 /// Fewer than two trials to fit, a model that runs from no start, a level outside (0, 1).
@@ -153,7 +153,8 @@ mod tests {
         let metas = metas(8);
         let theta: Vec<Vec<f64>> = (0..8).map(|i| pushed(i, &TRUE).unwrap()).collect();
         let judge = |i: usize, p: &[f64; 3]| {
-            let squares: f64 = pushed(i, p)?.iter().zip(&theta[i]).map(|(p, o)| (p - o) * (p - o)).sum();
+            let squares: f64 =
+                pushed(i, p)?.iter().zip(&theta[i]).map(|(p, o)| (p - o) * (p - o)).sum();
             Some((squares / theta[i].len() as f64).sqrt())
         };
         let task = Task { starts: &STARTS, ..task(&PARAMETERS) };
@@ -173,15 +174,20 @@ mod tests {
     }
 
     #[test]
-    fn a_parameter_that_nothing_depends_on_is_insensitive_and_one_that_is_another_s_double_confounded() {
+    fn a_parameter_that_nothing_depends_on_is_insensitive_and_one_that_is_another_s_double_confounded()
+     {
         let metas = metas(6);
         let x = |i: usize| (0..20).map(move |k| f64::from(k) + i as f64);
-        let observed: Vec<Vec<f64>> =
-            (0..6).map(|i| x(i).map(|x| 2.0 * x + libm::sin(x * (i + 1) as f64)).collect()).collect();
+        let observed: Vec<Vec<f64>> = (0..6)
+            .map(|i| x(i).map(|x| 2.0 * x + libm::sin(x * (i + 1) as f64)).collect())
+            .collect();
         let recordings = recordings(&metas, &observed);
         let line = |i: usize, p: &[f64; 3]| Some(x(i).map(|x| p[0] * x).collect());
         let found = identify(&recordings, &task(&PARAMETERS), line, |_, _| None).unwrap().estimates;
-        assert_eq!([found[0].verdict, found[1].verdict], [Verdict::Identifiable, Verdict::Insensitive]);
+        assert_eq!(
+            [found[0].verdict, found[1].verdict],
+            [Verdict::Identifiable, Verdict::Insensitive]
+        );
         let (low, high) = found[0].interval.unwrap();
         assert!(low < found[0].fitted && found[0].fitted < high);
         let double = |i: usize, p: &[f64; 3]| Some(x(i).map(|x| (p[0] + p[1]) * x).collect());
@@ -192,7 +198,8 @@ mod tests {
     #[test]
     fn one_trial_is_too_few() {
         let (metas, observed) = (metas(2), vec![vec![0.0, 1.0]; 2]);
-        let error = identify(&recordings(&metas, &observed), &task(&PARAMETERS), |_, _| None, |_, _| None);
+        let error =
+            identify(&recordings(&metas, &observed), &task(&PARAMETERS), |_, _| None, |_, _| None);
         assert_eq!(error.unwrap_err(), IdentifyError::TooFew { trials: 1 });
     }
 }

@@ -1,4 +1,5 @@
-//! The profile of a parameter: what becomes of the error when it is held elsewhere and the others are fitted anew.
+//! The profile of a parameter: what becomes of the error when it is held elsewhere and the others
+//! are fitted anew.
 
 use crate::Parameter;
 use crate::estimate::{Spread, inverse};
@@ -13,7 +14,8 @@ const TOLERANCE: f64 = 1e-4;
 /// More secants than it takes: the curve's root is nearly a straight line.
 const MAX_SECANTS: usize = 20;
 
-/// A refit is done when what a step still promises is below this share of the growth of Σ r², or of Σ r² itself.
+/// A refit is done when what a step still promises is below this share of the growth of Σ r², or of
+/// Σ r² itself.
 const CLOSE: f64 = 1e-6;
 const ROUNDING: f64 = 1e-14;
 /// More such steps than it takes near the fit.
@@ -26,16 +28,17 @@ pub struct Point {
     pub value: f64,
     /// Σ r² with the others fitted anew, over that of the fit.
     pub relative_error: f64,
-    /// Likelihood ratio, −2 ln: how much less likely the value is than the fit; 3.84 is the end of a 95 % interval with many
-    /// degrees of freedom.
+    /// Likelihood ratio, −2 ln: how much less likely the value is than the fit; 3.84 is the end of
+    /// a 95 % interval with many degrees of freedom.
     pub likelihood_ratio: f64,
 }
 
 /// The profile of one parameter around a minimum.
 ///
-/// Errors within a trial are alike, so the growth of Σ r² is no likelihood ratio as it stands; scaled by
-/// (A⁻¹)_jj / V, where V is the parameter's variance whatever the errors are, it is one to first order (Rotnitzky &
-/// Jewell 1990, Biometrika 77:485): in a linear model ((value − fit)/std_error)².
+/// Errors within a trial are alike, so the growth of Σ r² is no likelihood ratio as it stands;
+/// scaled by (A⁻¹)_jj / V, where V is the parameter's variance whatever the errors are, it is one
+/// to first order (Rotnitzky & Jewell 1990, Biometrika 77:485): in a linear model ((value −
+/// fit)/std_error)².
 pub(crate) struct Curve<'p, 'd, const P: usize> {
     problem: &'p Problem<'d, P>,
     minimum: &'p Minimum<P>,
@@ -65,24 +68,36 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
         let scale = inverse[j][j] / (spread.std_error * spread.std_error);
         let along = core::array::from_fn(|k| inverse[k][j] / inverse[j][j]);
         let std_error = spread.std_error;
-        scale.is_finite().then_some(Self { problem, minimum, j, std_error, slopes, others, scale, along })
+        scale.is_finite().then_some(Self {
+            problem,
+            minimum,
+            j,
+            std_error,
+            slopes,
+            others,
+            scale,
+            along,
+        })
     }
 
     /// The likelihood ratio's curve, by rising value, within the bounds.
     pub(crate) fn points(&self) -> Vec<Point> {
-        let value =
-            |step: i32| self.inside(self.fitted() + f64::from(step) / f64::from(STEPS) * self.std_error);
+        let value = |step: i32| {
+            self.inside(self.fitted() + f64::from(step) / f64::from(STEPS) * self.std_error)
+        };
         let mut values: Vec<f64> = (-REACH * STEPS..=REACH * STEPS).map(value).collect();
         values.dedup();
         values.into_iter().filter_map(|value| self.at(value)).collect()
     }
 
-    /// The values to either side at which the likelihood ratio is `critical`², or the bounds before.
+    /// The values to either side at which the likelihood ratio is `critical`², or the bounds
+    /// before.
     pub(crate) fn interval(&self, critical: f64) -> Option<(f64, f64)> {
         Some((self.crossing(critical, -1.0)?, self.crossing(critical, 1.0)?))
     }
 
-    /// By secants through the fit: each stretches the distance so that a straight root would meet the level.
+    /// By secants through the fit: each stretches the distance so that a straight root would meet
+    /// the level.
     fn crossing(&self, critical: f64, side: f64) -> Option<f64> {
         let mut distance = critical * self.std_error;
         for _ in 0..MAX_SECANTS {
@@ -101,7 +116,8 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
 
     fn at(&self, value: f64) -> Option<Point> {
         let (minimum, away) = (self.minimum, value - self.fitted());
-        let start = self.within(core::array::from_fn(|k| minimum.parameters[k] + away * self.along[k]));
+        let start =
+            self.within(core::array::from_fn(|k| minimum.parameters[k] + away * self.along[k]));
         let rss = match away == 0.0 {
             true => minimum.rss,
             false => self.refitted(start).or_else(|| self.problem.held(start, self.j, value))?,
@@ -113,14 +129,15 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
         })
     }
 
-    /// The least Σ r² over the other parameters by Gauss–Newton steps with the slopes at the minimum, which spares new ones;
-    /// `None` where they do not get there, as at a bound.
+    /// The least Σ r² over the other parameters by Gauss–Newton steps with the slopes at the
+    /// minimum, which spares new ones; `None` where they do not get there, as at a bound.
     fn refitted(&self, start: [f64; P]) -> Option<f64> {
         let mut at = start;
         for _ in 0..MAX_STEPS {
             let (rss, gradient) = self.problem.gradient(&at, self.slopes);
-            let step: [f64; P] =
-                core::array::from_fn(|k| (0..P).map(|l| self.others[k][l] * gradient[l]).sum::<f64>());
+            let step: [f64; P] = core::array::from_fn(|k| {
+                (0..P).map(|l| self.others[k][l] * gradient[l]).sum::<f64>()
+            });
             let promised: f64 = step.iter().zip(&gradient).map(|(s, g)| s * g).sum();
             let least = (CLOSE * (rss - self.minimum.rss).abs()).max(ROUNDING * rss);
             if promised <= least {

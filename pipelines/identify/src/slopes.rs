@@ -15,7 +15,8 @@ pub struct Parameter {
     pub upper: f64,
 }
 
-/// Share of a parameter's size by which it is changed to see a slope: its square is lost to curvature.
+/// Share of a parameter's size by which it is changed to see a slope: its square is lost to
+/// curvature.
 const SHARE: f64 = 1e-4;
 /// The same as a share of its bounds' distance, for a parameter that is 0.
 const SHARE_OF_RANGE: f64 = 1e-7;
@@ -32,7 +33,8 @@ pub(crate) fn errors<const P: usize>(
     }
 }
 
-/// Slopes of `samples` errors, from runs of the model to either side of `at`; one that cannot be seen is 0.
+/// Slopes of `samples` errors, from runs of the model to either side of `at`; one that cannot be
+/// seen is 0.
 pub(crate) fn slopes<const P: usize>(
     predict: impl Fn(&[f64; P]) -> Option<Vec<f64>>,
     samples: usize,
@@ -42,7 +44,8 @@ pub(crate) fn slopes<const P: usize>(
     let mut slopes = vec![[0.0; P]; samples];
     for (j, parameter) in parameters.iter().enumerate() {
         let step = SHARE * at[j].abs() + SHARE_OF_RANGE * (parameter.upper - parameter.lower);
-        let (low, high) = ((at[j] - step).max(parameter.lower), (at[j] + step).min(parameter.upper));
+        let (low, high) =
+            ((at[j] - step).max(parameter.lower), (at[j] + step).min(parameter.upper));
         if low >= high {
             continue; // held at one value: it does not move
         }

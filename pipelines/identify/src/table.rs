@@ -51,8 +51,8 @@ fn parameters(rows: &[Estimate]) -> Result<Table, TableError> {
     Table::new("identify", "The plant, by eye and fitted", columns)
 }
 
-/// The profiles, one row a point: what becomes of the error when a parameter is held at a value and the others are fitted
-/// anew.
+/// The profiles, one row a point: what becomes of the error when a parameter is held at a value and
+/// the others are fitted anew.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -69,9 +69,11 @@ pub fn profiles(estimates: &[Estimate]) -> Result<Table, TableError> {
         text("parameter", "which parameter of the plant", |e| e.parameter.name),
         text("unit", "unit of the value", |e| e.parameter.unit),
         number("value", "where the parameter is held", |p| p.value),
-        number("relative_error", "sum of squares with the others fitted anew, over that of the fit", |p| {
-            p.relative_error
-        }),
+        number(
+            "relative_error",
+            "sum of squares with the others fitted anew, over that of the fit",
+            |p| p.relative_error,
+        ),
         number("likelihood_ratio", "how much less likely than the fit, -2 ln of the ratio", |p| {
             p.likelihood_ratio
         }),
@@ -79,8 +81,8 @@ pub fn profiles(estimates: &[Estimate]) -> Result<Table, TableError> {
     Table::new("identify.profile", "Profiles of the plant's parameters", columns)
 }
 
-/// Between which forces the brake's let-go threshold lies, one row, beside the one that was set; none without a trial in
-/// which it could show.
+/// Between which forces the brake's let-go threshold lies, one row, beside the one that was set;
+/// none without a trial in which it could show.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -94,7 +96,12 @@ pub fn threshold(found: &Bracket, set_n: f64) -> Result<Table, TableError> {
         Column::text("threshold", "which threshold", rows().map(|_| Some("let_go".to_owned()))),
         number("low_n", "largest force at which the brake let go", &|b| b.low_n),
         number("high_n", "smallest at which it held a lever that did not move on", &|b| b.high_n),
-        Column::integer("releases", "1", "times it let go", rows().map(|b| Some(b.releases as i64))),
+        Column::integer(
+            "releases",
+            "1",
+            "times it let go",
+            rows().map(|b| Some(b.releases as i64)),
+        ),
         number("set_n", "what the study set", &|_| Some(set_n)),
     ];
     Table::new("identify.threshold", "The brake's let-go threshold, bracketed", columns)
@@ -107,16 +114,26 @@ pub fn threshold(found: &Bracket, set_n: f64) -> Result<Table, TableError> {
 pub fn trials(trials: &[TrialErrors]) -> Result<Table, TableError> {
     let mut columns = identity(&trials.iter().map(|t| &t.meta).collect::<Vec<_>>());
     let part = |t: &TrialErrors| Some(part_word(t.part).to_owned());
-    columns.push(Column::text("part", "fitted, or held out and only judged", trials.iter().map(part)));
+    columns.push(Column::text(
+        "part",
+        "fitted, or held out and only judged",
+        trials.iter().map(part),
+    ));
     let number = |name, description, get: fn(&TrialErrors) -> Option<f64>| {
         Column::float(name, "rad", description, trials.iter().map(get))
     };
     columns.extend([
-        number("rmse_by_eye_rad", "root mean square error of the angle, by eye", |t| t.rmse_by_eye_rad),
+        number("rmse_by_eye_rad", "root mean square error of the angle, by eye", |t| {
+            t.rmse_by_eye_rad
+        }),
         number("rmse_fitted_rad", "that of the fit", |t| t.rmse_fitted_rad),
         number("rmse_left_out_rad", "that of a fit without this trial", |t| t.rmse_left_out_rad),
     ]);
-    Table::new("identify.trials", "Errors of the plant, by eye and fitted, one row a trial", columns)
+    Table::new(
+        "identify.trials",
+        "Errors of the plant, by eye and fitted, one row a trial",
+        columns,
+    )
 }
 
 fn part_word(part: Part) -> &'static str {
@@ -126,7 +143,8 @@ fn part_word(part: Part) -> &'static str {
     }
 }
 
-/// By eye against fitted on the trials held out, by condition and over all of them: root mean square over the trials.
+/// By eye against fitted on the trials held out, by condition and over all of them: root mean
+/// square over the trials.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -149,12 +167,20 @@ pub fn against_eye(trials: &[TrialErrors]) -> Result<Table, TableError> {
         rows.iter().map(move |(_, trials)| pooled(trials, get)).collect::<Vec<_>>()
     };
     let (eye, fitted) = (error(|t| t.rmse_by_eye_rad), error(|t| t.rmse_fitted_rad));
-    let ratio: Vec<_> =
-        eye.iter().zip(&fitted).map(|(e, f)| e.zip(*f).filter(|p| p.0 > 0.0).map(|(e, f)| f / e)).collect();
+    let ratio: Vec<_> = eye
+        .iter()
+        .zip(&fitted)
+        .map(|(e, f)| e.zip(*f).filter(|p| p.0 > 0.0).map(|(e, f)| f / e))
+        .collect();
     let columns = vec![
         word("environment", "what was rendered", |c| c.environment.as_str()),
         word("mode", "how it was rendered", |c| c.mode.as_str()),
-        Column::integer("n", "1", "trials held out", rows.iter().map(|(_, t)| Some(t.len() as i64))),
+        Column::integer(
+            "n",
+            "1",
+            "trials held out",
+            rows.iter().map(|(_, t)| Some(t.len() as i64)),
+        ),
         Column::float("rmse_by_eye_rad", "rad", "root mean square error of the angle, by eye", eye),
         Column::float("rmse_fitted_rad", "rad", "that of the fit", fitted),
         Column::float(
@@ -192,7 +218,10 @@ mod tests {
         };
         let rows: Vec<TrialErrors> = metas(3).into_iter().zip(errors).map(row).collect();
         let table = against_eye(&rows).unwrap();
-        assert_eq!(table.texts("mode").unwrap(), [Some("active".to_owned()), Some("all".to_owned())]);
+        assert_eq!(
+            table.texts("mode").unwrap(),
+            [Some("active".to_owned()), Some("all".to_owned())]
+        );
         let pooled = table.floats("rmse_fitted_rad").unwrap()[1].unwrap();
         assert!((pooled - 12.5_f64.sqrt()).abs() < 1e-15);
         assert_eq!(table.floats("fitted_over_by_eye").unwrap(), [Some(0.5); 2]);

@@ -2,7 +2,8 @@
 
 use crate::Parameter;
 use zwidth_dynamics::{
-    Environment, Exact, Friction, Grid, Input, Mode, Plant, Scene, Series, Solver, Start, System, table3,
+    Environment, Exact, Friction, Grid, Input, Mode, Plant, Scene, Series, Solver, Start, System,
+    table3,
 };
 use zwidth_study::{Kind, Source, Status, TrialMeta};
 

@@ -18,10 +18,11 @@ pub enum Verdict {
     OnBound,
     /// Other parameters can stand in for it: its variance inflation is above 100.
     Confounded,
-    /// Its profile stays within the level up to a bound: on that side nothing is known of it (Raue et al. 2009,
-    /// Bioinformatics 25:1923).
+    /// Its profile stays within the level up to a bound: on that side nothing is known of it (Raue
+    /// et al. 2009, Bioinformatics 25:1923).
     Flat,
-    /// Its interval is wider than twice its value, or there is none because too few trials tell of it.
+    /// Its interval is wider than twice its value, or there is none because too few trials tell of
+    /// it.
     Uncertain,
 }
 
@@ -54,11 +55,15 @@ pub(crate) fn verdict(estimate: &Estimate, curvature: f64) -> Verdict {
     if on_bound(&estimate.parameter, low) || on_bound(&estimate.parameter, high) {
         return Verdict::Flat;
     }
-    if high - low > 2.0 * estimate.fitted.abs() { Verdict::Uncertain } else { Verdict::Identifiable }
+    if high - low > 2.0 * estimate.fitted.abs() {
+        Verdict::Uncertain
+    } else {
+        Verdict::Identifiable
+    }
 }
 
-/// Variance inflation of each free parameter: (JᵀJ)⁻¹ times JᵀJ, diagonal entries; `None` where others stand in for
-/// it wholly.
+/// Variance inflation of each free parameter: (JᵀJ)⁻¹ times JᵀJ, diagonal entries; `None` where
+/// others stand in for it wholly.
 pub(crate) fn inflation<const P: usize>(all: &Block<P>, free: &[bool; P]) -> [Option<f64>; P] {
     let inverse = inverse(&all.curvature, free);
     core::array::from_fn(|j| inverse.filter(|_| free[j]).map(|i| i[j][j] * all.curvature[j][j]))

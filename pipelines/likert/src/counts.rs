@@ -28,7 +28,8 @@ impl Counts {
         self.of.iter().sum()
     }
 
-    /// The lower and the upper median: the two middle answers, the same one for odd n. `None` without answers.
+    /// The lower and the upper median: the two middle answers, the same one for odd n. `None`
+    /// without answers.
     pub(crate) fn medians(&self) -> Option<(i64, i64)> {
         let n = self.n();
         Some((self.ranked(n.checked_sub(1)? / 2)?, self.ranked(n / 2)?))

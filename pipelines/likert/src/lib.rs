@@ -1,14 +1,17 @@
 //! Stage: tallies of the answers to Likert questions.
 //!
-//! [`tally`] counts, for each environment × mode, how often each point of the five-point scale was chosen: one row
-//! a question, and one a group of questions with its answers pooled. An answer to a reversed question (where
-//! agreement speaks against) counts as 6 − a, so that 5 is always the favourable end. Only answers that were given are
-//! counted: an unanswered question is not a 0, and a condition nobody answered for has no row.
+//! [`tally`] counts, for each environment × mode, how often each point of the five-point scale was
+//! chosen: one row a question, and one a group of questions with its answers pooled. An answer to a
+//! reversed question (where agreement speaks against) counts as 6 − a, so that 5 is always the
+//! favourable end. Only answers that were given are counted: an unanswered question is not a 0, and
+//! a condition nobody answered for has no row.
 //!
-//! The scale is ordinal: there is a median and no mean. Answers pooled over a group come from the same
-//! people, so `n` there is a number of answers, not of independent ones; `participants` says of how many.
+//! The scale is ordinal: there is a median and no mean. Answers pooled over a group come from the
+//! same people, so `n` there is a number of answers, not of independent ones; `participants` says
+//! of how many.
 //!
-//! Pure: answers in memory, table out. Only answers that count may come in (`StudyData::answers` gives those).
+//! Pure: answers in memory, table out. Only answers that count may come in (`StudyData::answers`
+//! gives those).
 
 mod counts;
 #[cfg(test)]

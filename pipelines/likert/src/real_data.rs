@@ -4,8 +4,8 @@ use crate::tally;
 use std::path::PathBuf;
 use zwidth_store::Answer;
 use zwidth_study::{
-    Condition, EnvironmentId, Mode, ModeId, ParticipantId, Question, QuestionId, Scene, SessionId, Study,
-    StudyId,
+    Condition, EnvironmentId, Mode, ModeId, ParticipantId, Question, QuestionId, Scene, SessionId,
+    Study, StudyId,
 };
 use zwidth_tables::Table;
 
@@ -34,7 +34,8 @@ fn questions(rows: &[Vec<String>]) -> Vec<(usize, Question)> {
 }
 
 fn study(questions: &[(usize, Question)]) -> Study {
-    let mut study = Study::from_toml(&zwidth_study::template(&StudyId::new("shoes").unwrap())).unwrap();
+    let mut study =
+        Study::from_toml(&zwidth_study::template(&StudyId::new("shoes").unwrap())).unwrap();
     let mode = |id: &str| Mode {
         id: ModeId::new(id).unwrap(),
         label: id.to_owned(),
@@ -65,12 +66,15 @@ fn answer(row: &[String], value: &str, question: &QuestionId) -> Answer {
 /// The counts 1 … 5 of the pooled row of `group`, for each mode.
 fn pooled(table: &Table, group: &str) -> Vec<[i64; 5]> {
     let (flags, groups) = (table.flags("pooled").unwrap(), table.texts("group").unwrap());
-    let counts = ["count_1", "count_2", "count_3", "count_4", "count_5"].map(|c| table.integers(c).unwrap());
-    let rows = (0..table.height()).filter(|&i| flags[i] == Some(true) && groups[i].as_deref() == Some(group));
+    let counts =
+        ["count_1", "count_2", "count_3", "count_4", "count_5"].map(|c| table.integers(c).unwrap());
+    let rows = (0..table.height())
+        .filter(|&i| flags[i] == Some(true) && groups[i].as_deref() == Some(group));
     rows.map(|i| counts.each_ref().map(|c| c[i].unwrap())).collect()
 }
 
-/// Python, from the two files: `Counter(6 - a if inverted == "-1" else a)` over the group's columns, by condition.
+/// Python, from the two files: `Counter(6 - a if inverted == "-1" else a)` over the group's
+/// columns, by condition.
 #[test]
 fn pooled_counts_with_reversed_items_are_those_of_an_independent_count() {
     let Some(root) = std::env::var_os("ZWIDTH_REAL_DATA").map(PathBuf::from) else {
@@ -80,13 +84,16 @@ fn pooled_counts_with_reversed_items_are_those_of_an_independent_count() {
     let folder = root.join("likert_vr_shoes");
     let questions = questions(&rows(folder.join("UXdata_questions2023-04-17.csv")));
     let people = rows(folder.join("UXdata2023-04-28.csv"));
-    let of =
-        |row: &Vec<String>| questions.iter().map(|(i, q)| answer(row, &row[*i], &q.id)).collect::<Vec<_>>();
+    let of = |row: &Vec<String>| {
+        questions.iter().map(|(i, q)| answer(row, &row[*i], &q.id)).collect::<Vec<_>>()
+    };
     let answers: Vec<Answer> = people.iter().flat_map(of).collect();
     assert_eq!((questions.len(), answers.len()), (45, 3600));
     let table = tally(&answers, &study(&questions)).unwrap();
-    let ease = [[12, 26, 24, 44, 34], [2, 24, 18, 47, 49], [2, 17, 24, 59, 38], [6, 18, 24, 43, 49]];
-    let presence = [[2, 12, 13, 32, 21], [4, 9, 11, 25, 31], [2, 10, 10, 30, 28], [2, 8, 9, 28, 33]];
+    let ease =
+        [[12, 26, 24, 44, 34], [2, 24, 18, 47, 49], [2, 17, 24, 59, 38], [6, 18, 24, 43, 49]];
+    let presence =
+        [[2, 12, 13, 32, 21], [4, 9, 11, 25, 31], [2, 10, 10, 30, 28], [2, 8, 9, 28, 33]];
     assert_eq!(pooled(&table, "Ease of Use"), ease);
     assert_eq!(pooled(&table, "Presence"), presence);
     assert!(table.integers("participants").unwrap().iter().all(|n| *n == Some(20)));

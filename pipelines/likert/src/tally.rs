@@ -26,7 +26,9 @@ pub enum LikertError {
         value: u8,
     },
     /// An answer to a question, or after a condition, that the study does not have.
-    #[error("{what} '{id}' of trial {trial} is not in study.toml: add it there, or mend the answer")]
+    #[error(
+        "{what} '{id}' of trial {trial} is not in study.toml: add it there, or mend the answer"
+    )]
     Unknown {
         /// `question`, `environment` or `mode`.
         what: &'static str,
@@ -52,10 +54,10 @@ struct Row<'a> {
 
 type ByQuestion = BTreeMap<(Condition, QuestionId), Counts>;
 
-/// The table of counts, in the order of the study file: for each environment and mode first a row a question,
-/// then a row a group. Columns: `environment`, `mode`, `question` and `reversed` (null in a pooled row), `group`,
-/// `pooled`, `participants`, `n`, `count_1` … `count_5` (as scored), `median_low` and `median_high` (the two
-/// middle answers; equal for odd n).
+/// The table of counts, in the order of the study file: for each environment and mode first a row a
+/// question, then a row a group. Columns: `environment`, `mode`, `question` and `reversed` (null in
+/// a pooled row), `group`, `pooled`, `participants`, `n`, `count_1` … `count_5` (as scored),
+/// `median_low` and `median_high` (the two middle answers; equal for odd n).
 ///
 /// # Errors
 /// An answer off the scale; a question, environment or mode that the study does not have.
@@ -64,7 +66,8 @@ pub fn tally(answers: &[Answer], study: &Study) -> Result<Table, LikertError> {
     let mut rows = Vec::new();
     for environment in &study.environments {
         for mode in &study.modes {
-            let condition = Condition { environment: environment.id.clone(), mode: mode.id.clone() };
+            let condition =
+                Condition { environment: environment.id.clone(), mode: mode.id.clone() };
             let questions = questions(&counts, &condition, study);
             let row = |question, group, counts| Row {
                 environment: &environment.id,
@@ -73,7 +76,9 @@ pub fn tally(answers: &[Answer], study: &Study) -> Result<Table, LikertError> {
                 group,
                 counts,
             };
-            rows.extend(questions.iter().map(|(q, c)| row(Some(*q), q.group.as_deref(), (*c).clone())));
+            rows.extend(
+                questions.iter().map(|(q, c)| row(Some(*q), q.group.as_deref(), (*c).clone())),
+            );
             rows.extend(pooled(&questions).into_iter().map(|(group, c)| row(None, Some(group), c)));
         }
     }
@@ -106,7 +111,8 @@ fn check<'s>(answer: &Answer, study: &'s Study) -> Result<&'s Question, LikertEr
             value: answer.value,
         });
     }
-    let unknown = |what, id: &str| LikertError::Unknown { what, id: id.to_owned(), trial: answer.trial };
+    let unknown =
+        |what, id: &str| LikertError::Unknown { what, id: id.to_owned(), trial: answer.trial };
     let Condition { environment, mode } = &answer.condition;
     study.environment(environment).ok_or_else(|| unknown("environment", environment.as_str()))?;
     study.mode(mode).ok_or_else(|| unknown("mode", mode.as_str()))?;
@@ -126,7 +132,8 @@ fn questions<'s, 'c>(
         .collect()
 }
 
-/// The groups of the questions, in the order of their first one, each with its questions' answers together.
+/// The groups of the questions, in the order of their first one, each with its questions' answers
+/// together.
 fn pooled<'s>(questions: &[(&'s Question, &Counts)]) -> Vec<(&'s str, Counts)> {
     let mut groups: Vec<(&str, Counts)> = Vec::new();
     for (question, counts) in questions {
@@ -143,8 +150,9 @@ fn pooled<'s>(questions: &[(&'s Question, &Counts)]) -> Vec<(&'s str, Counts)> {
 }
 
 fn columns(rows: &[Row]) -> Vec<Column> {
-    let text =
-        |name, meaning, get: fn(&Row) -> Option<String>| Column::text(name, meaning, rows.iter().map(get));
+    let text = |name, meaning, get: fn(&Row) -> Option<String>| {
+        Column::text(name, meaning, rows.iter().map(get))
+    };
     let number = |name, meaning, get: fn(&Row) -> Option<i64>| {
         Column::integer(name, "1", meaning, rows.iter().map(get))
     };
@@ -167,7 +175,9 @@ fn columns(rows: &[Row]) -> Vec<Column> {
         ),
         number("participants", "people who answered", |r| Some(r.counts.participants.len() as i64)),
         number("n", "answers", |r| Some(r.counts.n() as i64)),
-        number("count_1", "answers 1 as scored: strongly disagree", |r| Some(r.counts.of[0] as i64)),
+        number("count_1", "answers 1 as scored: strongly disagree", |r| {
+            Some(r.counts.of[0] as i64)
+        }),
         number("count_2", "answers 2 as scored: disagree", |r| Some(r.counts.of[1] as i64)),
         number("count_3", "answers 3 as scored: neutral", |r| Some(r.counts.of[2] as i64)),
         number("count_4", "answers 4 as scored: agree", |r| Some(r.counts.of[3] as i64)),
@@ -188,7 +198,8 @@ mod tests {
 
     /// The template's study with three questions: q1 and q2 (reversed) in a group, q3 alone.
     fn study() -> Study {
-        let mut study = Study::from_toml(&zwidth_study::template(&StudyId::new("demo").unwrap())).unwrap();
+        let mut study =
+            Study::from_toml(&zwidth_study::template(&StudyId::new("demo").unwrap())).unwrap();
         let question = |id: &str, group: Option<&str>, reversed| Question {
             id: QuestionId::new(id).unwrap(),
             text: String::new(),
@@ -237,12 +248,19 @@ mod tests {
         assert_eq!(texts(&table, "mode"), ["active", "active", "active", "hybrid"]);
         assert_eq!(texts(&table, "question"), ["q1", "q2", "", "q3"]);
         assert_eq!(texts(&table, "group"), ["ease", "ease", "ease", ""]);
-        assert_eq!(table.flags("pooled").unwrap(), [Some(false), Some(false), Some(true), Some(false)]);
+        assert_eq!(
+            table.flags("pooled").unwrap(),
+            [Some(false), Some(false), Some(true), Some(false)]
+        );
         assert_eq!(table.flags("reversed").unwrap(), [Some(false), Some(true), None, Some(false)]);
         assert_eq!(numbers(&table, "n"), [2, 1, 3, 1]);
         assert_eq!(numbers(&table, "participants"), [2, 1, 2, 1]);
         assert_eq!(numbers(&table, "count_1"), [0, 0, 0, 1]);
-        assert_eq!(numbers(&table, "count_5"), [0, 1, 1, 0], "1 to a reversed question counts as 5");
+        assert_eq!(
+            numbers(&table, "count_5"),
+            [0, 1, 1, 0],
+            "1 to a reversed question counts as 5"
+        );
         assert_eq!(numbers(&table, "median_low"), [2, 5, 4, 1]);
         assert_eq!(numbers(&table, "median_high"), [4, 5, 4, 1]);
     }

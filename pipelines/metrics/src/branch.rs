@@ -16,8 +16,9 @@ pub(crate) struct Branches {
     pub(crate) backward: Vec<f64>,
 }
 
-/// The samples at which the lever is farther along than ever before on its way: they make F a function of θ. A
-/// lever that jitters or turns back for a moment adds nothing until it is past its farthest point again.
+/// The samples at which the lever is farther along than ever before on its way: they make F a
+/// function of θ. A lever that jitters or turns back for a moment adds nothing until it is past its
+/// farthest point again.
 fn advancing(theta: &[f64], force: &[f64], direction: f64) -> Branch {
     let mut branch = Branch { theta: Vec::new(), force: Vec::new() };
     for (&theta, &force) in theta.iter().zip(force) {
@@ -33,13 +34,19 @@ fn advancing(theta: &[f64], force: &[f64], direction: f64) -> Branch {
     branch
 }
 
-/// The branches are compared where they share at least this share of the compression's angles: a lever that a brake
-/// holds moves back by the angle sensor's jitter and has no decompression.
+/// The branches are compared where they share at least this share of the compression's angles: a
+/// lever that a brake holds moves back by the angle sensor's jitter and has no decompression.
 const LEAST_SHARE: f64 = 0.1;
 
-/// Both branches by linear interpolation on `points` angles over the range that both cover; `None` where that is
-/// less than a tenth of the compression's. The sample of the reversal itself belongs to the compression alone.
-pub(crate) fn branches(theta: &[f64], force: &[f64], phases: Phases, points: usize) -> Option<Branches> {
+/// Both branches by linear interpolation on `points` angles over the range that both cover; `None`
+/// where that is less than a tenth of the compression's. The sample of the reversal itself belongs
+/// to the compression alone.
+pub(crate) fn branches(
+    theta: &[f64],
+    force: &[f64],
+    phases: Phases,
+    points: usize,
+) -> Option<Branches> {
     let Phases { onset, reversal, end } = phases;
     let forward = advancing(&theta[onset..=reversal], &force[onset..=reversal], 1.0);
     let backward = advancing(&theta[reversal + 1..=end], &force[reversal + 1..=end], -1.0);
@@ -50,8 +57,9 @@ pub(crate) fn branches(theta: &[f64], force: &[f64], phases: Phases, points: usi
         return None;
     }
     let grid: Vec<f64> = (0..points).map(|i| grid_point(low, high, i, points)).collect();
-    let on_grid =
-        |b: &Branch| -> Option<Vec<f64>> { interpolate_all(&b.theta, &b.force, &grid).into_iter().collect() };
+    let on_grid = |b: &Branch| -> Option<Vec<f64>> {
+        interpolate_all(&b.theta, &b.force, &grid).into_iter().collect()
+    };
     Some(Branches { forward: on_grid(&forward)?, backward: on_grid(&backward)?, theta: grid })
 }
 

@@ -28,20 +28,34 @@ const fn float(
     Spec { name, unit, description, get: Get::Float(get) }
 }
 
-const fn count(name: &'static str, description: &'static str, get: fn(&Row) -> Option<i64>) -> Spec {
+const fn count(
+    name: &'static str,
+    description: &'static str,
+    get: fn(&Row) -> Option<i64>,
+) -> Spec {
     Spec { name, unit: "1", description, get: Get::Count(get) }
 }
 
-const fn flag(name: &'static str, description: &'static str, get: fn(&Row) -> Option<bool>) -> Spec {
+const fn flag(
+    name: &'static str,
+    description: &'static str,
+    get: fn(&Row) -> Option<bool>,
+) -> Spec {
     Spec { name, unit: "1", description, get: Get::Flag(get) }
 }
 
-const fn word(name: &'static str, description: &'static str, get: fn(&Row) -> Option<&'static str>) -> Spec {
+const fn word(
+    name: &'static str,
+    description: &'static str,
+    get: fn(&Row) -> Option<&'static str>,
+) -> Spec {
     Spec { name, unit: "1", description, get: Get::Word(get) }
 }
 
-/// Every metric, in the order of the table; `docs/analysis.md` defines each by its name. Below, one line is one column.
-pub(crate) const GROUPS: [&[Spec]; 6] = [MOVEMENT, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY];
+/// Every metric, in the order of the table; `docs/analysis.md` defines each by its name. Below, one
+/// line is one column.
+pub(crate) const GROUPS: [&[Spec]; 6] =
+    [MOVEMENT, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY];
 
 #[rustfmt::skip]
 const MOVEMENT: &[Spec] = &[

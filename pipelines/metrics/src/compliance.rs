@@ -4,29 +4,30 @@ use crate::signals::Signals;
 use zwidth_numerics::zigzag::zigzag;
 use zwidth_study::{Device, ModeId, Study};
 
-/// A movement is a way of more than this share of the angles travelled; less is a correction or a wobble.
+/// A movement is a way of more than this share of the angles travelled; less is a correction or a
+/// wobble.
 pub(crate) const MOVEMENT_SHARE: f64 = 0.1;
-/// The lever is outside the work space when it is beyond an end by more than this share of it: the ends are stops,
-/// which give a little, and the angle sensor is not exact.
+/// The lever is outside the work space when it is beyond an end by more than this share of it: the
+/// ends are stops, which give a little, and the angle sensor is not exact.
 const OUTSIDE_SHARE: f64 = 0.01;
 
-/// Whether a trial was what the protocol asks for (thesis §5.2.2): one forward and one backward movement, in no more
-/// than the time allowed, inside the work space.
+/// Whether a trial was what the protocol asks for (thesis §5.2.2): one forward and one backward
+/// movement, in no more than the time allowed, inside the work space.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Compliance {
-    /// Ways forward between onset and end: ways up of the zigzag of θ that are longer than 10 % of the angles
-    /// travelled there. Null without a movement.
+    /// Ways forward between onset and end: ways up of the zigzag of θ that are longer than 10 % of
+    /// the angles travelled there. Null without a movement.
     pub movements_forward: Option<i64>,
     /// Ways back, likewise.
     pub movements_backward: Option<i64>,
-    /// One way forward and one way back, in this order. In a mode that has a brake and no motor the way back may be
-    /// missing: nothing there returns the lever.
+    /// One way forward and one way back, in this order. In a mode that has a brake and no motor
+    /// the way back may be missing: nothing there returns the lever.
     pub one_movement: Option<bool>,
-    /// Whether the movement takes no longer than `design.trial_limit_s`. Null without an onset, and where the
-    /// recording stops within both movement and limit.
+    /// Whether the movement takes no longer than `design.trial_limit_s`. Null without an onset,
+    /// and where the recording stops within both movement and limit.
     pub in_time: Option<bool>,
-    /// Whether θ stays within the work space over the whole recording; an excess of 1 % of the work space is
-    /// allowed. Null unless both ends are known.
+    /// Whether θ stays within the work space over the whole recording; an excess of 1 % of the
+    /// work space is allowed. Null unless both ends are known.
     pub inside_work_space: Option<bool>,
     /// Whether all three hold: false if one does not, null if none fails and one is null.
     pub met: Option<bool>,
@@ -67,7 +68,9 @@ pub(crate) fn range(values: &[f64]) -> f64 {
 }
 
 fn ends(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
+    values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
 fn brakes_only(study: &Study, mode: &ModeId) -> bool {
@@ -90,7 +93,11 @@ fn inside(theta: Option<&[f64]>, device: &Device) -> Option<bool> {
 
 /// Three-valued "and".
 fn all<const N: usize>(parts: [Option<bool>; N]) -> Option<bool> {
-    if parts.contains(&Some(false)) { Some(false) } else { (!parts.contains(&None)).then_some(true) }
+    if parts.contains(&Some(false)) {
+        Some(false)
+    } else {
+        (!parts.contains(&None)).then_some(true)
+    }
 }
 
 #[cfg(test)]
@@ -127,13 +134,17 @@ mod tests {
         let again: Points = once.iter().map(|p| (p.0 + 3.001, p.1, p.2)).collect();
         let found = compliance(&[once, again].concat(), |_| ());
         assert_eq!((found.movements_forward, found.movements_backward), (Some(2), Some(2)));
-        assert_eq!((found.one_movement, found.in_time, found.met), (Some(false), Some(false), Some(false)));
+        assert_eq!(
+            (found.one_movement, found.in_time, found.met),
+            (Some(false), Some(false), Some(false))
+        );
     }
 
     #[test]
     fn a_lever_that_a_brake_holds_need_not_come_back() {
         let forward: Points = stroke(1.2, 2.0).into_iter().take_while(|p| p.0 <= 1.5).collect();
-        let held: Points = (1..500).map(|i| (1.5 + f64::from(i) / 1000.0, forward[1500].1, 0.0)).collect();
+        let held: Points =
+            (1..500).map(|i| (1.5 + f64::from(i) / 1000.0, forward[1500].1, 0.0)).collect();
         let points = [forward, held].concat();
         let one = |change: fn(&mut Study)| compliance(&points, change).one_movement;
         assert_eq!(one(|_| ()), Some(false));
@@ -151,8 +162,9 @@ mod tests {
     #[test]
     fn a_lever_beyond_its_work_space_is_outside_and_an_unknown_work_space_is_null() {
         let points = stroke(1.2, 2.0);
-        let inside =
-            |max: Option<f64>| compliance(&points, |s| s.device.theta_max_rad = max).inside_work_space;
+        let inside = |max: Option<f64>| {
+            compliance(&points, |s| s.device.theta_max_rad = max).inside_work_space
+        };
         assert_eq!(inside(Some(REST_RAD + 1.19)), Some(true));
         assert_eq!(inside(Some(REST_RAD + 1.18)), Some(false));
         assert_eq!(inside(None), None);

@@ -27,10 +27,10 @@ const SUMMARISED: [&str; 13] = [
     "wall_dwell_s",
 ];
 
-/// One row a participant, session and condition, sessions in the order of the trials and the conditions of each in that
-/// of `conditions`: number of trials, then mean and standard deviation (n − 1) of each summarised metric over the
-/// trials that have it. Null where none has; the deviation is null for a single trial. A metric that no trial has is
-/// left out.
+/// One row a participant, session and condition, sessions in the order of the trials and the
+/// conditions of each in that of `conditions`: number of trials, then mean and standard deviation
+/// (n − 1) of each summarised metric over the trials that have it. Null where none has; the
+/// deviation is null for a single trial. A metric that no trial has is left out.
 ///
 /// # Errors
 /// A table that is not the stage's.
@@ -59,8 +59,9 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
     let texts = |name: &str| metrics.texts(name);
     let people = [texts("participant")?, texts("session")?];
     let condition = [texts("environment")?, texts("mode")?];
-    let of =
-        |columns: &[Vec<Option<String>>; 2], row: usize| [columns[0][row].clone(), columns[1][row].clone()];
+    let of = |columns: &[Vec<Option<String>>; 2], row: usize| {
+        [columns[0][row].clone(), columns[1][row].clone()]
+    };
     let mut sessions = Vec::new();
     let mut keys = Vec::new();
     for row in 0..metrics.height() {
@@ -81,7 +82,8 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
     Ok(metrics.sorted(|row| keys[row]))
 }
 
-/// The metrics of several conditions as one table in the order of participant, session and trial; `None` for none.
+/// The metrics of several conditions as one table in the order of participant, session and trial;
+/// `None` for none.
 ///
 /// # Errors
 /// Tables that are not of this stage.
@@ -93,8 +95,8 @@ fn polars(source: pl::PolarsError) -> TableError {
     TableError::Polars { table: "conditions".to_owned(), source }
 }
 
-/// Polars waits for threads of its own, and a thread of ours that waits takes up other work, however long: so the query
-/// waits on a thread that has no other.
+/// Polars waits for threads of its own, and a thread of ours that waits takes up other work,
+/// however long: so the query waits on a thread that has no other.
 fn grouped(metrics: &Table, aggregates: &[pl::Expr]) -> Result<pl::DataFrame, TableError> {
     let query = metrics.frame()?.lazy().group_by_stable(GROUP.map(pl::col)).agg(aggregates);
     let found = thread::scope(|scope| scope.spawn(|| query.collect()).join());
@@ -120,7 +122,10 @@ fn incomplete(
             if 0 < has && has < of {
                 let of_row = |c: &[Option<String>]| c[row].clone().unwrap_or_default();
                 let condition = format!("{} × {}", of_row(&environments), of_row(&modes));
-                notes.push(format!("{}: {condition}: over {has} of the {of} trials.", field.description));
+                notes.push(format!(
+                    "{}: {condition}: over {has} of the {of} trials.",
+                    field.description
+                ));
             }
         }
     }
@@ -129,9 +134,15 @@ fn incomplete(
 
 fn fields(metrics: &Table, present: &[&Field]) -> Vec<Field> {
     let keys = metrics.fields().filter(|f| GROUP.contains(&f.name.as_ref())).cloned();
-    let n = Field { name: "n".into(), unit: "1".into(), description: "trials".into(), kind: Type::Integer };
+    let n = Field {
+        name: "n".into(),
+        unit: "1".into(),
+        description: "trials".into(),
+        kind: Type::Integer,
+    };
     let numbers = present.iter().flat_map(|f| {
-        let mean = Field { description: format!("mean of: {}", f.description).into(), ..(*f).clone() };
+        let mean =
+            Field { description: format!("mean of: {}", f.description).into(), ..(*f).clone() };
         let sd = Field {
             name: Cow::Owned(deviation(f)),
             description: format!("standard deviation of: {}", f.description).into(),
@@ -163,7 +174,8 @@ mod tests {
     use zwidth_tables::Column;
 
     fn metrics(rows: &[(&str, Option<f64>)]) -> Table {
-        let same = |name, value: &str| Column::text(name, "", rows.iter().map(|_| Some(value.to_owned())));
+        let same =
+            |name, value: &str| Column::text(name, "", rows.iter().map(|_| Some(value.to_owned())));
         let columns = vec![
             same("participant", "P01"),
             same("session", "S01"),
@@ -182,7 +194,8 @@ mod tests {
 
     #[test]
     fn conditions_stand_in_the_order_of_the_study_and_unknown_ones_after_them() {
-        let rows = [("c", Some(3.0)), ("new", None), ("a", Some(1.0)), ("b", Some(2.0)), ("a", Some(1.0))];
+        let rows =
+            [("c", Some(3.0)), ("new", None), ("a", Some(1.0)), ("b", Some(2.0)), ("a", Some(1.0))];
         let table = by_condition(&metrics(&rows), &["a", "b", "c"].map(condition)).unwrap();
         let modes: Vec<_> = table.texts("mode").unwrap().into_iter().flatten().collect();
         assert_eq!(modes, ["a", "b", "c", "new"]);

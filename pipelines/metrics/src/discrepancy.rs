@@ -8,44 +8,51 @@ use zwidth_numerics::phases::Phases;
 use zwidth_numerics::series::{loop_area, trapezoid};
 use zwidth_stats::interval::{Estimate, t_interval};
 
-/// The step at the reversal is read from the last tenth of the common range of angles: wide enough for the
-/// force sensor's held values and the actuators' lag to average out, narrow against a spring's saturation.
+/// The step at the reversal is read from the last tenth of the common range of angles: wide enough
+/// for the force sensor's held values and the actuators' lag to average out, narrow against a
+/// spring's saturation.
 const STEP_WINDOW: usize = 10;
 
 /// Force discrepancy D(θ) = F_compression(θ) − F_decompression(θ) (thesis, appendix B, Fig. 31).
 ///
-/// Each branch is made single-valued by keeping only samples that lie farther along than any before, then
-/// interpolated linearly on `analysis.grid_points` even angles over the range both branches cover. All null where that
-/// is less than a tenth of the compression's angles: a lever that a brake holds has no decompression, and its path
-/// is no loop.
+/// Each branch is made single-valued by keeping only samples that lie farther along than any
+/// before, then interpolated linearly on `analysis.grid_points` even angles over the range both
+/// branches cover. All null where that is less than a tenth of the compression's angles: a lever
+/// that a brake holds has no decompression, and its path is no loop.
 ///
-/// **Intervals** speak of this one trial: D is a straight line over the angle plus errors that resemble their
-/// neighbours (Newey–West with a tenth of the points as lags, Student's t with 9 degrees of freedom, at
-/// `analysis.confidence`; `zwidth_stats::recording`). For mean and area the line spans the whole common range, so where D
-/// bends, as over a spring whose weaker actuator saturates, the bend counts as error and the interval is too wide. The largest D has none: it is the extreme of a noisy curve, and lies above the largest of the
-/// noiseless one. By simulation (a friction of 0.3 N each way, a stroke of one second there and one back, errors that are
-/// independent, last 10 ms, or last 20 ms) nominal 95 % intervals hold the truth in 96, 90, 87 % of trials for mean and area, and in 90, 83, 78 % for the
-/// step, because the slow turn stretches a short time over many angles: read that of the step as the least one. How
-/// repeats differ is not in these intervals: `conditions` has that.
+/// **Intervals** speak of this one trial: D is a straight line over the angle plus errors that
+/// resemble their neighbours (Newey–West with a tenth of the points as lags, Student's t with 9
+/// degrees of freedom, at `analysis.confidence`; `zwidth_stats::recording`). For mean and area the
+/// line spans the whole common range, so where D bends, as over a spring whose weaker actuator
+/// saturates, the bend counts as error and the interval is too wide. The largest D has none: it is
+/// the extreme of a noisy curve, and lies above the largest of the noiseless one. By simulation (a
+/// friction of 0.3 N each way, a stroke of one second there and one back, errors that are
+/// independent, last 10 ms, or last 20 ms) nominal 95 % intervals hold the truth in 96, 90, 87 % of
+/// trials for mean and area, and in 90, 83, 78 % for the step, because the slow turn stretches a
+/// short time over many angles: read that of the step as the least one. How repeats differ is not
+/// in these intervals: `conditions` has that.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Discrepancy {
     /// Mean of D over the angle, ∫ D dθ / Δθ by the trapezoidal rule, N.
     pub mean_n: Option<f64>,
-    /// Lower end of its interval, N: the mean less t times the standard error of the line's value at the middle angle.
+    /// Lower end of its interval, N: the mean less t times the standard error of the line's value
+    /// at the middle angle.
     pub mean_ci_low_n: Option<f64>,
     /// Upper end of its interval, N.
     pub mean_ci_high_n: Option<f64>,
     /// Largest D, N.
     pub max_n: Option<f64>,
-    /// D at the reversal, N: a straight line fitted to D on the last tenth of the common range, evaluated at
-    /// the reversal's angle. Evenly spaced angles keep the many samples of the slow turn from outweighing the rest.
+    /// D at the reversal, N: a straight line fitted to D on the last tenth of the common range,
+    /// evaluated at the reversal's angle. Evenly spaced angles keep the many samples of the
+    /// slow turn from outweighing the rest.
     pub step_n: Option<f64>,
     /// Lower end of its interval, N: that of the line on the last tenth, at the reversal's angle.
     pub step_ci_low_n: Option<f64>,
     /// Upper end of its interval, N.
     pub step_ci_high_n: Option<f64>,
-    /// ∮ F dx from onset to end, closed by a straight chord, J: the energy the user leaves in the device. From all
-    /// samples as recorded, not from the single-valued branches. Null without a lever length.
+    /// ∮ F dx from onset to end, closed by a straight chord, J: the energy the user leaves in the
+    /// device. From all samples as recorded, not from the single-valued branches. Null without
+    /// a lever length.
     pub loop_area_j: Option<f64>,
     /// Lower end of its interval, J: the mean's, L and the common range of angles times as wide.
     pub loop_area_ci_low_j: Option<f64>,
@@ -65,7 +72,8 @@ pub(crate) fn discrepancy(
     if reversal == end {
         return Ok(Discrepancy::default());
     }
-    let Some(Branches { theta: grid, forward, backward }) = branches(theta, force, phases, grid_points)
+    let Some(Branches { theta: grid, forward, backward }) =
+        branches(theta, force, phases, grid_points)
     else {
         return Ok(Discrepancy::default());
     };
@@ -110,7 +118,12 @@ fn around(
 }
 
 /// The line through `d` over `grid`, at `at_rad`; `None` for too few points.
-fn line_at(grid: &[f64], d: &[f64], at_rad: f64, level: f64) -> Result<Option<Estimate>, MetricsError> {
+fn line_at(
+    grid: &[f64],
+    d: &[f64],
+    at_rad: f64,
+    level: f64,
+) -> Result<Option<Estimate>, MetricsError> {
     let from_there: Vec<f64> = grid.iter().map(|theta| theta - at_rad).collect();
     let found = estimates(&[&vec![1.0; grid.len()], &from_there], d, level)?;
     Ok(found.map(|(_, estimates)| estimates[0]))
@@ -140,7 +153,8 @@ mod tests {
         trial_metrics(&trial, &spring_study(K, REST_RAD)).unwrap().discrepancy
     }
 
-    /// Thesis §5.3: reversal at 32° from rest at −45° gives 5.38 N by the brake, and 2.08 N by the motor.
+    /// Thesis §5.3: reversal at 32° from rest at −45° gives 5.38 N by the brake, and 2.08 N by the
+    /// motor.
     #[test]
     fn the_ideal_hybrid_spring_steps_from_5_38_to_2_08_newton() {
         let stroke_rad = 77_f64.to_radians();
@@ -214,14 +228,17 @@ mod tests {
         assert_eq!(found, Discrepancy::default());
     }
 
-    /// Friction of 0.3 N each way makes D = 0.6 N; the errors of the force are those of a sensor that drifts over 20 ms
-    /// (AR(1), 0.05 N). NumPy and statsmodels, 250 other trials: 87 % hold the mean, 78 % the step.
+    /// Friction of 0.3 N each way makes D = 0.6 N; the errors of the force are those of a sensor
+    /// that drifts over 20 ms (AR(1), 0.05 N). NumPy and statsmodels, 250 other trials: 87 %
+    /// hold the mean, 78 % the step.
     #[test]
     fn most_intervals_hold_the_truth_though_errors_last_and_slow_turns_stretch_them() {
         let points = stroke(1.2, 2.0);
         let mut state = 1_u64;
         let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 40) as f64 / f64::from(1 << 24) - 0.5
         };
         let (mut error, mut held) = (0.0, [0, 0, 0]);
@@ -231,7 +248,13 @@ mod tests {
                 error = 0.95 * error + 0.05 * uniform();
                 f + error
             };
-            let force = trial.samples.get(zwidth_store::Signal::ForceEx).unwrap().iter().map(noisy).collect();
+            let force = trial
+                .samples
+                .get(zwidth_store::Signal::ForceEx)
+                .unwrap()
+                .iter()
+                .map(noisy)
+                .collect();
             trial.samples.set(zwidth_store::Signal::ForceEx, force);
             let d = trial_metrics(&trial, &spring_study(K, REST_RAD)).unwrap().discrepancy;
             let range = d.loop_area_j.unwrap() / d.mean_n.unwrap();

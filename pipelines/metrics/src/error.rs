@@ -17,7 +17,9 @@ pub enum MetricsError {
     #[error("the trial has no sample with a time: record it again, or leave it out")]
     NoTime,
     /// A column that is not as long as time.
-    #[error("column {column} has {found} samples where t_s has {expected}: columns must be equally long")]
+    #[error(
+        "column {column} has {found} samples where t_s has {expected}: columns must be equally long"
+    )]
     Ragged {
         /// The column.
         column: &'static str,

@@ -1,23 +1,26 @@
 //! Stage: the metrics of a trial, one row a trial.
 //!
-//! [`trial_metrics`] turns one trial into a [`Row`]; [`table`] puts rows together. Nothing here reads a file or a
-//! clock, and sums run in the order of the samples, so the same trial gives the same bits anywhere.
-//! Only trials that count may come in (`StudyData::counting`): the caller filters.
+//! [`trial_metrics`] turns one trial into a [`Row`]; [`table`] puts rows together. Nothing here
+//! reads a file or a clock, and sums run in the order of the samples, so the same trial gives the
+//! same bits anywhere. Only trials that count may come in (`StudyData::counting`): the caller
+//! filters.
 //!
 //! # Conventions
-//! * θ grows into the object, and a force is positive where it pushes into the object, so that F dx > 0 is work of
-//!   the user on the device. x = L θ, L the lever length; without one everything in metres or joules is null.
-//! * **Compression** is onset → reversal, **decompression** reversal → end; the reversal is the first sample of
-//!   the largest θ. Without a recorded velocity there is neither onset nor end, and the whole recording stands
-//!   in for the movement.
-//! * **The force** counts at the times at which its sensor gave new values, with straight lines between them, where the
-//!   recording tells their age (`force_age_s`); else as recorded. A held value lags behind by half of the sensor's
-//!   interval on average: it would make loops too small and an elastic spring look active.
-//! * A metric is null (`None`) where the recording lacks what it needs, or where it does not apply; it is never
-//!   0 for want of data.
+//! * θ grows into the object, and a force is positive where it pushes into the object, so that
+//!   F dx > 0 is work of the user on the device. x = L θ, L the lever length; without one everything
+//!   in metres or joules is null.
+//! * **Compression** is onset → reversal, **decompression** reversal → end; the reversal is the
+//!   first sample of the largest θ. Without a recorded velocity there is neither onset nor end, and
+//!   the whole recording stands in for the movement.
+//! * **The force** counts at the times at which its sensor gave new values, with straight lines
+//!   between them, where the recording tells their age (`force_age_s`); else as recorded. A held
+//!   value lags behind by half of the sensor's interval on average: it would make loops too small
+//!   and an elastic spring look active.
+//! * A metric is null (`None`) where the recording lacks what it needs, or where it does not apply;
+//!   it is never 0 for want of data.
 //!
-//! The definitions stand at the fields of [`Movement`], [`Discrepancy`], [`SpringRendering`], [`WallContact`],
-//! [`Stability`] and [`Compliance`].
+//! The definitions stand at the fields of [`Movement`], [`Discrepancy`], [`SpringRendering`],
+//! [`WallContact`], [`Stability`] and [`Compliance`].
 
 mod branch;
 mod columns;
@@ -64,7 +67,8 @@ pub struct Row {
     pub meta: TrialMeta,
     /// When and how fast it moved.
     pub movement: Movement,
-    /// How far compression and decompression differ in force; all null where the environment has no spring.
+    /// How far compression and decompression differ in force; all null where the environment has
+    /// no spring.
     pub discrepancy: Discrepancy,
     /// How the spring was rendered; all null where the environment has none.
     pub spring: SpringRendering,
@@ -76,21 +80,23 @@ pub struct Row {
     pub compliance: Compliance,
 }
 
-/// The metrics of `trial`, with the thresholds, grid and confidence level of `study.analysis`, the study's device and
-/// the limits of its design.
+/// The metrics of `trial`, with the thresholds, grid and confidence level of `study.analysis`, the
+/// study's device and the limits of its design.
 ///
 /// # Errors
-/// An environment the study does not have; samples without time or of unequal length; a number that is none.
+/// An environment the study does not have; samples without time or of unequal length; a number that
+/// is none.
 pub fn trial_metrics(trial: &Trial, study: &Study) -> Result<Row, MetricsError> {
-    let environment = study
-        .environment(&trial.meta.environment)
-        .ok_or_else(|| MetricsError::UnknownEnvironment { environment: trial.meta.environment.clone() })?;
+    let environment = study.environment(&trial.meta.environment).ok_or_else(|| {
+        MetricsError::UnknownEnvironment { environment: trial.meta.environment.clone() }
+    })?;
     let signals = Signals::of(trial, study)?;
     let analysis = &study.analysis;
     let (spring, wall_rad) = (environment.scene.spring(), environment.scene.wall_rad());
-    let discrepancy =
-        spring.map(|_| discrepancy::discrepancy(&signals, analysis.grid_points, analysis.confidence));
-    let rendering = spring.map(|spring| spring::spring_rendering(&signals, spring, wall_rad, analysis));
+    let discrepancy = spring
+        .map(|_| discrepancy::discrepancy(&signals, analysis.grid_points, analysis.confidence));
+    let rendering =
+        spring.map(|spring| spring::spring_rendering(&signals, spring, wall_rad, analysis));
     let wall = wall_rad.map(|wall| wall::wall_contact(&signals, wall, analysis.confidence));
     Ok(Row {
         meta: trial.meta.clone(),
@@ -124,7 +130,10 @@ mod tests {
         let row = trial_metrics(&trial(&stroke(1.0, 0.5), |_, v| v), &study).unwrap();
         assert!(row.movement.velocity_forward_peak_rad_s.is_some());
         let rest = (row.discrepancy, row.spring, row.wall);
-        assert_eq!(rest, (Discrepancy::default(), SpringRendering::default(), WallContact::default()));
+        assert_eq!(
+            rest,
+            (Discrepancy::default(), SpringRendering::default(), WallContact::default())
+        );
     }
 
     #[test]
@@ -142,20 +151,24 @@ mod tests {
         assert_eq!(row.spring, SpringRendering::default());
     }
 
-    /// A force sensor of one value every 12 ms on an elastic spring of 4 N/rad: held values lag by 5.5 ms on average, which
-    /// makes a loop of −τ K L ∫θ̇² dt = −3.5 mJ; at the times at which they were taken they make none.
+    /// A force sensor of one value every 12 ms on an elastic spring of 4 N/rad: held values lag by
+    /// 5.5 ms on average, which makes a loop of −τ K L ∫θ̇² dt = −3.5 mJ; at the times at which
+    /// they were taken they make none.
     #[test]
     fn a_held_force_counts_when_it_was_taken_and_makes_no_loop() {
         let points = stroke(1.2, 2.0);
         let index: Vec<usize> = (0..points.len()).map(|i| i - i % 12).collect();
         let mut trial = trial(&points, |_, _| 0.0);
         let rest = -core::f64::consts::FRAC_PI_4;
-        trial.samples.set(Signal::ForceEx, index.iter().map(|&i| 4.0 * (points[i].1 - rest)).collect());
-        let study = spring_study(4.0, rest);
-        let held = trial_metrics(&trial, &study).unwrap();
         trial
             .samples
-            .set(Signal::ForceAge, index.iter().zip(&points).map(|(&i, now)| now.0 - points[i].0).collect());
+            .set(Signal::ForceEx, index.iter().map(|&i| 4.0 * (points[i].1 - rest)).collect());
+        let study = spring_study(4.0, rest);
+        let held = trial_metrics(&trial, &study).unwrap();
+        trial.samples.set(
+            Signal::ForceAge,
+            index.iter().zip(&points).map(|(&i, now)| now.0 - points[i].0).collect(),
+        );
         let at_updates = trial_metrics(&trial, &study).unwrap();
         assert!((held.discrepancy.loop_area_j.unwrap() + 3.5e-3).abs() < 3e-4, "{held:?}");
         assert!(at_updates.discrepancy.loop_area_j.unwrap().abs() < 2e-5, "{at_updates:?}");

@@ -7,8 +7,8 @@ use zwidth_numerics::series::trapezoid;
 use zwidth_numerics::smoothness::spectral_arc_length;
 use zwidth_study::Device;
 
-/// A lever has left a stop when it is farther from it than this share of the angles travelled; less is the angle
-/// sensor's jitter.
+/// A lever has left a stop when it is farther from it than this share of the angles travelled; less
+/// is the angle sensor's jitter.
 const RETREAT_SHARE: f64 = 0.01;
 
 /// When the lever moves, how far and how fast. Times are the trial's own `t_s`, to the sample.
@@ -18,8 +18,9 @@ pub struct Movement {
     pub onset_s: Option<f64>,
     /// First time of the largest θ between onset and end, s.
     pub reversal_s: Option<f64>,
-    /// First time with |θ̇| below `analysis.offset_rad_s` after |θ̇| last exceeded the onset's threshold, s. Null
-    /// if the recording stops before; the decompression then runs to its last sample.
+    /// First time with |θ̇| below `analysis.offset_rad_s` after |θ̇| last exceeded the onset's
+    /// threshold, s. Null if the recording stops before; the decompression then runs to its
+    /// last sample.
     pub end_s: Option<f64>,
     /// End − onset, s.
     pub duration_s: Option<f64>,
@@ -33,14 +34,16 @@ pub struct Movement {
     pub velocity_backward_mean_rad_s: Option<f64>,
     /// Largest |θ̇|, reversal to end, rad/s.
     pub velocity_backward_peak_rad_s: Option<f64>,
-    /// Smoothness of the way forward: spectral arc length of |θ̇|, onset to reversal; dimensionless, below 0, a
-    /// minimum-jerk movement has −1.40 ([`spectral_arc_length`]; Balasubramanian et al. 2015). Null where samples come
-    /// slower than 20 a second, and for a way of less than 10 % of the angles travelled.
+    /// Smoothness of the way forward: spectral arc length of |θ̇|, onset to reversal;
+    /// dimensionless, below 0, a minimum-jerk movement has −1.40 ([`spectral_arc_length`];
+    /// Balasubramanian et al. 2015). Null where samples come slower than 20 a second, and for
+    /// a way of less than 10 % of the angles travelled.
     pub sparc_forward: Option<f64>,
     /// Smoothness of the way back, reversal to end.
     pub sparc_backward: Option<f64>,
-    /// How often θ arrives at or below the work space's lower end, from more than 1 % of the angles travelled away, in the
-    /// whole recording. A spring that rests at the stop brings the lever there at the end of every trial.
+    /// How often θ arrives at or below the work space's lower end, from more than 1 % of the
+    /// angles travelled away, in the whole recording. A spring that rests at the stop brings
+    /// the lever there at the end of every trial.
     pub work_space_hits_low: Option<i64>,
     /// How often θ arrives at or above the work space's upper end, likewise.
     pub work_space_hits_high: Option<i64>,
@@ -50,7 +53,8 @@ pub(crate) fn movement(signals: &Signals, device: &Device) -> Result<Movement, M
     let Signals { t, theta, theta_dot, activity, phases, .. } = *signals;
     let onset_s = activity.map(|a| t[a.onset]);
     let end_s = activity.and_then(|a| a.end).map(|i| t[i]);
-    let speed = |from: usize, to: usize| theta_dot.map(|v| speed(&t[from..=to], &v[from..=to])).transpose();
+    let speed =
+        |from: usize, to: usize| theta_dot.map(|v| speed(&t[from..=to], &v[from..=to])).transpose();
     let forward = phases.map(|p| speed(p.onset, p.reversal)).transpose()?.flatten();
     let backward = phases.map(|p| speed(p.reversal, p.end)).transpose()?.flatten();
     let smoothness = |from: usize, to: usize| {
@@ -96,7 +100,8 @@ fn speed(t: &[f64], v: &[f64]) -> Result<Speed, MetricsError> {
     Ok(Speed { mean, peak: v.iter().copied().fold(0.0, f64::max) })
 }
 
-/// How often sign · θ comes from below sign · limit to it or beyond, after a retreat from it by more than `retreat`.
+/// How often sign · θ comes from below sign · limit to it or beyond, after a retreat from it by
+/// more than `retreat`.
 fn arrivals(theta: &[f64], limit: f64, sign: f64, retreat: f64) -> i64 {
     let beyond = |theta: f64| sign * (theta - limit);
     let mut there = theta.first().is_some_and(|theta| beyond(*theta) >= 0.0);
@@ -125,14 +130,16 @@ mod tests {
         trial_metrics(trial, &spring_study(4.0, REST_RAD)).unwrap().movement
     }
 
-    /// θ = rest + A (1 − cos ωt)/2, θ̇ = A ω/2 sin ωt: the onset is at asin(threshold / (A ω/2)) / ω.
+    /// θ = rest + A (1 − cos ωt)/2, θ̇ = A ω/2 sin ωt: the onset is at asin(threshold / (A ω/2)) /
+    /// ω.
     #[test]
     fn a_raised_cosine_begins_turns_and_ends_where_its_formula_says() {
         let (stroke_rad, period_s) = (1.2, 2.0);
         let found = metrics(&trial(&stroke(stroke_rad, period_s), |_, _| 0.0));
         let omega = core::f64::consts::TAU / period_s;
         let peak = stroke_rad * omega / 2.0;
-        let crossing = |threshold_deg_s: f64| libm::asin(threshold_deg_s.to_radians() / peak) / omega;
+        let crossing =
+            |threshold_deg_s: f64| libm::asin(threshold_deg_s.to_radians() / peak) / omega;
         // the generator rests half a second before and after the movement
         assert!((found.onset_s.unwrap() - (0.5 + crossing(10.0))).abs() <= SAMPLE_S);
         assert!((found.end_s.unwrap() - (0.5 + period_s - crossing(5.0))).abs() <= SAMPLE_S);
@@ -148,8 +155,9 @@ mod tests {
         assert_eq!(found.duration_s, Some(found.end_s.unwrap() - found.onset_s.unwrap()));
     }
 
-    /// A minimum-jerk way there and back, and one with a halt on the way: NumPy from the paper's equations gives −1.4024
-    /// for a whole minimum-jerk way; onset and end cut off its slowest parts.
+    /// A minimum-jerk way there and back, and one with a halt on the way: NumPy from the paper's
+    /// equations gives −1.4024 for a whole minimum-jerk way; onset and end cut off its slowest
+    /// parts.
     #[test]
     fn a_halting_movement_is_less_smooth_than_a_minimum_jerk_one() {
         let speed = |s: f64| 30.0 * s * s * (1.0 - s) * (1.0 - s);
@@ -162,8 +170,10 @@ mod tests {
         let smooth = metrics(&trial(&points, |_, _| 0.0));
         assert!((smooth.sparc_forward.unwrap() + 1.4024).abs() < 0.02, "{smooth:?}");
         assert!((smooth.sparc_backward.unwrap() + 1.4024).abs() < 0.02, "{smooth:?}");
-        let halting: Vec<_> =
-            points.iter().map(|p| (p.0, p.1, p.2 * libm::sin(9.0 * p.0) * libm::sin(9.0 * p.0))).collect();
+        let halting: Vec<_> = points
+            .iter()
+            .map(|p| (p.0, p.1, p.2 * libm::sin(9.0 * p.0) * libm::sin(9.0 * p.0)))
+            .collect();
         let halting = metrics(&trial(&halting, |_, _| 0.0));
         assert!(halting.sparc_forward.unwrap() < -1.8, "{halting:?}");
     }
@@ -180,7 +190,10 @@ mod tests {
     fn a_lever_that_does_not_move_has_an_angle_and_no_movement() {
         let found = metrics(&trial(&[(0.0, 0.1, 0.0), (0.1, 0.1, 0.01)], |_, _| 0.0));
         assert_eq!(found.theta_max_rad, Some(0.1));
-        assert_eq!((found.onset_s, found.reversal_s, found.velocity_forward_mean_rad_s), (None, None, None));
+        assert_eq!(
+            (found.onset_s, found.reversal_s, found.velocity_forward_mean_rad_s),
+            (None, None, None)
+        );
     }
 
     #[test]

@@ -8,8 +8,8 @@ use zwidth_numerics::zigzag::zigzag;
 
 /// The band of oscillations, Hz: above what a hand does on purpose, up to what is felt as motion.
 const BAND_HZ: (usize, usize) = (5, 50);
-/// A turn of the lever is a retreat by more than this share of the angles travelled: a dozen counts of the angle sensor
-/// in a stroke of 77°.
+/// A turn of the lever is a retreat by more than this share of the angles travelled: a dozen counts
+/// of the angle sensor in a stroke of 77°.
 const TURN_SHARE: f64 = 0.002;
 /// No hand reverses faster than this, s: half a period at 5 Hz.
 const FAST_S: f64 = 0.1;
@@ -18,8 +18,9 @@ const FEW: usize = 6;
 /// Fewest samples in the time of a fast swing that show it.
 const SAMPLES_A_SWING: f64 = 4.0;
 
-/// What can be said of a recording's stability. A recording cannot be run again with half the step, so that chattering of
-/// a method and a limit cycle of the device, which a model run tells apart, are one here.
+/// What can be said of a recording's stability. A recording cannot be run again with half the step,
+/// so that chattering of a method and a limit cycle of the device, which a model run tells apart,
+/// are one here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordedStability {
     /// Fewer than six fast swings.
@@ -41,14 +42,16 @@ impl RecordedStability {
 /// How the lever swung between onset and end.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Swings {
-    /// Turns of the lever: extremes of θ from which it retreats by more than 0.2 % of the angles travelled. A movement
-    /// there and back has one. Null without a movement.
+    /// Turns of the lever: extremes of θ from which it retreats by more than 0.2 % of the angles
+    /// travelled. A movement there and back has one. Null without a movement.
     pub reversals: Option<i64>,
-    /// Fast swings: turns within 0.1 s of the one before. Null where samples come slower than 40 a second.
+    /// Fast swings: turns within 0.1 s of the one before. Null where samples come slower than 40 a
+    /// second.
     pub fast: Option<i64>,
     /// What they come to; null with them.
     pub verdict: Option<RecordedStability>,
-    /// Frequency of the fast swings where there are at least six: 1 / (2 · their mean duration), Hz.
+    /// Frequency of the fast swings where there are at least six: 1 / (2 · their mean duration),
+    /// Hz.
     pub frequency_hz: Option<f64>,
     /// Their median angle between two turns, rad.
     pub amplitude_rad: Option<f64>,
@@ -66,14 +69,17 @@ pub(crate) fn swings(signals: &Signals) -> Swings {
         return Swings { reversals, ..Swings::default() };
     }
     let swing = |w: &[usize]| (t[w[1]] - t[w[0]], (theta[w[1]] - theta[w[0]]).abs());
-    let fast: Vec<_> = turns.windows(2).map(swing).filter(|(duration, _)| *duration < FAST_S).collect();
+    let fast: Vec<_> =
+        turns.windows(2).map(swing).filter(|(duration, _)| *duration < FAST_S).collect();
     let oscillates = fast.len() >= FEW;
-    let verdict = if oscillates { RecordedStability::Oscillating } else { RecordedStability::Smooth };
+    let verdict =
+        if oscillates { RecordedStability::Oscillating } else { RecordedStability::Smooth };
     Swings {
         reversals,
         fast: Some(fast.len() as i64),
         verdict: Some(verdict),
-        frequency_hz: oscillates.then(|| fast.len() as f64 / (2.0 * fast.iter().map(|s| s.0).sum::<f64>())),
+        frequency_hz: oscillates
+            .then(|| fast.len() as f64 / (2.0 * fast.iter().map(|s| s.0).sum::<f64>())),
         amplitude_rad: oscillates.then(|| median(fast.iter().map(|s| s.1).collect())),
     }
 }
@@ -97,8 +103,9 @@ pub(crate) fn velocity_band(signals: &Signals) -> Option<BandPower> {
     band(t, velocity, f64::INFINITY)
 }
 
-/// What the user's force does there, by the values its sensor gave at the times it gave them: a held value would add
-/// steps. `force_rate_hz` bounds the rate where no age of the values is recorded.
+/// What the user's force does there, by the values its sensor gave at the times it gave them: a
+/// held value would add steps. `force_rate_hz` bounds the rate where no age of the values is
+/// recorded.
 pub(crate) fn force_band(signals: &Signals, force_rate_hz: Option<f64>) -> Option<BandPower> {
     let Phases { onset, end, .. } = signals.phases?;
     match &signals.force_updates {

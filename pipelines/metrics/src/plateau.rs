@@ -5,20 +5,24 @@ use zwidth_numerics::{NumericsError, lsq};
 
 /// Fewest samples of the line and of the plateau: with fewer a mean or a slope rests on chance.
 const LEAST_SAMPLES: usize = 10;
-/// The plateau spans at least this share of the angles fitted: a shorter one is how a press ends, not saturation.
+/// The plateau spans at least this share of the angles fitted: a shorter one is how a press ends,
+/// not saturation.
 const LEAST_SPAN: f64 = 0.05;
 /// The plateau is flat: its own slope is less than this share of the line's.
 const FLAT: f64 = 0.25;
-/// The plateau matters: with it the residual sum of squares is at most this share of the straight line's.
+/// The plateau matters: with it the residual sum of squares is at most this share of the straight
+/// line's.
 const BETTER: f64 = 0.5;
 
-/// Where the force saturates, the angle u_s: the continuous model F = F₀ + k min(u, u_s) with the least sum of squares, by all
-/// ways of dividing the samples in order of u into a line below and a mean above whose intersection lies between
-/// the two groups (Hudson 1966, J. Am. Stat. Assoc. 61:1097).
+/// Where the force saturates, the angle u_s: the continuous model F = F₀ + k min(u, u_s) with the
+/// least sum of squares, by all ways of dividing the samples in order of u into a line below and a
+/// mean above whose intersection lies between the two groups (Hudson 1966, J. Am. Stat. Assoc.
+/// 61:1097).
 ///
-/// `None` where the force did not saturate as far as the samples show: no division with at least 10 samples a side, or
-/// the best has a plateau that is short (under 5 % of the angles), not flat (its own slope at least a quarter of the
-/// line's), or no better than the straight line (more than half of its residual sum of squares).
+/// `None` where the force did not saturate as far as the samples show: no division with at least 10
+/// samples a side, or the best has a plateau that is short (under 5 % of the angles), not flat (its
+/// own slope at least a quarter of the line's), or no better than the straight line (more than half
+/// of its residual sum of squares).
 pub(crate) fn plateau(u: &[f64], f: &[f64]) -> Result<Option<f64>, MetricsError> {
     let mut points: Vec<(f64, f64)> = u.iter().copied().zip(f.iter().copied()).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -91,8 +95,8 @@ impl Sums {
     }
 }
 
-/// The best division of sorted points: how many belong to the line, where it meets the plateau, and the residual sum of
-/// squares.
+/// The best division of sorted points: how many belong to the line, where it meets the plateau, and
+/// the residual sum of squares.
 fn best_division(points: &[(f64, f64)]) -> Option<(usize, f64, f64)> {
     let n = points.len();
     let all = points.iter().copied().fold(Sums::default(), Sums::with);
@@ -145,7 +149,8 @@ mod tests {
         assert!((found - 0.52).abs() < 1e-12, "{found}");
     }
 
-    /// NumPy: `min` over all divisions of `polyfit` below and `mean` above, `meets` between the groups.
+    /// NumPy: `min` over all divisions of `polyfit` below and `mean` above, `meets` between the
+    /// groups.
     #[test]
     fn a_noisy_plateau_is_that_of_an_exhaustive_search() {
         let u = even(120, 1.2);

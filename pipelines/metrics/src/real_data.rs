@@ -19,7 +19,8 @@ fn folder() -> Option<PathBuf> {
     root.map(|root| root.join("tsa_virtual_spring"))
 }
 
-/// Columns: t s, x desired mm, x measured mm, force desired N, force measured N (negative for x > 0).
+/// Columns: t s, x desired mm, x measured mm, force desired N, force measured N (negative for x >
+/// 0).
 fn read(path: &std::path::Path) -> Vec<[f64; 5]> {
     let text = std::fs::read_to_string(path).unwrap();
     let row = |line: &str| {
@@ -37,8 +38,9 @@ fn study(stiffness_n_per_mm: f64) -> Study {
     study
 }
 
-/// Commanded K and rendered k − K, N/mm. NumPy: `polyfit(x[q], f[q], 1)[0] - K`, q the rows up to the first largest
-/// x with x > 0.5 mm. To two digits they are the 0.17 … 0.21 N/mm of the mechanism's parallel spring.
+/// Commanded K and rendered k − K, N/mm. NumPy: `polyfit(x[q], f[q], 1)[0] - K`, q the rows up to
+/// the first largest x with x > 0.5 mm. To two digits they are the 0.17 … 0.21 N/mm of the
+/// mechanism's parallel spring.
 const EXCESS_N_PER_MM: [(&str, f64); 6] = [
     ("0.1", 0.19275068831277717),
     ("0.2", 0.20911254118051076),

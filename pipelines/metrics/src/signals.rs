@@ -1,4 +1,5 @@
-//! A trial's samples as the metrics see them: slices of one length, and where the movement's phases lie.
+//! A trial's samples as the metrics see them: slices of one length, and where the movement's phases
+//! lie.
 
 use crate::MetricsError;
 use std::borrow::Cow;
@@ -18,7 +19,8 @@ pub(crate) struct Signals<'a> {
     pub(crate) t: &'a [f64],
     pub(crate) theta: Option<&'a [f64]>,
     pub(crate) theta_dot: Option<&'a [f64]>,
-    /// The user's force at each sample: as recorded, or between its sensor's own updates where their age is recorded.
+    /// The user's force at each sample: as recorded, or between its sensor's own updates where
+    /// their age is recorded.
     pub(crate) force: Option<Cow<'a, [f64]>>,
     /// The force at its sensor's own updates, where their age is recorded.
     pub(crate) force_updates: Option<Updates>,
@@ -36,7 +38,11 @@ pub(crate) struct Signals<'a> {
 
 impl<'a> Signals<'a> {
     pub(crate) fn of(trial: &'a Trial, study: &Study) -> Result<Self, MetricsError> {
-        let t = trial.samples.get(Signal::Time).filter(|t| !t.is_empty()).ok_or(MetricsError::NoTime)?;
+        let t = trial
+            .samples
+            .get(Signal::Time)
+            .filter(|t| !t.is_empty())
+            .ok_or(MetricsError::NoTime)?;
         let column = |signal: Signal| match trial.samples.get(signal) {
             Some(values) if values.len() != t.len() => {
                 let (expected, found) = (t.len(), values.len());
@@ -49,12 +55,15 @@ impl<'a> Signals<'a> {
         let Analysis { onset_rad_s, offset_rad_s, .. } = study.analysis;
         let active = theta_dot.and_then(|v| activity(v, onset_rad_s, offset_rad_s));
         let phases = match (theta, theta_dot, active) {
-            (Some(theta), Some(_), Some(a)) => Some(phases(theta, a.onset, a.end.unwrap_or(t.len() - 1))),
+            (Some(theta), Some(_), Some(a)) => {
+                Some(phases(theta, a.onset, a.end.unwrap_or(t.len() - 1)))
+            }
             (Some(theta), None, _) => Some(phases(theta, 0, t.len() - 1)),
             _ => None,
         };
         let recorded = column(Signal::ForceEx)?;
-        let force_updates = recorded.zip(column(Signal::ForceAge)?).map(|(f, age)| updates(t, f, age));
+        let force_updates =
+            recorded.zip(column(Signal::ForceAge)?).map(|(f, age)| updates(t, f, age));
         let force = match &force_updates {
             Some(updates) => Some(Cow::Owned(updates.at(t))),
             None => recorded.map(Cow::Borrowed),

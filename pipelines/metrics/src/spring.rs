@@ -9,16 +9,19 @@ use zwidth_numerics::series::trapezoid;
 use zwidth_stats::interval::{Estimate, t_interval};
 use zwidth_study::{Analysis, Spring};
 
-/// How a spring was rendered: F = F₀ + k (θ − θ_rest) up to saturation, a constant force from there on.
+/// How a spring was rendered: F = F₀ + k (θ − θ_rest) up to saturation, a constant force from there
+/// on.
 ///
-/// **Samples**: those of the compression (onset → reversal) with θ − θ_rest ≥ `analysis.slope_from_rad` and, where
-/// there is a wall, θ below it. Where their force saturates (a line that ends in a plateau fits them at least twice as
-/// well as a line, the plateau is flat and spans at least 5 % of their angles), the line is fitted to those below the
-/// angle of saturation; else to all of them, and the saturation is null: not reached.
+/// **Samples**: those of the compression (onset → reversal) with θ − θ_rest ≥
+/// `analysis.slope_from_rad` and, where there is a wall, θ below it. Where their force saturates (a
+/// line that ends in a plateau fits them at least twice as well as a line, the plateau is flat and
+/// spans at least 5 % of their angles), the line is fitted to those below the angle of saturation;
+/// else to all of them, and the saturation is null: not reached.
 ///
-/// **Intervals** are Newey–West with a tenth of the samples as lags (`zwidth_stats::recording`), because neighbouring
-/// samples are alike; Student's t with 9 degrees of freedom at `analysis.confidence`. They speak of this trial alone,
-/// and of the division between line and plateau as found.
+/// **Intervals** are Newey–West with a tenth of the samples as lags (`zwidth_stats::recording`),
+/// because neighbouring samples are alike; Student's t with 9 degrees of freedom at
+/// `analysis.confidence`. They speak of this trial alone, and of the division between line and
+/// plateau as found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpringRendering {
     /// Slope k: the rendered stiffness, N/rad.
@@ -39,12 +42,13 @@ pub struct SpringRendering {
     pub samples: Option<i64>,
     /// Where and at which force the spring saturates; all null where it does not.
     pub saturation: Saturation,
-    /// √mean (F_ex − F_cmd)² over the samples of line and plateau, N: the command saturates too. Null where no
-    /// commanded force is recorded.
+    /// √mean (F_ex − F_cmd)² over the samples of line and plateau, N: the command saturates too.
+    /// Null where no commanded force is recorded.
     pub force_rms_error_n: Option<f64>,
-    /// Work the device gives back over work the user puts in: −∫F dθ (reversal → end) / ∫F dθ (onset →
-    /// reversal), by the trapezoidal rule, a wall's work included. 1 for an elastic spring, 0 for a lever that stays where it is; below 0
-    /// where the way back takes work too. Null where the recording stops at the reversal.
+    /// Work the device gives back over work the user puts in: −∫F dθ (reversal → end) / ∫F dθ
+    /// (onset → reversal), by the trapezoidal rule, a wall's work included. 1 for an elastic
+    /// spring, 0 for a lever that stays where it is; below 0 where the way back takes work
+    /// too. Null where the recording stops at the reversal.
     pub returned_energy_share: Option<f64>,
 }
 
@@ -59,8 +63,8 @@ pub struct Saturation {
     pub force_ci_high_n: Option<f64>,
     /// θ_s = θ_rest + (F_s − F₀) / k, where the line meets the plateau, rad.
     pub theta_rad: Option<f64>,
-    /// Lower end of its interval, rad: by the delta method, the variances of F_s and of the line at θ_s added and
-    /// divided by k².
+    /// Lower end of its interval, rad: by the delta method, the variances of F_s and of the line
+    /// at θ_s added and divided by k².
     pub theta_ci_low_rad: Option<f64>,
     /// Upper end of its interval, rad.
     pub theta_ci_high_rad: Option<f64>,
@@ -82,7 +86,8 @@ pub(crate) fn spring_rendering(
     let samples: Vec<usize> = (phases.onset..=phases.reversal).filter(in_fit).collect();
     let u: Vec<f64> = samples.iter().map(|&i| theta[i] - spring.rest_rad).collect();
     let f: Vec<f64> = samples.iter().map(|&i| force[i]).collect();
-    let commanded = signals.force_cmd.map(|cmd| samples.iter().map(|&i| cmd[i]).collect::<Vec<_>>());
+    let commanded =
+        signals.force_cmd.map(|cmd| samples.iter().map(|&i| cmd[i]).collect::<Vec<_>>());
     Ok(SpringRendering {
         force_rms_error_n: commanded.and_then(|cmd| rms_difference(&f, &cmd)),
         returned_energy_share: returned_energy(theta, force, phases)?,
@@ -134,7 +139,8 @@ fn saturation(
     })
 }
 
-/// The fitted line; all null but the count where the samples cannot show one (too few, or of one angle).
+/// The fitted line; all null but the count where the samples cannot show one (too few, or of one
+/// angle).
 fn line(u: &[f64], f: &[f64], stiffness: f64, level: f64) -> Result<SpringRendering, MetricsError> {
     let samples = Some(u.len() as i64);
     let Some((fit, estimates)) = estimates(&[&vec![1.0; u.len()], u], f, level)? else {
@@ -160,7 +166,11 @@ fn rms_difference(a: &[f64], b: &[f64]) -> Option<f64> {
 }
 
 /// The lever length cancels, so torque per radian would do as well.
-fn returned_energy(theta: &[f64], force: &[f64], phases: Phases) -> Result<Option<f64>, MetricsError> {
+fn returned_energy(
+    theta: &[f64],
+    force: &[f64],
+    phases: Phases,
+) -> Result<Option<f64>, MetricsError> {
     let Phases { onset, reversal, end } = phases;
     let put_in = trapezoid(&theta[onset..=reversal], &force[onset..=reversal])?;
     // not a negation: a lever that stays gives back 0, not −0
@@ -197,12 +207,14 @@ mod tests {
         check(found.returned_energy_share, 1.0, 2e-3);
     }
 
-    /// A motor of 2.08 N on 4 N/rad from −45° on saturates at −15.2°; friction of 0.2 N lies under both.
+    /// A motor of 2.08 N on 4 N/rad from −45° on saturates at −15.2°; friction of 0.2 N lies under
+    /// both.
     #[test]
     fn a_saturated_spring_keeps_its_slope_and_tells_where_it_saturates() {
         let force = |theta: f64, _: f64| 0.2 + (4.0 * (theta - REST_RAD)).min(2.08);
-        let found =
-            trial_metrics(&trial(&stroke(1.3, 2.0), force), &spring_study(4.0, REST_RAD)).unwrap().spring;
+        let found = trial_metrics(&trial(&stroke(1.3, 2.0), force), &spring_study(4.0, REST_RAD))
+            .unwrap()
+            .spring;
         check(found.stiffness_n_per_rad, 4.0, 1e-12);
         check(found.force_at_rest_n, 0.2, 1e-12);
         check(found.r2, 1.0, 1e-12);
@@ -211,8 +223,9 @@ mod tests {
         assert_eq!(format!("{:.1}", found.saturation.theta_rad.unwrap().to_degrees()), "-15.2");
     }
 
-    /// statsmodels and NumPy: `OLS(f, [1, u]).fit(cov_type="HAC", cov_kwds={"maxlags": 7})` below the division,
-    /// `OLS(f, [1])` with 4 lags above it, `t.ppf(0.975, 9)`; the angle with the full covariance gᵀ C g, g = (1, u_s).
+    /// statsmodels and NumPy: `OLS(f, [1, u]).fit(cov_type="HAC", cov_kwds={"maxlags": 7})` below
+    /// the division, `OLS(f, [1])` with 4 lags above it, `t.ppf(0.975, 9)`; the angle with the
+    /// full covariance gᵀ C g, g = (1, u_s).
     #[test]
     fn slope_plateau_and_angle_have_the_intervals_of_an_independent_program() {
         let u: Vec<f64> = (0..120).map(|i| 1.2 * f64::from(i) / 119.0).collect();
@@ -234,8 +247,10 @@ mod tests {
 
     #[test]
     fn a_spring_that_does_not_saturate_has_no_saturation() {
-        let found =
-            trial_metrics(&trial(&stroke(1.3, 2.0), |theta, _| 4.0 * theta), &spring_study(4.0, REST_RAD));
+        let found = trial_metrics(
+            &trial(&stroke(1.3, 2.0), |theta, _| 4.0 * theta),
+            &spring_study(4.0, REST_RAD),
+        );
         assert_eq!(found.unwrap().spring.saturation, Saturation::default());
     }
 
@@ -247,7 +262,9 @@ mod tests {
             let u = k * (theta - REST_RAD);
             if velocity > 0.0 { u } else { u.min(weak) }
         };
-        let found = trial_metrics(&trial(&stroke(x, 2.0), force), &spring_study(k, REST_RAD)).unwrap().spring;
+        let found = trial_metrics(&trial(&stroke(x, 2.0), force), &spring_study(k, REST_RAD))
+            .unwrap()
+            .spring;
         let share = (weak * x - weak * weak / (2.0 * k)) / (k * x * x / 2.0);
         check(found.returned_energy_share, share, 2e-3);
     }
@@ -282,7 +299,8 @@ mod tests {
     fn a_lever_that_stays_short_of_the_limit_has_no_slope_but_a_count_of_zero() {
         let mut study = spring_study(4.0, REST_RAD);
         study.analysis.slope_from_rad = 2.0;
-        let found = trial_metrics(&trial(&stroke(1.0, 2.0), |theta, _| theta), &study).unwrap().spring;
+        let found =
+            trial_metrics(&trial(&stroke(1.0, 2.0), |theta, _| theta), &study).unwrap().spring;
         assert_eq!((found.stiffness_n_per_rad, found.r2, found.samples), (None, None, Some(0)));
         assert_eq!(found.force_rms_error_n, None);
     }

@@ -9,26 +9,27 @@ use zwidth_numerics::spectrum::BandPower;
 
 /// How steadily the device behaved between onset and end. All null without a movement.
 ///
-/// **Verdict.** A model run is judged by halving its step: smooth, numerical chattering, limit cycle, unstable step
-/// or failed (`zwidth_dynamics::verdict`). A recording cannot be run again, so that it is `smooth` or `oscillating`
-/// by the same count of fast swings, and no more is claimed.
+/// **Verdict.** A model run is judged by halving its step: smooth, numerical chattering, limit
+/// cycle, unstable step or failed (`zwidth_dynamics::verdict`). A recording cannot be run again, so
+/// that it is `smooth` or `oscillating` by the same count of fast swings, and no more is claimed.
 ///
-/// **Band.** Power and dominant frequency from 5 to 50 Hz, by Welch's method ([`band_power`]), never above the
-/// channel's own Nyquist frequency: for θ̇ half of the rate of samples; for the force half of the rate at which its
-/// sensor gives new values (by `force_age_s`, or else `device.force_rate_hz` where that is less than the rate of
-/// samples): 40 Hz for 80 a second. The highest frequency taken in is a column of its own. Null where nothing of
-/// the band is left, and for a movement shorter than 1 s.
+/// **Band.** Power and dominant frequency from 5 to 50 Hz, by Welch's method ([`band_power`]),
+/// never above the channel's own Nyquist frequency: for θ̇ half of the rate of samples; for the
+/// force half of the rate at which its sensor gives new values (by `force_age_s`, or else
+/// `device.force_rate_hz` where that is less than the rate of samples): 40 Hz for 80 a second. The
+/// highest frequency taken in is a column of its own. Null where nothing of the band is left, and
+/// for a movement shorter than 1 s.
 ///
 /// [`band_power`]: zwidth_numerics::spectrum::band_power
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Stability {
-    /// How often the motor goes on or off from one sample to the next, by `flags` or a voltage that is not 0. Null
-    /// where the recording has neither.
+    /// How often the motor goes on or off from one sample to the next, by `flags` or a voltage
+    /// that is not 0. Null where the recording has neither.
     pub motor_switches: Option<i64>,
     /// How often the brake goes on or off, likewise.
     pub brake_switches: Option<i64>,
-    /// How often the set of actuators that are on changes: a handover in one sample is one switch. Null where neither
-    /// is known.
+    /// How often the set of actuators that are on changes: a handover in one sample is one switch.
+    /// Null where neither is known.
     pub actuator_switches: Option<i64>,
     /// Turns of the lever and what they come to.
     pub swings: Swings,
@@ -36,13 +37,17 @@ pub struct Stability {
     pub force_band: Option<BandPower>,
     /// What θ̇ does from 5 to 50 Hz.
     pub velocity_band: Option<BandPower>,
-    /// Lowest value of the user's work on the device ∫F dx since the first sample, J, over the whole recording; 0
-    /// for a device that never gives more than it has got until then (passive, with nothing stored at the start), below
-    /// 0 by what it gave beyond. Null without a lever length.
+    /// Lowest value of the user's work on the device ∫F dx since the first sample, J, over the
+    /// whole recording; 0 for a device that never gives more than it has got until then
+    /// (passive, with nothing stored at the start), below 0 by what it gave beyond. Null
+    /// without a lever length.
     pub passivity_energy_j: Option<f64>,
 }
 
-pub(crate) fn stability(signals: &Signals, force_rate_hz: Option<f64>) -> Result<Stability, MetricsError> {
+pub(crate) fn stability(
+    signals: &Signals,
+    force_rate_hz: Option<f64>,
+) -> Result<Stability, MetricsError> {
     let Some(phases) = signals.phases else {
         return Ok(Stability::default());
     };
@@ -63,7 +68,8 @@ fn changes<T: PartialEq>(states: &[T]) -> i64 {
 }
 
 fn actuator_switches(signals: &Signals, Phases { onset, end, .. }: Phases) -> Option<i64> {
-    let known: Vec<&Vec<bool>> = [&signals.motor_on, &signals.brake_on].into_iter().flatten().collect();
+    let known: Vec<&Vec<bool>> =
+        [&signals.motor_on, &signals.brake_on].into_iter().flatten().collect();
     let state = |i: usize| known.iter().map(|on| on[i]).collect::<Vec<_>>();
     (!known.is_empty()).then(|| changes(&(onset..=end).map(state).collect::<Vec<_>>()))
 }
@@ -94,7 +100,8 @@ mod tests {
         assert!((found - expect).abs() < tolerance, "{found} against {expect}");
     }
 
-    /// A stroke of 1.2 rad in 3 s on which θ swings by ±0.02 rad at 12 Hz from 1.25 s to 2.75 s, whole periods.
+    /// A stroke of 1.2 rad in 3 s on which θ swings by ±0.02 rad at 12 Hz from 1.25 s to 2.75 s,
+    /// whole periods.
     fn shaken() -> Vec<(f64, f64, f64)> {
         let shake = |(t, theta, v): (f64, f64, f64)| {
             let (omega, on) = (TAU * 12.0, (1.25..2.75).contains(&t));
@@ -131,14 +138,16 @@ mod tests {
         check(found.force_band.unwrap().dominant_hz, 12.0, 0.2);
     }
 
-    /// The user's force shakes by 0.1 N at 30 Hz, or at 60 Hz, and its sensor gives 80 values a second.
+    /// The user's force shakes by 0.1 N at 30 Hz, or at 60 Hz, and its sensor gives 80 values a
+    /// second.
     #[test]
     fn a_slow_force_sensor_is_heard_below_its_own_nyquist_frequency() {
         let taken = |t: f64| (t * 80.0).floor() / 80.0;
         let held = |hz: f64| {
             let points = stroke(1.2, 3.0);
             let mut trial = trial(&points, |_, _| 0.0);
-            let force = points.iter().map(|p| 2.0 + 0.1 * libm::sin(TAU * hz * taken(p.0))).collect();
+            let force =
+                points.iter().map(|p| 2.0 + 0.1 * libm::sin(TAU * hz * taken(p.0))).collect();
             trial.samples.set(Signal::ForceEx, force);
             trial.samples.set(Signal::ForceAge, points.iter().map(|p| p.0 - taken(p.0)).collect());
             of(&trial).force_band.unwrap()
@@ -172,7 +181,8 @@ mod tests {
     fn a_handover_is_one_switch_of_the_set_and_one_of_each_actuator() {
         let points = stroke(1.2, 2.0);
         let mut trial = trial(&points, |_, _| 1.0);
-        let volts = |on: fn(f64) -> bool| points.iter().map(|p| f64::from(u8::from(on(p.0)))).collect();
+        let volts =
+            |on: fn(f64) -> bool| points.iter().map(|p| f64::from(u8::from(on(p.0)))).collect();
         trial.samples.set(Signal::VoltageBrake, volts(|t| t < 1.5));
         trial.samples.set(Signal::VoltageMotor, volts(|t| t >= 1.5));
         let found = of(&trial);
@@ -181,8 +191,8 @@ mod tests {
         assert_eq!(of(&crate::testing::trial(&points, |_, _| 1.0)).actuator_switches, None);
     }
 
-    /// F = −c on the way in and c on the way out: the device gives 2 c X in all; with an elastic spring it gives
-    /// nothing it has not got.
+    /// F = −c on the way in and c on the way out: the device gives 2 c X in all; with an elastic
+    /// spring it gives nothing it has not got.
     #[test]
     fn a_device_that_gives_more_than_it_has_got_is_active_by_that_energy() {
         let points = stroke(1.2, 2.0);

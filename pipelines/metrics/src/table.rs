@@ -4,9 +4,9 @@ use crate::Row;
 use crate::columns::{GROUPS, Get, Spec};
 use zwidth_tables::{Column, Table, TableError, identity};
 
-/// One row a trial, in the order given: which trial it is, then every metric. SI units; null where a metric does
-/// not apply or the recording lacks what it needs. The columns' definitions stand at the fields of [`Row`]'s parts and,
-/// by column, in `docs/analysis.md`.
+/// One row a trial, in the order given: which trial it is, then every metric. SI units; null where
+/// a metric does not apply or the recording lacks what it needs. The columns' definitions stand at
+/// the fields of [`Row`]'s parts and, by column, in `docs/analysis.md`.
 ///
 /// # Errors
 /// A metric that is not finite.
@@ -22,7 +22,9 @@ fn column(spec: &Spec, rows: &[Row]) -> Column {
         Get::Float(get) => Column::float(name, unit, description, rows.iter().map(get)),
         Get::Count(get) => Column::integer(name, unit, description, rows.iter().map(get)),
         Get::Flag(get) => Column::flag(name, description, rows.iter().map(get)),
-        Get::Word(get) => Column::text(name, description, rows.iter().map(|r| get(r).map(str::to_owned))),
+        Get::Word(get) => {
+            Column::text(name, description, rows.iter().map(|r| get(r).map(str::to_owned)))
+        }
     }
 }
 
@@ -58,7 +60,11 @@ mod tests {
         let page = include_str!("../../../docs/analysis.md");
         for spec in GROUPS.into_iter().flatten() {
             let part = spec.name.contains("_ci_") || spec.name.contains("_std_error_");
-            assert!(part || page.contains(&format!("`{}`", spec.name)), "{} is not defined", spec.name);
+            assert!(
+                part || page.contains(&format!("`{}`", spec.name)),
+                "{} is not defined",
+                spec.name
+            );
         }
     }
 

@@ -7,14 +7,15 @@ use zwidth_numerics::phases::first_passing;
 use zwidth_numerics::series::interpolate;
 use zwidth_stats::interval::Estimate;
 
-/// A rebound is a retreat from the wall by more than this share of the angles travelled; less is taken for the
-/// angle sensor's jitter.
+/// A rebound is a retreat from the wall by more than this share of the angles travelled; less is
+/// taken for the angle sensor's jitter.
 const REBOUND_SHARE: f64 = 0.01;
 
-/// What happened at a wall that begins at θ_wall; over the whole recording. All null where the environment has
-/// none or θ is not recorded; all but `reached` null where θ never exceeds θ_wall.
+/// What happened at a wall that begins at θ_wall; over the whole recording. All null where the
+/// environment has none or θ is not recorded; all but `reached` null where θ never exceeds θ_wall.
 ///
-/// Between samples θ and F are taken as straight lines, and only the part of an interval with θ > θ_wall counts.
+/// Between samples θ and F are taken as straight lines, and only the part of an interval with θ >
+/// θ_wall counts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WallContact {
     /// Whether θ exceeds θ_wall.
@@ -27,19 +28,22 @@ pub struct WallContact {
     pub dwell_s: Option<f64>,
     /// ∫F dt past the wall, N·s.
     pub impulse_n_s: Option<f64>,
-    /// ∫F dx past the wall, J: what the wall takes from the user in all; below 0 it gives energy out. Null without
-    /// a lever length.
+    /// ∫F dx past the wall, J: what the wall takes from the user in all; below 0 it gives energy
+    /// out. Null without a lever length.
     pub energy_j: Option<f64>,
     /// θ̇ where θ first passes θ_wall, rad/s. Null if the recording begins past it.
     pub impact_velocity_rad_s: Option<f64>,
-    /// How often the lever passes the wall again after a retreat of more than 1 % of the angles travelled.
+    /// How often the lever passes the wall again after a retreat of more than 1 % of the angles
+    /// travelled.
     pub rebounds: Option<i64>,
-    /// How often the brake goes off, from one sample to the next, while the lever is past the wall. One is how a
-    /// hybrid drive lets a finger go; more are the anomaly of thesis §6.2.1. Null where the recording does not say
-    /// when the brake is on (`flags` or `voltage_brake_v`).
+    /// How often the brake goes off, from one sample to the next, while the lever is past the
+    /// wall. One is how a hybrid drive lets a finger go; more are the anomaly of thesis
+    /// §6.2.1. Null where the recording does not say when the brake is on (`flags` or
+    /// `voltage_brake_v`).
     pub brake_releases: Option<i64>,
-    /// Slope of F on θ past the wall, N/rad: the wall's rendered stiffness. Least squares over the samples with
-    /// θ > θ_wall from the first of them to the largest θ. Null for fewer than three samples or without force.
+    /// Slope of F on θ past the wall, N/rad: the wall's rendered stiffness. Least squares over the
+    /// samples with θ > θ_wall from the first of them to the largest θ. Null for fewer than
+    /// three samples or without force.
     pub stiffness_n_per_rad: Option<f64>,
     /// Lower end of its interval, N/rad, as that of [`SpringRendering`](crate::SpringRendering).
     pub stiffness_ci_low_n_per_rad: Option<f64>,
@@ -73,7 +77,10 @@ pub(crate) fn wall_contact(
         past_max_m: signals.lever_m.map(|lever_m| lever_m * (highest - wall_rad)),
         dwell_s: Some(past.iter().map(duration).sum()),
         impulse_n_s: over_pieces(&duration),
-        energy_j: signals.lever_m.zip(over_pieces(&way)).map(|(lever_m, integral)| lever_m * integral),
+        energy_j: signals
+            .lever_m
+            .zip(over_pieces(&way))
+            .map(|(lever_m, integral)| lever_m * integral),
         impact_velocity_rad_s: impact_velocity(signals, theta, wall_rad),
         rebounds: Some(rebounds(theta, wall_rad)),
         brake_releases: signals.brake_on.as_deref().map(|on| releases(on, theta, wall_rad)),
@@ -104,7 +111,8 @@ fn stiffness(
     Ok(fit.map(|(_, estimates)| estimates[1]))
 }
 
-/// The part of the interval between samples i and i + 1 that lies past the wall, as shares of the interval.
+/// The part of the interval between samples i and i + 1 that lies past the wall, as shares of the
+/// interval.
 struct Piece {
     i: usize,
     from: f64,
@@ -160,7 +168,11 @@ mod tests {
         assert!((found - expect).abs() < tolerance, "{found} against {expect}");
     }
 
-    fn contact(points: &[(f64, f64, f64)], wall_rad: f64, force: impl Fn(f64, f64) -> f64) -> WallContact {
+    fn contact(
+        points: &[(f64, f64, f64)],
+        wall_rad: f64,
+        force: impl Fn(f64, f64) -> f64,
+    ) -> WallContact {
         trial_metrics(&trial(points, force), &wall_study(4.0, REST_RAD, wall_rad)).unwrap().wall
     }
 
@@ -170,7 +182,8 @@ mod tests {
         assert_eq!(found, WallContact { reached: Some(false), ..WallContact::default() });
     }
 
-    /// A mass m on a wall of stiffness k that arrives at speed v: θ − θ_wall = (v/ω) sin ωt for half a period.
+    /// A mass m on a wall of stiffness k that arrives at speed v: θ − θ_wall = (v/ω) sin ωt for
+    /// half a period.
     #[test]
     fn an_elastic_impact_has_the_numbers_of_its_half_sine() {
         let (wall, k, omega, v) = (0.5, 800.0, 40.0, 0.4);
@@ -211,14 +224,16 @@ mod tests {
 
     #[test]
     fn a_wall_that_holds_the_lever_at_one_angle_has_no_stiffness_that_could_be_told() {
-        let points: Vec<_> = (0..20).map(|i| (f64::from(i), if i < 5 { 0.0 } else { 0.76 }, 0.0)).collect();
+        let points: Vec<_> =
+            (0..20).map(|i| (f64::from(i), if i < 5 { 0.0 } else { 0.76 }, 0.0)).collect();
         assert_eq!(contact(&points, 0.75, |theta, _| theta).stiffness_n_per_rad, None);
     }
 
     /// A triangle at 2 rad/s up and 1 rad/s down, 0.25 rad past the wall, F = 5 N in and 3 N out.
     #[test]
     fn a_triangle_past_the_wall_has_the_numbers_of_its_geometry() {
-        let points = [(0.0, 0.0, 2.0), (0.5, 1.0, 2.0), (0.5 + 1e-9, 1.0, -1.0), (1.5 + 1e-9, 0.0, -1.0)];
+        let points =
+            [(0.0, 0.0, 2.0), (0.5, 1.0, 2.0), (0.5 + 1e-9, 1.0, -1.0), (1.5 + 1e-9, 0.0, -1.0)];
         let found = contact(&points, 0.75, |_, v| if v > 0.0 { 5.0 } else { 3.0 });
         check(found.past_max_rad, 0.25, 1e-15);
         check(found.past_max_m, LEVER_M * 0.25, 1e-15);

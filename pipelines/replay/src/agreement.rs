@@ -1,7 +1,7 @@
 //! Bland–Altman agreement of peaks and times, trial by trial.
 //!
-//! Bland & Altman (1986), Lancet 327:307; intervals of the limits: Bland & Altman (1999), Stat. Methods Med. Res.
-//! 8:135.
+//! Bland & Altman (1986), Lancet 327:307; intervals of the limits: Bland & Altman (1999), Stat.
+//! Methods Med. Res. 8:135.
 
 use crate::ReplayError;
 use zwidth_stats::interval::{Estimate, mean, t_interval};
@@ -30,9 +30,10 @@ struct Agreement {
     high: Option<Estimate>,
 }
 
-/// For each causality, mode and quantity of the table of replays: n trials, the bias (mean of model less recording) and
-/// the limits of agreement (bias ± 1.96 SD) with their t intervals at `level`; null below two trials.
-/// Trials of one person are taken for independent, so with few people the intervals are too narrow.
+/// For each causality, mode and quantity of the table of replays: n trials, the bias (mean of model
+/// less recording) and the limits of agreement (bias ± 1.96 SD) with their t intervals at `level`;
+/// null below two trials. Trials of one person are taken for independent, so with few people the
+/// intervals are too narrow.
 ///
 /// # Errors
 /// A table that lacks a column, a level outside (0, 1).
@@ -72,14 +73,22 @@ fn groups(replays: &Table) -> Result<Vec<(String, String)>, ReplayError> {
             groups.push(group);
         }
     }
-    groups.sort_by_key(|(causality, _)| crate::Causality::ALL.iter().position(|c| c.as_str() == causality));
+    groups.sort_by_key(|(causality, _)| {
+        crate::Causality::ALL.iter().position(|c| c.as_str() == causality)
+    });
     Ok(groups)
 }
 
-fn differences(table: &Table, column: &str, causality: &str, mode: &str) -> Result<Vec<f64>, ReplayError> {
+fn differences(
+    table: &Table,
+    column: &str,
+    causality: &str,
+    mode: &str,
+) -> Result<Vec<f64>, ReplayError> {
     let (causalities, modes) = (table.texts("causality")?, table.texts("mode")?);
-    let mine =
-        |i: &usize| causalities[*i].as_deref() == Some(causality) && modes[*i].as_deref() == Some(mode);
+    let mine = |i: &usize| {
+        causalities[*i].as_deref() == Some(causality) && modes[*i].as_deref() == Some(mode)
+    };
     let values = table.floats(column)?;
     Ok((0..values.len()).filter(mine).filter_map(|i| values[i]).collect())
 }
@@ -102,10 +111,14 @@ fn table(rows: &[Agreement]) -> Result<Table, ReplayError> {
         number("bias", "mean of model less recording", |r| r.bias.map(|e| e.estimate)),
         number("bias_ci_low", "lower end of its interval", |r| r.bias.map(|e| e.ci_low)),
         number("bias_ci_high", "upper end of its interval", |r| r.bias.map(|e| e.ci_high)),
-        number("limit_low", "lower limit of agreement, bias - 1.96 SD", |r| r.low.map(|e| e.estimate)),
+        number("limit_low", "lower limit of agreement, bias - 1.96 SD", |r| {
+            r.low.map(|e| e.estimate)
+        }),
         number("limit_low_ci_low", "lower end of its interval", |r| r.low.map(|e| e.ci_low)),
         number("limit_low_ci_high", "upper end of its interval", |r| r.low.map(|e| e.ci_high)),
-        number("limit_high", "upper limit of agreement, bias + 1.96 SD", |r| r.high.map(|e| e.estimate)),
+        number("limit_high", "upper limit of agreement, bias + 1.96 SD", |r| {
+            r.high.map(|e| e.estimate)
+        }),
         number("limit_high_ci_low", "lower end of its interval", |r| r.high.map(|e| e.ci_low)),
         number("limit_high_ci_high", "upper end of its interval", |r| r.high.map(|e| e.ci_high)),
     ]);
@@ -119,12 +132,15 @@ fn table(rows: &[Agreement]) -> Result<Table, ReplayError> {
 mod tests {
     use super::*;
 
-    /// Plain Python with d = [0.1, 0.3, -0.2, 0.4, 0.15], m and s its mean and sample SD, t = 2.7764451051977987 (the
-    /// tables' t for 4 degrees of freedom): m, m - t s / sqrt(5), m - 1.96 s, that ± t s sqrt(1/5 + 1.96² / 8), m + 1.96 s.
+    /// Plain Python with d = [0.1, 0.3, -0.2, 0.4, 0.15], m and s its mean and sample SD, t =
+    /// 2.7764451051977987 (the tables' t for 4 degrees of freedom): m, m - t s / sqrt(5), m -
+    /// 1.96 s, that ± t s sqrt(1/5 + 1.96² / 8), m + 1.96 s.
     #[test]
     fn bias_and_limits_are_those_of_the_formulas() {
-        let [bias, low, high] = limits(&[0.1, 0.3, -0.2, 0.4, 0.15], 0.95).unwrap().map(Option::unwrap);
-        let found = [bias.estimate, bias.ci_low, low.estimate, low.ci_low, low.ci_high, high.estimate];
+        let [bias, low, high] =
+            limits(&[0.1, 0.3, -0.2, 0.4, 0.15], 0.95).unwrap().map(Option::unwrap);
+        let found =
+            [bias.estimate, bias.ci_low, low.estimate, low.ci_low, low.ci_high, high.estimate];
         for (found, python) in found.iter().zip(PYTHON) {
             assert!((found - python).abs() < 1e-12, "{found} instead of {python}");
         }
@@ -146,7 +162,8 @@ mod tests {
 
     #[test]
     fn rows_are_by_causality_and_mode_and_null_differences_do_not_count() {
-        let text = |name, values: [&str; 4]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
+        let text =
+            |name, values: [&str; 4]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
         let mut columns = vec![
             text("causality", ["closed_loop", "force_driven", "force_driven", "force_driven"]),
             text("mode", ["active"; 4]),
@@ -157,6 +174,9 @@ mod tests {
         assert_eq!(table.height(), 8);
         assert_eq!(table.texts("causality").unwrap()[0].as_deref(), Some("force_driven"));
         assert_eq!(table.integers("n").unwrap()[0], Some(2));
-        assert_eq!((table.floats("bias").unwrap()[0], table.floats("bias").unwrap()[4]), (Some(3.0), None));
+        assert_eq!(
+            (table.floats("bias").unwrap()[0], table.floats("bias").unwrap()[4]),
+            (Some(3.0), None)
+        );
     }
 }

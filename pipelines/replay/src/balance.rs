@@ -1,20 +1,22 @@
 //! The balance of forces in weak form: what the recorded motion needs, without differentiating it.
 //!
-//! The equation of motion times a hat φ (1 at the middle of three nodes a < b < c, 0 at the outer two), integrated over
-//! time and by parts twice while the lever moves in one direction s, is
+//! The equation of motion times a hat φ (1 at the middle of three nodes a < b < c, 0 at the outer
+//! two), integrated over time and by parts twice while the lever moves in one direction s, is
 //!
 //! ```text
 //! M_O L [θ] + B_O [∫θ] + s F_C (c − a)/2 + s ∫φ b dt − ∫φ F_m dt = ∫φ F_ex dt
 //! [y] = (y_c − y_b)/(c − b) − (y_b − y_a)/(b − a)
 //! ```
 //!
-//! with the motor's force F_m and the brake's level b as they follow the recorded commands with their lags. All that is
-//! noisy stands on the right: the force sensor's noise is the error of what is explained, for which least squares is not
-//! biased, and the angle, which is nearly free of it, explains. Driven the other way, by force, the noise would be in what
-//! explains. Hats are the test functions of finite elements; on weak forms against noise see Messenger & Bortz (2021),
+//! with the motor's force F_m and the brake's level b as they follow the recorded commands with
+//! their lags. All that is noisy stands on the right: the force sensor's noise is the error of what
+//! is explained, for which least squares is not biased, and the angle, which is nearly free of it,
+//! explains. Driven the other way, by force, the noise would be in what explains. Hats are the test
+//! functions of finite elements; on weak forms against noise see Messenger & Bortz (2021),
 //! J. Comput. Phys. 443:110525.
 //!
-//! A lever that reverses, sticks or lies on a stop is held by forces that nobody recorded, so such times have no hats.
+//! A lever that reverses, sticks or lies on a stop is held by forces that nobody recorded, so such
+//! times have no hats.
 
 use crate::scene::Condition;
 use crate::{Parameters, ReplayError, WhyNot};
@@ -23,15 +25,21 @@ use zwidth_numerics::updates::{Updates, updates};
 use zwidth_store::{Signal, Trial};
 use zwidth_study::{Calibration, Study};
 
-/// Nodes are samples at least this far apart, s: a count of the angle sensor is then a small part of the motion between two.
+/// Nodes are samples at least this far apart, s: a count of the angle sensor is then a small part
+/// of the motion between two.
 const NODE_S: f64 = 0.008;
-/// Half of a hat's base, s: short against the movement of a hand, long against the counts of the angle sensor.
+/// Half of a hat's base, s: short against the movement of a hand, long against the counts of the
+/// angle sensor.
 const HALF_S: f64 = 0.05;
-/// A lever faster than this between two nodes moves, rad/s: several counts of the prototype's angle sensor.
+/// A lever faster than this between two nodes moves, rad/s: several counts of the prototype's angle
+/// sensor.
 const MOVING_RAD_S: f64 = 0.1;
 /// Points and weights of the Gauss–Legendre rule on (0, 1): exact for a cubic times a hat.
-const GAUSS: [(f64, f64); 3] =
-    [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_31, 5.0 / 18.0),
+    (0.5, 4.0 / 9.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
 
 /// A trial's motion and commands, ready to say what force they need.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +47,8 @@ pub struct Balance {
     lever_m: f64,
     /// Of every sample, s.
     t_s: Vec<f64>,
-    /// Commands of motor (above 0 pushes to +θ) and brake (its level) from each sample to the next, N.
+    /// Commands of motor (above 0 pushes to +θ) and brake (its level) from each sample to the
+    /// next, N.
     motor_n: Vec<f64>,
     brake_n: Vec<f64>,
     hats: Vec<Hat>,
@@ -62,12 +71,17 @@ struct Hat {
 }
 
 impl Balance {
-    /// Makes a trial ready. `calibration` is the session's. A trial in which the lever never moves long enough has no hats.
+    /// Makes a trial ready. `calibration` is the session's. A trial in which the lever never moves
+    /// long enough has no hats.
     ///
     /// # Errors
-    /// [`ReplayError::WhyNot`] where the recording, the study or the session lacks what the balance needs; an
-    /// environment or a mode that the study does not have; columns of unequal length.
-    pub fn new(trial: &Trial, study: &Study, calibration: Option<&Calibration>) -> Result<Self, ReplayError> {
+    /// [`ReplayError::WhyNot`] where the recording, the study or the session lacks what the balance
+    /// needs; an environment or a mode that the study does not have; columns of unequal length.
+    pub fn new(
+        trial: &Trial,
+        study: &Study,
+        calibration: Option<&Calibration>,
+    ) -> Result<Self, ReplayError> {
         let condition = Condition::of(&trial.meta, study, calibration)?;
         let lever_m = condition.lever_m.ok_or(WhyNot::NoLever)?;
         let t_s = trial.samples.get(Signal::Time).unwrap_or_default().to_vec();
@@ -97,7 +111,8 @@ impl Balance {
     /// The same, as motion and commands need it from a plant.
     pub fn needed_ns(&self, plant: &Parameters) -> Vec<f64> {
         let motor = Impulse::of_lagging(&self.t_s, &self.motor_n, [plant.motor_lag_s; 2]);
-        let brake = Impulse::of_lagging(&self.t_s, &self.brake_n, [plant.brake_on_s, plant.brake_off_s]);
+        let brake =
+            Impulse::of_lagging(&self.t_s, &self.brake_n, [plant.brake_on_s, plant.brake_off_s]);
         let needed = |hat: &Hat| {
             let inertia = plant.mass_kg * self.lever_m * hat.turned_rad_s;
             let viscous = plant.damping_ns_per_rad * hat.moved_rad;
@@ -113,8 +128,8 @@ fn bent(t: [f64; 3], y: [f64; 3]) -> f64 {
     (y[2] - y[1]) / (t[2] - t[1]) - (y[1] - y[0]) / (t[1] - t[0])
 }
 
-/// Every hat that fits into a stretch of motion and between the first and the last value of the force; each begins a
-/// quarter of a base after the one before.
+/// Every hat that fits into a stretch of motion and between the first and the last value of the
+/// force; each begins a quarter of a base after the one before.
 fn hats(t: &[f64], theta: &[f64], force: &Updates) -> Vec<Hat> {
     let (Some(first), Some(last)) = (force.t.first(), force.t.last()) else { return Vec::new() };
     if force.t.len() < cubic::SAMPLES {
@@ -144,7 +159,12 @@ fn hats(t: &[f64], theta: &[f64], force: &Updates) -> Vec<Hat> {
         let starts = (run.from..).step_by(quarter).take_while(move |at| at + 4 * quarter <= run.to);
         starts.map(move |at| (at, run.direction))
     };
-    runs(t, theta, &nodes).into_iter().flat_map(of).map(|(at, s)| hat(at, s)).filter(in_force).collect()
+    runs(t, theta, &nodes)
+        .into_iter()
+        .flat_map(of)
+        .map(|(at, s)| hat(at, s))
+        .filter(in_force)
+        .collect()
 }
 
 /// Samples that serve as nodes.
@@ -166,7 +186,8 @@ struct Run {
     direction: f64,
 }
 
-/// The stretches of motion, less the spacing at either end: there the lever may still, or again, have been at rest.
+/// The stretches of motion, less the spacing at either end: there the lever may still, or again,
+/// have been at rest.
 fn runs(t: &[f64], theta: &[f64], nodes: &[usize]) -> Vec<Run> {
     let direction = |pair: &[usize]| {
         let velocity = (theta[pair[1]] - theta[pair[0]]) / (t[pair[1]] - t[pair[0]]);
@@ -184,7 +205,8 @@ fn runs(t: &[f64], theta: &[f64], nodes: &[usize]) -> Vec<Run> {
     runs
 }
 
-/// A force's running integrals ∫F dt and ∫t F dt at every sample, from the first on: they give its integral over any hat.
+/// A force's running integrals ∫F dt and ∫t F dt at every sample, from the first on: they give its
+/// integral over any hat.
 struct Impulse {
     force_ns: Vec<f64>,
     moment_ns2: Vec<f64>,
@@ -209,14 +231,16 @@ impl Impulse {
         let part = |pair: &[f64]| {
             let h = pair[1] - pair[0];
             GAUSS.iter().fold([0.0; 2], |sum, (place, weight)| {
-                let value = cubic::value(&force.t, &force.values, pair[0] + place * h).unwrap_or(0.0);
+                let value =
+                    cubic::value(&force.t, &force.values, pair[0] + place * h).unwrap_or(0.0);
                 [sum[0] + weight * h * value, sum[1] + weight * h * place * h * value]
             })
         };
         Self::new(t, t.windows(2).map(part))
     }
 
-    /// Of a force that follows held commands with a time constant each for rising and falling, from 0 on; 0 s is at once.
+    /// Of a force that follows held commands with a time constant each for rising and falling, from
+    /// 0 on; 0 s is at once.
     fn of_lagging(t: &[f64], commands: &[f64], [rising_s, falling_s]: [f64; 2]) -> Self {
         let mut level = 0.0;
         let part = |(pair, command): (&[f64], &f64)| {
@@ -261,7 +285,8 @@ mod tests {
         brake_off_s: 0.01,
     };
 
-    /// Half a second at rest, and a movement there and back; no voltages. The force is that of the equation of motion.
+    /// Half a second at rest, and a movement there and back; no voltages. The force is that of the
+    /// equation of motion.
     fn moved(rate_hz: f64, plant: &Parameters) -> Samples {
         let lever_m = study().device.lever_m.unwrap();
         let t: Vec<f64> = (0..(3.0 * rate_hz) as u32).map(|i| f64::from(i) / rate_hz).collect();
@@ -302,7 +327,10 @@ mod tests {
     fn no_hat_reaches_into_rest_or_over_a_reversal() {
         let found = balance(moved(120.0, &PLANT)).unwrap();
         let reversal_s = 0.5 + core::f64::consts::PI / 2.5;
-        assert!(found.hats.iter().any(|h| h.direction > 0.0) && found.hats.iter().any(|h| h.direction < 0.0));
+        assert!(
+            found.hats.iter().any(|h| h.direction > 0.0)
+                && found.hats.iter().any(|h| h.direction < 0.0)
+        );
         for hat in &found.hats {
             let [from, _, to] = hat.nodes.map(|i| found.t_s[i]);
             assert!(from > 0.5 && (to < reversal_s || from > reversal_s), "{from} to {to}");
@@ -310,7 +338,8 @@ mod tests {
         }
     }
 
-    /// b(t) = c (1 − e^(−t/τ)) from rest: ∫b and ∫t b in closed form, with the command in two pieces.
+    /// b(t) = c (1 − e^(−t/τ)) from rest: ∫b and ∫t b in closed form, with the command in two
+    /// pieces.
     #[test]
     fn a_lag_is_followed_exactly() {
         let (lag, command, end) = (0.015_f64, 3.0, 0.05_f64);
@@ -327,7 +356,8 @@ mod tests {
     #[test]
     fn a_falling_level_has_its_own_lag() {
         let t = [0.0, 1.0, 2.0];
-        let [slow, quick] = [0.5, 0.01].map(|off| Impulse::of_lagging(&t, &[4.0, 0.0, 0.0], [1e-3, off]));
+        let [slow, quick] =
+            [0.5, 0.01].map(|off| Impulse::of_lagging(&t, &[4.0, 0.0, 0.0], [1e-3, off]));
         assert!((slow.force_ns[1] - quick.force_ns[1]).abs() < 1e-12);
         let fallen = |impulse: &Impulse| impulse.force_ns[2] - impulse.force_ns[1];
         assert!((fallen(&quick) - 0.04).abs() < 1e-9 && fallen(&slow) > 1.5);

@@ -7,8 +7,8 @@ pub enum Causality {
     ForceDriven,
     /// θ in, F_ex out: the force the recorded motion needs. θ̇ and θ̈ are central differences.
     PositionDriven,
-    /// F_ex and the recorded commands of the actuators in, θ out: neither environment nor switching is modelled, only
-    /// the plant.
+    /// F_ex and the recorded commands of the actuators in, θ out: neither environment nor switching
+    /// is modelled, only the plant.
     ClosedLoop,
 }
 

@@ -14,8 +14,9 @@ pub(crate) struct Held {
     brake_n: Vec<f64>,
 }
 
-/// Commands are held from sample to sample, and the user's force counts as its mean over the interval: it
-/// has the same impulse, and displaces what it moves by at most its own change over the interval.
+/// Commands are held from sample to sample, and the user's force counts as its mean over the
+/// interval: it has the same impulse, and displaces what it moves by at most its own change over
+/// the interval.
 pub(crate) fn held(
     condition: &Condition,
     t: &[f64],
@@ -24,7 +25,10 @@ pub(crate) fn held(
 ) -> Result<Held, WhyNot> {
     let [motor_n, brake_n] = condition.commands_n(t.len(), [motor_v, brake_v])?;
     let means = means(t, force);
-    Ok(Held { pushing_n: motor_n.iter().zip(&means).map(|(motor, mean)| motor + mean).collect(), brake_n })
+    Ok(Held {
+        pushing_n: motor_n.iter().zip(&means).map(|(motor, mean)| motor + mean).collect(),
+        brake_n,
+    })
 }
 
 /// Mean of a series over each interval between `t`.

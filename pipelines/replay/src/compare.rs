@@ -10,11 +10,12 @@ pub struct Comparison {
     pub rmse: f64,
     /// That over the recording's range, max y − min y; `None` for a constant recording.
     pub nrmse: Option<f64>,
-    /// Variance accounted for, 1 − var(ŷ − y) / var(y): 1 for a perfect model, and for one that is off by a
-    /// constant; below 0 for one that is worse than the recording's mean. `None` for a constant recording.
+    /// Variance accounted for, 1 − var(ŷ − y) / var(y): 1 for a perfect model, and for one that is
+    /// off by a constant; below 0 for one that is worse than the recording's mean. `None` for
+    /// a constant recording.
     pub vaf: Option<f64>,
-    /// By how much the model comes later, s: where the cross-correlation is highest within ±0.5 s. `None` where there is
-    /// no highest.
+    /// By how much the model comes later, s: where the cross-correlation is highest within ±0.5 s.
+    /// `None` where there is no highest.
     pub lag_s: Option<f64>,
     /// Largest y of the recording, unit of y.
     pub peak_recorded: f64,
@@ -27,12 +28,16 @@ pub struct Comparison {
 }
 
 /// Compares two signals at times `t`; all three of one length, with at least one sample.
-pub(crate) fn compare(t: &[f64], recorded: &[f64], model: &[f64]) -> Result<Comparison, ReplayError> {
+pub(crate) fn compare(
+    t: &[f64],
+    recorded: &[f64],
+    model: &[f64],
+) -> Result<Comparison, ReplayError> {
     let n = t.len() as f64;
     let errors: Vec<f64> = model.iter().zip(recorded).map(|(m, r)| m - r).collect();
     let rmse = (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
-    let range =
-        recorded.iter().copied().fold(f64::MIN, f64::max) - recorded.iter().copied().fold(f64::MAX, f64::min);
+    let range = recorded.iter().copied().fold(f64::MIN, f64::max)
+        - recorded.iter().copied().fold(f64::MAX, f64::min);
     let spread = variance(recorded);
     let (peak, model_peak) = (peak(recorded), peak(model));
     Ok(Comparison {
@@ -76,7 +81,10 @@ mod tests {
     fn a_model_that_is_off_by_a_constant_has_an_error_and_accounts_for_all_variance() {
         let found = compare(&T, &Y, &Y.map(|y| y + 1.0)).unwrap();
         assert_eq!((found.rmse, found.nrmse, found.vaf), (1.0, Some(0.25), Some(1.0)));
-        assert_eq!((found.peak_recorded, found.peak_error, found.peak_time_error_s), (4.0, 1.0, 0.0));
+        assert_eq!(
+            (found.peak_recorded, found.peak_error, found.peak_time_error_s),
+            (4.0, 1.0, 0.0)
+        );
     }
 
     #[test]

@@ -30,19 +30,25 @@ pub struct Course {
     pub theta_dot_rad_s: Vec<f64>,
     /// F_ex, N; above 0 pushes into the object.
     pub force_ex_n: Vec<f64>,
-    /// What the actuators give against the user, N; above 0 resists a push into the object. Of a recording it is what
-    /// was commanded. `None` where it was not recorded, and in closed loop.
+    /// What the actuators give against the user, N; above 0 resists a push into the object. Of a
+    /// recording it is what was commanded. `None` where it was not recorded, and in closed
+    /// loop.
     pub feedback_n: Option<Vec<f64>>,
 }
 
 impl Drive {
-    /// Makes a trial ready: its force becomes the model's input, its first sample the model's start. `calibration` is
-    /// the session's.
+    /// Makes a trial ready: its force becomes the model's input, its first sample the model's
+    /// start. `calibration` is the session's.
     ///
     /// # Errors
-    /// [`ReplayError::WhyNot`] where the recording, the study or the session lacks what every causality needs; an
-    /// environment or a mode that the study does not have; columns of unequal length.
-    pub fn new(trial: &Trial, study: &Study, calibration: Option<&Calibration>) -> Result<Self, ReplayError> {
+    /// [`ReplayError::WhyNot`] where the recording, the study or the session lacks what every
+    /// causality needs; an environment or a mode that the study does not have; columns of
+    /// unequal length.
+    pub fn new(
+        trial: &Trial,
+        study: &Study,
+        calibration: Option<&Calibration>,
+    ) -> Result<Self, ReplayError> {
         let condition = Condition::of(&trial.meta, study, calibration)?;
         let absolute = trial.samples.get(Signal::Time).unwrap_or_default();
         if absolute.len() < 3 {
@@ -65,7 +71,8 @@ impl Drive {
         let scene = condition.scene(series, start, t_s[t_s.len() - 1])?;
         let feedback_n = column(Signal::ForceCmd)?.map(<[f64]>::to_vec);
         let theta_rad = theta.to_vec();
-        let recorded = Course { t_s, theta_rad, theta_dot_rad_s: theta_dot, force_ex_n, feedback_n };
+        let recorded =
+            Course { t_s, theta_rad, theta_dot_rad_s: theta_dot, force_ex_n, feedback_n };
         Ok(Self { began_s, recorded, scene, held })
     }
 
@@ -77,9 +84,13 @@ impl Drive {
     /// The model's course, at the recording's times.
     ///
     /// # Errors
-    /// [`ReplayError::WhyNot`] in closed loop where the actuators' commands are not known; parameters that make no
-    /// model, or a model that diverges.
-    pub fn run(&self, causality: Causality, parameters: &Parameters) -> Result<Course, ReplayError> {
+    /// [`ReplayError::WhyNot`] in closed loop where the actuators' commands are not known;
+    /// parameters that make no model, or a model that diverges.
+    pub fn run(
+        &self,
+        causality: Causality,
+        parameters: &Parameters,
+    ) -> Result<Course, ReplayError> {
         let scene = parameters.put(&self.scene);
         match causality {
             Causality::ForceDriven => Ok(self.force_driven(scene)?),
@@ -88,12 +99,16 @@ impl Drive {
         }
     }
 
-    /// θ (rad) of the model driven by force, at times of your own: from 0 on, increasing. A fit needs no more samples
-    /// than the movement has to tell.
+    /// θ (rad) of the model driven by force, at times of your own: from 0 on, increasing. A fit
+    /// needs no more samples than the movement has to tell.
     ///
     /// # Errors
     /// Times that do not increase; parameters that make no model, or a model that diverges.
-    pub fn theta_at(&self, t_s: &[f64], parameters: &Parameters) -> Result<Vec<f64>, DynamicsError> {
+    pub fn theta_at(
+        &self,
+        t_s: &[f64],
+        parameters: &Parameters,
+    ) -> Result<Vec<f64>, DynamicsError> {
         let system = System::new(parameters.put(&self.scene))?;
         Ok(Exact::default().run(&system, &Grid::Times(t_s.to_vec()))?.theta_rad().collect())
     }
@@ -134,13 +149,18 @@ impl Drive {
         let held = self.held.as_ref().map_err(|why| *why)?;
         let Course { t_s, force_ex_n, .. } = &self.recorded;
         let device = (self.scene.plant.lever_m, self.scene.plant.stops_rad);
-        let (theta_rad, theta_dot_rad_s) = closed_loop::run(held, t_s, device, self.scene.start, parameters)?;
+        let (theta_rad, theta_dot_rad_s) =
+            closed_loop::run(held, t_s, device, self.scene.start, parameters)?;
         let (t_s, force_ex_n) = (t_s.clone(), force_ex_n.clone());
         Ok(Course { t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n: None })
     }
 }
 
-pub(crate) fn column(trial: &Trial, signal: Signal, expected: usize) -> Result<Option<&[f64]>, ReplayError> {
+pub(crate) fn column(
+    trial: &Trial,
+    signal: Signal,
+    expected: usize,
+) -> Result<Option<&[f64]>, ReplayError> {
     match trial.samples.get(signal) {
         Some(values) if values.len() != expected => {
             Err(ReplayError::Ragged { column: signal.name(), expected, found: values.len() })

@@ -66,7 +66,9 @@ pub enum ReplayError {
         mode: String,
     },
     /// A column that is not as long as time.
-    #[error("column {column} has {found} samples where t_s has {expected}: columns must be equally long")]
+    #[error(
+        "column {column} has {found} samples where t_s has {expected}: columns must be equally long"
+    )]
     Ragged {
         /// The column.
         column: &'static str,

@@ -9,19 +9,26 @@ const MOST_LAG_S: f64 = 0.5;
 /// Steps of the grid are no shorter than this, s: a movement of the hand is smooth over it.
 const LEAST_STEP_S: f64 = 0.005;
 
-/// The lag of `model` behind `recorded`, s: where Pearson's correlation of the two, shifted against each other
-/// over an even grid of the mean step (5 ms at least), is highest within ±0.5 s; between steps by the parabola through the highest three.
-/// `None` where either is constant, or the correlation is still rising at the end of the search.
+/// The lag of `model` behind `recorded`, s: where Pearson's correlation of the two, shifted against
+/// each other over an even grid of the mean step (5 ms at least), is highest within ±0.5 s; between
+/// steps by the parabola through the highest three. `None` where either is constant, or the
+/// correlation is still rising at the end of the search.
 ///
 /// # Errors
 /// None for times and values of one length.
-pub(crate) fn lag_s(t: &[f64], recorded: &[f64], model: &[f64]) -> Result<Option<f64>, NumericsError> {
+pub(crate) fn lag_s(
+    t: &[f64],
+    recorded: &[f64],
+    model: &[f64],
+) -> Result<Option<f64>, NumericsError> {
     let steps = t.len().saturating_sub(1);
     let Some(span) = t.last().map(|end| end - t[0]).filter(|_| steps >= 2) else { return Ok(None) };
     let even_steps = steps.min((span / LEAST_STEP_S) as usize).max(1);
     let step = span / even_steps as f64;
     let grid: Vec<f64> = (0..=even_steps).map(|i| (t[0] + i as f64 * step).min(t[steps])).collect();
-    let even = |y: &[f64]| interpolate_all(t, y, &grid).into_iter().map(Option::unwrap_or_default).collect();
+    let even = |y: &[f64]| {
+        interpolate_all(t, y, &grid).into_iter().map(Option::unwrap_or_default).collect()
+    };
     let (recorded, model): (Vec<f64>, Vec<f64>) = (even(recorded), even(model));
     let most = ((MOST_LAG_S / step) as usize).min(even_steps / 2);
     Ok(best_shift(&recorded, &model, most).map(|shift| shift * step))
@@ -48,7 +55,8 @@ fn best_shift(recorded: &[f64], model: &[f64], most: usize) -> Option<f64> {
     Some(shift as f64 + between)
 }
 
-/// Pearson's correlation of `recorded[i]` with `model[i + shift]` where both are there; `None` where one is constant.
+/// Pearson's correlation of `recorded[i]` with `model[i + shift]` where both are there; `None`
+/// where one is constant.
 fn correlation(recorded: &[f64], model: &[f64], shift: isize) -> Option<f64> {
     let (ahead, behind) = (shift.max(0) as usize, (-shift).max(0) as usize);
     let n = recorded.len() - ahead.max(behind);

@@ -1,20 +1,23 @@
-//! Stage: recorded forces into the model, and how far it departs from what was recorded (thesis §4.3, Fig. 24).
+//! Stage: recorded forces into the model, and how far it departs from what was recorded (thesis
+//! §4.3, Fig. 24).
 //!
-//! [`replay`] turns one trial into three [`Row`]s, one a [`Causality`]; [`table`] puts rows together, and
-//! [`agreement`] says of all trials together how far peaks and times agree (Bland & Altman). [`Drive`] is a trial
-//! made ready to be replayed with any [`Parameters`], for figures and for judging fits; [`Balance`] is one whose recorded
-//! motion says what force it needs, for fits. Pure: trials in memory, tables out; only
-//! trials that count may come in (`StudyData::counting`): the caller filters.
+//! [`replay`] turns one trial into three [`Row`]s, one a [`Causality`]; [`table`] puts rows
+//! together, and [`agreement`] says of all trials together how far peaks and times agree (Bland &
+//! Altman). [`Drive`] is a trial made ready to be replayed with any [`Parameters`], for figures and
+//! for judging fits; [`Balance`] is one whose recorded motion says what force it needs, for fits.
+//! Pure: trials in memory, tables out; only trials that count may come in (`StudyData::counting`):
+//! the caller filters.
 //!
 //! # The model
-//! M_O L θ̈ = F_O + F_ex − B_O θ̇ − friction, equation (10) without finger, solved exactly between events. M_O and B_O are
-//! the thesis' ([`Parameters::BY_EYE`]), L, environment, mode and work space those of `study.toml`; what the
-//! actuators can give at most is by the session's calibration. The brake is a set-valued force. B_O acts on the lever
-//! beside the actuators and is not limited by them: the prototype commands the spring alone (§4.3, F = −k u), so that
+//! M_O L θ̈ = F_O + F_ex − B_O θ̇ − friction, equation (10) without finger, solved exactly between
+//! events. M_O and B_O are the thesis' ([`Parameters::BY_EYE`]), L, environment, mode and work
+//! space those of `study.toml`; what the actuators can give at most is by the session's
+//! calibration. The brake is a set-valued force. B_O acts on the lever beside the actuators and is
+//! not limited by them: the prototype commands the spring alone (§4.3, F = −k u), so that
 //! the simulation's B_O stands for the plant's own damping.
 //!
-//! The user's force counts at the times at which its sensor gave new values, with straight lines between them, where
-//! the recording tells their age (`force_age_s`); else at the samples' times.
+//! The user's force counts at the times at which its sensor gave new values, with straight lines
+//! between them, where the recording tells their age (`force_age_s`); else at the samples' times.
 //!
 //! Errors are model less recording: above 0 the model's peak is higher, its time later.
 

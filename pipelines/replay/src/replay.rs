@@ -13,8 +13,8 @@ use zwidth_study::{Analysis, Calibration, Study, TrialMeta};
 pub enum Outcome {
     /// The model ran to the end.
     Replayed,
-    /// The model's state left the finite numbers or the work limit, or its lever turned by more than 10 rad; it is
-    /// compared with nothing.
+    /// The model's state left the finite numbers or the work limit, or its lever turned by more
+    /// than 10 rad; it is compared with nothing.
     Diverged,
     /// It does not apply.
     Not(WhyNot),
@@ -42,8 +42,8 @@ pub struct Row {
     pub parameters: Parameters,
     /// What came of it.
     pub outcome: Outcome,
-    /// The signal that came out, θ (rad) or F_ex (N), against the recorded one; `None` unless it was replayed. Times are
-    /// the trial's.
+    /// The signal that came out, θ (rad) or F_ex (N), against the recorded one; `None` unless it
+    /// was replayed. Times are the trial's.
     pub comparison: Option<Comparison>,
     /// First time of the recording's largest θ between onset and end, s; `None` without movement.
     pub reversal_recorded_s: Option<f64>,
@@ -51,13 +51,15 @@ pub struct Row {
     pub reversal_error_s: Option<f64>,
 }
 
-/// A lever that turns by more than this, rad, has diverged: more than six times the prototype's work space.
+/// A lever that turns by more than this, rad, has diverged: more than six times the prototype's
+/// work space.
 const DIVERGED_RAD: f64 = 10.0;
 
 /// Replays a trial in every causality. `calibration` is the session's.
 ///
 /// # Errors
-/// An environment or a mode that the study does not have; columns of unequal length; parameters that make no model.
+/// An environment or a mode that the study does not have; columns of unequal length; parameters
+/// that make no model.
 pub fn replay(
     trial: &Trial,
     study: &Study,
@@ -92,16 +94,20 @@ fn row(drive: &Drive, analysis: &Analysis, empty: Row) -> Result<Row, ReplayErro
     let empty = Row { reversal_recorded_s: turned_s.map(|t| t + drive.began_s), ..empty };
     let model = match drive.run(empty.causality, &empty.parameters) {
         Ok(model) if has_diverged(&model) => return Ok(empty),
-        Err(ReplayError::Dynamics(DynamicsError::NotFinite { .. } | DynamicsError::TooMuchWork { .. })) => {
+        Err(ReplayError::Dynamics(
+            DynamicsError::NotFinite { .. } | DynamicsError::TooMuchWork { .. },
+        )) => {
             return Ok(empty);
         }
         Err(ReplayError::WhyNot(why)) => return Ok(Row { outcome: Outcome::Not(why), ..empty }),
         other => other?,
     };
     let moves = empty.causality != Causality::PositionDriven;
-    let signal = |course: &Course| if moves { course.theta_rad.clone() } else { course.force_ex_n.clone() };
+    let signal =
+        |course: &Course| if moves { course.theta_rad.clone() } else { course.force_ex_n.clone() };
     let found = compare(&recorded.t_s, &signal(recorded), &signal(&model))?;
-    let comparison = Comparison { peak_time_recorded_s: found.peak_time_recorded_s + drive.began_s, ..found };
+    let comparison =
+        Comparison { peak_time_recorded_s: found.peak_time_recorded_s + drive.began_s, ..found };
     let turns = reversal_s(&model, analysis).zip(turned_s).filter(|_| moves);
     let reversal_error_s = turns.map(|(model, recorded)| model - recorded);
     Ok(Row { outcome: Outcome::Replayed, comparison: Some(comparison), reversal_error_s, ..empty })
@@ -115,7 +121,8 @@ fn reversal_s(course: &Course, analysis: &Analysis) -> Option<f64> {
 }
 
 fn has_diverged(model: &Course) -> bool {
-    let (low, high) = model.theta_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let (low, high) =
+        model.theta_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
     let finite = model.theta_rad.iter().chain(&model.force_ex_n).all(|x| x.is_finite());
     !finite || high - low > DIVERGED_RAD
 }
@@ -172,8 +179,12 @@ mod tests {
 
     #[test]
     fn another_plant_departs() {
-        let heavy =
-            Parameters { mass_kg: 2.0, damping_ns_per_rad: 0.2, friction_n: 0.1, ..Parameters::BY_EYE };
+        let heavy = Parameters {
+            mass_kg: 2.0,
+            damping_ns_per_rad: 0.2,
+            friction_n: 0.1,
+            ..Parameters::BY_EYE
+        };
         let found = rows(&simulated("active", &heavy))[0].comparison.unwrap();
         assert!(found.vaf.unwrap() < 0.999 && found.rmse > 1e-3, "{found:?}");
     }

@@ -1,4 +1,5 @@
-//! The model of a trial: environment, mode, work space and actuators from the study, the plant from parameters.
+//! The model of a trial: environment, mode, work space and actuators from the study, the plant from
+//! parameters.
 
 use crate::{ReplayError, WhyNot};
 use zwidth_dynamics::{
@@ -27,7 +28,8 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The thesis' choice "by trial and error" (Fig. 24): M_O = 0.1 kg, B_O = 1 N s/rad, no dry friction and no lags.
+    /// The thesis' choice "by trial and error" (Fig. 24): M_O = 0.1 kg, B_O = 1 N s/rad, no dry
+    /// friction and no lags.
     pub const BY_EYE: Self = Self {
         mass_kg: 0.1,
         damping_ns_per_rad: 1.0,
@@ -83,9 +85,9 @@ impl<'a> Condition<'a> {
         study: &Study,
         calibration: Option<&'a Calibration>,
     ) -> Result<Self, ReplayError> {
-        let environment = study
-            .environment(&meta.environment)
-            .ok_or_else(|| ReplayError::UnknownEnvironment { environment: meta.environment.clone() })?;
+        let environment = study.environment(&meta.environment).ok_or_else(|| {
+            ReplayError::UnknownEnvironment { environment: meta.environment.clone() }
+        })?;
         let mode = study
             .mode(&meta.mode)
             .ok_or_else(|| ReplayError::UnknownMode { mode: meta.mode.as_str().to_owned() })?;
@@ -94,7 +96,11 @@ impl<'a> Condition<'a> {
             motor_max_v: mode.motor_max_v.unwrap_or(0.0),
             brake_max_v: mode.brake_max_v.unwrap_or(0.0),
             lever_m: study.device.lever_m,
-            stops_rad: study.device.theta_min_rad.zip(study.device.theta_max_rad).map(|(a, b)| [a, b]),
+            stops_rad: study
+                .device
+                .theta_min_rad
+                .zip(study.device.theta_max_rad)
+                .map(|(a, b)| [a, b]),
             let_go_n: study.control.let_go_n,
             calibration,
         })
@@ -110,7 +116,8 @@ impl<'a> Condition<'a> {
     }
 
     fn environment(&self) -> Result<Environment, WhyNot> {
-        let spring = |s: zwidth_study::Spring| Environment::spring(s.stiffness_n_per_rad, 0.0, s.rest_rad);
+        let spring =
+            |s: zwidth_study::Spring| Environment::spring(s.stiffness_n_per_rad, 0.0, s.rest_rad);
         match self.rendered {
             Rendered::None => Err(WhyNot::NotRendered),
             Rendered::Free => Ok(Environment::free()),
@@ -119,17 +126,20 @@ impl<'a> Condition<'a> {
         }
     }
 
-    /// The most motor and brake give in this mode, N; in a free environment nothing is asked of them.
+    /// The most motor and brake give in this mode, N; in a free environment nothing is asked of
+    /// them.
     fn limits_n(&self) -> Result<(f64, f64), WhyNot> {
         match (self.rendered, self.calibration) {
             (Rendered::Free, _) => Ok((0.0, 0.0)),
             (_, None) => Err(WhyNot::NoCalibration),
-            (_, Some(c)) => Ok((c.motor.force_n(self.motor_max_v), c.brake.force_n(self.brake_max_v))),
+            (_, Some(c)) => {
+                Ok((c.motor.force_n(self.motor_max_v), c.brake.force_n(self.brake_max_v)))
+            }
         }
     }
 
-    /// What voltages stand for from each of so many samples on, by the calibration, N: the motor's force (above 0 pushes to
-    /// +θ) and the brake's level.
+    /// What voltages stand for from each of so many samples on, by the calibration, N: the motor's
+    /// force (above 0 pushes to +θ) and the brake's level.
     pub(crate) fn commands_n(
         &self,
         samples: usize,
@@ -148,12 +158,21 @@ impl<'a> Condition<'a> {
                 |(calibration, voltages)| voltages.iter().map(|v| of(calibration, *v)).collect(),
             )
         };
-        Ok([force(motor_v, |c, v| c.motor.force_n(v)), force(brake_v, |c, v| c.brake.force_n(v).abs())])
+        Ok([
+            force(motor_v, |c, v| c.motor.force_n(v)),
+            force(brake_v, |c, v| c.brake.force_n(v).abs()),
+        ])
     }
 
-    /// The scene, from the recorded start on, with the user's force; the plant is the thesis' until parameters are put
-    /// in. A start that lies outside the stops by the sensor's step is moved onto them.
-    pub(crate) fn scene(&self, input: Series, start: Start, duration_s: f64) -> Result<Scene, WhyNot> {
+    /// The scene, from the recorded start on, with the user's force; the plant is the thesis' until
+    /// parameters are put in. A start that lies outside the stops by the sensor's step is moved
+    /// onto them.
+    pub(crate) fn scene(
+        &self,
+        input: Series,
+        start: Start,
+        duration_s: f64,
+    ) -> Result<Scene, WhyNot> {
         let lever_m = self.lever_m.ok_or(WhyNot::NoLever)?;
         let (motor_n, brake_n) = self.limits_n()?;
         let within = |[low, high]: [f64; 2]| start.theta_rad.clamp(low, high);
@@ -164,7 +183,11 @@ impl<'a> Condition<'a> {
             duration_s,
             step_s: duration_s,
             environment: self.environment()?,
-            plant: Plant { mass_kg: Parameters::BY_EYE.mass_kg, lever_m, stops_rad: self.stops_rad },
+            plant: Plant {
+                mass_kg: Parameters::BY_EYE.mass_kg,
+                lever_m,
+                stops_rad: self.stops_rad,
+            },
             motor: Motor { max_n: motor_n, lag_s: None },
             brake: Brake {
                 max_n: brake_n,

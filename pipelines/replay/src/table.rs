@@ -35,8 +35,9 @@ const COLUMNS: [Spec; 11] = [
     ("peak_time_error_s", "s", "that of the model less it", Of::Any, |c| Some(c.peak_time_error_s)),
 ];
 
-/// One row a trial and causality, in the order given: which trial, what went in, what came of it, the plant, and how far
-/// the model departs. Null where it does not apply, and for a model that diverged: the column `outcome` says which.
+/// One row a trial and causality, in the order given: which trial, what went in, what came of it,
+/// the plant, and how far the model departs. Null where it does not apply, and for a model that
+/// diverged: the column `outcome` says which.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -48,14 +49,22 @@ pub fn table(rows: &[Row]) -> Result<Table, ReplayError> {
     let number = |name, unit, description, get: fn(&Row) -> Option<f64>| {
         Column::float(name, unit, description, rows.iter().map(get))
     };
-    columns.push(text("causality", "what went into the model and what came out", |r| r.causality.as_str()));
-    columns.push(text("outcome", "replayed, diverged, or why it does not apply", |r| r.outcome.as_str()));
+    columns.push(text("causality", "what went into the model and what came out", |r| {
+        r.causality.as_str()
+    }));
+    columns.push(text("outcome", "replayed, diverged, or why it does not apply", |r| {
+        r.outcome.as_str()
+    }));
     columns.extend([
-        number("mass_kg", "kg", "the model's mass at the lever's end", |r| Some(r.parameters.mass_kg)),
+        number("mass_kg", "kg", "the model's mass at the lever's end", |r| {
+            Some(r.parameters.mass_kg)
+        }),
         number("damping_n_s_per_rad", "N·s/rad", "the model's viscous damping there", |r| {
             Some(r.parameters.damping_ns_per_rad)
         }),
-        number("friction_n", "N", "the model's dry friction there", |r| Some(r.parameters.friction_n)),
+        number("friction_n", "N", "the model's dry friction there", |r| {
+            Some(r.parameters.friction_n)
+        }),
     ]);
     for (name, unit, description, of, get) in COLUMNS {
         let value = |row: &Row| row.comparison.as_ref().filter(|_| applies(of, row)).and_then(get);
@@ -73,7 +82,8 @@ pub fn table(rows: &[Row]) -> Result<Table, ReplayError> {
     Ok(Table::new(NAME, TITLE, columns)?)
 }
 
-/// The replays of several conditions as one table in the order of participant, session and trial; `None` for none.
+/// The replays of several conditions as one table in the order of participant, session and trial;
+/// `None` for none.
 ///
 /// # Errors
 /// Tables that are not of this stage.
@@ -102,7 +112,8 @@ mod tests {
         let table = table(&rows()).unwrap();
         let words: Vec<_> = table.texts("causality").unwrap().into_iter().flatten().collect();
         assert_eq!(words, ["force_driven", "position_driven", "closed_loop"]);
-        let there = |column| table.floats(column).unwrap().iter().map(Option::is_some).collect::<Vec<_>>();
+        let there =
+            |column| table.floats(column).unwrap().iter().map(Option::is_some).collect::<Vec<_>>();
         assert_eq!(there("rmse_rad"), [true, false, true]);
         assert_eq!(there("peak_error_n"), [false, true, false]);
         assert_eq!(there("vaf"), [true; 3]);

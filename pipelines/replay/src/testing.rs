@@ -13,7 +13,8 @@ const REST_RAD: f64 = -core::f64::consts::FRAC_PI_4;
 /// The template's study, its first environment a spring of 4 N/rad that rests at −45°.
 pub(crate) fn study() -> Study {
     let mut study = Study::from_toml(&zwidth_study::template(&"demo".parse().unwrap())).unwrap();
-    study.environments[0].scene = Scene::Spring(Spring { stiffness_n_per_rad: 4.0, rest_rad: REST_RAD });
+    study.environments[0].scene =
+        Scene::Spring(Spring { stiffness_n_per_rad: 4.0, rest_rad: REST_RAD });
     study
 }
 
@@ -36,7 +37,8 @@ fn meta(mode: &str) -> TrialMeta {
     }
 }
 
-/// Uneven times over four seconds; a push that rises to 3.5 N and falls again, and half a second of rest at both ends.
+/// Uneven times over four seconds; a push that rises to 3.5 N and falls again, and half a second of
+/// rest at both ends.
 fn push() -> Series {
     let time = |i: u32| STEP_S * (f64::from(i) + if i.is_multiple_of(3) { 0.0 } else { 0.1 });
     let t_s: Vec<f64> = (0..=800).map(time).collect();
@@ -45,7 +47,8 @@ fn push() -> Series {
     Series { t_s, value }
 }
 
-/// A trial as the model records it: the push, its motion, and the voltages of what the actuators give.
+/// A trial as the model records it: the push, its motion, and the voltages of what the actuators
+/// give.
 pub(crate) fn simulated(mode: &str, plant: &Parameters) -> Trial {
     let (meta, study, calibration) = (meta(mode), study(), calibration());
     let push = push();
@@ -56,14 +59,18 @@ pub(crate) fn simulated(mode: &str, plant: &Parameters) -> Trial {
     let run = Exact::default().run(&system, &Grid::Times(push.t_s.clone())).unwrap();
     let forces: Vec<_> = (0..run.len()).map(|i| run.forces(&system, i)).collect();
     let spring = |theta: f64| 4.0 * (theta - REST_RAD);
-    let brake = |theta: f64| if mode == "passive" { calibration.brake.voltage_v(spring(theta)) } else { 0.0 };
+    let brake = |theta: f64| {
+        if mode == "passive" { calibration.brake.voltage_v(spring(theta)) } else { 0.0 }
+    };
     let mut samples = Samples::default();
     samples.set(Signal::Time, push.t_s);
     samples.set(Signal::Theta, run.theta_rad().collect());
     samples.set(Signal::ThetaDot, run.theta_dot_rad_s().collect());
     samples.set(Signal::ForceEx, push.value);
-    samples
-        .set(Signal::VoltageMotor, forces.iter().map(|f| calibration.motor.voltage_v(f.motor_n)).collect());
+    samples.set(
+        Signal::VoltageMotor,
+        forces.iter().map(|f| calibration.motor.voltage_v(f.motor_n)).collect(),
+    );
     samples.set(Signal::VoltageBrake, run.theta_rad().map(brake).collect());
     Trial { meta, file: TrialFile::new(), samples }
 }

@@ -4,8 +4,8 @@ use zwidth_dynamics::Series;
 use zwidth_numerics::series::interpolate;
 use zwidth_numerics::updates::{Updates, updates};
 
-/// The force as straight lines between its sensor's updates, from t = 0 on. After the last update its value is held. Without ages
-/// each sample is an update. `t` starts at 0.
+/// The force as straight lines between its sensor's updates, from t = 0 on. After the last update
+/// its value is held. Without ages each sample is an update. `t` starts at 0.
 pub(crate) fn input(t: &[f64], force: &[f64], age: Option<&[f64]>) -> Series {
     let Some(age) = age else { return Series { t_s: t.to_vec(), value: force.to_vec() } };
     let Updates { t, values } = updates(t, force, age);
@@ -32,7 +32,8 @@ fn from_zero(series: Series) -> Series {
 mod tests {
     use super::*;
 
-    /// A ramp of 3 N/s sampled 1000 times a second by a sensor of 80 a second, whose values arrive 2 ms late.
+    /// A ramp of 3 N/s sampled 1000 times a second by a sensor of 80 a second, whose values arrive
+    /// 2 ms late.
     #[test]
     fn a_held_ramp_becomes_a_ramp_again() {
         let t: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();

@@ -18,8 +18,8 @@ impl Actuator {
     }
 }
 
-/// What acts while compressing and while decompressing, with its highest voltage, V: a mode of both has the brake on the
-/// way in and the motor on the way back (thesis §2.2).
+/// What acts while compressing and while decompressing, with its highest voltage, V: a mode of both
+/// has the brake on the way in and the motor on the way back (thesis §2.2).
 pub(crate) fn acting(mode: &Mode) -> [Option<(Actuator, f64)>; 2] {
     let motor = mode.motor_max_v.map(|v| (Actuator::Motor, v));
     let brake = mode.brake_max_v.map(|v| (Actuator::Brake, v));

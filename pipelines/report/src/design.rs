@@ -5,19 +5,28 @@ use crate::facts::{self, Fact};
 use zwidth_study::{Calibration, Mode, Study, VelocityFilter};
 use zwidth_tables::{Column, Table, TableError};
 
-/// Motor and brake as each mode uses them, one row a mode: highest voltages, what acts while compressing and while
-/// decompressing, and its largest force by `calibration`. `footnote` says where the calibration is from.
+/// Motor and brake as each mode uses them, one row a mode: highest voltages, what acts while
+/// compressing and while decompressing, and its largest force by `calibration`. `footnote` says
+/// where the calibration is from.
 ///
 /// # Errors
 /// A force that is not finite.
-pub fn modes_table(study: &Study, calibration: &Calibration, footnote: &str) -> Result<Table, TableError> {
+pub fn modes_table(
+    study: &Study,
+    calibration: &Calibration,
+    footnote: &str,
+) -> Result<Table, TableError> {
     let modes = &study.modes;
-    let volts =
-        |name, about, get: fn(&Mode) -> Option<f64>| Column::float(name, "V", about, modes.iter().map(get));
-    let word = |way: usize| {
-        modes.iter().map(move |m| acting(m)[way].map(|(actuator, _)| on_way(actuator, way).to_owned()))
+    let volts = |name, about, get: fn(&Mode) -> Option<f64>| {
+        Column::float(name, "V", about, modes.iter().map(get))
     };
-    let most = |way: usize| modes.iter().map(move |m| acting(m)[way].map(|a| force_n(calibration, a)));
+    let word = |way: usize| {
+        modes
+            .iter()
+            .map(move |m| acting(m)[way].map(|(actuator, _)| on_way(actuator, way).to_owned()))
+    };
+    let most =
+        |way: usize| modes.iter().map(move |m| acting(m)[way].map(|a| force_n(calibration, a)));
     let columns = vec![
         Column::text("mode", "how it is rendered", modes.iter().map(|m| Some(m.label.clone()))),
         volts("motor_max_v", "highest motor voltage used", |m| m.motor_max_v),
@@ -32,7 +41,11 @@ pub fn modes_table(study: &Study, calibration: &Calibration, footnote: &str) -> 
 
 /// A brake acts against the motion alone: on the way back that is no spring's force.
 fn on_way(actuator: Actuator, way: usize) -> &'static str {
-    if actuator == Actuator::Brake && way == 1 { "brake, against the return" } else { actuator.word() }
+    if actuator == Actuator::Brake && way == 1 {
+        "brake, against the return"
+    } else {
+        actuator.word()
+    }
 }
 
 /// The device and its control loop, as `study.toml` has them.
@@ -61,11 +74,12 @@ pub fn device_table(study: &Study) -> Result<Table, TableError> {
 
 fn velocity(filter: VelocityFilter) -> Fact {
     match filter {
-        VelocityFilter::Difference => {
-            Fact::new("velocity from angles", None, "").remarked("difference of the last two angles")
+        VelocityFilter::Difference => Fact::new("velocity from angles", None, "")
+            .remarked("difference of the last two angles"),
+        VelocityFilter::SecondOrder { cutoff_hz } => {
+            Fact::new("velocity from angles", Some(cutoff_hz), "Hz")
+                .remarked("differentiator with a second-order low-pass; its cut-off")
         }
-        VelocityFilter::SecondOrder { cutoff_hz } => Fact::new("velocity from angles", Some(cutoff_hz), "Hz")
-            .remarked("differentiator with a second-order low-pass; its cut-off"),
     }
 }
 
@@ -85,7 +99,10 @@ mod tests {
         assert_eq!(table.floats("compressing_max_n").unwrap(), [4.16, 13.0, 13.0].map(Some));
         assert_eq!(table.floats("decompressing_max_n").unwrap(), [4.16, 13.0, 2.08].map(Some));
         let back = table.texts("decompressing").unwrap();
-        assert_eq!(back, ["motor", "brake, against the return", "motor"].map(|w| Some(w.to_owned())));
+        assert_eq!(
+            back,
+            ["motor", "brake, against the return", "motor"].map(|w| Some(w.to_owned()))
+        );
         assert_eq!(table.notes(), ["from the thesis"]);
     }
 

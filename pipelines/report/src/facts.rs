@@ -31,11 +31,17 @@ impl Fact {
 /// The facts as a table, in order; the thesis' numbers and the remarks only where there are any.
 pub(crate) fn table(name: &str, title: &str, facts: &[Fact]) -> Result<Table, TableError> {
     let word = |word: &str| (!word.is_empty()).then(|| word.to_owned());
-    let text =
-        |name, about, get: fn(&Fact) -> &str| Column::text(name, about, facts.iter().map(|f| word(get(f))));
+    let text = |name, about, get: fn(&Fact) -> &str| {
+        Column::text(name, about, facts.iter().map(|f| word(get(f))))
+    };
     let mut columns = vec![
         text("quantity", "what it is", |f| &f.quantity),
-        Column::float("value", "1", "its value, in the unit beside it", facts.iter().map(|f| f.value)),
+        Column::float(
+            "value",
+            "1",
+            "its value, in the unit beside it",
+            facts.iter().map(|f| f.value),
+        ),
         text("unit", "its unit", |f| f.unit),
     ];
     if facts.iter().any(|f| f.printed.is_some()) {

@@ -30,13 +30,18 @@ pub struct Finding {
     pub shown: Shown,
 }
 
-/// What the trials of a study show, in sentences: for each environment what each mode did, then the modes against each
-/// other, then the answers. Descriptive: means over trials, no sentence goes beyond them, and none speaks of anybody who
-/// did not take part. `metrics` has one row a trial; `tally` is that of the answers.
+/// What the trials of a study show, in sentences: for each environment what each mode did, then the
+/// modes against each other, then the answers. Descriptive: means over trials, no sentence goes
+/// beyond them, and none speaks of anybody who did not take part. `metrics` has one row a trial;
+/// `tally` is that of the answers.
 ///
 /// # Errors
 /// A table that lacks a column.
-pub fn findings(study: &Study, metrics: &Table, tally: Option<&Table>) -> Result<Vec<Finding>, TableError> {
+pub fn findings(
+    study: &Study,
+    metrics: &Table,
+    tally: Option<&Table>,
+) -> Result<Vec<Finding>, TableError> {
     let mut found = Vec::new();
     for environment in &study.environments {
         let mut tried = Vec::new();
@@ -67,7 +72,11 @@ fn of_trials(n: usize) -> String {
 }
 
 /// What one mode made of the environment's spring.
-fn rendered(environment: &Environment, mode: &Mode, trials: &Trials) -> Result<Option<String>, TableError> {
+fn rendered(
+    environment: &Environment,
+    mode: &Mode,
+    trials: &Trials,
+) -> Result<Option<String>, TableError> {
     let Some(spring) = environment.scene.spring() else { return Ok(None) };
     let mut parts = Vec::new();
     if let Some((stiffness, n)) = trials.mean("stiffness_n_per_rad")? {
@@ -88,16 +97,23 @@ fn rendered(environment: &Environment, mode: &Mode, trials: &Trials) -> Result<O
     }
     match trials.mean("returned_energy_share")? {
         Some((share, _)) if share <= NOTHING_RETURNED => {
-            parts.push("none of the work put in came back: there was no spring on the way back".to_owned());
+            parts.push(
+                "none of the work put in came back: there was no spring on the way back".to_owned(),
+            );
         }
-        Some((share, _)) => parts.push(format!("{:.0} % of the work put in came back", 100.0 * share)),
+        Some((share, _)) => {
+            parts.push(format!("{:.0} % of the work put in came back", 100.0 * share))
+        }
         None => {}
     }
     Ok(Some(format!("{}, {}: {}.", environment.label, mode.label.to_lowercase(), parts.join("; "))))
 }
 
 /// How far each mode let the lever past the wall, the least first.
-fn wall_by_mode(environment: &Environment, tried: &[(&Mode, Trials)]) -> Result<Option<String>, TableError> {
+fn wall_by_mode(
+    environment: &Environment,
+    tried: &[(&Mode, Trials)],
+) -> Result<Option<String>, TableError> {
     let mut past = Vec::new();
     for (mode, trials) in tried {
         let mean = trials.mean("wall_past_max_rad")?;
@@ -108,20 +124,24 @@ fn wall_by_mode(environment: &Environment, tried: &[(&Mode, Trials)]) -> Result<
         format!("{:.2}° with {label} (reached in {n} of {all} trials)", rad.to_degrees())
     };
     let list: Vec<String> = past.iter().map(of).collect();
-    let text =
-        format!("{}: past the wall the lever went, on average, {}.", environment.label, list.join(", "));
+    let text = format!(
+        "{}: past the wall the lever went, on average, {}.",
+        environment.label,
+        list.join(", ")
+    );
     Ok((!list.is_empty()).then_some(text))
 }
 
-/// Of the modes that gave work back, the one that let the lever least far past a wall: what the thesis' §5.3.3 asks of a
-/// mode is both. None unless at least two modes met a wall.
+/// Of the modes that gave work back, the one that let the lever least far past a wall: what the
+/// thesis' §5.3.3 asks of a mode is both. None unless at least two modes met a wall.
 fn both(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableError> {
     let mut past = Vec::new();
     let mut gave = Vec::new();
     for mode in &study.modes {
         let trials = Trials::of(metrics, None, &mode.id)?;
-        let returned =
-            trials.mean("returned_energy_share")?.is_some_and(|(share, _)| share > NOTHING_RETURNED);
+        let returned = trials
+            .mean("returned_energy_share")?
+            .is_some_and(|(share, _)| share > NOTHING_RETURNED);
         let label = mode.label.to_lowercase();
         let mean = trials.mean("wall_past_max_rad")?;
         past.extend(mean.map(|(rad, _)| (rad, label.clone(), returned)));
@@ -143,7 +163,8 @@ fn both(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableError> {
 fn steadiness(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableError> {
     let (mut smooth, mut all, mut swung) = (0, 0, Vec::new());
     for mode in &study.modes {
-        let (still, n) = Trials::of(metrics, None, &mode.id)?.count("recorded_stability", "smooth")?;
+        let (still, n) =
+            Trials::of(metrics, None, &mode.id)?.count("recorded_stability", "smooth")?;
         (smooth, all) = (smooth + still, all + n);
         if still < n {
             swung.push(format!("{} of {n} with {}", n - still, mode.label.to_lowercase()));
@@ -151,7 +172,9 @@ fn steadiness(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableEr
     }
     let text = match (all, swung.as_slice()) {
         (0, _) => return Ok(None),
-        (_, []) => format!("In none of {all} trials did the lever swing fast; all {smooth} were smooth."),
+        (_, []) => {
+            format!("In none of {all} trials did the lever swing fast; all {smooth} were smooth.")
+        }
         (_, swung) => format!(
             "The lever swung fast in {all_but} of {all} trials: {}.",
             swung.join(", "),
@@ -163,7 +186,8 @@ fn steadiness(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableEr
 
 /// The median answer of each mode, an environment a sentence.
 fn answers(study: &Study, tally: &Table, simulated: bool) -> Result<Vec<Finding>, TableError> {
-    let [environments, modes, questions] = ["environment", "mode", "question"].map(|name| tally.texts(name));
+    let [environments, modes, questions] =
+        ["environment", "mode", "question"].map(|name| tally.texts(name));
     let (environments, modes, questions) = (environments?, modes?, questions?);
     let [low, high, n] = ["median_low", "median_high", "n"].map(|name| tally.integers(name));
     let (low, high, n) = (low?, high?, n?);
@@ -183,7 +207,8 @@ fn answers(study: &Study, tally: &Table, simulated: bool) -> Result<Vec<Finding>
         let list: Vec<String> = study.modes.iter().filter_map(of_mode).collect();
         let whose = if simulated { "simulated answer" } else { "answer" };
         if !list.is_empty() {
-            let text = format!("{}: the median {whose} was {}.", environment.label, list.join(", "));
+            let text =
+                format!("{}: the median {whose} was {}.", environment.label, list.join(", "));
             found.push(Finding { text, shown: Shown::Answers });
         }
     }
@@ -235,7 +260,8 @@ mod tests {
 
     #[test]
     fn the_modes_stand_in_the_order_in_which_the_wall_held() {
-        let past = |mode, deg: f64| Row { past_rad: Some(deg.to_radians()), ..row("spring_wall", mode) };
+        let past =
+            |mode, deg: f64| Row { past_rad: Some(deg.to_radians()), ..row("spring_wall", mode) };
         let rows = [past("active", 16.0), past("passive", 0.25), row("spring_wall", "passive")];
         let found = texts(&rows, None);
         let expect = "past the wall the lever went, on average, 0.25° with passive (reached in 1 of 2 trials), 16.00° \
@@ -250,7 +276,10 @@ mod tests {
             past_rad: Some(f64::to_radians(past)),
             ..row("spring_wall", mode)
         };
-        let found = texts(&[of("active", 0.8, 16.0), of("passive", 0.0, 0.25), of("hybrid", 0.4, 0.3)], None);
+        let found = texts(
+            &[of("active", 0.8, 16.0), of("passive", 0.0, 0.25), of("hybrid", 0.4, 0.3)],
+            None,
+        );
         let expect = "Work came back with active, hybrid; of these, hybrid let the lever least far past the wall, 0.30°.";
         assert!(found.iter().any(|f| f == expect), "{found:?}");
         let none = texts(&[of("passive", 0.0, 0.25), of("active", 0.0, 1.0)], None);
@@ -259,7 +288,8 @@ mod tests {
 
     #[test]
     fn an_oscillating_trial_is_told_with_its_mode() {
-        let rows = [Row { stability: "oscillating", ..row("spring", "hybrid") }, row("spring", "hybrid")];
+        let rows =
+            [Row { stability: "oscillating", ..row("spring", "hybrid") }, row("spring", "hybrid")];
         let found = texts(&rows, None);
         assert_eq!(found[1], "The lever swung fast in 1 of 2 trials: 1 of 2 with hybrid.");
     }
@@ -277,7 +307,8 @@ mod tests {
             number("median_high", 4),
         ];
         let tally = Table::new("likert", "", columns).unwrap();
-        let of = |source| texts(&[Row { source, ..row("spring", "active") }], Some(&tally))[2].clone();
+        let of =
+            |source| texts(&[Row { source, ..row("spring", "active") }], Some(&tally))[2].clone();
         assert_eq!(of("recorded"), "Spring: the median answer was 4 (agree) with active (n = 6).");
         assert!(of("twin").contains("the median simulated answer was"));
         assert_eq!(median(3, 4), "3 to 4");

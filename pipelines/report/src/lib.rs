@@ -1,8 +1,10 @@
-//! Stage: what a person reads first: the summary, and the tables of what was planned and what it came to.
+//! Stage: what a person reads first: the summary, and the tables of what was planned and what it
+//! came to.
 //!
-//! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of [`findings`].
-//! Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`] (2), [`model_table`] (3),
-//! [`device_table`] (4), [`weight_table`] (Appendix A). No files and no clock: data in, text and tables out.
+//! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of
+//! [`findings`]. Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`] (2),
+//! [`model_table`] (3), [`device_table`] (4), [`weight_table`] (Appendix A). No files and no clock:
+//! data in, text and tables out.
 
 mod actuation;
 mod design;
@@ -62,7 +64,8 @@ pub struct Summary {
 /// A figure or a table that was made, or a sentence that one of them shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Made {
-    /// Its file, from the summary's folder on, with `/`; of checked ids, so that a link needs no escape.
+    /// Its file, from the summary's folder on, with `/`; of checked ids, so that a link needs no
+    /// escape.
     pub path: String,
     /// What it shows, one line.
     pub caption: String,
@@ -77,13 +80,14 @@ pub struct Remark {
     pub why: String,
 }
 
-/// The summary in Markdown: what the study is, what was made, what was left out and what to read with care, and why; what
-/// it cannot show.
+/// The summary in Markdown: what the study is, what was made, what was left out and what to read
+/// with care, and why; what it cannot show.
 ///
-/// Simulated data are called so before anything else is said. With one participant, the text says that it
-/// speaks of nobody else. All texts given are escaped: they are set as they stand.
+/// Simulated data are called so before anything else is said. With one participant, the text says
+/// that it speaks of nobody else. All texts given are escaped: they are set as they stand.
 pub fn summary_markdown(summary: &Summary) -> String {
-    let facts = [sources(&summary.sources), Some(what_it_is(summary)), participants(summary.participants)];
+    let facts =
+        [sources(&summary.sources), Some(what_it_is(summary)), participants(summary.participants)];
     let mut parts = vec![format!("# {}", escape(&summary.title))];
     parts.extend(facts.into_iter().flatten());
     if !summary.shown.is_empty() {
@@ -98,7 +102,12 @@ pub fn summary_markdown(summary: &Summary) -> String {
         parts.push(section("Read with care", &summary.care, remark, ""));
     }
     if !summary.limits.is_empty() {
-        parts.push(section("What these data cannot show", &summary.limits, |limit| escape(limit), ""));
+        parts.push(section(
+            "What these data cannot show",
+            &summary.limits,
+            |limit| escape(limit),
+            "",
+        ));
     }
     parts.join("\n\n") + "\n"
 }
@@ -113,9 +122,13 @@ fn what_it_is(summary: &Summary) -> String {
     ];
     let counted: Vec<String> =
         counts.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(n, what)).collect();
-    let counted =
-        if counted.is_empty() { "no trial that counts, no sweep".to_owned() } else { counted.join(", ") };
-    let device = (!summary.device.is_empty()).then(|| format!("Device: {}. ", escape(&summary.device)));
+    let counted = if counted.is_empty() {
+        "no trial that counts, no sweep".to_owned()
+    } else {
+        counted.join(", ")
+    };
+    let device =
+        (!summary.device.is_empty()).then(|| format!("Device: {}. ", escape(&summary.device)));
     format!("{}Data: {counted}.", device.unwrap_or_default())
 }
 
@@ -218,23 +231,35 @@ Device: lever\\_2. Data: 2 participants, 4 sessions, 142 trials that count.
 
     #[test]
     fn one_participant_is_said_to_stand_for_nobody_else() {
-        let text = summary_markdown(&Summary { participants: 1, sessions: 1, trials: 1, ..sample() });
+        let text =
+            summary_markdown(&Summary { participants: 1, sessions: 1, trials: 1, ..sample() });
         assert!(text.contains("1 participant, 1 session, 1 trial that counts."), "{text}");
         assert!(text.contains("describes this one participant and nobody else"), "{text}");
     }
 
     #[test]
     fn simulated_data_are_called_so_before_anything_else() {
-        let text = summary_markdown(&Summary { sources: BTreeMap::from([(Source::Twin, 142)]), ..sample() });
-        assert_eq!(text.lines().nth(2), Some("**All data are simulated: nothing here was measured.**"));
+        let text = summary_markdown(&Summary {
+            sources: BTreeMap::from([(Source::Twin, 142)]),
+            ..sample()
+        });
+        assert_eq!(
+            text.lines().nth(2),
+            Some("**All data are simulated: nothing here was measured.**")
+        );
     }
 
     #[test]
     fn what_is_to_be_read_with_care_has_a_section_of_its_own() {
-        let care = vec![Remark { what: "P01 S01 trial 2".to_owned(), why: "61.0° lies outside".to_owned() }];
+        let care = vec![Remark {
+            what: "P01 S01 trial 2".to_owned(),
+            why: "61.0° lies outside".to_owned(),
+        }];
         let text = summary_markdown(&Summary { care, ..sample() });
         assert!(
-            text.contains("\n\n## Read with care\n\n- P01 S01 trial 2: 61.0° lies outside\n\n## What"),
+            text.contains(
+                "\n\n## Read with care\n\n- P01 S01 trial 2: 61.0° lies outside\n\n## What"
+            ),
             "{text}"
         );
     }

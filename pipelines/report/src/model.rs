@@ -4,12 +4,14 @@ use crate::facts::{self, Fact};
 use zwidth_dynamics::{BrakeLaw, Demand, Input, Scene};
 use zwidth_tables::{Table, TableError};
 
-/// Parameters of the model that a scene is, with the thesis' symbols; what the scene lacks (a finger, stops) is left out.
+/// Parameters of the model that a scene is, with the thesis' symbols; what the scene lacks (a
+/// finger, stops) is left out.
 ///
 /// # Errors
 /// A parameter that is not finite.
 pub fn model_table(scene: &Scene) -> Result<Table, TableError> {
-    let mut facts = vec![Fact::new("M_O, mass of the object (spring)", Some(scene.plant.mass_kg), "kg")];
+    let mut facts =
+        vec![Fact::new("M_O, mass of the object (spring)", Some(scene.plant.mass_kg), "kg")];
     facts.extend(scene.environment.zones.iter().flat_map(|zone| demand(zone.demand)));
     if let Some(finger) = &scene.finger {
         facts.extend([
@@ -22,7 +24,8 @@ pub fn model_table(scene: &Scene) -> Result<Table, TableError> {
     facts.extend([
         Fact::new("T, length of the simulation", Some(scene.duration_s), "s"),
         Fact::new("h, step", Some(scene.step_s * 1e3), "ms"),
-        Fact::new("F_ex, user force, largest", largest(&scene.input), "N").remarked(shape(&scene.input)),
+        Fact::new("F_ex, user force, largest", largest(&scene.input), "N")
+            .remarked(shape(&scene.input)),
     ]);
     if let Some([low, high]) = scene.plant.stops_rad {
         facts.push(Fact::new("θ_min, lower stop", Some(low.to_degrees()), "°"));
@@ -32,7 +35,8 @@ pub fn model_table(scene: &Scene) -> Result<Table, TableError> {
         Fact::new("L, lever", Some(scene.plant.lever_m), "m").remarked("not in the thesis' table"),
         Fact::new("F_m, largest motor force", Some(scene.motor.max_n), "N")
             .remarked("not in the thesis' table"),
-        Fact::new("F_b, largest brake force", Some(scene.brake.max_n), "N").remarked(brake(scene.brake.law)),
+        Fact::new("F_b, largest brake force", Some(scene.brake.max_n), "N")
+            .remarked(brake(scene.brake.law)),
     ]);
     facts::table("model", &format!("Parameters of the simulation model: {}", scene.name), &facts)
 }
@@ -51,9 +55,9 @@ fn demand(demand: Demand) -> Vec<Fact> {
 
 fn largest(input: &Input) -> Option<f64> {
     match input {
-        Input::Step { magnitude, .. } | Input::Ramp { magnitude, .. } | Input::Sine { magnitude, .. } => {
-            Some(2.0 * magnitude)
-        }
+        Input::Step { magnitude, .. }
+        | Input::Ramp { magnitude, .. }
+        | Input::Sine { magnitude, .. } => Some(2.0 * magnitude),
         Input::Line { .. } | Input::Series(_) => None,
     }
 }
@@ -84,8 +88,11 @@ mod tests {
     fn the_scene_of_the_thesis_gives_the_numbers_of_its_table_3() {
         let text = include_str!("../../../scenes/sine_finger.toml");
         let table = model_table(&Scene::from_toml(text).unwrap()).unwrap();
-        let (names, values, units) =
-            (table.texts("quantity").unwrap(), table.floats("value").unwrap(), table.texts("unit").unwrap());
+        let (names, values, units) = (
+            table.texts("quantity").unwrap(),
+            table.floats("value").unwrap(),
+            table.texts("unit").unwrap(),
+        );
         let printed = [
             ("M_O", 0.005, "kg"),
             ("M_F", 0.021, "kg"),
@@ -101,7 +108,10 @@ mod tests {
         ];
         for (symbol, value, unit) in printed {
             let begins = format!("{symbol}, ");
-            let row = names.iter().position(|n| n.as_ref().is_some_and(|n| n.starts_with(&begins))).unwrap();
+            let row = names
+                .iter()
+                .position(|n| n.as_ref().is_some_and(|n| n.starts_with(&begins)))
+                .unwrap();
             assert!((values[row].unwrap() - value).abs() < 1e-12, "{symbol}: {:?}", values[row]);
             assert_eq!(units[row].as_deref(), Some(unit), "{symbol}");
         }

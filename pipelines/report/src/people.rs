@@ -24,7 +24,9 @@ pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<String> {
         sources.iter().map(|(s, n)| (*s, *n)).filter(|(_, n)| *n > 0).collect();
     match present.as_slice() {
         [] => None,
-        [(Source::Twin, _)] => Some("**All data are simulated: nothing here was measured.**".to_owned()),
+        [(Source::Twin, _)] => {
+            Some("**All data are simulated: nothing here was measured.**".to_owned())
+        }
         [(source, _)] => Some(format!("All data were {}.", origin(*source))),
         several => Some(mixed(several)),
     }
@@ -65,10 +67,12 @@ mod tests {
 
     #[test]
     fn the_sources_of_mixed_data_are_counted() {
-        let text =
-            sources(&BTreeMap::from([(Source::Recorded, 30), (Source::Twin, 10), (Source::Imported, 0)]));
-        let expect =
-            "**Some data are simulated.** Of 40 trials and sweeps: 30 recorded on the device, 10 simulated.";
+        let text = sources(&BTreeMap::from([
+            (Source::Recorded, 30),
+            (Source::Twin, 10),
+            (Source::Imported, 0),
+        ]));
+        let expect = "**Some data are simulated.** Of 40 trials and sweeps: 30 recorded on the device, 10 simulated.";
         assert_eq!(text.as_deref(), Some(expect));
         assert_eq!(
             sources(&BTreeMap::from([(Source::Imported, 3)])).as_deref(),

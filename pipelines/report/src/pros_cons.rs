@@ -1,4 +1,5 @@
-//! The thesis' Table 1: pros and cons of brake and motor, each beside what the study itself knows of it.
+//! The thesis' Table 1: pros and cons of brake and motor, each beside what the study itself knows
+//! of it.
 
 use crate::actuation::{active, passive};
 use crate::people::simulated;
@@ -9,8 +10,8 @@ use zwidth_tables::{Column, Table, TableError};
 /// Up to this share returned energy counts as none: a released lever moves on a little.
 const NOTHING_RETURNED: f64 = 0.01;
 
-/// Down to this balance of work, J, a device counts as one that gives nothing: the noise of the force sensor, 2 mN, over a
-/// stroke of 71 mm is 0.14 mJ.
+/// Down to this balance of work, J, a device counts as one that gives nothing: the noise of the
+/// force sensor, 2 mN, over a stroke of 71 mm is 0.14 mJ.
 const NOTHING_GIVEN_J: f64 = -1e-3;
 
 /// What a study knows.
@@ -51,8 +52,8 @@ const CLAIMS: [(&str, &str, &str, Find); 11] = [
     ("active", "con", "Can not render infinite stiffness", motor_passes_the_wall),
 ];
 
-/// The pros and cons of the thesis' Table 1, each beside the study's own metric and whether that supports or contradicts
-/// it; `not measured` where the study has none.
+/// The pros and cons of the thesis' Table 1, each beside the study's own metric and whether that
+/// supports or contradicts it; `not measured` where the study has none.
 ///
 /// # Errors
 /// Metrics that lack a column.
@@ -85,7 +86,8 @@ pub fn pros_cons_table(known: Known) -> Result<Table, TableError> {
         Column::text("verdict", "what the metric says of the claim", found.iter().map(verdict)),
         Column::text("remark", "with what it is compared", text(|e| e.remark.clone())),
     ];
-    let table = Table::new("pros_cons", "Pros and cons of brake and motor, beside this study", columns)?;
+    let table =
+        Table::new("pros_cons", "Pros and cons of brake and motor, beside this study", columns)?;
     Ok(notes(known)?.into_iter().fold(table, Table::with_note))
 }
 
@@ -93,7 +95,9 @@ fn notes(known: Known) -> Result<Vec<String>, TableError> {
     let Some(metrics) = known.metrics else { return Ok(Vec::new()) };
     let mut notes = Vec::new();
     if simulated(metrics)? {
-        notes.push("Metrics of trials are of simulated ones: they say what the model does.".to_owned());
+        notes.push(
+            "Metrics of trials are of simulated ones: they say what the model does.".to_owned(),
+        );
     }
     let mut people = metrics.texts("participant")?;
     people.sort();
@@ -156,13 +160,18 @@ fn a_wall(environment: &Environment) -> bool {
 }
 
 fn brake_never_gives(known: &Known) -> Result<Option<Evidence>, TableError> {
-    let (Some(metrics), Some(mode)) = (known.metrics, passive(known.study)) else { return Ok(None) };
+    let (Some(metrics), Some(mode)) = (known.metrics, passive(known.study)) else {
+        return Ok(None);
+    };
     let balances = Trials::of(metrics, None, &mode.id)?.floats("passivity_energy_j")?;
     Ok(balances.iter().copied().reduce(f64::min).map(|least| Evidence {
         metric: "lowest balance of the user's work on the device".to_owned(),
         value: least,
         unit: "J",
-        remark: format!("over {} trials; below 0 it would have given more than it got", balances.len()),
+        remark: format!(
+            "over {} trials; below 0 it would have given more than it got",
+            balances.len()
+        ),
         supported: least >= NOTHING_GIVEN_J,
     }))
 }
@@ -292,7 +301,11 @@ mod tests {
     fn what_the_trials_show_supports_or_contradicts() {
         let supported = verdicts(Some(&trials(0.2)));
         assert!(supported.iter().filter(|v| *v == "supported").count() == 9, "{supported:?}");
-        assert_eq!(verdicts(Some(&trials(0.005)))[10], "contradicted", "a motor that holds the wall");
+        assert_eq!(
+            verdicts(Some(&trials(0.005)))[10],
+            "contradicted",
+            "a motor that holds the wall"
+        );
         let weak = metrics(&[Row { returned: Some(0.5), ..row("spring", "passive") }]);
         assert_eq!(verdicts(Some(&weak))[3], "contradicted", "a brake that gives work back");
     }
@@ -301,7 +314,11 @@ mod tests {
     fn simulated_trials_and_a_single_participant_are_named_in_the_notes() {
         let (study, calibration) = (study(), Calibration::thesis());
         let of = |source, participants: [&'static str; 2]| {
-            let rows = participants.map(|participant| Row { source, participant, ..row("spring", "active") });
+            let rows = participants.map(|participant| Row {
+                source,
+                participant,
+                ..row("spring", "active")
+            });
             let metrics = metrics(&rows);
             let known = Known { study: &study, calibration: &calibration, metrics: Some(&metrics) };
             pros_cons_table(known).unwrap().notes().join(" ")

@@ -19,7 +19,8 @@ impl<'a> Trials<'a> {
         let (environments, modes) = (metrics.texts("environment")?, metrics.texts("mode")?);
         let is = |value: &Option<String>, id: &str| value.as_deref() == Some(id);
         let wanted = |row: &usize| {
-            environment.is_none_or(|e| is(&environments[*row], e.as_str())) && is(&modes[*row], mode.as_str())
+            environment.is_none_or(|e| is(&environments[*row], e.as_str()))
+                && is(&modes[*row], mode.as_str())
         };
         Ok(Self { metrics, rows: (0..metrics.height()).filter(wanted).collect() })
     }
@@ -83,7 +84,8 @@ pub(crate) mod testing {
         let text = |name, get: fn(&Row) -> &'static str| {
             Column::text(name, "", rows.iter().map(|r| Some(get(r).to_owned())))
         };
-        let float = |name, get: fn(&Row) -> Option<f64>| Column::float(name, "1", "", rows.iter().map(get));
+        let float =
+            |name, get: fn(&Row) -> Option<f64>| Column::float(name, "1", "", rows.iter().map(get));
         let columns = vec![
             text("participant", |r| r.participant),
             text("session", |_| "S01"),

@@ -5,15 +5,17 @@ use crate::facts::{self, Fact};
 use zwidth_study::{Calibration, Study};
 use zwidth_tables::{Table, TableError};
 
-/// Rated voltage of the thesis' motor, V: Faulhaber 2342S048C (§2.1). A study's file does not hold its motor's.
+/// Rated voltage of the thesis' motor, V: Faulhaber 2342S048C (§2.1). A study's file does not hold
+/// its motor's.
 const RATED_V: f64 = 48.0;
 
-/// What a motor and a brake would weigh if the motor were only as large as the hybrid mode needs it: the force of a motor
-/// goes with its volume (Hancock, the thesis' reference 23) and with its voltage, so that a motor used at the share s of
-/// its rated voltage could have the share s of its mass. None without masses or without a mode of both actuators.
+/// What a motor and a brake would weigh if the motor were only as large as the hybrid mode needs
+/// it: the force of a motor goes with its volume (Hancock, the thesis' reference 23) and with its
+/// voltage, so that a motor used at the share s of its rated voltage could have the share s of its
+/// mass. None without masses or without a mode of both actuators.
 ///
-/// Two slips of Appendix A and §6.3 are corrected and noted: at stall the power goes with the square of the voltage, and
-/// the weight saved is the motor's less the hybrid's.
+/// Two slips of Appendix A and §6.3 are corrected and noted: at stall the power goes with the
+/// square of the voltage, and the weight saved is the motor's less the hybrid's.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -23,7 +25,12 @@ pub fn weight_table(study: &Study, calibration: &Calibration) -> Option<Result<T
     Some(table(masses.motor_kg * 1e3, masses.brake_kg * 1e3, used_v, calibration))
 }
 
-fn table(motor_g: f64, brake_g: f64, used_v: f64, calibration: &Calibration) -> Result<Table, TableError> {
+fn table(
+    motor_g: f64,
+    brake_g: f64,
+    used_v: f64,
+    calibration: &Calibration,
+) -> Result<Table, TableError> {
     let share = used_v / RATED_V;
     let force_n = calibration.motor.force_n(used_v);
     let small_g = motor_g * share;
@@ -47,7 +54,8 @@ fn table(motor_g: f64, brake_g: f64, used_v: f64, calibration: &Calibration) -> 
             .printed(1.0 / 6.0)
             .remarked("power goes with the voltage squared: 1/36, not 1/6"),
     ];
-    let table = facts::table("weight", "Weight of a hybrid against a motor alone (Appendix A)", &facts)?;
+    let table =
+        facts::table("weight", "Weight of a hybrid against a motor alone (Appendix A)", &facts)?;
     Ok(table
         .with_note(
             "Two slips of the thesis are corrected: at stall the power goes with the square of the voltage, so that 8 of \
@@ -73,8 +81,17 @@ mod tests {
     fn the_thesis_masses_give_46_g_saved_and_a_thirty_sixth_of_the_power() {
         let table = weight_table(&study(), &Calibration::thesis()).unwrap().unwrap();
         let values: Vec<f64> = table.floats("value").unwrap().into_iter().flatten().collect();
-        let expect =
-            [88.0, 27.0, 8.0, 2.08, 12.48, 88.0 / 6.0, 27.0 + 88.0 / 6.0, 61.0 - 88.0 / 6.0, 1.0 / 36.0];
+        let expect = [
+            88.0,
+            27.0,
+            8.0,
+            2.08,
+            12.48,
+            88.0 / 6.0,
+            27.0 + 88.0 / 6.0,
+            61.0 - 88.0 / 6.0,
+            1.0 / 36.0,
+        ];
         for (found, expect) in values.iter().zip(expect) {
             assert!((found - expect).abs() < 1e-12, "{found} instead of {expect}");
         }

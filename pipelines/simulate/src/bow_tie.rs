@@ -1,4 +1,5 @@
-//! The bow tie of Fig. 31: force against angle where the lever's motion is given (Fig. 7), so that nothing can swing.
+//! The bow tie of Fig. 31: force against angle where the lever's motion is given (Fig. 7), so that
+//! nothing can swing.
 
 use crate::SimulateError;
 use zwidth_dynamics::{Forces, Scene, System};
@@ -15,12 +16,13 @@ struct Sample {
     forces: Forces,
 }
 
-/// The forces of a stroke from the lower stop to the upper one and back, at constant speed over the scene's duration:
-/// time, angle, velocity, the user's force that the motion needs, and what brake and motor make together and apart (N,
-/// above 0 they push into the object, +θ).
+/// The forces of a stroke from the lower stop to the upper one and back, at constant speed over the
+/// scene's duration: time, angle, velocity, the user's force that the motion needs, and what brake
+/// and motor make together and apart (N, above 0 they push into the object, +θ).
 ///
-/// There is no finger in it, nothing lags, and turning takes no force. Where the lever turns stand two rows of one time
-/// and one angle, the last of the way there and the first of the way back: a curve through them is vertical there.
+/// There is no finger in it, nothing lags, and turning takes no force. Where the lever turns stand
+/// two rows of one time and one angle, the last of the way there and the first of the way back: a
+/// curve through them is vertical there.
 ///
 /// # Errors
 /// A scene that makes no sense, or one without stops.
@@ -48,13 +50,18 @@ pub fn bow_tie_table(scene: &Scene) -> Result<Table, SimulateError> {
         float("t_s", "s", "time", |s| s.t_s),
         float("theta_rad", "rad", "lever angle, given", |s| s.theta_rad),
         float("theta_dot_rad_s", "rad/s", "lever velocity, given", |s| s.theta_dot_rad_s),
-        float("force_ex_n", "N", "force of the user that the motion needs", |s| s.forces.external_n),
-        float("force_total_n", "N", "brake and motor together", |s| s.forces.brake_n + s.forces.motor_n),
+        float("force_ex_n", "N", "force of the user that the motion needs", |s| {
+            s.forces.external_n
+        }),
+        float("force_total_n", "N", "brake and motor together", |s| {
+            s.forces.brake_n + s.forces.motor_n
+        }),
         float("force_brake_n", "N", "force of the brake", |s| s.forces.brake_n),
         float("force_motor_n", "N", "force of the motor", |s| s.forces.motor_n),
     ];
     let table = Table::new("bow_tie", &scene.name, columns)?;
-    Ok(table.with_note("A model with a given motion, not a measurement: no finger, and nothing lags."))
+    Ok(table
+        .with_note("A model with a given motion, not a measurement: no finger, and nothing lags."))
 }
 
 #[cfg(test)]
@@ -62,7 +69,8 @@ mod tests {
     use super::*;
     use zwidth_dynamics::{BrakeLaw, Environment, Input, Mode, table3};
 
-    /// A spring at rest in the middle, a brake that makes all of its force and a motor that makes 1 N.
+    /// A spring at rest in the middle, a brake that makes all of its force and a motor that makes 1
+    /// N.
     fn scene() -> Scene {
         let mut scene = table3::scene(Mode::Hybrid, Input::constant(0.0));
         scene.environment = Environment::spring(4.0, 0.0, 0.0);
@@ -72,7 +80,13 @@ mod tests {
     }
 
     fn column(name: &str) -> Vec<f64> {
-        bow_tie_table(&scene()).unwrap().floats(name).unwrap().into_iter().map(Option::unwrap).collect()
+        bow_tie_table(&scene())
+            .unwrap()
+            .floats(name)
+            .unwrap()
+            .into_iter()
+            .map(Option::unwrap)
+            .collect()
     }
 
     #[test]
@@ -91,9 +105,11 @@ mod tests {
     fn the_area_of_the_bow_tie_is_that_of_its_two_triangles() {
         let (theta, total) = (column("theta_rad"), column("force_total_n"));
         let next = |i: usize| (i + 1) % theta.len();
-        let area: f64 =
-            (0..theta.len()).map(|i| 0.5 * (total[i] + total[next(i)]) * (theta[next(i)] - theta[i])).sum();
-        // Above 1 N the two branches part: K (π/4 − 1/K)² / 2 on either side, in opposite turns, so that they cancel.
+        let area: f64 = (0..theta.len())
+            .map(|i| 0.5 * (total[i] + total[next(i)]) * (theta[next(i)] - theta[i]))
+            .sum();
+        // Above 1 N the two branches part: K (π/4 − 1/K)² / 2 on either side, in opposite turns, so
+        // that they cancel.
         assert!(area.abs() < 1e-9, "{area}");
         let triangle = 4.0 * (std::f64::consts::FRAC_PI_4 - 0.25).powi(2) / 2.0;
         let right: f64 = (0..theta.len())

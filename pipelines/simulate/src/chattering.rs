@@ -1,4 +1,5 @@
-//! Solvers and steps side by side on one scene: which oscillation is the method's, and which the model's.
+//! Solvers and steps side by side on one scene: which oscillation is the method's, and which the
+//! model's.
 
 use crate::run::{grid, highest};
 use crate::summary::verdict_word;
@@ -6,8 +7,8 @@ use crate::{DEFAULT_TOLERANCE, SimulateError, solver};
 use zwidth_dynamics::{Exact, Judgement, Scene, Solver, System, judge};
 use zwidth_tables::{Column, Table, TableError};
 
-/// Steps for a table of chattering, s: from the thesis' 8.3 ms to 0.05 ms, about evenly spaced in their
-/// logarithms.
+/// Steps for a table of chattering, s: from the thesis' 8.3 ms to 0.05 ms, about evenly spaced in
+/// their logarithms.
 pub const CHATTERING_STEPS_S: [f64; 12] =
     [8.3e-3, 5e-3, 3e-3, 2e-3, 1.3e-3, 0.83e-3, 0.5e-3, 0.3e-3, 0.2e-3, 0.13e-3, 0.083e-3, 0.05e-3];
 
@@ -24,13 +25,18 @@ struct Found {
     theta_max_rad: f64,
 }
 
-/// For each solver and step (s): reversals, the largest θ and its excess over the exact solver's, fast swings with
-/// their median amplitude, and the verdict. A run that fails has a row with its verdict and nothing else.
+/// For each solver and step (s): reversals, the largest θ and its excess over the exact solver's,
+/// fast swings with their median amplitude, and the verdict. A run that fails has a row with its
+/// verdict and nothing else.
 ///
 /// # Errors
-/// An unknown solver, a scene that makes no sense or that the exact solver cannot run (it is the reference), or too
-/// many samples.
-pub fn chattering_table(scene: &Scene, solvers: &[&str], steps_s: &[f64]) -> Result<Table, SimulateError> {
+/// An unknown solver, a scene that makes no sense or that the exact solver cannot run (it is the
+/// reference), or too many samples.
+pub fn chattering_table(
+    scene: &Scene,
+    solvers: &[&str],
+    steps_s: &[f64],
+) -> Result<Table, SimulateError> {
     let system = System::new(scene.clone())?;
     let exact = Exact::default().run(&system, &grid(&system, scene.step_s)?)?;
     let reference_rad = highest(&exact).0;
@@ -74,9 +80,12 @@ fn table(scene: &str, rows: &[Row], reference_rad: f64) -> Result<Table, TableEr
         count("fast_swings", "reversals within 0.1 s of the one before", |row| {
             row.found.as_ref().map(|_| row.judgement.swings[0].count)
         }),
-        float("swing_amplitude_rad", "rad", "median angle of a fast swing; 0 without any", &|row| {
-            row.found.as_ref().map(|_| row.judgement.swings[0].amplitude_rad)
-        }),
+        float(
+            "swing_amplitude_rad",
+            "rad",
+            "median angle of a fast swing; 0 without any",
+            &|row| row.found.as_ref().map(|_| row.judgement.swings[0].amplitude_rad),
+        ),
         text("verdict", "what the run is worth, by step halving", |row| {
             verdict_word(row.judgement.verdict).to_owned()
         }),
@@ -129,7 +138,8 @@ mod tests {
     fn a_run_that_fails_is_a_row_that_says_so() {
         let mut scene = table3::scene(Mode::Active, Input::sine(2.15));
         scene.plant.stops_rad = None;
-        // Each step is so long for tissue so stiff that it grows by many powers of ten, and nothing bounds it.
+        // Each step is so long for tissue so stiff that it grows by many powers of ten, and nothing
+        // bounds it.
         let finger = table3::finger(FingerLaw::Consistent);
         scene.finger = Some(Finger { stiffness_n_per_m: 1e12, length_m: None, ..finger });
         let table = chattering_table(&scene, &["rk4_per_step"], &[8.3e-3]).unwrap();

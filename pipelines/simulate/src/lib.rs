@@ -1,9 +1,9 @@
 //! Stage: model runs of scenes, as tables.
 //!
 //! [`simulate`] runs a scene with a solver chosen by name and judges the run by halving its step.
-//! [`trajectory_table`], [`events_table`] and [`Summary`] say what came out; [`chattering_table`] sets solvers
-//! and steps side by side, and [`bow_tie_table`] moves the lever there and back whatever the forces (thesis
-//! Fig. 7 and 31). Nothing here is measured, and every table says so.
+//! [`trajectory_table`], [`events_table`] and [`Summary`] say what came out; [`chattering_table`]
+//! sets solvers and steps side by side, and [`bow_tie_table`] moves the lever there and back
+//! whatever the forces (thesis Fig. 7 and 31). Nothing here is measured, and every table says so.
 //!
 //! Pure: a scene in memory, tables out; the same scene gives the same bits.
 
@@ -26,5 +26,6 @@ pub use summary::{Energy, FastSwings, Summary, Work, verdict_word};
 pub use trajectory::{events_table, trajectory_table};
 pub use zwidth_dynamics::{DynamicsError, Scene};
 
-/// Version of the tables' form: raised when the same scene would give another table. The solvers have their own tests.
+/// Version of the tables' form: raised when the same scene would give another table. The solvers
+/// have their own tests.
 pub const VERSION: u32 = 1;

@@ -3,7 +3,8 @@
 use crate::SimulateError;
 use zwidth_dynamics::{Grid, Judgement, Scene, Solver, System, Trajectory, judge};
 
-/// More samples than this are not kept: judging by step halving holds seven times as many states at once.
+/// More samples than this are not kept: judging by step halving holds seven times as many states at
+/// once.
 pub const MOST_SAMPLES: usize = 500_000;
 
 /// A finished run.
@@ -40,8 +41,8 @@ pub(crate) fn grid(system: &System, step_s: f64) -> Result<Grid, SimulateError> 
     Ok(Grid::filling(duration_s, step_s))
 }
 
-/// The largest θ, rad, and when it was reached first, s: over samples and events, so that a peak between samples is not
-/// missed.
+/// The largest θ, rad, and when it was reached first, s: over samples and events, so that a peak
+/// between samples is not missed.
 pub(crate) fn highest(run: &Trajectory) -> (f64, f64) {
     let samples = run.theta_rad().zip(run.t_s.iter().copied());
     let all = samples.chain(run.events.iter().map(|event| (event.theta_rad, event.t_s)));
@@ -60,7 +61,8 @@ mod tests {
     fn a_step_that_would_fill_the_memory_is_refused_with_its_size() {
         let mut scene = table3::scene(Mode::Hybrid, Input::sine(2.15));
         scene.step_s = 1e-9;
-        let error = simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap_err();
+        let error =
+            simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap_err();
         assert!(error.to_string().contains("4 s in steps of 0.000000001 s"), "{error}");
     }
 
@@ -68,7 +70,8 @@ mod tests {
     fn the_largest_angle_and_its_time_do_not_depend_on_the_samples() {
         for step_s in [1e-3, 8.3e-3, 0.9] {
             let scene = Scene { step_s, ..table3::scene(Mode::Hybrid, Input::sine(2.15)) };
-            let run = simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap();
+            let run =
+                simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap();
             let (theta_rad, t_s) = highest(&run.trajectory);
             assert!((theta_rad.to_degrees() - 14.40784).abs() < 1e-5, "{step_s}: {theta_rad} rad");
             assert!((t_s - 1.246_306).abs() < 2e-5, "{step_s}: {t_s} s");

@@ -1,6 +1,8 @@
 //! Facts about the committed scenes: what the thesis says of its figures comes out of them.
 
-use crate::{DEFAULT_TOLERANCE, Run, bow_tie_table, events_table, simulate, solver, trajectory_table};
+use crate::{
+    DEFAULT_TOLERANCE, Run, bow_tie_table, events_table, simulate, solver, trajectory_table,
+};
 use std::path::{Path, PathBuf};
 use zwidth_dynamics::{FingerLaw, Scene};
 use zwidth_tables::Table;
@@ -10,7 +12,8 @@ fn folder() -> PathBuf {
 }
 
 fn scene(stem: &str) -> Scene {
-    Scene::from_toml(&std::fs::read_to_string(folder().join(format!("{stem}.toml"))).unwrap()).unwrap()
+    Scene::from_toml(&std::fs::read_to_string(folder().join(format!("{stem}.toml"))).unwrap())
+        .unwrap()
 }
 
 fn stems() -> Vec<String> {
@@ -30,7 +33,8 @@ fn column(table: &Table, name: &str) -> Vec<f64> {
     table.floats(name).unwrap().into_iter().map(Option::unwrap).collect()
 }
 
-/// Runs a scene exactly and sees to it that its tables can be made: those refuse what is not finite.
+/// Runs a scene exactly and sees to it that its tables can be made: those refuse what is not
+/// finite.
 fn check(stem: &str, scene: Scene) {
     let run = run(scene, "exact");
     let table = trajectory_table(&run).unwrap();

@@ -19,11 +19,12 @@ pub const SOLVERS: [&str; 7] = [
 /// The solver that is used unless another is asked for.
 pub const DEFAULT_SOLVER: &str = SOLVERS[0];
 
-/// Relative error a step that the adaptive solvers aim for unless another is asked for; far below what a figure shows.
+/// Relative error a step that the adaptive solvers aim for unless another is asked for; far below
+/// what a figure shows.
 pub const DEFAULT_TOLERANCE: f64 = 1e-9;
 
-/// The solver of that name. `tolerance` (relative, a step) matters to the adaptive ones; the exact one accounts for
-/// the energy too.
+/// The solver of that name. `tolerance` (relative, a step) matters to the adaptive ones; the exact
+/// one accounts for the energy too.
 ///
 /// # Errors
 /// A name that is not one of [`SOLVERS`].
@@ -55,6 +56,9 @@ mod tests {
     #[test]
     fn an_unknown_name_is_told_with_those_there_are() {
         let error = solver("rk5", DEFAULT_TOLERANCE).err().unwrap().to_string();
-        assert!(error.contains("'rk5'") && SOLVERS.iter().all(|name| error.contains(name)), "{error}");
+        assert!(
+            error.contains("'rk5'") && SOLVERS.iter().all(|name| error.contains(name)),
+            "{error}"
+        );
     }
 }

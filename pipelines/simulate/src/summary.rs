@@ -32,8 +32,8 @@ pub struct Summary {
     pub verdict: &'static str,
     /// What the verdict rests on: fast swings at the step, at half of it, and at a quarter.
     pub fast_swings: [FastSwings; 3],
-    /// The other thing it rests on: largest growth a step in the regions met, over the exact flow's; above 1 the
-    /// step is unstable.
+    /// The other thing it rests on: largest growth a step in the regions met, over the exact
+    /// flow's; above 1 the step is unstable.
     pub amplification: f64,
     /// The law of the finger, if there is one: thesis or consistent.
     pub finger: Option<&'static str>,
@@ -57,7 +57,8 @@ pub struct FastSwings {
 /// How well the energy adds up.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Energy {
-    /// Work that is not accounted for, J. The finger law `thesis` leaves out a force, and its work shows here.
+    /// Work that is not accounted for, J. The finger law `thesis` leaves out a force, and its work
+    /// shows here.
     pub residual_j: f64,
     /// Sum of the sizes of all works, J.
     pub summed_j: f64,
@@ -97,7 +98,9 @@ impl Summary {
             fast_swings: fast_swings(run),
             amplification: run.judgement.amplification,
             finger: scene.finger.map(|finger| finger_word(finger.law)),
-            energy: of.energy.map(|e| Energy { residual_j: e.residual_j(), summed_j: e.summed_j() }),
+            energy: of
+                .energy
+                .map(|e| Energy { residual_j: e.residual_j(), summed_j: e.summed_j() }),
             work: Work {
                 steps: work.steps,
                 rejected: work.rejected,

@@ -8,16 +8,17 @@ use zwidth_tables::{Column, Table, TableError};
 /// A part of the force on the lever: column, meaning, how to pick it.
 type Part = (&'static str, &'static str, fn(&Forces) -> f64);
 
-/// The samples of a run: time, state, forces by part (N, above 0 they push into the object, +θ), and how the lever
-/// moves. A part that the scene does not have has no column.
+/// The samples of a run: time, state, forces by part (N, above 0 they push into the object, +θ),
+/// and how the lever moves. A part that the scene does not have has no column.
 ///
 /// # Errors
 /// None that a finished run can cause: solvers give no value that is not finite.
 pub fn trajectory_table(run: &Run) -> Result<Table, TableError> {
     let of = &run.trajectory;
     let forces: Vec<Forces> = (0..of.len()).map(|i| of.forces(&run.system, i)).collect();
-    let float =
-        |name, unit, about, values: Vec<f64>| Column::float(name, unit, about, values.into_iter().map(Some));
+    let float = |name, unit, about, values: Vec<f64>| {
+        Column::float(name, unit, about, values.into_iter().map(Some))
+    };
     let mut columns = vec![
         float("t_s", "s", "time", of.t_s.clone()),
         float("theta_rad", "rad", "lever angle", of.theta_rad().collect()),
@@ -35,7 +36,8 @@ pub fn trajectory_table(run: &Run) -> Result<Table, TableError> {
         columns.push(float(name, "N", about, forces.iter().map(part).collect()));
     }
     columns.extend(term_columns(run));
-    let motions = of.region.iter().map(|&i| Some(motion_word(of.regions[usize::from(i)].motion).to_owned()));
+    let motions =
+        of.region.iter().map(|&i| Some(motion_word(of.regions[usize::from(i)].motion).to_owned()));
     columns.push(Column::text("motion", "how the lever moves: forward, rest or backward", motions));
     let table = Table::new("trajectory", &run.system.scene().name, columns)?;
     Ok(notes(run).into_iter().fold(table, Table::with_note))
@@ -51,8 +53,14 @@ fn parts(run: &Run) -> Vec<Part> {
         (finger, ("force_tissue_n", "share of the finger's tissue", |f| f.tissue_n)),
         (true, ("force_motor_n", "force of the motor", |f| f.motor_n)),
         (true, ("force_brake_n", "force of the brake", |f| f.brake_n)),
-        (scene.friction.is_some(), ("force_friction_n", "friction of the drive train", |f| f.friction_n)),
-        (scene.plant.stops_rad.is_some(), ("force_stop_n", "force of a mechanical stop", |f| f.stop_n)),
+        (
+            scene.friction.is_some(),
+            ("force_friction_n", "friction of the drive train", |f| f.friction_n),
+        ),
+        (
+            scene.plant.stops_rad.is_some(),
+            ("force_stop_n", "force of a mechanical stop", |f| f.stop_n),
+        ),
     ];
     all.into_iter().filter_map(|(there, part)| there.then_some(part)).collect()
 }
@@ -100,11 +108,14 @@ pub fn events_table(run: &Run) -> Result<Table, TableError> {
         float("t_s", "s", "when it happened", |event| event.t_s),
         text("event", "what happened", |event| event_word(event.kind)),
         float("theta_rad", "rad", "lever angle there", |event| event.theta_rad),
-        text("motion", "how the lever moves from then on", |event| motion_word(event.region.motion)),
+        text("motion", "how the lever moves from then on", |event| {
+            motion_word(event.region.motion)
+        }),
     ];
     if run.system.scene().finger.is_some() {
-        columns
-            .push(text("tissue", "the fingertip from then on", |event| contact_word(event.region.contact)));
+        columns.push(text("tissue", "the fingertip from then on", |event| {
+            contact_word(event.region.contact)
+        }));
     }
     let table = Table::new("events", &format!("{}: events", run.system.scene().name), columns)?;
     Ok(table.with_note(notes(run)[0].clone()))
@@ -183,7 +194,9 @@ mod tests {
             table.fields().map(|f| f.name.to_string()).collect::<Vec<_>>()
         };
         let bare = names(sticking());
-        assert!(!bare.iter().any(|n| n.contains("tissue") || n == "finger_m" || n.contains("gravity")));
+        assert!(
+            !bare.iter().any(|n| n.contains("tissue") || n == "finger_m" || n.contains("gravity"))
+        );
         assert!(names(table3::with_finger(sticking())).contains(&"force_tissue_n".to_owned()));
     }
 
@@ -205,7 +218,8 @@ mod tests {
     #[test]
     fn the_events_tell_the_story_of_the_sticking_lever() {
         let table = events_table(&run(sticking())).unwrap();
-        let mut motions: Vec<String> = table.texts("motion").unwrap().into_iter().flatten().collect();
+        let mut motions: Vec<String> =
+            table.texts("motion").unwrap().into_iter().flatten().collect();
         motions.dedup();
         assert_eq!(motions, ["forward", "rest", "backward", "forward"]);
     }

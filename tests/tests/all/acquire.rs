@@ -1,5 +1,5 @@
-//! Sessions recorded by the program on the simulated device: through plain mode, killed and resumed, refused,
-//! blinded; and whole simulated studies.
+//! Sessions recorded by the program on the simulated device: through plain mode, killed and
+//! resumed, refused, blinded; and whole simulated studies.
 
 use crate::binary::{Ran, binary, ran, zwidth};
 use crate::folders::{files, listing};
@@ -25,7 +25,8 @@ impl Desk {
         Self::at(120.0, blinded)
     }
 
-    /// For real time on any machine, however busy: safety stops a loop that is late for three periods.
+    /// For real time on any machine, however busy: safety stops a loop that is late for three
+    /// periods.
     fn slow() -> Self {
         Self::at(30.0, false)
     }
@@ -157,12 +158,20 @@ fn a_session_said_line_by_line_leaves_every_trial_with_its_answer() {
         + &"start\n5\n".repeat(TRIALS - 1)
         + "note well done\nquit\n";
     let ran = desk.acquire(&lines, &[]).exits(0);
-    assert!(ran.out.contains("ready 1 (place 1 of 7)") && ran.out.contains("\ndone 7 of 7\n"), "{}", ran.out);
+    assert!(
+        ran.out.contains("ready 1 (place 1 of 7)") && ran.out.contains("\ndone 7 of 7\n"),
+        "{}",
+        ran.out
+    );
     assert!(ran.out.contains("trial 2 does not count: it is done again as trial 8"), "{}", ran.out);
     desk.verify();
     let session = desk.session();
-    assert_eq!((&session["trials_that_count"], &session["to_go"]), (&Value::from(6), &Value::from(0)));
-    let log = fs::read_to_string(desk.root().join("raw/small/sessions/P01_S01.events.jsonl")).unwrap();
+    assert_eq!(
+        (&session["trials_that_count"], &session["to_go"]),
+        (&Value::from(6), &Value::from(0))
+    );
+    let log =
+        fs::read_to_string(desk.root().join("raw/small/sessions/P01_S01.events.jsonl")).unwrap();
     assert!(log.contains("well done"), "{log}");
     assert_eq!(desk.acquire("quit\n", &[]).exits(0).out.lines().last(), Some("left 7 of 7"));
 }
@@ -203,7 +212,10 @@ fn a_killed_session_loses_no_trial_and_resumes_in_the_same_order() {
         resumed.out
     );
     assert_eq!(desk.record(), order);
-    assert_eq!((desk.trials(), &desk.session()["trials_that_count"]), (TRIALS + 1, &Value::from(6)));
+    assert_eq!(
+        (desk.trials(), &desk.session()["trials_that_count"]),
+        (TRIALS + 1, &Value::from(6))
+    );
     desk.verify();
     assert_eq!(
         zwidth(desk.root(), &["--json", "recover", "small"]).exits(0).json(),
@@ -265,14 +277,23 @@ fn a_second_process_is_refused_and_told_who_is_there() {
 fn a_session_refuses_what_is_not_what_it_began_with() {
     let desk = Desk::new(false);
     desk.acquire("start\n3\nquit\n", &[]).exits(3);
-    desk.acquire("", &["--rate", "60"]).exits(1).one_error().says(&["the rate is 60 Hz, and was 120 Hz"]);
+    desk.acquire("", &["--rate", "60"])
+        .exits(1)
+        .one_error()
+        .says(&["the rate is 60 Hz, and was 120 Hz"]);
     desk.acquire("", &["--seed", "5"]).exits(1).one_error().says(&["the seed is 5, and was "]);
     let trial = files(&desk.root().join("raw/small/trials"), "parquet").remove(0);
     let playback = format!("playback:{}", trial.display());
-    desk.acquire("", &["--device", &playback]).exits(1).one_error().says(&["the device is playback"]);
+    desk.acquire("", &["--device", &playback])
+        .exits(1)
+        .one_error()
+        .says(&["the device is playback"]);
     let calibration = desk.root().join("raw/small/calibration.toml");
-    fs::write(&calibration, zwidth_study::Calibration::thesis().to_toml().unwrap().replace("4.16", "4.0"))
-        .unwrap();
+    fs::write(
+        &calibration,
+        zwidth_study::Calibration::thesis().to_toml().unwrap().replace("4.16", "4.0"),
+    )
+    .unwrap();
     desk.acquire("", &[]).exits(1).one_error().says(&["the calibration is "]);
     fs::remove_file(calibration).unwrap();
     desk.finish().exits(0);
@@ -287,7 +308,9 @@ fn a_rig_a_bad_device_and_a_screen_without_a_terminal_are_one_clear_error_each()
         .one_error()
         .says(&["cannot drive a rig yet", "--device twin"]);
     live(&["--device", "robot"]).exits(2).says(&["twin|playback:FILE|rig:PORT,PORT"]);
-    zwidth(desk.root(), &["acquire", "small", "-p", "P/1", "-s", "S01"]).exits(2).says(&["participant id"]);
+    zwidth(desk.root(), &["acquire", "small", "-p", "P/1", "-s", "S01"])
+        .exits(2)
+        .says(&["participant id"]);
     zwidth(desk.root(), &["acquire", "small", "-p", "P01", "-s", "S01"])
         .exits(1)
         .one_error()
@@ -299,7 +322,8 @@ fn a_blinded_session_tells_no_mode_until_it_is_unsealed() {
     let desk = Desk::new(true);
     let key = desk.keys();
     let unseal = |more: &[&str]| {
-        let arguments = ["unseal", "small", "-p", "P01", "-s", "S01", "--key", key.to_str().unwrap()];
+        let arguments =
+            ["unseal", "small", "-p", "P01", "-s", "S01", "--key", key.to_str().unwrap()];
         zwidth(desk.root(), &[&arguments, more].concat())
     };
     let begun = desk.acquire("start\n3\nquit\n", &[]).exits(3);
@@ -321,16 +345,30 @@ fn a_blinded_session_tells_no_mode_until_it_is_unsealed() {
     unseal(&[]).exits(0);
     assert!(unseal(&[]).exits(0).err.contains("already"));
     let session = desk.session();
-    assert_eq!((&session["sealed"], &session["trials_that_count"]), (&Value::from(false), &Value::from(6)));
+    assert_eq!(
+        (&session["sealed"], &session["trials_that_count"]),
+        (&Value::from(false), &Value::from(6))
+    );
     desk.verify();
 }
 
 #[test]
-fn a_simulated_study_is_the_same_bytes_on_one_thread_and_on_many_and_other_bytes_from_another_seed() {
+fn a_simulated_study_is_the_same_bytes_on_one_thread_and_on_many_and_other_bytes_from_another_seed()
+{
     let make = |threads: &str, seed: &str| {
         let desk = Desk::new(false);
-        let arguments =
-            ["twin", "small", "--participants", "2", "--sessions", "2", "--seed", seed, "--key", "none"];
+        let arguments = [
+            "twin",
+            "small",
+            "--participants",
+            "2",
+            "--sessions",
+            "2",
+            "--seed",
+            seed,
+            "--key",
+            "none",
+        ];
         zwidth(desk.root(), &[&["--threads", threads], &arguments[..]].concat()).exits(0);
         desk.verify();
         let raw = listing(&desk.root().join("raw"));
@@ -342,7 +380,10 @@ fn a_simulated_study_is_the_same_bytes_on_one_thread_and_on_many_and_other_bytes
     assert_eq!(make("4", "2").1, one);
     assert_ne!(make("4", "3").1, one);
     let again = ["twin", "small", "--participants", "1", "--sessions", "1"];
-    zwidth(desk.root(), &again).exits(1).one_error().says(&["is there already", "choose another study"]);
+    zwidth(desk.root(), &again)
+        .exits(1)
+        .one_error()
+        .says(&["is there already", "choose another study"]);
 }
 
 #[test]
@@ -369,7 +410,9 @@ fn the_device_check_and_sweeps_are_recorded_on_the_simulated_device() {
     zwidth(desk.root(), &["characterise", "small", "motor", "--sweeps", "2"]).exits(0);
     let second = zwidth(desk.root(), &["characterise", "small", "motor"]).exits(0);
     assert!(second.out.contains("sweep-03.parquet"), "{second:#?}");
-    zwidth(desk.root(), &["characterise", "small", "motor", "--device", "rig:x"]).exits(1).one_error();
+    zwidth(desk.root(), &["characterise", "small", "motor", "--device", "rig:x"])
+        .exits(1)
+        .one_error();
     desk.verify();
     desk.finish().exits(0);
     assert!(desk.record()["checks"].as_array().is_some_and(|checks| checks.len() > 5));

@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// What lies on which floor. A place is a folder of the workspace; `pipelines/*` is every folder in it.
+/// What lies on which floor. A place is a folder of the workspace; `pipelines/*` is every folder in
+/// it.
 const FLOORS: [(u8, &[&str]); 7] = [
     (0, &["crates/study", "crates/numerics"]),
     (1, &["crates/dynamics", "crates/store", "crates/stats"]),
@@ -20,7 +21,8 @@ const FLOORS: [(u8, &[&str]); 7] = [
 /// Chores, tests and comparisons look at everything, and at peers; nothing looks at them.
 const TOP: u8 = 6;
 
-/// Libraries of other people that stay where they are below the top floor, and the places that may know them.
+/// Libraries of other people that stay where they are below the top floor, and the places that may
+/// know them.
 const CONFINED: [(&str, &[&str]); 8] = [
     ("arrow", &["crates/store", "crates/tables"]),
     ("parquet", &["crates/store"]),
@@ -52,7 +54,9 @@ fn is_at(place: &str, pattern: &str) -> bool {
 fn floor(place: &str) -> u8 {
     let found = FLOORS.iter().find(|(_, patterns)| patterns.iter().any(|p| is_at(place, p)));
     found
-        .unwrap_or_else(|| panic!("{place} is on no floor; give it one in this test and in ARCHITECTURE.md"))
+        .unwrap_or_else(|| {
+            panic!("{place} is on no floor; give it one in this test and in ARCHITECTURE.md")
+        })
         .0
 }
 
@@ -72,8 +76,8 @@ fn every_arrow_points_down() {
     assert!(arrows > 20, "only {arrows} arrows: were the members found?");
 }
 
-/// `rust-version` is a promise to whoever builds with that version. Our own code is held to it by clippy
-/// (`incompatible_msrv`), and what it is built of here.
+/// `rust-version` is a promise to whoever builds with that version. Our own code is held to it by
+/// clippy (`incompatible_msrv`), and what it is built of here.
 #[test]
 fn nothing_that_is_built_in_asks_for_a_newer_rust_than_ours() {
     let metadata = MetadataCommand::new()
@@ -90,7 +94,11 @@ fn nothing_that_is_built_in_asks_for_a_newer_rust_than_ours() {
         .map(|p| format!("{} {} asks for {:?}", p.name, p.version, p.rust_version))
         .collect();
     assert!(newer.is_empty(), "rust-version is {ours}, and {newer:?}");
-    assert!(metadata.packages.len() > 100, "{} packages: were they found?", metadata.packages.len());
+    assert!(
+        metadata.packages.len() > 100,
+        "{} packages: were they found?",
+        metadata.packages.len()
+    );
 }
 
 #[test]
@@ -120,7 +128,8 @@ fn libraries_of_one_purpose_stay_where_they_belong() {
 
 #[test]
 fn unsafe_code_is_forbidden_in_every_member() {
-    let table = |path: &Path| toml::from_str::<toml::Table>(&fs::read_to_string(path).unwrap()).unwrap();
+    let table =
+        |path: &Path| toml::from_str::<toml::Table>(&fs::read_to_string(path).unwrap()).unwrap();
     let root = table(&workspace().join("Cargo.toml"));
     assert_eq!(root["workspace"]["lints"]["rust"]["unsafe_code"].as_str(), Some("forbid"));
     for package in metadata().packages {
@@ -132,6 +141,7 @@ fn unsafe_code_is_forbidden_in_every_member() {
 #[test]
 fn cargo_run_means_the_program() {
     let metadata = metadata();
-    let default: Vec<&str> = metadata.workspace_default_packages().iter().map(|p| p.name.as_str()).collect();
+    let default: Vec<&str> =
+        metadata.workspace_default_packages().iter().map(|p| p.name.as_str()).collect();
     assert_eq!(default, ["zwidth"]);
 }

@@ -1,7 +1,7 @@
 //! A folder that cannot be written, and a disk that is full: one clear error, nothing half-written.
 //!
-//! Both are made in a mount namespace of an unprivileged user (`unshare -Urm`); where the system does not allow
-//! one, these tests say so and pass.
+//! Both are made in a mount namespace of an unprivileged user (`unshare -Urm`); where the system
+//! does not allow one, these tests say so and pass.
 
 use crate::binary::{Ran, binary, ran};
 use crate::folders::{files, listing};
@@ -72,7 +72,8 @@ fn study() -> Study {
 fn an_import_into_a_read_only_folder_is_one_error() {
     let study = study();
     let before = listing(study.root());
-    let script = format!("{READ_ONLY}; cd \"$1\"; \"$2\" import disk --map map.toml a.csv b.csv c.csv");
+    let script =
+        format!("{READ_ONLY}; cd \"$1\"; \"$2\" import disk --map map.toml a.csv b.csv c.csv");
     let Some(ran) = in_namespace(&script, &[study.root(), &binary()]) else { return };
     ran.exits(1).one_error().says(&[
         "raw/disk/",
@@ -87,18 +88,23 @@ fn an_import_into_a_read_only_folder_is_one_error() {
 fn a_run_in_a_read_only_folder_is_one_error() {
     let study = study();
     let before = listing(study.root());
-    let Some(ran) =
-        in_namespace(&format!("{READ_ONLY}; \"$2\" --root \"$1\" run -q"), &[study.root(), &binary()])
-    else {
+    let Some(ran) = in_namespace(
+        &format!("{READ_ONLY}; \"$2\" --root \"$1\" run -q"),
+        &[study.root(), &binary()],
+    ) else {
         return;
     };
     ran.exits(1).one_error().says(&["derived/disk", "Read-only", "choose another with --root"]);
     assert_eq!(listing(study.root()), before);
 }
 
-/// Copies the study onto a disk with so much room left, runs `command` there (`$2` is the program), and copies
-/// what there is then into the folder that is returned.
-fn on_a_small_disk(study: &Study, room_kib: u32, command: &str) -> Option<(Ran, tempfile::TempDir)> {
+/// Copies the study onto a disk with so much room left, runs `command` there (`$2` is the program),
+/// and copies what there is then into the folder that is returned.
+fn on_a_small_disk(
+    study: &Study,
+    room_kib: u32,
+    command: &str,
+) -> Option<(Ran, tempfile::TempDir)> {
     let (disk, after) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let script = format!(
         "mount -t tmpfs none \"$1\"; cp -r \"$3\"/. \"$1\"; cd \"$1\"; \

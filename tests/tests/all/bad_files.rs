@@ -1,4 +1,5 @@
-//! Files of the store that are damaged, foreign or misplaced: `verify` finds each, `run` tells it and goes on.
+//! Files of the store that are damaged, foreign or misplaced: `verify` finds each, `run` tells it
+//! and goes on.
 
 use crate::binary::zwidth;
 use crate::folders::{flip_bit, truncate};
@@ -45,8 +46,14 @@ fn a_whole_study_has_no_findings() {
 #[test]
 fn a_truncated_trial_is_found_and_left_out() {
     check(|path| truncate(path, 0), &["the file is empty", "restore the file"]);
-    check(|path| truncate(path, length(path) / 2), &["not a readable Parquet file", "restore the file"]);
-    check(|path| truncate(path, length(path) - 1), &["not a readable Parquet file", "restore the file"]);
+    check(
+        |path| truncate(path, length(path) / 2),
+        &["not a readable Parquet file", "restore the file"],
+    );
+    check(
+        |path| truncate(path, length(path) - 1),
+        &["not a readable Parquet file", "restore the file"],
+    );
 }
 
 #[test]
@@ -94,7 +101,10 @@ fn a_damaged_sweep_is_found_and_told_while_the_trials_are_analysed() {
     let study = study();
     truncate(&study.root().join("raw/files/sweeps/actuator=motor/sweep-01.parquet"), 300);
     let found = zwidth(study.root(), &["verify"]).exits(1);
-    assert!(found.out.contains("sweep-01.parquet") && found.out.contains("restore the file"), "{found:#?}");
+    assert!(
+        found.out.contains("sweep-01.parquet") && found.out.contains("restore the file"),
+        "{found:#?}"
+    );
     let words = ["left out: ", "sweep-01.parquet", "not a readable Parquet file"];
     zwidth(study.root(), &["run"]).exits(3).says(&words);
     assert!(study.layout().derived().join("metrics.parquet").exists());

@@ -1,5 +1,5 @@
-//! Bad recordings and bad mappings, through the program: one clear error that says file, column, row and remedy,
-//! and a study as it was before.
+//! Bad recordings and bad mappings, through the program: one clear error that says file, column,
+//! row and remedy, and a study as it was before.
 
 use crate::binary::{Ran, zwidth};
 use crate::folders::{flip_bit, listing, truncate};
@@ -86,7 +86,8 @@ impl World {
     #[track_caller]
     pub(crate) fn takes(&self, content: impl AsRef<[u8]>, forces_n: &[f64]) {
         self.import(&[self.file("good.csv", content)]).exits(0);
-        let path = self.folder.path().join("raw/rig/trials/participant=P01/session=S01/trial-001.parquet");
+        let path =
+            self.folder.path().join("raw/rig/trials/participant=P01/session=S01/trial-001.parquet");
         let trial = read_trial(&path, Signal::all()).unwrap();
         let found = trial.samples.get(Signal::ForceEx).unwrap();
         let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
@@ -111,13 +112,24 @@ fn a_wrong_unit_in_a_mapping_is_refused_with_its_line() {
     let volts = World::new().mapping("unit = \"deg\"", "unit = \"mV\"");
     volts.refuses_text(
         GOOD,
-        &["map.toml", "line 15", "column[0].unit", "mV", "theta_rad", "rad, mrad, deg", "mend the line"],
+        &[
+            "map.toml",
+            "line 15",
+            "column[0].unit",
+            "mV",
+            "theta_rad",
+            "rad, mrad, deg",
+            "mend the line",
+        ],
     );
     let unknown = World::new().mapping("unit = \"deg\"", "unit = \"furlong\"");
     unknown.refuses_text(GOOD, &["map.toml", "line 15", "furlong", "mend the line"]);
     // Millimetres become an angle only where the study's coordinate is a length.
     let length = World::new().mapping("unit = \"deg\"", "unit = \"mm\"");
-    length.refuses_text(GOOD, &["map.toml", "column angle", "coordinate.kind", "add it to study.toml"]);
+    length.refuses_text(
+        GOOD,
+        &["map.toml", "column angle", "coordinate.kind", "add it to study.toml"],
+    );
 }
 
 #[test]
@@ -131,9 +143,13 @@ fn a_missing_column_is_refused_with_the_columns_there_are() {
 #[test]
 fn a_cell_that_is_no_number_is_refused_with_column_and_row() {
     let world = World::new();
-    for (cell, what) in
-        [("NaN", "NaN is not a number"), ("inf", "finite"), ("1e999", "finite"), ("", "empty"), ("x", "'x'")]
-    {
+    for (cell, what) in [
+        ("NaN", "NaN is not a number"),
+        ("inf", "finite"),
+        ("1e999", "finite"),
+        ("", "empty"),
+        ("x", "'x'"),
+    ] {
         world.refuses_text(
             good_but("0.2", cell),
             &["bad.csv", "column f", "row 2", "line 3", what, "mend the cell"],
@@ -144,8 +160,14 @@ fn a_cell_that_is_no_number_is_refused_with_column_and_row() {
 #[test]
 fn time_that_runs_backwards_or_stands_still_is_refused_with_its_row() {
     for (time, what) in [("0.005", "0.005 s after 0.01 s"), ("0.01", "0.01 s after 0.01 s")] {
-        let words =
-            ["bad.csv", "column t", "row 3", "time runs backwards or stands still", what, "sort or mend"];
+        let words = [
+            "bad.csv",
+            "column t",
+            "row 3",
+            "time runs backwards or stands still",
+            what,
+            "sort or mend",
+        ];
         World::new().refuses_text(good_but("0.02", time), &words);
     }
 }
@@ -197,8 +219,10 @@ fn one_bad_file_among_good_ones_keeps_all_of_them_out() {
 
 #[test]
 fn denormals_are_taken_with_their_bits() {
-    World::new()
-        .takes(good_but("0.1", "1e-321").replace("0.2", "-1.98614e-321"), &[1e-321, -1.98614e-321, 0.4, 0.0]);
+    World::new().takes(
+        good_but("0.1", "1e-321").replace("0.2", "-1.98614e-321"),
+        &[1e-321, -1.98614e-321, 0.4, 0.0],
+    );
 }
 
 #[test]
@@ -212,8 +236,10 @@ fn semicolons_with_decimal_commas_are_taken_where_the_mapping_says_so() {
     let text = GOOD.replace(',', ";").replace('.', ",");
     let dialect = "kind = \"trials\"\n[file]\ndelimiter = \";\"\ndecimal = \",\"";
     World::new().mapping("kind = \"trials\"", dialect).takes(&text, &[0.1, 0.2, 0.4, 0.0]);
-    World::new()
-        .refuses_text(&text, &["bad.csv", "line 2 has 3 cells where 1 belong", "set delimiter in [file]"]);
+    World::new().refuses_text(
+        &text,
+        &["bad.csv", "line 2 has 3 cells where 1 belong", "set delimiter in [file]"],
+    );
     let delimiter = "kind = \"trials\"\n[file]\ndelimiter = \";\"";
     World::new().mapping("kind = \"trials\"", delimiter).refuses_text(
         "t;angle;f\n0;1;2\n1;1,5;2\n",
@@ -231,7 +257,10 @@ fn semicolons_with_decimal_commas_are_taken_where_the_mapping_says_so() {
 #[test]
 fn an_id_that_is_a_path_is_refused_everywhere() {
     let world = World::new().mapping("participant = \"P01\"", "participant = \"../x\"");
-    world.refuses_text(GOOD, &["'../x' is not a valid participant id", "change participant in the mapping"]);
+    world.refuses_text(
+        GOOD,
+        &["'../x' is not a valid participant id", "change participant in the mapping"],
+    );
     let world = World::new().mapping("session = \"S01\"", "session = { column = \"who\" }");
     let text = "t,angle,f,who\n0,1,2,../x\n";
     world.refuses_text(
@@ -281,8 +310,9 @@ fn a_study_or_a_mapping_that_is_not_there_or_not_understood_is_told() {
     let good = world.file("a.csv", GOOD);
     let map = world.file("map.toml", &world.map);
     let root = world.folder.path();
-    let import =
-        |study: &str, map: &str, file: &str| zwidth(root, &["import", study, "--map", map, file]).exits(1);
+    let import = |study: &str, map: &str, file: &str| {
+        zwidth(root, &["import", study, "--map", map, file]).exits(1)
+    };
     let (map, good) = (map.to_str().unwrap(), good.to_str().unwrap());
     import("nothing", map, good).says(&["raw/nothing/study.toml", "zwidth new nothing"]);
     import("rig", "nothing.toml", good).says(&["nothing.toml", "cannot read", "check the path"]);

@@ -72,7 +72,8 @@ impl Ran {
     #[track_caller]
     pub(crate) fn made(&self) -> Vec<String> {
         let made = self.json()[0]["made"].as_array().unwrap().clone();
-        let mut names: Vec<String> = made.iter().map(|e| e["name"].as_str().unwrap().to_owned()).collect();
+        let mut names: Vec<String> =
+            made.iter().map(|e| e["name"].as_str().unwrap().to_owned()).collect();
         names.sort();
         names
     }

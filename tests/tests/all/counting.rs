@@ -1,6 +1,8 @@
-//! Neither familiarisation nor superseded, excluded or incomplete trials enter a mean, a table or a tally.
+//! Neither familiarisation nor superseded, excluded or incomplete trials enter a mean, a table or a
+//! tally.
 //!
-//! Every trial that must not count pushes with an absurd force and answers 1 where the others answer 5.
+//! Every trial that must not count pushes with an absurd force and answers 1 where the others
+//! answer 5.
 
 use crate::binary::zwidth;
 use crate::folders::files;
@@ -30,7 +32,8 @@ fn combinations() -> Vec<(Kind, Status, bool, bool)> {
     all
 }
 
-/// A trial of one combination. What it answers comes as an event, which overrides the answer in its file.
+/// A trial of one combination. What it answers comes as an event, which overrides the answer in its
+/// file.
 fn combined(
     trial: u32,
     (environment, mode): (&'static str, &'static str),
@@ -110,7 +113,8 @@ fn the_plane_fits_are_those_of_the_trials_that_count() {
 fn the_tally_counts_the_answers_that_count_with_samples_or_without() {
     let tally = derived("likert.parquet");
     let (environments, modes) = (tally.texts("environment").unwrap(), tally.texts("mode").unwrap());
-    let rows: Vec<_> = environments.into_iter().flatten().zip(modes.into_iter().flatten()).collect();
+    let rows: Vec<_> =
+        environments.into_iter().flatten().zip(modes.into_iter().flatten()).collect();
     let condition = |e: &str, m: &str| (e.to_owned(), m.to_owned());
     assert_eq!(
         rows,

@@ -1,5 +1,6 @@
-//! What `verify` finds reaches whoever reads a result: each finding is a warning of `run`, stands in the summary, and in
-//! the exit code. So a run never looks complete when the log says that more was recorded.
+//! What `verify` finds reaches whoever reads a result: each finding is a warning of `run`, stands
+//! in the summary, and in the exit code. So a run never looks complete when the log says that more
+//! was recorded.
 
 use crate::binary::zwidth;
 use crate::folders::truncate;
@@ -21,12 +22,13 @@ fn summary(study: &Study) -> String {
 
 /// The lines of one section of the summary.
 fn section(summary: &str, title: &str) -> String {
-    let from = summary.split_once(&format!("## {title}\n")).map(|(_, rest)| rest).unwrap_or_default();
+    let from =
+        summary.split_once(&format!("## {title}\n")).map(|(_, rest)| rest).unwrap_or_default();
     from.split("\n## ").next().unwrap_or_default().to_owned()
 }
 
-/// After `damage` every run says these words on standard error and exits with 3, the section of the summary has them,
-/// `verify` finds the same, and `list` goes on.
+/// After `damage` every run says these words on standard error and exits with 3, the section of the
+/// summary has them, `verify` finds the same, and `list` goes on.
 #[track_caller]
 fn check(study: &Study, title: &str, words: &[&str]) {
     let found = zwidth(study.root(), &["verify"]).exits(1);
@@ -40,7 +42,10 @@ fn check(study: &Study, title: &str, words: &[&str]) {
             assert!(found.out.contains(word), "'{word}' is not in {found:#?}");
         }
         assert!(title != "Left out" || !summary.contains("Nothing was left out"), "{summary}");
-        assert!(!summary.contains(study.root().to_str().unwrap()), "a path of the machine is in {summary}");
+        assert!(
+            !summary.contains(study.root().to_str().unwrap()),
+            "a path of the machine is in {summary}"
+        );
     }
 }
 
@@ -83,7 +88,8 @@ fn an_edited_record_is_told_by_run_and_summary() {
 
 #[test]
 fn a_record_with_a_repeated_key_is_told_by_run_and_summary() {
-    let repeat = |s: &Study| edit(&s.record("P01"), "\"trials\"", "\"software\": \"other\", \"trials\"");
+    let repeat =
+        |s: &Study| edit(&s.record("P01"), "\"trials\"", "\"software\": \"other\", \"trials\"");
     damaged(repeat, &["P01_S01.json", "\"software\" stands twice"]);
 }
 
@@ -113,7 +119,8 @@ fn a_changed_and_a_deleted_sweep_are_told_by_run_and_summary() {
 fn a_journal_that_waits_for_recover_is_told_by_run_and_summary() {
     let leave = |s: &Study| {
         fs::create_dir_all(s.layout().journals()).unwrap();
-        fs::write(s.layout().journals().join("P01_S01.trial-004.journal"), "zwidth journal 1\n").unwrap();
+        fs::write(s.layout().journals().join("P01_S01.trial-004.journal"), "zwidth journal 1\n")
+            .unwrap();
     };
     damaged(leave, &["P01_S01.trial-004.journal", "a trial was cut short here"]);
 }
@@ -121,8 +128,10 @@ fn a_journal_that_waits_for_recover_is_told_by_run_and_summary() {
 #[test]
 fn what_counts_all_the_same_is_to_be_read_with_care_in_run_and_summary() {
     let twice = Study::new("found");
-    twice
-        .session("P01", &[draft(1, "spring", "hybrid"), Draft { repeat: 1, ..draft(2, "spring", "hybrid") }]);
+    twice.session(
+        "P01",
+        &[draft(1, "spring", "hybrid"), Draft { repeat: 1, ..draft(2, "spring", "hybrid") }],
+    );
     check(&twice, "Read with care", &["trials 1 and 2 both count as repeat 1 of spring × hybrid"]);
 
     let stray = study();
@@ -132,7 +141,9 @@ fn what_counts_all_the_same_is_to_be_read_with_care_in_run_and_summary() {
     let narrow = study();
     edit(&narrow.layout().study_toml(), "theta_max_deg = 45.0", "theta_max_deg = 20.0");
     check(&narrow, "Read with care", &["22.07° lies more than 2° outside of the work space"]);
-    assert!(section(&summary(&narrow), "Read with care").contains("P01 S01 trial 3, theta_rad, row "));
+    assert!(
+        section(&summary(&narrow), "Read with care").contains("P01 S01 trial 3, theta_rad, row ")
+    );
 
     let short = study();
     edit(&short.layout().study_toml(), "trial_limit_s = ", "trial_limit_s = 1.0 # ");
@@ -182,7 +193,9 @@ fn a_study_in_a_folder_whose_name_is_no_id_is_told_and_not_passed_by() {
     fs::create_dir(&odd).unwrap();
     fs::copy(study.layout().study_toml(), odd.join("study.toml")).unwrap();
     for command in ["run", "list"] {
-        zwidth(study.root(), &[command]).exits(3).says(&["\"my study\" is left out", "rename the folder"]);
+        zwidth(study.root(), &[command])
+            .exits(3)
+            .says(&["\"my study\" is left out", "rename the folder"]);
     }
     let found = zwidth(study.root(), &["verify"]).exits(1);
     assert!(found.out.contains("\"my study\" is left out"), "{found:#?}");
@@ -194,11 +207,14 @@ fn a_table_that_cannot_be_read_hides_no_other_table() {
     let study = study();
     zwidth(study.root(), &["run"]).exits(0);
     truncate(&study.layout().derived().join("metrics.parquet"), 100);
-    let listed =
-        zwidth(study.root(), &["table", "found"]).exits(3).says(&["unreadable: ", "metrics.parquet"]);
+    let listed = zwidth(study.root(), &["table", "found"])
+        .exits(3)
+        .says(&["unreadable: ", "metrics.parquet"]);
     assert!(listed.out.contains("conditions"), "{listed:#?}");
     zwidth(study.root(), &["table", "found", "conditions"]).exits(0);
-    zwidth(study.root(), &["table", "found", "metrics"]).exits(1).says(&["unreadable: ", "that can be read"]);
+    zwidth(study.root(), &["table", "found", "metrics"])
+        .exits(1)
+        .says(&["unreadable: ", "that can be read"]);
 }
 
 #[test]
@@ -215,7 +231,10 @@ fn nothing_was_left_out_is_not_said_where_nothing_counts() {
 #[test]
 fn ids_that_differ_only_by_case_or_are_names_of_devices_are_refused() {
     let study = study();
-    zwidth(study.root(), &["new", "FOUND"]).exits(1).one_error().says(&["differs from 'found' only by case"]);
+    zwidth(study.root(), &["new", "FOUND"])
+        .exits(1)
+        .one_error()
+        .says(&["differs from 'found' only by case"]);
     let twin = ["twin", "Found", "--participants", "1", "--sessions", "1"];
     zwidth(study.root(), &twin).exits(1).one_error().says(&["differs from 'found' only by case"]);
     for command in [&["new", "con"][..], &["verify", "NUL"]] {
@@ -224,7 +243,9 @@ fn ids_that_differ_only_by_case_or_are_names_of_devices_are_refused() {
     let acquire = ["acquire", "found", "-s", "S02", "--plain", "--auto", "--fast", "-p"];
     let ran = zwidth(study.root(), &[&acquire[..], &["p01"]].concat()).exits(1).one_error();
     ran.says(&["the participant 'p01' differs from 'P01' only by case"]);
-    zwidth(study.root(), &[&acquire[..], &["COM1"]].concat()).exits(2).says(&["Windows keeps this name"]);
+    zwidth(study.root(), &[&acquire[..], &["COM1"]].concat())
+        .exits(2)
+        .says(&["Windows keeps this name"]);
     assert!(!study.root().join("raw/FOUND").exists() && !study.root().join("raw/Found").exists());
 }
 

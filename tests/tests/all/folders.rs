@@ -24,8 +24,8 @@ pub(crate) fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Everything below a folder, hidden files too, but for a study's lock, which is nobody's data: relative path → hash of
-/// the content, a folder's is empty.
+/// Everything below a folder, hidden files too, but for a study's lock, which is nobody's data:
+/// relative path → hash of the content, a folder's is empty.
 pub(crate) fn listing(folder: &Path) -> BTreeMap<String, String> {
     let shown = |p: &PathBuf| p.strip_prefix(folder).unwrap().to_str().unwrap().to_owned();
     let hash = |p: &PathBuf| if p.is_dir() { String::new() } else { file_blake3(p).unwrap() };

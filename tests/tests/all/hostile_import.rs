@@ -1,5 +1,6 @@
-//! Recordings that claim too much, are given twice, lie where a pipe or a device is, or have names that steer a terminal;
-//! and imports that end before their end. Each is one clear error, and the study stays as it was.
+//! Recordings that claim too much, are given twice, lie where a pipe or a device is, or have names
+//! that steer a terminal; and imports that end before their end. Each is one clear error, and the
+//! study stays as it was.
 
 use crate::bad_import::{GOOD, World, good_but};
 use crate::binary::{Ran, binary, ran, zwidth};
@@ -18,7 +19,8 @@ impl World {
         Layout::new(self.root(), "rig".parse().unwrap())
     }
 
-    /// The import must be refused with these words, and nothing in what it says may steer a terminal.
+    /// The import must be refused with these words, and nothing in what it says may steer a
+    /// terminal.
     #[track_caller]
     fn refuses_plainly(&self, file: PathBuf, words: &[&str]) {
         let before = listing(&self.root().join("raw"));
@@ -39,8 +41,10 @@ fn a_recording_that_claims_more_than_is_read_is_refused_with_the_limit() {
     let world = World::new();
     let csv = |text: String| world.file("big.csv", text);
     let header: String = (0..1_000_000).map(|i| format!("c{i},")).collect();
-    world
-        .refuses_plainly(csv(header), &["big.csv", "line 1 has more than 16384 columns", "no more are read"]);
+    world.refuses_plainly(
+        csv(header),
+        &["big.csv", "line 1 has more than 16384 columns", "no more are read"],
+    );
     let long = format!("t,angle,f\n0,1,{}\n", "9".repeat(5_000_000));
     world.refuses_plainly(csv(long), &["line 2 has more than 1048576 bytes"]);
     let open = format!("t,angle,f\n0,1,\"{}\n", "2\n".repeat(1_000_000));
@@ -48,7 +52,8 @@ fn a_recording_that_claims_more_than_is_read_is_refused_with_the_limit() {
     let keys: String = (0..30_000).map(|i| format!("\"k{i}\":1,")).collect();
     let keys = world.file("keys.jsonl", format!("{{{}}}\n", keys.trim_end_matches(',')));
     world.refuses_plainly(keys, &["keys.jsonl", "has 30000 columns, and at most 16384 are read"]);
-    let skip = World::new().mapping("kind = \"trials\"", "kind = \"trials\"\n[file]\nskip = 1000000000000");
+    let skip = World::new()
+        .mapping("kind = \"trials\"", "kind = \"trials\"\n[file]\nskip = 1000000000000");
     skip.refuses_plainly(
         skip.file("a.csv", GOOD),
         &["skip = 1000000000000 passes the whole file by: it has 6 lines"],
@@ -65,7 +70,10 @@ fn deep_nesting_in_a_column_that_is_not_mapped_is_no_matter() {
     let file = world.file("deep.jsonl", line(0) + &line(1));
     world.import(&[file]).exits(0);
     let deeper = World::new().mapping("from = \"f\"", "from = \"x\"");
-    deeper.refuses_plainly(deeper.file("deep.jsonl", line(0)), &["column x", "row 1", "is not a number"]);
+    deeper.refuses_plainly(
+        deeper.file("deep.jsonl", line(0)),
+        &["column x", "row 1", "is not a number"],
+    );
 }
 
 #[test]
@@ -73,7 +81,10 @@ fn angles_and_times_that_no_rig_has_are_refused_with_column_and_row() {
     let world = World::new();
     for angle in ["1e6", "-1e6", "1e300", "-1e308"] {
         let file = world.file("a.csv", good_but("-42", angle));
-        world.refuses_plainly(file, &["column angle", "row 3", "line 4", "more than a thousand turns"]);
+        world.refuses_plainly(
+            file,
+            &["column angle", "row 3", "line 4", "more than a thousand turns"],
+        );
     }
     for time in ["1e5", "1e12", "1e308"] {
         let file = world.file("a.csv", good_but("0.03", time));
@@ -88,8 +99,8 @@ fn angles_and_times_that_no_rig_has_are_refused_with_column_and_row() {
         );
     }
     for number in ["1000001", "4294967295", "1e300"] {
-        let world =
-            World::new().mapping("mode = \"hybrid\"", "mode = \"hybrid\"\ntrial = { column = \"n\" }");
+        let world = World::new()
+            .mapping("mode = \"hybrid\"", "mode = \"hybrid\"\ntrial = { column = \"n\" }");
         let file = world.file("a.csv", format!("t,angle,f,n\n0,1,2,{number}\n"));
         world.refuses_plainly(file, &["column n", "must be a whole number from 1 to 1000000"]);
     }
@@ -119,14 +130,20 @@ fn a_pipe_a_device_a_folder_or_a_link_to_nothing_is_refused_at_once_as_recording
     ] {
         world.refuses_plainly(at(name), &[name, words]);
         let map = at(name);
-        zwidth(world.root(), &["import", "rig", "--map", map.to_str().unwrap(), good.to_str().unwrap()])
-            .exits(1)
-            .one_error()
-            .says(&[name, words]);
+        zwidth(
+            world.root(),
+            &["import", "rig", "--map", map.to_str().unwrap(), good.to_str().unwrap()],
+        )
+        .exits(1)
+        .one_error()
+        .says(&[name, words]);
     }
     // A link of a person's to a recording is one way to name it.
     symlink("good.csv", at("link.csv")).unwrap();
-    world.refuses(&[good, at("link.csv")], &["link.csv", "given twice", "good.csv has the same content"]);
+    world.refuses(
+        &[good, at("link.csv")],
+        &["link.csv", "given twice", "good.csv has the same content"],
+    );
     world.import(&[at("link.csv")]).exits(0);
 }
 
@@ -177,7 +194,10 @@ fn a_header_or_a_key_that_comes_twice_is_refused() {
         &["a.csv", "column note", "columns 4 and 5 have the same header", "rename one"],
     );
     let json = "{\"t\":0,\"angle\":1,\"f\":2}\n{\"t\":1,\"angle\":1,\"f\":2,\"f\":3}\n";
-    world.refuses_plainly(world.file("a.jsonl", json), &["a.jsonl", "line 2", "the key 'f' comes twice"]);
+    world.refuses_plainly(
+        world.file("a.jsonl", json),
+        &["a.jsonl", "line 2", "the key 'f' comes twice"],
+    );
 }
 
 #[test]
@@ -187,14 +207,18 @@ fn names_and_values_of_others_never_steer_a_terminal() {
     let shown = r"\u{1b}[2J\u{9b}31m\u{202e}";
     let csv = |text: &str| world.file("a.csv", text);
     world.refuses_plainly(csv(&format!("t,{steer},f\n0,1,2\n")), &["column angle", shown]);
-    world.refuses_plainly(csv(&format!("t,angle,f\n0,1,{steer}\n")), &["column f", shown, "is not a number"]);
+    world.refuses_plainly(
+        csv(&format!("t,angle,f\n0,1,{steer}\n")),
+        &["column f", shown, "is not a number"],
+    );
     let json = "{\"t\":0,\"angle\":1,\"\\u001b[2J\":2}\n";
     world.refuses_plainly(world.file("a.jsonl", json), &["the file has", r"\u{1b}[2J"]);
     if cfg!(unix) {
         let name = "a\nverify: fine\u{202e}.csv";
         let file = world.file(name, "t,angle\n0,1\n");
         world.refuses_plainly(file, &[r"a\nverify: fine\u{202e}.csv"]);
-        let good = world.file(name, GOOD.replace("f\n", &format!("f,{steer}\n")).replace(".1\n", ".1,x\n"));
+        let good = world
+            .file(name, GOOD.replace("f\n", &format!("f,{steer}\n")).replace(".1\n", ".1,x\n"));
         let text = fs::read_to_string(&good).unwrap();
         let rows: Vec<String> = text
             .lines()
@@ -216,16 +240,17 @@ fn an_import_that_was_cut_short_is_taken_back_by_the_next_one_and_by_recover() {
     world.import(std::slice::from_ref(&file)).exits(0);
     let whole = listing(&raw);
     let trial = "trials/participant=P01/session=S01/trial-001.parquet";
-    // As a kill leaves it after the trial and the copy of study.toml: neither record nor log, half a record beside.
+    // As a kill leaves it after the trial and the copy of study.toml: neither record nor log, half
+    // a record beside.
     let cut_short = || {
         let entry = |path: &str| {
             let blake3 = file_blake3(&raw.join(path)).unwrap();
             format!("{{\"path\":\"{path}\",\"blake3\":\"{blake3}\"}}")
         };
         let files =
-            [entry(trial), entry("sessions/P01_S01.study.toml"), entry("sessions/P01_S01.json")].join(",");
-        let folders =
-            "\"sessions\",\"trials\",\"trials/participant=P01\",\"trials/participant=P01/session=S01\"";
+            [entry(trial), entry("sessions/P01_S01.study.toml"), entry("sessions/P01_S01.json")]
+                .join(",");
+        let folders = "\"sessions\",\"trials\",\"trials/participant=P01\",\"trials/participant=P01/session=S01\"";
         let list = format!("{{\"files\":[{files}],\"folders\":[{folders}]}}");
         for name in ["P01_S01.json", "P01_S01.events.jsonl", "P01_S01.events.head"] {
             fs::remove_file(raw.join("sessions").join(name)).unwrap();
@@ -235,8 +260,14 @@ fn an_import_that_was_cut_short_is_taken_back_by_the_next_one_and_by_recover() {
     };
     cut_short();
     let found = zwidth(world.root(), &["verify", "rig"]).exits(1).out;
-    assert!(found.contains("import-unfinished.json") && found.contains("run the import again"), "{found}");
-    world.import(std::slice::from_ref(&file)).exits(0).says(&["an import was cut short, and the 2 files"]);
+    assert!(
+        found.contains("import-unfinished.json") && found.contains("run the import again"),
+        "{found}"
+    );
+    world
+        .import(std::slice::from_ref(&file))
+        .exits(0)
+        .says(&["an import was cut short, and the 2 files"]);
     zwidth(world.root(), &["verify", "rig"]).exits(0);
     assert_eq!(listing(&raw).keys().collect::<Vec<_>>(), whole.keys().collect::<Vec<_>>());
     cut_short();
@@ -263,13 +294,25 @@ fn of_two_imports_of_one_recording_at_once_exactly_one_goes_through() {
     let (map, file) = (world.file("map.toml", &world.map), world.file("a.csv", GOOD));
     let start = || {
         let mut command = Command::new(binary());
-        command.arg("--root").arg(world.root()).args(["import", "rig", "--map"]).arg(&map).arg(&file);
-        command.env_remove("ZWIDTH_ROOT").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        command
+            .arg("--root")
+            .arg(world.root())
+            .args(["import", "rig", "--map"])
+            .arg(&map)
+            .arg(&file);
+        command
+            .env_remove("ZWIDTH_ROOT")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
     };
     let both = [start(), start()].map(|child| ran(&child.wait_with_output().unwrap()));
     let through = |ran: &&Ran| ran.code == Some(0);
     assert_eq!(both.iter().filter(through).count(), 1, "{both:#?}");
-    let told = |ran: &Ran| ran.code == Some(0) || ran.err.contains("in use") || ran.err.contains("already");
+    let told = |ran: &Ran| {
+        ran.code == Some(0) || ran.err.contains("in use") || ran.err.contains("already")
+    };
     assert!(both.iter().all(told), "{both:#?}");
     zwidth(world.root(), &["verify", "rig"]).exits(0);
 }

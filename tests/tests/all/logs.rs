@@ -1,5 +1,5 @@
-//! A session whose record or event log is not whole has no trials that count: nobody knows which of them were
-//! superseded or excluded.
+//! A session whose record or event log is not whole has no trials that count: nobody knows which of
+//! them were superseded or excluded.
 
 use crate::binary::zwidth;
 use crate::folders::truncate;
@@ -14,22 +14,30 @@ fn study() -> Study {
     let study = Study::new("logs");
     study.session("P01", &repeats("spring", "hybrid", 1..=2));
     let superseded = vec![Event::Superseded { trial: 1, by: 2 }];
-    let drafts = [Draft { events: superseded, ..draft(1, "spring", "hybrid") }, draft(2, "spring", "hybrid")];
+    let drafts = [
+        Draft { events: superseded, ..draft(1, "spring", "hybrid") },
+        draft(2, "spring", "hybrid"),
+    ];
     study.session("P02", &drafts);
     study
 }
 
-/// After `damage` only the first participant's trials count, every run says what is wrong with `file`, and
-/// `verify` finds it.
+/// After `damage` only the first participant's trials count, every run says what is wrong with
+/// `file`, and `verify` finds it.
 #[track_caller]
 fn check(damage: impl Fn(&Study), file: &str, words: &str) {
     let study = study();
     damage(&study);
     for _ in 0..2 {
-        zwidth(study.root(), &["run", "--only", "metrics"]).exits(3).says(&["left out: ", file, words]);
+        zwidth(study.root(), &["run", "--only", "metrics"]).exits(3).says(&[
+            "left out: ",
+            file,
+            words,
+        ]);
     }
     let metrics = Table::from_parquet(&study.layout().derived().join("metrics.parquet")).unwrap();
-    let participants: Vec<_> = metrics.texts("participant").unwrap().into_iter().flatten().collect();
+    let participants: Vec<_> =
+        metrics.texts("participant").unwrap().into_iter().flatten().collect();
     assert_eq!(participants, ["P01", "P01"]);
     let found = zwidth(study.root(), &["verify"]).exits(1);
     assert!(found.out.contains(file) && found.out.contains(words), "{found:#?}");
@@ -69,7 +77,11 @@ fn a_cut_event_keeps_the_session_out() {
 #[test]
 fn a_missing_log_keeps_the_session_out() {
     let remove = |s: &Study| fs::remove_file(s.events("P02")).unwrap();
-    check(remove, "P02_S01.events.jsonl", "the log has 0 lines where its head counts 4: the others are gone");
+    check(
+        remove,
+        "P02_S01.events.jsonl",
+        "the log has 0 lines where its head counts 4: the others are gone",
+    );
 }
 
 #[test]
@@ -98,7 +110,8 @@ fn a_missing_record_keeps_the_session_out() {
 
 #[test]
 fn a_record_of_an_unknown_version_keeps_the_session_out() {
-    let version = |s: &Study| edit(&s.record("P02"), "\"schema_version\": 1", "\"schema_version\": 2");
+    let version =
+        |s: &Study| edit(&s.record("P02"), "\"schema_version\": 1", "\"schema_version\": 2");
     check(version, "P02_S01.json", "schema version 2 is unknown");
 }
 
@@ -110,14 +123,18 @@ fn a_record_under_another_sessions_name_keeps_the_session_out() {
 
 #[test]
 fn answers_that_make_no_sense_are_findings_with_their_row_and_give_no_tally() {
-    let answer =
-        |trial, question: &str, value| Event::Answer { trial, question: question.parse().unwrap(), value };
+    let answer = |trial, question: &str, value| Event::Answer {
+        trial,
+        question: question.parse().unwrap(),
+        value,
+    };
     for (event, words) in [
         (answer(1, "felt_spring", 9), "the answer to trial 1 is 9; answers are 1 to 5"),
         (answer(1, "felt_heat", 3), "question 'felt_heat' is not in study.toml"),
     ] {
         let study = study();
-        append_events(&RealFiles, &study.events("P01"), UTC, &[answer(1, "felt_spring", 4), event]).unwrap();
+        append_events(&RealFiles, &study.events("P01"), UTC, &[answer(1, "felt_spring", 4), event])
+            .unwrap();
         let found = zwidth(study.root(), &["verify"]).exits(1);
         assert!(
             found.out.contains("P01_S01.events.jsonl, row 5: ") && found.out.contains(words),
@@ -134,6 +151,7 @@ fn answers_that_make_no_sense_are_findings_with_their_row_and_give_no_tally() {
 fn a_trial_that_was_recorded_and_is_gone_is_told() {
     let study = study();
     fs::remove_file(study.trial("P01", 2)).unwrap();
-    let words = ["left out: ", "trial-002.parquet", "belongs to the session, but its file is missing"];
+    let words =
+        ["left out: ", "trial-002.parquet", "belongs to the session, but its file is missing"];
     zwidth(study.root(), &["run", "--only", "metrics"]).exits(3).says(&words);
 }

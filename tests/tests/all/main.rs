@@ -1,9 +1,11 @@
 //! Tests of the whole: the architecture, the program run on folders, bad input, real recordings.
 //!
-//! One test binary, a module a subject. The program under test is the one that `cargo test --workspace`
-//! builds beside this binary; `cargo test -p zwidth-tests` alone tests the one that was built last.
+//! One test binary, a module a subject. The program under test is the one that `cargo test
+//! --workspace` builds beside this binary; `cargo test -p zwidth-tests` alone tests the one that
+//! was built last.
 
-// Helpers of tests stand outside of `#[test]` functions, where clippy.toml's exemption does not reach.
+// Helpers of tests stand outside of `#[test]` functions, where clippy.toml's exemption does not
+// reach.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod acquire;

@@ -34,17 +34,22 @@ fn contains(bytes: &[u8], text: &str) -> bool {
 fn every_result_carries_its_origin_where_its_format_can_and_no_path_of_the_machine() {
     let root = shipped::folder();
     let records: Value =
-        serde_json::from_slice(&fs::read(root.join("derived/thesis-twin/records.json")).unwrap()).unwrap();
+        serde_json::from_slice(&fs::read(root.join("derived/thesis-twin/records.json")).unwrap())
+            .unwrap();
     let mut seen = BTreeSet::new();
     for record in records.as_object().unwrap().values() {
         let origin = record["origin"].as_str().unwrap();
         assert!(seen.insert(origin.to_owned()), "{origin} stands for two jobs");
         for (path, hash) in record["outputs"].as_object().unwrap() {
             let bytes = fs::read(root.join(path)).unwrap();
-            // CSV has no comments, and the same calibration must have the same hash, whoever made it.
+            // CSV has no comments, and the same calibration must have the same hash, whoever made
+            // it.
             let cannot = path.ends_with(".csv") || path.ends_with("calibration.toml");
             assert_eq!(contains(&bytes, origin), !cannot, "{path}");
-            assert!(!contains(&bytes, root.to_str().unwrap()), "{path} names a folder of this machine");
+            assert!(
+                !contains(&bytes, root.to_str().unwrap()),
+                "{path} names a folder of this machine"
+            );
             assert_eq!(hash.as_str().unwrap(), file_blake3(&root.join(path)).unwrap());
         }
     }
@@ -72,12 +77,19 @@ fn a_trace_goes_back_to_the_trials_of_the_figure_and_to_nothing_else() {
     assert_eq!(raw.len(), 18, "six repeats of three modes, and no trial of the other environment");
     for file in raw {
         let path = file["path"].as_str().unwrap();
-        assert!(path.starts_with("raw/thesis-twin/trials/participant=P01/session=S01/trial-"), "{path}");
+        assert!(
+            path.starts_with("raw/thesis-twin/trials/participant=P01/session=S01/trial-"),
+            "{path}"
+        );
         assert_eq!(file["blake3"].as_str().unwrap(), file_blake3(&root.join(path)).unwrap());
         assert_eq!(file["blake3"], file["now"]);
     }
     let own = traced["jobs"][0]["inputs"].as_object().unwrap();
-    assert_eq!(own.keys().filter(|path| path.starts_with("raw/")).count(), 18, "six repeats of three modes");
+    assert_eq!(
+        own.keys().filter(|path| path.starts_with("raw/")).count(),
+        18,
+        "six repeats of three modes"
+    );
     let from = ["study.toml", "sessions/P01_S01.json", "sessions/P01_S01.events.jsonl"];
     assert_eq!(words(&traced["parameters_from"]), from.map(|f| format!("raw/thesis-twin/{f}")));
 }
@@ -88,12 +100,17 @@ fn a_trace_of_forces_ends_in_sweeps_and_one_of_the_model_in_its_scene() {
     let range = only(root, &["trace", "reports/thesis-twin/figures/rendering_range.pdf"]);
     let raw = range["raw"].as_array().unwrap();
     assert_eq!(raw.len(), 45, "15 sweeps of the motor and 30 of the brake");
-    assert!(raw.iter().all(|f| f["path"].as_str().unwrap().contains("/sweeps/actuator=")), "{raw:#?}");
+    assert!(
+        raw.iter().all(|f| f["path"].as_str().unwrap().contains("/sweeps/actuator=")),
+        "{raw:#?}"
+    );
     let jobs = range["jobs"].as_array().unwrap();
     assert!(jobs.iter().any(|j| j["job"] == "calibration"), "{jobs:#?}");
     let model = only(root, &["trace", "reports/thesis-twin/tables/model.csv"]);
     assert_eq!(model["raw"], serde_json::json!([]));
-    assert!(words(&model["parameters_from"]).iter().any(|f| f.starts_with("scenes/sine_finger.toml")));
+    assert!(
+        words(&model["parameters_from"]).iter().any(|f| f.starts_with("scenes/sine_finger.toml"))
+    );
 }
 
 #[test]
@@ -113,21 +130,29 @@ fn a_copy_anywhere_is_traced_by_what_it_says_or_else_by_its_content() {
         ("tables/conditions.csv", "content", "table conditions"),
         ("summary.md", "origin", "summary"),
     ] {
-        let copy =
-            thesis.path().join(format!("fig1.{}", Path::new(file).extension().unwrap().to_str().unwrap()));
+        let copy = thesis
+            .path()
+            .join(format!("fig1.{}", Path::new(file).extension().unwrap().to_str().unwrap()));
         fs::copy(reports.join(file), &copy).unwrap();
         let traced = only(root, &["trace", copy.to_str().unwrap()]);
-        assert_eq!((traced["found_by"].as_str(), traced["job"].as_str()), (Some(by), Some(job)), "{file}");
+        assert_eq!(
+            (traced["found_by"].as_str(), traced["job"].as_str()),
+            (Some(by), Some(job)),
+            "{file}"
+        );
         assert_eq!(traced["path"], format!("reports/thesis-twin/{file}"));
         let why = only(root, &["why", copy.to_str().unwrap()]);
         assert_eq!((why["job"].as_str(), why["again"].as_str()), (Some(job), Some("no")), "{file}");
     }
-    // A chapter with two tables in it is from two jobs; an edited figure still says where it is from.
-    let text = |table: &str| fs::read_to_string(reports.join(format!("tables/{table}.tex"))).unwrap();
+    // A chapter with two tables in it is from two jobs; an edited figure still says where it is
+    // from.
+    let text =
+        |table: &str| fs::read_to_string(reports.join(format!("tables/{table}.tex"))).unwrap();
     let chapter = thesis.path().join("chapter.tex");
     fs::write(&chapter, format!("Results\n{}\n{}", text("weight"), text("likert"))).unwrap();
     let traced = zwidth(root, &["trace", chapter.to_str().unwrap(), "--json"]).exits(0).json();
-    let jobs: Vec<&str> = traced.as_array().unwrap().iter().map(|t| t["job"].as_str().unwrap()).collect();
+    let jobs: Vec<&str> =
+        traced.as_array().unwrap().iter().map(|t| t["job"].as_str().unwrap()).collect();
     assert_eq!(jobs, ["table likert", "table weight"]);
 }
 
@@ -145,7 +170,10 @@ fn a_copy_of_what_is_no_longer_made_says_so_once() {
         "--root",
     ]);
     fs::write(&copy, "<svg/>").unwrap();
-    zwidth(root.path(), &["trace", copy.to_str().unwrap()]).exits(1).one_error().says(&["fig.svg", "--root"]);
+    zwidth(root.path(), &["trace", copy.to_str().unwrap()])
+        .exits(1)
+        .one_error()
+        .says(&["fig.svg", "--root"]);
 }
 
 #[test]
@@ -160,7 +188,9 @@ fn why_of_what_is_up_to_date_tells_what_it_was_made_from() {
     let last = &why["last_made"];
     assert_eq!(last["inputs"][TRIAL], file_blake3(&root.join(TRIAL)).unwrap());
     assert!(last["parameters"].as_str().unwrap().contains("Rotational"));
-    assert!(last["dated"].as_str().unwrap().ends_with('Z') && last["version"].as_u64().unwrap() > 0);
+    assert!(
+        last["dated"].as_str().unwrap().ends_with('Z') && last["version"].as_u64().unwrap() > 0
+    );
     let text = zwidth(root, &["why", FIGURE]).exits(0).out;
     for part in [FIGURE, "made by", "last made", "zwidth:figures:", TRIAL, "Up to date"] {
         assert!(text.contains(part), "{part} is not in\n{text}");
@@ -184,7 +214,11 @@ fn why_and_trace_take_paths_from_the_current_folder_and_from_the_root() {
     assert_eq!(here(Path::new("/"), FIGURE), FIGURE);
     let mut command = Command::new(binary());
     command.args(["trace", FIGURE, "--json"]).current_dir(root).env_remove("ZWIDTH_ROOT");
-    assert_eq!(ran(&command.output().unwrap()).exits(0).json()[0]["path"], FIGURE, "with the root left out");
+    assert_eq!(
+        ran(&command.output().unwrap()).exits(0).json()[0]["path"],
+        FIGURE,
+        "with the root left out"
+    );
 }
 
 #[test]
@@ -216,7 +250,10 @@ fn why_names_the_input_that_changed_with_both_hashes_and_what_is_made_before() {
     );
     let text = zwidth(root.path(), &["why", FIGURE]).exits(0).out;
     assert!(
-        text.contains(&format!("input {TRIAL} is no longer part of it (recorded {})", &before[..12])),
+        text.contains(&format!(
+            "input {TRIAL} is no longer part of it (recorded {})",
+            &before[..12]
+        )),
         "{text}"
     );
     // What `why` says is what `run` does.
@@ -237,15 +274,15 @@ fn why_tells_a_changed_content_with_what_it_was_and_what_it_is() {
     shipped::change_sweep(root.path(), name);
     let why = only(root.path(), &["why", "reports/thesis-twin/figures/characteristic.motor.png"]);
     let now = file_blake3(&path).unwrap();
-    let expect =
-        serde_json::json!({"what": "input", "path": name, "recorded": before, "now": now, "how": "changed"});
+    let expect = serde_json::json!({"what": "input", "path": name, "recorded": before, "now": now, "how": "changed"});
     let reasons = why["reasons"].as_array().unwrap();
     assert!(reasons.contains(&expect), "{reasons:#?}");
     assert_eq!(
         (why["again"].as_str(), why["first"][0]["job"].as_str()),
         (Some("yes"), Some("characteristic of motor"))
     );
-    let traced = only(root.path(), &["trace", "reports/thesis-twin/figures/characteristic.motor.png"]);
+    let traced =
+        only(root.path(), &["trace", "reports/thesis-twin/figures/characteristic.motor.png"]);
     let sweep = traced["raw"].as_array().unwrap().iter().find(|file| file["path"] == name).unwrap();
     assert_eq!(
         (sweep["blake3"].as_str(), sweep["now"].as_str()),
@@ -260,14 +297,20 @@ fn why_tells_an_edited_a_missing_and_a_never_made_result() {
     fs::write(&path, "edited").unwrap();
     let why = only(root.path(), &["why", FIGURE]);
     let edited = &why["reasons"][0];
-    assert_eq!((edited["what"].as_str(), edited["how"].as_str()), (Some("output"), Some("changed")));
+    assert_eq!(
+        (edited["what"].as_str(), edited["how"].as_str()),
+        (Some("output"), Some("changed"))
+    );
     assert_eq!(edited["now"], file_blake3(&path).unwrap());
     assert!(zwidth(root.path(), &["trace", FIGURE]).exits(0).out.contains("edited since"));
     fs::remove_file(&path).unwrap();
     assert_eq!(only(root.path(), &["why", FIGURE])["reasons"][0]["how"], "missing");
     let fresh = shipped::raw();
     let why = only(fresh.path(), &["why", FIGURE]);
-    assert_eq!((why["reasons"][0]["what"].as_str(), &why["last_made"]), (Some("never_made"), &Value::Null));
+    assert_eq!(
+        (why["reasons"][0]["what"].as_str(), &why["last_made"]),
+        (Some("never_made"), &Value::Null)
+    );
     zwidth(fresh.path(), &["trace", FIGURE]).exits(1).one_error().says(&["zwidth run thesis-twin"]);
 }
 
@@ -278,7 +321,8 @@ fn why_tells_a_changed_parameter_with_both_values() {
     let text = fs::read_to_string(&toml).unwrap();
     assert!(text.contains("confidence = 0.95"));
     fs::write(&toml, text.replace("confidence = 0.95", "confidence = 0.9")).unwrap();
-    let why = only(root.path(), &["why", "derived/thesis-twin/average/P01.S01.spring.active.parquet"]);
+    let why =
+        only(root.path(), &["why", "derived/thesis-twin/average/P01.S01.spring.active.parquet"]);
     let reason = &why["reasons"][0];
     assert_eq!(reason["what"], "parameters");
     assert!(reason["recorded"].as_str().unwrap().contains("confidence: 0.95"), "{reason}");
@@ -306,14 +350,22 @@ fn a_trace_says_what_was_replaced_since_instead_of_guessing() {
     study.session("P01", &repeats("spring", "hybrid", 1..=3));
     let root = study.root();
     zwidth(root, &["run"]).exits(0);
-    let append =
-        |event| append_events(&RealFiles, &study.events("P01"), "2026-01-02T00:00:00Z", &[event]).unwrap();
+    let append = |event| {
+        append_events(&RealFiles, &study.events("P01"), "2026-01-02T00:00:00Z", &[event]).unwrap()
+    };
     append(Event::Excluded { trial: 2, reason: "slipped".into() });
     zwidth(root, &["run", "--only", "metrics of the study"]).exits(0);
     let traced = only(root, &["trace", "reports/demo/tables/conditions.csv"]);
     assert_eq!(traced["lost"][0]["path"], "derived/demo/conditions.parquet");
-    assert_eq!(traced["raw"], serde_json::json!([]), "which trials were behind it is not known any more");
+    assert_eq!(
+        traced["raw"],
+        serde_json::json!([]),
+        "which trials were behind it is not known any more"
+    );
     zwidth(root, &["run"]).exits(0);
     let traced = only(root, &["trace", "reports/demo/tables/conditions.csv"]);
-    assert_eq!((traced["lost"].as_array().unwrap().len(), traced["raw"].as_array().unwrap().len()), (0, 2));
+    assert_eq!(
+        (traced["lost"].as_array().unwrap().len(), traced["raw"].as_array().unwrap().len()),
+        (0, 2)
+    );
 }

@@ -1,5 +1,5 @@
-//! What `derived/<study>/records.json` names is not believed: a run writes and removes below the study's own two folders
-//! alone, and takes away nothing but what an earlier run made.
+//! What `derived/<study>/records.json` names is not believed: a run writes and removes below the
+//! study's own two folders alone, and takes away nothing but what an earlier run made.
 
 use crate::binary::{Ran, zwidth};
 use crate::folders::listing;
@@ -39,12 +39,17 @@ impl World {
 
     /// Everything but what a run may write: raw data, the other study, what lies outside.
     fn others(&self) -> [BTreeMap<String, String>; 3] {
-        [self.study.raw(), listing(&self.root().join("derived/theirs")), listing(self.outside.path())]
+        [
+            self.study.raw(),
+            listing(&self.root().join("derived/theirs")),
+            listing(self.outside.path()),
+        ]
     }
 
     /// Adds the record of a job that is no longer planned, with an output of that name and content.
     fn add_record(&self, path: &str, blake3: &str) {
-        let mut records: Value = serde_json::from_slice(&fs::read(self.records()).unwrap()).unwrap();
+        let mut records: Value =
+            serde_json::from_slice(&fs::read(self.records()).unwrap()).unwrap();
         records["figure of before"] = json!({
             "stage": "figures", "version": 1, "parameters": "", "inputs": {}, "outputs": { path: blake3 },
             "problems": [], "origin": ""
@@ -57,15 +62,21 @@ impl World {
     }
 }
 
-/// A record that names `path`, with the very hash of `file`, removes nothing and is told; the run is done all the same.
+/// A record that names `path`, with the very hash of `file`, removes nothing and is told; the run
+/// is done all the same.
 #[track_caller]
 fn check(path: impl Fn(&World) -> String, file: impl Fn(&World) -> PathBuf) {
     let world = World::new();
     let (path, file) = (path(&world), file(&world));
     world.add_record(&path, &file_blake3(&file).unwrap());
     let (before, results) = (world.others(), listing(&world.root().join("reports")));
-    let words =
-        ["read with care: ", "records.json", "figure of before", "is passed by", "find out who wrote it"];
+    let words = [
+        "read with care: ",
+        "records.json",
+        "figure of before",
+        "is passed by",
+        "find out who wrote it",
+    ];
     world.run().exits(3).says(&words).says(&[&path]);
     assert_eq!(world.others(), before, "{path}");
     assert_eq!(listing(&world.root().join("reports")), results, "{path}");
@@ -108,7 +119,8 @@ fn a_record_that_names_a_result_of_another_study_removes_nothing() {
 #[test]
 fn a_link_on_the_way_to_what_a_record_names_is_not_followed() {
     let world = World::new();
-    std::os::unix::fs::symlink(world.outside.path(), world.root().join("reports/ours/linked")).unwrap();
+    std::os::unix::fs::symlink(world.outside.path(), world.root().join("reports/ours/linked"))
+        .unwrap();
     let hash = file_blake3(&world.outside.path().join("thesis.tex")).unwrap();
     world.add_record("reports/ours/linked/thesis.tex", &hash);
     let before = world.others();
@@ -153,7 +165,11 @@ fn records_with_a_repeated_key_are_not_believed_and_everything_is_made_again() {
     let twice = text.replacen("\"stage\":", "\"stage\":\"x\",\"stage\":", 1);
     fs::write(world.records(), twice).unwrap();
     let results = listing(&world.root().join("reports"));
-    world.run().exits(3).says(&["records.json", "\"stage\" stands twice", "everything is made again"]);
+    world.run().exits(3).says(&[
+        "records.json",
+        "\"stage\" stands twice",
+        "everything is made again",
+    ]);
     assert_eq!(fs::read_to_string(world.records()).unwrap(), text);
     assert_eq!(listing(&world.root().join("reports")), results);
 }
@@ -174,8 +190,10 @@ fn records_of_thirty_thousand_keys_are_read_and_those_that_go_down_for_ever_are_
 fn half_written_files_of_runs_that_were_cut_short_are_swept_and_nothing_else_is() {
     let world = World::new();
     let at = |path: &str| world.root().join(path);
-    let litter =
-        ["derived/ours/.metrics.parquet.4000000000.tmp", "reports/ours/figures/.a.svg.4000000000.tmp"];
+    let litter = [
+        "derived/ours/.metrics.parquet.4000000000.tmp",
+        "reports/ours/figures/.a.svg.4000000000.tmp",
+    ];
     let kept = [
         "derived/theirs/.a.parquet.4000000000.tmp",
         "reports/ours/notes.tmp",
@@ -184,7 +202,9 @@ fn half_written_files_of_runs_that_were_cut_short_are_swept_and_nothing_else_is(
     litter.iter().chain(&kept).for_each(|path| fs::write(at(path), "half").unwrap());
     // In raw/ it is `recover` that sweeps; a run tells of it.
     world.run().exits(3).says(&["left out: ", ".study.toml.4000000000.tmp", "zwidth recover ours"]);
-    assert!(litter.iter().all(|path| !at(path).exists()) && kept.iter().all(|path| at(path).exists()));
+    assert!(
+        litter.iter().all(|path| !at(path).exists()) && kept.iter().all(|path| at(path).exists())
+    );
     zwidth(world.root(), &["recover", "ours"]).exits(0);
     world.run().exits(0);
 }

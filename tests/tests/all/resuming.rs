@@ -1,5 +1,5 @@
-//! Going on with a session: by its own study.toml, only if it is whole, by the command that was suggested; and what a
-//! blinded one leaves.
+//! Going on with a session: by its own study.toml, only if it is whole, by the command that was
+//! suggested; and what a blinded one leaves.
 
 use crate::acquire::{Desk, TRIALS};
 use crate::binary::{binary, ran, zwidth};
@@ -27,11 +27,15 @@ fn a_session_goes_on_by_its_own_study_toml_whatever_was_edited_meanwhile_and_say
     desk.finish().exits(0);
     assert_eq!(desk.record(), order);
     let verified = zwidth(desk.root(), &["verify", "small"]).exits(0);
-    assert!(verified.out.contains("note: ") && verified.out.contains("no findings"), "{verified:#?}");
+    assert!(
+        verified.out.contains("note: ") && verified.out.contains("no findings"),
+        "{verified:#?}"
+    );
 }
 
 #[test]
-fn a_change_of_study_toml_after_a_session_is_a_warning_that_names_the_command_which_makes_it_a_note() {
+fn a_change_of_study_toml_after_a_session_is_a_warning_that_names_the_command_which_makes_it_a_note()
+ {
     let desk = Desk::new(false);
     desk.finish().exits(0);
     desk.edit_study("pause_s = 3.0", "pause_s = 2.0");
@@ -42,7 +46,10 @@ fn a_change_of_study_toml_after_a_session_is_a_warning_that_names_the_command_wh
     let accepted = zwidth(desk.root(), &words[1..]).exits(0);
     assert!(accepted.out.contains("design.pause_s was 3.0 and is 2.0"), "{accepted:#?}");
     let verified = zwidth(desk.root(), &["verify", "small"]).exits(0);
-    assert!(verified.out.contains("note: study.toml is another than when P01 S01"), "{verified:#?}");
+    assert!(
+        verified.out.contains("note: study.toml is another than when P01 S01"),
+        "{verified:#?}"
+    );
     let again = zwidth(desk.root(), &["recover", "small", "--accept-study-change"]).exits(0);
     assert!(again.out.contains("no change waits"), "{again:#?}");
     zwidth(desk.root(), &["recover", "small", "--accept-study-change", "-p", "P01"]).exits(2);
@@ -56,7 +63,8 @@ fn a_session_whose_record_is_gone_or_edited_is_refused_before_anything_is_record
     desk.acquire("start\n3\nquit\n", &[]).exits(3);
     let record = desk.root().join("raw/small/sessions/P01_S01.json");
     let text = fs::read_to_string(&record).unwrap();
-    for (damage, words) in [(None, "its log is there"), (Some(text.replace("120.0", "121.0")), "not the one")]
+    for (damage, words) in
+        [(None, "its log is there"), (Some(text.replace("120.0", "121.0")), "not the one")]
     {
         fs::remove_file(&record).unwrap();
         if let Some(edited) = damage {
@@ -103,7 +111,16 @@ fn a_blinded_study_leaves_its_seed_in_no_file_and_its_seals_to_their_owner_whate
     let script = "umask 0; exec \"$0\" \"$@\"";
     let mut command = Command::new("sh");
     command.args(["-c", script]).arg(binary()).arg("--root").arg(desk.root());
-    command.args(["twin", "small", "--participants", "1", "--sessions", "2", "--seed", &SEED.to_string()]);
+    command.args([
+        "twin",
+        "small",
+        "--participants",
+        "1",
+        "--sessions",
+        "2",
+        "--seed",
+        &SEED.to_string(),
+    ]);
     ran(&command.arg("--key").arg(&keys).env_remove("ZWIDTH_ROOT").output().unwrap()).exits(0);
     let spellings = [
         SEED.to_string().into_bytes(),

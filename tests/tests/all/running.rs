@@ -1,5 +1,5 @@
-//! How a run goes: the same bytes whatever the folder and the threads, its lines, `--only`, `--dry-run`, `--fresh`, and
-//! the choices of study.toml for figures.
+//! How a run goes: the same bytes whatever the folder and the threads, its lines, `--only`,
+//! `--dry-run`, `--fresh`, and the choices of study.toml for figures.
 
 use crate::binary::{binary, ran, zwidth};
 use crate::folders::{copy, listing};
@@ -44,7 +44,8 @@ fn a_pipe_gets_plain_lines_one_a_stage_and_quiet_people_none() {
     study.session("P01", &repeats("spring", "hybrid", 1..=3));
     let run = zwidth(study.root(), &["run"]).exits(0);
     assert!(!run.err.contains('\u{1b}') && !run.err.contains('\r'), "{run:#?}");
-    let stages: Vec<&str> = run.err.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    let stages: Vec<&str> =
+        run.err.lines().filter_map(|line| line.split_whitespace().next()).collect();
     assert_eq!(stages, ["metrics", "average", "replay", "figures", "report", "tables", "summary"]);
     let quiet = zwidth(study.root(), &["--quiet", "run", "--fresh"]).exits(0);
     assert_eq!((quiet.err.as_str(), quiet.out.lines().count()), ("", 2), "{quiet:#?}");
@@ -76,9 +77,10 @@ fn dry_and_fresh_together_list_every_job_and_why_and_make_nothing() {
     );
     assert!(made.iter().all(|e| e["why"] == "asked to be made again"), "{made:#?}");
     // Of one figure alone: with what it needs, and no more.
-    let one = zwidth(root.path(), &["run", "--dry-run", "--fresh", "--only", "loops.P01.S01", "--json"])
-        .exits(0)
-        .made();
+    let one =
+        zwidth(root.path(), &["run", "--dry-run", "--fresh", "--only", "loops.P01.S01", "--json"])
+            .exits(0)
+            .made();
     let of = |stage: &str| one.iter().filter(|name| name.starts_with(stage)).count();
     assert_eq!((one.len(), of("metrics P01 S01 "), of("average P01 S01 ")), (13, 6, 6), "{one:?}");
     assert_eq!(listing(root.path()), before);
@@ -92,7 +94,8 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
     let choose = |choice: &str| {
         let (before, _) = text.split_once("[figures]").unwrap_or((&text, ""));
         let (_, after) = text.split_once("# What is rendered.").unwrap();
-        fs::write(&toml, format!("{before}[figures]\n{choice}\n\n# What is rendered.{after}")).unwrap();
+        fs::write(&toml, format!("{before}[figures]\n{choice}\n\n# What is rendered.{after}"))
+            .unwrap();
     };
     let before = file_blake3(&root.path().join(FIGURE)).unwrap();
     choose("modes.P01.S01.spring.alignment = \"landmarks\"");
@@ -108,15 +111,22 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
     let inputs = traced["jobs"][0]["inputs"].as_object().unwrap();
     assert_eq!(inputs.keys().filter(|path| path.contains("average/")).count(), 3);
     assert!(
-        inputs.keys().filter(|path| path.contains("average/")).all(|p| p.ends_with(".landmarks.parquet"))
+        inputs
+            .keys()
+            .filter(|path| path.contains("average/"))
+            .all(|p| p.ends_with(".landmarks.parquet"))
     );
     // Back to the default: the same bytes as before.
     choose("alignment = \"onset\"");
     zwidth(root.path(), &["run"]).exits(0);
     assert_eq!(file_blake3(&root.path().join(FIGURE)).unwrap(), before);
-    // A choice that no figure can follow is an error; one that no figure of the study follows is told.
+    // A choice that no figure can follow is an error; one that no figure of the study follows is
+    // told.
     choose("alignment = \"landmark\"");
-    zwidth(root.path(), &["run"]).exits(1).one_error().says(&["study.toml", "\"onset\" or \"landmarks\""]);
+    zwidth(root.path(), &["run"])
+        .exits(1)
+        .one_error()
+        .says(&["study.toml", "\"onset\" or \"landmarks\""]);
     choose("modes.P09.alignment = \"landmarks\"");
     zwidth(root.path(), &["run"]).exits(3).says(&["figures.modes.P09", "no such figure"]);
 }

@@ -39,8 +39,9 @@ pub(crate) fn change_sweep(root: &Path, name: &str) {
     log_sweeps(&RealFiles, &layout, "2026-01-02T00:00:00Z", &[logged]).unwrap();
 }
 
-/// The study run once, on four threads, for all tests of this process. It lies under `target/tmp`, because
-/// nothing removes it in the end; the lock keeps a second process of this test away meanwhile.
+/// The study run once, on four threads, for all tests of this process. It lies under `target/tmp`,
+/// because nothing removes it in the end; the lock keeps a second process of this test away
+/// meanwhile.
 static FINISHED: LazyLock<Finished> = LazyLock::new(|| {
     let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
     fs::create_dir_all(tmp).unwrap();

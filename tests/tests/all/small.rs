@@ -7,12 +7,12 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use zwidth_store::{
-    Layout, Quantity, RealFiles, Samples, Signal, Sweep, Trial, append_events, hex_blake3, lay_down,
-    log_sweeps, sweep_bytes, trial_bytes, write_new,
+    Layout, Quantity, RealFiles, Samples, Signal, Sweep, Trial, append_events, hex_blake3,
+    lay_down, log_sweeps, sweep_bytes, trial_bytes, write_new,
 };
 use zwidth_study::{
-    Event, Kind, ParticipantId, PlannedTrial, SessionId, SessionRecord, Source, Status, StudyId, TrialMeta,
-    template,
+    Event, Kind, ParticipantId, PlannedTrial, SessionId, SessionRecord, Source, Status, StudyId,
+    TrialMeta, template,
 };
 
 /// The time of every event.
@@ -142,7 +142,8 @@ impl Study {
             drafts.iter().map(planned).collect(),
         );
         lay_down(&RealFiles, &self.layout, UTC, &record, &study_toml).unwrap();
-        append_events(&RealFiles, &self.layout.events(&participant, &session_id()), UTC, &events).unwrap();
+        append_events(&RealFiles, &self.layout.events(&participant, &session_id()), UTC, &events)
+            .unwrap();
     }
 
     /// Writes one up-and-down sweep of the motor, and gives its file.
@@ -156,15 +157,24 @@ impl Study {
             command: Quantity { name: "voltage".to_owned(), unit: "V".to_owned() },
             response: Quantity { name: "force".to_owned(), unit: "N".to_owned() },
             t_s: Some((0..volts.len()).map(|i| i as f64 / RATE_HZ).collect()),
-            response_values: volts.iter().enumerate().map(|(i, v)| 0.26 * v + ripple(i as f64)).collect(),
+            response_values: volts
+                .iter()
+                .enumerate()
+                .map(|(i, v)| 0.26 * v + ripple(i as f64))
+                .collect(),
             command_values: volts,
             file: BTreeMap::new(),
         };
         let path = self.layout.sweep(&sweep.actuator, sweep.sweep);
         let bytes = sweep_bytes(&sweep, &path).unwrap();
         write_new(&RealFiles, &path, &bytes).unwrap();
-        log_sweeps(&RealFiles, &self.layout, UTC, &[(sweep.actuator, sweep.sweep, hex_blake3(&bytes))])
-            .unwrap();
+        log_sweeps(
+            &RealFiles,
+            &self.layout,
+            UTC,
+            &[(sweep.actuator, sweep.sweep, hex_blake3(&bytes))],
+        )
+        .unwrap();
         path
     }
 }
@@ -197,11 +207,14 @@ fn trial(draft: &Draft, participant: &ParticipantId) -> Trial {
     let theta = |t: f64| START_RAD + 0.5 * STROKE_RAD * (1.0 - (omega * t).cos());
     let theta_dot = |t: f64| 0.5 * STROKE_RAD * omega * (omega * t).sin();
     let spring = |t: f64| STIFFNESS_N_PER_RAD * (theta(t) - START_RAD);
-    let felt = |t: f64| spring(t) + FRICTION_N * theta_dot(t).signum() + ripple(t + f64::from(draft.trial));
+    let felt = |t: f64| {
+        spring(t) + FRICTION_N * theta_dot(t).signum() + ripple(t + f64::from(draft.trial))
+    };
     let mut samples = Samples::default();
     samples.set(Signal::Theta, column(&theta));
     samples.set(Signal::ThetaDot, column(&theta_dot));
-    samples.set(Signal::ThetaDdot, column(&|t| 0.5 * STROKE_RAD * omega * omega * (omega * t).cos()));
+    samples
+        .set(Signal::ThetaDdot, column(&|t| 0.5 * STROKE_RAD * omega * omega * (omega * t).cos()));
     samples.set(Signal::ForceEx, column(&|t| draft.force_n.unwrap_or_else(|| felt(t))));
     samples.set(Signal::ForceCmd, column(&|t| draft.force_n.unwrap_or_else(|| spring(t))));
     samples.set(Signal::Time, t);

@@ -1,13 +1,16 @@
-//! What must be absent from the sources of the lower floors and of the stages: files, clock, environment.
+//! What must be absent from the sources of the lower floors and of the stages: files, clock,
+//! environment.
 
 use crate::folders::{files, workspace};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Places that compute and nothing else: same input, same output, on any machine, at any time.
-const PURE: [&str; 5] = ["crates/study", "crates/numerics", "crates/dynamics", "crates/stats", "pipelines"];
+const PURE: [&str; 5] =
+    ["crates/study", "crates/numerics", "crates/dynamics", "crates/stats", "pipelines"];
 /// Ways to the world outside.
-const OUTSIDE: [&str; 6] = ["std::fs", "std::env", "std::net", "std::process", "SystemTime", "Instant"];
+const OUTSIDE: [&str; 6] =
+    ["std::fs", "std::env", "std::net", "std::process", "SystemTime", "Instant"];
 
 /// Sources below a place, but for tests, benches and examples.
 fn sources(place: &Path) -> Vec<PathBuf> {
@@ -16,7 +19,8 @@ fn sources(place: &Path) -> Vec<PathBuf> {
     sources
 }
 
-/// The modules that a source declares for tests only: `#[cfg(test)]`, and `mod name;` on the next line.
+/// The modules that a source declares for tests only: `#[cfg(test)]`, and `mod name;` on the next
+/// line.
 fn test_modules(text: &str) -> Vec<&str> {
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     let pairs = lines.windows(2).filter(|w| w[0] == "#[cfg(test)]");
@@ -55,7 +59,8 @@ fn the_lower_floors_and_the_stages_touch_no_file_no_clock_and_no_environment() {
         let tests: Vec<(PathBuf, String)> = sources
             .iter()
             .flat_map(|p| {
-                let names: Vec<String> = test_modules(&text(p)).into_iter().map(str::to_owned).collect();
+                let names: Vec<String> =
+                    test_modules(&text(p)).into_iter().map(str::to_owned).collect();
                 names.into_iter().map(|name| (folder_of_modules(p), name))
             })
             .collect();
@@ -80,7 +85,10 @@ fn modules_of_tests_are_told_from_others() {
 /// `.cargo/config.toml` gives proptest its seed, and no property chooses another.
 #[test]
 fn every_random_property_draws_from_one_seed() {
-    assert!(std::env::var("PROPTEST_RNG_SEED").is_ok(), "cargo sets no seed: is .cargo/config.toml there?");
+    assert!(
+        std::env::var("PROPTEST_RNG_SEED").is_ok(),
+        "cargo sets no seed: is .cargo/config.toml there?"
+    );
     let mut properties = 0;
     for path in files(&workspace().join("crates"), "rs") {
         let text = fs::read_to_string(&path).unwrap();
@@ -97,14 +105,16 @@ fn only_the_commands_that_may_hold_a_handle_that_writes_below_raw() {
     let holders = |handle: &str| -> Vec<String> {
         let holds = |path: &PathBuf| code(&fs::read_to_string(path).unwrap()).contains(handle);
         let name = |path: &PathBuf| path.file_stem().unwrap().to_str().unwrap().to_owned();
-        let mut found: Vec<String> = files(&commands, "rs").iter().filter(|p| holds(p)).map(name).collect();
+        let mut found: Vec<String> =
+            files(&commands, "rs").iter().filter(|p| holds(p)).map(name).collect();
         found.sort();
         found
     };
     assert_eq!(holders("Raw::mends("), ["import", "recover"]);
     assert_eq!(holders("Raw::adds("), ["acquire", "characterise", "recover", "twin", "unseal"]);
     assert_eq!(holders("Raw::new_study("), ["new", "twin"]);
-    // The disk itself is handed to what only reads, to the two handles, and to `simulate`, which has a folder of its own.
+    // The disk itself is handed to what only reads, to the two handles, and to `simulate`, which
+    // has a folder of its own.
     let writes = writes_without_handle();
     for path in files(&commands, "rs").iter().filter(|p| !p.ends_with("simulate/output.rs")) {
         for line in code(&fs::read_to_string(path).unwrap()).lines() {

@@ -1,5 +1,6 @@
-//! The thesis' story (§5.3), read from the tables that the main job derives of simulated studies: on the study that
-//! comes along, and with each assumed number of the simulated device at either end of its range.
+//! The thesis' story (§5.3), read from the tables that the main job derives of simulated studies:
+//! on the study that comes along, and with each assumed number of the simulated device at either
+//! end of its range.
 
 use crate::binary::zwidth;
 use crate::shipped;
@@ -23,8 +24,10 @@ struct Metrics {
 
 impl Metrics {
     fn read(root: &Path, study: &str) -> Self {
-        let table = Table::from_parquet(&root.join(format!("derived/{study}/metrics.parquet"))).unwrap();
-        let words = |name| table.texts(name).unwrap().into_iter().map(Option::unwrap).collect::<Vec<_>>();
+        let table =
+            Table::from_parquet(&root.join(format!("derived/{study}/metrics.parquet"))).unwrap();
+        let words =
+            |name| table.texts(name).unwrap().into_iter().map(Option::unwrap).collect::<Vec<_>>();
         let of = words("environment").into_iter().zip(words("mode")).collect();
         Self { table, of }
     }
@@ -33,7 +36,13 @@ impl Metrics {
     fn of(&self, environment: &str, mode: &str, name: &str) -> Vec<Option<f64>> {
         let all = match self.table.floats(name) {
             Ok(numbers) => numbers,
-            Err(_) => self.table.integers(name).unwrap().into_iter().map(|n| n.map(|n| n as f64)).collect(),
+            Err(_) => self
+                .table
+                .integers(name)
+                .unwrap()
+                .into_iter()
+                .map(|n| n.map(|n| n as f64))
+                .collect(),
         };
         let mine = self.of.iter().zip(all).filter(|((e, m), _)| e == environment && m == mode);
         let found: Vec<Option<f64>> = mine.map(|(_, number)| number).collect();
@@ -67,7 +76,8 @@ fn tells_the_story(root: &Path, study: &str, twin: &TwinParameters, rate_hz: f64
             each(environment, mode, "movements_backward", &|n| n >= 1.0);
         }
     }
-    // Active, spring: the user feels the motor's 4.16 N, and friction and damping on top while going in.
+    // Active, spring: the user feels the motor's 4.16 N, and friction and damping on top while
+    // going in.
     let drag_n = twin.friction_static_n + 1.0;
     each("spring", "active", "saturation_force_n", &|n| n > MOTOR_N - 0.02 && n < MOTOR_N + drag_n);
     // Passive: no way back, and hence nothing to compare; the work stays in the device.
@@ -81,7 +91,12 @@ fn tells_the_story(root: &Path, study: &str, twin: &TwinParameters, rate_hz: f64
     }
     // Hybrid, spring: the weaker motor takes over at the reversal.
     let step = |mode| metrics.mean("spring", mode, "discrepancy_step_n");
-    assert!(step("hybrid") > step("active") + 1.0, "{what}: {} against {}", step("hybrid"), step("active"));
+    assert!(
+        step("hybrid") > step("active") + 1.0,
+        "{what}: {} against {}",
+        step("hybrid"),
+        step("active")
+    );
     // The wall: the motor is pushed past it by degrees; the brake holds.
     each("spring_wall", "active", "wall_past_max_rad", &|past| past > 2_f64.to_radians());
     for mode in ["passive", "hybrid"] {
@@ -89,7 +104,10 @@ fn tells_the_story(root: &Path, study: &str, twin: &TwinParameters, rate_hz: f64
         let approach = metrics.all("spring_wall", mode, "wall_impact_velocity_rad_s");
         for (past_rad, approach_rad_s) in past.into_iter().zip(approach) {
             let most_rad = approach_rad_s * (twin.brake_on_s + 2.0 / rate_hz) + COUNT_RAD;
-            assert!(past_rad <= most_rad, "{what}: {mode}: {past_rad} rad past the wall, {most_rad} allowed");
+            assert!(
+                past_rad <= most_rad,
+                "{what}: {mode}: {past_rad} rad past the wall, {most_rad} allowed"
+            );
         }
         each("spring_wall", mode, "wall_dwell_s", &|s| s > 0.1);
     }
@@ -122,7 +140,8 @@ fn the_study_that_comes_along_tells_the_thesis_story() {
     assert!(past.iter().all(|rad| *rad < 1_f64.to_radians()), "{past:?}");
 }
 
-/// A simulated study of each condition once, with one number of the device changed; derived as far as the metrics.
+/// A simulated study of each condition once, with one number of the device changed; derived as far
+/// as the metrics.
 fn study_with(twin_toml: &str, seed: u32, rate_hz: f64) -> tempfile::TempDir {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().join("raw/other");
@@ -145,8 +164,11 @@ fn study_with(twin_toml: &str, seed: u32, rate_hz: f64) -> tempfile::TempDir {
     }
     fs::write(folder.join("study.toml"), text).unwrap();
     let seed = seed.to_string();
-    zwidth(root.path(), &["twin", "other", "--participants", "1", "--sessions", "1", "--seed", &seed])
-        .exits(0);
+    zwidth(
+        root.path(),
+        &["twin", "other", "--participants", "1", "--sessions", "1", "--seed", &seed],
+    )
+    .exits(0);
     zwidth(root.path(), &["run", "other", "--only", "metrics of the study"]).exits(0);
     root
 }

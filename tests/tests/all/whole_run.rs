@@ -26,7 +26,14 @@ fn figures() -> BTreeSet<String> {
     let planned = ["environment.spring", "environment.spring_wall", "rendering_range"];
     let replays = ["replay.P01.S01.spring", "replay.P01.S01.spring_wall"];
     let repeats = CONDITIONS.map(|c| format!("repeats.P01.S01.{c}"));
-    fixed.into_iter().chain(more).chain(planned).chain(replays).map(str::to_owned).chain(repeats).collect()
+    fixed
+        .into_iter()
+        .chain(more)
+        .chain(planned)
+        .chain(replays)
+        .map(str::to_owned)
+        .chain(repeats)
+        .collect()
 }
 
 /// Every printed table of the study, by name.
@@ -52,7 +59,8 @@ const TABLES: [&str; 19] = [
     "weight",
 ];
 
-/// Jobs that make derived tables: characterise 3, metrics 7, average 6, replay 7, identify 1, likert 1, report 3.
+/// Jobs that make derived tables: characterise 3, metrics 7, average 6, replay 7, identify 1,
+/// likert 1, report 3.
 const DERIVED: usize = 28;
 
 /// Jobs of the study: a figure or a printed table is one each, and so is the summary.
@@ -62,7 +70,10 @@ fn jobs() -> usize {
 
 /// The stems of the files with this extension.
 fn stems(folder: &Path, extension: &str) -> BTreeSet<String> {
-    files(folder, extension).iter().map(|p| p.file_stem().unwrap().to_str().unwrap().to_owned()).collect()
+    files(folder, extension)
+        .iter()
+        .map(|p| p.file_stem().unwrap().to_str().unwrap().to_owned())
+        .collect()
 }
 
 fn strings(words: &[&str]) -> Vec<String> {
@@ -99,7 +110,8 @@ fn a_run_makes_every_table_in_six_formats_and_they_agree_on_the_number_of_rows()
 fn the_summary_links_every_figure_and_table_and_names_what_was_left_out() {
     let reports = shipped::folder().join("reports/thesis-twin");
     let summary = fs::read_to_string(reports.join("summary.md")).unwrap();
-    let links: BTreeSet<&str> = summary.split("](").skip(1).map(|s| s.split(')').next().unwrap()).collect();
+    let links: BTreeSet<&str> =
+        summary.split("](").skip(1).map(|s| s.split(')').next().unwrap()).collect();
     assert_eq!(links.len(), figures().len() + TABLES.len());
     for link in links {
         assert!(reports.join(link).is_file(), "{link}");
@@ -110,7 +122,10 @@ fn the_summary_links_every_figure_and_table_and_names_what_was_left_out() {
 
 #[test]
 fn a_run_leaves_the_raw_data_as_they_were() {
-    assert_eq!(listing(&shipped::folder().join("raw")), listing(&shipped::raw().path().join("raw")));
+    assert_eq!(
+        listing(&shipped::folder().join("raw")),
+        listing(&shipped::raw().path().join("raw"))
+    );
 }
 
 #[test]
@@ -118,7 +133,10 @@ fn a_second_run_makes_nothing_and_touches_nothing() {
     let root = shipped::finished();
     let before = listing(root.path());
     let again = zwidth(root.path(), &["run"]).exits(0);
-    assert!(again.out.contains(&format!("thesis-twin: 0 made, {} up to date", jobs())), "{again:#?}");
+    assert!(
+        again.out.contains(&format!("thesis-twin: 0 made, {} up to date", jobs())),
+        "{again:#?}"
+    );
     assert!(zwidth(root.path(), &["run", "--json"]).exits(0).made().is_empty());
     assert_eq!(listing(root.path()), before);
 }
@@ -127,7 +145,8 @@ fn a_second_run_makes_nothing_and_touches_nothing() {
 fn one_thread_and_four_give_the_same_bytes() {
     let root = shipped::finished();
     let before = listing(root.path());
-    let fresh = zwidth(root.path(), &["--threads", "1", "--json", "run", "thesis-twin", "--fresh"]).exits(0);
+    let fresh = zwidth(root.path(), &["--threads", "1", "--json", "run", "thesis-twin", "--fresh"])
+        .exits(0);
     assert_eq!(fresh.json()[0]["up_to_date"], 0);
     assert_eq!(fresh.made().len(), jobs());
     assert_eq!(listing(root.path()), before);
@@ -137,11 +156,16 @@ fn one_thread_and_four_give_the_same_bytes() {
 fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     let root = shipped::finished();
     let log = root.path().join("raw/thesis-twin/sessions/P01_S01.events.jsonl");
-    append_events(&RealFiles, &log, "2026-01-02T00:00:00Z", &[Event::Superseded { trial: 4, by: 40 }])
-        .unwrap();
+    append_events(
+        &RealFiles,
+        &log,
+        "2026-01-02T00:00:00Z",
+        &[Event::Superseded { trial: 4, by: 40 }],
+    )
+    .unwrap();
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
-    // The plant rests on all trials, and so does every figure of it. No other condition's metrics, mean, replays and figures do,
-    // nor anything about the actuators.
+    // The plant rests on all trials, and so does every figure of it. No other condition's metrics,
+    // mean, replays and figures do, nor anything about the actuators.
     let expect = strings(&[
         "average P01 S01 spring hybrid",
         "figure likert",
@@ -171,7 +195,8 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "table replay.agreement",
     ]);
     assert_eq!(ran.made(), expect);
-    let metrics = Table::from_parquet(&root.path().join("derived/thesis-twin/metrics.parquet")).unwrap();
+    let metrics =
+        Table::from_parquet(&root.path().join("derived/thesis-twin/metrics.parquet")).unwrap();
     assert!(!metrics.integers("trial").unwrap().contains(&Some(4)));
     assert!(zwidth(root.path(), &["run", "--json"]).made().is_empty());
 }
@@ -205,7 +230,8 @@ fn a_removed_result_is_made_again_to_the_same_bytes() {
     let root = shipped::finished();
     let before = listing(root.path());
     fs::remove_file(root.path().join("reports/thesis-twin/figures/likert.png")).unwrap();
-    fs::write(root.path().join("reports/thesis-twin/tables/likert.csv"), "edited by hand\n").unwrap();
+    fs::write(root.path().join("reports/thesis-twin/tables/likert.csv"), "edited by hand\n")
+        .unwrap();
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
     assert_eq!(ran.made(), ["figure likert", "table likert"]);
     assert_eq!(listing(root.path()), before);
@@ -216,7 +242,8 @@ fn only_makes_a_stage_a_figure_or_a_table_and_what_it_needs() {
     let root = shipped::raw();
     let only = |name: &str| zwidth(root.path(), &["run", "--json", "--only", name]).exits(0).made();
     assert_eq!(only("likert tallies"), ["likert tallies"]);
-    let mut expect = CONDITIONS.map(|c| format!("metrics P01 S01 {}", c.replace('.', " "))).to_vec();
+    let mut expect =
+        CONDITIONS.map(|c| format!("metrics P01 S01 {}", c.replace('.', " "))).to_vec();
     expect.extend(strings(&["metrics of the study", "table conditions"]));
     expect.sort();
     assert_eq!(only("conditions"), expect);
@@ -238,7 +265,9 @@ fn a_dry_run_says_what_would_be_made_and_makes_nothing() {
     let dry = zwidth(root.path(), &["run", "--dry-run", "--json"]).exits(0);
     assert_eq!(dry.made().len(), jobs());
     assert_eq!(listing(root.path()), before);
-    zwidth(root.path(), &["run", "--dry-run"]).exits(0).says(&["metrics P01 S01 spring active: never made"]);
+    zwidth(root.path(), &["run", "--dry-run"])
+        .exits(0)
+        .says(&["metrics P01 S01 spring active: never made"]);
 }
 
 #[test]
@@ -266,9 +295,13 @@ fn the_exit_code_is_1_where_it_failed_and_2_where_the_arguments_are_bad() {
     zwidth(empty.path(), &["run", "nothing"])
         .exits(1)
         .says(&["raw/nothing/study.toml", "zwidth new nothing"]);
-    for bad in
-        [&["run", "--nonsense"][..], &["nonsense"], &["--threads", "many", "run"], &["import", "demo"], &[]]
-    {
+    for bad in [
+        &["run", "--nonsense"][..],
+        &["nonsense"],
+        &["--threads", "many", "run"],
+        &["import", "demo"],
+        &[],
+    ] {
         zwidth(empty.path(), bad).exits(2);
     }
 }
@@ -277,7 +310,9 @@ fn the_exit_code_is_1_where_it_failed_and_2_where_the_arguments_are_bad() {
 fn is_marked(svg: &Path) -> bool {
     const MARK: &str = "SYNTHETIC: simulated, not measured";
     let text = fs::read_to_string(svg).unwrap();
-    let Some((_, group)) = text.split_once(&format!("<g aria-label=\"{MARK}\"")) else { return false };
+    let Some((_, group)) = text.split_once(&format!("<g aria-label=\"{MARK}\"")) else {
+        return false;
+    };
     let letters = group.split_once("</g>").unwrap().0.matches("<use ").count();
     assert_eq!(letters, MARK.replace(' ', "").len(), "{}", svg.display());
     true
@@ -288,18 +323,30 @@ fn every_figure_of_simulated_data_says_so_on_its_face() {
     let reports = shipped::folder().join("reports/thesis-twin");
     for svg in files(&reports, "svg") {
         let drawing = svg.file_name().unwrap().to_str().unwrap().starts_with("environment.");
-        assert_eq!(is_marked(&svg), !drawing, "{}: a drawing of the plan holds no data", svg.display());
+        assert_eq!(
+            is_marked(&svg),
+            !drawing,
+            "{}: a drawing of the plan holds no data",
+            svg.display()
+        );
     }
     let summary = fs::read_to_string(reports.join("summary.md")).unwrap();
-    assert!(summary.contains("**All data are simulated: nothing here was measured.**"), "{summary}");
+    assert!(
+        summary.contains("**All data are simulated: nothing here was measured.**"),
+        "{summary}"
+    );
 }
 
 #[test]
 fn a_figure_is_marked_exactly_where_it_holds_simulated_data() {
     let study = small::Study::new("mixed");
-    let answered = |trial| small::Draft { likert: Some(4), ..small::draft(trial, "spring", "hybrid") };
+    let answered =
+        |trial| small::Draft { likert: Some(4), ..small::draft(trial, "spring", "hybrid") };
     study.session("P01", &[answered(1), answered(2)]);
-    study.session("P02", &[answered(1), answered(2)].map(|d| small::Draft { source: Source::Twin, ..d }));
+    study.session(
+        "P02",
+        &[answered(1), answered(2)].map(|d| small::Draft { source: Source::Twin, ..d }),
+    );
     study.sweep();
     zwidth(study.root(), &["run"]).exits(0);
     let marked = |svg: &std::path::PathBuf| {
@@ -308,7 +355,10 @@ fn a_figure_is_marked_exactly_where_it_holds_simulated_data() {
     let all = files(&study.layout().reports(), "svg");
     let found: Vec<String> = all.iter().filter_map(marked).collect();
     assert_eq!(all.len(), 11);
-    assert_eq!(found, ["likert", "loops.P02.S01", "modes.P02.S01.spring", "repeats.P02.S01.spring.hybrid"]);
+    assert_eq!(
+        found,
+        ["likert", "loops.P02.S01", "modes.P02.S01.spring", "repeats.P02.S01.spring.hybrid"]
+    );
 }
 
 #[test]
@@ -322,7 +372,10 @@ fn a_damaged_trial_is_told_skipped_and_listed_by_every_run() {
     crate::folders::flip_bit(&path, 60);
     for run in 1..=2 {
         let ran = zwidth(root, &["run", "--json"]).exits(3);
-        assert!(ran.left_out().iter().any(|l| l.contains("trial-003.parquet")), "run {run}: {ran:#?}");
+        assert!(
+            ran.left_out().iter().any(|l| l.contains("trial-003.parquet")),
+            "run {run}: {ran:#?}"
+        );
         assert_eq!(ran.made().is_empty(), run == 2, "{ran:#?}");
         zwidth(root, &["run"]).exits(3).says(&[
             "warning: left out: ",
@@ -344,8 +397,18 @@ fn the_study_that_comes_along_has_no_findings() {
 #[test]
 fn the_study_that_comes_along_follows_from_its_seed_byte_for_byte() {
     let root = tempfile::tempdir().unwrap();
-    let twin =
-        ["twin", "thesis-twin", "--participants", "1", "--sessions", "1", "--seed", "1", "--rate", "120"];
+    let twin = [
+        "twin",
+        "thesis-twin",
+        "--participants",
+        "1",
+        "--sessions",
+        "1",
+        "--seed",
+        "1",
+        "--rate",
+        "120",
+    ];
     zwidth(root.path(), &twin).exits(0);
     let raw = |root: &Path| listing(&root.join("raw/thesis-twin"));
     assert_eq!(raw(root.path()), raw(workspace()));

@@ -4,7 +4,9 @@ use std::io::{ErrorKind, Read as _, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
-use zwidth_device::{Angle, Capabilities, Clock as _, Cue, Device, DeviceError, Reading, RealClock, Twin};
+use zwidth_device::{
+    Angle, Capabilities, Clock as _, Cue, Device, DeviceError, Reading, RealClock, Twin,
+};
 use zwidth_study::{Study, Voltages};
 
 /// What the host asks for, the first number of a request; the others are the two voltages.
@@ -12,7 +14,8 @@ const HOME: f64 = 0.0;
 const READ: f64 = 1.0;
 const WRITE: f64 = 2.0;
 const BEGIN: f64 = 3.0;
-/// Numbers of a request, and of its answer: device time, count, age of the count, force, age of the force.
+/// Numbers of a request, and of its answer: device time, count, age of the count, force, age of the
+/// force.
 const ASKED: usize = 3;
 const TOLD: usize = 5;
 /// Bytes of a number.
@@ -133,7 +136,8 @@ impl<'a> Board<'a> {
     fn hear(&mut self) -> anyhow::Result<()> {
         let Some(stream) = &mut self.stream else { return Ok(()) };
         match stream.read_to_end(&mut self.unread).map_err(|error| error.kind()) {
-            // All there is so far; or all there ever was: the other end is gone, and a serial line would not tell.
+            // All there is so far; or all there ever was: the other end is gone, and a serial line
+            // would not tell.
             Ok(_) | Err(ErrorKind::WouldBlock | ErrorKind::ConnectionReset) => Ok(()),
             Err(other) => Err(std::io::Error::from(other).into()),
         }
@@ -146,13 +150,21 @@ impl<'a> Board<'a> {
         }
         if what == BEGIN {
             let limit_s = self.study.design.trial_limit_s;
-            self.twin.begin(now_s, &Cue { trial: 1, environment: &self.study.environments[0], limit_s });
+            self.twin
+                .begin(now_s, &Cue { trial: 1, environment: &self.study.environments[0], limit_s });
             return Ok(());
         }
         let reading = if what == HOME { self.twin.home(now_s)? } else { self.twin.read(now_s)? };
-        let (t_device_s, raw) = (reading.t_device_s.unwrap_or(now_s), reading.raw().unwrap_or_default());
+        let (t_device_s, raw) =
+            (reading.t_device_s.unwrap_or(now_s), reading.raw().unwrap_or_default());
         let force_age_s = reading.force_age_s.unwrap_or(0.0);
-        let told = packed(&[t_device_s, f64::from(raw), reading.angle_age_s, reading.force_n, force_age_s]);
+        let told = packed(&[
+            t_device_s,
+            f64::from(raw),
+            reading.angle_age_s,
+            reading.force_n,
+            force_age_s,
+        ]);
         if let Some(stream) = &mut self.stream {
             // A host that was killed hears nothing, and the board does not mind.
             let _ = stream.write_all(&told);

@@ -1,5 +1,5 @@
-//! Does an interval of 95 % hold the truth 95 times of a hundred? Sessions of the simulated device, of which the truth is
-//! known, recorded and identified as users do it, one a seed.
+//! Does an interval of 95 % hold the truth 95 times of a hundred? Sessions of the simulated device,
+//! of which the truth is known, recorded and identified as users do it, one a seed.
 
 use super::{STUDY, fresh, run};
 use anyhow::{Context as _, bail, ensure};
@@ -14,12 +14,14 @@ const RATE: &str = "120";
 /// Of so many seeds the share must lie between these.
 const MANY: usize = 400;
 const SHARES: [f64; 2] = [0.92, 0.98];
-/// Of fewer seeds the count must be one that 95 % would give: within the central 99.9 % of its binomial distribution.
+/// Of fewer seeds the count must be one that 95 % would give: within the central 99.9 % of its
+/// binomial distribution.
 const NOMINAL: f64 = 0.95;
 const CENTRAL: f64 = 0.999;
 /// The mean error may be this share of the estimate's standard deviation.
 const MOST_BIAS: f64 = 0.5;
-/// With few seeds the mean itself scatters by 1/√seeds of that: so many times this is allowed besides.
+/// With few seeds the mean itself scatters by 1/√seeds of that: so many times this is allowed
+/// besides.
 const BIAS_SCATTER: f64 = 3.3;
 /// Seeds at once: one writes while another computes.
 const AT_ONCE: u32 = 2;
@@ -69,8 +71,19 @@ pub(crate) fn coverage(program: &Path, folder: &Path, seeds: u32) -> anyhow::Res
 fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
     fresh(root, &[("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {RATE}.0\n"))])?;
     let seed = seed.to_string();
-    let twin =
-        ["--quiet", "twin", STUDY, "--participants", "1", "--sessions", "1", "--seed", &seed, "--rate", RATE];
+    let twin = [
+        "--quiet",
+        "twin",
+        STUDY,
+        "--participants",
+        "1",
+        "--sessions",
+        "1",
+        "--seed",
+        &seed,
+        "--rate",
+        RATE,
+    ];
     run(program, root, &twin, &[0])?;
     run(program, root, &["--quiet", "run", STUDY, "--only", "identify"], &[0])?;
     let table = |name: &str| -> anyhow::Result<String> {
@@ -81,17 +94,20 @@ fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
         .pop()
         .context("no threshold was bracketed")?;
     let names = ["parameter", "fitted", "std_error", "ci_low", "ci_high", "verdict"];
-    let row = |[parameter, fitted, std_error, low, high, verdict]: [String; 6]| -> anyhow::Result<Row> {
-        let number = |text: &str| text.parse::<f64>().with_context(|| format!("{parameter}: '{text}'"));
-        Ok(Row {
-            fitted: number(&fitted)?,
-            std_error: number(&std_error)?,
-            interval: [number(&low)?, number(&high)?],
-            identifiable: verdict == "identifiable",
-            parameter,
-        })
-    };
-    let rows = columns(&table("identify")?, names)?.into_iter().map(row).collect::<anyhow::Result<_>>()?;
+    let row =
+        |[parameter, fitted, std_error, low, high, verdict]: [String; 6]| -> anyhow::Result<Row> {
+            let number =
+                |text: &str| text.parse::<f64>().with_context(|| format!("{parameter}: '{text}'"));
+            Ok(Row {
+                fitted: number(&fitted)?,
+                std_error: number(&std_error)?,
+                interval: [number(&low)?, number(&high)?],
+                identifiable: verdict == "identifiable",
+                parameter,
+            })
+        };
+    let rows =
+        columns(&table("identify")?, names)?.into_iter().map(row).collect::<anyhow::Result<_>>()?;
     Ok(Found { rows, bracket: [low.parse()?, high.parse()?] })
 }
 
@@ -99,8 +115,9 @@ fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
 fn columns<const N: usize>(csv: &str, names: [&str; N]) -> anyhow::Result<Vec<[String; N]>> {
     let mut lines = csv.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
     let header = lines.next().context("an empty table")?;
-    let place =
-        |name: &str| header.iter().position(|h| h == name).with_context(|| format!("no column {name}"));
+    let place = |name: &str| {
+        header.iter().position(|h| h == name).with_context(|| format!("no column {name}"))
+    };
     let places = names.iter().map(|name| place(name)).collect::<anyhow::Result<Vec<_>>>()?;
     let row = |line: Vec<String>| {
         let cells: Vec<String> = places.iter().filter_map(|i| line.get(*i).cloned()).collect();
@@ -109,8 +126,8 @@ fn columns<const N: usize>(csv: &str, names: [&str; N]) -> anyhow::Result<Vec<[S
     lines.map(row).collect()
 }
 
-/// What the twin's plant is in the words of the fit: mass and inertia at the lever's end, what damps there (bearings and the
-/// closed winding), friction in motion, lags.
+/// What the twin's plant is in the words of the fit: mass and inertia at the lever's end, what
+/// damps there (bearings and the closed winding), friction in motion, lags.
 fn truth(parameter: &str) -> anyhow::Result<f64> {
     let plant = TwinParameters::default().plant(None);
     let friction = plant.friction.context("the twin has friction")?;
@@ -139,10 +156,13 @@ fn tell(found: &[Found]) -> anyhow::Result<()> {
         let squares = |of: &dyn Fn(&Row) -> f64| rows.iter().map(|r| of(r) * of(r)).sum::<f64>();
         let sd = (squares(&|r| r.fitted - mean) / (n as f64 - 1.0)).sqrt();
         let std_error = (squares(&|r| r.std_error) / n as f64).sqrt();
-        let covered = rows.iter().filter(|r| r.interval[0] <= truth && truth <= r.interval[1]).count();
+        let covered =
+            rows.iter().filter(|r| r.interval[0] <= truth && truth <= r.interval[1]).count();
         let identifiable = rows.iter().filter(|r| r.identifiable).count();
-        let (bias, most) =
-            ((mean - truth) / sd, MOST_BIAS + if n < MANY { BIAS_SCATTER / (n as f64).sqrt() } else { 0.0 });
+        let (bias, most) = (
+            (mean - truth) / sd,
+            MOST_BIAS + if n < MANY { BIAS_SCATTER / (n as f64).sqrt() } else { 0.0 },
+        );
         println!(
             "{:<10} {truth:<10.3e} {mean:<10.4e} {covered:>3}/{n:<5} {bias:>6.2} {:>6.2}  {identifiable}",
             first.parameter,
@@ -196,7 +216,8 @@ fn allowed(seeds: usize) -> [usize; 2] {
 mod tests {
     use super::*;
 
-    /// SciPy: `binom.ppf(0.0005, n, 0.95)`, and the largest k with `binom.sf(k - 1, n, 0.95) >= 0.0005`.
+    /// SciPy: `binom.ppf(0.0005, n, 0.95)`, and the largest k with `binom.sf(k - 1, n, 0.95) >=
+    /// 0.0005`.
     #[test]
     fn few_seeds_are_judged_by_the_binomial_distribution_and_many_by_the_shares() {
         assert_eq!(allowed(40), [32, 40]);
@@ -207,7 +228,10 @@ mod tests {
     #[test]
     fn columns_come_by_their_names() {
         let csv = "a,b,c\n1,2,3\n4,,6\n";
-        assert_eq!(columns(csv, ["c", "b"]).unwrap(), [["3", "2"], ["6", ""]].map(|r| r.map(str::to_owned)));
+        assert_eq!(
+            columns(csv, ["c", "b"]).unwrap(),
+            [["3", "2"], ["6", ""]].map(|r| r.map(str::to_owned))
+        );
         assert!(columns(csv, ["d"]).is_err());
     }
 }

@@ -1,5 +1,6 @@
-//! `kill -9` at random instants of a running acquisition: nothing that was finished is lost, the trial in progress
-//! keeps what it had, `verify` is clean after `recover`, and the session goes on in the same order.
+//! `kill -9` at random instants of a running acquisition: nothing that was finished is lost, the
+//! trial in progress keeps what it had, `verify` is clean after `recover`, and the session goes on
+//! in the same order.
 
 use super::{SESSION, STUDY, fraction, fresh, run};
 use crate::tried::held;
@@ -23,12 +24,13 @@ const SHORT: [(&str, &str); 3] = [
 const TOLD_EVERY: u32 = 10;
 /// Every tenth acquisition runs in real time, the others as fast as the machine can.
 const LIVE_EVERY: u32 = 10;
-/// Longest a session in real time runs before it is killed, s: the device check, and about four trials.
+/// Longest a session in real time runs before it is killed, s: the device check, and about four
+/// trials.
 const LIVE_S: f64 = 40.0;
 /// What a kill may take from the trial in progress (docs/data.md, "Promises"), s.
 const LOST_S: f64 = 0.1;
-/// A trial's file tells its start a moment before its first sample, while its journal is laid down; and a write that is
-/// under way is lost whole. What a loaded machine may make of both, s.
+/// A trial's file tells its start a moment before its first sample, while its journal is laid down;
+/// and a write that is under way is lost whole. What a loaded machine may make of both, s.
 const SLACK_S: f64 = 0.05;
 
 pub(crate) fn kill(program: &Path, folder: &Path, kills: u32, seed: u64) -> anyhow::Result<()> {
@@ -45,9 +47,13 @@ pub(crate) fn kill(program: &Path, folder: &Path, kills: u32, seed: u64) -> anyh
         let root = folder.join("killed");
         let layout = fresh(&root, &SHORT)?;
         let (lines, killed) = killed(program, &root, seed, live, after)?;
-        let lost_s = inspect(program, &layout, &whole, &lines, killed, live).with_context(|| {
-            format!("kill {number} of seed {seed}, {after:?} after the start; see {}", root.display())
-        })?;
+        let lost_s =
+            inspect(program, &layout, &whole, &lines, killed, live).with_context(|| {
+                format!(
+                    "kill {number} of seed {seed}, {after:?} after the start; see {}",
+                    root.display()
+                )
+            })?;
         cut += u32::from(lost_s.is_some());
         worst_s = worst_s.max(lost_s.unwrap_or(0.0));
         go_on(program, &root, &layout, seed)
@@ -114,7 +120,8 @@ fn listen(pipe: impl std::io::Read + Send + 'static) -> Receiver<String> {
     heard
 }
 
-/// Checks what a kill left, after `recover`; gives what the trial in progress lost, where that can be told.
+/// Checks what a kill left, after `recover`; gives what the trial in progress lost, where that can
+/// be told.
 fn inspect(
     program: &Path,
     layout: &Layout,
@@ -136,7 +143,8 @@ fn inspect(
                 expect_complete(&data, number.parse()?)?;
                 current = None;
             }
-            // Safety cut the trial, as it does where a loaded machine misses deadlines, and the session was left.
+            // Safety cut the trial, as it does where a loaded machine misses deadlines, and the
+            // session was left.
             ["stopped" | "left", ..] => current = None,
             ["trial", number, "(place", ..] => current = Some(number.parse::<u32>()?),
             ["question", ..] => {
@@ -168,8 +176,8 @@ fn journals(layout: &Layout) -> anyhow::Result<Vec<(PathBuf, Timestamp)>> {
     Ok(found)
 }
 
-/// A journal becomes a trial. One may be empty only if it was laid down a moment before the kill: an older one had
-/// samples, and its trial is lost whole if there is no file.
+/// A journal becomes a trial. One may be empty only if it was laid down a moment before the kill:
+/// an older one had samples, and its trial is lost whole if there is no file.
 fn expect_nothing_vanished(
     data: &StudyData,
     layout: &Layout,
@@ -177,8 +185,9 @@ fn expect_nothing_vanished(
     killed: Timestamp,
 ) -> anyhow::Result<()> {
     for (path, written) in journals {
-        let is_of =
-            |t: &TrialEntry| layout.journal(&t.meta.participant, &t.meta.session, t.meta.trial) == *path;
+        let is_of = |t: &TrialEntry| {
+            layout.journal(&t.meta.participant, &t.meta.session, t.meta.trial) == *path
+        };
         let silent_s = killed.duration_since(*written).as_secs_f64();
         ensure!(
             data.trials.iter().any(is_of) || silent_s <= LOST_S + SLACK_S,
@@ -210,15 +219,19 @@ fn expect_same_beginning(trial: &TrialEntry, whole: &Layout) -> anyhow::Result<(
             Ok(trial.samples.get(signal).unwrap_or_default().iter().map(|x| x.to_bits()).collect())
         };
         let (found, all) = (column(&trial.path)?, column(&path)?);
-        ensure!(all.starts_with(&found), "{signal:?} of {} is not what was sampled", trial.path.display());
+        ensure!(
+            all.starts_with(&found),
+            "{signal:?} of {} is not what was sampled",
+            trial.path.display()
+        );
         let complete = trial.meta.status == Status::Complete;
         ensure!(!complete || all.len() == found.len(), "{} is not complete", trial.path.display());
     }
     Ok(())
 }
 
-/// What the trial in progress lost, s: the time it had run less the time that was recovered. None if it had not begun
-/// (no journal, see [`expect_nothing_vanished`]), or had ended by itself.
+/// What the trial in progress lost, s: the time it had run less the time that was recovered. None
+/// if it had not begun (no journal, see [`expect_nothing_vanished`]), or had ended by itself.
 fn lost(data: &StudyData, number: u32, killed: Timestamp) -> anyhow::Result<Option<f64>> {
     let Some(trial) = data.trials.iter().find(|t| t.meta.trial == number) else { return Ok(None) };
     if trial.meta.status == Status::Complete {
@@ -227,7 +240,8 @@ fn lost(data: &StudyData, number: u32, killed: Timestamp) -> anyhow::Result<Opti
     let began: Timestamp =
         trial.file.get("start_utc").context("the trial does not tell its start")?.parse()?;
     let read = zwidth_store::read_trial(&trial.path, [Signal::Time])?;
-    let recovered_s = read.samples.get(Signal::Time).and_then(<[f64]>::last).copied().unwrap_or(0.0);
+    let recovered_s =
+        read.samples.get(Signal::Time).and_then(<[f64]>::last).copied().unwrap_or(0.0);
     let lost_s = killed.duration_since(began).as_secs_f64() - recovered_s;
     ensure!(
         lost_s <= LOST_S + SLACK_S,

@@ -1,5 +1,6 @@
-//! Minutes of trials in real time at 1 kHz on the simulated device, written as users write them: no sample is lost;
-//! jitter and missed deadlines are told, and every missed deadline is flagged in the data.
+//! Minutes of trials in real time at 1 kHz on the simulated device, written as users write them: no
+//! sample is lost; jitter and missed deadlines are told, and every missed deadline is flagged in
+//! the data.
 
 use super::{SESSION, STUDY, fresh, run};
 use crate::tried::held;
@@ -32,12 +33,13 @@ pub(crate) fn live(program: &Path, folder: &Path, minutes: f64) -> anyhow::Resul
     let mut arguments = vec!["acquire", STUDY];
     arguments.extend(SESSION);
     arguments.extend(["--plain", "--auto", "--seed", "1"]);
-    // A machine that has no time for the loop is stopped by safety, as it should be; the session then goes on.
+    // A machine that has no time for the loop is stopped by safety, as it should be; the session
+    // then goes on.
     let (mut ticks, mut stops, mut timings) = (0, 0, Vec::new());
     loop {
         let output = run(program, layout.root(), &arguments, &[0, 1])?;
-        let [out, err] =
-            [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+        let [out, err] = [&output.stdout, &output.stderr]
+            .map(|bytes| String::from_utf8_lossy(bytes).into_owned());
         let told = out + &err;
         if let Some(timing) = told.lines().find(|line| line.contains(" ticks, ")) {
             let number = timing.split(' ').next().unwrap_or_default();
@@ -69,7 +71,9 @@ pub(crate) fn live(program: &Path, folder: &Path, minutes: f64) -> anyhow::Resul
         1.0 / TICK_S
     );
     timings.iter().for_each(|timing| println!("{timing}"));
-    println!("{flagged} samples are flagged as coming after a gap; safety stopped the session {stops} times");
+    println!(
+        "{flagged} samples are flagged as coming after a gap; safety stopped the session {stops} times"
+    );
     let what = "samples at 1 kHz in real time, none lost";
     held(what, format!("cargo xtask soak live {minutes}"), rows as u64, began)
 }

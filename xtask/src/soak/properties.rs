@@ -1,19 +1,23 @@
-//! Fresh cases for every random property: `cargo test` draws the same ones each time (`.cargo/config.toml`), and what lies
-//! beyond them is looked for here.
+//! Fresh cases for every random property: `cargo test` draws the same ones each time
+//! (`.cargo/config.toml`), and what lies beyond them is looked for here.
 
 use crate::tried::held;
 use anyhow::{bail, ensure};
 use std::process::Command;
 use std::time::Instant;
 
-/// The properties of the dynamics draw so many times the cases of the others (`solve::properties::many`).
+/// The properties of the dynamics draw so many times the cases of the others
+/// (`solve::properties::many`).
 const DYNAMICS: u32 = 40;
 
-/// Runs every unit test with the properties' seed and count changed. A failure prints its smallest case, to be kept as a
-/// test with a name beside the property.
+/// Runs every unit test with the properties' seed and count changed. A failure prints its smallest
+/// case, to be kept as a test with a name beside the property.
 pub(crate) fn properties(cases: u32, seed: u64) -> anyhow::Result<()> {
     ensure!(cases >= DYNAMICS, "{cases} cases are fewer than {DYNAMICS}, one for the others");
-    println!("{cases} cases a property of the dynamics, {} of the others, seed {seed}", cases / DYNAMICS);
+    println!(
+        "{cases} cases a property of the dynamics, {} of the others, seed {seed}",
+        cases / DYNAMICS
+    );
     let began = Instant::now();
     let status = Command::new(env!("CARGO"))
         .args(["test", "--workspace", "--locked", "--lib", "--bins"])

@@ -1,5 +1,6 @@
-//! SIGKILL and a pulled cable while the actuators have voltage: the control loop runs in a process of its own, the board
-//! in this one, in real time, with a cable between. Nobody tells the board: its watchdog takes the voltages away.
+//! SIGKILL and a pulled cable while the actuators have voltage: the control loop runs in a process
+//! of its own, the board in this one, in real time, with a cable between. Nobody tells the board:
+//! its watchdog takes the voltages away.
 
 use super::cable::{Board, Remote};
 use super::{STUDY, fraction};
@@ -12,7 +13,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use zwidth_device::{
-    Controller, Device as _, Guard, Limits, Person, RealClock, TrialPlan, Twin, TwinParameters, run_live,
+    Controller, Device as _, Guard, Limits, Person, RealClock, TrialPlan, Twin, TwinParameters,
+    run_live,
 };
 use zwidth_study::{Calibration, Mode, Study, StudyId, template};
 
@@ -33,7 +35,8 @@ enum Cut {
     Cable,
 }
 
-/// Cuts hosts off, by turns by SIGKILL and by the cable, and tells how long the voltages outlived them.
+/// Cuts hosts off, by turns by SIGKILL and by the cable, and tells how long the voltages outlived
+/// them.
 pub(crate) fn watchdog(folder: &Path, cuts: u32, seed: u64) -> anyhow::Result<()> {
     let began = Instant::now();
     std::fs::create_dir_all(folder)?;
@@ -82,10 +85,15 @@ fn round(folder: &Path, study: &Study, cut: Cut, after_s: f64) -> anyhow::Result
     Ok(outlived)
 }
 
-fn cut_off(mut board: Board<'_>, host: &mut Child, cut: Cut, after_s: f64) -> anyhow::Result<Option<f64>> {
+fn cut_off(
+    mut board: Board<'_>,
+    host: &mut Child,
+    cut: Cut,
+    after_s: f64,
+) -> anyhow::Result<Option<f64>> {
     let gone = |host: &mut Child| matches!(host.try_wait(), Ok(Some(_)));
-    let (on_s, _) =
-        until(&mut board, UP_S, |board, _| board.is_on() || gone(host))?.context("no voltage came")?;
+    let (on_s, _) = until(&mut board, UP_S, |board, _| board.is_on() || gone(host))?
+        .context("no voltage came")?;
     until(&mut board, UP_S, |_, now_s| now_s >= on_s + after_s)?;
     if !board.is_on() {
         return Ok(None); // safety ended the trial, as it does where a machine has no time for the loop; or it was over
@@ -103,7 +111,10 @@ fn cut_off(mut board: Board<'_>, host: &mut Child, cut: Cut, after_s: f64) -> an
         outlived_s <= watchdog_s + away_s,
         "0 V came {outlived_s} s after the cut; the watchdog has {watchdog_s} s, and this machine was away for {away_s} s"
     );
-    ensure!(until(&mut board, QUIET_S, |board, _| board.is_on())?.is_none(), "the voltage came back");
+    ensure!(
+        until(&mut board, QUIET_S, |board, _| board.is_on())?.is_none(),
+        "the voltage came back"
+    );
     if cut == Cut::Cable {
         let noticed = until(&mut board, UP_S, |_, _| gone(host))?;
         ensure!(noticed.is_some(), "the host does not notice that the cable is out");
@@ -111,8 +122,8 @@ fn cut_off(mut board: Board<'_>, host: &mut Child, cut: Cut, after_s: f64) -> an
     Ok(Some(outlived_s))
 }
 
-/// Lets the board run until something holds: when that was, and the longest time between two looks at it, s. None if it does
-/// not within `limit_s`.
+/// Lets the board run until something holds: when that was, and the longest time between two looks
+/// at it, s. None if it does not within `limit_s`.
 fn until(
     board: &mut Board<'_>,
     limit_s: f64,
@@ -131,7 +142,8 @@ fn until(
     Ok(None)
 }
 
-/// The host: one trial with the motor in real time, on the board behind a socket. Says how it ended.
+/// The host: one trial with the motor in real time, on the board behind a socket. Says how it
+/// ended.
 pub(crate) fn host(socket: &Path) -> anyhow::Result<()> {
     let study = study()?;
     let motor: Option<&Mode> = study.modes.iter().find(|mode| mode.motor_max_v.is_some());
@@ -147,7 +159,8 @@ pub(crate) fn host(socket: &Path) -> anyhow::Result<()> {
     let plan = TrialPlan::new(&study, environment, 1, device.capabilities())?;
     let mut forget = |_: &[_]| ControlFlow::Continue(());
     let stop = AtomicBool::new(false);
-    let live = run_live(&mut device, &mut clock, &mut controller, &mut guard, &plan, &stop, &mut forget);
+    let live =
+        run_live(&mut device, &mut clock, &mut controller, &mut guard, &plan, &stop, &mut forget);
     println!("{:?}", live.run.end);
     Ok(())
 }

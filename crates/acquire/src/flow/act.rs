@@ -94,7 +94,9 @@ impl Flow {
                 vec![Action::Check]
             }
             (Phase::Pause, _) => refuse(format!("the pause has {:.1} s to go", self.rest_s)),
-            (Phase::Question { .. }, _) => refuse("the question is open: answer it with 1 to 5, or skip it"),
+            (Phase::Question { .. }, _) => {
+                refuse("the question is open: answer it with 1 to 5, or skip it")
+            }
             (Phase::Done, _) => refuse("every trial is done: quit"),
             (Phase::Trial { .. }, _) => refuse("a trial is running"),
             _ => refuse("the device is not ready yet"),
@@ -193,7 +195,9 @@ impl Flow {
             _ => Vec::new(),
         };
         if !self.places[place].done {
-            let Some(trial) = self.places[place].repeats else { return refuse("it is open anyway") };
+            let Some(trial) = self.places[place].repeats else {
+                return refuse("it is open anyway");
+            };
             return refuse(format!("trial {trial} is to be done again already"));
         }
         actions.push(self.supersede(place));

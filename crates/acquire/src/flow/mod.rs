@@ -6,10 +6,10 @@
 //!            └──────────────── Start ─────────────── Stopped ←──── from every phase
 //! ```
 //!
-//! The order is a row of *places*; each holds one trial. A trial that is repeated, or that was cut short, gives its
-//! place to a new trial **right away**: the conditions that count then follow each other exactly as drawn, and blocks
-//! stay blocks. Numbers are never used twice: the new trial takes the next free number after the order's last, and
-//! the event `superseded` names both.
+//! The order is a row of *places*; each holds one trial. A trial that is repeated, or that was cut
+//! short, gives its place to a new trial **right away**: the conditions that count then follow each
+//! other exactly as drawn, and blocks stay blocks. Numbers are never used twice: the new trial
+//! takes the next free number after the order's last, and the event `superseded` names both.
 
 mod act;
 mod start;
@@ -110,7 +110,8 @@ pub enum Phase {
     Question {
         /// Index into the order.
         place: usize,
-        /// Its file was finished before (after a stop, or when resumed): the answer becomes an event.
+        /// Its file was finished before (after a stop, or when resumed): the answer becomes an
+        /// event.
         late: bool,
     },
     /// The pause after a trial.

@@ -16,11 +16,11 @@ pub struct Recorded {
 }
 
 impl Flow {
-    /// The session of that order, each trial with what is asked after it, as far as it was `recorded`; `events` are
-    /// its log. Its first actions.
+    /// The session of that order, each trial with what is asked after it, as far as it was
+    /// `recorded`; `events` are its log. Its first actions.
     ///
-    /// A place is done if the trial that holds it last is complete. A trial that was cut short gives its place to a
-    /// new one, right away.
+    /// A place is done if the trial that holds it last is complete. A trial that was cut short
+    /// gives its place to a new one, right away.
     pub fn begin(
         order: Vec<(PlannedTrial, Option<QuestionId>)>,
         pause_s: f64,
@@ -31,8 +31,10 @@ impl Flow {
         let successors = successors(events);
         let used = order.iter().map(|(t, _)| t.trial).chain(files.keys().copied());
         let next_number = used.chain(successors.values().copied()).max().unwrap_or(0) + 1;
-        let places: Vec<Place> =
-            order.into_iter().map(|(trial, question)| place(trial, question, &successors, &files)).collect();
+        let places: Vec<Place> = order
+            .into_iter()
+            .map(|(trial, question)| place(trial, question, &successors, &files))
+            .collect();
         let mut flow = Self {
             phase: Phase::Check,
             last: places.iter().take_while(|p| p.done).count().checked_sub(1),

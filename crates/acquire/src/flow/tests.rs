@@ -58,11 +58,17 @@ fn a_session_goes_from_check_to_done() {
 #[test]
 fn the_pause_is_at_least_as_long_as_asked_for_and_the_question_is_no_part_of_it() {
     let mut flow = ready();
-    feed(&mut flow, [Input::Start, Input::Ended(End::Complete), Input::Elapsed(60.0), Input::Answer(1)]);
+    feed(
+        &mut flow,
+        [Input::Start, Input::Ended(End::Complete), Input::Elapsed(60.0), Input::Answer(1)],
+    );
     assert_eq!(flow.phase(), &Phase::Pause);
     feed(&mut flow, [Input::Elapsed(4.9), Input::Elapsed(f64::NAN), Input::Elapsed(-3.0)]);
     let refused = flow.step(Input::Start);
-    assert!(matches!(&refused[..], [Action::Refuse(why)] if why.contains("0.1 s to go")), "{refused:?}");
+    assert!(
+        matches!(&refused[..], [Action::Refuse(why)] if why.contains("0.1 s to go")),
+        "{refused:?}"
+    );
     feed(&mut flow, [Input::Elapsed(0.2)]);
     assert_eq!(flow.phase(), &Phase::Ready);
 }
@@ -85,7 +91,8 @@ fn a_repeat_comes_right_away_under_a_new_number_and_keeps_its_place() {
 #[test]
 fn a_trial_cut_short_is_kept_and_done_again_after_homing() {
     let mut flow = ready();
-    let actions = feed(&mut flow, [Input::Start, Input::Ended(End::Cut("force over the limit".into()))]);
+    let actions =
+        feed(&mut flow, [Input::Start, Input::Ended(End::Cut("force over the limit".into()))]);
     let finish = Action::Finish { trial: 1, complete: false, likert: None };
     assert_eq!(actions, [finish, Action::Log(Event::Superseded { trial: 1, by: 4 }), Action::Off]);
     assert_eq!(flow.phase(), &Phase::Stopped { why: "force over the limit".into() });
@@ -167,7 +174,11 @@ impl World {
             Action::Run(trial) => {
                 assert!(self.running.is_none() && self.waiting.is_none(), "two trials at once");
                 let used = self.started.iter().any(|t| t.trial == trial.trial);
-                assert!(!used && !self.files.contains_key(&trial.trial), "number {} twice", trial.trial);
+                assert!(
+                    !used && !self.files.contains_key(&trial.trial),
+                    "number {} twice",
+                    trial.trial
+                );
                 self.started.push(trial.clone());
                 self.running = Some(trial);
             }
@@ -181,8 +192,13 @@ impl World {
                 if let Event::Answer { trial, .. } = event {
                     let (_, complete, likert) = &self.files[&trial];
                     assert!(*complete && likert.is_none(), "a second answer");
-                    assert_eq!(self.files_in_time().last(), Some(&trial), "an answer to an earlier trial");
-                    let answered = |e: &Event| matches!(e, Event::Answer { trial: t, .. } if *t == trial);
+                    assert_eq!(
+                        self.files_in_time().last(),
+                        Some(&trial),
+                        "an answer to an earlier trial"
+                    );
+                    let answered =
+                        |e: &Event| matches!(e, Event::Answer { trial: t, .. } if *t == trial);
                     assert!(!self.events.iter().any(answered), "answered twice");
                 }
                 self.events.push(event);
@@ -207,17 +223,17 @@ impl World {
     }
 
     fn recorded(&self) -> Vec<Recorded> {
-        let answered =
-            |n: u32| self.events.iter().any(|e| matches!(e, Event::Answer { trial, .. } if *trial == n));
-        let one = |(n, (_, complete, likert)): (&u32, &(PlannedTrial, bool, Option<u8>))| Recorded {
-            trial: *n,
-            complete: *complete,
-            settled: likert.is_some() || answered(*n),
+        let answered = |n: u32| {
+            self.events.iter().any(|e| matches!(e, Event::Answer { trial, .. } if *trial == n))
+        };
+        let one = |(n, (_, complete, likert)): (&u32, &(PlannedTrial, bool, Option<u8>))| {
+            Recorded { trial: *n, complete: *complete, settled: likert.is_some() || answered(*n) }
         };
         self.files.iter().map(one).collect()
     }
 
-    /// The conditions that count, in the order in which they were recorded, are a beginning of the order drawn.
+    /// The conditions that count, in the order in which they were recorded, are a beginning of the
+    /// order drawn.
     fn check_order(&self, n: u32) -> usize {
         let superseded = self.superseded();
         let counts = |t: &&PlannedTrial| {
@@ -225,13 +241,15 @@ impl World {
         };
         let found: Vec<(ModeId, u32)> =
             self.started.iter().filter(counts).map(|t| (t.mode.clone(), t.repeat)).collect();
-        let drawn: Vec<(ModeId, u32)> = order(n).into_iter().map(|(t, _)| (t.mode, t.repeat)).collect();
+        let drawn: Vec<(ModeId, u32)> =
+            order(n).into_iter().map(|(t, _)| (t.mode, t.repeat)).collect();
         assert_eq!(found[..], drawn[..found.len()]);
         found.len()
     }
 }
 
-/// Inputs of people and devices, the likelier ones more often; `None` is a kill, after which the session is resumed.
+/// Inputs of people and devices, the likelier ones more often; `None` is a kill, after which the
+/// session is resumed.
 fn inputs() -> impl Strategy<Value = Vec<Option<Input>>> {
     let one = prop_oneof![
         6 => Just(Some(Input::Checked)), 6 => Just(Some(Input::Homed)), 10 => Just(Some(Input::Start)),
@@ -262,7 +280,8 @@ fn play(world: &mut World, flow: &mut Flow, input: Input) {
     assert_eq!(running, world.running.is_some(), "the flow and the world disagree");
 }
 
-/// The session is killed: what ran is cut, what waited for its answer is complete, as `recover` makes them.
+/// The session is killed: what ran is cut, what waited for its answer is complete, as `recover`
+/// makes them.
 fn resume(world: &mut World) -> Flow {
     if let Some(trial) = world.running.take() {
         world.files.insert(trial.trial, (trial, false, None));

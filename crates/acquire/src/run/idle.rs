@@ -7,7 +7,8 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 use zwidth_device::{Station, Trip, watch};
 
-/// A wait on a simulated clock goes this far past the pause's end, s: nothing rounds it to just before.
+/// A wait on a simulated clock goes this far past the pause's end, s: nothing rounds it to just
+/// before.
 const PAST_S: f64 = 1e-6;
 
 impl Runner<'_> {
@@ -16,7 +17,9 @@ impl Runner<'_> {
         if self.options.quit.load(Ordering::SeqCst) {
             return Ok(vec![Input::Quit]);
         }
-        if let (Phase::Question { late: false, .. }, Some(answer)) = (self.flow.phase(), self.answer.take()) {
+        if let (Phase::Question { late: false, .. }, Some(answer)) =
+            (self.flow.phase(), self.answer.take())
+        {
             return Ok(vec![Input::Answer(answer)]);
         }
         let mut inputs = Vec::new();
@@ -31,8 +34,9 @@ impl Runner<'_> {
         Ok(inputs)
     }
 
-    /// The pause on a simulated clock, over at once: reads on at 0 V, so that the turn of the shaft stays known.
-    /// Without a voltage a large force or a late tick does no harm; a lost turn does, and is told.
+    /// The pause on a simulated clock, over at once: reads on at 0 V, so that the turn of the shaft
+    /// stays known. Without a voltage a large force or a late tick does no harm; a lost turn
+    /// does, and is told.
     fn rest(&mut self) -> Option<Trip> {
         let until_s = self.attendant.now_s() + self.flow.rest_s() + PAST_S;
         let (rate_hz, stop) = (self.rate_hz, &*self.options.stop);

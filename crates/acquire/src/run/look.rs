@@ -43,7 +43,8 @@ pub(super) fn refresh_trial(view: &mut View, flow: &Flow, plan: &Plan, session: 
     if matches!(flow.phase(), flow::Phase::Pause) {
         return;
     }
-    let environment = place.and_then(|i| plan.study.environment(&flow.places()[i].trial.environment));
+    let environment =
+        place.and_then(|i| plan.study.environment(&flow.places()[i].trial.environment));
     view.wall_rad = environment.and_then(|e| e.scene.wall_rad());
 }
 
@@ -56,7 +57,8 @@ fn current(place: usize, flow: &Flow, plan: &Plan, session: &Session) -> Current
         trial: slot.trial.trial,
         place: place + 1,
         kind: slot.trial.kind,
-        environment: environment.map_or_else(|| slot.trial.environment.to_string(), |e| e.label.clone()),
+        environment: environment
+            .map_or_else(|| slot.trial.environment.to_string(), |e| e.label.clone()),
         mode: mode.and_then(label),
         repeats: slot.repeats,
     }
@@ -72,10 +74,13 @@ fn phase(flow: &Flow, plan: &Plan, view: &View) -> Phase {
             Phase::Trial { t_s, limit_s: plan.study.design.trial_limit_s }
         }
         flow::Phase::Question { place, .. } => {
-            let question = flow.places()[*place].question.as_ref().and_then(|id| plan.study.question(id));
+            let question =
+                flow.places()[*place].question.as_ref().and_then(|id| plan.study.question(id));
             Phase::Question { text: question.map(|q| q.text.clone()).unwrap_or_default() }
         }
-        flow::Phase::Pause => Phase::Pause { left_s: flow.rest_s(), pause_s: plan.study.design.pause_s },
+        flow::Phase::Pause => {
+            Phase::Pause { left_s: flow.rest_s(), pause_s: plan.study.design.pause_s }
+        }
         flow::Phase::Stopped { why } => Phase::Stopped { why: why.clone() },
         flow::Phase::Done => Phase::Done,
         flow::Phase::Left => Phase::Left,
@@ -87,7 +92,9 @@ pub(super) fn event(event: &Event) -> String {
     let of = |trial: &Option<u32>| trial.map(|n| format!("trial {n}: ")).unwrap_or_default();
     match event {
         Event::LaidDown { .. } => "the session was laid down".to_owned(),
-        Event::SweepRecorded { actuator, sweep, .. } => format!("sweep {sweep} of {actuator} recorded"),
+        Event::SweepRecorded { actuator, sweep, .. } => {
+            format!("sweep {sweep} of {actuator} recorded")
+        }
         Event::Recorded { trial, .. } => format!("trial {trial} recorded"),
         Event::Answer { trial, value, .. } => format!("trial {trial}: answered {value}"),
         Event::Superseded { trial, by } => {

@@ -1,9 +1,9 @@
 //! The runner: binds a session's flow to device, clock, journal, event log and front end.
 //!
-//! One path for real and simulated time: the device is asked for one thing after another. In real time a thread of its
-//! own has it ([`Attendant`]) while this one writes and shows: it runs the trials, and between them reads on at 0 V, so
-//! that the turn of the shaft stays known however long a disk takes. On a simulated clock it is asked here, and a pause
-//! is over at once.
+//! One path for real and simulated time: the device is asked for one thing after another. In real
+//! time a thread of its own has it ([`Attendant`]) while this one writes and shows: it runs the
+//! trials, and between them reads on at 0 V, so that the turn of the shaft stays known however long
+//! a disk takes. On a simulated clock it is asked here, and a pause is over at once.
 
 mod idle;
 mod look;
@@ -108,8 +108,8 @@ struct Runner<'a> {
 /// Runs a session from where it stands to where it is left. The study's lock is the caller's.
 ///
 /// # Errors
-/// A device, a disk, a study's folder or a terminal that is gone; a study that this device must not run. The device is at 0 V then, and
-/// what was finished is safe; the session can be resumed.
+/// A device, a disk, a study's folder or a terminal that is gone; a study that this device must not
+/// run. The device is at 0 V then, and what was finished is safe; the session can be resumed.
 pub fn run<'a>(
     plan: &'a Plan,
     session: Session,
@@ -166,12 +166,13 @@ pub fn run<'a>(
     left.map_err(|error| folder.check().err().unwrap_or(error))
 }
 
-/// A life of this session that was killed may have left a folder's name unsynced; what is recorded into it would go with it
-/// in a power cut.
+/// A life of this session that was killed may have left a folder's name unsynced; what is recorded
+/// into it would go with it in a power cut.
 fn sync_what_is_there(plan: &Plan, files: &dyn Files) -> Result<(), AcquireError> {
     let Plan { layout, participant, session, .. } = plan;
     let trials = layout.trial(participant, session, 1);
-    let folders = [trials.parent().map(Path::to_owned), Some(layout.journals()), Some(layout.sessions())];
+    let folders =
+        [trials.parent().map(Path::to_owned), Some(layout.journals()), Some(layout.sessions())];
     let mut folders = folders.into_iter().flatten();
     Ok(folders.try_for_each(|folder| sync_names(files, &folder, layout.root()))?)
 }
@@ -187,7 +188,8 @@ impl<'a> Runner<'a> {
         sync_what_is_there(self.plan, &self.files)?;
         if self.session.laid_down {
             let place = self.flow.done();
-            self.view.say(format!("resumed: {place} of {} trials are done", self.flow.places().len()));
+            self.view
+                .say(format!("resumed: {place} of {} trials are done", self.flow.places().len()));
             self.remark()?;
         }
         if self.session.blinded {
@@ -261,7 +263,8 @@ impl<'a> Runner<'a> {
         Ok(())
     }
 
-    /// 0 V now. A device that does not take it is lost, which its next reading tells; its watchdog does the rest.
+    /// 0 V now. A device that does not take it is lost, which its next reading tells; its watchdog
+    /// does the rest.
     fn off(&mut self) {
         if *self.flow.phase() == Phase::Done {
             // Nothing homes from here before a trial that is done again, so the stop is over now.
@@ -286,8 +289,9 @@ impl<'a> Runner<'a> {
         std::mem::take(&mut self.session.opening).into_iter().try_for_each(|event| self.log(event))
     }
 
-    /// The device check. The first one of a session goes into its record, which is laid down then; a later one into the
-    /// log. What is not good enough is told, not forbidden: that is a person's to judge.
+    /// The device check. The first one of a session goes into its record, which is laid down then;
+    /// a later one into the log. What is not good enough is told, not forbidden: that is a
+    /// person's to judge.
     fn check(&mut self) -> Result<Input, AcquireError> {
         self.show()?;
         let found = match self.checked() {
@@ -299,7 +303,11 @@ impl<'a> Runner<'a> {
         }
         self.view.checks = found.iter().map(|f| look::check_line(&f.check)).collect();
         for bad in found.iter().filter(|f| !f.check.ok) {
-            self.view.say(format!("device check: {}: {}", look::check_words(&bad.check), bad.about));
+            self.view.say(format!(
+                "device check: {}: {}",
+                look::check_words(&bad.check),
+                bad.about
+            ));
         }
         let checks: Vec<Check> = found.into_iter().map(|f| f.check).collect();
         if !self.session.laid_down {
@@ -309,7 +317,10 @@ impl<'a> Runner<'a> {
             self.remark()?;
         } else if !checks.is_empty() {
             let words: Vec<String> = checks.iter().map(look::check_words).collect();
-            self.log(Event::Note { trial: None, text: format!("device check: {}", words.join("; ")) })?;
+            self.log(Event::Note {
+                trial: None,
+                text: format!("device check: {}", words.join("; ")),
+            })?;
         }
         Ok(Input::Checked)
     }

@@ -89,7 +89,8 @@ impl Desk {
     }
 }
 
-/// Somebody who starts every trial, gives the same answer always, and does what a closure says before all else.
+/// Somebody who starts every trial, gives the same answer always, and does what a closure says
+/// before all else.
 struct Somebody<F>(F, Shown);
 
 impl<F: FnMut(&View) -> Option<Input>> Front for Somebody<F> {
@@ -118,7 +119,9 @@ thread_local! {
     static OWN: Cell<Option<Input>> = const { Cell::new(None) };
 }
 
-fn somebody(own: impl FnMut(&View) -> Option<Input>) -> Somebody<impl FnMut(&View) -> Option<Input>> {
+fn somebody(
+    own: impl FnMut(&View) -> Option<Input>,
+) -> Somebody<impl FnMut(&View) -> Option<Input>> {
     OWN.take();
     Somebody(own, Shown::Check)
 }
@@ -151,7 +154,10 @@ fn the_order_recorded_is_the_order_drawn() {
     let drawn = &data.sessions[0].record.trials;
     let found: Vec<_> =
         data.trials.iter().map(|t| (t.meta.trial, t.meta.mode.clone(), t.meta.repeat)).collect();
-    assert_eq!(found, drawn.iter().map(|t| (t.trial, t.mode.clone(), t.repeat)).collect::<Vec<_>>());
+    assert_eq!(
+        found,
+        drawn.iter().map(|t| (t.trial, t.mode.clone(), t.repeat)).collect::<Vec<_>>()
+    );
     assert_eq!(drawn[0].kind, Kind::Familiarisation);
 }
 
@@ -164,7 +170,8 @@ fn repeats_exclusions_and_notes_end_up_in_the_log() {
         (4, Input::Note("slowly".into())),
     ];
     let mut front = somebody(|view: &View| {
-        let due = view.phase == Shown::Ready && said.first().is_some_and(|(done, _)| *done == view.done);
+        let due =
+            view.phase == Shown::Ready && said.first().is_some_and(|(done, _)| *done == view.done);
         due.then(|| said.remove(0).1)
     });
     desk.run(&mut Mock::default(), &RealFiles, &mut front).unwrap();
@@ -222,16 +229,20 @@ impl Files for Full {
 }
 
 #[test]
-fn a_disk_that_fills_up_at_any_moment_ends_the_session_at_0_v_and_the_rest_follows_in_the_same_order() {
+fn a_disk_that_fills_up_at_any_moment_ends_the_session_at_0_v_and_the_rest_follows_in_the_same_order()
+ {
     let whole = Desk::new(false);
     whole.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
     let drawn = whole.data().sessions[0].record.trials.clone();
     let left = Arc::new(Mutex::new(10_000));
     Desk::new(false).run(&mut Mock::default(), &Full(Arc::clone(&left)), &mut diligent()).unwrap();
     let used = 10_000 - *left.lock().unwrap();
-    // At the record and the first journal; in the midst of a trial; at every write that makes it a file; at the last.
+    // At the record and the first journal; in the midst of a trial; at every write that makes it a
+    // file; at the last.
     let a_trial = used / TRIALS as u32;
-    for room in [0, 1, 2, 3, 30].into_iter().chain(a_trial - 8..a_trial + 8).chain([used / 2, used - 1]) {
+    for room in
+        [0, 1, 2, 3, 30].into_iter().chain(a_trial - 8..a_trial + 8).chain([used / 2, used - 1])
+    {
         let desk = Desk::new(false);
         let mut mock = Mock::default();
         let full = Full(Arc::new(Mutex::new(room)));
@@ -254,11 +265,18 @@ fn check_resumed(desk: &Desk, drawn: &[zwidth_study::PlannedTrial], case: u32) {
     let data = desk.data();
     let mut counting: Vec<_> = data.counting().collect();
     // A trial done again has a later number, but the place of the first.
-    let first = |n: u32| data.trials.iter().find(|t| t.superseded_by == Some(n)).map_or(n, |t| t.meta.trial);
+    let first = |n: u32| {
+        data.trials.iter().find(|t| t.superseded_by == Some(n)).map_or(n, |t| t.meta.trial)
+    };
     counting.sort_by_key(|t| first(t.meta.trial));
-    let found: Vec<_> = counting.iter().map(|t| (&t.meta.environment, &t.meta.mode, t.meta.repeat)).collect();
+    let found: Vec<_> =
+        counting.iter().map(|t| (&t.meta.environment, &t.meta.mode, t.meta.repeat)).collect();
     let experiment = drawn.iter().filter(|t| t.kind == Kind::Trial);
-    assert_eq!(found, experiment.map(|t| (&t.environment, &t.mode, t.repeat)).collect::<Vec<_>>(), "{case}");
+    assert_eq!(
+        found,
+        experiment.map(|t| (&t.environment, &t.mode, t.repeat)).collect::<Vec<_>>(),
+        "{case}"
+    );
 }
 
 #[test]
@@ -324,7 +342,8 @@ fn a_blinded_session_shows_neither_modes_nor_voltages_and_its_files_hold_codes()
     assert!(views.iter().flat_map(|v| &v.trace).all(|p| p.voltages.is_none()));
     assert!(views.iter().any(|v| !v.trace.is_empty()));
     let data = desk.data();
-    let codes: std::collections::BTreeSet<&ModeId> = data.trials.iter().map(|t| &t.meta.mode).collect();
+    let codes: std::collections::BTreeSet<&ModeId> =
+        data.trials.iter().map(|t| &t.meta.mode).collect();
     assert_eq!(codes.len(), TRIALS);
     assert!(data.trials.iter().all(|t| t.sealed.is_some()) && data.counting().count() == 0);
     let shown = format!("{:?}", views);
@@ -334,7 +353,8 @@ fn a_blinded_session_shows_neither_modes_nor_voltages_and_its_files_hold_codes()
     }
     let record = &data.sessions[0].record;
     assert_eq!((record.seed, verify(&desk.plan.layout)), (None, vec![]));
-    let seal = crate::vault::find(&RealFiles, &desk.plan.keys, desk.plan.layout.study(), record).unwrap();
+    let seal =
+        crate::vault::find(&RealFiles, &desk.plan.keys, desk.plan.layout.study(), record).unwrap();
     append_events(&RealFiles, &data.sessions[0].events_path, UTC, &[seal.event()]).unwrap();
     assert_eq!(desk.data().counting().count(), TRIALS - 1);
 }
@@ -346,13 +366,15 @@ fn a_blinded_session_cut_short_resumes_from_its_seal_and_repeats_keep_their_mode
     desk.run(&mut Mock::default(), &full, &mut diligent()).unwrap_err();
     recover(&RealFiles, &desk.plan.layout, UTC);
     let elsewhere = Plan { keys: PathBuf::from("/nonexistent"), ..desk.plan.clone() };
-    let error =
-        Session::open(&elsewhere, Mock::default().capabilities(), &RealFiles).unwrap_err().to_string();
+    let error = Session::open(&elsewhere, Mock::default().capabilities(), &RealFiles)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("--key"), "{error}");
     desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
     let log = desk.data().sessions[0].clone();
     let seal =
-        crate::vault::find(&RealFiles, &desk.plan.keys, desk.plan.layout.study(), &log.record).unwrap();
+        crate::vault::find(&RealFiles, &desk.plan.keys, desk.plan.layout.study(), &log.record)
+            .unwrap();
     append_events(&RealFiles, &log.events_path, UTC, &[seal.event()]).unwrap();
     let data = desk.data();
     assert_eq!(verify(&desk.plan.layout), []);
@@ -387,8 +409,9 @@ fn a_participant_without_a_number_is_told_how_it_is_counterbalanced_and_the_log_
     drop(front);
     assert!(said.iter().any(|m| m.contains("anna ends in no number")), "{said:?}");
     let log = desk.data().sessions[0].clone();
-    let noted =
-        |word: &str| log.events.iter().any(|e| matches!(e, Event::Note { text, .. } if text.contains(word)));
+    let noted = |word: &str| {
+        log.events.iter().any(|e| matches!(e, Event::Note { text, .. } if text.contains(word)))
+    };
     assert!(noted("participant anna ends in no number") && noted("session pre ends in no number"));
     let order = log.record.order.unwrap();
     assert_eq!((order.participant_number, order.session_number), (1, 1));

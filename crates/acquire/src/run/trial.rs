@@ -10,8 +10,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use zwidth_device::{
-    Controller, Histogram, Reading, Seen, Station, Timing, TrialEnd, TrialPlan, TrialRun, TrialTask, Trip,
-    watch,
+    Controller, Histogram, Reading, Seen, Station, Timing, TrialEnd, TrialPlan, TrialRun,
+    TrialTask, Trip, watch,
 };
 use zwidth_store::{Files, Journal, TrialFile, append_events, check_session};
 use zwidth_study::{Environment, Event, Flags, Mode, PlannedTrial, Sample, Study};
@@ -24,7 +24,8 @@ const FRAME: Duration = Duration::from_millis(50);
 
 /// Longest wait for the lever to come back to its start, s.
 const LEVER_BACK_S: f64 = 5.0;
-/// This close to its stop the lever is at its start, rad: 5°, what friction may leave of a spring's way back.
+/// This close to its stop the lever is at its start, rad: 5°, what friction may leave of a spring's
+/// way back.
 const AT_START_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Between two looks at the lever, s.
 const LOOK_S: f64 = 0.05;
@@ -88,8 +89,9 @@ impl<'a> Runner<'a> {
         check_session(&self.files, &self.plan.layout, &self.session.record).map_err(not_whole)
     }
 
-    /// A trial begins with the lever at its start. After one in which it stayed where it was, somebody carries it
-    /// back; a short pause may be over before. Looks on until it is there, for a while; how that was cut, if it was.
+    /// A trial begins with the lever at its start. After one in which it stayed where it was,
+    /// somebody carries it back; a short pause may be over before. Looks on until it is there,
+    /// for a while; how that was cut, if it was.
     fn await_lever(&mut self) -> Result<Option<End>, AcquireError> {
         let Some(start_rad) = self.plan.study.device.theta_min_rad else { return Ok(None) };
         let begun_s = self.attendant.now_s();
@@ -121,14 +123,21 @@ impl<'a> Runner<'a> {
     }
 
     /// What the trial's end comes to.
-    fn conclude(&mut self, trial: u32, mut tape: Tape, run: &TrialRun) -> Result<End, AcquireError> {
+    fn conclude(
+        &mut self,
+        trial: u32,
+        mut tape: Tape,
+        run: &TrialRun,
+    ) -> Result<End, AcquireError> {
         let crate::Timing { rate_hz, measured_hz, dropouts, .. } = self.view.timing;
         let counts = [run.timing.missed, dropouts];
         self.view.timing = look::timing(rate_hz, measured_hz, counts, &run.timing.lateness);
         self.timing.merge(&run.timing);
         let end = match &run.end {
             TrialEnd::Limit | TrialEnd::LetGo => End::Complete,
-            TrialEnd::Stopped if self.options.quit.load(Ordering::SeqCst) => End::Cut(SIGNAL.to_owned()),
+            TrialEnd::Stopped if self.options.quit.load(Ordering::SeqCst) => {
+                End::Cut(SIGNAL.to_owned())
+            }
             TrialEnd::Stopped => End::Cut(EMERGENCY_STOP.to_owned()),
             TrialEnd::Tripped(trip) => End::Cut(trip.to_string()),
         };
@@ -182,7 +191,10 @@ impl<'a> Runner<'a> {
         let mode = self.flow.here().and_then(|place| self.session.modes.get(place));
         let found = study.environment(&trial.environment).zip(mode.and_then(|id| study.mode(id)));
         found.ok_or_else(|| AcquireError::Refused {
-            what: format!("trial {} has an environment or a mode that is not in study.toml", trial.trial),
+            what: format!(
+                "trial {} has an environment or a mode that is not in study.toml",
+                trial.trial
+            ),
             remedy: "put study.toml back as it was when the session began".to_owned(),
         })
     }
@@ -191,8 +203,9 @@ impl<'a> Runner<'a> {
         let start_utc = (self.utc)(self.attendant.now_s());
         let record = &self.session.record;
         let mut file = TrialFile::new();
-        let mut put =
-            |key: &str, value: Option<String>| file.extend(value.map(|value| (key.to_owned(), value)));
+        let mut put = |key: &str, value: Option<String>| {
+            file.extend(value.map(|value| (key.to_owned(), value)))
+        };
         put("study_blake3", Some(record.study_blake3.clone()));
         put("calibration_blake3", record.calibration_blake3.clone());
         put("device", Some(self.capabilities.name.clone()));
@@ -222,10 +235,12 @@ struct Live<'a> {
     pace: Pace,
 }
 
-/// A sample that is early by this share of a period is on time: its time is a difference of two clock readings.
+/// A sample that is early by this share of a period is on time: its time is a difference of two
+/// clock readings.
 const ROUNDED: f64 = 1e-6;
 
-/// How the loop keeps its time, as far as the samples tell: deadlines are a grid from the trial's start.
+/// How the loop keeps its time, as far as the samples tell: deadlines are a grid from the trial's
+/// start.
 struct Pace {
     rate_hz: f64,
     /// When the last sample was taken, s.
@@ -240,7 +255,14 @@ struct Pace {
 
 impl Pace {
     fn new(rate_hz: f64) -> Self {
-        Self { rate_hz, t_s: 0.0, samples: 0, deadlines: 0, dropouts: 0, lateness: Histogram::default() }
+        Self {
+            rate_hz,
+            t_s: 0.0,
+            samples: 0,
+            deadlines: 0,
+            dropouts: 0,
+            lateness: Histogram::default(),
+        }
     }
 
     fn add(&mut self, sample: &Sample) {
@@ -253,7 +275,8 @@ impl Pace {
     }
 
     fn timing(&self) -> crate::Timing {
-        let measured_hz = if self.t_s > 0.0 { self.samples.saturating_sub(1) as f64 / self.t_s } else { 0.0 };
+        let measured_hz =
+            if self.t_s > 0.0 { self.samples.saturating_sub(1) as f64 / self.t_s } else { 0.0 };
         let missed = self.deadlines.saturating_sub(self.samples);
         look::timing(self.rate_hz, measured_hz, [missed, self.dropouts], &self.lateness)
     }
@@ -366,7 +389,8 @@ mod tests {
     #[test]
     fn the_screen_counts_missed_deadlines_and_the_gaps_they_leave() {
         let mut pace = Pace::new(1000.0);
-        // Deadlines 3 to 5 are missed; sample 2 is a bit early by rounding, sample 6 comes 0.25 ms late.
+        // Deadlines 3 to 5 are missed; sample 2 is a bit early by rounding, sample 6 comes 0.25 ms
+        // late.
         for (t_s, gap) in [(0.0, false), (0.001, false), (0.002 - 1e-12, false), (0.00625, true)] {
             pace.add(&sample(t_s, Flags::default().with(Flags::DROPOUT, gap)));
         }

@@ -6,7 +6,12 @@ use zwidth_study::{Kind, Voltages, template};
 /// The longest question of the commented `study.toml`: the thesis' second.
 pub(super) fn question() -> String {
     let text = template(&"demo".parse().unwrap());
-    text.lines().filter_map(|l| l.strip_prefix("text = ")).next_back().unwrap().trim_matches('"').to_owned()
+    text.lines()
+        .filter_map(|l| l.strip_prefix("text = "))
+        .next_back()
+        .unwrap()
+        .trim_matches('"')
+        .to_owned()
 }
 
 pub(super) fn phases() -> Vec<Phase> {
@@ -30,7 +35,8 @@ fn course(end_s: f64) -> Vec<Point> {
         let lift = 0.5 - 0.5 * (turn * t_s).cos();
         let theta_rad = (-45.0 + 73.0 * lift).to_radians();
         let theta_dot_rad_s = 73_f64.to_radians() * 0.5 * turn * (turn * t_s).sin();
-        let (motor_v, brake_v) = (-8.0_f64.min(16.0 * lift), if lift > 0.98 { 8.0 } else { 3.0 * lift });
+        let (motor_v, brake_v) =
+            (-8.0_f64.min(16.0 * lift), if lift > 0.98 { 8.0 } else { 3.0 * lift });
         let voltages = Some(Voltages { motor_v, brake_v });
         Point { t_s, theta_rad, theta_dot_rad_s, force_ex_n: 4.6 * lift, voltages }
     };
@@ -44,7 +50,8 @@ pub(super) fn view(phase: Phase, blinded: bool) -> View {
         Phase::Check | Phase::Homing | Phase::Left => 0.0,
         _ => 3.8,
     };
-    let check = |name: &str, value: &str, ok| CheckLine { name: name.into(), value: value.into(), ok };
+    let check =
+        |name: &str, value: &str, ok| CheckLine { name: name.into(), value: value.into(), ok };
     let mut view = View {
         study: "thesis-twin".into(),
         participant: "P01".into(),
@@ -83,7 +90,9 @@ pub(super) fn view(phase: Phase, blinded: bool) -> View {
         ],
         ..View::default()
     };
-    course(end_s).into_iter().for_each(|point| view.trace(if blinded { hide(point) } else { point }));
+    course(end_s)
+        .into_iter()
+        .for_each(|point| view.trace(if blinded { hide(point) } else { point }));
     for message in ["trial 10 stored: 3,941 samples", "trial 11 stored: 3,998 samples"] {
         view.say(message);
     }

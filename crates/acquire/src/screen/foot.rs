@@ -1,4 +1,5 @@
-//! The foot of the screen: what is typed or asked, how the loop keeps time, and the keys, the stop key first.
+//! The foot of the screen: what is typed or asked, how the loop keeps time, and the keys, the stop
+//! key first.
 
 use super::keys::{Ask, Entry, commands, stop_key};
 use super::look::{Look, Role};
@@ -24,9 +25,10 @@ fn timing_line(timing: &Timing, look: Look, brief: bool) -> Line<'static> {
     let rate = format!("{:.0}", timing.measured_hz);
     let (rate, jitter) = match (brief, timing.jitter_max_s > 0.0) {
         (true, true) => (format!("{rate} Hz"), format!("p99 {p99} max {max}")),
-        (false, true) => {
-            (format!("{rate} of {:.0} Hz", timing.rate_hz), format!("p50 {p50} p99 {p99} max {max}"))
-        }
+        (false, true) => (
+            format!("{rate} of {:.0} Hz", timing.rate_hz),
+            format!("p50 {p50} p99 {p99} max {max}"),
+        ),
         // It is known when a trial has ended.
         (_, false) => (format!("{rate} of {:.0} Hz", timing.rate_hz), "–".to_owned()),
     };
@@ -48,7 +50,8 @@ fn timing_line(timing: &Timing, look: Look, brief: bool) -> Line<'static> {
 
 /// The keys that do something now.
 pub(super) fn keys(view: &View, entry: Option<&Entry>, look: Look) -> Line<'static> {
-    let mut spans = vec![Span::styled(format!(" {} STOP ", stop_key(entry)), look.style(Role::Stop))];
+    let mut spans =
+        vec![Span::styled(format!(" {} STOP ", stop_key(entry)), look.style(Role::Stop))];
     let commands = match entry {
         None => commands(&view.phase),
         Some(Entry::Note(_)) => &[("Enter", "keep the note"), ("Esc", "drop it")],
@@ -62,21 +65,30 @@ pub(super) fn keys(view: &View, entry: Option<&Entry>, look: Look) -> Line<'stat
     Line::from(spans)
 }
 
-/// What is typed or asked, in lines of at most `width` cells; the last ones, if there are more than three.
+/// What is typed or asked, in lines of at most `width` cells; the last ones, if there are more than
+/// three.
 pub(super) fn entry(entry: &Entry, look: Look, width: usize) -> Vec<Line<'static>> {
     /// Lines of a remark that stay in sight.
     const LINES: usize = 3;
     let lines = text::pieces(&words(entry), width.max(1));
     let hidden = lines.len().saturating_sub(LINES);
-    lines.into_iter().skip(hidden).map(|line| Line::styled(line, look.style(Role::Strong))).collect()
+    lines
+        .into_iter()
+        .skip(hidden)
+        .map(|line| Line::styled(line, look.style(Role::Strong)))
+        .collect()
 }
 
 fn words(entry: &Entry) -> String {
     match entry {
         Entry::Note(text) => format!("Note: {text}_"),
         Entry::Exclude(text) => format!("The last trial does not count, because: {text}_"),
-        Entry::Sure(Ask::Repeat) => "Do the last trial again? It stays, marked as superseded.".into(),
+        Entry::Sure(Ask::Repeat) => {
+            "Do the last trial again? It stays, marked as superseded.".into()
+        }
         Entry::Sure(Ask::Skip) => "Leave the question without an answer?".into(),
-        Entry::Sure(Ask::Quit) => "End the session here? It goes on from here the next time.".into(),
+        Entry::Sure(Ask::Quit) => {
+            "End the session here? It goes on from here the next time.".into()
+        }
     }
 }

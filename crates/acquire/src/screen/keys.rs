@@ -1,9 +1,9 @@
 //! What a key means: by the phase, and by what is being typed.
 //!
-//! **Stop** is the space bar: the largest key, sent as one byte, so that no terminal or multiplexer holds it back to see
-//! whether more comes (as they do with Esc). Esc and Ctrl-C stop as well. While a remark is typed a space is a space and
-//! Esc takes the line back: Ctrl-C is the stop key then, and the screen says so. Nothing can be typed while a trial
-//! runs: an open line is dropped.
+//! **Stop** is the space bar: the largest key, sent as one byte, so that no terminal or multiplexer
+//! holds it back to see whether more comes (as they do with Esc). Esc and Ctrl-C stop as well.
+//! While a remark is typed a space is a space and Esc takes the line back: Ctrl-C is the stop key
+//! then, and the screen says so. Nothing can be typed while a trial runs: an open line is dropped.
 
 use crate::{Input, Phase};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
@@ -34,7 +34,11 @@ pub(super) enum Ask {
 }
 
 /// What a key press comes to: what is being typed after it, and what is asked of the session.
-pub(super) fn press(key: KeyEvent, phase: &Phase, entry: Option<Entry>) -> (Option<Entry>, Option<Input>) {
+pub(super) fn press(
+    key: KeyEvent,
+    phase: &Phase,
+    entry: Option<Entry>,
+) -> (Option<Entry>, Option<Input>) {
     if key.kind == KeyEventKind::Release {
         return (entry, None);
     }
@@ -144,7 +148,8 @@ mod tests {
         KeyEvent::new(code, KeyModifiers::NONE)
     }
 
-    /// Presses keys one after another: a character each, `\n` is Enter, `\u{8}` Backspace, `\u{1b}` Esc.
+    /// Presses keys one after another: a character each, `\n` is Enter, `\u{8}` Backspace, `\u{1b}`
+    /// Esc.
     fn type_keys(keys: &str, phase: &Phase) -> (Option<Entry>, Vec<Input>) {
         let mut entry = None;
         let mut inputs = Vec::new();
@@ -200,8 +205,11 @@ mod tests {
     #[test]
     fn answers_are_taken_in_the_question_phase_alone() {
         for phase in phases() {
-            let expect =
-                if matches!(phase, Phase::Question { .. }) { vec![Input::Answer(4)] } else { vec![] };
+            let expect = if matches!(phase, Phase::Question { .. }) {
+                vec![Input::Answer(4)]
+            } else {
+                vec![]
+            };
             check("4", &phase, &expect);
         }
         check("06", &question(), &[]);
@@ -237,7 +245,8 @@ mod tests {
 
     #[test]
     fn a_line_is_dropped_when_a_trial_runs_so_that_space_stops_it() {
-        let (entry, input) = press(key(KeyCode::Char(' ')), &TRIAL, Some(Entry::Note("half a".into())));
+        let (entry, input) =
+            press(key(KeyCode::Char(' ')), &TRIAL, Some(Entry::Note("half a".into())));
         assert_eq!((entry, input), (None, Some(Input::Stop)));
     }
 
@@ -256,7 +265,8 @@ mod tests {
 
     #[test]
     fn letting_go_of_a_key_is_no_key() {
-        let release = KeyEvent::new_with_kind(KeyCode::Char(' '), KeyModifiers::NONE, KeyEventKind::Release);
+        let release =
+            KeyEvent::new_with_kind(KeyCode::Char(' '), KeyModifiers::NONE, KeyEventKind::Release);
         assert_eq!(press(release, &TRIAL, None), (None, None));
     }
 }

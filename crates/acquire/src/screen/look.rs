@@ -3,7 +3,8 @@
 use ratatui::buffer::Buffer;
 use ratatui::style::{Color, Modifier, Style};
 
-/// How a screen looks. Nothing is said by colour alone, so that all four combinations tell the same.
+/// How a screen looks. Nothing is said by colour alone, so that all four combinations tell the
+/// same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Look {
     /// Whether colours are used.
@@ -13,8 +14,8 @@ pub struct Look {
 }
 
 impl Look {
-    /// What the environment asks for: no colour with `NO_COLOR` or on a terminal that has none; ASCII if `ascii`, on
-    /// a terminal known to have no more, or in a locale that is not UTF-8.
+    /// What the environment asks for: no colour with `NO_COLOR` or on a terminal that has none;
+    /// ASCII if `ascii`, on a terminal known to have no more, or in a locale that is not UTF-8.
     pub fn from_env(ascii: bool) -> Self {
         Self::of(ascii, |name| std::env::var(name).ok().filter(|value| !value.is_empty()))
     }
@@ -70,7 +71,8 @@ fn is_utf8(locale: &str) -> bool {
     locale.contains("utf-8") || locale.contains("utf8")
 }
 
-/// Writes every cell of a buffer in ASCII: lines and bars by their nearest likeness, what has none as `?`.
+/// Writes every cell of a buffer in ASCII: lines and bars by their nearest likeness, what has none
+/// as `?`.
 pub(super) fn to_ascii(buffer: &mut Buffer) {
     for cell in buffer.content.iter_mut().filter(|cell| !cell.symbol().is_ascii()) {
         let likeness = likeness(cell.symbol());
@@ -115,7 +117,10 @@ mod tests {
     #[test]
     fn no_color_old_terminals_and_other_locales_are_heeded() {
         assert!(!look(&[("NO_COLOR", "1"), ("TERM", "xterm")]).colour);
-        assert_eq!(look(&[("TERM", "vt100"), ("LANG", "C.UTF-8")]), Look { colour: false, ascii: true });
+        assert_eq!(
+            look(&[("TERM", "vt100"), ("LANG", "C.UTF-8")]),
+            Look { colour: false, ascii: true }
+        );
         assert!(look(&[("TERM", "xterm"), ("LC_ALL", "C"), ("LANG", "C.UTF-8")]).ascii);
         assert!(Look::of(true, |_| None).ascii);
     }

@@ -24,7 +24,8 @@ pub(super) fn name(phase: &Phase) -> &'static str {
     }
 }
 
-/// The trial at hand or the next one, in words: number, kind, environment, and mode where it may be seen.
+/// The trial at hand or the next one, in words: number, kind, environment, and mode where it may be
+/// seen.
 pub(super) fn trial(view: &View) -> Option<String> {
     let current = view.trial.as_ref()?;
     let mut words = vec![number(current, view.total)];
@@ -72,7 +73,9 @@ pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>>
             [plain(READY), after_gap(found(&view.checks, look, limit))].concat()
         }
         Phase::Ready => plain(READY),
-        Phase::Trial { .. } => plain("The trial runs until its time is up. Space stops it at once, at 0 V."),
+        Phase::Trial { .. } => {
+            plain("The trial runs until its time is up. Space stops it at once, at 0 V.")
+        }
         Phase::Question { text } => question(text, look, limit),
         Phase::Pause { .. } => then_next(plain("Rest. Both actuators are off.")),
         Phase::Stopped { why } => then_next(stopped(why, look, limit)),
@@ -108,7 +111,8 @@ fn stopped(why: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
 fn question(text: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
     let mut lines = styled(text, Role::Strong, look, limit);
     lines.push(Line::default());
-    let answers: Vec<(String, &str)> = (1..).map(|n: u8| n.to_string()).zip(Likert::WORDS).collect();
+    let answers: Vec<(String, &str)> =
+        (1..).map(|n: u8| n.to_string()).zip(Likert::WORDS).collect();
     let row: usize = answers.iter().map(|(n, word)| width(n) + 1 + width(word)).sum();
     let gaps = answers.len() - 1;
     let answer = |(n, word): &(String, &str)| {

@@ -1,5 +1,5 @@
-//! Areas of the screen cut into parts, by plain sums: a constraint solver, asked for every frame, costs more than all
-//! the drawing.
+//! Areas of the screen cut into parts, by plain sums: a constraint solver, asked for every frame,
+//! costs more than all the drawing.
 
 use ratatui::layout::Rect;
 
@@ -32,7 +32,8 @@ pub(super) fn halves(area: Rect, gap: u16) -> [Rect; 2] {
     [left, Rect { x: rest.right() - width, width, ..rest }]
 }
 
-/// `n` parts one above the other, as high as one another; a row more for the first ones where it does not divide.
+/// `n` parts one above the other, as high as one another; a row more for the first ones where it
+/// does not divide.
 pub(super) fn shares(area: Rect, n: u16) -> impl Iterator<Item = Rect> {
     let (height, more) = (area.height / n, area.height % n);
     let top = move |i: u16| area.y + i * height + i.min(more);

@@ -15,15 +15,15 @@ use ratatui::widgets::Widget;
 /// Rows below which traces say nothing: two plots of a title and three rows, and the axis.
 const TRACE_ROWS: u16 = 9;
 
-/// Rows kept for what is to be read and for messages, so that the traces stay where they are from phase to phase: a
-/// question of two lines, an empty one, its scale, an empty one, and a message.
+/// Rows kept for what is to be read and for messages, so that the traces stay where they are from
+/// phase to phase: a question of two lines, an empty one, its scale, an empty one, and a message.
 const TALK_ROWS: u16 = 6;
 
 /// Draws a view, and what is typed, into a frame.
 ///
-/// From the top: who and what; progress; the phase with its trial and time left; the traces; what is to be read or
-/// answered, and messages; how the loop keeps time; the keys. In a window that is too small the traces go first, then
-/// the messages; the last row, with the stop key, stays.
+/// From the top: who and what; progress; the phase with its trial and time left; the traces; what
+/// is to be read or answered, and messages; how the loop keeps time; the keys. In a window that is
+/// too small the traces go first, then the messages; the last row, with the stop key, stays.
 pub(super) fn render(view: &View, entry: Option<&Entry>, look: Look, frame: &mut Frame<'_>) {
     let area = frame.area();
     let entry = entry.filter(|_| !matches!(view.phase, Phase::Trial { .. }));
@@ -76,7 +76,8 @@ struct Rows {
 }
 
 impl Rows {
-    /// The most needed parts take their rows first: the stop key, the phase, what is to be answered.
+    /// The most needed parts take their rows first: the stop key, the phase, what is to be
+    /// answered.
     fn of(area: Rect, has_traces: bool, talk: u16) -> Self {
         let left = &mut { area.height };
         let [keys, headline, talk] = [1, 1, talk].map(|rows| take(left, rows));
@@ -84,8 +85,11 @@ impl Rows {
         let talk = talk + take(left, TALK_ROWS.max(talk + 1) - talk);
         // In a high window messages get some of the room, without traces all of it.
         let more = if has_traces { *left / 8 } else { *left };
-        let talk =
-            if *left - more >= TRACE_ROWS { talk + take(left, more) } else { talk + take(left, *left) };
+        let talk = if *left - more >= TRACE_ROWS {
+            talk + take(left, more)
+        } else {
+            talk + take(left, *left)
+        };
         let heights = [title, progress, headline, gap, *left, talk, timing, keys];
         let [title, progress, headline, _, traces, talk, timing, keys] = place::rows(area, heights);
         Self { title, progress, headline, traces, talk, timing, keys }
@@ -125,13 +129,15 @@ fn progress(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
     ends(&bar, Role::Quiet, Line::raw(done), look, area, buffer);
 }
 
-/// The phase, its trial, and the time left: in seconds, and as a bar that empties in what room there is.
+/// The phase, its trial, and the time left: in seconds, and as a bar that empties in what room
+/// there is.
 fn headline(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
     /// Cells of the bar, at most, and at least: a shorter one says nothing.
     const BAR: (usize, usize) = (20, 4);
     let role = if matches!(view.phase, Phase::Stopped { .. }) { Role::Warn } else { Role::Accent };
     let name = panel::name(&view.phase);
-    let of_trial = matches!(view.phase, Phase::Ready | Phase::Trial { .. } | Phase::Question { .. });
+    let of_trial =
+        matches!(view.phase, Phase::Ready | Phase::Trial { .. } | Phase::Question { .. });
     let trial = panel::trial(view).filter(|_| of_trial).unwrap_or_default();
     let left = panel::countdown(&view.phase).map_or(String::new(), |(left_s, whole_s)| {
         let seconds = format!(" {left_s:>4.1} s left");
@@ -150,7 +156,8 @@ fn stack<'a>(lines: impl Iterator<Item = Line<'a>>, area: Rect, buffer: &mut Buf
     }
 }
 
-/// The newest messages that fit whole, the newest at the foot; of one that does not fit alone, its beginning.
+/// The newest messages that fit whole, the newest at the foot; of one that does not fit alone, its
+/// beginning.
 fn messages(view: &View, area: Rect, buffer: &mut Buffer) {
     let room = usize::from(area.height);
     let mut shown: Vec<String> = Vec::new();

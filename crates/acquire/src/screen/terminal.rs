@@ -14,7 +14,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Shortest time between two frames: 30 a second, more than a person follows and little for a slow line.
+/// Shortest time between two frames: 30 a second, more than a person follows and little for a slow
+/// line.
 const FRAME: Duration = Duration::from_millis(33);
 
 /// Longest wait for a key before the key thread looks whether the screen closes.
@@ -22,8 +23,9 @@ const KEY_WAIT: Duration = Duration::from_millis(50);
 
 /// The screen of a session. The terminal is given back when it is dropped, and on a panic.
 ///
-/// [`Front::show`] leaves the newest view for the drawing thread and returns; views that come faster than frames are
-/// skipped. A signal is not the screen's business: whoever handles it drops the screen.
+/// [`Front::show`] leaves the newest view for the drawing thread and returns; views that come
+/// faster than frames are skipped. A signal is not the screen's business: whoever handles it drops
+/// the screen.
 #[derive(Debug)]
 pub struct Screen {
     shared: Arc<Shared>,
@@ -58,7 +60,8 @@ impl State {
 }
 
 impl Screen {
-    /// Takes the terminal. The stop key raises `stop` at once, before its [`Input::Stop`] is queued.
+    /// Takes the terminal. The stop key raises `stop` at once, before its [`Input::Stop`] is
+    /// queued.
     ///
     /// # Errors
     /// There is no terminal, or it refuses.
@@ -110,7 +113,8 @@ impl Drop for Screen {
         self.shared.changed.notify_one();
         let drawn = has_ended(self.drawing.as_ref());
         has_ended(self.keys.as_ref());
-        // A drawing that hangs holds the output: the terminal takes nothing more, and would hang this as well.
+        // A drawing that hangs holds the output: the terminal takes nothing more, and would hang
+        // this as well.
         if drawn && is_ours() {
             // A terminal that is gone cannot be given back.
             let _ = ratatui::try_restore();
@@ -118,8 +122,8 @@ impl Drop for Screen {
     }
 }
 
-/// Whether a thread ends, if it is waited for a while. The rest is left to the end of the program: reading keys from a
-/// terminal that was hung up never returns.
+/// Whether a thread ends, if it is waited for a while. The rest is left to the end of the program:
+/// reading keys from a terminal that was hung up never returns.
 fn has_ended(thread: Option<&JoinHandle<()>>) -> bool {
     /// Half a second in all: some ten times what an orderly end takes.
     const LOOKS: u32 = 50;
@@ -133,8 +137,8 @@ fn has_ended(thread: Option<&JoinHandle<()>>) -> bool {
     })
 }
 
-/// Whether the terminal is still taken: a panic on any thread gives it back before its message is printed, and nothing
-/// may be drawn over that.
+/// Whether the terminal is still taken: a panic on any thread gives it back before its message is
+/// printed, and nothing may be drawn over that.
 fn is_ours() -> bool {
     is_raw_mode_enabled().unwrap_or(true)
 }
@@ -191,7 +195,8 @@ impl Shared {
     /// What is to be drawn next; none when the screen closes.
     fn wait_for_change(&self) -> Option<(View, Option<Entry>)> {
         let idle = |state: &mut State| !state.fresh && !state.closing;
-        let mut state = self.changed.wait_while(self.lock(), idle).unwrap_or_else(PoisonError::into_inner);
+        let mut state =
+            self.changed.wait_while(self.lock(), idle).unwrap_or_else(PoisonError::into_inner);
         state.fresh = false;
         (!state.closing).then(|| (state.view.clone(), state.entry.clone()))
     }

@@ -43,7 +43,8 @@ fn entries() -> [Option<Entry>; 4] {
 }
 
 #[test]
-fn the_stop_key_stands_in_the_last_row_in_every_phase_whatever_is_typed_and_however_small_the_window() {
+fn the_stop_key_stands_in_the_last_row_in_every_phase_whatever_is_typed_and_however_small_the_window()
+ {
     for phase in phases() {
         for entry in entries() {
             let typing = matches!(entry, Some(Entry::Note(_) | Entry::Exclude(_)));
@@ -85,8 +86,13 @@ fn at_80_by_24_nothing_is_cut() {
             assert!(!text.contains('…'), "{text}");
             assert!(text.contains("thesis-twin · P01 · S01 twin 1 SIMULATED"), "{text}");
             assert!(text.contains("11 of 39 done"));
-            assert!(text.contains("1000 of 1000 Hz jitter µs p50 58 p99 112 max 1340 missed 3 ! dropouts 0"));
-            assert!(text.contains("> trial 11 stored: 3,998 samples"), "{phase:?} {entry:?} {text}");
+            assert!(text.contains(
+                "1000 of 1000 Hz jitter µs p50 58 p99 112 max 1340 missed 3 ! dropouts 0"
+            ));
+            assert!(
+                text.contains("> trial 11 stored: 3,998 samples"),
+                "{phase:?} {entry:?} {text}"
+            );
             let keys = commands(&phase).iter().map(|(key, meaning)| format!("{key} {meaning}"));
             let keys: Vec<String> = keys.filter(|_| entry.is_none()).collect();
             assert!(keys.iter().all(|key| text.contains(key)), "{text}");
@@ -101,7 +107,8 @@ fn a_question_is_asked_whole_with_every_word_of_the_scale() {
     for (n, word) in (1..).zip(Likert::WORDS) {
         assert!(text.contains(&format!("{n} {word}")), "{text}");
     }
-    let narrow = rows(&view(Phase::Question { text: question() }, true), None, FULL, (50, 24)).join("\n");
+    let narrow =
+        rows(&view(Phase::Question { text: question() }, true), None, FULL, (50, 24)).join("\n");
     assert!(narrow.contains(" 4 agree") && narrow.contains(" 5 strongly agree"), "{narrow}");
 }
 
@@ -110,14 +117,20 @@ fn answers_are_offered_in_the_question_phase_alone() {
     for phase in phases() {
         let asks = matches!(phase, Phase::Question { .. });
         let text = words(&view(phase, false), None);
-        assert_eq!((text.contains("1–5 answer"), text.contains("strongly agree")), (asks, asks), "{text}");
+        assert_eq!(
+            (text.contains("1–5 answer"), text.contains("strongly agree")),
+            (asks, asks),
+            "{text}"
+        );
     }
 }
 
 #[test]
 fn the_traces_stand_where_they_stood_from_trial_to_question_to_pause() {
     let at = |phase| {
-        rows(&view(phase, false), None, FULL, SMALLEST).iter().position(|row| row.contains("velocity"))
+        rows(&view(phase, false), None, FULL, SMALLEST)
+            .iter()
+            .position(|row| row.contains("velocity"))
     };
     let trial = at(Phase::Trial { t_s: 1.0, limit_s: 4.0 });
     assert!(trial.is_some());
@@ -139,7 +152,8 @@ fn the_wall_is_a_broken_line_at_its_angle() {
 
 #[test]
 fn a_motor_that_pushes_back_is_drawn_below_zero_and_the_brake_above() {
-    let rows = rows(&view(Phase::Pause { left_s: 1.0, pause_s: 5.0 }, false), None, BARE, (120, 40));
+    let rows =
+        rows(&view(Phase::Pause { left_s: 1.0, pause_s: 5.0 }, false), None, BARE, (120, 40));
     let row = |what: &str| rows.iter().position(|row| row.contains(what));
     let (brake, zero, motor) = (row("bbb b"), row("0|bbb"), row("mmmmmmmmmm"));
     assert!(brake.is_some() && brake < zero && zero < motor, "{}", rows.join("\n"));
@@ -159,17 +173,24 @@ fn what_is_typed_and_what_is_asked_is_in_sight() {
     let note = Entry::Note("the finger slipped ".into());
     assert!(words(&view(Phase::Ready, false), Some(&note)).contains("Note: the finger slipped _"));
     let long = Entry::Note("x".repeat(150) + " the end");
-    assert!(words(&view(Phase::Question { text: question() }, false), Some(&long)).contains("the end_"));
+    assert!(
+        words(&view(Phase::Question { text: question() }, false), Some(&long)).contains("the end_")
+    );
     let repeat = Entry::Sure(Ask::Repeat);
     let text = words(&view(Phase::Pause { left_s: 3.2, pause_s: 5.0 }, false), Some(&repeat));
-    assert!(text.contains("Do the last trial again?") && text.contains("y yes any other key no"), "{text}");
+    assert!(
+        text.contains("Do the last trial again?") && text.contains("y yes any other key no"),
+        "{text}"
+    );
 }
 
 #[test]
 fn without_colour_no_cell_has_one_and_in_ascii_no_cell_has_more() {
     for phase in phases() {
         let buffer = draw(&view(phase, false), None, BARE, SMALLEST);
-        assert!(buffer.content.iter().all(|cell| (cell.fg, cell.bg) == (Color::Reset, Color::Reset)));
+        assert!(
+            buffer.content.iter().all(|cell| (cell.fg, cell.bg) == (Color::Reset, Color::Reset))
+        );
         assert!(buffer.content.iter().all(|cell| cell.symbol().is_ascii()));
     }
 }
@@ -202,7 +223,10 @@ fn before_the_first_trial_the_device_check_stands_where_the_traces_will() {
     assert!(!words(&view, None).contains("unwrap margin"));
     view.trace.clear();
     let text = words(&view, None);
-    assert!(text.contains("ok unwrap margin 0.02 turn") && text.contains("FAILED motor responds"), "{text}");
+    assert!(
+        text.contains("ok unwrap margin 0.02 turn") && text.contains("FAILED motor responds"),
+        "{text}"
+    );
     assert!(!text.contains("velocity"), "{text}");
 }
 
@@ -211,7 +235,10 @@ fn messages_are_shown_whole_the_newest_last() {
     let mut view = view(Phase::Question { text: question() }, false);
     view.say("a message of two lines: ".to_owned() + &"word ".repeat(20));
     let text = words(&view, None);
-    assert!(text.contains("> a message of two lines: word") && !text.contains("trial 11 stored"), "{text}");
+    assert!(
+        text.contains("> a message of two lines: word") && !text.contains("trial 11 stored"),
+        "{text}"
+    );
     view.say("the newest");
     let text = words(&view, None);
     assert!(text.contains("word > the newest") || !text.contains("a message of two"), "{text}");
@@ -236,7 +263,9 @@ fn lost_samples_and_a_slow_loop_are_marked_without_colour() {
     view.timing.missed = 123_456;
     let text = words(&view, None);
     assert!(
-        text.contains("871 Hz !") && text.contains("missed 123456 !") && text.contains("dropouts 12 !"),
+        text.contains("871 Hz !")
+            && text.contains("missed 123456 !")
+            && text.contains("dropouts 12 !"),
         "{text}"
     );
 }
@@ -250,7 +279,8 @@ fn before_the_first_trial_a_message_is_seen_however_long_the_device_check_is() {
     view.say("there is no trial to do again yet");
     let text = words(&view, None);
     assert!(
-        text.contains("there is no trial to do again yet") && text.contains("20 of 20 device checks are ok"),
+        text.contains("there is no trial to do again yet")
+            && text.contains("20 of 20 device checks are ok"),
         "{text}"
     );
 }

@@ -24,12 +24,15 @@ pub(super) fn wrap(text: &str, limit: usize) -> Vec<String> {
     lines
 }
 
-/// Breaks a text into pieces of at most `limit` cells wherever they are full: spaces stay as they were typed.
+/// Breaks a text into pieces of at most `limit` cells wherever they are full: spaces stay as they
+/// were typed.
 pub(super) fn pieces(text: &str, limit: usize) -> Vec<String> {
     let mut pieces = vec![String::new()];
     for c in text.chars() {
         match pieces.last_mut() {
-            Some(piece) if width(piece) + width(c.encode_utf8(&mut [0; 4])) <= limit => piece.push(c),
+            Some(piece) if width(piece) + width(c.encode_utf8(&mut [0; 4])) <= limit => {
+                piece.push(c)
+            }
             _ => pieces.push(c.to_string()),
         }
     }

@@ -17,13 +17,15 @@ const GUTTER: u16 = 6;
 /// Cells between the two columns of plots.
 const COLUMN_GAP: u16 = 2;
 
-/// Room above and below the work space, degrees: the trip outside it is at 2° and must still be seen.
+/// Room above and below the work space, degrees: the trip outside it is at 2° and must still be
+/// seen.
 const ANGLE_ROOM_DEG: f64 = 3.0;
 
 /// Where the force's scale begins, N: the motor gives 4.16 N. No scale shrinks while a trial runs.
 const FORCE_SCALE_N: f64 = 5.0;
 
-/// Where the velocity's scale begins, degrees/s: there and back through the work space within a trial's four seconds.
+/// Where the velocity's scale begins, degrees/s: there and back through the work space within a
+/// trial's four seconds.
 const VELOCITY_SCALE_DEG_S: f64 = 100.0;
 
 /// Where the voltages' scale begins, V: the brake's 8 V fit.
@@ -56,8 +58,8 @@ struct Plot {
     curves: Vec<Curve>,
 }
 
-/// Draws the traces of a view. Angle and velocity stand on the left, forces and voltages on the right; a blinded
-/// screen has no voltages, and its angle gets their room.
+/// Draws the traces of a view. Angle and velocity stand on the left, forces and voltages on the
+/// right; a blinded screen has no voltages, and its angle gets their room.
 pub(super) fn draw(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
     let window_s = window_s(view);
     for (column, plots) in halves(area, COLUMN_GAP).into_iter().zip(columns_of(view, look)) {
@@ -157,7 +159,8 @@ fn curve(view: &View, of: impl Fn(&Point) -> Option<f64>, colour: Color, letter:
     Curve { points: view.trace.iter().filter_map(finite).collect(), colour, letter, dashed: false }
 }
 
-/// The newest value of a trace in words, while the trial runs: afterwards it would be taken for the device's state.
+/// The newest value of a trace in words, while the trial runs: afterwards it would be taken for the
+/// device's state.
 fn latest(view: &View, of: impl Fn(&Point) -> Option<f64>, digits: usize) -> String {
     let running = matches!(view.phase, Phase::Trial { .. });
     let newest = view.trace.back().filter(|_| running).and_then(of);
@@ -200,7 +203,9 @@ impl Plot {
         self.draw_scale(look, gutter, buffer);
         let [bottom, top] = self.bounds();
         let canvas = Canvas::default().x_bounds([0.0, window_s]).y_bounds([bottom, top]);
-        canvas.paint(|context| self.paint(context, window_s, inside.width, look)).render(inside, buffer);
+        canvas
+            .paint(|context| self.paint(context, window_s, inside.width, look))
+            .render(inside, buffer);
     }
 
     fn bounds(&self) -> [f64; 2] {
@@ -211,8 +216,9 @@ impl Plot {
     fn draw_scale(&self, look: Look, area: Rect, buffer: &mut Buffer) {
         let [bottom, top] = self.bounds();
         let last = area.height.saturating_sub(1);
-        let row_of =
-            |value: f64| (((top - value) / (top - bottom) * f64::from(area.height)) as u16).min(last);
+        let row_of = |value: f64| {
+            (((top - value) / (top - bottom) * f64::from(area.height)) as u16).min(last)
+        };
         for (row, cells) in (0..).zip(area.rows()) {
             let value = [self.low, self.high, 0.0].into_iter().find(|value| row_of(*value) == row);
             let label = value.map_or(String::new(), |value| format!("{value:.0}"));
@@ -245,10 +251,13 @@ impl Plot {
 /// Points of a trace in a dash, and in the gap after it.
 const DASH_POINTS: usize = 12;
 
-/// A broken line over the whole plot: every other cell. A cell is two dots wide, and the last dot is the plot's end.
+/// A broken line over the whole plot: every other cell. A cell is two dots wide, and the last dot
+/// is the plot's end.
 fn dashes(window_s: f64, cells: u16) -> impl Iterator<Item = (f64, f64)> {
     let dot_s = window_s / (2.0 * f64::from(cells) - 1.0);
-    (0..cells).step_by(2).map(move |i| (2.0 * f64::from(i) * dot_s, (2.0 * f64::from(i) + 1.0) * dot_s))
+    (0..cells)
+        .step_by(2)
+        .map(move |i| (2.0 * f64::from(i) * dot_s, (2.0 * f64::from(i) + 1.0) * dot_s))
 }
 
 fn draw_axis(view: &View, window_s: f64, look: Look, area: Rect, buffer: &mut Buffer) {
@@ -276,7 +285,8 @@ mod tests {
 
     #[test]
     fn a_zero_has_no_sign() {
-        let check = |number: &str, expect: &str| assert_eq!(unsigned_zero(number.to_owned()), expect);
+        let check =
+            |number: &str, expect: &str| assert_eq!(unsigned_zero(number.to_owned()), expect);
         check("-0.0 ", "0.0 ");
         check("-0.1 ", "-0.1 ");
         check("12 ", "12 ");

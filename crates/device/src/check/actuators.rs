@@ -35,8 +35,7 @@ pub struct Travel {
 pub fn actuators(travel: Travel) -> Vec<Finding> {
     let motor = "way of the lever by a push of the motor towards the upper stop; if too short, check supply and cables; if \
                  below 0, the motor's leads are swapped";
-    let brake =
-        "share of that way left with the brake on; if much is, check the brake's supply and its air gap";
+    let brake = "share of that way left with the brake on; if much is, check the brake's supply and its air gap";
     let left = travel.braked_rad.abs() / travel.free_rad.abs().max(MOVED_RAD);
     let moved = travel.free_rad >= MOVED_RAD;
     vec![
@@ -45,8 +44,8 @@ pub fn actuators(travel: Travel) -> Vec<Finding> {
     ]
 }
 
-/// Homes, and pushes with the motor, without and with the brake. The lever must have been moved by hand before, or the
-/// motor stays off. A stop ends it at 0 V, and nothing is found.
+/// Homes, and pushes with the motor, without and with the brake. The lever must have been moved by
+/// hand before, or the motor stays off. A stop ends it at 0 V, and nothing is found.
 pub(super) fn drive(
     device: &mut dyn Device,
     clock: &mut dyn Clock,
@@ -58,7 +57,8 @@ pub(super) fn drive(
     guard.home(device, clock.now_s())?;
     let brake_v = device.capabilities().brake_max_v;
     let volts = |motor_v, brake_v| Voltages { motor_v, brake_v };
-    let mut hold = |voltages, for_s| hold(device, clock, guard, calibration, rate_hz, stop, voltages, for_s);
+    let mut hold =
+        |voltages, for_s| hold(device, clock, guard, calibration, rate_hz, stop, voltages, for_s);
     let Some(start_rad) = hold(Voltages::OFF, SETTLE_S)? else { return Ok(Vec::new()) };
     hold(volts(MOTOR_V, 0.0), PULSE_S)?;
     let Some(pushed_rad) = hold(Voltages::OFF, SETTLE_S)? else { return Ok(Vec::new()) };
@@ -67,8 +67,8 @@ pub(super) fn drive(
     Ok(actuators(Travel { free_rad: pushed_rad - start_rad, braked_rad: braked_rad - pushed_rad }))
 }
 
-/// Holds voltages for a while, with all of safety in place; where the lever is in the end, rad. Stopped, nothing is held
-/// and it is nowhere.
+/// Holds voltages for a while, with all of safety in place; where the lever is in the end, rad.
+/// Stopped, nothing is held and it is nowhere.
 #[expect(clippy::too_many_arguments, reason = "all of the device's surroundings take part")]
 fn hold(
     device: &mut dyn Device,

@@ -23,7 +23,8 @@ const LEAST_RATE: f64 = 0.98;
 /// The load cell's noise may be so large, N rms: ten times what the HX711 is expected to show.
 const FORCE_NOISE_N: f64 = 0.02;
 
-/// A lever at rest may flicker by so much from one side to the other, rad: some four counts of the prototype's sensor.
+/// A lever at rest may flicker by so much from one side to the other, rad: some four counts of the
+/// prototype's sensor.
 const ANGLE_NOISE_RAD: f64 = 1e-3;
 
 /// The force at rest may be off by so much, N: a trial's end is found by a force below it.
@@ -56,11 +57,10 @@ pub fn timing(timing: &Timing, rate_hz: f64) -> Vec<Finding> {
     let half = |value_s: f64| value_s < 0.5 * period_s;
     let missed = timing.missed as f64 / (timing.missed + timing.ticks).max(1) as f64;
     let (late_s, took_s) = (timing.lateness.percentile_s(99.0), timing.work.percentile_s(99.0));
-    let late =
-        "99 % of the ticks are late by less; above half a period close other programs or lower the rate";
-    let took =
-        "99 % of reads and writes together take less; above half a period check the link, or lower the rate";
-    let share = "share of deadlines missed; above 1 % close other programs, or ask for a lower rate";
+    let late = "99 % of the ticks are late by less; above half a period close other programs or lower the rate";
+    let took = "99 % of reads and writes together take less; above half a period check the link, or lower the rate";
+    let share =
+        "share of deadlines missed; above 1 % close other programs, or ask for a lower rate";
     vec![
         Finding::new("jitter, 99 %", late_s, "s", half(late_s), late),
         Finding::new("latency, 99 %", took_s, "s", half(took_s), took),
@@ -86,12 +86,14 @@ pub fn at_rest(capabilities: &Capabilities, asked_hz: f64, looks: &[Look]) -> Ve
     ];
     let forces = new_forces_n(looks);
     if looks.iter().all(|look| look.reading.force_age_s.is_some()) {
-        let (force_hz, nominal_hz) = (forces.len() as f64 / span_s, capabilities.force_rate_hz.min(asked_hz));
+        let (force_hz, nominal_hz) =
+            (forces.len() as f64 / span_s, capabilities.force_rate_hz.min(asked_hz));
         let about = "new forces a second; if too few, check the amplifier's rate switch";
         found.push(Finding::new("force rate", force_hz, "Hz", fast(force_hz, nominal_hz), about));
     }
     let (mean_n, sd_n) = mean_and_sd(&forces);
-    let noise = "standard deviation of the force at rest; if too large, check cable, shield and supply";
+    let noise =
+        "standard deviation of the force at rest; if too large, check cable, shield and supply";
     let tare = "force at rest; if it is not near zero, tare the load cell with nothing on it";
     found.push(Finding::new("force noise", sd_n, "N", sd_n <= FORCE_NOISE_N, noise));
     found.push(Finding::new("tare", mean_n, "N", mean_n.abs() <= TARE_N, tare));
@@ -106,8 +108,8 @@ pub fn loaded(looks: &[Look], tare_n: f64, mass_kg: f64) -> Vec<Finding> {
     vec![Finding::new("load cell scale", scale, "1", (scale - 1.0).abs() <= SCALE_ERROR, about)]
 }
 
-/// A lever moved all the way by hand from its lower stop: is every code there, is any stuck, and is the motion slow
-/// enough to count turns?
+/// A lever moved all the way by hand from its lower stop: is every code there, is any stuck, and is
+/// the motion slow enough to count turns?
 pub fn by_hand(capabilities: &Capabilities, limits: &Limits, looks: &[Look]) -> Vec<Finding> {
     let mut found = Vec::new();
     let forces = new_forces_n(looks);
@@ -128,19 +130,20 @@ fn codes(counts_per_turn: u32, looks: &[Look]) -> Vec<Finding> {
     let distinct: BTreeSet<u16> = raw.iter().copied().collect();
     let used = u16::try_from(counts_per_turn.saturating_sub(1)).unwrap_or(u16::MAX);
     let bits = (1_u32 << (u16::BITS - used.leading_zeros())) - 1;
-    let (ones, zeros) = raw.iter().fold((0_u16, 0_u16), |(ones, zeros), raw| (ones | raw, zeros | !raw));
+    let (ones, zeros) =
+        raw.iter().fold((0_u16, 0_u16), |(ones, zeros), raw| (ones | raw, zeros | !raw));
     let lively = u32::from(ones & zeros) & bits == bits;
     let share = at_ends(&moving(&raw));
     let unique = "different codes of the angle sensor; not good if any of its bits never changed: check cable and magnet";
-    let ends =
-        "share of the codes that are the lowest or the highest; if many are, the sensor's output is cut off";
+    let ends = "share of the codes that are the lowest or the highest; if many are, the sensor's output is cut off";
     vec![
         Finding::new("unique codes", distinct.len() as f64, "1", lively, unique),
         Finding::new("angle saturation", share, "1", share <= SATURATED, ends),
     ]
 }
 
-/// The codes from the first change to the last: a lever that rests at its stop repeats one, which may be the lowest.
+/// The codes from the first change to the last: a lever that rests at its stop repeats one, which
+/// may be the lowest.
 fn moving(raw: &[u16]) -> Vec<f64> {
     let first = raw.windows(2).position(|w| w[0] != w[1]).unwrap_or(0);
     let last = raw.windows(2).rposition(|w| w[0] != w[1]).unwrap_or(0);
@@ -148,7 +151,12 @@ fn moving(raw: &[u16]) -> Vec<f64> {
 }
 
 /// Turns counted over the whole stroke.
-fn turns(counts_per_turn: u32, shaft_per_lever: f64, limits: &Limits, looks: &[Look]) -> Vec<Finding> {
+fn turns(
+    counts_per_turn: u32,
+    shaft_per_lever: f64,
+    limits: &Limits,
+    looks: &[Look],
+) -> Vec<Finding> {
     let Some(followed) = follow(counts_per_turn, looks) else { return Vec::new() };
     let largest = followed.windows(2).map(|w| (w[1] - w[0]).abs()).max().unwrap_or(0);
     let (low, high) =
@@ -157,7 +165,8 @@ fn turns(counts_per_turn: u32, shaft_per_lever: f64, limits: &Limits, looks: &[L
     let whole_rad = limits.theta_max_rad - limits.theta_min_rad;
     let stroke_ok = stroke_rad >= LEAST_STROKE * whole_rad && stroke_rad <= whole_rad + STROKE_RAD;
     let margin = unwrap_margin(largest, counts_per_turn);
-    let left = "share of half a turn never used between two readings; below a half, ask for a higher rate";
+    let left =
+        "share of half a turn never used between two readings; below a half, ask for a higher rate";
     let stroke = "how far the lever went; too little: move it further; more than its work space: check the ratio and the magnet";
     vec![
         Finding::new("unwrap margin", margin, "1", margin >= LEAST_MARGIN, left),
@@ -165,7 +174,8 @@ fn turns(counts_per_turn: u32, shaft_per_lever: f64, limits: &Limits, looks: &[L
     ]
 }
 
-/// Counts without wraps, for as long as they are to be believed (the guard has seen to it that they are).
+/// Counts without wraps, for as long as they are to be believed (the guard has seen to it that they
+/// are).
 fn follow(counts_per_turn: u32, looks: &[Look]) -> Option<Vec<i64>> {
     let counts = |look: &Look| match look.reading.angle {
         Angle::Counts(raw) => Some((look.t_s - look.reading.angle_age_s, raw)),
@@ -185,13 +195,16 @@ fn noise(capabilities: &Capabilities, looks: &[Look]) -> Finding {
             // From the first code, the short way round: a lever may rest where the code wraps.
             let first = looks[0].reading.raw().unwrap_or(raw);
             let per_turn = i64::from(capabilities.counts_per_turn.unwrap_or(1));
-            let from_first =
-                (i64::from(raw) - i64::from(first) + per_turn / 2).rem_euclid(per_turn) - per_turn / 2;
+            let from_first = (i64::from(raw) - i64::from(first) + per_turn / 2)
+                .rem_euclid(per_turn)
+                - per_turn / 2;
             from_first as f64 * capabilities.resolution_rad()
         }
     };
-    let (low, high) =
-        looks.iter().map(angle).fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
+    let (low, high) = looks
+        .iter()
+        .map(angle)
+        .fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
     let spread_rad = (high - low).max(0.0);
     let about = "how far the angle flickers at rest; if too far, check the magnet's distance and the supply";
     Finding::new("angle noise", spread_rad, "rad", spread_rad <= ANGLE_NOISE_RAD, about)
@@ -233,9 +246,11 @@ fn mean_and_sd(values: &[f64]) -> (f64, f64) {
     (mean, (squares / (n - 1.0).max(1.0)).sqrt())
 }
 
-/// Share of values that are the lowest or the highest, beyond the two there always are; 0 of fewer than three.
+/// Share of values that are the lowest or the highest, beyond the two there always are; 0 of fewer
+/// than three.
 fn at_ends(values: &[f64]) -> f64 {
-    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+    let (low, high) =
+        values.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
     let ends = values.iter().filter(|x| **x <= low || **x >= high).count();
     ends.saturating_sub(2) as f64 / values.len().max(1) as f64
 }
@@ -276,7 +291,9 @@ mod tests {
 
     /// A force that is above and below its mean by `n` in turn, from value to value of the sensor.
     fn alternating(mean_n: f64, n: f64) -> impl Fn(f64) -> (u16, f64) {
-        move |t_s| (4095, mean_n + if ((t_s / 0.0125).round() as u32).is_multiple_of(2) { n } else { -n })
+        move |t_s| {
+            (4095, mean_n + if ((t_s / 0.0125).round() as u32).is_multiple_of(2) { n } else { -n })
+        }
     }
 
     #[test]
@@ -295,7 +312,13 @@ mod tests {
         slow.iter_mut().for_each(|look| look.reading.angle_age_s = look.t_s % 0.01);
         check(&at_rest(&mock::capabilities(), 1000.0, &slow), "angle rate", 100.0, 1.0, false);
         let capabilities = Capabilities { force_rate_hz: 160.0, ..mock::capabilities() };
-        check(&at_rest(&capabilities, 1000.0, &looks(|_| (0, 0.0))), "force rate", 80.0, 0.1, false);
+        check(
+            &at_rest(&capabilities, 1000.0, &looks(|_| (0, 0.0))),
+            "force rate",
+            80.0,
+            0.1,
+            false,
+        );
     }
 
     #[test]

@@ -7,7 +7,8 @@ use zwidth_study::{Calibration, Mode, Voltages};
 /// The most a motor may push one finger with, N (Wang et al. 2019, as the thesis quotes it).
 pub const MOTOR_FORCE_N: f64 = 10.0;
 
-/// The least rate of a force sensor that a control law switches on, Hz: the faster of the HX711's two.
+/// The least rate of a force sensor that a control law switches on, Hz: the faster of the HX711's
+/// two.
 pub const FORCE_RATE_HZ: f64 = 80.0;
 
 /// What is to be allowed.
@@ -25,12 +26,16 @@ impl<'a> Asked<'a> {
     pub(super) fn by(mode: &'a Mode) -> Self {
         let volts = |v: Option<f64>| v.unwrap_or(0.0);
         let most = Voltages { motor_v: volts(mode.motor_max_v), brake_v: volts(mode.brake_max_v) };
-        Self { name: mode.id.as_str(), most, switches_on_force: most.motor_v > 0.0 && most.brake_v > 0.0 }
+        Self {
+            name: mode.id.as_str(),
+            most,
+            switches_on_force: most.motor_v > 0.0 && most.brake_v > 0.0,
+        }
     }
 }
 
-/// The first thing that stands against voltages on a device. The motor may give no more than the limit of the study,
-/// and never more than [`MOTOR_FORCE_N`].
+/// The first thing that stands against voltages on a device. The motor may give no more than the
+/// limit of the study, and never more than [`MOTOR_FORCE_N`].
 pub(super) fn refuse(
     device: &Capabilities,
     asked: &Asked<'_>,
@@ -40,7 +45,10 @@ pub(super) fn refuse(
 ) -> Result<(), Refusal> {
     let Voltages { motor_v, brake_v } = asked.most;
     if motor_v > 0.0 && device.watchdog_s.is_none() && !no_watchdog {
-        return Err(Refusal::NoWatchdog { device: device.name.clone(), mode: asked.name.to_owned() });
+        return Err(Refusal::NoWatchdog {
+            device: device.name.clone(),
+            mode: asked.name.to_owned(),
+        });
     }
     within(device, asked, "motor", motor_v, device.motor_max_v)?;
     within(device, asked, "brake", brake_v, device.brake_max_v)?;
@@ -102,7 +110,10 @@ mod tests {
     #[test]
     fn the_prototypes_three_modes_are_allowed() {
         for mode in [mode(Some(16.0), None), mode(None, Some(8.0)), mode(Some(8.0), Some(8.0))] {
-            assert_eq!(refuse(&mock::capabilities(), &mode, &Calibration::thesis(), 10.0, false), Ok(()));
+            assert_eq!(
+                refuse(&mock::capabilities(), &mode, &Calibration::thesis(), 10.0, false),
+                Ok(())
+            );
         }
     }
 
@@ -122,7 +133,8 @@ mod tests {
     fn a_mode_that_switches_on_a_slow_force_is_refused_and_one_that_does_not_is_allowed() {
         let capabilities = Capabilities { force_rate_hz: 10.0, ..mock::capabilities() };
         assert!(
-            refused(&capabilities, &mode(Some(8.0), Some(8.0))).contains("10 times a second, 80 at least")
+            refused(&capabilities, &mode(Some(8.0), Some(8.0)))
+                .contains("10 times a second, 80 at least")
         );
         for mode in [mode(Some(16.0), None), mode(None, Some(8.0))] {
             assert_eq!(refuse(&capabilities, &mode, &Calibration::thesis(), 10.0, false), Ok(()));
@@ -133,11 +145,16 @@ mod tests {
     fn more_than_10_n_of_motor_is_refused() {
         let mut strong = Calibration::thesis();
         strong.motor.force_n[1] = 10.4;
-        let refused =
-            refuse(&mock::capabilities(), &mode(Some(16.0), None), &strong, 20.0, false).unwrap_err();
+        let refused = refuse(&mock::capabilities(), &mode(Some(16.0), None), &strong, 20.0, false)
+            .unwrap_err();
         assert!(matches!(refused, Refusal::MotorForce { force_n, .. } if force_n > 10.39));
-        assert_eq!(refuse(&mock::capabilities(), &mode(Some(15.0), None), &strong, 20.0, false), Ok(()));
-        assert!(refuse(&mock::capabilities(), &mode(Some(15.0), None), &strong, 5.0, false).is_err());
+        assert_eq!(
+            refuse(&mock::capabilities(), &mode(Some(15.0), None), &strong, 20.0, false),
+            Ok(())
+        );
+        assert!(
+            refuse(&mock::capabilities(), &mode(Some(15.0), None), &strong, 5.0, false).is_err()
+        );
     }
 
     #[test]
@@ -148,8 +165,13 @@ mod tests {
             let refused = refused(&mock::capabilities(), &mode(Some(motor_v), Some(brake_v)));
             assert!(refused.contains(key), "{refused}");
         }
-        let nan =
-            refuse(&mock::capabilities(), &mode(None, Some(f64::NAN)), &Calibration::thesis(), 10.0, false);
+        let nan = refuse(
+            &mock::capabilities(),
+            &mode(None, Some(f64::NAN)),
+            &Calibration::thesis(),
+            10.0,
+            false,
+        );
         assert!(matches!(nan, Err(Refusal::Voltage { actuator: "brake", .. })));
     }
 }

@@ -1,7 +1,7 @@
 //! The answer to the question of a trial: a written rule from what was felt, with a bias and noise.
 //!
-//! Qualities go from 0 (nothing like it) to 1 (just like it); the answer is 1 + 4 · quality + bias + noise, rounded, and
-//! held to 1…5.
+//! Qualities go from 0 (nothing like it) to 1 (just like it); the answer is
+//! 1 + 4 · quality + bias + noise, rounded, and held to 1…5.
 //!
 //! | environment | quality |
 //! |---|---|
@@ -9,8 +9,8 @@
 //! | spring and wall | √(spring's quality · hardness), hardness = 1 − (degrees past the wall) / 8°, 0 if not reached |
 //! | free, or nothing rendered | 1 − greatest force / 2 N |
 //!
-//! line = (R² − 0.5) / 0.5 of force over angle while going in; each term held to 0…1. The weights were chosen so that
-//! the modes rank as in thesis Fig. 30; they are no measurement.
+//! line = (R² − 0.5) / 0.5 of force over angle while going in; each term held to 0…1. The weights
+//! were chosen so that the modes rank as in thesis Fig. 30; they are no measurement.
 
 use super::draw::{Draw, Purpose};
 use super::{Felt, Person};

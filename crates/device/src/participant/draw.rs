@@ -10,13 +10,14 @@ const KEY_BYTES: usize = 32;
 /// Bits of a random number that fill an `f64`'s significand.
 const SIGNIFICAND_BITS: u32 = 53;
 
-/// A stream of numbers from the ChaCha8 cipher: its definition fixes them, on any machine, in any later version.
+/// A stream of numbers from the ChaCha8 cipher: its definition fixes them, on any machine, in any
+/// later version.
 #[derive(Debug, Clone)]
 pub(crate) struct Draw(ChaCha8Rng);
 
 impl Draw {
-    /// The stream of a purpose: every (`seed`, `purpose`, `number`) has its own, so that a trial does not depend on
-    /// how many numbers earlier ones drew.
+    /// The stream of a purpose: every (`seed`, `purpose`, `number`) has its own, so that a trial
+    /// does not depend on how many numbers earlier ones drew.
     pub(crate) fn new(seed: u64, purpose: Purpose, number: u64) -> Self {
         let mut key = [0; KEY_BYTES];
         key[..8].copy_from_slice(&seed.to_le_bytes());

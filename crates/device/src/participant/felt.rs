@@ -45,9 +45,14 @@ impl Felt {
         self.greatest_n = self.greatest_n.max(force);
         let bin = self.bin(theta);
         if state.hand_m_s > MOVING_M_S && force > 0.0 {
-            for (sum, x) in
-                self.sums.iter_mut().zip([1.0, theta, force, theta * theta, theta * force, force * force])
-            {
+            for (sum, x) in self.sums.iter_mut().zip([
+                1.0,
+                theta,
+                force,
+                theta * theta,
+                theta * force,
+                force * force,
+            ]) {
                 *sum += x;
             }
             add(&mut self.inward[bin], force);
@@ -75,12 +80,13 @@ impl Felt {
         if travel_rad > 0.0 { (self.highest_rad - self.last_rad) / travel_rad } else { 0.0 }
     }
 
-    /// Mean difference between the forces going in and coming out at the same angle, N; over the bins that were felt
-    /// both ways, 0 without one.
+    /// Mean difference between the forces going in and coming out at the same angle, N; over the
+    /// bins that were felt both ways, 0 without one.
     pub fn discrepancy_n(&self) -> f64 {
         let both = self.inward.iter().zip(&self.outward).filter(|(i, o)| i[1] > 0.0 && o[1] > 0.0);
-        let (sum, bins) = both
-            .fold((0.0, 0.0), |(sum, bins), (i, o)| (sum + (i[0] / i[1] - o[0] / o[1]).abs(), bins + 1.0));
+        let (sum, bins) = both.fold((0.0, 0.0), |(sum, bins), (i, o)| {
+            (sum + (i[0] / i[1] - o[0] / o[1]).abs(), bins + 1.0)
+        });
         if bins > 0.0 { sum / bins } else { 0.0 }
     }
 
@@ -105,7 +111,8 @@ pub(super) mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_4;
 
-    /// Feels forces along a path there and back, as functions of the angle; `stays` for a lever that does not return.
+    /// Feels forces along a path there and back, as functions of the angle; `stays` for a lever
+    /// that does not return.
     pub(crate) fn walk(
         top_rad: f64,
         stays: bool,
@@ -126,7 +133,9 @@ pub(super) mod tests {
         };
         let at = |i: i32| -FRAC_PI_4 + (top_rad + FRAC_PI_4) * f64::from(i) / 400.0;
         (0..=400).for_each(|i| step(at(i), going(at(i)), 0.1));
-        (0..=400).rev().for_each(|i| step(if stays { top_rad } else { at(i) }, coming(at(i)), -0.1));
+        (0..=400)
+            .rev()
+            .for_each(|i| step(if stays { top_rad } else { at(i) }, coming(at(i)), -0.1));
         felt
     }
 

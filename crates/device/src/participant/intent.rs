@@ -16,7 +16,8 @@ pub struct Task {
     pub start_rad: f64,
     /// Where the work space ends, rad.
     pub end_rad: f64,
-    /// What the lever itself resists with when nothing is rendered, N: felt during familiarisation.
+    /// What the lever itself resists with when nothing is rendered, N: felt during
+    /// familiarisation.
     pub resistance_n: f64,
 }
 
@@ -31,12 +32,13 @@ pub struct Intent {
     pub dwell_s: f64,
     /// How long it goes back, s.
     pub back_s: f64,
-    /// How far along the lever's arc the hand means to go, m: further than the lever, by what the force will press
-    /// the hand back.
+    /// How far along the lever's arc the hand means to go, m: further than the lever, by what the
+    /// force will press the hand back.
     pub amplitude_m: f64,
 }
 
-/// A participant leaves room at the far end: a device weaker by this force would not carry the hand into the stop, N.
+/// A participant leaves room at the far end: a device weaker by this force would not carry the hand
+/// into the stop, N.
 const ROOM_N: f64 = 1.0;
 /// Angle between the stop and where it wants to stay, rad: 3°.
 const ROOM_RAD: f64 = 3.0 * std::f64::consts::PI / 180.0;
@@ -44,7 +46,8 @@ const ROOM_RAD: f64 = 3.0 * std::f64::consts::PI / 180.0;
 const LEAST_TRAVEL_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0;
 /// Standard deviation of the meant angle from repeat to repeat, rad: 1°.
 const REACH_SD_RAD: f64 = std::f64::consts::PI / 180.0;
-/// How far into a wall anybody means to press, rad of lever: 6°, and how much that varies, as a share.
+/// How far into a wall anybody means to press, rad of lever: 6°, and how much that varies, as a
+/// share.
 const PRESS_RAD: f64 = 6.0 * std::f64::consts::PI / 180.0;
 const PRESS_SD: f64 = 0.15;
 /// How much slower the very first trial is, and how much more it varies, as shares.
@@ -85,9 +88,9 @@ impl Intent {
     }
 }
 
-/// How far the hand means to go, m: the lever's arc to the meant angle, and what the force expected there presses the
-/// hand back. A wall is pressed into; without one, how far it goes depends on how soft the hand is. `off` is how many
-/// standard deviations this repeat is off the usual.
+/// How far the hand means to go, m: the lever's arc to the meant angle, and what the force expected
+/// there presses the hand back. A wall is pressed into; without one, how far it goes depends on how
+/// soft the hand is. `off` is how many standard deviations this repeat is off the usual.
 fn plan(person: &Person, task: &Task, off: f64) -> f64 {
     let soft = person.compliance_m_per_n();
     let (angle_rad, press_m) = match task.scene.wall_rad() {
@@ -98,7 +101,8 @@ fn plan(person: &Person, task: &Task, off: f64) -> f64 {
         None => (reach_rad(person, task) + REACH_SD_RAD * off, 0.0),
     };
     let spring = task.scene.spring();
-    let spring_n = spring.map_or(0.0, |spring| spring.stiffness_n_per_rad * (angle_rad - spring.rest_rad));
+    let spring_n =
+        spring.map_or(0.0, |spring| spring.stiffness_n_per_rad * (angle_rad - spring.rest_rad));
     task.lever_m * (angle_rad - task.start_rad) + soft * (spring_n + task.resistance_n) + press_m
 }
 
@@ -108,8 +112,8 @@ fn reach_rad(person: &Person, task: &Task) -> f64 {
     person.reach_rad.min(room_rad).max(task.start_rad + LEAST_TRAVEL_RAD)
 }
 
-/// Share of the way, and its rate (1/s), of a movement of least jerk: 10 s³ − 15 s⁴ + 6 s⁵ with s = t/T
-/// (Flash & Hogan 1985).
+/// Share of the way, and its rate (1/s), of a movement of least jerk: 10 s³ − 15 s⁴ + 6 s⁵ with s =
+/// t/T (Flash & Hogan 1985).
 fn least_jerk(t_s: f64, duration_s: f64) -> [f64; 2] {
     let s = (t_s / duration_s).clamp(0.0, 1.0);
     let share = s * s * s * (10.0 + s * (6.0 * s - 15.0));
@@ -176,7 +180,9 @@ pub(crate) mod tests {
     fn repeats_differ_and_later_ones_are_quicker_and_more_alike() {
         let durations = |trials: std::ops::Range<u32>| -> Vec<f64> {
             let of = |seed| {
-                trials.clone().map(move |k| Person::typical(seed).intent(k, &task(Scene::Free)).forward_s)
+                trials
+                    .clone()
+                    .map(move |k| Person::typical(seed).intent(k, &task(Scene::Free)).forward_s)
             };
             (0..200).flat_map(of).collect()
         };
@@ -184,7 +190,8 @@ pub(crate) mod tests {
             let mean = x.iter().sum::<f64>() / x.len() as f64;
             (mean, x.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / x.len() as f64)
         };
-        let ((early, varied), (late, steady)) = (stats(&durations(1..6)), stats(&durations(31..36)));
+        let ((early, varied), (late, steady)) =
+            (stats(&durations(1..6)), stats(&durations(31..36)));
         assert!(early > 1.04 * late && varied > 1.3 * steady && steady > 1e-4);
     }
 }

@@ -1,22 +1,27 @@
-//! The simulated participant: what the twin's hand means to do, how it gives way, and what it answers.
+//! The simulated participant: what the twin's hand means to do, how it gives way, and what it
+//! answers.
 //!
-//! **A stand-in with stated limits, not a claim about people.** It exists so that a study can be rehearsed, software
-//! tested and a protocol's power planned before anyone is asked to push. What it is made of:
+//! **A stand-in with stated limits, not a claim about people.** It exists so that a study can be
+//! rehearsed, software tested and a protocol's power planned before anyone is asked to push. What
+//! it is made of:
 //!
-//! * **Intent**: one forward and one backward movement of the hand, each of least jerk (Flash & Hogan 1985,
-//!   J. Neurosci. 5:1688). It is planned before the trial from what the participant knows: the environment and the
-//!   lever, never the mode. The same intent in three modes gives three trajectories through contact alone.
-//! * **Impedance**: a mass on a spring and a damper towards the intent; it pushes through a fingertip and never
-//!   pulls. Constant over a session; people stiffen when they are surprised, this one does not.
-//! * **Giving way**: above a comfortable force, and near the end of the work space, the intent retreats, a reaction
-//!   time late.
-//! * **Variation**: participants differ by their [`Person`], repeats by their draw of the [`Intent`]; over the first
-//!   trials both the spread and the duration shrink a little.
-//! * **Answer**: a written rule from what was felt ([`Felt`]), with a bias of the person and noise. It was made so
-//!   that the three modes rank as in thesis Fig. 30, so **no finding about perception can come from it**.
+//! * **Intent**: one forward and one backward movement of the hand, each of least jerk (Flash &
+//!   Hogan 1985, J. Neurosci. 5:1688). It is planned before the trial from what the participant
+//!   knows: the environment and the lever, never the mode. The same intent in three modes gives
+//!   three trajectories through contact alone.
+//! * **Impedance**: a mass on a spring and a damper towards the intent; it pushes through a
+//!   fingertip and never pulls. Constant over a session; people stiffen when they are surprised,
+//!   this one does not.
+//! * **Giving way**: above a comfortable force, and near the end of the work space, the intent
+//!   retreats, a reaction time late.
+//! * **Variation**: participants differ by their [`Person`], repeats by their draw of the
+//!   [`Intent`]; over the first trials both the spread and the duration shrink a little.
+//! * **Answer**: a written rule from what was felt ([`Felt`]), with a bias of the person and noise.
+//!   It was made so that the three modes rank as in thesis Fig. 30, so **no finding about
+//!   perception can come from it**.
 //!
-//! What it lacks: tremor, fatigue, attention, strategies that change with what is felt, grip, arm posture, and any
-//! knowledge that was measured on the thesis' participant, of whom there is none.
+//! What it lacks: tremor, fatigue, attention, strategies that change with what is felt, grip, arm
+//! posture, and any knowledge that was measured on the thesis' participant, of whom there is none.
 
 mod answer;
 pub(crate) mod draw;
@@ -30,6 +35,6 @@ pub use intent::{Intent, Task};
 pub use person::{HAND_RANGES, Person};
 pub(crate) use reaction::Reaction;
 
-/// Time step of what the participant senses and does, s; far below any reaction time. Five of them are a period of
-/// the force sensor at 80/s, which is why the twin goes by them too.
+/// Time step of what the participant senses and does, s; far below any reaction time. Five of them
+/// are a period of the force sensor at 80/s, which is why the twin goes by them too.
 pub(crate) const STEP_S: f64 = 0.002_5;

@@ -5,8 +5,8 @@ use super::intent::{Intent, Task};
 use serde::{Deserialize, Serialize};
 use zwidth_dynamics::{Hand, Tissue, table3};
 
-/// K, B and M of hand and finger: range over participants. Default 290 N/m, 3 N s/m, 0.08 kg; K from Gurari 2017, the
-/// rest assumed (`docs/twin.md`).
+/// K, B and M of hand and finger: range over participants. Default 290 N/m, 3 N s/m, 0.08 kg; K
+/// from Gurari 2017, the rest assumed (`docs/twin.md`).
 pub const HAND_RANGES: [[f64; 2]; 3] = [[100.0, 600.0], [1.0, 8.0], [0.03, 0.2]];
 
 /// A participant. Every number but the hand's stiffness is assumed.
@@ -25,7 +25,8 @@ pub struct Person {
     pub dwell_s: f64,
     /// How long the backward movement takes, s.
     pub back_s: f64,
-    /// How far it means to compress an object without a wall, rad; less if its hand is too soft to do that safely.
+    /// How far it means to compress an object without a wall, rad; less if its hand is too soft to
+    /// do that safely.
     pub reach_rad: f64,
     /// How hard it presses on a wall, above what brings it there, N.
     pub press_n: f64,
@@ -84,7 +85,8 @@ impl Person {
         1.0 / self.hand.stiffness_n_per_m + 1.0 / self.hand.tissue.stiffness_n_per_m
     }
 
-    /// What it means to do in a trial, by the trial's number from 1. Early trials are slower and vary more.
+    /// What it means to do in a trial, by the trial's number from 1. Early trials are slower and
+    /// vary more.
     pub fn intent(&self, trial: u32, task: &Task) -> Intent {
         Intent::draw(self, trial, task)
     }

@@ -1,12 +1,13 @@
-//! Giving way: a participant who is pushed too hard, or sees the end of the work space, retreats, a reaction time late.
+//! Giving way: a participant who is pushed too hard, or sees the end of the work space, retreats, a
+//! reaction time late.
 
 use super::{Person, STEP_S};
 use zwidth_dynamics::DrivenState;
 
 /// Room for a reaction time of up to 0.25 s.
 const MOST_STEPS: usize = 100;
-/// How quickly it retreats from what is too much, 1/s: with the reaction time below, slow enough not to swing
-/// (a delayed integrator is stable up to π/2 over its delay, 8.7/s at 0.18 s).
+/// How quickly it retreats from what is too much, 1/s: with the reaction time below, slow enough
+/// not to swing (a delayed integrator is stable up to π/2 over its delay, 8.7/s at 0.18 s).
 const RETREAT_PER_S: f64 = 5.0;
 /// How quickly a retreat is forgotten, 1/s.
 const FORGET_PER_S: f64 = 0.5;
@@ -29,11 +30,18 @@ impl Reaction {
         Self { pending_m: [0.0; MOST_STEPS], at: 0, delay_steps, retreat_m: 0.0, rate_m_s: 0.0 }
     }
 
-    /// One step: what is felt now goes in, what was felt a reaction time ago acts. `limit_m` is where along the arc
-    /// the participant wants the lever's end to stay below.
-    pub(crate) fn step(&mut self, person: &Person, state: &DrivenState, lever_m: f64, limit_m: f64) {
+    /// One step: what is felt now goes in, what was felt a reaction time ago acts. `limit_m` is
+    /// where along the arc the participant wants the lever's end to stay below.
+    pub(crate) fn step(
+        &mut self,
+        person: &Person,
+        state: &DrivenState,
+        lever_m: f64,
+        limit_m: f64,
+    ) {
         self.retreat_m = (self.retreat_m + STEP_S * self.rate_m_s).max(0.0);
-        let too_hard_m = (state.contact_n - person.comfort_n).max(0.0) * person.compliance_m_per_n();
+        let too_hard_m =
+            (state.contact_n - person.comfort_n).max(0.0) * person.compliance_m_per_n();
         let too_far_m = (lever_m * state.theta_rad - limit_m).max(0.0);
         self.pending_m[self.at] = too_hard_m + too_far_m;
         self.at = (self.at + 1) % MOST_STEPS;

@@ -6,7 +6,8 @@ use zwidth_study::Sample;
 /// A movement has been made once the lever was so far from where it began, rad (6°).
 const MOVED_RAD: f64 = 0.1;
 
-/// Less than this is no push, N: a tenth of the let-go threshold, a hundred times the load cell's noise.
+/// Less than this is no push, N: a tenth of the let-go threshold, a hundred times the load cell's
+/// noise.
 const QUIET_N: f64 = 0.2;
 
 /// How long it must stay so, s.
@@ -25,7 +26,8 @@ impl Ending {
     pub(super) fn let_go(&mut self, sample: &Sample) -> bool {
         let start_rad = *self.start_rad.get_or_insert(sample.theta_rad);
         self.moved |= (sample.theta_rad - start_rad).abs() > MOVED_RAD;
-        let quiet = sample.force_ex_n.abs() < QUIET_N && sample.theta_dot_rad_s.abs() < HOLDING_RAD_S;
+        let quiet =
+            sample.force_ex_n.abs() < QUIET_N && sample.theta_dot_rad_s.abs() < HOLDING_RAD_S;
         if !(self.moved && quiet) {
             self.quiet_since_s = None;
             return false;

@@ -1,4 +1,5 @@
-//! A trial in real time: the loop on a thread of its own, samples through a wait-free ring to the caller.
+//! A trial in real time: the loop on a thread of its own, samples through a wait-free ring to the
+//! caller.
 
 use super::{Sink, TrialEnd, TrialPlan, TrialRun, run_trial};
 use crate::{Clock, Controller, Device, Guard, Priority, Trip};
@@ -15,7 +16,8 @@ use zwidth_study::{Flags, Sample};
 /// The caller may be busy for this long before samples are lost, s.
 const RING_S: f64 = 10.0;
 
-/// How often the caller is given what has come: no more is lost by a kill than this and one write of the journal.
+/// How often the caller is given what has come: no more is lost by a kill than this and one write
+/// of the journal.
 const POLL: Duration = Duration::from_millis(5);
 
 /// Where samples go, in batches, on the caller's thread. Break: they cannot be kept any more.
@@ -32,11 +34,12 @@ pub struct LiveRun {
     pub priority: Priority,
 }
 
-/// Runs [`run_trial`] on a thread of its own, at an elevated priority where that is allowed. Meanwhile the caller's
-/// thread is given the samples that have come, every 5 ms; the batch may be empty. Files and screens are its
-/// business: however long it takes, the loop does not wait for it. Should it fall 10 s behind, samples are lost,
-/// counted, and the trial does not count as run to its end. Nobody reads the device before or after: a session of
-/// trials is run by [`crate::Attendant`].
+/// Runs [`run_trial`] on a thread of its own, at an elevated priority where that is allowed.
+/// Meanwhile the caller's thread is given the samples that have come, every 5 ms; the batch may be
+/// empty. Files and screens are its business: however long it takes, the loop does not wait for it.
+/// Should it fall 10 s behind, samples are lost, counted, and the trial does not count as run to
+/// its end. Nobody reads the device before or after: a session of trials is run by
+/// [`crate::Attendant`].
 ///
 /// A panic of the loop is a [`Trip::Panic`]; a panic of `batch` stops the trial and goes on.
 pub fn run_live(
@@ -103,7 +106,8 @@ pub(crate) struct SampleRing {
 }
 
 impl SampleRing {
-    /// Hands a sample over; the one after lost ones says that some are missing. Break: nobody can keep it.
+    /// Hands a sample over; the one after lost ones says that some are missing. Break: nobody can
+    /// keep it.
     pub(crate) fn push(&mut self, sample: &Sample) -> ControlFlow<()> {
         let flags = sample.flags.with(Flags::DROPOUT, self.gap);
         self.gap = self.ring.push(Sample { flags, ..*sample }).is_err();
@@ -266,7 +270,9 @@ mod tests {
     fn a_panic_of_the_loop_ends_at_0_v_and_says_what_it_was() {
         let (run, device) =
             live(Mock::default().failing(0.6, Fault::Panic), &mut |_| ControlFlow::Continue(()));
-        let TrialEnd::Tripped(Trip::Panic { what }) = run.run.end else { panic!("{:?}", run.run.end) };
+        let TrialEnd::Tripped(Trip::Panic { what }) = run.run.end else {
+            panic!("{:?}", run.run.end)
+        };
         assert!(what.contains("asked to"));
         assert_eq!(device.writes.last().unwrap().1, Voltages::OFF);
     }

@@ -4,8 +4,9 @@ use crate::timing::Tick;
 use crate::{Cue, Device, Guard, Reading, Seen, Trip};
 use zwidth_study::Voltages;
 
-/// A device whose actuators may be on, and its guard. Dropped by a normal end, an error or a panic alike, it writes
-/// 0 V and disarms the guard. (A device that is lost cannot be written to; its own watchdog turns it off.)
+/// A device whose actuators may be on, and its guard. Dropped by a normal end, an error or a panic
+/// alike, it writes 0 V and disarms the guard. (A device that is lost cannot be written to; its own
+/// watchdog turns it off.)
 pub(crate) struct Output<'a> {
     device: &'a mut dyn Device,
     guard: &'a mut Guard,
@@ -36,13 +37,18 @@ impl<'a> Output<'a> {
         Ok((reading, seen))
     }
 
-    /// Whether the loop came to this tick in time: one that slept through the rest of a trial has not recorded it.
+    /// Whether the loop came to this tick in time: one that slept through the rest of a trial has
+    /// not recorded it.
     pub(crate) fn in_time(&mut self, tick: &Tick) -> Result<(), Trip> {
         self.guard.keep_time(tick.now_s - self.looked_s, tick.missed_s)
     }
 
     /// Writes what the guard permits of the voltages; these, and whether that is less.
-    pub(crate) fn command(&mut self, now_s: f64, asked: Voltages) -> Result<(Voltages, bool), Trip> {
+    pub(crate) fn command(
+        &mut self,
+        now_s: f64,
+        asked: Voltages,
+    ) -> Result<(Voltages, bool), Trip> {
         let (voltages, clipped) = self.guard.permit(asked)?;
         self.write(now_s, voltages)?;
         Ok((voltages, clipped))
@@ -63,7 +69,8 @@ impl<'a> Output<'a> {
 impl Drop for Output<'_> {
     fn drop(&mut self) {
         self.guard.disarm();
-        // There is nobody left to tell: a device that cannot be written to has been reported by the tick.
+        // There is nobody left to tell: a device that cannot be written to has been reported by the
+        // tick.
         let _ = self.device.write(self.now_s, Voltages::OFF);
     }
 }

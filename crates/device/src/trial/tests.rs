@@ -18,17 +18,28 @@ pub(crate) struct Bench {
 }
 
 pub(crate) fn mode() -> Mode {
-    Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v: Some(8.0), brake_max_v: Some(8.0) }
+    Mode {
+        id: "m".parse().unwrap(),
+        label: String::new(),
+        motor_max_v: Some(8.0),
+        brake_max_v: Some(8.0),
+    }
 }
 
 pub(crate) fn bench(device: Mock) -> Bench {
     let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 };
     let scene = Scene::Spring(spring);
-    let environment = Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
+    let environment =
+        Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
     let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
-    let controller = Controller::new(&Control::default(), &environment, &mode(), &Calibration::thesis());
-    let mut bench =
-        Bench { guard: Guard::new(&device.capabilities, limits, false), device, controller, environment };
+    let controller =
+        Controller::new(&Control::default(), &environment, &mode(), &Calibration::thesis());
+    let mut bench = Bench {
+        guard: Guard::new(&device.capabilities, limits, false),
+        device,
+        controller,
+        environment,
+    };
     bench.guard.home(&mut bench.device, 0.0).unwrap();
     bench.guard.arm(&mode(), &Calibration::thesis()).unwrap();
     bench
@@ -40,7 +51,12 @@ pub(crate) fn plan(environment: &Environment) -> TrialPlan<'_> {
 }
 
 impl Bench {
-    fn run_with(&mut self, clock: &mut dyn Clock, stop: &AtomicBool, sink: &mut Sink<'_>) -> TrialRun {
+    fn run_with(
+        &mut self,
+        clock: &mut dyn Clock,
+        stop: &AtomicBool,
+        sink: &mut Sink<'_>,
+    ) -> TrialRun {
         let plan = plan(&self.environment);
         run_trial(&mut self.device, clock, &mut self.controller, &mut self.guard, &plan, stop, sink)
     }
@@ -55,10 +71,15 @@ impl Bench {
         (run, samples)
     }
 
-    /// Voltage was on at `fault_s`, and off within two ticks of `due_s`; nothing is allowed any more.
+    /// Voltage was on at `fault_s`, and off within two ticks of `due_s`; nothing is allowed any
+    /// more.
     fn check_off(&self, fault_s: f64, due_s: f64) {
-        let last_on =
-            self.device.writes.iter().rposition(|(_, voltages)| *voltages != Voltages::OFF).unwrap();
+        let last_on = self
+            .device
+            .writes
+            .iter()
+            .rposition(|(_, voltages)| *voltages != Voltages::OFF)
+            .unwrap();
         let (on_s, off_s) = (self.device.writes[last_on].0, self.device.writes[last_on + 1].0);
         assert!(on_s > fault_s - 2.0 * TICK_S, "nothing was on before the fault: last at {on_s}");
         assert!(off_s <= due_s + 2.0 * TICK_S, "off at {off_s} instead of {due_s}");
@@ -66,7 +87,8 @@ impl Bench {
     }
 }
 
-/// Runs into a fault and says what took the voltages away; they are off within two ticks of `due_s`.
+/// Runs into a fault and says what took the voltages away; they are off within two ticks of
+/// `due_s`.
 fn tripped(device: Mock, due_s: f64) -> (Trip, Bench) {
     let mut bench = bench(device.clone());
     let (run, _) = bench.run();
@@ -143,8 +165,9 @@ fn a_stop_request_ends_at_0_v() {
 #[test]
 fn a_full_disk_ends_at_0_v() {
     let mut bench = bench(Mock::default());
-    let mut sink =
-        |s: &Sample| if s.t_s > FAULT_S { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let mut sink = |s: &Sample| {
+        if s.t_s > FAULT_S { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
     let run = bench.run_with(&mut SimulatedClock::new(1), &AtomicBool::new(false), &mut sink);
     assert_eq!(run.end, TrialEnd::Tripped(Trip::Storage));
     bench.check_off(FAULT_S, FAULT_S + TICK_S);
@@ -157,7 +180,8 @@ fn a_panic_of_the_sink_ends_at_0_v() {
         assert!(s.t_s < FAULT_S, "a sink that fails");
         ControlFlow::Continue(())
     };
-    let mut run = || bench.run_with(&mut SimulatedClock::new(1), &AtomicBool::new(false), &mut sink);
+    let mut run =
+        || bench.run_with(&mut SimulatedClock::new(1), &AtomicBool::new(false), &mut sink);
     assert!(catch_unwind(AssertUnwindSafe(&mut run)).is_err());
     bench.check_off(FAULT_S, FAULT_S + TICK_S);
 }
@@ -173,7 +197,11 @@ fn a_panic_of_the_device_ends_at_0_v() {
 fn an_unplugged_cable_is_noticed_at_once_and_the_boards_watchdog_turns_it_off() {
     let mut bench = bench(Mock::default().failing(FAULT_S, Fault::Unplugged));
     let (run, _) = bench.run();
-    assert!(matches!(run.end, TrialEnd::Tripped(Trip::Device(DeviceError::Lost { .. }))), "{:?}", run.end);
+    assert!(
+        matches!(run.end, TrialEnd::Tripped(Trip::Device(DeviceError::Lost { .. }))),
+        "{:?}",
+        run.end
+    );
     assert_ne!(bench.device.output(FAULT_S), Voltages::OFF);
     assert_eq!(bench.device.output(FAULT_S + 0.05), Voltages::OFF);
     assert!(!bench.guard.is_homed() && !bench.guard.is_armed());
@@ -225,8 +253,12 @@ fn what_is_not_a_number_ends_at_0_v() {
 
 #[test]
 fn a_jump_of_the_angle_ends_at_0_v_and_asks_for_homing() {
-    let (trip, mut bench) = tripped(Mock::default().failing(FAULT_S, Fault::AngleOff(0.3)), FAULT_S);
-    assert!(matches!(trip, Trip::Angle(AngleFault::Jump { .. })) && trip.to_string().contains("home again"));
+    let (trip, mut bench) =
+        tripped(Mock::default().failing(FAULT_S, Fault::AngleOff(0.3)), FAULT_S);
+    assert!(
+        matches!(trip, Trip::Angle(AngleFault::Jump { .. }))
+            && trip.to_string().contains("home again")
+    );
     assert!(!bench.guard.is_homed());
     bench.guard.arm(&mode(), &Calibration::thesis()).unwrap();
     assert_eq!(bench.run().0.end, TrialEnd::Tripped(Trip::NotHomed));
@@ -265,8 +297,8 @@ impl Clock for Stalling {
     }
     fn wait_until(&mut self, deadline_s: f64) -> f64 {
         self.waits += 1;
-        let stall =
-            deadline_s >= self.at_s && self.every.is_none_or(|every| self.waits.is_multiple_of(every));
+        let stall = deadline_s >= self.at_s
+            && self.every.is_none_or(|every| self.waits.is_multiple_of(every));
         if stall && self.every.is_none() {
             self.at_s = f64::INFINITY;
         }
@@ -276,7 +308,8 @@ impl Clock for Stalling {
 
 fn stalled(away_s: f64, every: Option<u32>) -> (TrialRun, Bench) {
     let mut bench = bench(Mock::default());
-    let mut clock = Stalling { clock: SimulatedClock::new(1), at_s: FAULT_S, away_s, every, waits: 0 };
+    let mut clock =
+        Stalling { clock: SimulatedClock::new(1), at_s: FAULT_S, away_s, every, waits: 0 };
     let mut sink = |_: &Sample| ControlFlow::Continue(());
     let run = bench.run_with(&mut clock, &AtomicBool::new(false), &mut sink);
     (run, bench)
@@ -297,8 +330,8 @@ fn a_burst_of_missed_deadlines_ends_at_0_v_and_a_hiccup_is_only_counted() {
     assert!(run.timing.lateness.max_s() >= 0.03);
 }
 
-/// Found by seed 3013 of `cargo xtask soak simulate`: a machine that slept from a trial's start to beyond its end left a
-/// complete trial without a sample.
+/// Found by seed 3013 of `cargo xtask soak simulate`: a machine that slept from a trial's start to
+/// beyond its end left a complete trial without a sample.
 #[test]
 fn a_loop_that_sleeps_through_the_rest_of_a_trial_has_not_completed_it() {
     for at_s in [0.0, FAULT_S, 3.99] {
@@ -307,7 +340,11 @@ fn a_loop_that_sleeps_through_the_rest_of_a_trial_has_not_completed_it() {
             Stalling { clock: SimulatedClock::new(1), at_s, away_s: 3600.0, every: None, waits: 0 };
         let mut sink = |_: &Sample| ControlFlow::Continue(());
         let run = bench.run_with(&mut clock, &AtomicBool::new(false), &mut sink);
-        assert!(matches!(run.end, TrialEnd::Tripped(Trip::Deadlines { .. })), "{at_s}: {:?}", run.end);
+        assert!(
+            matches!(run.end, TrialEnd::Tripped(Trip::Deadlines { .. })),
+            "{at_s}: {:?}",
+            run.end
+        );
         assert_eq!(bench.device.writes.last().map(|(_, v)| *v), Some(Voltages::OFF));
     }
 }
@@ -323,8 +360,13 @@ fn deadlines_missed_all_the_time_trip_above_one_in_twenty() {
 #[test]
 fn a_missed_deadline_is_flagged_on_the_next_sample() {
     let mut bench = bench(Mock::default());
-    let mut clock =
-        Stalling { clock: SimulatedClock::new(1), at_s: FAULT_S, away_s: 0.01, every: None, waits: 0 };
+    let mut clock = Stalling {
+        clock: SimulatedClock::new(1),
+        at_s: FAULT_S,
+        away_s: 0.01,
+        every: None,
+        waits: 0,
+    };
     let mut flagged = Vec::new();
     let mut sink = |s: &Sample| {
         flagged.extend(s.flags.has(Flags::DROPOUT).then_some(s.t_s));
@@ -356,7 +398,8 @@ fn the_motor_stays_off_until_the_angle_has_moved_since_homing() {
     bench.controller =
         Controller::new(&Control::default(), &bench.environment, &mode(), &Calibration::thesis());
     let (_, samples) = bench.run();
-    let (before, after): (Vec<Sample>, Vec<Sample>) = samples.into_iter().partition(|s| s.t_s < 0.5);
+    let (before, after): (Vec<Sample>, Vec<Sample>) =
+        samples.into_iter().partition(|s| s.t_s < 0.5);
     assert!(before.iter().all(|s| s.voltages == Voltages::OFF && s.flags.has(Flags::CLIPPED)));
     assert!(before.iter().all(|s| s.force_cmd_n == 0.0)); // what went out, not what was asked for
     assert!(after.iter().any(|s| s.voltages.motor_v < 0.0));
@@ -417,8 +460,14 @@ fn a_reading_is_flagged_where_a_value_is_old_or_the_lever_outside() {
     assert_eq!(flags(0.101, Reading { angle_age_s: 0.001, ..at_stop }), Flags::STALE_ANGLE);
     assert_eq!(flags(0.102, Reading { force_age_s: Some(0.0251), ..at_stop }), Flags::STALE_FORCE); // 2 of 12.5 ms
     assert_eq!(flags(0.103, Reading { force_age_s: Some(0.0249), ..at_stop }), Flags::default());
-    assert_eq!(flags(0.104, Reading { angle: crate::Angle::Counts(4095), ..at_stop }), Flags::default());
-    assert_eq!(flags(0.105, Reading { angle: crate::Angle::Counts(4090), ..at_stop }), Flags::OUTSIDE);
+    assert_eq!(
+        flags(0.104, Reading { angle: crate::Angle::Counts(4095), ..at_stop }),
+        Flags::default()
+    );
+    assert_eq!(
+        flags(0.105, Reading { angle: crate::Angle::Counts(4090), ..at_stop }),
+        Flags::OUTSIDE
+    );
 }
 
 #[test]
@@ -435,7 +484,8 @@ fn the_turn_stays_known_while_a_pause_is_watched() {
     let mut bench = bench(Mock::default()); // the lever goes over a whole turn of the shaft and back
     let mut clock = SimulatedClock::new(1);
     let (mut furthest_rad, stop) = (f64::MIN, AtomicBool::new(false));
-    let mut seen = |_: f64, _: &Reading, seen: &Seen| furthest_rad = furthest_rad.max(seen.theta_rad);
+    let mut seen =
+        |_: f64, _: &Reading, seen: &Seen| furthest_rad = furthest_rad.max(seen.theta_rad);
     watch(&mut bench.device, &mut clock, &mut bench.guard, 1000.0, 1.5, &stop, &mut seen).unwrap();
     assert!((furthest_rad - (PI / 3.0 - FRAC_PI_4)).abs() < 1e-3);
     assert!(bench.device.writes.iter().all(|(_, voltages)| *voltages == Voltages::OFF));
@@ -458,6 +508,14 @@ fn a_machine_that_stalls_in_a_pause_does_no_harm() {
 fn a_fault_in_a_pause_is_told() {
     let mut bench = bench(Mock::default().failing(FAULT_S, Fault::Unplugged));
     let (mut clock, stop) = (SimulatedClock::new(1), AtomicBool::new(false));
-    let trip = watch(&mut bench.device, &mut clock, &mut bench.guard, 1000.0, 1.5, &stop, &mut |_, _, _| {});
+    let trip = watch(
+        &mut bench.device,
+        &mut clock,
+        &mut bench.guard,
+        1000.0,
+        1.5,
+        &stop,
+        &mut |_, _, _| {},
+    );
     assert!(matches!(trip, Err(Trip::Device(DeviceError::Lost { .. }))) && !bench.guard.is_homed());
 }

@@ -58,7 +58,8 @@ pub struct Twin {
 }
 
 impl Twin {
-    /// A device of these parameters with this participant at it. The seed is the board's: its magnet, clock and noise.
+    /// A device of these parameters with this participant at it. The seed is the board's: its
+    /// magnet, clock and noise.
     ///
     /// # Errors
     /// A parameter that makes no sense, by name.
@@ -66,7 +67,8 @@ impl Twin {
         parameters.check()?;
         let plant = Driven::new(parameters.plant(Some(person.hand))).map_err(|e| impossible(&e))?;
         let mut board = Draw::new(seed, Purpose::Board, 0);
-        let force = ForceSensor::new(parameters.force_noise_n, Draw::new(seed, Purpose::Sensors, 0), 0.0);
+        let force =
+            ForceSensor::new(parameters.force_noise_n, Draw::new(seed, Purpose::Sensors, 0), 0.0);
         let mut twin = Self {
             capabilities: capabilities(&parameters),
             plant,
@@ -133,7 +135,8 @@ impl Twin {
             let next_step_s = self.step_s + STEP_S;
             let expiry_s = self.written_s + WATCHDOG_S;
             let pending = self.voltages != Voltages::OFF;
-            let until_s = if pending { expiry_s.clamp(self.now_s, now_s) } else { now_s }.min(next_step_s);
+            let until_s =
+                if pending { expiry_s.clamp(self.now_s, now_s) } else { now_s }.min(next_step_s);
             self.move_to(until_s)?;
             if pending && until_s >= expiry_s {
                 self.voltages = Voltages::OFF;
@@ -194,7 +197,8 @@ impl Twin {
         if self.fault != Some(TwinFault::StaleAngle) {
             self.angle.take(self.now_s, self.plant.state().theta_rad);
         }
-        let force_n = if self.fault == Some(TwinFault::NanForce) { f64::NAN } else { self.force.value_n };
+        let force_n =
+            if self.fault == Some(TwinFault::NanForce) { f64::NAN } else { self.force.value_n };
         Reading {
             t_device_s: Some(self.clock_offset_s + self.clock_rate * self.now_s),
             angle: Angle::Counts(self.angle.counts),
@@ -208,7 +212,10 @@ impl Twin {
         if self.fault != Some(TwinFault::Unplugged) {
             return Ok(());
         }
-        Err(DeviceError::Lost { device: self.capabilities.name.clone(), what: "the cable is out".to_owned() })
+        Err(DeviceError::Lost {
+            device: self.capabilities.name.clone(),
+            what: "the cable is out".to_owned(),
+        })
     }
 }
 

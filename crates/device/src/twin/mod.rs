@@ -1,14 +1,18 @@
-//! The simulated device: plant, actuators, sensors and board of the prototype, with a simulated participant.
+//! The simulated device: plant, actuators, sensors and board of the prototype, with a simulated
+//! participant.
 //!
-//! The plant is [`zwidth_dynamics::Driven`] with the numbers of [`TwinParameters`]; voltages become forces by the
-//! prototype's characteristics; the angle is seen by a sensor on the shaft that wraps, the force by a load cell that
-//! is slow and noisy. The board takes the voltages away when nothing is written for 50 ms. A seed gives the same
-//! bits on any machine, trial by trial: a trial's numbers depend on its number, not on what went before.
+//! The plant is [`zwidth_dynamics::Driven`] with the numbers of [`TwinParameters`]; voltages become
+//! forces by the prototype's characteristics; the angle is seen by a sensor on the shaft that
+//! wraps, the force by a load cell that is slow and noisy. The board takes the voltages away when
+//! nothing is written for 50 ms. A seed gives the same bits on any machine, trial by trial: a
+//! trial's numbers depend on its number, not on what went before.
 //!
-//! Signs: a motor voltage above 0 pushes towards +θ, as everywhere; rendering a spring takes one below 0.
+//! Signs: a motor voltage above 0 pushes towards +θ, as everywhere; rendering a spring takes one
+//! below 0.
 //!
-//! What it leaves out: slack and stretch of the capstan's cable, gravity, heating, the drivers' dead times, noise and
-//! non-linearity of the angle sensor, the load cell's creep, and the time the HX711 takes to settle.
+//! What it leaves out: slack and stretch of the capstan's cable, gravity, heating, the drivers'
+//! dead times, noise and non-linearity of the angle sensor, the load cell's creep, and the time the
+//! HX711 takes to settle.
 
 mod board;
 mod parameters;

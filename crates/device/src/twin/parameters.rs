@@ -1,5 +1,5 @@
-//! The twin's numbers: default, range and source of each. No one measured the prototype's plant, so most are assumed,
-//! and whatever the twin shows must hold over the whole range.
+//! The twin's numbers: default, range and source of each. No one measured the prototype's plant, so
+//! most are assumed, and whatever the twin shows must hold over the whole range.
 
 use super::board::impossible;
 use super::sensors::SHAFT_PER_LEVER;
@@ -15,7 +15,8 @@ const LARGEST: f64 = 1e9;
 /// The mechanical stops, rad (thesis Table 3).
 pub(crate) const STOPS_RAD: [f64; 2] = [-FRAC_PI_4, FRAC_PI_4];
 
-/// The plant, its actuators and its sensors. [`TwinParameters::table`] lists default, range and source of each number.
+/// The plant, its actuators and its sensors. [`TwinParameters::table`] lists default, range and
+/// source of each number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TwinParameters {
@@ -77,7 +78,8 @@ macro_rules! row {
     };
 }
 
-/// The estimate of the motor's constants, which the data sheet of the 48 V winding was not at hand for.
+/// The estimate of the motor's constants, which the data sheet of the 48 V winding was not at hand
+/// for.
 const WINDING: &str = "estimate: 2342S012CR scaled by turns ×4, ±20 %";
 
 impl Default for TwinParameters {
@@ -153,8 +155,9 @@ impl TwinParameters {
 
     /// The plant with a hand at it.
     ///
-    /// All that turns with the shaft counts with the ratio squared: J = N² J_rotor + J_lever + J_brake (1.97e-4 kg m²
-    /// by default). The closed winding damps with (N k_t)²/(R L) at the lever's end.
+    /// All that turns with the shaft counts with the ratio squared: J = N² J_rotor + J_lever +
+    /// J_brake (1.97e-4 kg m² by default). The closed winding damps with (N k_t)²/(R L) at the
+    /// lever's end.
     pub fn plant(&self, hand: Option<Hand>) -> DrivenParameters {
         let torque_per_amp = SHAFT_PER_LEVER * self.torque_constant_nm_per_a;
         DrivenParameters {
@@ -168,7 +171,9 @@ impl TwinParameters {
                 kinetic_n: self.friction_static_n * self.friction_kinetic_share,
                 viscous_ns_per_rad: self.friction_viscous_ns_per_rad,
             }),
-            back_emf_ns_per_rad: Some(torque_per_amp * torque_per_amp / (self.resistance_ohm * self.lever_m)),
+            back_emf_ns_per_rad: Some(
+                torque_per_amp * torque_per_amp / (self.resistance_ohm * self.lever_m),
+            ),
             motor_lag_s: Some(self.inductance_h / self.resistance_ohm),
             brake_lag_on_off_s: Some([self.brake_on_s, self.brake_off_s]),
             hand,
@@ -185,7 +190,9 @@ mod tests {
         let mut twin = TwinParameters::default();
         for parameter in TwinParameters::table() {
             assert_eq!((parameter.field)(&mut twin).to_bits(), parameter.default.to_bits());
-            assert!(parameter.range[0] <= parameter.default && parameter.default <= parameter.range[1]);
+            assert!(
+                parameter.range[0] <= parameter.default && parameter.default <= parameter.range[1]
+            );
             assert!(!parameter.source.is_empty());
         }
         assert_eq!(serde_names(), TwinParameters::table().map(|parameter| parameter.name));
@@ -195,7 +202,11 @@ mod tests {
     fn the_docs_list_every_number() {
         let docs = include_str!("../../../../docs/twin.md");
         for parameter in TwinParameters::table() {
-            assert!(docs.contains(&format!("| `{}` |", parameter.name)), "{} is missing", parameter.name);
+            assert!(
+                docs.contains(&format!("| `{}` |", parameter.name)),
+                "{} is missing",
+                parameter.name
+            );
         }
     }
 
@@ -220,7 +231,8 @@ mod tests {
     #[test]
     fn the_estimated_winding_gives_the_measured_force_per_volt_within_three_percent() {
         let twin = TwinParameters::default();
-        let ideal = SHAFT_PER_LEVER * twin.torque_constant_nm_per_a / (twin.resistance_ohm * twin.lever_m);
+        let ideal =
+            SHAFT_PER_LEVER * twin.torque_constant_nm_per_a / (twin.resistance_ohm * twin.lever_m);
         assert!((ideal / 0.26 - 1.0).abs() < 0.03, "{ideal}");
     }
 

@@ -29,7 +29,8 @@ impl AngleSensor {
     }
 
     fn see(&self, theta_rad: f64) -> u16 {
-        let counts = (theta_rad * SHAFT_PER_LEVER / TAU * f64::from(COUNTS_PER_TURN) + self.zero).floor();
+        let counts =
+            (theta_rad * SHAFT_PER_LEVER / TAU * f64::from(COUNTS_PER_TURN) + self.zero).floor();
         counts.rem_euclid(f64::from(COUNTS_PER_TURN)) as u16
     }
 }

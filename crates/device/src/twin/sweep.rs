@@ -1,8 +1,10 @@
-//! Characterisation: the twin's pusher holds or drives the lever while one actuator's voltage goes up and down.
+//! Characterisation: the twin's pusher holds or drives the lever while one actuator's voltage goes
+//! up and down.
 //!
-//! A motor is measured at a held lever. A brake makes no force unless someone pushes past slip, so its lever is driven
-//! from stop to stop at slow constant velocity. Both are felt through the load cell, capstan friction included: the
-//! measured force is a little low while the motor's rises and a little high while it falls.
+//! A motor is measured at a held lever. A brake makes no force unless someone pushes past slip, so
+//! its lever is driven from stop to stop at slow constant velocity. Both are felt through the load
+//! cell, capstan friction included: the measured force is a little low while the motor's rises and
+//! a little high while it falls.
 
 use super::board::impossible;
 use super::parameters::{STOPS_RAD, TwinParameters};
@@ -108,7 +110,12 @@ impl Sweep {
                 let state = plant.state();
                 sensor.take(end_s, state.contact_n);
                 let slipping = state.theta_dot_rad_s > 0.0;
-                points.push(SweepPoint { t_s: end_s, voltage_v, force_n: sensor.value_n, slipping });
+                points.push(SweepPoint {
+                    t_s: end_s,
+                    voltage_v,
+                    force_n: sensor.value_n,
+                    slipping,
+                });
             }
         }
         Ok(points)
@@ -135,9 +142,9 @@ mod tests {
     fn line(points: &[SweepPoint]) -> [f64; 2] {
         let n = points.len() as f64;
         let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.voltage_v, y + p.force_n));
-        let (xx, xy) = points
-            .iter()
-            .fold((0.0, 0.0), |(xx, xy), p| (xx + p.voltage_v * p.voltage_v, xy + p.voltage_v * p.force_n));
+        let (xx, xy) = points.iter().fold((0.0, 0.0), |(xx, xy), p| {
+            (xx + p.voltage_v * p.voltage_v, xy + p.voltage_v * p.force_n)
+        });
         let slope = (n * xy - x * y) / (n * xx - x * x);
         [slope, (y - slope * x) / n]
     }
@@ -162,7 +169,10 @@ mod tests {
         assert!((slope - 13.0 / 7.0).abs() < 0.01, "{slope}");
         assert!((-intercept / slope - 0.92).abs() < 0.03, "{intercept}"); // 1 V less what friction adds
         let below = points.iter().filter(|p| p.voltage_v < 0.9 && p.t_s > 0.2);
-        assert!(below.clone().count() > 50 && below.into_iter().all(|p| (0.12..0.2).contains(&p.force_n)));
+        assert!(
+            below.clone().count() > 50
+                && below.into_iter().all(|p| (0.12..0.2).contains(&p.force_n))
+        );
     }
 
     #[test]
@@ -171,7 +181,10 @@ mod tests {
         let run = |seed, number| motor_sweep(&twin, seed, number).unwrap();
         assert_eq!(run(1, 1), run(1, 1));
         let (first, second) = (run(1, 1), run(1, 2));
-        let apart = first.iter().zip(&second).map(|(a, b)| (a.force_n - b.force_n) * (a.force_n - b.force_n));
+        let apart = first
+            .iter()
+            .zip(&second)
+            .map(|(a, b)| (a.force_n - b.force_n) * (a.force_n - b.force_n));
         let rms = (apart.sum::<f64>() / first.len() as f64).sqrt();
         assert!((rms / (0.002 * 2.0_f64.sqrt()) - 1.0).abs() < 0.1, "{rms}");
     }

@@ -43,7 +43,12 @@ impl Trial {
     }
 
     /// A trial that begins at `now_s`.
-    pub(super) fn begin(person: &Person, parameters: &TwinParameters, now_s: f64, cue: &Cue<'_>) -> Self {
+    pub(super) fn begin(
+        person: &Person,
+        parameters: &TwinParameters,
+        now_s: f64,
+        cue: &Cue<'_>,
+    ) -> Self {
         let scene = cue.environment.scene;
         Self {
             number: cue.trial,

@@ -1,4 +1,5 @@
-//! A region made ready: its flows over a ladder of spans, and bounds that prove a span free of events.
+//! A region made ready: its flows over a ladder of spans, and bounds that prove a span free of
+//! events.
 
 use zwidth_numerics::expm::{self, Ladder, ORDER, Rung};
 use zwidth_numerics::roots;
@@ -39,8 +40,9 @@ impl Compiled {
         Self { ladder, guards, sags }
     }
 
-    /// Moves `z` as far as one step reaches within `rest_s`, or to the first event. Guards in `blind` are not
-    /// looked at: the lever is at rest against a stop, which pushes back as hard as it must.
+    /// Moves `z` as far as one step reaches within `rest_s`, or to the first event. Guards in
+    /// `blind` are not looked at: the lever is at rest against a stop, which pushes back as
+    /// hard as it must.
     #[inline]
     pub(super) fn step(&self, z: &mut Row, rest_s: f64, blind: Option<usize>) -> Piece {
         let rate = self.ladder.a.apply_affine(z).map(f64::abs);
@@ -64,7 +66,8 @@ impl Compiled {
         let mut piece = Piece { span_s, event: None };
         for (i, w) in self.guards.iter().enumerate().filter(|(i, _)| Some(*i) != blind) {
             let p: [f64; ORDER + 1] = series.map(|c| expm::dot(w, &c));
-            let found = roots::first_descent(&p, piece.span_s, self.ladder.rungs[0].span * RESOLUTION);
+            let found =
+                roots::first_descent(&p, piece.span_s, self.ladder.rungs[0].span * RESOLUTION);
             if let Some(t) = found.filter(|&t| t < piece.span_s || piece.event.is_none()) {
                 piece = Piece { span_s: t, event: Some(i) };
             }
@@ -75,12 +78,15 @@ impl Compiled {
 
     #[inline]
     fn values(&self, z: &Row, blind: Option<usize>) -> Guards {
-        std::array::from_fn(|i| if Some(i) == blind { f64::INFINITY } else { expm::dot(&self.guards[i], z) })
+        std::array::from_fn(|i| {
+            if Some(i) == blind { f64::INFINITY } else { expm::dot(&self.guards[i], z) }
+        })
     }
 }
 
-/// Most that a guard w can sag below its chord over a span, per |ż(0)|. With ż(t) = exp(A t) ż(0) and an envelope E
-/// of the flows, |g''(t)| ≤ |w A| E |ż(0)|, and a curve sags at most max|g''| span²/8.
+/// Most that a guard w can sag below its chord over a span, per |ż(0)|. With ż(t) = exp(A t) ż(0)
+/// and an envelope E of the flows, |g''(t)| ≤ |w A| E |ż(0)|, and a curve sags at most max|g''|
+/// span²/8.
 fn sag(ladder: &Ladder<N>, w: &Row, rung: &Rung<N>) -> Row {
     let bend: Row = std::array::from_fn(|j| expm::dot(w, &ladder.a.columns[j]).abs());
     let eighth = rung.span * rung.span / 8.0;

@@ -1,8 +1,9 @@
-//! The plant under held commands, with a hand in one-sided contact: what a simulated device moves from tick to tick.
+//! The plant under held commands, with a hand in one-sided contact: what a simulated device moves
+//! from tick to tick.
 //!
 //! Unlike a [`crate::Scene`], nothing here knows an environment or a mode: between two calls of
-//! [`Driven::advance`] the commanded motor force and brake level are constants, as a digital controller holds
-//! them. Everything acts on the lever's end, in newtons:
+//! [`Driven::advance`] the commanded motor force and brake level are constants, as a digital
+//! controller holds them. Everything acts on the lever's end, in newtons:
 //!
 //! ```text
 //! (J/L) θ̈ = F_m − (b + F_k) sgn θ̇ − (b_v + b_e) θ̇ + F_ex   lever in motion
@@ -14,14 +15,15 @@
 //! F_ex = 0,  K_F δ + B_F δ̇ = 0                             tissue free: it springs back by itself
 //! ```
 //!
-//! The tissue has no mass and can only push. It lifts off where its force reaches zero (still pressed, because it
-//! is slow to spring back), relaxes in the air, and touches again where its surface meets the lever. So F_ex is
-//! never negative and jumps only by B_F times the speed of the touch.
+//! The tissue has no mass and can only push. It lifts off where its force reaches zero (still
+//! pressed, because it is slow to spring back), relaxes in the air, and touches again where its
+//! surface meets the lever. So F_ex is never negative and jumps only by B_F times the speed of the
+//! touch.
 //!
-//! The equations are piecewise linear, and each piece is solved exactly: by the matrix exponential over a ladder of
-//! spans made once, with events (reversal, departure, stop, touch, lift-off) as roots of its Taylor polynomials. A
-//! span is passed over only if no event can lie inside, so none is missed, however short. A lever at rest keeps its
-//! angle bit for bit.
+//! The equations are piecewise linear, and each piece is solved exactly: by the matrix exponential
+//! over a ladder of spans made once, with events (reversal, departure, stop, touch, lift-off) as
+//! roots of its Taylor polynomials. A span is passed over only if no event can lie inside, so none
+//! is missed, however short. A lever at rest keeps its angle bit for bit.
 
 mod compiled;
 mod parameters;

@@ -1,4 +1,5 @@
-//! What the plant is made of. A term that is `None` is left out: no region, no event and no exponential is made for it.
+//! What the plant is made of. A term that is `None` is left out: no region, no event and no
+//! exponential is made for it.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,8 +18,9 @@ pub struct DrivenParameters {
     pub stops_rad: Option<[f64; 2]>,
     /// Dry and viscous friction of the capstan.
     pub friction: Option<Friction>,
-    /// b_e: damping by the motor's own voltage, (N k_t)²/(R L), N s/rad. It is there at every command, because a
-    /// voltage driver keeps the winding closed, also at 0 V (assumed; a driver that opens it has none).
+    /// b_e: damping by the motor's own voltage, (N k_t)²/(R L), N s/rad. It is there at every
+    /// command, because a voltage driver keeps the winding closed, also at 0 V (assumed; a
+    /// driver that opens it has none).
     pub back_emf_ns_per_rad: Option<f64>,
     /// τ_m = L_m/R: time constant with which the motor's force follows its command, s.
     pub motor_lag_s: Option<f64>,
@@ -75,8 +77,8 @@ impl DrivenParameters {
         self.inertia_kg_m2 / self.lever_m
     }
 
-    /// The parameter (or command: motor, brake and intent, N) furthest, in powers of ten, from the prototype's, for
-    /// errors of extreme runs.
+    /// The parameter (or command: motor, brake and intent, N) furthest, in powers of ten, from the
+    /// prototype's, for errors of extreme runs.
     pub(super) fn suspect(&self, commands_n: [f64; 3]) -> String {
         let [motor, brake, intent] = commands_n;
         let mut list = vec![
@@ -87,9 +89,11 @@ impl DrivenParameters {
             ("aims (as force)", intent, 10.0),
         ];
         list.extend(self.hand.map(|hand| ("hand.mass_kg", hand.mass_kg, 0.1)));
-        let distance =
-            |value: f64, usual: f64| if value == 0.0 { 0.0 } else { libm::log10(value.abs() / usual).abs() };
-        let furthest = list.into_iter().max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
+        let distance = |value: f64, usual: f64| {
+            if value == 0.0 { 0.0 } else { libm::log10(value.abs() / usual).abs() }
+        };
+        let furthest =
+            list.into_iter().max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
         furthest.map_or_else(String::new, |(name, value, _)| format!("{name} = {value}"))
     }
 
@@ -133,13 +137,18 @@ impl Hand {
             (self.stiffness_n_per_m / self.mass_kg).sqrt(),
         )?;
         slow("hand.damping_ns_per_m", self.damping_ns_per_m, self.damping_ns_per_m / self.mass_kg)?;
-        slow("hand.tissue.stiffness_n_per_m", stiffness_n_per_m, (stiffness_n_per_m / lightest).sqrt())?;
+        slow(
+            "hand.tissue.stiffness_n_per_m",
+            stiffness_n_per_m,
+            (stiffness_n_per_m / lightest).sqrt(),
+        )?;
         slow("hand.tissue.damping_ns_per_m", damping_ns_per_m, damping_ns_per_m / lightest)?;
         slow("hand.tissue.damping_ns_per_m", damping_ns_per_m, stiffness_n_per_m / damping_ns_per_m)
     }
 }
 
-/// `value` is above zero or not below it as its own check says, and the rate it causes is one that can be solved.
+/// `value` is above zero or not below it as its own check says, and the rate it causes is one that
+/// can be solved.
 fn slow(name: &str, value: f64, rate_per_s: f64) -> Result<()> {
     check(name, value, value.is_finite() && (0.0..=FASTEST_PER_S).contains(&rate_per_s), TOO_FAST)
 }
@@ -168,7 +177,10 @@ mod tests {
         check_named(|p| p.brake_lag_on_off_s = Some([0.01, 1e-12]), "brake_lag_on_off_s[1]");
         check_named(|p| p.friction.as_mut().unwrap().static_n = 0.1, "friction.static_n");
         check_named(|p| p.hand.as_mut().unwrap().mass_kg = f64::INFINITY, "hand.mass_kg");
-        check_named(|p| p.hand.as_mut().unwrap().stiffness_n_per_m = 1e18, "hand.stiffness_n_per_m");
+        check_named(
+            |p| p.hand.as_mut().unwrap().stiffness_n_per_m = 1e18,
+            "hand.stiffness_n_per_m",
+        );
         check_named(
             |p| p.hand.as_mut().unwrap().tissue.damping_ns_per_m = 0.0,
             "hand.tissue.damping_ns_per_m",

@@ -1,4 +1,5 @@
-//! What the solution must satisfy as physics: energy, one-sided contact, and finite numbers over the whole range.
+//! What the solution must satisfy as physics: energy, one-sided contact, and finite numbers over
+//! the whole range.
 
 use super::tests::{drive, prototype};
 use super::*;
@@ -19,7 +20,8 @@ fn works(parameters: &DrivenParameters, h_s: f64, states: &[DrivenState]) -> Wor
     let viscous = friction.viscous_ns_per_rad + parameters.back_emf_ns_per_rad.unwrap();
     let mut works = Works::default();
     for pair in states.windows(2) {
-        let mean = |power: &dyn Fn(&DrivenState) -> f64| 0.5 * h_s * (power(&pair[0]) + power(&pair[1]));
+        let mean =
+            |power: &dyn Fn(&DrivenState) -> f64| 0.5 * h_s * (power(&pair[0]) + power(&pair[1]));
         let w = |s: &DrivenState| l * s.theta_dot_rad_s;
         let parts = [
             mean(&|s| s.contact_n * w(s)),
@@ -37,7 +39,11 @@ fn works(parameters: &DrivenParameters, h_s: f64, states: &[DrivenState]) -> Wor
 }
 
 /// Two seconds of a press with commands as a function of time, sampled finely.
-fn run(parameters: &DrivenParameters, h_s: f64, command: impl Fn(f64) -> Command) -> Vec<DrivenState> {
+fn run(
+    parameters: &DrivenParameters,
+    h_s: f64,
+    command: impl Fn(f64) -> Command,
+) -> Vec<DrivenState> {
     let mut plant = Driven::new(*parameters).unwrap();
     drive(&mut plant, h_s, (1.9 / h_s) as usize, |t, _| command((t * 1e3).floor() * 1e-3))
 }
@@ -50,10 +56,14 @@ fn the_work_of_all_parts_is_what_the_lever_holds() {
         brake_n: 0.4 + 0.4 * libm::sin(23.0 * t),
     });
     let works = works(&parameters, 1e-5, &states);
-    let kinetic = |s: &DrivenState| 0.5 * parameters.inertia_kg_m2 * s.theta_dot_rad_s * s.theta_dot_rad_s;
+    let kinetic =
+        |s: &DrivenState| 0.5 * parameters.inertia_kg_m2 * s.theta_dot_rad_s * s.theta_dot_rad_s;
     let stored_j = kinetic(&states[states.len() - 1]) - kinetic(&states[0]);
     let residual_j = works.hand_j + works.motor_j + works.brake_j + works.friction_j - stored_j;
-    assert!(works.summed_j > 0.1 && residual_j.abs() < 1e-5 * works.summed_j, "{residual_j} {works:?}");
+    assert!(
+        works.summed_j > 0.1 && residual_j.abs() < 1e-5 * works.summed_j,
+        "{residual_j} {works:?}"
+    );
 }
 
 #[test]
@@ -87,7 +97,8 @@ fn the_hand_never_pulls_and_lifts_off_a_lever_that_stays() {
     assert!(last.hand_m < 0.045 * last.theta_rad - 0.01); // and the hand went back without it
 }
 
-/// Runs a scaled plant for 50 ms; either it ends in finite numbers or in an error that names what was wrong.
+/// Runs a scaled plant for 50 ms; either it ends in finite numbers or in an error that names what
+/// was wrong.
 fn survives(parameters: DrivenParameters, command: Command) {
     let outcome = Driven::new(parameters).and_then(|mut plant| {
         for i in 0..50 {
@@ -98,12 +109,21 @@ fn survives(parameters: DrivenParameters, command: Command) {
     });
     match outcome {
         Ok(s) => {
-            let all =
-                [s.theta_rad, s.theta_dot_rad_s, s.motor_n, s.brake_n, s.contact_n, s.hand_m, s.hand_m_s];
+            let all = [
+                s.theta_rad,
+                s.theta_dot_rad_s,
+                s.motor_n,
+                s.brake_n,
+                s.contact_n,
+                s.hand_m,
+                s.hand_m_s,
+            ];
             assert!(all.iter().all(|x| x.is_finite()), "{parameters:?}: {s:?}");
         }
         Err(DynamicsError::Parameter { name, .. }) => assert!(!name.is_empty()),
-        Err(DynamicsError::NotFinite { suspect, .. } | DynamicsError::TooMuchWork { suspect, .. }) => {
+        Err(
+            DynamicsError::NotFinite { suspect, .. } | DynamicsError::TooMuchWork { suspect, .. },
+        ) => {
             assert!(suspect.contains(" = "));
         }
         Err(other) => panic!("{other}"),
@@ -136,7 +156,9 @@ fn numbers(p: &mut DrivenParameters) -> [&mut f64; 14] {
 #[test]
 fn extreme_parameters_end_in_numbers_or_in_an_error_that_names_one() {
     for i in 0..14 {
-        for scale in [0.0, 1e-12, 1e-6, 1e-3, 1e3, 1e6, 1e12, 1e300, f64::NAN, f64::INFINITY, -1.0, 5e-324] {
+        for scale in
+            [0.0, 1e-12, 1e-6, 1e-3, 1e3, 1e6, 1e12, 1e300, f64::NAN, f64::INFINITY, -1.0, 5e-324]
+        {
             let mut parameters = prototype();
             *numbers(&mut parameters)[i] *= scale;
             survives(parameters, Command { motor_n: -1.0, brake_n: 1.0 });
@@ -155,8 +177,9 @@ fn extreme_commands_end_in_numbers_or_in_an_error_that_names_one() {
         );
     }
     let mut plant = Driven::new(prototype()).unwrap();
-    let error =
-        plant.advance(1e-3, Command { motor_n: 0.0, brake_n: -1.0 }, [Aim::default(); 2]).unwrap_err();
+    let error = plant
+        .advance(1e-3, Command { motor_n: 0.0, brake_n: -1.0 }, [Aim::default(); 2])
+        .unwrap_err();
     assert!(error.to_string().starts_with("command.brake_n is -1"), "{error}");
     let error = plant.advance(f64::NAN, Command::default(), [Aim::default(); 2]).unwrap_err();
     assert!(error.to_string().starts_with("dt_s is NaN"), "{error}");

@@ -46,11 +46,12 @@ pub struct DrivenState {
     pub hand_m_s: f64,
 }
 
-/// Longest step that is tried in one piece, s, a power of two: the flow is exact over any, but the bounds that prove
-/// it free of events grow with its square.
+/// Longest step that is tried in one piece, s, a power of two: the flow is exact over any, but the
+/// bounds that prove it free of events grow with its square.
 const REACH_S: f64 = 1.0 / 1024.0;
 
-/// Events within one advance after which the plant must be chattering, which its set-valued forces exclude.
+/// Events within one advance after which the plant must be chattering, which its set-valued forces
+/// exclude.
 const MOST_EVENTS: u64 = 100_000;
 
 /// A plant that is moved by commands.
@@ -64,7 +65,8 @@ pub struct Driven {
 }
 
 impl Driven {
-    /// The plant at rest on its lower stop (at θ = 0 without stops), all forces 0, the hand just touching.
+    /// The plant at rest on its lower stop (at θ = 0 without stops), all forces 0, the hand just
+    /// touching.
     ///
     /// # Errors
     /// [`DynamicsError::Parameter`], which names the parameter.
@@ -75,8 +77,9 @@ impl Driven {
     /// The same with another longest step.
     pub(super) fn with_reach(parameters: DrivenParameters, reach_s: f64) -> Result<Self> {
         parameters.check()?;
-        let compile =
-            |region: Region| region.exists(&parameters).then(|| Compiled::new(&parameters, region, reach_s));
+        let compile = |region: Region| {
+            region.exists(&parameters).then(|| Compiled::new(&parameters, region, reach_s))
+        };
         let regions = Region::all().map(compile).collect();
         let mut plant = Self { parameters, regions, region: Region::START, z: [0.0; N] };
         plant.place(parameters.stops_rad.map_or(0.0, |[low, _]| low), 0.0)?;
@@ -88,13 +91,20 @@ impl Driven {
         &self.parameters
     }
 
-    /// Puts the lever at rest at an angle, all forces 0, and the hand at rest that far away from it (m).
+    /// Puts the lever at rest at an angle, all forces 0, and the hand at rest that far away from it
+    /// (m).
     ///
     /// # Errors
     /// [`DynamicsError::Parameter`] for an angle outside the stops or a gap below 0.
     pub fn place(&mut self, theta_rad: f64, gap_m: f64) -> std::result::Result<(), DynamicsError> {
-        let inside = self.parameters.stops_rad.is_none_or(|[low, high]| (low..=high).contains(&theta_rad));
-        check("theta_rad", theta_rad, theta_rad.is_finite() && inside, "finite and between the stops")?;
+        let inside =
+            self.parameters.stops_rad.is_none_or(|[low, high]| (low..=high).contains(&theta_rad));
+        check(
+            "theta_rad",
+            theta_rad,
+            theta_rad.is_finite() && inside,
+            "finite and between the stops",
+        )?;
         not_negative("gap_m", gap_m)?;
         self.z = [0.0; N];
         (self.z[THETA], self.z[GAP], self.z[ONE]) = (theta_rad, gap_m, 1.0);
@@ -118,12 +128,14 @@ impl Driven {
         }
     }
 
-    /// Moves the plant over `dt_s` seconds with the commands held and the hand's aim going from `aims[0]` to
-    /// `aims[1]` in straight lines (position and velocity each). Without hand the aims are not looked at.
+    /// Moves the plant over `dt_s` seconds with the commands held and the hand's aim going from
+    /// `aims[0]` to `aims[1]` in straight lines (position and velocity each). Without hand the
+    /// aims are not looked at.
     ///
     /// # Errors
-    /// [`DynamicsError::Parameter`] if an argument is not finite, the time or the brake's level below 0;
-    /// [`DynamicsError::NotFinite`] and [`DynamicsError::TooMuchWork`] if extreme parameters lead there.
+    /// [`DynamicsError::Parameter`] if an argument is not finite, the time or the brake's level
+    /// below 0; [`DynamicsError::NotFinite`] and [`DynamicsError::TooMuchWork`] if extreme
+    /// parameters lead there.
     pub fn advance(
         &mut self,
         dt_s: f64,
@@ -158,8 +170,9 @@ impl Driven {
     /// Takes the intent in as a force K p + B ṗ, linear in time.
     fn follow(&mut self, dt_s: f64, aims: [Aim; 2]) -> Result<()> {
         let Some(hand) = self.parameters.hand else { return Ok(()) };
-        let [from, to] = aims
-            .map(|aim| hand.stiffness_n_per_m * aim.position_m + hand.damping_ns_per_m * aim.velocity_m_s);
+        let [from, to] = aims.map(|aim| {
+            hand.stiffness_n_per_m * aim.position_m + hand.damping_ns_per_m * aim.velocity_m_s
+        });
         finite("aims[0]", from)?;
         finite("aims[1]", to)?;
         (self.z[INTENT], self.z[INTENT_RATE]) = (from, (to - from) / dt_s);
@@ -219,7 +232,8 @@ impl Driven {
 
     /// The guard that cannot end a rest, because a stop stands in the way.
     fn propped(&self) -> Option<usize> {
-        let [low, high] = self.parameters.stops_rad.filter(|_| self.region.motion == Motion::Rest)?;
+        let [low, high] =
+            self.parameters.stops_rad.filter(|_| self.region.motion == Motion::Rest)?;
         let theta = self.z[THETA];
         if theta >= high { Some(FIRST) } else { (theta <= low).then_some(SECOND) }
     }

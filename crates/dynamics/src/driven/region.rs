@@ -1,4 +1,5 @@
-//! The pieces of the dynamics: in each the motion is linear, and a few functionals tell where it ends.
+//! The pieces of the dynamics: in each the motion is linear, and a few functionals tell where it
+//! ends.
 
 use zwidth_numerics::expm::Matrix;
 
@@ -43,9 +44,9 @@ pub(super) const CONTACT: usize = 2;
 /// A linear functional of the state.
 pub(super) type Row = [f64; N];
 
-/// A lever at rest holds, and a tissue in contact clings, by this much more than it should, N: far below any force
-/// that matters and far above rounding. What departs or lifts off is then pushed on for certain; else rounding could
-/// send it back and forth without end.
+/// A lever at rest holds, and a tissue in contact clings, by this much more than it should, N: far
+/// below any force that matters and far above rounding. What departs or lifts off is then pushed on
+/// for certain; else rounding could send it back and forth without end.
 const MARGIN_N: f64 = 1e-11;
 
 /// Which way the lever moves.
@@ -92,15 +93,13 @@ impl Region {
     /// Every region, in the order of [`Region::index`].
     pub(super) fn all() -> impl Iterator<Item = Self> {
         [Motion::Forward, Motion::Backward, Motion::Rest].into_iter().flat_map(|motion| {
-            [(false, false), (false, true), (true, false), (true, true)].map(|(contact, letting_go)| Self {
-                motion,
-                contact,
-                letting_go,
-            })
+            [(false, false), (false, true), (true, false), (true, true)]
+                .map(|(contact, letting_go)| Self { motion, contact, letting_go })
         })
     }
 
-    /// Whether a plant can be in it at all: without hand there is no contact, without lag one way of braking.
+    /// Whether a plant can be in it at all: without hand there is no contact, without lag one way
+    /// of braking.
     pub(super) fn exists(self, parameters: &DrivenParameters) -> bool {
         (!self.contact || parameters.hand.is_some())
             && (!self.letting_go || parameters.brake_lag_on_off_s.is_some())

@@ -1,11 +1,12 @@
-//! What the solution must satisfy as mathematics: closed forms, steps that do not matter, the other solver.
+//! What the solution must satisfy as mathematics: closed forms, steps that do not matter, the other
+//! solver.
 
 use zwidth_numerics::series::interpolate;
 
 use super::*;
 use crate::{
-    Brake, BrakeLaw, Demand, Environment, Exact, Finger, FingerLaw, Friction, Grid, Input, Mode, Motor,
-    Plant, Scene, Series, Solver, System, Zone, table3,
+    Brake, BrakeLaw, Demand, Environment, Exact, Finger, FingerLaw, Friction, Grid, Input, Mode,
+    Motor, Plant, Scene, Series, Solver, System, Zone, table3,
 };
 
 /// The twin's defaults (physics.md).
@@ -83,7 +84,8 @@ fn a_bare_lever_falls_as_half_a_t_squared() {
 
 #[test]
 fn a_voltage_driven_motor_reaches_its_speed_as_an_exponential() {
-    let mut plant = Driven::new(DrivenParameters { back_emf_ns_per_rad: Some(0.1), ..bare() }).unwrap();
+    let mut plant =
+        Driven::new(DrivenParameters { back_emf_ns_per_rad: Some(0.1), ..bare() }).unwrap();
     plant.advance(0.05, motor(2.0), [Aim::default(); 2]).unwrap();
     let rate = 0.1 * 0.045 / 1.97e-4;
     let expected = 20.0 * (1.0 - libm::exp(-rate * 0.05));
@@ -164,7 +166,8 @@ fn the_tissue_touches_with_its_damping_and_springs_back_by_itself() {
     plant.advance(1.0, held, [Aim { position_m: -0.001, ..speed }; 2]).unwrap();
     let (mut least, mut touches, mut touching) = (f64::INFINITY, 0, false);
     for i in 0..20_000 {
-        let at = |t: f64| Aim { position_m: 0.004 * libm::sin(40.0 * t) - 0.001, velocity_m_s: 0.0 };
+        let at =
+            |t: f64| Aim { position_m: 0.004 * libm::sin(40.0 * t) - 0.001, velocity_m_s: 0.0 };
         let t = f64::from(i) * 1e-4;
         plant.advance(1e-4, held, [at(t), at(t + 1e-4)]).unwrap();
         let state = plant.state();
@@ -218,13 +221,14 @@ fn a_split_advance_is_the_whole_advance() {
     }
 }
 
-/// Time and size of a press and its release, N: piecewise linear, so that both solvers take it exactly.
+/// Time and size of a press and its release, N: piecewise linear, so that both solvers take it
+/// exactly.
 fn force(peak_n: f64) -> Series {
     Series { t_s: vec![0.0, 0.3, 0.4, 0.7], value: vec![0.0, peak_n, peak_n, 0.4] }
 }
 
-/// Angles at every millisecond of a press against brake or motor at full force, by the other solver. Its finger is our
-/// hand without an impedance of its own, moved by the force itself.
+/// Angles at every millisecond of a press against brake or motor at full force, by the other
+/// solver. Its finger is our hand without an impedance of its own, moved by the force itself.
 fn other_solver(mode: Mode, mine: &DrivenParameters, peak_n: f64) -> Vec<f64> {
     let hand = mine.hand.unwrap();
     let scene = Scene {
@@ -262,7 +266,8 @@ fn other_solver(mode: Mode, mine: &DrivenParameters, peak_n: f64) -> Vec<f64> {
 }
 
 fn check_against_exact(mode: Mode, command: Command, peak_n: f64) {
-    /// So soft that the hand's own position does not matter, and the force is what it aims for, N/m.
+    /// So soft that the hand's own position does not matter, and the force is what it aims for,
+    /// N/m.
     const SOFT: f64 = 1e-12;
     let mut mine = DrivenParameters { back_emf_ns_per_rad: None, ..prototype() };
     let hand = mine.hand.as_mut().unwrap();

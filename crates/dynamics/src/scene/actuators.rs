@@ -16,7 +16,8 @@ pub enum Mode {
     Hybrid,
 }
 
-/// A DC motor as a force at the lever's end: −clamp(u, −max, max), behind its electrical lag if it has one.
+/// A DC motor as a force at the lever's end: −clamp(u, −max, max), behind its electrical lag if it
+/// has one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Motor {
@@ -55,7 +56,8 @@ pub struct Brake {
     /// Command that is lost before any force appears, N: level = clamp(u − dead zone, 0, max).
     #[serde(default)]
     pub dead_zone_n: f64,
-    /// Time constants of engaging and of letting go, s; the level b follows its command as τ ḃ = b_cmd − b.
+    /// Time constants of engaging and of letting go, s; the level b follows its command as τ ḃ =
+    /// b_cmd − b.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lag_on_off_s: Option<[f64; 2]>,
     /// User force below which a brake that holds may let go, N (§6.2.1); without it the brake

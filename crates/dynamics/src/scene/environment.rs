@@ -1,4 +1,5 @@
-//! Virtual environments: zones of angle, each with the resisting force u(θ, θ̇) the actuators are asked for.
+//! Virtual environments: zones of angle, each with the resisting force u(θ, θ̇) the actuators are
+//! asked for.
 //!
 //! A new environment is a new value: spring, damper, sponge, detent, free space, one wall or two.
 
@@ -79,7 +80,8 @@ impl Environment {
 
     pub(crate) fn check(&self) -> Result<()> {
         if self.zones.is_empty() {
-            let (what, remedy) = ("the environment has no zone", "give it one, for instance a spring");
+            let (what, remedy) =
+                ("the environment has no zone", "give it one, for instance a spring");
             return Err(DynamicsError::Combination { what, remedy });
         }
         for (i, zone) in self.zones.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Reads and writes a scene: its keys are its own fields or the names of terms, and errors point at the line.
+//! Reads and writes a scene: its keys are its own fields or the names of terms, and errors point at
+//! the line.
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
@@ -7,8 +8,8 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::Scene;
 use super::terms::{self, Terms};
 
-/// The fields' own reading and writing are derived as `Scene::deserialize` and `Scene::serialize` (serde's
-/// `remote = "Self"`), to which the terms are added here.
+/// The fields' own reading and writing are derived as `Scene::deserialize` and `Scene::serialize`
+/// (serde's `remote = "Self"`), to which the terms are added here.
 impl<'de> Deserialize<'de> for Scene {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_map(Whole)
@@ -32,7 +33,8 @@ impl<'de> Visitor<'de> for Whole {
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Scene, A::Error> {
         let mut terms = Terms::default();
-        let scene = Scene::deserialize(MapAccessDeserializer::new(Fields { map, terms: &mut terms }))?;
+        let scene =
+            Scene::deserialize(MapAccessDeserializer::new(Fields { map, terms: &mut terms }))?;
         Ok(Scene { terms, ..scene })
     }
 }
@@ -46,7 +48,10 @@ struct Fields<'a, A> {
 impl<'de, A: MapAccess<'de>> MapAccess<'de> for Fields<'_, A> {
     type Error = A::Error;
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, A::Error> {
+    fn next_key_seed<K: DeserializeSeed<'de>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, A::Error> {
         let mut key = Key(seed);
         loop {
             match self.map.next_key_seed(key)? {
@@ -85,7 +90,11 @@ impl<'de, K: DeserializeSeed<'de>> DeserializeSeed<'de> for Key<K> {
         let field: Result<_, D::Error> = self.0.deserialize(key.into_deserializer());
         field.map(Found::Field).map_err(|e| {
             let names: Vec<_> = terms::names().map(|name| format!("`{name}`")).collect();
-            Error::custom(format_args!("{}, or a term: {}", e.to_string().trim_end(), names.join(", ")))
+            Error::custom(format_args!(
+                "{}, or a term: {}",
+                e.to_string().trim_end(),
+                names.join(", ")
+            ))
         })
     }
 }

@@ -9,7 +9,8 @@ use crate::error::{Result, not_negative, positive};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FingerLaw {
-    /// (11) as printed, M_F ẍ2 = F_F + F_ex: the lever's acceleration is left out, so energy is not kept.
+    /// (11) as printed, M_F ẍ2 = F_F + F_ex: the lever's acceleration is left out, so energy is not
+    /// kept.
     Thesis,
     /// M_F (ẍ2 + L θ̈) = F_F + F_ex. Bottoming is inelastic and keeps momentum.
     Consistent,
@@ -36,9 +37,19 @@ impl Finger {
     /// Adds name, value and usual size of each parameter.
     pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
         list.push(("finger.mass_kg", self.mass_kg, table3::FINGER_MASS_KG));
-        list.push(("finger.stiffness_n_per_m", self.stiffness_n_per_m, table3::FINGER_STIFFNESS_N_PER_M));
-        list.push(("finger.damping_ns_per_m", self.damping_ns_per_m, table3::FINGER_DAMPING_NS_PER_M));
-        list.extend(self.length_m.map(|length| ("finger.length_m", length, table3::FINGER_LENGTH_M)));
+        list.push((
+            "finger.stiffness_n_per_m",
+            self.stiffness_n_per_m,
+            table3::FINGER_STIFFNESS_N_PER_M,
+        ));
+        list.push((
+            "finger.damping_ns_per_m",
+            self.damping_ns_per_m,
+            table3::FINGER_DAMPING_NS_PER_M,
+        ));
+        list.extend(
+            self.length_m.map(|length| ("finger.length_m", length, table3::FINGER_LENGTH_M)),
+        );
     }
 
     pub(crate) fn check(&self) -> Result<()> {

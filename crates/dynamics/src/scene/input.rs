@@ -1,5 +1,5 @@
-//! Inputs (5)–(7) and recorded series, as spans in each of which x¨ = −ω² (x − mean): ω = 0 is a straight
-//! line, and a sine is exact.
+//! Inputs (5)–(7) and recorded series, as spans in each of which x¨ = −ω² (x − mean): ω = 0 is a
+//! straight line, and a sine is exact.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Result, check, finite, not_negative, positive};
 
-/// A recorded signal: straight lines between its samples (first-order hold), constant after the last.
+/// A recorded signal: straight lines between its samples (first-order hold), constant after the
+/// last.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Series {
@@ -17,7 +18,8 @@ pub struct Series {
     pub value: Vec<f64>,
 }
 
-/// A signal of time. The magnitudes of (5)–(7) push into the object: the thesis' minus in (7) is dropped.
+/// A signal of time. The magnitudes of (5)–(7) push into the object: the thesis' minus in (7) is
+/// dropped.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Input {
@@ -29,8 +31,9 @@ pub enum Input {
         #[serde(default)]
         rate: f64,
     },
-    /// (5): 2a and 0 in turn, each for a quarter of the period, the first instant of each its own. A run that ends
-    /// with a period ends at 0, as (5) has it, for what begins at the last sample lies beyond the run.
+    /// (5): 2a and 0 in turn, each for a quarter of the period, the first instant of each its own.
+    /// A run that ends with a period ends at 0, as (5) has it, for what begins at the last
+    /// sample lies beyond the run.
     Step {
         /// a.
         magnitude: f64,
@@ -103,7 +106,9 @@ impl Input {
         match self {
             Self::Line { value, rate } => endless(*value, *rate),
             Self::Sine { magnitude, omega_rad_s } => endless(*magnitude, magnitude * omega_rad_s),
-            Self::Step { magnitude, period_s } => quarter(i, *period_s, [2.0 * magnitude, 0.0], [0.0, 0.0]),
+            Self::Step { magnitude, period_s } => {
+                quarter(i, *period_s, [2.0 * magnitude, 0.0], [0.0, 0.0])
+            }
             Self::Ramp { magnitude, period_s } => {
                 let rate = 8.0 * magnitude / period_s;
                 quarter(i, *period_s, [0.0, 2.0 * magnitude], [rate, -rate])
@@ -112,8 +117,8 @@ impl Input {
         }
     }
 
-    /// Number of a span that does not end after the one that holds at `t`, not below `number`: a start for the
-    /// search of that one, so that short periods do not make it long.
+    /// Number of a span that does not end after the one that holds at `t`, not below `number`: a
+    /// start for the search of that one, so that short periods do not make it long.
     pub(crate) fn number_near(&self, t: f64, number: usize) -> usize {
         match self {
             Self::Step { period_s, .. } | Self::Ramp { period_s, .. } => {
@@ -130,7 +135,10 @@ impl Input {
         if omega > 0.0 {
             let (sine, cosine) = libm::sincos(omega * dt);
             let (offset, quick) = (span.value - mean, span.rate / omega);
-            return [mean + offset * cosine + quick * sine, omega * (quick * cosine - offset * sine)];
+            return [
+                mean + offset * cosine + quick * sine,
+                omega * (quick * cosine - offset * sine),
+            ];
         }
         [span.value + span.rate * dt, span.rate]
     }
@@ -212,14 +220,20 @@ mod tests {
     fn check(input: &Input, points: &[(f64, f64)]) {
         for &(t, expect) in points {
             let found = value(input, t);
-            assert!((found - expect).abs() < 1e-14, "{input:?} at {t}: {found} instead of {expect}");
+            assert!(
+                (found - expect).abs() < 1e-14,
+                "{input:?} at {t}: {found} instead of {expect}"
+            );
         }
     }
 
     #[test]
     fn the_inputs_are_the_magnitudes_of_equations_5_to_7() {
         check(&Input::step(2.0), &[(0.0, 4.0), (0.99, 4.0), (1.0, 0.0), (2.5, 4.0), (3.5, 0.0)]);
-        check(&Input::ramp(2.0), &[(0.0, 0.0), (0.5, 2.0), (1.0, 4.0), (1.75, 1.0), (2.5, 2.0), (3.75, 1.0)]);
+        check(
+            &Input::ramp(2.0),
+            &[(0.0, 0.0), (0.5, 2.0), (1.0, 4.0), (1.75, 1.0), (2.5, 2.0), (3.75, 1.0)],
+        );
         check(&Input::sine(2.0), &[(0.0, 2.0), (1.0, 4.0), (2.0, 2.0), (3.0, 0.0)]);
     }
 

@@ -1,4 +1,5 @@
-//! A scene: environment, mode, plant, actuators, input, and the terms a model has on top. A plain value.
+//! A scene: environment, mode, plant, actuators, input, and the terms a model has on top. A plain
+//! value.
 
 pub(crate) mod actuators;
 pub(crate) mod environment;
@@ -21,7 +22,8 @@ use terms::Terms;
 
 use crate::error::{DynamicsError, Result, positive};
 
-/// What is simulated. Parts that are `None` and terms that are not there are left out of the equations and cost nothing.
+/// What is simulated. Parts that are `None` and terms that are not there are left out of the
+/// equations and cost nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", deny_unknown_fields)]
 pub struct Scene {
@@ -52,7 +54,8 @@ pub struct Scene {
     /// Dry and viscous friction of the drive train.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
-    /// Further single-valued forces on the lever, in a file under their names: its weight, a moved spring, …
+    /// Further single-valued forces on the lever, in a file under their names: its weight, a moved
+    /// spring, …
     #[serde(flatten, skip_deserializing)]
     pub terms: Terms,
 }
@@ -61,7 +64,8 @@ impl Scene {
     /// Reads a scene from TOML text.
     ///
     /// # Errors
-    /// [`DynamicsError::Toml`] if the text is no scene; its values are checked by [`crate::System::new`].
+    /// [`DynamicsError::Toml`] if the text is no scene; its values are checked by
+    /// [`crate::System::new`].
     pub fn from_toml(text: &str) -> std::result::Result<Self, DynamicsError> {
         toml::from_str(text).map_err(|e| DynamicsError::Toml(e.to_string()))
     }
@@ -74,7 +78,8 @@ impl Scene {
         toml::to_string(self).map_err(|e| DynamicsError::Toml(e.to_string()))
     }
 
-    /// The parameter furthest (in powers of ten) from the size it has in Table 3, for errors of extreme runs.
+    /// The parameter furthest (in powers of ten) from the size it has in Table 3, for errors of
+    /// extreme runs.
     pub(crate) fn suspect(&self) -> String {
         let mut list = vec![
             ("plant.mass_kg", self.plant.mass_kg, table3::OBJECT_MASS_KG),
@@ -89,14 +94,17 @@ impl Scene {
             finger.list(&mut list);
         }
         list.extend(self.motor.lag_s.map(|lag| ("motor.lag_s", lag, table3::STEP_S)));
-        list.extend(self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)));
+        list.extend(
+            self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)),
+        );
         let distance = |value: f64, usual: f64| {
             let share = (value / usual).abs();
             if share > 0.0 { libm::log10(share).abs() } else { 0.0 }
         };
         let own = list.into_iter().map(|(name, value, usual)| (name.to_owned(), value, usual));
-        let furthest =
-            own.chain(self.terms.list()).max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
+        let furthest = own
+            .chain(self.terms.list())
+            .max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
         furthest.map_or_else(String::new, |(name, value, _)| format!("{name} = {value}"))
     }
 

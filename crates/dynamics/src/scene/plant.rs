@@ -13,7 +13,8 @@ pub struct Plant {
     pub mass_kg: f64,
     /// L: lever length, m.
     pub lever_m: f64,
-    /// Where the mechanical stops stand, rad, lower first; inelastic. Without them the lever turns freely.
+    /// Where the mechanical stops stand, rad, lower first; inelastic. Without them the lever turns
+    /// freely.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stops_rad: Option<[f64; 2]>,
 }
@@ -44,7 +45,8 @@ impl Start {
     pub(crate) fn check(&self, plant: &Plant) -> Result<()> {
         finite("start.theta_rad", self.theta_rad)?;
         finite("start.theta_dot_rad_s", self.theta_dot_rad_s)?;
-        let inside = plant.stops_rad.is_none_or(|[low, high]| (low..=high).contains(&self.theta_rad));
+        let inside =
+            plant.stops_rad.is_none_or(|[low, high]| (low..=high).contains(&self.theta_rad));
         check("start.theta_rad", self.theta_rad, inside, "between the stops")
     }
 }

@@ -28,8 +28,8 @@ pub const DURATION_S: f64 = 4.0;
 pub const STEP_S: f64 = 0.008_3;
 /// Half the work space, rad: the stops stand at ±45°.
 pub const HALF_STROKE_RAD: f64 = std::f64::consts::FRAC_PI_4;
-/// Lever length with which the thesis' figures are reproduced, m: (10) read as M_O θ̈. Inferred: with
-/// less than 0.5889 m its step lies outside the stability region of its method.
+/// Lever length with which the thesis' figures are reproduced, m: (10) read as M_O θ̈. Inferred:
+/// with less than 0.5889 m its step lies outside the stability region of its method.
 pub const LEVER_M: f64 = 1.0;
 /// Largest motor force of the simulation's chattering scene, N.
 pub const MOTOR_N: f64 = 3.25;
@@ -93,17 +93,18 @@ pub fn with_finger(scene: Scene) -> Scene {
     Scene { finger: Some(finger(FingerLaw::Consistent)), ..scene }
 }
 
-/// The linear two-mass model (1)–(4) with Table 3's numbers, in compression coordinates: q = L_O0 − x1 is how
-/// far the object is pressed and p = L_F0 − (x2 − x1) how far the finger is. Then (3) and (4) read
-/// M_O q̈ = F_O + F_F and M_F (q̈ + p̈) = F_ex − F_F: the rotational model with the consistent finger, a
-/// lever of 1 m, an object that rests at 0, no stops, and metres for radians. Brake to motor is 4 : 1.
-/// L_O0 drops out; the largest brake force is not given in the thesis.
+/// The linear two-mass model (1)–(4) with Table 3's numbers, in compression coordinates: q = L_O0 −
+/// x1 is how far the object is pressed and p = L_F0 − (x2 − x1) how far the finger is. Then (3) and
+/// (4) read M_O q̈ = F_O + F_F and M_F (q̈ + p̈) = F_ex − F_F: the rotational model with the
+/// consistent finger, a lever of 1 m, an object that rests at 0, no stops, and metres for radians.
+/// Brake to motor is 4 : 1. L_O0 drops out; the largest brake force is not given in the thesis.
 pub fn linear(mode: Mode, input: Input, brake_n: f64) -> Scene {
     /// Largest brake force over largest motor force (1).
     const FORCE_RATIO: f64 = 4.0;
     let mut scene = with_finger(scene(mode, input));
     scene.name = "table 3, linear".to_owned();
-    scene.environment = Environment::spring(OBJECT_STIFFNESS_N_PER_RAD, OBJECT_DAMPING_NS_PER_RAD, 0.0);
+    scene.environment =
+        Environment::spring(OBJECT_STIFFNESS_N_PER_RAD, OBJECT_DAMPING_NS_PER_RAD, 0.0);
     scene.plant.stops_rad = None;
     scene.start = Start::default();
     scene.brake.max_n = brake_n;

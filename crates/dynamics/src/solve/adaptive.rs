@@ -1,5 +1,5 @@
-//! The loop the adaptive methods share: error control, dense output at the grid's times, events located on
-//! the dense output, and the same regions and transitions as the exact solver.
+//! The loop the adaptive methods share: error control, dense output at the grid's times, events
+//! located on the dense output, and the same regions and transitions as the exact solver.
 
 use zwidth_numerics::expm::dot;
 use zwidth_numerics::roots;
@@ -91,7 +91,8 @@ impl<'a, const N: usize> State<'a, N> {
         state
     }
 
-    /// A hundredth of the time in which the state changes by its own size (Hairer, Nørsett & Wanner, II.4).
+    /// A hundredth of the time in which the state changes by its own size (Hairer, Nørsett &
+    /// Wanner, II.4).
     fn choose_first_step(&mut self) {
         /// Hairer's cautious share.
         const SHARE: f64 = 0.01;
@@ -102,12 +103,13 @@ impl<'a, const N: usize> State<'a, N> {
         self.h = if rate > 1e-5 && size > 1e-5 { SHARE * size / rate } else { FALLBACK_S };
     }
 
-    /// Root mean square in units of the tolerance. The inputs count too: while the lever rests nothing else
-    /// moves, and the end of the rest is read off them.
+    /// Root mean square in units of the tolerance. The inputs count too: while the lever rests
+    /// nothing else moves, and the end of the rest is read off them.
     fn norm(&self, v: &[f64; N], z: &[f64; N]) -> f64 {
         let controlled = self.system.layout.one();
         let square = |i: usize| {
-            let scale = self.tolerances.atol + self.tolerances.rtol * self.z[i].abs().max(z[i].abs());
+            let scale =
+                self.tolerances.atol + self.tolerances.rtol * self.z[i].abs().max(z[i].abs());
             (v[i] / scale) * (v[i] / scale)
         };
         ((0..controlled).map(square).sum::<f64>() / controlled as f64).sqrt()
@@ -136,7 +138,10 @@ impl<'a, const N: usize> State<'a, N> {
                 };
                 let end = if whole { limit } else { self.t + h };
                 if !in_bounds(&attempt.z) {
-                    return Err(DynamicsError::NotFinite { t_s: end, suspect: self.system.suspect() });
+                    return Err(DynamicsError::NotFinite {
+                        t_s: end,
+                        suspect: self.system.suspect(),
+                    });
                 }
                 self.accept(grid, &attempt, h, end);
                 return Ok(());
@@ -144,7 +149,10 @@ impl<'a, const N: usize> State<'a, N> {
             self.out.work.rejected += 1;
             self.h = h * if factor.is_finite() { factor.clamp(SHRINK, 1.0) } else { SHRINK };
             if self.t + self.h <= self.t || !self.h.is_finite() {
-                return Err(DynamicsError::NotFinite { t_s: self.t, suspect: self.system.suspect() });
+                return Err(DynamicsError::NotFinite {
+                    t_s: self.t,
+                    suspect: self.system.suspect(),
+                });
             }
         }
     }
@@ -228,16 +236,19 @@ impl<'a, const N: usize> State<'a, N> {
         first
     }
 
-    /// Adds the terms' curved force `factor` times, as the quadratic through its values at 0, 1/2 and 1.
+    /// Adds the terms' curved force `factor` times, as the quadratic through its values at 0, 1/2
+    /// and 1.
     fn add_curve(&self, p: &mut [f64; 5], coefficients: &[[f64; N]; 5], factor: f64) {
-        let force = |share: f64| self.system.curve(&dense(coefficients, share)).unwrap_or_default().force_n;
+        let force =
+            |share: f64| self.system.curve(&dense(coefficients, share)).unwrap_or_default().force_n;
         let [a, b, c] = [0.0, 0.5, 1.0].map(|share| factor * force(share));
         p[0] += a;
         p[1] += 4.0 * b - 3.0 * a - c;
         p[2] += 2.0 * (a + c) - 4.0 * b;
     }
 
-    /// Size of each entry of the state and of its change over a step: what a guard's zero is relative to.
+    /// Size of each entry of the state and of its change over a step: what a guard's zero is
+    /// relative to.
     fn sizes(&self, h: f64) -> [f64; N] {
         let absolute = self.z.map(f64::abs);
         let change = self.field.a.map(f64::abs).apply(&absolute);
@@ -253,7 +264,12 @@ impl<'a, const N: usize> State<'a, N> {
     }
 
     fn note(&mut self, kind: EventKind) {
-        self.out.events.push(Event { t_s: self.t, kind, theta_rad: self.z[THETA], region: self.region });
+        self.out.events.push(Event {
+            t_s: self.t,
+            kind,
+            theta_rad: self.z[THETA],
+            region: self.region,
+        });
     }
 
     fn pass_input(&mut self) {

@@ -65,7 +65,12 @@ impl<const N: usize> Embedded<N> for Pair {
 }
 
 /// z + h Σ weights · slopes.
-fn combined<const N: usize>(z: &[f64; N], slopes: &[[f64; N]; 7], weights: &[f64; 7], h: f64) -> [f64; N] {
+fn combined<const N: usize>(
+    z: &[f64; N],
+    slopes: &[[f64; N]; 7],
+    weights: &[f64; 7],
+    h: f64,
+) -> [f64; N] {
     let mut out = *z;
     for (slope, weight) in slopes.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
         for (o, s) in out.iter_mut().zip(slope) {

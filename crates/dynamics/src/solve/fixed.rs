@@ -1,4 +1,5 @@
-//! The loop all fixed-step methods share: inputs at the stage times, one step a sample, stops after it.
+//! The loop all fixed-step methods share: inputs at the stage times, one step a sample, stops after
+//! it.
 
 use super::{Grid, shorten};
 use crate::error::{DynamicsError, Result, in_bounds};
@@ -32,7 +33,8 @@ impl Reader<'_> {
     }
 }
 
-/// Steps a system along a grid; `advance(reader, z, t, h)` is the method. `z` holds the inputs at `t`.
+/// Steps a system along a grid; `advance(reader, z, t, h)` is the method. `z` holds the inputs at
+/// `t`.
 pub(crate) fn run<const N: usize>(
     system: &System,
     grid: &Grid,
@@ -53,7 +55,10 @@ pub(crate) fn run<const N: usize>(
         reader.read(grid.time(i + 1), &mut z);
         reader.held = system.keeps_brake(reader.held, &z);
         if !in_bounds(&z) {
-            return Err(DynamicsError::NotFinite { t_s: grid.time(i + 1), suspect: system.suspect() });
+            return Err(DynamicsError::NotFinite {
+                t_s: grid.time(i + 1),
+                suspect: system.suspect(),
+            });
         }
         record(system, &mut out, grid.time(i + 1), &z);
     }

@@ -83,7 +83,9 @@ impl Grid {
     pub(crate) fn longest_step(&self) -> f64 {
         match self {
             Self::Even { step_s, .. } => *step_s,
-            Self::Times(times) => times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max),
+            Self::Times(times) => {
+                times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
+            }
         }
     }
 
@@ -100,7 +102,12 @@ impl Grid {
                     check(&name, pair[1], pair[0] < pair[1], "later than the time before it")?;
                 }
                 let first = times.first().copied().unwrap_or(f64::NAN);
-                check("grid.times[0]", first, (0.0..f64::INFINITY).contains(&first), "finite and not below 0")
+                check(
+                    "grid.times[0]",
+                    first,
+                    (0.0..f64::INFINITY).contains(&first),
+                    "finite and not below 0",
+                )
             }
         }
     }
@@ -114,7 +121,8 @@ pub trait Solver: Send + Sync {
     /// Where it comes from.
     fn citation(&self) -> &'static str;
 
-    /// The map of one step of `h` on a linear system, R(h A); `None` if the method is stable at every step.
+    /// The map of one step of `h` on a linear system, R(h A); `None` if the method is stable at
+    /// every step.
     fn amplification(&self, _linear: &LinearPart, _h: f64) -> Option<Matrix<MOST>> {
         None
     }
@@ -122,7 +130,8 @@ pub trait Solver: Send + Sync {
     /// Runs the system from its start over the grid.
     ///
     /// # Errors
-    /// A bad grid, a model the method cannot run, a state that is no longer finite, or a work limit.
+    /// A bad grid, a model the method cannot run, a state that is no longer finite, or a work
+    /// limit.
     fn run(&self, system: &System, grid: &Grid) -> std::result::Result<Trajectory, DynamicsError>;
 }
 

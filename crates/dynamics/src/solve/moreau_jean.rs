@@ -1,5 +1,5 @@
-//! Moreau–Jean time stepping: a θ-method that is implicit in the set-valued forces, so that it sticks without
-//! chattering at any step and never looks for events.
+//! Moreau–Jean time stepping: a θ-method that is implicit in the set-valued forces, so that it
+//! sticks without chattering at any step and never looks for events.
 
 use zwidth_numerics::expm::Matrix;
 
@@ -10,8 +10,8 @@ use crate::system::region::{Contact, Motion, Region, Side};
 use crate::system::{OMEGA, System};
 use crate::trajectory::Trajectory;
 
-/// Moreau–Jean with the grid's step. The law (forward, backward, rest; saturation; zone) is the one that
-/// holds at the step's end.
+/// Moreau–Jean with the grid's step. The law (forward, backward, rest; saturation; zone) is the one
+/// that holds at the step's end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MoreauJean {
     /// Implicitness in [1/2, 1]: 1/2 is of order 2 while the motion is smooth, 1 damps most.
@@ -86,7 +86,8 @@ impl<const N: usize> Map<N> {
     }
 }
 
-/// Maps kept at a time: more than a scene has regions, and a bound where every step has another length.
+/// Maps kept at a time: more than a scene has regions, and a bound where every step has another
+/// length.
 const MOST_MAPS: usize = 64;
 
 /// The step whose end agrees with the law it was made with.
@@ -101,7 +102,8 @@ fn step<const N: usize>(
     let dynamic = system.layout.dynamic;
     let given: [f64; N] = std::array::from_fn(|i| if i < dynamic { 0.0 } else { inputs[i] });
     let mut attempt = |region: &Region| {
-        let at = maps.iter().position(|map| map.region == *region && map.h.to_bits() == h.to_bits());
+        let at =
+            maps.iter().position(|map| map.region == *region && map.h.to_bits() == h.to_bits());
         let at = at.unwrap_or_else(|| {
             if maps.len() == MOST_MAPS {
                 maps.clear();
@@ -130,12 +132,13 @@ fn step<const N: usize>(
 
 /// The region the old state would be in with the new inputs.
 fn ahead<const N: usize>(system: &System, z: &[f64; N], inputs: &[f64; N]) -> Region {
-    let ahead: [f64; N] = std::array::from_fn(|i| if i < system.layout.dynamic { z[i] } else { inputs[i] });
+    let ahead: [f64; N] =
+        std::array::from_fn(|i| if i < system.layout.dynamic { z[i] } else { inputs[i] });
     system.settle(&ahead, system.direct_region(z).contact, None)
 }
 
-/// The sides to which the lever may move: on as it moves, or back unless the let-go rule keeps the brake on;
-/// from rest, where the forces let it.
+/// The sides to which the lever may move: on as it moves, or back unless the let-go rule keeps the
+/// brake on; from rest, where the forces let it.
 fn sides<const N: usize>(system: &System, z: &[f64; N], ahead: &Region) -> &'static [Side] {
     let kept = system.let_go_n().is_some_and(|threshold| z[system.layout.force] >= threshold);
     match ahead.motion {

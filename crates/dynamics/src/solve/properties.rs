@@ -1,4 +1,5 @@
-//! What must hold for any scene: passivity, the energy balance, and an end in a result or a named error.
+//! What must hold for any scene: passivity, the energy balance, and an end in a result or a named
+//! error.
 
 use proptest::prelude::*;
 
@@ -20,7 +21,8 @@ use crate::scene::terms::pull::Pull;
 use crate::scene::{Scene, table3};
 use crate::trajectory::Forces;
 
-/// A scene is quick to run, and the odd ones are rare: forty times as many cases as other properties have.
+/// A scene is quick to run, and the odd ones are rare: forty times as many cases as other
+/// properties have.
 fn many() -> ProptestConfig {
     let usual = ProptestConfig::default();
     ProptestConfig { cases: 40 * usual.cases, ..usual }
@@ -56,13 +58,15 @@ fn input() -> impl Strategy<Value = Input> {
 }
 
 fn finger() -> impl Strategy<Value = Option<Finger>> {
-    prop::option::of((log(-2.0, -0.5), log(1.0, 3.0), log(-1.0, 1.0)).prop_map(|(mass_kg, k, b)| Finger {
-        law: FingerLaw::Consistent,
-        mass_kg,
-        stiffness_n_per_m: k,
-        damping_ns_per_m: b,
-        length_m: Some(0.006),
-    }))
+    prop::option::of((log(-2.0, -0.5), log(1.0, 3.0), log(-1.0, 1.0)).prop_map(
+        |(mass_kg, k, b)| Finger {
+            law: FingerLaw::Consistent,
+            mass_kg,
+            stiffness_n_per_m: k,
+            damping_ns_per_m: b,
+            length_m: Some(0.006),
+        },
+    ))
 }
 
 fn friction() -> impl Strategy<Value = Option<Friction>> {
@@ -97,7 +101,8 @@ prop_compose! {
     }
 }
 
-/// The balance of a run; none where a motor bounces on its wall without end, which ends in an error.
+/// The balance of a run; none where a motor bounces on its wall without end, which ends in an
+/// error.
 fn energy(scene: Scene) -> Option<EnergyBalance> {
     let bounces = scene.mode != Mode::Passive && scene.environment.zones.len() > 1;
     let system = System::new(scene).unwrap();
@@ -192,8 +197,11 @@ fn extreme_scene(mut scene: Scene, which: usize, x: &[f64]) -> Scene {
 }
 
 fn all_finite(force: &Forces) -> bool {
-    let Forces { external_n, tip_n, tissue_n, motor_n, brake_n, friction_n, terms_n, stop_n } = *force;
-    [external_n, tip_n, tissue_n, motor_n, brake_n, friction_n, terms_n, stop_n].iter().all(|x| x.is_finite())
+    let Forces { external_n, tip_n, tissue_n, motor_n, brake_n, friction_n, terms_n, stop_n } =
+        *force;
+    [external_n, tip_n, tissue_n, motor_n, brake_n, friction_n, terms_n, stop_n]
+        .iter()
+        .all(|x| x.is_finite())
 }
 
 proptest! {
@@ -237,7 +245,9 @@ fn ends_well(scene: Scene, energy: bool) -> std::result::Result<(), String> {
     for solver in solvers {
         let wrong = |what: &str| Err(format!("{}: {what}", solver.name()));
         match solver.run(&system, &Grid::filling(0.4, 0.008)) {
-            Ok(run) if !run.states.iter().all(|x| x.is_finite()) => return wrong("a state is not finite"),
+            Ok(run) if !run.states.iter().all(|x| x.is_finite()) => {
+                return wrong("a state is not finite");
+            }
             Ok(run) if (0..run.len()).any(|i| !all_finite(&run.forces(&system, i))) => {
                 return wrong("a force is not finite");
             }
@@ -271,11 +281,14 @@ fn a_brake_of_the_largest_number_is_refused_by_name() {
     assert!(error.starts_with("brake.max_n is 1797693134862315"), "{error}");
 }
 
-/// Found by the property above: the state stays finite, and the inertia of a bottomed finger times 0 is no force.
+/// Found by the property above: the state stays finite, and the inertia of a bottomed finger times
+/// 0 is no force.
 #[test]
 fn a_finger_too_heavy_for_its_lever_is_refused_by_name() {
-    let mut scene =
-        table3::with_finger(table3::scene(Mode::Passive, Input::Ramp { magnitude: 1.0, period_s: 1.0 }));
+    let mut scene = table3::with_finger(table3::scene(
+        Mode::Passive,
+        Input::Ramp { magnitude: 1.0, period_s: 1.0 },
+    ));
     scene.plant.lever_m = 716132134.7158322;
     scene.finger.as_mut().unwrap().mass_kg = f64::MAX;
     let error = System::new(scene).unwrap_err().to_string();

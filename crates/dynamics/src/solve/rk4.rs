@@ -68,13 +68,22 @@ fn step<const N: usize>(
         let mut stage = combined(z, &slopes, &RK4.a[i], h);
         reader.read(t + RK4.c[i] * h, &mut stage);
         let held = switching == Switching::PerStep;
-        system.slope(&stage, if held { at_start } else { reader.law(stage[OMEGA]) }, &mut slopes[i]);
+        system.slope(
+            &stage,
+            if held { at_start } else { reader.law(stage[OMEGA]) },
+            &mut slopes[i],
+        );
     }
     *z = combined(z, &slopes, &RK4.b, h);
 }
 
 /// z + h Σ weights · slopes.
-fn combined<const N: usize>(z: &[f64; N], slopes: &[[f64; N]; 4], weights: &[f64; 4], h: f64) -> [f64; N] {
+fn combined<const N: usize>(
+    z: &[f64; N],
+    slopes: &[[f64; N]; 4],
+    weights: &[f64; 4],
+    h: f64,
+) -> [f64; N] {
     std::array::from_fn(|k| z[k] + h * (0..4).map(|i| weights[i] * slopes[i][k]).sum::<f64>())
 }
 

@@ -15,8 +15,10 @@ use crate::scene::{Scene, table3};
 /// The scenes on which methods are compared: every mode, law and term at least once.
 fn scenes() -> Vec<Scene> {
     let mut list = Vec::new();
-    let uneven =
-        Series { t_s: vec![0.0, 0.3, 0.35, 1.2, 2.0, 2.9], value: vec![0.0, 4.0, 3.5, 6.0, 1.0, 2.0] };
+    let uneven = Series {
+        t_s: vec![0.0, 0.3, 0.35, 1.2, 2.0, 2.9],
+        value: vec![0.0, 4.0, 3.5, 6.0, 1.0, 2.0],
+    };
     let inputs = [Input::sine(2.15), Input::step(2.0), Input::ramp(3.2), Input::Series(uneven)];
     for mode in [Mode::Active, Mode::Passive, Mode::Hybrid] {
         for input in &inputs {
@@ -26,7 +28,8 @@ fn scenes() -> Vec<Scene> {
             let mut thesis = plain.clone();
             thesis.brake.law = BrakeLaw::Thesis;
             let mut rough = plain.clone();
-            rough.friction = Some(Friction { static_n: 0.2, kinetic_n: 0.15, viscous_ns_per_rad: 0.02 });
+            rough.friction =
+                Some(Friction { static_n: 0.2, kinetic_n: 0.15, viscous_ns_per_rad: 0.02 });
             let mut cautious = walled.clone();
             cautious.brake.let_go_n = Some(1.5);
             let mut slow = plain.clone();
@@ -34,7 +37,8 @@ fn scenes() -> Vec<Scene> {
             let mut pulled = rough.clone();
             let displacement = Input::Line { value: -0.7, rate: 0.4 };
             pulled.terms.set(Pull { stiffness_n_per_rad: 2.0, displacement });
-            let printed = Scene { finger: Some(table3::finger(FingerLaw::Thesis)), ..plain.clone() };
+            let printed =
+                Scene { finger: Some(table3::finger(FingerLaw::Thesis)), ..plain.clone() };
             let both = table3::with_finger(walled.clone());
             let rough_finger = table3::with_finger(rough.clone());
             list.extend([
@@ -58,12 +62,14 @@ fn named(name: &str, scene: Scene) -> Scene {
     Scene { name: format!("{name}, {:?}, {:?}", scene.mode, scene.input), ..scene }
 }
 
-/// Largest difference of θ and of θ̇; samples next to an event of the first run are passed over for θ̇.
+/// Largest difference of θ and of θ̇; samples next to an event of the first run are passed over for
+/// θ̇.
 fn difference(a: &Trajectory, b: &Trajectory) -> (f64, f64) {
     let near = |t: f64| a.events.iter().any(|event| (event.t_s - t).abs() < 1e-6);
     let theta = a.theta_rad().zip(b.theta_rad()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
     let omega = a.theta_dot_rad_s().zip(b.theta_dot_rad_s()).zip(&a.t_s);
-    let omega = omega.filter(|(_, t)| !near(**t)).map(|((x, y), _)| (x - y).abs()).fold(0.0, f64::max);
+    let omega =
+        omega.filter(|(_, t)| !near(**t)).map(|((x, y), _)| (x - y).abs()).fold(0.0, f64::max);
     (theta, omega)
 }
 
@@ -87,7 +93,8 @@ fn the_energy_balance_closes_on_every_scene_whose_finger_keeps_energy() {
             continue;
         }
         let system = System::new(scene).unwrap();
-        let run = Exact { energy: true, ..Exact::default() }.run(&system, &Grid::of(&system)).unwrap();
+        let run =
+            Exact { energy: true, ..Exact::default() }.run(&system, &Grid::of(&system)).unwrap();
         let energy = run.energy.unwrap();
         let share = energy.residual_j().abs() / energy.summed_j();
         assert!(share < 1e-10, "{}: {share} of {energy:?}", system.scene().name);
@@ -103,13 +110,20 @@ fn the_parts_of_the_force_add_up_to_mass_times_acceleration_on_every_scene() {
             let f = run.forces(&system, i);
             let sum = f.tip_n + f.motor_n + f.brake_n + f.friction_n + f.terms_n + f.stop_n;
             let region = &run.regions[usize::from(run.region[i])];
-            let needed = system.inertia() * system.value(&system.acceleration_in(region), run.state(i));
-            assert!((sum - needed).abs() < 1e-11, "{} at {}: {f:?}", system.scene().name, run.t_s[i]);
+            let needed =
+                system.inertia() * system.value(&system.acceleration_in(region), run.state(i));
+            assert!(
+                (sum - needed).abs() < 1e-11,
+                "{} at {}: {f:?}",
+                system.scene().name,
+                run.t_s[i]
+            );
         }
     }
 }
 
-/// Largest error of θ against the exact run at the end of a smooth scene, for steps that are halved.
+/// Largest error of θ against the exact run at the end of a smooth scene, for steps that are
+/// halved.
 fn errors(solver: &dyn Solver, scene: &Scene, steps: &[f64]) -> Vec<f64> {
     let system = System::new(scene.clone()).unwrap();
     let error = |&h: &f64| {
@@ -143,14 +157,19 @@ fn every_fixed_step_method_converges_with_its_order_on_smooth_scenes() {
         for scene in [&plain, &finger] {
             let e = errors(solver, scene, &[1.0 / 4000.0, 1.0 / 8000.0]);
             let slope = (e[0] / e[1]).log2();
-            assert!((slope - order).abs() < 0.1, "{}: {slope} instead of {order}, {e:?}", solver.name());
+            assert!(
+                (slope - order).abs() < 0.1,
+                "{}: {slope} instead of {order}, {e:?}",
+                solver.name()
+            );
         }
     }
 }
 
 #[test]
 fn time_stepping_and_rk4_come_close_to_the_exact_solution_on_every_scene() {
-    // Three ways of saying one thing: the law at a step's end, the thesis' switching right-hand side, the regions.
+    // Three ways of saying one thing: the law at a step's end, the thesis' switching right-hand
+    // side, the regions.
     use super::moreau_jean::MoreauJean;
     use super::rk4::Rk4;
     for mut scene in scenes() {
@@ -207,7 +226,12 @@ fn gravity_swings_with_the_period_of_a_compound_pendulum() {
         let run = solver.run(&system, &Grid::filling(4.0, 0.01)).unwrap();
         for (t, theta) in run.t_s.iter().zip(run.theta_rad()) {
             let expect = std::f64::consts::PI + 1e-4 * libm::cos(omega * t);
-            assert!((theta - expect).abs() < bound + 1e-12, "{} at {t}: {}", solver.name(), theta - expect);
+            assert!(
+                (theta - expect).abs() < bound + 1e-12,
+                "{} at {t}: {}",
+                solver.name(),
+                theta - expect
+            );
         }
     }
 }
@@ -231,7 +255,9 @@ fn every_method_names_its_source() {
     let tolerances = Tolerances::of(1e-6);
     let methods: [&dyn Solver; 3] =
         [&Exact::default(), &DormandPrince { tolerances }, &TrBdf2 { tolerances }];
-    assert!(methods.iter().all(|method| !method.citation().is_empty() && !method.name().is_empty()));
+    assert!(
+        methods.iter().all(|method| !method.citation().is_empty() && !method.name().is_empty())
+    );
 }
 
 #[test]
@@ -257,9 +283,15 @@ fn the_step_ends_at_0_as_5_has_it_and_starts_anew_in_a_run_that_goes_on() {
             assert_eq!(force(&run, last).to_bits(), 0.0_f64.to_bits(), "{}", solver.name());
         }
         let run = solver.run(&system, &Grid::filling(4.5, 1e-3)).unwrap();
-        for (i, expect) in
-            [(0, 4.0), (999, 4.0), (1000, 0.0), (1999, 0.0), (2000, 4.0), (3999, 0.0), (4000, 4.0_f64)]
-        {
+        for (i, expect) in [
+            (0, 4.0),
+            (999, 4.0),
+            (1000, 0.0),
+            (1999, 0.0),
+            (2000, 4.0),
+            (3999, 0.0),
+            (4000, 4.0_f64),
+        ] {
             assert_eq!(force(&run, i).to_bits(), expect.to_bits(), "{}, sample {i}", solver.name());
         }
     }

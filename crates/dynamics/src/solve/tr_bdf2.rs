@@ -59,7 +59,8 @@ impl<const N: usize> Step<N> {
             return (*inverse, false);
         }
         let system = Matrix::<N>::identity().zip(jacobian, |unit, j| unit - DIAGONAL * h * j);
-        // Where the matrix is singular the step's error is not a number, and a shorter step is tried.
+        // Where the matrix is singular the step's error is not a number, and a shorter step is
+        // tried.
         let inverse = system.inverse().unwrap_or(Matrix::<N>::ZERO.map(|_| f64::NAN));
         self.factored = Some((*jacobian, h, inverse));
         (inverse, true)
@@ -97,7 +98,8 @@ impl<const N: usize> Embedded<N> for Step<N> {
     }
 }
 
-/// Solves z = start + d h f(z) by Newton's method with a fixed matrix; returns z, f(z), evaluations.
+/// Solves z = start + d h f(z) by Newton's method with a fixed matrix; returns z, f(z),
+/// evaluations.
 fn solve<const N: usize>(
     field: &Field<N>,
     inverse: &Matrix<N>,

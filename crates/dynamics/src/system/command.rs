@@ -72,7 +72,8 @@ impl System {
             Actuator::SignedBrake => (-scene.brake.max_n, scene.brake.max_n, 0.0),
             Actuator::Brake => (0.0, scene.brake.max_n, scene.brake.dead_zone_n),
         };
-        // A brake that lets the lever slip backwards follows u(θ) alone: damping would ask it to let go.
+        // A brake that lets the lever slip backwards follows u(θ) alone: damping would ask it to
+        // let go.
         let damped = !(actuator == Actuator::Brake && side == Side::Down);
         match scene.environment.zones[usize::from(zone)].demand {
             Demand::Spring { stiffness_n_per_rad: k, damping_ns_per_rad: b, rest_rad } => {

@@ -27,7 +27,8 @@ impl System {
         }
     }
 
-    /// Finger free: (11). Finger rigid: both masses as one (consistent), or F_ex passed through (thesis).
+    /// Finger free: (11). Finger rigid: both masses as one (consistent), or F_ex passed through
+    /// (thesis).
     fn finger_slope(&self, finger: &Finger, at: usize, force: &Direct, z: &[f64], out: &mut [f64]) {
         let (lever, external) = (self.scene.plant.lever_m, z[self.layout.force]);
         let drag = if finger.law == FingerLaw::Consistent { finger.mass_kg * lever } else { 0.0 };
@@ -51,7 +52,8 @@ impl System {
     #[inline]
     fn force(&self, z: &[f64], law: Law) -> Direct {
         let direction = law.direction;
-        let (actuator, value) = self.commanded_value(z, if law.held { Side::Up } else { side(direction) });
+        let (actuator, value) =
+            self.commanded_value(z, if law.held { Side::Up } else { side(direction) });
         let motor_command = if actuator == Actuator::Motor { -value } else { 0.0 };
         let level_command = if actuator == Actuator::Brake { value } else { 0.0 };
         let motor = self.layout.motor.map_or(motor_command, |at| z[at]);
@@ -98,8 +100,8 @@ impl System {
         (actuator, asked.max(low).min(high))
     }
 
-    /// Whether the brake is kept on after a step: it engages while θ̇ > 0 and lets go once θ̇ ≤ 0 and the user's
-    /// force is below the threshold.
+    /// Whether the brake is kept on after a step: it engages while θ̇ > 0 and lets go once θ̇ ≤ 0 and
+    /// the user's force is below the threshold.
     #[inline]
     pub(crate) fn keeps_brake(&self, held: bool, z: &[f64]) -> bool {
         let Some(threshold) = self.let_go_n() else { return false };

@@ -75,7 +75,8 @@ impl System {
     fn tip(&self, contact: Contact) -> Row {
         match (&self.scene.finger, self.layout.finger) {
             (Some(finger), Some(at)) if contact == Contact::Free => {
-                Row::entry(at, finger.stiffness_n_per_m).plus(Row::entry(at + 1, finger.damping_ns_per_m))
+                Row::entry(at, finger.stiffness_n_per_m)
+                    .plus(Row::entry(at + 1, finger.damping_ns_per_m))
             }
             _ => Row::entry(self.layout.force, 1.0),
         }
@@ -87,10 +88,14 @@ impl System {
         own.iter().chain(&self.terms).fold(Row::zero(), |sum, row| sum.plus(row.lifted()))
     }
 
-    /// M_O L: what a force at the lever's end accelerates, kg m; with the finger's mass once its tissue is rigid.
+    /// M_O L: what a force at the lever's end accelerates, kg m; with the finger's mass once its
+    /// tissue is rigid.
     pub(crate) fn moving_inertia<T: Number>(&self, contact: Contact) -> T {
         let lever = T::from(self.scene.plant.lever_m);
-        let finger = self.scene.finger.filter(|f| f.law == FingerLaw::Consistent && contact != Contact::Free);
+        let finger = self
+            .scene
+            .finger
+            .filter(|f| f.law == FingerLaw::Consistent && contact != Contact::Free);
         (T::from(self.scene.plant.mass_kg) + T::from(finger.map_or(0.0, |f| f.mass_kg))) * lever
     }
 
@@ -100,7 +105,9 @@ impl System {
         let forces = self.lever_forces(region, side);
         let kinetic = self.constant(self.scene.friction.map_or(0.0, |friction| friction.kinetic_n));
         let dry = forces.level.plus(kinetic).times(-side.sign());
-        self.single_valued::<T>(&forces).plus(dry.lifted()).over(self.moving_inertia(region.contact))
+        self.single_valued::<T>(&forces)
+            .plus(dry.lifted())
+            .over(self.moving_inertia(region.contact))
     }
 
     /// θ̈ in a region with its curved part.
@@ -168,20 +175,24 @@ impl System {
         let net = Row::entry(self.layout.force, 1.0).minus(self.tip(Contact::Free));
         let row = net.lifted().over(T::from(finger.mass_kg));
         match finger.law {
-            FingerLaw::Consistent => row.minus(acceleration.times(T::from(self.scene.plant.lever_m))),
+            FingerLaw::Consistent => {
+                row.minus(acceleration.times(T::from(self.scene.plant.lever_m)))
+            }
             FingerLaw::Thesis => row,
         }
     }
 
-    /// τ ẋ = command − x for the motor's force and the brake's level. A lever at rest is commanded as one
-    /// that holds or releases, unless the let-go rule keeps the brake on; where the brake does part of the
-    /// holding by fast switching, a lagging motor is off for its share of the time.
+    /// τ ẋ = command − x for the motor's force and the brake's level. A lever at rest is commanded
+    /// as one that holds or releases, unless the let-go rule keeps the brake on; where the
+    /// brake does part of the holding by fast switching, a lagging motor is off for its share
+    /// of the time.
     fn lag_rows<T: Number>(&self, region: &Region, rows: &mut [Row<T>; MOST]) {
         let up = region.motion == Motion::Forward || (region.motion == Motion::Rest && region.held);
         let (command, branch) = self.commanded(region, if up { Side::Up } else { Side::Down });
         let value = command.on(branch, self);
         if let (Some(at), Some(lag)) = (self.layout.motor, self.scene.motor.lag_s) {
-            let target = if command.actuator == Actuator::Motor { value.times(-1.0) } else { Row::ZERO };
+            let target =
+                if command.actuator == Actuator::Motor { value.times(-1.0) } else { Row::ZERO };
             let brake_holds = self.departing_force(region, Side::Down);
             let shared = target.plus(brake_holds.row.times(region.motor_share));
             rows[at] = shared.minus(Row::entry(at, 1.0)).lifted().over(T::from(lag));

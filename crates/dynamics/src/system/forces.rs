@@ -42,15 +42,17 @@ impl System {
 
     /// Kinetic friction, and what a rigid finger's own inertia takes of the user's force.
     fn add_motion(&self, region: &Region, side: Side, z: &[f64], forces: &mut Forces) {
-        forces.friction_n -= side.sign() * self.scene.friction.map_or(0.0, |friction| friction.kinetic_n);
+        forces.friction_n -=
+            side.sign() * self.scene.friction.map_or(0.0, |friction| friction.kinetic_n);
         if region.contact != Contact::Free {
             let dragged = self.moving_inertia::<f64>(region.contact) - self.inertia();
             forces.tip_n -= dragged * self.value(&self.acceleration_in(region), z);
         }
     }
 
-    /// At rest the set-valued forces give what is needed: the actuators between the two forces they would
-    /// have on either side of rest (so they share as fast switching would), then friction, then the stop.
+    /// At rest the set-valued forces give what is needed: the actuators between the two forces they
+    /// would have on either side of rest (so they share as fast switching would), then
+    /// friction, then the stop.
     fn share_at_rest(&self, region: &Region, down: &LeverForces, z: &[f64], forces: &mut Forces) {
         let up = self.lever_forces(region, Side::Up);
         let above = [up.motor.of(z), up.signed_brake.of(z) - up.level.of(z)];

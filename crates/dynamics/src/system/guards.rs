@@ -52,7 +52,8 @@ impl System {
             Side::Up => zones.get(here + 1).map(|zone| zone.from_rad),
             Side::Down => (here > 0).then(|| zones[here].from_rad),
         };
-        let stop = self.scene.plant.stops_rad.map(|[low, high]| if side == Side::Up { high } else { low });
+        let stop =
+            self.scene.plant.stops_rad.map(|[low, high]| if side == Side::Up { high } else { low });
         let nearer = |a: f64, b: f64| (a - b) * side.sign() < 0.0;
         match (edge, stop) {
             (Some(edge), Some(stop)) if nearer(edge, stop) => Some((edge, EventKind::Zone)),
@@ -66,8 +67,8 @@ impl System {
     pub(crate) fn departing_force(&self, region: &Region, side: Side) -> Functional {
         let mut forces = self.lever_forces(region, side);
         if self.layout.brake.is_some() && side == Side::Up && region.motor_holds {
-            // A lagging brake lets the motor hold until the lever really moves; without this the two would
-            // hand over to each other infinitely often.
+            // A lagging brake lets the motor hold until the lever really moves; without this the
+            // two would hand over to each other infinitely often.
             forces.motor = self.lever_forces(region, Side::Down).motor;
         }
         let stiction = self.constant(self.scene.friction.map_or(0.0, |friction| friction.static_n));
@@ -75,8 +76,8 @@ impl System {
         Functional { row: self.single_valued::<f64>(&forces).plus(dry), curved: 1.0 }
     }
 
-    /// A lever at rest leaves once the net force for motion points that way: the set-valued force (brake,
-    /// friction, and what lies between the motor's and the brake's force) is used up.
+    /// A lever at rest leaves once the net force for motion points that way: the set-valued force
+    /// (brake, friction, and what lies between the motor's and the brake's force) is used up.
     pub(crate) fn rest_guards(&self, region: &Region) -> Vec<Guard> {
         let mut guards = Vec::new();
         if region.stop != Some(Side::Up) {
@@ -104,7 +105,9 @@ impl System {
 
     /// The tissue bottoms at ±L_F0, and lifts off once its rigid stop would have to pull.
     pub(crate) fn finger_guards(&self, region: &Region) -> Vec<Guard> {
-        let (Some(finger), Some(at)) = (self.scene.finger, self.layout.finger) else { return Vec::new() };
+        let (Some(finger), Some(at)) = (self.scene.finger, self.layout.finger) else {
+            return Vec::new();
+        };
         let Some(length) = finger.length_m else { return Vec::new() };
         let limit = self.constant(length);
         match region.contact {

@@ -1,8 +1,9 @@
-//! A checked scene as a hybrid system: an augmented state, regions with affine flows, and rules between them.
+//! A checked scene as a hybrid system: an augmented state, regions with affine flows, and rules
+//! between them.
 //!
-//! The augmented state is z = (θ, θ̇, [x2, ẋ2], [motor force], [brake level], F_ex, Ḟ_ex, [d, ḋ], 1); entries
-//! in brackets exist only in scenes that ask for them. Inputs are part of it, so that a region's flow
-//! ż = A z is autonomous and its exponential is exact, for a sine too.
+//! The augmented state is z = (θ, θ̇, [x2, ẋ2], [motor force], [brake level], F_ex, Ḟ_ex, [d, ḋ],
+//! 1); entries in brackets exist only in scenes that ask for them. Inputs are part of it, so that a
+//! region's flow ż = A z is autonomous and its exponential is exact, for a sine too.
 
 pub(crate) mod command;
 pub(crate) mod direct;
@@ -106,15 +107,20 @@ impl System {
     /// Checks every parameter of a scene and lays out its state.
     ///
     /// # Errors
-    /// The first parameter that makes no sense, by name and value, or two parts that do not go together.
+    /// The first parameter that makes no sense, by name and value, or two parts that do not go
+    /// together.
     pub fn new(scene: Scene) -> std::result::Result<Self, DynamicsError> {
         scene.check()?;
         if scene.brake.law == BrakeLaw::Thesis && scene.brake.lag_on_off_s.is_some() {
             let what = "brake.lag_on_off_s needs the level of a set-valued brake";
-            return Err(DynamicsError::Combination { what, remedy: "set brake.law to \"coulomb\"" });
+            return Err(DynamicsError::Combination {
+                what,
+                remedy: "set brake.law to \"coulomb\"",
+            });
         }
         let layout = Layout::of(&scene);
-        let terms = scene.terms.iter().map(|term| terms::row(term, &scene.plant, &layout)).collect();
+        let terms =
+            scene.terms.iter().map(|term| terms::row(term, &scene.plant, &layout)).collect();
         let mut system = Self { scene, layout, terms, curved: false };
         system.curved = system.nonlinear_term().is_some();
         Ok(system)

@@ -27,7 +27,8 @@ pub enum Motion {
     Forward,
     /// θ̇ < 0.
     Backward,
-    /// θ̇ = 0, held by a set-valued force: brake, friction, a stop, or the switching of the actuators.
+    /// θ̇ = 0, held by a set-valued force: brake, friction, a stop, or the switching of the
+    /// actuators.
     Rest,
 }
 
@@ -60,7 +61,8 @@ pub struct Region {
     pub motion: Motion,
     /// Environment zone whose law holds above the angle; in motion both are the same.
     pub zone_up: u16,
-    /// Zone whose law holds below it; differs from `zone_up` only for a lever at rest on a zone's edge.
+    /// Zone whose law holds below it; differs from `zone_up` only for a lever at rest on a zone's
+    /// edge.
     pub zone_down: u16,
     /// Line of the clamped command for upward motion.
     pub branch_up: Branch,
@@ -74,8 +76,9 @@ pub struct Region {
     pub held: bool,
     /// At rest in a hybrid drive, the motor that is commanded to hold pushes towards −θ.
     pub motor_holds: bool,
-    /// At rest in a hybrid drive whose motor lags: how much less force the motor is asked for, per newton that
-    /// the brake holds. Motor and brake share as infinitely fast switching would make them (Filippov).
+    /// At rest in a hybrid drive whose motor lags: how much less force the motor is asked for, per
+    /// newton that the brake holds. Motor and brake share as infinitely fast switching would
+    /// make them (Filippov).
     pub motor_share: f64,
 }
 

@@ -2,10 +2,12 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Longest augmented state: θ, θ̇, x2, ẋ2, motor, brake, force and rate, a term's input and rate, one.
+/// Longest augmented state: θ, θ̇, x2, ẋ2, motor, brake, force and rate, a term's input and rate,
+/// one.
 pub(crate) const MOST: usize = 11;
 
-/// What coefficients are made of: `f64`, or pairs of them where rounding must not touch the coefficients.
+/// What coefficients are made of: `f64`, or pairs of them where rounding must not touch the
+/// coefficients.
 pub(crate) trait Number:
     Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {

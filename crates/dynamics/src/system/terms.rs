@@ -1,4 +1,5 @@
-//! The scene's terms in the equations: a row each for the affine part, and one curved force of them all.
+//! The scene's terms in the equations: a row each for the affine part, and one curved force of them
+//! all.
 
 use super::flow::Functional;
 use super::row::Row;
@@ -20,10 +21,12 @@ pub(super) fn row(term: &dyn Term, plant: &Plant, layout: &Layout) -> Row {
 }
 
 impl System {
-    /// The force of each of the scene's terms at a state, N, in the order of [`crate::Terms::iter`].
+    /// The force of each of the scene's terms at a state, N, in the order of
+    /// [`crate::Terms::iter`].
     pub fn term_forces_n(&self, z: &[f64]) -> impl Iterator<Item = f64> {
         let curve = |term: &dyn Term| term.curve(&self.scene.plant, z[THETA], z[OMEGA]);
-        let curved = self.scene.terms.iter().map(move |term| curve(term).map_or(0.0, |curve| curve.force_n));
+        let curved =
+            self.scene.terms.iter().map(move |term| curve(term).map_or(0.0, |curve| curve.force_n));
         self.terms.iter().zip(curved).map(|(row, curved_n)| row.of(z) + curved_n)
     }
 
@@ -41,7 +44,9 @@ impl System {
     /// The term that keeps the system from being piecewise affine, if there is one.
     pub fn nonlinear_term(&self) -> Option<&'static str> {
         let start = &self.scene.start;
-        let curve = |term: &&dyn Term| term.curve(&self.scene.plant, start.theta_rad, start.theta_dot_rad_s);
+        let curve = |term: &&dyn Term| {
+            term.curve(&self.scene.plant, start.theta_rad, start.theta_dot_rad_s)
+        };
         self.scene.terms.iter().find(|term| curve(term).is_some()).map(Term::name)
     }
 
@@ -52,7 +57,8 @@ impl System {
     }
 
     fn curves(&self, z: &[f64]) -> Option<Curve> {
-        let curves = self.scene.terms.iter().filter_map(|t| t.curve(&self.scene.plant, z[THETA], z[OMEGA]));
+        let curves =
+            self.scene.terms.iter().filter_map(|t| t.curve(&self.scene.plant, z[THETA], z[OMEGA]));
         curves.reduce(|a, b| Curve {
             force_n: a.force_n + b.force_n,
             per_rad_n: a.per_rad_n + b.per_rad_n,

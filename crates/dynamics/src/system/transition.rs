@@ -41,8 +41,8 @@ impl System {
         self.settle(z, Contact::Free, None)
     }
 
-    /// Carries an event out: snaps the state to where the event happened, applies impacts, and finds the next
-    /// region.
+    /// Carries an event out: snaps the state to where the event happened, applies impacts, and
+    /// finds the next region.
     pub(crate) fn transit(&self, region: &Region, kind: EventKind, z: &mut [f64]) -> Region {
         let moving = if region.motion == Motion::Forward { Side::Up } else { Side::Down };
         match kind {
@@ -67,7 +67,9 @@ impl System {
     /// The region that holds in a state. A rigid finger that would have to pull lifts off.
     pub(crate) fn settle(&self, z: &[f64], contact: Contact, held: Option<bool>) -> Region {
         let region = self.region_with(z, contact, held);
-        if contact != Contact::Free && self.press(&region).is_some_and(|press| self.value(&press, z) < 0.0) {
+        if contact != Contact::Free
+            && self.press(&region).is_some_and(|press| self.value(&press, z) < 0.0)
+        {
             return self.region_with(z, Contact::Free, held);
         }
         region
@@ -161,10 +163,11 @@ impl System {
         if cone > 0.0 && asked > 0.0 { asked / cone } else { 0.0 }
     }
 
-    /// Across an edge of the environment. Where the forces on both sides push back to the edge, ever smaller
-    /// bounces follow; once they are too small to see the lever rests there.
+    /// Across an edge of the environment. Where the forces on both sides push back to the edge,
+    /// ever smaller bounces follow; once they are too small to see the lever rests there.
     fn enter_zone(&self, region: &Region, side: Side, z: &mut [f64]) -> Region {
-        /// A bounce of less than this is rest, rad: a millionth of a step of the device's angle sensor.
+        /// A bounce of less than this is rest, rad: a millionth of a step of the device's angle
+        /// sensor.
         const NO_BOUNCE_RAD: f64 = 2e-10;
         let zones = &self.scene.environment.zones;
         let edge = usize::from(region.zone_up) + usize::from(side == Side::Up);
@@ -189,11 +192,13 @@ impl System {
         self.settle(z, contact, None)
     }
 
-    /// θ̇ becomes 0; ẋ2, which is measured from the lever, changes by as much where the finger is free to.
+    /// θ̇ becomes 0; ẋ2, which is measured from the lever, changes by as much where the finger is
+    /// free to.
     pub(crate) fn stop_lever(&self, contact: Contact, z: &mut [f64]) -> Contact {
         let velocity = self.scene.plant.lever_m * z[OMEGA];
         z[OMEGA] = 0.0;
-        let consistent = self.scene.finger.is_some_and(|finger| finger.law == FingerLaw::Consistent);
+        let consistent =
+            self.scene.finger.is_some_and(|finger| finger.law == FingerLaw::Consistent);
         let (Some(at), true) = (self.layout.finger, consistent) else { return contact };
         let pressed_on = match contact {
             Contact::Free => self.nearly_rigid(z[at], velocity),
@@ -209,8 +214,8 @@ impl System {
         Contact::Free
     }
 
-    /// A finger this close to its rigid stop and moving into it bottoms together with the lever: else the
-    /// two would hit their stops in turn for ever.
+    /// A finger this close to its rigid stop and moving into it bottoms together with the lever:
+    /// else the two would hit their stops in turn for ever.
     fn nearly_rigid(&self, x2: f64, velocity: f64) -> bool {
         /// Share of L_F0.
         const NEAR: f64 = 1e-9;
@@ -218,7 +223,8 @@ impl System {
         length.is_some_and(|length| x2 * velocity.signum() >= length * (1.0 - NEAR))
     }
 
-    /// The tissue bottoms: inelastic, momentum kept (consistent law), or the finger just stops (thesis).
+    /// The tissue bottoms: inelastic, momentum kept (consistent law), or the finger just stops
+    /// (thesis).
     fn bottom(&self, region: &Region, z: &mut [f64]) -> Region {
         let contact = self.press_finger(z);
         let against = region.stop.is_some_and(|side| z[OMEGA] * side.sign() > 0.0);
@@ -230,7 +236,9 @@ impl System {
 
     /// Sets the finger on its rigid stop and shares its momentum with the lever.
     pub(crate) fn press_finger(&self, z: &mut [f64]) -> Contact {
-        let (Some(finger), Some(at)) = (self.scene.finger, self.layout.finger) else { return Contact::Free };
+        let (Some(finger), Some(at)) = (self.scene.finger, self.layout.finger) else {
+            return Contact::Free;
+        };
         let contact = if z[at] > 0.0 { Contact::Pressed } else { Contact::Stretched };
         let sign = if contact == Contact::Pressed { 1.0 } else { -1.0 };
         z[at] = sign * finger.length_m.unwrap_or(z[at].abs());

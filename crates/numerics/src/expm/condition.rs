@@ -3,14 +3,16 @@
 use super::{Matrix, ORDER, RADIUS, growth, plus_identity, series};
 
 /// Relative condition number of the exponential in the Frobenius norm,
-/// `κ(A) = ‖L(A)‖ ‖A‖ / ‖exp(A)‖`, with the Fréchet derivative `L(A, E) = ∫₀¹ exp(A (1-s)) E exp(A s) ds`
-/// (Van Loan 1977; Higham, Functions of Matrices, 2008, §10.2). A rotation by `φ` has `φ`, a
+/// `κ(A) = ‖L(A)‖ ‖A‖ / ‖exp(A)‖`, with the Fréchet derivative `L(A, E) = ∫₀¹ exp(A (1-s)) E exp(A
+/// s) ds` (Van Loan 1977; Higham, Functions of Matrices, 2008, §10.2). A rotation by `φ` has `φ`, a
 /// decay over `t` time constants about `t`; it depends on the units of the state, as the norms do.
 ///
-/// `‖L(A)‖` by the power method (Higham 2008, algorithm 3.20), to about 1e-3 of itself; `L` by scaling and
-/// doubling, `L(2A, 2E) = exp(A) L(A, E) + L(A, E) exp(A)` (Kenney & Laub 1998). Infinite if it overflows.
+/// `‖L(A)‖` by the power method (Higham 2008, algorithm 3.20), to about 1e-3 of itself; `L` by
+/// scaling and doubling, `L(2A, 2E) = exp(A) L(A, E) + L(A, E) exp(A)` (Kenney & Laub 1998).
+/// Infinite if it overflows.
 pub fn condition<const N: usize>(a: &Matrix<N>) -> f64 {
-    /// The estimate seldom changes after the fifth; singular values that nearly agree do no harm to it.
+    /// The estimate seldom changes after the fifth; singular values that nearly agree do no harm to
+    /// it.
     const MOST_ROUNDS: usize = 50;
     /// Relative change at which the estimate is good enough.
     const SETTLED: f64 = 1e-4;
@@ -67,7 +69,8 @@ impl<const N: usize> Halved<N> {
         Self { lowest: flip(&self.lowest), flows: self.flows.iter().map(flip).collect() }
     }
 
-    /// `L(A, E)`. Below, the series `E + (XE + EX)/2 + (X²E + XEX + EX²)/6`: the next term is below 2e-6.
+    /// `L(A, E)`. Below, the series `E + (XE + EX)/2 + (X²E + XEX + EX²)/6`: the next term is below
+    /// 2e-6.
     fn derivative(&self, e: &Matrix<N>) -> Matrix<N> {
         let x = &self.lowest;
         let scale = libm::ldexp(1.0, 1 - self.flows.len() as i32);
@@ -87,7 +90,8 @@ impl<const N: usize> Halved<N> {
 fn frobenius<const N: usize>(m: &Matrix<N>) -> f64 {
     let largest = m.largest();
     if largest > 0.0 && largest.is_finite() {
-        largest * m.columns.iter().flatten().map(|x| (x / largest) * (x / largest)).sum::<f64>().sqrt()
+        largest
+            * m.columns.iter().flatten().map(|x| (x / largest) * (x / largest)).sum::<f64>().sqrt()
     } else {
         largest
     }
@@ -134,7 +138,10 @@ mod tests {
     #[test]
     fn an_exponential_that_overflows_has_an_infinite_one() {
         assert_eq!(condition(&Matrix::<1>::from_fn(|_, _| 1e9)).to_bits(), f64::INFINITY.to_bits());
-        assert_eq!(condition(&Matrix::<1>::from_fn(|_, _| f64::NAN)).to_bits(), f64::INFINITY.to_bits());
+        assert_eq!(
+            condition(&Matrix::<1>::from_fn(|_, _| f64::NAN)).to_bits(),
+            f64::INFINITY.to_bits()
+        );
         assert_eq!(condition(&Matrix::<2>::ZERO).to_bits(), 0.0_f64.to_bits());
     }
 }

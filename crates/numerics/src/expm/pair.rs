@@ -1,11 +1,13 @@
 //! Numbers in twice the working precision.
 //!
-//! Each is an unevaluated sum of two doubles (Dekker, Numer. Math. 18 (1971) 224–242; Hida, Li & Bailey 2001): some
-//! 32 digits from additions and multiplications alone, so the same bits on any machine.
+//! Each is an unevaluated sum of two doubles (Dekker, Numer. Math. 18 (1971) 224–242; Hida, Li &
+//! Bailey 2001): some 32 digits from additions and multiplications alone, so the same bits on any
+//! machine.
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// `high + low`, where `high` is the sum rounded to a double. Relative error of an operation: about 1e-31.
+/// `high + low`, where `high` is the sum rounded to a double. Relative error of an operation: about
+/// 1e-31.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pair {
     /// The number, rounded.
@@ -95,16 +97,25 @@ mod tests {
 
     #[test]
     fn what_a_product_loses_is_kept() {
-        // By rational arithmetic: the square of the double nearest to 0.1, less that square as a double.
-        assert_eq!(Pair::product(0.1, 0.1).low.to_bits(), (-8.326_672_684_688_674e-19_f64).to_bits());
+        // By rational arithmetic: the square of the double nearest to 0.1, less that square as a
+        // double.
+        assert_eq!(
+            Pair::product(0.1, 0.1).low.to_bits(),
+            (-8.326_672_684_688_674e-19_f64).to_bits()
+        );
     }
 
     #[test]
     fn a_quotient_has_the_digits_of_the_fraction() {
-        // Python: x = Fraction(0.3) / Fraction(0.005); float(x), float(x - Fraction(float(x))); with doubles for both.
+        // Python: x = Fraction(0.3) / Fraction(0.005); float(x), float(x - Fraction(float(x)));
+        // with doubles for both.
         let quotient = Pair::from(0.3) / Pair::from(0.005);
         assert_eq!(quotient.high.to_bits(), 60.0_f64.to_bits());
-        assert!((quotient.low / -3.469_446_951_953_614e-15 - 1.0).abs() < 1e-15, "{}", quotient.low);
+        assert!(
+            (quotient.low / -3.469_446_951_953_614e-15 - 1.0).abs() < 1e-15,
+            "{}",
+            quotient.low
+        );
     }
 
     #[test]

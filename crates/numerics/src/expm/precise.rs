@@ -1,8 +1,9 @@
 //! Flows over doubled spans, and over multiples of a span, in twice the working precision.
 //!
-//! An exponential multiplies the rounding of its own computation by its condition number. Where that is large
-//! the series and the squarings are done with each number held as an unevaluated sum of two (Dekker 1971;
-//! Hida, Li & Bailey 2001), and only the flows are rounded: what remains is one rounding a flow.
+//! An exponential multiplies the rounding of its own computation by its condition number. Where
+//! that is large the series and the squarings are done with each number held as an unevaluated sum
+//! of two (Dekker 1971; Hida, Li & Bailey 2001), and only the flows are rounded: what remains is
+//! one rounding a flow.
 
 use super::{Matrix, Pair};
 
@@ -16,7 +17,8 @@ struct Pairs<const N: usize> {
     low: Matrix<N>,
 }
 
-/// `exp((A + rest) span 2^k)` for `k = 0 … count - 1`, each rounded once. `span` is short: `growth(A) span ≤ 1/32`.
+/// `exp((A + rest) span 2^k)` for `k = 0 … count - 1`, each rounded once. `span` is short:
+/// `growth(A) span ≤ 1/32`.
 pub(super) fn doublings<const N: usize>(
     a: &Matrix<N>,
     rest: &Matrix<N>,
@@ -32,7 +34,8 @@ pub(super) fn doublings<const N: usize>(
     flows
 }
 
-/// `exp((A + rest) k t)` for `k = 1 … M`, each rounded once, by `halvings` of `t`, after which it is short.
+/// `exp((A + rest) k t)` for `k = 1 … M`, each rounded once, by `halvings` of `t`, after which it
+/// is short.
 pub(super) fn multiples<const N: usize, const M: usize>(
     a: &Matrix<N>,
     rest: &Matrix<N>,
@@ -82,7 +85,8 @@ impl<const N: usize> Pairs<N> {
         Pair { high: self.high.at(i, j), low: self.low.at(i, j) }
     }
 
-    /// The change over one span and then another: `exp(x + y) - 1` from `exp(x) - 1` and `exp(y) - 1`, which commute.
+    /// The change over one span and then another: `exp(x + y) - 1` from `exp(x) - 1` and `exp(y) -
+    /// 1`, which commute.
     fn followed_by(&self, other: &Self) -> Self {
         let product = self.times(other);
         Self::of(|i, j| self.at(i, j) + other.at(i, j) + product.at(i, j))
@@ -111,7 +115,8 @@ mod tests {
         // From 2^-5 rad on, 25 doublings: 2^20 rad.
         for (k, flow) in doublings(&turn(1.0), &Matrix::ZERO, 0.031_25, 26).iter().enumerate() {
             let angle = libm::ldexp(0.031_25, k as i32);
-            let (cosine, sine) = (flow.at(0, 0) - libm::cos(angle), flow.at(0, 1) - libm::sin(angle));
+            let (cosine, sine) =
+                (flow.at(0, 0) - libm::cos(angle), flow.at(0, 1) - libm::sin(angle));
             assert!(cosine.abs() <= 2.3e-16 && sine.abs() <= 2.3e-16, "{angle}: {cosine}, {sine}");
         }
     }
@@ -130,14 +135,16 @@ mod tests {
         let flows: [Matrix<2>; 7] = multiples(&turn(1.0), &Matrix::ZERO, 5.0, 8);
         for (k, flow) in (1..).zip(flows) {
             let angle = 5.0 * f64::from(k);
-            let (cosine, sine) = (flow.at(0, 0) - libm::cos(angle), flow.at(0, 1) - libm::sin(angle));
+            let (cosine, sine) =
+                (flow.at(0, 0) - libm::cos(angle), flow.at(0, 1) - libm::sin(angle));
             assert!(cosine.abs() <= 1.2e-16 && sine.abs() <= 1.2e-16, "{angle}: {cosine}, {sine}");
         }
     }
 
     #[test]
     fn what_rounding_took_from_the_matrix_is_not_lost() {
-        // A rotation by 2^20 rad of which 2^-53 radians a radian stand in the rest: the angle is 2^20 + 2^-33.
+        // A rotation by 2^20 rad of which 2^-53 radians a radian stand in the rest: the angle is
+        // 2^20 + 2^-33.
         let rest = turn(libm::ldexp(1.0, -53));
         let flows = doublings(&turn(1.0), &rest, 0.031_25, 26);
         let (turned, more) = (libm::ldexp(1.0, 20), libm::ldexp(1.0, -33));

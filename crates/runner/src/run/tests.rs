@@ -91,9 +91,15 @@ fn a_new_version_a_missing_and_an_edited_output_are_made_again_and_say_why() {
     go(root, 1, &plain);
     assert_eq!(go(root, 2, &plain)[1].1, Verdict::Made("algorithm version 1 is now 2".to_owned()));
     fs::remove_file(root.join("B.txt")).unwrap();
-    assert_eq!(go(root, 2, &plain)[2].1, Verdict::Made("output derived/s/B.txt is missing".to_owned()));
+    assert_eq!(
+        go(root, 2, &plain)[2].1,
+        Verdict::Made("output derived/s/B.txt is missing".to_owned())
+    );
     fs::write(root.join("B.txt"), "edited").unwrap();
-    assert_eq!(go(root, 2, &plain)[2].1, Verdict::Made("output derived/s/B.txt changed".to_owned()));
+    assert_eq!(
+        go(root, 2, &plain)[2].1,
+        Verdict::Made("output derived/s/B.txt changed".to_owned())
+    );
     assert_eq!(made(&go(root, 2, &Options { fresh: true, ..plain })).len(), 3);
 }
 
@@ -141,7 +147,8 @@ fn what_waits_for_a_blocked_job_is_blocked_and_what_waits_for_a_circle_ends_with
     let folder = folder();
     let made = Mutex::new(Vec::new());
     let chain = [("c", &["b"][..], "c"), ("b", &["a"], "b"), ("a", &["nothing"], "a")];
-    let circle = [("x", &["y"][..], "x"), ("y", &["x"], "y"), ("z", &["x"], "z"), ("w", &["a.txt"], "w")];
+    let circle =
+        [("x", &["y"][..], "x"), ("y", &["x"], "y"), ("z", &["x"], "z"), ("w", &["a.txt"], "w")];
     let jobs: Vec<Job> =
         chain.into_iter().chain(circle).map(|job| noted(folder.path(), job, &made)).collect();
     let found = verdicts(folder.path(), &jobs, &Options::default());
@@ -149,7 +156,10 @@ fn what_waits_for_a_blocked_job_is_blocked_and_what_waits_for_a_circle_ends_with
         matches!(found[..3], [Verdict::Blocked(_), Verdict::Blocked(_), Verdict::Failed(_)]),
         "{found:?}"
     );
-    assert!(found[3..6].iter().all(|v| matches!(v, Verdict::Blocked(_) | Verdict::Failed(_))), "{found:?}");
+    assert!(
+        found[3..6].iter().all(|v| matches!(v, Verdict::Blocked(_) | Verdict::Failed(_))),
+        "{found:?}"
+    );
     assert!(matches!(found[6], Verdict::Made(_)), "{found:?}");
     let only = Options { only: Some("z".to_owned()), ..Options::default() };
     assert_eq!(verdicts(folder.path(), &jobs, &only).len(), 3, "with the circle that it waits for");
@@ -160,8 +170,10 @@ fn the_hash_of_a_file_that_was_read_already_counts() {
     let folder = folder();
     let root = folder.path();
     let hash = |text: &str| hex_blake3(text.as_bytes());
-    let knowing =
-        |text: &str| Options { known: vec![(root.join("a.txt"), hash(text))], ..Options::default() };
+    let knowing = |text: &str| Options {
+        known: vec![(root.join("a.txt"), hash(text))],
+        ..Options::default()
+    };
     go(root, 1, &Options::default());
     assert!(made(&go(root, 1, &knowing("a"))).is_empty(), "as it is");
     assert_eq!(made(&go(root, 1, &knowing("as it was a moment ago"))), ["upper"]);
@@ -202,7 +214,8 @@ fn an_output_that_cannot_be_written_ends_the_run_with_one_error() {
     assert_eq!(run().unwrap_err().path, root.join("A.txt"));
     assert!(root.join("B.txt").exists() && !root.join("AB.txt").exists());
     fs::remove_dir(root.join("A.txt")).unwrap();
-    let made = run().unwrap().into_iter().filter(|r| r.verdict != Verdict::UpToDate).map(|r| r.stage);
+    let made =
+        run().unwrap().into_iter().filter(|r| r.verdict != Verdict::UpToDate).map(|r| r.stage);
     assert_eq!(made.collect::<Vec<_>>(), ["both", "upper"], "what was made before is remembered");
 }
 
@@ -268,7 +281,10 @@ fn an_output_of_a_job_no_longer_planned_that_was_changed_by_hand_stays_and_is_to
     let remarks = done(root, &fewer, &Options::default()).unwrap().remarks;
     assert_eq!(remarks[0].path, root.join("B.txt"));
     assert_eq!(fs::read_to_string(root.join("B.txt")).unwrap(), "edited");
-    assert!(done(root, &fewer, &Options::default()).unwrap().remarks.is_empty(), "told once, then forgotten");
+    assert!(
+        done(root, &fewer, &Options::default()).unwrap().remarks.is_empty(),
+        "told once, then forgotten"
+    );
 }
 
 #[test]

@@ -97,7 +97,8 @@ fn a_list_of_more_row_groups_than_bytes_follow_is_damage() {
 
 #[test]
 fn more_row_groups_than_their_numbers_can_count_are_refused() {
-    let mut footer = Thrift::default().number(1, I32, 1).list(1, STRUCT, 1).element("schema", Some(0));
+    let mut footer =
+        Thrift::default().number(1, I32, 1).list(1, STRUCT, 1).element("schema", Some(0));
     footer = footer.number(1, I64, 1).list(1, STRUCT, 40_000);
     for _ in 0..40_000 {
         footer = footer.end();
@@ -146,7 +147,8 @@ fn more_columns_than_the_limit_are_refused() {
 /// A file of these columns, strongly packed and without our footer.
 fn packed(batch: &RecordBatch) -> Vec<u8> {
     let zstd = Compression::ZSTD(ZstdLevel::try_new(3).unwrap());
-    let properties = WriterProperties::builder().set_compression(zstd).set_dictionary_enabled(false).build();
+    let properties =
+        WriterProperties::builder().set_compression(zstd).set_dictionary_enabled(false).build();
     let mut bytes = Vec::new();
     let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties)).unwrap();
     writer.write(batch).unwrap();
@@ -160,7 +162,8 @@ fn a_column_that_unpacks_to_more_than_the_limit_is_refused_before_it_is_unpacked
     let blocks: ArrayRef = Arc::new(BinaryArray::from_iter_values((0..70).map(|_| &block)));
     let bytes = packed(&RecordBatch::try_from_iter([("bomb", blocks)]).unwrap());
     assert!(bytes.len() < 1 << 20, "{} bytes are no bomb", bytes.len());
-    let metadata = ParquetMetaDataReader::new().parse_and_finish(&bytes::Bytes::from(bytes.clone())).unwrap();
+    let metadata =
+        ParquetMetaDataReader::new().parse_and_finish(&bytes::Bytes::from(bytes.clone())).unwrap();
     let said = check_pages(&bytes, &metadata, |_| true).unwrap_err();
     assert!(said.contains("column bomb unpacks to more than 67108864 bytes"), "{said}");
     assert_eq!(check_pages(&bytes, &metadata, |_| false), Ok(0));
@@ -168,16 +171,27 @@ fn a_column_that_unpacks_to_more_than_the_limit_is_refused_before_it_is_unpacked
 
 #[test]
 fn row_groups_that_claim_other_rows_than_the_file_are_refused() {
-    // A run of one value takes a few bytes whatever its length: the claim of the group alone decides the memory.
+    // A run of one value takes a few bytes whatever its length: the claim of the group alone
+    // decides the memory.
     let values: ArrayRef = Arc::new(Float64Array::from(vec![1.0; 3]));
     let bytes = packed(&RecordBatch::try_from_iter([("x", values)]).unwrap());
-    let metadata = ParquetMetaDataReader::new().parse_and_finish(&bytes::Bytes::from(bytes)).unwrap();
+    let metadata =
+        ParquetMetaDataReader::new().parse_and_finish(&bytes::Bytes::from(bytes)).unwrap();
     assert!(check_size(Path::new("x"), &metadata, "").is_ok());
     let groups = metadata.row_groups();
-    for claimed in [vec![1_000_000_000_000], vec![2], vec![-3], vec![i64::MIN, -1], vec![4, -1], vec![]] {
+    for claimed in
+        [vec![1_000_000_000_000], vec![2], vec![-3], vec![i64::MIN, -1], vec![4, -1], vec![]]
+    {
         let other = |n: &i64| groups[0].clone().into_builder().set_num_rows(*n).build().unwrap();
         let metadata = parquet::file::metadata::ParquetMetaDataBuilder::new(
-            parquet::file::metadata::FileMetaData::new(1, 3, None, None, groups[0].schema_descr_ptr(), None),
+            parquet::file::metadata::FileMetaData::new(
+                1,
+                3,
+                None,
+                None,
+                groups[0].schema_descr_ptr(),
+                None,
+            ),
         )
         .set_row_groups(claimed.iter().map(other).collect())
         .build();
@@ -187,7 +201,8 @@ fn row_groups_that_claim_other_rows_than_the_file_are_refused() {
 }
 
 #[test]
-fn a_file_of_ours_with_any_byte_of_its_tail_changed_is_an_error_or_the_same_and_takes_no_more_memory() {
+fn a_file_of_ours_with_any_byte_of_its_tail_changed_is_an_error_or_the_same_and_takes_no_more_memory()
+ {
     let values: ArrayRef = Arc::new(Float64Array::from(vec![1.0; 5]));
     let batch = RecordBatch::try_from_iter([("x", values)]).unwrap();
     let whole = write_table(&batch, BTreeMap::new(), Path::new("x.parquet")).unwrap();

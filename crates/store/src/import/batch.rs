@@ -25,8 +25,8 @@ pub(super) struct Batch {
 
 impl Batch {
     /// Adds a session record and an event log for every session among `trials`, which stand in the
-    /// order of `identities`; `events` are those of each trial, and `sources`, where the trials have no files to say so, the
-    /// hashes of what they were imported from.
+    /// order of `identities`; `events` are those of each trial, and `sources`, where the trials
+    /// have no files to say so, the hashes of what they were imported from.
     pub(super) fn add_sessions(
         &mut self,
         context: &Context,
@@ -41,7 +41,10 @@ impl Batch {
             sessions.entry((&i.participant, &i.session)).or_default().push((trial, events));
         }
         for (i, source) in identities.iter().zip(sources) {
-            imported_from.entry((&i.participant, &i.session)).or_default().insert((*source).to_owned());
+            imported_from
+                .entry((&i.participant, &i.session))
+                .or_default()
+                .insert((*source).to_owned());
         }
         for ((participant, session), mut trials) in sessions {
             trials.sort_by_key(|(t, _)| t.trial);
@@ -60,7 +63,10 @@ impl Batch {
             let path = context.layout.session(participant, session);
             let json = record_bytes(&path, &record)?;
             let laid_down = laid_down(&json);
-            self.outputs.push((context.layout.study_copy(participant, session), context.study_toml.clone()));
+            self.outputs.push((
+                context.layout.study_copy(participant, session),
+                context.study_toml.clone(),
+            ));
             self.outputs.push((path, json));
             let events = trials.into_iter().flat_map(|(_, events)| events);
             let events = std::iter::once(laid_down).chain(events).collect();
@@ -71,8 +77,9 @@ impl Batch {
 
     /// The report on the whole import.
     pub(super) fn report(self, layout: &Layout) -> Report {
-        let below =
-            |folder: PathBuf| self.outputs.iter().filter(|(path, _)| path.starts_with(&folder)).count();
+        let below = |folder: PathBuf| {
+            self.outputs.iter().filter(|(path, _)| path.starts_with(&folder)).count()
+        };
         let is_answer = |e: &&Event| matches!(e, Event::Answer { .. });
         Report {
             study: layout.study().clone(),
@@ -84,8 +91,8 @@ impl Batch {
         }
     }
 
-    /// Writes everything, or nothing: when a write fails, what was written before is removed again; when the process is
-    /// killed, the next import or `recover` does that ([`super::started`]).
+    /// Writes everything, or nothing: when a write fails, what was written before is removed again;
+    /// when the process is killed, the next import or `recover` does that ([`super::started`]).
     ///
     /// # Errors
     /// The write that failed, saying what was removed, and any file that could not be removed.
@@ -125,10 +132,16 @@ fn undone(started: &Started, disk: &dyn Files, layout: &Layout, mut error: Store
     }
     error.what += &match (removed, left.len()) {
         (0, 0) => "; nothing was imported".to_owned(),
-        (1, 0) => "; nothing was imported, and the file written before was removed again".to_owned(),
-        (n, 0) => format!("; nothing was imported, and the {n} files written before were removed again"),
+        (1, 0) => {
+            "; nothing was imported, and the file written before was removed again".to_owned()
+        }
+        (n, 0) => {
+            format!("; nothing was imported, and the {n} files written before were removed again")
+        }
         (_, n) => {
-            format!("; {n} files written before could not be removed again, which the next import will try")
+            format!(
+                "; {n} files written before could not be removed again, which the next import will try"
+            )
         }
     };
     Errors(std::iter::once(error).chain(left).collect())
@@ -152,8 +165,9 @@ mod tests {
         for fault in 0.. {
             let world = World::new();
             let Err(errors) = world.import_on(&map, &two_trials(&world), &Faulty::at(fault)) else {
-                // The list, two trials, a record, the study's copy, a log and its head at 4 steps each, 2 for each of
-                // 4 folders, and the sync after the list is removed: all were tried.
+                // The list, two trials, a record, the study's copy, a log and its head at 4 steps
+                // each, 2 for each of 4 folders, and the sync after the list is
+                // removed: all were tried.
                 assert_eq!(fault, 37);
                 assert_eq!(world.load().counting().count(), 2);
                 break;
@@ -169,7 +183,8 @@ mod tests {
     fn what_cannot_be_removed_again_is_named() {
         let world = World::new();
         let disk = Faulty::stuck_at(16);
-        let errors = world.import_on(&trials_map(&[ONE, FORCE]), &two_trials(&world), &disk).unwrap_err();
+        let errors =
+            world.import_on(&trials_map(&[ONE, FORCE]), &two_trials(&world), &disk).unwrap_err();
         assert!(errors[0].what.contains("could not be removed again"), "{errors:?}");
         assert!(errors[1].path.ends_with("trial-001.parquet"), "{errors:?}");
     }
@@ -188,7 +203,9 @@ mod tests {
             );
             let mut command = std::process::Command::new("unshare");
             command.args(["-Urm", "sh", "-c", &script, "sh"]).arg(folder.path());
-            command.arg(std::env::current_exe().unwrap()).arg("import::batch::tests::on_a_disk_of_its_own");
+            command
+                .arg(std::env::current_exe().unwrap())
+                .arg("import::batch::tests::on_a_disk_of_its_own");
             let Ok(output) = command.env(DISK, disk).output() else {
                 println!("skipped: there is no `unshare` here");
                 return;

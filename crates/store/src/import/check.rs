@@ -1,4 +1,5 @@
-//! Checks a mapping file: from its tables and keys to a [`Mapping`], or every problem with its line.
+//! Checks a mapping file: from its tables and keys to a [`Mapping`], or every problem with its
+//! line.
 
 use super::label::{Label, LabelShape};
 use super::limits::MOST_ERRORS;
@@ -104,7 +105,10 @@ impl Check<'_> {
             self.error("file.decimal", format!("'{}' must be \".\" or \",\"", f.decimal));
         }
         if f.decimal == ',' && f.delimiter == Some(',') {
-            self.error("file.decimal", "a comma cannot stand between cells and before decimals as well");
+            self.error(
+                "file.decimal",
+                "a comma cannot stand between cells and before decimals as well",
+            );
         }
         if f.rows == Some(0) {
             self.error("file.rows", "0 must be at least 1");
@@ -168,7 +172,10 @@ impl Check<'_> {
         let who = self.who(trial, groups);
         let time = self.required("time", time).and_then(|t| self.time(t));
         if columns.is_empty() {
-            self.error("column", "is missing; a trial needs at least one [[column]] besides its time");
+            self.error(
+                "column",
+                "is missing; a trial needs at least one [[column]] besides its time",
+            );
         }
         let mut known = Vec::new();
         for (i, shape) in columns.into_iter().enumerate() {
@@ -209,7 +216,8 @@ pub(super) mod tests {
     /// `text` with `from` replaced by `to` is refused in this line with these words.
     pub(in super::super) fn check(text: &str, from: &str, to: &str, line: usize, words: &str) {
         assert!(text.contains(from), "{from}");
-        let errors = Mapping::from_toml(&text.replacen(from, to, 1), Path::new("map.toml")).unwrap_err();
+        let errors =
+            Mapping::from_toml(&text.replacen(from, to, 1), Path::new("map.toml")).unwrap_err();
         let shown = errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
         assert!(shown.contains(&format!("map.toml: line {line}: ")), "{shown}");
         assert!(shown.contains(words), "{shown}");
@@ -249,15 +257,33 @@ pub(super) mod tests {
             "'force' is no column of a trial; use one of t_device_s, theta_rad",
         );
         check(&good, "\"force_ex_n\"", "\"t_s\"", 13, "mapped in [time]");
-        check(&good, "unit = \"N\"", "unit = \"N\"\nsign = 2", 16, "column[0].sign: 2 must be 1 or -1");
+        check(
+            &good,
+            "unit = \"N\"",
+            "unit = \"N\"\nsign = 2",
+            16,
+            "column[0].sign: 2 must be 1 or -1",
+        );
         check(&good, "unit = \"N\"", "unit = \"N\"\nscale = 0", 16, "other than 0");
         check(&good, "unit = \"N\"", "unit = \"N\"\noffset = nan", 16, "finite");
         check(&good, "from = \"f\"", "", 12, "needs either from (a column) or derive");
         for rate in ["0", "-1", "nan", "1e-300", "1e300"] {
             let rate = format!("rate_hz = {rate}");
-            check(&good, "from = \"t\"\nunit = \"s\"", &rate, 10, "must be a number from 0.001 to 1000000");
+            check(
+                &good,
+                "from = \"t\"\nunit = \"s\"",
+                &rate,
+                10,
+                "must be a number from 0.001 to 1000000",
+            );
         }
-        check(&good, "from = \"t\"\nunit = \"s\"", "", 9, "needs either from (a column) or rate_hz");
+        check(
+            &good,
+            "from = \"t\"\nunit = \"s\"",
+            "",
+            9,
+            "needs either from (a column) or rate_hz",
+        );
         check(&good, "[time]", "[file]\ndecimal = \";\"\n[time]", 10, "must be \".\" or \",\"");
         check(&good, "[time]", "[name]\npattern = '('\n[time]", 10, "no regular expression");
         check(&good, "\"hybrid\"", "{ name = \"mode\" }", 7, "no named group (?<mode>…)");

@@ -19,10 +19,16 @@ impl Check<'_> {
             (None, Some(rate_hz)) => {
                 if !RATES_HZ.contains(&rate_hz) {
                     let (low, high) = (RATES_HZ.start(), RATES_HZ.end());
-                    self.error("time.rate_hz", format!("{rate_hz:?} must be a number from {low} to {high}"));
+                    self.error(
+                        "time.rate_hz",
+                        format!("{rate_hz:?} must be a number from {low} to {high}"),
+                    );
                 }
                 if t.unit.is_some() || t.offset.is_some() || t.zero.is_some() {
-                    self.error("time", "unit, offset and zero have no meaning beside rate_hz; remove them");
+                    self.error(
+                        "time",
+                        "unit, offset and zero have no meaning beside rate_hz; remove them",
+                    );
                 }
                 Some(Time::Rate { rate_hz })
             }
@@ -33,13 +39,19 @@ impl Check<'_> {
         }
     }
 
-    pub(super) fn unit(&mut self, key: &str, text: Option<&str>, to: Signal) -> Option<&'static Unit> {
+    pub(super) fn unit(
+        &mut self,
+        key: &str,
+        text: Option<&str>,
+        to: Signal,
+    ) -> Option<&'static Unit> {
         let choices = || format!("use one of {}", unit::choices(to));
         let Some(text) = text else {
             self.error(key, format!("is missing; {}", choices()));
             return None;
         };
-        let found = unit::find(text).ok_or_else(|| format!("the unit '{text}' is unknown; {}", choices()));
+        let found =
+            unit::find(text).ok_or_else(|| format!("the unit '{text}' is unknown; {}", choices()));
         let found = self.keep(key, found)?;
         if !unit::may_become(found, to) {
             let problem = format!(
@@ -71,7 +83,10 @@ impl Check<'_> {
             self.error(&format!("{at}.sign"), format!("{sign} must be 1 or -1"));
         }
         if !scale.is_finite() || scale == 0.0 {
-            self.error(&format!("{at}.scale"), format!("{scale} must be a finite number other than 0"));
+            self.error(
+                &format!("{at}.scale"),
+                format!("{scale} must be a finite number other than 0"),
+            );
         }
         if !offset.is_finite() {
             self.error(&format!("{at}.offset"), format!("{offset} must be a finite number"));
@@ -79,7 +94,12 @@ impl Check<'_> {
         (self.errors.len() == before).then_some(Linear { sign, scale, offset, zero_first })
     }
 
-    pub(super) fn column(&mut self, at: &str, c: ColumnShape, known: &[SignalFrom]) -> Option<SignalFrom> {
+    pub(super) fn column(
+        &mut self,
+        at: &str,
+        c: ColumnShape,
+        known: &[SignalFrom],
+    ) -> Option<SignalFrom> {
         let key = format!("{at}.to");
         let to = self.keep(
             &key,
@@ -102,7 +122,12 @@ impl Check<'_> {
             (Some(from), None) => {
                 let unit = self.unit(&format!("{at}.unit"), c.unit.as_deref(), to);
                 let line = self.line(at, c.sign, c.scale, c.offset, c.zero.is_some());
-                Origin::Column { from, unit: unit?, unit_text: c.unit.unwrap_or_default(), line: line? }
+                Origin::Column {
+                    from,
+                    unit: unit?,
+                    unit_text: c.unit.unwrap_or_default(),
+                    line: line?,
+                }
             }
             (None, Some(rule)) => {
                 if [c.sign, c.scale, c.offset].iter().any(Option::is_some)
@@ -135,7 +160,8 @@ fn derived(rule: &str, to: Signal, known: &[SignalFrom]) -> Result<Rule, String>
         Some(("integral", name)) => (false, name),
         _ => return Err(format!("'{rule}' is not understood; {form}")),
     };
-    let of = Signal::from_name(name).ok_or_else(|| format!("'{name}' is no column of ours; {form}"))?;
+    let of =
+        Signal::from_name(name).ok_or_else(|| format!("'{name}' is no column of ours; {form}"))?;
     if !known.iter().any(|k| k.to == of) {
         return Err(format!("'{name}' must be mapped by a [[column]] above this one"));
     }
@@ -150,7 +176,10 @@ fn derived(rule: &str, to: Signal, known: &[SignalFrom]) -> Result<Rule, String>
         (true, false) => Ok(Rule::IntegralOf(of)),
         (false, _) => {
             let (to_unit, of_unit) = (to.column().unit, of.column().unit);
-            Err(format!("'{rule}' is not in {to_unit}, the unit of {}: {name} is in {of_unit}", to.name()))
+            Err(format!(
+                "'{rule}' is not in {to_unit}, the unit of {}: {name} is in {of_unit}",
+                to.name()
+            ))
         }
     }
 }

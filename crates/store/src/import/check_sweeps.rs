@@ -20,10 +20,12 @@ impl Check<'_> {
         let sweep = self.required("sweep", sweep)?;
         let actuator = self.label("sweep.actuator", sweep.actuator, groups);
         let number = self.optional("sweep.sweep", sweep.sweep, groups);
-        let command =
-            self.required("command", command).and_then(|q| self.quantity("command", q, wide.is_some()));
-        let response =
-            self.required("response", response).and_then(|q| self.quantity("response", q, wide.is_some()));
+        let command = self
+            .required("command", command)
+            .and_then(|q| self.quantity("command", q, wide.is_some()));
+        let response = self
+            .required("response", response)
+            .and_then(|q| self.quantity("response", q, wide.is_some()));
         if wide.is_some() && time.is_some() {
             self.error("time", "has no meaning beside [wide]; remove it");
         }
@@ -54,7 +56,9 @@ impl Check<'_> {
         wide: bool,
     ) -> Option<(Option<ColumnRef>, QuantityFrom)> {
         match (&q.from, wide) {
-            (Some(_), true) => self.error(&format!("{at}.from"), "has no meaning beside [wide]; remove it"),
+            (Some(_), true) => {
+                self.error(&format!("{at}.from"), "has no meaning beside [wide]; remove it")
+            }
             (None, false) => self.error(&format!("{at}.from"), "is missing; name the column"),
             _ => {}
         }

@@ -15,7 +15,8 @@ pub(super) struct Linear {
 
 impl Linear {
     /// Leaves every value as it is, bit for bit: adding −0, unlike 0, keeps the sign of −0.
-    pub(super) const IDENTITY: Self = Self { sign: 1.0, scale: 1.0, offset: -0.0, zero_first: false };
+    pub(super) const IDENTITY: Self =
+        Self { sign: 1.0, scale: 1.0, offset: -0.0, zero_first: false };
 
     /// Converts `values`, and multiplies them by `factor` (that of the unit).
     pub(super) fn apply(&self, values: &mut [f64], factor: f64) {
@@ -33,7 +34,8 @@ impl Linear {
         }
         let x = if self.zero_first { "(x − first x)" } else { "x" };
         let scaled = if self.scale == 1.0 { x.to_owned() } else { format!("{} {x}", self.scale) };
-        let shifted = if self.offset == 0.0 { scaled } else { format!("({scaled} + {})", self.offset) };
+        let shifted =
+            if self.offset == 0.0 { scaled } else { format!("({scaled} + {})", self.offset) };
         Some(if self.sign < 0.0 { format!("−{shifted}") } else { shifted })
     }
 }

@@ -21,10 +21,16 @@ pub(super) struct Dialect {
 }
 
 /// Reads delimited text; every cell stays text, trimmed, and null where empty.
-pub(super) fn read(path: &Path, bytes: &[u8], dialect: Dialect, take: &Take) -> Result<Table, StoreError> {
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    dialect: Dialect,
+    take: &Take,
+) -> Result<Table, StoreError> {
     let text = after_lines(path, decode(path, bytes)?, dialect.skip)?;
     check_records(path, text, dialect)?;
-    let mut counter = Lines { rest: text, byte: 0, line: 1 + dialect.skip as u64, comment: dialect.comment };
+    let mut counter =
+        Lines { rest: text, byte: 0, line: 1 + dialect.skip as u64, comment: dialect.comment };
     let mut reader = ::csv::ReaderBuilder::new()
         .delimiter(dialect.delimiter)
         .has_headers(dialect.header)
@@ -47,7 +53,8 @@ pub(super) fn read(path: &Path, bytes: &[u8], dialect: Dialect, take: &Take) -> 
     let mut record = ::csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(|e| fault(path, &mut counter, &e))? {
         if names.is_none() && columns.is_empty() {
-            // Without a header the first record says how many columns there are; the reader holds all to it.
+            // Without a header the first record says how many columns there are; the reader holds
+            // all to it.
             columns = (0..record.len()).map(builder).collect();
         }
         if lines.len() == MOST_ROWS {
@@ -73,7 +80,8 @@ fn after_lines<'a>(path: &Path, text: &'a str, skip: usize) -> Result<&'a str, S
     let mut rest = text;
     for passed in 0..skip {
         let Some((_, after)) = rest.split_once('\n') else {
-            let what = format!("skip = {skip} passes the whole file by: it has {} lines", passed + 1);
+            let what =
+                format!("skip = {skip} passes the whole file by: it has {} lines", passed + 1);
             return Err(StoreError::new(path, what, "mend skip in [file]"));
         };
         rest = after;
@@ -88,8 +96,7 @@ fn check_names(path: &Path, names: &[String]) -> Result<(), StoreError> {
     for (place, name) in names.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
         if let Some(first) = seen.insert(name, place) {
             let what = format!("columns {} and {} have the same header", first + 1, place + 1);
-            let remedy =
-                "rename one of them, or name columns by position with header = false and skip = 1 in [file]";
+            let remedy = "rename one of them, or name columns by position with header = false and skip = 1 in [file]";
             return Err(StoreError::new(path, what, remedy).column(shown(name)));
         }
     }
@@ -108,8 +115,8 @@ enum At {
     Quote,
 }
 
-/// Checks that no record has more cells or bytes than are read, before the reader takes memory for it. It goes through the
-/// text as the reader does: a quote has a meaning only where a cell begins.
+/// Checks that no record has more cells or bytes than are read, before the reader takes memory for
+/// it. It goes through the text as the reader does: a quote has a meaning only where a cell begins.
 fn check_records(path: &Path, text: &str, dialect: Dialect) -> Result<(), StoreError> {
     let (mut at, mut start, mut cells) = (At::Record, 0, 1);
     for (i, byte) in text.bytes().enumerate() {
@@ -132,7 +139,8 @@ fn check_records(path: &Path, text: &str, dialect: Dialect) -> Result<(), StoreE
         if at == At::Record {
             (start, cells) = (i + 1, 1);
         } else if cells > MOST_COLUMNS || i - start >= MOST_LINE {
-            let line = 1 + dialect.skip + text.as_bytes()[..start].iter().filter(|b| **b == b'\n').count();
+            let line =
+                1 + dialect.skip + text.as_bytes()[..start].iter().filter(|b| **b == b'\n').count();
             let (what, most) =
                 if cells > MOST_COLUMNS { ("columns", MOST_COLUMNS) } else { ("bytes", MOST_LINE) };
             let what = format!("line {line} has more than {most} {what}, and no more are read");
@@ -157,7 +165,8 @@ impl Lines<'_> {
     fn line_of(&mut self, position: Option<&::csv::Position>) -> u64 {
         let target = position.map_or(0, ::csv::Position::byte);
         while let Some((line, rest)) = self.rest.split_once('\n') {
-            let passed_by = line.trim_end_matches('\r').is_empty() || line.bytes().next() == self.comment;
+            let passed_by =
+                line.trim_end_matches('\r').is_empty() || line.bytes().next() == self.comment;
             if self.byte >= target && !passed_by {
                 break;
             }
@@ -174,8 +183,7 @@ fn fault(path: &Path, lines: &mut Lines, error: &::csv::Error) -> StoreError {
         ::csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
             let line = lines.line_of(pos.as_ref());
             let what = format!("line {line} has {len} cells where {expected_len} belong");
-            let remedy =
-                "the file may be cut off or its delimiter another; mend the line, or set delimiter in [file]";
+            let remedy = "the file may be cut off or its delimiter another; mend the line, or set delimiter in [file]";
             StoreError::new(path, what, remedy)
         }
         _ => StoreError::new(path, error.to_string(), "check the delimiter in [file]"),
@@ -202,7 +210,8 @@ mod tests {
 
     #[test]
     fn byte_order_mark_carriage_returns_and_blanks_are_not_part_of_a_cell() {
-        let table = read(Path::new("a.csv"), "\u{feff}a , b\r\n 1,2\r\n,4\r\n".as_bytes(), COMMA).unwrap();
+        let table =
+            read(Path::new("a.csv"), "\u{feff}a , b\r\n 1,2\r\n,4\r\n".as_bytes(), COMMA).unwrap();
         let b = table.find(&ColumnRef::Name("b".to_owned())).unwrap();
         assert_eq!(table.columns[b].cell(0), Cell::Text("2"));
         assert_eq!(table.columns[0].cell(1), Cell::Empty);
@@ -276,7 +285,9 @@ mod tests {
     #[test]
     fn one_enormous_line_or_a_quote_that_never_ends_is_refused() {
         let long = "x".repeat(MOST_LINE + 1);
-        for text in [format!("a,b\n1,{long}\n"), format!("a,b\n1,\"{}\n", "x\n".repeat(MOST_LINE / 2))] {
+        for text in
+            [format!("a,b\n1,{long}\n"), format!("a,b\n1,\"{}\n", "x\n".repeat(MOST_LINE / 2))]
+        {
             let error = refused(&text, COMMA);
             assert!(error.contains("line 2 has more than 1048576 bytes"), "{error}");
         }

@@ -44,14 +44,18 @@ pub(super) fn identity(
     ) -> Result<Option<T>, StoreError> {
         label.map(read).transpose()
     }
-    let whole =
-        |what: &'static str| move |label: &Label| label.value(what, recording, row, |t| number(what, t));
+    let whole = |what: &'static str| {
+        move |label: &Label| label.value(what, recording, row, |t| number(what, t))
+    };
     Ok(Identity {
         participant: who.participant.value("participant", recording, row, id)?,
         session: who.session.value("session", recording, row, id)?,
-        environment: who.environment.value("environment", recording, row, |t| environment(study, t))?,
+        environment: who
+            .environment
+            .value("environment", recording, row, |t| environment(study, t))?,
         mode: who.mode.value("mode", recording, row, |t| mode(study, t))?,
-        kind: optional(who.kind.as_ref(), |l| l.value("kind", recording, row, kind))?.unwrap_or(Kind::Trial),
+        kind: optional(who.kind.as_ref(), |l| l.value("kind", recording, row, kind))?
+            .unwrap_or(Kind::Trial),
         repeat: optional(who.repeat.as_ref(), whole("repeat"))?,
         trial: optional(who.trial.as_ref(), whole("trial"))?,
         likert: optional(who.likert.as_ref(), |l| l.value("likert", recording, row, answer))?,
@@ -75,7 +79,9 @@ fn environment(study: &Study, text: &str) -> Result<EnvironmentId, String> {
 fn mode(study: &Study, text: &str) -> Result<ModeId, String> {
     let id: ModeId = id(text)?;
     let known = || study.modes.iter().map(|m| m.id.as_str()).collect::<Vec<_>>().join(", ");
-    study.mode(&id).ok_or_else(|| format!("mode '{id}' is not in study.toml, which has {}", known()))?;
+    study
+        .mode(&id)
+        .ok_or_else(|| format!("mode '{id}' is not in study.toml, which has {}", known()))?;
     Ok(id)
 }
 
@@ -144,14 +150,20 @@ pub(super) fn next<K: Ord>(last: &mut BTreeMap<K, u32>, key: K, given: Option<u3
 const AGAIN: &str = "sessions are imported whole, all files in one command: choose another session id, or, to import it \
                      again, first remove its folder under trials/ and its files under sessions/";
 
-fn duplicates(context: &Context, identities: &[Identity], planned: &[PlannedTrial]) -> Vec<StoreError> {
+fn duplicates(
+    context: &Context,
+    identities: &[Identity],
+    planned: &[PlannedTrial],
+) -> Vec<StoreError> {
     let mut errors = Vec::new();
     let mut seen: BTreeMap<_, &Path> = BTreeMap::new();
     let mut sessions: BTreeMap<_, bool> = BTreeMap::new();
     for (i, p) in identities.iter().zip(planned) {
         let duplicate = |also: String, remedy: &str| {
-            let what =
-                format!("duplicate trial: trial {} of {} {} {also}", p.trial, i.participant, i.session);
+            let what = format!(
+                "duplicate trial: trial {} of {} {} {also}",
+                p.trial, i.participant, i.session
+            );
             StoreError::new(&i.file, what, remedy)
         };
         if let Some(first) = seen.insert((&i.participant, &i.session, p.trial), &i.file) {
@@ -168,8 +180,10 @@ fn duplicates(context: &Context, identities: &[Identity], planned: &[PlannedTria
     }
     // A session whose trials were named above is not named again.
     for ((participant, session), _) in sessions.iter().filter(|(_, named)| !**named) {
-        let (record, events) =
-            (context.layout.session(participant, session), context.layout.events(participant, session));
+        let (record, events) = (
+            context.layout.session(participant, session),
+            context.layout.events(participant, session),
+        );
         if let Some(path) = [record, events].iter().find(|p| context.files.kind(p).is_some()) {
             let what = format!("session {session} of {participant} exists already");
             errors.push(StoreError::new(path, what, AGAIN));
@@ -264,8 +278,9 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
         let world = World::new();
         let csv = "t,f\n0,1\n1,2\n";
         let names = ["P07/9_act.csv", "P07/9_pas.csv", "again/P07/9_act.csv"];
-        let files =
-            names.map(|n| world.file(n, format!("t,f\n0,1\n1,{}\n", n.bytes().map(u32::from).sum::<u32>())));
+        let files = names.map(|n| {
+            world.file(n, format!("t,f\n0,1\n1,{}\n", n.bytes().map(u32::from).sum::<u32>()))
+        });
         world.import(&trials_map(&[NAMED, FORCE]), &files).unwrap();
         let metas: Vec<_> = (1..=3).map(|n| world.trial("P07", "S09", n).meta).collect();
         assert_eq!(metas.iter().map(|m| m.repeat).collect::<Vec<_>>(), [1, 1, 2]);
@@ -286,17 +301,24 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
         let world = World::new();
         let csv = "who,mode,n,kind,q,t,f\nP01,active,1,trial,3,0,1\nP01,active,2,trial,3,0,1\nP01,active,1,trial,3,1,1\n";
         let map = trials_map(&[COLUMNS, FORCE]);
-        world.refuses(&map, &world.file("a.csv", csv), "duplicate trial: trial 1 of P01 S01 is in", None);
+        world.refuses(
+            &map,
+            &world.file("a.csv", csv),
+            "duplicate trial: trial 1 of P01 S01 is in",
+            None,
+        );
         let file = world.file("b.csv", "t,f\n0,1\n1,2\n");
         world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&file)).unwrap();
         let before = world.written();
-        let errors = world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&file)).unwrap_err();
+        let errors =
+            world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&file)).unwrap_err();
         assert!(
             errors[0].what.contains("duplicate trial: trial 1 of P01 S01 lies at raw/demo/trials"),
             "{errors:?}"
         );
         let second = format!("{ONE}trial = 2\n");
-        let errors = world.import(&trials_map(&[&second, FORCE]), std::slice::from_ref(&file)).unwrap_err();
+        let errors =
+            world.import(&trials_map(&[&second, FORCE]), std::slice::from_ref(&file)).unwrap_err();
         assert!(errors[0].what.contains("session S01 of P01 exists already"), "{errors:?}");
         let errors = world.import(&trials_map(&[ONE, FORCE]), &[file.clone(), file]).unwrap_err();
         assert!(errors[0].what.contains("given twice"), "{errors:?}");
@@ -307,7 +329,10 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
     fn labels_that_are_no_ids_or_not_in_the_study_are_refused_with_column_and_row() {
         let world = World::new();
         let check = |from: &str, to: &str, words: &str, at: &str| {
-            let csv = format!("who,mode,n,kind,q,t,f\n{}\n", "P01,active,1,trial,3,0,1".replace(from, to));
+            let csv = format!(
+                "who,mode,n,kind,q,t,f\n{}\n",
+                "P01,active,1,trial,3,0,1".replace(from, to)
+            );
             let file = world.file("bad.csv", csv);
             world.refuses(&trials_map(&[COLUMNS, FORCE]), &file, words, Some((at, 1)));
         };
@@ -327,7 +352,9 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
     #[test]
     fn an_id_that_differs_only_by_case_from_another_is_refused() {
         let world = World::new();
-        world.import(&trials_map(&[ONE, FORCE]), &[world.file("a.csv", "t,f\n0,1\n1,2\n")]).unwrap();
+        world
+            .import(&trials_map(&[ONE, FORCE]), &[world.file("a.csv", "t,f\n0,1\n1,2\n")])
+            .unwrap();
         let before = world.written();
         let other = world.file("b.csv", "t,f\n0,1\n1,3\n");
         for (from, to, words) in [
@@ -340,7 +367,8 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
         }
         assert_eq!(world.written(), before);
         let csv = "who,mode,n,kind,q,t,f\nPx,active,1,trial,3,0,1\nPX,active,1,trial,3,0,1\npx,active,1,trial,3,1,1\n";
-        let errors = world.import(&trials_map(&[COLUMNS, FORCE]), &[world.file("c.csv", csv)]).unwrap_err();
+        let errors =
+            world.import(&trials_map(&[COLUMNS, FORCE]), &[world.file("c.csv", csv)]).unwrap_err();
         assert_eq!(errors.len(), 2, "{errors:?}");
         let second = trials_map(&[&ONE.replace("S01", "S02"), FORCE]);
         assert_eq!(world.import(&second, &[other]).unwrap().sessions, 1);

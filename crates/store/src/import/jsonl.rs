@@ -12,14 +12,16 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::Path;
 
-/// Reads JSON lines. Numbers keep the text they were written with, strings lose their quotes, `null`
-/// and a missing key are empty cells.
+/// Reads JSON lines. Numbers keep the text they were written with, strings lose their quotes,
+/// `null` and a missing key are empty cells.
 pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, StoreError> {
     let text = decode(path, bytes)?;
     let (names, lines) = keys(path, text)?;
-    let builder =
-        |(place, name): (usize, &String)| take.wants(place, Some(name)).then(LargeStringBuilder::new);
-    let mut columns: Vec<Option<LargeStringBuilder>> = names.iter().enumerate().map(builder).collect();
+    let builder = |(place, name): (usize, &String)| {
+        take.wants(place, Some(name)).then(LargeStringBuilder::new)
+    };
+    let mut columns: Vec<Option<LargeStringBuilder>> =
+        names.iter().enumerate().map(builder).collect();
     if !take.budget.cells(lines.len().saturating_mul(columns.iter().flatten().count())) {
         return Err(too_much(path));
     }
@@ -53,8 +55,13 @@ fn keys(path: &Path, text: &str) -> Result<(Vec<String>, Vec<u64>), StoreError> 
     let (mut names, mut lines) = (BTreeSet::new(), Vec::new());
     for (number, line) in full_lines(text) {
         if line.len() > MOST_LINE {
-            let what = format!("line {number} has {} bytes, and at most {MOST_LINE} are read", line.len());
-            return Err(StoreError::new(path, what, "write one object a line, without what is not needed"));
+            let what =
+                format!("line {number} has {} bytes, and at most {MOST_LINE} are read", line.len());
+            return Err(StoreError::new(
+                path,
+                what,
+                "write one object a line, without what is not needed",
+            ));
         }
         if lines.len() == MOST_ROWS {
             return Err(too_many_rows(path, &format!("more than {MOST_ROWS}")));
@@ -79,7 +86,8 @@ fn no_object(path: &Path, line: u64, error: &serde_json::Error) -> StoreError {
 /// What is done with a key and its value.
 type Each<'a> = &'a mut dyn FnMut(String, &RawValue) -> Result<(), serde_json::Error>;
 
-/// Walks through the keys of one object. A key that comes twice is an error: nobody knows which value is meant.
+/// Walks through the keys of one object. A key that comes twice is an error: nobody knows which
+/// value is meant.
 fn walk(line: &str, each: Each) -> Result<(), serde_json::Error> {
     let mut reader = serde_json::Deserializer::from_str(line);
     reader.deserialize_map(Keys(each))?;
@@ -150,7 +158,8 @@ mod tests {
     #[test]
     fn a_key_that_comes_twice_in_an_object_is_refused_however_it_is_written() {
         for bad in ["{\"t\": 1, \"f\": 2, \"t\": 3}\n", "{\"t\": 1, \"\\u0074\": 3}\n"] {
-            let error = read(Path::new("a.jsonl"), format!("{{\"t\": 0}}\n{bad}").as_bytes()).unwrap_err();
+            let error =
+                read(Path::new("a.jsonl"), format!("{{\"t\": 0}}\n{bad}").as_bytes()).unwrap_err();
             assert!(
                 error.what.contains("line 2") && error.what.contains("the key 't' comes twice"),
                 "{error}"
@@ -164,7 +173,10 @@ mod tests {
         let many: String = (0..30_000).map(|i| format!("{{\"k{i}\":1}}\n")).collect();
         for text in [format!("{{{}}}", one.trim_end_matches(',')), many] {
             let error = read(Path::new("a.jsonl"), text.as_bytes()).unwrap_err();
-            assert!(error.what.contains(&format!("and at most {MOST_COLUMNS} are read")), "{error}");
+            assert!(
+                error.what.contains(&format!("and at most {MOST_COLUMNS} are read")),
+                "{error}"
+            );
         }
     }
 
@@ -172,7 +184,10 @@ mod tests {
     fn an_enormous_line_is_refused_and_deep_nesting_is_no_matter() {
         let long = format!("{{\"t\": 1}}\n{{\"t\": \"{}\"}}", "x".repeat(MOST_LINE));
         let error = read(Path::new("a.jsonl"), long.as_bytes()).unwrap_err();
-        assert!(error.what.contains("line 2 has") && error.what.contains("at most 1048576"), "{error}");
+        assert!(
+            error.what.contains("line 2 has") && error.what.contains("at most 1048576"),
+            "{error}"
+        );
         let deep = format!("{{\"t\": 1, \"x\": {}{}}}", "[".repeat(500_000), "]".repeat(500_000));
         let t = ColumnRef::Name("t".to_owned());
         let budget = Budget::default();

@@ -1,5 +1,5 @@
-//! An import is killed, or the power is cut, at every step of its writing; the next import goes through without hands,
-//! and each recording counts once.
+//! An import is killed, or the power is cut, at every step of its writing; the next import goes
+//! through without hands, and each recording counts once.
 
 use super::world::{COLUMNS, FORCE, ONE, UTC, trials_map};
 use super::{Mapping, Report, import};
@@ -48,8 +48,9 @@ impl Case {
     /// Three trials of two participants.
     fn trials() -> Self {
         let head = "who,mode,n,kind,q,t,f\n";
-        let one =
-            format!("{head}P01,active,1,trial,3,0,1\nP01,active,1,trial,3,1,1\nP02,active,1,trial,3,0,1\n");
+        let one = format!(
+            "{head}P01,active,1,trial,3,0,1\nP01,active,1,trial,3,1,1\nP02,active,1,trial,3,0,1\n"
+        );
         let two = format!("{head}P01,passive,2,trial,4,0,1\n");
         Self::new(&trials_map(&[COLUMNS, FORCE]), &[&one, &two], 0, (3, 0, 3))
     }
@@ -66,12 +67,18 @@ impl Case {
 
     /// Questionnaires of two participants.
     fn likert() -> Self {
-        Self::new(LIKERT, &["who,mode,a\nP01,active,1\nP02,active,2\nP01,passive,3\n"], 0, (0, 0, 3))
+        Self::new(
+            LIKERT,
+            &["who,mode,a\nP01,active,1\nP02,active,2\nP01,passive,3\n"],
+            0,
+            (0, 0, 3),
+        )
     }
 
     /// A study with what was imported before.
     fn study(&self) -> (Memory, Layout) {
-        let (disk, layout) = (Memory::new(), Layout::new(Path::new("/root"), StudyId::new("demo").unwrap()));
+        let (disk, layout) =
+            (Memory::new(), Layout::new(Path::new("/root"), StudyId::new("demo").unwrap()));
         disk.put(&layout.study_toml(), template(layout.study()).as_bytes());
         if !self.before.is_empty() {
             self.import(&disk, &layout, &self.before).unwrap();
@@ -79,12 +86,18 @@ impl Case {
         (disk, layout)
     }
 
-    fn import(&self, disk: &Memory, layout: &Layout, files: &[PathBuf]) -> Result<Report, Vec<StoreError>> {
+    fn import(
+        &self,
+        disk: &Memory,
+        layout: &Layout,
+        files: &[PathBuf],
+    ) -> Result<Report, Vec<StoreError>> {
         let study = Study::from_toml(&template(layout.study())).unwrap();
         import(layout, &study, &self.mapping, files, UTC, "zwidth test", disk)
     }
 
-    /// The import, killed at step `n`, and what then stands on the disk; whether the kill came before its end.
+    /// The import, killed at step `n`, and what then stands on the disk; whether the kill came
+    /// before its end.
     fn killed(&self, n: u64, end: Survives, then: impl Fn(&Memory, &Layout)) -> bool {
         let (disk, layout) = self.study();
         disk.fail_in(n, Fault::End);
@@ -94,7 +107,8 @@ impl Case {
         ran.is_err()
     }
 
-    /// Imports again. `false` if there was nothing to do: the kill came when all was done but the last word.
+    /// Imports again. `false` if there was nothing to do: the kill came when all was done but the
+    /// last word.
     fn goes_through(&self, disk: &Memory, layout: &Layout, what: &str) -> bool {
         let again = self.import(disk, layout, &self.files);
         let data = StudyData::load_from(disk, layout).unwrap();
@@ -103,7 +117,9 @@ impl Case {
         assert_eq!(recover(disk, layout, UTC), [], "{what}");
         if let Err(errors) = &again {
             assert!(
-                errors.iter().all(|e| e.what.contains("already") || e.what.contains("imported before")),
+                errors
+                    .iter()
+                    .all(|e| e.what.contains("already") || e.what.contains("imported before")),
                 "{what}: {errors:?}"
             );
         }
@@ -125,7 +141,8 @@ fn every_step(case: &Case, steps: u64, ends: &[Survives]) {
             (killed, done.get())
         };
         let tried: Vec<(bool, bool)> = (0..=steps).into_par_iter().map(step).collect();
-        // At the last step, the sync behind the removal of the list, the import is done; and so it is without a kill.
+        // At the last step, the sync behind the removal of the list, the import is done; and so it
+        // is without a kill.
         assert!(tried[..tried.len() - 2].iter().all(|t| *t == (true, false)), "{end:?}: {tried:?}");
         assert!(
             matches!(tried[tried.len() - 2..], [(true, _), (false, true)]),
@@ -135,7 +152,8 @@ fn every_step(case: &Case, steps: u64, ends: &[Survives]) {
 }
 
 #[test]
-fn an_import_that_is_killed_at_any_step_goes_through_the_next_time_and_each_recording_counts_once() {
+fn an_import_that_is_killed_at_any_step_goes_through_the_next_time_and_each_recording_counts_once()
+{
     every_step(&Case::one(), 34, &ENDS);
     every_step(&Case::sweeps(), 22, &ENDS);
     every_step(&Case::first_sweep(), 22, &ENDS[..2]);
@@ -155,7 +173,9 @@ fn what_a_killed_import_left_is_told_by_verify_and_taken_back_by_recover() {
             let killed = case.killed(n, Survives::Everything, |disk, layout| {
                 let list = layout.import_list();
                 told.set(
-                    verify_from(disk, layout).iter().any(|e| e.path == list && e.remedy.contains("again")),
+                    verify_from(disk, layout)
+                        .iter()
+                        .any(|e| e.path == list && e.remedy.contains("again")),
                 );
                 let found = recover(disk, layout, UTC);
                 assert!(found.iter().all(Result::is_ok), "step {n}: {found:?}");
@@ -175,7 +195,8 @@ fn what_a_killed_import_left_is_told_by_verify_and_taken_back_by_recover() {
 #[test]
 fn an_import_that_is_killed_while_it_takes_the_last_one_back_goes_through_too() {
     for case in [Case::one(), Case::sweeps()] {
-        for [end, again] in [[Survives::Everything, Survives::Everything], [Survives::Synced, Survives::Half]]
+        for [end, again] in
+            [[Survives::Everything, Survives::Everything], [Survives::Synced, Survives::Half]]
         {
             let killed = |n: u64, m: u64| {
                 let cut = Cell::new(false);
@@ -183,12 +204,18 @@ fn an_import_that_is_killed_while_it_takes_the_last_one_back_goes_through_too() 
                     disk.fail_in(m, Fault::End);
                     cut.set(case.import(disk, layout, &case.files).is_err());
                     disk.restart(again);
-                    case.goes_through(disk, layout, &format!("step {n} {end:?}, then {m} {again:?}"));
+                    case.goes_through(
+                        disk,
+                        layout,
+                        &format!("step {n} {end:?}, then {m} {again:?}"),
+                    );
                 });
                 cut.get()
             };
-            // Taking back has as many steps as there were files; the last of them are those of the import itself.
-            let tries = |n: u64| (0..24).step_by(2).filter(|m| killed(2 * n + m % 4 / 2, *m)).count();
+            // Taking back has as many steps as there were files; the last of them are those of the
+            // import itself.
+            let tries =
+                |n: u64| (0..24).step_by(2).filter(|m| killed(2 * n + m % 4 / 2, *m)).count();
             let tried: usize = (0..18_u64).into_par_iter().map(tries).sum();
             assert!(tried > 100, "only {tried}");
         }
@@ -220,7 +247,8 @@ fn a_list_that_names_what_no_import_wrote_removes_nothing() {
         let errors = case.import(&disk, &layout, &case.files).unwrap_err();
         assert_eq!(errors.len(), 1, "{errors:?}");
         assert!(
-            errors[0].what.contains("cut short lists it") || errors[0].what.contains("no import writes"),
+            errors[0].what.contains("cut short lists it")
+                || errors[0].what.contains("no import writes"),
             "{errors:?}"
         );
         disk.put(&layout.import_list(), b"");

@@ -76,12 +76,17 @@ impl LabelShape {
             (Some(column), None) => From::Column(column),
             (None, Some(name)) if groups.contains(&name.as_str()) => From::Name(name),
             (None, Some(name)) => {
-                return Err(format!("'{name}' is no named group (?<{name}>…) of the pattern in [name]"));
+                return Err(format!(
+                    "'{name}' is no named group (?<{name}>…) of the pattern in [name]"
+                ));
             }
             _ => return Err("needs either column or name".to_owned()),
         };
         if shape.digits > MAX_DIGITS {
-            return Err(format!("digits = {} is more than an id can hold ({MAX_DIGITS})", shape.digits));
+            return Err(format!(
+                "digits = {} is more than an id can hold ({MAX_DIGITS})",
+                shape.digits
+            ));
         }
         Ok(Label { from, translate: shape.translate, prefix: shape.prefix, digits: shape.digits })
     }
@@ -99,7 +104,8 @@ impl Label {
     /// The label of the rows that begin with `row`, as the value that `parse` makes of it.
     ///
     /// # Errors
-    /// No value there, no translation for it, or what `parse` says of it, with file, column and row.
+    /// No value there, no translation for it, or what `parse` says of it, with file, column and
+    /// row.
     pub(super) fn value<T>(
         &self,
         what: &str,
@@ -129,13 +135,17 @@ impl Label {
     fn ours(&self, theirs: &str) -> Result<String, String> {
         if !self.translate.is_empty() {
             return self.translate.get(theirs).cloned().ok_or_else(|| {
-                let known = self.translate.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+                let known =
+                    self.translate.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
                 format!("'{theirs}' is not in the translation table, which has {known}")
             });
         }
         let digits = theirs.bytes().all(|b| b.is_ascii_digit());
         if self.digits > 0 && !digits {
-            return Err(format!("'{theirs}' is no whole number, which digits = {} asks for", self.digits));
+            return Err(format!(
+                "'{theirs}' is no whole number, which digits = {} asks for",
+                self.digits
+            ));
         }
         Ok(format!("{}{theirs:0>width$}", self.prefix, width = self.digits))
     }

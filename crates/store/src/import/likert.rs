@@ -19,7 +19,8 @@ struct Row {
     answers: Vec<(QuestionId, u8)>,
 }
 
-/// Reads every file, numbers the rows as trials over all of them, and turns the answers into events.
+/// Reads every file, numbers the rows as trials over all of them, and turns the answers into
+/// events.
 pub(super) fn likert(
     context: &Context,
     (who, questions): (&Who, &BTreeMap<QuestionId, ColumnRef>),
@@ -27,10 +28,11 @@ pub(super) fn likert(
 ) -> Result<Batch, Errors> {
     let questions = question_columns(questions, context)?;
     let budget = Budget::default();
-    let columns = who.columns().into_iter().chain(questions.iter().map(|(_, column)| column)).collect();
+    let columns =
+        who.columns().into_iter().chain(questions.iter().map(|(_, column)| column)).collect();
     let take = Take { columns, pattern: None, budget: &budget };
-    let converted =
-        context.convert(files, &take, |recording| convert(context, who, &questions, &budget, recording))?;
+    let converted = context
+        .convert(files, &take, |recording| convert(context, who, &questions, &budget, recording))?;
     let mut batch = Batch::default();
     let (mut rows, mut sources) = (Vec::new(), Vec::new());
     for Converted { blake3, made: (found, report), .. } in &converted {
@@ -65,18 +67,26 @@ fn question_columns(
         return Ok(listed.iter().map(|(id, column)| (id.clone(), column.clone())).collect());
     }
     if study.questions.is_empty() {
-        return Err(error("study.toml has no questions".to_owned(), "add [[questions]] to study.toml"));
+        return Err(error(
+            "study.toml has no questions".to_owned(),
+            "add [[questions]] to study.toml",
+        ));
     }
     if let Some(id) = repeated_text(study) {
         let what = format!("question '{id}' of study.toml has the text of another one");
         return Err(error(what, "list the columns in [questions.columns]"));
     }
-    Ok(study.questions.iter().map(|q| (q.id.clone(), ColumnRef::Name(q.text.trim().to_owned()))).collect())
+    Ok(study
+        .questions
+        .iter()
+        .map(|q| (q.id.clone(), ColumnRef::Name(q.text.trim().to_owned())))
+        .collect())
 }
 
 fn repeated_text(study: &Study) -> Option<&QuestionId> {
-    let is_second =
-        |(i, q): &(usize, &zwidth_study::Question)| study.questions[..*i].iter().any(|p| p.text == q.text);
+    let is_second = |(i, q): &(usize, &zwidth_study::Question)| {
+        study.questions[..*i].iter().any(|p| p.text == q.text)
+    };
     study.questions.iter().enumerate().find(is_second).map(|(_, q)| &q.id)
 }
 
@@ -123,7 +133,9 @@ fn given(
     }
     let cell = recording.table.columns[column].cell(row);
     let remedy = "mend the cell; leave empty ones out with missing = \"drop\" in [file]";
-    answer(&cell.to_string()).map(Some).map_err(|what| recording.cell_error(column, row, &what, remedy))
+    answer(&cell.to_string())
+        .map(Some)
+        .map_err(|what| recording.cell_error(column, row, &what, remedy))
 }
 
 #[cfg(test)]
@@ -143,7 +155,8 @@ mode = { column = \"mode\" }
 trial = { column = \"order\" }
 ";
 
-    /// The template with short texts: question `felt_spring` asks "Spring?", `felt_wall` asks "Wall?".
+    /// The template with short texts: question `felt_spring` asks "Spring?", `felt_wall` asks
+    /// "Wall?".
     fn world() -> World {
         let text = template(&StudyId::new("demo").unwrap());
         let short = text.lines().map(|line| match line {
@@ -215,7 +228,13 @@ trial = { column = \"order\" }
         check(MAP, "passive;1", "passive;2", "duplicate trial: trial 2 of P01 S01", None);
         check(MAP, "Wall?", "Walls?", "column Wall?: the column is missing", None);
         check(MAP, "x;12;", "x;Ann;", "'Ann' is no whole number", Some(("who", 3)));
-        check(MAP, "x;12;active", "x;12;actve", "mode 'actve' is not in study.toml", Some(("mode", 3)));
+        check(
+            MAP,
+            "x;12;active",
+            "x;12;actve",
+            "mode 'actve' is not in study.toml",
+            Some(("mode", 3)),
+        );
         let odd = format!("{MAP}[questions.columns]\nnothing = 5\n");
         check(&odd, "x", "x", "'nothing', which is no question of study.toml", None);
     }

@@ -1,5 +1,5 @@
-//! How much of other people's files is read: nothing that they claim decides how much memory is taken
-//! (`docs/data.md`, "Limits").
+//! How much of other people's files is read: nothing that they claim decides how much memory is
+//! taken (`docs/data.md`, "Limits").
 
 use super::table::ColumnRef;
 use crate::{MOST_ROWS, Samples, Signal, StoreError};
@@ -14,15 +14,18 @@ pub(super) const MOST_FILE: u64 = 1 << 28;
 pub(super) const MOST_MAPPING: u64 = 1 << 18;
 /// Errors that are told: nobody reads more, and one a cell would fill memory.
 pub(super) const MOST_ERRORS: usize = 1_000;
-/// Bytes of a line of text, a cell in quotes with line breaks included: 64 for each of [`MOST_COLUMNS`].
+/// Bytes of a line of text, a cell in quotes with line breaks included: 64 for each of
+/// [`MOST_COLUMNS`].
 pub(super) const MOST_LINE: usize = 1 << 20;
 /// Columns, keys or variables of one recording.
 pub(super) const MOST_COLUMNS: usize = 1 << 14;
 /// Bytes of a column's name.
 pub(super) const MOST_NAME: usize = 1 << 12;
-/// Bytes that the mapped columns of a Parquet file, or a variable of a MAT file, unpack to (256 MiB).
+/// Bytes that the mapped columns of a Parquet file, or a variable of a MAT file, unpack to (256
+/// MiB).
 pub(super) const MOST_UNPACKED: u64 = 1 << 28;
-/// Bytes of the texts in the mapped columns of a Parquet file (128 MiB): a word that every row repeats is packed once.
+/// Bytes of the texts in the mapped columns of a Parquet file (128 MiB): a word that every row
+/// repeats is packed once.
 pub(super) const MOST_TEXT: usize = 1 << 27;
 /// Cells of mapped columns, over all files of an import: as numbers 256 MiB.
 const MOST_CELLS: usize = 1 << 25;
@@ -38,7 +41,8 @@ const MOST_SPAN_S: f64 = 86_400.0;
 const MOST_TIME_S: f64 = 1e11;
 /// The largest angle, rad: a thousand turns.
 const MOST_ANGLE_RAD: f64 = 1_000.0 * std::f64::consts::TAU;
-/// Characters of a text of theirs that an error repeats: half from its beginning, half from its end.
+/// Characters of a text of theirs that an error repeats: half from its beginning, half from its
+/// end.
 const MOST_SHOWN: usize = 400;
 
 /// What an import may still take: counted over all its files, which are read side by side.
@@ -62,15 +66,17 @@ impl Budget {
         if spend(&self.trials, n, MOST_TRIALS) { Ok(()) } else { Err(too_much(path)) }
     }
 
-    /// Whether all there was to be taken fitted. Which of the files was one too many depends on the order in which they
-    /// were read, so that all of them are named together.
+    /// Whether all there was to be taken fitted. Which of the files was one too many depends on the
+    /// order in which they were read, so that all of them are named together.
     ///
     /// # Errors
     /// What there was too much of.
     pub(super) fn held(&self, files: &[std::path::PathBuf]) -> Result<(), StoreError> {
         let over = |spent: &AtomicUsize, most: usize| spent.load(Ordering::Relaxed) > most;
         let what = if over(&self.cells, MOST_CELLS) {
-            format!("more than {MOST_CELLS} cells in mapped columns, and no more are read in one import")
+            format!(
+                "more than {MOST_CELLS} cells in mapped columns, and no more are read in one import"
+            )
         } else if over(&self.trials, MOST_TRIALS) {
             format!(
                 "more than {MOST_TRIALS} trials, sweeps or answered rows, and no more are read in one import"
@@ -83,7 +89,11 @@ impl Budget {
             1 => StoreError::new(first, format!("the file has {what}"), "split it"),
             n => {
                 let what = format!("this file and the {} others have {what}", n - 1);
-                StoreError::new(first, what, "import them in several commands, whole sessions in each")
+                StoreError::new(
+                    first,
+                    what,
+                    "import them in several commands, whole sessions in each",
+                )
             }
         })
     }
@@ -91,18 +101,27 @@ impl Budget {
 
 fn spend(spent: &AtomicUsize, n: usize, most: usize) -> bool {
     let add = |spent: usize| Some(spent.saturating_add(n));
-    let before = spent.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).unwrap_or(usize::MAX);
+    let before =
+        spent.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).unwrap_or(usize::MAX);
     before.saturating_add(n) <= most
 }
 
 /// Stands for the error of [`Budget::held`], which takes its place.
 pub(super) fn too_much(path: &Path) -> StoreError {
-    StoreError::new(path, "with it the import has more than is read at once", "import fewer files at once")
+    StoreError::new(
+        path,
+        "with it the import has more than is read at once",
+        "import fewer files at once",
+    )
 }
 
 /// The error of a recording with too many rows; `rows` in words.
 pub(super) fn too_many_rows(path: &Path, rows: &str) -> StoreError {
-    StoreError::new(path, format!("the file has {rows} rows, and at most {MOST_ROWS} are read"), "split it")
+    StoreError::new(
+        path,
+        format!("the file has {rows} rows, and at most {MOST_ROWS} are read"),
+        "split it",
+    )
 }
 
 /// Whether so many columns are read.
@@ -114,7 +133,11 @@ pub(super) fn check_columns(path: &Path, columns: usize) -> Result<(), StoreErro
         return Ok(());
     }
     let what = format!("the file has {columns} columns, and at most {MOST_COLUMNS} are read");
-    Err(StoreError::new(path, what, "leave out those that are not needed, or check the delimiter in [file]"))
+    Err(StoreError::new(
+        path,
+        what,
+        "leave out those that are not needed, or check the delimiter in [file]",
+    ))
 }
 
 /// Whether the names are short enough to be names.
@@ -125,7 +148,8 @@ pub(super) fn check_name(path: &Path, name: &str) -> Result<(), StoreError> {
     if name.len() <= MOST_NAME {
         return Ok(());
     }
-    let what = format!("a column's name has {} bytes, and at most {MOST_NAME} are read", name.len());
+    let what =
+        format!("a column's name has {} bytes, and at most {MOST_NAME} are read", name.len());
     Err(StoreError::new(path, what, "shorten it").column(shown(name)))
 }
 
@@ -159,8 +183,8 @@ impl Take<'_> {
     }
 }
 
-/// Checks that angle and time are of a size that analyses can go through step by step. The error names our column and
-/// the row.
+/// Checks that angle and time are of a size that analyses can go through step by step. The error
+/// names our column and the row.
 pub(super) fn check_sizes(path: &Path, samples: &Samples) -> Result<(), StoreError> {
     if let Some(t) = samples.get(Signal::Time) {
         check_time(t).map_err(|(row, what)| {
@@ -171,8 +195,11 @@ pub(super) fn check_sizes(path: &Path, samples: &Samples) -> Result<(), StoreErr
     let theta = samples.get(Signal::Theta).unwrap_or_default();
     let Some(row) = theta.iter().position(|v| v.abs() > MOST_ANGLE_RAD) else { return Ok(()) };
     let what = format!("the angle {} rad is more than a thousand turns", theta[row]);
-    let error =
-        StoreError::new(path, what, "check unit, scale and offset of the angle, or leave the row out");
+    let error = StoreError::new(
+        path,
+        what,
+        "check unit, scale and offset of the angle, or leave the row out",
+    );
     Err(error.column(Signal::Theta.name()).row0(row))
 }
 
@@ -224,7 +251,8 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn times_of_more_than_a_day_and_angles_of_more_than_a_thousand_turns_are_refused_with_their_row() {
+    fn times_of_more_than_a_day_and_angles_of_more_than_a_thousand_turns_are_refused_with_their_row()
+     {
         let with = |t: &[f64], theta: &[f64]| {
             let mut samples = Samples::default();
             samples.set(Signal::Time, t.to_vec());

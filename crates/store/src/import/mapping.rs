@@ -56,7 +56,8 @@ pub(super) struct FileForm {
 impl FileForm {
     /// The format named, or that of the file's extension.
     pub(super) fn format_of(&self, path: &Path) -> Result<Format, StoreError> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let extension =
+            path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         self.format.map_or_else(
             || match extension.as_str() {
                 "csv" => Ok(Format::Csv),
@@ -184,7 +185,8 @@ impl Mapping {
     /// # Errors
     /// Those of reading it, and of [`Mapping::from_toml`].
     pub fn read(path: &Path) -> Result<Self, Vec<StoreError>> {
-        let bytes = read_named(path, MOST_MAPPING).map_err(|e| vec![StoreError::io(path, "read", &e)])?;
+        let bytes =
+            read_named(path, MOST_MAPPING).map_err(|e| vec![StoreError::io(path, "read", &e)])?;
         let text = String::from_utf8(bytes).map_err(|e| {
             let what = format!("byte {} is no text (UTF-8)", e.utf8_error().valid_up_to());
             vec![StoreError::new(path, what, "save the mapping as UTF-8")]
@@ -249,7 +251,8 @@ mod tests {
         for folder in std::fs::read_dir(workspace("studies")).unwrap() {
             let folder = folder.unwrap().path();
             let study =
-                Study::from_toml(&std::fs::read_to_string(folder.join("study.toml")).unwrap()).unwrap();
+                Study::from_toml(&std::fs::read_to_string(folder.join("study.toml")).unwrap())
+                    .unwrap();
             assert_eq!(Some(study.id.as_str()), folder.file_name().unwrap().to_str());
             for file in std::fs::read_dir(folder).unwrap() {
                 let path = file.unwrap().path();

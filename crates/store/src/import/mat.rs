@@ -41,14 +41,16 @@ const HEAD: u64 = 2 * MOST_NAME as u64;
 /// Most dimensions of a variable.
 const MOST_DIMENSIONS: usize = 32;
 
-/// Reads a MAT file: its vectors by name, or with `matrix` the columns of that variable by position.
+/// Reads a MAT file: its vectors by name, or with `matrix` the columns of that variable by
+/// position.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
     matrix: Option<&str>,
     take: &Take,
 ) -> Result<Table, StoreError> {
-    let remedy = "the file may be cut off or damaged; save it again with -v7, without what is not needed";
+    let remedy =
+        "the file may be cut off or damaged; save it again with -v7, without what is not needed";
     let cannot = |what| StoreError::new(path, format!("not a readable MAT file: {what}"), remedy);
     let Some(matrix) = matrix else {
         let mut table = Table { names: Some(Vec::new()), ..Table::default() };
@@ -78,7 +80,8 @@ pub(super) fn read(
     let missing = || format!("the variable is missing; the file has {}", names.join(", "));
     let table = found.unwrap_or_else(|| Err(missing()));
     table.map_err(|what| {
-        StoreError::new(path, what, "set matrix in [file] to a numeric matrix of the file").column(matrix)
+        StoreError::new(path, what, "set matrix in [file] to a numeric matrix of the file")
+            .column(matrix)
     })
 }
 
@@ -103,7 +106,9 @@ type Values<'a> = &'a dyn Fn(&mut dyn FnMut(Numbers) -> Option<()>) -> Result<()
 /// A variable as a column: its values if it is a vector of numbers, else why not.
 fn vector(head: &Head, values: Values, take: &Take) -> Result<Cells, String> {
     if let Some(class) = head.class {
-        return Ok(Cells::Other(format!("it is {class}; save what is wanted of it as a numeric variable")));
+        return Ok(Cells::Other(format!(
+            "it is {class}; save what is wanted of it as a numeric variable"
+        )));
     }
     if head.size.iter().filter(|n| **n != 1).count() > 1 {
         let size = head.size.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
@@ -133,7 +138,9 @@ fn columns(head: &Head, values: Values, take: &Take) -> Result<Result<Table, Str
         return Ok(Err(format!("the variable has {} dimensions where 2 belong", head.size.len())));
     };
     if columns > MOST_COLUMNS {
-        return Err(format!("the matrix has {columns} columns, and at most {MOST_COLUMNS} are read"));
+        return Err(format!(
+            "the matrix has {columns} columns, and at most {MOST_COLUMNS} are read"
+        ));
     }
     let mut table = Table::default();
     let mut fits = true;
@@ -156,12 +163,19 @@ fn columns(head: &Head, values: Values, take: &Take) -> Result<Result<Table, Str
 const TOO_MUCH: &str = "it has more values than are read";
 
 /// Goes through the variables of a file.
-fn variables(bytes: &[u8], each: &mut dyn FnMut(&Head, Values) -> Result<(), String>) -> Result<(), String> {
+fn variables(
+    bytes: &[u8],
+    each: &mut dyn FnMut(&Head, Values) -> Result<(), String>,
+) -> Result<(), String> {
     let header = bytes.get(..HEADER).ok_or("it is shorter than a MAT header")?;
     let big = match &header[HEADER - 2..] {
         b"IM" => false,
         b"MI" => true,
-        _ => return Err("its header gives no byte order; only version 5 is read (save with -v7)".to_owned()),
+        _ => {
+            return Err(
+                "its header gives no byte order; only version 5 is read (save with -v7)".to_owned()
+            );
+        }
     };
     let version = header[if big { HEADER - 4 } else { HEADER - 3 }];
     if version != 1 {
@@ -203,7 +217,10 @@ fn variables(bytes: &[u8], each: &mut dyn FnMut(&Head, Values) -> Result<(), Str
                 }
                 let plain = inflate(data, ALIGN as u64 + size).ok_or_else(damaged)?;
                 let matrix = Elements { bytes: &plain, big }.next().map(|(_, data)| data);
-                matrix.and_then(|data| real_part(data, big)).and_then(&mut *take).ok_or_else(damaged)
+                matrix
+                    .and_then(|data| real_part(data, big))
+                    .and_then(&mut *take)
+                    .ok_or_else(damaged)
             }
         })?;
         last = Some(head.name);
@@ -211,7 +228,8 @@ fn variables(bytes: &[u8], each: &mut dyn FnMut(&Head, Values) -> Result<(), Str
     Ok(())
 }
 
-/// The first bytes of a compressed element, at most `most`: what it claims of its size decides nothing.
+/// The first bytes of a compressed element, at most `most`: what it claims of its size decides
+/// nothing.
 fn inflate(data: &[u8], most: u64) -> Option<Vec<u8>> {
     let mut plain = Vec::new();
     ZlibDecoder::new(data).take(most).read_to_end(&mut plain).ok()?;
@@ -322,15 +340,19 @@ impl Numbers<'_> {
     #[allow(clippy::cast_precision_loss)]
     fn values(&self, from: usize, n: usize) -> Option<Vec<f64>> {
         let width = self.width()?;
-        let data = self.data.get(from.checked_mul(width)?..from.checked_add(n)?.checked_mul(width)?)?;
+        let data =
+            self.data.get(from.checked_mul(width)?..from.checked_add(n)?.checked_mul(width)?)?;
         let big = self.big;
         macro_rules! all {
             ($type:ty) => {
                 data.chunks_exact(size_of::<$type>())
                     .map(|chunk| {
                         let bytes = chunk.try_into().ok()?;
-                        let value =
-                            if big { <$type>::from_be_bytes(bytes) } else { <$type>::from_le_bytes(bytes) };
+                        let value = if big {
+                            <$type>::from_be_bytes(bytes)
+                        } else {
+                            <$type>::from_le_bytes(bytes)
+                        };
                         Some(value as f64)
                     })
                     .collect()

@@ -60,8 +60,9 @@ use zwidth_study::{Study, printable};
 /// Imports `files` into the study at `layout`, as `mapping` says.
 ///
 /// `study` is the content of the study's `study.toml`; `utc` is the time in RFC 3339, for the event
-/// log; `software` is the program with its version, for the session records; `disk` holds the study. The caller holds
-/// the study's lock. What an import before this one left because it was killed is removed first.
+/// log; `software` is the program with its version, for the session records; `disk` holds the
+/// study. The caller holds the study's lock. What an import before this one left because it was
+/// killed is removed first.
 ///
 /// # Errors
 /// Everything found wrong, each with file, column and row; then nothing was written. When writing
@@ -79,7 +80,8 @@ pub fn import(
         let read = disk.read(&layout.study_toml(), MOST_STUDY);
         let study_toml = read.map_err(|e| StoreError::io(&layout.study_toml(), "read", &e))?;
         let study_blake3 = hex_blake3(&study_toml);
-        let context = Context { layout, study, mapping, software, study_toml, study_blake3, files: disk };
+        let context =
+            Context { layout, study, mapping, software, study_toml, study_blake3, files: disk };
         let batch = batch(&context, files)?;
         batch.write(disk, layout, utc)?;
         Ok(batch)
@@ -95,10 +97,17 @@ pub fn import(
 
 fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
     if files.is_empty() {
-        return Err(StoreError::new(Path::new("."), "no file is given", "name the files to import").into());
+        return Err(StoreError::new(
+            Path::new("."),
+            "no file is given",
+            "name the files to import",
+        )
+        .into());
     }
     match &context.mapping.content {
-        Content::Trials { who, time, columns } => trials::trials(context, (who, time, columns), files),
+        Content::Trials { who, time, columns } => {
+            trials::trials(context, (who, time, columns), files)
+        }
         Content::Sweeps { labels, form } => sweeps::sweeps(context, (labels, form), files),
         Content::Likert { who, questions } => likert::likert(context, (who, questions), files),
     }
@@ -123,7 +132,9 @@ impl From<StoreError> for Errors {
 }
 
 /// Every value, or every error up to [`MOST_ERRORS`].
-fn all<T, E: Into<Errors>>(results: impl IntoIterator<Item = Result<T, E>>) -> Result<Vec<T>, Errors> {
+fn all<T, E: Into<Errors>>(
+    results: impl IntoIterator<Item = Result<T, E>>,
+) -> Result<Vec<T>, Errors> {
     let (mut values, mut errors) = (Vec::new(), Vec::new());
     for result in results {
         match result {
@@ -162,7 +173,8 @@ impl Context<'_> {
         convert: impl Fn(&Recording) -> Result<T, Errors> + Sync,
     ) -> Result<Vec<Converted<T>>, Errors> {
         let one = |path: &PathBuf| {
-            let recording = Recording::read(path, &self.mapping.file, self.mapping.name.as_ref(), take)?;
+            let recording =
+                Recording::read(path, &self.mapping.file, self.mapping.name.as_ref(), take)?;
             let made = convert(&recording)?;
             Ok::<_, Errors>(Converted { path: recording.path, blake3: recording.blake3, made })
         };
@@ -176,11 +188,12 @@ impl Context<'_> {
         Ok(converted)
     }
 
-    /// The files in groups whose contents have at most [`MOST_FILE`] bytes together. What a packed file unpacks to may be
-    /// as much on its own.
+    /// The files in groups whose contents have at most [`MOST_FILE`] bytes together. What a packed
+    /// file unpacks to may be as much on its own.
     fn groups<'f>(&self, files: &'f [PathBuf]) -> Vec<&'f [PathBuf]> {
-        let is_packed =
-            |path: &Path| matches!(self.mapping.file.format_of(path), Ok(Format::Parquet | Format::Mat));
+        let is_packed = |path: &Path| {
+            matches!(self.mapping.file.format_of(path), Ok(Format::Parquet | Format::Mat))
+        };
         let bytes = |path: &PathBuf| match is_packed(path) {
             true => MOST_FILE,
             false => std::fs::metadata(path).map_or(0, |found| found.len()),
@@ -198,8 +211,8 @@ impl Context<'_> {
         groups
     }
 
-    /// What a file made from a recording says of itself. The recording's name is left out: it may hold
-    /// a person's.
+    /// What a file made from a recording says of itself. The recording's name is left out: it may
+    /// hold a person's.
     fn footer(&self, source_blake3: String, computed: &[String]) -> BTreeMap<String, String> {
         let mut footer = BTreeMap::from([
             ("study_blake3".to_owned(), self.study_blake3.clone()),
@@ -217,7 +230,8 @@ impl Context<'_> {
     /// The report on a file as far as all kinds share it; `used` are the columns that were taken.
     ///
     /// # Errors
-    /// A column that the mapping drops by name but the file does not have, or one that it also uses.
+    /// A column that the mapping drops by name but the file does not have, or one that it also
+    /// uses.
     fn file_report(
         &self,
         recording: &Recording,
@@ -234,8 +248,9 @@ impl Context<'_> {
             return Err(recording.error(what, "remove it from [drop]").column(name));
         }
         let unused = names.iter().enumerate().filter(|(i, _)| !used.contains(i));
-        let why =
-            |name: &str| self.mapping.drop.get(name).cloned().unwrap_or_else(|| "not mapped".to_owned());
+        let why = |name: &str| {
+            self.mapping.drop.get(name).cloned().unwrap_or_else(|| "not mapped".to_owned())
+        };
         let limit = self.mapping.file.rows.unwrap_or(rows.read);
         let dropped = [
             (rows.missing, "a mapped cell is empty or NaN (missing = \"drop\")".to_owned()),

@@ -66,8 +66,8 @@ pub(super) fn answers<T>(context: &Context, files: &[Converted<T>]) -> Result<()
     new_here(files, known)
 }
 
-/// The recordings that files below a folder were made from, each with the name of the last of them. What cannot be read
-/// is a finding of `verify`.
+/// The recordings that files below a folder were made from, each with the name of the last of them.
+/// What cannot be read is a finding of `verify`.
 fn sources(
     context: &Context,
     folder: &Path,
@@ -82,14 +82,21 @@ fn new_here<T>(files: &[Converted<T>], known: BTreeMap<String, String>) -> Resul
         None => Ok(()),
         Some(first) => {
             let what = format!("this recording was imported before, as {first}");
-            Err(StoreError::new(&file.path, what, "leave the file out; a recording must not count twice"))
+            Err(StoreError::new(
+                &file.path,
+                what,
+                "leave the file out; a recording must not count twice",
+            ))
         }
     };
     all(files.iter().map(once).collect::<Vec<_>>()).map(|_| ())
 }
 
 /// The records of the study's sessions. What cannot be read is a finding of `verify`.
-pub(super) fn sessions_there(files: &dyn Files, layout: &Layout) -> Result<Vec<SessionRecord>, StoreError> {
+pub(super) fn sessions_there(
+    files: &dyn Files,
+    layout: &Layout,
+) -> Result<Vec<SessionRecord>, StoreError> {
     let mut paths = files_below(files, &layout.sessions())?;
     paths.retain(|path| path.extension().is_some_and(|e| e == "json"));
     let read = |path: &PathBuf| record_from(path, &text(files, path, MOST_RECORD).ok()?).ok();
@@ -147,15 +154,35 @@ mod tests {
     #[test]
     fn a_recording_that_the_study_has_under_another_name_is_refused_with_where_it_is() {
         let one = trials_map(&[ONE, FORCE]);
-        imported_before(&one, &one.replace("S01", "S02"), CSV, "imported before, as P01 S01 trial 1");
-        imported_before(&one, &one.replace("P01", "P02"), CSV, "imported before, as P01 S01 trial 1");
+        imported_before(
+            &one,
+            &one.replace("S01", "S02"),
+            CSV,
+            "imported before, as P01 S01 trial 1",
+        );
+        imported_before(
+            &one,
+            &one.replace("P01", "P02"),
+            CSV,
+            "imported before, as P01 S01 trial 1",
+        );
         let sweep = "kind = \"sweeps\"\n[sweep]\nactuator = \"brake\"\n[command]\nname = \"u\"\nunit = \"V\"\nfrom = \"t\"\n\
             [response]\nname = \"f\"\nunit = \"N\"\nfrom = \"f\"\n";
-        imported_before(sweep, &sweep.replace("brake", "motor"), CSV, "imported before, as sweep 1 of brake");
+        imported_before(
+            sweep,
+            &sweep.replace("brake", "motor"),
+            CSV,
+            "imported before, as sweep 1 of brake",
+        );
         let likert = "kind = \"likert\"\n[trial]\nparticipant = \"P01\"\nsession = \"S01\"\nenvironment = \"spring\"\n\
             mode = { column = \"m\" }\n[questions.columns]\nfelt_spring = 2\n";
         let answers = "m,a\nactive,3\npassive,4\n";
-        imported_before(likert, &likert.replace("S01", "S02"), answers, "imported before, as P01 S01");
+        imported_before(
+            likert,
+            &likert.replace("S01", "S02"),
+            answers,
+            "imported before, as P01 S01",
+        );
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! Anybody's Parquet file.
 
-use super::limits::{MOST_TEXT, MOST_UNPACKED, Take, check_columns, shown, too_many_rows, too_much};
+use super::limits::{
+    MOST_TEXT, MOST_UNPACKED, Take, check_columns, shown, too_many_rows, too_much,
+};
 use super::table::{Cells, Table};
 use crate::bounds::{check_footer, check_pages};
 use crate::codec::check_codecs;
@@ -38,7 +40,8 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>, take: &Take) -> Result<Table, St
     let rows = rows(path, &metadata, fields.len())?;
     let kinds: Vec<Option<Kind>> = (0..fields.len()).map(|root| kind(&metadata, root)).collect();
     let wanted = |root: &usize| take.wants(*root, Some(fields[*root].name()));
-    let roots: Vec<usize> = (0..fields.len()).filter(|r| kinds[*r].is_some()).filter(wanted).collect();
+    let roots: Vec<usize> =
+        (0..fields.len()).filter(|r| kinds[*r].is_some()).filter(wanted).collect();
     if !take.budget.cells(rows.saturating_mul(roots.len())) {
         return Err(too_much(path));
     }
@@ -63,11 +66,10 @@ fn rows(path: &Path, metadata: &ArrowReaderMetadata, columns: usize) -> Result<u
     let rows = usize::try_from(file.num_rows()).ok().filter(|rows| *rows <= MOST_ROWS);
     let rows = rows.ok_or_else(|| too_many_rows(path, &file.num_rows().to_string()))?;
     // The decoder goes by the groups, and a run of one value takes a few bytes whatever its length.
-    let left = metadata
-        .metadata()
-        .row_groups()
-        .iter()
-        .try_fold(rows, |left, group| left.checked_sub(usize::try_from(group.num_rows()).ok()?));
+    let left =
+        metadata.metadata().row_groups().iter().try_fold(rows, |left, group| {
+            left.checked_sub(usize::try_from(group.num_rows()).ok()?)
+        });
     if left == Some(0) {
         return Ok(rows);
     }
@@ -84,14 +86,17 @@ fn columns(
 ) -> Result<Vec<Cells>, StoreError> {
     let schema = metadata.metadata().file_metadata().schema_descr();
     let is_used = |leaf: usize| roots.contains(&schema.get_column_root_idx(leaf));
-    let unpacked = check_pages(bytes, metadata.metadata(), is_used).map_err(|why| unreadable(path, &why))?;
+    let unpacked =
+        check_pages(bytes, metadata.metadata(), is_used).map_err(|why| unreadable(path, &why))?;
     if unpacked > MOST_UNPACKED {
-        let what =
-            format!("the mapped columns unpack to {unpacked} bytes, and at most {MOST_UNPACKED} are read");
+        let what = format!(
+            "the mapped columns unpack to {unpacked} bytes, and at most {MOST_UNPACKED} are read"
+        );
         return Err(StoreError::new(path, what, "split the file"));
     }
     let mut text = 0;
-    let mut columns: Vec<Growing> = roots.iter().filter_map(|root| kinds[*root]).map(Growing::new).collect();
+    let mut columns: Vec<Growing> =
+        roots.iter().filter_map(|root| kinds[*root]).map(Growing::new).collect();
     if columns.is_empty() {
         return Ok(Vec::new());
     }
@@ -143,14 +148,17 @@ impl Growing {
                 numbers.extend(cells.as_primitive::<Float64Type>());
             }
             Self::Text(texts) => {
-                let words =
-                    array.as_dictionary_opt::<Int32Type>().and_then(|d| d.downcast_dict::<StringArray>());
-                let words =
-                    words.ok_or_else(|| ParquetError::General("its text is of an odd type".to_owned()))?;
+                let words = array
+                    .as_dictionary_opt::<Int32Type>()
+                    .and_then(|d| d.downcast_dict::<StringArray>());
+                let words = words.ok_or_else(|| {
+                    ParquetError::General("its text is of an odd type".to_owned())
+                })?;
                 for word in words {
                     *text += word.map_or(0, str::len);
                     if *text > MOST_TEXT {
-                        let what = format!("the texts in mapped columns have more than {MOST_TEXT} bytes");
+                        let what =
+                            format!("the texts in mapped columns have more than {MOST_TEXT} bytes");
                         return Err(ParquetError::General(what));
                     }
                     texts.append_option(word);
@@ -179,8 +187,8 @@ enum Kind {
     Text,
 }
 
-/// What a column is: by its type, and by how it lies in the file. What lies there as bytes of a length that the file
-/// chooses is a number only if it is short.
+/// What a column is: by its type, and by how it lies in the file. What lies there as bytes of a
+/// length that the file chooses is a number only if it is short.
 fn kind(metadata: &ArrowReaderMetadata, root: usize) -> Option<Kind> {
     /// Bytes of the longest number, a decimal of 256 bits.
     const LONGEST: i32 = 32;
@@ -292,7 +300,8 @@ pub(super) mod tests {
 
     #[test]
     fn every_way_to_write_words_and_numbers_reads_alike() {
-        let decimal = Decimal128Array::from(vec![Some(150), None]).with_precision_and_scale(30, 2).unwrap();
+        let decimal =
+            Decimal128Array::from(vec![Some(150), None]).with_precision_and_scale(30, 2).unwrap();
         let table = read(
             Path::new("a.parquet"),
             file(vec![
@@ -311,7 +320,8 @@ pub(super) mod tests {
     #[test]
     fn a_footer_that_claims_more_rows_than_are_read_is_refused() {
         let bytes = sample();
-        let metadata = ParquetMetaDataReader::new().parse_and_finish(&Bytes::from(bytes.clone())).unwrap();
+        let metadata =
+            ParquetMetaDataReader::new().parse_and_finish(&Bytes::from(bytes.clone())).unwrap();
         for rows in [MOST_ROWS as i64 + 1, 1_000_000_000_000, i64::MAX] {
             let old = metadata.file_metadata();
             let claims = FileMetaData::new(
@@ -322,7 +332,8 @@ pub(super) mod tests {
                 old.schema_descr_ptr(),
                 None,
             );
-            let group = metadata.row_group(0).clone().into_builder().set_num_rows(rows).build().unwrap();
+            let group =
+                metadata.row_group(0).clone().into_builder().set_num_rows(rows).build().unwrap();
             let claims = ::parquet::file::metadata::ParquetMetaData::new(claims, vec![group]);
             let mut bad = bytes.clone();
             ParquetMetaDataWriter::new(&mut bad, &claims).finish().unwrap();
@@ -355,7 +366,10 @@ pub(super) mod tests {
         let bytes = file(vec![("who", Arc::new(words))]);
         assert!(bytes.len() < 1 << 20, "{}", bytes.len());
         let error = refused(bytes);
-        assert!(error.contains("texts in mapped columns have more than 134217728 bytes"), "{error}");
+        assert!(
+            error.contains("texts in mapped columns have more than 134217728 bytes"),
+            "{error}"
+        );
     }
 
     #[test]

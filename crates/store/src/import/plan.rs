@@ -90,7 +90,9 @@ fn target(to: Signal, columns: &[SignalFrom], study: &Study) -> Signal {
 fn rule_words(to: Signal, rule: Rule) -> String {
     let to = to.name();
     match rule {
-        Rule::DerivativeOf(of) => format!("{to} = derivative of {} (central differences)", of.name()),
+        Rule::DerivativeOf(of) => {
+            format!("{to} = derivative of {} (central differences)", of.name())
+        }
         Rule::IntegralOf(of) => {
             format!("{to} = integral of {} (trapezoids, 0 at the first sample)", of.name())
         }
@@ -107,7 +109,8 @@ impl<'a> Plan<'a> {
         line: Linear,
     ) -> Result<(), StoreError> {
         let (factor, length) = unit::factor(unit, to, context.study).map_err(|lacks| {
-            let what = format!("{unit_text} becomes {} only where study.toml has {lacks}", to.name());
+            let what =
+                format!("{unit_text} becomes {} only where study.toml has {lacks}", to.name());
             let remedy = "add it to study.toml, or choose another unit or column of ours";
             StoreError::new(&context.mapping.path, what, remedy).column(from.to_string())
         })?;
@@ -116,7 +119,8 @@ impl<'a> Plan<'a> {
         self.converted.push(format!("{name} ← {from} ({unit_text}){line_words}"));
         if let Some(lever_m) = length {
             self.lever_m = Some(lever_m);
-            let rule = if unit.dimension == unit::Dimension::Torque { "F = τ / L" } else { "θ = x / L" };
+            let rule =
+                if unit.dimension == unit::Dimension::Torque { "F = τ / L" } else { "θ = x / L" };
             self.computed.push(format!("{name} by {rule} with L = {lever_m} m"));
         }
         if line.zero_first {
@@ -220,7 +224,9 @@ unit = \"mN·m\"
 [coordinate]\nkind = \"linear\"\n[device]\nname = \"x\"\nlever_m = 0.5
 [[environments]]\nid = \"spring\"\nlabel = \"x\"\nkind = \"free\"\n[[modes]]\nid = \"hybrid\"\nlabel = \"x\"\n";
         let world = World::with(slide);
-        world.import(&trials_map(&[ONE, &map]), &[world.file("a.csv", "t,f\n0,5\n1,10\n")]).unwrap();
+        world
+            .import(&trials_map(&[ONE, &map]), &[world.file("a.csv", "t,f\n0,5\n1,10\n")])
+            .unwrap();
         close(&world.column(1, Signal::Theta), &[0.01, 0.02]);
     }
 }

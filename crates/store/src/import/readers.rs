@@ -33,7 +33,8 @@ pub fn jsonl(bytes: &[u8]) -> Result<usize, StoreError> {
     taken(|path, take| super::jsonl::read(path, bytes, take))
 }
 
-/// A MAT file: its vectors, then the columns of the matrix `data`; the number of rows of the vectors.
+/// A MAT file: its vectors, then the columns of the matrix `data`; the number of rows of the
+/// vectors.
 ///
 /// # Errors
 /// Why it cannot be read.

@@ -1,12 +1,13 @@
-//! The four real sets, with the mappings in `studies/`. They lie outside the project: these tests run
-//! where `ZWIDTH_REAL_DATA` names their folder, and say so where they skip.
+//! The four real sets, with the mappings in `studies/`. They lie outside the project: these tests
+//! run where `ZWIDTH_REAL_DATA` names their folder, and say so where they skip.
 
 use super::world::World;
 use super::{Report, convert};
 use crate::{Signal, Sweep, read_sweep};
 use std::path::{Path, PathBuf};
 
-/// The study of that name, with its real recordings `files` imported by `map`; `None` where there are none.
+/// The study of that name, with its real recordings `files` imported by `map`; `None` where there
+/// are none.
 fn imported(study: &str, map: &str, files: &[PathBuf]) -> Option<(World, Report)> {
     let Some(data) = std::env::var_os("ZWIDTH_REAL_DATA") else {
         println!("skipped: ZWIDTH_REAL_DATA is not set, so the real recordings are not there");
@@ -43,7 +44,9 @@ fn near(found: f64, expect: f64, within: f64) {
 fn ethz_gives_twelve_trials_of_torque_acceleration_and_velocity_at_200_hz() {
     let sessions = [9, 10, 11, 12];
     let modes = ["uncontrolled", "fg_compensated", "force_feedback"];
-    let file = |s: u8, m: &str| PathBuf::from(format!("ethz_haptic_paddle/transparency/session_{s}/{m}.csv"));
+    let file = |s: u8, m: &str| {
+        PathBuf::from(format!("ethz_haptic_paddle/transparency/session_{s}/{m}.csv"))
+    };
     let files: Vec<PathBuf> = sessions.iter().flat_map(|s| modes.map(|m| file(*s, m))).collect();
     let Some((world, report)) = imported("ethz", "map-transparency.toml", &files) else { return };
     assert_eq!((report.trials, report.sessions), (12, 4));
@@ -118,8 +121,11 @@ fn brake_b5zd_gives_one_sweep_of_counts_against_torque() {
     near(sweep.response_values[0], 0.0, 0.0);
     near(sweep.response_values.iter().copied().fold(0.0, f64::max), 47.0, 0.5);
     let (a, b) = line(&sweep.command_values, &sweep.response_values);
-    let squares =
-        sweep.command_values.iter().zip(&sweep.response_values).map(|(x, y)| (y - a - b * x).powi(2));
+    let squares = sweep
+        .command_values
+        .iter()
+        .zip(&sweep.response_values)
+        .map(|(x, y)| (y - a - b * x).powi(2));
     near((squares.sum::<f64>() / 6554.0).sqrt(), 3.09, 0.005);
 }
 

@@ -45,7 +45,9 @@ impl Recording {
         let blake3 = hex_blake3(&bytes);
         let groups = name.map_or_else(|| Ok(BTreeMap::new()), |pattern| groups(path, pattern))?;
         let table = match form.format_of(path)? {
-            format @ (Format::Csv | Format::Tsv) => csv::read(path, &bytes, form.dialect(format), take)?,
+            format @ (Format::Csv | Format::Tsv) => {
+                csv::read(path, &bytes, form.dialect(format), take)?
+            }
             Format::Jsonl => jsonl::read(path, &bytes, take)?,
             Format::Parquet => parquet::read(path, bytes, take)?,
             Format::Mat => mat::read(path, &bytes, form.matrix.as_deref(), take)?,
@@ -80,7 +82,13 @@ impl Recording {
     }
 
     /// An error about a cell: column, row, and its line where the file has lines.
-    pub(super) fn cell_error(&self, column: usize, row: usize, what: &str, remedy: &str) -> StoreError {
+    pub(super) fn cell_error(
+        &self,
+        column: usize,
+        row: usize,
+        what: &str,
+        remedy: &str,
+    ) -> StoreError {
         let what = match self.table.lines.get(row) {
             Some(line) => format!("{} (line {line})", shown(what)),
             None => what.to_owned(),
@@ -145,16 +153,19 @@ impl Recording {
             return Err(too_many_rows(&self.path, &read.to_string()));
         }
         let limit = form.rows.unwrap_or(read).min(read);
-        let empty = |row: usize, column: &usize| self.table.columns[*column].cell(row) == Cell::Empty;
+        let empty =
+            |row: usize, column: &usize| self.table.columns[*column].cell(row) == Cell::Empty;
         let lacks = |row: &usize| {
-            text.iter().any(|c| empty(*row, c)) || numeric.iter().any(|c| self.number(*c, *row) == Ok(None))
+            text.iter().any(|c| empty(*row, c))
+                || numeric.iter().any(|c| self.number(*c, *row) == Ok(None))
         };
         let kept: Vec<usize> = match form.missing {
             Missing::Error => (0..limit).collect(),
             Missing::Drop => (0..limit).filter(|row| !lacks(row)).collect(),
         };
         if kept.is_empty() {
-            let what = if read == 0 { "the file has 0 rows" } else { "no row has all mapped values" };
+            let what =
+                if read == 0 { "the file has 0 rows" } else { "no row has all mapped values" };
             return Err(self.error(what, "leave the file out of the import"));
         }
         Ok(Rows { read, missing: limit - kept.len(), past_limit: read - limit, kept })
@@ -182,8 +193,11 @@ impl Recording {
             None => Ok(rows),
             Some(other) => {
                 let has = self.table.columns[*other].len();
-                let what = format!("it has {has} values where '{}' has {rows}", self.table.name(*first));
-                Err(self.error(what, "map only columns of one length").column(self.table.name(*other)))
+                let what =
+                    format!("it has {has} values where '{}' has {rows}", self.table.name(*first));
+                Err(self
+                    .error(what, "map only columns of one length")
+                    .column(self.table.name(*other)))
             }
         }
     }
@@ -275,7 +289,10 @@ mod tests {
     fn every_format_gives_the_same_trial() {
         let map = trials_map(&[ONE, &FORCE.replace("\"s\"", "\"ms\"")]);
         let mat = |big| {
-            mat::tests::encode(&[(b'z', &[1.0]), (b't', &[0.0, 500.0, 1e3]), (b'f', &[1.5, 2.0, 4.0])], big)
+            mat::tests::encode(
+                &[(b'z', &[1.0]), (b't', &[0.0, 500.0, 1e3]), (b'f', &[1.5, 2.0, 4.0])],
+                big,
+            )
         };
         let check = |name: &str, form: &str, content: &[u8]| {
             let world = World::new();
@@ -289,7 +306,11 @@ mod tests {
         check("a.parquet", "", &parquet_file());
         check("a.mat", "", &mat(false));
         check("a.mat", "", &mat(true));
-        check("a.txt", "[file]\nformat = \"csv\"\ndelimiter = \" \"\n", b"t f\n0 1.5\n500 2\n1000 4\n");
+        check(
+            "a.txt",
+            "[file]\nformat = \"csv\"\ndelimiter = \" \"\n",
+            b"t f\n0 1.5\n500 2\n1000 4\n",
+        );
     }
 
     #[test]
@@ -309,7 +330,10 @@ mod tests {
     #[test]
     fn mapped_columns_of_different_lengths_are_refused_others_do_not_matter() {
         let world = World::new();
-        let mat = mat::tests::encode(&[(b't', &[0.0, 1.0]), (b'f', &[1.0, 2.0, 3.0]), (b'z', &[1.0])], false);
+        let mat = mat::tests::encode(
+            &[(b't', &[0.0, 1.0]), (b'f', &[1.0, 2.0, 3.0]), (b'z', &[1.0])],
+            false,
+        );
         let words = "it has 3 values where 't' has 2";
         world.refuses(&trials_map(&[ONE, FORCE]), &world.file("a.mat", mat), words, None);
     }
@@ -334,7 +358,11 @@ mod tests {
         check("t,g\n0,1\n", "column f: the column is missing; the file has t, g", None);
         check("t;f\n0;1\n", "column t: the column is missing", None);
         check("t,f\n0,1\n1\n", "line 3 has 1 cells where 2 belong", None);
-        check("t,f\n0,\"1,5\"\n", "'1,5' is not a number with '.' before its decimals", Some(("f", 1)));
+        check(
+            "t,f\n0,\"1,5\"\n",
+            "'1,5' is not a number with '.' before its decimals",
+            Some(("f", 1)),
+        );
         check("t,f\n", "the file has 0 rows", None);
         check("", "the file is empty", None);
         check("\u{feff}\r\n", "the file is empty", None);
@@ -343,8 +371,11 @@ mod tests {
     #[test]
     fn every_error_of_every_file_is_reported() {
         let world = World::new();
-        let files =
-            [world.file("a.csv", "t,f\nx,y\n"), world.file("b.csv", "t\n0\n"), world.file("c.txt", "t,f\n")];
+        let files = [
+            world.file("a.csv", "t,f\nx,y\n"),
+            world.file("b.csv", "t\n0\n"),
+            world.file("c.txt", "t,f\n"),
+        ];
         let errors = world.import(&trials_map(&[ONE, FORCE]), &files).unwrap_err();
         assert_eq!(errors.len(), 4, "{errors:?}");
     }
@@ -355,7 +386,10 @@ mod tests {
         let rows: String = (0..3000).map(|i| format!("{i},x\n")).collect();
         let map = trials_map(&[&ONE.replace("\"hybrid\"", "{ column = \"f\" }"), FORCE]);
         let bad: String = (0..3000).map(|i| format!("{i},x{i}\n")).collect();
-        assert_eq!(world.import(&map, &[world.file("a.csv", format!("t,f\n{rows}"))]).unwrap_err().len(), 1);
+        assert_eq!(
+            world.import(&map, &[world.file("a.csv", format!("t,f\n{rows}"))]).unwrap_err().len(),
+            1
+        );
         let errors = world.import(&map, &[world.file("b.csv", format!("t,f\n{bad}"))]).unwrap_err();
         assert_eq!(errors.len(), 1001);
         assert!(errors[1000].what.contains("more errors than these"), "{}", errors[1000]);

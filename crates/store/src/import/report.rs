@@ -82,7 +82,12 @@ impl fmt::Display for Report {
         ];
         let made = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| counted(*n, what));
         let files = counted(self.files.len(), "file");
-        write!(f, "{files} imported into study {}: {}", self.study, made.collect::<Vec<_>>().join(", "))
+        write!(
+            f,
+            "{files} imported into study {}: {}",
+            self.study,
+            made.collect::<Vec<_>>().join(", ")
+        )
     }
 }
 
@@ -101,11 +106,13 @@ impl FileReport {
     fn lines(&self) -> Vec<String> {
         let read = counted(self.rows_read, "row");
         let mut lines = vec![format!("{}: {read} read, {} kept", self.file, self.rows_kept)];
-        let dropped = |d: &RowsDropped| format!("  dropped   {}: {}", counted(d.rows, "row"), d.why);
+        let dropped =
+            |d: &RowsDropped| format!("  dropped   {}: {}", counted(d.rows, "row"), d.why);
         lines.extend(self.rows_dropped.iter().map(dropped));
         // Forty questionnaire columns with one reason are one line.
         for why in self.columns_dropped.iter().map(|c| &c.why).collect::<BTreeSet<_>>() {
-            let same = self.columns_dropped.iter().filter(|c| c.why == *why).map(|c| c.column.as_str());
+            let same =
+                self.columns_dropped.iter().filter(|c| c.why == *why).map(|c| c.column.as_str());
             let same: Vec<&str> = same.collect();
             let what = if same.len() == 1 { "column" } else { "columns" };
             lines.push(format!("  dropped   {what} {}: {why}", same.join(", ")));
@@ -115,7 +122,9 @@ impl FileReport {
         {
             lines.extend(what.iter().map(|line| format!("  {head:<9} {line}")));
         }
-        lines.extend((!self.null.is_empty()).then(|| format!("  null      {}", self.null.join(", "))));
+        lines.extend(
+            (!self.null.is_empty()).then(|| format!("  null      {}", self.null.join(", "))),
+        );
         lines
     }
 }
@@ -126,7 +135,10 @@ mod tests {
 
     #[test]
     fn the_report_reads_as_a_list_a_file() {
-        let column = |column: &str| ColumnDropped { column: column.to_owned(), why: "not mapped".to_owned() };
+        let column = |column: &str| ColumnDropped {
+            column: column.to_owned(),
+            why: "not mapped".to_owned(),
+        };
         let file = FileReport {
             file: "K_1.csv".to_owned(),
             rows_read: 10,
@@ -139,7 +151,8 @@ mod tests {
             made: vec!["trial 1".to_owned()],
         };
         let study = StudyId::new("demo").unwrap();
-        let report = Report { study, files: vec![file], trials: 1, sweeps: 0, sessions: 1, answers: 0 };
+        let report =
+            Report { study, files: vec![file], trials: 1, sweeps: 0, sessions: 1, answers: 0 };
         let expect = "\
 K_1.csv: 10 rows read, 9 kept
   dropped   1 row: a mapped cell is empty

@@ -1,8 +1,9 @@
-//! The list of what an import is about to write. It is on the disk before the first of these files is and goes after the
-//! last, so that whoever finds it knows exactly what an import that was cut short has left, and takes it back.
+//! The list of what an import is about to write. It is on the disk before the first of these files
+//! is and goes after the last, so that whoever finds it knows exactly what an import that was cut
+//! short has left, and takes it back.
 //!
-//! Files go in the reverse of the order in which they were written, and only what the import wrote goes: a file of a
-//! session or sweep that was imported, with the listed content.
+//! Files go in the reverse of the order in which they were written, and only what the import wrote
+//! goes: a file of a session or sweep that was imported, with the listed content.
 
 use crate::atomic::folder_of;
 use crate::events::{mend_log, take_back_events};
@@ -41,7 +42,8 @@ pub(super) struct TakenBack {
     pub(super) removed: usize,
     /// What could not be taken back.
     pub(super) left: Vec<StoreError>,
-    /// A folder that could not be synced: what was removed from it may come back after a power cut.
+    /// A folder that could not be synced: what was removed from it may come back after a power
+    /// cut.
     unsynced: Option<StoreError>,
 }
 
@@ -60,7 +62,8 @@ impl Started {
         let mut folders: Vec<PathBuf> = files.iter().flat_map(missing).collect();
         folders.sort();
         folders.dedup();
-        let new = |(path, bytes): &(&Path, &[u8])| New { path: shown(path), blake3: hex_blake3(bytes) };
+        let new =
+            |(path, bytes): &(&Path, &[u8])| New { path: shown(path), blake3: hex_blake3(bytes) };
         Self {
             files: files.iter().map(new).collect(),
             folders: folders.iter().map(|folder| shown(folder)).collect(),
@@ -75,7 +78,8 @@ impl Started {
         replace(disk, &path, &json)
     }
 
-    /// Takes back what was written of the list, and then the list, unless something could not be taken back.
+    /// Takes back what was written of the list, and then the list, unless something could not be
+    /// taken back.
     pub(super) fn take_back(&self, disk: &dyn Files, layout: &Layout) -> TakenBack {
         let mut done = TakenBack::default();
         // The log of the sweeps before the sweeps: it must not speak of what is gone.
@@ -113,7 +117,8 @@ impl Started {
         if disk.kind(&path).is_none() {
             return Ok(false);
         }
-        let bytes = disk.read(&path, crate::MOST_BYTES).map_err(|e| StoreError::io(&path, "read", &e))?;
+        let bytes =
+            disk.read(&path, crate::MOST_BYTES).map_err(|e| StoreError::io(&path, "read", &e))?;
         if hex_blake3(&bytes) != new.blake3 || !is_imported(disk, &path) {
             let what = "an import that was cut short lists it, but did not write it as it is now";
             let remedy = format!("look at it; if it is to stay, remove {}", list.display());
@@ -125,14 +130,19 @@ impl Started {
 
     /// Takes back the lines about the listed sweeps from the end of their log.
     fn take_back_sweeps(&self, disk: &dyn Files, layout: &Layout) -> Result<(), StoreError> {
-        let sweeps: Vec<PathBuf> = self.files.iter().filter_map(|new| below(layout, &new.path)).collect();
+        let sweeps: Vec<PathBuf> =
+            self.files.iter().filter_map(|new| below(layout, &new.path)).collect();
         let log = layout.sweep_events();
-        if disk.kind(&log) != Some(Entry::File) || !sweeps.iter().any(|p| p.starts_with(layout.sweeps())) {
+        if disk.kind(&log) != Some(Entry::File)
+            || !sweeps.iter().any(|p| p.starts_with(layout.sweeps()))
+        {
             return Ok(());
         }
         mend_log(disk, &log)?;
         take_back_events(disk, &log, &|event| match event {
-            Event::SweepRecorded { actuator, sweep, .. } => sweeps.contains(&layout.sweep(actuator, *sweep)),
+            Event::SweepRecorded { actuator, sweep, .. } => {
+                sweeps.contains(&layout.sweep(actuator, *sweep))
+            }
             _ => false,
         })
     }
@@ -154,16 +164,19 @@ fn below(layout: &Layout, listed: &str) -> Option<PathBuf> {
     (ours && is_plain(top) && parts.all(is_plain)).then(|| layout.raw().join(listed))
 }
 
-/// Whether a file belongs to an imported session, or is an imported sweep. No other is an import's to remove.
+/// Whether a file belongs to an imported session, or is an imported sweep. No other is an import's
+/// to remove.
 fn is_imported(disk: &dyn Files, path: &Path) -> bool {
     if path.extension().is_some_and(|e| e == "parquet") {
-        let word = |file: ParquetFile| file.footer.get("source").and_then(|word| Source::from_word(word));
+        let word =
+            |file: ParquetFile| file.footer.get("source").and_then(|word| Source::from_word(word));
         let of_sweep = || ParquetFile::open(disk, path).ok().and_then(word);
         let source = read_footer_from(disk, path).map(|f| f.meta.source).ok().or_else(of_sweep);
         return source == Some(Source::Imported);
     }
-    // `P01_S01.json`, `.study.toml`, `.events.jsonl`, `.events.head`: the record tells for all of them. Log and head are
-    // written after it and removed before it; the copy of study.toml may stand alone.
+    // `P01_S01.json`, `.study.toml`, `.events.jsonl`, `.events.head`: the record tells for all of
+    // them. Log and head are written after it and removed before it; the copy of study.toml may
+    // stand alone.
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let Some((session, kind)) = name.split_once('.') else { return false };
     let record = path.with_file_name(format!("{session}.json"));
@@ -181,8 +194,8 @@ pub(super) fn end(disk: &dyn Files, layout: &Layout) -> Result<(), StoreError> {
     removed.map_err(|e| StoreError::io(&path, "remove", &e))
 }
 
-/// Takes back what an import that was cut short has left: half-written files, and those of its list. The caller holds the
-/// study's lock.
+/// Takes back what an import that was cut short has left: half-written files, and those of its
+/// list. The caller holds the study's lock.
 ///
 /// # Errors
 /// One each for what could not be removed: it is not what an import wrote, or the disk failed.
@@ -193,7 +206,10 @@ pub fn settle(disk: &dyn Files, layout: &Layout) -> Vec<Result<Recovered, StoreE
 }
 
 /// Takes back what the list of an import names, if there is one.
-pub(crate) fn take_back_listed(disk: &dyn Files, layout: &Layout) -> Vec<Result<Recovered, StoreError>> {
+pub(crate) fn take_back_listed(
+    disk: &dyn Files,
+    layout: &Layout,
+) -> Vec<Result<Recovered, StoreError>> {
     let path = layout.import_list();
     if disk.kind(&path).is_none() {
         return Vec::new();

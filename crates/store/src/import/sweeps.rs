@@ -36,8 +36,11 @@ pub(super) fn sweeps(
         SweepForm::Pairs(form) => (form.columns(), None),
         SweepForm::Wide(form) => (Vec::new(), Some(&form.pattern)),
     };
-    let take =
-        Take { columns: columns.into_iter().chain(labels.columns()).collect(), pattern, budget: &budget };
+    let take = Take {
+        columns: columns.into_iter().chain(labels.columns()).collect(),
+        pattern,
+        budget: &budget,
+    };
     let converted = context.convert(files, &take, |recording| match form {
         SweepForm::Pairs(form) => pairs(context, labels, form, &budget, recording),
         SweepForm::Wide(form) => wide(context, labels, form, recording),
@@ -166,7 +169,8 @@ fn pairs(
     };
     budget.trials(&recording.path, recording.pieces(&rows.kept, &label_columns).count())?;
     let pieces = all(recording.pieces(&rows.kept, &label_columns).map(piece))?;
-    let mut report = context.file_report(recording, &rows, &[numeric.as_slice(), &label_columns].concat())?;
+    let mut report =
+        context.file_report(recording, &rows, &[numeric.as_slice(), &label_columns].concat())?;
     match form.time {
         Some(Time::Rate { rate_hz }) => report.computed.push(rate_words(rate_hz)),
         Some(Time::Column { line, .. }) => {
@@ -189,7 +193,9 @@ fn runs_forward(t_s: &[f64]) -> Result<(), usize> {
 pub(super) fn note(report: &mut FileReport, side: &str, from: &str, q: &QuantityFrom) {
     let words = q.line.words();
     let line = words.as_ref().map(|w| format!(", {w}")).unwrap_or_default();
-    report.converted.push(format!("{side} ({}, {}) ← {from}{line}", q.quantity.name, q.quantity.unit));
+    report
+        .converted
+        .push(format!("{side} ({}, {}) ← {from}{line}", q.quantity.name, q.quantity.unit));
     report.computed.extend(words.map(|w| format!("{side} = {w}")));
 }
 
@@ -206,7 +212,8 @@ impl SweepLabels {
         row: usize,
     ) -> Result<(ActuatorId, Option<u32>), StoreError> {
         let actuator = self.actuator.value("actuator", recording, row, identity::id)?;
-        let number = |label: &Label| label.value("sweep", recording, row, |t| identity::number("sweep", t));
+        let number =
+            |label: &Label| label.value("sweep", recording, row, |t| identity::number("sweep", t));
         Ok((actuator, self.sweep.as_ref().map(number).transpose()?))
     }
 }
@@ -271,8 +278,9 @@ sign = -1
     #[test]
     fn bad_sweeps_are_refused_with_column_and_row() {
         let world = World::new();
-        let check =
-            |map: &str, csv: &str, words: &str, at| world.refuses(map, &world.file("a.csv", csv), words, at);
+        let check = |map: &str, csv: &str, words: &str, at| {
+            world.refuses(map, &world.file("a.csv", csv), words, at)
+        };
         check(PAIRS, "u,adc\n0,1\n1,x\n", "'x' is not a number (line 3)", Some(("adc", 2)));
         check(PAIRS, "u,adc\n", "0 rows", None);
         let timed = format!("{PAIRS}[time]\nfrom = \"t\"\nunit = \"s\"\n");

@@ -95,16 +95,21 @@ impl Table {
             (ColumnRef::Position(n), _) => (1..=self.columns.len()).contains(n).then(|| n - 1),
             (ColumnRef::Name(_), None) => {
                 let n = self.columns.len();
-                return Err(format!("the file has no header; name the column by its position, 1 to {n}"));
+                return Err(format!(
+                    "the file has no header; name the column by its position, 1 to {n}"
+                ));
             }
             (ColumnRef::Name(name), Some(names)) => {
                 if names.iter().filter(|n| *n == name).count() > 1 {
-                    return Err("two columns have this name; name the one meant by its position".to_owned());
+                    return Err(
+                        "two columns have this name; name the one meant by its position".to_owned()
+                    );
                 }
                 names.iter().position(|n| n == name)
             }
         };
-        let index = found.ok_or_else(|| format!("the column is missing; the file has {}", self.listing()))?;
+        let index = found
+            .ok_or_else(|| format!("the column is missing; the file has {}", self.listing()))?;
         match &self.columns[index] {
             Cells::Unread => Err("the column was not read".to_owned()),
             Cells::Other(why) => Err(format!("the column cannot be used: {why}")),
@@ -120,7 +125,10 @@ impl Table {
     /// The header of a column, however long, or its position.
     pub(super) fn full_name(&self, index: usize) -> Cow<'_, str> {
         let named = self.names.as_ref().and_then(|names| names.get(index));
-        named.map_or_else(|| Cow::Owned((index + 1).to_string()), |name| Cow::Borrowed(name.as_str()))
+        named.map_or_else(
+            || Cow::Owned((index + 1).to_string()),
+            |name| Cow::Borrowed(name.as_str()),
+        )
     }
 
     fn listing(&self) -> String {

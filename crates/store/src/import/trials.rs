@@ -30,8 +30,8 @@ pub(super) fn trials(
     let budget = Budget::default();
     let taken = plan.taken.iter().map(|taken| taken.from).chain(who.columns()).collect();
     let take = Take { columns: taken, pattern: None, budget: &budget };
-    let converted =
-        context.convert(files, &take, |recording| convert(context, who, &plan, &budget, recording))?;
+    let converted = context
+        .convert(files, &take, |recording| convert(context, who, &plan, &budget, recording))?;
     let identities: Vec<Identity> =
         converted.iter().flat_map(|c| c.made.0.iter().map(|p| p.identity.clone())).collect();
     let planned = number_trials(context, &identities, true)?;
@@ -98,7 +98,12 @@ fn convert(
 }
 
 /// The samples in `rows` of the file; `numeric` are the places of the columns taken.
-fn samples(plan: &Plan, recording: &Recording, numeric: &[usize], rows: &[usize]) -> Result<Samples, Errors> {
+fn samples(
+    plan: &Plan,
+    recording: &Recording,
+    numeric: &[usize],
+    rows: &[usize],
+) -> Result<Samples, Errors> {
     let column = |(taken, place): (&Taken, &usize)| {
         let mut values = recording.numbers(*place, rows)?;
         taken.line.apply(&mut values, taken.factor);
@@ -112,7 +117,8 @@ fn samples(plan: &Plan, recording: &Recording, numeric: &[usize], rows: &[usize]
         samples.set(Signal::Time, rate_times(rate_hz, rows));
     }
     let check = |samples: &Samples| {
-        let checked = samples.check(&recording.path).and_then(|()| check_sizes(&recording.path, samples));
+        let checked =
+            samples.check(&recording.path).and_then(|()| check_sizes(&recording.path, samples));
         checked.map_err(|e| in_their_words(e, plan, recording, numeric, rows))
     };
     check(&samples)?;
@@ -146,7 +152,9 @@ fn in_their_words(
 ) -> StoreError {
     let ours = |t: &Taken| Some(t.to.name()) == error.column.as_deref();
     match (plan.taken.iter().position(ours), error.row) {
-        (Some(i), Some(row)) => recording.cell_error(numeric[i], rows[row - 1], &error.what, &error.remedy),
+        (Some(i), Some(row)) => {
+            recording.cell_error(numeric[i], rows[row - 1], &error.what, &error.remedy)
+        }
         _ => error,
     }
 }
@@ -228,7 +236,8 @@ unit = \"mN·m\"
     fn dropped_rows_leave_a_gap_in_time_and_are_counted() {
         let world = World::new();
         let map = trials_map(&["[file]\nmissing = \"drop\"\nrows = 4\n", ONE, RATED]);
-        let report = world.import(&map, &[world.file("a.csv", "tau,x\n1,\n,5\n3,\nNaN,\n5,\n")]).unwrap();
+        let report =
+            world.import(&map, &[world.file("a.csv", "tau,x\n1,\n,5\n3,\nNaN,\n5,\n")]).unwrap();
         assert_eq!(world.column(1, Signal::Time), [0.0, 0.01]);
         let file = &report.files[0];
         assert_eq!((file.rows_read, file.rows_kept), (5, 2));
@@ -269,7 +278,8 @@ derive = \"integral of theta_dot_rad_s\"
             P01,active,1,familiarisation,3,0,1\nP01,active,1,familiarisation,3,1,1\n\
             P01,active,2,trial,5,0,2\nP01,active,2,trial,5,1,2\n\
             P02,active,1,trial,1,0,3\nP02,active,1,trial,1,1,3\n";
-        let report = world.import(&trials_map(&[COLUMNS, FORCE]), &[world.file("a.csv", csv)]).unwrap();
+        let report =
+            world.import(&trials_map(&[COLUMNS, FORCE]), &[world.file("a.csv", csv)]).unwrap();
         assert_eq!((report.trials, report.sessions), (3, 2));
         let meta = world.trial("P01", "S01", 2).meta;
         assert_eq!((meta.likert, meta.repeat, meta.kind), (Some(5), 1, Kind::Trial));

@@ -21,8 +21,8 @@ pub(super) enum Dimension {
 }
 
 use Dimension::{
-    Acceleration, Angle, AngularAcceleration, AngularVelocity, Bits, Counts, Force, Length, Time, Torque,
-    Velocity, Voltage,
+    Acceleration, Angle, AngularAcceleration, AngularVelocity, Bits, Counts, Force, Length, Time,
+    Torque, Velocity, Voltage,
 };
 
 impl Dimension {
@@ -147,7 +147,11 @@ pub(super) fn may_become(unit: &Unit, signal: Signal) -> bool {
 ///
 /// Lengths become angles by the linear coordinate θ = x / L; a torque becomes a force by the lever,
 /// F = τ / L. `Err` says what the study lacks.
-pub(super) fn factor(unit: &Unit, signal: Signal, study: &Study) -> Result<(f64, Option<f64>), &'static str> {
+pub(super) fn factor(
+    unit: &Unit,
+    signal: Signal,
+    study: &Study,
+) -> Result<(f64, Option<f64>), &'static str> {
     if dimension(signal) == Some(unit.dimension) {
         return Ok((unit.to_si, None));
     }

@@ -1,4 +1,5 @@
-//! Wide sweeps: a column a value of one quantity, read from its header; its cells are the other one.
+//! Wide sweeps: a column a value of one quantity, read from its header; its cells are the other
+//! one.
 
 use super::convert::mean;
 use super::limits::shown;
@@ -48,7 +49,9 @@ pub(super) fn wide(
         Side::Response => ("command", cells, headers),
     };
     if form.reduce == Some(Reduce::Mean) {
-        report.computed.push(format!("{cells_are} = mean of {} rows of each column", rows.kept.len()));
+        report
+            .computed
+            .push(format!("{cells_are} = mean of {} rows of each column", rows.kept.len()));
     }
     for (side, q, values) in
         [("command", &form.command, &mut command), ("response", &form.response, &mut response)]
@@ -77,8 +80,12 @@ fn header_values(pattern: &Regex, recording: &Recording) -> Result<Vec<(usize, f
             recording.error(what, "mend the pattern in [wide]").column(shown(name))
         }))
     };
-    let found =
-        names.iter().map(String::as_str).enumerate().filter_map(&mut value).collect::<Result<Vec<_>, _>>()?;
+    let found = names
+        .iter()
+        .map(String::as_str)
+        .enumerate()
+        .filter_map(&mut value)
+        .collect::<Result<Vec<_>, _>>()?;
     if found.is_empty() {
         let what = format!("no header matches the pattern '{pattern}'");
         return Err(recording.error(what, "mend the pattern in [wide], or header in [file]"));
@@ -130,11 +137,17 @@ offset = 1.0
     #[test]
     fn bad_wide_tables_are_refused_with_column_and_row() {
         let world = World::new();
-        let check =
-            |map: &str, csv: &str, words: &str, at| world.refuses(map, &world.file("a.csv", csv), words, at);
+        let check = |map: &str, csv: &str, words: &str, at| {
+            world.refuses(map, &world.file("a.csv", csv), words, at)
+        };
         check(WIDE, "deg_1_1,deg_2_2\n1,2\nNaN,2\n", "NaN is not a number", Some(("deg_1_1", 2)));
         check(WIDE, "a,b\n1,2\n", "no header matches", None);
-        check(&WIDE.replace("-?[0-9.]+", ".+"), "deg_x_1\n1\n", "'x' in the header is not a number", None);
+        check(
+            &WIDE.replace("-?[0-9.]+", ".+"),
+            "deg_x_1\n1\n",
+            "'x' in the header is not a number",
+            None,
+        );
     }
 
     fn sweep(world: &World) -> Sweep {

@@ -39,7 +39,8 @@ pub(super) struct World {
 }
 
 impl World {
-    /// The study of the template: lever 0.045 m, spring and spring_wall, active, passive and hybrid.
+    /// The study of the template: lever 0.045 m, spring and spring_wall, active, passive and
+    /// hybrid.
     pub(super) fn new() -> Self {
         Self::with(&template(&StudyId::new("demo").unwrap()))
     }
@@ -84,7 +85,13 @@ impl World {
 
     /// Imports one file, and expects an error with these words, in this column and row; and that
     /// nothing was written.
-    pub(super) fn refuses(&self, map: &str, file: &PathBuf, words: &str, at: Option<(&str, usize)>) {
+    pub(super) fn refuses(
+        &self,
+        map: &str,
+        file: &PathBuf,
+        words: &str,
+        at: Option<(&str, usize)>,
+    ) {
         let errors = self.import(map, std::slice::from_ref(file)).unwrap_err();
         let shown = errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
         assert!(shown.contains(words), "{shown}");

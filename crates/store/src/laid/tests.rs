@@ -91,7 +91,8 @@ const ALONE: [Edit; 4] = [
     ("software", |r| r.software = "other".to_owned()),
     ("order", |r| {
         let scheme = zwidth_study::OrderScheme::Williams;
-        r.order = Some(zwidth_study::OrderRecord { scheme, participant_number: 2, session_number: 1 });
+        r.order =
+            Some(zwidth_study::OrderRecord { scheme, participant_number: 2, session_number: 1 });
     }),
     ("trial", |r| r.trials.push(planned(2))),
 ];
@@ -116,7 +117,8 @@ fn each_field_of_a_record_that_is_edited_is_found_and_leaves_its_trials_out() {
 }
 
 #[test]
-fn where_no_log_knows_the_record_the_footers_and_the_calibrations_hash_speak_against_each_edited_field() {
+fn where_no_log_knows_the_record_the_footers_and_the_calibrations_hash_speak_against_each_edited_field()
+ {
     for (field, edit) in IN_FOOTERS {
         let laid = Laid::new(false);
         laid.edit(edit);
@@ -149,14 +151,18 @@ fn a_session_whose_record_is_gone_is_not_laid_down_anew() {
     let again = lay_down(&RealFiles, &laid.layout, UTC, &laid.record, &toml(&laid.layout));
     assert!(again.unwrap_err().what.contains("its record is missing"));
     assert!(!laid.path.exists());
-    assert_eq!(fs::read(laid.layout.events(&laid.record.participant, &laid.record.session)).unwrap(), log);
+    assert_eq!(
+        fs::read(laid.layout.events(&laid.record.participant, &laid.record.session)).unwrap(),
+        log
+    );
 }
 
 #[test]
 fn a_whole_session_is_read_and_one_that_was_never_laid_down_is_none() {
     let laid = Laid::new(true);
     let (participant, session) = (&laid.record.participant, &laid.record.session);
-    let whole = crate::read_session(&RealFiles, &laid.layout, participant, session).unwrap().unwrap();
+    let whole =
+        crate::read_session(&RealFiles, &laid.layout, participant, session).unwrap().unwrap();
     assert_eq!((whole.trials.len(), whole.log.record), (1, laid.record.clone()));
     assert!(whole.log.events.contains(&laid_down(&fs::read(&laid.path).unwrap())));
     let other = "S02".parse().unwrap();
@@ -166,7 +172,9 @@ fn a_whole_session_is_read_and_one_that_was_never_laid_down_is_none() {
     assert_eq!(crate::read_session(&RealFiles, &laid.layout, participant, &other), Ok(None));
     let event = Event::Note { trial: None, text: "x".to_owned() };
     append_events(&RealFiles, &laid.layout.events(participant, &other), UTC, &[event]).unwrap();
-    let [finding] =
-        crate::read_session(&RealFiles, &laid.layout, participant, &other).unwrap_err().try_into().unwrap();
+    let [finding] = crate::read_session(&RealFiles, &laid.layout, participant, &other)
+        .unwrap_err()
+        .try_into()
+        .unwrap();
     assert!(finding.what.contains("record is missing, and its log is there"), "{finding}");
 }

@@ -35,7 +35,8 @@ impl Check<'_> {
                     Some(alignment) => _ = found.insert(id.to_owned(), alignment),
                     None => self.error(&at, format!("{value} must be {}", words())),
                 },
-                _ => self.error(&at, format!("has no meaning here; a figure has the key {ALIGNMENT}")),
+                _ => self
+                    .error(&at, format!("has no meaning here; a figure has the key {ALIGNMENT}")),
             }
         }
     }
@@ -54,16 +55,17 @@ fn words() -> String {
 fn unknown(id: &str, environments: &[&str]) -> Option<String> {
     let parts: Vec<&str> = id.split('.').collect();
     match parts.as_slice() {
-        [kind, ..] if !Figures::WITH_MEANS.contains(kind) => {
-            Some(format!("there is no such figure with a mean; there are {}", Figures::WITH_MEANS.join(", ")))
-        }
+        [kind, ..] if !Figures::WITH_MEANS.contains(kind) => Some(format!(
+            "there is no such figure with a mean; there are {}",
+            Figures::WITH_MEANS.join(", ")
+        )),
         ["modes", _, _, environment] if !environments.contains(environment) => Some(format!(
             "there is no such environment; the figures are modes.PARTICIPANT.SESSION.{{{}}}",
             environments.join(", ")
         )),
-        ["modes", _, _, _, _, ..] | ["loops", _, _, _, ..] => {
-            Some("no figure's id is as long; it is as its file's name without the extension".to_owned())
-        }
+        ["modes", _, _, _, _, ..] | ["loops", _, _, _, ..] => Some(
+            "no figure's id is as long; it is as its file's name without the extension".to_owned(),
+        ),
         _ => None,
     }
 }

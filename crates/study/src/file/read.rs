@@ -27,7 +27,8 @@ const FASTEST_HZ: f64 = 100_000.0;
 pub(super) const MOST_SAMPLES: f64 = 4_194_304.0;
 /// No mean has more points: no figure shows as many.
 const MOST_POINTS: usize = 100_000;
-/// No number is larger, nor one that divides smaller than its inverse, in the unit in which it is typed.
+/// No number is larger, nor one that divides smaller than its inverse, in the unit in which it is
+/// typed.
 const LARGEST: f64 = 1e9;
 /// No position lies further out: a hundred turns, or a hundred metres.
 const FARTHEST_DEG: f64 = 36_000.0;
@@ -40,7 +41,8 @@ const LONGEST_TEXT: usize = 1000;
 const MOST_ERRORS: usize = 100;
 
 impl Study {
-    /// Reads and checks a `study.toml`. Every problem found is in the error, each with its key and line.
+    /// Reads and checks a `study.toml`. Every problem found is in the error, each with its key and
+    /// line.
     pub fn from_toml(text: &str) -> Result<Self, Vec<StudyError>> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let file: File = toml::from_str(text).map_err(|e| vec![locate::toml_error(text, &e)])?;
@@ -69,7 +71,10 @@ impl Check<'_> {
         if !(value > 0.0 && (1.0 / LARGEST..=LARGEST).contains(&value)) {
             self.error(
                 key,
-                format!("{value} must be a number above 0, from {:e} to {LARGEST:e}", 1.0 / LARGEST),
+                format!(
+                    "{value} must be a number above 0, from {:e} to {LARGEST:e}",
+                    1.0 / LARGEST
+                ),
             );
         }
         value
@@ -101,11 +106,14 @@ impl Check<'_> {
 
     /// A text that people will read: on one line, and not without end.
     fn line(&mut self, key: &str, text: &str) {
-        let steers =
-            |c: char| c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        let steers = |c: char| {
+            c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+        };
         if let Some(c) = text.chars().find(|c| steers(*c)) {
-            let problem =
-                format!("holds {}, which starts a line or turns one; leave it out", c.escape_default());
+            let problem = format!(
+                "holds {}, which starts a line or turns one; leave it out",
+                c.escape_default()
+            );
             self.error(key, problem);
         }
         if text.chars().count() > LONGEST_TEXT {
@@ -125,7 +133,10 @@ impl Check<'_> {
         }
         for (i, question) in file.questions.iter().enumerate() {
             self.line(&format!("questions[{i}].text"), &question.text);
-            self.line(&format!("questions[{i}].group"), question.group.as_deref().unwrap_or_default());
+            self.line(
+                &format!("questions[{i}].group"),
+                question.group.as_deref().unwrap_or_default(),
+            );
         }
     }
 
@@ -133,14 +144,19 @@ impl Check<'_> {
     fn sizes(&mut self, file: &File) {
         let DesignTable { repeats, familiarisation, trial_limit_s, .. } = file.design;
         let conditions = file.environments.len().saturating_mul(file.modes.len()) as u64;
-        let trials = conditions.saturating_mul(repeats.into()).saturating_add(familiarisation.into());
+        let trials =
+            conditions.saturating_mul(repeats.into()).saturating_add(familiarisation.into());
         if repeats <= MOST_TRIALS && trials > MOST_TRIALS.into() {
-            let problem =
-                format!("{trials} trials in a session must be at most {MOST_TRIALS}: fewer repeats");
+            let problem = format!(
+                "{trials} trials in a session must be at most {MOST_TRIALS}: fewer repeats"
+            );
             self.error("design.repeats", problem);
         }
         let samples = trial_limit_s * file.control.rate_hz;
-        if trial_limit_s <= LONGEST_S && file.control.rate_hz <= FASTEST_HZ && samples > MOST_SAMPLES {
+        if trial_limit_s <= LONGEST_S
+            && file.control.rate_hz <= FASTEST_HZ
+            && samples > MOST_SAMPLES
+        {
             let problem = format!(
                 "at control.rate_hz = {} a trial could have {samples} samples; at most {MOST_SAMPLES} can be \
                  read again: a shorter limit",
@@ -154,7 +170,10 @@ impl Check<'_> {
         if file.schema != SCHEMA_VERSION {
             self.error(
                 "schema",
-                format!("version {} is unknown; this software reads version {SCHEMA_VERSION}", file.schema),
+                format!(
+                    "version {} is unknown; this software reads version {SCHEMA_VERSION}",
+                    file.schema
+                ),
             );
         }
         self.lines(&file);
@@ -204,7 +223,10 @@ impl Check<'_> {
             }
         }
         if count > MOST_LISTED {
-            self.error(list, format!("the list has {count} entries; at most {MOST_LISTED} are allowed"));
+            self.error(
+                list,
+                format!("the list has {count} entries; at most {MOST_LISTED} are allowed"),
+            );
         }
         if count == 0 && list != "questions" {
             self.error(list, "the list is empty; a study needs at least one".to_owned());
@@ -215,7 +237,9 @@ impl Check<'_> {
         if d.repeats == 0 {
             self.error("design.repeats", "0 must be at least 1".to_owned());
         }
-        for (key, trials) in [("design.repeats", d.repeats), ("design.familiarisation", d.familiarisation)] {
+        for (key, trials) in
+            [("design.repeats", d.repeats), ("design.familiarisation", d.familiarisation)]
+        {
             if trials > MOST_TRIALS {
                 self.error(key, format!("{trials} must be at most {MOST_TRIALS}"));
             }
@@ -224,7 +248,11 @@ impl Check<'_> {
             repeats: d.repeats,
             familiarisation: d.familiarisation,
             trial_limit_s: self.within("design.trial_limit_s", d.trial_limit_s, LONGEST_S),
-            pause_s: if d.pause_s == 0.0 { 0.0 } else { self.within("design.pause_s", d.pause_s, LONGEST_S) },
+            pause_s: if d.pause_s == 0.0 {
+                0.0
+            } else {
+                self.within("design.pause_s", d.pause_s, LONGEST_S)
+            },
             order: d.order,
             blinded: d.blinded,
         }
@@ -255,12 +283,15 @@ impl Check<'_> {
     fn control(&mut self, c: &ControlTable) -> Control {
         let velocity = match (c.velocity, c.velocity_cutoff_hz) {
             (VelocityKind::SecondOrder, given) => VelocityFilter::SecondOrder {
-                cutoff_hz: self
-                    .positive("control.velocity_cutoff_hz", given.unwrap_or(VelocityFilter::CUTOFF_HZ)),
+                cutoff_hz: self.positive(
+                    "control.velocity_cutoff_hz",
+                    given.unwrap_or(VelocityFilter::CUTOFF_HZ),
+                ),
             },
             (VelocityKind::Difference, None) => VelocityFilter::Difference,
             (VelocityKind::Difference, Some(_)) => {
-                let problem = "has no meaning for a plain difference; remove it, or choose \"second_order\"";
+                let problem =
+                    "has no meaning for a plain difference; remove it, or choose \"second_order\"";
                 self.error("control.velocity_cutoff_hz", problem.to_owned());
                 VelocityFilter::Difference
             }
@@ -297,7 +328,10 @@ impl Check<'_> {
         if let Some(q) = &e.question
             && !questions.contains(q.as_str())
         {
-            self.error(&format!("{at}.question"), format!("'{q}' is not the id of any [[questions]]"));
+            self.error(
+                &format!("{at}.question"),
+                format!("'{q}' is not the id of any [[questions]]"),
+            );
         }
         let scene = match e.kind {
             SceneKind::None => Scene::None,
@@ -315,24 +349,38 @@ impl Check<'_> {
             },
         };
         self.refuse_unused(at, e, coordinate);
-        Environment { id: e.id.clone(), label: e.label.clone(), scene, question: e.question.clone() }
+        Environment {
+            id: e.id.clone(),
+            label: e.label.clone(),
+            scene,
+            question: e.question.clone(),
+        }
     }
 
     fn spring(&mut self, at: &str, e: &EnvironmentTable, coordinate: Coordinate) -> Spring {
         let (key, value, factor) = match coordinate {
             Coordinate::Rotational => ("stiffness_n_per_rad", e.stiffness_n_per_rad, 1.0),
-            Coordinate::Linear { lever_m } => ("stiffness_n_per_mm", e.stiffness_n_per_mm, lever_m / MILLI),
+            Coordinate::Linear { lever_m } => {
+                ("stiffness_n_per_mm", e.stiffness_n_per_mm, lever_m / MILLI)
+            }
         };
         let key = format!("{at}.{key}");
         let stiffness = self.required(&key, value);
         Spring {
             stiffness_n_per_rad: self.not_negative(&key, stiffness) * factor,
-            rest_rad: self.position(at, ["rest_deg", "rest_mm"], [e.rest_deg, e.rest_mm], coordinate, None),
+            rest_rad: self.position(
+                at,
+                ["rest_deg", "rest_mm"],
+                [e.rest_deg, e.rest_mm],
+                coordinate,
+                None,
+            ),
         }
     }
 
     /// A position or velocity: given in degrees in a rotational study, in millimetres in a linear
-    /// one; returned in radians. `missing` stands in for an absent key; without it the key is required.
+    /// one; returned in radians. `missing` stands in for an absent key; without it the key is
+    /// required.
     fn position(
         &mut self,
         at: &str,
@@ -360,7 +408,8 @@ impl Check<'_> {
         value.unwrap_or(0.0)
     }
 
-    /// A key that the environment's kind or the study's coordinate gives no meaning to is a mistake.
+    /// A key that the environment's kind or the study's coordinate gives no meaning to is a
+    /// mistake.
     fn refuse_unused(&mut self, at: &str, e: &EnvironmentTable, coordinate: Coordinate) {
         let linear = coordinate != Coordinate::Rotational;
         let spring = matches!(e.kind, SceneKind::Spring | SceneKind::SpringWall);
@@ -379,7 +428,8 @@ impl Check<'_> {
                 } else {
                     String::new()
                 };
-                let problem = format!("has no meaning for this kind of environment and coordinate{meant}");
+                let problem =
+                    format!("has no meaning for this kind of environment and coordinate{meant}");
                 self.error(&format!("{at}.{name}"), problem);
             }
         }
@@ -387,14 +437,19 @@ impl Check<'_> {
 
     fn mode(&mut self, i: usize, m: &ModeTable) -> Mode {
         if m.id.is_code() {
-            let problem = format!("'{}' looks like the code of a sealed mode; choose another id", m.id);
+            let problem =
+                format!("'{}' looks like the code of a sealed mode; choose another id", m.id);
             self.error(&format!("modes[{i}].id"), problem);
         }
         Mode {
             id: m.id.clone(),
             label: m.label.clone(),
-            motor_max_v: m.motor_max_v.map(|v| self.not_negative(&format!("modes[{i}].motor_max_v"), v)),
-            brake_max_v: m.brake_max_v.map(|v| self.not_negative(&format!("modes[{i}].brake_max_v"), v)),
+            motor_max_v: m
+                .motor_max_v
+                .map(|v| self.not_negative(&format!("modes[{i}].motor_max_v"), v)),
+            brake_max_v: m
+                .brake_max_v
+                .map(|v| self.not_negative(&format!("modes[{i}].brake_max_v"), v)),
         }
     }
 
@@ -421,17 +476,26 @@ impl Check<'_> {
             self.error("analysis.grid_points", format!("{} must be at least 2", a.grid_points));
         }
         if a.grid_points > MOST_POINTS {
-            self.error("analysis.grid_points", format!("{} must be at most {MOST_POINTS}", a.grid_points));
+            self.error(
+                "analysis.grid_points",
+                format!("{} must be at most {MOST_POINTS}", a.grid_points),
+            );
         }
         if !(a.confidence > 0.0 && a.confidence < 1.0) {
             self.error("analysis.confidence", format!("{} must lie between 0 and 1", a.confidence));
         }
-        let (onset, offset) = if linear { (ONSET_MM_S, OFFSET_MM_S) } else { (ONSET_DEG_S, OFFSET_DEG_S) };
-        let mut value =
-            |keys, given, default| self.position("analysis", keys, given, coordinate, Some(default));
+        let (onset, offset) =
+            if linear { (ONSET_MM_S, OFFSET_MM_S) } else { (ONSET_DEG_S, OFFSET_DEG_S) };
+        let mut value = |keys, given, default| {
+            self.position("analysis", keys, given, coordinate, Some(default))
+        };
         let analysis = Analysis {
             onset_rad_s: value(["onset_deg_s", "onset_mm_s"], [a.onset_deg_s, a.onset_mm_s], onset),
-            offset_rad_s: value(["offset_deg_s", "offset_mm_s"], [a.offset_deg_s, a.offset_mm_s], offset),
+            offset_rad_s: value(
+                ["offset_deg_s", "offset_mm_s"],
+                [a.offset_deg_s, a.offset_mm_s],
+                offset,
+            ),
             slope_from_rad: value(
                 ["slope_from_deg", "slope_from_mm"],
                 [a.slope_from_deg, a.slope_from_mm],
@@ -441,7 +505,10 @@ impl Check<'_> {
             confidence: a.confidence,
         };
         if analysis.offset_rad_s > analysis.onset_rad_s {
-            self.error("analysis", "the offset velocity must not exceed the onset velocity".to_owned());
+            self.error(
+                "analysis",
+                "the offset velocity must not exceed the onset velocity".to_owned(),
+            );
         }
         analysis
     }

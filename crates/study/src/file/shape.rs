@@ -20,7 +20,8 @@ pub(super) struct File {
     pub(super) masses: Option<MassesTable>,
     #[serde(default)]
     pub(super) analysis: AnalysisTable,
-    /// Tables within tables, read by hand (`figures.rs`): a key's name is the beginning of a figure's id.
+    /// Tables within tables, read by hand (`figures.rs`): a key's name is the beginning of a
+    /// figure's id.
     #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
     pub(super) figures: toml::Table,
     pub(super) environments: Vec<EnvironmentTable>,
@@ -102,7 +103,9 @@ impl From<Control> for ControlTable {
     fn from(c: Control) -> Self {
         let (velocity, velocity_cutoff_hz) = match c.velocity {
             VelocityFilter::Difference => (VelocityKind::Difference, None),
-            VelocityFilter::SecondOrder { cutoff_hz } => (VelocityKind::SecondOrder, Some(cutoff_hz)),
+            VelocityFilter::SecondOrder { cutoff_hz } => {
+                (VelocityKind::SecondOrder, Some(cutoff_hz))
+            }
         };
         let Control { rate_hz, let_go_n, force_limit_n, .. } = c;
         Self { rate_hz, let_go_n, force_limit_n, velocity, velocity_cutoff_hz }

@@ -12,9 +12,11 @@ impl Study {
     }
 }
 
-/// The study as the values of its `study.toml`, in the file's units; nothing of a study that cannot be written.
+/// The study as the values of its `study.toml`, in the file's units; nothing of a study that cannot
+/// be written.
 pub(crate) fn value_of(study: &Study) -> toml::Value {
-    toml::Value::try_from(File::from(study)).unwrap_or_else(|_| toml::Value::Table(toml::Table::new()))
+    toml::Value::try_from(File::from(study))
+        .unwrap_or_else(|_| toml::Value::Table(toml::Table::new()))
 }
 
 impl From<&Study> for File {
@@ -50,7 +52,11 @@ impl From<&Study> for File {
             }),
             analysis: analysis_table(&s.analysis, s.coordinate),
             figures: super::figures::table(&s.figures),
-            environments: s.environments.iter().map(|e| environment_table(e, s.coordinate)).collect(),
+            environments: s
+                .environments
+                .iter()
+                .map(|e| environment_table(e, s.coordinate))
+                .collect(),
             modes: s
                 .modes
                 .iter()
@@ -102,7 +108,8 @@ fn environment_table(e: &Environment, coordinate: Coordinate) -> EnvironmentTabl
         }
         Coordinate::Linear { lever_m } => {
             let mm = |rad: f64| decimal(rad * lever_m / MILLI);
-            table.stiffness_n_per_mm = spring.map(|s| decimal(s.stiffness_n_per_rad / lever_m * MILLI));
+            table.stiffness_n_per_mm =
+                spring.map(|s| decimal(s.stiffness_n_per_rad / lever_m * MILLI));
             table.rest_mm = spring.map(|s| mm(s.rest_rad));
             table.wall_mm = wall.map(mm);
         }
@@ -111,8 +118,11 @@ fn environment_table(e: &Environment, coordinate: Coordinate) -> EnvironmentTabl
 }
 
 fn analysis_table(a: &Analysis, coordinate: Coordinate) -> AnalysisTable {
-    let mut table =
-        AnalysisTable { grid_points: a.grid_points, confidence: a.confidence, ..AnalysisTable::default() };
+    let mut table = AnalysisTable {
+        grid_points: a.grid_points,
+        confidence: a.confidence,
+        ..AnalysisTable::default()
+    };
     match coordinate {
         Coordinate::Rotational => {
             table.onset_deg_s = Some(degrees(a.onset_rad_s));

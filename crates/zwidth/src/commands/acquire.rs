@@ -1,6 +1,8 @@
 //! `zwidth acquire`: records a session, or goes on with one.
 
-use super::device::{Bench, bench, checks_itself, clock, keys, mixed, open, raised_by_signals, secret};
+use super::device::{
+    Bench, bench, checks_itself, clock, keys, mixed, open, raised_by_signals, secret,
+};
 use super::recover::{lock, put_in_order_and_tell};
 use super::resume::resume;
 use crate::args::{Acquire, DeviceSpec};
@@ -13,8 +15,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use zwidth_acquire::{
-    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session, own_study, run,
-    seed_of,
+    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session,
+    own_study, run, seed_of,
 };
 use zwidth_store::{Raw, RealFiles, from_json};
 use zwidth_study::SessionRecord;
@@ -61,18 +63,25 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         stop: raised_by_signals()?,
         quit: raised_by_signals()?,
     };
-    let mut clock = clock(command.fast, mixed(seed, &["clock", participant.as_str(), session.as_str()]));
+    let mut clock =
+        clock(command.fast, mixed(seed, &["clock", participant.as_str(), session.as_str()]));
     let mut front = front(command, Arc::clone(&options.stop))?;
     let utc = |_: f64| super::recover::now();
-    let parts =
-        Parts { device: &mut *device, clock: &mut *clock, files: &raw, front: &mut *front, utc: &utc };
+    let parts = Parts {
+        device: &mut *device,
+        clock: &mut *clock,
+        files: &raw,
+        front: &mut *front,
+        utc: &utc,
+    };
     let outcome = run(&plan, laid, &options, parts);
     drop(front); // the terminal is given back before anything is printed on it
     Ok(tell(&plan, &outcome?, &resume(root, command, plan.study.design.blinded), screen))
 }
 
-/// The simulated device's seed: the one asked for, else the one the session began with, so that it goes on with the same
-/// device and person. A blinded session's seed stands nowhere, so its device has one of its own.
+/// The simulated device's seed: the one asked for, else the one the session began with, so that it
+/// goes on with the same device and person. A blinded session's seed stands nowhere, so its device
+/// has one of its own.
 fn device_seed(bench: &Bench, command: &Acquire) -> u64 {
     if bench.study.design.blinded {
         return mixed(0, &["device", command.study.as_str()]);

@@ -14,14 +14,20 @@ use zwidth_store::{
 };
 use zwidth_study::{ActuatorId, Source};
 
-pub(crate) fn characterise(root: &Path, command: &Characterise, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn characterise(
+    root: &Path,
+    command: &Characterise,
+    screen: &Screen,
+) -> anyhow::Result<Exit> {
     let bench = bench(root, command.study.clone(), None)?;
     let lock = lock(&bench.layout, "zwidth characterise")?;
     match &command.device {
         DeviceSpec::Twin => {}
         DeviceSpec::Playback(_) => bail!("a recording cannot be characterised; use --device twin"),
         DeviceSpec::Rig(ports) => {
-            bail!("this version cannot drive a rig yet, so {ports} were not opened; use --device twin")
+            bail!(
+                "this version cannot drive a rig yet, so {ports} were not opened; use --device twin"
+            )
         }
     }
     let raw = Raw::adds(&RealFiles, &bench.layout, &lock);
@@ -53,7 +59,8 @@ pub(super) fn record(
     };
     let id = actuator_id(actuator)?;
     let path = bench.layout.sweep(&id, number);
-    let device = Twin::new(bench.twin.clone(), Person::typical(seed), seed)?.capabilities().name.clone();
+    let device =
+        Twin::new(bench.twin.clone(), Person::typical(seed), seed)?.capabilities().name.clone();
     let file = [
         ("study_blake3", hex_blake3(&bench.study_toml)),
         ("device", device),
@@ -71,7 +78,8 @@ pub(super) fn record(
 }
 
 fn sweep(actuator: ActuatorId, number: u32, points: &[SweepPoint]) -> Sweep {
-    let quantity = |name: &str, unit: &str| Quantity { name: name.to_owned(), unit: unit.to_owned() };
+    let quantity =
+        |name: &str, unit: &str| Quantity { name: name.to_owned(), unit: unit.to_owned() };
     Sweep {
         actuator,
         sweep: number,

@@ -9,10 +9,15 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use zwidth_device::check::Step;
 use zwidth_device::{
-    Clock, Device, Person, Playback, RealClock, SimulatedClock, Twin, TwinParameters, stop_on_signals,
+    Clock, Device, Person, Playback, RealClock, SimulatedClock, Twin, TwinParameters,
+    stop_on_signals,
 };
-use zwidth_store::{Layout, MOST_BYTES, Samples, Signal, hex_blake3, read_regular, read_study, read_trial};
-use zwidth_study::{Calibration, Control, Flags, ParticipantId, Sample, SessionId, Study, StudyId, Voltages};
+use zwidth_store::{
+    Layout, MOST_BYTES, Samples, Signal, hex_blake3, read_regular, read_study, read_trial,
+};
+use zwidth_study::{
+    Calibration, Control, Flags, ParticipantId, Sample, SessionId, Study, StudyId, Voltages,
+};
 
 /// A study, ready to be recorded.
 pub(super) struct Bench {
@@ -23,15 +28,18 @@ pub(super) struct Bench {
     pub(super) twin: TwinParameters,
 }
 
-/// The study, with the rate asked for, and what two files beside its `study.toml` say where they are there:
-/// `calibration.toml` (else the prototype's nominal one) and `twin.toml`, the simulated device's parameters.
+/// The study, with the rate asked for, and what two files beside its `study.toml` say where they
+/// are there: `calibration.toml` (else the prototype's nominal one) and `twin.toml`, the simulated
+/// device's parameters.
 pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::Result<Bench> {
     let layout = study(root, id)?;
     let mut study = read_study(&layout).map_err(|findings| together(&findings))?;
     study.control.rate_hz = rate_hz.unwrap_or(study.control.rate_hz);
     let path = layout.raw().join("calibration.toml");
     let calibration = match beside(&path)? {
-        Some(text) => Calibration::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?,
+        Some(text) => {
+            Calibration::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?
+        }
         None => Calibration::thesis(),
     };
     let study_toml = read_regular(&layout.study_toml(), MOST_BYTES)?;
@@ -49,7 +57,8 @@ impl Bench {
     }
 }
 
-/// The simulated device's parameters: the defaults, with the study's lever and what `raw/<study>/twin.toml` names.
+/// The simulated device's parameters: the defaults, with the study's lever and what
+/// `raw/<study>/twin.toml` names.
 fn twin_parameters(layout: &Layout, lever_m: Option<f64>) -> anyhow::Result<TwinParameters> {
     let path = layout.raw().join("twin.toml");
     let mut twin = TwinParameters::default();
@@ -57,9 +66,13 @@ fn twin_parameters(layout: &Layout, lever_m: Option<f64>) -> anyhow::Result<Twin
     let Some(text) = beside(&path)? else { return Ok(twin) };
     let named: toml::Table = text.parse().map_err(|e| anyhow!("{}: {e}", path.display()))?;
     if named.contains_key("lever_m") {
-        bail!("{}: lever_m belongs in study.toml, as device.lever_m; take it out here", path.display());
+        bail!(
+            "{}: lever_m belongs in study.toml, as device.lever_m; take it out here",
+            path.display()
+        );
     }
-    let read: TwinParameters = toml::from_str(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
+    let read: TwinParameters =
+        toml::from_str(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
     let twin = TwinParameters { lever_m: twin.lever_m, ..read };
     twin.check().with_context(|| path.display().to_string())?;
     Ok(twin)
@@ -77,8 +90,11 @@ pub(super) fn open(
         DeviceSpec::Twin => Ok(Box::new(twin(&bench.twin, seed, participant, session)?)),
         DeviceSpec::Playback(path) => {
             let trial = read_trial(path, Signal::all())?;
-            let stop_rad =
-                bench.study.device.theta_min_rad.context("study.toml: device.theta_min_deg is missing")?;
+            let stop_rad = bench
+                .study
+                .device
+                .theta_min_rad
+                .context("study.toml: device.theta_min_deg is missing")?;
             Ok(Box::new(Playback::new(rows(path, &trial.samples)?, stop_rad)?))
         }
         DeviceSpec::Rig(ports) => bail!(
@@ -88,7 +104,8 @@ pub(super) fn open(
     }
 }
 
-/// The simulated device with a participant. One seed: one device, the same person in each session, other noise.
+/// The simulated device with a participant. One seed: one device, the same person in each session,
+/// other noise.
 pub(super) fn twin(
     parameters: &TwinParameters,
     seed: u64,
@@ -108,8 +125,8 @@ pub(super) fn mixed(seed: u64, purpose: &[&str]) -> u64 {
     u64::from_str_radix(&hex_blake3(text.as_bytes())[..DIGITS], 16).unwrap_or(seed)
 }
 
-/// Whether the device goes through a step of the check by itself: the simulated one has its participant, a recording
-/// has nothing to check, and neither has a mass to hang on.
+/// Whether the device goes through a step of the check by itself: the simulated one has its
+/// participant, a recording has nothing to check, and neither has a mass to hang on.
 pub(super) fn checks_itself(spec: &DeviceSpec) -> fn(Step) -> bool {
     match spec {
         DeviceSpec::Twin => |step| !matches!(step, Step::Load(_)),
@@ -127,33 +144,38 @@ pub(super) fn raised_by_signals() -> anyhow::Result<Arc<AtomicBool>> {
     stop_on_signals().context("cannot take signals, so nothing would stop a trial; try again")
 }
 
-/// The folder of seals: the one asked for, else `zwidth/` in the user's state folder (XDG: `~/.local/state`). A user
-/// without one needs none for a study that is not `blinded`.
+/// The folder of seals: the one asked for, else `zwidth/` in the user's state folder (XDG:
+/// `~/.local/state`). A user without one needs none for a study that is not `blinded`.
 pub(super) fn keys(asked: &Keys, blinded: bool) -> anyhow::Result<PathBuf> {
     let variable = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     let home = || variable("HOME").map(|home| home.join(".local").join("state"));
     let state = || variable("XDG_STATE_HOME").or_else(home).or_else(|| variable("LOCALAPPDATA"));
     let folder = asked.folder.clone().or_else(|| state().map(|state| state.join("zwidth")));
     let folder = folder.or_else(|| (!blinded).then(PathBuf::new));
-    folder.context("there is no state folder for this user; name a folder for the seals with --key DIR")
+    folder.context(
+        "there is no state folder for this user; name a folder for the seals with --key DIR",
+    )
 }
 
 /// 32 random bytes of the system's.
 pub(super) fn secret() -> anyhow::Result<[u8; 32]> {
     let mut bytes = [0; 32];
-    getrandom::fill(&mut bytes).map_err(|e| anyhow!("the system gives no random numbers: {e}; try again"))?;
+    getrandom::fill(&mut bytes)
+        .map_err(|e| anyhow!("the system gives no random numbers: {e}; try again"))?;
     Ok(bytes)
 }
 
 /// A trial's rows.
 fn rows(path: &Path, samples: &Samples) -> anyhow::Result<Vec<Sample>> {
     let needed = |signal: Signal| {
-        let missing =
-            || anyhow!("{}: {signal:?} was not recorded; choose a trial that has it", path.display());
+        let missing = || {
+            anyhow!("{}: {signal:?} was not recorded; choose a trial that has it", path.display())
+        };
         samples.get(signal).ok_or_else(missing)
     };
     let or_zero = |signal: Signal, i: usize| samples.get(signal).map_or(0.0, |v| v[i]);
-    let (t, theta, force) = (needed(Signal::Time)?, needed(Signal::Theta)?, needed(Signal::ForceEx)?);
+    let (t, theta, force) =
+        (needed(Signal::Time)?, needed(Signal::Theta)?, needed(Signal::ForceEx)?);
     let row = |i: usize| Sample {
         t_s: t[i],
         t_device_s: samples.get(Signal::DeviceTime).map(|v| v[i]),

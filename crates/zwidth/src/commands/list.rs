@@ -81,7 +81,9 @@ fn session(data: &StudyData, log: &zwidth_store::SessionLog) -> Session {
     let trials: Vec<&TrialEntry> = data
         .trials
         .iter()
-        .filter(|t| t.meta.participant == log.record.participant && t.meta.session == log.record.session)
+        .filter(|t| {
+            t.meta.participant == log.record.participant && t.meta.session == log.record.session
+        })
         .collect();
     let sealed = log.is_sealed();
     // A sealed trial that nothing else keeps out will count.
@@ -106,12 +108,17 @@ fn session(data: &StudyData, log: &zwidth_store::SessionLog) -> Session {
 /// Conditions with fewer repeats than the design wants, for sessions that have samples at all.
 fn missing(data: &StudyData, trials: &[&TrialEntry]) -> Vec<String> {
     let repeats = data.study.design.repeats as usize;
-    let have = |c: &Condition| trials.iter().filter(|t| t.counts() && t.meta.condition() == *c).count();
+    let have =
+        |c: &Condition| trials.iter().filter(|t| t.counts() && t.meta.condition() == *c).count();
     let line = |c: &Condition| {
         let n = have(c);
         (n < repeats).then(|| format!("{} × {}: {n} of {repeats}", c.environment, c.mode))
     };
-    if trials.is_empty() { Vec::new() } else { data.study.conditions().iter().filter_map(line).collect() }
+    if trials.is_empty() {
+        Vec::new()
+    } else {
+        data.study.conditions().iter().filter_map(line).collect()
+    }
 }
 
 fn text(l: &Listing) -> String {
@@ -122,8 +129,9 @@ fn text(l: &Listing) -> String {
             "  {} {}  {} trials, {} familiarisation ({}{masked})",
             s.participant, s.session, s.trials, s.familiarisation, s.source
         ));
-        let command =
-            |verb: &str| format!("`zwidth {verb} {} -p {} -s {}`", l.study, s.participant, s.session);
+        let command = |verb: &str| {
+            format!("`zwidth {verb} {} -p {} -s {}`", l.study, s.participant, s.session)
+        };
         if s.to_go > 0 {
             lines.push(format!("    unfinished: {} trials to go; {}", s.to_go, command("acquire")));
         } else if s.sealed {

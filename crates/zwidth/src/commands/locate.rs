@@ -1,4 +1,5 @@
-//! From a path that a person typed to the job behind it: by its place, or for a copy elsewhere by what the file says.
+//! From a path that a person typed to the job behind it: by its place, or for a copy elsewhere by
+//! what the file says.
 
 use super::near::did_you_mean;
 use crate::screen::Screen;
@@ -47,7 +48,10 @@ pub(super) fn place(root: &Path, typed: &Path) -> Place {
     let candidates = [real(typed), real(&real_root.join(typed))];
     let inside = candidates.iter().filter_map(|p| p.strip_prefix(&real_root).ok());
     let shown = inside.map(|p| p.to_string_lossy().replace('\\', "/"));
-    shown.map(|path| of(&path)).find(|place| !matches!(place, Place::Outside)).unwrap_or(Place::Outside)
+    shown
+        .map(|path| of(&path))
+        .find(|place| !matches!(place, Place::Outside))
+        .unwrap_or(Place::Outside)
 }
 
 fn of(path: &str) -> Place {
@@ -76,7 +80,8 @@ pub(super) struct Made {
     pub(super) records: Records,
     pub(super) job: String,
     pub(super) by: FoundBy,
-    /// The output that the file is, relative to the root; of a copy the job's output of the same extension, if any.
+    /// The output that the file is, relative to the root; of a copy the job's output of the same
+    /// extension, if any.
     pub(super) path: String,
 }
 
@@ -97,13 +102,15 @@ pub(super) fn copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Resu
     for layout in with_records(root) {
         let records = records(&layout, screen)?;
         for (job, record) in records.iter() {
-            let same = record.outputs.iter().find(|(_, hash)| **hash == content).map(|(path, _)| path);
+            let same =
+                record.outputs.iter().find(|(_, hash)| **hash == content).map(|(path, _)| path);
             let by = match same {
                 _ if origins.contains(&record.origin) => FoundBy::Origin,
                 Some(_) => FoundBy::Content,
                 None => continue,
             };
-            let alike = || record.outputs.keys().find(|path| Path::new(path).extension() == extension);
+            let alike =
+                || record.outputs.keys().find(|path| Path::new(path).extension() == extension);
             let path = same.or_else(alike).or_else(|| record.outputs.keys().next());
             let path = path.cloned().unwrap_or_default();
             found.push(Made {
@@ -124,8 +131,9 @@ pub(super) fn copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Resu
 /// The studies that were run.
 fn with_records(root: &Path) -> Vec<Layout> {
     let folders = std::fs::read_dir(root.join("derived")).into_iter().flatten().flatten();
-    let mut ids: Vec<StudyId> =
-        folders.filter_map(|entry| StudyId::new(entry.file_name().to_string_lossy()).ok()).collect();
+    let mut ids: Vec<StudyId> = folders
+        .filter_map(|entry| StudyId::new(entry.file_name().to_string_lossy()).ok())
+        .collect();
     ids.sort();
     ids.into_iter()
         .map(|id| Layout::new(root, id))
@@ -134,7 +142,8 @@ fn with_records(root: &Path) -> Vec<Layout> {
 }
 
 fn unknown(root: &Path, typed: &Path, origins: &[String]) -> String {
-    let (file, root) = (typed.display(), if root.as_os_str().is_empty() { Path::new(".") } else { root });
+    let (file, root) =
+        (typed.display(), if root.as_os_str().is_empty() { Path::new(".") } else { root });
     let root = root.display();
     match origins.first() {
         Some(origin) => format!(
@@ -152,7 +161,9 @@ fn unknown(root: &Path, typed: &Path, origins: &[String]) -> String {
 /// What to say of a path that no job makes.
 pub(super) fn no_job(path: &str, study: &StudyId, outputs: &[&str]) -> String {
     if path.ends_with("/records.json") {
-        return format!("{path} is the runner's own record of what was made from what; no job makes it");
+        return format!(
+            "{path} is the runner's own record of what was made from what; no job makes it"
+        );
     }
     if path.starts_with("reports/simulate/") {
         return format!(
@@ -162,7 +173,9 @@ pub(super) fn no_job(path: &str, study: &StudyId, outputs: &[&str]) -> String {
     let name = |path: &str| path.rsplit('/').next().unwrap_or_default().to_owned();
     let names: Vec<String> = outputs.iter().map(|o| name(o)).collect();
     let near = did_you_mean(&name(path), names.iter().map(String::as_str));
-    format!("no job of {study} makes {path}{near} (`zwidth run {study} --dry-run --fresh` lists the jobs)")
+    format!(
+        "no job of {study} makes {path}{near} (`zwidth run {study} --dry-run --fresh` lists the jobs)"
+    )
 }
 
 /// What to say of a raw file.
@@ -192,7 +205,9 @@ mod tests {
             matches!(place(folder.path(), &typed), Place::Results(_, p) if p == "reports/s/figures/a.svg")
         );
         let typed = Path::new("derived/s/a.parquet");
-        assert!(matches!(place(folder.path(), typed), Place::Results(_, p) if p == "derived/s/a.parquet"));
+        assert!(
+            matches!(place(folder.path(), typed), Place::Results(_, p) if p == "derived/s/a.parquet")
+        );
         assert!(matches!(place(folder.path(), Path::new("../a.svg")), Place::Outside));
     }
 }

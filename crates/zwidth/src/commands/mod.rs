@@ -32,14 +32,21 @@ fn studies(root: &Path, named: Vec<StudyId>) -> anyhow::Result<Vec<Layout>> {
     ids.into_iter().map(|id| study(root, id)).collect()
 }
 
-/// Folders of studies that no command can name, if all studies are asked for: none of them is passed by without a word.
+/// Folders of studies that no command can name, if all studies are asked for: none of them is
+/// passed by without a word.
 fn nameless(root: &Path, named: &[StudyId]) -> Vec<StoreError> {
     let folders = if named.is_empty() { std::fs::read_dir(root.join("raw")).ok() } else { None };
     let finding = |path: PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let why = StudyId::new(name.as_str()).err().filter(|_| is_study(&path))?.why;
-        let what = format!("the study in the folder {name:?} is left out, because its name is no id: {why}");
-        Some(StoreError::new(&root.join("raw"), what, "rename the folder, and study.id in its study.toml"))
+        let what = format!(
+            "the study in the folder {name:?} is left out, because its name is no id: {why}"
+        );
+        Some(StoreError::new(
+            &root.join("raw"),
+            what,
+            "rename the folder, and study.id in its study.toml",
+        ))
     };
     let mut found: Vec<StoreError> =
         folders.into_iter().flatten().flatten().filter_map(|entry| finding(entry.path())).collect();
@@ -66,8 +73,9 @@ fn study(root: &Path, id: StudyId) -> anyhow::Result<Layout> {
 
 fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {
     let raw = root.join("raw");
-    let list = std::fs::read_dir(&raw)
-        .with_context(|| format!("cannot list {}; choose the data folder with --root", raw.display()))?;
+    let list = std::fs::read_dir(&raw).with_context(|| {
+        format!("cannot list {}; choose the data folder with --root", raw.display())
+    })?;
     let mut ids: Vec<StudyId> = list
         .flatten()
         .filter(|entry| is_study(&entry.path()))
@@ -80,12 +88,16 @@ fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {
     Ok(ids)
 }
 
-/// Whether a folder is a study's: one with recordings stays one without its study.toml, which is then missed.
+/// Whether a folder is a study's: one with recordings stays one without its study.toml, which is
+/// then missed.
 fn is_study(folder: &Path) -> bool {
     ["study.toml", "trials", "sweeps", "sessions"].iter().any(|name| folder.join(name).exists())
 }
 
 /// Several findings as one error, a line each.
 fn together(findings: &[StoreError]) -> anyhow::Error {
-    anyhow::anyhow!("{}", findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n       "))
+    anyhow::anyhow!(
+        "{}",
+        findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n       ")
+    )
 }

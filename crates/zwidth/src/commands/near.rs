@@ -33,8 +33,13 @@ mod tests {
 
     #[test]
     fn the_names_most_alike_come_first_and_those_unlike_not_at_all() {
-        let names =
-            ["likert", "loops.P01.S01", "modes.P01.S01.spring", "modes.P01.S01.spring_wall", "metrics"];
+        let names = [
+            "likert",
+            "loops.P01.S01",
+            "modes.P01.S01.spring",
+            "modes.P01.S01.spring_wall",
+            "metrics",
+        ];
         assert_eq!(near("mods.P01.S01.spring", names)[0], "modes.P01.S01.spring");
         assert_eq!(near("metric", names), ["metrics"]);
         assert!(near("nonsense", names).is_empty());

@@ -11,7 +11,10 @@ pub(crate) fn new(root: &Path, study: StudyId, screen: &Screen) -> anyhow::Resul
     let layout = Layout::new(root, study.clone());
     let path = layout.study_toml();
     if path.exists() {
-        bail!("the study '{study}' is there already; edit {}, or choose another id", path.display());
+        bail!(
+            "the study '{study}' is there already; edit {}, or choose another id",
+            path.display()
+        );
     }
     check_study_id(&RealFiles, &layout)?;
     write_new(&Raw::new_study(&RealFiles, &layout), &path, template(&study).as_bytes())?;

@@ -7,7 +7,8 @@ use crate::screen::Screen;
 use serde::Serialize;
 use std::path::Path;
 use zwidth_store::{
-    Layout, Raw, RealFiles, Recovered, StoreError, StudyLock, accept_study, owner, recover as recover_study,
+    Layout, Raw, RealFiles, Recovered, StoreError, StudyLock, accept_study, owner,
+    recover as recover_study,
 };
 
 #[derive(Serialize)]
@@ -42,7 +43,8 @@ pub(crate) fn recover(root: &Path, command: &Recover, screen: &Screen) -> anyhow
 fn accepted(layout: &Layout, lock: &StudyLock, command: &Recover) -> anyhow::Result<Vec<Line>> {
     let only = command.participant.as_ref().zip(command.session.as_ref());
     let raw = Raw::adds(&RealFiles, layout, lock);
-    let accepted = accept_study(&raw, layout, &now(), only).map_err(|findings| together(&findings))?;
+    let accepted =
+        accept_study(&raw, layout, &now(), only).map_err(|findings| together(&findings))?;
     let file = layout.study_toml().display().to_string();
     let line = |what| Line { file: file.clone(), what, ok: true };
     let none = accepted.is_empty().then(|| "study.toml: no change waits to be accepted".to_owned());
@@ -68,8 +70,15 @@ pub(super) fn put_in_order_and_tell(layout: &Layout, lock: &StudyLock, screen: &
 
 fn put_in_order(layout: &Layout, lock: &StudyLock) -> Vec<Line> {
     let line = |found: Result<Recovered, StoreError>| match found {
-        Ok(done) => Line { file: done.path.display().to_string(), what: done.to_string(), ok: true },
-        Err(error) => Line { file: error.path.display().to_string(), what: error.to_string(), ok: false },
+        Ok(done) => {
+            Line { file: done.path.display().to_string(), what: done.to_string(), ok: true }
+        }
+        Err(error) => {
+            Line { file: error.path.display().to_string(), what: error.to_string(), ok: false }
+        }
     };
-    recover_study(&Raw::mends(&RealFiles, layout, lock), layout, &now()).into_iter().map(line).collect()
+    recover_study(&Raw::mends(&RealFiles, layout, lock), layout, &now())
+        .into_iter()
+        .map(line)
+        .collect()
 }

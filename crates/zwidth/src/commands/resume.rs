@@ -1,12 +1,14 @@
-//! The command that goes on with a session: with every option that it was begun with and needs again, as a shell reads
-//! it.
+//! The command that goes on with a session: with every option that it was begun with and needs
+//! again, as a shell reads it.
 
 use crate::args::{Acquire, DeviceSpec};
 use std::path::Path;
 
 /// The command. A blinded session needs no seed to go on, so its seed is not shown.
 pub(super) fn resume(root: &Path, command: &Acquire, blinded: bool) -> String {
-    let Acquire { study, participant, session, device, plain, ascii, auto, rate, seed, fast, .. } = command;
+    let Acquire {
+        study, participant, session, device, plain, ascii, auto, rate, seed, fast, ..
+    } = command;
     let mut words = vec!["zwidth".to_owned(), "acquire".to_owned()];
     // What looks like an option comes last, where nothing is taken for one.
     let last = study.as_str().starts_with('-');
@@ -102,7 +104,9 @@ mod tests {
                 },
                 rate: [None, Some(120.0), Some(100.1 + 0.2), Some(1.0), Some(1e5)][i % 5],
                 seed: [None, Some(u64::MAX), Some(0)][(i / 3) % 3],
-                keys: Keys { folder: (!i.is_multiple_of(4)).then(|| paths[(i / 4) % paths.len()].into()) },
+                keys: Keys {
+                    folder: (!i.is_multiple_of(4)).then(|| paths[(i / 4) % paths.len()].into()),
+                },
                 plain: i & 1 > 0,
                 ascii: i & 2 > 0,
                 auto: i & 4 > 0,
@@ -116,13 +120,20 @@ mod tests {
             let root = paths[(i / 7) % paths.len()];
             assert_eq!(read_back(root, &command, false), (root.to_owned(), command.clone()), "{i}");
             let unseeded = Acquire { seed: None, ..command.clone() };
-            assert_eq!(read_back(root, &command, true).1, unseeded, "a blinded session's seed is not shown");
+            assert_eq!(
+                read_back(root, &command, true).1,
+                unseeded,
+                "a blinded session's seed is not shown"
+            );
         }
     }
 
     #[test]
     fn what_was_not_given_is_not_suggested() {
-        assert_eq!(resume(Path::new(""), &plain("small"), false), "zwidth acquire small -p P01 -s S01");
+        assert_eq!(
+            resume(Path::new(""), &plain("small"), false),
+            "zwidth acquire small -p P01 -s S01"
+        );
         let accepts = Acquire { accept_study_change: true, ..plain("small") };
         assert_eq!(
             resume(Path::new(""), &accepts, false),

@@ -81,10 +81,12 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
         dry_run: command.dry_run,
         only: command.only.clone(),
         known: trials.chain(sweeps).collect(),
+        without_origin: command.without_origin,
     };
     let bars = screen.bars(lengths(&jobs, command.only.as_deref()));
     let done = |report: &Report| bars.done(report.stage, &report.name);
-    // Not waited for: what a power cut spoils no longer has the hash in its record, and is made again.
+    // Not waited for: what a power cut spoils no longer has the hash in its record, and is made
+    // again.
     let done = run_jobs(&jobs, &Results::new(layout, &Unsynced), &options, &done);
     bars.clear();
     let Done { reports, remarks } = done?;
@@ -92,7 +94,9 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let with_care = words(&found.with_care).chain(words(&remarks));
     let outcome = Outcome {
         left_out: sorted(left_out.chain(reports.iter().flat_map(|r| r.problems.iter().cloned()))),
-        read_with_care: sorted(with_care.chain(reports.iter().flat_map(|r| r.care.iter().cloned()))),
+        read_with_care: sorted(
+            with_care.chain(reports.iter().flat_map(|r| r.care.iter().cloned())),
+        ),
         ..outcome(&data, &reports, start.elapsed().as_secs_f64())
     };
     if !screen.json {
@@ -104,8 +108,9 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
 /// How many jobs of each stage a run looks at.
 fn lengths(jobs: &[Job], only: Option<&str>) -> Vec<(&'static str, usize)> {
     let wanted = wanted(jobs, only);
-    let of =
-        |stage: &str| jobs.iter().zip(&wanted).filter(|(job, wanted)| **wanted && job.stage == stage).count();
+    let of = |stage: &str| {
+        jobs.iter().zip(&wanted).filter(|(job, wanted)| **wanted && job.stage == stage).count()
+    };
     plan::STAGES.into_iter().map(|stage| (stage, of(stage))).filter(|(_, n)| *n > 0).collect()
 }
 
@@ -141,7 +146,8 @@ fn sorted(lines: impl Iterator<Item = String>) -> Vec<String> {
 
 /// What the jobs made and failed to make; the rest is empty.
 fn outcome(data: &StudyData, reports: &[Report], seconds: f64) -> Outcome {
-    let entry = |r: &Report, why: &str| Entry { stage: r.stage, name: r.name.clone(), why: why.to_owned() };
+    let entry =
+        |r: &Report, why: &str| Entry { stage: r.stage, name: r.name.clone(), why: why.to_owned() };
     let made = reports.iter().filter_map(|r| match &r.verdict {
         Verdict::Made(why) => Some(entry(r, why)),
         _ => None,
@@ -176,7 +182,10 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
     }
     outcome.left_out.iter().for_each(|what| screen.warn(format!("left out: {what}")));
     outcome.read_with_care.iter().for_each(|what| screen.warn(format!("read with care: {what}")));
-    outcome.failed.iter().for_each(|e| screen.warn(format!("{} could not be made: {}", e.name, e.why)));
+    outcome
+        .failed
+        .iter()
+        .for_each(|e| screen.warn(format!("{} could not be made: {}", e.name, e.why)));
     let layout = &data.layout;
     screen.result(format!(
         "{}: {} {verb}, {} up to date, in {:.2} s",
@@ -185,9 +194,11 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
         outcome.up_to_date,
         outcome.seconds
     ));
-    let is_there =
-        |r: &Report| r.stage == "summary" && matches!(r.verdict, Verdict::Made(_) | Verdict::UpToDate);
+    let is_there = |r: &Report| {
+        r.stage == "summary" && matches!(r.verdict, Verdict::Made(_) | Verdict::UpToDate)
+    };
     if !command.dry_run && reports.iter().any(is_there) {
-        screen.result(format!("Look first at {}", layout.shown(&plan::summary_file(data)).display()));
+        screen
+            .result(format!("Look first at {}", layout.shown(&plan::summary_file(data)).display()));
     }
 }

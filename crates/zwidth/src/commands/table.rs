@@ -40,7 +40,11 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
     let Some((file, table)) = tables.iter().find(|(_, table)| table.name() == name) else {
         unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
         let names: Vec<_> = tables.iter().map(|(_, table)| table.name()).collect();
-        bail!("{} has no table '{name}' that can be read; it has {}", asked.study, names.join(", "));
+        bail!(
+            "{} has no table '{name}' that can be read; it has {}",
+            asked.study,
+            names.join(", ")
+        );
     };
     let wanted = [(asked.format.into(), file.as_path())];
     for bytes in table.to_bytes(&wanted, data.study.coordinate, &BTreeMap::new())? {
@@ -50,14 +54,17 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
 }
 
 fn list(tables: &[Table], screen: &Screen) -> anyhow::Result<()> {
-    let entry =
-        |t: &Table| Entry { name: t.name().to_owned(), title: t.title().to_owned(), rows: t.height() };
+    let entry = |t: &Table| Entry {
+        name: t.name().to_owned(),
+        title: t.title().to_owned(),
+        rows: t.height(),
+    };
     if screen.json {
         screen.listing(&tables.iter().map(entry).collect::<Vec<_>>())?;
     } else {
-        tables
-            .iter()
-            .for_each(|t| screen.result(format!("{:<28} {} ({} rows)", t.name(), t.title(), t.height())));
+        tables.iter().for_each(|t| {
+            screen.result(format!("{:<28} {} ({} rows)", t.name(), t.title(), t.height()))
+        });
     }
     Ok(())
 }

@@ -1,4 +1,5 @@
-//! `zwidth trace`: the raw files behind a result, and the jobs between, as the records of the last run have them.
+//! `zwidth trace`: the raw files behind a result, and the jobs between, as the records of the last
+//! run have them.
 
 use super::locate::{FoundBy, Made, Place, copies, is_raw, no_job, place, records};
 use super::study;
@@ -29,7 +30,8 @@ struct Behind {
     jobs: Vec<Job>,
     /// The raw files in which the chain ends.
     raw: Vec<Raw>,
-    /// Contents of results that were read and have been replaced or taken away since: the chain ends there.
+    /// Contents of results that were read and have been replaced or taken away since: the chain
+    /// ends there.
     lost: Vec<Source>,
     /// Files from which the jobs' parameters are taken.
     parameters_from: Vec<String>,
@@ -68,7 +70,8 @@ pub(crate) fn trace(root: &Path, command: &Traced, screen: &Screen) -> anyhow::R
     Ok(Exit::Fine)
 }
 
-/// The job behind the path, or the jobs behind a copy: of a file with several tables in it there are several.
+/// The job behind the path, or the jobs behind a copy: of a file with several tables in it there
+/// are several.
 fn made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Made>> {
     let (id, path) = match place(root, typed) {
         Place::Raw(path) => bail!(is_raw(&path)),
@@ -85,7 +88,8 @@ fn made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Made>>
         return Ok(vec![Made { layout, records, job, by: FoundBy::Path, path }]);
     }
     let id = layout.study();
-    let outputs: Vec<&str> = records.iter().flat_map(|(_, r)| r.outputs.keys().map(String::as_str)).collect();
+    let outputs: Vec<&str> =
+        records.iter().flat_map(|(_, r)| r.outputs.keys().map(String::as_str)).collect();
     if outputs.is_empty() {
         bail!("{id} has no record of anything made; make it with `zwidth run {id}`");
     }
@@ -93,10 +97,11 @@ fn made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Made>>
 }
 
 fn behind(root: &Path, made: &Made) -> anyhow::Result<Behind> {
-    let found =
-        follow(&made.records, &made.job).ok_or_else(|| anyhow!("there is no record of {}", made.job))?;
+    let found = follow(&made.records, &made.job)
+        .ok_or_else(|| anyhow!("there is no record of {}", made.job))?;
     let parameters_from = parameters_from(made, &found);
-    let (raw, gone): (Vec<_>, Vec<_>) = found.sources.into_iter().partition(|s| s.path.starts_with("raw/"));
+    let (raw, gone): (Vec<_>, Vec<_>) =
+        found.sources.into_iter().partition(|s| s.path.starts_with("raw/"));
     let now = |path: &str| file_blake3(&root.join(path)).ok();
     let own = found.steps[0].record;
     let job = |step: Step| Job { job: step.job.to_owned(), record: step.record.clone() };
@@ -115,8 +120,9 @@ fn behind(root: &Path, made: &Made) -> anyhow::Result<Behind> {
     })
 }
 
-/// Where the parameters come from: what was planned, the record and the log of each session whose trials are behind it
-/// (they tell which trials count, their modes, and the calibration in force), and scenes that are built in.
+/// Where the parameters come from: what was planned, the record and the log of each session whose
+/// trials are behind it (they tell which trials count, their modes, and the calibration in force),
+/// and scenes that are built in.
 fn parameters_from(made: &Made, found: &Trace) -> Vec<String> {
     let layout = &made.layout;
     let shown = |path: &Path| layout.shown(path).to_string_lossy().replace('\\', "/");
@@ -191,13 +197,16 @@ fn content(b: &Behind) -> String {
     }
 }
 
-/// Derived files with their hashes, one a line; trials by session, in one line each: the chain's end has their hashes.
+/// Derived files with their hashes, one a line; trials by session, in one line each: the chain's
+/// end has their hashes.
 fn inputs(inputs: &BTreeMap<String, String>) -> Vec<String> {
     let mut trials: BTreeMap<(&str, &str), Vec<String>> = BTreeMap::new();
     let mut lines = Vec::new();
     for (path, hash) in inputs {
         match trial(path) {
-            Some(t) => trials.entry((t.participant, t.session)).or_default().push(t.number.to_string()),
+            Some(t) => {
+                trials.entry((t.participant, t.session)).or_default().push(t.number.to_string())
+            }
             None => lines.push(format!("{}  {path}", short(Some(hash)))),
         }
     }
@@ -216,7 +225,9 @@ mod tests {
     fn a_trial_is_told_from_its_path_and_nothing_else_is_one() {
         let path = "raw/s/trials/participant=P01/session=S02/trial-017.parquet";
         assert_eq!(trial(path), Some(Trial { participant: "P01", session: "S02", number: 17 }));
-        for other in ["raw/s/sweeps/actuator=motor/sweep-03.parquet", "derived/s/metrics.parquet", ""] {
+        for other in
+            ["raw/s/sweeps/actuator=motor/sweep-03.parquet", "derived/s/metrics.parquet", ""]
+        {
             assert_eq!(trial(other), None, "{other}");
         }
     }
@@ -224,10 +235,14 @@ mod tests {
     #[test]
     fn trials_stand_in_one_line_a_session() {
         let trial = |p, n| format!("raw/s/trials/participant={p}/session=S01/trial-{n:03}.parquet");
-        let paths = [trial("P01", 4), trial("P01", 10), trial("P02", 1), "derived/s/a.parquet".to_owned()];
+        let paths =
+            [trial("P01", 4), trial("P01", 10), trial("P02", 1), "derived/s/a.parquet".to_owned()];
         let map = paths.into_iter().map(|path| (path, "0123456789abcdef".to_owned())).collect();
-        let expect =
-            ["0123456789ab  derived/s/a.parquet", "2 trials of P01 S01: 4, 10", "1 trial of P02 S01: 1"];
+        let expect = [
+            "0123456789ab  derived/s/a.parquet",
+            "2 trials of P01 S01: 4, 10",
+            "1 trial of P02 S01: 1",
+        ];
         assert_eq!(inputs(&map), expect);
     }
 }

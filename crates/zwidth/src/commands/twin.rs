@@ -1,5 +1,5 @@
-//! `zwidth twin`: a whole study on the simulated device, faster than real time. The same seed gives the same bytes, on
-//! any machine and any number of threads.
+//! `zwidth twin`: a whole study on the simulated device, faster than real time. The same seed gives
+//! the same bytes, on any machine and any number of threads.
 
 use super::characterise::record as record_sweep;
 use super::device::{Bench, bench, checks_itself, keys, mixed, twin as device};
@@ -13,17 +13,21 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_acquire::{Auto, Nobody, Options, Outcome, Parts, Plan, Session, Unsynced, number, run};
 use zwidth_device::{Device as _, SimulatedClock};
-use zwidth_store::{Files as _, Layout, Raw, RealFiles, check_study_id, hex_blake3, log_sweeps, write_new};
+use zwidth_store::{
+    Files as _, Layout, Raw, RealFiles, check_study_id, hex_blake3, log_sweeps, write_new,
+};
 use zwidth_study::{ParticipantId, SessionId, template};
 
-/// Version of what this command makes of a seed. Another version gives other bytes, and another software in the files.
+/// Version of what this command makes of a seed. Another version gives other bytes, and another
+/// software in the files.
 const VERSION: u32 = 1;
 /// The software, as records, trials and sweeps of a simulated study name it.
 const SOFTWARE: &str = "zwidth twin 1";
 /// Sweeps of each actuator (thesis App. D).
 const SWEEPS: [(Actuator, u32); 2] = [(Actuator::Motor, 15), (Actuator::Brake, 30)];
-/// When the calendar of a simulated study begins, s since 1970: 1 January 2026, 09:00 UTC. Session n of a participant
-/// is n weeks later, participants a day apart; all later by as many years as there were versions before.
+/// When the calendar of a simulated study begins, s since 1970: 1 January 2026, 09:00 UTC. Session
+/// n of a participant is n weeks later, participants a day apart; all later by as many years as
+/// there were versions before.
 const EPOCH_S: i64 = 1_767_258_000;
 const DAY_S: i64 = 86_400;
 const WEEK_DAYS: i64 = 7;
@@ -69,7 +73,8 @@ fn make_study(layout: &Layout, command: &Twin) -> anyhow::Result<()> {
     }
     check_study_id(&RealFiles, layout)?;
     let repeats = 6_u32.checked_mul(command.scale).context("--scale is too large")?;
-    let mut text = template(layout.study()).replace("\nrepeats = 6\n", &format!("\nrepeats = {repeats}\n"));
+    let mut text =
+        template(layout.study()).replace("\nrepeats = 6\n", &format!("\nrepeats = {repeats}\n"));
     if let Some(rate_hz) = command.rate {
         text = text.replace("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {rate_hz:?}\n"));
     }
@@ -81,14 +86,19 @@ fn sessions(command: &Twin) -> anyhow::Result<Vec<(ParticipantId, SessionId)>> {
     let mut sessions = Vec::new();
     for participant in 1..=command.participants {
         for session in 1..=command.sessions {
-            sessions.push((format!("P{participant:02}").parse()?, format!("S{session:02}").parse()?));
+            sessions
+                .push((format!("P{participant:02}").parse()?, format!("S{session:02}").parse()?));
         }
     }
     Ok(sessions)
 }
 
-fn refuse_what_is_there(layout: &Layout, sessions: &[(ParticipantId, SessionId)]) -> anyhow::Result<()> {
-    let mut paths = sessions.iter().map(|(participant, session)| layout.session(participant, session));
+fn refuse_what_is_there(
+    layout: &Layout,
+    sessions: &[(ParticipantId, SessionId)],
+) -> anyhow::Result<()> {
+    let mut paths =
+        sessions.iter().map(|(participant, session)| layout.session(participant, session));
     let sweeps = layout.sweeps();
     if let Some(path) = paths.find(|p| p.exists()).or_else(|| sweeps.exists().then_some(sweeps)) {
         bail!(
@@ -132,11 +142,13 @@ fn one(
         quit: Default::default(),
     };
     let laid = Session::open(&plan, device.capabilities(), raw)?;
-    let mut clock = SimulatedClock::new(mixed(seed, &["clock", participant.as_str(), session.as_str()]));
+    let mut clock =
+        SimulatedClock::new(mixed(seed, &["clock", participant.as_str(), session.as_str()]));
     let begin = begin(participant, session)?;
     let utc = |now_s: f64| later(begin, now_s);
     let mut front = Auto::new(Nobody);
-    let parts = Parts { device: &mut device, clock: &mut clock, files: raw, front: &mut front, utc: &utc };
+    let parts =
+        Parts { device: &mut device, clock: &mut clock, files: raw, front: &mut front, utc: &utc };
     Ok(run(&plan, laid, &options, parts)?)
 }
 
@@ -153,8 +165,9 @@ fn secret(seed: u64, participant: &ParticipantId, session: &SessionId) -> anyhow
 /// When a simulated session begins: no clock is looked at.
 fn begin(participant: &ParticipantId, session: &SessionId) -> anyhow::Result<Timestamp> {
     let day = |id: &str| i64::from(number(id).unwrap_or(1)) - 1; // each of its ids has a number
-    let days =
-        day(participant.as_str()) + WEEK_DAYS * day(session.as_str()) + YEAR_DAYS * i64::from(VERSION - 1);
+    let days = day(participant.as_str())
+        + WEEK_DAYS * day(session.as_str())
+        + YEAR_DAYS * i64::from(VERSION - 1);
     Ok(Timestamp::from_second(EPOCH_S + DAY_S * days)?)
 }
 
@@ -165,8 +178,10 @@ fn later(begin: Timestamp, now_s: f64) -> String {
 }
 
 fn sweep_all(bench: &Bench, raw: &Raw, seed: u64) -> anyhow::Result<()> {
-    let all: Vec<(Actuator, u32)> =
-        SWEEPS.iter().flat_map(|(actuator, n)| (1..=*n).map(|number| (*actuator, number))).collect();
+    let all: Vec<(Actuator, u32)> = SWEEPS
+        .iter()
+        .flat_map(|(actuator, n)| (1..=*n).map(|number| (*actuator, number)))
+        .collect();
     let record = |(actuator, number): &(Actuator, u32)| {
         record_sweep(bench, raw, *actuator, seed, *number, SOFTWARE).map(|(_, sweep)| sweep)
     };

@@ -1,4 +1,5 @@
-//! `zwidth unseal`: opens a blinded session's seal. An event of the session, seen by whoever reads its log.
+//! `zwidth unseal`: opens a blinded session's seal. An event of the session, seen by whoever reads
+//! its log.
 
 use super::device::keys;
 use super::recover::{lock, now};
@@ -33,7 +34,12 @@ pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::
     }
     let seal = vault::find(&RealFiles, &keys(&command.keys, true)?, layout.study(), &log.record)?;
     seal.opened(&log.record.trials)?;
-    append_events(&Raw::adds(&RealFiles, &layout, &lock), &log.events_path, &now(), &[seal.event()])?;
+    append_events(
+        &Raw::adds(&RealFiles, &layout, &lock),
+        &log.events_path,
+        &now(),
+        &[seal.event()],
+    )?;
     screen.result(format!(
         "{name} is unsealed: its order is the one that was committed to before the first trial"
     ));

@@ -20,10 +20,13 @@ struct Finding<'a> {
 
 pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyhow::Result<Exit> {
     let nameless = nameless(root, &named);
-    let checked: Vec<_> =
-        studies(root, named)?.into_iter().map(|l| (l.study().clone(), zwidth_store::verify(&l))).collect();
+    let checked: Vec<_> = studies(root, named)?
+        .into_iter()
+        .map(|l| (l.study().clone(), zwidth_store::verify(&l)))
+        .collect();
     if screen.json {
-        let rows = checked.iter().flat_map(|(study, all)| all.iter().map(|f| finding(study.as_str(), f)));
+        let rows =
+            checked.iter().flat_map(|(study, all)| all.iter().map(|f| finding(study.as_str(), f)));
         screen.listing(&rows.chain(nameless.iter().map(|f| finding("", f))).collect::<Vec<_>>())?;
     } else {
         nameless.iter().for_each(|f| screen.result(f.to_string()));

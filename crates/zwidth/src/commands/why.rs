@@ -27,8 +27,8 @@ struct Why {
     first: Vec<Behind>,
 }
 
-/// How a job was last made. There is no time in the records, so that they are the same on every machine: the date is the
-/// file's own.
+/// How a job was last made. There is no time in the records, so that they are the same on every
+/// machine: the date is the file's own.
 #[derive(Serialize)]
 struct Last {
     dated: Option<String>,
@@ -55,7 +55,8 @@ struct Asked {
 
 pub(crate) fn why(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Result<Exit> {
     let found = asked(root, &command.path, screen)?;
-    let whys = found.iter().map(|asked| one(root, asked, screen)).collect::<anyhow::Result<Vec<_>>>()?;
+    let whys =
+        found.iter().map(|asked| one(root, asked, screen)).collect::<anyhow::Result<Vec<_>>>()?;
     if screen.json {
         screen.listing(&whys)?;
     } else {
@@ -67,13 +68,17 @@ pub(crate) fn why(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Res
 fn asked(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Asked>> {
     match place(root, typed) {
         Place::Raw(path) => bail!(is_raw(&path)),
-        Place::Results(id, path) if path.starts_with("reports/simulate/") => bail!(no_job(&path, &id, &[])),
+        Place::Results(id, path) if path.starts_with("reports/simulate/") => {
+            bail!(no_job(&path, &id, &[]))
+        }
         Place::Results(id, path) => {
             Ok(vec![Asked { layout: study(root, id)?, path, job: None, by: FoundBy::Path }])
         }
         Place::Outside => {
             let made = copies(root, typed, screen)?.into_iter();
-            Ok(made.map(|m| Asked { layout: m.layout, path: m.path, job: Some(m.job), by: m.by }).collect())
+            Ok(made
+                .map(|m| Asked { layout: m.layout, path: m.path, job: Some(m.job), by: m.by })
+                .collect())
         }
     }
 }
@@ -84,18 +89,25 @@ fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
     let jobs = plan::jobs(&data, &findings(&RealFiles, &data));
     let file = root.join(&asked.path);
     let makes = |outputs: &[PathBuf]| outputs.contains(&file);
-    let job = jobs
-        .iter()
-        .find(|job| asked.job.as_ref().is_some_and(|name| job.name == *name) || makes(&job.outputs));
+    let job = jobs.iter().find(|job| {
+        asked.job.as_ref().is_some_and(|name| job.name == *name) || makes(&job.outputs)
+    });
     let job = job.ok_or_else(|| {
-        let outputs = jobs.iter().flat_map(|j| &j.outputs).map(|o| layout.shown(o).to_string_lossy());
+        let outputs =
+            jobs.iter().flat_map(|j| &j.outputs).map(|o| layout.shown(o).to_string_lossy());
         let outputs: Vec<String> = outputs.map(|o| o.into_owned()).collect();
-        anyhow!(no_job(&asked.path, layout.study(), &outputs.iter().map(String::as_str).collect::<Vec<_>>()))
+        anyhow!(no_job(
+            &asked.path,
+            layout.study(),
+            &outputs.iter().map(String::as_str).collect::<Vec<_>>()
+        ))
     })?;
     let records = records(layout, screen)?;
     let mut found = states(&jobs, layout.root(), &records, |j| j.name == job.name);
-    let at =
-        found.iter().position(|s| s.job.name == job.name).ok_or_else(|| anyhow!("the job has no state"))?;
+    let at = found
+        .iter()
+        .position(|s| s.job.name == job.name)
+        .ok_or_else(|| anyhow!("the job has no state"))?;
     let own = found.remove(at);
     let record = records.get(&job.name).cloned();
     Ok(Why {
@@ -124,8 +136,10 @@ fn dated(file: &Path) -> Option<String> {
 }
 
 fn text(why: &Why) -> String {
-    let mut lines =
-        vec![why.path.clone(), format!("  made by     {} ({} of {})", why.job, why.stage, why.study)];
+    let mut lines = vec![
+        why.path.clone(),
+        format!("  made by     {} ({} of {})", why.job, why.stage, why.study),
+    ];
     match &why.last_made {
         Some(last) => lines.extend(last_made(last)),
         None => lines.push("  last made   there is no record: never, or it failed".to_owned()),
@@ -151,15 +165,19 @@ fn text(why: &Why) -> String {
 
 fn last_made(last: &Last) -> Vec<String> {
     let Record { version, parameters, inputs, origin, problems, .. } = &last.record;
-    let dated =
-        last.dated.as_ref().map_or("the file is missing".to_owned(), |d| format!("{d}, by the file's date"));
+    let dated = last
+        .dated
+        .as_ref()
+        .map_or("the file is missing".to_owned(), |d| format!("{d}, by the file's date"));
     let parameters = if parameters.is_empty() { "none" } else { parameters };
     let mut lines = vec![
         format!("  last made   {dated}"),
         format!("  version     {version}"),
         format!("  origin      {origin}"),
         format!("  parameters  {parameters}"),
-        format!("  inputs      {}", if inputs.is_empty() { "none" } else { "" }).trim_end().to_owned(),
+        format!("  inputs      {}", if inputs.is_empty() { "none" } else { "" })
+            .trim_end()
+            .to_owned(),
     ];
     lines.extend(inputs.iter().map(|(path, hash)| format!("    {}  {path}", short(Some(hash)))));
     lines.extend(problems.iter().map(|problem| format!("  left out    {problem}")));
@@ -190,7 +208,8 @@ fn hashes(file: &FileChange) -> String {
     }
 }
 
-/// Hexadecimal digits of a hash that people are shown: 48 bits, as many as tell a million files apart.
+/// Hexadecimal digits of a hash that people are shown: 48 bits, as many as tell a million files
+/// apart.
 const DIGITS: usize = 12;
 
 /// A hash as people are shown it.
@@ -206,8 +225,13 @@ fn differing<'a>(a: &'a str, b: &'a str) -> (&'a str, &'a str) {
     let same = |pair: &(char, char)| pair.0 == pair.1;
     let head: usize = a.chars().zip(b.chars()).take_while(same).map(|(c, _)| c.len_utf8()).sum();
     let (rest_a, rest_b) = (&a[head..], &b[head..]);
-    let tail: usize =
-        rest_a.chars().rev().zip(rest_b.chars().rev()).take_while(same).map(|(c, _)| c.len_utf8()).sum();
+    let tail: usize = rest_a
+        .chars()
+        .rev()
+        .zip(rest_b.chars().rev())
+        .take_while(same)
+        .map(|(c, _)| c.len_utf8())
+        .sum();
     let cut = |text: &'a str| {
         let from = text[..head].char_indices().rev().nth(AROUND - 1).map_or(0, |(i, _)| i);
         let end = text.len() - tail;
@@ -223,7 +247,8 @@ mod tests {
 
     #[test]
     fn parameters_are_told_where_they_differ() {
-        let text = |level: &str| format!("{} confidence: {level}, {}", "é".repeat(99), "ö".repeat(99));
+        let text =
+            |level: &str| format!("{} confidence: {level}, {}", "é".repeat(99), "ö".repeat(99));
         let (a, b) = (text("0.95"), text("0.9"));
         let (a, b) = differing(&a, &b);
         assert!(a.contains("confidence: 0.95, ö") && b.contains("confidence: 0.9, ö"), "{a} {b}");

@@ -1,15 +1,17 @@
-//! Stage `average`: two tables a condition of a session, one for each alignment; without a mean they are empty and
-//! their note says why.
+//! Stage `average`: two tables a condition of a session, one for each alignment; without a mean
+//! they are empty and their note says why.
 
-use super::{JobError, Repeats, analysis_parameters, derived, known, made, paths, read_all, repeats};
+use super::{
+    JobError, Repeats, analysis_parameters, derived, known, made, paths, read_all, repeats,
+};
 use std::path::PathBuf;
 use zwidth_average::{Alignment, AverageError};
 use zwidth_runner::Job;
 use zwidth_store::{Layout, Signal, StudyData, Trial};
 use zwidth_tables::Table;
 
-/// The average of a condition with the alignment asked for: `average/P01.S01.spring.hybrid.parquet` at onset,
-/// `….hybrid.landmarks.parquet` by landmarks.
+/// The average of a condition with the alignment asked for: `average/P01.S01.spring.hybrid.parquet`
+/// at onset, `….hybrid.landmarks.parquet` by landmarks.
 pub(super) fn aligned(layout: &Layout, repeats: &Repeats, alignment: Alignment) -> PathBuf {
     let suffix = match alignment {
         Alignment::Onset => "",
@@ -28,7 +30,8 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
 }
 
 fn job<'a>(data: &'a StudyData, repeats: Repeats<'a>) -> Job<'a> {
-    let outputs = Alignment::ALL.map(|alignment| aligned(&data.layout, &repeats, alignment)).to_vec();
+    let outputs =
+        Alignment::ALL.map(|alignment| aligned(&data.layout, &repeats, alignment)).to_vec();
     let (out, trials) = (outputs.clone(), repeats.trials);
     Job {
         stage: "average",

@@ -1,4 +1,5 @@
-//! Stage `characterise`: candidate models, parameters and curve of each actuator or sensor; the calibration.
+//! Stage `characterise`: candidate models, parameters and curve of each actuator or sensor; the
+//! calibration.
 
 use super::{JobError, derived, made, split};
 use std::collections::BTreeSet;
@@ -65,7 +66,11 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     };
     let calibration = tables("motor").zip(tables("brake"));
     let calibration = calibration.map(|(motor, brake)| calibration_job(data, motor, brake));
-    actuators.into_iter().map(|(actuator, files)| job(data, actuator, files)).chain(calibration).collect()
+    actuators
+        .into_iter()
+        .map(|(actuator, files)| job(data, actuator, files))
+        .chain(calibration)
+        .collect()
 }
 
 /// The calibration, where motor and brake were both swept.
@@ -79,7 +84,8 @@ fn calibration_job(data: &StudyData, motor: Vec<PathBuf>, brake: Vec<PathBuf>) -
         outputs: vec![calibration_of(&data.layout)],
         tolerant: false,
         make: Box::new(move |_| {
-            let (motor, brake) = (characteristic("motor", &motor)?, characteristic("brake", &brake)?);
+            let (motor, brake) =
+                (characteristic("motor", &motor)?, characteristic("brake", &brake)?);
             // No comment, no provenance: the same curves give the same hash, whoever writes them.
             let text = Calibration { motor, brake }.to_toml()?;
             Calibration::from_toml(&text)?;
@@ -108,8 +114,9 @@ fn job<'a>(data: &'a StudyData, actuator: &'a ActuatorId, inputs: Vec<PathBuf>) 
         tolerant: false,
         make: Box::new(move |from| {
             let (sweeps, problems) = read_sweeps(&files);
-            let first =
-                sweeps.first().ok_or_else(|| format!("no sweep could be read: {}", problems.join("; ")))?;
+            let first = sweeps
+                .first()
+                .ok_or_else(|| format!("no sweep could be read: {}", problems.join("; ")))?;
             let (command_unit, response_unit) = (&first.command.unit, &first.response.unit);
             let settings = Settings {
                 resamples: RESAMPLES,

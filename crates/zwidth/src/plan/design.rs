@@ -11,12 +11,12 @@ use zwidth_store::StudyData;
 use zwidth_study::{Calibration, Environment, Source};
 
 /// What is said of forces where no sweep gave them.
-const NOT_SWEPT: &str =
-    "Forces by the thesis' nominal characteristics: motor and brake of this study were not both swept.";
+const NOT_SWEPT: &str = "Forces by the thesis' nominal characteristics: motor and brake of this study were not both swept.";
 /// What is said of forces that the study's own sweeps gave.
 const SWEPT: &str = "Forces by the calibration from this study's sweeps of motor and brake.";
 /// The same where a sweep is simulated.
-const SIMULATED: &str = "Forces by the calibration from this study's simulated sweeps of motor and brake.";
+const SIMULATED: &str =
+    "Forces by the calibration from this study's simulated sweeps of motor and brake.";
 
 /// The calibration of a study's forces, whether it is its own, and what the sweeps behind it are.
 pub(super) struct Forces {
@@ -69,10 +69,16 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
 
 fn environment_job<'a>(data: &'a StudyData, environment: &'a Environment) -> Job<'a> {
     let parameters = format!("{:?}", (&data.study.device, data.study.coordinate, environment));
-    figure_job(data, &format!("environment.{}", environment.id), Vec::new(), parameters, move || {
-        let figure = zwidth_figures::environment(&data.study, environment);
-        Ok((figure.ok_or("the environment cannot be drawn")?, Vec::new()))
-    })
+    figure_job(
+        data,
+        &format!("environment.{}", environment.id),
+        Vec::new(),
+        parameters,
+        move || {
+            let figure = zwidth_figures::environment(&data.study, environment);
+            Ok((figure.ok_or("the environment cannot be drawn")?, Vec::new()))
+        },
+    )
 }
 
 fn range_job(data: &StudyData) -> Job<'_> {

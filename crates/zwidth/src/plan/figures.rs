@@ -1,8 +1,8 @@
 //! Stage `figures`: each figure as SVG, PDF and PNG, with its data beside it.
 
 use super::{
-    JobError, Repeats, Session, average, characterise, design, freemotion, likert_figures, metrics, paths,
-    read_all, replay_figures, sessions,
+    JobError, Repeats, Session, average, characterise, design, freemotion, likert_figures, metrics,
+    paths, read_all, replay_figures, sessions,
 };
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -36,9 +36,17 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
         }
     }
     jobs.extend(characterise::actuators(data).into_iter().map(|(actuator, files)| {
-        characteristic_job(data, actuator.as_str(), files, characterise::tables_of(&data.layout, actuator))
+        characteristic_job(
+            data,
+            actuator.as_str(),
+            files,
+            characterise::tables_of(&data.layout, actuator),
+        )
     }));
-    if freemotion::jobs(data).iter().any(|j| j.outputs.contains(&freemotion::planes_of(&data.layout))) {
+    if freemotion::jobs(data)
+        .iter()
+        .any(|j| j.outputs.contains(&freemotion::planes_of(&data.layout)))
+    {
         jobs.push(free_motion_job(data));
     }
     jobs.extend(replay_figures::jobs(data));
@@ -91,17 +99,22 @@ fn rendered(
     Ok(vec![svg, pdf, image?, table])
 }
 
-/// The choices of study.toml for figures that the study does not have (of a kind that it lacks is no mistake).
+/// The choices of study.toml for figures that the study does not have (of a kind that it lacks is
+/// no mistake).
 pub(crate) fn chosen_in_vain(study: &Study, planned: &[Job]) -> Vec<String> {
     let name = |job: &Job| job.name.trim_start_matches("figure ").to_owned();
     let names: Vec<String> = planned.iter().filter(|j| j.stage == STAGE).map(name).collect();
     let is_of = |name: &String, id: &str| {
         name.strip_prefix(id).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     };
-    let vain =
-        study.figures.choices().filter(|(id, _)| id.contains('.') && !names.iter().any(|n| is_of(n, id)));
-    vain.map(|(id, _)| format!("the choice figures.{id} of study.toml: the study has no such figure"))
-        .collect()
+    let vain = study
+        .figures
+        .choices()
+        .filter(|(id, _)| id.contains('.') && !names.iter().any(|n| is_of(n, id)));
+    vain.map(|(id, _)| {
+        format!("the choice figures.{id} of study.toml: the study has no such figure")
+    })
+    .collect()
 }
 
 /// What figures of trials depend on besides files: names, scenes, coordinate.
@@ -138,9 +151,15 @@ struct Recorded<'a> {
 
 impl<'a> Recorded<'a> {
     /// For the figure of that name, which decides how means are aligned.
-    fn new(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment, figure: &str) -> Self {
+    fn new(
+        data: &'a StudyData,
+        session: &Session<'a>,
+        environment: &'a Environment,
+        figure: &str,
+    ) -> Self {
         let alignment = data.study.figures.alignment(figure);
-        let conditions: Vec<_> = data.study.modes.iter().map(|m| session.repeats(environment, m)).collect();
+        let conditions: Vec<_> =
+            data.study.modes.iter().map(|m| session.repeats(environment, m)).collect();
         let average = |repeats: &Repeats| average::aligned(&data.layout, repeats, alignment);
         let metrics = |repeats: &Repeats| metrics::of_condition(&data.layout, repeats);
         Self {
@@ -159,10 +178,11 @@ impl<'a> Recorded<'a> {
         paths(&self.trials).into_iter().chain(beside.cloned()).collect()
     }
 
-    /// Where means are aligned by landmarks, the times at which their repeats stand behind them; a repeat that is in no mean
-    /// stays at its own.
+    /// Where means are aligned by landmarks, the times at which their repeats stand behind them; a
+    /// repeat that is in no mean stays at its own.
     fn warped_s(&self, trials: &[Trial]) -> Vec<Option<Vec<f64>>> {
-        let has_means = self.alignment == Alignment::Landmarks && self.averages.iter().any(Option::is_some);
+        let has_means =
+            self.alignment == Alignment::Landmarks && self.averages.iter().any(Option::is_some);
         let study = &self.data.study;
         let of_mode = |of_mode: &[Trial]| {
             let times_s = || zwidth_average::times_s(of_mode, study, self.alignment).ok();
@@ -173,7 +193,8 @@ impl<'a> Recorded<'a> {
 
     fn load(&self) -> Result<(Loaded<'a>, Vec<String>), JobError> {
         let (mut trials, problems) = read_all(&self.trials, zwidth_figures::SIGNALS.into_iter());
-        trials.sort_by_key(|t| self.data.study.modes.iter().position(|mode| mode.id == t.meta.mode));
+        trials
+            .sort_by_key(|t| self.data.study.modes.iter().position(|mode| mode.id == t.meta.mode));
         let mut onsets = BTreeMap::new();
         for metrics in &self.metrics {
             let metrics = Table::columns_from_parquet(metrics, &["trial", "onset_s"])?;
@@ -203,9 +224,13 @@ impl<'a> Recorded<'a> {
     }
 }
 
-/// Why there is no mean, each reason once; and where the earliest mean ends before all of its repeats do.
-fn footnotes<'t>(averages: impl Iterator<Item = &'t Table> + Clone) -> Result<Vec<String>, JobError> {
-    let without = averages.clone().filter(|t| t.height() == 0).flat_map(|t| t.notes().iter().cloned());
+/// Why there is no mean, each reason once; and where the earliest mean ends before all of its
+/// repeats do.
+fn footnotes<'t>(
+    averages: impl Iterator<Item = &'t Table> + Clone,
+) -> Result<Vec<String>, JobError> {
+    let without =
+        averages.clone().filter(|t| t.height() == 0).flat_map(|t| t.notes().iter().cloned());
     let mut notes: Vec<String> = without.collect();
     notes.sort();
     notes.dedup();
@@ -259,7 +284,11 @@ impl Loaded<'_> {
     }
 }
 
-fn modes_job<'a>(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment) -> Job<'a> {
+fn modes_job<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environment: &'a Environment,
+) -> Job<'a> {
     let name = format!("modes.{}.{}", session.key(), environment.id);
     let source = Recorded::new(data, session, environment, &name);
     figure_job(data, &name, source.inputs(), parameters(&data.study), move || {
@@ -275,7 +304,8 @@ fn repeats_jobs<'a>(
 ) -> Vec<Job<'a>> {
     let mut jobs = Vec::new();
     for mode in &data.study.modes {
-        let Some(repeats) = session.repeats(environment, mode).filter(|r| r.trials.len() > 1) else {
+        let Some(repeats) = session.repeats(environment, mode).filter(|r| r.trials.len() > 1)
+        else {
             continue; // one recording is whole in the figure of the modes
         };
         let name = format!("repeats.{}", repeats.key);
@@ -294,9 +324,14 @@ fn repeats_jobs<'a>(
     jobs
 }
 
-fn loops_job<'a>(data: &'a StudyData, session: &Session<'a>, environments: &[&'a Environment]) -> Job<'a> {
+fn loops_job<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environments: &[&'a Environment],
+) -> Job<'a> {
     let name = format!("loops.{}", session.key());
-    let sources: Vec<_> = environments.iter().map(|e| Recorded::new(data, session, e, &name)).collect();
+    let sources: Vec<_> =
+        environments.iter().map(|e| Recorded::new(data, session, e, &name)).collect();
     let mut inputs: Vec<PathBuf> = sources.iter().flat_map(Recorded::inputs).collect();
     inputs.sort();
     inputs.dedup();

@@ -1,5 +1,5 @@
-//! Stage `freemotion`: in a free environment, the plane fit of every trial that brings an acceleration, the plant of every
-//! other that has an angle.
+//! Stage `freemotion`: in a free environment, the plane fit of every trial that brings an
+//! acceleration, the plant of every other that has an angle.
 
 use super::{JobError, analysis_parameters, derived, known, made, paths, read_all, split};
 use rayon::prelude::*;
@@ -31,15 +31,23 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     let has = |t: &TrialEntry, signal: Signal| t.signals.contains(&signal);
     let angle_alone = |t: &&TrialEntry| has(t, Signal::Theta) && !has(t, Signal::ThetaDdot);
     let (plants, planes): (Vec<_>, Vec<_>) = free_trials(data).into_iter().partition(angle_alone);
-    let plane =
-        job(data, "plane fits of free motion", planes, planes_of(&data.layout), |trials, out, from| {
-            let (fits, problems) = fit_all(trials, |t| zwidth_freemotion::plane_fit(t, &data.study));
+    let plane = job(
+        data,
+        "plane fits of free motion",
+        planes,
+        planes_of(&data.layout),
+        |trials, out, from| {
+            let (fits, problems) =
+                fit_all(trials, |t| zwidth_freemotion::plane_fit(t, &data.study));
             made(&[zwidth_freemotion::table(&fits)?], &[out], from, problems)
+        },
+    );
+    let plant =
+        job(data, "plant in free motion", plants, plants_of(&data.layout), |trials, out, from| {
+            let (fits, problems) =
+                fit_all(trials, |t| zwidth_freemotion::plant_fit(t, &data.study));
+            made(&[zwidth_freemotion::plant_table(&fits)?], &[out], from, problems)
         });
-    let plant = job(data, "plant in free motion", plants, plants_of(&data.layout), |trials, out, from| {
-        let (fits, problems) = fit_all(trials, |t| zwidth_freemotion::plant_fit(t, &data.study));
-        made(&[zwidth_freemotion::plant_table(&fits)?], &[out], from, problems)
-    });
     plane.into_iter().chain(plant).collect()
 }
 
@@ -50,7 +58,9 @@ fn fit_all<F: Send>(
 ) -> (Vec<F>, Vec<String>) {
     let (trials, mut problems) = read_all(trials, Signal::all());
     let one = |t: &Trial| {
-        fit(t).map_err(|e| format!("{} {} trial {}: {e}", t.meta.participant, t.meta.session, t.meta.trial))
+        fit(t).map_err(|e| {
+            format!("{} {} trial {}: {e}", t.meta.participant, t.meta.session, t.meta.trial)
+        })
     };
     let (fits, more) = split(trials.par_iter().map(one).collect());
     problems.extend(more);

@@ -1,5 +1,6 @@
-//! Stage `identify`: the plant that fits half of the trials best, judged on the other half. The fit balances the forces of
-//! the recorded motion, the judge is the replay driven by force; here stages meet, because they do not know each other.
+//! Stage `identify`: the plant that fits half of the trials best, judged on the other half. The fit
+//! balances the forces of the recorded motion, the judge is the replay driven by force; here stages
+//! meet, because they do not know each other.
 
 use super::replay::{calibration, is_replayable, named, parameters};
 use super::{JobError, derived, made, paths, read_all, split};
@@ -14,7 +15,8 @@ use zwidth_tables::{Table, TableError};
 /// Parameters of the plant.
 const P: usize = 6;
 
-/// The parameters, in the order in which a fit has them. Bounds: what a lever moved by a finger can have at all.
+/// The parameters, in the order in which a fit has them. Bounds: what a lever moved by a finger can
+/// have at all.
 const PLANT: [Parameter; P] = [
     parameter("mass", "kg", Parameters::BY_EYE.mass_kg, [1e-3, 2.0]),
     parameter("damping", "N·s/rad", Parameters::BY_EYE.damping_ns_per_rad, [0.0, 10.0]),
@@ -34,10 +36,11 @@ const fn parameter(
 }
 
 /// Where else the fit begins: a light lever and a quick brake, and a heavy one and a slow brake.
-const STARTS: [[f64; P]; 2] = [[0.05, 0.1, 0.1, 1e-4, 0.01, 0.01], [0.3, 0.3, 0.2, 1e-3, 0.05, 0.05]];
+const STARTS: [[f64; P]; 2] =
+    [[0.05, 0.1, 0.1, 1e-4, 0.01, 0.01], [0.3, 0.3, 0.2, 1e-3, 0.05, 0.05]];
 
-/// The parameters, their profiles, the threshold's bracket, by eye against fitted on trials held out, and the errors trial
-/// by trial.
+/// The parameters, their profiles, the threshold's bracket, by eye against fitted on trials held
+/// out, and the errors trial by trial.
 pub(super) fn tables_of(layout: &Layout) -> Vec<PathBuf> {
     ["identify", "identify.profile", "identify.threshold", "identify.held_out", "identify.trials"]
         .iter()
@@ -82,7 +85,10 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
         stage: "identify",
         name: "identify".to_owned(),
         version: zwidth_identify::VERSION,
-        parameters: format!("{parameters}; {:?}", (PLANT, STARTS, LEAST_STEP_S, zwidth_replay::VERSION)),
+        parameters: format!(
+            "{parameters}; {:?}",
+            (PLANT, STARTS, LEAST_STEP_S, zwidth_replay::VERSION)
+        ),
         inputs,
         outputs,
         tolerant: false,
@@ -100,7 +106,8 @@ struct Fitted<'t> {
     theta_rad: Vec<f64>,
 }
 
-/// Samples at least this far apart are judged, s: those between say nothing new of a movement of the hand.
+/// Samples at least this far apart are judged, s: those between say nothing new of a movement of
+/// the hand.
 const LEAST_STEP_S: f64 = 0.004;
 
 impl<'t> Fitted<'t> {
@@ -116,10 +123,12 @@ impl<'t> Fitted<'t> {
         Self { trial, balance, drive, t_s, theta_rad }
     }
 
-    /// Root mean square error of θ, rad, of the replay driven by force; `None` where the model does not run.
+    /// Root mean square error of θ, rad, of the replay driven by force; `None` where the model does
+    /// not run.
     fn rmse_rad(&self, plant: &Parameters) -> Option<f64> {
         let replayed = self.drive.theta_at(&self.t_s, plant).ok()?;
-        let squares: f64 = replayed.iter().zip(&self.theta_rad).map(|(r, o)| (r - o) * (r - o)).sum();
+        let squares: f64 =
+            replayed.iter().zip(&self.theta_rad).map(|(r, o)| (r - o) * (r - o)).sum();
         Some((squares / self.theta_rad.len() as f64).sqrt())
     }
 }
@@ -140,7 +149,8 @@ fn fitted_trials<'t>(data: &StudyData, trials: &'t [Trial]) -> (Vec<Fitted<'t>>,
     (found.into_iter().flatten().collect(), problems)
 }
 
-/// What the controller saw and did; `None` where that was not recorded, or the mode has not both motor and brake.
+/// What the controller saw and did; `None` where that was not recorded, or the mode has not both
+/// motor and brake.
 fn switching<'t>(data: &StudyData, trial: &'t Trial) -> Option<Switching<'t>> {
     let column = |signal| trial.samples.get(signal);
     let mode = data.study.mode(&trial.meta.mode)?;
@@ -155,8 +165,10 @@ fn switching<'t>(data: &StudyData, trial: &'t Trial) -> Option<Switching<'t>> {
 
 /// The tables of a fit; empty ones that say why where there is too little to fit.
 fn tables(trials: &[Fitted], level: f64) -> Result<Vec<Table>, JobError> {
-    let recordings: Vec<Recording> =
-        trials.iter().map(|t| Recording { meta: &t.trial.meta, observed: t.balance.measured_ns() }).collect();
+    let recordings: Vec<Recording> = trials
+        .iter()
+        .map(|t| Recording { meta: &t.trial.meta, observed: t.balance.measured_ns() })
+        .collect();
     let task = Task { parameters: &PLANT, starts: &STARTS, level };
     let explain = |i: usize, p: &[f64; P]| Some(trials[i].balance.needed_ns(&plant(p)));
     let judge = |i: usize, p: &[f64; P]| trials[i].rmse_rad(&plant(p));

@@ -23,14 +23,16 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     }
     let outputs = vec![tally_of(&data.layout)];
     let out = outputs.clone();
-    let make =
-        move |from: &_| made(&[zwidth_likert::tally(&data.answers(), &data.study)?], &out, from, Vec::new());
+    let make = move |from: &_| {
+        made(&[zwidth_likert::tally(&data.answers(), &data.study)?], &out, from, Vec::new())
+    };
     vec![Job {
         stage: "likert",
         name: "likert tallies".to_owned(),
         version: zwidth_likert::VERSION,
         parameters: hex_blake3(
-            format!("{:?}", (&data.study.questions, data.study.conditions(), data.answers())).as_bytes(),
+            format!("{:?}", (&data.study.questions, data.study.conditions(), data.answers()))
+                .as_bytes(),
         ),
         inputs: inputs(data),
         outputs,

@@ -1,5 +1,5 @@
-//! The figures of the stage `likert`: a panel an environment, or a panel a group of questions, as many
-//! to a figure as fit on a page.
+//! The figures of the stage `likert`: a panel an environment, or a panel a group of questions, as
+//! many to a figure as fit on a page.
 
 use super::figures::{Described, figure_job};
 use super::likert::tally_of;
@@ -29,7 +29,8 @@ enum What<'a> {
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     let asked = asked(data);
-    let overview: Vec<Wanted> = asked.iter().flat_map(|(e, questions)| overview(e, questions)).collect();
+    let overview: Vec<Wanted> =
+        asked.iter().flat_map(|(e, questions)| overview(e, questions)).collect();
     let several = asked.iter().filter(|(_, questions)| questions.len() > 1);
     let items: Vec<Wanted> =
         several.flat_map(|(e, questions)| questions.iter().map(|q| item(e, q))).collect();
@@ -44,12 +45,22 @@ fn asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)> {
         data.answers().into_iter().map(|a| (a.condition.environment, a.question)).collect();
     let study = &data.study;
     let of = |e: &Environment| {
-        study.questions.iter().filter(|q| given.contains(&(e.id.clone(), q.id.clone()))).collect::<Vec<_>>()
+        study
+            .questions
+            .iter()
+            .filter(|q| given.contains(&(e.id.clone(), q.id.clone())))
+            .collect::<Vec<_>>()
     };
-    study.environments.iter().map(|e| (e, of(e))).filter(|(_, questions)| !questions.is_empty()).collect()
+    study
+        .environments
+        .iter()
+        .map(|e| (e, of(e)))
+        .filter(|(_, questions)| !questions.is_empty())
+        .collect()
 }
 
-/// One panel an environment with one question; else one a group, and one a question without a group.
+/// One panel an environment with one question; else one a group, and one a question without a
+/// group.
 fn overview<'a>(environment: &'a Environment, questions: &[&'a Question]) -> Vec<Wanted<'a>> {
     if let [only] = questions {
         let what = What::Question(only);
@@ -61,7 +72,11 @@ fn overview<'a>(environment: &'a Environment, questions: &[&'a Question]) -> Vec
         match question.group.as_deref() {
             None => wanted.push(item(environment, question)),
             Some(group) if seen.insert(group) => {
-                wanted.push(Wanted { title: group.to_owned(), environment, what: What::Group(group) });
+                wanted.push(Wanted {
+                    title: group.to_owned(),
+                    environment,
+                    what: What::Group(group),
+                });
             }
             Some(_) => {}
         }
@@ -75,7 +90,8 @@ fn item<'a>(environment: &'a Environment, question: &'a Question) -> Wanted<'a> 
 
 fn pages<'a>(data: &'a StudyData, name: &str, wanted: &[Wanted<'a>]) -> Vec<Job<'a>> {
     let pages: Vec<_> = wanted.chunks(A_PAGE).collect();
-    let name = |i: usize| if pages.len() == 1 { name.to_owned() } else { format!("{name}.{}", i + 1) };
+    let name =
+        |i: usize| if pages.len() == 1 { name.to_owned() } else { format!("{name}.{}", i + 1) };
     pages.iter().enumerate().map(|(i, page)| job(data, &name(i), page.to_vec())).collect()
 }
 
@@ -85,7 +101,8 @@ fn job<'a>(data: &'a StudyData, name: &str, wanted: Vec<Wanted<'a>>) -> Job<'a> 
     let parameters = format!("{:?}", (&data.study.title, &data.study.modes, &wanted, &sources));
     figure_job(data, name, vec![input.clone()], parameters, move || -> Described {
         let tally = Table::from_parquet(&input)?;
-        let panels = wanted.iter().map(|w| panel(&data.study, &tally, w)).collect::<Result<Vec<_>, _>>()?;
+        let panels =
+            wanted.iter().map(|w| panel(&data.study, &tally, w)).collect::<Result<Vec<_>, _>>()?;
         let footnotes = footnotes(&wanted);
         Ok((zwidth_figures::likert(&data.study.title, &panels, &footnotes, &sources), Vec::new()))
     })
@@ -96,7 +113,8 @@ fn panel(study: &Study, tally: &Table, wanted: &Wanted) -> Result<LikertPanel, T
     let texts = |column| tally.texts(column);
     let (environments, modes) = (texts("environment")?, texts("mode")?);
     let (questions, groups) = (texts("question")?, texts("group")?);
-    let counts = (1..=5).map(|k| tally.integers(&format!("count_{k}"))).collect::<Result<Vec<_>, _>>()?;
+    let counts =
+        (1..=5).map(|k| tally.integers(&format!("count_{k}"))).collect::<Result<Vec<_>, _>>()?;
     let is_wanted = |row: usize| match &wanted.what {
         What::Question(q) => questions[row].as_deref() == Some(q.id.as_str()),
         What::Group(g) => questions[row].is_none() && groups[row].as_deref() == Some(*g),
@@ -110,7 +128,10 @@ fn panel(study: &Study, tally: &Table, wanted: &Wanted) -> Result<LikertPanel, T
         let count = |k: usize| counts[k][found].and_then(|n| u32::try_from(n).ok()).unwrap_or(0);
         Some((mode.label.clone(), std::array::from_fn(count)))
     };
-    Ok(LikertPanel { title: wanted.title.clone(), rows: study.modes.iter().filter_map(row).collect() })
+    Ok(LikertPanel {
+        title: wanted.title.clone(),
+        rows: study.modes.iter().filter_map(row).collect(),
+    })
 }
 
 /// The wording where a panel is named after its environment, and what was reversed.
@@ -130,7 +151,8 @@ fn footnotes(wanted: &[Wanted]) -> Vec<String> {
     }
     if reversed {
         notes.push(
-            "Answers to reversed questions are turned round (6 − a), so that right is favourable.".to_owned(),
+            "Answers to reversed questions are turned round (6 − a), so that right is favourable."
+                .to_owned(),
         );
     }
     notes

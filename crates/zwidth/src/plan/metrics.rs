@@ -1,8 +1,10 @@
-//! Stage `metrics`: a table a condition of a session, then one of the whole study. A changed trial leaves the tables of the
-//! other conditions as they are, and so the figures that take their onsets from there.
+//! Stage `metrics`: a table a condition of a session, then one of the whole study. A changed trial
+//! leaves the tables of the other conditions as they are, and so the figures that take their onsets
+//! from there.
 
 use super::{
-    Repeats, analysis_parameters, derived, joined, known, made, name, paths, plain, read_all, repeats, split,
+    Repeats, analysis_parameters, derived, joined, known, made, name, paths, plain, read_all,
+    repeats, split,
 };
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -12,9 +14,11 @@ use zwidth_store::{Layout, Signal, StoreError, StudyData, Trial, check_samples};
 use zwidth_tables::Table;
 
 const STAGE: &str = "metrics";
-/// Version of the notes under the tables of conditions: raised when one would be written differently.
+/// Version of the notes under the tables of conditions: raised when one would be written
+/// differently.
 const NOTES: u32 = 1;
-/// How a note begins that is about something left out; the others are about what is to be read with care.
+/// How a note begins that is about something left out; the others are about what is to be read with
+/// care.
 const LEFT_OUT: &str = "left out: ";
 
 /// The metrics of a condition, `metrics/P01.S01.spring.hybrid.parquet`.
@@ -62,7 +66,8 @@ fn condition_job<'a>(data: &'a StudyData, repeats: Repeats<'a>) -> Job<'a> {
             let (rows, more) = split(trials.par_iter().map(one).collect());
             problems.extend(more);
             let care: Vec<String> = trials.iter().flat_map(|t| care(data, t)).collect();
-            let left_out = problems.iter().map(|problem| format!("{LEFT_OUT}{}", plain(data, problem)));
+            let left_out =
+                problems.iter().map(|problem| format!("{LEFT_OUT}{}", plain(data, problem)));
             let notes = left_out.chain(care.iter().cloned());
             let table = notes.fold(zwidth_metrics::table(&rows)?, Table::with_note);
             Ok(Made { care, ..made(&[table], &out, from, problems)? })
@@ -81,7 +86,8 @@ fn care(data: &StudyData, trial: &Trial) -> Vec<String> {
     found.into_iter().map(words).collect()
 }
 
-/// What the notes under a condition's table say: what was left out of it, or else what in it is to be read with care.
+/// What the notes under a condition's table say: what was left out of it, or else what in it is to
+/// be read with care.
 pub(super) fn told(note: &str) -> Result<Remark, Remark> {
     let remark = |text: &str| {
         let (what, why) = text.split_once(": ").unwrap_or((STAGE, text));
@@ -96,10 +102,12 @@ pub(super) fn of_conditions(planned: &[Job]) -> Vec<PathBuf> {
     conditions.flat_map(|job| job.outputs.iter().cloned()).collect()
 }
 
-/// What the compliance of a trial depends on besides its file: the time allowed, and which modes have a motor.
+/// What the compliance of a trial depends on besides its file: the time allowed, and which modes
+/// have a motor.
 fn protocol(data: &StudyData) -> impl std::fmt::Debug {
     let study = &data.study;
-    let actuators: Vec<_> = study.modes.iter().map(|m| (&m.id, m.motor_max_v, m.brake_max_v)).collect();
+    let actuators: Vec<_> =
+        study.modes.iter().map(|m| (&m.id, m.motor_max_v, m.brake_max_v)).collect();
     (study.design.trial_limit_s, actuators)
 }
 
@@ -116,7 +124,8 @@ fn study_job<'a>(data: &'a StudyData, inputs: Vec<PathBuf>) -> Job<'a> {
         outputs,
         tolerant: false,
         make: Box::new(move |from| {
-            let tables = files.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
+            let tables =
+                files.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
             let all = zwidth_metrics::together(&tables)?.ok_or("there is no trial")?;
             let conditions = zwidth_metrics::by_condition(&all, &conditions)?;
             made(&[all, conditions], &out, from, Vec::new())

@@ -1,5 +1,5 @@
-//! The plan: which jobs a study's data give. Each file binds one stage, a pure function, to the files it
-//! reads and makes.
+//! The plan: which jobs a study's data give. Each file binds one stage, a pure function, to the
+//! files it reads and makes.
 
 mod average;
 mod characterise;
@@ -113,7 +113,9 @@ fn repeats(data: &StudyData) -> Vec<Repeats<'_>> {
     let mut found = Vec::new();
     for session in sessions(data) {
         for environment in &data.study.environments {
-            found.extend(data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode)));
+            found.extend(
+                data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode)),
+            );
         }
     }
     found
@@ -129,9 +131,14 @@ fn sessions(data: &StudyData) -> Vec<Session<'_>> {
     sessions.into_iter().map(session).collect()
 }
 
-/// The jobs of single conditions, and the job of the study that reads what they make; none for no condition.
-fn joined<'a>(conditions: Vec<Job<'a>>, study: impl FnOnce(Vec<PathBuf>) -> Job<'a>) -> Vec<Job<'a>> {
-    let tables: Vec<PathBuf> = conditions.iter().flat_map(|job| job.outputs.iter().cloned()).collect();
+/// The jobs of single conditions, and the job of the study that reads what they make; none for no
+/// condition.
+fn joined<'a>(
+    conditions: Vec<Job<'a>>,
+    study: impl FnOnce(Vec<PathBuf>) -> Job<'a>,
+) -> Vec<Job<'a>> {
+    let tables: Vec<PathBuf> =
+        conditions.iter().flat_map(|job| job.outputs.iter().cloned()).collect();
     let whole = (!tables.is_empty()).then(|| study(tables));
     conditions.into_iter().chain(whole).collect()
 }
@@ -141,7 +148,8 @@ fn name(trial: &TrialMeta) -> String {
     format!("{} {} trial {}", trial.participant, trial.session, trial.trial)
 }
 
-/// A text without the folder of the data in it, so that results have the same bytes wherever that lies.
+/// A text without the folder of the data in it, so that results have the same bytes wherever that
+/// lies.
 fn plain(data: &StudyData, text: &str) -> String {
     let root = data.layout.root().join("").to_string_lossy().into_owned();
     if root.is_empty() { text.to_owned() } else { text.replace(&root, "") }
@@ -151,10 +159,11 @@ fn paths(trials: &[&TrialEntry]) -> Vec<PathBuf> {
     trials.iter().map(|t| t.path.clone()).collect()
 }
 
-/// What the session knows of trials beside their files: an unsealed trial's mode and repeat. Part of the parameters of
-/// every job that reads trials.
+/// What the session knows of trials beside their files: an unsealed trial's mode and repeat. Part
+/// of the parameters of every job that reads trials.
 fn known(trials: &[&TrialEntry]) -> String {
-    let known: Vec<_> = trials.iter().map(|t| (t.meta.trial, t.meta.mode.as_str(), t.meta.repeat)).collect();
+    let known: Vec<_> =
+        trials.iter().map(|t| (t.meta.trial, t.meta.mode.as_str(), t.meta.repeat)).collect();
     format!("{known:?}")
 }
 
@@ -170,7 +179,10 @@ fn read_all(
 /// The good results, and the bad ones in words.
 fn split<T, E: ToString>(results: Vec<Result<T, E>>) -> (Vec<T>, Vec<String>) {
     let mut problems = Vec::new();
-    let good = results.into_iter().filter_map(|r| r.map_err(|e| problems.push(e.to_string())).ok()).collect();
+    let good = results
+        .into_iter()
+        .filter_map(|r| r.map_err(|e| problems.push(e.to_string())).ok())
+        .collect();
     (good, problems)
 }
 

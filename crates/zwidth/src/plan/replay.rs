@@ -1,8 +1,9 @@
-//! Stage `replay`: every trial that counts through the model, a table a condition of a session; then one of the whole
-//! study, and how far peaks and times agree.
+//! Stage `replay`: every trial that counts through the model, a table a condition of a session;
+//! then one of the whole study, and how far peaks and times agree.
 
 use super::{
-    JobError, Repeats, analysis_parameters, derived, joined, known, made, paths, read_all, repeats, split,
+    JobError, Repeats, analysis_parameters, derived, joined, known, made, paths, read_all, repeats,
+    split,
 };
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -34,24 +35,30 @@ pub(super) fn is_replayable(data: &StudyData, trial: &TrialEntry) -> bool {
     let environment = data.study.environment(&trial.meta.environment);
     let spring = environment.is_some_and(|e| e.scene.spring().is_some());
     let recorded = [Signal::Theta, Signal::ForceEx].iter().all(|s| trial.signals.contains(s));
-    data.study.device.lever_m.is_some() && spring && recorded && calibration(data, &trial.meta).is_some()
+    data.study.device.lever_m.is_some()
+        && spring
+        && recorded
+        && calibration(data, &trial.meta).is_some()
 }
 
 /// The calibration in force in a trial's session.
 pub(super) fn calibration<'a>(data: &'a StudyData, meta: &TrialMeta) -> Option<&'a Calibration> {
-    let mine =
-        |record: &&SessionRecord| record.participant == meta.participant && record.session == meta.session;
+    let mine = |record: &&SessionRecord| {
+        record.participant == meta.participant && record.session == meta.session
+    };
     data.sessions.iter().map(|s| &s.record).find(mine)?.calibration.as_ref()
 }
 
 /// Whatever a replay depends on besides the trials' files.
 pub(super) fn parameters(data: &StudyData, trials: &[&TrialEntry]) -> String {
     let study = &data.study;
-    let modes: Vec<_> = study.modes.iter().map(|m| (m.id.as_str(), m.motor_max_v, m.brake_max_v)).collect();
+    let modes: Vec<_> =
+        study.modes.iter().map(|m| (m.id.as_str(), m.motor_max_v, m.brake_max_v)).collect();
     let is_of = |record: &SessionRecord, t: &TrialEntry| {
         record.participant == t.meta.participant && record.session == t.meta.session
     };
-    let mine = data.sessions.iter().map(|s| &s.record).filter(|r| trials.iter().any(|t| is_of(r, t)));
+    let mine =
+        data.sessions.iter().map(|s| &s.record).filter(|r| trials.iter().any(|t| is_of(r, t)));
     let calibrations: Vec<_> = mine.map(|record| &record.calibration).collect();
     let model = (study.control.let_go_n, modes, calibrations, Parameters::BY_EYE);
     format!("{}; {model:?}; {}", analysis_parameters(data), known(trials))
@@ -64,7 +71,8 @@ pub(super) fn named(meta: &TrialMeta) -> String {
 
 pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     let rendered = |repeats: &Repeats| repeats.trials.iter().any(|t| is_rendered(data, t));
-    let conditions = repeats(data).into_iter().filter(rendered).map(|repeats| condition_job(data, repeats));
+    let conditions =
+        repeats(data).into_iter().filter(rendered).map(|repeats| condition_job(data, repeats));
     joined(conditions.collect(), |tables| study_job(data, tables))
 }
 
@@ -101,7 +109,8 @@ fn study_job(data: &StudyData, inputs: Vec<PathBuf>) -> Job<'_> {
         outputs,
         tolerant: false,
         make: Box::new(move |from| {
-            let tables = files.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
+            let tables =
+                files.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
             let replays = zwidth_replay::together(&tables)?.ok_or("there is no trial")?;
             let agreement = zwidth_replay::agreement(&replays, level)?;
             made(&[replays, agreement], &out, from, Vec::new())

@@ -1,5 +1,5 @@
-//! Figure 24: for each session and environment with a spring, one trial a mode beside the model that is given its
-//! external force, by eye and fitted.
+//! Figure 24: for each session and environment with a spring, one trial a mode beside the model
+//! that is given its external force, by eye and fitted.
 
 use super::figures::{Described, figure_job};
 use super::replay::calibration;
@@ -18,8 +18,10 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
         for environment in &data.study.environments {
             let mut trials = session.of(environment);
             trials.retain(|t| replay::is_replayable(data, t));
-            let conditions = data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode));
-            let replays = conditions.map(|repeats| replay::of_condition(&data.layout, &repeats)).collect();
+            let conditions =
+                data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode));
+            let replays =
+                conditions.map(|repeats| replay::of_condition(&data.layout, &repeats)).collect();
             if !trials.is_empty() {
                 jobs.push(job(data, &session, environment, trials, replays));
             }
@@ -37,12 +39,14 @@ fn job<'a>(
 ) -> Job<'a> {
     let (who, key) = (session.who(), session.key());
     let plant = identify::plant_of(&data.layout);
-    let inputs = paths(&trials).into_iter().chain(replays.iter().cloned()).chain([plant.clone()]).collect();
+    let inputs =
+        paths(&trials).into_iter().chain(replays.iter().cloned()).chain([plant.clone()]).collect();
     let name = format!("replay.{key}.{}", environment.id);
     let drawn = (&data.study.title, environment, &data.study.modes, zwidth_replay::VERSION);
     let parameters = format!("{}; {drawn:?}", replay::parameters(data, &trials));
     figure_job(data, &name, inputs, parameters, move || {
-        let tables = replays.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
+        let tables =
+            replays.iter().map(|f| Table::from_parquet(f)).collect::<Result<Vec<_>, _>>()?;
         let replays = zwidth_replay::together(&tables)?.ok_or("there is no trial")?;
         let plant = identify::fitted(&Table::from_parquet(&plant)?)?;
         describe(data, environment, &who, &trials, (&replays, plant))
@@ -76,7 +80,14 @@ fn describe(
 
 /// What a model's plant is made of.
 fn note(how: &str, plant: Parameters) -> String {
-    let Parameters { mass_kg, damping_ns_per_rad, friction_n, motor_lag_s, brake_on_s, brake_off_s } = plant;
+    let Parameters {
+        mass_kg,
+        damping_ns_per_rad,
+        friction_n,
+        motor_lag_s,
+        brake_on_s,
+        brake_off_s,
+    } = plant;
     let lags_ms = [motor_lag_s, brake_on_s, brake_off_s].map(|lag_s| 1e3 * lag_s);
     let lags = match lags_ms.iter().any(|lag| *lag > 0.0) {
         true => format!(
@@ -90,8 +101,12 @@ fn note(how: &str, plant: Parameters) -> String {
     )
 }
 
-/// The trial with the median error of the angle, driven by force (the lower of two); `None` where none was replayed.
-fn typical<'a>(replays: &Table, trials: &[&'a TrialEntry]) -> Result<Option<&'a TrialEntry>, JobError> {
+/// The trial with the median error of the angle, driven by force (the lower of two); `None` where
+/// none was replayed.
+fn typical<'a>(
+    replays: &Table,
+    trials: &[&'a TrialEntry],
+) -> Result<Option<&'a TrialEntry>, JobError> {
     let words = |column| replays.texts(column);
     let (participants, sessions, causalities) =
         (words("participant")?, words("session")?, words("causality")?);
@@ -105,13 +120,15 @@ fn typical<'a>(replays: &Table, trials: &[&'a TrialEntry]) -> Result<Option<&'a 
         };
         (0..errors.len()).find(is).and_then(|i| errors[i])
     };
-    let mut known: Vec<(f64, &TrialEntry)> = trials.iter().filter_map(|t| Some((error(t)?, *t))).collect();
+    let mut known: Vec<(f64, &TrialEntry)> =
+        trials.iter().filter_map(|t| Some((error(t)?, *t))).collect();
     known.sort_by(|a, b| a.0.total_cmp(&b.0));
     let middle = known.len().saturating_sub(1) / 2;
     Ok(known.get(middle).map(|(_, trial)| *trial))
 }
 
-/// One trial and its models, of which a fit that does not run on it is left out; `None` where the replay does not apply.
+/// One trial and its models, of which a fit that does not run on it is left out; `None` where the
+/// replay does not apply.
 fn column(
     data: &StudyData,
     mode: &Mode,
@@ -123,7 +140,8 @@ fn column(
         Err(ReplayError::WhyNot(_)) => return Ok(None),
         other => other?,
     };
-    let run = |plant: Parameters| drive.run(Causality::ForceDriven, &plant).map(|course| motion(&course));
+    let run =
+        |plant: Parameters| drive.run(Causality::ForceDriven, &plant).map(|course| motion(&course));
     Ok(Some(Replayed {
         title: format!("{}, trial {}", mode.label, trial.meta.trial),
         source: trial.meta.source,

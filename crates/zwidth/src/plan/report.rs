@@ -17,7 +17,8 @@ const MODEL: &str = include_str!("../../../../scenes/sine_finger.toml");
 /// The job that needs it.
 const MODEL_JOB: &str = "model and device";
 
-/// The file that is built into the program and that the job of that name takes its parameters from, if any.
+/// The file that is built into the program and that the job of that name takes its parameters from,
+/// if any.
 pub(crate) fn built_in(job: &str) -> Option<&'static str> {
     (job == MODEL_JOB).then_some("scenes/sine_finger.toml (built in)")
 }
@@ -29,7 +30,10 @@ fn table_of(layout: &Layout, name: &str) -> PathBuf {
 
 /// Every table of the stage, the thesis' Table 1 in front.
 pub(super) fn tables_of(layout: &Layout) -> Vec<PathBuf> {
-    ["pros_cons", "modes", "model", "device", "weight"].iter().map(|name| table_of(layout, name)).collect()
+    ["pros_cons", "modes", "model", "device", "weight"]
+        .iter()
+        .map(|name| table_of(layout, name))
+        .collect()
 }
 
 pub(super) fn jobs<'a>(data: &'a StudyData, planned: &[Job]) -> Vec<Job<'a>> {
@@ -62,7 +66,8 @@ fn pros_cons_job(data: &StudyData, metrics: Option<PathBuf>) -> Job<'_> {
         make: Box::new(move |from| {
             let Forces { calibration, footnote, .. } = forces(data)?;
             let metrics = metrics.as_deref().map(Table::from_parquet).transpose()?;
-            let known = Known { study: &data.study, calibration: &calibration, metrics: metrics.as_ref() };
+            let known =
+                Known { study: &data.study, calibration: &calibration, metrics: metrics.as_ref() };
             made(&[pros_cons_table(known)?.with_note(footnote)], &out, from, Vec::new())
         }),
     }

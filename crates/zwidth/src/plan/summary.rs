@@ -26,7 +26,9 @@ pub(super) fn job<'a>(data: &'a StudyData, found: &Findings, planned: &[Job]) ->
     let figures = outputs("figures", "png");
     let printed = outputs("tables", "parquet");
     let mut noted = average::all(data);
-    noted.extend(planned.iter().filter(|j| j.stage == "freemotion").flat_map(|j| j.outputs.iter().cloned()));
+    noted.extend(
+        planned.iter().filter(|j| j.stage == "freemotion").flat_map(|j| j.outputs.iter().cloned()),
+    );
     let is_made = |file: PathBuf| planned.iter().any(|j| j.outputs.contains(&file)).then_some(file);
     let numbers = [metrics::of_study(&data.layout), likert::tally_of(&data.layout)].map(is_made);
     let summary = facts(data, found);
@@ -54,11 +56,16 @@ pub(super) fn job<'a>(data: &'a StudyData, found: &Findings, planned: &[Job]) ->
             let (there, missing): (Vec<_>, Vec<_>) = figures.iter().partition(|f| f.exists());
             summary.figures = there.into_iter().map(|f| figure(f, &folder)).collect();
             let (there, no_tables): (Vec<_>, Vec<_>) = printed.iter().partition(|f| f.exists());
-            let tables = there.par_iter().map(|f| table(f, &folder)).collect::<Result<Vec<_>, _>>()?;
-            summary.left_out.extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
+            let tables =
+                there.par_iter().map(|f| table(f, &folder)).collect::<Result<Vec<_>, _>>()?;
+            summary
+                .left_out
+                .extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
             summary.tables = tables.into_iter().map(|(listed, _)| listed).collect();
             summary.shown = shown(data, &numbers, &summary)?;
-            summary.left_out.extend(missing.into_iter().chain(no_tables).map(|f| could_not_be_made(f)));
+            summary
+                .left_out
+                .extend(missing.into_iter().chain(no_tables).map(|f| could_not_be_made(f)));
             let origin = from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
             let text = summary_markdown(&summary) + &origin.unwrap_or_default();
             Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
@@ -66,20 +73,23 @@ pub(super) fn job<'a>(data: &'a StudyData, found: &Findings, planned: &[Job]) ->
     }
 }
 
-/// What the trials show, each sentence with the figure or table that holds its numbers: metrics of the trials, tally of
-/// the answers.
+/// What the trials show, each sentence with the figure or table that holds its numbers: metrics of
+/// the trials, tally of the answers.
 fn shown(
     data: &StudyData,
     numbers: &[Option<PathBuf>; 2],
     made: &Summary,
 ) -> Result<Vec<Listed>, TableError> {
     let there = |file: &Option<PathBuf>| file.clone().filter(|f| f.exists());
-    let [metrics, tally] = numbers.each_ref().map(|f| there(f).map(|f| Table::from_parquet(&f)).transpose());
+    let [metrics, tally] =
+        numbers.each_ref().map(|f| there(f).map(|f| Table::from_parquet(&f)).transpose());
     let (Some(metrics), tally) = (metrics?, tally?) else { return Ok(Vec::new()) };
     let sessions = sessions(data);
     let path = |shown: Shown| {
         let path = match (shown, sessions.as_slice()) {
-            (Shown::Modes(environment), [one]) => format!("figures/modes.{}.{environment}.png", one.key()),
+            (Shown::Modes(environment), [one]) => {
+                format!("figures/modes.{}.{environment}.png", one.key())
+            }
             (Shown::Answers, _) => "figures/likert.png".to_owned(),
             (Shown::Metrics, _) => "tables/metrics.md".to_owned(),
             _ => CONDITIONS.to_owned(),
@@ -119,8 +129,7 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
         data.study.environment(&c.meta.environment).is_some_and(|e| !matches!(e.scene, Scene::None))
     };
     let no_lever = data.study.device.lever_m.is_none() && counting.iter().any(|t| moves(t));
-    let limit =
-        "No lever length is known (device.lever_m), so torque stays torque: N·m on axes and in tables.";
+    let limit = "No lever length is known (device.lever_m), so torque stays torque: N·m on axes and in tables.";
     Summary {
         title: data.study.title.clone(),
         device: data.study.device.name.clone(),
@@ -131,12 +140,17 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
         sources,
         left_out: left_out(data, found),
         care: found.with_care.iter().map(|finding| remark(data, finding)).collect(),
-        limits: no_lever.then(|| limit.to_owned()).into_iter().chain(not_recorded(&counting)).collect(),
+        limits: no_lever
+            .then(|| limit.to_owned())
+            .into_iter()
+            .chain(not_recorded(&counting))
+            .collect(),
         ..Summary::default()
     }
 }
 
-/// Every trial of the experiment that does not count, and whatever else was found and is in no result.
+/// Every trial of the experiment that does not count, and whatever else was found and is in no
+/// result.
 fn left_out(data: &StudyData, found: &Findings) -> Vec<Remark> {
     let mut found_of: BTreeMap<&Path, Vec<Remark>> = BTreeMap::new();
     for finding in &found.left_out {
@@ -157,7 +171,8 @@ fn left_out(data: &StudyData, found: &Findings) -> Vec<Remark> {
 /// A finding as the page has it.
 fn remark(data: &StudyData, finding: &StoreError) -> Remark {
     let path = data.layout.shown(&finding.path).to_string_lossy().replace('\\', "/");
-    let column = finding.column.as_ref().map(|column| format!(", column {column}")).unwrap_or_default();
+    let column =
+        finding.column.as_ref().map(|column| format!(", column {column}")).unwrap_or_default();
     let row = finding.row.map(|row| format!(", row {row}")).unwrap_or_default();
     Remark { what: format!("{path}{column}{row}"), why: plain(data, &finding.what) }
 }
@@ -171,7 +186,11 @@ fn empty(table: &Listed, rows: usize) -> Option<Remark> {
 fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
     let force = [Signal::ForceEx, Signal::TorqueEx];
     let needed: [(&str, &[Signal], &str); 3] = [
-        ("angle", &[Signal::Theta], "there is no panel of θ, no force against θ, and no metric of either"),
+        (
+            "angle",
+            &[Signal::Theta],
+            "there is no panel of θ, no force against θ, and no metric of either",
+        ),
         ("velocity", &[Signal::ThetaDot], "there is no onset, and so no average over time"),
         ("force and no torque", &force, "there is no force panel"),
     ];
@@ -180,7 +199,9 @@ fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
     };
     let sentence = |(what, signals, so): (&str, &[Signal], &str)| {
         let n = lacks(signals);
-        (n > 0).then(|| format!("No {what} was recorded in {n} of {} trials: for them {so}.", counting.len()))
+        (n > 0).then(|| {
+            format!("No {what} was recorded in {n} of {} trials: for them {so}.", counting.len())
+        })
     };
     needed.into_iter().filter_map(sentence).collect()
 }

@@ -37,7 +37,8 @@ pub(super) fn jobs<'a>(data: &'a StudyData, planned: &[Job]) -> Vec<Job<'a>> {
 
 fn job(data: &StudyData, input: PathBuf) -> Job<'_> {
     let stem = input.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let outputs: Vec<PathBuf> = Format::ALL.iter().map(|f| report(&data.layout, &stem, *f)).collect();
+    let outputs: Vec<PathBuf> =
+        Format::ALL.iter().map(|f| report(&data.layout, &stem, *f)).collect();
     let coordinate = data.study.coordinate;
     let (file, out) = (input.clone(), outputs.clone());
     Job {
@@ -50,7 +51,8 @@ fn job(data: &StudyData, input: PathBuf) -> Job<'_> {
         tolerant: false,
         make: Box::new(move |from| {
             let table = Table::from_parquet(&file)?;
-            let files: Vec<_> = Format::ALL.into_iter().zip(out.iter().map(PathBuf::as_path)).collect();
+            let files: Vec<_> =
+                Format::ALL.into_iter().zip(out.iter().map(PathBuf::as_path)).collect();
             Ok(Made { outputs: table.to_bytes(&files, coordinate, from)?, ..Made::default() })
         }),
     }

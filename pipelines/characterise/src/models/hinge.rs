@@ -3,8 +3,8 @@
 use super::{Point, Points, Quantity, Shape};
 use core::ops::{Add, Sub};
 
-/// Two sums of squares closer than this share of the total are the same but for rounding; then the lower break
-/// is taken.
+/// Two sums of squares closer than this share of the total are the same but for rounding; then the
+/// lower break is taken.
 const SAME: f64 = 1e-12;
 
 /// y = a for x ≤ x0, y = a + b (x − x0) above.
@@ -20,10 +20,11 @@ impl Shape for Hinge {
         &[("a", Quantity::Response), ("b", Quantity::Slope), ("x0", Quantity::Break)]
     }
 
-    /// The global minimum, without a starting value (Hudson 1966, J. Amer. Statist. Assoc. 61:1097): between
-    /// two neighbouring commands the points split in a fixed way, so the best break there is where the mean of
-    /// the lower ones meets the line through the upper ones, or else one of the two commands. Running sums make
-    /// each case O(1). The constant part has two commands or none.
+    /// The global minimum, without a starting value (Hudson 1966, J. Amer. Statist. Assoc.
+    /// 61:1097): between two neighbouring commands the points split in a fixed way, so the best
+    /// break there is where the mean of the lower ones meets the line through the upper ones,
+    /// or else one of the two commands. Running sums make each case O(1). The constant part has
+    /// two commands or none.
     fn fit(&self, points: &Points, _near: Option<&[f64]>) -> Option<Vec<f64>> {
         let (lowest, highest) = points.break_range()?;
         if !points.can_determine(self.complexity()) {
@@ -39,8 +40,8 @@ impl Shape for Hinge {
     }
 }
 
-/// The hinge through points of rising (or equal) commands with the smallest sum of squares, its break at
-/// `highest` at most. In scaled units.
+/// The hinge through points of rising (or equal) commands with the smallest sum of squares, its
+/// break at `highest` at most. In scaled units.
 pub(super) fn best(at: &[Point], scale: &Scale, highest: f64) -> Option<Fit> {
     let cuts = cuts(at, scale, highest);
     let total = cuts.first()?.all();
@@ -63,8 +64,10 @@ pub(super) struct Scale {
 
 impl Scale {
     pub(super) fn of(points: &Points) -> Self {
-        let (weight, sum) =
-            points.at.iter().fold((0.0, 0.0), |(sw, sy), p| (sw + p.weight, sy + p.weight * p.response));
+        let (weight, sum) = points
+            .at
+            .iter()
+            .fold((0.0, 0.0), |(sw, sy), p| (sw + p.weight, sy + p.weight * p.response));
         let origin = points.levels[0];
         Self { origin, span: points.levels[points.levels.len() - 1] - origin, mean: sum / weight }
     }
@@ -139,7 +142,12 @@ fn cuts(at: &[Point], scale: &Scale, highest: f64) -> Vec<Cut> {
         });
         below = below + here;
         if same[0].command <= highest {
-            cuts.push(Cut { level: x, commands_below: commands + 1, below, above: Sums::default() });
+            cuts.push(Cut {
+                level: x,
+                commands_below: commands + 1,
+                below,
+                above: Sums::default(),
+            });
         }
     }
     cuts.iter_mut().for_each(|cut| cut.above = below - cut.below);
@@ -166,15 +174,21 @@ impl Cut {
         })
     }
 
-    /// The best fit with its break strictly between this level and the `next`, if there is one. A constant part
-    /// that rests on one command is none: that would be a line with an odd first point.
+    /// The best fit with its break strictly between this level and the `next`, if there is one. A
+    /// constant part that rests on one command is none: that would be a line with an odd first
+    /// point.
     fn break_between(&self, next: f64) -> Option<Fit> {
         let (low, up) = (self.below, self.above);
         let (xx, xy) = (up.xx - up.x * up.x / up.w, up.xy - up.x * up.y / up.w);
         let (a, b) = (low.y / low.w, xy / xx);
         let x0 = (a - (up.y - b * up.x) / up.w) / b;
         let rss = low.yy - low.y * a + up.yy - up.y * up.y / up.w - b * xy;
-        (self.commands_below > 1 && xx > 0.0 && x0 > self.level && x0 < next).then_some(Fit { a, b, x0, rss })
+        (self.commands_below > 1 && xx > 0.0 && x0 > self.level && x0 < next).then_some(Fit {
+            a,
+            b,
+            x0,
+            rss,
+        })
     }
 }
 
@@ -204,8 +218,11 @@ mod tests {
     #[test]
     fn no_other_break_fits_a_scattered_curve_better() {
         let x = check::ramp();
-        let y: Vec<f64> =
-            x.iter().enumerate().map(|(i, x)| x * x / 10.0 + f64::from(i as u32 * 7 % 13) / 5.0).collect();
+        let y: Vec<f64> = x
+            .iter()
+            .enumerate()
+            .map(|(i, x)| x * x / 10.0 + f64::from(i as u32 * 7 % 13) / 5.0)
+            .collect();
         let found = check::rss(&Hinge, &check::fit(&Hinge, &x, &y).unwrap(), &x, &y);
         for step in 0..990 {
             let x0 = f64::from(step) * 0.01;

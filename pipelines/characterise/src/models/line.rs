@@ -19,7 +19,8 @@ impl Shape for Line {
         if !points.can_determine(self.complexity()) {
             return None;
         }
-        weighted_line(points.at.iter().map(|p| (p.command, p.response, p.weight))).map(|(a, b)| vec![a, b])
+        weighted_line(points.at.iter().map(|p| (p.command, p.response, p.weight)))
+            .map(|(a, b)| vec![a, b])
     }
 
     fn predict(&self, parameters: &[f64], command: f64) -> f64 {
@@ -42,7 +43,8 @@ mod tests {
     fn a_weight_of_two_is_the_point_twice() {
         let point = |command: f64, response, weight| Point { command, response, weight };
         let at = [point(0.0, 1.0, 1.0), point(1.0, 4.0, 2.0), point(2.0, 5.0, 1.0)];
-        let found = Line.fit(&Points { at: &at, samples: 4, levels: &[0.0, 1.0, 2.0] }, None).unwrap();
+        let found =
+            Line.fit(&Points { at: &at, samples: 4, levels: &[0.0, 1.0, 2.0] }, None).unwrap();
         // By hand: x̄ = 1, ȳ = 3.5, Σ w dx dy = 4, Σ w dx² = 2.
         assert!((found[0] - 1.5).abs() < 1e-14 && (found[1] - 2.0).abs() < 1e-14);
     }

@@ -36,8 +36,9 @@ pub fn by_name(name: &str) -> Option<Model> {
     ALL.into_iter().find(|model| model.name == name)
 }
 
-/// A candidate: one curve for all commands, or (hysteresis) one for rising and one for falling commands, each
-/// with parameters of its own, up first: an electromagnet may let go at a lower voltage than it takes hold at.
+/// A candidate: one curve for all commands, or (hysteresis) one for rising and one for falling
+/// commands, each with parameters of its own, up first: an electromagnet may let go at a lower
+/// voltage than it takes hold at.
 #[derive(Clone, Copy)]
 pub struct Model {
     /// Name in tables and files.
@@ -65,7 +66,8 @@ impl Model {
         self.shape.complexity() * self.branches().len()
     }
 
-    /// The parameters in the order in which they stand wherever they are listed: branch, name, meaning.
+    /// The parameters in the order in which they stand wherever they are listed: branch, name,
+    /// meaning.
     pub fn parameters(&self) -> Vec<(Option<Branch>, &'static str, Quantity)> {
         let of = |branch: &Option<Branch>| {
             let branch = *branch;
@@ -74,8 +76,8 @@ impl Model {
         self.branches().iter().flat_map(of).collect()
     }
 
-    /// The parameters with the smallest weighted sum of squares; `None` if the data cannot determine them.
-    /// `near` are parameters in whose neighbourhood the search may stay.
+    /// The parameters with the smallest weighted sum of squares; `None` if the data cannot
+    /// determine them. `near` are parameters in whose neighbourhood the search may stay.
     pub(crate) fn fit(&self, data: &Gathered, near: Option<&[f64]>) -> Option<Vec<f64>> {
         let each = self.shape.parameters().len();
         let mut all = Vec::with_capacity(each * self.branches().len());
@@ -102,14 +104,16 @@ pub trait Shape: Sync {
     /// Name and meaning of each parameter, in the order of [`Shape::fit`].
     fn parameters(&self) -> &'static [(&'static str, Quantity)];
 
-    /// The parameters with the smallest weighted sum of squares; `None` if the points cannot determine them.
-    /// A search that could end in another minimum elsewhere may start from `near` alone where it is given.
+    /// The parameters with the smallest weighted sum of squares; `None` if the points cannot
+    /// determine them. A search that could end in another minimum elsewhere may start from
+    /// `near` alone where it is given.
     fn fit(&self, points: &Points, near: Option<&[f64]>) -> Option<Vec<f64>>;
 
     /// The curve at `command`.
     fn predict(&self, parameters: &[f64], command: f64) -> f64;
 
-    /// Whether it says how the response comes about (its parameters have a meaning), or only describes it.
+    /// Whether it says how the response comes about (its parameters have a meaning), or only
+    /// describes it.
     fn is_law(&self) -> bool {
         true
     }
@@ -180,9 +184,9 @@ impl Points<'_> {
         self.samples > parameters && self.at.len() >= parameters
     }
 
-    /// Lowest and highest command at which a break may lie: from the lowest command to the third from the top,
-    /// so that two different commands at least are left to show the law above it. It depends on all points,
-    /// left out or not. `None` if that leaves no room.
+    /// Lowest and highest command at which a break may lie: from the lowest command to the third
+    /// from the top, so that two different commands at least are left to show the law above it.
+    /// It depends on all points, left out or not. `None` if that leaves no room.
     pub fn break_range(&self) -> Option<(f64, f64)> {
         break_range(self.levels)
     }
@@ -194,9 +198,11 @@ pub(crate) fn break_range(levels: &[f64]) -> Option<(f64, f64)> {
     (highest > 0).then(|| (levels[0], levels[highest]))
 }
 
-/// Weighted straight line y = a + b x through (x, y, w): (a, b), `None` if all x are equal. Two passes, about
-/// the mean, so that a large offset costs no digits.
-pub(crate) fn weighted_line(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Option<(f64, f64)> {
+/// Weighted straight line y = a + b x through (x, y, w): (a, b), `None` if all x are equal. Two
+/// passes, about the mean, so that a large offset costs no digits.
+pub(crate) fn weighted_line(
+    points: impl Iterator<Item = (f64, f64, f64)> + Clone,
+) -> Option<(f64, f64)> {
     let (mut sw, mut sx, mut sy) = (0.0, 0.0, 0.0);
     for (x, y, w) in points.clone() {
         (sw, sx, sy) = (sw + w, sx + w * x, sy + w * y);
@@ -237,8 +243,8 @@ pub(crate) mod check {
         shape.fit(&Points { at: &at, samples: at.len(), levels: command }, near)
     }
 
-    /// Asserts that `shape` recovers `truth` from its own noise-free curve to a relative 1e-6, from nowhere and
-    /// from a place near by.
+    /// Asserts that `shape` recovers `truth` from its own noise-free curve to a relative 1e-6, from
+    /// nowhere and from a place near by.
     pub(crate) fn recovers(shape: &dyn Shape, truth: &[f64]) {
         let command = ramp();
         let response: Vec<f64> = command.iter().map(|&x| shape.predict(truth, x)).collect();

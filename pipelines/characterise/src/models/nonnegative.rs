@@ -1,13 +1,15 @@
 //! Least squares with parameters that may not be negative.
 
-/// A parameter is set free only for a gradient above this share of the largest one at the start: rounding.
+/// A parameter is set free only for a gradient above this share of the largest one at the start:
+/// rounding.
 const GRADIENT_TOLERANCE: f64 = 1e-12;
-/// Parameters are set free this often for each that there is; Lawson and Hanson's method needs about one.
+/// Parameters are set free this often for each that there is; Lawson and Hanson's method needs
+/// about one.
 const ROUNDS: usize = 5;
 
-/// Minimises ½ xᵀ G x − mᵀ x over x ≥ 0, G = XᵀX positive semidefinite and m = Xᵀy: the active-set method of
-/// Lawson & Hanson (1974), *Solving Least Squares Problems*, ch. 23, on the normal equations, which the few
-/// well-scaled columns here allow.
+/// Minimises ½ xᵀ G x − mᵀ x over x ≥ 0, G = XᵀX positive semidefinite and m = Xᵀy: the active-set
+/// method of Lawson & Hanson (1974), *Solving Least Squares Problems*, ch. 23, on the normal
+/// equations, which the few well-scaled columns here allow.
 pub(super) fn nonnegative<const P: usize>(gram: &[[f64; P]; P], moment: &[f64; P]) -> [f64; P] {
     let (mut x, mut free) = ([0.0; P], [false; P]);
     let largest = moment.iter().fold(0.0_f64, |max, m| max.max(m.abs()));
@@ -30,11 +32,17 @@ fn gradient<const P: usize>(gram: &[[f64; P]; P], moment: &[f64; P], x: &[f64; P
 }
 
 /// Goes to the minimum over the free parameters; each that meets 0 on the way is held there.
-fn settle<const P: usize>(gram: &[[f64; P]; P], moment: &[f64; P], x: &mut [f64; P], free: &mut [bool; P]) {
+fn settle<const P: usize>(
+    gram: &[[f64; P]; P],
+    moment: &[f64; P],
+    x: &mut [f64; P],
+    free: &mut [bool; P],
+) {
     loop {
         let goal = solve_free(gram, moment, free);
         let blocked = (0..P).filter(|&j| free[j] && goal[j] <= 0.0);
-        let stop = blocked.map(|j| (x[j] / (x[j] - goal[j]), j)).min_by(|(a, _), (b, _)| a.total_cmp(b));
+        let stop =
+            blocked.map(|j| (x[j] / (x[j] - goal[j]), j)).min_by(|(a, _), (b, _)| a.total_cmp(b));
         let Some((share, first)) = stop else {
             *x = goal;
             return;
@@ -45,9 +53,13 @@ fn settle<const P: usize>(gram: &[[f64; P]; P], moment: &[f64; P], x: &mut [f64;
     }
 }
 
-/// The minimum over the free parameters, the others being 0: elimination, without pivoting as G is positive
-/// definite there; a parameter that the others explain wholly stays 0.
-fn solve_free<const P: usize>(gram: &[[f64; P]; P], moment: &[f64; P], free: &[bool; P]) -> [f64; P] {
+/// The minimum over the free parameters, the others being 0: elimination, without pivoting as G is
+/// positive definite there; a parameter that the others explain wholly stays 0.
+fn solve_free<const P: usize>(
+    gram: &[[f64; P]; P],
+    moment: &[f64; P],
+    free: &[bool; P],
+) -> [f64; P] {
     /// A pivot below this share of its diagonal element is rounding.
     const PIVOT_TOLERANCE: f64 = 1e-12;
     let (mut a, mut b) = (*gram, *moment);
@@ -87,9 +99,11 @@ mod tests {
             [3.0, 1.0, 0.0, 2.0],
         ];
         let y = [5.0, 3.0, 2.0, 6.0, 1.0, 9.0];
-        let gram: [[f64; 4]; 4] =
-            core::array::from_fn(|j| core::array::from_fn(|k| rows.iter().map(|r| r[j] * r[k]).sum()));
-        let moment: [f64; 4] = core::array::from_fn(|j| rows.iter().zip(y).map(|(r, y)| r[j] * y).sum());
+        let gram: [[f64; 4]; 4] = core::array::from_fn(|j| {
+            core::array::from_fn(|k| rows.iter().map(|r| r[j] * r[k]).sum())
+        });
+        let moment: [f64; 4] =
+            core::array::from_fn(|j| rows.iter().zip(y).map(|(r, y)| r[j] * y).sum());
         let found = nonnegative(&gram, &moment);
         for (found, scipy) in found.iter().zip(SCIPY) {
             assert!((found - scipy).abs() < 1e-12, "{found} {scipy}");

@@ -32,16 +32,20 @@ impl Shape for PowerLaw {
         ]
     }
 
-    /// Levenberg–Marquardt from `near`, else from the best point of a coarse grid over break and exponent (a and
-    /// b are linear there), with the break within the data and commands scaled to 0 … 1.
+    /// Levenberg–Marquardt from `near`, else from the best point of a coarse grid over break and
+    /// exponent (a and b are linear there), with the break within the data and commands scaled
+    /// to 0 … 1.
     fn fit(&self, points: &Points, near: Option<&[f64]>) -> Option<Vec<f64>> {
         let (lowest, highest) = points.break_range()?;
         if !points.can_determine(self.complexity()) {
             return None;
         }
         let span = points.levels[points.levels.len() - 1] - lowest;
-        let scaled: Vec<Scaled> =
-            points.at.iter().map(|p| ((p.command - lowest) / span, p.response, p.weight.sqrt())).collect();
+        let scaled: Vec<Scaled> = points
+            .at
+            .iter()
+            .map(|p| ((p.command - lowest) / span, p.response, p.weight.sqrt()))
+            .collect();
         let last_break = (highest - lowest) / span;
         let bounds = Bounds {
             lower: [f64::NEG_INFINITY, f64::NEG_INFINITY, 0.0, MIN_EXPONENT],
@@ -52,7 +56,8 @@ impl Shape for PowerLaw {
             _ => best_start(&scaled, last_break)?,
         };
         let found =
-            least_squares(scaled.len(), |i, theta| residual(scaled[i], theta), start, &bounds).ok()?;
+            least_squares(scaled.len(), |i, theta| residual(scaled[i], theta), start, &bounds)
+                .ok()?;
         let [a, b, x0, p] = found.parameters;
         found.converged.then(|| vec![a, b / libm::pow(span, p), lowest + span * x0, p])
     }
@@ -79,10 +84,14 @@ fn residual((x, y, root_w): Scaled, &[a, b, x0, p]: &[f64; 4]) -> (f64, [f64; 4]
     let ln_u = libm::log(u);
     let power = libm::exp(p * ln_u);
     let slope = b * power;
-    (root_w * (a + slope - y), [root_w, root_w * power, -root_w * p * slope / u, root_w * slope * ln_u])
+    (
+        root_w * (a + slope - y),
+        [root_w, root_w * power, -root_w * p * slope / u, root_w * slope * ln_u],
+    )
 }
 
-/// The point (a, b, x0, p) of the coarse grid with the smallest sum of squares on every so many-th point.
+/// The point (a, b, x0, p) of the coarse grid with the smallest sum of squares on every so many-th
+/// point.
 fn best_start(points: &[Scaled], last_break: f64) -> Option<[f64; 4]> {
     let every = points.len().div_ceil(START_POINTS);
     let few: Vec<Scaled> = points.iter().copied().step_by(every).collect();

@@ -1,4 +1,5 @@
-//! A line between a free break and a free plateau: a dead zone, and an actuator that can give no more.
+//! A line between a free break and a free plateau: a dead zone, and an actuator that can give no
+//! more.
 
 use super::hinge::{self, Fit, Scale};
 use super::{Point, Points, Quantity, Shape};
@@ -29,9 +30,10 @@ impl Shape for Saturation {
         ]
     }
 
-    /// For a given plateau x1 the curve is a hinge in min(x, x1), whose best break is known in closed form; what
-    /// is left is a search along x1: the best of a coarse grid, then a golden section. Between break and plateau
-    /// lie two commands at least. From `near` it is a few steps of Levenberg–Marquardt instead.
+    /// For a given plateau x1 the curve is a hinge in min(x, x1), whose best break is known in
+    /// closed form; what is left is a search along x1: the best of a coarse grid, then a golden
+    /// section. Between break and plateau lie two commands at least. From `near` it is a few
+    /// steps of Levenberg–Marquardt instead.
     fn fit(&self, points: &Points, near: Option<&[f64]>) -> Option<Vec<f64>> {
         let (lowest, _) = points.break_range()?;
         let (n, levels) = (points.levels.len(), points.levels);
@@ -49,7 +51,12 @@ impl Shape for Saturation {
         let (left, right) = ((middle - step).max(first), (middle + step).min(last));
         let x1 = golden_section(rss, left, right, ENCLOSED * scale.span);
         let best = hinge_below(points, &scale, x1)?;
-        Some(vec![scale.response(best.a), best.b / scale.span, scale.command(best.x0).max(lowest), x1])
+        Some(vec![
+            scale.response(best.a),
+            best.b / scale.span,
+            scale.command(best.x0).max(lowest),
+            x1,
+        ])
     }
 
     fn predict(&self, parameters: &[f64], command: f64) -> f64 {
@@ -59,7 +66,11 @@ impl Shape for Saturation {
 }
 
 /// The minimum nearest to `start`, with x0 and x1 within `ends`.
-fn refined(points: &Points, start: [f64; 4], [x0_min, x0_max, x1_min, x1_max]: [f64; 4]) -> Option<Vec<f64>> {
+fn refined(
+    points: &Points,
+    start: [f64; 4],
+    [x0_min, x0_max, x1_min, x1_max]: [f64; 4],
+) -> Option<Vec<f64>> {
     let bounds = Bounds {
         lower: [f64::NEG_INFINITY, f64::NEG_INFINITY, x0_min, x1_min],
         upper: [f64::INFINITY, f64::INFINITY, x0_max, x1_max],
@@ -91,7 +102,8 @@ fn lowest_of(values: impl Iterator<Item = f64>, cost: impl Fn(f64) -> f64) -> Op
     values.map(|x| (cost(x), x)).min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, x)| x)
 }
 
-/// A minimum of `cost` between `left` and `right`, the ends included (Kiefer 1953, Proc. Amer. Math. Soc. 4:502).
+/// A minimum of `cost` between `left` and `right`, the ends included (Kiefer 1953, Proc. Amer.
+/// Math. Soc. 4:502).
 fn golden_section(cost: impl Fn(f64) -> f64, left: f64, right: f64, width: f64) -> f64 {
     let (mut low, mut high) = (left, right);
     let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
@@ -144,7 +156,8 @@ mod tests {
                 .collect();
             let rss = |p: &[f64]| check::rss(&Saturation, p, &x, &y);
             let best = rss(&check::fit(&Saturation, &x, &y).unwrap());
-            let near = rss(&check::fit_near(&Saturation, &x, &y, Some(&[0.5, 1.5, 2.4, 7.0])).unwrap());
+            let near =
+                rss(&check::fit_near(&Saturation, &x, &y, Some(&[0.5, 1.5, 2.4, 7.0])).unwrap());
             assert!(near < best * (1.0 + 1e-3), "{near} {best}");
         }
     }
@@ -154,8 +167,11 @@ mod tests {
     fn no_other_break_and_plateau_fit_a_scattered_curve_better() {
         let x = check::ramp();
         let scatter = |i: usize| f64::from(i as u32 * 7 % 13) / 8.0;
-        let y: Vec<f64> =
-            x.iter().enumerate().map(|(i, x)| 5.0 / (1.0 + libm::exp(5.0 - x)) + scatter(i)).collect();
+        let y: Vec<f64> = x
+            .iter()
+            .enumerate()
+            .map(|(i, x)| 5.0 / (1.0 + libm::exp(5.0 - x)) + scatter(i))
+            .collect();
         let found = check::rss(&Saturation, &check::fit(&Saturation, &x, &y).unwrap(), &x, &y);
         for (i, j) in (0..90).flat_map(|i| (i + 6..100).map(move |j| (i, j))) {
             let (x0, x1) = (f64::from(i) * 0.1, f64::from(j) * 0.1);

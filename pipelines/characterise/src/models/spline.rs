@@ -3,12 +3,13 @@
 use super::nonnegative::nonnegative;
 use super::{Point, Points, Quantity, Shape};
 
-/// Knots: six equal pieces follow a dead zone, a bend and a plateau in one curve, and need no choice of knots.
+/// Knots: six equal pieces follow a dead zone, a bend and a plateau in one curve, and need no
+/// choice of knots.
 const KNOTS: usize = 7;
 
-/// A monotone quadratic spline (the I-splines of Ramsay 1988, Statist. Sci. 3:425, of order 2): the slope is
-/// s0 … s6 at seven knots spaced evenly from x0 to x1, the lowest and the highest command, straight between
-/// them and constant beyond; y = a at x0. No slope has another sign than the rest.
+/// A monotone quadratic spline (the I-splines of Ramsay 1988, Statist. Sci. 3:425, of order 2): the
+/// slope is s0 … s6 at seven knots spaced evenly from x0 to x1, the lowest and the highest command,
+/// straight between them and constant beyond; y = a at x0. No slope has another sign than the rest.
 #[derive(Debug, Clone, Copy)]
 pub struct Spline;
 
@@ -32,7 +33,8 @@ impl Shape for Spline {
         ]
     }
 
-    /// Least squares with slopes ≥ 0, once for the curve and once for its mirror image; the better one is taken.
+    /// Least squares with slopes ≥ 0, once for the curve and once for its mirror image; the better
+    /// one is taken.
     fn fit(&self, points: &Points, _near: Option<&[f64]>) -> Option<Vec<f64>> {
         let (low, high) = (*points.levels.first()?, *points.levels.last()?);
         if !points.can_determine(self.complexity()) {
@@ -41,7 +43,8 @@ impl Shape for Spline {
         let sums = Sums::of(points.at, low, high);
         let rising = nonnegative(&sums.gram, &sums.moment);
         let falling = nonnegative(&sums.gram, &sums.moment.map(|m| -m)).map(|s| -s);
-        let slopes = if sums.explains(&rising) >= sums.explains(&falling) { rising } else { falling };
+        let slopes =
+            if sums.explains(&rising) >= sums.explains(&falling) { rising } else { falling };
         let offset: f64 = slopes.iter().zip(&sums.mean_column).map(|(s, c)| s * c).sum();
         Some([sums.mean_response - offset, low, high].into_iter().chain(slopes).collect())
     }
@@ -57,15 +60,16 @@ impl Shape for Spline {
     }
 }
 
-/// The rise from `low` to `x` for a slope of 1 at each knot alone: the integral of its hat function.
+/// The rise from `low` to `x` for a slope of 1 at each knot alone: the integral of its hat
+/// function.
 fn columns(x: f64, low: f64, high: f64) -> [f64; KNOTS] {
     let width = (high - low) / (KNOTS - 1) as f64;
     let u = (x - low) / width;
     core::array::from_fn(|j| width * (hat_integral(u - j as f64, j) - hat_integral(-(j as f64), j)))
 }
 
-/// ∫ of knot `j`'s hat from the middle knot's place to `v`, in knot widths; beyond the first and last knot the
-/// hat stays 1.
+/// ∫ of knot `j`'s hat from the middle knot's place to `v`, in knot widths; beyond the first and
+/// last knot the hat stays 1.
 fn hat_integral(v: f64, j: usize) -> f64 {
     let inner = v.clamp(-1.0, 1.0);
     let integral = inner - 0.5 * inner * inner.abs();
@@ -92,7 +96,8 @@ impl Sums {
         let mean_column: [f64; KNOTS] = core::array::from_fn(|j| {
             at.iter().zip(&rows).map(|(p, row)| p.weight * row[j]).sum::<f64>() / weight
         });
-        let mut sums = Self { gram: [[0.0; KNOTS]; KNOTS], moment: [0.0; KNOTS], mean_column, mean_response };
+        let mut sums =
+            Self { gram: [[0.0; KNOTS]; KNOTS], moment: [0.0; KNOTS], mean_column, mean_response };
         for (p, row) in at.iter().zip(&rows) {
             let d: [f64; KNOTS] = core::array::from_fn(|j| row[j] - mean_column[j]);
             for j in 0..KNOTS {

@@ -47,14 +47,21 @@ pub(super) fn parameters(table: &Table, model: &str) -> Result<Vec<Parameter>, T
 }
 
 /// The chosen model with its parameters and error, and the first-order fit, in words.
-pub(super) fn about(of: Characterised, chosen: &str, unit: &str) -> Result<Vec<String>, TableError> {
+pub(super) fn about(
+    of: Characterised,
+    chosen: &str,
+    unit: &str,
+) -> Result<Vec<String>, TableError> {
     let Some(row) = row_of(of.models, chosen)? else { return Ok(Vec::new()) };
     let formula = of.models.texts("formula")?[row].as_deref().map(typeset).unwrap_or_default();
     let is_told = |p: &&Parameter| p.note.is_empty() && !p.symbol.starts_with('s');
-    let mut words = vec![format!("Chosen: {}, {formula}", chosen.replace("_up_down", "").replace('_', " "))];
+    let mut words =
+        vec![format!("Chosen: {}, {formula}", chosen.replace("_up_down", "").replace('_', " "))];
     words.extend(parameters(of.parameters, chosen)?.iter().filter(is_told).map(estimate));
-    words
-        .extend(of.models.floats("rms")?[row].map(|rms| format!("RMS {} {}", significant(rms), plain(unit))));
+    words.extend(
+        of.models.floats("rms")?[row]
+            .map(|rms| format!("RMS {} {}", significant(rms), plain(unit))),
+    );
     let mut notes = vec![format!("{}.", words.join("; "))];
     let line: Vec<String> = parameters(of.parameters, "line")?.iter().map(estimate).collect();
     if chosen != "line" && !line.is_empty() {
@@ -74,14 +81,19 @@ fn estimate(p: &Parameter) -> String {
         }
         _ => significant(p.estimate),
     };
-    let unit = p.unit.strip_suffix("^p").map_or_else(|| plain(&p.unit), |unit| plain(unit) + "^{p}");
+    let unit =
+        p.unit.strip_suffix("^p").map_or_else(|| plain(&p.unit), |unit| plain(unit) + "^{p}");
     let words = format!("{}{way} = {number} {unit}", typeset(&p.symbol));
     words.trim_end().to_owned()
 }
 
 /// A plain formula as markup: `max(x - x0, 0)^p` → max(x − x₀, 0)ᵖ.
 fn typeset(formula: &str) -> String {
-    formula.replace(" - ", " − ").replace("x0", "x_{0}").replace("x1", "x_{1}").replace("^p", "^{p}")
+    formula
+        .replace(" - ", " − ")
+        .replace("x0", "x_{0}")
+        .replace("x1", "x_{1}")
+        .replace("^p", "^{p}")
 }
 
 /// Three significant digits.

@@ -24,14 +24,16 @@ fn models(real: &Real) -> Vec<(String, f64, String)> {
 fn a_line_and_a_hinge_are_rejected_and_the_power_law_is_chosen() {
     let Some(real) = &*RUN else { return };
     let found = models(real);
-    let expect = [("line", 3.09, "rejected"), ("hinge", 1.34, "rejected"), ("power_law", 0.33, "chosen")];
+    let expect =
+        [("line", 3.09, "rejected"), ("hinge", 1.34, "rejected"), ("power_law", 0.33, "chosen")];
     let of = |name: &str| found.iter().find(|(model, ..)| model == name).unwrap();
     for (name, published, word) in expect {
         let (_, rms, verdict) = of(name);
         close(*rms, published, 0.005);
         assert!(verdict.starts_with(word), "{name}: {verdict}");
     }
-    let chosen: Vec<_> = found.iter().filter(|(.., verdict)| verdict.starts_with("chosen")).collect();
+    let chosen: Vec<_> =
+        found.iter().filter(|(.., verdict)| verdict.starts_with("chosen")).collect();
     assert_eq!(chosen, [of("power_law")]);
     assert!(of("power_law").1 <= 0.4, "RMS of the chosen model, mN·m");
 }
@@ -59,7 +61,8 @@ fn the_curve_spans_the_published_torque_and_its_units_are_those_of_the_sweep() {
     let curve = real.derived("characterise/curve.brake.parquet");
     let command = floats(&curve, "command");
     assert_eq!((command[0], *command.last().unwrap()), (0.0, 26212.0));
-    let fields: Vec<_> = curve.fields().filter(|f| f.name == "command").map(|f| f.unit.to_string()).collect();
+    let fields: Vec<_> =
+        curve.fields().filter(|f| f.name == "command").map(|f| f.unit.to_string()).collect();
     assert_eq!(fields, ["counts"]);
     let figure = labels(&real.report("figures/characteristic.brake.svg"));
     for unit in ["(counts)", "(mN·m)"] {

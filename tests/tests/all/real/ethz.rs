@@ -1,4 +1,5 @@
-//! A one-axis haptic paddle: free motion under three controllers in four sessions, a motor, a load cell.
+//! A one-axis haptic paddle: free motion under three controllers in four sessions, a motor, a load
+//! cell.
 
 use super::{Real, close, floats, labels, parameter, recordings};
 use crate::folders::files;
@@ -13,9 +14,15 @@ static RUN: LazyLock<Option<Real>> = LazyLock::new(|| {
     let transparency = files(&folder.join("transparency"), "csv");
     assert_eq!(transparency.len(), 12);
     let report = real.import("map-transparency.toml", &transparency);
-    assert!(report.ends_with("12 files imported into study ethz: 12 trials, 4 sessions\n"), "{report}");
+    assert!(
+        report.ends_with("12 files imported into study ethz: 12 trials, 4 sessions\n"),
+        "{report}"
+    );
     real.import("map-motor.toml", &files(&folder.join("motor"), "csv"));
-    real.import("map-load-cell.toml", &[folder.join("force_sensor/transfer_function_put_together.csv")]);
+    real.import(
+        "map-load-cell.toml",
+        &[folder.join("force_sensor/transfer_function_put_together.csv")],
+    );
     Some(real.run())
 });
 
@@ -26,7 +33,8 @@ static DRIVEN: LazyLock<Option<Real>> = LazyLock::new(|| {
     Some(real.run())
 });
 
-/// NumPy and statsmodels on the file itself (`tests/interop/definitions.py`, `plant`): estimate and standard error.
+/// NumPy and statsmodels on the file itself (`tests/interop/definitions.py`, `plant`): estimate and
+/// standard error.
 #[test]
 fn the_paddle_driven_by_its_motor_shows_friction_and_pull_but_no_inertia() {
     let Some(real) = &*DRIVEN else { return };
@@ -39,7 +47,11 @@ fn the_paddle_driven_by_its_motor_shows_friction_and_pull_but_no_inertia() {
         ("stiffness", "nm_per_rad", 1.2677575730e-03, 1.9682850355e-04),
     ] {
         close(floats(&plant, &format!("{quantity}_{unit}"))[0], expect, 1e-6 * expect);
-        close(floats(&plant, &format!("{quantity}_std_error_{unit}"))[0], std_error, 1e-6 * std_error);
+        close(
+            floats(&plant, &format!("{quantity}_std_error_{unit}"))[0],
+            std_error,
+            1e-6 * std_error,
+        );
     }
     let summary = real.summary();
     for unseen in ["inertia I is not identified", "damping b is not identified"] {
@@ -80,7 +92,8 @@ fn twelve_plane_fits_have_intervals_and_one_figure_compares_them() {
     let Some(real) = &*RUN else { return };
     let fits = real.derived("free_motion.parquet");
     let texts = |column| fits.texts(column).unwrap().into_iter().flatten().collect::<Vec<_>>();
-    let conditions: std::collections::BTreeSet<_> = texts("session").into_iter().zip(texts("mode")).collect();
+    let conditions: std::collections::BTreeSet<_> =
+        texts("session").into_iter().zip(texts("mode")).collect();
     assert_eq!((fits.height(), conditions.len()), (12, 12));
     for (estimate, ci) in [
         ("offset_nm", ["offset_ci_low_nm", "offset_ci_high_nm"]),
@@ -93,9 +106,15 @@ fn twelve_plane_fits_have_intervals_and_one_figure_compares_them() {
         }
     }
     let figure = labels(&real.report("figures/free_motion.svg"));
-    for word in
-        ["Uncontrolled", "Friction and gravity compensated", "Force feedback", "S09", "S10", "S11", "S12"]
-    {
+    for word in [
+        "Uncontrolled",
+        "Friction and gravity compensated",
+        "Force feedback",
+        "S09",
+        "S10",
+        "S11",
+        "S12",
+    ] {
         assert!(figure.iter().any(|l| l.contains(word)), "{word} is not in {figure:?}");
     }
 }
@@ -108,10 +127,13 @@ fn a_plane_fit_is_that_of_the_normal_equations_on_the_file() {
     let expect = plane(&folder.join("transparency/session_11/force_feedback.csv"));
     let fits = real.derived("free_motion.parquet");
     let (sessions, modes) = (fits.texts("session").unwrap(), fits.texts("mode").unwrap());
-    let is_it =
-        |i: &usize| sessions[*i].as_deref() == Some("S11") && modes[*i].as_deref() == Some("force_feedback");
+    let is_it = |i: &usize| {
+        sessions[*i].as_deref() == Some("S11") && modes[*i].as_deref() == Some("force_feedback")
+    };
     let row = (0..12).find(is_it).unwrap();
-    for (column, expect) in ["offset_nm", "inertia_kg_m2", "damping_nm_s_per_rad"].into_iter().zip(expect) {
+    for (column, expect) in
+        ["offset_nm", "inertia_kg_m2", "damping_nm_s_per_rad"].into_iter().zip(expect)
+    {
         close(floats(&fits, column)[row], expect, 1e-9 * expect.abs());
     }
 }
@@ -144,7 +166,9 @@ fn what_was_not_recorded_is_null_and_the_time_comes_from_the_rate() {
     let Some(real) = &*RUN else { return };
     for path in files(&real.layout.trials(), "parquet") {
         let trial = read_trial(&path, Signal::all()).unwrap();
-        for lacks in [Signal::Theta, Signal::ForceEx, Signal::ForceCmd, Signal::VoltageMotor, Signal::Flags] {
+        for lacks in
+            [Signal::Theta, Signal::ForceEx, Signal::ForceCmd, Signal::VoltageMotor, Signal::Flags]
+        {
             assert!(trial.samples.get(lacks).is_none(), "{} of {}", lacks.name(), path.display());
         }
         let t = trial.samples.get(Signal::Time).unwrap();

@@ -1,7 +1,8 @@
-//! Recordings made by others, from their files to figures and tables with the mappings in `studies/`.
+//! Recordings made by others, from their files to figures and tables with the mappings in
+//! `studies/`.
 //!
-//! The recordings are not part of this repository: `ZWIDTH_REAL_DATA` names the folder that holds them; without
-//! it these tests say that they skip.
+//! The recordings are not part of this repository: `ZWIDTH_REAL_DATA` names the folder that holds
+//! them; without it these tests say that they skip.
 
 mod brake;
 mod ethz;
@@ -37,7 +38,8 @@ impl Real {
         let folder = tempfile::tempdir().unwrap();
         let layout = Layout::new(folder.path(), id.parse().unwrap());
         fs::create_dir_all(layout.raw()).unwrap();
-        fs::copy(workspace().join("studies").join(id).join("study.toml"), layout.study_toml()).unwrap();
+        fs::copy(workspace().join("studies").join(id).join("study.toml"), layout.study_toml())
+            .unwrap();
         Self { folder, layout }
     }
 
@@ -83,7 +85,10 @@ impl Real {
 /// The texts of a figure, as its groups of outlined letters are labelled.
 pub(crate) fn labels(svg: &Path) -> Vec<String> {
     let text = fs::read_to_string(svg).unwrap();
-    text.split("aria-label=\"").skip(1).filter_map(|rest| Some(rest.split_once('"')?.0.to_owned())).collect()
+    text.split("aria-label=\"")
+        .skip(1)
+        .filter_map(|rest| Some(rest.split_once('"')?.0.to_owned()))
+        .collect()
 }
 
 /// The floats of a column, none of which may be null.

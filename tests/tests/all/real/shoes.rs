@@ -77,8 +77,10 @@ fn the_study_reverses_the_items_that_the_question_table_reverses() {
     let expect: BTreeMap<String, bool> =
         rows.filter(|r| r[2] != "-2").map(|r| (r[1].to_owned(), r[2] == "-1")).collect();
     let study =
-        zwidth_study::Study::from_toml(&fs::read_to_string(real.layout.study_toml()).unwrap()).unwrap();
-    let found: BTreeMap<String, bool> = study.questions.into_iter().map(|q| (q.text, q.reversed)).collect();
+        zwidth_study::Study::from_toml(&fs::read_to_string(real.layout.study_toml()).unwrap())
+            .unwrap();
+    let found: BTreeMap<String, bool> =
+        study.questions.into_iter().map(|q| (q.text, q.reversed)).collect();
     assert_eq!(found, expect);
 }
 

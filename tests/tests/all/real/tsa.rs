@@ -33,7 +33,8 @@ fn metric(real: &Real, column: &str) -> BTreeMap<String, f64> {
 #[test]
 fn the_rendered_stiffness_is_the_commanded_and_a_parallel_spring_in_all_six() {
     let Some(real) = &*RUN else { return };
-    let (rendered, error) = (metric(real, "stiffness_n_per_rad"), metric(real, "stiffness_error_n_per_rad"));
+    let (rendered, error) =
+        (metric(real, "stiffness_n_per_rad"), metric(real, "stiffness_error_n_per_rad"));
     assert_eq!(rendered.len(), 6);
     for (environment, commanded) in COMMANDED {
         let excess = rendered[environment] / PER_MM - commanded;
@@ -55,7 +56,8 @@ fn the_stiffness_is_that_of_a_line_through_the_files_own_rows() {
     }
 }
 
-/// Columns: time s, x desired mm, x measured mm, force desired N, force measured N (negative for x > 0).
+/// Columns: time s, x desired mm, x measured mm, force desired N, force measured N (negative for
+/// positive x).
 fn slope(path: &Path) -> f64 {
     let text = fs::read_to_string(path).unwrap();
     let row = |line: &str| line.split(',').map(|v| v.trim().parse().unwrap()).collect::<Vec<f64>>();
@@ -65,15 +67,17 @@ fn slope(path: &Path) -> f64 {
     let press: Vec<_> = rows[..=reversal].iter().filter(|r| r.0 > 0.5).collect();
     let n = press.len() as f64;
     let (x, f) = press.iter().fold((0.0, 0.0), |m, r| (m.0 + r.0 / n, m.1 + r.1 / n));
-    let (xx, xf) =
-        press.iter().fold((0.0, 0.0), |s, r| (s.0 + (r.0 - x) * (r.0 - x), s.1 + (r.0 - x) * (r.1 - f)));
+    let (xx, xf) = press
+        .iter()
+        .fold((0.0, 0.0), |s, r| (s.0 + (r.0 - x) * (r.0 - x), s.1 + (r.0 - x) * (r.1 - f)));
     xf / xx
 }
 
 #[test]
 fn pushing_is_positive_and_unloading_lies_below_loading() {
     let Some(real) = &*RUN else { return };
-    for column in ["stiffness_n_per_rad", "discrepancy_mean_n", "discrepancy_max_n", "loop_area_j"] {
+    for column in ["stiffness_n_per_rad", "discrepancy_mean_n", "discrepancy_max_n", "loop_area_j"]
+    {
         for (environment, value) in metric(real, column) {
             assert!(value > 0.0, "{column} of {environment}: {value}");
         }
@@ -94,8 +98,8 @@ fn a_loop_figure_and_tables_in_millimetres_are_there() {
     }
 }
 
-/// Every file begins with a desired position of some 1e-321 mm, which is dropped; what is kept of the other
-/// columns has the bits of the file.
+/// Every file begins with a desired position of some 1e-321 mm, which is dropped; what is kept of
+/// the other columns has the bits of the file.
 #[test]
 fn files_with_denormals_are_read_and_every_sample_is_kept() {
     let Some(real) = &*RUN else { return };
@@ -103,7 +107,9 @@ fn files_with_denormals_are_read_and_every_sample_is_kept() {
     let trials = files(&real.layout.trials(), "parquet");
     let recorded = files(&folder, "csv");
     assert!(recorded.iter().any(|p| fs::read_to_string(p).unwrap().contains("e-32")));
-    let lines: usize = recorded.iter().map(|p| fs::read_to_string(p).unwrap().lines().count() - 1).sum();
-    let rows: usize = trials.iter().map(|p| read_trial(p, [Signal::Time]).unwrap().samples.len()).sum();
+    let lines: usize =
+        recorded.iter().map(|p| fs::read_to_string(p).unwrap().lines().count() - 1).sum();
+    let rows: usize =
+        trials.iter().map(|p| read_trial(p, [Signal::Time]).unwrap().samples.len()).sum();
     assert_eq!(rows, lines);
 }

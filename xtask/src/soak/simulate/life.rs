@@ -16,7 +16,8 @@ use zwidth_study::{Status, Voltages};
 
 /// Lives that go wrong, at most, before the one that ends the session.
 const MOST_LIVES: u64 = 4;
-/// Lives that end a session once nothing goes wrong any more: a stop within one may send the person home.
+/// Lives that end a session once nothing goes wrong any more: a stop within one may send the person
+/// home.
 const LAST_LIVES: u64 = 3;
 /// The first day of the simulation.
 const BEGIN: &str = "2026-01-01T08:00:00Z";
@@ -37,13 +38,17 @@ pub(super) fn session(with: With, seed: u64, counts: &mut Counts) -> Result<Disk
         let trouble = Trouble::draw(&mut Draw::new(seed, 10 + life));
         trouble.words().into_iter().for_each(|word| *counts.entry(word).or_default() += 1);
         let left = desk.live(life, &trouble, false).map_err(|why| format!("life {life}: {why}"))?;
-        *counts.entry(if left.is_ok() { "lives left in order" } else { "lives cut short" }).or_default() += 1;
+        *counts
+            .entry(if left.is_ok() { "lives left in order" } else { "lives cut short" })
+            .or_default() += 1;
     }
     for life in lives..lives + LAST_LIVES {
-        let outcome = desk.live(life, &Trouble::none(), true).map_err(|why| format!("last life: {why}"))?;
+        let outcome =
+            desk.live(life, &Trouble::none(), true).map_err(|why| format!("last life: {why}"))?;
         let outcome = outcome.map_err(|why| format!("the last life ended with: {why}"))?;
         if outcome.done == outcome.total {
-            *counts.entry("trials that were finished and stayed").or_default() += desk.finished.len() as u64;
+            *counts.entry("trials that were finished and stayed").or_default() +=
+                desk.finished.len() as u64;
             return Ok(desk.disk.below(Path::new("/")));
         }
     }
@@ -94,11 +99,16 @@ impl Desk {
         let mut person = Person::new(&mut draw, diligent);
         let mut mock = Mock::default();
         mock.faults.extend(trouble.device);
-        let mut clock = Late::new(self.seed, trouble.late.then(|| Draw::new(self.seed, 30 + life)));
+        let mut clock = Late::new(
+            self.seed,
+            trouble.late.then(|| Draw::new(self.seed, 30 + life)),
+            self.with.nap_s(),
+        );
         let utc = time_of_day(life, trouble.jumps)?;
         let outcome = match self.with {
             With::Mock => {
-                // A device whose code fails takes the program with it, on a simulated clock: nobody stands between.
+                // A device whose code fails takes the program with it, on a simulated clock: nobody
+                // stands between.
                 let recorded = || self.record(&mut mock, &mut clock, &mut person, &utc);
                 let caught = catch_unwind(AssertUnwindSafe(recorded));
                 let asked = matches!(trouble.device, Some((_, DeviceFault::Panic)));
@@ -116,7 +126,8 @@ impl Desk {
         }
         self.disk.restart(trouble.survives);
         let done = self.settle()?;
-        // A person who asked for a trial again, or a life that never saw the session, promises nothing.
+        // A person who asked for a trial again, or a life that never saw the session, promises
+        // nothing.
         if done < shown && trouble.survives == Survives::Everything {
             return Err(format!("{shown} trials were shown as done, and {done} are"));
         }
@@ -143,7 +154,8 @@ impl Desk {
         run(&self.plan, session, &options, parts).map_err(told)
     }
 
-    /// Recovers what the life left, and checks what was promised; trials of the order that are done.
+    /// Recovers what the life left, and checks what was promised; trials of the order that are
+    /// done.
     fn settle(&mut self) -> Result<usize, String> {
         let layout = self.plan.layout.clone();
         for found in recover(&self.disk, &layout, BEGIN) {
@@ -187,7 +199,8 @@ impl Desk {
                 self.finished.insert(trial.path.clone(), trial.blake3.clone());
             }
         }
-        let holds = |t: &&TrialEntry| t.meta.status == Status::Complete && t.superseded_by.is_none();
+        let holds =
+            |t: &&TrialEntry| t.meta.status == Status::Complete && t.superseded_by.is_none();
         Ok(data.trials.iter().filter(holds).count())
     }
 }
@@ -196,7 +209,8 @@ fn twin(seed: u64) -> Result<Twin, String> {
     Twin::new(TwinParameters::default(), Hand::draw(seed), seed).map_err(told)
 }
 
-/// The voltages that a life leaves behind: none, at once by its own hand, or by the board's watchdog.
+/// The voltages that a life leaves behind: none, at once by its own hand, or by the board's
+/// watchdog.
 fn is_at_0_v(mock: &Mock, trouble: &Trouble) -> Result<(), String> {
     let (last_s, last) = mock.writes.last().copied().unwrap_or((0.0, Voltages::OFF));
     let unplugged = matches!(trouble.device, Some((_, DeviceFault::Unplugged)));
@@ -209,7 +223,8 @@ fn is_at_0_v(mock: &Mock, trouble: &Trouble) -> Result<(), String> {
     Ok(())
 }
 
-/// The time of day at a time of the loop's clock: from a day of its own for each life on, or from any other.
+/// The time of day at a time of the loop's clock: from a day of its own for each life on, or from
+/// any other.
 fn time_of_day(life: u64, jumps: bool) -> Result<impl Fn(f64) -> String + Sync, String> {
     let begin: Timestamp = BEGIN.parse().map_err(told)?;
     let days = if jumps { 400 * (1 - 2 * (life as i64 % 2)) } else { life as i64 };

@@ -1,9 +1,11 @@
-//! Whole sessions under one seed each: the flow, a device, a disk in memory and a clock, and what goes wrong with them.
+//! Whole sessions under one seed each: the flow, a device, a disk in memory and a clock, and what
+//! goes wrong with them.
 //!
-//! A session of a few short trials is recorded in several lives. Each but the last is cut short by what its seed draws: a
-//! kill, a power cut, a full disk, a pulled cable, a sensor that stops, a late tick, a clock that jumps, a person who
-//! leaves or presses stop. After each life the device is at 0 V, `recover` succeeds, `verify` finds nothing, and whatever
-//! was finished is there, byte for byte; the last life ends the session in the order in which it was drawn. One seed is
+//! A session of a few short trials is recorded in several lives. Each but the last is cut short by
+//! what its seed draws: a kill, a power cut, a full disk, a pulled cable, a sensor that stops, a
+//! late tick, a clock that jumps, a person who leaves or presses stop. After each life the device
+//! is at 0 V, `recover` succeeds, `verify` finds nothing, and whatever was finished is there, byte
+//! for byte; the last life ends the session in the order in which it was drawn. One seed is
 //! one course of events, so that a seed that fails can be looked at again.
 
 mod life;
@@ -34,6 +36,12 @@ impl With {
     fn chore(self) -> &'static str {
         if self == Self::Twin { "simulate-twin" } else { "simulate" }
     }
+
+    /// How long its machine sleeps at times, s: longer than any trial. The twin moves on for all of
+    /// it, so its is short.
+    fn nap_s(self) -> f64 {
+        if self == Self::Twin { 30.0 } else { 3600.0 }
+    }
 }
 
 /// How often each thing happened.
@@ -46,7 +54,8 @@ const TWICE: u64 = 100;
 /// Seeds at once.
 const AT_ONCE: usize = 2;
 
-/// Simulates `seeds` sessions from seed `first` on; prints what happened, and fails if a promise was broken.
+/// Simulates `seeds` sessions from seed `first` on; prints what happened, and fails if a promise
+/// was broken.
 pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()> {
     if cfg!(debug_assertions) {
         return optimised(with, seeds, first);
@@ -73,7 +82,8 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
         }
     };
     std::thread::scope(|scope| -> anyhow::Result<()> {
-        let threads: Vec<ScopedJoinHandle<'_, ()>> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
+        let threads: Vec<ScopedJoinHandle<'_, ()>> =
+            (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
         let ended = threads.into_iter().all(|thread| thread.join().is_ok());
         ensure!(ended, "a thread of the simulation panicked");
         Ok(())
@@ -93,8 +103,12 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
     println!("{} promises broken", broken.len());
     note(&Tried {
         what: match with {
-            With::Mock => "sessions of a device that fails, each with faults drawn from its seed".to_owned(),
-            With::Twin => "sessions of the simulated device, each with faults drawn from its seed".to_owned(),
+            With::Mock => {
+                "sessions of a device that fails, each with faults drawn from its seed".to_owned()
+            }
+            With::Twin => {
+                "sessions of the simulated device, each with faults drawn from its seed".to_owned()
+            }
         },
         command: format!("cargo xtask soak {} {seeds} {first}", with.chore()),
         times: seeds,
@@ -110,7 +124,17 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
 /// The same in a program that is built for speed.
 fn optimised(with: With, seeds: u64, first: u64) -> anyhow::Result<()> {
     let status = Command::new(env!("CARGO"))
-        .args(["run", "--quiet", "--release", "--locked", "--package", "xtask", "--", "soak", with.chore()])
+        .args([
+            "run",
+            "--quiet",
+            "--release",
+            "--locked",
+            "--package",
+            "xtask",
+            "--",
+            "soak",
+            with.chore(),
+        ])
         .args([seeds.to_string(), first.to_string()])
         .status()?;
     if !status.success() {

@@ -65,9 +65,11 @@ impl Front for Person<'_> {
             Phase::Ready => Some(self.ready()),
             Phase::Question { .. } => Some(self.question()),
             Phase::Stopped { .. } => Some(self.stopped()),
-            Phase::Done => {
-                Some(if !self.diligent && self.draw.one_in(8) { Input::Repeat } else { Input::Quit })
-            }
+            Phase::Done => Some(if !self.diligent && self.draw.one_in(8) {
+                Input::Repeat
+            } else {
+                Input::Quit
+            }),
             Phase::Trial { .. } if !self.diligent && self.draw.one_in(400) => Some(Input::Stop),
             _ => None,
         };

@@ -20,7 +20,8 @@ const MOST_STEPS: u64 = 250;
 pub(super) struct Draw(ChaCha8Rng);
 
 impl Draw {
-    /// A stream of its own for each use, so that one more draw in one place changes nothing elsewhere.
+    /// A stream of its own for each use, so that one more draw in one place changes nothing
+    /// elsewhere.
     pub(super) fn new(seed: u64, stream: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);
@@ -112,16 +113,19 @@ impl Trouble {
     }
 }
 
-/// A clock of which now and then a tick is late: by a fiftieth of a second, or by the hour that a machine slept.
+/// A clock of which now and then a tick is late: by a fiftieth of a second, or by the time that a
+/// machine slept.
 pub(super) struct Late {
     clock: SimulatedClock,
     draw: Option<Draw>,
+    /// The machine's sleep, s.
+    nap_s: f64,
     off_s: f64,
 }
 
 impl Late {
-    pub(super) fn new(seed: u64, draw: Option<Draw>) -> Self {
-        Self { clock: SimulatedClock::new(seed), draw, off_s: 0.0 }
+    pub(super) fn new(seed: u64, draw: Option<Draw>, nap_s: f64) -> Self {
+        Self { clock: SimulatedClock::new(seed), draw, nap_s, off_s: 0.0 }
     }
 }
 
@@ -134,13 +138,14 @@ impl Clock for Late {
         if let Some(draw) = &mut self.draw
             && draw.one_in(100)
         {
-            self.off_s += draw.of(&[0.002, 0.009, 0.02, 0.1, 3600.0]);
+            self.off_s += draw.of(&[0.002, 0.009, 0.02, 0.1, self.nap_s]);
         }
         self.clock.wait_until(deadline_s - self.off_s) + self.off_s
     }
 }
 
-/// The study of a seed, laid down on a disk of its own: three to six trials and perhaps one for practice.
+/// The study of a seed, laid down on a disk of its own: three to six trials and perhaps one for
+/// practice.
 pub(super) fn study(seed: u64) -> Result<(Memory, Plan), String> {
     let mut draw = Draw::new(seed, 1);
     let layout = Layout::new(Path::new("/simulated"), "soak".parse().map_err(told)?);

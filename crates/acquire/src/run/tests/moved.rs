@@ -117,7 +117,8 @@ fn a_folder_moved_in_a_trial_ends_it_at_the_next_batch_and_its_samples_are_kept(
     let moved = gone(&desk, &mock, &error);
     assert_eq!(fs::read_dir(moved.journals()).unwrap().count(), 1);
     goes_on(&desk);
-    let (incomplete, rows) = desk.data().trials.iter().map(|t| (t.meta.status, t.rows)).next().unwrap();
+    let (incomplete, rows) =
+        desk.data().trials.iter().map(|t| (t.meta.status, t.rows)).next().unwrap();
     assert!(incomplete == Status::Incomplete && rows > 100, "{rows}");
 }
 

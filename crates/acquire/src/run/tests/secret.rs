@@ -18,8 +18,12 @@ fn files_outside(folder: &Path, vault: &Path) -> Vec<PathBuf> {
 
 /// A number as it may stand in a file.
 fn spellings(number: u64) -> Vec<Vec<u8>> {
-    let texts =
-        [number.to_string(), format!("{number:x}"), format!("{number:X}"), (number as i64).to_string()];
+    let texts = [
+        number.to_string(),
+        format!("{number:x}"),
+        format!("{number:X}"),
+        (number as i64).to_string(),
+    ];
     let float = (number as f64).to_string();
     let bytes = [number.to_le_bytes(), number.to_be_bytes()].map(|b| b.to_vec());
     texts.into_iter().chain([float]).map(String::into_bytes).chain(bytes).collect()
@@ -35,7 +39,8 @@ fn no_seed_of_a_blinded_study_stands_in_any_file_outside_the_vault() {
         let keys = desk.plan.keys.clone();
         let search = |when: &str| {
             let seed_file = keys.join("small/seed");
-            let drawn = std::fs::read_to_string(&seed_file).ok().map(|text| text.trim().parse().unwrap());
+            let drawn =
+                std::fs::read_to_string(&seed_file).ok().map(|text| text.trim().parse().unwrap());
             assert_eq!(drawn.is_some(), given.is_none());
             let seed: u64 = given.or(drawn).unwrap();
             let files = files_outside(desk.root(), &keys);

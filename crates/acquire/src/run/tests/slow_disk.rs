@@ -5,7 +5,8 @@ use std::sync::Condvar;
 use zwidth_device::mock::SharedClock;
 use zwidth_device::{Capabilities, Cue, DeviceError, Reading};
 
-/// A lever that somebody swings all the time, whatever else goes on: its shaft turns 1.6 times a second at most.
+/// A lever that somebody swings all the time, whatever else goes on: its shaft turns 1.6 times a
+/// second at most.
 struct Swinging {
     mock: Mock,
     homed_s: f64,
@@ -27,7 +28,9 @@ impl Gate {
 
     fn pass(&self) {
         let patience = Duration::from_secs(20);
-        drop(self.0.1.wait_timeout_while(self.0.0.lock().unwrap(), patience, |open| !*open).unwrap());
+        drop(
+            self.0.1.wait_timeout_while(self.0.0.lock().unwrap(), patience, |open| !*open).unwrap(),
+        );
     }
 }
 
@@ -80,7 +83,8 @@ impl Device for Swinging {
     }
 }
 
-/// What the disk does before a write or a sync: of which file, and whether a running trial waits for it.
+/// What the disk does before a write or a sync: of which file, and whether a running trial waits
+/// for it.
 type Wait = dyn Fn(&Path, bool) + Sync + Send;
 
 /// A disk that has to be waited for.
@@ -132,8 +136,13 @@ fn live(
     desk.options.live = true;
     let session = Session::open(&desk.plan, device.capabilities(), &RealFiles).unwrap();
     let (mut clock, files) = (clock.clone(), Slow(Arc::new(wait)));
-    let parts =
-        Parts { device: &mut device, clock: &mut clock, files: &files, front, utc: &|_| UTC.to_owned() };
+    let parts = Parts {
+        device: &mut device,
+        clock: &mut clock,
+        files: &files,
+        front,
+        utc: &|_| UTC.to_owned(),
+    };
     let outcome = run(&desk.plan, session, &desk.options, parts).unwrap();
     (outcome, std::mem::take(&mut device.log.lock().unwrap()))
 }
@@ -231,7 +240,10 @@ fn an_emergency_stop_is_obeyed_at_once_while_the_disk_stands_still() {
     assert_eq!((outcome.stopped.as_deref(), outcome.done), (Some(EMERGENCY_STOP), 1));
     let stopped_s = stopped_s.lock().unwrap().unwrap();
     let last_on_s = log.writes.iter().rfind(|(_, v)| *v != Voltages::OFF).unwrap().0;
-    assert!((last_on_s - stopped_s).abs() < 2.0 / 120.0 + 1e-6, "on at {last_on_s}, stopped at {stopped_s}");
+    assert!(
+        (last_on_s - stopped_s).abs() < 2.0 / 120.0 + 1e-6,
+        "on at {last_on_s}, stopped at {stopped_s}"
+    );
     assert_eq!(desk.data().trials[1].meta.status, Status::Incomplete);
 }
 
@@ -267,7 +279,11 @@ fn a_trial_is_no_part_of_the_pause_after_it() {
         let ended_s = log.lock().unwrap().begun_s[0] + limit_s;
         rested.set(pause_s - left_s);
         // The loop's last tick may come a period before the time is up.
-        assert!(rested.get() <= of_front.is_s() - ended_s + LONGEST_S, "{} s of rest", rested.get());
+        assert!(
+            rested.get() <= of_front.is_s() - ended_s + LONGEST_S,
+            "{} s of rest",
+            rested.get()
+        );
         (rested.get() > 0.0).then_some(Input::Quit)
     });
     live(&mut desk, device, &clock, |_, _| {}, &mut front);

@@ -162,7 +162,8 @@ fn a_session_that_is_damaged_in_a_pause_ends_before_its_next_trial() {
     }
 }
 
-/// The study's text with something changed, now the one at the desk; the plan as a command makes it.
+/// The study's text with something changed, now the one at the desk; the plan as a command makes
+/// it.
 fn changed(desk: &mut Desk, from: &str, to: &str) {
     let path = desk.plan.layout.study_toml();
     edit(&path, from, to);
@@ -202,14 +203,16 @@ fn a_comment_a_label_or_a_figure_in_study_toml_ends_no_session_and_is_noted_once
 }
 
 #[test]
-fn a_change_of_what_is_recorded_is_refused_until_it_is_accepted_and_the_session_goes_on_by_its_own_copy() {
+fn a_change_of_what_is_recorded_is_refused_until_it_is_accepted_and_the_session_goes_on_by_its_own_copy()
+ {
     let mut desk = begun();
     let drawn = desk.data().sessions[0].record.trials.clone();
     changed(&mut desk, "trial_limit_s = 4.0", "trial_limit_s = 1.5");
     let before = contents(desk.root());
     let mut mock = Mock::default();
     let error = desk.run(&mut mock, &RealFiles, &mut diligent()).unwrap_err().to_string();
-    for words in ["design.trial_limit_s was 4.0 and is 1.5", "put it back", "--accept-study-change"] {
+    for words in ["design.trial_limit_s was 4.0 and is 1.5", "put it back", "--accept-study-change"]
+    {
         assert!(error.contains(words), "{error}");
     }
     assert_eq!((contents(desk.root()), mock.writes), (before, vec![]));
@@ -254,7 +257,10 @@ fn a_session_from_before_there_were_copies_goes_on_under_its_very_study_toml_alo
     desk.plan.study_toml = fs::read(desk.plan.layout.study_toml()).unwrap();
     desk.plan.accept_study_change = true;
     let error = desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap_err().to_string();
-    assert!(error.contains("what changed is not known") && error.contains("put study.toml back"), "{error}");
+    assert!(
+        error.contains("what changed is not known") && error.contains("put study.toml back"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -265,5 +271,8 @@ fn ids_whose_files_would_have_the_same_names_are_told_apart() {
     desk.run(&mut Mock::default(), &Unsynced, &mut quits).unwrap();
     (desk.plan.participant, desk.plan.session) = ("a".parse().unwrap(), "b_c1".parse().unwrap());
     let error = desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap_err().to_string();
-    assert!(error.contains("record of session c1 of a_b") && error.contains("choose other ids"), "{error}");
+    assert!(
+        error.contains("record of session c1 of a_b") && error.contains("choose other ids"),
+        "{error}"
+    );
 }

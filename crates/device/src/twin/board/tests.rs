@@ -8,7 +8,12 @@ fn twin() -> Twin {
 }
 
 fn free() -> Environment {
-    Environment { id: "free".parse().unwrap(), label: "free".to_owned(), scene: Scene::Free, question: None }
+    Environment {
+        id: "free".parse().unwrap(),
+        label: "free".to_owned(),
+        scene: Scene::Free,
+        question: None,
+    }
 }
 
 fn begin(twin: &mut Twin, now_s: f64, trial: u32) {
@@ -59,8 +64,10 @@ fn a_force_value_is_held_for_12_5_ms_and_says_its_age() {
     let mut twin = twin();
     twin.home(0.0).unwrap();
     begin(&mut twin, 0.0, 1);
-    let readings: Vec<Reading> = (1..=3000).map(|i| twin.read(f64::from(i) * 1e-3).unwrap()).collect();
-    let changes = readings.windows(2).filter(|pair| pair[0].force_n.to_bits() != pair[1].force_n.to_bits());
+    let readings: Vec<Reading> =
+        (1..=3000).map(|i| twin.read(f64::from(i) * 1e-3).unwrap()).collect();
+    let changes =
+        readings.windows(2).filter(|pair| pair[0].force_n.to_bits() != pair[1].force_n.to_bits());
     assert_eq!(changes.count(), 240); // 3 s at 80/s
     assert!(readings.iter().all(|reading| (0.0..0.0126).contains(&reading.force_age_s.unwrap())));
 }
@@ -79,7 +86,8 @@ fn a_trial_depends_on_its_number_and_not_on_those_before() {
     let run = |twin: &mut Twin, trial| {
         twin.home(0.0).unwrap();
         begin(twin, 0.0, trial);
-        let readings: Vec<Reading> = (1..500).map(|i| twin.read(f64::from(i) * 8.3e-3).unwrap()).collect();
+        let readings: Vec<Reading> =
+            (1..500).map(|i| twin.read(f64::from(i) * 8.3e-3).unwrap()).collect();
         (readings, twin.answer())
     };
     let (mut fresh, mut used) = (twin(), twin());

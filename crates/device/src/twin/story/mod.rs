@@ -1,5 +1,5 @@
-//! The story of thesis §5.3, told by the twin over the whole range of what is assumed: the real loop, controller
-//! and guard, judged by the plant's true state.
+//! The story of thesis §5.3, told by the twin over the whole range of what is assumed: the real
+//! loop, controller and guard, judged by the plant's true state.
 
 mod rehearsal;
 
@@ -11,7 +11,8 @@ use std::f64::consts::FRAC_PI_4;
 use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, Hand};
 use zwidth_study::Scene;
 
-/// Devices and participants: drawn from the whole range, and each number at either end of its range.
+/// Devices and participants: drawn from the whole range, and each number at either end of its
+/// range.
 fn everyone() -> Vec<(TwinParameters, Person)> {
     let ends = TwinParameters::table().into_iter().enumerate().flat_map(|(i, parameter)| {
         parameter.range.into_iter().enumerate().map(move |(k, value)| {
@@ -36,7 +37,8 @@ fn with_everyone(
     }
 }
 
-/// What friction leaves between the lever and the spring's rest when nobody pushes, rad; and 3° for a hand that is slow.
+/// What friction leaves between the lever and the spring's rest when nobody pushes, rad; and 3° for
+/// a hand that is slow.
 fn residue_rad(device: &TwinParameters) -> f64 {
     device.friction_static_n / SPRING.stiffness_n_per_rad + 3.0_f64.to_radians()
 }
@@ -50,19 +52,26 @@ fn active_spring_saturates_at_4_16_n_and_returns() {
     });
 }
 
-/// J/L θ̈ = F_ex − 4.16 N − friction: what is left of the user's force is above the motor's going, below returning.
+/// J/L θ̈ = F_ex − 4.16 N − friction: what is left of the user's force is above the motor's going,
+/// below returning.
 #[test]
 fn at_saturation_the_users_force_is_the_motors_within_friction_and_inertia() {
     for (device, person) in everyone().into_iter().take(20) {
         let plant = device.plant(None);
         let friction = plant.friction.unwrap();
         let viscous = friction.viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap();
-        let trial = rehearse(&mut Twin::new(device, person, 1).unwrap(), Mode::Active, &spring(), 1000.0, 5);
+        let trial = rehearse(
+            &mut Twin::new(device, person, 1).unwrap(),
+            Mode::Active,
+            &spring(),
+            1000.0,
+            5,
+        );
         let (mut going, mut returning) = (0, 0);
         for rows in trial.rows.windows(3).filter(|rows| saturated(rows)) {
             let [before, now, after] = [0, 1, 2].map(|i| rows[i].state);
-            let bent =
-                (after.theta_dot_rad_s - before.theta_dot_rad_s) / (rows[2].sample.t_s - rows[0].sample.t_s);
+            let bent = (after.theta_dot_rad_s - before.theta_dot_rad_s)
+                / (rows[2].sample.t_s - rows[0].sample.t_s);
             let left_n = now.contact_n - 4.16 - plant.inertia_kg_m2 / plant.lever_m * bent;
             let velocity = now.theta_dot_rad_s;
             let expected_n = friction.kinetic_n.copysign(velocity) + viscous * velocity;
@@ -71,7 +80,8 @@ fn at_saturation_the_users_force_is_the_motors_within_friction_and_inertia() {
                 "{left_n} instead of {expected_n} at {}",
                 rows[1].sample.t_s
             );
-            (going, returning) = (going + u32::from(velocity > 0.0), returning + u32::from(velocity < 0.0));
+            (going, returning) =
+                (going + u32::from(velocity > 0.0), returning + u32::from(velocity < 0.0));
         }
         assert!(going > 50 && returning > 50, "{going} {returning}");
     }
@@ -113,18 +123,24 @@ fn hybrid_spring_returns_with_a_larger_step_at_the_reversal_than_active() {
 #[test]
 fn active_passes_the_wall_by_degrees() {
     with_everyone(Mode::Active, &wall(), |_, trial, _| {
-        assert!(trial.top_rad() > WALL_RAD + 2.0_f64.to_radians(), "{}", trial.top_rad().to_degrees());
+        assert!(
+            trial.top_rad() > WALL_RAD + 2.0_f64.to_radians(),
+            "{}",
+            trial.top_rad().to_degrees()
+        );
     });
 }
 
-/// The lever stops within approach velocity × (brake lag + 2 ticks) and one count, and stands while the force rises.
+/// The lever stops within approach velocity × (brake lag + 2 ticks) and one count, and stands while
+/// the force rises.
 fn stops_at_the_wall(device: &TwinParameters, trial: &Rehearsal, rate_hz: f64) {
     let met = trial.rows.iter().position(|row| row.state.theta_rad >= WALL_RAD).unwrap();
     let approach = trial.rows[met - 1].state.theta_dot_rad_s;
     let most_rad = approach * (device.brake_on_s + 2.0 / rate_hz) + COUNT_RAD;
     let past_rad = trial.top_rad() - WALL_RAD;
     assert!(past_rad <= most_rad, "{past_rad} rad past, {most_rad} allowed");
-    let standing: Vec<_> = trial.rows.iter().filter(|row| row.state.theta_rad >= trial.top_rad()).collect();
+    let standing: Vec<_> =
+        trial.rows.iter().filter(|row| row.state.theta_rad >= trial.top_rad()).collect();
     let force = |i: usize| standing[i].state.contact_n;
     let highest = standing.iter().map(|row| row.state.contact_n).fold(0.0, f64::max);
     assert!(standing.iter().all(|row| row.state.theta_dot_rad_s.to_bits() == 0));
@@ -198,14 +214,16 @@ fn in_free_space_the_velocity_has_one_peak_each_way() {
         let person = Person::draw(seed);
         let intent = person.intent(2, &task(Scene::Free));
         let hand = alone(person.hand, &intent);
-        let ways = [1.0, -1.0].map(|way| hand.iter().map(|v| (way * v).max(0.0)).collect::<Vec<f64>>());
+        let ways =
+            [1.0, -1.0].map(|way| hand.iter().map(|v| (way * v).max(0.0)).collect::<Vec<f64>>());
         assert_eq!(ways.map(|velocity| peaks(&velocity, 0.05)), [1, 1], "{seed}");
     }
 }
 
 /// Velocity of a hand that touches nothing.
 fn alone(hand: Hand, intent: &Intent) -> Vec<f64> {
-    let parameters = DrivenParameters { stops_rad: None, ..TwinParameters::default().plant(Some(hand)) };
+    let parameters =
+        DrivenParameters { stops_rad: None, ..TwinParameters::default().plant(Some(hand)) };
     let mut plant = Driven::new(parameters).unwrap();
     plant.place(0.0, 1.0).unwrap();
     let at = |t: f64| {
@@ -225,7 +243,8 @@ fn alone(hand: Hand, intent: &Intent) -> Vec<f64> {
 #[test]
 fn a_free_lever_follows_in_one_movement() {
     with_everyone(Mode::Active, &rehearsal::environment(Scene::Free), |_, trial, _| {
-        let velocity: Vec<f64> = trial.rows.iter().map(|row| row.state.theta_dot_rad_s.max(0.0)).collect();
+        let velocity: Vec<f64> =
+            trial.rows.iter().map(|row| row.state.theta_dot_rad_s.max(0.0)).collect();
         assert_eq!(peaks(&velocity, 0.15), 1);
     });
 }
@@ -242,13 +261,17 @@ fn participants_differ_in_peak_force_and_duration_and_so_do_repeats() {
     };
     let spread = |values: &[[f64; 2]], i: usize| {
         let mean = values.iter().map(|v| v[i]).sum::<f64>() / values.len() as f64;
-        (values.iter().map(|v| (v[i] - mean) * (v[i] - mean)).sum::<f64>() / values.len() as f64).sqrt()
+        (values.iter().map(|v| (v[i] - mean) * (v[i] - mean)).sum::<f64>() / values.len() as f64)
+            .sqrt()
     };
     let people: Vec<_> = (0..12).map(|seed| measure(Person::draw(seed), 10)).collect();
     assert!(spread(&people, 0) > 0.1 && spread(&people, 1) > 0.05, "{people:?}");
     let repeats: Vec<_> = (10..22).map(|trial| measure(Person::draw(1), trial)).collect();
     assert!(spread(&repeats, 0) > 0.02 && spread(&repeats, 1) > 0.02, "{repeats:?}");
-    assert!(people.iter().chain(&repeats).all(|v| (1.8..3.6).contains(&v[1])), "{people:?} {repeats:?}");
+    assert!(
+        people.iter().chain(&repeats).all(|v| (1.8..3.6).contains(&v[1])),
+        "{people:?} {repeats:?}"
+    );
 }
 
 #[test]

@@ -10,7 +10,9 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use zwidth_dynamics::DrivenState;
-use zwidth_study::{Calibration, Environment, Sample, Scene, Spring, Study, StudyId, Voltages, template};
+use zwidth_study::{
+    Calibration, Environment, Sample, Scene, Spring, Study, StudyId, Voltages, template,
+};
 
 pub(super) const SPRING: Spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 };
 pub(super) const WALL_RAD: f64 = 26.6 * std::f64::consts::PI / 180.0;
@@ -72,7 +74,8 @@ impl Rehearsal {
     pub(super) fn step_at_reversal_n(&self) -> f64 {
         let below = self.top_rad() - 3.0_f64.to_radians();
         let going = self.rows.iter().find(|row| row.state.theta_rad >= below).unwrap();
-        let coming = self.rows[self.top()..].iter().find(|row| row.state.theta_rad <= below).unwrap();
+        let coming =
+            self.rows[self.top()..].iter().find(|row| row.state.theta_rad <= below).unwrap();
         going.state.contact_n - coming.state.contact_n
     }
 }
@@ -142,9 +145,11 @@ pub(super) fn rehearse(
         ControlFlow::Continue(())
     };
     let (mut clock, stop) = (SimulatedClock::new(u64::from(trial)), AtomicBool::new(false));
-    let run = run_trial(&mut device, &mut clock, &mut controller, &mut guard, &plan, &stop, &mut sink);
+    let run =
+        run_trial(&mut device, &mut clock, &mut controller, &mut guard, &plan, &stop, &mut sink);
     assert!(matches!(run.end, TrialEnd::Limit | TrialEnd::LetGo), "{:?}", run.end);
-    let rows = device.states.iter().zip(&samples).map(|(&state, &sample)| Row { state, sample }).collect();
+    let rows =
+        device.states.iter().zip(&samples).map(|(&state, &sample)| Row { state, sample }).collect();
     Rehearsal { rows, intent: *twin.intent(), answer: twin.answer().unwrap() }
 }
 

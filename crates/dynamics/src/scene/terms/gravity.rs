@@ -1,4 +1,5 @@
-//! The lever's weight. θ = 0 is upright, so it pulls away from there: a force (m g r / L) sin θ at the end.
+//! The lever's weight. θ = 0 is upright, so it pulls away from there: a force (m g r / L) sin θ at
+//! the end.
 
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +40,10 @@ impl Term for Gravity {
     fn curve(&self, plant: &Plant, theta_rad: f64, _: f64) -> Option<Curve> {
         let amplitude_n = self.mass_kg * STANDARD_GRAVITY * self.radius_m / plant.lever_m;
         let (sine, cosine) = libm::sincos(theta_rad);
-        Some(Curve { force_n: amplitude_n * sine, per_rad_n: amplitude_n * cosine, per_rad_s_n: 0.0 })
+        Some(Curve {
+            force_n: amplitude_n * sine,
+            per_rad_n: amplitude_n * cosine,
+            per_rad_s_n: 0.0,
+        })
     }
 }

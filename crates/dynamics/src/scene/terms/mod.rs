@@ -1,8 +1,9 @@
 //! Terms: single-valued forces on the lever's end that a model may have on top. One file each.
 //!
-//! A term is a type that implements [`Term`]; `scene.terms.set(…)` puts it into a scene, and the equations, the checks,
-//! the forces by part, the energy and the tables follow. A new one is one new file. For scene files to ask for it by
-//! name it has its `mod` and a line in `READERS` here; nothing else changes. A term that is left out is not in any sum.
+//! A term is a type that implements [`Term`]; `scene.terms.set(…)` puts it into a scene, and the
+//! equations, the checks, the forces by part, the energy and the tables follow. A new one is one
+//! new file. For scene files to ask for it by name it has its `mod` and a line in `READERS` here;
+//! nothing else changes. A term that is left out is not in any sum.
 //!
 //! ```
 //! use serde::Serialize;
@@ -38,8 +39,9 @@
 //! # Ok::<(), zwidth_dynamics::DynamicsError>(())
 //! ```
 //!
-//! What makes regions of its own is no term: dry friction and the brake (set-valued at θ̇ = 0), the stops, and the
-//! finger, which has a mass and a rigid end. They are parts of the scene, and the rules of [`crate::System`] know them.
+//! What makes regions of its own is no term: dry friction and the brake (set-valued at θ̇ = 0), the
+//! stops, and the finger, which has a mass and a rigid end. They are parts of the scene, and the
+//! rules of [`crate::System`] know them.
 
 pub mod gravity;
 pub mod pull;
@@ -55,12 +57,13 @@ pub(crate) use set::names;
 use set::{Read, read};
 
 /// What a scene file may ask for: key and reader. A new term has its line here.
-const READERS: &[(&str, Read)] = &[("gravity", read::<gravity::Gravity>), ("pull", read::<pull::Pull>)];
+const READERS: &[(&str, Read)] =
+    &[("gravity", read::<gravity::Gravity>), ("pull", read::<pull::Pull>)];
 
 /// A single-valued force on the lever's end; above 0 it pushes to +θ, into the object.
 ///
-/// It is the sum of a part that is affine in the state and a curved part. Terms with a curved part are for the
-/// adaptive and the explicit fixed-step solvers; the others refuse them by name.
+/// It is the sum of a part that is affine in the state and a curved part. Terms with a curved part
+/// are for the adaptive and the explicit fixed-step solvers; the others refuse them by name.
 pub trait Term: fmt::Debug + Send + Sync {
     /// Key in a scene file, and name in tables (`pull`: the column `force_pull_n`).
     fn name(&self) -> &'static str;
@@ -76,12 +79,14 @@ pub trait Term: fmt::Debug + Send + Sync {
         Affine::default()
     }
 
-    /// The curved part at θ (rad) and θ̇ (rad/s); `None`, the default, at every state if there is none.
+    /// The curved part at θ (rad) and θ̇ (rad/s); `None`, the default, at every state if there is
+    /// none.
     fn curve(&self, _plant: &Plant, _theta_rad: f64, _theta_dot_rad_s: f64) -> Option<Curve> {
         None
     }
 
-    /// A signal of time the force depends on, with the name of its field. One term of a scene may have one.
+    /// A signal of time the force depends on, with the name of its field. One term of a scene may
+    /// have one.
     fn input(&self) -> Option<(&'static str, &Input)> {
         None
     }

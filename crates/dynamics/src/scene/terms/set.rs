@@ -52,7 +52,8 @@ impl Terms {
 
     /// Name, value and usual size of each parameter.
     pub(crate) fn list(&self) -> impl Iterator<Item = (String, f64, f64)> {
-        let parameters = self.iter().flat_map(|term| term.parameters().into_iter().map(move |p| (term, p)));
+        let parameters =
+            self.iter().flat_map(|term| term.parameters().into_iter().map(move |p| (term, p)));
         parameters.map(|(term, p)| (format!("{}.{}", term.name(), p.name), p.value, p.usual))
     }
 
@@ -74,16 +75,21 @@ impl Terms {
     }
 
     /// Adds the term that a file has under one of the [`names`], which is given by its number.
-    pub(crate) fn reader(&mut self, number: usize) -> impl for<'de> DeserializeSeed<'de, Value = ()> {
+    pub(crate) fn reader(
+        &mut self,
+        number: usize,
+    ) -> impl for<'de> DeserializeSeed<'de, Value = ()> {
         Reader { terms: self, read: READERS[number].1 }
     }
 }
 
-/// No coefficient of a term is larger than a parameter may be; where one is, the term's largest number is named.
+/// No coefficient of a term is larger than a parameter may be; where one is, the term's largest
+/// number is named.
 fn check_coefficients(term: &dyn Term, plant: &Plant) -> Result<()> {
     let Affine { constant_n, per_rad_n, per_rad_s_n, per_input_n } = term.affine(plant);
     let ok = [constant_n, per_rad_n, per_rad_s_n, per_input_n].iter().all(|x| x.abs() <= LARGEST);
-    let largest = term.parameters().into_iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+    let largest =
+        term.parameters().into_iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
     let allowed = "such that the term's forces are at most 1e30 N per unit";
     largest.map_or(Ok(()), |p| check(&format!("{}.{}", term.name(), p.name), p.value, ok, allowed))
 }
@@ -130,7 +136,10 @@ struct Reader<'a> {
 impl<'de> DeserializeSeed<'de> for Reader<'_> {
     type Value = ();
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> std::result::Result<(), D::Error> {
+    fn deserialize<D: Deserializer<'de>>(
+        self,
+        deserializer: D,
+    ) -> std::result::Result<(), D::Error> {
         let value = Value::deserialize(deserializer)?;
         self.terms.put((self.read)(value).map_err(|e| D::Error::custom(e.message()))?);
         Ok(())

@@ -41,7 +41,8 @@ impl Term for Bed {
     }
 }
 
-/// Magnets that hold the lever at n angles a turn, and air that brakes it: F = −A sin(n θ) − c θ̇ |θ̇|.
+/// Magnets that hold the lever at n angles a turn, and air that brakes it: F = −A sin(n θ) − c θ̇
+/// |θ̇|.
 #[derive(Debug, Clone, Copy, Serialize)]
 struct Detent {
     force_n: f64,
@@ -144,17 +145,22 @@ fn a_detent_holds_with_its_force_and_loses_no_energy_but_to_drag() {
         scene.start.theta_dot_rad_s = 1.0;
         System::new(scene).unwrap()
     };
-    let energy = |z: &[f64]| 0.5 * table3::OBJECT_MASS_KG * z[1] * z[1] - 2.0 / 8.0 * libm::cos(8.0 * z[0]);
+    let energy =
+        |z: &[f64]| 0.5 * table3::OBJECT_MASS_KG * z[1] * z[1] - 2.0 / 8.0 * libm::cos(8.0 * z[0]);
     let tolerances = Tolerances::of(1e-10);
     let system = detent(0.0);
     let run = DormandPrince { tolerances }.run(&system, &Grid::of(&system)).unwrap();
     let start = energy(run.state(0));
     assert!((0..run.len()).all(|i| (energy(run.state(i)) - start).abs() < 1e-8));
-    assert!(run.theta_rad().all(|theta| theta.abs() < std::f64::consts::PI / 8.0), "it left its magnet");
+    assert!(
+        run.theta_rad().all(|theta| theta.abs() < std::f64::consts::PI / 8.0),
+        "it left its magnet"
+    );
     // With drag the implicit method, which needs the derivatives, agrees with the explicit one.
     let system = detent(0.02);
     let explicit = DormandPrince { tolerances }.run(&system, &Grid::of(&system)).unwrap();
-    let implicit = TrBdf2 { tolerances: Tolerances::of(1e-8) }.run(&system, &Grid::of(&system)).unwrap();
+    let implicit =
+        TrBdf2 { tolerances: Tolerances::of(1e-8) }.run(&system, &Grid::of(&system)).unwrap();
     let difference = explicit.theta_rad().zip(implicit.theta_rad()).map(|(a, b)| (a - b).abs());
     assert!(difference.fold(0.0, f64::max) < 1e-5);
     assert!(implicit.work.steps < 200_000, "{:?}", implicit.work);
@@ -173,7 +179,9 @@ fn a_curved_term_is_refused_by_name_where_the_flow_must_be_affine() {
 
 #[test]
 fn a_number_that_makes_no_sense_is_named_with_its_term() {
-    for (stiffness_n_per_rad, says) in [(-1.0, "is -1"), (f64::NAN, "is NaN"), (1e300, "at most 1e30")] {
+    for (stiffness_n_per_rad, says) in
+        [(-1.0, "is -1"), (f64::NAN, "is NaN"), (1e300, "at most 1e30")]
+    {
         let mut scene = free();
         scene.terms.set(Bed { stiffness_n_per_rad, ..bed() });
         let error = System::new(scene).unwrap_err().to_string();
@@ -185,7 +193,8 @@ fn a_number_that_makes_no_sense_is_named_with_its_term() {
 fn an_extreme_term_is_the_suspect_of_a_run_that_goes_wrong() {
     let mut scene = free();
     scene.terms.set(Bed { stiffness_n_per_rad: 1e30, ..bed() });
-    let error = Exact::default().run(&System::new(scene).unwrap(), &Grid::filling(1.0, 0.1)).unwrap_err();
+    let error =
+        Exact::default().run(&System::new(scene).unwrap(), &Grid::filling(1.0, 0.1)).unwrap_err();
     assert!(error.to_string().contains("bed.stiffness_n_per_rad = 1"), "{error}");
 }
 

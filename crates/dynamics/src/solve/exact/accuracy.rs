@@ -1,7 +1,9 @@
-//! The error against closed forms, as the condition number of a step's exponential runs from 1 to 1e9 and beyond.
+//! The error against closed forms, as the condition number of a step's exponential runs from 1 to
+//! 1e9 and beyond.
 //!
-//! Parameters are dyadic, so that the arguments of the closed forms are the numbers meant: at a condition number of 1e6
-//! the rounding of an argument alone is worth 1e-10. Any other parameters have a reference in `reference.rs`.
+//! Parameters are dyadic, so that the arguments of the closed forms are the numbers meant: at a
+//! condition number of 1e6 the rounding of an argument alone is worth 1e-10. Any other parameters
+//! have a reference in `reference.rs`.
 
 use super::tests::oscillator;
 use super::*;
@@ -24,8 +26,8 @@ struct Case {
     closed: Box<dyn Fn(f64) -> f64>,
 }
 
-/// Condition number, and largest error over largest signal; no error where the run ended in the typed error of a
-/// motion with more swings in a step than the work limits allow.
+/// Condition number, and largest error over largest signal; no error where the run ended in the
+/// typed error of a motion with more swings in a step than the work limits allow.
 fn measure(case: &Case) -> (f64, Option<f64>) {
     let scene = Scene { duration_s: case.steps * case.scene.step_s, ..case.scene.clone() };
     let system = System::new(scene).unwrap();
@@ -48,18 +50,21 @@ fn keep_promise(name: &str, case: &Case) -> f64 {
     let (condition, error) = measure(case);
     let bound = if condition < 1e6 { 1e-12 } else { 1e-12 + 2.0 * f64::EPSILON * condition };
     match error {
-        Some(error) => assert!(error <= bound, "{name}: {error} at a condition number of {condition}"),
+        Some(error) => {
+            assert!(error <= bound, "{name}: {error} at a condition number of {condition}")
+        }
         None => assert!(condition >= 1e6, "{name}: gave up at a condition number of {condition}"),
     }
     condition
 }
 
-/// Every case of a family, one a power of two, keeps the promise; the condition numbers cover 1 to 1e9.
+/// Every case of a family, one a power of two, keeps the promise; the condition numbers cover 1 to
+/// 1e9.
 fn check(name: &str, powers: std::ops::RangeInclusive<i32>, family: impl Fn(f64) -> Case) {
-    let conditions =
-        powers.map(|power| keep_promise(&format!("{name}, 2^{power}"), &family(libm::ldexp(1.0, power))));
-    let (least, most) =
-        conditions.fold((f64::INFINITY, 0.0), |(least, most), x| (f64::min(least, x), f64::max(most, x)));
+    let conditions = powers
+        .map(|power| keep_promise(&format!("{name}, 2^{power}"), &family(libm::ldexp(1.0, power))));
+    let (least, most) = conditions
+        .fold((f64::INFINITY, 0.0), |(least, most), x| (f64::min(least, x), f64::max(most, x)));
     assert!(least < 20.0 && most > 1e9, "{name}: {least} to {most}");
 }
 
@@ -133,7 +138,8 @@ fn a_motion_forced_by_a_sine_is_the_closed_form_however_fast_it_could_swing() {
 fn held_finger(mass_kg: f64, stiffness_n_per_m: f64, damping_ns_per_m: f64, step_s: f64) -> Case {
     let mut scene = table3::scene(Mode::Passive, Input::constant(-1.0));
     let law = FingerLaw::Consistent;
-    scene.finger = Some(Finger { law, mass_kg, stiffness_n_per_m, damping_ns_per_m, length_m: None });
+    scene.finger =
+        Some(Finger { law, mass_kg, stiffness_n_per_m, damping_ns_per_m, length_m: None });
     let natural = (stiffness_n_per_m / mass_kg).sqrt();
     let ratio = damping_ns_per_m / (2.0 * (stiffness_n_per_m * mass_kg).sqrt());
     let (sigma, omega) = (ratio * natural, natural * (1.0 - ratio * ratio).sqrt());
@@ -146,7 +152,9 @@ fn held_finger(mass_kg: f64, stiffness_n_per_m: f64, damping_ns_per_m: f64, step
 
 #[test]
 fn a_finger_on_a_held_lever_is_the_closed_form_at_any_stiffness() {
-    check("finger", 0..=13, |natural| held_finger(0.015_625, natural * natural * 0.015_625, 0.0, 0.125));
+    check("finger", 0..=13, |natural| {
+        held_finger(0.015_625, natural * natural * 0.015_625, 0.0, 0.125)
+    });
 }
 
 #[test]
@@ -154,7 +162,8 @@ fn table_3s_finger_of_26_55_hz_is_the_closed_form_at_any_step() {
     for power in -9..=4 {
         let finger = table3::finger(FingerLaw::Consistent);
         let step_s = libm::ldexp(1.0, power);
-        let case = held_finger(finger.mass_kg, finger.stiffness_n_per_m, finger.damping_ns_per_m, step_s);
+        let case =
+            held_finger(finger.mass_kg, finger.stiffness_n_per_m, finger.damping_ns_per_m, step_s);
         keep_promise(&format!("{step_s} s"), &case);
     }
 }
@@ -168,7 +177,10 @@ fn coefficients_that_had_to_be_rounded_cost_no_more_than_the_promise_allows() {
         scene.motor.max_n = 1e30;
         scene.step_s = 1.0;
         let closed = Box::new(move |t| libm::cos(natural * t));
-        keep_promise(&format!("{natural} rad/s"), &Case { scene, steps: 1.0, entry: THETA, closed });
+        keep_promise(
+            &format!("{natural} rad/s"),
+            &Case { scene, steps: 1.0, entry: THETA, closed },
+        );
     }
 }
 

@@ -1,4 +1,5 @@
-//! Several even steps at once: where no event can lie in a whole block, each of its samples costs one product.
+//! Several even steps at once: where no event can lie in a whole block, each of its samples costs
+//! one product.
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 
@@ -18,11 +19,17 @@ pub(super) struct Block<const N: usize, const G: usize> {
 impl<const N: usize, const G: usize> Block<N, G> {
     /// The block of steps `h` with the given flow.
     ///
-    /// A guard `w · z` moves by `w Ψ(t) ż(0)` with `Ψ(t) = ∫₀ᵗ exp(A s) ds`. How far each entry of `w Ψ` strays from
-    /// its chord over the block is taken at every step; between two steps it strays from *their* chord by at most
-    /// `|w A exp(A k h)| E h²/8`, with the envelope E of a step. So a fast mode that dies out within a step counts
-    /// with what it moves a guard by, not with its initial curvature over the whole block.
-    pub(super) fn new(guards: &Functionals<N, G>, ladder: &Ladder<N>, flow: &Matrix<N>, h: f64) -> Self {
+    /// A guard `w · z` moves by `w Ψ(t) ż(0)` with `Ψ(t) = ∫₀ᵗ exp(A s) ds`. How far each entry of
+    /// `w Ψ` strays from its chord over the block is taken at every step; between two steps it
+    /// strays from *their* chord by at most `|w A exp(A k h)| E h²/8`, with the envelope E of a
+    /// step. So a fast mode that dies out within a step counts with what it moves a guard by,
+    /// not with its initial curvature over the whole block.
+    pub(super) fn new(
+        guards: &Functionals<N, G>,
+        ladder: &Ladder<N>,
+        flow: &Matrix<N>,
+        h: f64,
+    ) -> Self {
         let moved = guards_moved(guards, flow, &integral(ladder, h));
         let whole = &moved[BLOCK];
         let envelope = &ladder.rungs[ladder.covering(h)].envelope;
@@ -30,8 +37,9 @@ impl<const N: usize, const G: usize> Block<N, G> {
         let mut bend = guards.after(&ladder.a);
         for k in 0..BLOCK {
             let between = Sag::new(&bend.map(f64::abs), envelope, h);
-            let stray = [k, k + 1]
-                .map(|k| moved[k].zip(whole, |at, end| (at - end * (k as f64 / BLOCK as f64)).abs()));
+            let stray = [k, k + 1].map(|k| {
+                moved[k].zip(whole, |at, end| (at - end * (k as f64 / BLOCK as f64)).abs())
+            });
             let highest = stray[0].zip(&stray[1], f64::max).zip(&between.0, |at, more| at + more);
             sag = sag.zip(&highest, f64::max);
             bend = bend.after(flow);
@@ -63,10 +71,11 @@ fn guards_moved<const N: usize, const G: usize>(
     moved
 }
 
-/// `∫₀ʰ exp(A s) ds`, by Simpson's rule on spans no longer than the ladder's lowest rung, doubled up to `h`:
-/// `Ψ(2s) = Ψ(s) + exp(A s) Ψ(s)`.
+/// `∫₀ʰ exp(A s) ds`, by Simpson's rule on spans no longer than the ladder's lowest rung, doubled
+/// up to `h`: `Ψ(2s) = Ψ(s) + exp(A s) Ψ(s)`.
 fn integral<const N: usize>(ladder: &Ladder<N>, h: f64) -> Matrix<N> {
-    let doublings = if h > ladder.rungs[0].span { libm::ilogb(h / ladder.rungs[0].span) + 1 } else { 0 };
+    let doublings =
+        if h > ladder.rungs[0].span { libm::ilogb(h / ladder.rungs[0].span) + 1 } else { 0 };
     let span = libm::ldexp(h, -doublings);
     let (middle, mut flow) = (ladder.flow(0.5 * span), ladder.flow(span));
     let ends = flow.zip(&Matrix::identity(), |a, b| a + b);
@@ -98,7 +107,8 @@ mod tests {
         let short = ladder.flow(h / 64.0);
         let (mut free, mut quiet) = (0, 0);
         for k in 0..2_000 {
-            let (theta, omega) = (0.6 * libm::sin(f64::from(k)), 1.5 * libm::sin(0.7 * f64::from(k * k)));
+            let (theta, omega) =
+                (0.6 * libm::sin(f64::from(k)), 1.5 * libm::sin(0.7 * f64::from(k * k)));
             let mut z = [theta, omega, 1.0];
             let rate = ladder.a.apply(&z);
             let found = block.is_free(&z, &rate, &guards.apply(&z));

@@ -1,5 +1,5 @@
-//! A region made ready for exact steps: its ladder of exponentials, its guards, and bounds that prove an
-//! interval free of events.
+//! A region made ready for exact steps: its ladder of exponentials, its guards, and bounds that
+//! prove an interval free of events.
 
 use zwidth_numerics::expm::{self, Ladder, Matrix, ORDER};
 use zwidth_numerics::roots;
@@ -13,8 +13,9 @@ use crate::system::System;
 use crate::system::region::Region;
 use crate::system::transition::EventKind;
 
-/// Events are located to this share of the piece they lie in: as finely as rounding lets, because what is
-/// zero at an event is set to zero there. A piece is a thirty-second of the fastest time constant at most.
+/// Events are located to this share of the piece they lie in: as finely as rounding lets, because
+/// what is zero at an event is set to zero there. A piece is a thirty-second of the fastest time
+/// constant at most.
 const RESOLUTION: f64 = 1e-16;
 
 /// Rounding of a functional, relative to the sum of its terms' sizes.
@@ -76,8 +77,8 @@ impl<const N: usize, const G: usize> Functionals<N, G> {
 
 /// How far the guards can sag below their chord over a span, per |ż| at its start.
 ///
-/// With ż(t) = exp(A t) ż(0) and an envelope E of the flows, |g''(t)| = |w A ż(t)| ≤ |w A| E |ż(0)|, and a
-/// curve sags at most max|g''| span²/8 below its chord.
+/// With ż(t) = exp(A t) ż(0) and an envelope E of the flows, |g''(t)| = |w A ż(t)| ≤ |w A| E
+/// |ż(0)|, and a curve sags at most max|g''| span²/8 below its chord.
 #[derive(Debug, Clone)]
 pub(super) struct Sag<const N: usize, const G: usize>(pub(super) Functionals<N, G>);
 
@@ -90,7 +91,8 @@ impl<const N: usize, const G: usize> Sag<N, G> {
         Self(bound.map(|x| x * CHORD * span * span))
     }
 
-    /// For each guard, whether it may fall below zero between two points; true if in doubt or not a number.
+    /// For each guard, whether it may fall below zero between two points; true if in doubt or not a
+    /// number.
     #[inline]
     fn doubtful(&self, rate: &[f64; N], before: &[f64; G], after: &[f64; G]) -> [bool; G] {
         let sag = self.0.apply_to_rate(&rate.map(f64::abs));
@@ -177,7 +179,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         }
         let guards = Functionals::from_rows(&rows);
         let bend = guards.after(&ladder.a).map(f64::abs);
-        let sags = ladder.rungs.iter().map(|rung| Sag::new(&bend, &rung.envelope, rung.span)).collect();
+        let sags =
+            ladder.rungs.iter().map(|rung| Sag::new(&bend, &rung.envelope, rung.span)).collect();
         let kinds = flow.guards.iter().map(|guard| guard.kind).collect();
         let work = energy.then(|| Work::new(system, region, &ladder.a, reach_s));
         Self {
@@ -197,8 +200,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         }
     }
 
-    /// Whether a step of this length is prepared. One is when the same length is asked for twice in a row, so
-    /// that uneven steps, which never are, do not pay for it.
+    /// Whether a step of this length is prepared. One is when the same length is asked for twice in
+    /// a row, so that uneven steps, which never are, do not pay for it.
     #[inline]
     pub(super) fn is_ready(&mut self, h: f64) -> bool {
         if self.step.as_ref().is_some_and(|step| step.h.to_bits() == h.to_bits()) {
@@ -214,7 +217,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         wanted
     }
 
-    /// The flow over one step, if a block of these is prepared and free of events, and no work is integrated.
+    /// The flow over one step, if a block of these is prepared and free of events, and no work is
+    /// integrated.
     #[inline]
     pub(super) fn free_block(
         &mut self,
@@ -223,15 +227,21 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         rate: &[f64; N],
         guards: &[f64; G],
     ) -> Option<&Matrix<N>> {
-        /// Blocks asked for before the proof of one, which costs as much as the steps of some tens, is worth it.
+        /// Blocks asked for before the proof of one, which costs as much as the steps of some tens,
+        /// is worth it.
         const WORTH: u32 = 32;
-        let step =
-            self.step.as_mut().filter(|step| step.h.to_bits() == h.to_bits() && self.work.is_none())?;
+        let step = self
+            .step
+            .as_mut()
+            .filter(|step| step.h.to_bits() == h.to_bits() && self.work.is_none())?;
         step.taken += u32::from(step.block.is_none());
         if step.taken == WORTH && step.block.is_none() {
             step.block = Some(Block::new(&self.guards, &self.ladder, &step.flow, h));
         }
-        step.block.as_ref().is_some_and(|block| block.is_free(z, rate, guards)).then_some(&step.flow)
+        step.block
+            .as_ref()
+            .is_some_and(|block| block.is_free(z, rate, guards))
+            .then_some(&step.flow)
     }
 
     /// The prepared step.
@@ -240,7 +250,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         self.step.as_deref()
     }
 
-    /// State after a span of any length up to the reach, and the number of the bound that covers it.
+    /// State after a span of any length up to the reach, and the number of the bound that covers
+    /// it.
     #[inline]
     pub(super) fn far(&self, z: &[f64; N], span: f64) -> ([f64; N], usize) {
         let shorter = self.ladder.rungs.iter().rposition(|rung| rung.span < span);
@@ -255,7 +266,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
     /// Counts a step of a new length; after some the table for them is made.
     #[inline]
     fn count_uneven(&mut self) {
-        /// Steps that have to be uneven before the table, which costs some tens of them, is worth it.
+        /// Steps that have to be uneven before the table, which costs some tens of them, is worth
+        /// it.
         const WORTH: u32 = 32;
         self.uneven += 1;
         if self.uneven == WORTH {
@@ -278,8 +290,9 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         }
     }
 
-    /// Moves `z` over `span` seconds or to the first event, whose time from the start and kind are returned:
-    /// piece by piece, each as long as can be proved free of events; at the lowest rung by polynomials.
+    /// Moves `z` over `span` seconds or to the first event, whose time from the start and kind are
+    /// returned: piece by piece, each as long as can be proved free of events; at the lowest
+    /// rung by polynomials.
     pub(super) fn scan(
         &self,
         z: &mut [f64; N],
@@ -319,9 +332,14 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         None
     }
 
-    /// The first event of the doubtful guards within a piece no longer than the lowest rung, by Taylor polynomials;
-    /// `z` is moved to it or to the piece's end.
-    fn first_event(&self, z: &mut [f64; N], piece: f64, doubtful: &[bool; G]) -> Option<(f64, EventKind)> {
+    /// The first event of the doubtful guards within a piece no longer than the lowest rung, by
+    /// Taylor polynomials; `z` is moved to it or to the piece's end.
+    fn first_event(
+        &self,
+        z: &mut [f64; N],
+        piece: f64,
+        doubtful: &[bool; G],
+    ) -> Option<(f64, EventKind)> {
         let series = expm::taylor(&self.ladder.a, z);
         let size = self.sizes(z, piece);
         let mut first: Option<(f64, EventKind)> = None;
@@ -340,7 +358,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         first
     }
 
-    /// Size of each entry of the state and of its change over the piece: what its rounding is relative to.
+    /// Size of each entry of the state and of its change over the piece: what its rounding is
+    /// relative to.
     fn sizes(&self, z: &[f64; N], piece: f64) -> [f64; N] {
         let absolute = z.map(f64::abs);
         let change = self.absolute.apply(&absolute);

@@ -1,8 +1,8 @@
 //! The exact solver: in every region the flow is one matrix exponential; events are roots of linear
 //! functionals of it; a lever held by a set-valued force is a region of its own.
 //!
-//! Piecewise affine systems: Sontag 1981; sliding and sticking: Filippov 1988, Acary & Brogliato 2008.
-//! The exponential: see `zwidth_numerics::expm`.
+//! Piecewise affine systems: Sontag 1981; sliding and sticking: Filippov 1988, Acary & Brogliato
+//! 2008. The exponential: see `zwidth_numerics::expm`.
 
 mod block;
 mod compiled;
@@ -40,14 +40,19 @@ impl Default for Exact {
 
 /// A system made ready: regions that were met are kept, so that later runs start at full speed.
 pub trait Prepared {
-    /// Runs from the system's start over a grid whose steps are no longer than those it was prepared for, into a
-    /// trajectory that is emptied first and keeps its memory.
+    /// Runs from the system's start over a grid whose steps are no longer than those it was
+    /// prepared for, into a trajectory that is emptied first and keeps its memory.
     ///
     /// # Errors
     /// As [`Solver::run`].
-    fn run_into(&mut self, grid: &Grid, out: &mut Trajectory) -> std::result::Result<(), DynamicsError>;
+    fn run_into(
+        &mut self,
+        grid: &Grid,
+        out: &mut Trajectory,
+    ) -> std::result::Result<(), DynamicsError>;
 
-    /// The same without keeping samples: `visit(t, state)` sees each of them. Memory does not grow with the grid.
+    /// The same without keeping samples: `visit(t, state)` sees each of them. Memory does not grow
+    /// with the grid.
     ///
     /// # Errors
     /// As [`Solver::run`].

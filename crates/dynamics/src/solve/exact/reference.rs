@@ -1,9 +1,11 @@
-//! The error against a reference in 120 digits, for parameters that are no short binary fractions: what is run is the
-//! motion of the very numbers that were given, though K_O/(M_O L) and its like cannot be held by a double.
+//! The error against a reference in 120 digits, for parameters that are no short binary fractions:
+//! what is run is the motion of the very numbers that were given, though K_O/(M_O L) and its like
+//! cannot be held by a double.
 //!
-//! The numbers in `REFERENCES` and `HELD` are `exp(A n h) z0` of the augmented matrix, made with mpmath 1.4.1 in 120
-//! digits by scaling, a Taylor series and squaring, from the doubles below as exact fractions, and rounded to doubles at
-//! the end. The random ones were drawn once: masses 1 g…1 kg, levers 0.03…2 m, stiffnesses 0.1…1e6, steps 1 ms…3 s.
+//! The numbers in `REFERENCES` and `HELD` are `exp(A n h) z0` of the augmented matrix, made with
+//! mpmath 1.4.1 in 120 digits by scaling, a Taylor series and squaring, from the doubles below as
+//! exact fractions, and rounded to doubles at the end. The random ones were drawn once: masses 1
+//! g…1 kg, levers 0.03…2 m, stiffnesses 0.1…1e6, steps 1 ms…3 s.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -45,18 +47,14 @@ impl Reference {
         scene.environment = Environment::spring(self.spring[0], self.spring[1], self.spring[2]);
         scene.motor.max_n = 1e30;
         scene.start = Start { theta_rad: self.start_rad, theta_dot_rad_s: 0.0 };
-        scene.finger = self.finger.map(|(law, [mass_kg, stiffness_n_per_m, damping_ns_per_m])| Finger {
-            law,
-            mass_kg,
-            stiffness_n_per_m,
-            damping_ns_per_m,
-            length_m: None,
+        scene.finger = self.finger.map(|(law, [mass_kg, stiffness_n_per_m, damping_ns_per_m])| {
+            Finger { law, mass_kg, stiffness_n_per_m, damping_ns_per_m, length_m: None }
         });
         scene
     }
 
-    /// Condition number of a step, number of events, and the larger of the errors of θ and x2, each over its largest
-    /// signal.
+    /// Condition number of a step, number of events, and the larger of the errors of θ and x2, each
+    /// over its largest signal.
     fn measure(&self) -> (f64, usize, f64) {
         let system = System::new(self.scene()).unwrap();
         let (step_s, steps) = self.grid;
@@ -64,7 +62,8 @@ impl Reference {
         let error = |entry: usize, quantity: usize| {
             let signal = (0..run.len()).map(|i| run.state(i)[entry].abs()).fold(0.0, f64::max);
             let at = |quarter: usize| run.state((quarter + 1) * steps / 4)[entry];
-            let errors = self.states.iter().enumerate().map(|(i, state)| (at(i) - state[quantity]).abs());
+            let errors =
+                self.states.iter().enumerate().map(|(i, state)| (at(i) - state[quantity]).abs());
             errors.fold(0.0, f64::max) / signal
         };
         let finger = run.layout.finger.map_or(0.0, |entry| error(entry, 1));
@@ -86,8 +85,9 @@ fn any_parameters_give_the_motion_of_the_numbers_they_are() {
     assert!(largest > 5e5, "{largest}");
 }
 
-/// M_F (kg), K_F (N/m) and B_F (N s/m) of a finger on a held lever, h (s), and x2 (m) after 16, 32, 48 and 64 steps of a
-/// pull of 1 N from rest. No event interrupts it: a step is a few products, however many swings are in it.
+/// M_F (kg), K_F (N/m) and B_F (N s/m) of a finger on a held lever, h (s), and x2 (m) after 16, 32,
+/// 48 and 64 steps of a pull of 1 N from rest. No event interrupts it: a step is a few products,
+/// however many swings are in it.
 type Held = ([f64; 3], f64, [f64; 4]);
 
 #[test]
@@ -98,9 +98,11 @@ fn a_finger_that_swings_a_thousand_times_a_step_keeps_its_phase() {
         scene.start.theta_rad = 0.2; // the brake holds 3.9 N here, the finger pulls 2 N at most
         let [mass_kg, stiffness_n_per_m, damping_ns_per_m] = *finger;
         let law = FingerLaw::Consistent;
-        scene.finger = Some(Finger { law, mass_kg, stiffness_n_per_m, damping_ns_per_m, length_m: None });
+        scene.finger =
+            Some(Finger { law, mass_kg, stiffness_n_per_m, damping_ns_per_m, length_m: None });
         let system = System::new(scene).unwrap();
-        let run = Exact::default().run(&system, &Grid::Even { step_s: *step_s, steps: 64 }).unwrap();
+        let run =
+            Exact::default().run(&system, &Grid::Even { step_s: *step_s, steps: 64 }).unwrap();
         let signal = run.finger_m().fold(0.0, |m: f64, x| m.max(x.abs()));
         let errors = expect.iter().enumerate().map(|(i, x)| (run.state(16 * (i + 1))[2] - x).abs());
         let error = errors.fold(0.0, f64::max) / signal;

@@ -30,11 +30,16 @@ pub(super) struct Run<'a, const N: usize, const G: usize> {
     impacts_j: f64,
 }
 
-/// Sines are taken from their closed form again after so many samples, so that rounding cannot pile up.
+/// Sines are taken from their closed form again after so many samples, so that rounding cannot pile
+/// up.
 const FRESH_INPUT_SAMPLES: usize = 256;
 
 impl<const N: usize, const G: usize> Prepared for Run<'_, N, G> {
-    fn run_into(&mut self, grid: &Grid, out: &mut Trajectory) -> std::result::Result<(), DynamicsError> {
+    fn run_into(
+        &mut self,
+        grid: &Grid,
+        out: &mut Trajectory,
+    ) -> std::result::Result<(), DynamicsError> {
         out.clear(self.system.layout, grid.samples());
         self.along(grid, &mut |t, z: &[f64; N], region| out.push(t, z, region))?;
         self.finish(grid, out);
@@ -116,8 +121,8 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         Ok(())
     }
 
-    /// A block of even steps from sample `i` on, one product a sample; false, with nothing done, if an event or the
-    /// end of an input's span may lie inside.
+    /// A block of even steps from sample `i` on, one product a sample; false, with nothing done, if
+    /// an event or the end of an input's span may lie inside.
     #[inline]
     fn cross_block(
         &mut self,
@@ -131,7 +136,8 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         if last > *steps || self.cursor.end_s <= grid.time(last) {
             return false;
         }
-        let free = self.regions[self.current].free_block(*step_s, &self.z, &self.rate, &self.guards);
+        let free =
+            self.regions[self.current].free_block(*step_s, &self.z, &self.rate, &self.guards);
         let Some(flow) = free else { return false };
         let mut z = self.z;
         for k in i + 1..last {
@@ -241,7 +247,8 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             }
             let Some((after, kind)) = found else {
                 if compiled.ladder.is_long(rest) {
-                    // The many short pieces that proved it free of events were rounded as often; some long ones are not.
+                    // The many short pieces that proved it free of events were rounded as often;
+                    // some long ones are not.
                     self.z = compiled.ladder.advance(&before, rest);
                 }
                 break;
@@ -318,7 +325,16 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         let (start, _) = self.system.start();
         let stored_j = self.system.stored_j(&self.z) - self.system.stored_j(&start);
         let impacts_j = self.impacts_j;
-        EnergyBalance { external_j, motor_j, brake_j, friction_j, terms_j, tissue_j, impacts_j, stored_j }
+        EnergyBalance {
+            external_j,
+            motor_j,
+            brake_j,
+            friction_j,
+            terms_j,
+            tissue_j,
+            impacts_j,
+            stored_j,
+        }
     }
 
     fn too_much(&self, limit: u64, what: &'static str, t_s: f64) -> DynamicsError {

@@ -23,7 +23,8 @@ fn kinds(run: &Trajectory) -> Vec<EventKind> {
 /// Largest error of θ against a closed form, over the largest signal.
 fn check_theta(run: &Trajectory, bound: f64, exact: impl Fn(f64) -> f64) {
     let signal = run.theta_rad().fold(0.0, |m: f64, x| m.max(x.abs()));
-    let error = run.t_s.iter().zip(run.theta_rad()).map(|(&t, x)| (x - exact(t)).abs()).fold(0.0, f64::max);
+    let error =
+        run.t_s.iter().zip(run.theta_rad()).map(|(&t, x)| (x - exact(t)).abs()).fold(0.0, f64::max);
     assert!(error <= bound * signal, "{error} of {signal}");
 }
 
@@ -58,7 +59,8 @@ fn a_free_oscillation_is_the_closed_form_damped_critical_and_overdamped() {
         let (sigma, omega) = (ratio * natural, natural * (1.0_f64 - ratio * ratio).sqrt());
         let run = run(oscillator(2.0 * ratio * natural * INERTIA, Input::constant(0.0), 0.3));
         check_theta(&run, 1e-12, |t| {
-            0.3 * libm::exp(-sigma * t) * (libm::cos(omega * t) + sigma / omega * libm::sin(omega * t))
+            0.3 * libm::exp(-sigma * t)
+                * (libm::cos(omega * t) + sigma / omega * libm::sin(omega * t))
         });
     }
     let critical = run(oscillator(2.0 * natural * INERTIA, Input::constant(0.0), 0.3));
@@ -127,18 +129,24 @@ fn a_spring_pulled_at_constant_speed_sticks_and_slips_as_rabinowicz_found() {
     let displacement = Input::Line { value: 0.0, rate: speed };
     scene.terms.set(Pull { stiffness_n_per_rad: k, displacement });
     let run = run(scene);
-    // Slip: half the load drop a = (Fs - Fk)/K to either side of Fk/K; it lasts (pi + 2 phi)... see below.
+    // Slip: half the load drop a = (Fs - Fk)/K to either side of Fk/K; it lasts (pi + 2 phi)... see
+    // below.
     let (a, natural) = ((fs - fk) / k, (k / INERTIA).sqrt());
     let phase = libm::atan2(speed / natural, a);
     let slip_s = (std::f64::consts::PI + 2.0 * phase) / natural;
     let stick_s = 2.0 * a / speed;
     let starts: Vec<f64> =
         run.events.iter().filter(|e| e.kind == EventKind::DepartUp).map(|e| e.t_s).collect();
-    let ends: Vec<f64> = run.events.iter().filter(|e| e.kind == EventKind::Reversal).map(|e| e.t_s).collect();
+    let ends: Vec<f64> =
+        run.events.iter().filter(|e| e.kind == EventKind::Reversal).map(|e| e.t_s).collect();
     assert!(starts.len() > 20);
     assert!((starts[0] - fs / k / speed).abs() < 1e-13);
     for (i, end) in ends.iter().enumerate() {
-        assert!((end - starts[i] - slip_s).abs() < 1e-12, "{} instead of {slip_s}", end - starts[i]);
+        assert!(
+            (end - starts[i] - slip_s).abs() < 1e-12,
+            "{} instead of {slip_s}",
+            end - starts[i]
+        );
         if let Some(next) = starts.get(i + 1) {
             assert!((next - end - stick_s).abs() < 1e-12, "{} instead of {stick_s}", next - end);
         }
@@ -171,7 +179,8 @@ fn events_do_not_depend_on_the_grid_so_that_none_inside_a_sample_is_missed() {
             for step_s in [8.3e-3, 0.137, 1.9] {
                 let coarse = run(Scene { step_s, ..scene.clone() });
                 let until = *coarse.t_s.last().unwrap();
-                let expect: Vec<_> = fine.events.iter().filter(|event| event.t_s <= until).collect();
+                let expect: Vec<_> =
+                    fine.events.iter().filter(|event| event.t_s <= until).collect();
                 assert_eq!(coarse.events.len(), expect.len(), "{mode:?} {step_s}");
                 for (found, expect) in coarse.events.iter().zip(expect) {
                     assert_eq!(found.kind, expect.kind);
@@ -187,7 +196,8 @@ fn events_do_not_depend_on_the_grid_so_that_none_inside_a_sample_is_missed() {
 
 #[test]
 fn two_crossings_of_a_wall_within_one_sample_are_both_found() {
-    // Thrown at the wall at 1 rad/s: it is back across after 2 v m L / F = 2.5 ms, within a sample of 100 ms.
+    // Thrown at the wall at 1 rad/s: it is back across after 2 v m L / F = 2.5 ms, within a sample
+    // of 100 ms.
     let mut scene = oscillator(0.0, Input::constant(0.0), -0.01);
     scene.environment = Environment::free().with_wall(0.0);
     scene.motor.max_n = 4.0;
@@ -263,7 +273,10 @@ fn an_input_that_jumps_frees_a_held_lever_at_once() {
     scene.environment = table3::spring_wall();
     scene.start.theta_rad = 0.6;
     let run = run(scene);
-    assert_eq!((run.events[1].kind, run.events[1].region.motion), (EventKind::Input, Motion::Backward));
+    assert_eq!(
+        (run.events[1].kind, run.events[1].region.motion),
+        (EventKind::Input, Motion::Backward)
+    );
     assert!((run.events[1].t_s - 1.005).abs() < 1e-15);
 }
 
@@ -274,7 +287,10 @@ fn the_let_go_rule_holds_a_wall_until_the_user_yields() {
     scene.start.theta_rad = 0.6;
     let depart = |scene: Scene| {
         let run = run(scene);
-        run.events.iter().find(|event| event.kind != EventKind::Input).map(|event| (event.t_s, event.kind))
+        run.events
+            .iter()
+            .find(|event| event.kind != EventKind::Input)
+            .map(|event| (event.t_s, event.kind))
     };
     let (plain, kind) = depart(scene.clone()).unwrap();
     assert!((plain - (5.0 - table3::MOTOR_N)).abs() < 1e-12);
@@ -300,7 +316,8 @@ fn a_pressed_finger_passes_the_whole_force_and_its_tissue_saturates_at_3_5_n() {
 
 #[test]
 fn a_finger_that_bottoms_on_a_free_lever_keeps_the_momentum() {
-    // Pushed by 40 N with no object: momentum of both masses is the impulse of the force, whatever the tissue does.
+    // Pushed by 40 N with no object: momentum of both masses is the impulse of the force, whatever
+    // the tissue does.
     let mut scene = table3::with_finger(oscillator(0.0, Input::constant(40.0), 0.0));
     scene.environment = Environment::free();
     scene.duration_s = 0.1;
@@ -318,7 +335,8 @@ fn a_finger_that_bottoms_on_a_free_lever_keeps_the_momentum() {
 fn gravity_is_refused_by_name() {
     let mut scene = table3::scene(Mode::Active, Input::step(1.0));
     scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.04 });
-    let error = Exact::default().run(&System::new(scene).unwrap(), &Grid::filling(1.0, 0.1)).unwrap_err();
+    let error =
+        Exact::default().run(&System::new(scene).unwrap(), &Grid::filling(1.0, 0.1)).unwrap_err();
     assert_eq!(error, DynamicsError::NotPiecewiseAffine { term: "gravity" });
 }
 
@@ -345,7 +363,8 @@ fn a_dead_zone_takes_its_share_of_the_brake() {
 
 #[test]
 fn a_prepared_system_gives_the_same_bits_again_and_without_samples() {
-    let system = System::new(table3::with_finger(table3::scene(Mode::Hybrid, Input::step(2.15)))).unwrap();
+    let system =
+        System::new(table3::with_finger(table3::scene(Mode::Hybrid, Input::step(2.15)))).unwrap();
     let grid = Grid::of(&system);
     let fresh = Exact::default().run(&system, &grid).unwrap();
     let mut prepared = Exact::default().prepare(&system, &grid).unwrap();

@@ -1,7 +1,8 @@
-//! Flows over spans of any length: a table of multiples of short spans, eight to a level, as digits of the span.
+//! Flows over spans of any length: a table of multiples of short spans, eight to a level, as digits
+//! of the span.
 //!
-//! A recorded signal has steps of ever new lengths. Each costs a product a digit and a short series, instead of
-//! a matrix exponential.
+//! A recorded signal has steps of ever new lengths. Each costs a product a digit and a short
+//! series, instead of a matrix exponential.
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 
@@ -9,7 +10,8 @@ use zwidth_numerics::expm::{Ladder, Matrix};
 const MULTIPLES: usize = 7;
 /// Binary digits a level.
 const BITS: i32 = 3;
-/// Levels below the ladder's lowest rung: two divide it by 64, which leaves five powers of the series.
+/// Levels below the ladder's lowest rung: two divide it by 64, which leaves five powers of the
+/// series.
 const LEVELS_BELOW: i32 = 2;
 /// Powers of the series over what is left: (2^-5 / 64)^6 / 6! is below 1e-22.
 const POWERS: usize = 5;

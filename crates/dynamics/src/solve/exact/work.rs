@@ -1,5 +1,5 @@
-//! Work integrals of a region, exact like its flow: ∫ (f · z)(v · z) dt is a quadratic form of the state at the
-//! start, and the form doubles along with the flow: W(2s) = W(s) + Φ(s)ᵀ W(s) Φ(s).
+//! Work integrals of a region, exact like its flow: ∫ (f · z)(v · z) dt is a quadratic form of the
+//! state at the start, and the form doubles along with the flow: W(2s) = W(s) + Φ(s)ᵀ W(s) Φ(s).
 
 use zwidth_numerics::expm::{self, Ladder, Matrix, dot};
 
@@ -8,8 +8,8 @@ use crate::solve::shorten;
 use crate::system::region::Region;
 use crate::system::{System, THETA};
 
-/// Nodes and weights of Gauss–Legendre quadrature on [0, 1], exact to degree 11 (Abramowitz & Stegun 25.4.30):
-/// as far as the Taylor series of the flow over the lowest rung matters.
+/// Nodes and weights of Gauss–Legendre quadrature on [0, 1], exact to degree 11 (Abramowitz &
+/// Stegun 25.4.30): as far as the Taylor series of the flow over the lowest rung matters.
 const GAUSS: [(f64, f64); 6] = [
     (0.033_765_242_898_423_99, 0.085_662_246_189_585_17),
     (0.169_395_306_766_867_74, 0.180_380_786_524_069_3),
@@ -30,8 +30,8 @@ struct Part<const N: usize> {
 
 /// The parts of a region that do work.
 ///
-/// The angle is measured from where the region's spring rests: forces are then small where they should be, and
-/// not differences of large numbers.
+/// The angle is measured from where the region's spring rests: forces are then small where they
+/// should be, and not differences of large numbers.
 #[derive(Debug, Clone)]
 pub(super) struct Work<const N: usize> {
     rest_rad: f64,
@@ -47,11 +47,15 @@ impl<const N: usize> Work<N> {
         let rest_rad = system.rest_rad(region);
         // w · z = w · (z with θ − rest) + w_θ rest, which joins the constant entry.
         let shifted = |row: [f64; N]| {
-            std::array::from_fn(|j| if j == N - 1 { row[j] + row[THETA] * rest_rad } else { row[j] })
+            std::array::from_fn(
+                |j| if j == N - 1 { row[j] + row[THETA] * rest_rad } else { row[j] },
+            )
         };
-        let rows: [[f64; N]; N] = std::array::from_fn(|i| shifted(std::array::from_fn(|j| a.at(i, j))));
+        let rows: [[f64; N]; N] =
+            std::array::from_fn(|i| shifted(std::array::from_fn(|j| a.at(i, j))));
         let ladder = Ladder::new(Matrix::from_fn(|i, j| rows[i][j]), reach_s);
-        let powers = system.powers(region).map(|(f, v)| (shifted(shorten(&f.0)), shifted(shorten(&v.0))));
+        let powers =
+            system.powers(region).map(|(f, v)| (shifted(shorten(&f.0)), shifted(shorten(&v.0))));
         let moves = |row: &[f64; N]| row.iter().any(|&x| x != 0.0);
         let parts = powers.iter().enumerate().filter(|(_, (f, v))| moves(f) && moves(v));
         let parts = parts.map(|(place, (f, v))| Part::new(place, *f, *v, &ladder)).collect();
@@ -91,7 +95,8 @@ impl<const N: usize> Work<N> {
 
 impl<const N: usize> Part<N> {
     fn new(place: usize, force: [f64; N], velocity: [f64; N], ladder: &Ladder<N>) -> Self {
-        let mut part = Self { place, force, velocity, rungs: Vec::with_capacity(ladder.rungs.len()) };
+        let mut part =
+            Self { place, force, velocity, rungs: Vec::with_capacity(ladder.rungs.len()) };
         part.rungs.push(part.lowest(ladder));
         for rung in &ladder.rungs[..ladder.rungs.len() - 1] {
             let form = &part.rungs[part.rungs.len() - 1];
@@ -113,6 +118,8 @@ impl<const N: usize> Part<N> {
 
     /// The power as a symmetric form.
     fn power(&self) -> Matrix<N> {
-        Matrix::from_fn(|i, j| 0.5 * (self.force[i] * self.velocity[j] + self.force[j] * self.velocity[i]))
+        Matrix::from_fn(|i, j| {
+            0.5 * (self.force[i] * self.velocity[j] + self.force[j] * self.velocity[i])
+        })
     }
 }

@@ -10,8 +10,9 @@ fn read(path: &Path, bytes: &[u8], matrix: Option<&str>) -> Result<Table, StoreE
     everything(|take| super::read(path, bytes, matrix, take))
 }
 
-/// `scipy.io.savemat(f, {"t": [0, .5, 1], "n": int32 [[1], [-2], [300]], "m": arange(6).reshape(3, 2),
-/// "s": {"a": 1}, "c": [1 + 2j], "w": "hi"}, do_compression=True)`, SciPy 1.17.1, without its header.
+/// `scipy.io.savemat(f, {"t": [0, .5, 1], "n": int32 [[1], [-2], [300]], "m": arange(6).reshape(3,
+/// 2), "s": {"a": 1}, "c": [1 + 2j], "w": "hi"}, do_compression=True)`, SciPy 1.17.1, without its
+/// header.
 const COMPRESSED: &str = "\
     0f0000002d000000789ce3636060f000623620e680d220c00ae5330231339866642801d29c402cc1800e1ed843e80ff6\
     00444003610f0000002f000000789ce36360607000623620e600621e06086085f2998198118c1919f2a0e23c50b17fff\
@@ -51,7 +52,9 @@ fn vectors_written_by_scipy_come_back_by_name() {
     let table = read(Path::new("a.mat"), &file(COMPRESSED), None).unwrap();
     assert_eq!(column(&table, "t"), [0.0, 0.5, 1.0].map(Cell::Number));
     assert_eq!(column(&table, "n"), [1.0, -2.0, 300.0].map(Cell::Number));
-    for (name, words) in [("m", "a 3 × 2 matrix"), ("s", "a struct"), ("c", "complex"), ("w", "text")] {
+    for (name, words) in
+        [("m", "a 3 × 2 matrix"), ("s", "a struct"), ("c", "complex"), ("w", "text")]
+    {
         let error = table.find(&ColumnRef::Name(name.to_owned())).unwrap_err();
         assert!(error.contains(words), "{error}");
     }
@@ -83,7 +86,8 @@ pub(in super::super) fn encode(vectors: &[(u8, &[f64])], big: bool) -> Vec<u8> {
     let number = |v: &f64| if big { v.to_be_bytes() } else { v.to_le_bytes() };
     for (name, values) in vectors {
         let n = u32::try_from(values.len()).unwrap();
-        let head = [mi::MATRIX, 48 + 8 * n, mi::UINT32, 8, 6, 0, mi::INT32, 8, 1, n, 1 << 16 | mi::INT8];
+        let head =
+            [mi::MATRIX, 48 + 8 * n, mi::UINT32, 8, 6, 0, mi::INT32, 8, 1, n, 1 << 16 | mi::INT8];
         bytes.extend(head.into_iter().flat_map(word));
         bytes.extend([*name, 0, 0, 0]);
         bytes.extend([mi::DOUBLE, 8 * n].into_iter().flat_map(word));
@@ -141,11 +145,13 @@ fn a_flipped_bit_never_ends_the_program() {
     }
 }
 
-/// A MAT file of one compressed variable `x`, of which `zeros` bytes of values are there and `claimed` are claimed.
+/// A MAT file of one compressed variable `x`, of which `zeros` bytes of values are there and
+/// `claimed` are claimed.
 fn bomb(zeros: usize, claimed: u32) -> Vec<u8> {
     let mut packed = ZlibEncoder::new(Vec::new(), Compression::best());
     let n = claimed / 8;
-    let head = [mi::MATRIX, 48 + claimed, mi::UINT32, 8, 6, 0, mi::INT32, 8, 1, n, 1 << 16 | mi::INT8];
+    let head =
+        [mi::MATRIX, 48 + claimed, mi::UINT32, 8, 6, 0, mi::INT32, 8, 1, n, 1 << 16 | mi::INT8];
     packed.write_all(&head.map(u32::to_le_bytes).concat()).unwrap();
     packed.write_all(&[b'x', 0, 0, 0]).unwrap();
     packed.write_all(&[mi::DOUBLE, claimed].map(u32::to_le_bytes).concat()).unwrap();
@@ -165,7 +171,10 @@ fn refused(bytes: &[u8]) -> String {
 #[test]
 fn a_variable_that_unpacks_to_more_than_is_read_is_refused_before_it_is_unpacked() {
     let error = refused(&bomb(1 << 20, 1 << 29));
-    assert!(error.contains("variable 'x' unpacks to 536870960 bytes, and at most 268435456"), "{error}");
+    assert!(
+        error.contains("variable 'x' unpacks to 536870960 bytes, and at most 268435456"),
+        "{error}"
+    );
     let x = &read(Path::new("a.mat"), &bomb(1 << 20, 1 << 20), None).unwrap().columns[0];
     assert_eq!(x.len(), 1 << 17);
 }

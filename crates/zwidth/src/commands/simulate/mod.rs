@@ -104,17 +104,19 @@ fn one(path: &Path, folder: &Path, command: &Simulate) -> anyhow::Result<Done> {
     output.table(&format!("{stem}.trajectory"), &trajectory)?;
     output.table(&format!("{stem}.events"), &events_table(&run)?)?;
     if command.chattering {
-        let table =
-            chattering_table(&file.scene, &SOLVERS, &CHATTERING_STEPS_S).map_err(|e| file.error(&e))?;
+        let table = chattering_table(&file.scene, &SOLVERS, &CHATTERING_STEPS_S)
+            .map_err(|e| file.error(&e))?;
         output.figure(&format!("{stem}.chattering"), zwidth_figures::chattering(&table)?)?;
         output.table(&format!("{stem}.chattering"), &table)?;
     }
     Ok(Done { stem, run: Some((Summary::of(&run), trajectory)), files: output.files })
 }
 
-/// The figures of several scenes: their inputs, and the runs side by side where the page is wide enough.
+/// The figures of several scenes: their inputs, and the runs side by side where the page is wide
+/// enough.
 fn shared(done: &[Done], folder: &Path, command: &Simulate) -> anyhow::Result<Vec<PathBuf>> {
-    let tables: Vec<&Table> = done.iter().filter_map(|d| d.run.as_ref()).map(|run| &run.1).collect();
+    let tables: Vec<&Table> =
+        done.iter().filter_map(|d| d.run.as_ref()).map(|run| &run.1).collect();
     if tables.len() < 2 {
         return Ok(Vec::new());
     }

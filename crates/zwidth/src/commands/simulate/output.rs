@@ -18,7 +18,11 @@ pub(super) struct Output<'a> {
 
 impl<'a> Output<'a> {
     /// Files that say which solver made them, and of which scene, word for word.
-    pub(super) fn new(folder: &'a Path, command: &Simulate, scene: Option<&Scene>) -> anyhow::Result<Self> {
+    pub(super) fn new(
+        folder: &'a Path,
+        command: &Simulate,
+        scene: Option<&Scene>,
+    ) -> anyhow::Result<Self> {
         let mut provenance = BTreeMap::from([
             ("software".to_owned(), concat!("zwidth ", env!("CARGO_PKG_VERSION")).to_owned()),
             ("source".to_owned(), "model run, not measured".to_owned()),

@@ -21,7 +21,9 @@ impl SceneFile {
     /// The error with file and, where it names a parameter of the file, line.
     pub(super) fn error(&self, error: &SimulateError) -> anyhow::Error {
         let line = match error {
-            SimulateError::Dynamics(DynamicsError::Parameter { name, .. }) => line_of(&self.text, name),
+            SimulateError::Dynamics(DynamicsError::Parameter { name, .. }) => {
+                line_of(&self.text, name)
+            }
             _ => None,
         };
         let line = line.map_or(String::new(), |line| format!(":{line}"));
@@ -29,8 +31,8 @@ impl SceneFile {
     }
 }
 
-/// The line, from 1, where `plant.mass_kg` or `environment.zones[1].from_rad` stands; none where its key is not alone at
-/// the head of a line in its section.
+/// The line, from 1, where `plant.mass_kg` or `environment.zones[1].from_rad` stands; none where
+/// its key is not alone at the head of a line in its section.
 fn line_of(text: &str, name: &str) -> Option<usize> {
     let (section, key) = name.rsplit_once('.').unwrap_or(("", name));
     let (section, _) = section.split_once('[').unwrap_or((section, ""));
@@ -41,7 +43,9 @@ fn line_of(text: &str, name: &str) -> Option<usize> {
             here = header.trim_start_matches('[').split(']').next().unwrap_or_default();
         }
         let is_key = line.split_once('=').is_some_and(|(left, _)| left.trim() == key);
-        if is_key && (here == section || !section.is_empty() && here.starts_with(&format!("{section}."))) {
+        if is_key
+            && (here == section || !section.is_empty() && here.starts_with(&format!("{section}.")))
+        {
             found.push(i + 1);
         }
     }

@@ -17,12 +17,18 @@ pub(super) fn of(summary: &Summary) -> String {
         format!("            {}", s.fast_swings.map(swings).join(", ")),
     ];
     if s.amplification > 1.0 {
-        lines.push(format!("            a step grows by {:.4} over the exact flow", s.amplification));
+        lines.push(format!(
+            "            a step grows by {:.4} over the exact flow",
+            s.amplification
+        ));
     }
     if let Some(energy) = s.energy {
         let (residual, summed) = (energy.residual_j, energy.summed_j);
-        let why = if s.finger == Some("thesis") { " (the finger's law leaves out a force)" } else { "" };
-        lines.push(format!("  energy    {residual:.1e} J of {summed:.4} J are not accounted for{why}"));
+        let why =
+            if s.finger == Some("thesis") { " (the finger's law leaves out a force)" } else { "" };
+        lines.push(format!(
+            "  energy    {residual:.1e} J of {summed:.4} J are not accounted for{why}"
+        ));
     }
     let w = s.work;
     lines.push(format!(
@@ -40,7 +46,9 @@ fn motion(s: &Summary) -> String {
 fn swings(at: FastSwings) -> String {
     match at.count {
         0 => format!("no fast swings at {}", ms(at.step_s)),
-        n => format!("{n} fast swings of {:.3}° at {}", at.amplitude_rad.to_degrees(), ms(at.step_s)),
+        n => {
+            format!("{n} fast swings of {:.3}° at {}", at.amplitude_rad.to_degrees(), ms(at.step_s))
+        }
     }
 }
 

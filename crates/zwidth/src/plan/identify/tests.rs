@@ -26,7 +26,10 @@ fn device() -> DrivenParameters {
         damping_ns_per_m: table3::FINGER_DAMPING_NS_PER_M,
     };
     let hand = Hand { mass_kg: 0.08, stiffness_n_per_m: 290.0, damping_ns_per_m: 3.0, tissue };
-    DrivenParameters { motor_lag_s: Some(MOTOR_LAG_S), ..TwinParameters::default().plant(Some(hand)) }
+    DrivenParameters {
+        motor_lag_s: Some(MOTOR_LAG_S),
+        ..TwinParameters::default().plant(Some(hand))
+    }
 }
 
 /// Where the hand means to be: forward and back, a little otherwise in each repeat.
@@ -91,7 +94,8 @@ fn trial(study: &Study, mode: &str, repeat: u32) -> Trial {
 #[test]
 fn without_noise_every_parameter_comes_back_to_a_millionth() {
     let (study, calibration) = (study(), Calibration::thesis());
-    let repeats = ["active", "passive", "hybrid"].iter().flat_map(|mode| [1, 2, 3].map(|r| (*mode, r)));
+    let repeats =
+        ["active", "passive", "hybrid"].iter().flat_map(|mode| [1, 2, 3].map(|r| (*mode, r)));
     let trials: Vec<Trial> = repeats.map(|(mode, repeat)| trial(&study, mode, repeat)).collect();
     let balances: Vec<Balance> =
         trials.iter().map(|t| Balance::new(t, &study, Some(&calibration)).unwrap()).collect();
