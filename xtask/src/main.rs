@@ -5,6 +5,7 @@ mod bits;
 mod encodings;
 mod fuzz;
 mod soak;
+mod stale;
 mod tried;
 mod twin;
 
@@ -19,6 +20,7 @@ cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage
 cargo xtask bits                       the main job's bytes: one thread, many, other processors (qemu-user), as written down
 cargo xtask bits --without-origin      only their content, without what files say of their making, against what is written down
 cargo xtask bits renew                 writes that content down
+cargo xtask stale                      each field of study.toml, a session and each stage's parameters changed: no stale result
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
 cargo xtask soak simulate [SEEDS [FIRST]] whole sessions in memory with faults drawn from a seed each [100000, from 0]
 cargo xtask soak simulate-twin [SEEDS [FIRST]] the same with the simulated device and participant [1000, from 0]
@@ -54,6 +56,7 @@ fn main() -> anyhow::Result<()> {
             };
             bits::compare(&soak::program()?, &scratch("bits"), how)
         }
+        ["stale"] => stale::stale(&soak::program()?, &scratch("stale")),
         ["soak", "coverage", rest @ ..] => soak::coverage::coverage(
             &soak::program()?,
             &scratch("coverage"),

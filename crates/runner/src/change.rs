@@ -3,6 +3,7 @@
 use crate::hashes::TO_BE_MADE;
 use crate::record::Record;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -22,17 +23,45 @@ pub enum Change {
         /// The present one.
         now: u32,
     },
-    /// The parameters differ.
+    /// Parameters differ.
     Parameters {
-        /// Those that it was made with.
-        recorded: String,
-        /// The present ones.
-        now: String,
+        /// Those that do.
+        fields: Vec<Field>,
     },
     /// An input.
     Input(FileChange),
     /// An output: a missing or an edited one is made again.
     Output(FileChange),
+}
+
+/// A parameter that differs.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Field {
+    /// Where it stands: `analysis.confidence`, `trials[2].mode`; nothing for the whole.
+    pub name: String,
+    /// What it was; `None` where there was none.
+    pub recorded: Option<Value>,
+    /// What it is; `None` where there is none.
+    pub now: Option<Value>,
+}
+
+impl fmt::Display for Field {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let shown = |value: &Option<Value>| value.as_ref().map_or("nothing".to_owned(), shortened);
+        let name = if self.name.is_empty() { "all of them" } else { &self.name };
+        write!(f, "{name}: {} is now {}", shown(&self.recorded), shown(&self.now))
+    }
+}
+
+/// Letters of a value that people are shown.
+const SHOWN: usize = 80;
+
+fn shortened(value: &Value) -> String {
+    let text = value.to_string();
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
 }
 
 /// A file that differs. Hashes are BLAKE3 of contents; `None` where there was, or is, no such file.
@@ -72,7 +101,10 @@ impl fmt::Display for Change {
             Self::Version { recorded, now } => {
                 write!(f, "algorithm version {recorded} is now {now}")
             }
-            Self::Parameters { .. } => f.write_str("its parameters changed"),
+            Self::Parameters { fields } => match fields.as_slice() {
+                [one] if !one.name.is_empty() => write!(f, "parameter {} changed", one.name),
+                fields => write!(f, "{} of its parameters changed", fields.len()),
+            },
             Self::Input(file) => write!(f, "input {} {}", file.path, file.how),
             Self::Output(file) => write!(f, "output {} {}", file.path, file.how),
         }
@@ -119,12 +151,43 @@ fn of_what_goes_in(before: &Record, now: &Record) -> Vec<Change> {
     if before.version != now.version {
         changes.push(Change::Version { recorded: before.version, now: now.version });
     }
-    if before.parameters != now.parameters || before.stage != now.stage {
-        let (recorded, now) = (before.parameters.clone(), now.parameters.clone());
-        changes.push(Change::Parameters { recorded, now });
+    let mut fields = Vec::new();
+    if before.stage != now.stage {
+        let (recorded, now) = (Some(json!(before.stage)), Some(json!(now.stage)));
+        fields.push(Field { name: "stage".to_owned(), recorded, now });
+    }
+    if before.parameters != now.parameters {
+        let value = |text: &str| serde_json::from_str(text).unwrap_or_else(|_| json!(text));
+        let (recorded, now) = (value(&before.parameters), value(&now.parameters));
+        compare("", Some(&recorded), Some(&now), &mut fields);
+    }
+    if !fields.is_empty() {
+        changes.push(Change::Parameters { fields });
     }
     changes.extend(differences(&before.inputs, &now.inputs).map(Change::Input));
     changes
+}
+
+/// Adds the fields below `name` in which two values differ.
+fn compare(name: &str, recorded: Option<&Value>, now: Option<&Value>, found: &mut Vec<Field>) {
+    match (recorded, now) {
+        (Some(Value::Object(a)), Some(Value::Object(b))) => {
+            let dot = if name.is_empty() { "" } else { "." };
+            for key in a.keys().chain(b.keys().filter(|key| !a.contains_key(*key))) {
+                compare(&format!("{name}{dot}{key}"), a.get(key), b.get(key), found);
+            }
+        }
+        (Some(Value::Array(a)), Some(Value::Array(b))) => {
+            for i in 0..a.len().max(b.len()) {
+                compare(&format!("{name}[{i}]"), a.get(i), b.get(i), found);
+            }
+        }
+        (recorded, now) if recorded != now => {
+            let (recorded, now) = (recorded.cloned(), now.cloned());
+            found.push(Field { name: name.to_owned(), recorded, now });
+        }
+        _ => {}
+    }
 }
 
 /// The files that differ: first those of now, then those that are no longer part of the job.
@@ -162,6 +225,40 @@ mod tests {
     fn record(inputs: &[(&str, &str)]) -> Record {
         let inputs = inputs.iter().map(|(p, h)| ((*p).to_owned(), (*h).to_owned())).collect();
         Record { version: 1, inputs, ..Record::default() }
+    }
+
+    #[test]
+    fn parameters_are_told_by_the_fields_that_differ() {
+        let with = |parameters: &str| Record { parameters: parameters.to_owned(), ..record(&[]) };
+        let told = |before: &str, now: &str| match changes(
+            Some(&with(before)),
+            &with(now),
+            &BTreeMap::new(),
+        )
+        .as_slice()
+        {
+            [change @ Change::Parameters { fields }] => {
+                let fields = fields.iter().map(ToString::to_string).collect::<Vec<_>>();
+                (change.to_string(), fields)
+            }
+            other => panic!("{other:?}"),
+        };
+        let (change, fields) = told(
+            r#"{"analysis":{"confidence":0.95,"grid_points":401},"trials":[1,2]}"#,
+            r#"{"analysis":{"confidence":0.9,"grid_points":401},"trials":[1,2]}"#,
+        );
+        assert_eq!(change, "parameter analysis.confidence changed");
+        assert_eq!(fields, ["analysis.confidence: 0.95 is now 0.9"]);
+        let (change, fields) = told(r#"{"a":1,"t":[1,2]}"#, r#"{"t":[1,3,4],"b":null}"#);
+        assert_eq!(change, "4 of its parameters changed");
+        let expect = [
+            "a: 1 is now nothing",
+            "t[1]: 2 is now 3",
+            "t[2]: nothing is now 4",
+            "b: nothing is now null",
+        ];
+        assert_eq!(fields, expect);
+        assert_eq!(told("level 0.9", "{}").1, ["all of them: \"level 0.9\" is now {}"]);
     }
 
     #[test]

@@ -1,8 +1,13 @@
 //! A job: what it needs, what it makes, and the function that makes it.
 
 use crate::Provenance;
+use serde::Serialize;
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use zwidth_store::hex_blake3;
+
+/// What a job's function can fail with.
+pub type JobError = Box<dyn Error + Send + Sync>;
 
 /// What a job made.
 #[derive(Debug, Default)]
@@ -16,35 +21,219 @@ pub struct Made {
     pub care: Vec<String>,
 }
 
-/// The function that makes a job's outputs. It reads the job's inputs and nothing else.
-pub type Make<'a> =
-    Box<dyn Fn(&Provenance) -> Result<Made, Box<dyn Error + Send + Sync>> + Send + Sync + 'a>;
+/// A stage: its name, and the version of its algorithm, which is raised whenever the stage makes
+/// something else of the same inputs and parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stage {
+    /// Its name: `metrics`.
+    pub name: &'static str,
+    /// The version of its algorithm.
+    pub version: u32,
+}
+
+/// The files that a job reads, each in its role.
+pub trait Inputs: Send + Sync + 'static {
+    /// All of them.
+    fn files(&self) -> Vec<PathBuf>;
+}
+
+impl Inputs for () {
+    fn files(&self) -> Vec<PathBuf> {
+        Vec::new()
+    }
+}
+
+impl Inputs for PathBuf {
+    fn files(&self) -> Vec<PathBuf> {
+        vec![self.clone()]
+    }
+}
+
+impl<I: Inputs> Inputs for Option<I> {
+    fn files(&self) -> Vec<PathBuf> {
+        self.iter().flat_map(Inputs::files).collect()
+    }
+}
+
+impl<I: Inputs> Inputs for Vec<I> {
+    fn files(&self) -> Vec<PathBuf> {
+        self.iter().flat_map(Inputs::files).collect()
+    }
+}
+
+impl<I: Inputs, const N: usize> Inputs for [I; N] {
+    fn files(&self) -> Vec<PathBuf> {
+        self.iter().flat_map(Inputs::files).collect()
+    }
+}
+
+impl<A: Inputs, B: Inputs> Inputs for (A, B) {
+    fn files(&self) -> Vec<PathBuf> {
+        [self.0.files(), self.1.files()].concat()
+    }
+}
+
+impl<A: Inputs, B: Inputs, C: Inputs> Inputs for (A, B, C) {
+    fn files(&self) -> Vec<PathBuf> {
+        [self.0.files(), self.1.files(), self.2.files()].concat()
+    }
+}
+
+/// Where a job's outputs go, and what they say of their making. No content but that depends on it.
+pub struct Making<'m> {
+    /// What the outputs say of their making.
+    pub from: &'m Provenance,
+    /// The outputs' paths, in order.
+    pub outputs: &'m [PathBuf],
+    /// The folder that holds the data: results do not depend on where it lies.
+    pub root: &'m Path,
+}
+
+impl Making<'_> {
+    /// A text without the data's folder in it, so that results have the same bytes wherever that
+    /// lies.
+    pub fn without_root(&self, text: &str) -> String {
+        let root = self.root.join("").to_string_lossy().into_owned();
+        if root.is_empty() { text.to_owned() } else { text.replace(&root, "") }
+    }
+}
+
+/// The function that makes a job's outputs.
+type Make = Box<dyn Fn(&Making) -> Result<Made, JobError> + Send + Sync>;
 
 /// One unit of work.
-pub struct Job<'a> {
-    /// The stage it belongs to: `metrics`.
-    pub stage: &'static str,
+pub struct Job {
+    /// The stage it belongs to.
+    pub stage: Stage,
     /// Its name within the study, unique: `metrics P01_S01`.
     pub name: String,
-    /// The stage's algorithm version.
-    pub version: u32,
-    /// Everything but files that the outputs depend on, as canonical text.
+    /// Everything but files that the outputs depend on, as canonical text: JSON in the order of
+    /// the declaration, or its hash where that is long.
     pub parameters: String,
-    /// Files it reads.
+    /// Files it reads, each once.
     pub inputs: Vec<PathBuf>,
+    /// Files from which its parameters come. They are told of it; that one of them changes is no
+    /// reason to make it again.
+    pub origins: Vec<PathBuf>,
     /// Files it makes.
     pub outputs: Vec<PathBuf>,
     /// Whether it is made even when some of its inputs could not be: they are then missing files.
     pub tolerant: bool,
-    /// Makes them.
-    pub make: Make<'a>,
+    pub(crate) make: Make,
 }
 
-impl Job<'_> {
+/// Longest text of parameters that is kept as it is, bytes.
+const MOST_PARAMETERS: usize = 1 << 16;
+
+impl Job {
+    /// The job of that name. Its function gets its parameters, its inputs and where its outputs
+    /// go, and nothing else: it is a plain function, which can hold nothing back from its key.
+    pub fn new<P, I>(
+        stage: Stage,
+        name: impl Into<String>,
+        parameters: P,
+        inputs: I,
+        outputs: Vec<PathBuf>,
+        make: fn(&P, &I, &Making) -> Result<Made, JobError>,
+    ) -> Self
+    where
+        P: Serialize + Send + Sync + 'static,
+        I: Inputs,
+    {
+        let mut files = inputs.files();
+        files.sort();
+        files.dedup();
+        let written = canonical(&parameters);
+        let failed = written.as_ref().err().cloned();
+        let make = move |making: &Making| match &failed {
+            Some(why) => Err(format!("its parameters cannot be written: {why}").into()),
+            None => make(&parameters, &inputs, making),
+        };
+        Self {
+            stage,
+            name: name.into(),
+            parameters: written.unwrap_or_default(),
+            inputs: files,
+            origins: Vec::new(),
+            outputs,
+            tolerant: false,
+            make: Box::new(make),
+        }
+    }
+
+    /// The same, made even when some of its inputs could not be.
+    #[must_use]
+    pub fn tolerant(self) -> Self {
+        Self { tolerant: true, ..self }
+    }
+
+    /// The same, with the files from which its parameters come.
+    #[must_use]
+    pub fn told_by(self, origins: Vec<PathBuf>) -> Self {
+        Self { origins, ..self }
+    }
+
+    /// What its first output is called, without folder and extension.
+    pub fn stem(&self) -> Option<&str> {
+        self.outputs.first()?.file_stem()?.to_str()
+    }
+
     /// Whether a person who says `name` means this job: its stage, its name, or the file stem of an
     /// output.
     pub fn is_called(&self, name: &str) -> bool {
         let has_stem = |o: &PathBuf| o.file_stem().is_some_and(|stem| stem == name);
-        self.stage == name || self.name == name || self.outputs.iter().any(has_stem)
+        self.stage.name == name || self.name == name || self.outputs.iter().any(has_stem)
+    }
+}
+
+/// Parameters as text: JSON, fields in the order of their declaration.
+fn canonical(parameters: &impl Serialize) -> Result<String, String> {
+    let text = serde_json::to_string(parameters).map_err(|e| e.to_string())?;
+    Ok(match text.len() {
+        length if length > MOST_PARAMETERS => {
+            format!("\"{length} bytes, BLAKE3 {}\"", hex_blake3(text.as_bytes()))
+        }
+        _ => text,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn job<P: Serialize + Send + Sync + 'static>(parameters: P) -> Job {
+        let stage = Stage { name: "s", version: 1 };
+        Job::new(stage, "j", parameters, (), Vec::new(), |_, (), _| Ok(Made::default()))
+    }
+
+    #[test]
+    fn parameters_are_json_and_a_hash_where_they_are_long() {
+        #[derive(Serialize)]
+        struct Parameters {
+            level: f64,
+            who: &'static str,
+        }
+        let short = job(Parameters { level: 0.95, who: "P01" });
+        assert_eq!(short.parameters, r#"{"level":0.95,"who":"P01"}"#);
+        let (a, b) = (job("a".repeat(MOST_PARAMETERS)), job("b".repeat(MOST_PARAMETERS)));
+        assert!(a.parameters.len() < 100 && a.parameters != b.parameters, "{}", a.parameters);
+    }
+
+    #[test]
+    fn parameters_that_cannot_be_written_are_the_jobs_failure_and_no_key() {
+        let map: std::collections::BTreeMap<(u8, u8), u8> = [((1, 2), 3)].into();
+        let job = job(map);
+        let (from, root) = (Provenance::new(), Path::new(""));
+        let error = (job.make)(&Making { from: &from, outputs: &[], root }).unwrap_err();
+        assert!(error.to_string().contains("its parameters cannot be written"), "{error}");
+    }
+
+    #[test]
+    fn inputs_are_listed_once_whatever_their_roles() {
+        let path = |name: &str| PathBuf::from(name);
+        let inputs = (vec![path("b"), path("a")], Some(path("a")), [path("c")]);
+        let stage = Stage { name: "s", version: 1 };
+        let job = Job::new(stage, "j", (), inputs, Vec::new(), |(), _, _| Ok(Made::default()));
+        assert_eq!(job.inputs, [path("a"), path("b"), path("c")]);
     }
 }

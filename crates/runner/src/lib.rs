@@ -7,6 +7,10 @@
 //! matters: no time stamp, no order, no number of threads. Outputs of jobs that are no longer
 //! planned are removed.
 //!
+//! A job's function is a plain function of its parameters (one serialisable struct, whose JSON is
+//! the key) and of the files that it declares ([`Job::new`]): it has no other way to get at
+//! anything, so nothing that a result depends on can be missing from its key.
+//!
 //! Each output carries its *origin* ([`ORIGIN`]): stage, version and one digest of everything its
 //! job depends on, by which a file found alone is told from which job it is. [`states`] says what a
 //! run would do now and why; [`trace`] follows the records back to the files that no job makes.
@@ -28,8 +32,8 @@ mod run;
 mod state;
 mod trace;
 
-pub use change::{Change, FileChange, How};
-pub use job::{Job, Made, Make};
+pub use change::{Change, Field, FileChange, How};
+pub use job::{Inputs, Job, JobError, Made, Making, Stage};
 pub use plan::wanted;
 pub use provenance::{ORIGIN, Provenance, origins};
 pub use record::{Record, Records};

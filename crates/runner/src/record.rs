@@ -17,10 +17,13 @@ pub struct Record {
     pub stage: String,
     /// The stage's algorithm version.
     pub version: u32,
-    /// The job's parameters, as canonical text.
+    /// The job's parameters, as canonical text ([`Job::parameters`]).
     pub parameters: String,
     /// What it read: path → hash; empty for a file that was missing.
     pub inputs: BTreeMap<String, String>,
+    /// The files from which its parameters came at the last run: path → hash.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub origins: BTreeMap<String, String>,
     /// What it made: path → hash.
     pub outputs: BTreeMap<String, String>,
     /// What had to be left out.
@@ -36,10 +39,11 @@ impl Record {
     /// The record of a job as it would be written now, before its outputs are made.
     pub(crate) fn now(job: &Job, root: &Path, hashes: &Hashes) -> Self {
         Self {
-            stage: job.stage.to_owned(),
-            version: job.version,
+            stage: job.stage.name.to_owned(),
+            version: job.stage.version,
             parameters: job.parameters.clone(),
             inputs: hashes.of(root, &job.inputs),
+            origins: hashes.of(root, &job.origins),
             ..Self::default()
         }
     }
@@ -47,7 +51,8 @@ impl Record {
     /// The first file it names that no record of the study's can name, and why.
     fn names_elsewhere(&self, layout: &Layout) -> Option<String> {
         let outputs = self.outputs.keys().map(|path| (path, Results::named(layout, path).err()));
-        let inputs = self.inputs.keys().map(|path| (path, relative(path).err()));
+        let inputs = self.inputs.keys().chain(self.origins.keys());
+        let inputs = inputs.map(|path| (path, relative(path).err()));
         let found = outputs.chain(inputs).find_map(|(path, why)| Some((path, why?)));
         found.map(|(path, why)| format!("it names {path:?}, and {why}"))
     }

@@ -5,7 +5,7 @@ use crate::hashes::{Hashes, shown};
 use crate::plan::{needs, wanted};
 use crate::provenance::provenance;
 use crate::record::Record;
-use crate::{Job, Made, Provenance, Records, Results};
+use crate::{Job, Made, Making, Provenance, Records, Results};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -196,8 +196,8 @@ impl Board<'_> {
 }
 
 /// What the jobs of a run share.
-struct Run<'j, 'a> {
-    jobs: &'j [Job<'a>],
+struct Run<'j> {
+    jobs: &'j [Job],
     /// The records that the run began with.
     before: Records,
     results: &'j Results<'j>,
@@ -207,7 +207,7 @@ struct Run<'j, 'a> {
     board: Mutex<Board<'j>>,
 }
 
-impl<'j> Run<'j, '_> {
+impl<'j> Run<'j> {
     fn board(&self) -> MutexGuard<'_, Board<'j>> {
         self.board.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -238,7 +238,7 @@ impl<'j> Run<'j, '_> {
     ) -> Result<(), StoreError> {
         let job = &self.jobs[i];
         match (&report.verdict, record) {
-            (Verdict::Made(_), Some(record)) => {
+            (Verdict::Made(_) | Verdict::UpToDate, Some(record)) => {
                 board.records.0.insert(job.name.clone(), record);
                 board.unsaved = true;
             }
@@ -264,7 +264,7 @@ impl<'j> Run<'j, '_> {
     /// Makes a job if it needs it.
     fn one(&self, job: &Job) -> Result<(Report, Option<Record>), StoreError> {
         let report = |verdict, problems, care| Report {
-            stage: job.stage,
+            stage: job.stage.name,
             name: job.name.clone(),
             verdict,
             problems,
@@ -286,9 +286,10 @@ impl<'j> Run<'j, '_> {
             Some(before) => first_change(before, &now, outputs),
         };
         let Some(why) = reason.map(|change| change.to_string()) else {
-            let said = before.map(|b| (b.problems.clone(), b.care.clone()));
-            let (problems, care) = said.unwrap_or_default();
-            return Ok((report(Verdict::UpToDate, problems, care), None));
+            let before = before.cloned().unwrap_or_default();
+            let report = report(Verdict::UpToDate, before.problems.clone(), before.care.clone());
+            let moved = before.origins != now.origins;
+            return Ok((report, moved.then_some(Record { origins: now.origins, ..before })));
         };
         if self.options.dry_run {
             self.hashes.forget(&job.outputs);
@@ -299,7 +300,8 @@ impl<'j> Run<'j, '_> {
             true => Provenance::new(),
             false => provenance(&job.name, &record),
         };
-        Ok(match make(job, &from, self.results)? {
+        let making = Making { from: &from, outputs: &job.outputs, root };
+        Ok(match make(job, &making, self.results)? {
             Err(error) => (without(Verdict::Failed(error)), None),
             Ok(made) => {
                 for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
@@ -330,12 +332,8 @@ impl<'j> Run<'j, '_> {
 /// Makes a job's outputs and writes them. The job's own failure is the inner error: the others go
 /// on. An output that cannot be written is the outer one: the disk is full or read-only, for the
 /// others too.
-fn make(
-    job: &Job,
-    from: &Provenance,
-    results: &Results,
-) -> Result<Result<Made, String>, StoreError> {
-    let made = match (job.make)(from) {
+fn make(job: &Job, making: &Making, results: &Results) -> Result<Result<Made, String>, StoreError> {
+    let made = match (job.make)(making) {
         Ok(made) => made,
         Err(error) => return Ok(Err(error.to_string())),
     };

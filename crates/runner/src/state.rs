@@ -22,14 +22,14 @@ pub enum Again {
 }
 
 /// A job as a run would find it now.
-pub struct State<'j, 'a> {
+pub struct State<'j> {
     /// The job.
-    pub job: &'j Job<'a>,
+    pub job: &'j Job,
     /// Everything that differs from the record of its last success.
     pub changes: Vec<Change>,
 }
 
-impl State<'_, '_> {
+impl State<'_> {
     /// Whether a run would make the job again.
     pub fn again(&self) -> Again {
         let waits = |c: &Change| matches!(c, Change::Input(file) if file.how == How::ToBeMade);
@@ -43,18 +43,18 @@ impl State<'_, '_> {
 
 /// The chosen jobs, and those whose outputs they need, however far back, as a run would find them:
 /// those that others need first.
-pub fn states<'j, 'a>(
-    jobs: &'j [Job<'a>],
+pub fn states<'j>(
+    jobs: &'j [Job],
     root: &Path,
     records: &Records,
     chosen: impl Fn(&Job) -> bool,
-) -> Vec<State<'j, 'a>> {
+) -> Vec<State<'j>> {
     let wanted = with_needs(jobs, chosen);
     let hashes = Hashes::default();
     let mut states = Vec::new();
     for level in levels(jobs) {
         let work: Vec<&Job> = level.into_iter().filter(|i| wanted[*i]).map(|i| &jobs[i]).collect();
-        let state = |job: &&'j Job<'a>| {
+        let state = |job: &&'j Job| {
             let now = Record::now(job, root, &hashes);
             State {
                 job,
@@ -73,22 +73,18 @@ pub fn states<'j, 'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Made, Options, Results, run};
+    use crate::{Made, Options, Results, Stage, run};
     use std::fs;
     use zwidth_store::{Layout, RealFiles};
 
     /// a → A → AA, each made from the one before in capitals.
-    fn jobs(root: &Path) -> Vec<Job<'static>> {
-        let job = |stage: &'static str, input: &str, output: &str| {
-            let input = root.join(input);
-            let read = input.clone();
-            let make: crate::Make = Box::new(move |_| {
-                let text = fs::read_to_string(&read)?.to_uppercase();
+    fn jobs(root: &Path) -> Vec<Job> {
+        let job = |name: &'static str, input: &str, output: &str| {
+            let (stage, outputs) = (Stage { name, version: 1 }, vec![root.join(output)]);
+            Job::new(stage, name, (), root.join(input), outputs, |(), input, _| {
+                let text = fs::read_to_string(input)?.to_uppercase();
                 Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
-            });
-            let (name, parameters) = (stage.to_owned(), String::new());
-            let (inputs, outputs) = (vec![input], vec![root.join(output)]);
-            Job { stage, name, version: 1, parameters, inputs, outputs, tolerant: false, make }
+            })
         };
         vec![job("second", "A", "AA"), job("first", "a", "A")]
     }
@@ -96,8 +92,8 @@ mod tests {
     fn again(layout: &Layout) -> Vec<(&'static str, Again)> {
         let jobs = jobs(&layout.derived());
         let (records, _) = Records::read(&Results::new(layout, &RealFiles)).unwrap();
-        let found = states(&jobs, layout.root(), &records, |job| job.stage == "second");
-        found.iter().map(|state| (state.job.stage, state.again())).collect()
+        let found = states(&jobs, layout.root(), &records, |job| job.stage.name == "second");
+        found.iter().map(|state| (state.job.stage.name, state.again())).collect()
     }
 
     #[test]

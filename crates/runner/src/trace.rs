@@ -49,7 +49,8 @@ pub fn trace<'r>(records: &'r Records, job: &str) -> Option<Trace<'r>> {
     let (mut sources, mut lost) = (BTreeSet::new(), BTreeSet::new());
     while let Some(step) = waiting.pop_front() {
         // What was missing when the job was made did not enter it.
-        for (path, blake3) in step.record.inputs.iter().filter(|(_, hash)| !hash.is_empty()) {
+        let read = step.record.inputs.iter().chain(&step.record.origins);
+        for (path, blake3) in read.filter(|(_, hash)| !hash.is_empty()) {
             let source = || Source { path: path.clone(), blake3: blake3.clone() };
             match makers.get(path) {
                 None => _ = sources.insert(source()),

@@ -80,6 +80,6 @@ pub use study::{Answer, SessionLog, StudyData, SweepEntry, TrialEntry, read_stud
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::log_sweeps;
 pub use trial::{Samples, Trial, TrialFile};
-pub use verify::{Findings, check_samples, findings, verify, verify_from};
+pub use verify::{Asked, Findings, check_samples, findings, verify, verify_from};
 pub use whole::{WholeSession, check_session, read_session, session_study};
 pub use write::{described, trial_bytes, write_parquet, write_table};

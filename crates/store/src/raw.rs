@@ -77,6 +77,16 @@ impl<'a> Raw<'a> {
         }
     }
 
+    /// Whether this is a session's copy of study.toml without the session's record: no session
+    /// names it, and laying the session down writes it anew.
+    fn is_left_by_a_kill(&self, path: &Path) -> bool {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let session = name.strip_suffix(".study.toml").filter(|session| !session.is_empty());
+        let record = session.map(|session| path.with_file_name(format!("{session}.json")));
+        let in_sessions = path.parent() == Some(self.raw.join("sessions").as_path());
+        in_sessions && record.is_some_and(|record| self.files.kind(&record).is_none())
+    }
+
     /// The same for something that goes.
     fn gone(&self, path: &Path, own: bool) -> io::Result<&'a dyn Files> {
         if own || self.may == May::Mend {
@@ -127,7 +137,8 @@ impl Files for Raw<'_> {
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
         // The head of a log counts its lines, and is written anew with each.
-        let free = self.files.kind(to).is_none() || to.extension().is_some_and(|e| e == "head");
+        let is_head = to.extension().is_some_and(|e| e == "head");
+        let free = self.files.kind(to).is_none() || is_head || self.is_left_by_a_kill(to);
         self.here(from)?;
         self.gone(to, free && is_unfinished(from))?.rename(from, to)
     }
@@ -240,6 +251,20 @@ mod tests {
         replace(&raw, &head, b"2").unwrap();
         raw.remove(&layout.journals().join("a.journal")).unwrap();
         raw.remove_folder(&layout.journals()).unwrap();
+    }
+
+    /// Found by `soak kill`: a life that was killed between the copy and the record of a session
+    /// kept the next one from laying the session down.
+    #[test]
+    fn a_copy_of_the_study_that_no_record_names_is_written_anew_and_one_that_is_named_is_not() {
+        let (disk, layout) = study();
+        let raw = Raw::new_study(&disk, &layout);
+        let copy = layout.raw().join("sessions/P01_S01.study.toml");
+        write_new(&raw, &copy, b"killed").unwrap();
+        replace(&raw, &copy, b"again").unwrap();
+        write_new(&raw, &layout.raw().join("sessions/P01_S01.json"), b"{}").unwrap();
+        assert!(replace(&raw, &copy, b"never").is_err() && raw.remove(&copy).is_err());
+        assert!(replace(&raw, &layout.study_toml(), b"never").is_err());
     }
 
     #[test]

@@ -142,6 +142,27 @@ impl Signal {
         self.column().name
     }
 
+    /// The column's name without its unit: `theta_dot`.
+    pub fn stem(self) -> &'static str {
+        let name = self.name();
+        let without = name.strip_suffix(self.suffix()).and_then(|stem| stem.strip_suffix('_'));
+        without.unwrap_or(name)
+    }
+
+    /// The unit as it ends names of columns: `rad_s`; nothing where there is none.
+    pub fn suffix(self) -> &'static str {
+        match self.column().unit {
+            "rad" => "rad",
+            "rad/s" => "rad_s",
+            "rad/s^2" | "rad/s²" => "rad_s2",
+            "N" => "n",
+            "N·m" => "nm",
+            "V" => "v",
+            "s" => "s",
+            _ => "",
+        }
+    }
+
     /// The signal whose column has this name.
     pub fn from_name(name: &str) -> Option<Self> {
         COLUMNS.iter().find(|c| c.name == name).map(|c| c.signal)
@@ -151,6 +172,19 @@ impl Signal {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_name_is_its_stem_and_its_unit() {
+        for signal in Signal::all() {
+            let name = match signal.suffix() {
+                "" => signal.stem().to_owned(),
+                suffix => format!("{}_{suffix}", signal.stem()),
+            };
+            assert_eq!(name, signal.name());
+        }
+        assert_eq!((Signal::ThetaDot.stem(), Signal::ThetaDot.suffix()), ("theta_dot", "rad_s"));
+        assert_eq!((Signal::Flags.suffix(), Signal::ThetaRaw.suffix()), ("", ""));
+    }
 
     #[test]
     fn the_table_stands_in_the_order_of_the_signals() {

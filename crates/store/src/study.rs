@@ -13,6 +13,7 @@ use crate::{
     Entry, Files, Layout, RealFiles, Signal, StoreError, Trial, TrialFile, hex_blake3, read_trial,
 };
 use rayon::prelude::*;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_study::{
@@ -132,7 +133,7 @@ impl SessionLog {
 }
 
 /// One answer that counts.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Answer {
     /// Who.
     pub participant: ParticipantId,

@@ -42,6 +42,29 @@ pub struct Sweep {
     pub file: BTreeMap<String, String>,
 }
 
+impl Sweep {
+    /// Whether it is of the same quantities as another, so that both can be fitted together.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.command == other.command && self.response == other.response
+    }
+
+    /// In words, that it is of other quantities than the first sweep.
+    pub fn unlike(&self, first: &Self) -> String {
+        let of = |sweep: &Self| {
+            let Self { command, response, .. } = sweep;
+            let (of, against) = (&response.name, &command.name);
+            format!("{of} ({}) against {against} ({})", response.unit, command.unit)
+        };
+        format!(
+            "sweep {} of the {}: {} does not go with the first sweep's {}",
+            self.sweep,
+            self.actuator,
+            of(self),
+            of(first)
+        )
+    }
+}
+
 const COMMAND: &str = "command";
 const RESPONSE: &str = "response";
 const TIME: &str = "t_s";

@@ -10,6 +10,7 @@ use crate::{
     Files, Layout, RealFiles, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry,
 };
 use rayon::prelude::*;
+use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use zwidth_study::{Event, PlannedTrial, Study};
@@ -70,24 +71,43 @@ pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
 fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry) -> Vec<StoreError> {
     // Whether it fits study.toml and its session's log was told when the study was loaded.
     match read_trial_from(files, &entry.path, Signal::all()) {
-        Ok(trial) => check_samples(&data.study, &entry.path, &trial.samples),
+        Ok(trial) => check_samples(&Asked::of(&data.study), &entry.path, &trial.samples),
         Err(error) => vec![error],
+    }
+}
+
+/// What a study asks of a trial's samples.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Asked {
+    /// Work space, lower end, rad.
+    pub theta_min_rad: Option<f64>,
+    /// Work space, upper end, rad.
+    pub theta_max_rad: Option<f64>,
+    /// Longest a trial may take, s.
+    pub trial_limit_s: f64,
+}
+
+impl Asked {
+    /// What this study does.
+    pub fn of(study: &Study) -> Self {
+        let zwidth_study::Device { theta_min_rad, theta_max_rad, .. } = study.device;
+        Self { theta_min_rad, theta_max_rad, trial_limit_s: study.design.trial_limit_s }
     }
 }
 
 /// What the samples of a trial, which are whole, say against it: it counts, and is to be read with
 /// care.
-pub fn check_samples(study: &Study, path: &Path, samples: &Samples) -> Vec<StoreError> {
-    [work_space(study, path, samples), too_long(study, path, samples)]
+pub fn check_samples(asked: &Asked, path: &Path, samples: &Samples) -> Vec<StoreError> {
+    [work_space(asked, path, samples), too_long(asked, path, samples)]
         .into_iter()
         .flatten()
         .collect()
 }
 
 /// A trial longer than the design allows: usually milliseconds taken for seconds.
-fn too_long(study: &Study, path: &Path, samples: &Samples) -> Option<StoreError> {
+fn too_long(asked: &Asked, path: &Path, samples: &Samples) -> Option<StoreError> {
     let t = samples.get(Signal::Time)?;
-    let (length, limit) = (t.last()? - t.first()?, study.design.trial_limit_s);
+    let (length, limit) = (t.last()? - t.first()?, asked.trial_limit_s);
     let what = format!("it lasts {length} s, longer than design.trial_limit_s = {limit} s");
     let remedy = "check the unit of its time, or raise the limit in study.toml";
     (length > limit).then(|| StoreError::new(path, what, remedy).column(Signal::Time.name()))
@@ -116,10 +136,10 @@ fn doubled(data: &StudyData) -> Vec<StoreError> {
     findings
 }
 
-fn work_space(study: &Study, path: &Path, samples: &Samples) -> Option<StoreError> {
+fn work_space(asked: &Asked, path: &Path, samples: &Samples) -> Option<StoreError> {
     let theta = samples.get(Signal::Theta)?;
-    let low = study.device.theta_min_rad.unwrap_or(f64::NEG_INFINITY) - WORK_SPACE_SLACK_RAD;
-    let high = study.device.theta_max_rad.unwrap_or(f64::INFINITY) + WORK_SPACE_SLACK_RAD;
+    let low = asked.theta_min_rad.unwrap_or(f64::NEG_INFINITY) - WORK_SPACE_SLACK_RAD;
+    let high = asked.theta_max_rad.unwrap_or(f64::INFINITY) + WORK_SPACE_SLACK_RAD;
     let row = theta.iter().position(|v| !(low..=high).contains(v))?;
     let what =
         format!("{:.2}° lies more than 2° outside of the work space", theta[row].to_degrees());

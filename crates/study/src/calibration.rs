@@ -128,6 +128,34 @@ fn along(xs: &[f64], ys: &[f64], x: f64) -> f64 {
     }
 }
 
+/// Where the calibration of a study's forces comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Basis {
+    /// The thesis: motor and brake of the study were not both swept.
+    Thesis,
+    /// The study's own sweeps.
+    Swept,
+    /// The study's own sweeps, of which one at least is simulated.
+    Simulated,
+}
+
+impl Basis {
+    /// A sentence that says so, for a footnote.
+    pub fn footnote(self) -> &'static str {
+        match self {
+            Self::Thesis => {
+                "Forces by the thesis' nominal characteristics: motor and brake of this study were \
+                 not both swept."
+            }
+            Self::Swept => "Forces by the calibration from this study's sweeps of motor and brake.",
+            Self::Simulated => {
+                "Forces by the calibration from this study's simulated sweeps of motor and brake."
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

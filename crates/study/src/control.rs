@@ -1,7 +1,9 @@
 //! Numbers of the control loop.
 
+use serde::Serialize;
+
 /// What the control loop needs besides the scene; each number has a default.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Control {
     /// Ticks per second, Hz. A device that gives fewer samples sets its own rate.
     pub rate_hz: f64,
@@ -26,7 +28,8 @@ impl Default for Control {
 }
 
 /// How velocity is made of angles. Both are causal, so both are late.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum VelocityFilter {
     /// The difference of the last two angles over their time; late by half of it.
     Difference,

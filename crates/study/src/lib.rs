@@ -21,7 +21,7 @@ mod session;
 mod template;
 mod trial;
 
-pub use calibration::{Calibration, CalibrationError, Characteristic};
+pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
 pub use control::{Control, VelocityFilter};
 pub use event::{Event, SealedTrial};

@@ -85,7 +85,8 @@ pub enum OrderScheme {
 }
 
 /// What figures and tables call the coordinate.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Coordinate {
     /// A lever: θ in degrees, stiffness in N/rad.
     Rotational,
@@ -97,7 +98,7 @@ pub enum Coordinate {
 }
 
 /// The device, as far as the analysis needs it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Device {
     /// What it is called.
     pub name: String,
@@ -112,7 +113,7 @@ pub struct Device {
 }
 
 /// Actuator masses (thesis, appendix A).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Masses {
     /// The motor's mass, kg.
     pub motor_kg: f64,
@@ -121,7 +122,7 @@ pub struct Masses {
 }
 
 /// A virtual spring: resisting force `K (θ − θ_rest)` (thesis (8), with a rest angle).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spring {
     /// Stiffness K at the lever, N/rad.
     pub stiffness_n_per_rad: f64,
@@ -130,7 +131,8 @@ pub struct Spring {
 }
 
 /// What an environment renders.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Scene {
     /// Nothing is rendered by a device (a questionnaire about something else).
     None,
@@ -166,7 +168,7 @@ impl Scene {
 }
 
 /// One environment of the study.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Environment {
     /// Its id.
     pub id: EnvironmentId,
@@ -179,7 +181,7 @@ pub struct Environment {
 }
 
 /// One mode of the study.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Mode {
     /// Its id.
     pub id: ModeId,
@@ -192,7 +194,7 @@ pub struct Mode {
 }
 
 /// One question, answered on a five-point scale.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Question {
     /// Its id.
     pub id: QuestionId,
@@ -221,7 +223,7 @@ impl Likert {
 }
 
 /// Environment × mode.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub struct Condition {
     /// What is rendered.
     pub environment: EnvironmentId,
@@ -230,7 +232,7 @@ pub struct Condition {
 }
 
 /// Numbers the analysis needs; each has a default.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Analysis {
     /// Movement begins where |θ̇| first exceeds this, rad/s.
     pub onset_rad_s: f64,

@@ -30,7 +30,7 @@ pub fn for_people(table: &Table, coordinate: Coordinate) -> Result<Table, TableE
     let torques_small = torques_are_small(columns);
     let columns = columns.iter().map(|c| converted(c.clone(), coordinate, torques_small)).collect();
     let shown = Table::new(table.name(), table.title(), columns)?;
-    Ok(table.notes().iter().fold(shown, |t, note| t.with_note(note.as_str())))
+    Ok(table.notes_by_kind().fold(shown, |t, (kind, note)| t.with_note_of(kind, note)))
 }
 
 fn torques_are_small(columns: &[Column]) -> bool {

@@ -52,4 +52,4 @@ pub use format::Format;
 pub use heading::heading;
 pub use identity::{identity, of_trials};
 pub use markdown::escape as escape_markdown;
-pub use table::{Column, Field, Table, Type, Values};
+pub use table::{Column, Field, NoteKind, Table, Type, Values};

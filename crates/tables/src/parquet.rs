@@ -1,6 +1,6 @@
 //! Derived tables as Parquet files, through the store.
 
-use crate::{Column, Field, Table, TableError, Type, Values};
+use crate::{Column, Field, NoteKind, Table, TableError, Type, Values};
 use arrow::array::{
     Array, ArrayRef, AsArray, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray,
 };
@@ -15,6 +15,8 @@ use zwidth_store::{
 const NAME: &str = "table_name";
 const TITLE: &str = "table_title";
 const NOTES: &str = "table_notes";
+/// The kinds of the notes, where one is no general note.
+const KINDS: &str = "table_note_kinds";
 
 impl Table {
     /// The bytes of the table's Parquet file: SI units, units and meanings in the field metadata,
@@ -33,6 +35,10 @@ impl Table {
         footer.insert(NAME.to_owned(), self.name().to_owned());
         footer.insert(TITLE.to_owned(), self.title().to_owned());
         footer.insert(NOTES.to_owned(), self.notes().join("\n"));
+        if self.notes_by_kind().any(|(kind, _)| kind != NoteKind::General) {
+            let kinds: Vec<_> = self.notes_by_kind().map(|(kind, _)| kind.word()).collect();
+            footer.insert(KINDS.to_owned(), kinds.join("\n"));
+        }
         Ok(write_table(&batch, footer, path)?)
     }
 
@@ -40,10 +46,10 @@ impl Table {
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub fn title_and_notes(path: &Path) -> Result<(String, Vec<String>), TableError> {
+    pub fn title_and_notes(path: &Path) -> Result<(String, Vec<(NoteKind, String)>), TableError> {
         let footer = read_entries(path)?;
-        let text = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default();
-        Ok((text(TITLE).to_owned(), text(NOTES).lines().map(str::to_owned).collect()))
+        let title = footer.get(TITLE).cloned().unwrap_or_default();
+        Ok((title, notes(&footer).collect()))
     }
 
     /// Reads a table back from its Parquet file.
@@ -81,8 +87,16 @@ impl Table {
             })
             .collect::<Result<Vec<_>, StoreError>>()?;
         let table = Self::new(&text(NAME), &text(TITLE), columns)?;
-        Ok(text(NOTES).lines().fold(table, Self::with_note))
+        Ok(notes(&footer).fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
     }
+}
+
+/// The notes that a footer holds.
+fn notes(footer: &BTreeMap<String, String>) -> impl Iterator<Item = (NoteKind, String)> {
+    let lines = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default().lines();
+    let kinds = lines(KINDS).map(|word| NoteKind::from_word(word).unwrap_or_default());
+    let kinds = kinds.chain(std::iter::repeat(NoteKind::General));
+    lines(NOTES).map(str::to_owned).zip(kinds).map(|(note, kind)| (kind, note))
 }
 
 fn defect(path: &Path, e: &arrow::error::ArrowError) -> StoreError {
@@ -144,14 +158,18 @@ mod tests {
             Column::flag("wall_reached", "whether", [Some(true), None]),
         ];
         let table = Table::new("t", "Title", columns).unwrap().with_note("a note");
+        let table = table.with_note_of(NoteKind::Extent, "it ends");
         let bytes = table.to_parquet(&BTreeMap::new(), &path).unwrap();
         std::fs::write(&path, bytes).unwrap();
         let again = Table::from_parquet(&path).unwrap();
         assert_eq!(again.columns(), table.columns());
-        assert_eq!((again.title(), again.notes()), ("Title", ["a note".to_owned()].as_slice()));
+        assert_eq!((again.title(), again.notes()), ("Title", table.notes()));
+        let kinds = [(NoteKind::General, "a note"), (NoteKind::Extent, "it ends")];
+        assert_eq!(again.notes_by_kind().collect::<Vec<_>>(), kinds);
         let some = Table::columns_from_parquet(&path, &["trial", "mode"]).unwrap();
         assert_eq!(some.columns(), [table.columns()[0].clone(), table.columns()[2].clone()]);
         let about = Table::title_and_notes(&path).unwrap();
-        assert_eq!(about, ("Title".to_owned(), vec!["a note".to_owned()]));
+        let kinds = kinds.map(|(kind, note)| (kind, note.to_owned())).to_vec();
+        assert_eq!(about, ("Title".to_owned(), kinds));
     }
 }

@@ -140,12 +140,47 @@ impl Column {
     }
 }
 
+/// What a note below a table is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NoteKind {
+    /// The table and its numbers.
+    #[default]
+    General,
+    /// How far the numbers reach: no limit of the study, and no fault.
+    Extent,
+    /// Something that is not in the table.
+    LeftOut,
+    /// Something in the table that is to be read with care.
+    Care,
+}
+
+impl NoteKind {
+    const ALL: [Self; 4] = [Self::General, Self::Extent, Self::LeftOut, Self::Care];
+
+    /// The word that stands for it in a file.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::General => "general",
+            Self::Extent => "extent",
+            Self::LeftOut => "left_out",
+            Self::Care => "care",
+        }
+    }
+
+    /// The kind of that word.
+    pub(crate) fn from_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.word() == word)
+    }
+}
+
 /// A table: name, title, notes, and columns of one length.
 #[derive(Debug, Clone)]
 pub struct Table {
     name: String,
     title: String,
     notes: Vec<String>,
+    /// As many as notes.
+    kinds: Vec<NoteKind>,
     columns: Vec<Column>,
 }
 
@@ -168,7 +203,8 @@ impl Table {
                 return Err(TableError::Ragged { table, column, expected, found: c.values.len() });
             }
         }
-        Ok(Self { name: name.to_owned(), title: title.to_owned(), notes: Vec::new(), columns })
+        let (name, title) = (name.to_owned(), title.to_owned());
+        Ok(Self { name, title, notes: Vec::new(), kinds: Vec::new(), columns })
     }
 
     /// A table from those columns of a polars frame, as a query gave it, that `fields` describe.
@@ -210,8 +246,15 @@ impl Table {
 
     /// The same table with a note below it.
     #[must_use]
-    pub fn with_note(mut self, note: impl Into<String>) -> Self {
+    pub fn with_note(self, note: impl Into<String>) -> Self {
+        self.with_note_of(NoteKind::General, note)
+    }
+
+    /// The same table with a note of a kind below it.
+    #[must_use]
+    pub fn with_note_of(mut self, kind: NoteKind, note: impl Into<String>) -> Self {
         self.notes.push(note.into());
+        self.kinds.push(kind);
         self
     }
 
@@ -228,6 +271,11 @@ impl Table {
     /// Notes to be printed below the table.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// The same, each with its kind.
+    pub fn notes_by_kind(&self) -> impl Iterator<Item = (NoteKind, &str)> {
+        self.kinds.iter().copied().zip(self.notes.iter().map(String::as_str))
     }
 
     /// What the columns are, in order.

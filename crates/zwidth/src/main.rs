@@ -5,7 +5,6 @@ mod args;
 mod commands;
 mod exit;
 mod limits;
-mod plan;
 mod screen;
 mod text;
 

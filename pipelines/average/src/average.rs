@@ -3,35 +3,14 @@
 use crate::align::{Aligned, average_length_s, check_lengths, grid, mean_landmarks, warped};
 use crate::landmarks::Landmark;
 use crate::{AverageError, WhyNot};
+use serde::Serialize;
 use zwidth_stats::band::{Band, band};
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{
-    Alignment, Analysis, Condition, ParticipantId, Scene, SessionId, Source, Study,
-};
-
-/// A quantity that is averaged: the signal, and how its columns are called.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Quantity {
-    /// The signal.
-    pub signal: Signal,
-    /// What the columns' names begin with.
-    pub stem: &'static str,
-    /// The unit as it ends the columns' names.
-    pub suffix: &'static str,
-}
-
-const fn quantity(signal: Signal, stem: &'static str, suffix: &'static str) -> Quantity {
-    Quantity { signal, stem, suffix }
-}
+use zwidth_study::{Alignment, Analysis, Condition, ParticipantId, Scene, SessionId, Source};
 
 /// Everything that is averaged, in the order of the columns.
-pub const QUANTITIES: [Quantity; 5] = [
-    quantity(Signal::Theta, "theta", "rad"),
-    quantity(Signal::ThetaDot, "theta_dot", "rad_s"),
-    quantity(Signal::ForceEx, "force_ex", "n"),
-    quantity(Signal::TorqueEx, "torque_ex", "nm"),
-    quantity(Signal::ForceCmd, "force_cmd", "n"),
-];
+pub const SIGNALS: [Signal; 5] =
+    [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx, Signal::ForceCmd];
 
 /// One repeat that entered the average.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,13 +34,22 @@ pub struct LeftOut {
     pub why: WhyNot,
 }
 
-/// A quantity over the grid.
+/// A signal over the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Course {
-    /// Which quantity.
-    pub quantity: Quantity,
+    /// Which signal.
+    pub signal: Signal,
     /// Mean, SD and band of the repeats at each time of the grid.
     pub band: Band,
+}
+
+/// Everything that the average of a condition's trials depends on besides the trials.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Parameters {
+    /// Thresholds, grid and confidence level.
+    pub analysis: Analysis,
+    /// What is rendered.
+    pub scene: Scene,
 }
 
 /// The mean course of one condition's repeats by one participant in one session.
@@ -88,7 +76,7 @@ pub struct Average {
     pub repeats: Vec<Repeat>,
     /// The repeats that could not be.
     pub left_out: Vec<LeftOut>,
-    /// Each quantity that all repeats have.
+    /// Each signal that all repeats have.
     pub courses: Vec<Course>,
 }
 
@@ -100,16 +88,16 @@ pub struct Average {
 ///
 /// # Errors
 /// [`AverageError::WhyNot`] where there is no average and no fault: free motion, or no repeat that
-/// can be placed (the first one's reason). Otherwise: no trial, trials of different conditions, an
-/// environment that is not in the study, columns of unequal length.
+/// can be placed (the first one's reason). Otherwise: no trial, trials of different conditions,
+/// columns of unequal length.
 pub fn average(
     trials: &[Trial],
-    study: &Study,
+    parameters: &Parameters,
     alignment: Alignment,
 ) -> Result<Average, AverageError> {
     let first = trials.first().ok_or(AverageError::Empty)?;
-    let Placed { aligned, left_out, landmarks } = place(trials, study, alignment)?;
-    let points = study.analysis.grid_points;
+    let Placed { aligned, left_out, landmarks } = place(trials, parameters, alignment)?;
+    let points = parameters.analysis.grid_points;
     if points < 2 {
         return Err(AverageError::Grid { points });
     }
@@ -122,7 +110,7 @@ pub fn average(
         condition: first.meta.condition(),
         source: if twin { Source::Twin } else { first.meta.source },
         n: t_s.iter().map(count).collect(),
-        courses: courses(&aligned, &t_s, study.analysis.confidence)?,
+        courses: courses(&aligned, &t_s, parameters.analysis.confidence)?,
         repeats: aligned.iter().map(repeat).collect(),
         left_out,
         alignment,
@@ -138,10 +126,10 @@ pub fn average(
 /// Those of [`average`].
 pub fn times_s(
     trials: &[Trial],
-    study: &Study,
+    parameters: &Parameters,
     alignment: Alignment,
 ) -> Result<Vec<Option<Vec<f64>>>, AverageError> {
-    let placed = place(trials, study, alignment)?;
+    let placed = place(trials, parameters, alignment)?;
     let of = |trial: &Trial| placed.aligned.iter().find(|a| std::ptr::eq(a.trial(), trial));
     Ok(trials.iter().map(|trial| of(trial).map(|aligned| aligned.times_s().to_vec())).collect())
 }
@@ -155,13 +143,12 @@ struct Placed<'a> {
 
 fn place<'a>(
     trials: &'a [Trial],
-    study: &Study,
+    parameters: &Parameters,
     alignment: Alignment,
 ) -> Result<Placed<'a>, AverageError> {
-    let first = trials.first().ok_or(AverageError::Empty)?;
     check_together(trials)?;
-    let wall_rad = wall(first, study)?;
-    let (aligned, left_out) = align(trials, &study.analysis, wall_rad, alignment)?;
+    let wall_rad = wall(parameters.scene)?;
+    let (aligned, left_out) = align(trials, &parameters.analysis, wall_rad, alignment)?;
     let landmarks = match alignment {
         Alignment::Onset => Vec::new(),
         Alignment::Landmarks => mean_landmarks(&aligned),
@@ -174,19 +161,16 @@ fn check_together(trials: &[Trial]) -> Result<(), AverageError> {
     let key = |t: &Trial| (t.meta.participant.clone(), t.meta.session.clone(), t.meta.condition());
     match trials.iter().find(|t| key(t) != key(&trials[0])) {
         Some(other) => Err(AverageError::Mixed { trial: other.meta.trial }),
+        None if trials.is_empty() => Err(AverageError::Empty),
         None => trials.iter().try_for_each(check_lengths),
     }
 }
 
-/// Where the wall of the trial's environment begins, if it has one; an error where nothing is
-/// rendered to average.
-fn wall(trial: &Trial, study: &Study) -> Result<Option<f64>, AverageError> {
-    let id = &trial.meta.environment;
-    let unknown = || AverageError::UnknownEnvironment { environment: id.clone() };
-    let scene = study.environment(id).ok_or_else(unknown)?.scene;
+/// Where the scene's wall begins, if it has one; a reason where nothing is rendered to average.
+fn wall(scene: Scene) -> Result<Option<f64>, WhyNot> {
     match scene {
-        Scene::Free => Err(WhyNot::FreeMotion.into()),
-        Scene::None => Err(WhyNot::NothingRendered.into()),
+        Scene::Free => Err(WhyNot::FreeMotion),
+        Scene::None => Err(WhyNot::NothingRendered),
         Scene::Spring(_) | Scene::SpringWall { .. } => Ok(scene.wall_rad()),
     }
 }
@@ -223,11 +207,10 @@ fn repeat(aligned: &Aligned) -> Repeat {
 
 fn courses(aligned: &[Aligned], t_s: &[f64], level: f64) -> Result<Vec<Course>, AverageError> {
     let mut courses = Vec::new();
-    for quantity in QUANTITIES {
-        let rows: Option<Vec<_>> =
-            aligned.iter().map(|a| a.on_grid(quantity.signal, t_s)).collect();
+    for signal in SIGNALS {
+        let rows: Option<Vec<_>> = aligned.iter().map(|a| a.on_grid(signal, t_s)).collect();
         let Some(repeats) = rows else { continue };
-        courses.push(Course { quantity, band: band(&repeats, level)? });
+        courses.push(Course { signal, band: band(&repeats, level)? });
     }
     Ok(courses)
 }
@@ -235,14 +218,14 @@ fn courses(aligned: &[Aligned], t_s: &[f64], level: f64) -> Result<Vec<Course>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{RATE_HZ, repeat, study, there_and_back};
+    use crate::testing::{RATE_HZ, parameters, repeat, there_and_back};
 
-    fn at_onset(trials: &[Trial], study: &Study) -> Average {
-        average(trials, study, Alignment::Onset).unwrap()
+    fn at_onset(trials: &[Trial], parameters: &Parameters) -> Average {
+        average(trials, parameters, Alignment::Onset).unwrap()
     }
 
     fn course(average: &Average, signal: Signal) -> &Course {
-        average.courses.iter().find(|c| c.quantity.signal == signal).unwrap()
+        average.courses.iter().find(|c| c.signal == signal).unwrap()
     }
 
     #[test]
@@ -254,7 +237,7 @@ mod tests {
             let top = (0..theta.len()).max_by(|i, j| theta[*i].total_cmp(&theta[*j])).unwrap();
             times[top]
         };
-        let by = |trials: &[Trial], alignment| times_s(trials, &study(), alignment).unwrap();
+        let by = |trials: &[Trial], alignment| times_s(trials, &parameters(), alignment).unwrap();
         let found = by(&trials, Alignment::Landmarks);
         let turned: Vec<f64> =
             trials.iter().zip(&found).map(|(t, times)| turns(t, times.as_ref().unwrap())).collect();
@@ -272,11 +255,11 @@ mod tests {
     #[test]
     fn repeats_that_start_at_different_times_meet_at_their_onset() {
         let trials = [repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.8, 1.0, 3.5), repeat(3, 0.5, 1.0, 3.2)];
-        let found = at_onset(&trials, &study());
+        let found = at_onset(&trials, &parameters());
         let theta = course(&found, Signal::Theta);
         // the same movement, shifted by whole samples: no spread beyond the rounding of t − onset
         assert!(theta.band.sd.iter().all(|sd| sd.unwrap() < 1e-12));
-        assert_eq!(found.n, vec![3; study().analysis.grid_points]);
+        assert_eq!(found.n, vec![3; parameters().analysis.grid_points]);
         let onsets: Vec<f64> = found.repeats.iter().map(|r| r.onset_s).collect();
         assert!((onsets[1] - onsets[0] - 0.5).abs() < 1e-12);
     }
@@ -286,11 +269,11 @@ mod tests {
     #[test]
     fn mean_sd_and_band_are_those_of_the_repeats_at_each_time() {
         let trials = [repeat(1, 0.3, 0.9, 3.0), repeat(2, 0.3, 1.0, 3.0), repeat(3, 0.3, 1.1, 3.0)];
-        let mut study = study();
-        study.analysis.onset_rad_s = 1e-9; // all three begin at the same sample
-        let found = at_onset(&trials, &study);
+        let mut parameters = parameters();
+        parameters.analysis.onset_rad_s = 1e-9; // all three begin at the same sample
+        let found = at_onset(&trials, &parameters);
         let force = course(&found, Signal::ForceEx);
-        let middle = at_onset(&trials[1..2], &study);
+        let middle = at_onset(&trials[1..2], &parameters);
         let unit = &course(&middle, Signal::ForceEx).band.mean;
         let half = 4.302652729749462 * 0.1 / 3_f64.sqrt(); // scipy.stats.t.ppf(0.975, 2)
         for (i, unit) in unit.iter().enumerate() {
@@ -305,33 +288,33 @@ mod tests {
     fn the_average_ends_where_fewer_than_half_remain_and_says_so() {
         let lengths = [3.0, 3.5, 4.0, 2.9, 2.8];
         let trials: Vec<_> = (1..).zip(lengths).map(|(i, s)| repeat(i, 0.3, 1.0, s)).collect();
-        let found = at_onset(&trials, &study());
+        let found = at_onset(&trials, &parameters());
         let third_longest = found.repeats[0].length_s;
         assert_eq!(found.t_s.last(), Some(&third_longest));
         assert_eq!((found.n[0], found.n.last()), (5, Some(&3)));
         assert!(
-            found.notes()[0].contains("fewer than half of the 5 repeats"),
+            found.notes()[0].1.contains("fewer than half of the 5 repeats"),
             "{:?}",
             found.notes()
         );
         // of five repeats the mean loses the two shortest on its way
         assert_eq!(found.drops().iter().map(|d| d.1).collect::<Vec<_>>(), [4, 3]);
         assert!(
-            found.notes()[0].contains("number of repeats falls: to 4 at 2.4"),
+            found.notes()[0].1.contains("number of repeats falls: to 4 at 2.4"),
             "{:?}",
             found.notes()
         );
-        let even = at_onset(&[repeat(1, 0.3, 1.0, 3.0)], &study());
+        let even = at_onset(&[repeat(1, 0.3, 1.0, 3.0)], &parameters());
         assert!(even.notes().is_empty());
     }
 
     #[test]
     fn repeats_that_drop_out_are_told_also_where_the_longest_one_stays() {
-        let found = at_onset(&[repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 1.0, 3.5)], &study());
+        let found = at_onset(&[repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 1.0, 3.5)], &parameters());
         let (t, n) = found.drops()[0];
         assert_eq!((found.drops().len(), n), (1, 1));
         assert!((t - found.repeats[0].length_s).abs() < 3.5 / 400.0);
-        assert!(found.notes()[0].contains("no repeat lasts longer"), "{:?}", found.notes());
+        assert!(found.notes()[0].1.contains("no repeat lasts longer"), "{:?}", found.notes());
     }
 
     /// There in 1.0, 1.4 and 1.2 s, back in 0.8, 1.2 and 1.6 s: three warps of one raised cosine,
@@ -340,11 +323,11 @@ mod tests {
     fn landmarks_keep_what_an_average_at_onset_smears() {
         let trials =
             [there_and_back(1, 1.0, 0.8), there_and_back(2, 1.4, 1.2), there_and_back(3, 1.2, 1.6)];
-        let mut study = study();
-        (study.analysis.onset_rad_s, study.analysis.offset_rad_s) = (1e-9, 1e-10);
-        let spring = study.environments[0].scene.spring().unwrap();
-        study.environments[0].scene = Scene::SpringWall { spring, wall_rad: 0.5 };
-        let found = average(&trials, &study, Alignment::Landmarks).unwrap();
+        let mut parameters = parameters();
+        (parameters.analysis.onset_rad_s, parameters.analysis.offset_rad_s) = (1e-9, 1e-10);
+        let spring = parameters.scene.spring().unwrap();
+        parameters.scene = Scene::SpringWall { spring, wall_rad: 0.5 };
+        let found = average(&trials, &parameters, Alignment::Landmarks).unwrap();
         let names: Vec<_> = found.landmarks.iter().map(|l| l.0).collect();
         assert_eq!(names, Landmark::ALL);
         for ((_, t), expect) in found.landmarks.iter().zip([0.0, 0.6, 1.2, 2.4]) {
@@ -359,9 +342,9 @@ mod tests {
         let peak = |a: &Average| {
             course(a, Signal::Theta).band.mean.iter().flatten().copied().fold(0.0, f64::max)
         };
-        assert!(peak(&found) > 0.999 && peak(&at_onset(&trials, &study)) < 0.97);
+        assert!(peak(&found) > 0.999 && peak(&at_onset(&trials, &parameters)) < 0.97);
         assert!(
-            found.notes().iter().any(|n| n.contains("wall contact 0.599 s")),
+            found.notes().iter().any(|n| n.1.contains("wall contact 0.599 s")),
             "{:?}",
             found.notes()
         );
@@ -370,21 +353,22 @@ mod tests {
     #[test]
     fn a_landmark_that_one_repeat_misses_is_none_and_a_missing_end_leaves_the_repeat_out() {
         let mut trials = vec![repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 0.4, 3.0)];
-        let mut study = study();
-        let spring = study.environments[0].scene.spring().unwrap();
-        study.environments[0].scene = Scene::SpringWall { spring, wall_rad: 0.5 };
-        let landmarks = |trials: &[Trial]| average(trials, &study, Alignment::Landmarks).unwrap();
+        let mut parameters = parameters();
+        let spring = parameters.scene.spring().unwrap();
+        parameters.scene = Scene::SpringWall { spring, wall_rad: 0.5 };
+        let landmarks =
+            |trials: &[Trial]| average(trials, &parameters, Alignment::Landmarks).unwrap();
         let names: Vec<_> = landmarks(&trials).landmarks.iter().map(|l| l.0).collect();
         assert_eq!(names, [Landmark::Start, Landmark::Reversal, Landmark::End]);
         trials.push(repeat(3, 0.3, 1.0, 1.8));
         let found = landmarks(&trials);
         assert_eq!(found.left_out, [LeftOut { trial: 3, why: WhyNot::NoEnd }]);
-        assert_eq!(at_onset(&trials, &study).n[0], 3);
+        assert_eq!(at_onset(&trials, &parameters).n[0], 3);
     }
 
     #[test]
     fn one_repeat_has_a_mean_and_no_band() {
-        let found = at_onset(&[repeat(1, 0.3, 1.0, 3.0)], &study());
+        let found = at_onset(&[repeat(1, 0.3, 1.0, 3.0)], &parameters());
         let theta = course(&found, Signal::Theta);
         assert!(theta.band.mean.iter().all(Option::is_some));
         assert!(theta.band.sd.iter().chain(&theta.band.ci_low).all(Option::is_none));
@@ -395,24 +379,24 @@ mod tests {
         let mut trials = [repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 1.0, 3.0)];
         let samples = trials[0].samples.len();
         trials[0].samples.set(Signal::ForceCmd, vec![0.0; samples]);
-        let found = at_onset(&trials, &study());
-        let signals: Vec<_> = found.courses.iter().map(|c| c.quantity.signal).collect();
+        let found = at_onset(&trials, &parameters());
+        let signals: Vec<_> = found.courses.iter().map(|c| c.signal).collect();
         assert_eq!(signals, [Signal::Theta, Signal::ThetaDot, Signal::ForceEx]);
     }
 
     #[test]
     fn a_repeat_without_movement_is_left_out_and_named() {
         let trials = [repeat(1, 0.3, 1.0, 3.0), repeat(2, 0.3, 0.0, 3.0)];
-        let found = at_onset(&trials, &study());
+        let found = at_onset(&trials, &parameters());
         assert_eq!(found.left_out, [LeftOut { trial: 2, why: WhyNot::NoMovement }]);
         assert_eq!(found.n[0], 1);
-        assert!(found.notes()[0].contains("trial 2 is not averaged"), "{:?}", found.notes());
+        assert!(found.notes()[0].1.contains("trial 2 is not averaged"), "{:?}", found.notes());
     }
 
-    fn check_reason(change: impl FnOnce(&mut Trial, &mut Study), expect: AverageError) {
-        let (mut trial, mut study) = (repeat(1, 0.3, 1.0, 3.0), study());
-        change(&mut trial, &mut study);
-        assert_eq!(average(&[trial], &study, Alignment::Onset), Err(expect));
+    fn check_reason(change: impl FnOnce(&mut Trial, &mut Parameters), expect: AverageError) {
+        let (mut trial, mut parameters) = (repeat(1, 0.3, 1.0, 3.0), parameters());
+        change(&mut trial, &mut parameters);
+        assert_eq!(average(&[trial], &parameters, Alignment::Onset), Err(expect));
     }
 
     fn keep(trial: &mut Trial, signals: &[Signal]) {
@@ -425,8 +409,8 @@ mod tests {
 
     #[test]
     fn where_there_is_no_average_there_is_a_reason() {
-        check_reason(|_, s| s.environments[0].scene = Scene::Free, WhyNot::FreeMotion.into());
-        check_reason(|_, s| s.environments[0].scene = Scene::None, WhyNot::NothingRendered.into());
+        check_reason(|_, s| s.scene = Scene::Free, WhyNot::FreeMotion.into());
+        check_reason(|_, s| s.scene = Scene::None, WhyNot::NothingRendered.into());
         check_reason(|t, _| keep(t, &[Signal::Time, Signal::ThetaDot]), WhyNot::NoAngle.into());
         check_reason(|t, _| keep(t, &[Signal::Time, Signal::Theta]), WhyNot::NoVelocity.into());
         check_reason(|_, s| s.analysis.onset_rad_s = 1e9, WhyNot::NoMovement.into());
@@ -435,10 +419,10 @@ mod tests {
 
     #[test]
     fn requests_that_make_no_sense_are_refused() {
-        assert_eq!(average(&[], &study(), Alignment::Onset), Err(AverageError::Empty));
+        assert_eq!(average(&[], &parameters(), Alignment::Onset), Err(AverageError::Empty));
         let mut other = repeat(2, 0.3, 1.0, 3.0);
         other.meta.session = SessionId::new("S02").unwrap();
-        let mixed = average(&[repeat(1, 0.3, 1.0, 3.0), other], &study(), Alignment::Onset);
+        let mixed = average(&[repeat(1, 0.3, 1.0, 3.0), other], &parameters(), Alignment::Onset);
         assert_eq!(mixed, Err(AverageError::Mixed { trial: 2 }));
         check_reason(|_, s| s.analysis.grid_points = 1, AverageError::Grid { points: 1 });
         let found = (3.0 * RATE_HZ) as usize + 1;

@@ -2,7 +2,6 @@
 
 use zwidth_numerics::NumericsError;
 use zwidth_stats::StatsError;
-use zwidth_study::EnvironmentId;
 
 /// Why trials have no average over time, though nothing is wrong with them.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -52,12 +51,6 @@ pub enum AverageError {
     Mixed {
         /// The first such trial's number.
         trial: u32,
-    },
-    /// The trials' environment is not in the study.
-    #[error("environment '{environment}' is not in study.toml: add it there, or mend the trials'")]
-    UnknownEnvironment {
-        /// The environment.
-        environment: EnvironmentId,
     },
     /// A column that is not as long as time.
     #[error(

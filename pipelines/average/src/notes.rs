@@ -1,14 +1,12 @@
 //! What an average says of itself: where it ends, where repeats drop out, what it is aligned by.
 
 use crate::Average;
-
-/// How the note that tells where an average ends tells it.
-pub const ENDS_AT: &str = "the average ends at";
+use zwidth_tables::NoteKind;
 
 impl Average {
     /// In words: where the average ends and where repeats drop out of it before, by which landmarks
     /// it is aligned, and which trials are not in it.
-    pub fn notes(&self) -> Vec<String> {
+    pub fn notes(&self) -> Vec<(NoteKind, String)> {
         let name = format!(
             "{} {} {} {}",
             self.participant, self.session, self.condition.environment, self.condition.mode
@@ -17,8 +15,9 @@ impl Average {
             .left_out
             .iter()
             .map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
-        let notes = self.end_note(&name).into_iter().chain(self.landmark_note(&name));
-        notes.chain(left_out).collect()
+        let end = self.end_note(&name).map(|note| (NoteKind::Extent, note));
+        let others = self.landmark_note(&name).into_iter().chain(left_out);
+        end.into_iter().chain(others.map(|note| (NoteKind::General, note))).collect()
     }
 
     fn end_note(&self, name: &str) -> Option<String> {
@@ -41,7 +40,7 @@ impl Average {
                 drops.join(", ")
             ),
         };
-        Some(format!("{name}: {ENDS_AT} {end:.3} s; {why}.{jumps}"))
+        Some(format!("{name}: the average ends at {end:.3} s; {why}.{jumps}"))
     }
 
     /// The times of the grid from which on fewer repeats are averaged than before, and how many.

@@ -1,11 +1,13 @@
 //! Averages as tables: SI units, one row a point of the grid.
 
-use crate::average::{Average, Course, QUANTITIES, Quantity};
+use crate::WhyNot;
+use crate::average::{Average, Course, SIGNALS};
 use std::borrow::Cow;
 use zwidth_stats::band::Band;
+use zwidth_store::Signal;
 use zwidth_tables::{Column, Table, TableError};
 
-/// The four columns of a quantity: what stands between stem and unit in the name, the meaning, the
+/// The four columns of a signal: what stands between stem and unit in the name, the meaning, the
 /// values.
 type Part = (&'static str, &'static str, fn(&Band) -> &[Option<f64>]);
 
@@ -18,7 +20,7 @@ const PARTS: [Part; 4] = [
 
 /// One row a point of time of each average: participant, session, environment, mode, source,
 /// `alignment` (`onset` or `landmarks`), `t_s` since onset, `n` repeats, and mean, SD and band of
-/// each quantity (null where not every repeat has it). Notes say where an average ends and where
+/// each signal (null where not every repeat has it). Notes say where an average ends and where
 /// repeats drop out of it, its landmarks, and which trials are not in it.
 ///
 /// # Errors
@@ -30,20 +32,36 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
     columns.push(Column::float("t_s", "s", time, rows().map(|(a, i)| Some(a.t_s[i]))));
     let n = rows().map(|(a, i)| Some(a.n[i] as i64));
     columns.push(Column::integer("n", "1", "repeats averaged at this time", n));
-    for quantity in QUANTITIES {
+    for signal in SIGNALS {
         for (part, meaning, values) in PARTS {
-            let value = |(a, i): (&Average, usize)| values(&course(a, quantity)?.band)[i];
-            let name = format!("{}_{part}_{}", quantity.stem, quantity.suffix);
-            let description = format!("{}: {meaning}", quantity.signal.column().description);
-            columns.push(renamed(quantity, name, description, rows().map(value).collect()));
+            let value = |(a, i): (&Average, usize)| values(&course(a, signal)?.band)[i];
+            let name = format!("{}_{part}_{}", signal.stem(), signal.suffix());
+            let description = format!("{}: {meaning}", signal.column().description);
+            columns.push(renamed(signal, name, description, rows().map(value).collect()));
         }
     }
     let table = Table::new("average", "Mean of the repeats against time", columns)?;
-    Ok(averages.iter().flat_map(Average::notes).fold(table, Table::with_note))
+    let notes = averages.iter().flat_map(Average::notes);
+    Ok(notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
 }
 
-fn course(average: &Average, quantity: Quantity) -> Option<&Course> {
-    average.courses.iter().find(|c| c.quantity == quantity)
+/// The table of no average, and why there is none.
+///
+/// # Errors
+/// None: it has no number.
+pub fn no_average(why: &WhyNot) -> Result<Table, TableError> {
+    Ok(table(&[])?.with_note(sentence(&why.to_string())))
+}
+
+/// A reason as a sentence.
+fn sentence(reason: &str) -> String {
+    let mut letters = reason.chars();
+    let first = letters.next().map(|c| c.to_uppercase().collect::<String>()).unwrap_or_default();
+    format!("{first}{}.", letters.as_str().trim_end_matches('.'))
+}
+
+fn course(average: &Average, signal: Signal) -> Option<&Course> {
+    average.courses.iter().find(|c| c.signal == signal)
 }
 
 fn identity<'a, I: Iterator<Item = (&'a Average, usize)>>(rows: impl Fn() -> I) -> Vec<Column> {
@@ -63,13 +81,8 @@ fn identity<'a, I: Iterator<Item = (&'a Average, usize)>>(rows: impl Fn() -> I) 
 }
 
 /// A column whose name and description are made here rather than written out.
-fn renamed(
-    quantity: Quantity,
-    name: String,
-    description: String,
-    values: Vec<Option<f64>>,
-) -> Column {
-    let mut column = Column::float("", quantity.signal.column().unit, "", values);
+fn renamed(signal: Signal, name: String, description: String, values: Vec<Option<f64>>) -> Column {
+    let mut column = Column::float("", signal.column().unit, "", values);
     column.field.name = Cow::Owned(name);
     column.field.description = Cow::Owned(description);
     column
@@ -78,12 +91,12 @@ fn renamed(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{repeat, study};
+    use crate::testing::{parameters, repeat};
     use crate::{Alignment, average};
 
     fn averages() -> Vec<Average> {
         let trials = [repeat(1, 0.3, 0.9, 3.0), repeat(2, 0.3, 1.1, 3.1), repeat(3, 0.3, 1.0, 3.4)];
-        let of = |trials, alignment| average(trials, &study(), alignment).unwrap();
+        let of = |trials, alignment| average(trials, &parameters(), alignment).unwrap();
         vec![of(&trials, Alignment::Onset), of(&trials[..1], Alignment::Landmarks)]
     }
 
@@ -91,7 +104,7 @@ mod tests {
     fn means_of_conditions_stand_below_each_other_with_their_notes() {
         let averages = averages();
         let table = table(&averages).unwrap();
-        let points = study().analysis.grid_points;
+        let points = parameters().analysis.grid_points;
         assert_eq!(table.height(), 2 * points);
         let mean = table.floats("theta_mean_rad").unwrap();
         assert_eq!(mean[..points], averages[0].courses[0].band.mean);

@@ -1,5 +1,6 @@
 //! Small closed-form repeats for the tests of this crate.
 
+use crate::Parameters;
 use zwidth_store::{Samples, Signal, Trial, TrialFile};
 use zwidth_study::{
     EnvironmentId, Kind, ModeId, ParticipantId, SessionId, Source, Status, Study, StudyId,
@@ -67,7 +68,8 @@ fn meta(number: u32) -> TrialMeta {
     }
 }
 
-/// The template's study: its first environment is `spring`.
-pub(crate) fn study() -> Study {
-    Study::from_toml(&zwidth_study::template(&StudyId::new("demo").unwrap())).unwrap()
+/// Those of the template's first environment, which is `spring`.
+pub(crate) fn parameters() -> Parameters {
+    let study = Study::from_toml(&zwidth_study::template(&StudyId::new("demo").unwrap())).unwrap();
+    Parameters { analysis: study.analysis, scene: study.environments[0].scene }
 }

@@ -1,8 +1,9 @@
 //! What the figures of trials are made from.
 
+use crate::About;
 use crate::words::plain;
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Alignment, Environment, Source, Study};
+use zwidth_study::{Alignment, Environment, Source};
 use zwidth_tables::{Table, TableError};
 
 /// One trial of a figure, and when its movement began.
@@ -84,7 +85,7 @@ pub struct ModeData<'a> {
 #[derive(Debug, Clone)]
 pub struct Scene<'a> {
     /// The study.
-    pub study: &'a Study,
+    pub about: &'a About,
     /// The environment.
     pub environment: &'a Environment,
     /// Who and when, for the description: `P01 S01`.
@@ -128,7 +129,7 @@ impl Scene<'_> {
 
     /// The level of the study's intervals, in per cent: `95 %`.
     pub(crate) fn level(&self) -> String {
-        crate::words::percent(self.study.analysis.confidence)
+        crate::words::percent(self.about.confidence)
     }
 
     /// The force, or the torque where no lever length made it one.
@@ -152,33 +153,18 @@ pub(crate) struct MeanCurve {
 pub const SIGNALS: [Signal; 5] =
     [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx, Signal::ForceCmd];
 
-/// Name of a signal's columns in a table of the stage `average`: stem and unit suffix.
-pub(crate) fn stem(signal: Signal) -> Option<(&'static str, &'static str)> {
-    Some(match signal {
-        Signal::Theta => ("theta", "rad"),
-        Signal::ThetaDot => ("theta_dot", "rad_s"),
-        Signal::ForceEx => ("force_ex", "n"),
-        Signal::TorqueEx => ("torque_ex", "nm"),
-        Signal::ForceCmd => ("force_cmd", "n"),
-        _ => return None,
-    })
-}
-
 /// What figures read of a table of the stage `average`.
 pub fn average_columns() -> Vec<String> {
-    let of =
-        |(stem, unit)| ["mean", "ci_low", "ci_high"].map(|what| format!("{stem}_{what}_{unit}"));
-    ["t_s", "n"]
-        .map(str::to_owned)
-        .into_iter()
-        .chain(SIGNALS.into_iter().filter_map(stem).flat_map(of))
-        .collect()
+    let of = |signal: Signal| {
+        ["mean", "ci_low", "ci_high"]
+            .map(|what| format!("{}_{what}_{}", signal.stem(), signal.suffix()))
+    };
+    ["t_s", "n"].map(str::to_owned).into_iter().chain(SIGNALS.into_iter().flat_map(of)).collect()
 }
 
 /// The mean of a signal and its band; `None` where the average has none.
 pub(crate) fn mean_curve(average: &Table, signal: Signal) -> Result<Option<MeanCurve>, TableError> {
-    let Some((stem, unit)) = stem(signal) else { return Ok(None) };
-    let name = |what: &str| format!("{stem}_{what}_{unit}");
+    let name = |what: &str| format!("{}_{what}_{}", signal.stem(), signal.suffix());
     if !average.fields().any(|f| f.name == name("mean")) {
         return Ok(None);
     }

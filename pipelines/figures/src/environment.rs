@@ -2,6 +2,7 @@
 //! spring, wall.
 
 use crate::words::{Words, plain};
+use serde::Serialize;
 use std::f64::consts::TAU;
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{
@@ -45,17 +46,46 @@ const PIECES: f64 = 360.0;
 
 type Point = (f64, f64);
 
+/// An environment, and the device that renders it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Placement {
+    /// What is rendered.
+    pub environment: Environment,
+    /// What the coordinate is called.
+    pub coordinate: Coordinate,
+    /// Lever length L, m.
+    pub lever_m: Option<f64>,
+    /// Work space, lower end, rad.
+    pub theta_min_rad: Option<f64>,
+    /// Work space, upper end, rad.
+    pub theta_max_rad: Option<f64>,
+}
+
+impl Placement {
+    /// An environment of a study.
+    pub fn of(study: &Study, environment: &Environment) -> Self {
+        let device = &study.device;
+        Self {
+            environment: environment.clone(),
+            coordinate: study.coordinate,
+            lever_m: device.lever_m,
+            theta_min_rad: device.theta_min_rad,
+            theta_max_rad: device.theta_max_rad,
+        }
+    }
+}
+
 /// The device and what it renders, as far as it is a lever between stops on a spring; none
 /// otherwise.
 ///
 /// Angles are true; θ = 0 stands upright, and θ > 0 compresses. Lengths are in lengths of the
 /// lever. What the drawing shows is commanded, not measured.
-pub fn environment(study: &Study, environment: &Environment) -> Option<Figure> {
-    let (low, high) = (study.device.theta_min_rad?, study.device.theta_max_rad?);
-    let spring =
-        environment.scene.spring().filter(|_| study.coordinate == Coordinate::Rotational)?;
+pub fn environment(placement: &Placement) -> Option<Figure> {
+    let Placement { coordinate, environment, .. } = placement;
+    let (low, high) = (placement.theta_min_rad?, placement.theta_max_rad?);
+    let spring = environment.scene.spring().filter(|_| *coordinate == Coordinate::Rotational)?;
     let wall = environment.scene.wall_rad();
-    let words = Words::new(study.coordinate);
+    let words = Words::new(*coordinate);
     let lever = low + LEVER_AT * (high - low);
     let mut layers = work_space(words, low, high);
     layers.extend(rendered_spring(spring, lever, high));
@@ -77,21 +107,21 @@ pub fn environment(study: &Study, environment: &Environment) -> Option<Figure> {
         width_mm: ONE_COLUMN_MM,
         panels: vec![Panel { height_mm: Some(PANEL_MM), ..panel }],
         legend: LegendPlace::Hidden,
-        footnotes: footnotes(study, words, spring, wall, high),
+        footnotes: footnotes(placement.lever_m, words, spring, wall, high),
         ..Figure::default()
     })
 }
 
 /// What is drawn, in numbers.
 fn footnotes(
-    study: &Study,
+    lever_m: Option<f64>,
     words: Words,
     spring: Spring,
     wall: Option<f64>,
     high: f64,
 ) -> Vec<String> {
     let force = |theta_rad: f64| spring.stiffness_n_per_rad * (theta_rad - spring.rest_rad);
-    let lever = study.device.lever_m.map(|l| format!("Lever {} mm. ", number(l * 1e3)));
+    let lever = lever_m.map(|l| format!("Lever {} mm. ", number(l * 1e3)));
     let mut notes = vec![format!(
         "{}Spring: {} N/rad, at rest at {}, {} N at {}.",
         lever.unwrap_or_default(),
@@ -270,14 +300,14 @@ mod tests {
     #[test]
     fn the_drawing_stands_at_the_study_s_own_angles() {
         let mut study = study();
-        let figure = environment(&study, &study.environments[1]).unwrap();
+        let figure = environment(&Placement::of(&study, &study.environments[1])).unwrap();
         let labels = texts(&figure);
         for label in ["−45°", "45°", "0°", "wall 26.6°", "*K* = 4 N/rad"] {
             assert!(labels.iter().any(|l| l == label), "{label} is not in {labels:?}");
         }
         study.environments[1].scene =
             Scene::Spring(Spring { stiffness_n_per_rad: 3.0, rest_rad: -0.5 });
-        let figure = environment(&study, &study.environments[1]).unwrap();
+        let figure = environment(&Placement::of(&study, &study.environments[1])).unwrap();
         assert!(!texts(&figure).iter().any(|l| l.starts_with("wall")));
         assert!(radii_deg(&figure).iter().any(|deg| (deg + 0.5_f64.to_degrees()).abs() < 1e-9));
     }
@@ -285,7 +315,7 @@ mod tests {
     #[test]
     fn the_footnotes_say_what_the_spring_has_at_the_wall() {
         let study = study();
-        let figure = environment(&study, &study.environments[1]).unwrap();
+        let figure = environment(&Placement::of(&study, &study.environments[1])).unwrap();
         // 4 N/rad from −45° on: 4 · 71.6° = 5.00 N at the wall, 4 · 90° = 6.28 N at the upper stop.
         assert!(
             figure.footnotes[0].contains("at rest at −45°, 6.28 N at 45°"),
@@ -300,7 +330,7 @@ mod tests {
         let drawn = |change: fn(&mut Study)| {
             let mut study = study();
             change(&mut study);
-            environment(&study, &study.environments[0]).is_some()
+            environment(&Placement::of(&study, &study.environments[0])).is_some()
         };
         assert!(drawn(|_| ()));
         assert!(!drawn(|s| s.coordinate = Coordinate::Linear { lever_m: 1.0 }));

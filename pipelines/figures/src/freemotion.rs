@@ -1,10 +1,11 @@
 //! Plane-fit coefficients of free motion with their intervals: sessions side by side, one colour a
 //! mode.
 
+use crate::About;
 use crate::words::{mark, percent, plain};
 use zwidth_draw::style::{self, Marker};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Intervals, Layer, Panel, dodge};
-use zwidth_study::{Source, Study};
+use zwidth_study::Source;
 use zwidth_tables::{Table, TableError};
 
 /// Height of a panel, mm.
@@ -19,12 +20,12 @@ const COEFFICIENTS: [(&str, &str, &str, &str); 3] = [
 
 /// One panel a coefficient of torque = c + I·acc + b·vel. `fits` is the table of the stage
 /// `freemotion`.
-pub fn free_motion(study: &Study, fits: &Table) -> Result<Figure, TableError> {
+pub fn free_motion(about: &About, fits: &Table) -> Result<Figure, TableError> {
     let sessions = sessions(fits)?;
     let mut panels = Vec::new();
     for (i, (stem, suffix, label, unit)) in COEFFICIENTS.into_iter().enumerate() {
         let mut layers = Vec::new();
-        for (index, mode) in study.modes.iter().enumerate() {
+        for (index, mode) in about.modes.iter().enumerate() {
             let name = |what: &str| format!("{stem}{what}_{suffix}");
             let rows = rows_of(fits, mode.id.as_str())?;
             let pick = |column: &str| -> Result<Vec<f64>, TableError> {
@@ -36,7 +37,7 @@ pub fn free_motion(study: &Study, fits: &Table) -> Result<Figure, TableError> {
                 |r: &usize| sessions.iter().position(|s| *s == keys[*r]).unwrap_or(0) as f64;
             layers.push(Layer::Intervals(Intervals {
                 direction: Direction::Vertical,
-                at: rows.iter().map(|r| place(r) + dodge(index, study.modes.len())).collect(),
+                at: rows.iter().map(|r| place(r) + dodge(index, about.modes.len())).collect(),
                 estimate: pick(&name(""))?,
                 low: pick(&name("_ci_low"))?,
                 high: pick(&name("_ci_high"))?,
@@ -54,11 +55,11 @@ pub fn free_motion(study: &Study, fits: &Table) -> Result<Figure, TableError> {
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
     }
     Ok(Figure {
-        title: Some(plain(&format!("{}: plane fits of free motion", study.title))),
+        title: Some(plain(&format!("{}: plane fits of free motion", about.title))),
         description: format!(
             "Coefficients of torque = c + I·acceleration + b·velocity for each session and mode, with their {} \
              intervals (Newey–West).",
-            percent(study.analysis.confidence)
+            percent(about.confidence)
         ),
         panels,
         footnotes: fits.notes().iter().map(|n| plain(n)).collect(),

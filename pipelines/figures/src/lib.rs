@@ -18,6 +18,7 @@
 //! | `bow_tie` | 31 | brake and motor of a lever whose motion is given |
 //! | `chattering` | – | swings of solvers against their step |
 
+mod about;
 mod bow_tie;
 mod characteristic;
 mod chattering;
@@ -26,6 +27,7 @@ mod environment;
 mod export;
 mod freemotion;
 mod likert;
+mod loaded;
 mod loops;
 mod modes;
 mod panels;
@@ -37,19 +39,21 @@ mod simulation;
 mod tests;
 mod words;
 
+pub use about::{About, Caption, Kind};
 pub use bow_tie::bow_tie;
 pub use characteristic::{Characterised, characteristic};
 pub use chattering::chattering;
 pub use data::{ModeData, Repeat, SIGNALS, Scene, average_columns};
-pub use environment::environment;
+pub use environment::{Placement, environment};
 pub use export::data_table;
 pub use freemotion::free_motion;
-pub use likert::{LikertPanel, likert};
+pub use likert::{LikertPage, likert, likert_items, likert_overview};
+pub use loaded::{Loaded, METRICS_COLUMNS};
 pub use loops::loops;
 pub use modes::modes;
 pub use rendering_range::rendering_range;
 pub use repeats::repeats;
-pub use replay::{Motion, Replayed, replay};
+pub use replay::replay;
 pub use simulation::{MOST_SIDE_BY_SIDE, inputs, simulation};
 pub use words::{Words, mark};
 

@@ -1,37 +1,139 @@
 //! Figure 30: answers as diverging bars, their counts in the boxes.
 
+use crate::About;
 use crate::words::{mark, plain};
+use serde::Serialize;
+use std::collections::BTreeSet;
 use zwidth_draw::{Axis, Cell, Figure, Layer, Likert, LikertScale, Panel, Ticks};
-use zwidth_study::{Likert as Scale, Source};
+use zwidth_study::{
+    Environment, EnvironmentId, Likert as Scale, Mode, Question, QuestionId, Source,
+};
+use zwidth_tables::{Table, TableError};
 
-/// One panel: a heading, and for each row a label and the counts of the answers 1…5.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LikertPanel {
-    /// Heading: the environment, or the question.
-    pub title: String,
-    /// Label and counts of each row.
-    pub rows: Vec<(String, [u32; 5])>,
-}
-
+/// Panels that fit on a page: two columns of six.
+const A_PAGE: usize = 12;
 /// Height a row of bars takes, mm.
 const ROW_MM: f64 = 7.5;
 /// Panels side by side in a two-column figure.
 const COLUMNS: usize = 2;
 
-/// Diverging bars, `COLUMNS` panels side by side. `footnotes` says what was reversed.
+/// The panels of one figure.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LikertPage(Vec<Wanted>);
+
+impl LikertPage {
+    /// Whether an answer to this question after a trial in this environment is on the page.
+    pub fn shows(&self, environment: &EnvironmentId, question: &Question) -> bool {
+        self.0.iter().filter(|w| w.environment == *environment).any(|w| match &w.what {
+            What::Question(id) => *id == question.id,
+            What::Group(group) => question.group.as_ref() == Some(group),
+        })
+    }
+}
+
+/// A panel to be: its heading, and which rows of the tally it shows.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+struct Wanted {
+    /// The environment, the group or the question.
+    title: String,
+    environment: EnvironmentId,
+    what: What,
+    /// Whether an answer of it was turned round.
+    reversed: bool,
+    /// The question's wording, where the heading is another.
+    wording: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum What {
+    Question(QuestionId),
+    Group(String),
+}
+
+impl Wanted {
+    /// A question under its wording.
+    fn item(environment: &Environment, question: &Question) -> Self {
+        let wording = None;
+        Self { title: question.text.clone(), wording, ..Self::named(environment, question) }
+    }
+
+    /// A question under the name of its environment.
+    fn named(environment: &Environment, question: &Question) -> Self {
+        Self {
+            title: environment.label.clone(),
+            environment: environment.id.clone(),
+            what: What::Question(question.id.clone()),
+            reversed: question.reversed,
+            wording: Some(question.text.clone()).filter(|text| *text != environment.label),
+        }
+    }
+
+    fn group(environment: &Environment, group: &str) -> Self {
+        let (title, what) = (group.to_owned(), What::Group(group.to_owned()));
+        let environment = environment.id.clone();
+        Self { title, environment, what, reversed: true, wording: None }
+    }
+}
+
+/// The pages of the overview, from the questions that were answered in each environment: one panel
+/// an environment with one question; else one a group, and one a question without a group.
+pub fn likert_overview(asked: &[(&Environment, Vec<&Question>)]) -> Vec<LikertPage> {
+    pages(asked.iter().flat_map(|(environment, questions)| overview(environment, questions)))
+}
+
+/// The pages of every single question, where an environment has several.
+pub fn likert_items(asked: &[(&Environment, Vec<&Question>)]) -> Vec<LikertPage> {
+    let several = asked.iter().filter(|(_, questions)| questions.len() > 1);
+    pages(several.flat_map(|(e, questions)| questions.iter().map(|q| Wanted::item(e, q))))
+}
+
+fn pages(wanted: impl Iterator<Item = Wanted>) -> Vec<LikertPage> {
+    wanted.collect::<Vec<_>>().chunks(A_PAGE).map(|page| LikertPage(page.to_vec())).collect()
+}
+
+fn overview(environment: &Environment, questions: &[&Question]) -> Vec<Wanted> {
+    if let [only] = questions {
+        return vec![Wanted::named(environment, only)];
+    }
+    let mut seen = BTreeSet::new();
+    let mut wanted = Vec::new();
+    for question in questions {
+        match question.group.as_deref() {
+            None => wanted.push(Wanted::item(environment, question)),
+            Some(group) if seen.insert(group) => wanted.push(Wanted::group(environment, group)),
+            Some(_) => {}
+        }
+    }
+    wanted
+}
+
+/// One panel: a heading, and for each row a label and the counts of the answers 1…5.
+struct Counted {
+    title: String,
+    rows: Vec<(String, [u32; 5])>,
+}
+
+/// Diverging bars, two panels side by side. `tally` is the table of the stage `likert`.
+///
+/// # Errors
+/// A tally that lacks a column.
 pub fn likert(
-    title: &str,
-    panels: &[LikertPanel],
-    footnotes: &[String],
+    about: &About,
+    LikertPage(wanted): &LikertPage,
+    tally: &Table,
     sources: &[Source],
-) -> Figure {
+) -> Result<Figure, TableError> {
+    let title = &about.title;
+    let panels =
+        wanted.iter().map(|w| counted(&about.modes, tally, w)).collect::<Result<Vec<_>, _>>()?;
     let columns = COLUMNS.min(panels.len().max(1));
     let totals = panels.iter().flat_map(|p| &p.rows).map(|(_, counts)| counts.iter().sum::<u32>());
     let (least, most) = totals.fold((u32::MAX, 0), |(a, b), n| (a.min(n), b.max(n)));
     let scale = if least == most { LikertScale::Counts } else { LikertScale::Percent };
     let drawn =
         panels.iter().enumerate().map(|(i, p)| panel(p, Cell::at(i / columns, i % columns), scale));
-    Figure {
+    Ok(Figure {
         title: Some(plain(title)),
         description: format!(
             "{title}: number of answers from strongly disagree to strongly agree, a row of boxes each; the neutral \
@@ -39,13 +141,51 @@ pub fn likert(
         ),
         width_mm: if columns == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
         panels: drawn.collect(),
-        footnotes: footnotes.iter().map(|n| plain(n)).collect(),
+        footnotes: footnotes(wanted).iter().map(|n| plain(n)).collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
-    }
+    })
 }
 
-fn panel(p: &LikertPanel, cell: Cell, scale: LikertScale) -> Panel {
+/// A row a mode, in the study's order.
+fn counted(modes: &[Mode], tally: &Table, wanted: &Wanted) -> Result<Counted, TableError> {
+    let texts = |column| tally.texts(column);
+    let (environments, of_modes) = (texts("environment")?, texts("mode")?);
+    let (questions, groups) = (texts("question")?, texts("group")?);
+    let counts =
+        (1..=5).map(|k| tally.integers(&format!("count_{k}"))).collect::<Result<Vec<_>, _>>()?;
+    let is_wanted = |row: usize| match &wanted.what {
+        What::Question(id) => questions[row].as_deref() == Some(id.as_str()),
+        What::Group(group) => {
+            questions[row].is_none() && groups[row].as_deref() == Some(group.as_str())
+        }
+    };
+    let row = |mode: &Mode| {
+        let found = (0..tally.height()).find(|row| {
+            environments[*row].as_deref() == Some(wanted.environment.as_str())
+                && of_modes[*row].as_deref() == Some(mode.id.as_str())
+                && is_wanted(*row)
+        })?;
+        let count = |k: usize| counts[k][found].and_then(|n| u32::try_from(n).ok()).unwrap_or(0);
+        Some((mode.label.clone(), std::array::from_fn(count)))
+    };
+    Ok(Counted { title: wanted.title.clone(), rows: modes.iter().filter_map(row).collect() })
+}
+
+/// The wording where a panel is named after its environment, and what was reversed.
+fn footnotes(wanted: &[Wanted]) -> Vec<String> {
+    let worded = |w: &Wanted| Some(format!("{}: “{}”", w.title, w.wording.as_ref()?));
+    let mut notes: Vec<String> = wanted.iter().filter_map(worded).collect();
+    if wanted.iter().any(|w| w.reversed) {
+        notes.push(
+            "Answers to reversed questions are turned round (6 − a), so that right is favourable."
+                .to_owned(),
+        );
+    }
+    notes
+}
+
+fn panel(p: &Counted, cell: Cell, scale: LikertScale) -> Panel {
     let (label, unit) = match scale {
         LikertScale::Counts => ("answers, against ← → in favour", ""),
         LikertScale::Percent => ("answers, against ← → in favour", "%"),

@@ -1,26 +1,26 @@
 //! Force against position for every environment side by side: the force discrepancy at a glance
 //! (Fig. 31).
 
+use crate::About;
 use crate::data::{ModeData, Scene, aligned, repeats_averaged};
 use crate::panels::{axis, mean_loop, repeat_loop};
 use crate::words::{Words, mark, plain, together};
 use zwidth_draw::style::{self, Colour};
 use zwidth_draw::{Cell, Figure, Layer, Line, Panel};
 use zwidth_store::Signal;
-use zwidth_study::Study;
 use zwidth_tables::TableError;
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 55.0;
 
 /// One panel a mode, one loop an environment.
-pub fn loops(study: &Study, scenes: &[Scene]) -> Result<Figure, TableError> {
-    let words = Words::new(study.coordinate);
+pub fn loops(about: &About, scenes: &[Scene]) -> Result<Figure, TableError> {
+    let words = Words::new(about.coordinate);
     let load = scenes.first().map_or(Signal::ForceEx, Scene::load);
     let load_word = if load == Signal::TorqueEx { "torque" } else { "force" };
     let who = scenes.first().map(|s| s.who.as_str()).unwrap_or_default();
     let mut panels = Vec::new();
-    for (index, mode) in study.modes.iter().enumerate() {
+    for (index, mode) in about.modes.iter().enumerate() {
         let mut layers = Vec::new();
         for (i, scene) in scenes.iter().enumerate() {
             let Some(data) = scene.modes.iter().find(|m| m.index == index) else { continue };
@@ -38,7 +38,7 @@ pub fn loops(study: &Study, scenes: &[Scene]) -> Result<Figure, TableError> {
     Ok(Figure {
         title: Some(plain(&format!(
             "{}: {load_word} against {} ({})",
-            study.title,
+            about.title,
             words.position_word(),
             together(who)
         ))),

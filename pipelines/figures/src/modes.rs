@@ -14,7 +14,7 @@ const PANEL_MM: f64 = 30.0;
 
 /// The four-panel figure of one environment.
 pub fn modes(scene: &Scene) -> Result<Figure, TableError> {
-    let words = Words::new(scene.study.coordinate);
+    let words = Words::new(scene.about.coordinate);
     let load = scene.load();
     let mut panels = Vec::new();
     for (row, signal) in [Signal::Theta, load, Signal::ThetaDot].into_iter().enumerate() {
@@ -25,7 +25,7 @@ pub fn modes(scene: &Scene) -> Result<Figure, TableError> {
     Ok(Figure {
         title: Some(plain(&format!(
             "{}: {} ({})",
-            scene.study.title,
+            scene.about.title,
             scene.environment.label,
             together(&scene.who)
         ))),

@@ -1,12 +1,13 @@
 //! Figure 25: the forces that each mode can render, compression and decompression apart.
 
+use crate::About;
 use crate::words::{mark, plain};
 use zwidth_draw::style::{self, Dash};
 use zwidth_draw::{
     Axis, Band, Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, Range, Reference, Text,
     TextPlace,
 };
-use zwidth_study::{Calibration, Characteristic, Mode, Source, Study};
+use zwidth_study::{Calibration, Characteristic, Mode, Source};
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 34.0;
@@ -45,12 +46,12 @@ struct Acting<'a> {
 /// the push while compressing, against the return while decompressing. A mode of both has the brake
 /// on the way in and the motor on the way back (thesis §2.2).
 pub fn rendering_range(
-    study: &Study,
+    about: &About,
     calibration: &Calibration,
     footnote: &str,
     sources: &[Source],
 ) -> Option<Figure> {
-    let modes: Vec<(usize, &Mode)> = study
+    let modes: Vec<(usize, &Mode)> = about
         .modes
         .iter()
         .enumerate()
@@ -67,7 +68,7 @@ pub fn rendering_range(
         }
     }
     Some(Figure {
-        title: Some(plain(&format!("{}: forces that each mode can render", study.title))),
+        title: Some(plain(&format!("{}: forces that each mode can render", about.title))),
         description: "For each mode the device's force on the lever that commands up to its own voltage can make, while \
                       compressing and while decompressing."
             .to_owned(),
@@ -192,12 +193,13 @@ mod tests {
     use super::*;
     use zwidth_study::template;
 
-    fn study() -> Study {
-        Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+    fn about() -> About {
+        let study = zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
+        About::of(&study)
     }
 
     fn figure(sources: &[Source]) -> Figure {
-        rendering_range(&study(), &Calibration::thesis(), "from the thesis", sources).unwrap()
+        rendering_range(&about(), &Calibration::thesis(), "from the thesis", sources).unwrap()
     }
 
     /// Least and largest force of a panel, and the voltage from which on there is an area.
@@ -243,10 +245,10 @@ mod tests {
 
     #[test]
     fn a_study_without_voltages_has_no_such_figure() {
-        let mut study = study();
-        for mode in &mut study.modes {
+        let mut about = about();
+        for mode in &mut about.modes {
             (mode.motor_max_v, mode.brake_max_v) = (None, None);
         }
-        assert!(rendering_range(&study, &Calibration::thesis(), "", &[]).is_none());
+        assert!(rendering_range(&about, &Calibration::thesis(), "", &[]).is_none());
     }
 }

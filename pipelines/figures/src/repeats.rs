@@ -11,7 +11,7 @@ const PANEL_MM: f64 = 45.0;
 
 /// Force against position, position and velocity against time, of every repeat of `mode`.
 pub fn repeats(scene: &Scene, mode: &ModeData) -> Figure {
-    let words = Words::new(scene.study.coordinate);
+    let words = Words::new(scene.about.coordinate);
     let load = scene.load();
     let panels = vec![
         force_panel(scene, words, mode, load),

@@ -1,53 +1,109 @@
 //! Figure 24, reality against simulation: forces, position and velocity against time of one
 //! recorded trial a mode, and those of the model that was given its external force.
 
+use crate::About;
 use crate::words::{Words, mark, plain, time_axis, together};
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, Panel, Reference};
-use zwidth_study::{Environment, Source, Study};
+use zwidth_study::{Environment, Mode, Source};
+use zwidth_tables::{Table, TableError};
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 32.0;
 
 /// Motion and forces against time: all as long as `t_s`; what there is not is empty.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Motion {
+struct Motion {
     /// Time, s.
-    pub t_s: Vec<f64>,
+    t_s: Vec<f64>,
     /// θ, rad.
-    pub theta_rad: Vec<f64>,
+    theta_rad: Vec<f64>,
     /// θ̇, rad/s.
-    pub theta_dot_rad_s: Vec<f64>,
+    theta_dot_rad_s: Vec<f64>,
     /// F_ex, N.
-    pub force_ex_n: Vec<f64>,
+    force_ex_n: Vec<f64>,
     /// Force of the actuators against the user, N.
-    pub feedback_n: Vec<f64>,
+    feedback_n: Vec<f64>,
 }
 
 /// One trial, and the models that were given its external force.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Replayed {
+struct Replayed {
     /// The mode's name, and which trial it is.
-    pub title: String,
+    title: String,
     /// Where the trial comes from.
-    pub source: Source,
+    source: Source,
     /// What was recorded.
-    pub recorded: Motion,
+    recorded: Motion,
     /// The model with the parameters chosen by eye.
-    pub by_eye: Motion,
+    by_eye: Motion,
     /// The model with those that were fitted, if they were.
-    pub fitted: Option<Motion>,
+    fitted: Option<Motion>,
 }
 
-/// The figure of one environment of one session, a column a trial. `notes` go below it.
+/// The figure of one environment of one session, a column a trial. `courses` is the table of those
+/// trials that the stage `replay` made; its notes go below the figure.
+///
+/// # Errors
+/// A table that lacks a column.
 pub fn replay(
-    study: &Study,
+    about: &About,
+    environment: &Environment,
+    who: &str,
+    courses: &Table,
+) -> Result<Figure, TableError> {
+    let mut trials = Vec::new();
+    for mode in &about.modes {
+        trials.extend(replayed(courses, mode)?);
+    }
+    Ok(figure(about, environment, who, &trials, courses.notes()))
+}
+
+/// A mode's trial and its models; `None` where it has none.
+fn replayed(courses: &Table, mode: &Mode) -> Result<Option<Replayed>, TableError> {
+    let (modes, series) = (courses.texts("mode")?, courses.texts("series")?);
+    let (trials, sources) = (courses.integers("trial")?, courses.texts("source")?);
+    let rows = |name: &str| -> Vec<usize> {
+        let is_of = |row: &usize| {
+            modes[*row].as_deref() == Some(mode.id.as_str())
+                && series[*row].as_deref() == Some(name)
+        };
+        (0..courses.height()).filter(is_of).collect()
+    };
+    let recorded = rows("recorded");
+    let Some(first) = recorded.first() else { return Ok(None) };
+    let fitted = rows("fitted");
+    Ok(Some(Replayed {
+        title: format!("{}, trial {}", mode.label, trials[*first].unwrap_or_default()),
+        source: sources[*first].as_deref().and_then(Source::from_word).unwrap_or(Source::Imported),
+        recorded: motion(courses, &recorded)?,
+        by_eye: motion(courses, &rows("by_eye"))?,
+        fitted: (!fitted.is_empty()).then(|| motion(courses, &fitted)).transpose()?,
+    }))
+}
+
+fn motion(courses: &Table, rows: &[usize]) -> Result<Motion, TableError> {
+    let column = |name: &str| -> Result<Vec<f64>, TableError> {
+        let values = courses.floats(name)?;
+        Ok(rows.iter().filter_map(|row| values[*row]).collect())
+    };
+    Ok(Motion {
+        t_s: column("t_s")?,
+        theta_rad: column("theta_rad")?,
+        theta_dot_rad_s: column("theta_dot_rad_s")?,
+        force_ex_n: column("force_ex_n")?,
+        feedback_n: column("feedback_n")?,
+    })
+}
+
+fn figure(
+    about: &About,
     environment: &Environment,
     who: &str,
     trials: &[Replayed],
     notes: &[String],
 ) -> Figure {
-    let (words, wall_rad) = (Words::new(study.coordinate), environment.scene.wall_rad());
+    let (words, wall_rad) = (Words::new(about.coordinate), environment.scene.wall_rad());
     let mut panels = Vec::new();
     for (column, trial) in trials.iter().enumerate() {
         panels.push(forces(trial, column));
@@ -61,7 +117,7 @@ pub fn replay(
     Figure {
         title: Some(plain(&format!(
             "{}: {}, reality against model ({})",
-            study.title,
+            about.title,
             environment.label,
             together(who)
         ))),
@@ -171,8 +227,8 @@ mod tests {
         }
     }
 
-    fn figure(fitted: bool) -> Figure {
-        let study = Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
+    fn drawn(fitted: bool) -> Figure {
+        let study = zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
         let trial = Replayed {
             title: "Hybrid, trial 4".to_owned(),
             source: Source::Twin,
@@ -180,7 +236,7 @@ mod tests {
             by_eye: moved(0.3),
             fitted: fitted.then(|| moved(0.1)),
         };
-        replay(&study, &study.environments[0], "P01 S01", &[trial.clone(), trial], &[])
+        figure(&About::of(&study), &study.environments[0], "P01 S01", &[trial.clone(), trial], &[])
     }
 
     fn names(panel: &Panel) -> Vec<&str> {
@@ -195,7 +251,7 @@ mod tests {
 
     #[test]
     fn each_trial_is_a_column_of_force_position_and_velocity() {
-        let figure = figure(true);
+        let figure = drawn(true);
         assert_eq!(figure.panels.len(), 6);
         assert_eq!(names(&figure.panels[0]).len(), 4);
         assert_eq!(names(&figure.panels[4]), ["model, fitted", "model, by eye", "recorded"]);
@@ -205,6 +261,6 @@ mod tests {
 
     #[test]
     fn without_a_fit_there_is_no_curve_of_it() {
-        assert!(figure(false).panels.iter().all(|p| !names(p).contains(&"model, fitted")));
+        assert!(drawn(false).panels.iter().all(|p| !names(p).contains(&"model, fitted")));
     }
 }

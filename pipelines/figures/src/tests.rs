@@ -1,15 +1,23 @@
 //! Facts about the figures of trials, on small made-up data.
 
 use crate::{
-    ModeData, Repeat, SIGNALS, Scene, average_columns, loops, modes, rendering_range, repeats,
+    About, ModeData, Repeat, SIGNALS, Scene, average_columns, loops, modes, rendering_range,
+    repeats,
 };
 use zwidth_draw::{Axis, Figure, Layer, Line};
 use zwidth_store::{Samples, Signal, Trial};
-use zwidth_study::{Alignment, Kind, Source, Status, Study, TrialMeta, template};
+use zwidth_study::{Alignment, Environment, Kind, Source, Status, Study, TrialMeta, template};
 use zwidth_tables::{Column, Table};
 
-fn study() -> Study {
-    Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+/// The template, as figures see it.
+struct Studied {
+    about: About,
+    environments: Vec<Environment>,
+}
+
+fn study() -> Studied {
+    let study = Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
+    Studied { about: About::of(&study), environments: study.environments }
 }
 
 /// A movement from −45° to 35° with a force of 3 N.
@@ -57,10 +65,10 @@ fn average(trial: &Trial) -> Table {
     Table::new("average", "Average", columns).unwrap()
 }
 
-fn scene<'a>(study: &'a Study, trial: &'a Trial, average: Option<&'a Table>) -> Scene<'a> {
+fn scene<'a>(study: &'a Studied, trial: &'a Trial, average: Option<&'a Table>) -> Scene<'a> {
     let repeats = vec![Repeat { trial, onset_s: Some(1.0), warped_s: None }];
     Scene {
-        study,
+        about: &study.about,
         environment: &study.environments[1],
         who: "P01 S01".to_owned(),
         modes: vec![ModeData { index: 0, label: "Active", repeats, average }],
@@ -116,7 +124,7 @@ fn loops_say_what_their_dots_mean() {
     trial.meta.repeat = 2;
     let mut scene = scene(&study, &trial, Some(&mean));
     scene.modes[0].repeats.push(Repeat { trial: &trial, onset_s: Some(1.0), warped_s: None });
-    let notes = |scene: &Scene| loops(&study, std::slice::from_ref(scene)).unwrap().footnotes;
+    let notes = |scene: &Scene| loops(&study.about, std::slice::from_ref(scene)).unwrap().footnotes;
     let means = "Lines: mean of the repeats (n = 1), aligned at movement onset.";
     assert_eq!(notes(&scene), [means, "Dotted: at the wall or past it."]);
     scene.environment = &study.environments[0];
@@ -146,7 +154,7 @@ fn figures_of_trials_need_no_more_than_the_signals_and_the_columns_they_name() {
     let some = Table::new("average", "Average", columns.collect()).unwrap();
     let of = |trial, average| {
         let scene = scene(&study, trial, Some(average));
-        let loops = loops(&study, std::slice::from_ref(&scene)).unwrap();
+        let loops = loops(&study.about, std::slice::from_ref(&scene)).unwrap();
         [modes(&scene).unwrap(), repeats(&scene, &scene.modes[0]), loops]
     };
     assert_eq!(of(&whole, &all), of(&few, &some));
@@ -162,8 +170,8 @@ fn every_axis_with_a_label_has_a_unit() {
     let figures = [
         modes(&scene).unwrap(),
         repeats(&scene, &scene.modes[0]),
-        loops(&study, std::slice::from_ref(&scene)).unwrap(),
-        rendering_range(&study, &calibration, "", &[]).unwrap(),
+        loops(&study.about, std::slice::from_ref(&scene)).unwrap(),
+        rendering_range(&study.about, &calibration, "", &[]).unwrap(),
     ];
     let axes: Vec<&Axis> =
         figures.iter().flat_map(|f| &f.panels).flat_map(|p| [&p.x, &p.y]).collect();
@@ -209,7 +217,7 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
         let names: Vec<_> =
             lines(&figure, 0).into_iter().filter_map(|l| l.name.as_deref()).collect();
         assert_eq!(names, ["Active (n = 1 of 2)"]);
-        let loops = loops(&study, std::slice::from_ref(&scene)).unwrap();
+        let loops = loops(&study.about, std::slice::from_ref(&scene)).unwrap();
         assert_eq!(loops.footnotes[0], format!("Lines: mean of the repeats (n = 1), {words}."));
     }
     let without =
@@ -245,7 +253,7 @@ fn every_figure_of_a_simulated_trial_says_so_and_none_of_a_measured_one() {
         let figures = [
             modes(&scene).unwrap(),
             repeats(&scene, &scene.modes[0]),
-            loops(&study, std::slice::from_ref(&scene)).unwrap(),
+            loops(&study.about, std::slice::from_ref(&scene)).unwrap(),
         ];
         assert!(figures.iter().all(|f| f.mark.is_some() == marked), "{source:?}");
     }

@@ -1,11 +1,12 @@
 //! The plane through one recording.
 
+use serde::Serialize;
 use zwidth_numerics::{NumericsError, lsq};
 use zwidth_stats::StatsError;
 use zwidth_stats::interval::Estimate;
 use zwidth_stats::recording::recording_fit;
 use zwidth_store::{Samples, Signal, Trial};
-use zwidth_study::{Study, TrialMeta};
+use zwidth_study::{Analysis, Study, TrialMeta};
 
 /// Why a trial has no plane fit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -77,19 +78,38 @@ pub struct PlaneFit {
     pub bandwidth_s: f64,
 }
 
+/// Everything that the fits of a trial depend on besides the trial.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Parameters {
+    /// Lever length L, m: makes a torque of a force.
+    pub lever_m: Option<f64>,
+    /// Movement is faster than this, rad/s.
+    pub onset_rad_s: f64,
+    /// Level of every interval, as a fraction.
+    pub confidence: f64,
+}
+
+impl Parameters {
+    /// Those of a study.
+    pub fn of(study: &Study) -> Self {
+        let Analysis { onset_rad_s, confidence, .. } = study.analysis;
+        Self { lever_m: study.device.lever_m, onset_rad_s, confidence }
+    }
+}
+
 /// The plane through `trial`'s samples; the torque is the recorded one, or L F_ex where a force and
-/// a lever length are there instead. Intervals at `study.analysis.confidence`.
+/// a lever length are there instead.
 ///
 /// # Errors
 /// A signal that is not recorded; too few samples; an acceleration or velocity that does not vary,
 /// or that are proportional to each other.
-pub fn plane_fit(trial: &Trial, study: &Study) -> Result<PlaneFit, FreeMotionError> {
+pub fn plane_fit(trial: &Trial, parameters: &Parameters) -> Result<PlaneFit, FreeMotionError> {
     let column = |signal: Signal| recorded(&trial.samples, signal, NEEDS);
-    let torque = torque(&trial.samples, study.device.lever_m)?;
+    let torque = torque(&trial.samples, parameters.lever_m)?;
     let ones = vec![1.0; torque.len()];
     let columns = [&ones[..], column(Signal::ThetaDdot)?, column(Signal::ThetaDot)?];
     let fit = lsq::fit(&columns, &torque)?;
-    let intervals = recording_fit(&columns, &fit, study.analysis.confidence)?;
+    let intervals = recording_fit(&columns, &fit, parameters.confidence)?;
     Ok(PlaneFit {
         meta: trial.meta.clone(),
         offset_nm: intervals.estimates[0],
@@ -125,8 +145,9 @@ pub(crate) mod tests {
         EnvironmentId, Kind, ModeId, ParticipantId, SessionId, Source, Status, StudyId,
     };
 
-    pub(crate) fn study() -> Study {
-        Study::from_toml(&zwidth_study::template(&StudyId::new("free").unwrap())).unwrap()
+    pub(crate) fn parameters() -> Parameters {
+        let study = zwidth_study::template(&StudyId::new("free").unwrap());
+        Parameters::of(&Study::from_toml(&study).unwrap())
     }
 
     pub(crate) fn trial(columns: [(Signal, Vec<f64>); 4]) -> Trial {
@@ -170,7 +191,7 @@ pub(crate) mod tests {
 
     #[test]
     fn an_exact_plane_is_recovered() {
-        let fit = plane_fit(&plane(Signal::TorqueEx, 1.0), &study()).unwrap();
+        let fit = plane_fit(&plane(Signal::TorqueEx, 1.0), &parameters()).unwrap();
         for (found, expect) in
             [(fit.offset_nm, 0.01), (fit.inertia_kg_m2, 0.5), (fit.damping_nm_s_per_rad, -0.25)]
         {
@@ -183,11 +204,11 @@ pub(crate) mod tests {
 
     #[test]
     fn a_force_becomes_a_torque_by_the_lever_length() {
-        let lever_m = study().device.lever_m.unwrap();
-        let fit = plane_fit(&plane(Signal::ForceEx, 1.0 / lever_m), &study()).unwrap();
+        let lever_m = parameters().lever_m.unwrap();
+        let fit = plane_fit(&plane(Signal::ForceEx, 1.0 / lever_m), &parameters()).unwrap();
         assert!((fit.inertia_kg_m2.estimate - 0.5).abs() < 1e-13);
-        let mut without = study();
-        without.device.lever_m = None;
+        let mut without = parameters();
+        without.lever_m = None;
         let refused = plane_fit(&plane(Signal::ForceEx, 1.0), &without);
         assert_eq!(refused, Err(FreeMotionError::NoTorque));
     }
@@ -201,7 +222,7 @@ pub(crate) mod tests {
             (Signal::ThetaDot, vel.clone()),
             (Signal::TorqueEx, vel),
         ]);
-        let error = plane_fit(&without, &study()).unwrap_err();
+        let error = plane_fit(&without, &parameters()).unwrap_err();
         assert!(error.to_string().contains("no theta_ddot_rad_s2"), "{error}");
     }
 
@@ -215,6 +236,6 @@ pub(crate) mod tests {
             (Signal::ThetaDot, vel.clone()),
             (Signal::TorqueEx, vel),
         ]);
-        assert!(matches!(plane_fit(&still, &study()), Err(FreeMotionError::Numerics(_))));
+        assert!(matches!(plane_fit(&still, &parameters()), Err(FreeMotionError::Numerics(_))));
     }
 }

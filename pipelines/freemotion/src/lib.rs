@@ -36,7 +36,7 @@ mod plant;
 mod real_data;
 mod table;
 
-pub use fit::{FreeMotionError, PlaneFit, plane_fit};
+pub use fit::{FreeMotionError, Parameters, PlaneFit, plane_fit};
 pub use plant::{PlantFit, plant_fit};
 pub use table::{plant_table, table};
 

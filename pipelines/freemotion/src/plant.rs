@@ -1,13 +1,14 @@
 //! The plant through one recording with an angle.
 
 use crate::FreeMotionError;
+use crate::Parameters;
 use crate::average::{HALF_S, Stretch, average, stretch};
 use crate::fit::{recorded, sample_interval_s, torque};
 use zwidth_numerics::lsq;
 use zwidth_stats::interval::Estimate;
 use zwidth_stats::recording::recording_fit;
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Study, TrialMeta};
+use zwidth_study::TrialMeta;
 
 /// What a plant fit needs, in words.
 const NEEDS: &str = "a plant fit needs torque, angle and velocity";
@@ -47,17 +48,17 @@ pub struct PlantFit {
 }
 
 /// The plant through `trial`'s slipping stretches; the torque is the recorded one, or L F_ex where
-/// a force and a lever length are there instead. Intervals at `study.analysis.confidence`.
+/// a force and a lever length are there instead.
 ///
 /// # Errors
 /// A signal that is not recorded; no stretch that slips, or too few; movements too alike to tell
 /// the five apart.
-pub fn plant_fit(trial: &Trial, study: &Study) -> Result<PlantFit, FreeMotionError> {
+pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, FreeMotionError> {
     let column = |signal: Signal| recorded(&trial.samples, signal, NEEDS);
     let (t, theta, velocity) =
         (column(Signal::Time)?, column(Signal::Theta)?, column(Signal::ThetaDot)?);
-    let torque = torque(&trial.samples, study.device.lever_m)?;
-    let least_rad_s = study.analysis.onset_rad_s;
+    let torque = torque(&trial.samples, parameters.lever_m)?;
+    let least_rad_s = parameters.onset_rad_s;
     let rows: Vec<Row> = (0..t.len())
         .filter_map(|centre| row(&stretch(t, centre)?, [theta, velocity, &torque], least_rad_s))
         .collect();
@@ -74,7 +75,7 @@ pub fn plant_fit(trial: &Trial, study: &Study) -> Result<PlantFit, FreeMotionErr
     ];
     let columns: [&[f64]; 5] = columns.each_ref().map(Vec::as_slice);
     let fit = lsq::fit(&columns, &of(|r| r.torque))?;
-    let intervals = recording_fit(&columns, &fit, study.analysis.confidence)?;
+    let intervals = recording_fit(&columns, &fit, parameters.confidence)?;
     Ok(PlantFit {
         meta: trial.meta.clone(),
         offset_nm: intervals.estimates[0],
@@ -117,7 +118,7 @@ fn row(stretch: &Stretch, [theta, velocity, torque]: [&[f64]; 3], least_rad_s: f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::tests::{study, trial};
+    use crate::fit::tests::{parameters, trial};
 
     /// c, I, b, τ_c, κ.
     const PLANT: [f64; 5] = [2e-4, 3e-5, 2e-4, 6e-4, 1.3e-3];
@@ -163,7 +164,7 @@ mod tests {
     }
 
     fn check(step_rad: f64, relative: f64) {
-        let fit = plant_fit(&recording(step_rad), &study()).unwrap();
+        let fit = plant_fit(&recording(step_rad), &parameters()).unwrap();
         for (found, expect) in found(&fit).iter().zip(PLANT) {
             assert!((found.estimate / expect - 1.0).abs() < relative, "{found:?} {expect}");
         }
@@ -185,7 +186,7 @@ mod tests {
     fn a_device_that_never_slips_is_refused_in_words() {
         let mut still = recording(0.0);
         still.samples.set(Signal::ThetaDot, vec![0.01; 4000]);
-        let error = plant_fit(&still, &study()).unwrap_err().to_string();
+        let error = plant_fit(&still, &parameters()).unwrap_err().to_string();
         assert!(error.contains("no stretch of 0.2 s"), "{error}");
     }
 
@@ -198,7 +199,7 @@ mod tests {
             (Signal::ThetaDot, velocity.clone()),
             (Signal::TorqueEx, velocity),
         ]);
-        let error = plant_fit(&without, &study()).unwrap_err().to_string();
+        let error = plant_fit(&without, &parameters()).unwrap_err().to_string();
         assert!(error.contains("no theta_rad was recorded"), "{error}");
     }
 }

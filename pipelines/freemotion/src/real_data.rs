@@ -1,6 +1,6 @@
 //! The plane fits against recordings made by others; the test says so where they are not there.
 
-use crate::fit::tests::{study, trial};
+use crate::fit::tests::{parameters, trial};
 use crate::plane_fit;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Signal, Trial};
@@ -182,7 +182,7 @@ fn every_session_and_controller_agrees_with_statsmodels() {
     };
     let folder = root.join("ethz_haptic_paddle/transparency");
     for (file, lags, expect) in STATSMODELS {
-        let fit = plane_fit(&read(&folder.join(file)), &study()).unwrap();
+        let fit = plane_fit(&read(&folder.join(file)), &parameters()).unwrap();
         let all = [fit.offset_nm, fit.inertia_kg_m2, fit.damping_nm_s_per_rad];
         let found = all.iter().map(|e| e.estimate).chain(all.iter().map(|e| e.std_error));
         for (found, expect) in found.zip(expect) {

@@ -155,7 +155,7 @@ fn bandwidth(values: impl Iterator<Item = f64>) -> Column {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::tests::{study, trial};
+    use crate::fit::tests::{parameters, trial};
     use crate::plane_fit;
     use zwidth_store::Signal;
 
@@ -170,7 +170,7 @@ mod tests {
             (Signal::ThetaDot, series(5)),
             (Signal::TorqueEx, series(7)),
         ];
-        let table = table(&[plane_fit(&trial(columns), &study()).unwrap()]).unwrap();
+        let table = table(&[plane_fit(&trial(columns), &parameters()).unwrap()]).unwrap();
         let value = |name: &str| table.floats(name).unwrap()[0].unwrap();
         for (_, names, _, _) in PLANE {
             let [estimate, std_error, low, high] = names.map(value);

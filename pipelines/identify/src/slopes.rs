@@ -1,7 +1,8 @@
 //! Errors of a trial and their slopes by the parameters, from runs of the model.
+use serde::Serialize;
 
 /// A parameter of the model.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Parameter {
     /// Its name in tables.
     pub name: &'static str,

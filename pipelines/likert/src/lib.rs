@@ -18,7 +18,7 @@ mod counts;
 mod real_data;
 mod tally;
 
-pub use tally::{LikertError, tally};
+pub use tally::{LikertError, Scheme, tally};
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 2;

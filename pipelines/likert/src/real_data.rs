@@ -1,5 +1,6 @@
 //! The tally against a questionnaire collected by others; the test says so where it is not there.
 
+use crate::Scheme;
 use crate::tally;
 use std::path::PathBuf;
 use zwidth_store::Answer;
@@ -33,7 +34,7 @@ fn questions(rows: &[Vec<String>]) -> Vec<(usize, Question)> {
     rows.iter().enumerate().filter_map(question).collect()
 }
 
-fn study(questions: &[(usize, Question)]) -> Study {
+fn scheme(questions: &[(usize, Question)]) -> Scheme {
     let mut study =
         Study::from_toml(&zwidth_study::template(&StudyId::new("shoes").unwrap())).unwrap();
     let mode = |id: &str| Mode {
@@ -46,7 +47,7 @@ fn study(questions: &[(usize, Question)]) -> Study {
     study.environments.truncate(1);
     study.environments[0].scene = Scene::None;
     study.questions = questions.iter().map(|(_, q)| q.clone()).collect();
-    study
+    Scheme::of(&study)
 }
 
 fn answer(row: &[String], value: &str, question: &QuestionId) -> Answer {
@@ -89,7 +90,7 @@ fn pooled_counts_with_reversed_items_are_those_of_an_independent_count() {
     };
     let answers: Vec<Answer> = people.iter().flat_map(of).collect();
     assert_eq!((questions.len(), answers.len()), (45, 3600));
-    let table = tally(&answers, &study(&questions)).unwrap();
+    let table = tally(&answers, &scheme(&questions)).unwrap();
     let ease =
         [[12, 26, 24, 44, 34], [2, 24, 18, 47, 49], [2, 17, 24, 59, 38], [6, 18, 24, 43, 49]];
     let presence =

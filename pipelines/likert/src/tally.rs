@@ -1,6 +1,7 @@
 //! From answers to the table of counts.
 
 use crate::counts::Counts;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_store::Answer;
 use zwidth_study::{Condition, EnvironmentId, Likert, ModeId, Question, QuestionId, Study};
@@ -54,6 +55,28 @@ struct Row<'a> {
 
 type ByQuestion = BTreeMap<(Condition, QuestionId), Counts>;
 
+/// What can be asked, and after what, in the order of the study file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Scheme {
+    /// The environments.
+    pub environments: Vec<EnvironmentId>,
+    /// The modes.
+    pub modes: Vec<ModeId>,
+    /// The questions.
+    pub questions: Vec<Question>,
+}
+
+impl Scheme {
+    /// That of a study.
+    pub fn of(study: &Study) -> Self {
+        Self {
+            environments: study.environments.iter().map(|e| e.id.clone()).collect(),
+            modes: study.modes.iter().map(|m| m.id.clone()).collect(),
+            questions: study.questions.clone(),
+        }
+    }
+}
+
 /// The table of counts, in the order of the study file: for each environment and mode first a row a
 /// question, then a row a group. Columns: `environment`, `mode`, `question` and `reversed` (null in
 /// a pooled row), `group`, `pooled`, `participants`, `n`, `count_1` … `count_5` (as scored),
@@ -61,21 +84,14 @@ type ByQuestion = BTreeMap<(Condition, QuestionId), Counts>;
 ///
 /// # Errors
 /// An answer off the scale; a question, environment or mode that the study does not have.
-pub fn tally(answers: &[Answer], study: &Study) -> Result<Table, LikertError> {
-    let counts = count(answers, study)?;
+pub fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Table, LikertError> {
+    let counts = count(answers, scheme)?;
     let mut rows = Vec::new();
-    for environment in &study.environments {
-        for mode in &study.modes {
-            let condition =
-                Condition { environment: environment.id.clone(), mode: mode.id.clone() };
-            let questions = questions(&counts, &condition, study);
-            let row = |question, group, counts| Row {
-                environment: &environment.id,
-                mode: &mode.id,
-                question,
-                group,
-                counts,
-            };
+    for environment in &scheme.environments {
+        for mode in &scheme.modes {
+            let condition = Condition { environment: environment.clone(), mode: mode.clone() };
+            let questions = questions(&counts, &condition, scheme);
+            let row = |question, group, counts| Row { environment, mode, question, group, counts };
             rows.extend(
                 questions.iter().map(|(q, c)| row(Some(*q), q.group.as_deref(), (*c).clone())),
             );
@@ -89,10 +105,10 @@ pub fn tally(answers: &[Answer], study: &Study) -> Result<Table, LikertError> {
     )?)
 }
 
-fn count(answers: &[Answer], study: &Study) -> Result<ByQuestion, LikertError> {
+fn count(answers: &[Answer], scheme: &Scheme) -> Result<ByQuestion, LikertError> {
     let mut counts = ByQuestion::new();
     for answer in answers {
-        let question = check(answer, study)?;
+        let question = check(answer, scheme)?;
         let scored = Likert::scored(answer.value, question.reversed);
         let key = (answer.condition.clone(), answer.question.clone());
         counts.entry(key).or_default().add(scored, &answer.participant);
@@ -101,7 +117,7 @@ fn count(answers: &[Answer], study: &Study) -> Result<ByQuestion, LikertError> {
 }
 
 /// The answer's question, if the answer and all it refers to are there.
-fn check<'s>(answer: &Answer, study: &'s Study) -> Result<&'s Question, LikertError> {
+fn check<'s>(answer: &Answer, scheme: &'s Scheme) -> Result<&'s Question, LikertError> {
     if !(1..=Likert::POINTS).contains(&answer.value) {
         return Err(LikertError::OffScale {
             participant: answer.participant.to_string(),
@@ -114,18 +130,23 @@ fn check<'s>(answer: &Answer, study: &'s Study) -> Result<&'s Question, LikertEr
     let unknown =
         |what, id: &str| LikertError::Unknown { what, id: id.to_owned(), trial: answer.trial };
     let Condition { environment, mode } = &answer.condition;
-    study.environment(environment).ok_or_else(|| unknown("environment", environment.as_str()))?;
-    study.mode(mode).ok_or_else(|| unknown("mode", mode.as_str()))?;
-    study.question(&answer.question).ok_or_else(|| unknown("question", answer.question.as_str()))
+    if !scheme.environments.contains(environment) {
+        return Err(unknown("environment", environment.as_str()));
+    }
+    if !scheme.modes.contains(mode) {
+        return Err(unknown("mode", mode.as_str()));
+    }
+    let question = scheme.questions.iter().find(|q| q.id == answer.question);
+    question.ok_or_else(|| unknown("question", answer.question.as_str()))
 }
 
 /// The questions answered after `condition`, in the study's order.
 fn questions<'s, 'c>(
     counts: &'c ByQuestion,
     condition: &Condition,
-    study: &'s Study,
+    scheme: &'s Scheme,
 ) -> Vec<(&'s Question, &'c Counts)> {
-    study
+    scheme
         .questions
         .iter()
         .filter_map(|q| Some((q, counts.get(&(condition.clone(), q.id.clone()))?)))
@@ -197,7 +218,7 @@ mod tests {
     use zwidth_study::{ParticipantId, SessionId, StudyId};
 
     /// The template's study with three questions: q1 and q2 (reversed) in a group, q3 alone.
-    fn study() -> Study {
+    fn scheme() -> Scheme {
         let mut study =
             Study::from_toml(&zwidth_study::template(&StudyId::new("demo").unwrap())).unwrap();
         let question = |id: &str, group: Option<&str>, reversed| Question {
@@ -211,7 +232,7 @@ mod tests {
             question("q2", Some("ease"), true),
             question("q3", None, false),
         ];
-        study
+        Scheme::of(&study)
     }
 
     fn answer(participant: &str, mode: &str, question: &str, value: u8) -> Answer {
@@ -244,7 +265,7 @@ mod tests {
             answer("P01", "active", "q1", 4),
             answer("P02", "active", "q1", 2),
         ];
-        let table = tally(&answers, &study()).unwrap();
+        let table = tally(&answers, &scheme()).unwrap();
         assert_eq!(texts(&table, "mode"), ["active", "active", "active", "hybrid"]);
         assert_eq!(texts(&table, "question"), ["q1", "q2", "", "q3"]);
         assert_eq!(texts(&table, "group"), ["ease", "ease", "ease", ""]);
@@ -267,17 +288,17 @@ mod tests {
 
     #[test]
     fn what_nobody_answered_has_no_row_and_is_not_zero() {
-        assert_eq!(tally(&[], &study()).unwrap().height(), 0);
-        let table = tally(&[answer("P01", "passive", "q3", 3)], &study()).unwrap();
+        assert_eq!(tally(&[], &scheme()).unwrap().height(), 0);
+        let table = tally(&[answer("P01", "passive", "q3", 3)], &scheme()).unwrap();
         assert_eq!((table.height(), numbers(&table, "count_3")), (1, vec![1]));
     }
 
     #[test]
     fn the_order_of_the_answers_does_not_matter() {
         let mut answers: Vec<_> = (1..=5).map(|v| answer("P01", "active", "q1", v)).collect();
-        let forward = tally(&answers, &study()).unwrap();
+        let forward = tally(&answers, &scheme()).unwrap();
         answers.reverse();
-        assert_eq!(tally(&answers, &study()).unwrap().columns(), forward.columns());
+        assert_eq!(tally(&answers, &scheme()).unwrap().columns(), forward.columns());
     }
 
     #[test]
@@ -288,7 +309,7 @@ mod tests {
             (answer("P01", "sealed-3", "q1", 3), "mode 'sealed-3' of trial 7"),
             (answer("P01", "active", "q9", 3), "question 'q9' of trial 7"),
         ] {
-            let error = tally(&[answer], &study()).unwrap_err().to_string();
+            let error = tally(&[answer], &scheme()).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");
         }
     }

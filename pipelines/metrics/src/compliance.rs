@@ -1,8 +1,8 @@
 //! Whether a trial was what the protocol asks for.
 
+use crate::Parameters;
 use crate::signals::Signals;
 use zwidth_numerics::zigzag::zigzag;
-use zwidth_study::{Device, ModeId, Study};
 
 /// A movement is a way of more than this share of the angles travelled; less is a correction or a
 /// wobble.
@@ -33,16 +33,16 @@ pub struct Compliance {
     pub met: Option<bool>,
 }
 
-pub(crate) fn compliance(signals: &Signals, mode: &ModeId, study: &Study) -> Compliance {
+pub(crate) fn compliance(signals: &Signals, parameters: &Parameters) -> Compliance {
     let ways = ways(signals);
     let one_movement = ways.as_deref().map(|ways| match ways {
         [true, false] => true,
-        [true] => brakes_only(study, mode),
+        [true] => parameters.brakes_only,
         _ => false,
     });
     let count = |up: bool| Some(ways.as_ref()?.iter().filter(|way| **way == up).count() as i64);
-    let in_time = in_time(signals, study.design.trial_limit_s);
-    let inside_work_space = inside(signals.theta, &study.device);
+    let in_time = in_time(signals, parameters.trial_limit_s);
+    let inside_work_space = inside(signals.theta, parameters);
     Compliance {
         movements_forward: count(true),
         movements_backward: count(false),
@@ -73,10 +73,6 @@ fn ends(values: &[f64]) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-fn brakes_only(study: &Study, mode: &ModeId) -> bool {
-    study.mode(mode).is_some_and(|m| m.brake_max_v.is_some() && m.motor_max_v.is_none())
-}
-
 fn in_time(signals: &Signals, limit_s: f64) -> Option<bool> {
     let activity = signals.activity?;
     let last = activity.end.unwrap_or(signals.t.len() - 1);
@@ -84,8 +80,8 @@ fn in_time(signals: &Signals, limit_s: f64) -> Option<bool> {
     (activity.end.is_some() || took_s > limit_s).then_some(took_s <= limit_s)
 }
 
-fn inside(theta: Option<&[f64]>, device: &Device) -> Option<bool> {
-    let (min, max) = (device.theta_min_rad?, device.theta_max_rad?);
+fn inside(theta: Option<&[f64]>, parameters: &Parameters) -> Option<bool> {
+    let (min, max) = (parameters.theta_min_rad?, parameters.theta_max_rad?);
     let (low, high) = ends(theta?);
     let excess = OUTSIDE_SHARE * (max - min);
     Some(low >= min - excess && high <= max + excess)
@@ -103,15 +99,15 @@ fn all<const N: usize>(parts: [Option<bool>; N]) -> Option<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{REST_RAD, spring_study, stroke, trial};
+    use crate::testing::{REST_RAD, in_spring, stroke, trial};
     use crate::trial_metrics;
 
     type Points = Vec<(f64, f64, f64)>;
 
-    fn compliance(points: &Points, change: impl FnOnce(&mut Study)) -> Compliance {
-        let mut study = spring_study(4.0, REST_RAD);
-        change(&mut study);
-        trial_metrics(&trial(points, |_, _| 0.0), &study).unwrap().compliance
+    fn compliance(points: &Points, change: impl FnOnce(&mut Parameters)) -> Compliance {
+        let mut parameters = in_spring(4.0, REST_RAD);
+        change(&mut parameters);
+        trial_metrics(&trial(points, |_, _| 0.0), &parameters).unwrap().compliance
     }
 
     #[test]
@@ -146,25 +142,24 @@ mod tests {
         let held: Points =
             (1..500).map(|i| (1.5 + f64::from(i) / 1000.0, forward[1500].1, 0.0)).collect();
         let points = [forward, held].concat();
-        let one = |change: fn(&mut Study)| compliance(&points, change).one_movement;
+        let one = |change: fn(&mut Parameters)| compliance(&points, change).one_movement;
         assert_eq!(one(|_| ()), Some(false));
-        assert_eq!(one(|s| s.modes.iter_mut().for_each(|m| m.motor_max_v = None)), Some(true));
+        assert_eq!(one(|p| p.brakes_only = true), Some(true));
     }
 
     #[test]
     fn a_recording_that_stops_too_soon_leaves_the_time_open() {
         let cut: Points = stroke(1.2, 2.0).into_iter().take_while(|p| p.0 <= 2.0).collect();
         assert_eq!(compliance(&cut, |_| ()).in_time, None);
-        assert_eq!(compliance(&cut, |s| s.design.trial_limit_s = 1.0).in_time, Some(false));
+        assert_eq!(compliance(&cut, |s| s.trial_limit_s = 1.0).in_time, Some(false));
         assert_eq!(compliance(&cut, |_| ()).met, None);
     }
 
     #[test]
     fn a_lever_beyond_its_work_space_is_outside_and_an_unknown_work_space_is_null() {
         let points = stroke(1.2, 2.0);
-        let inside = |max: Option<f64>| {
-            compliance(&points, |s| s.device.theta_max_rad = max).inside_work_space
-        };
+        let inside =
+            |max: Option<f64>| compliance(&points, |s| s.theta_max_rad = max).inside_work_space;
         assert_eq!(inside(Some(REST_RAD + 1.19)), Some(true));
         assert_eq!(inside(Some(REST_RAD + 1.18)), Some(false));
         assert_eq!(inside(None), None);

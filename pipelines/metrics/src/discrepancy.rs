@@ -132,7 +132,7 @@ fn line_at(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{LEVER_M, REST_RAD, spring_study, stroke, trial};
+    use crate::testing::{LEVER_M, REST_RAD, in_spring, stroke, trial};
     use crate::trial_metrics;
 
     /// K = 4 N/rad from rest at −45°.
@@ -150,7 +150,7 @@ mod tests {
             (K * (theta - REST_RAD)).min(limit)
         };
         let trial = trial(&stroke(stroke_rad, 2.0), force);
-        trial_metrics(&trial, &spring_study(K, REST_RAD)).unwrap().discrepancy
+        trial_metrics(&trial, &in_spring(K, REST_RAD)).unwrap().discrepancy
     }
 
     /// Thesis §5.3: reversal at 32° from rest at −45° gives 5.38 N by the brake, and 2.08 N by the
@@ -188,7 +188,7 @@ mod tests {
             if u * velocity > 0.0 { K * u } else { (K * u).clamp(-weak_n, weak_n) }
         };
         let trial = trial(&stroke(2.0 * half, 2.0), force);
-        let found = trial_metrics(&trial, &spring_study(K, REST_RAD)).unwrap().discrepancy;
+        let found = trial_metrics(&trial, &in_spring(K, REST_RAD)).unwrap().discrepancy;
         let triangle = (K * half - weak_n) * (K * half - weak_n) / (2.0 * K);
         // the closing chord cuts the corner left of the onset's angle, where D is at most K
         check(found.loop_area_j, LEVER_M * 2.0 * triangle, LEVER_M * 2e-2);
@@ -206,7 +206,7 @@ mod tests {
             b * (1.0 - c * c).sqrt() * if velocity < 0.0 { -1.0 } else { 1.0 }
         };
         let trial = trial(&stroke(2.0 * a, 2.0), force);
-        let found = trial_metrics(&trial, &spring_study(K, REST_RAD)).unwrap().discrepancy;
+        let found = trial_metrics(&trial, &in_spring(K, REST_RAD)).unwrap().discrepancy;
         let ellipse = core::f64::consts::PI * a * b;
         check(found.loop_area_j, LEVER_M * ellipse, LEVER_M * ellipse * 5e-3);
         check(found.max_n, 2.0 * b, 1e-3);
@@ -224,7 +224,7 @@ mod tests {
     fn a_movement_that_is_cut_at_its_reversal_has_no_discrepancy() {
         let points: Vec<_> = stroke(1.0, 2.0).into_iter().filter(|p| p.0 <= 1.5).collect();
         let trial = trial(&points, |theta, _| K * theta);
-        let found = trial_metrics(&trial, &spring_study(K, REST_RAD)).unwrap().discrepancy;
+        let found = trial_metrics(&trial, &in_spring(K, REST_RAD)).unwrap().discrepancy;
         assert_eq!(found, Discrepancy::default());
     }
 
@@ -256,7 +256,7 @@ mod tests {
                 .map(noisy)
                 .collect();
             trial.samples.set(zwidth_store::Signal::ForceEx, force);
-            let d = trial_metrics(&trial, &spring_study(K, REST_RAD)).unwrap().discrepancy;
+            let d = trial_metrics(&trial, &in_spring(K, REST_RAD)).unwrap().discrepancy;
             let range = d.loop_area_j.unwrap() / d.mean_n.unwrap();
             let ends = [
                 (d.mean_ci_low_n, d.mean_ci_high_n, 0.6),
@@ -273,10 +273,10 @@ mod tests {
 
     #[test]
     fn without_a_lever_length_there_is_no_energy() {
-        let mut study = spring_study(K, REST_RAD);
-        study.device.lever_m = None;
+        let mut parameters = in_spring(K, REST_RAD);
+        parameters.lever_m = None;
         let trial = trial(&stroke(1.0, 2.0), |theta, _| theta);
-        let found = trial_metrics(&trial, &study).unwrap().discrepancy;
+        let found = trial_metrics(&trial, &parameters).unwrap().discrepancy;
         assert_eq!(found.loop_area_j, None);
         assert!(found.mean_n.is_some());
     }

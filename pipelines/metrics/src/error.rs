@@ -2,17 +2,10 @@
 
 use zwidth_numerics::NumericsError;
 use zwidth_stats::StatsError;
-use zwidth_study::EnvironmentId;
 
 /// Why a trial has no metrics. What is merely not recorded is null, not an error.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MetricsError {
-    /// The trial's environment is not in the study.
-    #[error("environment '{environment}' is not in study.toml: add it there, or mend the trial's")]
-    UnknownEnvironment {
-        /// The environment.
-        environment: EnvironmentId,
-    },
     /// No time.
     #[error("the trial has no sample with a time: record it again, or leave it out")]
     NoTime,

@@ -31,6 +31,7 @@ mod error;
 mod estimates;
 mod movement;
 mod oscillation;
+mod parameters;
 mod plateau;
 #[cfg(test)]
 mod real_data;
@@ -48,6 +49,7 @@ pub use discrepancy::Discrepancy;
 pub use error::MetricsError;
 pub use movement::Movement;
 pub use oscillation::{RecordedStability, Swings};
+pub use parameters::Parameters;
 pub use spring::{Saturation, SpringRendering};
 pub use stability::Stability;
 pub use table::table;
@@ -55,7 +57,7 @@ pub use wall::WallContact;
 
 use signals::Signals;
 use zwidth_store::Trial;
-use zwidth_study::{Study, TrialMeta};
+use zwidth_study::TrialMeta;
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 3;
@@ -80,19 +82,14 @@ pub struct Row {
     pub compliance: Compliance,
 }
 
-/// The metrics of `trial`, with the thresholds, grid and confidence level of `study.analysis`, the
-/// study's device and the limits of its design.
+/// The metrics of `trial`.
 ///
 /// # Errors
-/// An environment the study does not have; samples without time or of unequal length; a number that
-/// is none.
-pub fn trial_metrics(trial: &Trial, study: &Study) -> Result<Row, MetricsError> {
-    let environment = study.environment(&trial.meta.environment).ok_or_else(|| {
-        MetricsError::UnknownEnvironment { environment: trial.meta.environment.clone() }
-    })?;
-    let signals = Signals::of(trial, study)?;
-    let analysis = &study.analysis;
-    let (spring, wall_rad) = (environment.scene.spring(), environment.scene.wall_rad());
+/// Samples without time or of unequal length; a number that is none.
+pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<Row, MetricsError> {
+    let signals = Signals::of(trial, parameters)?;
+    let analysis = &parameters.analysis;
+    let (spring, wall_rad) = (parameters.scene.spring(), parameters.scene.wall_rad());
     let discrepancy = spring
         .map(|_| discrepancy::discrepancy(&signals, analysis.grid_points, analysis.confidence));
     let rendering =
@@ -100,34 +97,26 @@ pub fn trial_metrics(trial: &Trial, study: &Study) -> Result<Row, MetricsError> 
     let wall = wall_rad.map(|wall| wall::wall_contact(&signals, wall, analysis.confidence));
     Ok(Row {
         meta: trial.meta.clone(),
-        movement: movement::movement(&signals, &study.device)?,
+        movement: movement::movement(&signals, parameters)?,
         discrepancy: discrepancy.transpose()?.unwrap_or_default(),
         spring: rendering.transpose()?.unwrap_or_default(),
         wall: wall.transpose()?.unwrap_or_default(),
-        stability: stability::stability(&signals, study.device.force_rate_hz)?,
-        compliance: compliance::compliance(&signals, &trial.meta.mode, study),
+        stability: stability::stability(&signals, parameters.force_rate_hz)?,
+        compliance: compliance::compliance(&signals, parameters),
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{spring_study, stroke, trial};
+    use crate::testing::{in_spring, stroke, trial};
     use zwidth_store::Signal;
 
     #[test]
-    fn an_environment_the_study_lacks_is_an_error_that_names_it() {
-        let mut trial = trial(&stroke(1.0, 0.5), |_, _| 0.0);
-        trial.meta.environment = zwidth_study::EnvironmentId::new("elsewhere").unwrap();
-        let error = trial_metrics(&trial, &spring_study(4.0, 0.0)).unwrap_err();
-        assert!(error.to_string().contains("'elsewhere'"), "{error}");
-    }
-
-    #[test]
     fn free_motion_has_movement_and_nothing_that_was_not_rendered() {
-        let mut study = spring_study(4.0, 0.0);
-        study.environments[0].scene = zwidth_study::Scene::Free;
-        let row = trial_metrics(&trial(&stroke(1.0, 0.5), |_, v| v), &study).unwrap();
+        let mut parameters = in_spring(4.0, 0.0);
+        parameters.scene = zwidth_study::Scene::Free;
+        let row = trial_metrics(&trial(&stroke(1.0, 0.5), |_, v| v), &parameters).unwrap();
         assert!(row.movement.velocity_forward_peak_rad_s.is_some());
         let rest = (row.discrepancy, row.spring, row.wall);
         assert_eq!(
@@ -145,7 +134,7 @@ mod tests {
         }
         samples.set(Signal::TorqueEx, vec![0.1; samples.len()]);
         trial.samples = samples;
-        let row = trial_metrics(&trial, &spring_study(4.0, 0.0)).unwrap();
+        let row = trial_metrics(&trial, &in_spring(4.0, 0.0)).unwrap();
         assert!(row.movement.onset_s.is_some());
         assert_eq!(row.discrepancy, Discrepancy::default());
         assert_eq!(row.spring, SpringRendering::default());
@@ -163,13 +152,13 @@ mod tests {
         trial
             .samples
             .set(Signal::ForceEx, index.iter().map(|&i| 4.0 * (points[i].1 - rest)).collect());
-        let study = spring_study(4.0, rest);
-        let held = trial_metrics(&trial, &study).unwrap();
+        let parameters = in_spring(4.0, rest);
+        let held = trial_metrics(&trial, &parameters).unwrap();
         trial.samples.set(
             Signal::ForceAge,
             index.iter().zip(&points).map(|(&i, now)| now.0 - points[i].0).collect(),
         );
-        let at_updates = trial_metrics(&trial, &study).unwrap();
+        let at_updates = trial_metrics(&trial, &parameters).unwrap();
         assert!((held.discrepancy.loop_area_j.unwrap() + 3.5e-3).abs() < 3e-4, "{held:?}");
         assert!(at_updates.discrepancy.loop_area_j.unwrap().abs() < 2e-5, "{at_updates:?}");
     }
@@ -178,7 +167,7 @@ mod tests {
     fn samples_of_unequal_length_are_refused() {
         let mut trial = trial(&stroke(1.0, 0.5), |_, _| 0.0);
         trial.samples.set(Signal::ForceEx, vec![0.0]);
-        let error = trial_metrics(&trial, &spring_study(4.0, 0.0)).unwrap_err();
+        let error = trial_metrics(&trial, &in_spring(4.0, 0.0)).unwrap_err();
         assert!(error.to_string().contains("force_ex_n"), "{error}");
     }
 }

@@ -1,11 +1,11 @@
 //! When the lever moves, how far and how fast.
 
 use crate::MetricsError;
+use crate::Parameters;
 use crate::compliance::{MOVEMENT_SHARE, range};
 use crate::signals::Signals;
 use zwidth_numerics::series::trapezoid;
 use zwidth_numerics::smoothness::spectral_arc_length;
-use zwidth_study::Device;
 
 /// A lever has left a stop when it is farther from it than this share of the angles travelled; less
 /// is the angle sensor's jitter.
@@ -49,7 +49,10 @@ pub struct Movement {
     pub work_space_hits_high: Option<i64>,
 }
 
-pub(crate) fn movement(signals: &Signals, device: &Device) -> Result<Movement, MetricsError> {
+pub(crate) fn movement(
+    signals: &Signals,
+    parameters: &Parameters,
+) -> Result<Movement, MetricsError> {
     let Signals { t, theta, theta_dot, activity, phases, .. } = *signals;
     let onset_s = activity.map(|a| t[a.onset]);
     let end_s = activity.and_then(|a| a.end).map(|i| t[i]);
@@ -79,8 +82,8 @@ pub(crate) fn movement(signals: &Signals, device: &Device) -> Result<Movement, M
         velocity_backward_peak_rad_s: backward.map(|s| s.peak),
         sparc_forward: phases.and_then(|p| smoothness(p.onset, p.reversal)),
         sparc_backward: phases.and_then(|p| smoothness(p.reversal, p.end)),
-        work_space_hits_low: hits(device.theta_min_rad, -1.0),
-        work_space_hits_high: hits(device.theta_max_rad, 1.0),
+        work_space_hits_low: hits(parameters.theta_min_rad, -1.0),
+        work_space_hits_high: hits(parameters.theta_max_rad, 1.0),
     })
 }
 
@@ -119,7 +122,7 @@ fn arrivals(theta: &[f64], limit: f64, sign: f64, retreat: f64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{RATE_HZ, REST_RAD, spring_study, stroke, trial};
+    use crate::testing::{RATE_HZ, REST_RAD, in_spring, stroke, trial};
     use crate::trial_metrics;
     use zwidth_store::{Signal, Trial};
 
@@ -127,7 +130,7 @@ mod tests {
     const SAMPLE_S: f64 = 1.0 / RATE_HZ;
 
     fn metrics(trial: &Trial) -> Movement {
-        trial_metrics(trial, &spring_study(4.0, REST_RAD)).unwrap().movement
+        trial_metrics(trial, &in_spring(4.0, REST_RAD)).unwrap().movement
     }
 
     /// θ = rest + A (1 − cos ωt)/2, θ̇ = A ω/2 sin ωt: the onset is at asin(threshold / (A ω/2)) /
@@ -211,11 +214,11 @@ mod tests {
 
     #[test]
     fn a_stop_is_hit_when_the_lever_arrives_not_while_it_stays_or_leaves() {
-        let mut study = spring_study(4.0, 0.0);
-        (study.device.theta_min_rad, study.device.theta_max_rad) = (Some(0.0), Some(1.0));
+        let mut parameters = in_spring(4.0, 0.0);
+        (parameters.theta_min_rad, parameters.theta_max_rad) = (Some(0.0), Some(1.0));
         let angles = [0.0, 0.001, 0.0, 0.5, 1.0, 1.0, 0.999, 1.0, 0.9, 1.1, 0.5, 0.0, 0.001, 0.0];
         let points: Vec<_> = (0..).zip(angles).map(|(i, a)| (f64::from(i), a, 0.0)).collect();
-        let found = trial_metrics(&trial(&points, |_, _| 0.0), &study).unwrap().movement;
+        let found = trial_metrics(&trial(&points, |_, _| 0.0), &parameters).unwrap().movement;
         assert_eq!((found.work_space_hits_low, found.work_space_hits_high), (Some(1), Some(2)));
     }
 }

@@ -1,11 +1,11 @@
 //! The metrics against recordings made by others; each test says so where they are not there.
 
-use crate::testing::{spring_study, trial};
+use crate::Parameters;
+use crate::testing::{in_spring, trial};
 use crate::{Saturation, trial_metrics};
 use std::path::PathBuf;
 use zwidth_numerics::series::central_differences;
 use zwidth_store::Signal;
-use zwidth_study::Study;
 
 /// A slide: x is θ times a lever of 1 m.
 const LEVER_M: f64 = 1.0;
@@ -30,12 +30,12 @@ fn read(path: &std::path::Path) -> Vec<[f64; 5]> {
     text.lines().skip(1).map(row).collect()
 }
 
-fn study(stiffness_n_per_mm: f64) -> Study {
-    let mut study = spring_study(stiffness_n_per_mm / MM * LEVER_M, 0.0);
-    study.device.lever_m = Some(LEVER_M);
-    study.analysis.slope_from_rad = 0.5 * MM / LEVER_M;
-    (study.analysis.onset_rad_s, study.analysis.offset_rad_s) = (5.0 * MM, 2.5 * MM);
-    study
+fn parameters(stiffness_n_per_mm: f64) -> Parameters {
+    let mut parameters = in_spring(stiffness_n_per_mm / MM * LEVER_M, 0.0);
+    parameters.lever_m = Some(LEVER_M);
+    parameters.analysis.slope_from_rad = 0.5 * MM / LEVER_M;
+    (parameters.analysis.onset_rad_s, parameters.analysis.offset_rad_s) = (5.0 * MM, 2.5 * MM);
+    parameters
 }
 
 /// Commanded K and rendered k − K, N/mm. NumPy: `polyfit(x[q], f[q], 1)[0] - K`, q the rows up to
@@ -61,7 +61,7 @@ fn the_rendered_stiffness_is_the_commanded_plus_the_parallel_spring_in_every_fil
         trial.samples.set(Signal::ThetaDot, central_differences(&t, &theta).unwrap());
         trial.samples.set(Signal::ForceEx, rows.iter().map(|r| -r[4]).collect());
         trial.samples.set(Signal::ForceCmd, rows.iter().map(|r| -r[3]).collect());
-        let row = trial_metrics(&trial, &study(k.parse().unwrap())).unwrap();
+        let row = trial_metrics(&trial, &parameters(k.parse().unwrap())).unwrap();
         let excess_n_per_mm = row.spring.stiffness_error_n_per_rad.unwrap() * MM / LEVER_M;
         assert!((excess_n_per_mm - expect).abs() < 1e-9, "K {k}: {excess_n_per_mm} N/mm");
         assert_eq!(row.spring.saturation, Saturation::default(), "none of these springs saturates");

@@ -1,13 +1,13 @@
 //! A trial's samples as the metrics see them: slices of one length, and where the movement's phases
 //! lie.
 
-use crate::MetricsError;
+use crate::{MetricsError, Parameters};
 use std::borrow::Cow;
 use zwidth_numerics::activity::{Activity, activity};
 use zwidth_numerics::phases::{Phases, phases};
 use zwidth_numerics::updates::{Updates, updates};
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Analysis, Study};
+use zwidth_study::Analysis;
 
 /// `flags`: the brake is on.
 const BRAKE_ON: u16 = 128;
@@ -37,7 +37,7 @@ pub(crate) struct Signals<'a> {
 }
 
 impl<'a> Signals<'a> {
-    pub(crate) fn of(trial: &'a Trial, study: &Study) -> Result<Self, MetricsError> {
+    pub(crate) fn of(trial: &'a Trial, parameters: &Parameters) -> Result<Self, MetricsError> {
         let t = trial
             .samples
             .get(Signal::Time)
@@ -52,7 +52,7 @@ impl<'a> Signals<'a> {
         };
         let theta = column(Signal::Theta)?;
         let theta_dot = column(Signal::ThetaDot)?;
-        let Analysis { onset_rad_s, offset_rad_s, .. } = study.analysis;
+        let Analysis { onset_rad_s, offset_rad_s, .. } = parameters.analysis;
         let active = theta_dot.and_then(|v| activity(v, onset_rad_s, offset_rad_s));
         let phases = match (theta, theta_dot, active) {
             (Some(theta), Some(_), Some(a)) => {
@@ -78,7 +78,7 @@ impl<'a> Signals<'a> {
             force_cmd: column(Signal::ForceCmd)?,
             brake_on: on(column(Signal::VoltageBrake)?, flags, BRAKE_ON),
             motor_on: on(column(Signal::VoltageMotor)?, flags, MOTOR_ON),
-            lever_m: study.device.lever_m,
+            lever_m: parameters.lever_m,
             activity: active,
             phases,
         })

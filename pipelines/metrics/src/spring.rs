@@ -182,7 +182,7 @@ fn returned_energy(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{REST_RAD, spring_study, stroke, trial, wall_study};
+    use crate::testing::{REST_RAD, at_wall, in_spring, stroke, trial};
     use crate::trial_metrics;
     use zwidth_store::Signal;
 
@@ -197,7 +197,7 @@ mod tests {
         let mut trial = trial(&points, |theta, _| 0.3 + 4.2 * (theta - REST_RAD));
         let cmd = points.iter().map(|p| 4.2 * (p.1 - REST_RAD)).collect();
         trial.samples.set(Signal::ForceCmd, cmd);
-        let found = trial_metrics(&trial, &spring_study(4.0, REST_RAD)).unwrap().spring;
+        let found = trial_metrics(&trial, &in_spring(4.0, REST_RAD)).unwrap().spring;
         check(found.stiffness_n_per_rad, 4.2, 1e-12);
         check(found.stiffness_error_n_per_rad, 0.2, 1e-12);
         check(found.force_at_rest_n, 0.3, 1e-12);
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn a_saturated_spring_keeps_its_slope_and_tells_where_it_saturates() {
         let force = |theta: f64, _: f64| 0.2 + (4.0 * (theta - REST_RAD)).min(2.08);
-        let found = trial_metrics(&trial(&stroke(1.3, 2.0), force), &spring_study(4.0, REST_RAD))
+        let found = trial_metrics(&trial(&stroke(1.3, 2.0), force), &in_spring(4.0, REST_RAD))
             .unwrap()
             .spring;
         check(found.stiffness_n_per_rad, 4.0, 1e-12);
@@ -249,7 +249,7 @@ mod tests {
     fn a_spring_that_does_not_saturate_has_no_saturation() {
         let found = trial_metrics(
             &trial(&stroke(1.3, 2.0), |theta, _| 4.0 * theta),
-            &spring_study(4.0, REST_RAD),
+            &in_spring(4.0, REST_RAD),
         );
         assert_eq!(found.unwrap().spring.saturation, Saturation::default());
     }
@@ -262,9 +262,8 @@ mod tests {
             let u = k * (theta - REST_RAD);
             if velocity > 0.0 { u } else { u.min(weak) }
         };
-        let found = trial_metrics(&trial(&stroke(x, 2.0), force), &spring_study(k, REST_RAD))
-            .unwrap()
-            .spring;
+        let found =
+            trial_metrics(&trial(&stroke(x, 2.0), force), &in_spring(k, REST_RAD)).unwrap().spring;
         let share = (weak * x - weak * weak / (2.0 * k)) / (k * x * x / 2.0);
         check(found.returned_energy_share, share, 2e-3);
     }
@@ -275,8 +274,11 @@ mod tests {
         let held = (1..200).map(|i| (1.5 + f64::from(i) / 1000.0, way_in[1500].1, 0.0));
         let stays: Vec<_> = way_in.iter().copied().chain(held).collect();
         let share = |points: &[(f64, f64, f64)]| {
-            let study = spring_study(4.0, REST_RAD);
-            trial_metrics(&trial(points, |_, _| 1.0), &study).unwrap().spring.returned_energy_share
+            let parameters = in_spring(4.0, REST_RAD);
+            trial_metrics(&trial(points, |_, _| 1.0), &parameters)
+                .unwrap()
+                .spring
+                .returned_energy_share
         };
         assert_eq!(share(&stays).map(f64::to_bits), Some(0.0_f64.to_bits()));
         assert_eq!(share(&way_in[..1300]), None);
@@ -284,23 +286,23 @@ mod tests {
 
     #[test]
     fn samples_past_the_wall_or_short_of_the_limit_are_left_out_of_the_fit() {
-        let mut study = wall_study(4.0, REST_RAD, REST_RAD + 0.8);
-        study.analysis.slope_from_rad = 0.2;
+        let mut parameters = at_wall(4.0, REST_RAD, REST_RAD + 0.8);
+        parameters.analysis.slope_from_rad = 0.2;
         let force = |theta: f64, _: f64| match theta - REST_RAD {
             u if u >= 0.8 => 13.0,
             u if u < 0.2 => 0.0,
             u => 3.5 * u,
         };
-        let found = trial_metrics(&trial(&stroke(1.0, 2.0), force), &study).unwrap().spring;
+        let found = trial_metrics(&trial(&stroke(1.0, 2.0), force), &parameters).unwrap().spring;
         check(found.stiffness_n_per_rad, 3.5, 1e-12);
     }
 
     #[test]
     fn a_lever_that_stays_short_of_the_limit_has_no_slope_but_a_count_of_zero() {
-        let mut study = spring_study(4.0, REST_RAD);
-        study.analysis.slope_from_rad = 2.0;
+        let mut parameters = in_spring(4.0, REST_RAD);
+        parameters.analysis.slope_from_rad = 2.0;
         let found =
-            trial_metrics(&trial(&stroke(1.0, 2.0), |theta, _| theta), &study).unwrap().spring;
+            trial_metrics(&trial(&stroke(1.0, 2.0), |theta, _| theta), &parameters).unwrap().spring;
         assert_eq!((found.stiffness_n_per_rad, found.r2, found.samples), (None, None, Some(0)));
         assert_eq!(found.force_rms_error_n, None);
     }

@@ -86,13 +86,13 @@ fn passivity_energy(signals: &Signals) -> Result<Option<f64>, MetricsError> {
 mod tests {
     use super::*;
     use crate::oscillation::RecordedStability;
-    use crate::testing::{LEVER_M, REST_RAD, spring_study, stroke, trial};
+    use crate::testing::{LEVER_M, REST_RAD, in_spring, stroke, trial};
     use crate::trial_metrics;
     use core::f64::consts::TAU;
     use zwidth_store::{Signal, Trial};
 
     fn of(trial: &Trial) -> Stability {
-        trial_metrics(trial, &spring_study(4.0, REST_RAD)).unwrap().stability
+        trial_metrics(trial, &in_spring(4.0, REST_RAD)).unwrap().stability
     }
 
     fn check(found: Option<f64>, expect: f64, tolerance: f64) {
@@ -160,11 +160,11 @@ mod tests {
 
     #[test]
     fn without_an_age_the_devices_force_rate_bounds_the_band() {
-        let mut study = spring_study(4.0, REST_RAD);
+        let mut parameters = in_spring(4.0, REST_RAD);
         let trial = trial(&shaken(), |_, v| 0.5 * v);
         let mut top = |rate: Option<f64>| {
-            study.device.force_rate_hz = rate;
-            trial_metrics(&trial, &study).unwrap().stability.force_band.map(|b| b.top_hz)
+            parameters.force_rate_hz = rate;
+            trial_metrics(&trial, &parameters).unwrap().stability.force_band.map(|b| b.top_hz)
         };
         assert_eq!((top(Some(80.0)), top(None), top(Some(10.0))), (Some(39.0), Some(50.0), None));
     }

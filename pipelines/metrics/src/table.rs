@@ -31,7 +31,7 @@ fn column(spec: &Spec, rows: &[Row]) -> Column {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{REST_RAD, stroke, trial, wall_study};
+    use crate::testing::{REST_RAD, at_wall, stroke, trial};
     use crate::trial_metrics;
 
     #[test]
@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn a_row_lands_in_its_columns_and_what_does_not_apply_is_null() {
         let trial = trial(&stroke(1.0, 2.0), |theta, _| 4.0 * (theta - REST_RAD));
-        let row = trial_metrics(&trial, &wall_study(4.0, REST_RAD, 3.0)).unwrap();
+        let row = trial_metrics(&trial, &at_wall(4.0, REST_RAD, 3.0)).unwrap();
         let table = table(std::slice::from_ref(&row)).unwrap();
         assert_eq!(table.floats("stiffness_n_per_rad").unwrap(), [row.spring.stiffness_n_per_rad]);
         assert_eq!(table.flags("wall_reached").unwrap(), [Some(false)]);

@@ -1,5 +1,6 @@
 //! Small closed-form trials and studies for the tests of this crate.
 
+use crate::Parameters;
 use zwidth_store::{Samples, Signal, Trial, TrialFile};
 use zwidth_study::{
     EnvironmentId, Kind, ModeId, ParticipantId, Scene, SessionId, Source, Status, Study, StudyId,
@@ -49,19 +50,20 @@ pub(crate) fn meta() -> TrialMeta {
     }
 }
 
-/// The template's study, its first environment a spring K (θ − rest).
-pub(crate) fn spring_study(stiffness_n_per_rad: f64, rest_rad: f64) -> Study {
+/// The parameters of the template's hybrid mode, in a spring K (θ − rest).
+pub(crate) fn in_spring(stiffness_n_per_rad: f64, rest_rad: f64) -> Parameters {
     let text = zwidth_study::template(&StudyId::new("demo").unwrap());
-    let mut study = Study::from_toml(&text).unwrap();
-    study.environments[0].scene =
-        Scene::Spring(zwidth_study::Spring { stiffness_n_per_rad, rest_rad });
-    study
+    let study = Study::from_toml(&text).unwrap();
+    let hybrid = study.mode(&meta().mode).unwrap();
+    let parameters = Parameters::of(&study, &study.environments[0], hybrid);
+    let scene = Scene::Spring(zwidth_study::Spring { stiffness_n_per_rad, rest_rad });
+    Parameters { scene, ..parameters }
 }
 
 /// The same with a wall.
-pub(crate) fn wall_study(stiffness_n_per_rad: f64, rest_rad: f64, wall_rad: f64) -> Study {
-    let mut study = spring_study(stiffness_n_per_rad, rest_rad);
+pub(crate) fn at_wall(stiffness_n_per_rad: f64, rest_rad: f64, wall_rad: f64) -> Parameters {
+    let mut parameters = in_spring(stiffness_n_per_rad, rest_rad);
     let spring = zwidth_study::Spring { stiffness_n_per_rad, rest_rad };
-    study.environments[0].scene = Scene::SpringWall { spring, wall_rad };
-    study
+    parameters.scene = Scene::SpringWall { spring, wall_rad };
+    parameters
 }

@@ -159,7 +159,7 @@ fn rebounds(theta: &[f64], wall: f64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{LEVER_M, REST_RAD, stroke, trial, wall_study};
+    use crate::testing::{LEVER_M, REST_RAD, at_wall, stroke, trial};
     use crate::trial_metrics;
     use zwidth_store::Signal;
 
@@ -173,7 +173,7 @@ mod tests {
         wall_rad: f64,
         force: impl Fn(f64, f64) -> f64,
     ) -> WallContact {
-        trial_metrics(&trial(points, force), &wall_study(4.0, REST_RAD, wall_rad)).unwrap().wall
+        trial_metrics(&trial(points, force), &at_wall(4.0, REST_RAD, wall_rad)).unwrap().wall
     }
 
     #[test]
@@ -218,7 +218,7 @@ mod tests {
         let points: Vec<_> = (0..).zip(angles).map(|(i, a)| (f64::from(i), a, 1.0)).collect();
         let mut trial = trial(&points, |_, _| 0.0);
         trial.samples.set(Signal::VoltageBrake, vec![8.0, 0.0, 8.0, 0.0, 8.0, 8.0, 0.0, 0.0]);
-        let found = trial_metrics(&trial, &wall_study(4.0, REST_RAD, 0.75)).unwrap().wall;
+        let found = trial_metrics(&trial, &at_wall(4.0, REST_RAD, 0.75)).unwrap().wall;
         assert_eq!(found.brake_releases, Some(2));
     }
 

@@ -18,12 +18,11 @@
 //! A lever that reverses, sticks or lies on a stop is held by forces that nobody recorded, so such
 //! times have no hats.
 
-use crate::scene::Condition;
+use crate::scene::Rendering;
 use crate::{Parameters, ReplayError, WhyNot};
 use zwidth_numerics::cubic;
 use zwidth_numerics::updates::{Updates, updates};
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Calibration, Study};
 
 /// Nodes are samples at least this far apart, s: a count of the angle sensor is then a small part
 /// of the motion between two.
@@ -71,19 +70,13 @@ struct Hat {
 }
 
 impl Balance {
-    /// Makes a trial ready. `calibration` is the session's. A trial in which the lever never moves
-    /// long enough has no hats.
+    /// Makes a trial ready. A trial in which the lever never moves long enough has no hats.
     ///
     /// # Errors
-    /// [`ReplayError::WhyNot`] where the recording, the study or the session lacks what the balance
-    /// needs; an environment or a mode that the study does not have; columns of unequal length.
-    pub fn new(
-        trial: &Trial,
-        study: &Study,
-        calibration: Option<&Calibration>,
-    ) -> Result<Self, ReplayError> {
-        let condition = Condition::of(&trial.meta, study, calibration)?;
-        let lever_m = condition.lever_m.ok_or(WhyNot::NoLever)?;
+    /// [`ReplayError::WhyNot`] where the recording or what is known of it lacks what the balance
+    /// needs; columns of unequal length.
+    pub fn new(trial: &Trial, rendering: &Rendering) -> Result<Self, ReplayError> {
+        let lever_m = rendering.lever_m.ok_or(WhyNot::NoLever)?;
         let t_s = trial.samples.get(Signal::Time).unwrap_or_default().to_vec();
         if t_s.len() < 3 {
             return Err(WhyNot::TooShort.into());
@@ -92,7 +85,7 @@ impl Balance {
         let theta = column(Signal::Theta)?.ok_or(WhyNot::NoAngle)?;
         let force = column(Signal::ForceEx)?.ok_or(WhyNot::NoForce)?;
         let voltages = [column(Signal::VoltageMotor)?, column(Signal::VoltageBrake)?];
-        let [motor_n, brake_n] = condition.commands_n(t_s.len(), voltages)?;
+        let [motor_n, brake_n] = rendering.commands_n(t_s.len(), voltages)?;
         let updates = match column(Signal::ForceAge)? {
             Some(age) => updates(&t_s, force, age),
             None => Updates { t: t_s.clone(), values: force.to_vec() },
@@ -273,7 +266,7 @@ impl Impulse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{calibration, study, trial, without};
+    use crate::testing::{rendering, trial, without};
     use zwidth_store::Samples;
 
     const PLANT: Parameters = Parameters {
@@ -288,7 +281,7 @@ mod tests {
     /// Half a second at rest, and a movement there and back; no voltages. The force is that of the
     /// equation of motion.
     fn moved(rate_hz: f64, plant: &Parameters) -> Samples {
-        let lever_m = study().device.lever_m.unwrap();
+        let lever_m = rendering("hybrid").lever_m.unwrap();
         let t: Vec<f64> = (0..(3.0 * rate_hz) as u32).map(|i| f64::from(i) / rate_hz).collect();
         let phase = |t: f64| 2.5 * (t - 0.5).max(0.0);
         let theta = t.iter().map(|t| -0.7 + 0.6 * (1.0 - libm::cos(phase(*t)))).collect();
@@ -308,7 +301,7 @@ mod tests {
     }
 
     fn balance(samples: Samples) -> Result<Balance, ReplayError> {
-        Balance::new(&trial("hybrid", samples), &study(), Some(&calibration()))
+        Balance::new(&trial("hybrid", samples), &rendering("hybrid"))
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Closed loop: the plant alone, moved by the recorded commands and the recorded force of the user.
 
-use crate::scene::Condition;
+use crate::scene::Rendering;
 use crate::{Parameters, WhyNot};
 use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, DynamicsError, Series, Start};
 use zwidth_numerics::series::{cumulative_trapezoid, interpolate};
@@ -18,12 +18,12 @@ pub(crate) struct Held {
 /// interval: it has the same impulse, and displaces what it moves by at most its own change over
 /// the interval.
 pub(crate) fn held(
-    condition: &Condition,
+    rendering: &Rendering,
     t: &[f64],
     [motor_v, brake_v]: [Option<&[f64]>; 2],
     force: &Series,
 ) -> Result<Held, WhyNot> {
-    let [motor_n, brake_n] = condition.commands_n(t.len(), [motor_v, brake_v])?;
+    let [motor_n, brake_n] = rendering.commands_n(t.len(), [motor_v, brake_v])?;
     let means = means(t, force);
     Ok(Held {
         pushing_n: motor_n.iter().zip(&means).map(|(motor, mean)| motor + mean).collect(),

@@ -1,13 +1,12 @@
 //! A trial made ready to be replayed: what was recorded, and the model of it.
 
 use crate::closed_loop::{self, Held};
-use crate::scene::{Condition, Parameters};
+use crate::scene::{Parameters, Rendering};
 use crate::updates::input;
 use crate::{Causality, ReplayError, WhyNot};
 use zwidth_dynamics::{DynamicsError, Exact, Grid, Scene, Series, Solver, Start, System};
 use zwidth_numerics::series::{central_differences, interpolate};
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Calibration, Study};
 
 /// A trial as it was recorded, and the model of it; the model's plant is chosen at each run.
 #[derive(Debug, Clone)]
@@ -38,18 +37,12 @@ pub struct Course {
 
 impl Drive {
     /// Makes a trial ready: its force becomes the model's input, its first sample the model's
-    /// start. `calibration` is the session's.
+    /// start.
     ///
     /// # Errors
-    /// [`ReplayError::WhyNot`] where the recording, the study or the session lacks what every
-    /// causality needs; an environment or a mode that the study does not have; columns of
-    /// unequal length.
-    pub fn new(
-        trial: &Trial,
-        study: &Study,
-        calibration: Option<&Calibration>,
-    ) -> Result<Self, ReplayError> {
-        let condition = Condition::of(&trial.meta, study, calibration)?;
+    /// [`ReplayError::WhyNot`] where the recording or what is known of it lacks what every
+    /// causality needs; columns of unequal length.
+    pub fn new(trial: &Trial, rendering: &Rendering) -> Result<Self, ReplayError> {
         let absolute = trial.samples.get(Signal::Time).unwrap_or_default();
         if absolute.len() < 3 {
             return Err(WhyNot::TooShort.into());
@@ -65,10 +58,10 @@ impl Drive {
             None => central_differences(&t_s, theta)?,
         };
         let voltages = [column(Signal::VoltageMotor)?, column(Signal::VoltageBrake)?];
-        let held = closed_loop::held(&condition, &t_s, voltages, &series);
+        let held = closed_loop::held(rendering, &t_s, voltages, &series);
         let start = Start { theta_rad: theta[0], theta_dot_rad_s: theta_dot[0] };
         let force_ex_n = at_samples(&series, &t_s);
-        let scene = condition.scene(series, start, t_s[t_s.len() - 1])?;
+        let scene = rendering.scene(series, start, t_s[t_s.len() - 1])?;
         let feedback_n = column(Signal::ForceCmd)?.map(<[f64]>::to_vec);
         let theta_rad = theta.to_vec();
         let recorded =
@@ -156,6 +149,42 @@ impl Drive {
     }
 }
 
+/// Samples at least this far apart are judged, s: those between say nothing new of a movement of
+/// the hand.
+const LEAST_STEP_S: f64 = 0.004;
+
+/// A trial at which a plant is judged: the error of the replay driven by force, at some of the
+/// recording's samples.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    drive: Drive,
+    t_s: Vec<f64>,
+    theta_rad: Vec<f64>,
+}
+
+impl Judged {
+    /// Takes samples of the recording, each at least 4 ms after the one before.
+    pub fn new(drive: Drive) -> Self {
+        let (mut t_s, mut theta_rad) = (Vec::new(), Vec::new());
+        let recorded = drive.recorded();
+        for (t, theta) in recorded.t_s.iter().zip(&recorded.theta_rad) {
+            if t_s.last().is_none_or(|last| t - last >= LEAST_STEP_S) {
+                t_s.push(*t);
+                theta_rad.push(*theta);
+            }
+        }
+        Self { drive, t_s, theta_rad }
+    }
+
+    /// Root mean square error of θ, rad; `None` where the model does not run.
+    pub fn rmse_rad(&self, plant: &Parameters) -> Option<f64> {
+        let replayed = self.drive.theta_at(&self.t_s, plant).ok()?;
+        let squares: f64 =
+            replayed.iter().zip(&self.theta_rad).map(|(r, o)| (r - o) * (r - o)).sum();
+        Some((squares / self.theta_rad.len() as f64).sqrt())
+    }
+}
+
 pub(crate) fn column(
     trial: &Trial,
     signal: Signal,
@@ -178,12 +207,12 @@ fn at_samples(series: &Series, t: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{calibration, simulated, study};
+    use crate::testing::{rendering, simulated};
 
     #[test]
     fn the_angle_at_other_times_is_that_of_the_whole_run() {
         let trial = simulated("hybrid", &Parameters::BY_EYE);
-        let drive = Drive::new(&trial, &study(), Some(&calibration())).unwrap();
+        let drive = Drive::new(&trial, &rendering("hybrid")).unwrap();
         let whole = drive.run(Causality::ForceDriven, &Parameters::BY_EYE).unwrap();
         let every: Vec<usize> = (0..whole.t_s.len()).step_by(7).collect();
         let times: Vec<f64> = every.iter().map(|i| whole.t_s[*i]).collect();

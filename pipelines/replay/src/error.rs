@@ -3,7 +3,6 @@
 use zwidth_dynamics::DynamicsError;
 use zwidth_numerics::NumericsError;
 use zwidth_stats::StatsError;
-use zwidth_study::EnvironmentId;
 use zwidth_tables::TableError;
 
 /// Why a replay does not apply, though nothing is wrong with the trial: a word in the table.
@@ -53,18 +52,6 @@ pub enum ReplayError {
     /// A replay does not apply, and there is a reason.
     #[error(transparent)]
     WhyNot(#[from] WhyNot),
-    /// The trial's environment is not in the study.
-    #[error("environment '{environment}' is not in study.toml: add it there, or mend the trial's")]
-    UnknownEnvironment {
-        /// The environment.
-        environment: EnvironmentId,
-    },
-    /// The trial's mode is not in the study.
-    #[error("mode '{mode}' is not in study.toml: add it there, or mend the trial's")]
-    UnknownMode {
-        /// The mode.
-        mode: String,
-    },
     /// A column that is not as long as time.
     #[error(
         "column {column} has {found} samples where t_s has {expected}: columns must be equally long"

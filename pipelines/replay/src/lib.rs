@@ -26,6 +26,7 @@ mod balance;
 mod causality;
 mod closed_loop;
 mod compare;
+mod courses;
 mod drive;
 mod error;
 mod lag;
@@ -40,10 +41,11 @@ pub use agreement::agreement;
 pub use balance::Balance;
 pub use causality::Causality;
 pub use compare::Comparison;
-pub use drive::{Course, Drive};
+pub use courses::{courses, typical};
+pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};
 pub use replay::{Outcome, Row, replay};
-pub use scene::Parameters;
+pub use scene::{Parameters, Rendering};
 pub use table::{table, together};
 
 /// Version of the algorithms here: a change of any number they give raises it.

@@ -1,12 +1,12 @@
 //! One trial in three causalities.
 
 use crate::compare::compare;
-use crate::{Causality, Comparison, Course, Drive, Parameters, ReplayError, WhyNot};
+use crate::{Causality, Comparison, Course, Drive, Parameters, Rendering, ReplayError, WhyNot};
 use zwidth_dynamics::DynamicsError;
 use zwidth_numerics::activity::activity;
 use zwidth_numerics::phases::phases;
 use zwidth_store::Trial;
-use zwidth_study::{Analysis, Calibration, Study, TrialMeta};
+use zwidth_study::{Analysis, TrialMeta};
 
 /// What came of a replay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,18 +55,17 @@ pub struct Row {
 /// work space.
 const DIVERGED_RAD: f64 = 10.0;
 
-/// Replays a trial in every causality. `calibration` is the session's.
+/// Replays a trial in every causality.
 ///
 /// # Errors
-/// An environment or a mode that the study does not have; columns of unequal length; parameters
-/// that make no model.
+/// Columns of unequal length; parameters that make no model.
 pub fn replay(
     trial: &Trial,
-    study: &Study,
-    calibration: Option<&Calibration>,
+    rendering: &Rendering,
+    analysis: &Analysis,
     parameters: &Parameters,
 ) -> Result<Vec<Row>, ReplayError> {
-    let drive = match Drive::new(trial, study, calibration) {
+    let drive = match Drive::new(trial, rendering) {
         Err(ReplayError::WhyNot(why)) => Err(why),
         other => Ok(other?),
     };
@@ -82,7 +81,7 @@ pub fn replay(
         };
         match &drive {
             Err(why) => Ok(Row { outcome: Outcome::Not(*why), ..empty }),
-            Ok(drive) => row(drive, &study.analysis, empty),
+            Ok(drive) => row(drive, analysis, empty),
         }
     };
     Causality::ALL.into_iter().map(one).collect()
@@ -130,11 +129,12 @@ fn has_diverged(model: &Course) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{calibration, delayed, simulated, study};
+    use crate::testing::{delayed, rendering, simulated};
     use zwidth_store::Signal;
 
     fn rows(trial: &Trial) -> Vec<Row> {
-        replay(trial, &study(), Some(&calibration()), &Parameters::BY_EYE).unwrap()
+        let rendering = rendering(trial.meta.mode.as_str());
+        replay(trial, &rendering, &Analysis::default(), &Parameters::BY_EYE).unwrap()
     }
 
     #[test]
@@ -192,26 +192,28 @@ mod tests {
     #[test]
     fn what_is_missing_is_a_word_in_the_row() {
         let whole = simulated("active", &Parameters::BY_EYE);
-        let words = |trial: &Trial, calibration: Option<&Calibration>| {
-            let rows = replay(trial, &study(), calibration, &Parameters::BY_EYE).unwrap();
+        let words = |trial: &Trial, rendering: &Rendering| {
+            let analysis = Analysis::default();
+            let rows = replay(trial, rendering, &analysis, &Parameters::BY_EYE).unwrap();
             rows.iter().map(|r| r.outcome.as_str()).collect::<Vec<_>>()
         };
-        assert_eq!(words(&whole, None), ["no_calibration"; 3]);
+        let calibrated = rendering("active");
+        let without = Rendering { calibration: None, ..calibrated.clone() };
+        assert_eq!(words(&whole, &without), ["no_calibration"; 3]);
         let mut trial = whole.clone();
         trial.samples = crate::testing::without(&whole.samples, Signal::VoltageMotor);
-        assert_eq!(words(&trial, Some(&calibration())), ["replayed", "replayed", "no_voltages"]);
+        assert_eq!(words(&trial, &calibrated), ["replayed", "replayed", "no_voltages"]);
         trial.samples = crate::testing::without(&whole.samples, Signal::ForceEx);
-        assert_eq!(words(&trial, Some(&calibration())), ["no_force"; 3]);
+        assert_eq!(words(&trial, &calibrated), ["no_force"; 3]);
     }
 
     #[test]
     fn a_lever_that_runs_away_has_diverged() {
-        let mut study = study();
-        study.device.theta_min_rad = None;
-        study.environments[0].scene = zwidth_study::Scene::Free;
+        let (stops_rad, rendered) = (None, zwidth_study::Scene::Free);
+        let free = Rendering { stops_rad, rendered, ..rendering("active") };
         let trial = simulated("active", &Parameters::BY_EYE);
         let light = Parameters { damping_ns_per_rad: 1e-3, ..Parameters::BY_EYE };
-        let rows = replay(&trial, &study, Some(&calibration()), &light).unwrap();
+        let rows = replay(&trial, &free, &Analysis::default(), &light).unwrap();
         assert_eq!((rows[0].outcome, rows[0].comparison), (Outcome::Diverged, None));
     }
 }

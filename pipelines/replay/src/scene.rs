@@ -1,17 +1,18 @@
 //! The model of a trial: environment, mode, work space and actuators from the study, the plant from
 //! parameters.
 
-use crate::{ReplayError, WhyNot};
+use crate::WhyNot;
+use serde::Serialize;
 use zwidth_dynamics::{
     Brake, BrakeLaw, Environment, Friction, Input, Mode, Motor, Plant, Scene, Series, Start, Terms,
 };
-use zwidth_study::{Calibration, Scene as Rendered, Study, TrialMeta};
+use zwidth_study::{Calibration, Scene as Rendered, Study};
 
 /// Lags below this are none, s: far below any sample's interval.
 const LEAST_LAG_S: f64 = 1e-6;
 
 /// What is not known of the plant.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Parameters {
     /// M_O: mass felt at the lever's end, kg.
     pub mass_kg: f64,
@@ -68,42 +69,44 @@ impl Parameters {
     }
 }
 
-/// What a trial rendered and how, as the study has it.
-pub(crate) struct Condition<'a> {
-    pub(crate) rendered: Rendered,
-    pub(crate) motor_max_v: f64,
-    pub(crate) brake_max_v: f64,
-    pub(crate) lever_m: Option<f64>,
-    pub(crate) stops_rad: Option<[f64; 2]>,
-    pub(crate) let_go_n: f64,
-    pub(crate) calibration: Option<&'a Calibration>,
+/// What a condition's trials rendered and how: all that their model depends on besides the trials
+/// and the plant.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rendering {
+    /// What was rendered.
+    pub rendered: Rendered,
+    /// Highest motor voltage of the mode, V; 0 where it uses none.
+    pub motor_max_v: f64,
+    /// Highest brake voltage of the mode, V; 0 where it uses none.
+    pub brake_max_v: f64,
+    /// Lever length L, m.
+    pub lever_m: Option<f64>,
+    /// The ends of the work space, rad.
+    pub stops_rad: Option<[f64; 2]>,
+    /// Below this force of the user a hybrid drive lets the brake go, N.
+    pub let_go_n: f64,
+    /// The calibration in force.
+    pub calibration: Option<Calibration>,
 }
 
-impl<'a> Condition<'a> {
-    pub(crate) fn of(
-        meta: &TrialMeta,
+impl Rendering {
+    /// That of a condition of a study, with the session's calibration.
+    pub fn of(
         study: &Study,
-        calibration: Option<&'a Calibration>,
-    ) -> Result<Self, ReplayError> {
-        let environment = study.environment(&meta.environment).ok_or_else(|| {
-            ReplayError::UnknownEnvironment { environment: meta.environment.clone() }
-        })?;
-        let mode = study
-            .mode(&meta.mode)
-            .ok_or_else(|| ReplayError::UnknownMode { mode: meta.mode.as_str().to_owned() })?;
-        Ok(Self {
+        environment: &zwidth_study::Environment,
+        mode: &zwidth_study::Mode,
+        calibration: Option<Calibration>,
+    ) -> Self {
+        let device = &study.device;
+        Self {
             rendered: environment.scene,
             motor_max_v: mode.motor_max_v.unwrap_or(0.0),
             brake_max_v: mode.brake_max_v.unwrap_or(0.0),
-            lever_m: study.device.lever_m,
-            stops_rad: study
-                .device
-                .theta_min_rad
-                .zip(study.device.theta_max_rad)
-                .map(|(a, b)| [a, b]),
+            lever_m: device.lever_m,
+            stops_rad: device.theta_min_rad.zip(device.theta_max_rad).map(|(a, b)| [a, b]),
             let_go_n: study.control.let_go_n,
             calibration,
-        })
+        }
     }
 
     /// Which actuators the mode uses; a mode with none has a motor that gives nothing.
@@ -129,7 +132,7 @@ impl<'a> Condition<'a> {
     /// The most motor and brake give in this mode, N; in a free environment nothing is asked of
     /// them.
     fn limits_n(&self) -> Result<(f64, f64), WhyNot> {
-        match (self.rendered, self.calibration) {
+        match (self.rendered, &self.calibration) {
             (Rendered::Free, _) => Ok((0.0, 0.0)),
             (_, None) => Err(WhyNot::NoCalibration),
             (_, Some(c)) => {
@@ -153,7 +156,7 @@ impl<'a> Condition<'a> {
             return Err(WhyNot::NoCalibration);
         }
         let force = |voltages: Option<&[f64]>, of: fn(&Calibration, f64) -> f64| {
-            self.calibration.zip(voltages).map_or_else(
+            self.calibration.as_ref().zip(voltages).map_or_else(
                 || vec![0.0; samples],
                 |(calibration, voltages)| voltages.iter().map(|v| of(calibration, *v)).collect(),
             )

@@ -99,12 +99,13 @@ fn applies(of: Of, row: &Row) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{calibration, simulated, study};
+    use crate::testing::{rendering, simulated};
     use crate::{Parameters, replay};
+    use zwidth_study::Analysis;
 
     fn rows() -> Vec<Row> {
         let trial = simulated("hybrid", &Parameters::BY_EYE);
-        replay(&trial, &study(), Some(&calibration()), &Parameters::BY_EYE).unwrap()
+        replay(&trial, &rendering("hybrid"), &Analysis::default(), &Parameters::BY_EYE).unwrap()
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Trials made by the model itself, for the tests of this crate.
 
 use crate::Parameters;
-use crate::scene::Condition;
+use crate::scene::Rendering;
 use zwidth_dynamics::{Exact, Grid, Series, Solver, Start, System};
 use zwidth_store::{Samples, Signal, Trial, TrialFile};
 use zwidth_study::{Calibration, Kind, Scene, Source, Spring, Status, Study, TrialMeta};
@@ -16,6 +16,13 @@ pub(crate) fn study() -> Study {
     study.environments[0].scene =
         Scene::Spring(Spring { stiffness_n_per_rad: 4.0, rest_rad: REST_RAD });
     study
+}
+
+/// Its first environment by a mode, as a session with the thesis' calibration renders it.
+pub(crate) fn rendering(mode: &str) -> Rendering {
+    let study = study();
+    let mode = study.mode(&mode.parse().unwrap()).unwrap();
+    Rendering::of(&study, &study.environments[0], mode, Some(calibration()))
 }
 
 pub(crate) fn calibration() -> Calibration {
@@ -50,9 +57,8 @@ fn push() -> Series {
 /// A trial as the model records it: the push, its motion, and the voltages of what the actuators
 /// give.
 pub(crate) fn simulated(mode: &str, plant: &Parameters) -> Trial {
-    let (meta, study, calibration) = (meta(mode), study(), calibration());
-    let push = push();
-    let condition = Condition::of(&meta, &study, Some(&calibration)).unwrap();
+    let (meta, calibration) = (meta(mode), calibration());
+    let (push, condition) = (push(), rendering(mode));
     let start = Start { theta_rad: REST_RAD, theta_dot_rad_s: 0.0 };
     let scene = plant.put(&condition.scene(push.clone(), start, 4.0).unwrap());
     let system = System::new(scene).unwrap();

@@ -1,6 +1,7 @@
 //! Which actuator of a mode acts on which way.
 
-use zwidth_study::{Calibration, Mode, Study};
+use crate::Planned;
+use zwidth_study::{Calibration, Mode};
 
 /// Motor or brake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,16 +36,16 @@ pub(crate) fn force_n(calibration: &Calibration, (actuator, voltage_v): (Actuato
 }
 
 /// The study's first mode with a motor alone: the thesis' active one.
-pub(crate) fn active(study: &Study) -> Option<&Mode> {
+pub(crate) fn active(study: &Planned) -> Option<&Mode> {
     study.modes.iter().find(|m| m.motor_max_v.is_some() && m.brake_max_v.is_none())
 }
 
 /// The study's first mode with a brake alone: the thesis' passive one.
-pub(crate) fn passive(study: &Study) -> Option<&Mode> {
+pub(crate) fn passive(study: &Planned) -> Option<&Mode> {
     study.modes.iter().find(|m| m.brake_max_v.is_some() && m.motor_max_v.is_none())
 }
 
 /// The study's first mode with both.
-pub(crate) fn hybrid(study: &Study) -> Option<&Mode> {
+pub(crate) fn hybrid(study: &Planned) -> Option<&Mode> {
     study.modes.iter().find(|m| m.brake_max_v.is_some() && m.motor_max_v.is_some())
 }

@@ -1,8 +1,9 @@
 //! Tables of what was planned: the modes as used, the device.
 
+use crate::Planned;
 use crate::actuation::{Actuator, acting, force_n};
 use crate::facts::{self, Fact};
-use zwidth_study::{Calibration, Mode, Study, VelocityFilter};
+use zwidth_study::{Calibration, Mode, VelocityFilter};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Motor and brake as each mode uses them, one row a mode: highest voltages, what acts while
@@ -12,7 +13,7 @@ use zwidth_tables::{Column, Table, TableError};
 /// # Errors
 /// A force that is not finite.
 pub fn modes_table(
-    study: &Study,
+    study: &Planned,
     calibration: &Calibration,
     footnote: &str,
 ) -> Result<Table, TableError> {
@@ -52,7 +53,7 @@ fn on_way(actuator: Actuator, way: usize) -> &'static str {
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn device_table(study: &Study) -> Result<Table, TableError> {
+pub fn device_table(study: &Planned) -> Result<Table, TableError> {
     let (device, control) = (&study.device, &study.control);
     let degrees = |angle: Option<f64>| angle.map(f64::to_degrees);
     let mut facts = vec![
@@ -88,8 +89,8 @@ mod tests {
     use super::*;
     use zwidth_study::template;
 
-    fn study() -> Study {
-        Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+    fn study() -> Planned {
+        Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
     }
 
     /// §5.1 and §5.2.2: 4.16 N at 16 V, 2.08 N at 8 V, 13 N of the brake at 8 V.

@@ -1,8 +1,9 @@
 //! The experiment's results in sentences, made from the numbers (thesis §5.3.3).
 
+use crate::Planned;
 use crate::people::simulated;
 use crate::trials::Trials;
-use zwidth_study::{Environment, EnvironmentId, Likert, Mode, Study};
+use zwidth_study::{Environment, EnvironmentId, Likert, Mode};
 use zwidth_tables::{Table, TableError};
 
 /// Up to this share returned energy counts as none: a released lever moves on a little.
@@ -38,7 +39,7 @@ pub struct Finding {
 /// # Errors
 /// A table that lacks a column.
 pub fn findings(
-    study: &Study,
+    study: &Planned,
     metrics: &Table,
     tally: Option<&Table>,
 ) -> Result<Vec<Finding>, TableError> {
@@ -134,7 +135,7 @@ fn wall_by_mode(
 
 /// Of the modes that gave work back, the one that let the lever least far past a wall: what the
 /// thesis' §5.3.3 asks of a mode is both. None unless at least two modes met a wall.
-fn both(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableError> {
+fn both(study: &Planned, metrics: &Table) -> Result<Option<Finding>, TableError> {
     let mut past = Vec::new();
     let mut gave = Vec::new();
     for mode in &study.modes {
@@ -160,7 +161,7 @@ fn both(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableError> {
 }
 
 /// Whether any mode swung.
-fn steadiness(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableError> {
+fn steadiness(study: &Planned, metrics: &Table) -> Result<Option<Finding>, TableError> {
     let (mut smooth, mut all, mut swung) = (0, 0, Vec::new());
     for mode in &study.modes {
         let (still, n) =
@@ -185,7 +186,7 @@ fn steadiness(study: &Study, metrics: &Table) -> Result<Option<Finding>, TableEr
 }
 
 /// The median answer of each mode, an environment a sentence.
-fn answers(study: &Study, tally: &Table, simulated: bool) -> Result<Vec<Finding>, TableError> {
+fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Finding>, TableError> {
     let [environments, modes, questions] =
         ["environment", "mode", "question"].map(|name| tally.texts(name));
     let (environments, modes, questions) = (environments?, modes?, questions?);
@@ -232,8 +233,8 @@ mod tests {
     use zwidth_study::template;
     use zwidth_tables::Column;
 
-    fn study() -> Study {
-        Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+    fn study() -> Planned {
+        Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
     }
 
     fn texts(rows: &[Row], tally: Option<&Table>) -> Vec<String> {

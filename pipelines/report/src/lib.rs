@@ -12,6 +12,7 @@ mod facts;
 mod findings;
 mod model;
 mod people;
+mod planned;
 mod pros_cons;
 mod trials;
 mod weight;
@@ -19,10 +20,12 @@ mod weight;
 pub use design::{device_table, modes_table};
 pub use findings::{Finding, Shown, findings};
 pub use model::model_table;
+pub use planned::Planned;
 pub use pros_cons::{Known, pros_cons_table};
-pub use weight::weight_table;
+pub use weight::{is_weighed, weight_table};
 
 use people::{count, participants, sources};
+use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_study::Source;
 use zwidth_tables::escape_markdown as escape;
@@ -31,7 +34,7 @@ use zwidth_tables::escape_markdown as escape;
 pub const VERSION: u32 = 2;
 
 /// What the summary speaks of.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Summary {
     /// The study's title.
     pub title: String,
@@ -62,7 +65,7 @@ pub struct Summary {
 }
 
 /// A figure or a table that was made, or a sentence that one of them shows.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Made {
     /// Its file, from the summary's folder on, with `/`; of checked ids, so that a link needs no
     /// escape.
@@ -72,7 +75,7 @@ pub struct Made {
 }
 
 /// Something that was left out, or is to be read with care.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Remark {
     /// What: a trial, a file, a panel, a figure.
     pub what: String,

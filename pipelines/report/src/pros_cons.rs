@@ -1,10 +1,11 @@
 //! The thesis' Table 1: pros and cons of brake and motor, each beside what the study itself knows
 //! of it.
 
+use crate::Planned;
 use crate::actuation::{active, passive};
 use crate::people::simulated;
 use crate::trials::Trials;
-use zwidth_study::{Calibration, Environment, Mode, Study};
+use zwidth_study::{Calibration, Environment, Mode};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Up to this share returned energy counts as none: a released lever moves on a little.
@@ -18,7 +19,7 @@ const NOTHING_GIVEN_J: f64 = -1e-3;
 #[derive(Debug, Clone, Copy)]
 pub struct Known<'a> {
     /// The study.
-    pub study: &'a Study,
+    pub study: &'a Planned,
     /// Forces for voltages.
     pub calibration: &'a Calibration,
     /// The metrics, one row a trial; none where there is no trial.
@@ -270,8 +271,8 @@ mod tests {
     use crate::trials::testing::{Row, metrics, row};
     use zwidth_study::template;
 
-    fn study() -> Study {
-        Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+    fn study() -> Planned {
+        Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
     }
 
     fn verdicts(metrics: Option<&Table>) -> Vec<String> {

@@ -1,8 +1,9 @@
 //! The weight calculation of the thesis' Appendix A, with the study's own masses.
 
+use crate::Planned;
 use crate::actuation::hybrid;
 use crate::facts::{self, Fact};
-use zwidth_study::{Calibration, Study};
+use zwidth_study::Calibration;
 use zwidth_tables::{Table, TableError};
 
 /// Rated voltage of the thesis' motor, V: Faulhaber 2342S048C (§2.1). A study's file does not hold
@@ -19,10 +20,18 @@ const RATED_V: f64 = 48.0;
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn weight_table(study: &Study, calibration: &Calibration) -> Option<Result<Table, TableError>> {
+pub fn weight_table(
+    study: &Planned,
+    calibration: &Calibration,
+) -> Option<Result<Table, TableError>> {
     let masses = study.masses?;
     let used_v = hybrid(study)?.motor_max_v?;
     Some(table(masses.motor_kg * 1e3, masses.brake_kg * 1e3, used_v, calibration))
+}
+
+/// Whether masses and modes allow a table of weights.
+pub fn is_weighed(study: &Planned) -> bool {
+    study.masses.is_some() && hybrid(study).is_some_and(|mode| mode.motor_max_v.is_some())
 }
 
 fn table(
@@ -73,8 +82,8 @@ mod tests {
     use super::*;
     use zwidth_study::template;
 
-    fn study() -> Study {
-        Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+    fn study() -> Planned {
+        Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
     }
 
     #[test]

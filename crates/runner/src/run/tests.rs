@@ -1,27 +1,24 @@
 use super::*;
+use crate::Stage;
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 use tempfile::TempDir;
 use zwidth_store::{Layout, RealFiles};
 
 /// a.txt → upper (A.txt) → both (with b.txt: AB.txt); b.txt → other (B.txt).
-fn jobs(root: &Path, version: u32) -> Vec<Job<'static>> {
-    let job = |stage: &'static str, inputs: &[&str], output: &str, version| {
+fn jobs(root: &Path, version: u32) -> Vec<Job> {
+    let job = |name: &'static str, inputs: &[&str], output: &str, version| {
         let inputs: Vec<PathBuf> = inputs.iter().map(|i| root.join(i)).collect();
-        let read = inputs.clone();
-        let make: crate::job::Make = Box::new(move |_| {
-            let mut text = String::new();
-            for path in &read {
-                text += &fs::read_to_string(path)?;
-            }
+        let (stage, outputs) = (Stage { name, version }, vec![root.join(output)]);
+        Job::new(stage, name, (), inputs, outputs, |(), inputs, _| {
+            let texts = inputs.iter().map(fs::read_to_string).collect::<Result<Vec<_>, _>>()?;
+            let text = texts.concat();
             if text.contains("bad") {
                 return Err("a bad input".into());
             }
             Ok(Made { outputs: vec![text.to_uppercase().into_bytes()], ..Made::default() })
-        });
-        let outputs = vec![root.join(output)];
-        let (name, parameters) = (stage.to_owned(), String::new());
-        Job { stage, name, version, parameters, inputs, outputs, tolerant: false, make }
+        })
     };
     vec![
         job("both", &["A.txt", "b.txt"], "AB.txt", 1),
@@ -104,21 +101,21 @@ fn a_new_version_a_missing_and_an_edited_output_are_made_again_and_say_why() {
 }
 
 /// A job of a stage that writes down its name, and how often it was made.
-fn noted<'a>(
+fn noted(
     root: &Path,
-    (stage, inputs, output): (&'static str, &[&str], &str),
-    made: &'a Mutex<Vec<&'static str>>,
-) -> Job<'a> {
+    (name, inputs, output): (&'static str, &[&str], &str),
+    made: &Arc<Mutex<Vec<&'static str>>>,
+) -> Job {
     let inputs: Vec<PathBuf> = inputs.iter().map(|i| root.join(i)).collect();
-    let read = inputs.clone();
-    let make: crate::job::Make = Box::new(move |_| {
-        made.lock().unwrap().push(stage);
+    let (stage, outputs) = (Stage { name, version: 1 }, vec![root.join(output)]);
+    let (read, made) = (inputs.clone(), made.clone());
+    let make = Box::new(move |_: &Making| {
+        made.lock().unwrap().push(name);
         let texts: Result<Vec<String>, _> = read.iter().map(fs::read_to_string).collect();
         Ok(Made { outputs: vec![texts?.concat().into_bytes()], ..Made::default() })
     });
-    let outputs = vec![root.join(output)];
-    let (name, parameters) = (stage.to_owned(), String::new());
-    Job { stage, name, version: 1, parameters, inputs, outputs, tolerant: false, make }
+    let job = Job::new(stage, name, (), inputs, outputs, |(), _, _| Ok(Made::default()));
+    Job { make, ..job }
 }
 
 fn verdicts(root: &Path, jobs: &[Job], options: &Options) -> Vec<Verdict> {
@@ -128,7 +125,7 @@ fn verdicts(root: &Path, jobs: &[Job], options: &Options) -> Vec<Verdict> {
 #[test]
 fn a_job_that_waits_for_two_is_begun_once_after_both() {
     let folder = folder();
-    let made = Mutex::new(Vec::new());
+    let made = Arc::new(Mutex::new(Vec::new()));
     let jobs = [
         ("last", &["left", "right"][..], "last"),
         ("left", &["first"], "left"),
@@ -145,7 +142,7 @@ fn a_job_that_waits_for_two_is_begun_once_after_both() {
 #[test]
 fn what_waits_for_a_blocked_job_is_blocked_and_what_waits_for_a_circle_ends_with_it() {
     let folder = folder();
-    let made = Mutex::new(Vec::new());
+    let made = Arc::new(Mutex::new(Vec::new()));
     let chain = [("c", &["b"][..], "c"), ("b", &["a"], "b"), ("a", &["nothing"], "a")];
     let circle =
         [("x", &["y"][..], "x"), ("y", &["x"], "y"), ("z", &["x"], "z"), ("w", &["a.txt"], "w")];
@@ -310,4 +307,47 @@ fn a_job_whose_output_is_no_result_of_the_study_writes_nothing() {
     let error = reports(root, &jobs, &Options::default()).unwrap_err();
     assert!(error.what.contains("not a result of the study"), "{error}");
     assert!(!root.join("../t").exists());
+}
+
+#[test]
+fn a_file_that_only_parameters_come_from_is_traced_and_remakes_nothing() {
+    let folder = folder();
+    let root = folder.path();
+    let stage = Stage { name: "tally", version: 1 };
+    let job = |answer: u8| {
+        let job =
+            Job::new(stage, "tally", answer, (), vec![root.join("tally")], |answer, (), _| {
+                Ok(Made { outputs: vec![answer.to_string().into_bytes()], ..Made::default() })
+            });
+        [job.told_by(vec![root.join("a.txt")])]
+    };
+    let origin = || {
+        let layout = Layout::new(root.ancestors().nth(2).unwrap(), "s".parse().unwrap());
+        let (records, _) = Records::read(&Results::new(&layout, &RealFiles)).unwrap();
+        crate::trace(&records, "tally").unwrap().sources
+    };
+    let plain = Options::default();
+    assert!(matches!(verdicts(root, &job(4), &plain)[0], Verdict::Made(_)));
+    let before = origin();
+    assert_eq!(before[0].path, "derived/s/a.txt");
+    fs::write(root.join("a.txt"), "changed").unwrap();
+    assert_eq!(verdicts(root, &job(4), &plain), [Verdict::UpToDate]);
+    assert_ne!(origin(), before, "the trace tells the file as it is");
+    let parameters = Verdict::Made("1 of its parameters changed".to_owned());
+    assert_eq!(verdicts(root, &job(5), &plain), [parameters]);
+}
+
+#[test]
+fn without_origin_outputs_are_told_nothing_of_their_making() {
+    let folder = folder();
+    let stage = Stage { name: "said", version: 1 };
+    let output = folder.path().join("said");
+    let jobs = [Job::new(stage, "said", (), (), vec![output.clone()], |(), (), making| {
+        let said = serde_json::to_vec(making.from)?;
+        Ok(Made { outputs: vec![said], ..Made::default() })
+    })];
+    verdicts(folder.path(), &jobs, &Options { without_origin: true, ..Options::default() });
+    assert_eq!(fs::read_to_string(&output).unwrap(), "{}");
+    verdicts(folder.path(), &jobs, &Options { fresh: true, ..Options::default() });
+    assert!(fs::read_to_string(&output).unwrap().contains("\"origin\":\"zwidth:said:1:"));
 }

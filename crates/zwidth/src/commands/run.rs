@@ -4,13 +4,13 @@ use super::near::did_you_mean;
 use super::{nameless, studies, together};
 use crate::args::Run;
 use crate::exit::Exit;
-use crate::plan;
 use crate::screen::Screen;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Instant;
 use zwidth_acquire::Unsynced;
+use zwidth_plan as plan;
 use zwidth_runner::{Done, Job, Options, Report, Results, Verdict, run as run_jobs, wanted};
 use zwidth_store::{Layout, RealFiles, StoreError, StudyData, findings};
 
@@ -109,7 +109,7 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
 fn lengths(jobs: &[Job], only: Option<&str>) -> Vec<(&'static str, usize)> {
     let wanted = wanted(jobs, only);
     let of = |stage: &str| {
-        jobs.iter().zip(&wanted).filter(|(job, wanted)| **wanted && job.stage == stage).count()
+        jobs.iter().zip(&wanted).filter(|(job, wanted)| **wanted && job.stage.name == stage).count()
     };
     plan::STAGES.into_iter().map(|stage| (stage, of(stage))).filter(|(_, n)| *n > 0).collect()
 }
@@ -120,12 +120,11 @@ fn check_only(jobs: &[Job], command: &Run) -> anyhow::Result<()> {
     if jobs.iter().any(|job| job.is_called(only)) {
         return Ok(());
     }
-    let named = |stage: &str, noun: &str| -> Vec<String> {
-        let of = jobs.iter().filter(|j| j.stage == stage);
-        of.map(|j| j.name.trim_start_matches(noun).to_owned()).collect()
+    let named = |stage: &str| -> Vec<&str> {
+        jobs.iter().filter(|j| j.stage.name == stage).filter_map(Job::stem).collect()
     };
-    let (figures, tables) = (named("figures", "figure "), named("tables", "table "));
-    let names = plan::STAGES.into_iter().chain(figures.iter().chain(&tables).map(String::as_str));
+    let (figures, tables) = (named("figures"), named("tables"));
+    let names = plan::STAGES.into_iter().chain(figures.iter().chain(&tables).copied());
     anyhow::bail!(
         "--only {only}: there is no such stage, figure or table{} (stages: {}; figures: {}; tables: {})",
         did_you_mean(only, names),

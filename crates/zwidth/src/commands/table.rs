@@ -2,12 +2,12 @@
 
 use crate::args::Table as Asked;
 use crate::exit::Exit;
-use crate::plan;
 use crate::screen::Screen;
 use anyhow::bail;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
+use zwidth_plan as plan;
 use zwidth_store::StudyData;
 use zwidth_tables::Table;
 

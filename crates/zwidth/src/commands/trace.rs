@@ -6,12 +6,12 @@ use super::study;
 use super::why::short;
 use crate::args::Traced;
 use crate::exit::Exit;
-use crate::plan;
 use crate::screen::Screen;
 use anyhow::{anyhow, bail};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use zwidth_plan as plan;
 use zwidth_runner::{Record, Source, Step, Trace, trace as follow};
 use zwidth_store::file_blake3;
 

@@ -4,11 +4,11 @@ use super::locate::{FoundBy, Place, copies, is_raw, no_job, place, records};
 use super::{study, together};
 use crate::args::Traced;
 use crate::exit::Exit;
-use crate::plan;
 use crate::screen::Screen;
 use anyhow::{anyhow, bail};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use zwidth_plan as plan;
 use zwidth_runner::{Again, Change, FileChange, Record, State, states};
 use zwidth_store::{Layout, RealFiles, StudyData, findings};
 
@@ -115,7 +115,7 @@ fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
         found_by: asked.by,
         study: layout.study().to_string(),
         job: job.name.clone(),
-        stage: job.stage,
+        stage: job.stage.name,
         again: own.again(),
         reasons: own.changes,
         last_made: record.map(|record| Last { dated: dated(&file), record }),
@@ -125,7 +125,12 @@ fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
 
 fn behind(state: State) -> Behind {
     let again = state.again();
-    Behind { job: state.job.name.clone(), stage: state.job.stage, again, reasons: state.changes }
+    Behind {
+        job: state.job.name.clone(),
+        stage: state.job.stage.name,
+        again,
+        reasons: state.changes,
+    }
 }
 
 /// The file's date, in UTC.
@@ -188,9 +193,13 @@ fn last_made(last: &Last) -> Vec<String> {
 fn told(change: &Change) -> String {
     match change {
         Change::Input(file) | Change::Output(file) => format!("{change}{}", hashes(file)),
-        Change::Parameters { recorded, now } => {
-            let (recorded, now) = differing(recorded, now);
-            format!("{change}: “{recorded}” is now “{now}”")
+        Change::Parameters { fields } => {
+            let mut told: Vec<String> =
+                fields.iter().take(FIELDS).map(ToString::to_string).collect();
+            if fields.len() > FIELDS {
+                told.push(format!("and {} more", fields.len() - FIELDS));
+            }
+            format!("{change}: {}", told.join("; "))
         }
         _ => change.to_string(),
     }
@@ -217,44 +226,20 @@ pub(super) fn short(hash: Option<&String>) -> &str {
     hash.map_or("nothing", |hash| hash.get(..DIGITS).unwrap_or("missing"))
 }
 
-/// Words kept around a difference, in letters.
-const AROUND: usize = 24;
-
-/// Two texts cut to where they differ, with a few letters around.
-fn differing<'a>(a: &'a str, b: &'a str) -> (&'a str, &'a str) {
-    let same = |pair: &(char, char)| pair.0 == pair.1;
-    let head: usize = a.chars().zip(b.chars()).take_while(same).map(|(c, _)| c.len_utf8()).sum();
-    let (rest_a, rest_b) = (&a[head..], &b[head..]);
-    let tail: usize = rest_a
-        .chars()
-        .rev()
-        .zip(rest_b.chars().rev())
-        .take_while(same)
-        .map(|(c, _)| c.len_utf8())
-        .sum();
-    let cut = |text: &'a str| {
-        let from = text[..head].char_indices().rev().nth(AROUND - 1).map_or(0, |(i, _)| i);
-        let end = text.len() - tail;
-        let to = text[end..].char_indices().nth(AROUND).map_or(text.len(), |(i, _)| end + i);
-        &text[from..to]
-    };
-    (cut(a), cut(b))
-}
+/// Parameters that differ of which people are told one by one.
+const FIELDS: usize = 5;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_runner::Field;
 
     #[test]
-    fn parameters_are_told_where_they_differ() {
-        let text =
-            |level: &str| format!("{} confidence: {level}, {}", "é".repeat(99), "ö".repeat(99));
-        let (a, b) = (text("0.95"), text("0.9"));
-        let (a, b) = differing(&a, &b);
-        assert!(a.contains("confidence: 0.95, ö") && b.contains("confidence: 0.9, ö"), "{a} {b}");
-        assert!(a.chars().count() < 60, "{a}");
-        assert_eq!(differing("a", "b"), ("a", "b"));
-        assert_eq!(differing("", "new"), ("", "new"));
+    fn parameters_are_told_by_field_and_many_are_counted() {
+        let field = |i: usize| Field { name: format!("f{i}"), recorded: Some(0.into()), now: None };
+        let told = |n: usize| told(&Change::Parameters { fields: (0..n).map(field).collect() });
+        assert_eq!(told(1), "parameter f0 changed: f0: 0 is now nothing");
+        assert!(told(7).ends_with("f4: 0 is now nothing; and 2 more"), "{}", told(7));
     }
 
     #[test]

@@ -1,94 +1,123 @@
 //! Stage `summary`: the page a person reads first.
 
-use super::{average, likert, metrics, name, plain, sessions};
+use crate::conditions::sessions;
+use crate::figures::Drawing;
+use crate::trials::name;
+use crate::{average, freemotion, likert, metrics, tables};
 use rayon::prelude::*;
+use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use zwidth_report::{Made as Listed, Remark, Shown, Summary, findings, summary_markdown};
-use zwidth_runner::{Job, Made, ORIGIN};
+use zwidth_figures::Caption;
+use zwidth_report::{Made as Listed, Planned, Remark, Shown, Summary, findings, summary_markdown};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
 use zwidth_study::{Kind, Scene};
-use zwidth_tables::{Format, Table, TableError};
+use zwidth_tables::{Format, NoteKind, Table, TableError};
 
-/// Version of the summary's form.
-const VERSION: u32 = 4;
+/// Its version is raised when the page would be written differently from the same data.
+const STAGE: Stage = Stage { name: "summary", version: 5 };
 
 /// The summary's file.
-pub(crate) fn file(data: &StudyData) -> PathBuf {
+pub fn file(data: &StudyData) -> PathBuf {
     data.layout.reports().join("summary.md")
 }
 
-pub(super) fn job<'a>(data: &'a StudyData, found: &Findings, planned: &[Job]) -> Job<'a> {
-    let outputs = |stage: &str, extension: &str| -> Vec<PathBuf> {
-        let of_stage = planned.iter().filter(|j| j.stage == stage).flat_map(|j| &j.outputs);
-        of_stage.filter(|o| o.extension().is_some_and(|e| e == extension)).cloned().collect()
-    };
-    let figures = outputs("figures", "png");
-    let printed = outputs("tables", "parquet");
-    let mut noted = average::all(data);
-    noted.extend(
-        planned.iter().filter(|j| j.stage == "freemotion").flat_map(|j| j.outputs.iter().cloned()),
-    );
-    let is_made = |file: PathBuf| planned.iter().any(|j| j.outputs.contains(&file)).then_some(file);
-    let numbers = [metrics::of_study(&data.layout), likert::tally_of(&data.layout)].map(is_made);
-    let summary = facts(data, found);
-    let conditions = metrics::of_conditions(planned);
-    let read = noted.iter().chain(&conditions).chain(&printed).chain(&figures);
-    let inputs: Vec<PathBuf> = read.chain(numbers.iter().flatten()).cloned().collect();
-    let (out, folder) = (file(data), data.layout.reports());
-    Job {
-        stage: "summary",
-        name: "summary".to_owned(),
-        version: VERSION,
-        parameters: format!("{:?}", (&summary, &data.study.environments, &data.study.modes)),
-        inputs,
-        outputs: vec![out],
-        tolerant: true,
-        make: Box::new(move |from| {
-            let mut summary = summary.clone();
-            summary.limits.extend(notes(&noted)?);
-            for note in notes(&conditions)? {
-                match metrics::told(&note) {
-                    Ok(left_out) => summary.left_out.push(left_out),
-                    Err(care) => summary.care.push(care),
-                }
-            }
-            let (there, missing): (Vec<_>, Vec<_>) = figures.iter().partition(|f| f.exists());
-            summary.figures = there.into_iter().map(|f| figure(f, &folder)).collect();
-            let (there, no_tables): (Vec<_>, Vec<_>) = printed.iter().partition(|f| f.exists());
-            let tables =
-                there.par_iter().map(|f| table(f, &folder)).collect::<Result<Vec<_>, _>>()?;
-            summary
-                .left_out
-                .extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
-            summary.tables = tables.into_iter().map(|(listed, _)| listed).collect();
-            summary.shown = shown(data, &numbers, &summary)?;
-            summary
-                .left_out
-                .extend(missing.into_iter().chain(no_tables).map(|f| could_not_be_made(f)));
-            let origin = from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
-            let text = summary_markdown(&summary) + &origin.unwrap_or_default();
-            Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
-        }),
+/// What the page depends on besides files.
+#[derive(Serialize)]
+struct Page {
+    facts: Summary,
+    planned: Planned,
+    /// The figures' captions, in the order of their files.
+    captions: Vec<Caption>,
+    /// Participant and session, where there is only one.
+    only_session: Option<[String; 2]>,
+}
+
+/// The files that the page speaks of, where they are there.
+struct Files {
+    /// Averages and fits, whose notes are limits of the study.
+    noted: Vec<PathBuf>,
+    /// Metrics by condition, whose notes are of trials.
+    conditions: Vec<PathBuf>,
+    figures: Vec<PathBuf>,
+    tables: Vec<PathBuf>,
+    metrics: Option<PathBuf>,
+    tally: Option<PathBuf>,
+}
+
+impl Inputs for Files {
+    fn files(&self) -> Vec<PathBuf> {
+        let numbers = self.metrics.iter().chain(&self.tally).cloned().collect::<Vec<_>>();
+        [&self.noted, &self.conditions, &self.figures, &self.tables, &numbers]
+            .map(Clone::clone)
+            .concat()
     }
+}
+
+pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
+    let fits = freemotion::planes(data).into_iter().chain(freemotion::plants(data));
+    let files = Files {
+        noted: average::at_onset(data).into_iter().chain(fits).collect(),
+        conditions: metrics::of_conditions(data),
+        figures: figures.iter().map(Drawing::picture).collect(),
+        tables: tables::files(data),
+        metrics: metrics::of_study(data),
+        tally: likert::tally(data),
+    };
+    let page = Page {
+        facts: facts(data, found),
+        planned: Planned::of(&data.study),
+        captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
+        only_session: match sessions(data).as_slice() {
+            [one] => Some(one.ids()),
+            _ => None,
+        },
+    };
+    Job::new(STAGE, "summary", page, files, vec![file(data)], make).tolerant()
+}
+
+fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
+    let folder = making.outputs.first().and_then(|page| page.parent()).unwrap_or(making.root);
+    let mut summary = page.facts.clone();
+    summary.limits.extend(notes(&files.noted, |kind| kind != NoteKind::Extent)?);
+    let left_out = notes(&files.conditions, |kind| kind == NoteKind::LeftOut)?;
+    summary.left_out.extend(left_out.iter().map(|note| told(note)));
+    let with_care = notes(&files.conditions, |kind| kind != NoteKind::LeftOut)?;
+    summary.care.extend(with_care.iter().map(|note| told(note)));
+    let listed = |(file, caption): (&PathBuf, &Caption)| match file.exists() {
+        true => Ok(Listed { path: relative(file, folder), caption: caption.text() }),
+        false => Err(could_not_be_made(file)),
+    };
+    let figures: Vec<_> = files.figures.iter().zip(&page.captions).map(listed).collect();
+    let missing: Vec<Remark> = figures.iter().filter_map(|f| f.as_ref().err().cloned()).collect();
+    summary.figures = figures.into_iter().filter_map(Result::ok).collect();
+    let (there, no_tables): (Vec<_>, Vec<_>) = files.tables.iter().partition(|f| f.exists());
+    let tables = there.par_iter().map(|f| table(f, folder)).collect::<Result<Vec<_>, _>>()?;
+    summary.left_out.extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
+    summary.tables = tables.into_iter().map(|(listed, _)| listed).collect();
+    summary.shown = shown(page, files, &summary)?;
+    summary.left_out.extend(missing);
+    summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
+    let origin = making.from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
+    let text = summary_markdown(&summary) + &origin.unwrap_or_default();
+    Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
 }
 
 /// What the trials show, each sentence with the figure or table that holds its numbers: metrics of
 /// the trials, tally of the answers.
-fn shown(
-    data: &StudyData,
-    numbers: &[Option<PathBuf>; 2],
-    made: &Summary,
-) -> Result<Vec<Listed>, TableError> {
-    let there = |file: &Option<PathBuf>| file.clone().filter(|f| f.exists());
-    let [metrics, tally] =
-        numbers.each_ref().map(|f| there(f).map(|f| Table::from_parquet(&f)).transpose());
-    let (Some(metrics), tally) = (metrics?, tally?) else { return Ok(Vec::new()) };
-    let sessions = sessions(data);
+fn shown(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, TableError> {
+    let read = |file: &Option<PathBuf>| {
+        let there = file.as_deref().filter(|f| f.exists());
+        there.map(Table::from_parquet).transpose()
+    };
+    let (Some(metrics), tally) = (read(&files.metrics)?, read(&files.tally)?) else {
+        return Ok(Vec::new());
+    };
     let path = |shown: Shown| {
-        let path = match (shown, sessions.as_slice()) {
-            (Shown::Modes(environment), [one]) => {
-                format!("figures/modes.{}.{environment}.png", one.key())
+        let path = match (shown, &page.only_session) {
+            (Shown::Modes(environment), Some([participant, session])) => {
+                format!("figures/modes.{participant}.{session}.{environment}.png")
             }
             (Shown::Answers, _) => "figures/likert.png".to_owned(),
             (Shown::Metrics, _) => "tables/metrics.md".to_owned(),
@@ -97,7 +126,7 @@ fn shown(
         let is_made = made.figures.iter().chain(&made.tables).any(|m| m.path == path);
         if is_made { path } else { CONDITIONS.to_owned() }
     };
-    let found = findings(&data.study, &metrics, tally.as_ref())?;
+    let found = findings(&page.planned, &metrics, tally.as_ref())?;
     Ok(found.into_iter().map(|f| Listed { path: path(f.shown), caption: f.text }).collect())
 }
 
@@ -168,13 +197,19 @@ fn left_out(data: &StudyData, found: &Findings) -> Vec<Remark> {
     all
 }
 
+/// A text without the data's folder in it.
+fn without_root(data: &StudyData, text: &str) -> String {
+    let root = data.layout.root().join("").to_string_lossy().into_owned();
+    if root.is_empty() { text.to_owned() } else { text.replace(&root, "") }
+}
+
 /// A finding as the page has it.
 fn remark(data: &StudyData, finding: &StoreError) -> Remark {
     let path = data.layout.shown(&finding.path).to_string_lossy().replace('\\', "/");
     let column =
         finding.column.as_ref().map(|column| format!(", column {column}")).unwrap_or_default();
     let row = finding.row.map(|row| format!(", row {row}")).unwrap_or_default();
-    Remark { what: format!("{path}{column}{row}"), why: plain(data, &finding.what) }
+    Remark { what: format!("{path}{column}{row}"), why: without_root(data, &finding.what) }
 }
 
 /// A table that has nothing in it, and so shows nothing.
@@ -206,15 +241,20 @@ fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
     needed.into_iter().filter_map(sentence).collect()
 }
 
-/// What averages and plane fits say against themselves, each note once. Where an average ends is no
-/// limit of the study.
-fn notes(tables: &[PathBuf]) -> Result<Vec<String>, TableError> {
+/// The notes of these kinds below tables, each once, in order.
+fn notes(tables: &[PathBuf], of: fn(NoteKind) -> bool) -> Result<BTreeSet<String>, TableError> {
     let mut notes = BTreeSet::new();
     for path in tables.iter().filter(|p| p.exists()) {
-        let (_, about) = Table::title_and_notes(path)?;
-        notes.extend(about.into_iter().filter(|n| !n.contains(zwidth_average::ENDS_AT)));
+        let (_, found) = Table::title_and_notes(path)?;
+        notes.extend(found.into_iter().filter(|(kind, _)| of(*kind)).map(|(_, note)| note));
     }
-    Ok(notes.into_iter().collect())
+    Ok(notes)
+}
+
+/// A note of a trial, `P01 S01 trial 2: …`.
+fn told(note: &str) -> Remark {
+    let (what, why) = note.split_once(": ").unwrap_or(("metrics", note));
+    Remark { what: what.to_owned(), why: why.to_owned() }
 }
 
 /// A table, and how many rows it has.
@@ -222,10 +262,6 @@ fn table(file: &Path, folder: &Path) -> Result<(Listed, usize), TableError> {
     let table = Table::from_parquet(file)?;
     let path = relative(&file.with_extension("md"), folder);
     Ok((Listed { path, caption: table.title().to_owned() }, table.height()))
-}
-
-fn figure(file: &Path, folder: &Path) -> Listed {
-    Listed { path: relative(file, folder), caption: figure_caption(&stem(file)) }
 }
 
 fn could_not_be_made(file: &Path) -> Remark {
@@ -238,24 +274,4 @@ fn stem(file: &Path) -> String {
 
 fn relative(path: &Path, folder: &Path) -> String {
     path.strip_prefix(folder).unwrap_or(path).to_string_lossy().replace('\\', "/")
-}
-
-/// What a figure shows, from its name: `modes.P01.S01.spring`.
-fn figure_caption(stem: &str) -> String {
-    let mut words = stem.split('.');
-    let kind = words.next().unwrap_or_default();
-    let of = words.collect::<Vec<_>>().join(" ");
-    let what = match kind {
-        "modes" => "position, force and velocity against time, force against position",
-        "repeats" => "every repeat of one condition",
-        "loops" => "force against position, all environments",
-        "characteristic" => "response to the command, with the chosen fit",
-        "likert" => "answers, diverging bars with counts",
-        "likert_items" => "answers to each question",
-        "rendering_range" => "forces that each mode can render, compressing and decompressing",
-        "environment" => "device, spring and wall at the study's own angles",
-        "free_motion" => "plane fits of free motion, sessions and modes side by side",
-        other => other,
-    };
-    if of.is_empty() { what.to_owned() } else { format!("{what} ({of})") }
 }

@@ -97,8 +97,12 @@ fn without_noise_every_parameter_comes_back_to_a_millionth() {
     let repeats =
         ["active", "passive", "hybrid"].iter().flat_map(|mode| [1, 2, 3].map(|r| (*mode, r)));
     let trials: Vec<Trial> = repeats.map(|(mode, repeat)| trial(&study, mode, repeat)).collect();
-    let balances: Vec<Balance> =
-        trials.iter().map(|t| Balance::new(t, &study, Some(&calibration)).unwrap()).collect();
+    let balance = |trial: &Trial| {
+        let mode = study.mode(&trial.meta.mode).unwrap();
+        let how = Rendering::of(&study, &study.environments[0], mode, Some(calibration.clone()));
+        Balance::new(trial, &how).unwrap()
+    };
+    let balances: Vec<Balance> = trials.iter().map(balance).collect();
     let recordings: Vec<Recording> = trials
         .iter()
         .zip(&balances)

@@ -1,0 +1,322 @@
+//! Stage `figures`: each figure as SVG, PDF and PNG, with its data beside it.
+
+use crate::conditions::{Repeats, Session, sessions};
+use crate::trials::{Known, files, known, read_all};
+use crate::{average, characterise, design, freemotion, likert_figures, metrics, replay_figures};
+use serde::Serialize;
+use std::path::PathBuf;
+use zwidth_draw::{DEFAULT_DPI, Figure, draw};
+use zwidth_figures::{About, Caption, Characterised, Kind, Loaded};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
+use zwidth_store::{Layout, StudyData, Trial, TrialEntry};
+use zwidth_study::{Alignment, Environment, ModeId, Study};
+use zwidth_tables::Table;
+
+const STAGE: Stage = Stage { name: "figures", version: zwidth_figures::VERSION };
+
+/// A figure of the plan.
+pub(crate) struct Drawing {
+    pub(crate) caption: Caption,
+    pub(crate) job: Job,
+}
+
+impl Drawing {
+    /// The figure of a kind, of a subject.
+    pub(crate) fn new<P, I>(
+        data: &StudyData,
+        kind: Kind,
+        subject: impl IntoIterator<Item = impl Into<String>>,
+        parameters: P,
+        inputs: I,
+        make: fn(&P, &I, &Making) -> Result<Made, JobError>,
+    ) -> Self
+    where
+        P: Serialize + Send + Sync + 'static,
+        I: Inputs,
+    {
+        let caption = Caption::new(kind, subject);
+        let stem = caption.stem();
+        let outputs = files_of(&data.layout, &stem);
+        let job = Job::new(STAGE, format!("figure {stem}"), parameters, inputs, outputs, make);
+        Self { caption, job }
+    }
+
+    /// The same, drawn from so many trials, sweeps or answers.
+    pub(crate) fn of(mut self, n: usize) -> Self {
+        self.caption.n = Some(n);
+        self
+    }
+
+    /// Its PNG.
+    pub(crate) fn picture(&self) -> PathBuf {
+        self.job.outputs[2].clone()
+    }
+}
+
+/// Files of a figure: SVG, PDF, PNG, and its data.
+fn files_of(layout: &Layout, stem: &str) -> Vec<PathBuf> {
+    let folder = layout.reports().join("figures");
+    ["svg", "pdf", "png", "parquet"].iter().map(|e| folder.join(format!("{stem}.{e}"))).collect()
+}
+
+/// Every figure of a study.
+pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
+    let mut drawings = Vec::new();
+    for session in sessions(data) {
+        let mut environments: Vec<&Environment> =
+            data.study.environments.iter().filter(|e| !session.of(e).is_empty()).collect();
+        for environment in &environments {
+            drawings.push(modes(data, &session, environment));
+            drawings.extend(repeats(data, &session, environment));
+        }
+        environments.retain(|e| e.scene.spring().is_some());
+        if !environments.is_empty() {
+            drawings.push(loops(data, &session, &environments));
+        }
+    }
+    drawings.extend(characterise::actuators(data).into_iter().map(|(actuator, sweeps)| {
+        let of = (actuator.to_string(), data.study.analysis.confidence);
+        let tables = characterise::tables_of(&data.layout, actuator);
+        let (subject, n) = ([actuator.to_string()], sweeps.len());
+        Drawing::new(data, Kind::Characteristic, subject, of, (sweeps, tables), characteristic)
+            .of(n)
+    }));
+    drawings.extend(freemotion::planes(data).map(|table| {
+        Drawing::new(data, Kind::FreeMotion, [""; 0], About::of(&data.study), table, free_motion)
+    }));
+    drawings.extend(replay_figures::all(data));
+    drawings.extend(likert_figures::all(data));
+    drawings.extend(design::all(data));
+    drawings
+}
+
+/// The choices of study.toml for figures that the study does not have (of a kind that it lacks is
+/// no mistake).
+pub fn chosen_in_vain(study: &Study, planned: &[Job]) -> Vec<String> {
+    let names: Vec<&str> =
+        planned.iter().filter(|j| j.stage == STAGE).filter_map(Job::stem).collect();
+    let is_of = |name: &str, id: &str| {
+        name.strip_prefix(id).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    let vain = study
+        .figures
+        .choices()
+        .filter(|(id, _)| id.contains('.') && !names.iter().any(|n| is_of(n, id)));
+    vain.map(|(id, _)| {
+        format!("the choice figures.{id} of study.toml: the study has no such figure")
+    })
+    .collect()
+}
+
+/// A figure in every form, with its data.
+pub(crate) fn drawn(
+    figure: Figure,
+    problems: Vec<String>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let [svg_file, _, _, data_file] = making.outputs else {
+        return Err("a figure has four files".into());
+    };
+    let stem = svg_file.file_stem().unwrap_or_default().to_string_lossy();
+    let table = zwidth_figures::data_table(&stem, &figure)?;
+    let provenance = Some(serde_json::to_string(making.from)?);
+    let drawing = draw(&Figure { provenance, ..figure })?;
+    let others = || -> Result<_, JobError> {
+        let table = table.to_parquet(making.from, data_file)?;
+        Ok((drawing.svg()?.into_bytes(), drawing.pdf()?, table))
+    };
+    let (image, others) = rayon::join(|| drawing.png(DEFAULT_DPI), others);
+    let (svg, pdf, table) = others?;
+    Ok(Made { outputs: vec![svg, pdf, image?, table], problems, ..Made::default() })
+}
+
+/// What a figure of one environment of one session depends on besides files.
+#[derive(Clone, Serialize)]
+struct Recorded {
+    about: About,
+    environment: Environment,
+    who: String,
+    trials: Vec<Known>,
+    alignment: Alignment,
+    /// The modes that were averaged, in the order of their tables.
+    averaged: Vec<ModeId>,
+    /// What decides where the repeats stand behind means aligned by landmarks, and the stage that
+    /// says so.
+    average: (zwidth_average::Parameters, u32),
+}
+
+/// The files of one environment of one session.
+#[derive(Clone)]
+struct Files {
+    trials: Vec<PathBuf>,
+    metrics: Vec<PathBuf>,
+    averages: Vec<PathBuf>,
+}
+
+impl Inputs for Files {
+    fn files(&self) -> Vec<PathBuf> {
+        [self.trials.as_slice(), &self.metrics, &self.averages].concat()
+    }
+}
+
+/// One environment of one session, for the figure of that kind, which decides how means are
+/// aligned.
+fn recorded(
+    data: &StudyData,
+    session: &Session,
+    environment: &Environment,
+    caption: &Caption,
+    trials: &[&TrialEntry],
+    conditions: &[Repeats],
+) -> (Recorded, Files) {
+    let alignment = data.study.figures.alignment(&caption.stem());
+    let average = |r: &Repeats| average::aligned(&data.layout, r, alignment);
+    let parameters =
+        zwidth_average::Parameters { analysis: data.study.analysis, scene: environment.scene };
+    let recorded = Recorded {
+        about: About::of(&data.study),
+        environment: environment.clone(),
+        who: session.who(),
+        trials: known(trials),
+        alignment,
+        averaged: conditions.iter().map(|r| r.mode.id.clone()).collect(),
+        average: (parameters, zwidth_average::VERSION),
+    };
+    let files = Files {
+        trials: files(trials),
+        metrics: conditions.iter().map(|r| metrics::of_condition(&data.layout, r)).collect(),
+        averages: conditions.iter().map(average).collect(),
+    };
+    (recorded, files)
+}
+
+/// The conditions of one environment of a session, in the order of the modes.
+fn conditions<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environment: &'a Environment,
+) -> Vec<Repeats<'a>> {
+    data.study.modes.iter().filter_map(|m| session.repeats(environment, m)).collect()
+}
+
+/// Reads one environment of one session; what had to be left out.
+fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<(Loaded<'r>, Vec<String>), JobError> {
+    let signals = zwidth_figures::SIGNALS.into_iter();
+    let (trials, problems) = read_all(&files.trials, &recorded.trials, signals);
+    let columns = zwidth_figures::average_columns();
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+    let metrics =
+        |path: &PathBuf| Table::columns_from_parquet(path, &zwidth_figures::METRICS_COLUMNS);
+    let average = |(mode, path): (&ModeId, &PathBuf)| {
+        Table::columns_from_parquet(path, &columns).map(|table| (mode.clone(), table))
+    };
+    let Recorded { about, environment, who, alignment, average: (parameters, _), .. } = recorded;
+    let warp = |trials: &[Trial]| zwidth_average::times_s(trials, parameters, *alignment).ok();
+    let loaded = Loaded::new(
+        (about, environment, who, *alignment),
+        trials,
+        &files.metrics.iter().map(metrics).collect::<Result<Vec<_>, _>>()?,
+        recorded
+            .averaged
+            .iter()
+            .zip(&files.averages)
+            .map(average)
+            .collect::<Result<Vec<_>, _>>()?,
+        warp,
+    )?;
+    Ok((loaded, problems))
+}
+
+fn modes<'a>(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment) -> Drawing {
+    let [participant, session_id] = session.ids();
+    let subject = [participant, session_id, environment.id.to_string()];
+    let caption = Caption::new(Kind::Modes, subject.clone());
+    let (trials, conditions) = (session.of(environment), conditions(data, session, environment));
+    let (recorded, files) = recorded(data, session, environment, &caption, &trials, &conditions);
+    Drawing::new(data, Kind::Modes, subject, recorded, files, draw_modes).of(trials.len())
+}
+
+fn draw_modes(recorded: &Recorded, files: &Files, making: &Making) -> Result<Made, JobError> {
+    let (loaded, problems) = load(recorded, files)?;
+    drawn(zwidth_figures::modes(&loaded.scene())?, problems, making)
+}
+
+fn repeats<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environment: &'a Environment,
+) -> Vec<Drawing> {
+    // One recording is whole in the figure of the modes.
+    let several = |r: &Repeats| r.trials.len() > 1;
+    let one = |r: Repeats<'a>| {
+        let [participant, session_id] = session.ids();
+        let subject = [participant, session_id, environment.id.to_string(), r.mode.id.to_string()];
+        let caption = Caption::new(Kind::Repeats, subject.clone());
+        let only = std::slice::from_ref(&r);
+        let (recorded, files) = recorded(data, session, environment, &caption, &r.trials, only);
+        // Every repeat at its own time: no mean.
+        let (recorded, files) = (
+            Recorded { averaged: Vec::new(), ..recorded },
+            Files { averages: Vec::new(), ..files },
+        );
+        Drawing::new(data, Kind::Repeats, subject, recorded, files, draw_repeats).of(r.trials.len())
+    };
+    conditions(data, session, environment).into_iter().filter(several).map(one).collect()
+}
+
+fn draw_repeats(recorded: &Recorded, files: &Files, making: &Making) -> Result<Made, JobError> {
+    let (loaded, problems) = load(recorded, files)?;
+    let scene = loaded.scene();
+    let none = || format!("no trial could be read: {}", problems.join("; "));
+    let first = scene.modes.first().ok_or_else(none)?;
+    drawn(zwidth_figures::repeats(&scene, first), problems, making)
+}
+
+fn loops<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environments: &[&'a Environment],
+) -> Drawing {
+    let caption = Caption::new(Kind::Loops, session.ids());
+    let one = |environment: &&'a Environment| {
+        let (trials, conditions) =
+            (session.of(environment), conditions(data, session, environment));
+        recorded(data, session, environment, &caption, &trials, &conditions)
+    };
+    let (recorded, files): (Vec<_>, Vec<_>) = environments.iter().map(one).unzip();
+    let n = recorded.iter().map(|of: &Recorded| of.trials.len()).sum();
+    Drawing::new(data, Kind::Loops, session.ids(), recorded, files, draw_loops).of(n)
+}
+
+fn draw_loops(
+    recorded: &Vec<Recorded>,
+    files: &Vec<Files>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (mut problems, mut all) = (Vec::new(), Vec::new());
+    for (recorded, files) in recorded.iter().zip(files) {
+        let (loaded, more) = load(recorded, files)?;
+        problems.extend(more);
+        all.push(loaded);
+    }
+    let scenes: Vec<_> = all.iter().map(Loaded::scene).collect();
+    let about = &recorded.first().ok_or("there is no environment")?.about;
+    drawn(zwidth_figures::loops(about, &scenes)?, problems, making)
+}
+
+fn characteristic(
+    (actuator, level): &(String, f64),
+    (sweeps, tables): &(Vec<PathBuf>, [PathBuf; 3]),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (read, problems) = characterise::read_sweeps(sweeps);
+    let [models, parameters, curve] = tables.each_ref().map(|file| Table::from_parquet(file));
+    let (models, parameters, curve) = (&models?, &parameters?, &curve?);
+    let of = Characterised { models, parameters, curve, level: *level };
+    drawn(zwidth_figures::characteristic(actuator, &read, of)?, problems, making)
+}
+
+fn free_motion(about: &About, table: &PathBuf, making: &Making) -> Result<Made, JobError> {
+    let fits = Table::from_parquet(table)?;
+    drawn(zwidth_figures::free_motion(about, &fits)?, Vec::new(), making)
+}

@@ -1,0 +1,78 @@
+//! Stage `freemotion`: in a free environment, the plane fit of every trial that brings an
+//! acceleration, the plant of every other that has an angle.
+
+use crate::trials::{OfTrials, files, name, read_all};
+use crate::{derived, made, split};
+use rayon::prelude::*;
+use std::path::PathBuf;
+use zwidth_freemotion::{FreeMotionError, Parameters};
+use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_store::{Signal, StudyData, Trial, TrialEntry};
+use zwidth_study::Scene;
+
+const STAGE: Stage = Stage { name: "freemotion", version: zwidth_freemotion::VERSION };
+
+/// The plane fits of the study, if any trial has one.
+pub(crate) fn planes(data: &StudyData) -> Option<PathBuf> {
+    (!trials(data).1.is_empty()).then(|| derived(&data.layout, "free_motion.parquet"))
+}
+
+/// The plants of the study, if any trial has one.
+pub(crate) fn plants(data: &StudyData) -> Option<PathBuf> {
+    (!trials(data).0.is_empty()).then(|| derived(&data.layout, "plant.parquet"))
+}
+
+/// Trials of free motion that count: those for a plant, and those for a plane fit.
+fn trials(data: &StudyData) -> (Vec<&TrialEntry>, Vec<&TrialEntry>) {
+    let free = |t: &&TrialEntry| {
+        data.study.environment(&t.meta.environment).is_some_and(|e| matches!(e.scene, Scene::Free))
+    };
+    let has = |t: &TrialEntry, signal: Signal| t.signals.contains(&signal);
+    let angle_alone = |t: &&TrialEntry| has(t, Signal::Theta) && !has(t, Signal::ThetaDdot);
+    data.counting().filter(free).partition(angle_alone)
+}
+
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let (with_plant, with_plane) = trials(data);
+    let of = |trials: &[&TrialEntry]| OfTrials::new(Parameters::of(&data.study), trials);
+    let plane = planes(data).map(|output| {
+        let (of, files) = (of(&with_plane), files(&with_plane));
+        Job::new(STAGE, "plane fits of free motion", of, files, vec![output], make_planes)
+    });
+    let plant = plants(data).map(|output| {
+        let (of, files) = (of(&with_plant), files(&with_plant));
+        Job::new(STAGE, "plant in free motion", of, files, vec![output], make_plants)
+    });
+    plane.into_iter().chain(plant).collect()
+}
+
+fn make_planes(
+    of: &OfTrials<Parameters>,
+    files: &Vec<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (fits, problems) = fit_all(of, files, zwidth_freemotion::plane_fit);
+    made(&[zwidth_freemotion::table(&fits)?], making, problems)
+}
+
+fn make_plants(
+    of: &OfTrials<Parameters>,
+    files: &Vec<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (fits, problems) = fit_all(of, files, zwidth_freemotion::plant_fit);
+    made(&[zwidth_freemotion::plant_table(&fits)?], making, problems)
+}
+
+/// The fits of the trials that can be read and fitted, and what is wrong with the others.
+fn fit_all<F: Send>(
+    of: &OfTrials<Parameters>,
+    files: &[PathBuf],
+    fit: fn(&Trial, &Parameters) -> Result<F, FreeMotionError>,
+) -> (Vec<F>, Vec<String>) {
+    let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
+    let one = |t: &Trial| fit(t, &of.stage).map_err(|e| format!("{}: {e}", name(&t.meta)));
+    let (fits, more) = split(trials.par_iter().map(one).collect());
+    problems.extend(more);
+    (fits, problems)
+}

@@ -1,0 +1,194 @@
+//! Stage `identify`: the plant that fits half of the trials best, judged on the other half. The fit
+//! balances the forces of the recorded motion, the judge is the replay driven by force; here stages
+//! meet, because they do not know each other.
+
+use crate::replay::{is_replayable, rendering};
+use crate::trials::{OfTrials, files, name, read_all};
+use crate::{derived, made, split};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::PathBuf;
+use zwidth_identify::{Bracket, IdentifyError, Parameter, Recording, Switching, Task};
+use zwidth_replay::{Balance, Drive, Judged, Parameters, Rendering, ReplayError};
+use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
+use zwidth_tables::{Table, TableError};
+
+const STAGE: Stage = Stage { name: "identify", version: zwidth_identify::VERSION };
+
+/// Parameters of the plant.
+const P: usize = 6;
+
+/// The parameters, in the order in which a fit has them. Bounds: what a lever moved by a finger can
+/// have at all.
+const PLANT: [Parameter; P] = [
+    parameter("mass", "kg", Parameters::BY_EYE.mass_kg, [1e-3, 2.0]),
+    parameter("damping", "N·s/rad", Parameters::BY_EYE.damping_ns_per_rad, [0.0, 10.0]),
+    parameter("friction", "N", Parameters::BY_EYE.friction_n, [0.0, 2.0]),
+    parameter("motor_lag", "s", Parameters::BY_EYE.motor_lag_s, [0.0, 0.05]),
+    parameter("brake_on", "s", Parameters::BY_EYE.brake_on_s, [0.0, 0.2]),
+    parameter("brake_off", "s", Parameters::BY_EYE.brake_off_s, [0.0, 0.2]),
+];
+
+const fn parameter(
+    name: &'static str,
+    unit: &'static str,
+    by_eye: f64,
+    [lower, upper]: [f64; 2],
+) -> Parameter {
+    Parameter { name, unit, by_eye, lower, upper }
+}
+
+/// Where else the fit begins: a light lever and a quick brake, and a heavy one and a slow brake.
+const STARTS: [[f64; P]; 2] =
+    [[0.05, 0.1, 0.1, 1e-4, 0.01, 0.01], [0.3, 0.3, 0.2, 1e-3, 0.05, 0.05]];
+
+const NAMES: [&str; 5] =
+    ["identify", "identify.profile", "identify.threshold", "identify.held_out", "identify.trials"];
+
+/// The parameters, their profiles, the threshold's bracket, by eye against fitted on trials held
+/// out, and the errors trial by trial; none where no trial can be replayed.
+pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
+    let is_any = replayable(data).next().is_some();
+    let names = NAMES.iter().filter(|_| is_any);
+    names.map(|name| derived(&data.layout, format!("{name}.parquet"))).collect()
+}
+
+/// The parameters.
+pub(crate) fn plant_of(layout: &Layout) -> PathBuf {
+    derived(layout, format!("{}.parquet", NAMES[0]))
+}
+
+/// The plant of a table of parameters; `None` where nothing was fitted.
+pub(crate) fn fitted(table: &Table) -> Result<Option<Parameters>, TableError> {
+    let values: Vec<f64> = table.floats("fitted")?.into_iter().flatten().collect();
+    Ok(<[f64; P]>::try_from(values).ok().map(|values| plant(&values)))
+}
+
+fn plant(
+    &[mass_kg, damping_ns_per_rad, friction_n, motor_lag_s, brake_on_s, brake_off_s]: &[f64; P],
+) -> Parameters {
+    Parameters { mass_kg, damping_ns_per_rad, friction_n, motor_lag_s, brake_on_s, brake_off_s }
+}
+
+fn replayable(data: &StudyData) -> impl Iterator<Item = &TrialEntry> {
+    data.counting().filter(|t| is_replayable(data, t))
+}
+
+/// What the fit depends on besides the trials.
+#[derive(Serialize)]
+struct Fit {
+    /// How each trial was rendered.
+    renderings: Vec<Rendering>,
+    level: f64,
+    let_go_n: f64,
+    plant: [Parameter; P],
+    starts: [[f64; P]; 2],
+    /// The stage that judges.
+    replay_version: u32,
+}
+
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let trials: Vec<_> = replayable(data).collect();
+    if trials.is_empty() {
+        return Vec::new();
+    }
+    let study = &data.study;
+    let rendered = |trial: &&TrialEntry| {
+        let meta = &trial.meta;
+        let condition = study.environment(&meta.environment).zip(study.mode(&meta.mode));
+        condition.map(|(environment, mode)| rendering(data, meta, environment, mode))
+    };
+    let fit = Fit {
+        renderings: trials.iter().filter_map(rendered).collect(),
+        level: study.analysis.confidence,
+        let_go_n: study.control.let_go_n,
+        plant: PLANT,
+        starts: STARTS,
+        replay_version: zwidth_replay::VERSION,
+    };
+    let of = OfTrials::new(fit, &trials);
+    vec![Job::new(STAGE, "identify", of, files(&trials), tables(data), make)]
+}
+
+fn make(of: &OfTrials<Fit>, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    let fit = &of.stage;
+    // Those that cannot be read keep the others with their own renderings.
+    let read = |i: usize| {
+        let (trial, problem) = read_all(&files[i..=i], &of.trials[i..=i], Signal::all());
+        (trial.into_iter().next().zip(fit.renderings.get(i)), problem)
+    };
+    let read: Vec<_> = (0..files.len()).into_par_iter().map(read).collect();
+    let mut problems: Vec<String> = read.iter().flat_map(|(_, problem)| problem.clone()).collect();
+    let trials: Vec<(Trial, &Rendering)> = read.into_iter().filter_map(|(t, _)| t).collect();
+    let (fitted, more) = fitted_trials(&trials);
+    problems.extend(more);
+    let mut tables = tables_of(&fitted, fit)?;
+    let bracket = Bracket::of(trials.iter().filter_map(|(trial, how)| switching(trial, how)));
+    tables.insert(2, zwidth_identify::threshold(&bracket, fit.let_go_n)?);
+    made(&tables, making, problems)
+}
+
+/// A trial that can be fitted and replayed.
+struct Fitted<'t> {
+    trial: &'t Trial,
+    balance: Balance,
+    judged: Judged,
+}
+
+/// Every trial that can be fitted and replayed; those to which that does not apply are no problem.
+fn fitted_trials<'t>(trials: &'t [(Trial, &Rendering)]) -> (Vec<Fitted<'t>>, Vec<String>) {
+    let both = |trial: &'t Trial, how: &Rendering| {
+        let judged = Judged::new(Drive::new(trial, how)?);
+        Ok(Fitted { trial, balance: Balance::new(trial, how)?, judged })
+    };
+    let one = |(trial, how): &'t (Trial, &Rendering)| match both(trial, how) {
+        Ok(fitted) => Ok(Some(fitted)),
+        Err(ReplayError::WhyNot(_)) => Ok(None),
+        Err(error) => Err(format!("{}: {error}", name(&trial.meta))),
+    };
+    let (found, problems) = split(trials.par_iter().map(one).collect());
+    (found.into_iter().flatten().collect(), problems)
+}
+
+/// What the controller saw and did; `None` where that was not recorded, or the mode has not both
+/// motor and brake.
+fn switching<'t>(trial: &'t Trial, how: &Rendering) -> Option<Switching<'t>> {
+    let column = |signal| trial.samples.get(signal);
+    (how.motor_max_v > 0.0 && how.brake_max_v > 0.0).then_some(())?;
+    Some(Switching {
+        theta_dot_rad_s: column(Signal::ThetaDot)?,
+        force_n: column(Signal::ForceEx)?,
+        motor_v: column(Signal::VoltageMotor)?,
+        brake_v: column(Signal::VoltageBrake)?,
+    })
+}
+
+/// The tables of a fit; empty ones that say why where there is too little to fit.
+fn tables_of(trials: &[Fitted], fit: &Fit) -> Result<Vec<Table>, JobError> {
+    let recordings: Vec<Recording> = trials
+        .iter()
+        .map(|t| Recording { meta: &t.trial.meta, observed: t.balance.measured_ns() })
+        .collect();
+    let task = Task { parameters: &fit.plant, starts: &fit.starts, level: fit.level };
+    let explain = |i: usize, p: &[f64; P]| Some(trials[i].balance.needed_ns(&plant(p)));
+    let judge = |i: usize, p: &[f64; P]| trials[i].judged.rmse_rad(&plant(p));
+    match zwidth_identify::identify(&recordings, &task, explain, judge) {
+        Ok(found) => Ok(vec![
+            zwidth_identify::estimates(&found)?,
+            zwidth_identify::profiles(&found.estimates)?,
+            zwidth_identify::against_eye(&found.trials)?,
+            zwidth_identify::trials(&found.trials)?,
+        ]),
+        Err(why @ IdentifyError::TooFew { .. }) => Ok(vec![
+            zwidth_identify::nothing_fitted(&why.to_string())?,
+            zwidth_identify::profiles(&[])?,
+            zwidth_identify::against_eye(&[])?,
+            zwidth_identify::trials(&[])?,
+        ]),
+        Err(error) => Err(error.into()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

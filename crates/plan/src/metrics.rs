@@ -1,0 +1,108 @@
+//! Stage `metrics`: a table a condition of a session, then one of the whole study. A changed trial
+//! leaves the tables of the other conditions as they are, and so the figures that take their onsets
+//! from there.
+
+use crate::conditions::{Repeats, repeats};
+use crate::trials::{OfTrials, files, name, read_all};
+use crate::{derived, made, read_tables, split};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use zwidth_metrics::Parameters;
+use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_store::{Asked, Layout, Signal, StoreError, StudyData, Trial, check_samples};
+use zwidth_study::Condition;
+use zwidth_tables::NoteKind;
+
+const STAGE: Stage = Stage { name: "metrics", version: zwidth_metrics::VERSION };
+
+/// The metrics of a condition, `metrics/P01.S01.spring.hybrid.parquet`.
+pub(crate) fn of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
+    derived(layout, format!("metrics/{}.parquet", repeats.key))
+}
+
+/// The metrics of every condition that has trials.
+pub(crate) fn of_conditions(data: &StudyData) -> Vec<PathBuf> {
+    repeats(data).iter().map(|repeats| of_condition(&data.layout, repeats)).collect()
+}
+
+/// The metrics of the study, where it has trials.
+pub(crate) fn of_study(data: &StudyData) -> Option<PathBuf> {
+    (!repeats(data).is_empty()).then(|| study_files(&data.layout)[0].clone())
+}
+
+/// The metrics of the study trial by trial, and by condition.
+pub(crate) fn study_files(layout: &Layout) -> [PathBuf; 2] {
+    ["metrics.parquet", "conditions.parquet"].map(|name| derived(layout, name))
+}
+
+/// What the table of a condition depends on besides its trials.
+#[derive(Serialize)]
+struct OfCondition {
+    #[serde(flatten)]
+    metrics: Parameters,
+    asked: Asked,
+}
+
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let study = &data.study;
+    let condition = |repeats: &Repeats| {
+        let metrics = Parameters::of(study, repeats.environment, repeats.mode);
+        Job::new(
+            STAGE,
+            format!("metrics {}", repeats.who),
+            OfTrials::new(OfCondition { metrics, asked: Asked::of(study) }, &repeats.trials),
+            files(&repeats.trials),
+            vec![of_condition(&data.layout, repeats)],
+            make_condition,
+        )
+    };
+    let whole = |conditions: Vec<PathBuf>| {
+        let outputs = study_files(&data.layout).to_vec();
+        Job::new(STAGE, "metrics of the study", study.conditions(), conditions, outputs, make_study)
+    };
+    let conditions = of_conditions(data);
+    let whole = (!conditions.is_empty()).then(|| whole(conditions));
+    repeats(data).iter().map(condition).chain(whole).collect()
+}
+
+fn make_condition(
+    of: &OfTrials<OfCondition>,
+    files: &Vec<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
+    let one = |t| {
+        let row = zwidth_metrics::trial_metrics(t, &of.stage.metrics);
+        row.map_err(|e| format!("{}: {e}", name(&t.meta)))
+    };
+    let (rows, more) = split(trials.par_iter().map(one).collect());
+    problems.extend(more);
+    let care: Vec<String> = trials.iter().flat_map(|t| with_care(&of.stage.asked, t)).collect();
+    let left_out = problems.iter().map(|p| (NoteKind::LeftOut, making.without_root(p)));
+    let notes = left_out.chain(care.iter().map(|note| (NoteKind::Care, note.clone())));
+    let table = zwidth_metrics::table(&rows)?;
+    let table = notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note));
+    Ok(Made { care, ..made(&[table], making, problems)? })
+}
+
+fn make_study(
+    conditions: &Vec<Condition>,
+    tables: &Vec<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let all = zwidth_metrics::together(&read_tables(tables)?)?.ok_or("there is no trial")?;
+    let conditions = zwidth_metrics::by_condition(&all, conditions)?;
+    made(&[all, conditions], making, Vec::new())
+}
+
+/// What `verify` finds in a trial's samples, which count all the same.
+fn with_care(asked: &Asked, trial: &Trial) -> Vec<String> {
+    let found = check_samples(asked, Path::new(""), &trial.samples);
+    let words = |f: StoreError| {
+        let column = f.column.map(|column| format!(", {column}")).unwrap_or_default();
+        let row = f.row.map(|row| format!(", row {row}")).unwrap_or_default();
+        format!("{}{column}{row}: {}", name(&trial.meta), f.what)
+    };
+    found.into_iter().map(words).collect()
+}

@@ -1,0 +1,47 @@
+//! Figure 24: for each session and environment with a spring, one trial a mode beside the model
+//! that is given its external force, by eye and fitted: what the stage `replay` derived.
+
+use crate::conditions::sessions;
+use crate::figures::{Drawing, drawn};
+use crate::replay;
+use serde::Serialize;
+use std::path::PathBuf;
+use zwidth_figures::{About, Kind};
+use zwidth_runner::{JobError, Made, Making};
+use zwidth_store::StudyData;
+use zwidth_study::Environment;
+use zwidth_tables::Table;
+
+/// What a figure depends on besides the courses.
+#[derive(Serialize)]
+struct Against {
+    about: About,
+    environment: Environment,
+    who: String,
+}
+
+pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
+    let mut drawings = Vec::new();
+    for session in sessions(data) {
+        for environment in &data.study.environments {
+            let courses = replay::courses(data, &session, environment);
+            drawings.extend(courses.map(|courses| {
+                let [participant, session_id] = session.ids();
+                let subject = [participant, session_id, environment.id.to_string()];
+                let (about, environment) = (About::of(&data.study), environment.clone());
+                let against = Against { about, environment, who: session.who() };
+                Drawing::new(data, Kind::Replay, subject, against, courses, draw)
+            }));
+        }
+    }
+    drawings
+}
+
+fn draw(
+    Against { about, environment, who }: &Against,
+    courses: &PathBuf,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let courses = Table::from_parquet(courses)?;
+    drawn(zwidth_figures::replay(about, environment, who, &courses)?, Vec::new(), making)
+}

@@ -1,0 +1,115 @@
+//! Stage `report`: the tables of what was planned, and the pros and cons beside what came out.
+
+use crate::design::{Forces, forces, has_actuators};
+use crate::{derived, made, metrics};
+use serde::Serialize;
+use std::path::PathBuf;
+use zwidth_report::{
+    Known, Planned, device_table, model_table, modes_table, pros_cons_table, weight_table,
+};
+use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_simulate::Scene;
+use zwidth_store::{Layout, StudyData};
+use zwidth_study::Basis;
+use zwidth_tables::Table;
+
+const STAGE: Stage = Stage { name: "report", version: zwidth_report::VERSION };
+/// The scene of the thesis' Table 3.
+const MODEL: &str = include_str!("../../../scenes/sine_finger.toml");
+/// The job that needs it.
+const MODEL_JOB: &str = "model and device";
+
+/// The file that is built into the program and that the job of that name takes its parameters from,
+/// if any.
+pub fn built_in(job: &str) -> Option<&'static str> {
+    (job == MODEL_JOB).then_some("scenes/sine_finger.toml (built in)")
+}
+
+/// A table of the stage.
+fn table_of(layout: &Layout, name: &str) -> PathBuf {
+    derived(layout, format!("report/{name}.parquet"))
+}
+
+/// Every table of the stage that the study has, the thesis' Table 1 in front.
+pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
+    let names = ["pros_cons", "modes", "model", "device", "weight"].into_iter();
+    let is_made = |name: &&str| *name != "weight" || is_weighed(data);
+    let names = names.filter(|_| has_actuators(data)).filter(is_made);
+    names.map(|name| table_of(&data.layout, name)).collect()
+}
+
+/// Whether masses and modes allow a table of weights.
+fn is_weighed(data: &StudyData) -> bool {
+    zwidth_report::is_weighed(&Planned::of(&data.study))
+}
+
+/// What was planned, and where its forces come from.
+#[derive(Serialize)]
+struct Forced {
+    planned: Planned,
+    basis: Basis,
+}
+
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    if !has_actuators(data) {
+        return Vec::new();
+    }
+    let Forces { basis, calibration, .. } = forces(data);
+    let planned = || Planned::of(&data.study);
+    let forced = || Forced { planned: planned(), basis };
+    let outputs = |names: &[&str]| names.iter().map(|n| table_of(&data.layout, n)).collect();
+    let weighed: &[&str] = if is_weighed(data) { &["modes", "weight"] } else { &["modes"] };
+    vec![
+        Job::new(
+            STAGE,
+            "pros and cons",
+            forced(),
+            (calibration.clone(), metrics::of_study(data)),
+            outputs(&["pros_cons"]),
+            make_pros_cons,
+        ),
+        Job::new(STAGE, "modes and weights", forced(), calibration, outputs(weighed), make_forces),
+        Job::new(
+            STAGE,
+            MODEL_JOB,
+            (planned(), MODEL),
+            (),
+            outputs(&["model", "device"]),
+            make_planned,
+        ),
+    ]
+}
+
+fn make_pros_cons(
+    Forced { planned, basis }: &Forced,
+    (calibration, metrics): &(Option<PathBuf>, Option<PathBuf>),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let calibration = &Forces::read(calibration.as_deref())?;
+    let metrics = metrics.as_deref().map(Table::from_parquet).transpose()?;
+    let known = Known { study: planned, calibration, metrics: metrics.as_ref() };
+    made(&[pros_cons_table(known)?.with_note(basis.footnote())], making, Vec::new())
+}
+
+/// What the forces of the actuators decide: the modes as used, and the weights.
+fn make_forces(
+    Forced { planned, basis }: &Forced,
+    calibration: &Option<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let calibration = &Forces::read(calibration.as_deref())?;
+    let modes = modes_table(planned, calibration, basis.footnote())?;
+    let weight = weight_table(planned, calibration).transpose()?;
+    let weight = weight.map(|table| table.with_note(basis.footnote()));
+    made(&[modes].into_iter().chain(weight).collect::<Vec<_>>(), making, Vec::new())
+}
+
+/// What stands before anything is recorded: the model's parameters and the device.
+fn make_planned(
+    (planned, model): &(Planned, &str),
+    (): &(),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let tables = [model_table(&Scene::from_toml(model)?)?, device_table(planned)?];
+    made(&tables, making, Vec::new())
+}

@@ -1,0 +1,71 @@
+//! Reading the trials of a job.
+
+use crate::split;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use zwidth_store::{Signal, Trial, TrialEntry, read_trial};
+use zwidth_study::{ModeId, TrialMeta};
+
+/// What the session knows of a trial beside its file: of an unsealed one, whose file has a code,
+/// the mode and the repeat.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Known {
+    pub(crate) trial: u32,
+    mode: ModeId,
+    repeat: u32,
+}
+
+/// A stage's parameters, and what is known of the trials that it gets.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct OfTrials<P> {
+    #[serde(flatten)]
+    pub(crate) stage: P,
+    pub(crate) trials: Vec<Known>,
+}
+
+impl<P> OfTrials<P> {
+    pub(crate) fn new(stage: P, trials: &[&TrialEntry]) -> Self {
+        Self { stage, trials: known(trials) }
+    }
+}
+
+/// What is known of trials.
+pub(crate) fn known(trials: &[&TrialEntry]) -> Vec<Known> {
+    let of = |meta: &TrialMeta| Known {
+        trial: meta.trial,
+        mode: meta.mode.clone(),
+        repeat: meta.repeat,
+    };
+    trials.iter().map(|t| of(&t.meta)).collect()
+}
+
+/// The files of trials.
+pub(crate) fn files(trials: &[&TrialEntry]) -> Vec<PathBuf> {
+    trials.iter().map(|t| t.path.clone()).collect()
+}
+
+/// Reads trials in parallel, with these signals; what cannot be read is left out and told.
+pub(crate) fn read_all(
+    files: &[PathBuf],
+    known: &[Known],
+    signals: impl Iterator<Item = Signal> + Clone + Sync,
+) -> (Vec<Trial>, Vec<String>) {
+    let one = |(file, known): (&PathBuf, &Known)| read_one(file, known, signals.clone());
+    split(files.par_iter().zip(known).map(one).collect())
+}
+
+fn read_one(
+    file: &Path,
+    known: &Known,
+    signals: impl Iterator<Item = Signal>,
+) -> Result<Trial, zwidth_store::StoreError> {
+    let trial = read_trial(file, signals)?;
+    let meta = TrialMeta { mode: known.mode.clone(), repeat: known.repeat, ..trial.meta };
+    Ok(Trial { meta, ..trial })
+}
+
+/// A trial's name in a message: `P01 S01 trial 2`.
+pub(crate) fn name(meta: &TrialMeta) -> String {
+    format!("{} {} trial {}", meta.participant, meta.session, meta.trial)
+}
