@@ -106,14 +106,14 @@ impl Session {
     }
 
     /// The order, each trial with the question that follows it.
-    pub fn order(&self, study: &Study) -> Vec<(PlannedTrial, Option<QuestionId>)> {
+    pub(crate) fn order(&self, study: &Study) -> Vec<(PlannedTrial, Option<QuestionId>)> {
         let question =
             |t: &PlannedTrial| study.environment(&t.environment).and_then(|e| e.question.clone());
         self.record.trials.iter().map(|t| (t.clone(), question(t))).collect()
     }
 
     /// What a trial's file says of it: in a sealed session its code in place of the mode.
-    pub fn meta(&self, trial: &PlannedTrial) -> TrialMeta {
+    pub(crate) fn meta(&self, trial: &PlannedTrial) -> TrialMeta {
         let code = self.seal.as_ref().map(|seal| seal.code(trial.trial));
         TrialMeta {
             participant: self.record.participant.clone(),
@@ -134,7 +134,7 @@ impl Session {
     ///
     /// # Errors
     /// A write that failed.
-    pub fn lay_down(
+    pub(crate) fn lay_down(
         &mut self,
         plan: &Plan,
         files: &dyn Files,

@@ -143,12 +143,12 @@ impl<const N: usize> Matrix<N> {
     }
 
     /// True if every entry is finite.
-    pub fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         self.columns.iter().flatten().all(|x| x.is_finite())
     }
 
     /// Largest absolute entry; NaN if any entry is.
-    pub fn largest(&self) -> f64 {
+    pub(crate) fn largest(&self) -> f64 {
         self.columns
             .iter()
             .flatten()

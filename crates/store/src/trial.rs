@@ -14,7 +14,7 @@ pub struct Samples {
 impl Samples {
     /// The samples of these rows, with the columns that they have: a quantity that one of them
     /// lacks has none.
-    pub fn from_rows(rows: &[Sample]) -> Self {
+    pub(crate) fn from_rows(rows: &[Sample]) -> Self {
         let mut samples = Self::default();
         for column in &COLUMNS {
             if let Some(values) = rows.iter().map(|row| value(row, column.signal)).collect() {
@@ -40,13 +40,13 @@ impl Samples {
     }
 
     /// Whether there is no sample.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Checks what every trial file promises: samples there, one length, finite numbers that fit
     /// their storage, and a time that runs forward. The error names column and row.
-    pub fn check(&self, path: &Path) -> Result<(), StoreError> {
+    pub(crate) fn check(&self, path: &Path) -> Result<(), StoreError> {
         if self.get(Signal::Time).is_none() {
             let remedy =
                 "a trial needs its time; give the recording's rate where it has no time column";

@@ -73,12 +73,13 @@ impl Intent {
     }
 
     /// When it is over, s after the trial's start.
-    pub fn end_s(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn end_s(&self) -> f64 {
         self.onset_s + self.forward_s + self.dwell_s + self.back_s
     }
 
     /// Where the hand means to be, from where it started, and how fast.
-    pub fn aim(&self, t_s: f64) -> Aim {
+    pub(crate) fn aim(&self, t_s: f64) -> Aim {
         let there = least_jerk(t_s - self.onset_s, self.forward_s);
         let back = least_jerk(t_s - self.onset_s - self.forward_s - self.dwell_s, self.back_s);
         Aim {

@@ -22,6 +22,6 @@ mod story;
 mod sweep;
 mod trial;
 
-pub use board::{Twin, TwinFault};
+pub use board::Twin;
 pub use parameters::{TwinParameter, TwinParameters};
 pub use sweep::{SweepPoint, brake_sweep, motor_sweep};

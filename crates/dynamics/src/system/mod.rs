@@ -131,11 +131,6 @@ impl System {
         &self.scene
     }
 
-    /// Where each quantity stands in the augmented state.
-    pub fn layout(&self) -> Layout {
-        self.layout
-    }
-
     /// The augmented state at t = 0, and the inputs' first spans.
     pub(crate) fn start(&self) -> ([f64; MOST], Cursor) {
         let mut z = [0.0; MOST];

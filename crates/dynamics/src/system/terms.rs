@@ -42,7 +42,7 @@ impl System {
     }
 
     /// The term that keeps the system from being piecewise affine, if there is one.
-    pub fn nonlinear_term(&self) -> Option<&'static str> {
+    pub(crate) fn nonlinear_term(&self) -> Option<&'static str> {
         let start = &self.scene.start;
         let curve = |term: &&dyn Term| {
             term.curve(&self.scene.plant, start.theta_rad, start.theta_dot_rad_s)

@@ -132,7 +132,7 @@ impl Parameter {
     }
 
     /// The same for one that is not below zero.
-    pub fn not_negative(name: &'static str, value: f64, usual: f64) -> Self {
+    pub(crate) fn not_negative(name: &'static str, value: f64, usual: f64) -> Self {
         Self { name, value, usual, check: not_negative }
     }
 }

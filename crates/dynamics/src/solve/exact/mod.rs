@@ -6,6 +6,7 @@
 
 mod block;
 mod compiled;
+#[cfg(test)]
 mod condition;
 mod run;
 mod uneven;
@@ -18,6 +19,20 @@ use crate::trajectory::Trajectory;
 use run::Run;
 
 /// Exact in every region, up to rounding. Refuses models that are not piecewise affine.
+///
+/// How exact is a matter of κ, the largest condition number of a step's exponential over the
+/// regions met, relative and in the Frobenius norm (see [`zwidth_numerics::expm::condition`]). The
+/// error of a run against the exact motion of the very numbers that were given, over the largest
+/// signal, is at most 1e-12 where κ < 1e6, and at most 1e-12 + 2 ε κ above (ε = 2.2e-16). This
+/// holds for up to 10⁴ samples and radians of swing that no damping forgets; each further one may
+/// add ε. Sample `i` of an even grid stands at exactly `i` steps, of which its `t_s` is the rounded
+/// value.
+///
+/// A step of 16 radians and more has its flow computed in twice the precision, from coefficients
+/// such as K_O/(M_O L) in twice the precision, so that a step without events is rounded once
+/// whatever κ is: 3e-14 was measured up to κ = 2.6e11. What is left is the rounding of each sample
+/// and of each piece in which an event is found. Flows and states in twice the precision would mend
+/// that too, for ten times the time of a region's first step and twice that of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Exact {
     /// A run with more events ends in an error: a lever may bounce without end.
@@ -95,19 +110,6 @@ impl Exact {
         }
         grid.check()?;
         with_length!(system.layout.n, self.prepare_n(system, grid))
-    }
-
-    /// Runs without keeping samples; see [`Prepared::visit`].
-    ///
-    /// # Errors
-    /// As [`Solver::run`].
-    pub fn visit(
-        &self,
-        system: &System,
-        grid: &Grid,
-        mut visit: impl FnMut(f64, &[f64]),
-    ) -> std::result::Result<Trajectory, DynamicsError> {
-        self.prepare(system, grid)?.visit(grid, &mut visit)
     }
 
     /// A region has at most four guards of the lever and actuators, and two of a finger.
