@@ -1,7 +1,6 @@
 //! What a participant is like: drawn once, the same in every trial.
 
 use super::draw::{Draw, Purpose};
-use super::intent::{Intent, Task};
 use serde::{Deserialize, Serialize};
 use zwidth_dynamics::{Hand, Tissue, table3};
 
@@ -83,12 +82,6 @@ impl Person {
     /// How far the hand is pressed back by a newton, tissue and impedance in series, m/N.
     pub(crate) fn compliance_m_per_n(&self) -> f64 {
         1.0 / self.hand.stiffness_n_per_m + 1.0 / self.hand.tissue.stiffness_n_per_m
-    }
-
-    /// What it means to do in a trial, by the trial's number from 1. Early trials are slower and
-    /// vary more.
-    pub(crate) fn intent(&self, trial: u32, task: &Task) -> Intent {
-        Intent::draw(self, trial, task)
     }
 }
 

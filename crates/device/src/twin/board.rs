@@ -1,6 +1,6 @@
 //! The board as a device: it moves plant and participant up to the moment it is asked for.
 
-use super::parameters::{STOPS_RAD, TwinParameters};
+use super::parameters::{STOPS_RAD, TwinParameters, impossible};
 use super::sensors::{AngleSensor, COUNTS_PER_TURN, FORCE_RATE_HZ, ForceSensor, SHAFT_PER_LEVER};
 use super::trial::{Trial, WAITING_GAP_M};
 use crate::participant::draw::{Draw, Purpose};
@@ -230,15 +230,6 @@ fn capabilities(parameters: &TwinParameters) -> Capabilities {
         brake_max_v: highest(&parameters.actuators.brake.voltage_v),
         watchdog_s: Some(WATCHDOG_S),
         source: Source::Twin,
-    }
-}
-
-/// A plant that cannot be simulated.
-pub(super) fn impossible(error: &dyn std::error::Error) -> DeviceError {
-    DeviceError::Unable {
-        device: "twin".to_owned(),
-        what: error.to_string(),
-        remedy: "correct the twin's parameters".to_owned(),
     }
 }
 

@@ -6,7 +6,7 @@
 //! cell, capstan friction included: the measured force is a little low while the motor's rises and
 //! a little high while it falls.
 
-use super::board::impossible;
+use super::parameters::impossible;
 use super::parameters::{STOPS_RAD, TwinParameters};
 use super::sensors::{FORCE_RATE_HZ, ForceSensor};
 use crate::DeviceError;
