@@ -107,7 +107,7 @@ fn held(path: &Path, file: &mut File) -> StoreError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crashes::folder_with_study;
+    use crate::tests::crashes::folder_with_study;
 
     #[test]
     fn the_second_who_asks_is_told_who_holds_it() {

@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn rows_become_columns_and_what_a_row_lacks_is_no_column() {
-        let mut rows = crate::crashes::rows(1, 3);
+        let mut rows = crate::tests::crashes::rows(1, 3);
         let samples = Samples::from_rows(&rows);
         assert_eq!(samples.get(Signal::Time), Some([0.001, 0.002, 0.003].as_slice()));
         assert_eq!(samples.get(Signal::ThetaRaw), Some([1.0, 2.0, 3.0].as_slice()));

@@ -17,9 +17,9 @@
 mod board;
 mod parameters;
 mod sensors;
-#[cfg(test)]
-mod story;
 mod sweep;
+#[cfg(test)]
+mod tests;
 mod trial;
 
 pub use board::Twin;

@@ -157,6 +157,4 @@ pub(crate) fn shorten<const N: usize>(full: &[f64]) -> [f64; N] {
 }
 
 #[cfg(test)]
-mod properties;
-#[cfg(test)]
 mod tests;

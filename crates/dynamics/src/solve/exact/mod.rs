@@ -6,8 +6,6 @@
 
 mod block;
 mod compiled;
-#[cfg(test)]
-mod condition;
 mod functionals;
 mod method;
 mod run;
@@ -70,9 +68,5 @@ impl Exact {
     }
 }
 
-#[cfg(test)]
-mod accuracy;
-#[cfg(test)]
-mod reference;
 #[cfg(test)]
 mod tests;

@@ -1,3 +1,7 @@
+mod accuracy;
+mod condition;
+mod reference;
+
 use super::*;
 use crate::scene::actuators::Mode;
 use crate::scene::environment::Environment;

@@ -3,14 +3,14 @@
 
 use proptest::prelude::*;
 
-use super::adaptive::Tolerances;
-use super::dormand_prince::DormandPrince;
-use super::exact::Exact;
-use super::moreau_jean::MoreauJean;
-use super::rk4::Rk4;
-use super::symplectic_euler::SymplecticEuler;
-use super::tr_bdf2::TrBdf2;
-use super::*;
+use super::super::adaptive::Tolerances;
+use super::super::dormand_prince::DormandPrince;
+use super::super::exact::Exact;
+use super::super::moreau_jean::MoreauJean;
+use super::super::rk4::Rk4;
+use super::super::symplectic_euler::SymplecticEuler;
+use super::super::tr_bdf2::TrBdf2;
+use super::super::*;
 use crate::energy::EnergyBalance;
 use crate::scene::actuators::{BrakeLaw, Mode};
 use crate::scene::environment::Environment;

@@ -9,7 +9,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::*;
+use super::super::*;
 use crate::scene::Scene;
 use crate::scene::actuators::Mode;
 use crate::scene::environment::Environment;

@@ -5,8 +5,8 @@
 //! condition number of 1e6 the rounding of an argument alone is worth 1e-10. Any other parameters
 //! have a reference in `reference.rs`.
 
-use super::tests::oscillator;
-use super::*;
+use super::super::*;
+use super::oscillator;
 use crate::scene::Scene;
 use crate::scene::actuators::Mode;
 use crate::scene::environment::Environment;
