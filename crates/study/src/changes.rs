@@ -33,9 +33,9 @@ pub struct StudyChange {
 
 impl StudyChange {
     /// Stands for a value that is not there.
-    pub(crate) const ABSENT: &'static str = "absent";
+    pub const ABSENT: &'static str = "absent";
     /// Stands for an environment, a mode or a question that is there as a whole.
-    pub(crate) const PRESENT: &'static str = "present";
+    pub const PRESENT: &'static str = "present";
 }
 
 impl std::fmt::Display for StudyChange {

@@ -45,7 +45,7 @@ pub trait Prepared {
     /// prepared for, into a trajectory that is emptied first and keeps its memory.
     ///
     /// # Errors
-    /// As [`Solver::run`].
+    /// As [`crate::Solver::run`].
     fn run_into(
         &mut self,
         grid: &Grid,
@@ -56,7 +56,7 @@ pub trait Prepared {
     /// with the grid.
     ///
     /// # Errors
-    /// As [`Solver::run`].
+    /// As [`crate::Solver::run`].
     fn visit(
         &mut self,
         grid: &Grid,

@@ -46,7 +46,7 @@ fn measure(case: &Case) -> (f64, Option<f64>) {
     (condition, Some(errors.fold(0.0, f64::max) / signal))
 }
 
-/// The promise of [`Trajectory::condition`]: a number below 1e6, a number or the typed error above.
+/// The promise of [`Exact`]: a number below 1e6, a number or the typed error above.
 fn keep_promise(name: &str, case: &Case) -> f64 {
     let (condition, error) = measure(case);
     let bound = if condition < 1e6 { 1e-12 } else { 1e-12 + 2.0 * f64::EPSILON * condition };
