@@ -14,7 +14,7 @@ pub struct Samples {
 impl Samples {
     /// The samples of these rows, with the columns that they have: a quantity that one of them
     /// lacks has none.
-    pub(crate) fn from_rows(rows: &[Sample]) -> Self {
+    pub fn from_rows(rows: &[Sample]) -> Self {
         let mut samples = Self::default();
         for column in &COLUMNS {
             if let Some(values) = rows.iter().map(|row| value(row, column.signal)).collect() {
