@@ -1,6 +1,7 @@
 //! The study by which a session goes on: its own copy, whatever `study.toml` says by then.
 
-use crate::{AcquireError, Plan};
+use crate::AcquireError;
+use crate::plan::Plan;
 use zwidth_store::{Files, Layout, SessionLog, hex_blake3, session_study};
 use zwidth_study::{
     Affects, Control, Event, ParticipantId, SessionId, Study, StudyChange, study_changes,

@@ -3,50 +3,17 @@
 use crate::flow::Recorded;
 use crate::number::{Numbers, numbers};
 use crate::own::opening;
+use crate::plan::Plan;
 use crate::{AcquireError, vault};
-use std::path::PathBuf;
 use zwidth_device::Capabilities;
 use zwidth_store::{
-    Files, Layout, SessionLog, TrialEntry, WholeSession, check_session_ids, hex_blake3, lay_down,
+    Files, SessionLog, TrialEntry, WholeSession, check_session_ids, hex_blake3, lay_down,
     read_session,
 };
 use zwidth_study::{
-    Calibration, Event, ModeId, OrderRecord, ParticipantId, PlannedTrial, QuestionId, Scene, Seal,
-    SessionId, SessionRecord, Status, Study, TrialMeta, order,
+    Calibration, Event, ModeId, OrderRecord, PlannedTrial, QuestionId, Scene, Seal, SessionRecord,
+    Status, Study, TrialMeta, order,
 };
-
-/// What a session is made of, besides the device.
-#[derive(Debug, Clone)]
-pub struct Plan {
-    /// Where the study lies.
-    pub layout: Layout,
-    /// The study to record by: that of `study.toml`, or of a session that is gone on with its own
-    /// ([`crate::own_study`]).
-    pub study: Study,
-    /// The text of the present `study.toml`, of which a session that begins keeps a copy.
-    pub study_toml: Vec<u8>,
-    /// A session whose copy differs from that in what is recorded goes on, by its copy; its log
-    /// says so.
-    pub accept_study_change: bool,
-    /// Who.
-    pub participant: ParticipantId,
-    /// Which session.
-    pub session: SessionId,
-    /// The calibration in force.
-    pub calibration: Calibration,
-    /// The software that records, with its version.
-    pub software: String,
-    /// Rate of the control loop, Hz.
-    pub rate_hz: f64,
-    /// The order's seed, where one is asked for. A study has one seed: its participants are
-    /// balanced under it.
-    pub seed: Option<u64>,
-    /// The folder of seals and of the seed that is not to be known.
-    pub keys: PathBuf,
-    /// Random bytes nobody can guess, from which a blinded session has its seal's nonce and its
-    /// study the seed.
-    pub secret: [u8; 32],
-}
 
 /// A session, laid down or found again.
 #[derive(Debug, Clone)]
@@ -106,14 +73,14 @@ impl Session {
     }
 
     /// The order, each trial with the question that follows it.
-    pub fn order(&self, study: &Study) -> Vec<(PlannedTrial, Option<QuestionId>)> {
+    pub(crate) fn order(&self, study: &Study) -> Vec<(PlannedTrial, Option<QuestionId>)> {
         let question =
             |t: &PlannedTrial| study.environment(&t.environment).and_then(|e| e.question.clone());
         self.record.trials.iter().map(|t| (t.clone(), question(t))).collect()
     }
 
     /// What a trial's file says of it: in a sealed session its code in place of the mode.
-    pub fn meta(&self, trial: &PlannedTrial) -> TrialMeta {
+    pub(crate) fn meta(&self, trial: &PlannedTrial) -> TrialMeta {
         let code = self.seal.as_ref().map(|seal| seal.code(trial.trial));
         TrialMeta {
             participant: self.record.participant.clone(),
@@ -134,7 +101,7 @@ impl Session {
     ///
     /// # Errors
     /// A write that failed.
-    pub fn lay_down(
+    pub(crate) fn lay_down(
         &mut self,
         plan: &Plan,
         files: &dyn Files,

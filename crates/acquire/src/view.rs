@@ -159,7 +159,7 @@ pub struct CheckLine {
 
 impl View {
     /// Adds a line of talk; the oldest goes.
-    pub fn say(&mut self, message: impl Into<String>) {
+    pub(crate) fn say(&mut self, message: impl Into<String>) {
         if self.messages.len() == MESSAGES {
             self.messages.pop_front();
         }
@@ -168,7 +168,7 @@ impl View {
     }
 
     /// Adds a point to the trace unless it comes sooner than [`TRACE_HZ`] allows; the oldest goes.
-    pub fn trace(&mut self, point: Point) {
+    pub(crate) fn trace(&mut self, point: Point) {
         // A thousandth of a point's time: a tick that comes a hair early is not left out.
         const SLACK: f64 = 0.999;
         if self.trace.back().is_some_and(|last| (point.t_s - last.t_s) * TRACE_HZ < SLACK) {

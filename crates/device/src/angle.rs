@@ -71,7 +71,7 @@ impl Unwrap {
     ///
     /// # Errors
     /// A code the sensor does not have.
-    pub fn start(counts_per_turn: u32, t_s: f64, raw: u16) -> Result<Self, AngleFault> {
+    pub(crate) fn start(counts_per_turn: u32, t_s: f64, raw: u16) -> Result<Self, AngleFault> {
         let per_turn = i64::from(counts_per_turn);
         let raw = code(raw, per_turn)?;
         Ok(Self { per_turn, t_s, raw, total: raw, speed: 0.0, speed_at: (t_s, raw) })
@@ -82,7 +82,7 @@ impl Unwrap {
     /// # Errors
     /// A step too far from the predicted one, or a code the sensor does not have. The state stays
     /// as it was.
-    pub fn follow(&mut self, t_s: f64, raw: u16) -> Result<i64, AngleFault> {
+    pub(crate) fn follow(&mut self, t_s: f64, raw: u16) -> Result<i64, AngleFault> {
         let raw = code(raw, self.per_turn)?;
         let step = shortest(raw - self.raw, self.per_turn);
         let elapsed_s = t_s - self.t_s;
@@ -139,7 +139,7 @@ impl Homed {
     /// # Errors
     /// A reading that does not fit what the device says of its sensor, or an angle that is not at
     /// the stop.
-    pub fn at_stop(
+    pub(crate) fn at_stop(
         capabilities: &Capabilities,
         stop_rad: f64,
         t_s: f64,
@@ -179,7 +179,7 @@ impl Homed {
     ///
     /// # Errors
     /// An angle that is not to be believed; home again.
-    pub fn follow(&mut self, t_s: f64, angle: Angle) -> Result<f64, AngleFault> {
+    pub(crate) fn follow(&mut self, t_s: f64, angle: Angle) -> Result<f64, AngleFault> {
         match (&mut self.sensor, angle) {
             (Sensor::Shaft { unwrap, at_stop, rad_per_count }, Angle::Counts(raw)) => {
                 let counts = unwrap.follow(t_s, raw)? - *at_stop;

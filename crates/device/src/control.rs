@@ -107,7 +107,7 @@ impl Controller {
     }
 
     /// The resisting force voltages stand for, by the calibration, N; above 0 pushes towards −θ.
-    pub fn force_n(&self, voltages: Voltages) -> f64 {
+    pub(crate) fn force_n(&self, voltages: Voltages) -> f64 {
         self.calibration.brake.force_n(voltages.brake_v)
             - self.calibration.motor.force_n(voltages.motor_v)
     }

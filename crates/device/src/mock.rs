@@ -90,7 +90,8 @@ impl Mock {
     /// The same, which rests as it begins until its first trial does: whoever reads on between
     /// homing and a trial would see it move, and then jump back.
     #[must_use]
-    pub fn resting(self) -> Self {
+    #[cfg(test)]
+    pub(crate) fn resting(self) -> Self {
         Self { began_s: f64::MAX, ..self }
     }
 

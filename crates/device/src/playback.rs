@@ -4,7 +4,7 @@ use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
 use zwidth_study::{Sample, Source, Voltages};
 
 /// Plays a recorded trial: lever and force as they were, whatever is commanded. In real time with
-/// [`crate::RealClock`], faster with [`crate::RealClock::faster`] or [`crate::SimulatedClock`].
+/// [`crate::RealClock`], at once with [`crate::SimulatedClock`].
 ///
 /// Before its first row and past its last one, that row stands. In between the last row that has
 /// come stands until the next, and its age grows, so that a gap in the recording is one here too.

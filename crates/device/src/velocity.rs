@@ -39,7 +39,7 @@ impl Velocity {
 
     /// The velocity at a new angle, rad/s; 0 at the first. An angle that is not newer than the last
     /// changes nothing.
-    pub fn step(&mut self, t_s: f64, theta_rad: f64) -> f64 {
+    pub(crate) fn step(&mut self, t_s: f64, theta_rad: f64) -> f64 {
         match self {
             Self::Differentiator(filter) => filter.step(t_s, theta_rad),
             Self::Difference(filter) => filter.step(t_s, theta_rad),
@@ -47,7 +47,8 @@ impl Velocity {
     }
 
     /// How late a slowly changing velocity is shown when angles come every `period_s`, s.
-    pub fn delay_s(&self, period_s: f64) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn delay_s(&self, period_s: f64) -> f64 {
         match self {
             Self::Differentiator(filter) => 2.0 / filter.omega,
             Self::Difference(_) => 0.5 * period_s,

@@ -11,6 +11,8 @@ use crate::ticks;
 pub(crate) const TICK_GAP_PT: f64 = 2.0;
 /// Between tick labels and the axis' label, in pt.
 pub(crate) const LABEL_GAP_PT: f64 = 2.5;
+/// Between a plot area and its heading or the words at a reference line's end, in pt.
+pub(crate) const PLOT_GAP_PT: f64 = 2.0;
 /// Least room between neighbouring tick labels along a horizontal axis, in pt.
 const LABELS_APART_PT: f64 = 7.0;
 /// Least distance of ticks along a horizontal axis, in pt.

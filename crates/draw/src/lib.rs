@@ -61,7 +61,7 @@ pub use figure::{
 };
 
 use font::Fonts;
-use sheet::{PT_PER_MM, Shape, Sheet};
+use sheet::{Shape, Sheet};
 use svg::Head;
 
 /// Resolution of PNGs for screens, in dots an inch.
@@ -123,11 +123,6 @@ impl Drawing {
     /// [`Error::Encode`] if the libraries refuse the drawing, [`Error::Font`] as [`draw`].
     pub fn pdf(&self) -> Result<Vec<u8>, Error> {
         pdf::pdf(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head())
-    }
-
-    /// Width and height on paper, in mm.
-    pub fn size_mm(&self) -> (f64, f64) {
-        (self.size_pt.0 / PT_PER_MM, self.size_pt.1 / PT_PER_MM)
     }
 
     fn head(&self) -> Head<'_> {

@@ -1,8 +1,6 @@
 //! Diverging stacked bars: where each box begins and ends.
 
-use crate::error::Error;
-use crate::figure::{Likert, LikertScale, Panel, Ticks};
-use crate::scale::{self, Ends};
+use crate::figure::LikertScale;
 
 /// One answer's box in a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,30 +32,6 @@ pub(crate) fn segments(counts: &[u32], scale: LikertScale) -> Vec<Segment> {
         }
     }
     segments
-}
-
-/// What the bars of all rows cover, zero included.
-pub(crate) fn extent(likert: &Likert) -> Option<Ends> {
-    let segments = likert.rows.iter().flat_map(|row| segments(row, likert.scale));
-    let ends = segments.fold((0.0_f64, 0.0_f64), |(a, b), s| (a.min(s.from), b.max(s.to)));
-    (ends.0 < ends.1).then_some(ends)
-}
-
-/// Every row has one count an answer, and the y axis one name a row.
-pub(crate) fn check(likert: &Likert, panel: &Panel) -> Result<(), Error> {
-    let lengths = |first, first_len, second, second_len| {
-        Err(Error::Lengths { panel: scale::name(panel), first, first_len, second, second_len })
-    };
-    if let Some(row) = likert.rows.iter().find(|row| row.len() != likert.answers.len()) {
-        return lengths("answers", likert.answers.len(), "a row of counts", row.len());
-    }
-    match &panel.y.ticks {
-        Ticks::Categories(names) if names.len() == likert.rows.len() => Ok(()),
-        Ticks::Categories(names) => {
-            lengths("the y axis' names", names.len(), "rows", likert.rows.len())
-        }
-        _ => lengths("the y axis' names", 0, "rows", likert.rows.len()),
-    }
 }
 
 #[cfg(test)]

@@ -1,17 +1,17 @@
 //! Draws a planned page: frames, ticks, words; the data in between.
 
-use crate::axis::{PlannedTick, TICK_GAP_PT};
+use crate::axis::{PLOT_GAP_PT, PlannedTick, TICK_GAP_PT};
 use crate::error::Error;
 use crate::figure::{Direction, Layer};
 use crate::font::{self, ASCENT_EM, CAP_EM, Label};
 use crate::layers;
 use crate::layout::{MARK_PAD_PT, Plan, title_at};
 use crate::legend;
-use crate::panel::{self, PanelPlan};
+use crate::panel::PanelPlan;
 use crate::scale::Scale;
-use crate::sheet::{At, Rect, Sheet};
+use crate::sheet::{At, Rect, Sheet, centred, lines};
 use crate::style::{
-    self, AXIS_PT, Colour, Dash, GREY, GRID, GRID_PT, INK, MARK, PAPER, SMALL_PT, Stroke, TICK_PT,
+    self, AXIS_PT, Dash, GREY, GRID, GRID_PT, INK, MARK, PAPER, SMALL_PT, Stroke, TICK_PT,
 };
 use crate::words;
 
@@ -31,22 +31,6 @@ pub(crate) fn draw(sheet: &mut Sheet, plan: &Plan<'_>) -> Result<(), Error> {
     Ok(())
 }
 
-/// Lines one under the other, the first one's upper edge at `top`.
-pub(crate) fn lines(sheet: &mut Sheet, lines: &[Label], (left, mut top): At, colour: Colour) {
-    for line in lines {
-        sheet.text(line, (left, top + ASCENT_EM * line.size_pt), colour, false);
-        top += line.height_pt();
-    }
-}
-
-/// Lines centred on `middle`, the first one's upper edge at `top`.
-pub(crate) fn centred(sheet: &mut Sheet, block: &[Label], (middle, mut top): At, colour: Colour) {
-    for line in block {
-        lines(sheet, std::slice::from_ref(line), (middle - line.width_pt / 2.0, top), colour);
-        top += line.height_pt();
-    }
-}
-
 fn stamp(sheet: &mut Sheet, label: &Label, frame: &Rect) {
     let stroke = Stroke { width_pt: 0.8, ..style::mean(MARK) };
     sheet.frame(&frame.grown(-stroke.width_pt / 2.0), 2.0, &stroke);
@@ -62,7 +46,7 @@ fn draw_panel(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> R
     x_labels(sheet, plan);
     y_labels(sheet, plan);
     let plot = &plan.plot;
-    let title_top = plot.top - panel::GAP_PT - font::height_pt(&plan.title);
+    let title_top = plot.top - PLOT_GAP_PT - font::height_pt(&plan.title);
     lines(sheet, &plan.title, (plot.left, title_top), INK);
     for word in &plan.references {
         sheet.text(&word.label, word.at, GREY, false);

@@ -1,6 +1,6 @@
 //! One panel, planned: its axes, its words, and the room they take around the plot area.
 
-use crate::axis::{self, AxisPlan};
+use crate::axis::{self, AxisPlan, PLOT_GAP_PT};
 use crate::error::Error;
 use crate::figure::{Cell, Direction, Figure, Panel, Ticks};
 use crate::font::{self, ASCENT_EM, Fonts, Label};
@@ -10,8 +10,6 @@ use crate::scale::{self, Ends, Scale};
 use crate::sheet::Rect;
 use crate::style::{LABEL_PT, SMALL_PT};
 
-/// Between a plot area and its heading or the words at a reference line's end, in pt.
-pub(crate) const GAP_PT: f64 = 2.0;
 /// Least side of a plot area, in pt.
 const LEAST_PLOT_PT: f64 = 20.0;
 /// Share of a panel's width that its note may fill.
@@ -107,7 +105,7 @@ fn decor(x: &AxisPlan, y: &AxisPlan, title: &[Label], references: &[Word], plot:
     let words_right = references.iter().map(|word| word.at.0 + word.label.width_pt - plot.right);
     let words_top =
         references.iter().map(|word| plot.top - word.at.1 + ASCENT_EM * word.label.size_pt);
-    let heading = if title.is_empty() { 0.0 } else { GAP_PT + font::height_pt(title) };
+    let heading = if title.is_empty() { 0.0 } else { PLOT_GAP_PT + font::height_pt(title) };
     Decor {
         left: y.depth_pt(Direction::Vertical).max(x_before),
         right: words_right.fold(x_after, f64::max),

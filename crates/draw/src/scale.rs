@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::figure::{Axis, Direction, Figure, Layer, Panel, Range, Text, TextPlace, Ticks};
+use crate::figure::{Axis, Direction, Figure, Layer, Likert, Panel, Range, Text, TextPlace, Ticks};
 use crate::likert;
 
 /// Ends of an axis: low, high.
@@ -74,7 +74,7 @@ fn check_layer(panel: &Panel, layer: &Layer) -> Result<(), Error> {
         }
         Layer::Reference(reference) => place(panel, "a reference line", &[reference.at]),
         Layer::Text(Text { place: TextPlace::Over(x, y), .. }) => place(panel, "a text", &[*x, *y]),
-        Layer::Likert(likert) => likert::check(likert, panel),
+        Layer::Likert(likert) => check_likert(likert, panel),
         _ => Ok(()),
     }
 }
@@ -133,7 +133,7 @@ fn extent(layer: &Layer) -> [Option<Ends>; 2] {
             along(i.direction, reach, at)
         }
         Layer::Reference(r) => along(r.direction, None, Some((r.at, r.at))),
-        Layer::Likert(likert) => [likert::extent(likert), None],
+        Layer::Likert(likert) => [likert_extent(likert), None],
         Layer::Text(_) => [None, None],
     }
 }
@@ -230,6 +230,30 @@ fn widen((low, high): Ends, share: f64) -> Ends {
     }
     let room = share * (high - low);
     (low - room, high + room)
+}
+
+/// Every row has one count an answer, and the y axis one name a row.
+fn check_likert(likert: &Likert, panel: &Panel) -> Result<(), Error> {
+    let lengths = |first, first_len, second, second_len| {
+        Err(Error::Lengths { panel: name(panel), first, first_len, second, second_len })
+    };
+    if let Some(row) = likert.rows.iter().find(|row| row.len() != likert.answers.len()) {
+        return lengths("answers", likert.answers.len(), "a row of counts", row.len());
+    }
+    match &panel.y.ticks {
+        Ticks::Categories(names) if names.len() == likert.rows.len() => Ok(()),
+        Ticks::Categories(names) => {
+            lengths("the y axis' names", names.len(), "rows", likert.rows.len())
+        }
+        _ => lengths("the y axis' names", 0, "rows", likert.rows.len()),
+    }
+}
+
+/// What the bars of all rows cover, zero included.
+fn likert_extent(likert: &Likert) -> Option<Ends> {
+    let segments = likert.rows.iter().flat_map(|row| likert::segments(row, likert.scale));
+    let ends = segments.fold((0.0_f64, 0.0_f64), |(a, b), s| (a.min(s.from), b.max(s.to)));
+    (ends.0 < ends.1).then_some(ends)
 }
 
 #[cfg(test)]

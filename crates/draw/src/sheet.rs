@@ -2,7 +2,7 @@
 
 use rustybuzz::ttf_parser::OutlineBuilder;
 
-use crate::font::{Fonts, Label, Piece};
+use crate::font::{ASCENT_EM, Fonts, Label, Piece};
 use crate::style::{Colour, Stroke};
 
 /// Points a millimetre.
@@ -257,6 +257,22 @@ impl OutlineBuilder for Placed<'_> {
     }
     fn close(&mut self) {
         self.pen.close();
+    }
+}
+
+/// Lines one under the other, the first one's upper edge at `top`.
+pub(crate) fn lines(sheet: &mut Sheet, lines: &[Label], (left, mut top): At, colour: Colour) {
+    for line in lines {
+        sheet.text(line, (left, top + ASCENT_EM * line.size_pt), colour, false);
+        top += line.height_pt();
+    }
+}
+
+/// Lines centred on `middle`, the first one's upper edge at `top`.
+pub(crate) fn centred(sheet: &mut Sheet, block: &[Label], (middle, mut top): At, colour: Colour) {
+    for line in block {
+        lines(sheet, std::slice::from_ref(line), (middle - line.width_pt / 2.0, top), colour);
+        top += line.height_pt();
     }
 }
 

@@ -8,6 +8,7 @@ use resvg::usvg::{Node, Options, Tree};
 use tiny_skia::{Color, Pixmap, Rect, Transform};
 
 use super::*;
+use crate::sheet::PT_PER_MM;
 
 static GALLERY: LazyLock<BTreeMap<&str, Drawing>> = LazyLock::new(|| {
     let figures = gallery::figures().into_iter().chain(crowded());
@@ -307,7 +308,8 @@ fn an_image_has_the_size_on_paper_that_its_figure_asks_for() {
 fn a_figure_of_fixed_height_is_that_high() {
     for (_, mut figure) in gallery::figures() {
         figure.height_mm = Some(120.0);
-        let (width_mm, height_mm) = draw(&figure).unwrap().size_mm();
+        let (width_pt, height_pt) = draw(&figure).unwrap().size_pt;
+        let (width_mm, height_mm) = (width_pt / PT_PER_MM, height_pt / PT_PER_MM);
         assert!((height_mm - 120.0).abs() < 1e-9 && (width_mm - figure.width_mm).abs() < 1e-9);
     }
 }

@@ -4,9 +4,8 @@ use crate::curve::{self, Point, Window};
 use crate::error::Error;
 use crate::figure::{Layer, Text, TextPlace};
 use crate::font::{self, Label};
-use crate::page::{centred, lines};
 use crate::panel::PanelPlan;
-use crate::sheet::{Rect, Sheet};
+use crate::sheet::{Rect, Sheet, centred, lines};
 use crate::style::{INK, SMALL_PT};
 
 /// Distance of words from the plot's edges and from the point they name, in pt.

@@ -4,7 +4,6 @@ use crate::scene::environment::Demand;
 use crate::system::region::{Contact, Motion, Region, Side};
 use crate::system::row::Row;
 use crate::system::{OMEGA, System};
-use crate::trajectory::{Forces, Trajectory};
 
 /// Work done on lever and finger over a run, J; a part that takes energy out is negative.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -51,37 +50,6 @@ impl EnergyBalance {
     }
 }
 
-impl Trajectory {
-    /// The balance of a sampled run by the trapezoidal rule, for methods that do not integrate it:
-    /// what is left over is the method's and the sampling's error, and the impacts, which leave
-    /// no sample.
-    pub fn sampled_energy(&self, system: &System) -> EnergyBalance {
-        let powers = |i: usize| system.sampled_powers(&self.forces(system, i), self.state(i));
-        let mut sums = [0.0; PARTS];
-        for i in 1..self.len() {
-            let half_s = 0.5 * (self.t_s[i] - self.t_s[i - 1]);
-            let (before, after) = (powers(i - 1), powers(i));
-            for (sum, (a, b)) in sums.iter_mut().zip(before.iter().zip(after)) {
-                *sum += half_s * (a + b);
-            }
-        }
-        let [external_j, motor_j, brake_j, friction_j, terms_j, tissue_j] = sums;
-        let stored = |i: usize| system.stored_j(self.state(i));
-        let stored_j = if self.is_empty() { 0.0 } else { stored(self.len() - 1) - stored(0) };
-        let impacts_j = 0.0;
-        EnergyBalance {
-            external_j,
-            motor_j,
-            brake_j,
-            friction_j,
-            terms_j,
-            tissue_j,
-            impacts_j,
-            stored_j,
-        }
-    }
-}
-
 /// Number of parts with a power: all of the balance's works but the impacts.
 pub(crate) const PARTS: usize = 6;
 
@@ -111,21 +79,6 @@ impl System {
         ]
     }
 
-    /// The powers of a sample in the order of the balance, W.
-    fn sampled_powers(&self, forces: &Forces, z: &[f64]) -> [f64; PARTS] {
-        let lever = self.scene.plant.lever_m * z[OMEGA];
-        let finger = self.layout.finger.map_or(0.0, |at| z[at + 1]);
-        let damping = self.scene.finger.map_or(0.0, |finger| finger.damping_ns_per_m);
-        [
-            forces.external_n * (lever + finger),
-            forces.motor_n * lever,
-            forces.brake_n * lever,
-            forces.friction_n * lever,
-            forces.terms_n * lever,
-            -damping * finger * finger,
-        ]
-    }
-
     /// Where the spring of a region rests, rad; 0 where there is none.
     pub(crate) fn rest_rad(&self, region: &Region) -> f64 {
         match self.scene.environment.zones[usize::from(region.zone_up)].demand {
@@ -141,33 +94,5 @@ impl System {
         let (Some(finger), Some(at)) = (self.scene.finger, self.layout.finger) else { return own };
         let tip = lever + z[at + 1];
         own + 0.5 * finger.mass_kg * tip * tip + 0.5 * finger.stiffness_n_per_m * z[at] * z[at]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::scene::actuators::Mode;
-    use crate::scene::input::Input;
-    use crate::scene::table3;
-    use crate::{Exact, Grid, Solver, System};
-
-    #[test]
-    fn the_sampled_balance_comes_close_to_the_exact_one() {
-        let scene = table3::with_finger(table3::scene(Mode::Hybrid, Input::sine(2.15)));
-        let system = System::new(scene).unwrap();
-        let solver = Exact { energy: true, ..Exact::default() };
-        let run = solver.run(&system, &Grid::filling(4.0, 1e-4)).unwrap();
-        let (sampled, exact) = (run.sampled_energy(&system), run.energy.unwrap());
-        let pairs = [
-            (sampled.external_j, exact.external_j),
-            (sampled.motor_j, exact.motor_j),
-            (sampled.brake_j, exact.brake_j),
-            (sampled.tissue_j, exact.tissue_j),
-            (sampled.stored_j, exact.stored_j),
-        ];
-        assert!(
-            pairs.iter().all(|(a, b)| (a - b).abs() < 1e-4 * exact.summed_j()),
-            "{sampled:?} {exact:?}"
-        );
     }
 }

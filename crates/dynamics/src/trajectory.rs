@@ -70,8 +70,6 @@ pub struct Trajectory {
     pub events: Vec<Event>,
     /// Work counts.
     pub work: WorkCounts,
-    /// For the exact solver, its longest step, s; see [`Trajectory::condition`].
-    pub longest_step_s: Option<f64>,
     /// Where the energy went, if the method was asked to integrate it.
     pub energy: Option<EnergyBalance>,
 }
@@ -86,7 +84,6 @@ impl Trajectory {
             regions: Vec::new(),
             events: Vec::new(),
             work: WorkCounts::default(),
-            longest_step_s: None,
             energy: None,
         }
     }
@@ -156,28 +153,6 @@ impl Trajectory {
     pub fn motion_changes(&self) -> usize {
         let motions: Vec<_> = self.events.iter().map(|event| event.region.motion).collect();
         motions.windows(2).filter(|pair| pair[0] != pair[1]).count()
-    }
-
-    /// Largest condition number κ of a step's exponential over the regions met, by the system that
-    /// was run; `None` for other methods than the exact one. It is worked out when asked for,
-    /// so that a run does not pay for it.
-    ///
-    /// κ is relative, in the Frobenius norm (see [`zwidth_numerics::expm::condition`]). The error
-    /// of a run against the exact motion of the very numbers that were given, over the largest
-    /// signal, is at most 1e-12 where κ < 1e6, and at most 1e-12 + 2 ε κ above (ε = 2.2e-16).
-    /// This holds for up to 10⁴ samples and radians of swing that no damping forgets; each
-    /// further one may add ε. Sample `i` of an even grid stands at exactly `i` steps, of which
-    /// its `t_s` is the rounded value.
-    ///
-    /// A step of 16 radians and more has its flow computed in twice the precision, from
-    /// coefficients such as K_O/(M_O L) in twice the precision, so that a step without events
-    /// is rounded once whatever κ is: 3e-14 was measured up to κ = 2.6e11. What is left is the
-    /// rounding of each sample and of each piece in which an event is found. Flows and states
-    /// in twice the precision would mend that too, for ten times the time of a region's first
-    /// step and twice that of a sample.
-    pub fn condition(&self, system: &System) -> Option<f64> {
-        let step_s = self.longest_step_s?;
-        Some(self.regions.iter().map(|region| system.condition(region, step_s)).fold(0.0, f64::max))
     }
 
     /// Number of a region, which is added if new.

@@ -8,12 +8,12 @@
 
 use std::cmp::Ordering;
 
-use zwidth_numerics::expm::{Ladder, Matrix, spectral_radius};
+use zwidth_numerics::expm::{Ladder, spectral_radius};
 
 use crate::error::DynamicsError;
 use crate::solve::{Grid, Solver};
-use crate::system::region::{Motion, Region};
-use crate::system::row::MOST;
+use crate::system::linear::LinearPart;
+use crate::system::region::Motion;
 use crate::system::transition::EventKind;
 use crate::system::{OMEGA, System, THETA};
 use crate::trajectory::Trajectory;
@@ -147,28 +147,6 @@ pub(crate) fn growth(solver: &dyn Solver, a: &LinearPart, h: f64) -> Option<f64>
     let method = spectral_radius(&solver.amplification(a, h)?);
     let exact = spectral_radius(&Ladder::new(a.a, h).flow(h));
     Some(method / exact.max(1.0))
-}
-
-/// The homogeneous part of a region's flow: the dynamic entries alone.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinearPart {
-    /// ż = A z; rows and columns of the inputs are zero.
-    pub a: Matrix<MOST>,
-    /// Rows of velocities, which symplectic methods take first.
-    pub velocities: [bool; MOST],
-}
-
-impl System {
-    pub(crate) fn linear_part(&self, region: &Region) -> LinearPart {
-        let flow = self.flow(region);
-        let dynamic = self.layout.dynamic;
-        let a = Matrix::from_fn(
-            |i, j| if i < dynamic && j < dynamic { flow.rows[i].0[j] } else { 0.0 },
-        );
-        let positions = [Some(THETA), self.layout.finger];
-        let velocities = std::array::from_fn(|i| i < dynamic && !positions.contains(&Some(i)));
-        LinearPart { a, velocities }
-    }
 }
 
 #[cfg(test)]

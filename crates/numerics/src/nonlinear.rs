@@ -43,7 +43,8 @@ pub struct Bounds<const P: usize> {
 
 impl<const P: usize> Bounds<P> {
     /// No bounds.
-    pub const NONE: Self = Self { lower: [f64::NEG_INFINITY; P], upper: [f64::INFINITY; P] };
+    #[cfg(test)]
+    pub(crate) const NONE: Self = Self { lower: [f64::NEG_INFINITY; P], upper: [f64::INFINITY; P] };
 
     fn project(&self, parameters: [f64; P]) -> [f64; P] {
         core::array::from_fn(|j| parameters[j].max(self.lower[j]).min(self.upper[j]))

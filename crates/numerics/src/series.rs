@@ -66,16 +66,6 @@ pub fn central_differences(t: &[f64], y: &[f64]) -> Result<Vec<f64>, NumericsErr
     Ok(slopes.first().copied().into_iter().chain(inner).chain(slopes.last().copied()).collect())
 }
 
-/// First excursion of |v| with hysteresis: the first index where |v| exceeds `on`, and the last
-/// index before |v| falls below `off` after that (the last sample, where it never does). `None` if `on` is never exceeded.
-/// With `off` < `on` noise about one threshold cannot end the excursion. Unit of `on` and `off` as
-/// `v`.
-pub fn crossings_with_hysteresis(v: &[f64], on: f64, off: f64) -> Option<(usize, usize)> {
-    let start = v.iter().position(|v| v.abs() > on)?;
-    let length = v[start..].iter().position(|v| v.abs() < off).unwrap_or(v.len() - start);
-    Some((start, start + length.max(1) - 1))
-}
-
 /// Signed area ∮ y dx enclosed by the path (xᵢ, yᵢ), closed from its last point to its first
 /// (shoelace formula): positive if run clockwise. With displacement and resisting force it is the
 /// energy taken from the user over the loop. `x` need not be ordered.
@@ -133,15 +123,6 @@ mod tests {
         assert_eq!(central_differences(&T, &T).unwrap(), [1.0; 5]);
         assert!(central_differences(&[1.0], &[1.0]).unwrap().is_empty());
         assert!(central_differences(&T, &[1.0]).is_err());
-    }
-
-    #[test]
-    fn an_excursion_ends_below_the_lower_threshold_only() {
-        let v = [0.0, 0.2, -0.6, 0.4, 0.3, 0.6, 0.1, 0.9];
-        assert_eq!(crossings_with_hysteresis(&v, 0.5, 0.2), Some((2, 5)));
-        assert_eq!(crossings_with_hysteresis(&v, 0.8, 0.2), Some((7, 7)));
-        assert_eq!(crossings_with_hysteresis(&v, 0.5, 0.05), Some((2, 7)));
-        assert_eq!(crossings_with_hysteresis(&v, 1.0, 0.2), None);
     }
 
     #[test]

@@ -12,32 +12,21 @@ pub fn lag1(segments: &[&[f64]]) -> Option<f64> {
     (n > 1 && squares > 0.0).then(|| products / squares)
 }
 
-/// Durbin & Watson's (1950) statistic Σ (eᵢ − eᵢ₋₁)² / Σ eᵢ²: near 2 without autocorrelation,
-/// towards 0 with positive, towards 4 with negative. No unit; `None` if all residuals are 0 or
-/// there are fewer than two.
-pub fn durbin_watson(residuals: &[f64]) -> Option<f64> {
-    let differences: f64 = residuals.windows(2).map(|w| (w[1] - w[0]) * (w[1] - w[0])).sum();
-    let squares: f64 = residuals.iter().map(|e| e * e).sum();
-    (residuals.len() > 1 && squares > 0.0).then(|| differences / squares)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// NumPy: d = r − mean(r); sum(d[1:] d[:-1]) / sum(d²). statsmodels: `durbin_watson(r)`.
+    /// NumPy: d = r − mean(r); sum(d[1:] d[:-1]) / sum(d²).
     #[test]
-    fn both_statistics_agree_with_numpy_and_statsmodels() {
+    fn the_autocorrelation_agrees_with_numpy() {
         let r = [0.5, 0.75, 0.25, -0.5, -1.0, -0.25, 0.5];
         assert!((lag1(&[&r]).unwrap() - 0.44800420168067223).abs() < 1e-15);
-        assert!((durbin_watson(&r).unwrap() - 0.9230769230769231).abs() < 1e-15);
     }
 
     #[test]
     fn alternating_residuals_are_anticorrelated() {
         let r = [1.0, -1.0, 1.0, -1.0];
         assert_eq!(lag1(&[&r]), Some(-0.75));
-        assert_eq!(durbin_watson(&r), Some(3.0));
     }
 
     #[test]
@@ -50,6 +39,5 @@ mod tests {
         for segments in [&[][..], &[&[1.0][..]][..], &[&[2.0, 2.0][..]][..]] {
             assert_eq!(lag1(segments), None);
         }
-        assert_eq!(durbin_watson(&[0.0, 0.0]), None);
     }
 }

@@ -65,7 +65,7 @@ pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crashes::{UTC, folder_with_study, meta, toml};
+    use crate::tests::crashes::{UTC, folder_with_study, meta, toml};
     use crate::{RealFiles, read_events, verify};
     use std::fs;
 

@@ -134,7 +134,7 @@ fn perhaps_alike(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crashes::{UTC, folder_with_study};
+    use crate::tests::crashes::{UTC, folder_with_study};
     use crate::{RealFiles, StudyData, lay_down, verify};
     use zwidth_study::{SessionRecord, Source};
 

@@ -308,7 +308,7 @@ pub fn is_unfinished(path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::faulty::Faulty;
+    use crate::tests::faulty::Faulty;
 
     #[test]
     fn a_name_that_a_cut_write_left_is_known_and_no_other_is() {

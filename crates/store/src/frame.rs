@@ -299,7 +299,7 @@ fn is_unfinished(rest: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crashes::{meta, rows};
+    use crate::tests::crashes::{meta, rows};
     use rayon::prelude::*;
 
     fn frames() -> Vec<Frame> {

@@ -276,7 +276,7 @@ fn journaled(decoded: Decoded) -> Journaled {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crashes::{UTC, folder_with_study, meta, rows};
+    use crate::tests::crashes::{UTC, folder_with_study, meta, rows};
     use crate::{Fault, Memory, RealFiles, Signal, Survives, read_trial};
     use zwidth_study::Kind;
 

@@ -86,7 +86,7 @@ impl Layout {
     }
 
     /// The log of the study's sweeps.
-    pub fn sweep_events(&self) -> PathBuf {
+    pub(crate) fn sweep_events(&self) -> PathBuf {
         self.raw().join("sweeps.events.jsonl")
     }
 
@@ -107,12 +107,12 @@ impl Layout {
 
     /// The list of what an import is about to write; it is there while one runs, and after one that
     /// was cut short.
-    pub fn import_list(&self) -> PathBuf {
+    pub(crate) fn import_list(&self) -> PathBuf {
         self.raw().join("import-unfinished.json")
     }
 
     /// The lock that only one writer of the study can hold.
-    pub fn lock(&self) -> PathBuf {
+    pub(crate) fn lock(&self) -> PathBuf {
         self.raw().join(".lock")
     }
 

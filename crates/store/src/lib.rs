@@ -11,14 +11,10 @@ mod atomic;
 mod bounds;
 mod calibrated;
 mod codec;
-#[cfg(test)]
-mod crashes;
 mod encode;
 mod entries;
 mod error;
 mod events;
-#[cfg(test)]
-mod faulty;
 mod fit;
 mod frame;
 mod hash;
@@ -43,6 +39,8 @@ mod signal;
 mod study;
 mod sweep;
 mod sweep_log;
+#[cfg(test)]
+mod tests;
 mod trial;
 mod verify;
 mod walk;

@@ -15,7 +15,6 @@ use std::path::Path;
 #[derive(Debug)]
 pub struct StudyLock {
     file: File,
-    left_behind: Option<String>,
 }
 
 impl StudyLock {
@@ -31,14 +30,8 @@ impl StudyLock {
             Err(TryLockError::WouldBlock) => return Err(held(&path, &mut file)),
             Err(TryLockError::Error(e)) => return Err(StoreError::io(&path, "lock", &e)),
         }
-        let left_behind = read(&mut file).filter(|text| !text.is_empty());
         written(&mut file, owner).map_err(|e| StoreError::io(&path, "write the lock", &e))?;
-        Ok(Self { file, left_behind })
-    }
-
-    /// The last owner, if it did not end in order: a trial of its may wait for [`crate::recover`].
-    pub fn left_behind(&self) -> Option<&str> {
-        self.left_behind.as_deref()
+        Ok(Self { file })
     }
 }
 
@@ -114,27 +107,25 @@ fn held(path: &Path, file: &mut File) -> StoreError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crashes::folder_with_study;
+    use crate::tests::crashes::folder_with_study;
 
     #[test]
     fn the_second_who_asks_is_told_who_holds_it() {
         let (_folder, layout) = folder_with_study();
         let first =
             StudyLock::take(&layout, &owner("zwidth acquire", "2026-01-01T00:00:00Z")).unwrap();
-        assert_eq!(first.left_behind(), None);
         let error = StudyLock::take(&layout, "another").unwrap_err();
         let words = format!("in use: zwidth acquire, process {}", std::process::id());
         assert!(error.what.contains(&words) && error.what.contains("since 2026-01-01"), "{error}");
         drop(first);
-        assert_eq!(StudyLock::take(&layout, "another").unwrap().left_behind(), None);
+        assert!(StudyLock::take(&layout, "another").is_ok());
     }
 
     #[test]
-    fn an_owner_that_did_not_end_in_order_is_named_and_keeps_nobody_out() {
+    fn an_owner_that_did_not_end_in_order_keeps_nobody_out() {
         let (_folder, layout) = folder_with_study();
         std::fs::write(layout.lock(), "zwidth acquire, process 1, since yesterday\n").unwrap();
         let lock = StudyLock::take(&layout, "me").unwrap();
-        assert_eq!(lock.left_behind(), Some("zwidth acquire, process 1, since yesterday"));
         drop(lock);
         assert_eq!(std::fs::read(layout.lock()).unwrap(), b"");
     }

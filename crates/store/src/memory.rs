@@ -105,11 +105,6 @@ impl Memory {
         state.fault = Some((state.steps.saturating_add(steps), fault));
     }
 
-    /// Ends the process now.
-    pub fn end(&self) {
-        self.fail_in(0, Fault::End);
-    }
-
     /// A new process finds what survives, on a disk that works and has room.
     pub fn restart(&self, survives: Survives) {
         let mut state = self.state();

@@ -240,8 +240,8 @@ pub fn unfinished_below(files: &dyn Files, folder: &Path) -> Vec<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crashes::{UTC, folder_with_study, meta, rows};
     use crate::head::head_of;
+    use crate::tests::crashes::{UTC, folder_with_study, meta, rows};
     use crate::{
         Journal, RealFiles, Signal, TrialFile, append_events, read_events, read_trial, verify,
     };

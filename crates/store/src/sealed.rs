@@ -54,7 +54,7 @@ fn opened(
 
 #[cfg(test)]
 mod tests {
-    use crate::crashes::{UTC, folder_with_study, meta, record, rows, study_alone, toml};
+    use crate::tests::crashes::{UTC, folder_with_study, meta, record, rows, study_alone, toml};
     use crate::{
         Journal, Layout, RealFiles, SessionLog, Signal, StudyData, TrialFile, append_events,
         laid_down, lay_down, verify,
@@ -238,7 +238,8 @@ mod tests {
         let (_folder, layout) = folder_with_study();
         let sealed = Sealed { _folder, layout, seal: sealed.seal, trials: Vec::new() };
         sealed.run(
-            &sealed.seal.masked(&[PlannedTrial { trial: 1, ..crate::crashes::planned(1) }])[0],
+            &sealed.seal.masked(&[PlannedTrial { trial: 1, ..crate::tests::crashes::planned(1) }])
+                [0],
         );
         let [finding] = verify(&sealed.layout).try_into().unwrap();
         assert!(

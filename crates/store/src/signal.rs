@@ -125,7 +125,7 @@ pub const COLUMNS: [Column; 13] = [
 
 impl Signal {
     /// How many signals there are.
-    pub const COUNT: usize = COLUMNS.len();
+    pub(crate) const COUNT: usize = COLUMNS.len();
 
     /// Every signal, in file order.
     pub fn all() -> impl Iterator<Item = Self> + Clone {
@@ -164,7 +164,7 @@ impl Signal {
     }
 
     /// The signal whose column has this name.
-    pub fn from_name(name: &str) -> Option<Self> {
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
         COLUMNS.iter().find(|c| c.name == name).map(|c| c.signal)
     }
 }

@@ -116,7 +116,7 @@ pub(crate) fn take_in(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crashes::{UTC, folder_with_study};
+    use crate::tests::crashes::{UTC, folder_with_study};
     use crate::{
         Quantity, RealFiles, StudyData, Sweep, hex_blake3, recover, sweep_bytes, verify, write_new,
     };

@@ -40,13 +40,13 @@ impl Samples {
     }
 
     /// Whether there is no sample.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Checks what every trial file promises: samples there, one length, finite numbers that fit
     /// their storage, and a time that runs forward. The error names column and row.
-    pub fn check(&self, path: &Path) -> Result<(), StoreError> {
+    pub(crate) fn check(&self, path: &Path) -> Result<(), StoreError> {
         if self.get(Signal::Time).is_none() {
             let remedy =
                 "a trial needs its time; give the recording's rate where it has no time column";
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn rows_become_columns_and_what_a_row_lacks_is_no_column() {
-        let mut rows = crate::crashes::rows(1, 3);
+        let mut rows = crate::tests::crashes::rows(1, 3);
         let samples = Samples::from_rows(&rows);
         assert_eq!(samples.get(Signal::Time), Some([0.001, 0.002, 0.003].as_slice()));
         assert_eq!(samples.get(Signal::ThetaRaw), Some([1.0, 2.0, 3.0].as_slice()));

@@ -29,7 +29,7 @@ const UNITS: &str = "units";
 /// The bytes of a trial's file. The same trial gives the same bytes.
 ///
 /// # Errors
-/// Samples that break a promise of the schema, with column and row ([`Samples::check`]). `path`
+/// Samples that break a promise of the schema, with column and row (`Samples::check`). `path`
 /// only names the file in errors.
 pub fn trial_bytes(trial: &Trial, path: &Path) -> Result<Vec<u8>, StoreError> {
     trial.samples.check(path)?;

@@ -52,11 +52,6 @@ impl Characteristic {
         }
     }
 
-    /// Largest force, N.
-    pub fn max_n(&self) -> f64 {
-        self.force_n.last().copied().unwrap_or(0.0)
-    }
-
     fn check(&self, actuator: &'static str) -> Result<(), CalibrationError> {
         let error = |problem: &str| Err(CalibrationError { actuator, problem: problem.to_owned() });
         let rising = |values: &[f64]| values.windows(2).all(|w| w[1] > w[0]);

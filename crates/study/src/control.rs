@@ -43,5 +43,5 @@ pub enum VelocityFilter {
 
 impl VelocityFilter {
     /// The default cut-off, Hz: four times what a hand can move at, and 8 ms late.
-    pub const CUTOFF_HZ: f64 = 40.0;
+    pub(crate) const CUTOFF_HZ: f64 = 40.0;
 }

@@ -40,7 +40,7 @@ impl Figures {
     /// The kinds of figures that show a mean of repeats, and hence know an alignment. Figures are
     /// called `modes.<participant>.<session>.<environment>` and
     /// `loops.<participant>.<session>`.
-    pub const WITH_MEANS: [&'static str; 2] = ["modes", "loops"];
+    pub(crate) const WITH_MEANS: [&'static str; 2] = ["modes", "loops"];
 
     /// How the figure of that id shows its means: by the longest choice that its id begins with,
     /// else at onset.

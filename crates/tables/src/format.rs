@@ -44,11 +44,6 @@ impl Format {
         }
     }
 
-    /// The format of files with that extension, given without a dot.
-    pub fn from_extension(extension: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|f| f.extension() == extension)
-    }
-
     /// The lines that, at the end of a file, hold its `origin` and are not shown; `None` where the
     /// format has no comments (CSV by RFC 4180; Parquet has its footer).
     pub fn comment(self, origin: &str) -> Option<String> {
@@ -101,14 +96,6 @@ impl Table {
 mod tests {
     use super::*;
     use crate::Column;
-
-    #[test]
-    fn a_format_is_found_again_by_its_extension() {
-        for format in Format::ALL {
-            assert_eq!(Format::from_extension(format.extension()), Some(format));
-        }
-        assert_eq!(Format::from_extension("xlsx"), None);
-    }
 
     #[test]
     fn the_origin_is_a_comment_in_every_format_that_has_comments_and_in_the_footer_of_parquet() {

@@ -331,7 +331,11 @@ impl Table {
     ///
     /// # Errors
     /// Tables whose columns differ.
-    pub fn concat(name: &str, title: &str, tables: &[Self]) -> Result<Option<Self>, TableError> {
+    pub(crate) fn concat(
+        name: &str,
+        title: &str,
+        tables: &[Self],
+    ) -> Result<Option<Self>, TableError> {
         let Some((first, others)) = tables.split_first() else {
             return Ok(None);
         };

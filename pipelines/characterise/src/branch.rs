@@ -25,11 +25,6 @@ impl Branch {
         }
     }
 
-    /// The branch of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|branch| branch.name() == name)
-    }
-
     fn turned(self) -> Self {
         match self {
             Self::Up => Self::Down,

@@ -257,7 +257,10 @@ mod tests {
         for i in 0..=8000 {
             let v = f64::from(i) * 1e-3;
             let law = b * libm::pow((v - x0).max(0.0), p);
-            assert!((found.force_n(v) - law).abs() < 6e-4 * found.max_n(), "at {v} V");
+            assert!(
+                (found.force_n(v) - law).abs() < 6e-4 * found.force_n.last().unwrap(),
+                "at {v} V"
+            );
         }
     }
 
@@ -277,7 +280,7 @@ mod tests {
             let text = Calibration { motor: brake.clone(), brake }.to_toml().unwrap();
             let Calibration { motor, brake } = Calibration::from_toml(&text).unwrap();
             for i in 0..=1000 {
-                let force = brake.max_n() * f64::from(i) / 1000.0;
+                let force = brake.force_n.last().unwrap() * f64::from(i) / 1000.0;
                 assert!(
                     (brake.force_n(brake.voltage_v(force)) - force).abs() < 1e-9,
                     "{name}: {force} N"

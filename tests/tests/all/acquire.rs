@@ -300,14 +300,10 @@ fn a_session_refuses_what_is_not_what_it_began_with() {
 }
 
 #[test]
-fn a_rig_a_bad_device_and_a_screen_without_a_terminal_are_one_clear_error_each() {
+fn a_bad_device_and_a_screen_without_a_terminal_are_one_clear_error_each() {
     let desk = Desk::new(false);
     let live = |more: &[&str]| ran(&desk.command(more).output().unwrap());
-    live(&["--device", "rig:/dev/ttyACM0"])
-        .exits(1)
-        .one_error()
-        .says(&["cannot drive a rig yet", "--device twin"]);
-    live(&["--device", "robot"]).exits(2).says(&["twin|playback:FILE|rig:PORT,PORT"]);
+    live(&["--device", "robot"]).exits(2).says(&["twin|playback:FILE"]);
     zwidth(desk.root(), &["acquire", "small", "-p", "P/1", "-s", "S01"])
         .exits(2)
         .says(&["participant id"]);
@@ -410,7 +406,7 @@ fn the_device_check_and_sweeps_are_recorded_on_the_simulated_device() {
     zwidth(desk.root(), &["characterise", "small", "motor", "--sweeps", "2"]).exits(0);
     let second = zwidth(desk.root(), &["characterise", "small", "motor"]).exits(0);
     assert!(second.out.contains("sweep-03.parquet"), "{second:#?}");
-    zwidth(desk.root(), &["characterise", "small", "motor", "--device", "rig:x"])
+    zwidth(desk.root(), &["characterise", "small", "motor", "--device", "playback:x"])
         .exits(1)
         .one_error();
     desk.verify();

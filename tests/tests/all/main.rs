@@ -14,6 +14,7 @@ mod bad_disk;
 mod bad_files;
 mod bad_import;
 mod binary;
+mod circles;
 mod counting;
 mod findings;
 mod folders;

@@ -5,7 +5,7 @@ use zwidth_study::{Event, Likert};
 
 impl Flow {
     /// Takes an input; what is to be done about it, in order.
-    pub fn step(&mut self, input: Input) -> Vec<Action> {
+    pub(crate) fn step(&mut self, input: Input) -> Vec<Action> {
         if self.phase == Phase::Left {
             return Vec::new();
         }

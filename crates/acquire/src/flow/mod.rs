@@ -177,32 +177,32 @@ pub struct Flow {
 
 impl Flow {
     /// Where the session stands.
-    pub fn phase(&self) -> &Phase {
+    pub(crate) fn phase(&self) -> &Phase {
         &self.phase
     }
 
     /// The order's places.
-    pub fn places(&self) -> &[Place] {
+    pub(crate) fn places(&self) -> &[Place] {
         &self.places
     }
 
     /// The first place that is not done: the trial in progress, or the next one.
-    pub fn here(&self) -> Option<usize> {
+    pub(crate) fn here(&self) -> Option<usize> {
         self.places.iter().position(|p| !p.done)
     }
 
     /// Places that are done.
-    pub fn done(&self) -> usize {
+    pub(crate) fn done(&self) -> usize {
         self.places.iter().filter(|p| p.done).count()
     }
 
     /// What is left of the pause, s.
-    pub fn rest_s(&self) -> f64 {
+    pub(crate) fn rest_s(&self) -> f64 {
         self.rest_s
     }
 
     /// The trial that remarks and exclusions speak of: the one in progress, else the last one.
-    pub fn subject(&self) -> Option<u32> {
+    pub(crate) fn subject(&self) -> Option<u32> {
         let at_hand = match self.phase {
             Phase::Trial { .. } => self.here(),
             Phase::Question { place, .. } => Some(place),

@@ -21,7 +21,7 @@ impl Flow {
     ///
     /// A place is done if the trial that holds it last is complete. A trial that was cut short
     /// gives its place to a new one, right away.
-    pub fn begin(
+    pub(crate) fn begin(
         order: Vec<(PlannedTrial, Option<QuestionId>)>,
         pause_s: f64,
         recorded: &[Recorded],

@@ -1,7 +1,8 @@
 //! From what goes on to what is shown.
 
 use crate::flow::{self, Flow};
-use crate::session::{Plan, Session};
+use crate::plan::Plan;
+use crate::session::Session;
 use crate::view::{CheckLine, Current, Phase, Timing, View};
 use zwidth_device::{Capabilities, Histogram};
 use zwidth_study::{Check, Event, Source};

@@ -13,7 +13,8 @@ mod trial;
 
 use crate::flow::{Action, EMERGENCY_STOP, Flow, Input, Phase};
 use crate::folder::{StudyFolder, Within};
-use crate::session::{Plan, Session};
+use crate::plan::Plan;
+use crate::session::Session;
 use crate::tape::Tape;
 use crate::{AcquireError, Front, View};
 use std::path::Path;

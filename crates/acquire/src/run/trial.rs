@@ -2,7 +2,8 @@
 
 use super::{Runner, look};
 use crate::flow::{Action, EMERGENCY_STOP, End, Flow, Input};
-use crate::session::{Plan, Session};
+use crate::plan::Plan;
+use crate::session::Session;
 use crate::tape::Tape;
 use crate::view::Point;
 use crate::{AcquireError, Front, View};

@@ -141,7 +141,7 @@ impl Ask {
 
 #[cfg(test)]
 mod tests {
-    use super::super::examples::phases;
+    use super::super::tests::examples::phases;
     use super::*;
 
     fn key(code: KeyCode) -> KeyEvent {

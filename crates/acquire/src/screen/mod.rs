@@ -17,8 +17,6 @@ mod text;
 mod trace;
 
 #[cfg(test)]
-mod examples;
-#[cfg(test)]
 mod tests;
 
 pub use look::Look;

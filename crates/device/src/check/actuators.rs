@@ -1,6 +1,6 @@
 //! Do motor and brake do anything, and the right way round?
 
-use super::Finding;
+use super::finding::Finding;
 use crate::timing::Pace;
 use crate::trial::Output;
 use crate::{Clock, Device, Guard, Trip};

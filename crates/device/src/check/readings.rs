@@ -1,6 +1,6 @@
 //! What a stretch of readings says about a device.
 
-use super::Finding;
+use super::finding::Finding;
 use crate::angle::{rad_per_count, unwrap_margin};
 use crate::{Angle, Capabilities, Limits, Reading, Timing, Unwrap};
 use std::collections::BTreeSet;

@@ -54,7 +54,7 @@ fn part(x: f64) -> f64 {
 
 impl Person {
     /// The answer after a trial, 1…5.
-    pub fn answer(&self, trial: u32, felt: &Felt, scene: &Scene) -> u8 {
+    pub(crate) fn answer(&self, trial: u32, felt: &Felt, scene: &Scene) -> u8 {
         let points = f64::from(Likert::POINTS);
         let noise = NOISE * Draw::new(self.seed, Purpose::Answer, u64::from(trial)).moderate();
         let meant = 1.0 + (points - 1.0) * quality(felt, scene) + self.bias + noise;

@@ -24,7 +24,7 @@ pub struct Felt {
 
 impl Felt {
     /// Nothing yet; the lever turns within `range_rad` and starts at its lower end.
-    pub fn nothing(range_rad: [f64; 2]) -> Self {
+    pub(crate) fn nothing(range_rad: [f64; 2]) -> Self {
         Self {
             range_rad,
             start_rad: range_rad[0],
@@ -67,7 +67,7 @@ impl Felt {
     }
 
     /// How well force over angle was a line while going in: R², 0…1; 0 if nothing was felt.
-    pub fn linearity(&self) -> f64 {
+    pub(crate) fn linearity(&self) -> f64 {
         let [n, x, y, xx, xy, yy] = self.sums;
         let (sxx, sxy, syy) = (n * xx - x * x, n * xy - x * y, n * yy - y * y);
         let scale = sxx * syy;
@@ -75,14 +75,14 @@ impl Felt {
     }
 
     /// How far the lever came back, as a share of how far it went, 0…1.
-    pub fn returned(&self) -> f64 {
+    pub(crate) fn returned(&self) -> f64 {
         let travel_rad = self.highest_rad - self.start_rad;
         if travel_rad > 0.0 { (self.highest_rad - self.last_rad) / travel_rad } else { 0.0 }
     }
 
     /// Mean difference between the forces going in and coming out at the same angle, N; over the
     /// bins that were felt both ways, 0 without one.
-    pub fn discrepancy_n(&self) -> f64 {
+    pub(crate) fn discrepancy_n(&self) -> f64 {
         let both = self.inward.iter().zip(&self.outward).filter(|(i, o)| i[1] > 0.0 && o[1] > 0.0);
         let (sum, bins) = both.fold((0.0, 0.0), |(sum, bins), (i, o)| {
             (sum + (i[0] / i[1] - o[0] / o[1]).abs(), bins + 1.0)
@@ -91,12 +91,12 @@ impl Felt {
     }
 
     /// How far the lever went past an angle, rad; below 0 if it was not reached.
-    pub fn past_rad(&self, angle_rad: f64) -> f64 {
+    pub(crate) fn past_rad(&self, angle_rad: f64) -> f64 {
         self.highest_rad - angle_rad
     }
 
     /// Greatest force, N.
-    pub fn greatest_n(&self) -> f64 {
+    pub(crate) fn greatest_n(&self) -> f64 {
         self.greatest_n
     }
 }

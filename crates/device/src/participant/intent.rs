@@ -57,7 +57,7 @@ const FIRST_VARIES: f64 = 0.5;
 const HALF_LEARNED: f64 = 6.0;
 
 impl Intent {
-    pub(super) fn draw(person: &Person, trial: u32, task: &Task) -> Self {
+    pub(crate) fn draw(person: &Person, trial: u32, task: &Task) -> Self {
         let mut draw = Draw::new(person.seed, Purpose::Intent, u64::from(trial));
         let new = libm::exp2(-f64::from(trial.saturating_sub(1)) / HALF_LEARNED);
         let spread = 1.0 + FIRST_VARIES * new;
@@ -73,12 +73,13 @@ impl Intent {
     }
 
     /// When it is over, s after the trial's start.
-    pub fn end_s(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn end_s(&self) -> f64 {
         self.onset_s + self.forward_s + self.dwell_s + self.back_s
     }
 
     /// Where the hand means to be, from where it started, and how fast.
-    pub fn aim(&self, t_s: f64) -> Aim {
+    pub(crate) fn aim(&self, t_s: f64) -> Aim {
         let there = least_jerk(t_s - self.onset_s, self.forward_s);
         let back = least_jerk(t_s - self.onset_s - self.forward_s - self.dwell_s, self.back_s);
         Aim {
@@ -148,7 +149,7 @@ pub(crate) mod tests {
 
     #[test]
     fn the_hand_goes_forward_and_comes_back_to_where_it_was() {
-        let intent = Person::typical(1).intent(1, &task(Scene::Spring(SPRING)));
+        let intent = Intent::draw(&Person::typical(1), 1, &task(Scene::Spring(SPRING)));
         assert_eq!(intent.aim(0.0), Aim::default());
         assert_eq!(intent.aim(intent.end_s() + 1.0), Aim::default());
         let top = intent.aim(intent.onset_s + intent.forward_s + 0.5 * intent.dwell_s);
@@ -160,7 +161,7 @@ pub(crate) mod tests {
         for seed in 0..300 {
             let person = Person::draw(seed);
             for trial in 1..40 {
-                let end_s = person.intent(trial, &task(Scene::Free)).end_s();
+                let end_s = Intent::draw(&person, trial, &task(Scene::Free)).end_s();
                 assert!((2.0..3.9).contains(&end_s), "{end_s}");
             }
         }
@@ -180,9 +181,9 @@ pub(crate) mod tests {
     fn repeats_differ_and_later_ones_are_quicker_and_more_alike() {
         let durations = |trials: std::ops::Range<u32>| -> Vec<f64> {
             let of = |seed| {
-                trials
-                    .clone()
-                    .map(move |k| Person::typical(seed).intent(k, &task(Scene::Free)).forward_s)
+                trials.clone().map(move |k| {
+                    Intent::draw(&Person::typical(seed), k, &task(Scene::Free)).forward_s
+                })
             };
             (0..200).flat_map(of).collect()
         };

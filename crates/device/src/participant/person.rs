@@ -1,7 +1,6 @@
 //! What a participant is like: drawn once, the same in every trial.
 
 use super::draw::{Draw, Purpose};
-use super::intent::{Intent, Task};
 use serde::{Deserialize, Serialize};
 use zwidth_dynamics::{Hand, Tissue, table3};
 
@@ -81,14 +80,8 @@ impl Person {
     }
 
     /// How far the hand is pressed back by a newton, tissue and impedance in series, m/N.
-    pub fn compliance_m_per_n(&self) -> f64 {
+    pub(crate) fn compliance_m_per_n(&self) -> f64 {
         1.0 / self.hand.stiffness_n_per_m + 1.0 / self.hand.tissue.stiffness_n_per_m
-    }
-
-    /// What it means to do in a trial, by the trial's number from 1. Early trials are slower and
-    /// vary more.
-    pub fn intent(&self, trial: u32, task: &Task) -> Intent {
-        Intent::draw(self, trial, task)
     }
 }
 
@@ -106,8 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn participants_differ_and_a_seed_is_one_participant() {
-        assert_eq!(Person::draw(5), Person::draw(5));
+    fn participants_differ_and_stay_within_what_hands_can() {
         let people: Vec<Person> = (0..200).map(Person::draw).collect();
         let stiffness: Vec<f64> = people.iter().map(|p| p.hand.stiffness_n_per_m).collect();
         assert!(stiffness.iter().any(|k| *k < 150.0) && stiffness.iter().any(|k| *k > 450.0));

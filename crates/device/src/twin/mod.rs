@@ -17,11 +17,11 @@
 mod board;
 mod parameters;
 mod sensors;
-#[cfg(test)]
-mod story;
 mod sweep;
+#[cfg(test)]
+mod tests;
 mod trial;
 
-pub use board::{Twin, TwinFault};
+pub use board::Twin;
 pub use parameters::{TwinParameter, TwinParameters};
 pub use sweep::{SweepPoint, brake_sweep, motor_sweep};

@@ -1,7 +1,6 @@
 //! The twin's numbers: default, range and source of each. No one measured the prototype's plant, so
 //! most are assumed, and whatever the twin shows must hold over the whole range.
 
-use super::board::impossible;
 use super::sensors::SHAFT_PER_LEVER;
 use crate::DeviceError;
 use serde::{Deserialize, Serialize};
@@ -178,6 +177,15 @@ impl TwinParameters {
             brake_lag_on_off_s: Some([self.brake_on_s, self.brake_off_s]),
             hand,
         }
+    }
+}
+
+/// A plant that cannot be simulated.
+pub(super) fn impossible(error: &dyn std::error::Error) -> DeviceError {
+    DeviceError::Unable {
+        device: "twin".to_owned(),
+        what: error.to_string(),
+        remedy: "correct the twin's parameters".to_owned(),
     }
 }
 

@@ -33,7 +33,10 @@ impl Trial {
         Self {
             number: 0,
             scene: Scene::None,
-            intent: Intent { amplitude_m: 0.0, ..person.intent(0, &task(parameters, Scene::None)) },
+            intent: Intent {
+                amplitude_m: 0.0,
+                ..Intent::draw(person, 0, &task(parameters, Scene::None))
+            },
             begin_s: 0.0,
             over_s: f64::INFINITY,
             base_m: parameters.lever_m * STOPS_RAD[0] - WAITING_GAP_M,
@@ -53,7 +56,7 @@ impl Trial {
         Self {
             number: cue.trial,
             scene,
-            intent: person.intent(cue.trial, &task(parameters, scene)),
+            intent: Intent::draw(person, cue.trial, &task(parameters, scene)),
             begin_s: now_s,
             over_s: now_s + cue.limit_s,
             ..Self::idle(person, parameters)

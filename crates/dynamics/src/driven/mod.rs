@@ -31,8 +31,6 @@ mod plant;
 mod region;
 
 #[cfg(test)]
-mod physics;
-#[cfg(test)]
 mod tests;
 
 pub use parameters::{DrivenParameters, Hand, Tissue};

@@ -86,11 +86,6 @@ impl Driven {
         Ok(plant)
     }
 
-    /// What it is made of.
-    pub fn parameters(&self) -> &DrivenParameters {
-        &self.parameters
-    }
-
     /// Puts the lever at rest at an angle, all forces 0, and the hand at rest that far away from it
     /// (m).
     ///

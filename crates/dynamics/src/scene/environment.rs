@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::table3;
+use super::numbers;
 use crate::error::{DynamicsError, Result, check, finite, not_negative};
 
 /// The force asked for in a zone; u > 0 resists a push into the object (+θ).
@@ -71,7 +71,8 @@ impl Environment {
     pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
         for zone in &self.zones {
             if let Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, .. } = zone.demand {
-                let usual = [table3::OBJECT_STIFFNESS_N_PER_RAD, table3::OBJECT_DAMPING_NS_PER_RAD];
+                let usual =
+                    [numbers::OBJECT_STIFFNESS_N_PER_RAD, numbers::OBJECT_DAMPING_NS_PER_RAD];
                 list.push(("environment.zones.stiffness_n_per_rad", stiffness_n_per_rad, usual[0]));
                 list.push(("environment.zones.damping_ns_per_rad", damping_ns_per_rad, usual[1]));
             }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::table3;
+use super::numbers;
 use crate::error::{Result, not_negative, positive};
 
 /// In which frame the finger's mass is accelerated.
@@ -36,19 +36,19 @@ pub struct Finger {
 impl Finger {
     /// Adds name, value and usual size of each parameter.
     pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
-        list.push(("finger.mass_kg", self.mass_kg, table3::FINGER_MASS_KG));
+        list.push(("finger.mass_kg", self.mass_kg, numbers::FINGER_MASS_KG));
         list.push((
             "finger.stiffness_n_per_m",
             self.stiffness_n_per_m,
-            table3::FINGER_STIFFNESS_N_PER_M,
+            numbers::FINGER_STIFFNESS_N_PER_M,
         ));
         list.push((
             "finger.damping_ns_per_m",
             self.damping_ns_per_m,
-            table3::FINGER_DAMPING_NS_PER_M,
+            numbers::FINGER_DAMPING_NS_PER_M,
         ));
         list.extend(
-            self.length_m.map(|length| ("finger.length_m", length, table3::FINGER_LENGTH_M)),
+            self.length_m.map(|length| ("finger.length_m", length, numbers::FINGER_LENGTH_M)),
         );
     }
 

@@ -73,13 +73,15 @@ pub(crate) struct Span {
 
 impl Input {
     /// (5) with the thesis' T = 4 s.
-    pub fn step(magnitude: f64) -> Self {
-        Self::Step { magnitude, period_s: super::table3::DURATION_S }
+    #[cfg(test)]
+    pub(crate) fn step(magnitude: f64) -> Self {
+        Self::Step { magnitude, period_s: super::numbers::DURATION_S }
     }
 
     /// (6) with the thesis' T = 4 s.
-    pub fn ramp(magnitude: f64) -> Self {
-        Self::Ramp { magnitude, period_s: super::table3::DURATION_S }
+    #[cfg(test)]
+    pub(crate) fn ramp(magnitude: f64) -> Self {
+        Self::Ramp { magnitude, period_s: super::numbers::DURATION_S }
     }
 
     /// (7) with the thesis' π/2 rad/s.

@@ -7,6 +7,7 @@ mod file;
 pub(crate) mod finger;
 pub(crate) mod friction;
 pub(crate) mod input;
+mod numbers;
 pub(crate) mod plant;
 pub mod table3;
 pub mod terms;
@@ -82,18 +83,18 @@ impl Scene {
     /// extreme runs.
     pub(crate) fn suspect(&self) -> String {
         let mut list = vec![
-            ("plant.mass_kg", self.plant.mass_kg, table3::OBJECT_MASS_KG),
-            ("plant.lever_m", self.plant.lever_m, table3::LEVER_M),
-            ("motor.max_n", self.motor.max_n, table3::MOTOR_N),
-            ("brake.max_n", self.brake.max_n, table3::BRAKE_N),
-            ("step_s", self.step_s, table3::STEP_S),
-            ("duration_s", self.duration_s, table3::DURATION_S),
+            ("plant.mass_kg", self.plant.mass_kg, numbers::OBJECT_MASS_KG),
+            ("plant.lever_m", self.plant.lever_m, numbers::LEVER_M),
+            ("motor.max_n", self.motor.max_n, numbers::MOTOR_N),
+            ("brake.max_n", self.brake.max_n, numbers::BRAKE_N),
+            ("step_s", self.step_s, numbers::STEP_S),
+            ("duration_s", self.duration_s, numbers::DURATION_S),
         ];
         self.environment.list(&mut list);
         if let Some(finger) = &self.finger {
             finger.list(&mut list);
         }
-        list.extend(self.motor.lag_s.map(|lag| ("motor.lag_s", lag, table3::STEP_S)));
+        list.extend(self.motor.lag_s.map(|lag| ("motor.lag_s", lag, numbers::STEP_S)));
         list.extend(
             self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)),
         );

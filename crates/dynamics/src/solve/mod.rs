@@ -12,9 +12,9 @@ pub(crate) mod tr_bdf2;
 
 use crate::error::{DynamicsError, Result, check, finite, positive};
 use crate::system::System;
+use crate::system::linear::LinearPart;
 use crate::system::row::MOST;
 use crate::trajectory::Trajectory;
-use crate::verdict::LinearPart;
 use zwidth_numerics::expm::Matrix;
 
 /// When a law that depends on the sign of θ̇ looks at it.
@@ -156,7 +156,5 @@ pub(crate) fn shorten<const N: usize>(full: &[f64]) -> [f64; N] {
     std::array::from_fn(|i| full[i])
 }
 
-#[cfg(test)]
-mod properties;
 #[cfg(test)]
 mod tests;

@@ -6,10 +6,10 @@ use zwidth_numerics::tableau::RK4;
 use super::fixed::{self, Reader};
 use super::{Grid, Solver, Switching, with_length};
 use crate::error::{DynamicsError, Result};
+use crate::system::linear::LinearPart;
 use crate::system::row::MOST;
 use crate::system::{OMEGA, System};
 use crate::trajectory::Trajectory;
-use crate::verdict::LinearPart;
 
 /// RK4 with the grid's step. The thesis does not say whether it switched per stage or per step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,10 +5,10 @@ use zwidth_numerics::expm::Matrix;
 use super::fixed::{self, Reader};
 use super::{Grid, Solver, with_length};
 use crate::error::{DynamicsError, Result};
+use crate::system::linear::LinearPart;
 use crate::system::row::MOST;
 use crate::system::{OMEGA, System, THETA};
 use crate::trajectory::Trajectory;
-use crate::verdict::LinearPart;
 
 /// Symplectic Euler with the grid's step, switching on the sign of θ̇ once a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,23 +3,10 @@
 use super::command::{Actuator, Command};
 use super::guards::Guard;
 use super::region::{Branch, Contact, Motion, Region, Side};
-use super::row::{MOST, Number, Row};
+use super::row::{Functional, MOST, Number, Row};
 use super::{OMEGA, System, THETA};
 use crate::scene::finger::{Finger, FingerLaw};
 use zwidth_numerics::expm::Pair;
-
-/// A functional of the state: `row · z`, and the terms' curved force `curved` times.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Functional {
-    pub(crate) row: Row,
-    pub(crate) curved: f64,
-}
-
-impl From<Row> for Functional {
-    fn from(row: Row) -> Self {
-        Self { row, curved: 0.0 }
-    }
-}
 
 /// ż = A z, and in some rows the terms' curved force so many times; the region's guards.
 #[derive(Debug, Clone)]

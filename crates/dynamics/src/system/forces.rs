@@ -1,8 +1,8 @@
 //! The forces by part, on the lever's end, from a state and its region.
 
+use super::System;
 use super::flow::LeverForces;
 use super::region::{Contact, Motion, Region, Side};
-use super::{OMEGA, System};
 use crate::trajectory::Forces;
 
 impl System {
@@ -75,10 +75,5 @@ impl System {
             forces.friction_n += forces.stop_n * f64::from(u8::from(stiction > 0.0));
             forces.stop_n = 0.0;
         }
-    }
-
-    /// Velocity of the hand's port, L θ̇ + ẋ2 (L θ̇ without a finger), m/s.
-    pub fn port_velocity(&self, z: &[f64]) -> f64 {
-        self.scene.plant.lever_m * z[OMEGA] + self.layout.finger.map_or(0.0, |at| z[at + 1])
     }
 }

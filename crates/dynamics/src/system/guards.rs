@@ -1,9 +1,8 @@
 //! The ways out of a region: functionals that are not below zero while it holds.
 
 use super::command::Actuator;
-use super::flow::Functional;
 use super::region::{Branch, Contact, Region, Side};
-use super::row::Row;
+use super::row::{Functional, Row};
 use super::transition::EventKind;
 use super::{OMEGA, System, THETA};
 use crate::scene::actuators::Mode;

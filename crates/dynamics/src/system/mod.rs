@@ -10,6 +10,7 @@ pub(crate) mod direct;
 pub(crate) mod flow;
 pub(crate) mod forces;
 pub(crate) mod guards;
+pub(crate) mod linear;
 pub(crate) mod region;
 pub(crate) mod row;
 mod terms;
@@ -19,6 +20,8 @@ use crate::error::DynamicsError;
 use crate::scene::Scene;
 use crate::scene::actuators::BrakeLaw;
 use crate::scene::input::{Input, Span};
+use crate::scene::plant::Plant;
+use crate::scene::terms::Term;
 use row::{MOST, Row};
 
 /// Index of θ in the augmented state.
@@ -68,6 +71,19 @@ impl Layout {
     pub(crate) fn one(&self) -> usize {
         self.n - 1
     }
+}
+
+/// The affine part of a term as a functional.
+fn affine_row(term: &dyn Term, plant: &Plant, layout: &Layout) -> Row {
+    let affine = term.affine(plant);
+    let mut row = Row::ZERO;
+    row.0[THETA] = affine.per_rad_n;
+    row.0[OMEGA] = affine.per_rad_s_n;
+    row.0[layout.one()] = affine.constant_n;
+    if let (Some(at), true) = (layout.term, term.input().is_some()) {
+        row.0[at] = affine.per_input_n;
+    }
+    row
 }
 
 /// A scene checked and laid out; immutable.
@@ -120,7 +136,7 @@ impl System {
         }
         let layout = Layout::of(&scene);
         let terms =
-            scene.terms.iter().map(|term| terms::row(term, &scene.plant, &layout)).collect();
+            scene.terms.iter().map(|term| affine_row(term, &scene.plant, &layout)).collect();
         let mut system = Self { scene, layout, terms, curved: false };
         system.curved = system.nonlinear_term().is_some();
         Ok(system)
@@ -129,11 +145,6 @@ impl System {
     /// The scene this system was made of.
     pub fn scene(&self) -> &Scene {
         &self.scene
-    }
-
-    /// Where each quantity stands in the augmented state.
-    pub fn layout(&self) -> Layout {
-        self.layout
     }
 
     /// The augmented state at t = 0, and the inputs' first spans.

@@ -78,3 +78,16 @@ impl<T: Number> Row<T> {
         self
     }
 }
+
+/// A functional of the state: `row · z`, and the terms' curved force `curved` times.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Functional {
+    pub(crate) row: Row,
+    pub(crate) curved: f64,
+}
+
+impl From<Row> for Functional {
+    fn from(row: Row) -> Self {
+        Self { row, curved: 0.0 }
+    }
+}

@@ -1,24 +1,9 @@
 //! The scene's terms in the equations: a row each for the affine part, and one curved force of them
 //! all.
 
-use super::flow::Functional;
-use super::row::Row;
-use super::{Layout, OMEGA, System, THETA};
-use crate::scene::plant::Plant;
+use super::row::{Functional, Row};
+use super::{OMEGA, System, THETA};
 use crate::scene::terms::{Curve, Term};
-
-/// The affine part of a term as a functional.
-pub(super) fn row(term: &dyn Term, plant: &Plant, layout: &Layout) -> Row {
-    let affine = term.affine(plant);
-    let mut row = Row::ZERO;
-    row.0[THETA] = affine.per_rad_n;
-    row.0[OMEGA] = affine.per_rad_s_n;
-    row.0[layout.one()] = affine.constant_n;
-    if let (Some(at), true) = (layout.term, term.input().is_some()) {
-        row.0[at] = affine.per_input_n;
-    }
-    row
-}
 
 impl System {
     /// The force of each of the scene's terms at a state, N, in the order of
@@ -42,7 +27,7 @@ impl System {
     }
 
     /// The term that keeps the system from being piecewise affine, if there is one.
-    pub fn nonlinear_term(&self) -> Option<&'static str> {
+    pub(crate) fn nonlinear_term(&self) -> Option<&'static str> {
         let start = &self.scene.start;
         let curve = |term: &&dyn Term| {
             term.curve(&self.scene.plant, start.theta_rad, start.theta_dot_rad_s)

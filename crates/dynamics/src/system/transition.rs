@@ -1,7 +1,7 @@
 //! From region to region: what an event does to the state, and which region holds then.
 
-use super::flow::Functional;
 use super::region::{Branch, Contact, Motion, Region, Side};
+use super::row::Functional;
 use super::{OMEGA, System, THETA};
 use crate::scene::actuators::Mode;
 use crate::scene::finger::FingerLaw;

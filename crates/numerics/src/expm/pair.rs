@@ -18,7 +18,7 @@ pub struct Pair {
 
 impl Pair {
     /// 0.
-    pub const ZERO: Self = Self { high: 0.0, low: 0.0 };
+    pub(crate) const ZERO: Self = Self { high: 0.0, low: 0.0 };
 
     /// `high + low` for |low| well below |high|.
     #[inline]

@@ -5,7 +5,8 @@
 //! of two (Dekker 1971; Hida, Li & Bailey 2001), and only the flows are rounded: what remains is
 //! one rounding a flow.
 
-use super::{Matrix, Pair};
+use super::matrix::Matrix;
+use super::pair::Pair;
 
 /// Powers of the series: (1/32)^15 / 15! is below 1e-34.
 const POWERS: usize = 14;

@@ -150,7 +150,7 @@ fn undone(started: &Started, disk: &dyn Files, layout: &Layout, mut error: Store
 #[cfg(test)]
 mod tests {
     use super::super::world::{FORCE, ONE, World, trials_map};
-    use crate::faulty::Faulty;
+    use crate::tests::faulty::Faulty;
     use std::path::PathBuf;
 
     fn two_trials(world: &World) -> Vec<PathBuf> {

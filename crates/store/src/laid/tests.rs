@@ -1,7 +1,7 @@
 //! Each part of a session that says something says it alone against the others.
 
 use super::*;
-use crate::crashes::{UTC, meta, planned, record, rows, study_alone, toml};
+use crate::tests::crashes::{UTC, meta, planned, record, rows, study_alone, toml};
 use crate::{Journal, RealFiles, StudyData, TrialFile, verify};
 use std::fs;
 use std::path::PathBuf;

@@ -7,7 +7,8 @@ use crate::model::{Analysis, Coordinate, Environment, Scene, Study};
 
 impl Study {
     /// The study as `study.toml` text (without comments); [`Study::from_toml`] reads it back.
-    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+    #[cfg(test)]
+    pub(crate) fn to_toml(&self) -> Result<String, toml::ser::Error> {
         toml::to_string_pretty(&File::from(self))
     }
 }

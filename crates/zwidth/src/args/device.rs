@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 /// How devices are written on the command line.
-pub(super) const DEVICES: &str = "twin|playback:FILE|rig:PORT,PORT";
+pub(super) const DEVICES: &str = "twin|playback:FILE";
 
 /// A device by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,8 +14,6 @@ pub(crate) enum DeviceSpec {
     Twin,
     /// A recorded trial.
     Playback(PathBuf),
-    /// The real one, on these serial ports.
-    Rig(String),
 }
 
 impl fmt::Display for DeviceSpec {
@@ -23,7 +21,6 @@ impl fmt::Display for DeviceSpec {
         match self {
             Self::Twin => f.write_str("twin"),
             Self::Playback(file) => write!(f, "playback:{}", file.display()),
-            Self::Rig(ports) => write!(f, "rig:{ports}"),
         }
     }
 }
@@ -35,7 +32,6 @@ impl FromStr for DeviceSpec {
         match text.split_once(':') {
             None if text == "twin" => Ok(Self::Twin),
             Some(("playback", file)) if !file.is_empty() => Ok(Self::Playback(file.into())),
-            Some(("rig", ports)) if !ports.is_empty() => Ok(Self::Rig(ports.to_owned())),
             _ => Err(format!("it must be {DEVICES}")),
         }
     }
@@ -49,8 +45,7 @@ mod tests {
     fn a_device_is_named_by_its_kind_and_what_belongs_to_it() {
         assert_eq!("twin".parse(), Ok(DeviceSpec::Twin));
         assert_eq!("playback:a:b".parse(), Ok(DeviceSpec::Playback("a:b".into())));
-        assert_eq!("rig:/dev/x,/dev/y".parse(), Ok(DeviceSpec::Rig("/dev/x,/dev/y".into())));
-        for bad in ["", "twin:1", "playback", "playback:", "rig", "Twin"] {
+        for bad in ["", "twin:1", "playback", "playback:", "rig:/dev/x,/dev/y", "Twin"] {
             assert!(bad.parse::<DeviceSpec>().unwrap_err().contains("playback:FILE"), "{bad}");
         }
     }

@@ -5,11 +5,10 @@ use super::device::{
 };
 use super::recover::{lock, put_in_order_and_tell};
 use super::resume::resume;
-use crate::args::{Acquire, DeviceSpec};
+use crate::args::Acquire;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use crate::text::beside;
-use anyhow::bail;
 use std::io::{BufReader, stdin, stdout};
 use std::path::Path;
 use std::sync::Arc;
@@ -26,9 +25,6 @@ pub(super) const SOFTWARE: &str = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
 
 pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow::Result<Exit> {
     let Acquire { participant, session, .. } = command;
-    if command.fast && matches!(command.device, DeviceSpec::Rig(_)) {
-        bail!("--fast is a simulated clock, which no rig follows; leave it out");
-    }
     let mut bench = bench(root, command.study.clone(), command.rate)?;
     let layout = bench.layout.clone();
     let lock = lock(&layout, "zwidth acquire")?;

@@ -21,14 +21,8 @@ pub(crate) fn characterise(
 ) -> anyhow::Result<Exit> {
     let bench = bench(root, command.study.clone(), None)?;
     let lock = lock(&bench.layout, "zwidth characterise")?;
-    match &command.device {
-        DeviceSpec::Twin => {}
-        DeviceSpec::Playback(_) => bail!("a recording cannot be characterised; use --device twin"),
-        DeviceSpec::Rig(ports) => {
-            bail!(
-                "this version cannot drive a rig yet, so {ports} were not opened; use --device twin"
-            )
-        }
+    if command.device != DeviceSpec::Twin {
+        bail!("a recording cannot be characterised; use --device twin");
     }
     let raw = Raw::adds(&RealFiles, &bench.layout, &lock);
     let first = free_number(&bench.layout, command.actuator)?;

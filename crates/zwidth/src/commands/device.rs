@@ -97,10 +97,6 @@ pub(super) fn open(
                 .context("study.toml: device.theta_min_deg is missing")?;
             Ok(Box::new(Playback::new(rows(path, &trial.samples)?, stop_rad)?))
         }
-        DeviceSpec::Rig(ports) => bail!(
-            "this version cannot drive a rig yet, so {ports} were not opened; use --device twin or --device \
-             playback:FILE"
-        ),
     }
 }
 
@@ -130,7 +126,7 @@ pub(super) fn mixed(seed: u64, purpose: &[&str]) -> u64 {
 pub(super) fn checks_itself(spec: &DeviceSpec) -> fn(Step) -> bool {
     match spec {
         DeviceSpec::Twin => |step| !matches!(step, Step::Load(_)),
-        DeviceSpec::Playback(_) | DeviceSpec::Rig(_) => |_| false,
+        DeviceSpec::Playback(_) => |_| false,
     }
 }
 

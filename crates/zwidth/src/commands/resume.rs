@@ -99,8 +99,7 @@ mod tests {
                 session: ids[(i / 2) % ids.len()].parse().unwrap(),
                 device: match i % 3 {
                     0 => DeviceSpec::Twin,
-                    1 => DeviceSpec::Playback(path.into()),
-                    _ => DeviceSpec::Rig(format!("/dev/{path},/dev/tty")),
+                    _ => DeviceSpec::Playback(path.into()),
                 },
                 rate: [None, Some(120.0), Some(100.1 + 0.2), Some(1.0), Some(1e5)][i % 5],
                 seed: [None, Some(u64::MAX), Some(0)][(i / 3) % 3],

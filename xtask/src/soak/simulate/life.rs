@@ -1,8 +1,8 @@
 //! The lives of a session, and what must hold after each.
 
 use super::person::Person;
+use super::with::{Counts, With};
 use super::world::{Draw, Late, Trouble, study, told};
-use super::{Counts, With};
 use jiff::{SignedDuration, Timestamp};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};

@@ -10,42 +10,20 @@
 
 mod life;
 mod person;
+mod with;
 mod world;
+
+pub(crate) use with::With;
 
 use crate::tried::{Tried, note};
 use anyhow::{bail, ensure};
-use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::ScopedJoinHandle;
 use std::time::Instant;
-
-/// Which device the sessions are recorded with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum With {
-    /// The mock, which fails as it is told.
-    Mock,
-    /// The simulated device and its participant.
-    Twin,
-}
-
-impl With {
-    /// What the chore is called.
-    fn chore(self) -> &'static str {
-        if self == Self::Twin { "simulate-twin" } else { "simulate" }
-    }
-
-    /// How long its machine sleeps at times, s: longer than any trial. The twin moves on for all of
-    /// it, so its is short.
-    fn nap_s(self) -> f64 {
-        if self == Self::Twin { 30.0 } else { 3600.0 }
-    }
-}
-
-/// How often each thing happened.
-type Counts = BTreeMap<&'static str, u64>;
+use with::Counts;
 
 /// Failing seeds that are told one by one.
 const TOLD: usize = 10;

@@ -149,16 +149,9 @@ impl Clock for Late {
 pub(super) fn study(seed: u64) -> Result<(Memory, Plan), String> {
     let mut draw = Draw::new(seed, 1);
     let layout = Layout::new(Path::new("/simulated"), "soak".parse().map_err(told)?);
-    let mut study = Study::from_toml(&template(layout.study())).map_err(|e| format!("{e:?}"))?;
-    let (environments, modes) = draw.of(&[(1, 3), (2, 2), (2, 3)]);
-    study.environments.truncate(environments);
-    study.modes.truncate(modes);
-    study.design.repeats = 1;
-    study.design.familiarisation = draw.below(2) as u32;
-    study.design.trial_limit_s = LIMIT_S;
-    study.design.blinded = draw.one_in(3);
-    study.control.rate_hz = RATE_HZ;
-    let study_toml = study.to_toml().map_err(told)?.into_bytes();
+    let study_toml = study_toml(&mut draw, &template(layout.study()))?;
+    let study = Study::from_toml(&study_toml).map_err(|e| format!("{e:?}"))?;
+    let study_toml = study_toml.into_bytes();
     let disk = Memory::new();
     disk.put(&layout.study_toml(), &study_toml);
     let plan = Plan {
@@ -176,6 +169,26 @@ pub(super) fn study(seed: u64) -> Result<(Memory, Plan), String> {
         accept_study_change: false,
     };
     Ok((disk, plan))
+}
+
+/// The template's study.toml with what the seed draws.
+fn study_toml(draw: &mut Draw, template: &str) -> Result<String, String> {
+    let (environments, modes) = draw.of(&[(1, 3), (2, 2), (2, 3)]);
+    let mut table: toml::Table = template.parse().map_err(told)?;
+    for (list, length) in [("environments", environments), ("modes", modes)] {
+        let list = table.get_mut(list).and_then(toml::Value::as_array_mut);
+        list.ok_or("the template lost a list")?.truncate(length);
+    }
+    let mut set = |of: &str, key: &str, value: toml::Value| {
+        let of = table.get_mut(of).and_then(toml::Value::as_table_mut);
+        of.map(|of| of.insert(key.to_owned(), value)).ok_or("the template lost a table")
+    };
+    set("design", "repeats", 1.into())?;
+    set("design", "familiarisation", i64::from(draw.below(2) as u32).into())?;
+    set("design", "trial_limit_s", LIMIT_S.into())?;
+    set("design", "blinded", draw.one_in(3).into())?;
+    set("control", "rate_hz", RATE_HZ.into())?;
+    toml::to_string(&table).map_err(told)
 }
 
 pub(super) fn told(error: impl std::fmt::Display) -> String {

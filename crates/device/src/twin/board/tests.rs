@@ -129,24 +129,6 @@ fn a_tick_allocates_nothing() {
 }
 
 #[test]
-fn faults_show_as_they_would() {
-    let mut twin = twin();
-    twin.home(0.0).unwrap();
-    begin(&mut twin, 0.0, 1);
-    twin.inject(Some(TwinFault::StaleForce));
-    assert!(twin.read(0.1).unwrap().force_age_s.unwrap() > 0.08);
-    twin.inject(Some(TwinFault::StaleAngle));
-    assert!(twin.read(0.2).unwrap().angle_age_s > 0.09);
-    twin.inject(Some(TwinFault::NanForce));
-    assert!(twin.read(0.3).unwrap().force_n.is_nan());
-    twin.inject(Some(TwinFault::Unplugged));
-    assert!(matches!(twin.read(0.4), Err(DeviceError::Lost { .. })));
-    assert!(matches!(twin.write(0.4, Voltages::OFF), Err(DeviceError::Lost { .. })));
-    twin.inject(None);
-    assert!(twin.read(0.5).unwrap().force_n.is_finite());
-}
-
-#[test]
 fn a_parameter_that_makes_no_sense_is_named() {
     let parameters = TwinParameters { lever_kg_m2: f64::NAN, ..TwinParameters::default() };
     let error = Twin::new(parameters, Person::typical(1), 1).unwrap_err().to_string();

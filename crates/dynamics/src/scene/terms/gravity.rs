@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Curve, Parameter, Term};
+use super::term::{Curve, Parameter, Term};
 use crate::scene::plant::Plant;
 
 /// Standard gravity, m/s² (CGPM 1901).

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Affine, Parameter, Term};
+use super::term::{Affine, Parameter, Term};
 use crate::scene::input::Input;
 use crate::scene::plant::Plant;
 

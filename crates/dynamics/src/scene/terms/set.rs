@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, Error as _};
+use serde::de::{DeserializeSeed, Deserializer, Error as _};
 use serde::ser::{Error as _, SerializeMap};
 use serde::{Deserialize, Serialize, Serializer};
 use toml::Value;
 
-use super::{Affine, READERS, Term};
+use super::READERS;
+use super::term::{Affine, Read, Term, Written};
 use crate::error::{DynamicsError, LARGEST, Result, check};
 use crate::scene::input::Input;
 use crate::scene::plant::Plant;
@@ -15,17 +16,6 @@ use crate::scene::plant::Plant;
 /// The terms of a scene, one of a name, in order of their names.
 #[derive(Debug, Clone, Default)]
 pub struct Terms(Vec<Arc<dyn Written>>);
-
-/// A term that can be written down.
-pub(super) trait Written: Term {
-    fn value(&self) -> std::result::Result<Value, toml::ser::Error>;
-}
-
-impl<T: Term + Serialize> Written for T {
-    fn value(&self) -> std::result::Result<Value, toml::ser::Error> {
-        Value::try_from(self)
-    }
-}
 
 impl Terms {
     /// Adds a term, in the place of the one of its name.
@@ -117,15 +107,6 @@ impl Serialize for Terms {
         }
         map.end()
     }
-}
-
-/// Makes a term of what a file has under its name.
-pub(super) type Read = fn(Value) -> std::result::Result<Arc<dyn Written>, toml::de::Error>;
-
-pub(super) fn read<T: Term + Serialize + DeserializeOwned + 'static>(
-    value: Value,
-) -> std::result::Result<Arc<dyn Written>, toml::de::Error> {
-    Ok(Arc::new(value.try_into::<T>()?))
 }
 
 struct Reader<'a> {

@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::*;
 use crate::scene::actuators::Mode;
 use crate::scene::environment::Environment;
+use crate::scene::input::Input;
+use crate::scene::plant::Plant;
 use crate::scene::{Scene, table3};
 use crate::solve::adaptive::Tolerances;
 use crate::{DormandPrince, DynamicsError, Exact, Grid, Rk4, Solver, Switching, System, TrBdf2};

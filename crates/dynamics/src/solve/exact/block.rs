@@ -3,7 +3,7 @@
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 
-use super::compiled::{Functionals, Sag};
+use super::functionals::{Functionals, Sag};
 
 /// Steps in a block.
 pub(super) const BLOCK: usize = 8;

@@ -6,7 +6,8 @@
 
 mod block;
 mod compiled;
-mod condition;
+mod functionals;
+mod method;
 mod run;
 mod uneven;
 mod work;
@@ -15,53 +16,8 @@ use super::{Grid, Solver, with_length};
 use crate::error::{DynamicsError, Result};
 use crate::system::System;
 use crate::trajectory::Trajectory;
+pub use method::{Exact, Prepared};
 use run::Run;
-
-/// Exact in every region, up to rounding. Refuses models that are not piecewise affine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Exact {
-    /// A run with more events ends in an error: a lever may bounce without end.
-    pub most_events: u64,
-    /// A run that must look at more pieces of its intervals for events ends in an error.
-    pub most_pieces: u64,
-    /// Whether to integrate the work of every part; exact too, and several times the cost.
-    pub energy: bool,
-}
-
-impl Default for Exact {
-    fn default() -> Self {
-        /// A thousand times what a device scene needs; a tenth of a second of work.
-        const MOST_EVENTS: u64 = 200_000;
-        /// Half a second of work.
-        const MOST_PIECES: u64 = 5_000_000;
-        Self { most_events: MOST_EVENTS, most_pieces: MOST_PIECES, energy: false }
-    }
-}
-
-/// A system made ready: regions that were met are kept, so that later runs start at full speed.
-pub trait Prepared {
-    /// Runs from the system's start over a grid whose steps are no longer than those it was
-    /// prepared for, into a trajectory that is emptied first and keeps its memory.
-    ///
-    /// # Errors
-    /// As [`Solver::run`].
-    fn run_into(
-        &mut self,
-        grid: &Grid,
-        out: &mut Trajectory,
-    ) -> std::result::Result<(), DynamicsError>;
-
-    /// The same without keeping samples: `visit(t, state)` sees each of them. Memory does not grow
-    /// with the grid.
-    ///
-    /// # Errors
-    /// As [`Solver::run`].
-    fn visit(
-        &mut self,
-        grid: &Grid,
-        visit: &mut dyn FnMut(f64, &[f64]),
-    ) -> std::result::Result<Trajectory, DynamicsError>;
-}
 
 impl Solver for Exact {
     fn name(&self) -> String {
@@ -97,19 +53,6 @@ impl Exact {
         with_length!(system.layout.n, self.prepare_n(system, grid))
     }
 
-    /// Runs without keeping samples; see [`Prepared::visit`].
-    ///
-    /// # Errors
-    /// As [`Solver::run`].
-    pub fn visit(
-        &self,
-        system: &System,
-        grid: &Grid,
-        mut visit: impl FnMut(f64, &[f64]),
-    ) -> std::result::Result<Trajectory, DynamicsError> {
-        self.prepare(system, grid)?.visit(grid, &mut visit)
-    }
-
     /// A region has at most four guards of the lever and actuators, and two of a finger.
     fn prepare_n<'a, const N: usize>(
         &self,
@@ -125,9 +68,5 @@ impl Exact {
     }
 }
 
-#[cfg(test)]
-mod accuracy;
-#[cfg(test)]
-mod reference;
 #[cfg(test)]
 mod tests;

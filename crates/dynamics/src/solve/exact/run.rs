@@ -160,7 +160,6 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         out.work = WorkCounts { steps, rejected: 0, evaluations, factorisations: self.compiled };
         out.events.extend_from_slice(&self.events);
         out.regions.extend(self.regions.iter().map(|compiled| compiled.region));
-        out.longest_step_s = Some(self.reach_s);
         out.energy = self.limits.energy.then(|| self.balance());
     }
 

@@ -1,3 +1,7 @@
+mod accuracy;
+mod condition;
+mod reference;
+
 use super::*;
 use crate::scene::actuators::Mode;
 use crate::scene::environment::Environment;
@@ -160,7 +164,7 @@ fn a_held_lever_does_not_drift_over_ten_million_samples() {
     let system = System::new(scene).unwrap();
     let grid = Grid::Even { step_s: 1e-3, steps: 10_000_000 };
     let mut moved = 0;
-    let run = Exact::default().visit(&system, &grid, |_, z| {
+    let run = Exact::default().prepare(&system, &grid).unwrap().visit(&grid, &mut |_, z| {
         moved += usize::from(z[0].to_bits() != 0.1_f64.to_bits() || z[1] != 0.0);
     });
     assert_eq!(moved, 0);

@@ -1,10 +1,12 @@
 //! Facts of the whole screen, read off its cells.
 
-use super::examples::{phases, question, view};
+pub(super) mod examples;
+
 use super::keys::{Ask, Entry, commands};
 use super::look::Look;
 use super::render::render;
 use crate::{Phase, Timing, View};
+use examples::{phases, question, view};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::buffer::Buffer;

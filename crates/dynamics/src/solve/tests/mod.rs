@@ -1,5 +1,7 @@
 //! All methods against each other and against closed forms, in loops over scenes.
 
+mod properties;
+
 use super::adaptive::Tolerances;
 use super::dormand_prince::DormandPrince;
 use super::exact::Exact;

@@ -5,30 +5,17 @@
 //! went ([`actuators`]).
 
 mod actuators;
+mod finding;
 mod readings;
 
 pub use actuators::{Travel, actuators};
+pub use finding::Finding;
 pub use readings::{Look, at_rest, by_hand, loaded, timing};
 
 use crate::timing::Pace;
 use crate::{Clock, Cue, Device, DeviceError, Guard, Timing, Trip, watch};
 use std::sync::atomic::{AtomicBool, Ordering};
-use zwidth_study::{Calibration, Check, Environment, Scene, Voltages};
-
-/// One thing found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Finding {
-    /// What, how much, and whether that is good enough: kept with the session.
-    pub check: Check,
-    /// What it means, and what to do if it is not good enough.
-    pub about: &'static str,
-}
-
-impl Finding {
-    fn new(name: &str, value: f64, unit: &str, ok: bool, about: &'static str) -> Self {
-        Self { check: Check { name: name.to_owned(), value, unit: unit.to_owned(), ok }, about }
-    }
-}
+use zwidth_study::{Calibration, Environment, Scene, Voltages};
 
 /// A step of the check, and what a person does before it.
 #[derive(Debug, Clone, Copy, PartialEq)]

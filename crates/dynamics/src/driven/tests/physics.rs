@@ -1,8 +1,8 @@
 //! What the solution must satisfy as physics: energy, one-sided contact, and finite numbers over
 //! the whole range.
 
-use super::tests::{drive, prototype};
-use super::*;
+use super::super::*;
+use super::{drive, prototype};
 use crate::DynamicsError;
 
 /// Work done on the lever by part, J, summed over fine steps by the trapezoidal rule.

@@ -3,14 +3,14 @@
 
 use proptest::prelude::*;
 
-use super::adaptive::Tolerances;
-use super::dormand_prince::DormandPrince;
-use super::exact::Exact;
-use super::moreau_jean::MoreauJean;
-use super::rk4::Rk4;
-use super::symplectic_euler::SymplecticEuler;
-use super::tr_bdf2::TrBdf2;
-use super::*;
+use super::super::adaptive::Tolerances;
+use super::super::dormand_prince::DormandPrince;
+use super::super::exact::Exact;
+use super::super::moreau_jean::MoreauJean;
+use super::super::rk4::Rk4;
+use super::super::symplectic_euler::SymplecticEuler;
+use super::super::tr_bdf2::TrBdf2;
+use super::super::*;
 use crate::energy::EnergyBalance;
 use crate::scene::actuators::{BrakeLaw, Mode};
 use crate::scene::environment::Environment;
@@ -107,7 +107,8 @@ fn energy(scene: Scene) -> Option<EnergyBalance> {
     let bounces = scene.mode != Mode::Passive && scene.environment.zones.len() > 1;
     let system = System::new(scene).unwrap();
     let solver = Exact { energy: true, most_events: 10_000, ..Exact::default() };
-    match solver.visit(&system, &Grid::of(&system), |_, _| ()) {
+    let grid = Grid::of(&system);
+    match solver.prepare(&system, &grid).and_then(|mut run| run.visit(&grid, &mut |_, _| ())) {
         Ok(run) => run.energy,
         Err(DynamicsError::TooMuchWork { .. }) if bounces => None,
         Err(error) => panic!("{error}"),

@@ -1,12 +1,12 @@
 //! The board as a device: it moves plant and participant up to the moment it is asked for.
 
-use super::parameters::{STOPS_RAD, TwinParameters};
+use super::parameters::{STOPS_RAD, TwinParameters, impossible};
 use super::sensors::{AngleSensor, COUNTS_PER_TURN, FORCE_RATE_HZ, ForceSensor, SHAFT_PER_LEVER};
 use super::trial::{Trial, WAITING_GAP_M};
 use crate::participant::draw::{Draw, Purpose};
-use crate::participant::{Felt, Intent, Person, STEP_S};
+use crate::participant::{Person, STEP_S};
 use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
-use zwidth_dynamics::{Command, Driven, DrivenState};
+use zwidth_dynamics::{Command, Driven};
 use zwidth_study::{Source, Voltages};
 
 /// Version of the simulation: another one makes other numbers of the same seed.
@@ -21,19 +21,6 @@ const STEPS_PER_FORCE: u64 = 5;
 const CARRY_RAD_S: f64 = 1.0;
 /// Largest deviation of the board's clock, parts per million; a crystal's.
 const DRIFT_PPM: f64 = 50.0;
-
-/// A fault that tests put in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TwinFault {
-    /// The cable is out: nothing is read, and nothing written arrives.
-    Unplugged,
-    /// The angle sensor gives no new counts.
-    StaleAngle,
-    /// The force sensor gives no new values.
-    StaleForce,
-    /// The force sensor gives NaN.
-    NanForce,
-}
 
 /// The simulated device with its participant.
 #[derive(Debug, Clone)]
@@ -54,7 +41,6 @@ pub struct Twin {
     voltages: Voltages,
     written_s: f64,
     trial: Trial,
-    fault: Option<TwinFault>,
 }
 
 impl Twin {
@@ -82,7 +68,6 @@ impl Twin {
             voltages: Voltages::OFF,
             written_s: f64::NEG_INFINITY,
             trial: Trial::idle(&person, &parameters),
-            fault: None,
             parameters,
             person,
             seed,
@@ -91,13 +76,9 @@ impl Twin {
         Ok(twin)
     }
 
-    /// The participant.
-    pub fn person(&self) -> &Person {
-        &self.person
-    }
-
     /// What no sensor sees: the plant's true state.
-    pub fn truth(&self) -> DrivenState {
+    #[cfg(test)]
+    pub(crate) fn truth(&self) -> zwidth_dynamics::DrivenState {
         self.plant.state()
     }
 
@@ -107,18 +88,9 @@ impl Twin {
     }
 
     /// What the participant means to do in the current trial.
-    pub fn intent(&self) -> &Intent {
+    #[cfg(test)]
+    pub(crate) fn intent(&self) -> &crate::Intent {
         &self.trial.intent
-    }
-
-    /// What the participant has felt in the current trial.
-    pub fn felt(&self) -> &Felt {
-        &self.trial.felt
-    }
-
-    /// Puts a fault in, or takes it out.
-    pub fn inject(&mut self, fault: Option<TwinFault>) {
-        self.fault = fault;
     }
 
     /// Puts the lever at rest at an angle with the hand waiting just before it.
@@ -178,7 +150,7 @@ impl Twin {
         }
         let state = self.plant.state();
         self.trial.step(&self.person, self.parameters.lever_m, at_s, &state);
-        if self.steps.is_multiple_of(STEPS_PER_FORCE) && self.fault != Some(TwinFault::StaleForce) {
+        if self.steps.is_multiple_of(STEPS_PER_FORCE) {
             self.force.take(at_s, state.contact_n);
         }
         Ok(())
@@ -194,28 +166,14 @@ impl Twin {
     }
 
     fn reading(&mut self) -> Reading {
-        if self.fault != Some(TwinFault::StaleAngle) {
-            self.angle.take(self.now_s, self.plant.state().theta_rad);
-        }
-        let force_n =
-            if self.fault == Some(TwinFault::NanForce) { f64::NAN } else { self.force.value_n };
+        self.angle.take(self.now_s, self.plant.state().theta_rad);
         Reading {
             t_device_s: Some(self.clock_offset_s + self.clock_rate * self.now_s),
             angle: Angle::Counts(self.angle.counts),
             angle_age_s: self.now_s - self.angle.taken_s,
-            force_n,
+            force_n: self.force.value_n,
             force_age_s: Some(self.now_s - self.force.taken_s),
         }
-    }
-
-    fn plugged(&self) -> Result<(), DeviceError> {
-        if self.fault != Some(TwinFault::Unplugged) {
-            return Ok(());
-        }
-        Err(DeviceError::Lost {
-            device: self.capabilities.name.clone(),
-            what: "the cable is out".to_owned(),
-        })
     }
 }
 
@@ -225,7 +183,6 @@ impl Device for Twin {
     }
 
     fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
-        self.plugged()?;
         self.voltages = Voltages::OFF;
         self.trial = Trial::idle(&self.person, &self.parameters);
         self.rest_at(STOPS_RAD[0])?;
@@ -236,13 +193,11 @@ impl Device for Twin {
 
     fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
         self.advance_to(now_s)?;
-        self.plugged()?;
         Ok(self.reading())
     }
 
     fn write(&mut self, now_s: f64, voltages: Voltages) -> Result<(), DeviceError> {
         self.advance_to(now_s)?;
-        self.plugged()?;
         (self.voltages, self.written_s) = (voltages, now_s);
         Ok(())
     }
@@ -275,15 +230,6 @@ fn capabilities(parameters: &TwinParameters) -> Capabilities {
         brake_max_v: highest(&parameters.actuators.brake.voltage_v),
         watchdog_s: Some(WATCHDOG_S),
         source: Source::Twin,
-    }
-}
-
-/// A plant that cannot be simulated.
-pub(super) fn impossible(error: &dyn std::error::Error) -> DeviceError {
-    DeviceError::Unable {
-        device: "twin".to_owned(),
-        what: error.to_string(),
-        remedy: "correct the twin's parameters".to_owned(),
     }
 }
 

@@ -3,8 +3,8 @@
 //! short.
 
 use crate::events::read_events_from;
-use crate::faulty::Faulty;
 use crate::read::read_trial_from;
+use crate::tests::faulty::Faulty;
 use crate::{
     Fault, Files, Journal, Layout, Memory, Signal, Survives, TrialFile, append_events, lay_down,
     recover, verify_from,

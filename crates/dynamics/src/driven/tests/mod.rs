@@ -3,6 +3,8 @@
 
 use zwidth_numerics::series::interpolate;
 
+mod physics;
+
 use super::*;
 use crate::{
     Brake, BrakeLaw, Demand, Environment, Exact, Finger, FingerLaw, Friction, Grid, Input, Mode,

@@ -212,7 +212,7 @@ fn in_free_space_the_velocity_has_one_peak_each_way() {
     assert_eq!(peaks(&[0.0, 1.0, 0.8, 1.0, 0.0], 0.1), 2);
     for seed in 0..40 {
         let person = Person::draw(seed);
-        let intent = person.intent(2, &task(Scene::Free));
+        let intent = Intent::draw(&person, 2, &task(Scene::Free));
         let hand = alone(person.hand, &intent);
         let ways =
             [1.0, -1.0].map(|way| hand.iter().map(|v| (way * v).max(0.0)).collect::<Vec<f64>>());

@@ -129,12 +129,12 @@ impl Guard {
     }
 
     /// What trials must stay within.
-    pub fn limits(&self) -> &Limits {
+    pub(crate) fn limits(&self) -> &Limits {
         &self.limits
     }
 
     /// Whether the turn of the shaft is known.
-    pub fn is_homed(&self) -> bool {
+    pub(crate) fn is_homed(&self) -> bool {
         self.tracking.is_some()
     }
 
@@ -175,12 +175,13 @@ impl Guard {
     }
 
     /// Whether a mode is allowed.
-    pub fn is_armed(&self) -> bool {
+    #[cfg(test)]
+    pub(crate) fn is_armed(&self) -> bool {
         self.ceiling.is_some()
     }
 
     /// Whether a motor may run that no watchdog watches.
-    pub fn unwatched(&self) -> bool {
+    pub(crate) fn unwatched(&self) -> bool {
         let motor = self.ceiling.is_some_and(|ceiling| ceiling.motor_v > 0.0);
         self.no_watchdog && self.capabilities.watchdog_s.is_none() && motor
     }
@@ -201,7 +202,7 @@ impl Guard {
     /// # Errors
     /// What is wrong with it. The loop then goes to 0 V, and where the turn may be lost, homing is
     /// asked for again.
-    pub fn see(
+    pub(crate) fn see(
         &mut self,
         now_s: f64,
         elapsed_s: f64,
@@ -222,7 +223,7 @@ impl Guard {
     ///
     /// # Errors
     /// A voltage that is not a number; a guard that is not armed or not homed.
-    pub fn permit(&self, asked: Voltages) -> Result<(Voltages, bool), Trip> {
+    pub(crate) fn permit(&self, asked: Voltages) -> Result<(Voltages, bool), Trip> {
         let tracking = self.tracking.as_ref().ok_or(Trip::NotHomed)?;
         let ceiling = self.ceiling.ok_or(Trip::NotArmed)?;
         if !(asked.motor_v.is_finite() && asked.brake_v.is_finite()) {
@@ -300,7 +301,7 @@ impl Tracking {
 
 impl Capabilities {
     /// What one count of the angle sensor is at the lever, rad; 0 for a device that gives angles.
-    pub fn resolution_rad(&self) -> f64 {
+    pub(crate) fn resolution_rad(&self) -> f64 {
         self.counts_per_turn.map_or(0.0, |counts| rad_per_count(counts, self.shaft_per_lever))
     }
 }

@@ -14,7 +14,7 @@ pub(super) fn question() -> String {
         .to_owned()
 }
 
-pub(super) fn phases() -> Vec<Phase> {
+pub(crate) fn phases() -> Vec<Phase> {
     vec![
         Phase::Check,
         Phase::Homing,

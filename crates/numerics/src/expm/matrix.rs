@@ -1,0 +1,130 @@
+//! Small square matrices.
+
+/// A square matrix, stored by columns, so that a product with a vector runs over whole columns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Matrix<const N: usize> {
+    /// `columns[j][i]` is the entry in row `i`, column `j`.
+    pub columns: [[f64; N]; N],
+}
+
+impl<const N: usize> Matrix<N> {
+    /// All entries zero.
+    pub const ZERO: Self = Self { columns: [[0.0; N]; N] };
+
+    /// The identity.
+    pub fn identity() -> Self {
+        Self::from_fn(|i, j| if i == j { 1.0 } else { 0.0 })
+    }
+
+    /// The matrix whose entry in row `i`, column `j` is `entry(i, j)`.
+    pub fn from_fn(entry: impl Fn(usize, usize) -> f64) -> Self {
+        Self { columns: std::array::from_fn(|j| std::array::from_fn(|i| entry(i, j))) }
+    }
+
+    /// Entry in row `i`, column `j`.
+    #[inline]
+    pub fn at(&self, i: usize, j: usize) -> f64 {
+        self.columns[j][i]
+    }
+
+    /// `A v`.
+    #[inline]
+    pub fn apply(&self, v: &[f64; N]) -> [f64; N] {
+        let mut out = [0.0; N];
+        for (column, &x) in self.columns.iter().zip(v) {
+            for (o, &c) in out.iter_mut().zip(column) {
+                *o += c * x;
+            }
+        }
+        out
+    }
+
+    /// `A v` for a vector that ends in 1 and a matrix whose last row is zero but for its last
+    /// entry: the form an affine map has in augmented coordinates, and a third cheaper.
+    #[inline]
+    pub fn apply_affine(&self, v: &[f64; N]) -> [f64; N] {
+        let mut out = self.columns[N - 1];
+        for (column, &x) in self.columns[..N - 1].iter().zip(v) {
+            for (o, &c) in out[..N - 1].iter_mut().zip(column) {
+                *o += c * x;
+            }
+        }
+        out
+    }
+
+    /// `A B`.
+    pub fn product(&self, other: &Self) -> Self {
+        Self { columns: std::array::from_fn(|j| self.apply(&other.columns[j])) }
+    }
+
+    /// `Aᵀ W A`, the form `W` seen from before the map `A`.
+    pub fn congruence(&self, form: &Self) -> Self {
+        let right = form.product(self);
+        Self::from_fn(|i, j| dot(&self.columns[i], &right.columns[j]))
+    }
+
+    /// Each entry mapped.
+    pub fn map(&self, f: impl Fn(f64) -> f64) -> Self {
+        Self { columns: self.columns.map(|column| column.map(&f)) }
+    }
+
+    /// Each pair of entries joined.
+    pub fn zip(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Self::from_fn(|i, j| f(self.at(i, j), other.at(i, j)))
+    }
+
+    /// `vᵀ A v`.
+    #[inline]
+    pub fn quadratic(&self, v: &[f64; N]) -> f64 {
+        dot(v, &self.apply(v))
+    }
+
+    /// The inverse by Gauss–Jordan elimination with row pivoting; `None` if the matrix is singular.
+    pub fn inverse(&self) -> Option<Self> {
+        let mut rows: [[f64; N]; N] =
+            std::array::from_fn(|i| std::array::from_fn(|j| self.at(i, j)));
+        let mut inverse: [[f64; N]; N] =
+            std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
+        for k in 0..N {
+            let pivot = (k..N).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
+            rows.swap(k, pivot);
+            inverse.swap(k, pivot);
+            let head = rows[k][k];
+            if !head.is_finite() || head == 0.0 {
+                return None;
+            }
+            for j in 0..N {
+                rows[k][j] /= head;
+                inverse[k][j] /= head;
+            }
+            let (unit, image) = (rows[k], inverse[k]);
+            for i in (0..N).filter(|&i| i != k) {
+                let factor = rows[i][k];
+                for j in 0..N {
+                    rows[i][j] -= factor * unit[j];
+                    inverse[i][j] -= factor * image[j];
+                }
+            }
+        }
+        Some(Self::from_fn(|i, j| inverse[i][j]))
+    }
+
+    /// True if every entry is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.columns.iter().flatten().all(|x| x.is_finite())
+    }
+
+    /// Largest absolute entry; NaN if any entry is.
+    pub(crate) fn largest(&self) -> f64 {
+        self.columns
+            .iter()
+            .flatten()
+            .fold(0.0, |m: f64, x| if x.is_nan() { *x } else { m.max(x.abs()) })
+    }
+}
+
+/// `a · b`.
+#[inline]
+pub fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
