@@ -96,3 +96,62 @@ impl System {
         own + 0.5 * finger.mass_kg * tip * tip + 0.5 * finger.stiffness_n_per_m * z[at] * z[at]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::PARTS;
+    use crate::scene::actuators::Mode;
+    use crate::scene::input::Input;
+    use crate::scene::table3;
+    use crate::system::OMEGA;
+    use crate::trajectory::Trajectory;
+    use crate::{Exact, Grid, Solver, System};
+
+    /// The works of a sampled run by the trapezoidal rule, in the order of the balance, and what is
+    /// stored: an independent computation, which knows nothing of the exact integrals.
+    fn sampled(run: &Trajectory, system: &System) -> ([f64; PARTS], f64) {
+        let finger = system.scene.finger;
+        let powers = |i: usize| {
+            let (forces, z) = (run.forces(system, i), run.state(i));
+            let lever = system.scene.plant.lever_m * z[OMEGA];
+            let tip = system.layout.finger.map_or(0.0, |at| z[at + 1]);
+            [
+                forces.external_n * (lever + tip),
+                forces.motor_n * lever,
+                forces.brake_n * lever,
+                forces.friction_n * lever,
+                forces.terms_n * lever,
+                -finger.map_or(0.0, |finger| finger.damping_ns_per_m) * tip * tip,
+            ]
+        };
+        let mut works = [0.0; PARTS];
+        for i in 1..run.len() {
+            let half_s = 0.5 * (run.t_s[i] - run.t_s[i - 1]);
+            let (before, after) = (powers(i - 1), powers(i));
+            for (work, (a, b)) in works.iter_mut().zip(before.iter().zip(after)) {
+                *work += half_s * (a + b);
+            }
+        }
+        let stored_j = |i: usize| system.stored_j(run.state(i));
+        (works, stored_j(run.len() - 1) - stored_j(0))
+    }
+
+    #[test]
+    fn the_sampled_balance_comes_close_to_the_exact_one() {
+        let scene = table3::with_finger(table3::scene(Mode::Hybrid, Input::sine(2.15)));
+        let system = System::new(scene).unwrap();
+        let solver = Exact { energy: true, ..Exact::default() };
+        let run = solver.run(&system, &Grid::filling(4.0, 1e-4)).unwrap();
+        let exact = run.energy.unwrap();
+        let ([external_j, motor_j, brake_j, .., tissue_j], stored_j) = sampled(&run, &system);
+        let pairs = [
+            (external_j, exact.external_j),
+            (motor_j, exact.motor_j),
+            (brake_j, exact.brake_j),
+            (tissue_j, exact.tissue_j),
+            (stored_j, exact.stored_j),
+        ];
+        let close = pairs.iter().all(|(a, b)| (a - b).abs() < 1e-4 * exact.summed_j());
+        assert!(close, "{pairs:?}");
+    }
+}
