@@ -12,8 +12,6 @@ use crate::sweep::read_sweep_from;
 use crate::{Files, Signal, StoreError};
 use std::path::{Path, PathBuf};
 
-pub use crate::import::readers::{csv, jsonl, mat, parquet};
-
 /// A journal; the number of its samples.
 ///
 /// # Errors

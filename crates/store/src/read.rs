@@ -198,7 +198,7 @@ impl ParquetFile {
 
 /// Runs a decoder on bytes that may be damaged: an error, or a panic of the decoder, is one error
 /// of ours.
-pub(crate) fn guarded<T>(
+pub fn guarded<T>(
     path: &Path,
     remedy: &str,
     decode: impl FnOnce() -> Result<T, parquet::errors::ParquetError>,

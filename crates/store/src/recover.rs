@@ -5,11 +5,11 @@
 
 use crate::atomic::{folder_of, is_unfinished, sync_file};
 use crate::events::{mend_head, mend_log};
-use crate::import::take_back_listed;
 use crate::journal::{Journaled, clear, read_journal};
 use crate::laid::mend_laid_down;
 use crate::regular::text;
 use crate::sessions::{MOST_RECORD, record_from};
+use crate::started::take_back_listed;
 use crate::sweep_log::take_in;
 use crate::walk::{below, files_below};
 use crate::{Entry, Files, Layout, StoreError, record_trial};

@@ -21,7 +21,7 @@ use zwidth_study::{
 };
 
 /// Largest `study.toml` that is read, bytes: a hundred times a long one.
-pub(crate) const MOST_STUDY: u64 = 1 << 20;
+pub const MOST_STUDY: u64 = 1 << 20;
 
 /// One trial file, and what the events say of it.
 #[derive(Debug, Clone, PartialEq)]
