@@ -4,7 +4,7 @@
 use super::label::{Label, LabelShape};
 use super::limits::MOST_ERRORS;
 use super::mapping::{Content, FileForm, Mapping, Who};
-use super::shape::{ColumnShape, FileShape, KindShape, Shape, TimeShape, TrialShape};
+use super::shape::{ChannelShape, ColumnShape, FileShape, KindShape, Shape, TimeShape, TrialShape};
 use super::table::ColumnRef;
 use regex::Regex;
 use std::collections::BTreeMap;
@@ -55,7 +55,10 @@ impl Check<'_> {
         let name = shape.name.and_then(|n| self.regex("name.pattern", &n.pattern));
         let groups: Vec<&str> = name.iter().flat_map(Regex::capture_names).flatten().collect();
         let content = match shape.kind {
-            KindShape::Trials => self.trials(shape.trial, shape.time, shape.column, &groups),
+            KindShape::Trials => {
+                let columns = (shape.column, shape.channel);
+                self.trials(shape.trial, shape.time, columns, &groups)
+            }
             KindShape::Sweeps => {
                 let quantities = [shape.command, shape.response];
                 self.sweeps(shape.sweep, shape.time, quantities, shape.wide, &groups)
@@ -77,6 +80,7 @@ impl Check<'_> {
             ("trial", shape.trial.is_some(), kind != Sweeps),
             ("time", shape.time.is_some(), kind != Likert),
             ("column", !shape.column.is_empty(), kind == Trials),
+            ("channel", !shape.channel.is_empty(), kind == Trials),
             ("sweep", shape.sweep.is_some(), kind == Sweeps),
             ("command", shape.command.is_some(), kind == Sweeps),
             ("response", shape.response.is_some(), kind == Sweeps),
@@ -166,7 +170,7 @@ impl Check<'_> {
         &mut self,
         trial: Option<TrialShape>,
         time: Option<TimeShape>,
-        columns: Vec<ColumnShape>,
+        (columns, own): (Vec<ColumnShape>, Vec<ChannelShape>),
         groups: &[&str],
     ) -> Option<Content> {
         let who = self.who(trial, groups);
@@ -183,7 +187,13 @@ impl Check<'_> {
                 known.push(column);
             }
         }
-        Some(Content::Trials { who: who?, time: time?, columns: known })
+        let mut channels = Vec::new();
+        for (i, shape) in own.into_iter().enumerate() {
+            if let Some(channel) = self.channel(&format!("channel[{i}]"), shape, &channels) {
+                channels.push(channel);
+            }
+        }
+        Some(Content::Trials { who: who?, time: time?, columns: known, channels })
     }
 
     fn likert(

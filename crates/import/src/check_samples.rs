@@ -3,10 +3,11 @@
 use super::check::Check;
 use super::convert::Linear;
 use super::limits::RATES_HZ;
-use super::mapping::{Origin, Rule, SignalFrom, Time};
-use super::shape::{ColumnShape, TimeShape};
+use super::mapping::{ChannelFrom, Origin, Rule, SignalFrom, Time};
+use super::shape::{ChannelShape, ColumnShape, TimeShape};
 use super::unit::{self, Unit};
 use zwidth_store::{COLUMNS, Signal};
+use zwidth_study::ChannelId;
 
 impl Check<'_> {
     pub(super) fn time(&mut self, t: TimeShape) -> Option<Time> {
@@ -149,6 +150,21 @@ impl Check<'_> {
             }
         };
         Some(SignalFrom { to, origin })
+    }
+
+    pub(super) fn channel(
+        &mut self,
+        at: &str,
+        c: ChannelShape,
+        known: &[ChannelFrom],
+    ) -> Option<ChannelFrom> {
+        let key = format!("{at}.to");
+        let to = self.keep(&key, ChannelId::new(c.to).map_err(|e| e.to_string()))?;
+        if known.iter().any(|k| k.to == to) {
+            self.error(&key, format!("'{}' is mapped twice", to.as_str()));
+        }
+        let line = self.line(at, c.sign, c.scale, c.offset, c.zero.is_some())?;
+        Some(ChannelFrom { to, from: c.from, unit: c.unit, line })
     }
 }
 

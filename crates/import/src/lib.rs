@@ -102,8 +102,8 @@ fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
         .into());
     }
     match &context.mapping.content {
-        Content::Trials { who, time, columns } => {
-            trials::trials(context, (who, time, columns), files)
+        Content::Trials { who, time, columns, channels } => {
+            trials::trials(context, (who, time, columns, channels), files)
         }
         Content::Sweeps { labels, form } => sweeps::sweeps(context, (labels, form), files),
         Content::Likert { who, questions } => likert::likert(context, (who, questions), files),

@@ -14,7 +14,7 @@ use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Quantity, Signal, StoreError, read_named};
-use zwidth_study::{QuestionId, StudyError};
+use zwidth_study::{ChannelId, QuestionId, StudyError};
 
 /// A mapping file, checked.
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ pub struct Mapping {
 /// What the files hold.
 #[derive(Debug, Clone)]
 pub(super) enum Content {
-    Trials { who: Who, time: Time, columns: Vec<SignalFrom> },
+    Trials { who: Who, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
     Sweeps { labels: SweepLabels, form: SweepForm },
     Likert { who: Who, questions: BTreeMap<QuestionId, ColumnRef> },
 }
@@ -130,6 +130,16 @@ pub(super) enum Time {
 pub(super) struct SignalFrom {
     pub(super) to: Signal,
     pub(super) origin: Origin,
+}
+
+/// Where a channel of the study's own comes from.
+#[derive(Debug, Clone)]
+pub(super) struct ChannelFrom {
+    pub(super) to: ChannelId,
+    pub(super) from: ColumnRef,
+    /// The study's unit of it.
+    pub(super) unit: String,
+    pub(super) line: Linear,
 }
 
 /// A column of theirs, or a rule.

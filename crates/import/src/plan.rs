@@ -1,7 +1,7 @@
 //! How every file becomes trials: the mapping joined with the study.
 
 use super::convert::Linear;
-use super::mapping::{Origin, Rule, SignalFrom, Time};
+use super::mapping::{ChannelFrom, Origin, Rule, SignalFrom, Time};
 use super::table::ColumnRef;
 use super::{Context, Errors, all, unit};
 use zwidth_store::{Signal, StoreError};
@@ -14,6 +14,8 @@ pub(super) struct Plan<'a> {
     pub(super) taken: Vec<Taken<'a>>,
     /// Rows a second, where there is no time column.
     pub(super) rate_hz: Option<f64>,
+    /// Columns that become channels of the study's own.
+    pub(super) channels: &'a [ChannelFrom],
     /// Signals computed from others, in order.
     pub(super) derived: Vec<(Signal, Rule)>,
     /// For the report.
@@ -41,8 +43,14 @@ pub(super) fn plan<'a>(
     context: &Context,
     time: &'a Time,
     columns: &'a [SignalFrom],
+    channels: &'a [ChannelFrom],
 ) -> Result<Plan<'a>, Errors> {
-    let mut plan = Plan::default();
+    all(channels.iter().map(|channel| check_channel(context, channel)))?;
+    let converted = channels.iter().map(|c| {
+        let line = c.line.words().map(|w| format!(", {w}")).unwrap_or_default();
+        format!("{} ← {} ({}){line}", c.to.as_str(), c.from, c.unit)
+    });
+    let mut plan = Plan { channels, converted: converted.collect(), ..Plan::default() };
     match time {
         Time::Rate { rate_hz } => {
             plan.rate_hz = Some(*rate_hz);
@@ -99,7 +107,32 @@ fn rule_words(to: Signal, rule: Rule) -> String {
     }
 }
 
+/// Whether the study has such a channel, in this unit: what a unit of another's is, nobody knows.
+fn check_channel(context: &Context, channel: &ChannelFrom) -> Result<(), StoreError> {
+    let known = context.study.channels.iter().find(|known| known.id == channel.to);
+    let error = |what: String, remedy: &str| {
+        Err(StoreError::new(&context.mapping.path, what, remedy).column(channel.from.to_string()))
+    };
+    let id = channel.to.as_str();
+    match known {
+        None => error(
+            format!("'{id}' is no channel of study.toml"),
+            "add it to [[channels]] before the first trial, or remove it from the mapping",
+        ),
+        Some(known) if known.unit != channel.unit => error(
+            format!("'{id}' is in '{}' in study.toml, and in '{}' here", known.unit, channel.unit),
+            "name the study's unit, and turn the values into it by sign, scale and offset",
+        ),
+        Some(_) => Ok(()),
+    }
+}
+
 impl<'a> Plan<'a> {
+    /// Their columns that are taken: those of our signals, then those of the channels.
+    pub(super) fn columns(&self) -> impl Iterator<Item = &'a ColumnRef> + use<'a, '_> {
+        self.taken.iter().map(|taken| taken.from).chain(self.channels.iter().map(|c| &c.from))
+    }
+
     fn take(
         &mut self,
         context: &Context,
@@ -220,7 +253,7 @@ unit = \"mN·m\"
             "mm becomes theta_rad only where study.toml has coord",
             None,
         );
-        let slide = "schema = 1\n[study]\nid = \"demo\"\ntitle = \"x\"\n[design]\nrepeats = 1\ntrial_limit_s = 4.0
+        let slide = "schema = 2\n[study]\nid = \"demo\"\ntitle = \"x\"\n[design]\nrepeats = 1\ntrial_limit_s = 4.0
 [coordinate]\nkind = \"linear\"\n[device]\nname = \"x\"\nlever_m = 0.5
 [[environments]]\nid = \"spring\"\nlabel = \"x\"\nkind = \"free\"\n[[modes]]\nid = \"hybrid\"\nlabel = \"x\"\n";
         let world = World::with(slide);

@@ -26,6 +26,8 @@ pub(super) struct Shape {
     pub(super) time: Option<TimeShape>,
     #[serde(default)]
     pub(super) column: Vec<ColumnShape>,
+    #[serde(default)]
+    pub(super) channel: Vec<ChannelShape>,
     pub(super) sweep: Option<SweepShape>,
     pub(super) command: Option<QuantityShape>,
     pub(super) response: Option<QuantityShape>,
@@ -130,6 +132,19 @@ pub(super) struct ColumnShape {
     pub(super) offset: Option<f64>,
     pub(super) zero: Option<Zero>,
     pub(super) derive: Option<String>,
+}
+
+/// A column of theirs that becomes a channel of the study's own.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ChannelShape {
+    pub(super) to: String,
+    pub(super) from: ColumnRef,
+    pub(super) unit: String,
+    pub(super) sign: Option<f64>,
+    pub(super) scale: Option<f64>,
+    pub(super) offset: Option<f64>,
+    pub(super) zero: Option<Zero>,
 }
 
 #[derive(Deserialize)]

@@ -4,15 +4,17 @@ use super::batch::Batch;
 use super::convert::{derivative, integral};
 use super::identity::{Identity, identity, number_trials};
 use super::limits::{Budget, Take, check_sizes};
-use super::mapping::{Rule, SignalFrom, Time, Who};
+use super::mapping::{ChannelFrom, Rule, SignalFrom, Time, Who};
 use super::plan::{Plan, Taken, plan, rate_times};
 use super::recording::Recording;
 use super::report::{FileReport, null_columns};
 use super::{Context, Converted, Errors, all, once};
 use rayon::prelude::*;
 use std::path::PathBuf;
-use zwidth_store::{Samples, Signal, StoreError, Trial, TrialFile, hex_blake3, trial_bytes};
-use zwidth_study::{Event, PlannedTrial, Source, Status, TrialMeta};
+use zwidth_store::{
+    Samples, Signal, StoreError, Trial, TrialFile, check_form, hex_blake3, trial_bytes,
+};
+use zwidth_study::{Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
 
 /// One trial of a file.
 struct Piece {
@@ -23,12 +25,13 @@ struct Piece {
 /// Converts every file, numbers the trials over all of them, and encodes them.
 pub(super) fn trials(
     context: &Context,
-    (who, time, columns): (&Who, &Time, &[SignalFrom]),
+    (who, time, columns, channels): (&Who, &Time, &[SignalFrom], &[ChannelFrom]),
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
-    let plan = plan(context, time, columns)?;
+    check_form(context.files, context.layout, context.study)?;
+    let plan = plan(context, time, columns, channels)?;
     let budget = Budget::default();
-    let taken = plan.taken.iter().map(|taken| taken.from).chain(who.columns()).collect();
+    let taken = plan.columns().chain(who.columns()).collect();
     let take = Take { columns: taken, pattern: None, budget: &budget };
     let converted = context
         .convert(files, &take, |recording| convert(context, who, &plan, &budget, recording))?;
@@ -50,13 +53,22 @@ pub(super) fn trials(
         encode(context, &plan, piece, number, blake3)
     };
     batch.outputs = all(made.into_par_iter().map(encode).collect::<Vec<_>>())?;
-    let recorded = |(number, (_, bytes)): (&PlannedTrial, &(PathBuf, Vec<u8>))| {
-        vec![Event::Recorded { trial: number.trial, blake3: hex_blake3(bytes) }]
-    };
-    let events = planned.iter().zip(&batch.outputs).map(recorded).collect();
+    let events =
+        |((number, (_, bytes)), identity): ((&PlannedTrial, &(PathBuf, Vec<u8>)), &Identity)| {
+            let recorded = Event::Recorded { trial: number.trial, blake3: hex_blake3(bytes) };
+            std::iter::once(recorded).chain(answer(context.study, identity, number.trial)).collect()
+        };
+    let events = planned.iter().zip(&batch.outputs).zip(&identities).map(events).collect();
     // The trials' own footers say what they were imported from.
     batch.add_sessions(context, &identities, &planned, events, &[])?;
     Ok(batch)
+}
+
+/// The event of an answer that stands beside the samples. In schema 1 the trial's file has it.
+fn answer(study: &Study, identity: &Identity, trial: u32) -> Option<Event> {
+    let question = study.environment(&identity.environment)?.question.clone()?;
+    let value = identity.likert.filter(|_| study.schema > Schema::One)?;
+    Some(Event::Answer { trial, question, value })
 }
 
 fn words(piece: &Piece, number: &PlannedTrial) -> String {
@@ -77,7 +89,7 @@ fn convert(
     budget: &Budget,
     recording: &Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
-    let numeric = all(plan.taken.iter().map(|t| recording.find(t.from)))?;
+    let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let rows = recording.rows(&context.mapping.file, &numeric, &labels)?;
     let piece = |rows: &[usize]| {
@@ -112,6 +124,15 @@ fn samples(
     let mut samples = Samples::default();
     for (signal, values) in all(plan.taken.iter().zip(numeric).map(column))? {
         samples.set(signal, values);
+    }
+    let places = numeric.iter().skip(plan.taken.len());
+    let channel = |(channel, place): (&ChannelFrom, &usize)| {
+        let mut values = recording.numbers(*place, rows)?;
+        channel.line.apply(&mut values, 1.0);
+        Ok::<_, StoreError>((channel.to.clone(), values))
+    };
+    for (id, values) in all(plan.channels.iter().zip(places).map(channel))? {
+        samples.set_channel(id, values);
     }
     if let Some(rate_hz) = plan.rate_hz {
         samples.set(Signal::Time, rate_times(rate_hz, rows));
@@ -150,8 +171,9 @@ fn in_their_words(
     numeric: &[usize],
     rows: &[usize],
 ) -> StoreError {
-    let ours = |t: &Taken| Some(t.to.name()) == error.column.as_deref();
-    match (plan.taken.iter().position(ours), error.row) {
+    let channels = plan.channels.iter().map(|c| c.to.as_str());
+    let mut ours = plan.taken.iter().map(|t| t.to.name()).chain(channels);
+    match (ours.position(|name| Some(name) == error.column.as_deref()), error.row) {
         (Some(i), Some(row)) => {
             recording.cell_error(numeric[i], rows[row - 1], &error.what, &error.remedy)
         }
@@ -182,14 +204,14 @@ fn encode(
     };
     let mut file: TrialFile = context.footer(blake3, &plan.computed);
     file.extend(plan.lever_m.map(|l| ("lever_m".to_owned(), l.to_string())));
-    let bytes = trial_bytes(&Trial { meta, file, samples }, &path)?;
+    let bytes = trial_bytes(&Trial { meta, file, samples }, &context.study.trial_form(), &path)?;
     Ok((path, bytes))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::world::{COLUMNS, FORCE, ONE, World, close, trials_map};
-    use zwidth_store::{Signal, file_blake3};
+    use zwidth_store::{Signal, file_blake3, read_channels};
     use zwidth_study::{Event, Kind};
 
     #[test]
@@ -212,6 +234,45 @@ mod tests {
         assert_eq!(world.events("P01", "S01"), [recorded]);
         let data = world.load();
         assert_eq!((data.counting().count(), data.sessions[0].record.trials.len()), (1, 1));
+    }
+
+    #[test]
+    fn a_column_becomes_a_channel_of_the_study_in_its_unit_and_no_other() {
+        let channels =
+            "\n[[channels]]\nid = \"grip_n\"\nunit = \"N\"\ndescription = \"the grip\"\n";
+        let text = zwidth_study::template(&"demo".parse().unwrap()) + channels;
+        let map = |to: &str, unit: &str| {
+            let channel = format!(
+                "\n[[channel]]\nto = \"{to}\"\nfrom = \"g\"\nunit = \"{unit}\"\nsign = -1\n"
+            );
+            trials_map(&[ONE, FORCE, &channel])
+        };
+        let world = World::with(&text);
+        let file = world.file("a.csv", "t,f,g\n0,0,1.5\n1,1,-2\n");
+        world.refuses(&map("grip_n", "mN"), &file, "'grip_n' is in 'N' in study.toml", None);
+        world.refuses(&map("hum", "N"), &file, "'hum' is no channel of study.toml", None);
+        world.refuses(&map("t_s", "N"), &file, "a column of every trial file", None);
+        let bad = world.file("b.csv", "t,f,g\n0,0,1.5\n1,1,x\n");
+        world.refuses(&map("grip_n", "N"), &bad, "x", Some(("g", 3)));
+        world.import(&map("grip_n", "N"), &[file]).unwrap();
+        let (p, s) = ("P01".parse().unwrap(), "S01".parse().unwrap());
+        let grip = "grip_n".parse().unwrap();
+        let path = world.layout.trial(&p, &s, 1);
+        let samples = read_channels(&path, std::slice::from_ref(&grip)).unwrap().samples;
+        assert_eq!(samples.channel(&grip), Some([-1.5, 2.0].as_slice()));
+        world.load();
+    }
+
+    #[test]
+    fn an_import_of_another_form_than_the_trials_that_are_there_is_refused() {
+        let world = World::new();
+        let (map, file) = (trials_map(&[ONE, FORCE]), world.file("a.csv", "t,f\n0,1\n"));
+        world.import(&map, &[file]).unwrap();
+        let text = std::fs::read_to_string(world.layout.study_toml()).unwrap();
+        let world = World::again(world, &text.replace("schema = 2", "schema = 1"));
+        let other = world.file("b.csv", "t,f\n0,2\n");
+        let errors = world.import(&map.replace("P01", "P02"), &[other]).unwrap_err();
+        assert!(errors[0].remedy.contains("keeps the form it began with"), "{errors:?}");
     }
 
     const RATED: &str = "
@@ -282,7 +343,10 @@ derive = \"integral of theta_dot_rad_s\"
             world.import(&trials_map(&[COLUMNS, FORCE]), &[world.file("a.csv", csv)]).unwrap();
         assert_eq!((report.trials, report.sessions), (3, 2));
         let meta = world.trial("P01", "S01", 2).meta;
-        assert_eq!((meta.likert, meta.repeat, meta.kind), (Some(5), 1, Kind::Trial));
+        assert_eq!((meta.likert, meta.repeat, meta.kind), (None, 1, Kind::Trial));
+        let question = "felt_spring".parse().unwrap();
+        let answer = Event::Answer { trial: 2, question, value: 5 };
+        assert!(world.events("P01", "S01").contains(&answer));
         assert_eq!(world.trial("P01", "S01", 1).meta.kind, Kind::Familiarisation);
         assert_eq!(world.load().counting().count(), 2, "familiarisation does not count");
     }

@@ -221,7 +221,7 @@ mod tests {
             ("N", Signal::TorqueEx),
             ("deg", Signal::ThetaDot),
             ("s", Signal::ForceEx),
-            ("counts", Signal::Flags),
+            ("counts", Signal::StateBits),
             ("m/s", Signal::Theta),
         ] {
             assert!(!may_become(find(unit).unwrap(), signal), "{unit}");

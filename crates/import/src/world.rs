@@ -52,6 +52,11 @@ impl World {
         Self { _folder: Some(folder), ..world }
     }
 
+    /// The same folder, with another text of the study.
+    pub(super) fn again(world: Self, study_toml: &str) -> Self {
+        Self { _folder: world._folder, ..Self::below(&world.root, study_toml) }
+    }
+
     /// The study of this text, below a folder that stays.
     pub(super) fn below(root: &Path, study_toml: &str) -> Self {
         let study = Study::from_toml(study_toml).unwrap();

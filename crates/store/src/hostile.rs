@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// Why it cannot be read.
 pub fn journal(files: &dyn Files, path: &Path) -> Result<usize, StoreError> {
-    read_journal(files, path).map(|read| read.trial().map_or(0, |trial| trial.samples.len()))
+    read_journal(files, path).map(|read| read.trial().map_or(0, |(trial, _)| trial.samples.len()))
 }
 
 /// An event log with its head.

@@ -21,6 +21,7 @@ mod events;
 #[cfg(test)]
 mod faulty;
 mod fit;
+mod form;
 mod frame;
 mod hash;
 mod head;
@@ -61,6 +62,8 @@ pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;
 pub use events::{append_events, new_log, read_events};
+pub use form::check_form;
+pub use frame::Protocol;
 pub use hash::{file_blake3, hex_blake3};
 pub use held::Held;
 pub use journal::Journal;
@@ -71,7 +74,8 @@ pub use lock::{StudyLock, owner};
 pub use memory::{Fault, Memory, Survives};
 pub use raw::Raw;
 pub use read::{
-    TrialFooter, read_entries, read_footer, read_parquet, read_parquet_columns, read_trial,
+    TrialFooter, read_channels, read_entries, read_footer, read_parquet, read_parquet_columns,
+    read_trial,
 };
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover, unfinished_below};

@@ -110,8 +110,14 @@ mod tests {
             let log = StudyData::load(&self.layout).unwrap().sessions.pop();
             let source = log.map_or(Source::Twin, |log| log.record.source);
             let meta = TrialMeta { repeat, kind, environment, mode, source, ..meta(trial) };
-            let mut journal =
-                Journal::create(&RealFiles, &self.layout, &meta, &TrialFile::new()).unwrap();
+            let mut journal = Journal::create(
+                &RealFiles,
+                &self.layout,
+                &meta,
+                &TrialFile::new(),
+                &crate::crashes::protocol(),
+            )
+            .unwrap();
             journal.append(&rows(0, 3)).unwrap();
             journal.end().unwrap();
             journal.finish(&RealFiles, &self.layout, Some(4), UTC).unwrap();

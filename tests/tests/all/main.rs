@@ -24,6 +24,7 @@ mod real;
 mod records;
 mod resuming;
 mod running;
+mod schema;
 mod shipped;
 mod small;
 mod source;

@@ -1,4 +1,4 @@
-//! Stage `likert`: tallies by question, and by group of questions.
+//! Stage `likert`: tallies by question, and by group of questions; the answers themselves.
 
 use super::{derived, made};
 use std::path::PathBuf;
@@ -8,6 +8,11 @@ use zwidth_store::{Layout, StudyData, hex_blake3};
 /// The tallies of the study.
 pub(super) fn tally_of(layout: &Layout) -> PathBuf {
     derived(layout, "likert.parquet")
+}
+
+/// Every answer of the study, one row each.
+fn answers_of(layout: &Layout) -> PathBuf {
+    derived(layout, "answers.parquet")
 }
 
 /// Files an answer can stand in: trials that count, session records, event logs.
@@ -21,10 +26,12 @@ pub(super) fn jobs(data: &StudyData) -> Vec<Job<'_>> {
     if data.answers().is_empty() {
         return Vec::new();
     }
-    let outputs = vec![tally_of(&data.layout)];
+    let outputs = vec![tally_of(&data.layout), answers_of(&data.layout)];
     let out = outputs.clone();
     let make = move |from: &_| {
-        made(&[zwidth_likert::tally(&data.answers(), &data.study)?], &out, from, Vec::new())
+        let answers = data.answers();
+        let tables = [zwidth_likert::tally(&answers, &data.study)?, zwidth_likert::long(&answers)?];
+        made(&tables, &out, from, Vec::new())
     };
     vec![Job {
         stage: "likert",
