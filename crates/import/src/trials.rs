@@ -253,7 +253,7 @@ mod tests {
         world.refuses(&map("hum", "N"), &file, "'hum' is no channel of study.toml", None);
         world.refuses(&map("t_s", "N"), &file, "a column of every trial file", None);
         let bad = world.file("b.csv", "t,f,g\n0,0,1.5\n1,1,x\n");
-        world.refuses(&map("grip_n", "N"), &bad, "x", Some(("g", 3)));
+        world.refuses(&map("grip_n", "N"), &bad, "x", Some(("g", 2)));
         world.import(&map("grip_n", "N"), &[file]).unwrap();
         let (p, s) = ("P01".parse().unwrap(), "S01".parse().unwrap());
         let grip = "grip_n".parse().unwrap();

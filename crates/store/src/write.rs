@@ -51,7 +51,7 @@ pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u
     let batch = RecordBatch::try_new(Arc::new(ArrowSchema::new(fields)), arrays).map_err(|e| {
         StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
     })?;
-    let entries = entries(&batch, form.schema.number(), footer(trial, form));
+    let entries = entries(&batch, footer(trial, form));
     let rows = (form.schema > Schema::One).then_some(GROUP_ROWS);
     let properties =
         recorded(&batch.schema(), entries, rows).map_err(|e| cannot_encode(path, &e))?;
@@ -59,13 +59,14 @@ pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u
 }
 
 /// The bytes of a sweep's Parquet file with one row group, our encodings, and `footer` as its
-/// key-value metadata (in key order), to which the version, the units and a digest are added.
+/// key-value metadata (in key order), to which the units, a digest and, where it says none, the version
+/// are added.
 pub fn write_parquet(
     batch: &RecordBatch,
     footer: BTreeMap<String, String>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
-    let entries = entries(batch, TABLE_VERSION, footer);
+    let entries = entries(batch, footer);
     let properties =
         recorded(&batch.schema(), entries, None).map_err(|e| cannot_encode(path, &e))?;
     write(batch, properties, path)
@@ -79,16 +80,12 @@ pub fn write_table(
     footer: BTreeMap<String, String>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
-    let properties = derived(&batch.schema(), entries(batch, TABLE_VERSION, footer));
+    let properties = derived(&batch.schema(), entries(batch, footer));
     write(batch, properties, path)
 }
 
-fn entries(
-    batch: &RecordBatch,
-    version: u32,
-    mut footer: BTreeMap<String, String>,
-) -> Vec<KeyValue> {
-    footer.insert(VERSION.to_owned(), version.to_string());
+fn entries(batch: &RecordBatch, mut footer: BTreeMap<String, String>) -> Vec<KeyValue> {
+    footer.entry(VERSION.to_owned()).or_insert_with(|| TABLE_VERSION.to_string());
     footer.insert(UNITS.to_owned(), units(batch));
     footer.insert(FOOTER_DIGEST.to_owned(), footer_digest(&footer));
     footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect()
@@ -211,6 +208,7 @@ fn footer(trial: &Trial, form: &TrialForm) -> BTreeMap<String, String> {
     ] {
         footer.insert(key.to_owned(), value);
     }
+    footer.insert(VERSION.to_owned(), form.schema.number().to_string());
     if form.likert {
         let answer = meta.likert.map(|v| v.to_string()).unwrap_or_default();
         footer.insert("likert".to_owned(), answer);

@@ -328,6 +328,6 @@ fn a_study_or_a_mapping_that_is_not_there_or_not_understood_is_told() {
         "line 5",
         "schema",
         "version 9 is unknown",
-        "reads version 1",
+        "reads versions 1 and 2",
     ]);
 }
