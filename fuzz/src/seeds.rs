@@ -7,8 +7,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
 use zwidth_store::{
-    Journal, Layout, Memory, Protocol, Quantity, Samples, Sweep, Trial, TrialFile, append_events, hostile,
-    record_bytes, sweep_bytes, trial_bytes,
+    Journal, Layout, Memory, Protocol, Quantity, Samples, Sweep, Trial, TrialFile, append_events,
+    hostile, record_bytes, sweep_bytes, trial_bytes,
 };
 use zwidth_study::{
     Calibration, Event, Extra, Flags, Kind, PlannedTrial, Sample, SessionRecord, Source, Status,
@@ -32,7 +32,8 @@ pub fn write() -> Result<(), Any> {
     disk.put(&layout.study_toml(), &study);
 
     let meta = meta()?;
-    let mut journal = Journal::create(&disk, &layout, &meta, &TrialFile::new(), &Protocol::default())?;
+    let mut journal =
+        Journal::create(&disk, &layout, &meta, &TrialFile::new(), &Protocol::default())?;
     let rows: Vec<Sample> = (0..4).map(row).collect();
     journal.append(&rows)?;
     journal.end()?;

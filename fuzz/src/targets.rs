@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
 use zwidth_dynamics::{Scene, System};
-use zwidth_runner::{Records, Results};
 use zwidth_import::{Mapping, readers};
+use zwidth_runner::{Records, Results};
 use zwidth_store::{Layout, Memory, hostile};
 use zwidth_study::{Calibration, Study, StudyId};
 

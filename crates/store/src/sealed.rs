@@ -205,7 +205,7 @@ mod tests {
         assert!(data.sessions[0].is_sealed() && data.counting().count() == 0);
         let [problem] = data.problems.as_slice() else { panic!("{:?}", data.problems) };
         assert!(
-            problem.row == Some(11) && problem.what.contains("was laid down with"),
+            problem.row == Some(19) && problem.what.contains("was laid down with"),
             "{problem}"
         );
         // The right one still opens it, and the wrong one stays a finding.
