@@ -12,7 +12,7 @@ use std::sync::Arc;
 use zwidth_store::{
     RealFiles, Samples, Signal, Trial, read_footer, read_trial, trial_bytes, write_new,
 };
-use zwidth_study::{Kind, Source, Status, TrialMeta};
+use zwidth_study::{Kind, Source, Status, TrialForm, TrialMeta};
 
 const SAMPLES: u32 = 4_000;
 const SIGNALS: [Signal; 4] = [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx];
@@ -56,7 +56,7 @@ fn store(c: &mut Criterion) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("participant=P01/session=S01/trial-001.parquet");
     let trial = trial();
-    let bytes = trial_bytes(&trial, &path).unwrap();
+    let bytes = trial_bytes(&trial, &TrialForm::default(), &path).unwrap();
     write_new(&RealFiles, &path, &bytes).unwrap();
     let plain = Bytes::from(plain_bytes(&trial));
     println!("bytes a trial: store {}, parquet-rs defaults {}", bytes.len(), plain.len());
@@ -64,7 +64,7 @@ fn store(c: &mut Criterion) {
     let mut group = c.benchmark_group("trial of 4,000 samples");
     group.throughput(Throughput::Elements(u64::from(SAMPLES)));
     group.bench_function("encode, store", |b| {
-        b.iter(|| trial_bytes(&trial, Path::new("x")).unwrap())
+        b.iter(|| trial_bytes(&trial, &TrialForm::default(), Path::new("x")).unwrap())
     });
     group.bench_function("encode, parquet-rs defaults", |b| b.iter(|| plain_bytes(&trial)));
     group.bench_function("read, store, all signals", |b| {

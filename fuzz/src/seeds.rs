@@ -7,12 +7,12 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
 use zwidth_store::{
-    Journal, Layout, Memory, Quantity, Samples, Sweep, Trial, TrialFile, append_events, hostile,
-    record_bytes, sweep_bytes, trial_bytes,
+    Journal, Layout, Memory, Protocol, Quantity, Samples, Sweep, Trial, TrialFile, append_events,
+    hostile, record_bytes, sweep_bytes, trial_bytes,
 };
 use zwidth_study::{
-    Calibration, Event, Flags, Kind, PlannedTrial, Sample, SessionRecord, Source, Status,
-    TrialMeta, Voltages, template,
+    Calibration, Event, Extra, Flags, Kind, PlannedTrial, Sample, SessionRecord, Source, Status,
+    TrialForm, TrialMeta, Voltages, template,
 };
 
 const UTC: &str = "2026-01-01T00:00:00Z";
@@ -32,7 +32,8 @@ pub fn write() -> Result<(), Any> {
     disk.put(&layout.study_toml(), &study);
 
     let meta = meta()?;
-    let mut journal = Journal::create(&disk, &layout, &meta, &TrialFile::new())?;
+    let mut journal =
+        Journal::create(&disk, &layout, &meta, &TrialFile::new(), &Protocol::default())?;
     let rows: Vec<Sample> = (0..4).map(row).collect();
     journal.append(&rows)?;
     journal.end()?;
@@ -87,7 +88,7 @@ pub fn write() -> Result<(), Any> {
     }
 
     let trial = Trial { meta, file: TrialFile::new(), samples: Samples::from_rows(&rows) };
-    let trial = trial_bytes(&trial, Path::new("trial-001.parquet"))?;
+    let trial = trial_bytes(&trial, &TrialForm::default(), Path::new("trial-001.parquet"))?;
     put("trial", "four_rows", &trial)?;
     put("parquet", "trial", &trial)?;
     let quantity = |name: &str, unit: &str| Quantity { name: name.into(), unit: unit.into() };
@@ -154,6 +155,7 @@ fn row(i: u32) -> Sample {
         theta_raw: Some(7),
         force_cmd_n: 0.026 * x,
         flags: Flags::MOTOR_ON,
+        extra: Extra::new(&[0.5]),
     }
 }
 

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
 use zwidth_dynamics::{Scene, System};
+use zwidth_import::{Mapping, readers};
 use zwidth_runner::{Records, Results};
-use zwidth_store::import::Mapping;
 use zwidth_store::{Layout, Memory, hostile};
 use zwidth_study::{Calibration, Study, StudyId, study_changes};
 
@@ -132,19 +132,19 @@ fn sweep(bytes: &[u8]) {
 }
 
 fn csv(bytes: &[u8]) {
-    let _ = hostile::csv(bytes);
+    let _ = readers::csv(bytes);
 }
 
 fn jsonl(bytes: &[u8]) {
-    let _ = hostile::jsonl(bytes);
+    let _ = readers::jsonl(bytes);
 }
 
 fn mat(bytes: &[u8]) {
-    let _ = hostile::mat(bytes);
+    let _ = readers::mat(bytes);
 }
 
 fn parquet(bytes: &[u8]) {
-    let _ = hostile::parquet(bytes);
+    let _ = readers::parquet(bytes);
 }
 
 /// A study of one session with these bytes as one of its files: the first byte says which.

@@ -130,10 +130,19 @@ def trials(label, folder, listing):
     frame = pd.read_parquet(folder)
     equal(f"{label}: words of kind", set(frame["kind"].unique()) - {"trial", "familiarisation"}, set())
     equal(f"{label}: words of status", set(frame["status"].unique()) - {"complete", "incomplete"}, set())
-    answers = set(frame["likert"].dropna().unique())
+    channels = [c["id"] for c in listing["channels"]]
+    equal(f"{label}: each channel of the study is a column", [c for c in frame.columns if c in channels], channels)
+    answers = {event["value"] for event in events(folder.parent) if event["event"] == "answer"}
     equal(f"{label}: answers lie on the five-point scale", answers - {1, 2, 3, 4, 5}, set())
+    check(f"{label}: status bits are a column and no attribute of the frame", frame.state_bits is not None, frame.shape)
     still = frame.groupby(["participant", "session", "trial"], observed=True)["t_s"].diff().dropna()
     check(f"{label}: time runs forward in every trial", bool((still > 0).all()), still.min())
+
+
+def events(raw):
+    """Every event of a study's sessions, in order."""
+    for log in sorted((raw / "sessions").glob("*.events.jsonl")):
+        yield from (json.loads(line)["what"] for line in log.read_text().splitlines())
 
 
 def sweeps(label, folder, listing):

@@ -231,7 +231,7 @@ def trial_metrics(trial, meta, study):
     m |= spring(trial, theta, force, (onset, reversal, end), environment, level)
     m |= wall(t, theta, velocity, force, trial, environment["wall_rad"], lever, level)
 
-    flags = trial["flags"].to_numpy()
+    flags = trial["state_bits"].to_numpy()
     motor = (flags & MOTOR_ON != 0) | (trial.voltage_motor_v.to_numpy() != 0)
     brake = (flags & BRAKE_ON != 0) | (trial.voltage_brake_v.to_numpy() != 0)
     for name, state in (("motor", motor), ("brake", brake), ("actuator", motor + 2 * brake)):
@@ -342,7 +342,7 @@ def wall(t, theta, velocity, force, trial, wall_rad, lever, level):
     past = theta.max() - wall_rad
     impact = np.interp(first_passing(t, theta, wall_rad), t, velocity)
     entries = arrivals(theta, np.nextafter(wall_rad, np.inf), 1, 0.01 * np.ptp(theta))
-    brake = (trial["flags"].to_numpy() & BRAKE_ON != 0) | (trial.voltage_brake_v.to_numpy() != 0)
+    brake = (trial["state_bits"].to_numpy() & BRAKE_ON != 0) | (trial.voltage_brake_v.to_numpy() != 0)
     releases = int(np.sum((theta[:-1] > wall_rad) & brake[:-1] & ~brake[1:]))
     deepest = int(np.argmax(theta))
     way_in = np.flatnonzero(theta[:deepest + 1] > wall_rad)

@@ -63,11 +63,18 @@ def read_trials(raw):
     return trials, {name: forward(record["calibration"][name]) for name in ("motor", "brake")}
 
 
-def likert(trials, study):
+def answers(raw):
+    """What was answered, by trial and question: one session is all there is."""
+    log = next((raw / "sessions").glob("*.events.jsonl")).read_text().splitlines()
+    events = [json.loads(line)["what"] for line in log]
+    return {(e["trial"], e["question"]): e["value"] for e in events if e["event"] == "answer"}
+
+
+def likert(trials, study, given):
     rows = []
     for environment in study["environments"]:
         for mode in study["modes"]:
-            answers = np.sort([f.likert.iloc[0] for m, f in trials
+            answers = np.sort([given[m["trial"], environment["question"]] for m, f in trials
                                if m["environment"] == environment["id"] and m["mode"] == mode["id"]])
             counts = {f"count_{k}": int(np.sum(answers == k)) for k in range(1, 6)}
             n = len(answers)
@@ -128,7 +135,7 @@ def main(root, name):
     tables |= found
     lap("identification")
 
-    tables["likert"] = likert(trials, study)
+    tables["likert"] = likert(trials, study, answers(raw))
     tables |= report.plan_tables(study, tables, characteristics)
     for stem in [stem for stem in tables if stem.startswith(("metrics", "conditions", "replay", "likert", "identify"))]:
         tables[stem].to_parquet(derived / f"{stem}.parquet")

@@ -7,12 +7,12 @@ use crate::plan::Plan;
 use crate::{AcquireError, vault};
 use zwidth_device::Capabilities;
 use zwidth_store::{
-    Files, SessionLog, TrialEntry, WholeSession, check_session_ids, hex_blake3, lay_down,
-    read_session,
+    Files, SessionLog, TrialEntry, WholeSession, check_form, check_session_ids, hex_blake3,
+    lay_down, read_session,
 };
 use zwidth_study::{
-    Calibration, Event, ModeId, OrderRecord, PlannedTrial, QuestionId, Scene, Seal, SessionRecord,
-    Status, Study, TrialMeta, order,
+    Calibration, Channel, Event, ModeId, OrderRecord, PlannedTrial, QuestionId, Scene, Seal,
+    SessionRecord, Status, Study, TrialMeta, order,
 };
 
 /// A session, laid down or found again.
@@ -59,6 +59,7 @@ impl Session {
                 remedy: "give it a kind in study.toml".to_owned(),
             });
         }
+        check_channels(&plan.study, device)?;
         if plan.study.design.blinded {
             vault::check_apart(&plan.keys, &plan.layout)?;
         }
@@ -66,6 +67,7 @@ impl Session {
             Ok(Some(whole)) => found(plan, device, files, whole),
             Ok(None) => {
                 check_session_ids(files, &plan.layout, &plan.participant, &plan.session)?;
+                check_form(files, &plan.layout, &plan.study)?;
                 drawn(plan, device, files)
             }
             Err(findings) => Err(AcquireError::NotWhole { session: plan.name(), findings }),
@@ -133,6 +135,25 @@ pub fn calibration_blake3(calibration: &Calibration) -> Result<String, AcquireEr
         remedy: "mend the calibration's file".to_owned(),
     })?;
     Ok(hex_blake3(text.as_bytes()))
+}
+
+/// A channel of the study that the device gives in another unit would be recorded wrongly.
+fn check_channels(study: &Study, device: &Capabilities) -> Result<(), AcquireError> {
+    let given =
+        |asked: &Channel| device.channels.iter().find(|c| c.id == asked.id && c.unit != asked.unit);
+    match study.channels.iter().find_map(|asked| Some((asked, given(asked)?))) {
+        None => Ok(()),
+        Some((asked, given)) => Err(AcquireError::Refused {
+            what: format!(
+                "channel '{}' is in '{}' in study.toml, and {} gives it in '{}'",
+                asked.id.as_str(),
+                asked.unit,
+                device.name,
+                given.unit
+            ),
+            remedy: "give it the device's unit in study.toml, or another id".to_owned(),
+        }),
+    }
 }
 
 /// A record without its trials: what must stay the same while the session lasts.

@@ -1,7 +1,7 @@
 //! The instrument: read a sample, write two voltages.
 
 use crate::DeviceError;
-use zwidth_study::{Environment, Source, Voltages};
+use zwidth_study::{Channel, Environment, Extra, Source, Voltages};
 
 /// What a device is and can do.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +24,8 @@ pub struct Capabilities {
     pub watchdog_s: Option<f64>,
     /// What its data is: measured or simulated.
     pub source: Source,
+    /// What it gives with every reading besides: recorded where the study asks for it.
+    pub channels: Vec<Channel>,
 }
 
 /// The angle, as the sensor has it.
@@ -49,6 +51,8 @@ pub struct Reading {
     pub force_n: f64,
     /// Age of the force value, s.
     pub force_age_s: Option<f64>,
+    /// The values of its own channels, in the order of [`Capabilities::channels`].
+    pub extra: Extra,
 }
 
 impl Reading {

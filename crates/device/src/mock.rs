@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
-use zwidth_study::{Source, Voltages};
+use zwidth_study::{Extra, Source, Voltages};
 
 /// What goes wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +64,7 @@ pub fn capabilities() -> Capabilities {
         brake_max_v: 8.0,
         watchdog_s: Some(0.05),
         source: Source::Twin,
+        channels: Vec::new(),
     }
 }
 
@@ -168,6 +169,7 @@ impl Device for Mock {
             angle_age_s: 0.0,
             force_n: 0.0,
             force_age_s: Some(0.0),
+            extra: Extra::default(),
         })
     }
 
@@ -186,6 +188,7 @@ impl Device for Mock {
             angle_age_s: now_s - angle_s,
             force_n,
             force_age_s: Some(now_s - force_s),
+            extra: Extra::default(),
         })
     }
 
@@ -256,6 +259,7 @@ pub(crate) fn reading() -> Reading {
         angle_age_s: 0.0,
         force_n: 0.0,
         force_age_s: Some(0.0),
+        extra: Extra::default(),
     }
 }
 

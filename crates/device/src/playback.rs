@@ -1,7 +1,7 @@
 //! A recorded trial as a device.
 
 use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
-use zwidth_study::{Sample, Source, Voltages};
+use zwidth_study::{Extra, Sample, Source, Voltages};
 
 /// Plays a recorded trial: lever and force as they were, whatever is commanded. In real time with
 /// [`crate::RealClock`], at once with [`crate::SimulatedClock`].
@@ -65,6 +65,7 @@ fn capabilities(rate_hz: f64) -> Capabilities {
         brake_max_v: f64::INFINITY,
         watchdog_s: Some(0.0),
         source: Source::Twin,
+        channels: Vec::new(),
     }
 }
 
@@ -75,7 +76,14 @@ impl Device for Playback {
 
     fn home(&mut self, _now_s: f64) -> Result<Reading, DeviceError> {
         let angle = Angle::Lever(self.stop_rad);
-        Ok(Reading { t_device_s: None, angle, angle_age_s: 0.0, force_n: 0.0, force_age_s: None })
+        Ok(Reading {
+            t_device_s: None,
+            angle,
+            angle_age_s: 0.0,
+            force_n: 0.0,
+            force_age_s: None,
+            extra: Extra::default(),
+        })
     }
 
     fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
@@ -87,6 +95,7 @@ impl Device for Playback {
             angle_age_s: age_s,
             force_n: row.force_ex_n,
             force_age_s: row.force_age_s.map(|recorded_s| recorded_s + age_s),
+            extra: row.extra,
         })
     }
 
@@ -116,6 +125,7 @@ mod tests {
             theta_raw: None,
             force_cmd_n: 0.0,
             flags: Flags::default(),
+            extra: Extra::default(),
         }
     }
 

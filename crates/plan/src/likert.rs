@@ -1,4 +1,4 @@
-//! Stage `likert`: tallies by question, and by group of questions.
+//! Stage `likert`: tallies by question, and by group of questions; the answers themselves.
 
 use crate::{derived, made};
 use serde::Serialize;
@@ -21,6 +21,11 @@ pub(crate) fn tally(data: &StudyData) -> Option<PathBuf> {
     (!data.answers().is_empty()).then(|| derived(&data.layout, "likert.parquet"))
 }
 
+/// Every answer of the study, one row each.
+fn long(data: &StudyData) -> PathBuf {
+    derived(&data.layout, "answers.parquet")
+}
+
 /// Files an answer can stand in: trials that count, session records, event logs.
 fn origins(data: &StudyData) -> Vec<PathBuf> {
     let trials = data.counting().map(|t| t.path.clone());
@@ -31,12 +36,17 @@ fn origins(data: &StudyData) -> Vec<PathBuf> {
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let job = |output: PathBuf| {
         let asked = Asked { scheme: Scheme::of(&data.study), answers: data.answers() };
-        let job = Job::new(STAGE, "likert tallies", asked, (), vec![output], make);
+        let job = Job::new(STAGE, "likert tallies", asked, (), vec![output, long(data)], make);
         job.told_by(origins(data))
     };
     tally(data).map(job).into_iter().collect()
 }
 
 fn make(asked: &Asked, (): &(), making: &Making) -> Result<Made, JobError> {
-    made(&[zwidth_likert::tally(&asked.answers, &asked.scheme)?], making, Vec::new())
+    let Asked { scheme, answers } = asked;
+    made(
+        &[zwidth_likert::tally(answers, scheme)?, zwidth_likert::long(answers)?],
+        making,
+        Vec::new(),
+    )
 }

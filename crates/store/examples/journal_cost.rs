@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 use std::time::Instant;
-use zwidth_store::{Journal, Layout, RealFiles, TrialFile};
+use zwidth_store::{Journal, Layout, Protocol, RealFiles, TrialFile};
 use zwidth_study::{Kind, Sample, Source, Status, StudyId, TrialMeta};
 
 /// Appends measured: twenty seconds of a trial.
@@ -28,7 +28,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         likert: None,
         source: Source::Twin,
     };
-    let mut journal = Journal::create(&RealFiles, &layout, &meta, &TrialFile::new())?;
+    let mut journal =
+        Journal::create(&RealFiles, &layout, &meta, &TrialFile::new(), &Protocol::default())?;
     let mut times_ms = Vec::new();
     for batch in 0..APPENDS {
         let rows: Vec<Sample> = (batch * ROWS..(batch + 1) * ROWS).map(row).collect();
@@ -65,5 +66,6 @@ fn row(i: usize) -> Sample {
         theta_raw: Some((i % 4096) as u16),
         force_cmd_n: 2.08,
         flags: zwidth_study::Flags::MOTOR_ON,
+        extra: zwidth_study::Extra::default(),
     }
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// The first column that is not, with what it is compressed with and what to do.
-pub(crate) fn check_codecs(path: &Path, metadata: &ParquetMetaData) -> Result<(), StoreError> {
+pub fn check_codecs(path: &Path, metadata: &ParquetMetaData) -> Result<(), StoreError> {
     let mut columns = metadata.row_groups().iter().flat_map(|group| group.columns());
     let unread =
         columns.find_map(|c| Some((c.column_path().string(), unread(c.compression_codec())?)));

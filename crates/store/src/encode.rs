@@ -10,7 +10,9 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::{Compression, Encoding as ParquetEncoding, ZstdLevel};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
+use parquet::file::properties::{
+    EnabledStatistics, WriterProperties, WriterPropertiesBuilder, WriterVersion,
+};
 use parquet::schema::types::ColumnPath;
 use std::path::Path;
 use std::sync::Arc;
@@ -52,14 +54,15 @@ pub fn encoded_column(
 ) -> Result<Vec<u8>, StoreError> {
     let mut samples = Samples::default();
     samples.set(signal, values.to_vec());
-    let (field, array) = signal_column(signal.column(), &samples);
+    let (field, array) = signal_column(signal.column(), zwidth_study::Schema::Two, &samples);
     let name = signal.name();
     let defect =
         |e: ParquetError| StoreError::new(Path::new(name), e.to_string(), "try another encoding");
     (|| {
         let batch = RecordBatch::try_new(Arc::new(Schema::new(vec![field])), vec![array])?;
         let compression = Compression::ZSTD(ZstdLevel::try_new(zstd)?);
-        let properties = properties([(name, encoding)].into_iter(), Vec::new(), compression);
+        let properties =
+            properties([(name, encoding)].into_iter(), Vec::new(), compression).build();
         let mut bytes = Vec::new();
         let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties))?;
         writer.write(&batch)?;
@@ -86,9 +89,19 @@ pub fn decoded_rows(bytes: &[u8]) -> Result<usize, StoreError> {
 pub(crate) fn recorded(
     schema: &Schema,
     footer: Vec<KeyValue>,
+    group_rows: Option<usize>,
 ) -> Result<WriterProperties, ParquetError> {
-    let columns = schema.fields().iter().map(|f| (f.name().as_str(), encoding_of(f.name())));
-    Ok(properties(columns, footer, Compression::ZSTD(ZstdLevel::try_new(ZSTD_LEVEL)?)))
+    let columns = schema.fields().iter().map(|f| (f.name().as_str(), encoding(f)));
+    let compression = Compression::ZSTD(ZstdLevel::try_new(ZSTD_LEVEL)?);
+    Ok(properties(columns, footer, compression).set_max_row_group_row_count(group_rows).build())
+}
+
+/// The encoding of a recording's column; that of a study's own channel goes by its type.
+fn encoding(field: &Field) -> Encoding {
+    match (encoding_of(field.name()), field.data_type()) {
+        (Encoding::Dictionary, DataType::Float64) => Encoding::ByteStreamSplit,
+        (encoding, _) => encoding,
+    }
 }
 
 /// Writer settings of a derived table: what can be made again is made quickly.
@@ -98,15 +111,18 @@ pub(crate) fn derived(schema: &Schema, footer: Vec<KeyValue>) -> WriterPropertie
         _ => Encoding::Dictionary,
     };
     let columns = schema.fields().iter().map(|f| (f.name().as_str(), encoding(f)));
-    properties(columns, footer, Compression::SNAPPY)
+    properties(columns, footer, Compression::SNAPPY).build()
 }
+
+/// Rows of a row group: a reader takes no more than a group at a time, and most trials are one.
+pub(crate) const GROUP_ROWS: usize = 1 << 20;
 
 /// One row group, page statistics off (files are small).
 fn properties<'a>(
     columns: impl Iterator<Item = (&'a str, Encoding)>,
     footer: Vec<KeyValue>,
     compression: Compression,
-) -> WriterProperties {
+) -> WriterPropertiesBuilder {
     let mut builder = WriterProperties::builder()
         .set_writer_version(WriterVersion::PARQUET_1_0)
         .set_compression(compression)
@@ -124,5 +140,5 @@ fn properties<'a>(
         builder = builder.set_column_dictionary_enabled(path.clone(), dictionary);
         builder = builder.set_column_encoding(path, fallback);
     }
-    builder.build()
+    builder
 }

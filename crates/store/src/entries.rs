@@ -27,7 +27,8 @@ pub(crate) fn read_trials_below(
     found
         .into_par_iter()
         .map(|path| {
-            let TrialFooter { meta, file, signals, rows, blake3 } = read_footer_from(files, &path)?;
+            let TrialFooter { meta, file, form, signals, rows, blake3 } =
+                read_footer_from(files, &path)?;
             let expected = layout.trial(&meta.participant, &meta.session, meta.trial);
             if expected != path {
                 let what =
@@ -40,6 +41,7 @@ pub(crate) fn read_trials_below(
                 path,
                 meta,
                 file,
+                form,
                 signals,
                 rows,
                 blake3,

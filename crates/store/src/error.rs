@@ -40,7 +40,7 @@ impl StoreError {
 
     /// The same error, in a row counted from 0 (shown from 1).
     #[must_use]
-    pub(crate) fn row0(mut self, row: usize) -> Self {
+    pub fn row0(mut self, row: usize) -> Self {
         self.row = Some(row + 1);
         self
     }

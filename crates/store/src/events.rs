@@ -80,7 +80,7 @@ fn chained(
 ///
 /// # Errors
 /// An event that JSON cannot hold.
-pub(crate) fn new_log(
+pub fn new_log(
     path: &Path,
     utc: &str,
     events: &[Event],

@@ -1,33 +1,39 @@
 //! The form of a journal: a line that names it, then frames, each with its length and a digest.
 //!
 //! ```text
-//! journal = "zwidth journal 1\n" frame*
+//! journal = "zwidth journal 2\n" frame*
 //! frame   = length of the payload (u32) · kind (u8) · payload · digest (32 bytes)
 //! kind    = 1 header: JSON of what is known of the trial and of what its file will say of itself
 //!           2 rows · 3 end (empty) · 4 answer: the answer 1…5 (u8)
+//!           5 rows with channels: how many (u8), then the rows, each followed by its channels (f64)
 //! row     = which of the optional values are there (u8: 1 device time, 2 force age, 4 count) · t_s · t_device_s ·
 //!           theta_rad · theta_dot_rad_s · force_ex_n · motor_v · brake_v · force_age_s · force_cmd_n (f64) ·
 //!           theta_raw · flags (u16)
 //! digest  = BLAKE3(digest of the frame before · length · kind · payload)
 //! ```
 //!
-//! Numbers are little-endian. A frame counts only if its digest holds. Behind damage the digest
+//! A journal of version 1 differs in what its header does not say: its trial is of schema 1. Numbers
+//! are little-endian. A frame counts only if its digest holds. Behind damage the digest
 //! that stands before a frame takes the place of the digest that was computed, so that what was
 //! lost hides nothing of what comes after it.
 
 use crate::{TrialFile, from_json};
 use serde::{Deserialize, Serialize};
-use zwidth_study::{Flags, Sample, TrialMeta, Voltages};
+use zwidth_study::{
+    Channel, Extra, Flags, MOST_CHANNELS, QuestionId, Sample, TrialForm, TrialMeta, Voltages,
+};
 
 /// The first bytes of every journal.
-pub(crate) const MAGIC: &[u8] = b"zwidth journal 1\n";
+pub(crate) const MAGIC: &[u8] = b"zwidth journal 2\n";
+/// Those of the version before.
+pub(crate) const FIRST_MAGIC: &[u8] = b"zwidth journal 1\n";
 /// Bytes of a digest.
 const DIGEST: usize = 32;
 /// Bytes before a frame's payload: its length and its kind.
 const HEAD: usize = 5;
 /// Longest payload, bytes: a batch is a tenth of a second, which at the fastest loop (100 kHz) is
 /// 770 kB.
-pub(crate) const MOST_PAYLOAD: usize = 1 << 20;
+const MOST_PAYLOAD: usize = 1 << 20;
 /// Flipped bits in a digest that still leave no doubt what it is a digest of.
 const FLIPPED: u32 = 8;
 /// Bits of a byte.
@@ -37,7 +43,11 @@ const MOST_SEARCHED: usize = 16;
 /// Bytes that are hashed at most to find one flipped bit: a second's work.
 const MOST_TRIED: usize = 1 << 30;
 /// Bytes of a row: the bits, nine floats, two counts.
-pub(crate) const ROW: usize = 1 + 9 * 8 + 2 * 2;
+const ROW: usize = 1 + 9 * 8 + 2 * 2;
+/// Bytes of a channel's value.
+const VALUE: usize = 8;
+/// Rows of a frame, whatever they hold.
+pub(crate) const MOST_ROWS: usize = (MOST_PAYLOAD - 1) / (ROW + VALUE * MOST_CHANNELS);
 
 /// A piece of a journal.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +64,27 @@ pub(crate) enum Frame {
 pub(crate) struct Header {
     pub(crate) meta: TrialMeta,
     pub(crate) file: TrialFile,
+    #[serde(default = "Protocol::first")]
+    pub(crate) protocol: Protocol,
+}
+
+/// What a trial's file and its log are to hold, as the session's `study.toml` has it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Protocol {
+    /// Which columns the file has.
+    pub form: TrialForm,
+    /// What is asked after the trial.
+    pub question: Option<QuestionId>,
+    /// What the device gives besides, in the order in which a sample has it.
+    pub given: Vec<Channel>,
+}
+
+impl Protocol {
+    /// That of journals from before there was another.
+    fn first() -> Self {
+        Self { form: TrialForm::first(), ..Self::default() }
+    }
 }
 
 /// The digest that a frame's own follows: the frame before's, or none.
@@ -63,7 +94,7 @@ pub(crate) type Chain = [u8; DIGEST];
 pub(crate) fn encode(frame: &Frame, chain: Chain) -> Result<(Vec<u8>, Chain), serde_json::Error> {
     let (kind, payload) = match frame {
         Frame::Header(header) => (1, serde_json::to_vec(header)?),
-        Frame::Rows(rows) => (2, rows.iter().flat_map(row_bytes).collect()),
+        Frame::Rows(rows) => rows_payload(rows),
         Frame::End => (3, Vec::new()),
         Frame::Answer(answer) => (4, vec![*answer]),
     };
@@ -148,6 +179,7 @@ fn payload_length(head: &[u8]) -> Option<usize> {
     let possible = match head.get(HEAD - 1)? {
         1 => length > 0,
         2 => length > 0 && length.is_multiple_of(ROW),
+        5 => length > 1 && are_rows(length - 1, head.get(HEAD).copied().unwrap_or_default()),
         3 => length == 0,
         4 => length == 1,
         _ => false,
@@ -204,7 +236,7 @@ fn mend(span: &[u8], chain: Chain) -> Option<(Frame, Chain)> {
     };
     let as_long = [&u32::try_from(length).ok()?.to_le_bytes(), &body[HEAD - 1..]].concat();
     let of_kind = |kind: u8| [&as_long[..HEAD - 1], &[kind], &as_long[HEAD..]].concat();
-    let mended = [1, 2, 3, 4].iter().find_map(|kind| is_right(&of_kind(*kind)));
+    let mended = [1, 2, 3, 4, 5].iter().find_map(|kind| is_right(&of_kind(*kind)));
     let is_short = length.saturating_mul(length) * BITS <= MOST_TRIED;
     if mended.is_some() || as_long != body || !is_short || *found == Chain::default() {
         return mended;
@@ -224,6 +256,10 @@ fn parse(kind: u8, payload: &[u8]) -> Option<Frame> {
         (2, rows) if rows.len() % ROW == 0 => {
             Some(Frame::Rows(rows.chunks_exact(ROW).filter_map(row).collect()))
         }
+        (5, [channels, rows @ ..]) => {
+            let length = row_length(*channels).filter(|length| rows.len() % length == 0)?;
+            Some(Frame::Rows(rows.chunks_exact(length).filter_map(row).collect()))
+        }
         (3, []) => Some(Frame::End),
         (4, [answer]) => Some(Frame::Answer(*answer)),
         _ => None,
@@ -232,6 +268,36 @@ fn parse(kind: u8, payload: &[u8]) -> Option<Frame> {
 
 fn digest(chain: Chain, body: &[u8]) -> Chain {
     *blake3::Hasher::new().update(&chain).update(body).finalize().as_bytes()
+}
+
+/// Bytes of a row with so many channels; none if no sample has as many.
+fn row_length(channels: u8) -> Option<usize> {
+    let channels = usize::from(channels);
+    (1..=MOST_CHANNELS).contains(&channels).then_some(ROW + VALUE * channels)
+}
+
+/// Whether so many bytes can be rows with so many channels. No channel is what an append shows that
+/// was not finished: with any number then.
+fn are_rows(length: usize, channels: u8) -> bool {
+    let fits = |channels| row_length(channels).is_some_and(|row| length.is_multiple_of(row));
+    if channels == 0 { (1..=MOST_CHANNELS as u8).any(fits) } else { fits(channels) }
+}
+
+/// Kind and payload of a frame of rows. All have as many channels as the first: a device gives its
+/// own always.
+fn rows_payload(rows: &[Sample]) -> (u8, Vec<u8>) {
+    let channels = rows.first().map_or(0, |row| row.extra.values().len());
+    if channels == 0 {
+        return (2, rows.iter().flat_map(row_bytes).collect());
+    }
+    // At most `MOST_CHANNELS`.
+    let mut payload = vec![u8::try_from(channels).unwrap_or(u8::MAX)];
+    for row in rows {
+        payload.extend(row_bytes(row));
+        let values = row.extra.values().iter().copied().chain(std::iter::repeat(0.0));
+        payload.extend(values.take(channels).flat_map(f64::to_le_bytes));
+    }
+    (5, payload)
 }
 
 fn row_bytes(s: &Sample) -> Vec<u8> {
@@ -264,6 +330,8 @@ fn row(bytes: &[u8]) -> Option<Sample> {
     let float = |i: usize| Some(f64::from_le_bytes(*rest.get(8 * i..)?.first_chunk()?));
     let count = |i: usize| Some(u16::from_le_bytes(*rest.get(9 * 8 + 2 * i..)?.first_chunk()?));
     let has = |bit: u8| bits & bit != 0;
+    let (channels, _) = bytes.get(ROW..)?.as_chunks::<VALUE>();
+    let channels: Vec<f64> = channels.iter().map(|value| f64::from_le_bytes(*value)).collect();
     Some(Sample {
         t_s: float(0)?,
         t_device_s: float(1).filter(|_| has(1)),
@@ -275,6 +343,7 @@ fn row(bytes: &[u8]) -> Option<Sample> {
         force_cmd_n: float(8)?,
         theta_raw: count(0).filter(|_| has(4)),
         flags: Flags(count(1)?),
+        extra: Extra::new(&channels),
     })
 }
 
@@ -308,8 +377,12 @@ mod tests {
         whole[1].t_device_s = Some(-1.5);
         whole[2] =
             Sample { force_age_s: None, theta_raw: None, flags: Flags(u16::MAX), ..whole[2] };
-        let header = Frame::Header(Header { meta: meta(2), file });
-        vec![header, Frame::Rows(rows(0, 2)), Frame::Rows(whole), Frame::End, Frame::Answer(4)]
+        let header = Frame::Header(Header { meta: meta(2), file, protocol: Protocol::default() });
+        let mut more = rows(5, 2);
+        more[0].extra = Extra::new(&[0.25, -1e9]);
+        more[1].extra = Extra::new(&[f64::MIN_POSITIVE, 0.0]);
+        let rows = [rows(0, 2), whole, more].map(Frame::Rows);
+        std::iter::once(header).chain(rows).chain([Frame::End, Frame::Answer(4)]).collect()
     }
 
     /// The frames as bytes, and where each ends.

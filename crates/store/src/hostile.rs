@@ -12,14 +12,12 @@ use crate::sweep::read_sweep_from;
 use crate::{Files, Signal, StoreError};
 use std::path::{Path, PathBuf};
 
-pub use crate::import::readers::{csv, jsonl, mat, parquet};
-
 /// A journal; the number of its samples.
 ///
 /// # Errors
 /// Why it cannot be read.
 pub fn journal(files: &dyn Files, path: &Path) -> Result<usize, StoreError> {
-    read_journal(files, path).map(|read| read.trial().map_or(0, |trial| trial.samples.len()))
+    read_journal(files, path).map(|read| read.trial().map_or(0, |(trial, _)| trial.samples.len()))
 }
 
 /// An event log with its head.

@@ -6,15 +6,14 @@
 //! Parquet file, and its journal is removed last.
 
 use crate::atomic::{create_folders, folder_of};
-use crate::frame::{Chain, Decoded, Frame, Header, MAGIC, MOST_PAYLOAD, ROW, decode, encode};
+use crate::frame::{
+    Chain, Decoded, FIRST_MAGIC, Frame, Header, MAGIC, MOST_ROWS, Protocol, decode, encode,
+};
 use crate::{
     Append, Files, Layout, MOST_BYTES, Samples, StoreError, Trial, TrialFile, record_trial,
 };
 use std::path::{Path, PathBuf};
 use zwidth_study::{Sample, Status, TrialMeta};
-
-/// Rows of a frame.
-const MOST_ROWS: usize = MOST_PAYLOAD / ROW;
 
 /// The journal of the trial in progress.
 pub struct Journal {
@@ -38,6 +37,7 @@ impl Journal {
         layout: &Layout,
         meta: &TrialMeta,
         file: &TrialFile,
+        protocol: &Protocol,
     ) -> Result<Self, StoreError> {
         let path = layout.journal(&meta.participant, &meta.session, meta.trial);
         let trial = layout.trial(&meta.participant, &meta.session, meta.trial);
@@ -53,7 +53,8 @@ impl Journal {
                 ));
             }
         }
-        let header = Frame::Header(Header { meta: meta.clone(), file: file.clone() });
+        let (meta, file, protocol) = (meta.clone(), file.clone(), protocol.clone());
+        let header = Frame::Header(Header { meta, file, protocol });
         let folder = folder_of(&path);
         let opened = create_folders(files, folder).and_then(|()| files.open_append(&path));
         let handle = opened.map_err(|e| StoreError::io(&path, "create the journal", &e))?;
@@ -97,7 +98,16 @@ impl Journal {
             );
             return Err(StoreError::new(&self.path, what, "check the clock").column("t_s").row0(0));
         }
+        self.check_channels(rows)?;
         Samples::from_rows(rows).check(&self.path)
+    }
+
+    fn check_channels(&self, rows: &[Sample]) -> Result<(), StoreError> {
+        let is_bad = |row: &Sample| row.extra.values().iter().any(|value| !value.is_finite());
+        rows.iter().position(is_bad).map_or(Ok(()), |row| {
+            let what = "a channel of the device is not a number";
+            Err(StoreError::new(&self.path, what, "look at the device").row0(row))
+        })
     }
 
     /// The trial has run to its end. Without it, [`Journal::finish`] and [`crate::recover`] make it
@@ -128,8 +138,10 @@ impl Journal {
         let Self { path, file, .. } = self;
         drop(file); // before the file is removed: not every system removes an open one
         let read = read_journal(files, &path)?;
-        let written =
-            read.trial().map(|trial| record_trial(files, layout, utc, &trial)).transpose()?;
+        let record = |(trial, protocol): (Trial, Protocol)| {
+            record_trial(files, layout, utc, &trial, &protocol)
+        };
+        let written = read.trial().map(record).transpose()?;
         clear(files, &path, &read)?;
         Ok(written)
     }
@@ -226,12 +238,15 @@ pub(crate) struct Journaled {
 
 impl Journaled {
     /// The trial, if it has any row. One that may lack rows is incomplete.
-    pub(crate) fn trial(&self) -> Option<Trial> {
-        let Header { meta, file } = self.header.clone().filter(|_| !self.rows.is_empty())?;
+    pub(crate) fn trial(&self) -> Option<(Trial, Protocol)> {
+        let header = self.header.clone().filter(|_| !self.rows.is_empty())?;
+        let Header { meta, file, protocol } = header;
         let is_whole = self.ended && self.damaged == 0;
         let status = if is_whole { Status::Complete } else { Status::Incomplete };
         let meta = TrialMeta { status, likert: self.answer, ..meta };
-        Some(Trial { meta, file, samples: Samples::from_rows(&self.rows) })
+        let samples = Samples::from_rows(&self.rows);
+        let samples = samples.with_channels(&self.rows, &protocol.given, &protocol.form);
+        Some((Trial { meta, file, samples }, protocol))
     }
 }
 
@@ -242,12 +257,13 @@ impl Journaled {
 pub(crate) fn read_journal(files: &dyn Files, path: &Path) -> Result<Journaled, StoreError> {
     let bytes = files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
     let (first, framed) = bytes.split_at(MAGIC.len().min(bytes.len()));
-    if first != MAGIC && (MAGIC.starts_with(first) || bytes.iter().all(|b| *b == 0)) {
+    let is_journal = [MAGIC, FIRST_MAGIC].contains(&first);
+    if !is_journal && (MAGIC.starts_with(first) || bytes.iter().all(|b| *b == 0)) {
         return Ok(Journaled { unfinished: bytes.len(), ..Journaled::default() });
     }
     let decoded = decode(framed);
     let read = journaled(decoded);
-    if first != MAGIC && read.header.is_none() {
+    if !is_journal && read.header.is_none() {
         let what = "not a journal of this version";
         return Err(StoreError::new(
             path,
@@ -276,7 +292,7 @@ fn journaled(decoded: Decoded) -> Journaled {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::crashes::{UTC, folder_with_study, meta, rows};
+    use crate::tests::crashes::{UTC, folder_with_study, meta, protocol, rows};
     use crate::{Fault, Memory, RealFiles, Signal, Survives, read_trial};
     use zwidth_study::Kind;
 
@@ -286,6 +302,7 @@ mod tests {
             layout,
             &meta(trial),
             &[("device".to_owned(), "none".to_owned())].into(),
+            &protocol(),
         )
     }
 
@@ -299,7 +316,11 @@ mod tests {
         journal.end().unwrap();
         let path = journal.finish(&RealFiles, &layout, Some(5), UTC).unwrap().unwrap();
         let trial = read_trial(&path, Signal::all()).unwrap();
-        assert_eq!(trial.meta, TrialMeta { likert: Some(5), ..meta(1) });
+        assert_eq!(trial.meta, meta(1));
+        let log = layout.events(&meta(1).participant, &meta(1).session);
+        let question = "felt_spring".parse().unwrap();
+        let answer = zwidth_study::Event::Answer { trial: 1, question, value: 5 };
+        assert_eq!(crate::read_events(&log).unwrap().last(), Some(&answer));
         assert_eq!(
             trial.samples.get(Signal::Theta),
             Samples::from_rows(&rows(0, 120)).get(Signal::Theta)
@@ -374,7 +395,9 @@ mod tests {
         // Folder and its name, the open file, the header's two steps, the folder: then the first
         // rows fail.
         disk.fail_in(6, Fault::End);
-        let mut journal = Journal::create(&disk, &layout, &meta(1), &TrialFile::new()).unwrap();
+        let mut journal =
+            Journal::create(&disk, &layout, &meta(1), &TrialFile::new(), &Protocol::default())
+                .unwrap();
         assert!(journal.append(&rows(0, 3)).is_err());
         disk.restart(Survives::Everything);
         let error = journal.append(&rows(3, 3)).unwrap_err();

@@ -107,7 +107,7 @@ impl Layout {
 
     /// The list of what an import is about to write; it is there while one runs, and after one that
     /// was cut short.
-    pub(crate) fn import_list(&self) -> PathBuf {
+    pub fn import_list(&self) -> PathBuf {
         self.raw().join("import-unfinished.json")
     }
 

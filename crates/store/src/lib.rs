@@ -1,5 +1,5 @@
 //! The one store: the trial and sweep schema, Parquet files written atomically and read strictly,
-//! the journal and its recovery, the event log, `verify`, and `import`.
+//! the journal and its recovery, the event log, and `verify`.
 //!
 //! Layout and promises are those of `docs/data.md`. Recording writes with arrow/parquet; the files
 //! are the boundary to the analysis. Whatever is wrong with a file is one [`StoreError`] that says
@@ -10,18 +10,19 @@ mod alike;
 mod atomic;
 mod bounds;
 mod calibrated;
+pub mod claims;
 mod codec;
 mod encode;
 mod entries;
 mod error;
 mod events;
 mod fit;
+mod form;
 mod frame;
 mod hash;
 mod head;
 mod held;
 pub mod hostile;
-pub mod import;
 mod journal;
 mod json;
 mod laid;
@@ -36,6 +37,8 @@ mod regular;
 mod sealed;
 mod sessions;
 mod signal;
+mod sources;
+pub mod started;
 mod study;
 mod sweep;
 mod sweep_log;
@@ -56,7 +59,9 @@ pub use atomic::{
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;
-pub use events::{append_events, read_events};
+pub use events::{append_events, new_log, read_events};
+pub use form::check_form;
+pub use frame::Protocol;
 pub use hash::{file_blake3, hex_blake3};
 pub use held::Held;
 pub use journal::Journal;
@@ -67,17 +72,20 @@ pub use lock::{StudyLock, owner};
 pub use memory::{Fault, Memory, Survives};
 pub use raw::Raw;
 pub use read::{
-    TrialFooter, read_entries, read_footer, read_parquet, read_parquet_columns, read_trial,
+    TrialFooter, read_channels, read_entries, read_footer, read_parquet, read_parquet_columns,
+    read_trial,
 };
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover, unfinished_below};
 pub use regular::{MOST_BYTES, open_named, open_regular, read_named, read_regular};
 pub use sessions::read_records;
 pub use signal::{COLUMNS, Column, Signal, Storage};
-pub use study::{Answer, SessionLog, StudyData, SweepEntry, TrialEntry, read_study};
+pub use sources::{SOURCE, Sources, readable_records, sweep_sources, trial_sources};
+pub use study::{Answer, MOST_STUDY, SessionLog, StudyData, SweepEntry, TrialEntry, read_study};
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::log_sweeps;
 pub use trial::{Samples, Trial, TrialFile};
 pub use verify::{Asked, Findings, check_samples, findings, verify, verify_from};
+pub use walk::files_below;
 pub use whole::{WholeSession, check_session, read_session, session_study};
 pub use write::{described, trial_bytes, write_parquet, write_table};

@@ -19,6 +19,8 @@ pub enum Fault {
     /// The disk is full from there on: a write is half done and fails, what is there can be read
     /// and removed.
     Full,
+    /// The disk can be read only from there on: nothing is written or removed.
+    ReadOnly,
 }
 
 /// What outlives the end of a process.
@@ -126,6 +128,7 @@ impl State {
         match failed {
             Some(Fault::End) => Err(ended()),
             Some(Fault::Full) if !removes => Err(io::Error::from(ErrorKind::StorageFull)),
+            Some(Fault::ReadOnly) => Err(io::Error::from(ErrorKind::ReadOnlyFilesystem)),
             _ => {
                 self.steps += 1;
                 Ok(())

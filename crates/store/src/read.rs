@@ -3,7 +3,11 @@
 use crate::bounds::{check_footer, check_pages, check_size};
 use crate::codec::check_codecs;
 use crate::hash::hex_blake3;
-use crate::write::{DIGEST, FOOTER_DIGEST, VERSION, column_digest, described, footer_digest};
+use crate::json::from_json;
+use crate::write::{
+    CHANNELS, DIGEST, FOOTER_DIGEST, VERSION, channel_field, column_digest, described,
+    footer_digest,
+};
 use crate::{
     Column, Files, MOST_BYTES, RealFiles, Samples, Signal, Storage, StoreError, Trial, TrialFile,
 };
@@ -20,7 +24,10 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_study::{Kind, ParticipantId, SCHEMA_VERSION, SessionId, Source, Status, TrialMeta};
+use zwidth_study::{
+    Channel, ChannelId, Kind, MOST_CHANNELS, ParticipantId, Schema, SessionId, Source, Status,
+    TrialForm, TrialMeta,
+};
 
 const DAMAGED: &str = "restore the file from a copy, or exclude the trial";
 /// Rows that are decoded at a time: what a file claims decides no allocation.
@@ -33,6 +40,8 @@ pub struct TrialFooter {
     pub meta: TrialMeta,
     /// The remaining footer keys.
     pub file: TrialFile,
+    /// Which columns the file has.
+    pub form: TrialForm,
     /// The signals that were recorded, in file order.
     pub signals: Vec<Signal>,
     /// Number of samples.
@@ -49,10 +58,14 @@ pub fn read_footer(path: &Path) -> Result<TrialFooter, StoreError> {
 
 pub(crate) fn read_footer_from(files: &dyn Files, path: &Path) -> Result<TrialFooter, StoreError> {
     let opened = ParquetFile::open_recording(files, path)?;
-    let (meta, file) = meta_from(path, opened.footer.clone())?;
-    let is_recorded = |s: &Signal| opened.footer.contains_key(&format!("{DIGEST}{}", s.name()));
+    let form = form_of(path, &opened.footer)?;
+    let (meta, file) = meta_from(path, opened.footer.clone(), &form)?;
+    let is_recorded = |s: &Signal| {
+        opened.footer.contains_key(&format!("{DIGEST}{}", s.column().name_in(form.schema)))
+    };
     let signals = Signal::all().filter(is_recorded).collect();
-    Ok(TrialFooter { meta, file, signals, rows: opened.rows, blake3: hex_blake3(&opened.bytes) })
+    let (rows, blake3) = (opened.rows, hex_blake3(&opened.bytes));
+    Ok(TrialFooter { meta, file, form, signals, rows, blake3 })
 }
 
 /// Reads a trial, with only the `signals` asked for (all: `Signal::all()`). Time is always read.
@@ -65,26 +78,63 @@ pub fn read_trial(
     read_trial_from(&RealFiles, path, signals)
 }
 
+/// Reads a trial's time, and of the study's own channels those of these names that its file has.
+/// Checks are those of [`read_trial`].
+///
+/// # Errors
+/// Those of [`read_trial`].
+pub fn read_channels(path: &Path, wanted: &[ChannelId]) -> Result<Trial, StoreError> {
+    let is_wanted = |channel: &Channel| wanted.contains(&channel.id);
+    read_some(&RealFiles, path, vec![Signal::Time], &is_wanted)
+}
+
+/// Reads a trial with all that its file has.
+pub(crate) fn read_whole_trial(files: &dyn Files, path: &Path) -> Result<Trial, StoreError> {
+    read_some(files, path, Signal::all().collect(), &|_| true)
+}
+
 pub(crate) fn read_trial_from(
     files: &dyn Files,
     path: &Path,
     signals: impl IntoIterator<Item = Signal>,
 ) -> Result<Trial, StoreError> {
-    let file = ParquetFile::open_recording(files, path)?;
-    let (meta, rest) = meta_from(path, file.footer.clone())?;
     let mut wanted: Vec<Signal> = signals.into_iter().chain([Signal::Time]).collect();
     wanted.sort();
     wanted.dedup();
-    let names: Vec<&str> = wanted.iter().map(|s| s.name()).collect();
+    read_some(files, path, wanted, &|_| false)
+}
+
+fn read_some(
+    files: &dyn Files,
+    path: &Path,
+    wanted: Vec<Signal>,
+    is_wanted: &dyn Fn(&Channel) -> bool,
+) -> Result<Trial, StoreError> {
+    let file = ParquetFile::open_recording(files, path)?;
+    let form = form_of(path, &file.footer)?;
+    let (meta, rest) = meta_from(path, file.footer.clone(), &form)?;
+    let channels: Vec<&Channel> = form.channels.iter().filter(|c| is_wanted(c)).collect();
+    let name = |signal: &Signal| signal.column().name_in(form.schema);
+    let names: Vec<&str> =
+        wanted.iter().map(name).chain(channels.iter().map(|c| c.id.as_str())).collect();
     let columns = file.columns()?;
     for signal in &wanted {
-        check_field(path, columns.schema(), signal.column())?;
+        check_field(path, columns.schema(), signal.column(), form.schema)?;
+    }
+    for channel in &channels {
+        check_described(path, columns.schema(), &channel_field(channel))?;
     }
     let batch = file.read(columns, &names)?;
+    let values = |name: &str, storage| column_values(path, &batch, name, storage, &file.footer);
     let mut samples = Samples::default();
     for signal in wanted {
-        if let Some(values) = signal_values(path, &batch, signal.column(), &file.footer)? {
+        if let Some(values) = values(name(&signal), signal.column().storage)? {
             samples.set(signal, values);
+        }
+    }
+    for channel in channels {
+        if let Some(values) = values(channel.id.as_str(), Storage::F64)? {
+            samples.set_channel(channel.id.clone(), values);
         }
     }
     samples.check(path)?;
@@ -148,7 +198,7 @@ impl ParquetFile {
             .collect();
         check_size(path, &metadata, DAMAGED)?;
         let rows = usize::try_from(file_metadata.num_rows()).unwrap_or(0);
-        check_version(path, &footer)?;
+        version(path, &footer)?;
         check_codecs(path, &metadata)?;
         if footer.get(FOOTER_DIGEST) != Some(&footer_digest(&footer)) {
             let what = "the file is damaged: its footer does not match its digest";
@@ -198,7 +248,7 @@ impl ParquetFile {
 
 /// Runs a decoder on bytes that may be damaged: an error, or a panic of the decoder, is one error
 /// of ours.
-pub(crate) fn guarded<T>(
+pub fn guarded<T>(
     path: &Path,
     remedy: &str,
     decode: impl FnOnce() -> Result<T, parquet::errors::ParquetError>,
@@ -213,30 +263,53 @@ fn unreadable(path: &Path, remedy: &str, why: &str) -> StoreError {
     StoreError::new(path, format!("not a readable Parquet file: {why}"), remedy)
 }
 
-fn check_version(path: &Path, footer: &BTreeMap<String, String>) -> Result<(), StoreError> {
+/// The version that a file says it has, if it is one of a file of ours.
+fn version(path: &Path, footer: &BTreeMap<String, String>) -> Result<Schema, StoreError> {
     let error = |what: String| {
-        let remedy = format!(
-            "this software reads version {SCHEMA_VERSION}; use `zwidth import` for other files"
-        );
-        Err(StoreError::new(path, what, remedy))
+        let remedy = "this software reads versions 1 and 2; use `zwidth import` for other files";
+        StoreError::new(path, what, remedy)
     };
-    match footer.get(VERSION) {
-        None => error("not a zwidth file: no schema version in its footer".to_owned()),
-        Some(v) if *v != SCHEMA_VERSION.to_string() => {
-            error(format!("schema version {v} is unknown"))
-        }
-        Some(_) => Ok(()),
+    let said = footer
+        .get(VERSION)
+        .ok_or_else(|| error("not a zwidth file: no schema version in its footer".to_owned()))?;
+    let known = said.parse().ok().and_then(Schema::from_number);
+    known
+        .filter(|schema| schema.number().to_string() == *said)
+        .ok_or_else(|| error(format!("schema version {said} is unknown")))
+}
+
+/// Which columns a trial's file has, by its footer.
+fn form_of(path: &Path, footer: &BTreeMap<String, String>) -> Result<TrialForm, StoreError> {
+    let schema = version(path, footer)?;
+    let bad = |why: String| {
+        let what = format!("footer key '{CHANNELS}' has no list of channels: {why}");
+        StoreError::new(path, what, DAMAGED)
+    };
+    let channels: Vec<Channel> = match footer.get(CHANNELS) {
+        Some(text) if schema > Schema::One => from_json(text).map_err(|e| bad(e.to_string()))?,
+        _ => Vec::new(),
+    };
+    if channels.len() > MOST_CHANNELS {
+        let n = channels.len();
+        return Err(bad(format!("it has {n}, and at most {MOST_CHANNELS} are read")));
     }
+    Ok(TrialForm { schema, likert: footer.contains_key("likert"), channels })
 }
 
 /// Checks a column's presence, type and unit.
-pub(crate) fn check_field(path: &Path, schema: &SchemaRef, c: &Column) -> Result<(), StoreError> {
+pub(crate) fn check_field(
+    path: &Path,
+    columns: &SchemaRef,
+    c: &Column,
+    schema: Schema,
+) -> Result<(), StoreError> {
     let expected = match c.storage {
         Storage::F64 => DataType::Float64,
         Storage::F32 => DataType::Float32,
         Storage::U16 => DataType::UInt16,
     };
-    check_described(path, schema, &described(c.name, expected, true, c.unit, c.description))
+    let field = described(c.name_in(schema), expected, true, c.unit, c.description);
+    check_described(path, columns, &field)
 }
 
 /// Checks that `schema` has `expected`, with its type and unit.
@@ -264,27 +337,28 @@ pub(crate) fn check_described(
 }
 
 /// The values of one column of a trial; `None` where the column is null throughout.
-fn signal_values(
+fn column_values(
     path: &Path,
     batch: &RecordBatch,
-    c: &Column,
+    name: &str,
+    storage: Storage,
     footer: &BTreeMap<String, String>,
 ) -> Result<Option<Vec<f64>>, StoreError> {
-    let Some(array) = batch.column_by_name(c.name) else {
-        return Err(StoreError::new(path, "the column is missing", DAMAGED).column(c.name));
+    let Some(array) = batch.column_by_name(name) else {
+        return Err(StoreError::new(path, "the column is missing", DAMAGED).column(name));
     };
-    let digest = footer.get(&format!("{DIGEST}{}", c.name));
+    let digest = footer.get(&format!("{DIGEST}{name}"));
     if array.null_count() == array.len() && digest.is_none() {
         return Ok(None);
     }
     if let Some(row) = (0..array.len()).find(|i| array.is_null(*i)) {
         let what = "the value is null in a column that has others";
-        return Err(StoreError::new(path, what, DAMAGED).column(c.name).row0(row));
+        return Err(StoreError::new(path, what, DAMAGED).column(name).row0(row));
     }
     let values = floats(array);
-    if digest != Some(&column_digest(&values, c.storage)) {
+    if digest != Some(&column_digest(&values, storage)) {
         let what = "the column is damaged: its values do not match their digest";
-        return Err(StoreError::new(path, what, DAMAGED).column(c.name));
+        return Err(StoreError::new(path, what, DAMAGED).column(name));
     }
     Ok(Some(values))
 }
@@ -307,6 +381,7 @@ pub(crate) fn floats(array: &ArrayRef) -> Vec<f64> {
 fn meta_from(
     path: &Path,
     mut footer: BTreeMap<String, String>,
+    form: &TrialForm,
 ) -> Result<(TrialMeta, TrialFile), StoreError> {
     let bad = |key: &str, value: &str| {
         StoreError::new(path, format!("footer key '{key}' has the value '{value}'"), DAMAGED)
@@ -320,7 +395,8 @@ fn meta_from(
     let kind = take("kind")?;
     let status = take("status")?;
     let source = take("source")?;
-    let likert = take("likert")?;
+    let likert =
+        if form.likert || form.schema == Schema::One { take("likert")? } else { String::new() };
     let (environment, mode) = (take("environment")?, take("mode")?);
     let meta = TrialMeta {
         participant: from_path(path, "participant").and_then(|t| {
@@ -351,7 +427,8 @@ fn meta_from(
         source: Source::from_word(&source).ok_or_else(|| bad("source", &source))?,
     };
     footer.retain(|key, _| {
-        !key.starts_with(DIGEST) && ![VERSION, FOOTER_DIGEST, "units"].contains(&key.as_str())
+        !key.starts_with(DIGEST)
+            && ![VERSION, FOOTER_DIGEST, CHANNELS, "units"].contains(&key.as_str())
     });
     Ok((meta, footer))
 }
@@ -375,11 +452,16 @@ pub(crate) mod tests {
     use crate::{RealFiles, trial_bytes, write_new};
     use std::path::PathBuf;
 
+    /// That of a study with one question.
+    fn form() -> TrialForm {
+        TrialForm { likert: true, ..TrialForm::default() }
+    }
+
     pub(crate) fn sample_trial() -> Trial {
         let mut samples = Samples::default();
         let t: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.0083).collect();
         samples.set(Signal::Theta, t.iter().map(|t| libm::sin(*t)).collect());
-        samples.set(Signal::Flags, t.iter().map(|t| f64::from(u8::from(*t > 1.0))).collect());
+        samples.set(Signal::StateBits, t.iter().map(|t| f64::from(u8::from(*t > 1.0))).collect());
         samples.set(Signal::VoltageMotor, t.iter().map(|t| t * 0.1).collect());
         samples.set(Signal::Time, t);
         let meta = TrialMeta {
@@ -401,7 +483,7 @@ pub(crate) mod tests {
     pub(crate) fn written(folder: &Path) -> (Trial, PathBuf) {
         let trial = sample_trial();
         let path = folder.join("participant=P01/session=S01/trial-017.parquet");
-        write_new(&RealFiles, &path, &trial_bytes(&trial, &path).unwrap()).unwrap();
+        write_new(&RealFiles, &path, &trial_bytes(&trial, &form(), &path).unwrap()).unwrap();
         (trial, path)
     }
 
@@ -419,7 +501,8 @@ pub(crate) mod tests {
     #[test]
     fn the_same_trial_gives_the_same_bytes() {
         let path = Path::new("x");
-        assert_eq!(trial_bytes(&sample_trial(), path), trial_bytes(&sample_trial(), path));
+        let bytes = || trial_bytes(&sample_trial(), &form(), path);
+        assert_eq!(bytes(), bytes());
     }
 
     #[test]
@@ -428,7 +511,7 @@ pub(crate) mod tests {
         let (_, path) = written(folder.path());
         let trial = read_trial(&path, [Signal::Theta]).unwrap();
         assert!(trial.samples.get(Signal::Time).is_some());
-        assert!(trial.samples.get(Signal::Flags).is_none());
+        assert!(trial.samples.get(Signal::StateBits).is_none());
     }
 
     #[test]

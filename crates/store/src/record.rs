@@ -3,17 +3,18 @@
 
 use crate::atomic::{folder_of, sync_file};
 use crate::events::read_events_from;
+use crate::frame::Protocol;
 use crate::hash::blake3_of;
-use crate::read::read_trial_from;
+use crate::read::read_whole_trial;
 use crate::{
     Files, Layout, Samples, Signal, Storage, StoreError, Trial, append_events, trial_bytes,
     write_new,
 };
 use std::path::{Path, PathBuf};
-use zwidth_study::Event;
+use zwidth_study::{Event, Schema, TrialForm, TrialMeta};
 
-/// Writes a trial's file and the event that calls it recorded; gives the file's path. `utc` is the
-/// time of the event.
+/// Writes a trial's file, the event that calls it recorded and, from schema 2 on, the event of the
+/// answer to its question; gives the file's path. `utc` is the time of the events.
 ///
 /// What a first attempt has done already is not done again: the file may be there with this very
 /// trial in it, and the event may be there with the file's hash.
@@ -26,30 +27,61 @@ pub fn record_trial(
     layout: &Layout,
     utc: &str,
     trial: &Trial,
+    protocol: &Protocol,
 ) -> Result<PathBuf, StoreError> {
-    let m = &trial.meta;
+    let (m, form) = (&trial.meta, &protocol.form);
     let path = layout.trial(&m.participant, &m.session, m.trial);
     if files.kind(&path).is_some() {
-        is_this(files, &path, trial)?;
+        is_this(files, &path, trial, form)?;
     } else {
-        write_new(files, &path, &trial_bytes(trial, &path)?)?;
+        write_new(files, &path, &trial_bytes(trial, form, &path)?)?;
     }
     settle(files, layout, &path)?;
     let log = layout.events(&m.participant, &m.session);
     let blake3 = blake3_of(files, &path)?;
-    if is_recorded(files, &log, m.trial, &blake3)? {
+    let known = read_events_from(files, &log)?;
+    let mut events = Vec::new();
+    if !is_recorded(&known, &log, m.trial, &blake3)? {
+        events.push(Event::Recorded { trial: m.trial, blake3 });
+    }
+    events.extend(answer(trial, protocol).filter(|answer| !is_answered(&known, answer)));
+    if events.is_empty() {
         sync_file(files, &log).map_err(|e| StoreError::io(&log, "sync", &e))?;
     } else {
-        append_events(files, &log, utc, &[Event::Recorded { trial: m.trial, blake3 }])?;
+        append_events(files, &log, utc, &events)?;
     }
     settle(files, layout, &log)?;
     Ok(path)
 }
 
+/// The event of the answer that was given before the trial's file was finished. In schema 1 the file
+/// alone has it.
+fn answer(trial: &Trial, protocol: &Protocol) -> Option<Event> {
+    let (question, value) = (protocol.question.clone()?, trial.meta.likert?);
+    let is_event = protocol.form.schema > Schema::One;
+    is_event.then_some(Event::Answer { trial: trial.meta.trial, question, value })
+}
+
+/// Whether a log has an answer to the same question of the same trial.
+fn is_answered(events: &[Event], answer: &Event) -> bool {
+    let about = |event: &Event| match event {
+        Event::Answer { trial, question, .. } => Some((*trial, question.clone())),
+        _ => None,
+    };
+    events.iter().any(|event| about(event).is_some() && about(event) == about(answer))
+}
+
 /// Whether the file at `path` holds `trial`.
-fn is_this(files: &dyn Files, path: &Path, trial: &Trial) -> Result<(), StoreError> {
-    let stored = Trial { samples: as_stored(&trial.samples), ..trial.clone() };
-    if read_trial_from(files, path, Signal::all())? == stored {
+fn is_this(
+    files: &dyn Files,
+    path: &Path,
+    trial: &Trial,
+    form: &TrialForm,
+) -> Result<(), StoreError> {
+    let likert = trial.meta.likert.filter(|_| form.likert);
+    let meta = TrialMeta { likert, ..trial.meta.clone() };
+    let stored = Trial { meta, samples: as_stored(&trial.samples), ..trial.clone() };
+    if read_whole_trial(files, path)? == stored {
         return Ok(());
     }
     let what = format!("there is another trial {} already", trial.meta.trial);
@@ -73,8 +105,7 @@ fn as_stored(samples: &Samples) -> Samples {
 }
 
 /// Whether the log calls the trial recorded, with this hash.
-fn is_recorded(files: &dyn Files, log: &Path, number: u32, hash: &str) -> Result<bool, StoreError> {
-    let events = read_events_from(files, log)?;
+fn is_recorded(events: &[Event], log: &Path, number: u32, hash: &str) -> Result<bool, StoreError> {
     let of = |e: &Event| match e {
         Event::Recorded { trial, blake3 } if *trial == number => Some(blake3.clone()),
         _ => None,

@@ -5,11 +5,11 @@
 
 use crate::atomic::{folder_of, is_unfinished, sync_file};
 use crate::events::{mend_head, mend_log};
-use crate::import::take_back_listed;
 use crate::journal::{Journaled, clear, read_journal};
 use crate::laid::mend_laid_down;
 use crate::regular::text;
 use crate::sessions::{MOST_RECORD, record_from};
+use crate::started::take_back_listed;
 use crate::sweep_log::take_in;
 use crate::walk::{below, files_below};
 use crate::{Entry, Files, Layout, StoreError, record_trial};
@@ -200,7 +200,7 @@ fn trial(
     read: &Journaled,
     utc: &str,
 ) -> Result<Option<Recovered>, StoreError> {
-    let Some(trial) = read.trial() else { return Ok(None) };
+    let Some((trial, protocol)) = read.trial() else { return Ok(None) };
     let m = &trial.meta;
     let belongs = layout.journal(&m.participant, &m.session, m.trial);
     if belongs != path {
@@ -213,7 +213,7 @@ fn trial(
     let Journaled { unfinished, mended, .. } = *read;
     let (rows, cut_bytes) = (trial.samples.len(), unfinished);
     let done = Done::Trial { status: m.status, rows, cut_bytes, mended };
-    Ok(Some(Recovered { path: record_trial(files, layout, utc, &trial)?, done }))
+    Ok(Some(Recovered { path: record_trial(files, layout, utc, &trial, &protocol)?, done }))
 }
 
 /// Removes the left-overs of unfinished writes.
@@ -241,7 +241,7 @@ pub fn unfinished_below(files: &dyn Files, folder: &Path) -> Vec<PathBuf> {
 mod tests {
     use super::*;
     use crate::head::head_of;
-    use crate::tests::crashes::{UTC, folder_with_study, meta, rows};
+    use crate::tests::crashes::{UTC, folder_with_study, meta, protocol, rows};
     use crate::{
         Journal, RealFiles, Signal, TrialFile, append_events, read_events, read_trial, verify,
     };
@@ -250,7 +250,8 @@ mod tests {
 
     /// A journal of trial 1 with three batches of rows.
     fn journal_of_three(layout: &Layout) -> PathBuf {
-        let mut journal = Journal::create(&RealFiles, layout, &meta(1), &TrialFile::new()).unwrap();
+        let mut journal =
+            Journal::create(&RealFiles, layout, &meta(1), &TrialFile::new(), &protocol()).unwrap();
         (0..3).for_each(|i| journal.append(&rows(4 * i, 4)).unwrap());
         layout.journal(&meta(1).participant, &meta(1).session, 1)
     }
@@ -360,7 +361,7 @@ mod tests {
         let other = layout.journal(&meta(1).participant, &meta(1).session, 2);
         fs::rename(&path, &other).unwrap();
         let later = layout.journals().join("P01_S01.trial-003.journal");
-        fs::write(&later, "zwidth journal 2\n").unwrap();
+        fs::write(&later, "zwidth journal 3\n").unwrap();
         let [Err(misplaced), Err(unknown)] = exactly(&layout) else { panic!() };
         assert!(misplaced.what.contains("P01 S01 trial 1"), "{misplaced}");
         assert!(unknown.what.contains("not a journal of this version"), "{unknown}");

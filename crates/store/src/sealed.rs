@@ -110,8 +110,14 @@ mod tests {
             let log = StudyData::load(&self.layout).unwrap().sessions.pop();
             let source = log.map_or(Source::Twin, |log| log.record.source);
             let meta = TrialMeta { repeat, kind, environment, mode, source, ..meta(trial) };
-            let mut journal =
-                Journal::create(&RealFiles, &self.layout, &meta, &TrialFile::new()).unwrap();
+            let mut journal = Journal::create(
+                &RealFiles,
+                &self.layout,
+                &meta,
+                &TrialFile::new(),
+                &crate::tests::crashes::protocol(),
+            )
+            .unwrap();
             journal.append(&rows(0, 3)).unwrap();
             journal.end().unwrap();
             journal.finish(&RealFiles, &self.layout, Some(4), UTC).unwrap();
@@ -199,7 +205,7 @@ mod tests {
         assert!(data.sessions[0].is_sealed() && data.counting().count() == 0);
         let [problem] = data.problems.as_slice() else { panic!("{:?}", data.problems) };
         assert!(
-            problem.row == Some(11) && problem.what.contains("was laid down with"),
+            problem.row == Some(19) && problem.what.contains("was laid down with"),
             "{problem}"
         );
         // The right one still opens it, and the wrong one stays a finding.

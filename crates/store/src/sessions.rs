@@ -13,7 +13,7 @@ use crate::{Entry, Files, Layout, SessionLog, Signal, StoreError, TrialEntry};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use zwidth_study::{Event, SCHEMA_VERSION, SessionRecord, Source};
+use zwidth_study::{Event, RECORD_VERSION, SessionRecord, Source};
 
 /// Largest session record that is read, bytes: a hundred thousand trials.
 pub(crate) const MOST_RECORD: u64 = 1 << 25;
@@ -113,9 +113,9 @@ pub(crate) fn record_from(path: &Path, text: &str) -> Result<SessionRecord, Stor
     let error =
         |e: serde_json::Error| StoreError::new(path, format!("not a session record: {e}"), RESTORE);
     let Version { schema_version } = from_json(text).map_err(error)?;
-    if schema_version != SCHEMA_VERSION {
+    if schema_version != RECORD_VERSION {
         let remedy = format!(
-            "this software reads version {SCHEMA_VERSION}; use the one that wrote the session"
+            "this software reads version {RECORD_VERSION}; use the one that wrote the session"
         );
         return Err(StoreError::new(
             path,

@@ -1,6 +1,8 @@
 //! The per-sample columns of a trial file: one table, read by the writer, the reader, `verify` and
 //! `import` alike.
 
+use zwidth_study::Schema;
+
 /// A per-sample quantity of a trial. SI units; angles in radians.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Signal {
@@ -29,7 +31,7 @@ pub enum Signal {
     /// Feedback force the voltages stand for, by the calibration in force.
     ForceCmd,
     /// Status bits of the sample.
-    Flags,
+    StateBits,
 }
 
 /// How a column lies in the file.
@@ -48,7 +50,7 @@ pub enum Storage {
 pub struct Column {
     /// The signal.
     pub signal: Signal,
-    /// The column's name, with its unit.
+    /// The column's name, with its unit, in the newest schema ([`Column::name_in`]).
     pub name: &'static str,
     /// Unit, as in the field's metadata.
     pub unit: &'static str,
@@ -56,6 +58,17 @@ pub struct Column {
     pub description: &'static str,
     /// Type in the file. In memory every signal is `f64`, which holds all three exactly.
     pub storage: Storage,
+}
+
+impl Column {
+    /// The column's name in files of this version.
+    pub fn name_in(&self, schema: Schema) -> &'static str {
+        match (self.signal, schema) {
+            // `flags` is an attribute of every data frame of pandas, which hides the column.
+            (Signal::StateBits, Schema::One) => "flags",
+            _ => self.name,
+        }
+    }
 }
 
 const fn column(
@@ -115,8 +128,8 @@ pub const COLUMNS: [Column; 13] = [
         "feedback force the commands stand for, by the calibration in force",
     ),
     column(
-        Signal::Flags,
-        "flags",
+        Signal::StateBits,
+        "state_bits",
         "bits",
         U16,
         "1 saturated, 2 stale force, 4 stale angle, 8 dropout, 16 clipped, 32 past wall, 64 outside work space, 128 brake on, 256 motor on",
@@ -125,7 +138,7 @@ pub const COLUMNS: [Column; 13] = [
 
 impl Signal {
     /// How many signals there are.
-    pub(crate) const COUNT: usize = COLUMNS.len();
+    pub const COUNT: usize = COLUMNS.len();
 
     /// Every signal, in file order.
     pub fn all() -> impl Iterator<Item = Self> + Clone {
@@ -164,7 +177,7 @@ impl Signal {
     }
 
     /// The signal whose column has this name.
-    pub(crate) fn from_name(name: &str) -> Option<Self> {
+    pub fn from_name(name: &str) -> Option<Self> {
         COLUMNS.iter().find(|c| c.name == name).map(|c| c.signal)
     }
 }
@@ -183,7 +196,7 @@ mod tests {
             assert_eq!(name, signal.name());
         }
         assert_eq!((Signal::ThetaDot.stem(), Signal::ThetaDot.suffix()), ("theta_dot", "rad_s"));
-        assert_eq!((Signal::Flags.suffix(), Signal::ThetaRaw.suffix()), ("", ""));
+        assert_eq!((Signal::StateBits.suffix(), Signal::ThetaRaw.suffix()), ("", ""));
     }
 
     #[test]

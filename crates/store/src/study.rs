@@ -3,6 +3,7 @@
 use crate::alike::check_study_id;
 use crate::entries::read_trials;
 use crate::fit::unfit;
+use crate::form::other_forms;
 use crate::laid::study_warning;
 use crate::regular::text;
 use crate::sessions::{join, left_out, read_sessions};
@@ -18,11 +19,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_study::{
     ActuatorId, Condition, Event, Kind, ParticipantId, PlannedTrial, QuestionId, Seal, SessionId,
-    SessionRecord, Source, Status, Study, TrialMeta,
+    SessionRecord, Source, Status, Study, TrialForm, TrialMeta,
 };
 
 /// Largest `study.toml` that is read, bytes: a hundred times a long one.
-pub(crate) const MOST_STUDY: u64 = 1 << 20;
+pub const MOST_STUDY: u64 = 1 << 20;
 
 /// One trial file, and what the events say of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +34,8 @@ pub struct TrialEntry {
     pub meta: TrialMeta,
     /// What the file says of itself.
     pub file: TrialFile,
+    /// Which columns the file has.
+    pub form: TrialForm,
     /// The signals that were recorded, in file order.
     pub signals: Vec<Signal>,
     /// Number of samples.
@@ -200,7 +203,8 @@ impl StudyData {
         problems.extend(trials.iter_mut().filter_map(|trial| unfit(&study, trial)));
         let warning = |log: &SessionLog| study_warning(layout, log, &study, &study_blake3);
         let beside = check_study_id(files, layout).err();
-        let warnings = sessions.iter().filter_map(warning).chain(beside).collect();
+        let forms = other_forms(layout, &study, &trials);
+        let warnings = sessions.iter().filter_map(warning).chain(beside).chain(forms).collect();
         Ok(Self { layout: layout.clone(), study, trials, sweeps, sessions, problems, warnings })
     }
 

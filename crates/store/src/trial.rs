@@ -1,19 +1,21 @@
 //! A trial in memory: what is known of it, and its samples.
 
-use crate::{COLUMNS, Signal, StoreError};
+use crate::{COLUMNS, Signal, Storage, StoreError};
 use std::collections::BTreeMap;
 use std::path::Path;
-use zwidth_study::{Sample, TrialMeta};
+use zwidth_study::{Channel, ChannelId, Sample, TrialForm, TrialMeta};
 
 /// The samples of a trial: a column a signal, all of one length; absent where not recorded.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Samples {
     columns: [Option<Vec<f64>>; Signal::COUNT],
+    /// Those of the study's own channels, by name.
+    channels: BTreeMap<ChannelId, Vec<f64>>,
 }
 
 impl Samples {
     /// The samples of these rows, with the columns that they have: a quantity that one of them
-    /// lacks has none.
+    /// lacks has none. What the device gives besides is left out.
     pub fn from_rows(rows: &[Sample]) -> Self {
         let mut samples = Self::default();
         for column in &COLUMNS {
@@ -22,6 +24,20 @@ impl Samples {
             }
         }
         samples
+    }
+
+    /// The same with what the device gives besides, of which `given` says what it is; those values
+    /// alone whose channel is one of `form`'s.
+    #[must_use]
+    pub fn with_channels(mut self, rows: &[Sample], given: &[Channel], form: &TrialForm) -> Self {
+        let is_known = |c: &Channel| form.channels.iter().any(|known| known.id == c.id);
+        for (place, channel) in given.iter().enumerate().filter(|(_, c)| is_known(c)) {
+            let value = |row: &Sample| row.extra.values().get(place).copied();
+            if let Some(values) = rows.iter().map(value).collect() {
+                self.set_channel(channel.id.clone(), values);
+            }
+        }
+        self
     }
 
     /// The column of `signal`, where the recording has it.
@@ -34,9 +50,24 @@ impl Samples {
         self.columns[signal as usize] = Some(values);
     }
 
+    /// The values of a channel of the study's own, where the recording has it.
+    pub fn channel(&self, id: &ChannelId) -> Option<&[f64]> {
+        self.channels.get(id).map(Vec::as_slice)
+    }
+
+    /// The study's own channels that the recording has, by name.
+    pub fn channels(&self) -> impl Iterator<Item = (&ChannelId, &[f64])> {
+        self.channels.iter().map(|(id, values)| (id, values.as_slice()))
+    }
+
+    /// Sets the values of a channel of the study's own.
+    pub fn set_channel(&mut self, id: ChannelId, values: Vec<f64>) {
+        self.channels.insert(id, values);
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
-        self.columns.iter().flatten().map(Vec::len).max().unwrap_or(0)
+        self.columns.iter().flatten().chain(self.channels.values()).map(Vec::len).max().unwrap_or(0)
     }
 
     /// Whether there is no sample.
@@ -46,7 +77,7 @@ impl Samples {
 
     /// Checks what every trial file promises: samples there, one length, finite numbers that fit
     /// their storage, and a time that runs forward. The error names column and row.
-    pub(crate) fn check(&self, path: &Path) -> Result<(), StoreError> {
+    pub fn check(&self, path: &Path) -> Result<(), StoreError> {
         if self.get(Signal::Time).is_none() {
             let remedy =
                 "a trial needs its time; give the recording's rate where it has no time column";
@@ -60,21 +91,34 @@ impl Samples {
             ));
         }
         for (spec, column) in COLUMNS.iter().zip(&self.columns) {
-            let Some(values) = column else { continue };
-            if values.len() != self.len() {
-                let what =
-                    format!("it has {} values where others have {}", values.len(), self.len());
-                return Err(
-                    StoreError::new(path, what, "columns must be equally long").column(spec.name)
-                );
-            }
-            if let Some(row) = values.iter().position(|v| !fits(*v, spec.storage)) {
-                let what = format!("{} is not a number this column can hold", values[row]);
-                let remedy = "mend or drop the row; a gap is a null column, never a NaN";
-                return Err(StoreError::new(path, what, remedy).column(spec.name).row0(row));
+            if let Some(values) = column {
+                self.check_column(path, spec.name, spec.storage, values)?;
             }
         }
+        for (id, values) in &self.channels {
+            self.check_column(path, id.as_str(), Storage::F64, values)?;
+        }
         self.check_time(path)
+    }
+
+    fn check_column(
+        &self,
+        path: &Path,
+        name: &str,
+        storage: Storage,
+        values: &[f64],
+    ) -> Result<(), StoreError> {
+        if values.len() != self.len() {
+            let what = format!("it has {} values where others have {}", values.len(), self.len());
+            let remedy = "columns must be equally long";
+            return Err(StoreError::new(path, what, remedy).column(name));
+        }
+        if let Some(row) = values.iter().position(|v| !fits(*v, storage)) {
+            let what = format!("{} is not a number this column can hold", values[row]);
+            let remedy = "mend or drop the row; a gap is a null column, never a NaN";
+            return Err(StoreError::new(path, what, remedy).column(name).row0(row));
+        }
+        Ok(())
     }
 
     fn check_time(&self, path: &Path) -> Result<(), StoreError> {
@@ -105,16 +149,16 @@ fn value(row: &Sample, signal: Signal) -> Option<f64> {
         Signal::ForceAge => row.force_age_s,
         Signal::ThetaRaw => row.theta_raw.map(f64::from),
         Signal::ForceCmd => Some(row.force_cmd_n),
-        Signal::Flags => Some(row.flags.0.into()),
+        Signal::StateBits => Some(row.flags.0.into()),
         Signal::ThetaDdot | Signal::TorqueEx => None,
     }
 }
 
-fn fits(value: f64, storage: crate::Storage) -> bool {
+fn fits(value: f64, storage: Storage) -> bool {
     match storage {
-        crate::Storage::F64 => value.is_finite(),
-        crate::Storage::F32 => value.abs() <= f64::from(f32::MAX),
-        crate::Storage::U16 => (0.0..=f64::from(u16::MAX)).contains(&value) && value.fract() == 0.0,
+        Storage::F64 => value.is_finite(),
+        Storage::F32 => value.abs() <= f64::from(f32::MAX),
+        Storage::U16 => (0.0..=f64::from(u16::MAX)).contains(&value) && value.fract() == 0.0,
     }
 }
 
@@ -153,12 +197,12 @@ mod tests {
 
     #[test]
     fn samples_that_break_a_promise_are_refused_with_column_and_row() {
-        use Signal::{Flags, Theta, Time};
+        use Signal::{StateBits, Theta, Time};
         check(&[(Theta, &[0.0])], "t_s: the column is missing", None);
         check(&[(Time, &[])], "no sample", None);
         check(&[(Time, &[0.0, 1.0]), (Theta, &[0.0])], "1 values where others have 2", None);
         check(&[(Time, &[0.0, 1.0]), (Theta, &[0.0, f64::NAN])], "theta_rad, row 2: NaN", Some(2));
-        check(&[(Time, &[0.0, 1.0]), (Flags, &[0.0, 0.5])], "flags, row 2: 0.5", Some(2));
+        check(&[(Time, &[0.0, 1.0]), (StateBits, &[0.0, 0.5])], "state_bits, row 2: 0.5", Some(2));
         check(
             &[(Time, &[0.0, 1.0]), (Signal::VoltageMotor, &[0.0, 1e39])],
             "voltage_motor_v, row 2",
@@ -177,7 +221,7 @@ mod tests {
         let samples = Samples::from_rows(&rows);
         assert_eq!(samples.get(Signal::Time), Some([0.001, 0.002, 0.003].as_slice()));
         assert_eq!(samples.get(Signal::ThetaRaw), Some([1.0, 2.0, 3.0].as_slice()));
-        assert_eq!(samples.get(Signal::Flags), Some([256.0; 3].as_slice()));
+        assert_eq!(samples.get(Signal::StateBits), Some([256.0; 3].as_slice()));
         let lacks = |samples: &Samples| {
             Signal::all().filter(|s| samples.get(*s).is_none()).collect::<Vec<_>>()
         };

@@ -1,7 +1,7 @@
 //! `verify`: every finding in a study, not only the first.
 
 use crate::journal::DAMAGED;
-use crate::read::read_trial_from;
+use crate::read::read_whole_trial;
 use crate::recover::unfinished;
 use crate::study::check_folders;
 use crate::sweep::read_sweep_from;
@@ -70,7 +70,7 @@ pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
 
 fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry) -> Vec<StoreError> {
     // Whether it fits study.toml and its session's log was told when the study was loaded.
-    match read_trial_from(files, &entry.path, Signal::all()) {
+    match read_whole_trial(files, &entry.path) {
         Ok(trial) => check_samples(&Asked::of(&data.study), &entry.path, &trial.samples),
         Err(error) => vec![error],
     }

@@ -63,7 +63,7 @@ pub(crate) fn is_hidden(path: &Path) -> bool {
 ///
 /// # Errors
 /// A folder that cannot be listed.
-pub(crate) fn files_below(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
+pub fn files_below(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
     let mut found = below(files, folder)?.files;
     found.retain(|path| !is_hidden(path));
     Ok(found)

@@ -1,13 +1,13 @@
 //! From a trial (or any record batch) to the bytes of a Parquet file.
 
-use crate::encode::{derived, recorded};
+use crate::encode::{GROUP_ROWS, derived, recorded};
 use crate::hash::hex_blake3;
 use crate::{COLUMNS, Column, Samples, Storage, StoreError, Trial};
 use arrow::array::{
     ArrayRef, DictionaryArray, Float32Array, Float64Array, Int32Array, RecordBatch, StringArray,
     UInt16Array, new_null_array,
 };
-use arrow::datatypes::{DataType, Field, Int32Type, Schema};
+use arrow::datatypes::{DataType, Field, Int32Type, Schema as ArrowSchema};
 use parquet::arrow::ArrowWriter;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
@@ -15,44 +15,60 @@ use parquet::file::properties::WriterProperties;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_study::SCHEMA_VERSION;
+use zwidth_study::{Channel, ChannelId, Schema, TrialForm};
 
 /// Prefix of the footer keys that carry a column's digest.
 pub(crate) const DIGEST: &str = "blake3:";
 /// Footer key of the digest over all other keys.
 pub(crate) const FOOTER_DIGEST: &str = "footer_blake3";
-/// Footer key of the schema version.
+/// Footer key of the version of the file's form.
 pub(crate) const VERSION: &str = "schema_version";
+/// Version of the form of sweeps and derived tables.
+pub(crate) const TABLE_VERSION: u32 = 1;
+/// Footer key of the study's own channels.
+pub(crate) const CHANNELS: &str = "channels";
 /// Footer key of the units of all columns, for readers that do not show Arrow field metadata.
 const UNITS: &str = "units";
 
-/// The bytes of a trial's file. The same trial gives the same bytes.
+/// The bytes of a trial's file of this form. The same trial gives the same bytes. A form without a
+/// column for the answer leaves it out: it is an event.
 ///
 /// # Errors
-/// Samples that break a promise of the schema, with column and row (`Samples::check`). `path`
-/// only names the file in errors.
-pub fn trial_bytes(trial: &Trial, path: &Path) -> Result<Vec<u8>, StoreError> {
+/// Samples that break a promise of the schema, with column and row (`Samples::check`); a channel
+/// that the form has not. `path` only names the file in errors.
+pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u8>, StoreError> {
     trial.samples.check(path)?;
+    let is_known = |id: &ChannelId| form.channels.iter().any(|channel| channel.id == *id);
+    if let Some((id, _)) = trial.samples.channels().find(|(id, _)| !is_known(id)) {
+        let what = "the study's trial files have no such channel";
+        return Err(StoreError::new(path, what, "leave it out").column(id.as_str()));
+    }
     let mut columns: Vec<(Field, ArrayRef)> =
-        COLUMNS.iter().map(|c| signal_column(c, &trial.samples)).collect();
-    columns.extend(constant_columns(trial));
+        COLUMNS.iter().map(|c| signal_column(c, form.schema, &trial.samples)).collect();
+    columns.extend(form.channels.iter().map(|c| channel_column(c, &trial.samples)));
+    columns.extend(constant_columns(trial, form));
     let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
-    let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).map_err(|e| {
+    let batch = RecordBatch::try_new(Arc::new(ArrowSchema::new(fields)), arrays).map_err(|e| {
         StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
     })?;
-    write_parquet(&batch, footer(trial), path)
+    let entries = entries(&batch, footer(trial, form));
+    let rows = (form.schema > Schema::One).then_some(GROUP_ROWS);
+    let properties =
+        recorded(&batch.schema(), entries, rows).map_err(|e| cannot_encode(path, &e))?;
+    write(&batch, properties, path)
 }
 
-/// The bytes of a recording's Parquet file with one row group, our encodings, and `footer` as its
-/// key-value metadata (in key order), to which the schema version, the units and a digest are
-/// added.
+/// The bytes of a sweep's Parquet file with one row group, our encodings, and `footer` as its
+/// key-value metadata (in key order), to which the units, a digest and, where it says none, the version
+/// are added.
 pub fn write_parquet(
     batch: &RecordBatch,
     footer: BTreeMap<String, String>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
+    let entries = entries(batch, footer);
     let properties =
-        recorded(&batch.schema(), entries(batch, footer)).map_err(|e| cannot_encode(path, &e))?;
+        recorded(&batch.schema(), entries, None).map_err(|e| cannot_encode(path, &e))?;
     write(batch, properties, path)
 }
 
@@ -69,7 +85,7 @@ pub fn write_table(
 }
 
 fn entries(batch: &RecordBatch, mut footer: BTreeMap<String, String>) -> Vec<KeyValue> {
-    footer.insert(VERSION.to_owned(), SCHEMA_VERSION.to_string());
+    footer.entry(VERSION.to_owned()).or_insert_with(|| TABLE_VERSION.to_string());
     footer.insert(UNITS.to_owned(), units(batch));
     footer.insert(FOOTER_DIGEST.to_owned(), footer_digest(&footer));
     footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect()
@@ -111,20 +127,20 @@ pub fn described(
         .with_metadata(metadata.map(|(k, v)| (k.to_owned(), v.to_owned())).into())
 }
 
-fn field(c: &Column) -> Field {
+fn field(c: &Column, schema: Schema) -> Field {
     let data_type = match c.storage {
         Storage::F64 => DataType::Float64,
         Storage::F32 => DataType::Float32,
         Storage::U16 => DataType::UInt16,
     };
-    described(c.name, data_type, true, c.unit, c.description)
+    described(c.name_in(schema), data_type, true, c.unit, c.description)
 }
 
 /// A signal as a column; null throughout where the recording lacks it.
 /// The storage types hold the values: floats are narrowed as the schema says, counts were checked.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub(crate) fn signal_column(c: &Column, samples: &Samples) -> (Field, ArrayRef) {
-    let field = field(c);
+pub(crate) fn signal_column(c: &Column, schema: Schema, samples: &Samples) -> (Field, ArrayRef) {
+    let field = field(c, schema);
     let array: ArrayRef = match (samples.get(c.signal), c.storage) {
         (None, _) => new_null_array(field.data_type(), samples.len()),
         (Some(v), Storage::F64) => Arc::new(Float64Array::from(v.to_vec())),
@@ -134,8 +150,24 @@ pub(crate) fn signal_column(c: &Column, samples: &Samples) -> (Field, ArrayRef) 
     (field, array)
 }
 
+/// The field of a study's own channel.
+pub(crate) fn channel_field(channel: &Channel) -> Field {
+    let Channel { id, unit, description } = channel;
+    described(id.as_str(), DataType::Float64, true, unit, description)
+}
+
+/// A study's own channel as a column; null throughout where the recording lacks it.
+fn channel_column(channel: &Channel, samples: &Samples) -> (Field, ArrayRef) {
+    let field = channel_field(channel);
+    let array: ArrayRef = match samples.channel(&channel.id) {
+        None => new_null_array(field.data_type(), samples.len()),
+        Some(values) => Arc::new(Float64Array::from(values.to_vec())),
+    };
+    (field, array)
+}
+
 /// The values that are constant in a file, as columns, so that any reader can group by them.
-fn constant_columns(trial: &Trial) -> Vec<(Field, ArrayRef)> {
+fn constant_columns(trial: &Trial, form: &TrialForm) -> Vec<(Field, ArrayRef)> {
     let n = trial.samples.len();
     let meta = &trial.meta;
     let integer = |name: &str, value: Option<i32>, about: &str| {
@@ -148,22 +180,21 @@ fn constant_columns(trial: &Trial) -> Vec<(Field, ArrayRef)> {
         let array: ArrayRef = Arc::new(DictionaryArray::<Int32Type>::new(keys, words));
         (described(name, array.data_type().clone(), false, "1", about), array)
     };
-    vec![
+    let mut columns = vec![
         integer("trial", i32::try_from(meta.trial).ok(), "number within the session, from 1"),
         integer("repeat", i32::try_from(meta.repeat).ok(), "repeat of the condition, from 1"),
         word("kind", meta.kind.as_str(), "trial or familiarisation"),
         word("status", meta.status.as_str(), "complete or incomplete"),
         word("environment", meta.environment.as_str(), "what was rendered"),
         word("mode", meta.mode.as_str(), "how; a sealed code until the session is unsealed"),
-        integer(
-            "likert",
-            meta.likert.map(i32::from),
-            "answer 1…5, where given before the file was finished",
-        ),
-    ]
+    ];
+    let likert = meta.likert.map(i32::from);
+    let about = "answer 1…5, where given before the file was finished";
+    columns.extend(form.likert.then(|| integer("likert", likert, about)));
+    columns
 }
 
-fn footer(trial: &Trial) -> BTreeMap<String, String> {
+fn footer(trial: &Trial, form: &TrialForm) -> BTreeMap<String, String> {
     let meta = &trial.meta;
     let mut footer = trial.file.clone();
     for (key, value) in [
@@ -173,15 +204,28 @@ fn footer(trial: &Trial) -> BTreeMap<String, String> {
         ("status", meta.status.as_str().to_owned()),
         ("environment", meta.environment.to_string()),
         ("mode", meta.mode.to_string()),
-        ("likert", meta.likert.map(|v| v.to_string()).unwrap_or_default()),
         ("source", meta.source.as_str().to_owned()),
     ] {
         footer.insert(key.to_owned(), value);
     }
+    footer.insert(VERSION.to_owned(), form.schema.number().to_string());
+    if form.likert {
+        let answer = meta.likert.map(|v| v.to_string()).unwrap_or_default();
+        footer.insert("likert".to_owned(), answer);
+    }
     for c in &COLUMNS {
         if let Some(values) = trial.samples.get(c.signal) {
-            footer.insert(format!("{DIGEST}{}", c.name), column_digest(values, c.storage));
+            let key = format!("{DIGEST}{}", c.name_in(form.schema));
+            footer.insert(key, column_digest(values, c.storage));
         }
+    }
+    for (id, values) in trial.samples.channels() {
+        let key = format!("{DIGEST}{}", id.as_str());
+        footer.insert(key, column_digest(values, Storage::F64));
+    }
+    if !form.channels.is_empty() {
+        let channels = serde_json::to_string(&form.channels).unwrap_or_default();
+        footer.insert(CHANNELS.to_owned(), channels);
     }
     footer
 }

@@ -45,7 +45,7 @@ impl std::fmt::Display for StudyChange {
 }
 
 /// The lists of a study, whose elements have ids.
-const LISTS: [&str; 3] = ["environments", "modes", "questions"];
+const LISTS: [&str; 4] = ["environments", "modes", "questions", "channels"];
 
 /// Every value that differs between two versions of a study, by key. Empty if the two are equal: a
 /// file whose bytes differ all the same differs in comments and form alone.

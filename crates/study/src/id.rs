@@ -37,6 +37,42 @@ fn refused_as_name(text: &str) -> Option<&'static str> {
         .or_else(|| is_device().then_some("Windows keeps this name for a device; choose another"))
 }
 
+/// Columns that trial files have anyhow, or had, and folders they lie in.
+const COLUMNS: [&str; 23] = [
+    "t_s",
+    "t_device_s",
+    "theta_rad",
+    "theta_dot_rad_s",
+    "theta_ddot_rad_s2",
+    "force_ex_n",
+    "torque_ex_nm",
+    "voltage_motor_v",
+    "voltage_brake_v",
+    "force_age_s",
+    "theta_raw",
+    "force_cmd_n",
+    "flags",
+    "state_bits",
+    "trial",
+    "repeat",
+    "kind",
+    "status",
+    "environment",
+    "mode",
+    "likert",
+    "participant",
+    "session",
+];
+
+/// Why a text is no name of a column of a study's own.
+fn refused_as_column(text: &str) -> Option<&'static str> {
+    let is_plain = text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
+        && text.starts_with(|c: char| c.is_ascii_lowercase());
+    refused(text)
+        .or_else(|| (!is_plain).then_some("use lower case, digits and '_', a letter first"))
+        .or_else(|| COLUMNS.contains(&text).then_some("it is a column of every trial file"))
+}
+
 macro_rules! ids {
     ($($(#[$doc:meta])* $name:ident = $what:literal, unless $refused:ident;)*) => {$(
         $(#[$doc])*
@@ -101,6 +137,8 @@ ids! {
     ModeId = "mode", unless refused;
     /// A question of the study.
     QuestionId = "question", unless refused;
+    /// A channel of a study: a column of its trial files.
+    ChannelId = "channel", unless refused_as_column;
     /// An actuator or sensor that was characterised, such as `motor`.
     ActuatorId = "actuator", unless refused;
 }

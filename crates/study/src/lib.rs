@@ -10,6 +10,7 @@ mod control;
 mod event;
 mod figures;
 mod file;
+mod form;
 mod id;
 mod locate;
 mod model;
@@ -26,8 +27,10 @@ pub use changes::{Affects, StudyChange, study_changes};
 pub use control::{Control, VelocityFilter};
 pub use event::{Event, SealedTrial};
 pub use figures::{Alignment, Figures};
+pub use form::{Channel, Schema, TrialForm};
 pub use id::{
-    ActuatorId, EnvironmentId, IdError, ModeId, ParticipantId, QuestionId, SessionId, StudyId,
+    ActuatorId, ChannelId, EnvironmentId, IdError, ModeId, ParticipantId, QuestionId, SessionId,
+    StudyId,
 };
 pub use locate::{line_of, toml_error};
 pub use model::{
@@ -35,14 +38,14 @@ pub use model::{
     OrderScheme, Question, Scene, Spring, Study,
 };
 pub use printable::{printable, printable_lines};
-pub use sample::{Flags, Sample, Voltages};
+pub use sample::{Extra, Flags, MOST_CHANNELS, Sample, Voltages};
 pub use seal::{Seal, SealError};
 pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};
 pub use template::template;
 pub use trial::{Kind, Source, Status, TrialMeta};
 
-/// The one version of `study.toml` and of the trial files that this software writes and reads.
-pub const SCHEMA_VERSION: u32 = 1;
+/// The one version of session records that this software writes and reads.
+pub const RECORD_VERSION: u32 = 1;
 
 /// One thing wrong in a `study.toml`: where, what, and how to mend it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! A study as a value: what was planned, in SI units.
 
-use crate::{Control, EnvironmentId, Figures, ModeId, QuestionId, StudyId};
+use crate::{Channel, Control, EnvironmentId, Figures, ModeId, QuestionId, Schema, StudyId};
 use serde::{Deserialize, Serialize};
 
 /// A whole `study.toml`, checked.
@@ -30,6 +30,10 @@ pub struct Study {
     pub analysis: Analysis,
     /// What figures show.
     pub figures: Figures,
+    /// Version of the trial files' form.
+    pub schema: Schema,
+    /// What is recorded per sample besides what every study records, in the order of the file.
+    pub channels: Vec<Channel>,
 }
 
 impl Study {

@@ -14,7 +14,34 @@ impl Voltages {
     pub const OFF: Self = Self { motor_v: 0.0, brake_v: 0.0 };
 }
 
-/// Status bits of a sample: the column `flags`.
+/// A study has at most so many channels of its own, and a device gives as many.
+pub const MOST_CHANNELS: usize = 8;
+
+/// The values of a device's own channels, in its order.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Extra {
+    values: [f64; MOST_CHANNELS],
+    n: u8,
+}
+
+impl Extra {
+    /// These values; those behind the [`MOST_CHANNELS`]th are dropped.
+    pub fn new(values: &[f64]) -> Self {
+        let mut extra = Self::default();
+        for (place, value) in extra.values.iter_mut().zip(values) {
+            *place = *value;
+            extra.n += 1;
+        }
+        extra
+    }
+
+    /// The values.
+    pub fn values(&self) -> &[f64] {
+        &self.values[..usize::from(self.n).min(MOST_CHANNELS)]
+    }
+}
+
+/// Status bits of a sample: the column `state_bits`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Flags(pub u16);
 
@@ -73,6 +100,8 @@ pub struct Sample {
     pub force_cmd_n: f64,
     /// Status bits.
     pub flags: Flags,
+    /// What the device gives besides.
+    pub extra: Extra,
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What is fixed about a session when it is laid down.
 
 use crate::{
-    Calibration, EnvironmentId, Kind, ModeId, OrderScheme, ParticipantId, SCHEMA_VERSION,
+    Calibration, EnvironmentId, Kind, ModeId, OrderScheme, ParticipantId, RECORD_VERSION,
     SessionId, Source,
 };
 use serde::{Deserialize, Serialize, Serializer};
@@ -125,7 +125,7 @@ impl SessionRecord {
         trials: Vec<PlannedTrial>,
     ) -> Self {
         Self {
-            schema_version: SCHEMA_VERSION,
+            schema_version: RECORD_VERSION,
             participant,
             session,
             source,

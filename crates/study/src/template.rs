@@ -10,8 +10,8 @@ pub fn template(id: &StudyId) -> String {
 const TEMPLATE: &str = r#"# What this study is: design, device, environments, modes, questions.
 # Keys end in their unit. `zwidth verify @ID@` checks this file and everything recorded for it.
 
-# Version of this file's form.
-schema = 1
+# Version of the form of the study's trial files. A study keeps the one it began with.
+schema = 2
 
 [study]
 # The folder's name under raw/.
@@ -125,4 +125,11 @@ text = "During this test I clearly felt forces I would associate with interactin
 [[questions]]
 id = "felt_wall"
 text = "During this test I clearly felt forces I would associate with interacting with an infinitely rigid object, such as a wall, in addition to a linear stiffness."
+
+# What is recorded per sample besides, if the device or a mapping file gives it: a column of each trial file. To be
+# listed before the first trial.
+# [[channels]]
+# id = "grip_n"
+# unit = "N"
+# description = "force of the grip"
 "#;

@@ -71,14 +71,6 @@ pub enum TableError {
         /// The value.
         value: f64,
     },
-    /// Polars refused.
-    #[error("table '{table}': {source}")]
-    Polars {
-        /// The table.
-        table: String,
-        /// What polars said.
-        source: polars::error::PolarsError,
-    },
     /// The file could not be read or written.
     #[error(transparent)]
     Store(#[from] StoreError),

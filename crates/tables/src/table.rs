@@ -1,7 +1,6 @@
 //! The table: columns that know their unit and what they mean.
 
 use crate::TableError;
-use polars::prelude::{self as pl, IntoColumn, NamedFrom};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -207,43 +206,6 @@ impl Table {
         Ok(Self { name, title, notes: Vec::new(), kinds: Vec::new(), columns })
     }
 
-    /// A table from those columns of a polars frame, as a query gave it, that `fields` describe.
-    ///
-    /// # Errors
-    /// A field that the frame lacks or has with another type; a float that is not finite.
-    pub fn from_frame(
-        name: &str,
-        title: &str,
-        fields: Vec<Field>,
-        frame: &pl::DataFrame,
-    ) -> Result<Self, TableError> {
-        let values = |field: &Field| -> Result<Values, pl::PolarsError> {
-            let series = frame.column(&field.name)?;
-            Ok(match field.kind {
-                Type::Float => Values::Float(series.f64()?.iter().collect()),
-                Type::Integer => Values::Integer(series.i64()?.iter().collect()),
-                Type::Text => {
-                    Values::Text(series.str()?.iter().map(|v| v.map(Arc::from)).collect())
-                }
-                Type::Flag => Values::Flag(series.bool()?.iter().collect()),
-            })
-        };
-        let column = |field: Field| Ok(Column { values: values(&field)?, field });
-        let columns = fields.into_iter().map(column).collect::<Result<_, _>>();
-        let columns =
-            columns.map_err(|source| TableError::Polars { table: name.to_owned(), source })?;
-        Self::new(name, title, columns)
-    }
-
-    /// The rows as a polars frame, for grouping and joining.
-    ///
-    /// # Errors
-    /// Two columns of one name.
-    pub fn frame(&self) -> Result<pl::DataFrame, TableError> {
-        pl::DataFrame::new(self.height(), self.columns.iter().map(series).collect())
-            .map_err(|source| TableError::Polars { table: self.name.clone(), source })
-    }
-
     /// The same table with a note below it.
     #[must_use]
     pub fn with_note(self, note: impl Into<String>) -> Self {
@@ -393,19 +355,6 @@ impl Table {
     fn wrong_type(&self, column: &str, wanted: Type) -> TableError {
         TableError::WrongType { table: self.name.clone(), column: column.to_owned(), wanted }
     }
-}
-
-fn series(column: &Column) -> pl::Column {
-    let name = pl::PlSmallStr::from_str(&column.field.name);
-    match &column.values {
-        Values::Float(v) => pl::Series::new(name, v),
-        Values::Integer(v) => pl::Series::new(name, v),
-        Values::Text(v) => {
-            pl::Series::new(name, v.iter().map(Option::as_deref).collect::<Vec<_>>())
-        }
-        Values::Flag(v) => pl::Series::new(name, v),
-    }
-    .into_column()
 }
 
 fn check_finite(table: &str, column: &Column) -> Result<(), TableError> {

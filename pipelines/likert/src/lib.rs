@@ -10,15 +10,19 @@
 //! same people, so `n` there is a number of answers, not of independent ones; `participants` says
 //! of how many.
 //!
+//! [`long`] gives the answers themselves, one row each, as they were given.
+//!
 //! Pure: answers in memory, table out. Only answers that count may come in (`StudyData::answers`
 //! gives those).
 
 mod counts;
+mod long;
 #[cfg(test)]
 mod real_data;
 mod tally;
 
+pub use long::long;
 pub use tally::{LikertError, Scheme, tally};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;

@@ -1,9 +1,7 @@
-//! The metrics by condition: mean and standard deviation of the repeats, by polars.
+//! The metrics by condition: mean and standard deviation of the repeats, as a query.
 
-use polars::prelude::{self as pl, IntoLazy as _};
 use std::borrow::Cow;
-use std::panic::resume_unwind;
-use std::thread;
+use zwidth_frames::{Aggregate, Frame, FrameError, Statistic};
 use zwidth_study::Condition;
 use zwidth_tables::{Field, Table, TableError, Type, of_trials};
 
@@ -34,23 +32,17 @@ const SUMMARISED: [&str; 13] = [
 ///
 /// # Errors
 /// A table that is not the stage's.
-pub fn by_condition(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableError> {
+pub fn by_condition(metrics: &Table, conditions: &[Condition]) -> Result<Table, FrameError> {
     let metrics = &ordered(metrics, conditions)?;
     let present: Vec<&Field> = SUMMARISED
         .iter()
         .filter_map(|name| metrics.fields().find(|f| f.name == *name))
         .filter(|f| metrics.floats(&f.name).is_ok_and(|v| v.iter().any(Option::is_some)))
         .collect();
-    let mut aggregates = vec![pl::len().cast(pl::DataType::Int64).alias("n")];
-    for field in &present {
-        let values = || pl::col(field.name.as_ref());
-        aggregates.push(values().mean());
-        aggregates.push(values().std(1).alias(deviation(field)));
-        aggregates.push(values().count().cast(pl::DataType::Int64).alias(count(field)));
-    }
-    let grouped = grouped(metrics, &aggregates)?;
+    let aggregates: Vec<Aggregate> = present.iter().flat_map(|field| aggregates(field)).collect();
+    let grouped = Frame::new(metrics)?.grouped(&GROUP, "n", &aggregates)?;
     let title = "Metrics by condition: mean and SD of the repeats";
-    let table = Table::from_frame("conditions", title, fields(metrics, &present), &grouped)?;
+    let table = grouped.to_table("conditions", title, fields(metrics, &present))?;
     Ok(incomplete(metrics, &present, &grouped)?.into_iter().fold(table, Table::with_note))
 }
 
@@ -91,28 +83,27 @@ pub fn together(conditions: &[Table]) -> Result<Option<Table>, TableError> {
     of_trials("metrics", "Metrics, one row a trial", conditions)
 }
 
-fn polars(source: pl::PolarsError) -> TableError {
-    TableError::Polars { table: "conditions".to_owned(), source }
-}
-
-/// Polars waits for threads of its own, and a thread of ours that waits takes up other work,
-/// however long: so the query waits on a thread that has no other.
-fn grouped(metrics: &Table, aggregates: &[pl::Expr]) -> Result<pl::DataFrame, TableError> {
-    let query = metrics.frame()?.lazy().group_by_stable(GROUP.map(pl::col)).agg(aggregates);
-    let found = thread::scope(|scope| scope.spawn(|| query.collect()).join());
-    found.unwrap_or_else(|panic| resume_unwind(panic)).map_err(polars)
+/// What is made of a metric's values in one condition.
+fn aggregates(field: &Field) -> [Aggregate; 3] {
+    let aggregate =
+        |statistic, name: String| Aggregate { of: field.name.to_string(), statistic, name };
+    [
+        aggregate(Statistic::Mean, field.name.to_string()),
+        aggregate(Statistic::Deviation, deviation(field)),
+        aggregate(Statistic::Count, count(field)),
+    ]
 }
 
 /// Where a metric is over fewer trials than the condition's n, in words.
 fn incomplete(
     metrics: &Table,
     present: &[&Field],
-    grouped: &pl::DataFrame,
-) -> Result<Vec<String>, TableError> {
+    grouped: &Frame,
+) -> Result<Vec<String>, FrameError> {
     let mut fields: Vec<Field> = fields(metrics, &[]);
     let counted = |f: &&Field| Field { name: count(f).into(), kind: Type::Integer, ..(*f).clone() };
     fields.extend(present.iter().map(counted));
-    let counts = Table::from_frame("counts", "", fields, grouped)?;
+    let counts = grouped.to_table("counts", "", fields)?;
     let (environments, modes, n) =
         (counts.texts("environment")?, counts.texts("mode")?, counts.integers("n")?);
     let mut notes = Vec::new();

@@ -68,7 +68,7 @@ impl<'a> Signals<'a> {
             Some(updates) => Some(Cow::Owned(updates.at(t))),
             None => recorded.map(Cow::Borrowed),
         };
-        let flags = column(Signal::Flags)?;
+        let flags = column(Signal::StateBits)?;
         Ok(Self {
             t,
             theta,

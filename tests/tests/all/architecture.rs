@@ -1,33 +1,34 @@
 //! The floors of the house, proved from `cargo metadata`: arrows point down only.
 
 use crate::folders::workspace;
-use cargo_metadata::{Metadata, MetadataCommand, Package};
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
 /// What lies on which floor. A place is a folder of the workspace; `pipelines/*` is every folder in
 /// it.
-const FLOORS: [(u8, &[&str]); 7] = [
+const FLOORS: [(u8, &[&str]); 8] = [
     (0, &["crates/study", "crates/numerics"]),
     (1, &["crates/dynamics", "crates/store", "crates/stats"]),
-    (2, &["crates/device", "crates/draw", "crates/tables"]),
-    (3, &["crates/runner", "pipelines/*"]),
-    (4, &["crates/acquire"]),
-    (5, &["crates/zwidth"]),
+    (2, &["crates/device", "crates/draw", "crates/tables", "crates/import"]),
+    (3, &["crates/frames"]),
+    (4, &["crates/runner", "pipelines/*"]),
+    (5, &["crates/plan", "crates/acquire"]),
+    (6, &["crates/zwidth"]),
     (TOP, &["tests", "benches", "xtask"]),
 ];
 
 /// Chores, tests and comparisons look at everything, and at peers; nothing looks at them.
-const TOP: u8 = 6;
+const TOP: u8 = 7;
 
 /// Libraries of other people that stay where they are below the top floor, and the places that may
 /// know them.
 const CONFINED: [(&str, &[&str]); 8] = [
-    ("arrow", &["crates/store", "crates/tables"]),
-    ("parquet", &["crates/store"]),
-    ("polars", &["crates/tables", "pipelines/*"]),
-    ("csv", &["crates/store"]),
+    ("arrow", &["crates/store", "crates/tables", "crates/import"]),
+    ("parquet", &["crates/store", "crates/import"]),
+    ("polars", &["crates/frames"]),
+    ("csv", &["crates/import"]),
     ("plotters", &["crates/draw"]),
     ("serialport", &["crates/device"]),
     ("clap", &["crates/zwidth"]),
@@ -123,6 +124,32 @@ fn libraries_of_one_purpose_stay_where_they_belong() {
             let may = floor(&place) == TOP || places.iter().any(|p| is_at(&place, p));
             assert!(may || !knows, "{place} must not know {library}; only {places:?} may");
         }
+    }
+}
+
+/// Polars takes longer to compile than everything of ours: what does not stand on queries must not
+/// wait for it, not even by way of another crate.
+#[test]
+fn most_of_the_house_does_not_wait_for_polars() {
+    let metadata = metadata();
+    let built_from: BTreeMap<&str, Vec<&str>> = metadata
+        .packages
+        .iter()
+        .map(|package| {
+            let needs =
+                package.dependencies.iter().filter(|d| d.kind != DependencyKind::Development);
+            (package.name.as_str(), needs.map(|d| d.name.as_str()).collect())
+        })
+        .collect();
+    fn reaches(built_from: &BTreeMap<&str, Vec<&str>>, from: &str) -> bool {
+        let needs = built_from.get(from).map(Vec::as_slice).unwrap_or_default();
+        needs.iter().any(|name| *name == "polars" || reaches(built_from, name))
+    }
+    assert!(reaches(&built_from, "zwidth-frames"), "was it found?");
+    for name in ["tables", "draw", "device", "acquire", "store", "import", "runner"] {
+        let name = format!("zwidth-{name}");
+        assert!(built_from.contains_key(name.as_str()), "{name}");
+        assert!(!reaches(&built_from, &name), "{name} must not wait for polars");
     }
 }
 

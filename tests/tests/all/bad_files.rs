@@ -134,11 +134,11 @@ fn an_unknown_schema_version_is_refused_by_its_number() {
         // The value follows its key after two bytes: the type of the field, and its length.
         let at = find(path, b"schema_version") + "schema_version".len() + 2;
         let mut bytes = fs::read(path).unwrap();
-        assert_eq!(bytes[at], b'1');
+        assert_eq!(bytes[at], b'2');
         bytes[at] = b'9';
         fs::write(path, bytes).unwrap();
     };
-    check(version, &["schema version 9 is unknown", "reads version 1"]);
+    check(version, &["schema version 9 is unknown", "reads versions 1 and 2"]);
 }
 
 #[test]

@@ -321,13 +321,13 @@ fn a_study_or_a_mapping_that_is_not_there_or_not_understood_is_told() {
         .mapping("kind = \"trials\"", "kind = \"trails\"")
         .refuses_text(GOOD, &["map.toml", "line 2", "trails"]);
     let toml = root.join("raw/rig/study.toml");
-    let text = fs::read_to_string(&toml).unwrap().replace("schema = 1", "schema = 9");
+    let text = fs::read_to_string(&toml).unwrap().replace("schema = 2", "schema = 9");
     fs::write(&toml, text).unwrap();
     import("rig", map, good).says(&[
         "study.toml",
         "line 5",
         "schema",
         "version 9 is unknown",
-        "reads version 1",
+        "reads versions 1 and 2",
     ]);
 }

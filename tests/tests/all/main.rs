@@ -25,6 +25,7 @@ mod real;
 mod records;
 mod resuming;
 mod running;
+mod schema;
 mod shipped;
 mod small;
 mod source;

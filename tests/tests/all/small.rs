@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use zwidth_store::{
     Layout, Quantity, RealFiles, Samples, Signal, Sweep, Trial, append_events, hex_blake3,
-    lay_down, log_sweeps, sweep_bytes, trial_bytes, write_new,
+    lay_down, log_sweeps, read_study, sweep_bytes, trial_bytes, write_new,
 };
 use zwidth_study::{
     Event, Kind, ParticipantId, PlannedTrial, SessionId, SessionRecord, Source, Status, StudyId,
@@ -123,12 +123,22 @@ impl Study {
     pub(crate) fn session(&self, participant: &str, drafts: &[Draft]) {
         let participant: ParticipantId = participant.parse().unwrap();
         let mut events = Vec::new();
+        let study = read_study(&self.layout).unwrap();
         for draft in drafts {
             if draft.samples {
                 let path = self.layout.trial(&participant, &session_id(), draft.trial);
-                let bytes = trial_bytes(&trial(draft, &participant), &path).unwrap();
+                let trial = trial(draft, &participant);
+                let bytes = trial_bytes(&trial, &study.trial_form(), &path).unwrap();
                 write_new(&RealFiles, &path, &bytes).unwrap();
                 events.push(Event::Recorded { trial: draft.trial, blake3: hex_blake3(&bytes) });
+                let question = |e: &zwidth_study::Environment| e.question.clone();
+                let question = study.environment(&trial.meta.environment).and_then(question);
+                let answer = question.zip(draft.likert);
+                events.extend(answer.map(|(question, value)| Event::Answer {
+                    trial: draft.trial,
+                    question,
+                    value,
+                }));
             }
             events.extend(draft.events.iter().cloned());
         }

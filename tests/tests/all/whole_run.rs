@@ -390,7 +390,7 @@ fn a_damaged_trial_is_told_skipped_and_listed_by_every_run() {
 #[test]
 fn the_study_that_comes_along_has_no_findings() {
     let found = zwidth(workspace(), &["verify", "thesis-twin"]).exits(0);
-    assert_eq!(found.out, "thesis-twin: no findings\n");
+    assert_eq!(found.out, "thesis-twin: no findings (schema 2)\n");
 }
 
 /// Nothing of the machine, of the time or of the number of threads is in it.

@@ -64,6 +64,7 @@ impl Remote {
             angle_age_s,
             force_n,
             force_age_s: Some(force_age_s),
+            extra: zwidth_study::Extra::default(),
         })
     }
 

@@ -57,11 +57,11 @@ pub(crate) fn live(program: &Path, folder: &Path, minutes: f64) -> anyhow::Resul
     let data = StudyData::load(&layout).map_err(|errors| anyhow::anyhow!("{errors:?}"))?;
     let (mut rows, mut flagged, mut passed) = (0, 0, 0.0);
     for trial in &data.trials {
-        let read = read_trial(&trial.path, [Signal::Time, Signal::Flags])?;
+        let read = read_trial(&trial.path, [Signal::Time, Signal::StateBits])?;
         let column = |signal| read.samples.get(signal).unwrap_or_default();
         rows += trial.rows;
         let is_flagged = |flags: &&f64| Flags(**flags as u16).has(Flags::DROPOUT);
-        flagged += column(Signal::Flags).iter().filter(is_flagged).count();
+        flagged += column(Signal::StateBits).iter().filter(is_flagged).count();
         passed += column(Signal::Time).last().copied().unwrap_or(0.0);
     }
     ensure!(rows == ticks, "{ticks} samples were taken and {rows} are stored");

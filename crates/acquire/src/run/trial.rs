@@ -14,7 +14,7 @@ use zwidth_device::{
     Controller, Histogram, Reading, Seen, Station, Timing, TrialEnd, TrialPlan, TrialRun,
     TrialTask, Trip, watch,
 };
-use zwidth_store::{Files, Journal, TrialFile, append_events, check_session};
+use zwidth_store::{Files, Journal, Protocol, TrialFile, append_events, check_session};
 use zwidth_study::{Environment, Event, Flags, Mode, PlannedTrial, Sample, Study};
 
 /// Why a trial was cut that a signal ended.
@@ -215,7 +215,14 @@ impl<'a> Runner<'a> {
         put("start_utc", Some(start_utc));
         put("no_watchdog", self.is_unwatched().then(|| "true".to_owned()));
         let meta = self.session.meta(trial);
-        Ok(Journal::create(&self.files, &self.plan.layout, &meta, &file)?)
+        let study = &self.plan.study;
+        let environment = study.environment(&trial.environment);
+        let protocol = Protocol {
+            form: study.trial_form(),
+            question: environment.and_then(|e| e.question.clone()),
+            given: self.capabilities.channels.clone(),
+        };
+        Ok(Journal::create(&self.files, &self.plan.layout, &meta, &file, &protocol)?)
     }
 }
 
@@ -384,6 +391,7 @@ mod tests {
             theta_raw: None,
             force_cmd_n: 0.0,
             flags,
+            extra: zwidth_study::Extra::default(),
         }
     }
 

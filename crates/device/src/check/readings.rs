@@ -272,6 +272,7 @@ mod tests {
                 angle_age_s: 0.0,
                 force_n: at(force_s).1,
                 force_age_s: Some(t_s - force_s),
+                extra: zwidth_study::Extra::default(),
             };
             Look { t_s, reading }
         };

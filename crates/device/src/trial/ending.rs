@@ -53,6 +53,7 @@ mod tests {
             theta_raw: None,
             force_cmd_n: 0.0,
             flags: Flags::default(),
+            extra: zwidth_study::Extra::default(),
         }
     }
 

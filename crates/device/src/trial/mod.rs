@@ -180,6 +180,7 @@ fn step(
             .with(Flags::CLIPPED, clipped)
             .with(Flags::BRAKE_ON, voltages.brake_v != 0.0)
             .with(Flags::MOTOR_ON, voltages.motor_v != 0.0),
+        extra: reading.extra,
     })
 }
 

@@ -32,7 +32,7 @@ const TAIL: usize = 8;
 ///
 /// # Errors
 /// Why the file cannot be read, in words.
-pub(crate) fn check_footer(bytes: &[u8]) -> Result<(), String> {
+pub fn check_footer(bytes: &[u8]) -> Result<(), String> {
     let footer =
         footer_of(bytes).ok_or("it has no footer: it was cut short, or is no Parquet file")?;
     if footer.len() > MOST_FOOTER {
@@ -99,7 +99,7 @@ pub(crate) fn check_size(
 ///
 /// # Errors
 /// Why the column cannot be read, in words.
-pub(crate) fn check_pages(
+pub fn check_pages(
     bytes: &[u8],
     metadata: &ParquetMetaData,
     wanted: impl Fn(usize) -> bool,

@@ -47,7 +47,9 @@ impl Laid {
         ];
         let file: TrialFile = says.into_iter().map(|(k, v)| (k.to_owned(), v)).collect();
         let meta = TrialMeta { source: Source::Twin, ..meta(1) };
-        let mut journal = Journal::create(&RealFiles, &layout, &meta, &file).unwrap();
+        let mut journal =
+            Journal::create(&RealFiles, &layout, &meta, &file, &crate::Protocol::default())
+                .unwrap();
         journal.append(&rows(0, 3)).unwrap();
         journal.end().unwrap();
         journal.finish(&RealFiles, &layout, Some(4), UTC).unwrap();

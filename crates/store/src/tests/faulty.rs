@@ -13,24 +13,17 @@ use std::sync::{Arc, Mutex, MutexGuard};
 pub(crate) struct Faulty {
     /// Steps that still work; none counts down where nothing fails.
     left: Arc<Mutex<Option<u32>>>,
-    /// Whether what is there can be removed.
-    removes: bool,
 }
 
 impl Faulty {
     /// A disk that is full from step n on: what is there can still be removed.
     pub(crate) fn at(n: u32) -> Self {
-        Self { left: Arc::new(Mutex::new(Some(n))), removes: true }
-    }
-
-    /// Nothing can be removed from it either.
-    pub(crate) fn stuck_at(n: u32) -> Self {
-        Self { removes: false, ..Self::at(n) }
+        Self { left: Arc::new(Mutex::new(Some(n))) }
     }
 
     /// A disk that works, and waits for no sync.
     pub(crate) fn never() -> Self {
-        Self { left: Arc::default(), removes: true }
+        Self { left: Arc::default() }
     }
 
     fn left(&self) -> MutexGuard<'_, Option<u32>> {
@@ -89,9 +82,6 @@ impl Files for Faulty {
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
-        if !self.removes {
-            return Err(io::Error::from(io::ErrorKind::ReadOnlyFilesystem));
-        }
         RealFiles.remove(path)
     }
 

@@ -5,7 +5,7 @@ use super::shape::*;
 use crate::model::{
     Analysis, Coordinate, Design, Device, Environment, Masses, Mode, Question, Scene, Spring, Study,
 };
-use crate::{Control, SCHEMA_VERSION, StudyError, VelocityFilter, locate};
+use crate::{Control, MOST_CHANNELS, Schema, StudyError, VelocityFilter, locate};
 use std::collections::BTreeSet;
 
 /// Movement begins above this velocity: well above a held sensor's jitter, well below a slow push.
@@ -166,16 +166,35 @@ impl Check<'_> {
         }
     }
 
-    fn study(&mut self, file: File) -> Study {
-        if file.schema != SCHEMA_VERSION {
-            self.error(
-                "schema",
-                format!(
-                    "version {} is unknown; this software reads version {SCHEMA_VERSION}",
-                    file.schema
-                ),
-            );
+    /// The version of the trial files' form, and whether the channels are ones that it has.
+    fn schema(&mut self, file: &File) -> Schema {
+        let schema = Schema::try_from(file.schema).unwrap_or_else(|problem| {
+            self.error("schema", problem);
+            Schema::default()
+        });
+        let n = file.channels.len();
+        if n > MOST_CHANNELS {
+            let problem = format!("the list has {n} entries; at most {MOST_CHANNELS} are allowed");
+            self.error("channels", problem);
         }
+        if n > 0 && schema == Schema::One {
+            let problem = "trial files of schema 1 have none; a new study with schema = 2 has";
+            self.error("channels", problem.to_owned());
+        }
+        for (i, channel) in file.channels.iter().enumerate() {
+            for (key, text) in [("unit", &channel.unit), ("description", &channel.description)] {
+                let key = format!("channels[{i}].{key}");
+                self.line(&key, text);
+                if text.trim().is_empty() {
+                    self.error(&key, "is empty; a unit of a pure number is \"1\"".to_owned());
+                }
+            }
+        }
+        schema
+    }
+
+    fn study(&mut self, file: File) -> Study {
+        let schema = self.schema(&file);
         self.lines(&file);
         self.sizes(&file);
         let device = self.device(&file.device);
@@ -183,6 +202,7 @@ impl Check<'_> {
         self.unique("environments", file.environments.iter().map(|e| e.id.as_str()));
         self.unique("modes", file.modes.iter().map(|m| m.id.as_str()));
         self.unique("questions", file.questions.iter().map(|q| q.id.as_str()));
+        self.unique("channels", file.channels.iter().map(|c| c.id.as_str()));
         let known: BTreeSet<&str> = file.questions.iter().map(|q| q.id.as_str()).collect();
         let ids: Vec<&str> = file.environments.iter().map(|e| e.id.as_str()).collect();
         let figures = self.figures(&file.figures, &ids);
@@ -207,6 +227,8 @@ impl Check<'_> {
             environments,
             modes,
             questions: file.questions.into_iter().map(question).collect(),
+            schema,
+            channels: file.channels,
             analysis: self.analysis(&file.analysis, coordinate),
             figures,
         }
@@ -228,7 +250,7 @@ impl Check<'_> {
                 format!("the list has {count} entries; at most {MOST_LISTED} are allowed"),
             );
         }
-        if count == 0 && list != "questions" {
+        if count == 0 && !["questions", "channels"].contains(&list) {
             self.error(list, "the list is empty; a study needs at least one".to_owned());
         }
     }

@@ -1,5 +1,6 @@
 //! The shape of `study.toml`: what serde reads and writes, in the units people type.
 
+use crate::Channel;
 use crate::model::{Analysis, OrderScheme};
 use crate::{Control, VelocityFilter};
 use crate::{EnvironmentId, ModeId, QuestionId, StudyId};
@@ -28,6 +29,8 @@ pub(super) struct File {
     pub(super) modes: Vec<ModeTable>,
     #[serde(default)]
     pub(super) questions: Vec<QuestionTable>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) channels: Vec<Channel>,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -2,7 +2,6 @@
 
 use super::MILLI;
 use super::shape::*;
-use crate::SCHEMA_VERSION;
 use crate::model::{Analysis, Coordinate, Environment, Scene, Study};
 
 impl Study {
@@ -23,7 +22,7 @@ pub(crate) fn value_of(study: &Study) -> toml::Value {
 impl From<&Study> for File {
     fn from(s: &Study) -> Self {
         Self {
-            schema: SCHEMA_VERSION,
+            schema: s.schema.number(),
             study: StudyTable { id: s.id.clone(), title: s.title.clone() },
             design: DesignTable {
                 repeats: s.design.repeats,
@@ -78,6 +77,7 @@ impl From<&Study> for File {
                     reversed: q.reversed,
                 })
                 .collect(),
+            channels: s.channels.clone(),
         }
     }
 }

@@ -183,6 +183,7 @@ fn rows(path: &Path, samples: &Samples) -> anyhow::Result<Vec<Sample>> {
         theta_raw: None,
         force_cmd_n: 0.0,
         flags: Flags::default(),
+        extra: zwidth_study::Extra::default(),
     };
     Ok((0..t.len()).map(row).collect())
 }

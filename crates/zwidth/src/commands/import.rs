@@ -7,7 +7,8 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::anyhow;
 use std::path::Path;
-use zwidth_store::import::{Mapping, import as import_files, settle};
+use zwidth_import::{Mapping, import as import_files};
+use zwidth_store::started::settle;
 use zwidth_store::{Raw, RealFiles, read_study};
 
 pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::Result<Exit> {

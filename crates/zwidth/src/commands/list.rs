@@ -8,12 +8,16 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_acquire::left_to_do;
 use zwidth_store::{Layout, StudyData, TrialEntry};
-use zwidth_study::{Condition, Kind, StudyId};
+use zwidth_study::{Channel, Condition, Kind, StudyId};
 
 #[derive(Serialize)]
 struct Listing {
     study: String,
     title: String,
+    /// Version of the form of its trial files.
+    schema: u32,
+    /// What is recorded per sample besides what every study records.
+    channels: Vec<Channel>,
     sessions: Vec<Session>,
     sweeps: BTreeMap<String, usize>,
     unreadable: Vec<String>,
@@ -71,6 +75,8 @@ fn listing(layout: &Layout) -> anyhow::Result<Listing> {
     Ok(Listing {
         study: layout.study().to_string(),
         title: data.study.title.clone(),
+        schema: data.study.schema.number(),
+        channels: data.study.channels.clone(),
         sessions: data.sessions.iter().map(|log| session(&data, log)).collect(),
         sweeps,
         unreadable: data.problems.iter().map(ToString::to_string).collect(),
@@ -140,6 +146,9 @@ fn text(l: &Listing) -> String {
         lines.extend(s.left_out.iter().map(|t| format!("    left out: {t}")));
         lines.extend(s.missing.iter().map(|t| format!("    missing: {t}")));
     }
+    let channel =
+        |c: &Channel| format!("  channel {} ({}): {}", c.id.as_str(), c.unit, c.description);
+    lines.extend(l.channels.iter().map(channel));
     lines.extend(l.sweeps.iter().map(|(actuator, n)| format!("  {actuator}  {n} sweeps")));
     lines.extend(l.unreadable.iter().map(|e| format!("  unreadable: {e}")));
     lines.join("\n")

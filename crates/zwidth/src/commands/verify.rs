@@ -5,8 +5,8 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use serde::Serialize;
 use std::path::Path;
-use zwidth_store::{Layout, RealFiles, StoreError, study_notes};
-use zwidth_study::StudyId;
+use zwidth_store::{Layout, RealFiles, StoreError, read_study, study_notes};
+use zwidth_study::{Study, StudyId};
 
 #[derive(Serialize)]
 struct Finding<'a> {
@@ -34,15 +34,22 @@ pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyho
             findings.iter().for_each(|f| screen.result(f.to_string()));
             let notes = study_notes(&RealFiles, &Layout::new(root, study.clone()));
             notes.iter().for_each(|note| screen.result(format!("{study}: note: {note}")));
+            let schema = read_study(&Layout::new(root, study.clone()));
+            let schema = schema.map_or_else(|_| String::new(), |s| in_words(&s));
             screen.result(match findings.len() {
-                0 => format!("{study}: no findings"),
-                1 => format!("{study}: 1 finding"),
-                n => format!("{study}: {n} findings"),
+                0 => format!("{study}: no findings{schema}"),
+                1 => format!("{study}: 1 finding{schema}"),
+                n => format!("{study}: {n} findings{schema}"),
             });
         }
     }
     let clean = nameless.is_empty() && checked.iter().all(|(_, findings)| findings.is_empty());
     Ok(if clean { Exit::Fine } else { Exit::Failed })
+}
+
+/// Which form the study's trial files have.
+fn in_words(study: &Study) -> String {
+    format!(" (schema {})", study.schema.number())
 }
 
 fn finding<'a>(study: &'a str, f: &'a StoreError) -> Finding<'a> {

@@ -166,9 +166,13 @@ fn what_was_not_recorded_is_null_and_the_time_comes_from_the_rate() {
     let Some(real) = &*RUN else { return };
     for path in files(&real.layout.trials(), "parquet") {
         let trial = read_trial(&path, Signal::all()).unwrap();
-        for lacks in
-            [Signal::Theta, Signal::ForceEx, Signal::ForceCmd, Signal::VoltageMotor, Signal::Flags]
-        {
+        for lacks in [
+            Signal::Theta,
+            Signal::ForceEx,
+            Signal::ForceCmd,
+            Signal::VoltageMotor,
+            Signal::StateBits,
+        ] {
             assert!(trial.samples.get(lacks).is_none(), "{} of {}", lacks.name(), path.display());
         }
         let t = trial.samples.get(Signal::Time).unwrap();

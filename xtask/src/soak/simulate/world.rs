@@ -92,6 +92,7 @@ impl Trouble {
     pub(super) fn words(&self) -> Vec<&'static str> {
         let disk = self.disk.map(|(_, fault)| match (fault, self.survives) {
             (Fault::Full, _) => "a full disk",
+            (Fault::ReadOnly, _) => "a disk that can be read only",
             (Fault::End, Survives::Everything) => "a kill",
             (Fault::End, Survives::Synced) => "a power cut: synced names and content stay",
             (Fault::End, Survives::Names) => "a power cut: names stay, unsynced content goes",

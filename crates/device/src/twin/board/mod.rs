@@ -7,7 +7,7 @@ use crate::participant::draw::{Draw, Purpose};
 use crate::participant::{Person, STEP_S};
 use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
 use zwidth_dynamics::{Command, Driven};
-use zwidth_study::{Source, Voltages};
+use zwidth_study::{Channel, ChannelId, Extra, Source, Voltages};
 
 /// Version of the simulation: another one makes other numbers of the same seed.
 const VERSION: u32 = 1;
@@ -173,6 +173,7 @@ impl Twin {
             angle_age_s: self.now_s - self.angle.taken_s,
             force_n: self.force.value_n,
             force_age_s: Some(self.now_s - self.force.taken_s),
+            extra: Extra::new(&[self.plant.state().theta_rad]),
         }
     }
 }
@@ -230,7 +231,18 @@ fn capabilities(parameters: &TwinParameters) -> Capabilities {
         brake_max_v: highest(&parameters.actuators.brake.voltage_v),
         watchdog_s: Some(WATCHDOG_S),
         source: Source::Twin,
+        channels: channels(),
     }
+}
+
+/// What no sensor of the prototype sees: the lever's angle as it is.
+fn channels() -> Vec<Channel> {
+    let channel = |id: ChannelId| Channel {
+        id,
+        unit: "rad".to_owned(),
+        description: "lever angle of the simulated plant, without its sensor".to_owned(),
+    };
+    ChannelId::new("theta_true_rad").map(channel).into_iter().collect()
 }
 
 #[cfg(test)]

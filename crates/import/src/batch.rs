@@ -1,0 +1,252 @@
+//! Everything an import makes, as bytes; and writing it, all or nothing.
+
+use super::identity::Identity;
+use super::report::{FileReport, Report};
+use super::{Context, Errors};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use zwidth_store::started::{Started, TakenBack, end};
+use zwidth_store::{
+    Files, Layout, StoreError, laid_down, log_sweeps, new_log, record_bytes, write_new,
+};
+use zwidth_study::{ActuatorId, Event, PlannedTrial, SessionRecord, Source};
+
+/// What an import is about to write.
+#[derive(Debug, Default)]
+pub(super) struct Batch {
+    /// New files, whole.
+    pub(super) outputs: Vec<(PathBuf, Vec<u8>)>,
+    /// New event logs.
+    pub(super) logs: Vec<(PathBuf, Vec<Event>)>,
+    /// What the log of the study's sweeps is to say of new ones.
+    pub(super) sweeps: Vec<(ActuatorId, u32, String)>,
+    /// The report on every file read.
+    pub(super) files: Vec<FileReport>,
+}
+
+impl Batch {
+    /// Adds a session record and an event log for every session among `trials`, which stand in the
+    /// order of `identities`; `events` are those of each trial, and `sources`, where the trials
+    /// have no files to say so, the hashes of what they were imported from.
+    pub(super) fn add_sessions(
+        &mut self,
+        context: &Context,
+        identities: &[Identity],
+        trials: &[PlannedTrial],
+        events: Vec<Vec<Event>>,
+        sources: &[&str],
+    ) -> Result<(), StoreError> {
+        let mut sessions: BTreeMap<_, Vec<(&PlannedTrial, Vec<Event>)>> = BTreeMap::new();
+        let mut imported_from: BTreeMap<_, BTreeSet<String>> = BTreeMap::new();
+        for ((i, trial), events) in identities.iter().zip(trials).zip(events) {
+            sessions.entry((&i.participant, &i.session)).or_default().push((trial, events));
+        }
+        for (i, source) in identities.iter().zip(sources) {
+            imported_from
+                .entry((&i.participant, &i.session))
+                .or_default()
+                .insert((*source).to_owned());
+        }
+        for ((participant, session), mut trials) in sessions {
+            trials.sort_by_key(|(t, _)| t.trial);
+            let imported_from = imported_from.remove(&(participant, session)).unwrap_or_default();
+            let record = SessionRecord {
+                imported_from: imported_from.into_iter().collect(),
+                ..SessionRecord::new(
+                    participant.clone(),
+                    session.clone(),
+                    Source::Imported,
+                    context.software,
+                    context.study_blake3.clone(),
+                    trials.iter().map(|(t, _)| (*t).clone()).collect(),
+                )
+            };
+            let path = context.layout.session(participant, session);
+            let json = record_bytes(&path, &record)?;
+            let laid_down = laid_down(&json);
+            self.outputs.push((
+                context.layout.study_copy(participant, session),
+                context.study_toml.clone(),
+            ));
+            self.outputs.push((path, json));
+            let events = trials.into_iter().flat_map(|(_, events)| events);
+            let events = std::iter::once(laid_down).chain(events).collect();
+            self.logs.push((context.layout.events(participant, session), events));
+        }
+        Ok(())
+    }
+
+    /// The report on the whole import.
+    pub(super) fn report(self, layout: &Layout) -> Report {
+        let below = |folder: PathBuf| {
+            self.outputs.iter().filter(|(path, _)| path.starts_with(&folder)).count()
+        };
+        let is_answer = |e: &&Event| matches!(e, Event::Answer { .. });
+        Report {
+            study: layout.study().clone(),
+            trials: below(layout.trials()),
+            sweeps: below(layout.sweeps()),
+            sessions: self.logs.len(),
+            answers: self.logs.iter().flat_map(|(_, events)| events).filter(is_answer).count(),
+            files: self.files,
+        }
+    }
+
+    /// Writes everything, or nothing: when a write fails, what was written before is removed again;
+    /// when the process is killed, the next import or `recover` does that ([`zwidth_store::started`]).
+    ///
+    /// # Errors
+    /// The write that failed, saying what was removed, and any file that could not be removed.
+    pub(super) fn write(&self, disk: &dyn Files, layout: &Layout, utc: &str) -> Result<(), Errors> {
+        let mut logs = Vec::new();
+        for (path, events) in &self.logs {
+            logs.extend(new_log(path, utc, events)?);
+        }
+        let files: Vec<(&Path, &[u8])> = self
+            .outputs
+            .iter()
+            .chain(&logs)
+            .map(|(path, bytes)| (path.as_path(), bytes.as_slice()))
+            .collect();
+        if let Some((path, _)) = files.iter().find(|(path, _)| disk.kind(path).is_some()) {
+            let what = "it exists already; nothing was imported";
+            return Err(StoreError::new(path, what, "finished files never change").into());
+        }
+        let started = Started::of(disk, layout, &files);
+        let write = || {
+            started.begin(disk, layout)?;
+            files.iter().try_for_each(|(path, bytes)| write_new(disk, path, bytes))?;
+            // Last, because it is the one file of theirs that others have lines in.
+            log_sweeps(disk, layout, utc, &self.sweeps)?;
+            end(disk, layout)
+        };
+        write().map_err(|error| undone(&started, disk, layout, error))
+    }
+}
+
+/// Takes back what was written before a write failed; the error with what came of it.
+fn undone(started: &Started, disk: &dyn Files, layout: &Layout, mut error: StoreError) -> Errors {
+    let TakenBack { removed, left, .. } = started.take_back(disk, layout);
+    if left.is_empty() && disk.kind(&layout.import_list()).is_some() {
+        // A list that stays is of files that are gone: the next import removes it.
+        let _ = disk.remove(&layout.import_list());
+    }
+    error.what += &match (removed, left.len()) {
+        (0, 0) => "; nothing was imported".to_owned(),
+        (1, 0) => {
+            "; nothing was imported, and the file written before was removed again".to_owned()
+        }
+        (n, 0) => {
+            format!("; nothing was imported, and the {n} files written before were removed again")
+        }
+        (_, n) => {
+            format!(
+                "; {n} files written before could not be removed again, which the next import will try"
+            )
+        }
+    };
+    Errors(std::iter::once(error).chain(left).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::{FORCE, ONE, World, trials_map};
+    use std::path::PathBuf;
+    use zwidth_store::{Fault, Files as _, Memory, StoreError, StudyData};
+
+    fn two_trials(world: &World) -> Vec<PathBuf> {
+        ["a.csv", "b.csv"]
+            .map(|n| world.file(n, format!("t,f\n0,{}\n1,2\n", u8::from(n == "a.csv"))))
+            .to_vec()
+    }
+
+    /// Imports two trials onto a disk in memory that fails at step `n`.
+    fn import_failing_at(n: u64, fault: Fault) -> (Memory, World, Result<(), Vec<StoreError>>) {
+        let (world, disk) = (World::new(), Memory::new());
+        let study = std::fs::read(world.layout.study_toml()).unwrap();
+        disk.put(&world.layout.study_toml(), &study);
+        disk.fail_in(n, fault);
+        let done = world.import_on(&trials_map(&[ONE, FORCE]), &two_trials(&world), &disk);
+        (disk, world, done.map(drop))
+    }
+
+    #[test]
+    fn a_full_disk_at_any_step_leaves_nothing_and_the_error_says_so() {
+        for fault in 0.. {
+            let (disk, world, done) = import_failing_at(fault, Fault::Full);
+            let Err(errors) = done else {
+                // The list, two trials, a record, the study's copy, a log and its head at 4 steps
+                // each, 2 for each of 4 folders, and the sync after the list is removed: all were
+                // tried. The removal itself is a step that a full disk takes.
+                assert_eq!(fault, 38);
+                let data = StudyData::load_from(&disk, &world.layout).unwrap();
+                assert_eq!(data.counting().count(), 2);
+                break;
+            };
+            let left = disk.list(&world.layout.raw()).unwrap();
+            assert_eq!(left.len(), 1, "only study.toml, fault {fault}: {left:?}");
+            let [error] = errors.as_slice() else { panic!("{errors:?}") };
+            assert!(error.what.contains("nothing was imported"), "{error}");
+            assert!(error.remedy.contains("free some space"), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_removed_again_is_named() {
+        let (_, _, done) = import_failing_at(16, Fault::ReadOnly);
+        let errors = done.unwrap_err();
+        assert!(errors[0].what.contains("could not be removed again"), "{errors:?}");
+        assert!(errors[1].path.ends_with("trial-001.parquet"), "{errors:?}");
+    }
+
+    /// Where a mount of its own is made for the test below, and the kind of disk it is.
+    const DISK: &str = "ZWIDTH_TEST_DISK";
+
+    /// Runs the next test again in a user and mount namespace, on a disk of its own.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_disk_that_is_full_or_read_only_leaves_nothing() {
+        for (disk, size) in [("full", "24k"), ("read-only", "1m")] {
+            let folder = tempfile::tempdir().unwrap();
+            let script = format!(
+                "mount -t tmpfs -o size={size} none \"$1\" && cd \"$1\" && exec \"$2\" --nocapture --exact \"$3\""
+            );
+            let mut command = std::process::Command::new("unshare");
+            command.args(["-Urm", "sh", "-c", &script, "sh"]).arg(folder.path());
+            command.arg(std::env::current_exe().unwrap()).arg("batch::tests::on_a_disk_of_its_own");
+            let Ok(output) = command.env(DISK, disk).output() else {
+                println!("skipped: there is no `unshare` here");
+                return;
+            };
+            let said = format!(
+                "{}{}",
+                String::from_utf8_lossy(&output.stdout),
+                String::from_utf8_lossy(&output.stderr)
+            );
+            if said.contains("unshare:") || said.contains("mount:") {
+                println!("skipped: no mount of one's own here: {said}");
+                return;
+            }
+            assert!(output.status.success() && said.contains("1 passed"), "{said}");
+        }
+    }
+
+    #[test]
+    fn on_a_disk_of_its_own() {
+        let Ok(disk) = std::env::var(DISK) else { return };
+        let here = std::env::current_dir().unwrap();
+        let study = zwidth_study::template(&"demo".parse().unwrap());
+        let world = World::below(&here, &study);
+        let files = two_trials(&world);
+        if disk == "read-only" {
+            let mut mount = std::process::Command::new("mount");
+            assert!(mount.args(["-o", "remount,ro", "."]).status().unwrap().success());
+        }
+        let errors = world.import(&trials_map(&[ONE, FORCE]), &files).unwrap_err();
+        let [error] = errors.as_slice() else { panic!("{errors:?}") };
+        assert!(error.what.contains("nothing was imported"), "{error}");
+        let remedy = if disk == "full" { "free some space" } else { "make the folder writable" };
+        assert!(error.remedy.contains(remedy), "{error}");
+        assert_eq!(world.written(), ["study.toml"]);
+    }
+}

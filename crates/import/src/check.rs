@@ -1,0 +1,308 @@
+//! Checks a mapping file: from its tables and keys to a [`Mapping`], or every problem with its
+//! line.
+
+use super::label::{Label, LabelShape};
+use super::limits::MOST_ERRORS;
+use super::mapping::{Content, FileForm, Mapping, Who};
+use super::shape::{ChannelShape, ColumnShape, FileShape, KindShape, Shape, TimeShape, TrialShape};
+use super::table::ColumnRef;
+use regex::Regex;
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_store::hex_blake3;
+use zwidth_study::{QuestionId, StudyError, line_of, toml_error};
+
+/// The mapping in `text`, or every problem found in it.
+pub(super) fn check(text: &str, path: &Path) -> Result<Mapping, Vec<StudyError>> {
+    let shape = toml::from_str::<Shape>(text).map_err(|e| vec![toml_error(text, &e)])?;
+    let mut check = Check { text, errors: Vec::new() };
+    match check.mapping(shape, path) {
+        Some(mapping) if check.errors.is_empty() => Ok(mapping),
+        _ => Err(check.errors),
+    }
+}
+
+/// Collects problems while the shapes are checked.
+pub(super) struct Check<'a> {
+    text: &'a str,
+    pub(super) errors: Vec<StudyError>,
+}
+
+impl Check<'_> {
+    pub(super) fn error(&mut self, key: &str, problem: impl Into<String>) {
+        if self.errors.len() == MOST_ERRORS {
+            return;
+        }
+        let line = line_of(self.text, key);
+        self.errors.push(StudyError { line, key: key.to_owned(), problem: problem.into() });
+    }
+
+    /// The value, or its problem noted.
+    pub(super) fn keep<T>(&mut self, key: &str, result: Result<T, String>) -> Option<T> {
+        result.map_err(|problem| self.error(key, problem)).ok()
+    }
+
+    pub(super) fn required<T>(&mut self, key: &str, value: Option<T>) -> Option<T> {
+        if value.is_none() {
+            self.error(key, "is missing; this kind of mapping needs it");
+        }
+        value
+    }
+
+    fn mapping(&mut self, shape: Shape, path: &Path) -> Option<Mapping> {
+        self.refuse_unused(&shape);
+        let file = self.file(&shape.file);
+        let name = shape.name.and_then(|n| self.regex("name.pattern", &n.pattern));
+        let groups: Vec<&str> = name.iter().flat_map(Regex::capture_names).flatten().collect();
+        let content = match shape.kind {
+            KindShape::Trials => {
+                let columns = (shape.column, shape.channel);
+                self.trials(shape.trial, shape.time, columns, &groups)
+            }
+            KindShape::Sweeps => {
+                let quantities = [shape.command, shape.response];
+                self.sweeps(shape.sweep, shape.time, quantities, shape.wide, &groups)
+            }
+            KindShape::Likert => {
+                let questions = shape.questions.map(|q| q.columns).unwrap_or_default();
+                self.likert(shape.trial, questions, &groups)
+            }
+        }?;
+        let blake3 = hex_blake3(self.text.as_bytes());
+        Some(Mapping { path: path.to_owned(), blake3, file, drop: shape.drop, content, name })
+    }
+
+    /// A table that the kind gives no meaning to is a mistake.
+    fn refuse_unused(&mut self, shape: &Shape) {
+        use KindShape::{Likert, Sweeps, Trials};
+        let kind = shape.kind;
+        for (table, given, used) in [
+            ("trial", shape.trial.is_some(), kind != Sweeps),
+            ("time", shape.time.is_some(), kind != Likert),
+            ("column", !shape.column.is_empty(), kind == Trials),
+            ("channel", !shape.channel.is_empty(), kind == Trials),
+            ("sweep", shape.sweep.is_some(), kind == Sweeps),
+            ("command", shape.command.is_some(), kind == Sweeps),
+            ("response", shape.response.is_some(), kind == Sweeps),
+            ("wide", shape.wide.is_some(), kind == Sweeps),
+            ("questions", shape.questions.is_some(), kind == Likert),
+        ] {
+            if given && !used {
+                self.error(table, "has no meaning for this kind of mapping; remove it");
+            }
+        }
+    }
+
+    pub(super) fn regex(&mut self, key: &str, pattern: &str) -> Option<Regex> {
+        self.keep(
+            key,
+            Regex::new(pattern).map_err(|e| {
+                // The reason stands in the last line, below the pattern.
+                let why = e.to_string();
+                format!("is no regular expression: {}", why.lines().next_back().unwrap_or_default())
+            }),
+        )
+    }
+
+    fn file(&mut self, f: &FileShape) -> FileForm {
+        if !['.', ','].contains(&f.decimal) {
+            self.error("file.decimal", format!("'{}' must be \".\" or \",\"", f.decimal));
+        }
+        if f.decimal == ',' && f.delimiter == Some(',') {
+            self.error(
+                "file.decimal",
+                "a comma cannot stand between cells and before decimals as well",
+            );
+        }
+        if f.rows == Some(0) {
+            self.error("file.rows", "0 must be at least 1");
+        }
+        FileForm {
+            format: f.format,
+            delimiter: f.delimiter.and_then(|c| self.ascii("file.delimiter", c)),
+            decimal_comma: f.decimal == ',',
+            header: f.header,
+            comment: f.comment.and_then(|c| self.ascii("file.comment", c)),
+            skip: f.skip,
+            rows: f.rows,
+            missing: f.missing,
+            matrix: f.matrix.clone(),
+        }
+    }
+
+    fn ascii(&mut self, key: &str, c: char) -> Option<u8> {
+        let byte = u8::try_from(c).ok().filter(u8::is_ascii);
+        self.keep(key, byte.ok_or_else(|| format!("'{c}' must be an ASCII character")))
+    }
+
+    pub(super) fn label(&mut self, key: &str, shape: LabelShape, groups: &[&str]) -> Option<Label> {
+        self.keep(key, shape.check(groups))
+    }
+
+    pub(super) fn optional(
+        &mut self,
+        key: &str,
+        shape: Option<LabelShape>,
+        groups: &[&str],
+    ) -> Option<Label> {
+        shape.and_then(|shape| self.label(key, shape, groups))
+    }
+
+    fn who(&mut self, shape: Option<TrialShape>, groups: &[&str]) -> Option<Who> {
+        let shape = self.required("trial", shape)?;
+        let participant = self.label("trial.participant", shape.participant, groups);
+        let session = self.label("trial.session", shape.session, groups);
+        let environment = self.label("trial.environment", shape.environment, groups);
+        let mode = self.label("trial.mode", shape.mode, groups);
+        Some(Who {
+            kind: self.optional("trial.kind", shape.kind, groups),
+            repeat: self.optional("trial.repeat", shape.repeat, groups),
+            trial: self.optional("trial.trial", shape.trial, groups),
+            likert: self.optional("trial.likert", shape.likert, groups),
+            participant: participant?,
+            session: session?,
+            environment: environment?,
+            mode: mode?,
+        })
+    }
+
+    fn trials(
+        &mut self,
+        trial: Option<TrialShape>,
+        time: Option<TimeShape>,
+        (columns, own): (Vec<ColumnShape>, Vec<ChannelShape>),
+        groups: &[&str],
+    ) -> Option<Content> {
+        let who = self.who(trial, groups);
+        let time = self.required("time", time).and_then(|t| self.time(t));
+        if columns.is_empty() {
+            self.error(
+                "column",
+                "is missing; a trial needs at least one [[column]] besides its time",
+            );
+        }
+        let mut known = Vec::new();
+        for (i, shape) in columns.into_iter().enumerate() {
+            if let Some(column) = self.column(&format!("column[{i}]"), shape, &known) {
+                known.push(column);
+            }
+        }
+        let mut channels = Vec::new();
+        for (i, shape) in own.into_iter().enumerate() {
+            if let Some(channel) = self.channel(&format!("channel[{i}]"), shape, &channels) {
+                channels.push(channel);
+            }
+        }
+        Some(Content::Trials { who: who?, time: time?, columns: known, channels })
+    }
+
+    fn likert(
+        &mut self,
+        trial: Option<TrialShape>,
+        questions: BTreeMap<String, ColumnRef>,
+        groups: &[&str],
+    ) -> Option<Content> {
+        let who = self.who(trial, groups);
+        if who.as_ref().is_some_and(|w| w.likert.is_some()) {
+            self.error("trial.likert", "has no meaning for this kind of mapping; remove it");
+        }
+        let mut checked = BTreeMap::new();
+        for (id, column) in questions {
+            let key = format!("questions.columns.{id}");
+            if let Some(id) = self.keep(&key, QuestionId::new(id).map_err(|e| e.to_string())) {
+                checked.insert(id, column);
+            }
+        }
+        Some(Content::Likert { who: who?, questions: checked })
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::super::mapping::Mapping;
+    use super::super::world::{FORCE, ONE, trials_map};
+    use std::path::Path;
+
+    /// `text` with `from` replaced by `to` is refused in this line with these words.
+    pub(in super::super) fn check(text: &str, from: &str, to: &str, line: usize, words: &str) {
+        assert!(text.contains(from), "{from}");
+        let errors =
+            Mapping::from_toml(&text.replacen(from, to, 1), Path::new("map.toml")).unwrap_err();
+        let shown = errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+        assert!(shown.contains(&format!("map.toml: line {line}: ")), "{shown}");
+        assert!(shown.contains(words), "{shown}");
+    }
+
+    #[test]
+    fn unknown_keys_are_refused_with_their_line() {
+        let good = trials_map(&[ONE, FORCE]);
+        assert!(Mapping::from_toml(&good, Path::new("map.toml")).is_ok());
+        check(&good, "mode = ", "mod = ", 7, "unknown field `mod`");
+        check(&good, "unit = \"N\"", "unti = \"N\"", 15, "unknown field `unti`");
+        check(&good, "[time]", "[times]", 9, "unknown field `times`");
+        check(&good, "\"trials\"", "\"trial\"", 1, "unknown variant `trial`");
+        check(&good, "mode = \"hybrid\"", "mode = { colum = 1 }", 7, "expected a fixed value");
+        check(&good, "mode = \"hybrid\"", "", 3, "missing field `mode`");
+        check(&good, "from = \"f\"", "from = -1", 14, "expected a column's name");
+        check(&good, "= \"N\"", "= ", 15, "string values must be quoted");
+    }
+
+    #[test]
+    fn values_that_make_no_sense_are_refused_with_key_and_line() {
+        let good = trials_map(&[ONE, FORCE]);
+        check(
+            &good,
+            "\"N\"",
+            "\"mV\"",
+            15,
+            "column[0].unit: the unit 'mV' does not fit force_ex_n, which is in N; use one of N, mN",
+        );
+        check(&good, "\"N\"", "\"furlong\"", 15, "the unit 'furlong' is unknown");
+        check(&good, "unit = \"N\"", "", 12, "column[0].unit: is missing");
+        check(
+            &good,
+            "\"force_ex_n\"",
+            "\"force\"",
+            13,
+            "'force' is no column of a trial; use one of t_device_s, theta_rad",
+        );
+        check(&good, "\"force_ex_n\"", "\"t_s\"", 13, "mapped in [time]");
+        check(
+            &good,
+            "unit = \"N\"",
+            "unit = \"N\"\nsign = 2",
+            16,
+            "column[0].sign: 2 must be 1 or -1",
+        );
+        check(&good, "unit = \"N\"", "unit = \"N\"\nscale = 0", 16, "other than 0");
+        check(&good, "unit = \"N\"", "unit = \"N\"\noffset = nan", 16, "finite");
+        check(&good, "from = \"f\"", "", 12, "needs either from (a column) or derive");
+        for rate in ["0", "-1", "nan", "1e-300", "1e300"] {
+            let rate = format!("rate_hz = {rate}");
+            check(
+                &good,
+                "from = \"t\"\nunit = \"s\"",
+                &rate,
+                10,
+                "must be a number from 0.001 to 1000000",
+            );
+        }
+        check(
+            &good,
+            "from = \"t\"\nunit = \"s\"",
+            "",
+            9,
+            "needs either from (a column) or rate_hz",
+        );
+        check(&good, "[time]", "[file]\ndecimal = \";\"\n[time]", 10, "must be \".\" or \",\"");
+        check(&good, "[time]", "[name]\npattern = '('\n[time]", 10, "no regular expression");
+        check(&good, "\"hybrid\"", "{ name = \"mode\" }", 7, "no named group (?<mode>…)");
+        check(&good, "[time]", "[questions]\n[time]", 9, "questions: has no meaning");
+    }
+
+    #[test]
+    fn every_problem_is_reported_not_only_the_first() {
+        let bad = trials_map(&[ONE, FORCE]).replace("\"N\"", "\"mV\"").replace("\"s\"", "\"deg\"");
+        assert_eq!(Mapping::from_toml(&bad, Path::new("map.toml")).unwrap_err().len(), 2);
+    }
+}

@@ -1,0 +1,227 @@
+//! Checks of a mapping's samples: time, columns, units, derivatives.
+
+use super::check::Check;
+use super::convert::Linear;
+use super::limits::RATES_HZ;
+use super::mapping::{ChannelFrom, Origin, Rule, SignalFrom, Time};
+use super::shape::{ChannelShape, ColumnShape, TimeShape};
+use super::unit::{self, Unit};
+use zwidth_store::{COLUMNS, Signal};
+use zwidth_study::ChannelId;
+
+impl Check<'_> {
+    pub(super) fn time(&mut self, t: TimeShape) -> Option<Time> {
+        match (t.from, t.rate_hz) {
+            (Some(from), None) => {
+                let unit = self.unit("time.unit", t.unit.as_deref(), Signal::Time)?;
+                let line = self.line("time", None, None, t.offset, t.zero.is_some())?;
+                Some(Time::Column { from, unit, unit_text: t.unit.unwrap_or_default(), line })
+            }
+            (None, Some(rate_hz)) => {
+                if !RATES_HZ.contains(&rate_hz) {
+                    let (low, high) = (RATES_HZ.start(), RATES_HZ.end());
+                    self.error(
+                        "time.rate_hz",
+                        format!("{rate_hz:?} must be a number from {low} to {high}"),
+                    );
+                }
+                if t.unit.is_some() || t.offset.is_some() || t.zero.is_some() {
+                    self.error(
+                        "time",
+                        "unit, offset and zero have no meaning beside rate_hz; remove them",
+                    );
+                }
+                Some(Time::Rate { rate_hz })
+            }
+            _ => {
+                self.error("time", "needs either from (a column) or rate_hz");
+                None
+            }
+        }
+    }
+
+    pub(super) fn unit(
+        &mut self,
+        key: &str,
+        text: Option<&str>,
+        to: Signal,
+    ) -> Option<&'static Unit> {
+        let choices = || format!("use one of {}", unit::choices(to));
+        let Some(text) = text else {
+            self.error(key, format!("is missing; {}", choices()));
+            return None;
+        };
+        let found =
+            unit::find(text).ok_or_else(|| format!("the unit '{text}' is unknown; {}", choices()));
+        let found = self.keep(key, found)?;
+        if !unit::may_become(found, to) {
+            let problem = format!(
+                "the unit '{text}' does not fit {}, which is in {}; {}",
+                to.name(),
+                to.column().unit,
+                choices()
+            );
+            self.error(key, problem);
+            return None;
+        }
+        Some(found)
+    }
+
+    pub(super) fn line(
+        &mut self,
+        at: &str,
+        sign: Option<f64>,
+        scale: Option<f64>,
+        offset: Option<f64>,
+        zero_first: bool,
+    ) -> Option<Linear> {
+        let same = Linear::IDENTITY;
+        let (sign, scale) = (sign.unwrap_or(same.sign), scale.unwrap_or(same.scale));
+        let offset = offset.unwrap_or(same.offset);
+        let before = self.errors.len();
+        #[allow(clippy::float_cmp)] // exactly one of the two
+        if sign.abs() != 1.0 {
+            self.error(&format!("{at}.sign"), format!("{sign} must be 1 or -1"));
+        }
+        if !scale.is_finite() || scale == 0.0 {
+            self.error(
+                &format!("{at}.scale"),
+                format!("{scale} must be a finite number other than 0"),
+            );
+        }
+        if !offset.is_finite() {
+            self.error(&format!("{at}.offset"), format!("{offset} must be a finite number"));
+        }
+        (self.errors.len() == before).then_some(Linear { sign, scale, offset, zero_first })
+    }
+
+    pub(super) fn column(
+        &mut self,
+        at: &str,
+        c: ColumnShape,
+        known: &[SignalFrom],
+    ) -> Option<SignalFrom> {
+        let key = format!("{at}.to");
+        let to = self.keep(
+            &key,
+            Signal::from_name(&c.to).ok_or_else(|| {
+                let names = COLUMNS.iter().map(|c| c.name).filter(|n| *n != Signal::Time.name());
+                format!(
+                    "'{}' is no column of a trial; use one of {}",
+                    c.to,
+                    names.collect::<Vec<_>>().join(", ")
+                )
+            }),
+        )?;
+        if to == Signal::Time {
+            self.error(&key, "the time is mapped in [time]");
+        }
+        if known.iter().any(|k| k.to == to) {
+            self.error(&key, format!("'{}' is mapped twice", c.to));
+        }
+        let origin = match (c.from, c.derive) {
+            (Some(from), None) => {
+                let unit = self.unit(&format!("{at}.unit"), c.unit.as_deref(), to);
+                let line = self.line(at, c.sign, c.scale, c.offset, c.zero.is_some());
+                Origin::Column {
+                    from,
+                    unit: unit?,
+                    unit_text: c.unit.unwrap_or_default(),
+                    line: line?,
+                }
+            }
+            (None, Some(rule)) => {
+                if [c.sign, c.scale, c.offset].iter().any(Option::is_some)
+                    || c.unit.is_some()
+                    || c.zero.is_some()
+                {
+                    self.error(
+                        at,
+                        "unit, sign, scale, offset and zero have no meaning beside derive; remove them",
+                    );
+                }
+                let key = format!("{at}.derive");
+                let rule = derived(&rule, to, known);
+                Origin::Derived(self.keep(&key, rule)?)
+            }
+            _ => {
+                self.error(at, "needs either from (a column) or derive");
+                return None;
+            }
+        };
+        Some(SignalFrom { to, origin })
+    }
+
+    pub(super) fn channel(
+        &mut self,
+        at: &str,
+        c: ChannelShape,
+        known: &[ChannelFrom],
+    ) -> Option<ChannelFrom> {
+        let key = format!("{at}.to");
+        let to = self.keep(&key, ChannelId::new(c.to).map_err(|e| e.to_string()))?;
+        if known.iter().any(|k| k.to == to) {
+            self.error(&key, format!("'{}' is mapped twice", to.as_str()));
+        }
+        let line = self.line(at, c.sign, c.scale, c.offset, c.zero.is_some())?;
+        Some(ChannelFrom { to, from: c.from, unit: c.unit, line })
+    }
+}
+
+/// What `derive` asks for: `derivative of theta_rad`, `integral of theta_dot_rad_s`.
+fn derived(rule: &str, to: Signal, known: &[SignalFrom]) -> Result<Rule, String> {
+    let form = "write \"derivative of …\" or \"integral of …\" with a column of ours";
+    let (is_derivative, name) = match rule.split_once(" of ") {
+        Some(("derivative", name)) => (true, name),
+        Some(("integral", name)) => (false, name),
+        _ => return Err(format!("'{rule}' is not understood; {form}")),
+    };
+    let of =
+        Signal::from_name(name).ok_or_else(|| format!("'{name}' is no column of ours; {form}"))?;
+    if !known.iter().any(|k| k.to == of) {
+        return Err(format!("'{name}' must be mapped by a [[column]] above this one"));
+    }
+    let rises_to = |low: Signal, high: Signal| {
+        unit::dimension(low)
+            .and_then(unit::Dimension::derivative)
+            .is_some_and(|d| unit::dimension(high) == Some(d))
+    };
+    let fits = if is_derivative { rises_to(of, to) } else { rises_to(to, of) };
+    match (fits, is_derivative) {
+        (true, true) => Ok(Rule::DerivativeOf(of)),
+        (true, false) => Ok(Rule::IntegralOf(of)),
+        (false, _) => {
+            let (to_unit, of_unit) = (to.column().unit, of.column().unit);
+            Err(format!(
+                "'{rule}' is not in {to_unit}, the unit of {}: {name} is in {of_unit}",
+                to.name()
+            ))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check::tests::check;
+    use super::super::world::{FORCE, ONE, trials_map};
+
+    #[test]
+    fn a_derivative_must_be_one() {
+        let good = trials_map(&[
+            ONE,
+            FORCE,
+            "[[column]]\nto = \"theta_dot_rad_s\"\nderive = \"derivative of theta_rad\"\n",
+        ]);
+        check(&good, "x", "x", 18, "'theta_rad' must be mapped by a [[column]] above this one");
+        check(
+            &good,
+            "theta_rad",
+            "force_ex_n",
+            18,
+            "is not in rad/s, the unit of theta_dot_rad_s: force_ex_n is in N",
+        );
+        check(&good, "theta_rad", "thta_rad", 18, "'thta_rad' is no column of ours");
+        check(&good, "derivative of", "slope of", 18, "write \"derivative of …\"");
+        check(&good, "derive =", "unit = \"rad/s\"\nderive =", 16, "no meaning beside derive");
+    }
+}

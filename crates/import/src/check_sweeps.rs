@@ -1,0 +1,103 @@
+//! Checks of a mapping of sweeps.
+
+use super::check::Check;
+use super::mapping::{Content, QuantityFrom, SweepForm, SweepLabels};
+use super::shape::{QuantityShape, SweepShape, TimeShape, WideShape};
+use super::sweeps::Pairs;
+use super::table::ColumnRef;
+use super::wide::Wide;
+use zwidth_store::Quantity;
+
+impl Check<'_> {
+    pub(super) fn sweeps(
+        &mut self,
+        sweep: Option<SweepShape>,
+        time: Option<TimeShape>,
+        [command, response]: [Option<QuantityShape>; 2],
+        wide: Option<WideShape>,
+        groups: &[&str],
+    ) -> Option<Content> {
+        let sweep = self.required("sweep", sweep)?;
+        let actuator = self.label("sweep.actuator", sweep.actuator, groups);
+        let number = self.optional("sweep.sweep", sweep.sweep, groups);
+        let command = self
+            .required("command", command)
+            .and_then(|q| self.quantity("command", q, wide.is_some()));
+        let response = self
+            .required("response", response)
+            .and_then(|q| self.quantity("response", q, wide.is_some()));
+        if wide.is_some() && time.is_some() {
+            self.error("time", "has no meaning beside [wide]; remove it");
+        }
+        let time = time.map(|t| self.time(t));
+        let labels = SweepLabels { actuator: actuator?, sweep: number };
+        let ((command_from, command), (response_from, response)) = (command?, response?);
+        let form = match wide {
+            Some(wide) => {
+                let pattern = self.regex("wide.pattern", &wide.pattern)?;
+                if !pattern.capture_names().flatten().any(|n| n == "value") {
+                    self.error("wide.pattern", "needs a group (?<value>…) that holds the number");
+                }
+                let WideShape { header, reduce, .. } = wide;
+                SweepForm::Wide(Wide { pattern, header, reduce, command, response })
+            }
+            None => {
+                let (command, response) = ((command_from?, command), (response_from?, response));
+                SweepForm::Pairs(Pairs { time: time.flatten(), command, response })
+            }
+        };
+        Some(Content::Sweeps { labels, form })
+    }
+
+    fn quantity(
+        &mut self,
+        at: &str,
+        q: QuantityShape,
+        wide: bool,
+    ) -> Option<(Option<ColumnRef>, QuantityFrom)> {
+        match (&q.from, wide) {
+            (Some(_), true) => {
+                self.error(&format!("{at}.from"), "has no meaning beside [wide]; remove it")
+            }
+            (None, false) => self.error(&format!("{at}.from"), "is missing; name the column"),
+            _ => {}
+        }
+        for (key, text) in [("name", &q.name), ("unit", &q.unit)] {
+            if text.trim().is_empty() {
+                self.error(&format!("{at}.{key}"), "must not be empty; figures put it on an axis");
+            }
+        }
+        let line = self.line(at, q.sign, q.scale, q.offset, q.zero.is_some())?;
+        Some((q.from, QuantityFrom { quantity: Quantity { name: q.name, unit: q.unit }, line }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check::tests::check;
+    use super::super::mapping::Mapping;
+    use std::path::Path;
+
+    const WIDE: &str = "kind = \"sweeps\"
+[sweep]
+actuator = \"cell\"
+[wide]
+pattern = 'kg_(?<value>.+)'
+header = \"response\"
+[command]
+name = \"voltage\"
+unit = \"V\"
+[response]
+name = \"weight\"
+unit = \"N\"
+";
+
+    #[test]
+    fn a_wide_sweep_needs_its_group_and_has_no_columns() {
+        assert!(Mapping::from_toml(WIDE, Path::new("map.toml")).is_ok());
+        check(WIDE, "?<value>", "", 5, "needs a group (?<value>…)");
+        check(WIDE, "unit = \"V\"", "unit = \"V\"\nfrom = 1", 10, "no meaning beside [wide]");
+        check(WIDE, "unit = \"V\"", "unit = \" \"", 9, "must not be empty");
+        check(WIDE, "\"response\"", "\"both\"", 6, "unknown variant `both`");
+    }
+}

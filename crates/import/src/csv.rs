@@ -1,0 +1,308 @@
+//! Delimited text: CSV, TSV and their relatives.
+
+use super::limits::{MOST_COLUMNS, MOST_LINE, Take, check_name, shown, too_many_rows, too_much};
+use super::table::{Cells, Table};
+use super::text::decode;
+use arrow::array::LargeStringBuilder;
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_store::{MOST_ROWS, StoreError};
+
+/// How a delimited file is written.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Dialect {
+    pub(super) delimiter: u8,
+    /// Whether the first line names the columns.
+    pub(super) header: bool,
+    /// Lines that begin with it are passed by.
+    pub(super) comment: Option<u8>,
+    /// Lines before the header that are passed by.
+    pub(super) skip: usize,
+}
+
+/// Reads delimited text; every cell stays text, trimmed, and null where empty.
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    dialect: Dialect,
+    take: &Take,
+) -> Result<Table, StoreError> {
+    let text = after_lines(path, decode(path, bytes)?, dialect.skip)?;
+    check_records(path, text, dialect)?;
+    let mut counter =
+        Lines { rest: text, byte: 0, line: 1 + dialect.skip as u64, comment: dialect.comment };
+    let mut reader = ::csv::ReaderBuilder::new()
+        .delimiter(dialect.delimiter)
+        .has_headers(dialect.header)
+        .comment(dialect.comment)
+        .trim(::csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let names: Option<Vec<String>> = match dialect.header {
+        true => {
+            let header = reader.headers().map_err(|e| fault(path, &mut counter, &e))?;
+            Some(header.iter().map(str::to_owned).collect())
+        }
+        false => None,
+    };
+    check_names(path, names.as_deref().unwrap_or_default())?;
+    let name = |place: usize| names.as_ref().and_then(|names| names.get(place)).map(String::as_str);
+    let builder = |place: usize| take.wants(place, name(place)).then(LargeStringBuilder::new);
+    let mut columns: Vec<Option<LargeStringBuilder>> =
+        (0..names.as_ref().map_or(0, Vec::len)).map(builder).collect();
+    let mut lines = Vec::new();
+    let mut record = ::csv::StringRecord::new();
+    while reader.read_record(&mut record).map_err(|e| fault(path, &mut counter, &e))? {
+        if names.is_none() && columns.is_empty() {
+            // Without a header the first record says how many columns there are; the reader holds
+            // all to it.
+            columns = (0..record.len()).map(builder).collect();
+        }
+        if lines.len() == MOST_ROWS {
+            return Err(too_many_rows(path, &format!("more than {MOST_ROWS}")));
+        }
+        if !take.budget.cells(columns.iter().flatten().count()) {
+            return Err(too_much(path));
+        }
+        for (column, cell) in columns.iter_mut().zip(&record) {
+            if let Some(column) = column {
+                column.append_option(Some(cell).filter(|c| !c.is_empty()));
+            }
+        }
+        lines.push(counter.line_of(record.position()));
+    }
+    let cells = |column: Option<LargeStringBuilder>| {
+        column.map_or(Cells::Unread, |mut column| Cells::Text(column.finish()))
+    };
+    Ok(Table { columns: columns.into_iter().map(cells).collect(), names, lines })
+}
+
+fn after_lines<'a>(path: &Path, text: &'a str, skip: usize) -> Result<&'a str, StoreError> {
+    let mut rest = text;
+    for passed in 0..skip {
+        let Some((_, after)) = rest.split_once('\n') else {
+            let what =
+                format!("skip = {skip} passes the whole file by: it has {} lines", passed + 1);
+            return Err(StoreError::new(path, what, "mend skip in [file]"));
+        };
+        rest = after;
+    }
+    Ok(rest)
+}
+
+/// A column is named by its header, so that a header must be there once.
+fn check_names(path: &Path, names: &[String]) -> Result<(), StoreError> {
+    names.iter().try_for_each(|name| check_name(path, name))?;
+    let mut seen = BTreeMap::new();
+    for (place, name) in names.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
+        if let Some(first) = seen.insert(name, place) {
+            let what = format!("columns {} and {} have the same header", first + 1, place + 1);
+            let remedy = "rename one of them, or name columns by position with header = false and skip = 1 in [file]";
+            return Err(StoreError::new(path, what, remedy).column(shown(name)));
+        }
+    }
+    Ok(())
+}
+
+/// Where the walk through a record stands.
+#[derive(Clone, Copy, PartialEq)]
+enum At {
+    Record,
+    Comment,
+    Cell,
+    InCell,
+    Quoted,
+    /// Behind a quote in a quoted cell.
+    Quote,
+}
+
+/// Checks that no record has more cells or bytes than are read, before the reader takes memory for
+/// it. It goes through the text as the reader does: a quote has a meaning only where a cell begins.
+fn check_records(path: &Path, text: &str, dialect: Dialect) -> Result<(), StoreError> {
+    let (mut at, mut start, mut cells) = (At::Record, 0, 1);
+    for (i, byte) in text.bytes().enumerate() {
+        let ends = byte == b'\n' || byte == b'\r';
+        at = match at {
+            At::Record if ends => At::Record,
+            At::Record if Some(byte) == dialect.comment => At::Comment,
+            At::Comment if byte == b'\n' => At::Record,
+            At::Comment => At::Comment,
+            At::Quoted if byte == b'"' => At::Quote,
+            At::Quoted => At::Quoted,
+            At::Record | At::Cell | At::Quote if byte == b'"' => At::Quoted,
+            _ if byte == dialect.delimiter => {
+                cells += 1;
+                At::Cell
+            }
+            _ if ends => At::Record,
+            _ => At::InCell,
+        };
+        if at == At::Record {
+            (start, cells) = (i + 1, 1);
+        } else if cells > MOST_COLUMNS || i - start >= MOST_LINE {
+            let line =
+                1 + dialect.skip + text.as_bytes()[..start].iter().filter(|b| **b == b'\n').count();
+            let (what, most) =
+                if cells > MOST_COLUMNS { ("columns", MOST_COLUMNS) } else { ("bytes", MOST_LINE) };
+            let what = format!("line {line} has more than {most} {what}, and no more are read");
+            let remedy = "check the delimiter in [file] and the quotes of the line, or leave out columns that are not needed";
+            return Err(StoreError::new(path, what, remedy));
+        }
+    }
+    Ok(())
+}
+
+/// Counts lines on the way through the text. The reader's own count stands before the blank lines
+/// and comments that lead to a record, and inside a carriage return and line feed.
+struct Lines<'a> {
+    rest: &'a str,
+    byte: u64,
+    line: u64,
+    comment: Option<u8>,
+}
+
+impl Lines<'_> {
+    /// The line (from 1) of the record that the reader says begins at `position` or after it.
+    fn line_of(&mut self, position: Option<&::csv::Position>) -> u64 {
+        let target = position.map_or(0, ::csv::Position::byte);
+        while let Some((line, rest)) = self.rest.split_once('\n') {
+            let passed_by =
+                line.trim_end_matches('\r').is_empty() || line.bytes().next() == self.comment;
+            if self.byte >= target && !passed_by {
+                break;
+            }
+            self.byte += line.len() as u64 + 1;
+            self.line += 1;
+            self.rest = rest;
+        }
+        self.line
+    }
+}
+
+fn fault(path: &Path, lines: &mut Lines, error: &::csv::Error) -> StoreError {
+    match error.kind() {
+        ::csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+            let line = lines.line_of(pos.as_ref());
+            let what = format!("line {line} has {len} cells where {expected_len} belong");
+            let remedy = "the file may be cut off or its delimiter another; mend the line, or set delimiter in [file]";
+            StoreError::new(path, what, remedy)
+        }
+        _ => StoreError::new(path, error.to_string(), "check the delimiter in [file]"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::limits::{Budget, tests::everything};
+    use super::super::table::{Cell, ColumnRef};
+    use super::*;
+
+    fn read(path: &Path, bytes: &[u8], dialect: Dialect) -> Result<Table, StoreError> {
+        everything(|take| super::read(path, bytes, dialect, take))
+    }
+
+    const COMMA: Dialect = Dialect { delimiter: b',', header: true, comment: None, skip: 0 };
+
+    fn cells(text: &str, dialect: Dialect) -> Vec<Vec<String>> {
+        let table = read(Path::new("a.csv"), text.as_bytes(), dialect).unwrap();
+        let column = |c: &Cells| (0..c.len()).map(|i| c.cell(i).to_string()).collect();
+        table.columns.iter().map(column).collect()
+    }
+
+    #[test]
+    fn byte_order_mark_carriage_returns_and_blanks_are_not_part_of_a_cell() {
+        let table =
+            read(Path::new("a.csv"), "\u{feff}a , b\r\n 1,2\r\n,4\r\n".as_bytes(), COMMA).unwrap();
+        let b = table.find(&ColumnRef::Name("b".to_owned())).unwrap();
+        assert_eq!(table.columns[b].cell(0), Cell::Text("2"));
+        assert_eq!(table.columns[0].cell(1), Cell::Empty);
+        assert_eq!(table.lines, [2, 3]);
+    }
+
+    #[test]
+    fn rows_know_their_lines_whatever_stands_between_them() {
+        let check = |text: &str| {
+            let dialect = Dialect { comment: Some(b'#'), skip: 1, ..COMMA };
+            assert_eq!(read(Path::new("a.csv"), text.as_bytes(), dialect).unwrap().lines, [3, 6]);
+        };
+        check("x\na,b\n1,2\n\n# pause\n3,4\n");
+        check("x\r\na,b\r\n1,2\r\n\r\n# pause\r\n3,4\r\n");
+    }
+
+    #[test]
+    fn delimiter_comments_skipped_lines_and_a_missing_header_are_as_the_dialect_says() {
+        let tabs = Dialect { delimiter: b'\t', ..COMMA };
+        assert_eq!(cells("a\tb\n1\t2\n", tabs), [["1"], ["2"]]);
+        let bare = Dialect { header: false, comment: Some(b'#'), ..COMMA };
+        assert_eq!(cells("# rig 2\n1,2\n# pause\n3,4\n", bare), [["1", "3"], ["2", "4"]]);
+        let skipping = Dialect { skip: 2, delimiter: b';', ..COMMA };
+        assert_eq!(cells("LabView, 3\nx\na;b\n1;2\n", skipping), [["1"], ["2"]]);
+    }
+
+    #[test]
+    fn a_row_of_another_length_is_refused_with_its_line() {
+        let error = read(Path::new("a.csv"), b"a,b\n1,2\n3\n", COMMA).unwrap_err();
+        assert!(error.what.contains("line 3 has 1 cells where 2 belong"), "{error}");
+    }
+
+    fn refused(text: &str, dialect: Dialect) -> String {
+        read(Path::new("a.csv"), text.as_bytes(), dialect).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn only_the_columns_that_are_taken_are_kept() {
+        let budget = Budget::default();
+        let f = ColumnRef::Name("f".to_owned());
+        let take = Take { columns: vec![&f], pattern: None, budget: &budget };
+        let table = super::read(Path::new("a.csv"), b"t,f,x\n1,2,3\n", COMMA, &take).unwrap();
+        assert!(matches!(table.columns[..], [Cells::Unread, Cells::Text(_), Cells::Unread]));
+    }
+
+    #[test]
+    fn more_lines_to_skip_than_there_are_is_told_at_once() {
+        for skip in [3, 1_000_000_000_000, usize::MAX] {
+            let error = refused("a,b\n1,2\nx", Dialect { skip, ..COMMA });
+            assert!(error.contains("passes the whole file by: it has 3 lines"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_header_or_a_record_of_too_many_columns_is_refused_with_its_line() {
+        let wide = |n: usize| ",".repeat(n);
+        let error = refused(&wide(1_000_000), COMMA);
+        assert!(error.contains("line 1 has more than 16384 columns"), "{error}");
+        for bare in [true, false] {
+            let text = format!("a\n\n# {0}\n1\n\"{0}\"\n{0}\n", wide(MOST_COLUMNS));
+            let error = refused(&text, Dialect { comment: Some(b'#'), header: !bare, ..COMMA });
+            assert!(error.contains("line 6 has more than 16384 columns"), "{error}");
+        }
+        // A quote inside a cell is a quote, and nothing else.
+        let error = refused(&format!("a,b\n5\" {}\n", wide(MOST_COLUMNS)), COMMA);
+        assert!(error.contains("line 2 has more"), "{error}");
+        let error = refused(&format!("a,b\n\"5\"\" {}\n", wide(MOST_LINE)), COMMA);
+        assert!(error.contains("line 2 has more than 1048576 bytes"), "{error}");
+    }
+
+    #[test]
+    fn one_enormous_line_or_a_quote_that_never_ends_is_refused() {
+        let long = "x".repeat(MOST_LINE + 1);
+        for text in
+            [format!("a,b\n1,{long}\n"), format!("a,b\n1,\"{}\n", "x\n".repeat(MOST_LINE / 2))]
+        {
+            let error = refused(&text, COMMA);
+            assert!(error.contains("line 2 has more than 1048576 bytes"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_header_that_comes_twice_is_refused_but_columns_without_one_are_not() {
+        let error = refused("t,f, t\n1,2,3\n", COMMA);
+        assert!(error.contains("column t: columns 1 and 3 have the same header"), "{error}");
+        assert!(read(Path::new("a.csv"), b"t,f,,\n1,2,,\n", COMMA).is_ok());
+    }
+
+    #[test]
+    fn a_name_of_more_bytes_than_a_name_has_is_refused() {
+        let error = refused(&format!("t,{}\n1,2\n", "n".repeat(5000)), COMMA);
+        assert!(error.contains("name has 5000 bytes") && error.len() < 1000, "{error}");
+    }
+}

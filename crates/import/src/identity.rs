@@ -1,0 +1,375 @@
+//! Who, which trial, under which condition: labels resolved, checked, and numbered.
+
+use super::label::Label;
+use super::limits::MOST_NUMBER;
+use super::mapping::Who;
+use super::recording::Recording;
+use super::{Context, Errors};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_store::{StoreError, readable_records};
+use zwidth_study::{
+    EnvironmentId, IdError, Kind, Likert, ModeId, ParticipantId, PlannedTrial, SessionId, Study,
+};
+
+/// The labels of one trial. Numbers are there where the mapping gives them.
+#[derive(Debug, Clone)]
+pub(super) struct Identity {
+    pub(super) participant: ParticipantId,
+    pub(super) session: SessionId,
+    pub(super) environment: EnvironmentId,
+    pub(super) mode: ModeId,
+    pub(super) kind: Kind,
+    pub(super) repeat: Option<u32>,
+    pub(super) trial: Option<u32>,
+    pub(super) likert: Option<u8>,
+    /// Where it was found, for errors.
+    pub(super) file: PathBuf,
+}
+
+/// Resolves the labels of the trial that begins with `row`.
+///
+/// # Errors
+/// A label that is missing, no id, or not in the study, with file, column and row.
+pub(super) fn identity(
+    who: &Who,
+    recording: &Recording,
+    row: usize,
+    study: &Study,
+) -> Result<Identity, StoreError> {
+    fn optional<T>(
+        label: Option<&Label>,
+        read: impl FnOnce(&Label) -> Result<T, StoreError>,
+    ) -> Result<Option<T>, StoreError> {
+        label.map(read).transpose()
+    }
+    let whole = |what: &'static str| {
+        move |label: &Label| label.value(what, recording, row, |t| number(what, t))
+    };
+    Ok(Identity {
+        participant: who.participant.value("participant", recording, row, id)?,
+        session: who.session.value("session", recording, row, id)?,
+        environment: who
+            .environment
+            .value("environment", recording, row, |t| environment(study, t))?,
+        mode: who.mode.value("mode", recording, row, |t| mode(study, t))?,
+        kind: optional(who.kind.as_ref(), |l| l.value("kind", recording, row, kind))?
+            .unwrap_or(Kind::Trial),
+        repeat: optional(who.repeat.as_ref(), whole("repeat"))?,
+        trial: optional(who.trial.as_ref(), whole("trial"))?,
+        likert: optional(who.likert.as_ref(), |l| l.value("likert", recording, row, answer))?,
+        file: recording.path.clone(),
+    })
+}
+
+pub(super) fn id<T: std::str::FromStr<Err = IdError>>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|e: IdError| e.to_string())
+}
+
+fn environment(study: &Study, text: &str) -> Result<EnvironmentId, String> {
+    let id: EnvironmentId = id(text)?;
+    let known = || study.environments.iter().map(|e| e.id.as_str()).collect::<Vec<_>>().join(", ");
+    study
+        .environment(&id)
+        .ok_or_else(|| format!("environment '{id}' is not in study.toml, which has {}", known()))?;
+    Ok(id)
+}
+
+fn mode(study: &Study, text: &str) -> Result<ModeId, String> {
+    let id: ModeId = id(text)?;
+    let known = || study.modes.iter().map(|m| m.id.as_str()).collect::<Vec<_>>().join(", ");
+    study
+        .mode(&id)
+        .ok_or_else(|| format!("mode '{id}' is not in study.toml, which has {}", known()))?;
+    Ok(id)
+}
+
+fn kind(text: &str) -> Result<Kind, String> {
+    Kind::from_word(text).ok_or_else(|| format!("kind '{text}' must be trial or familiarisation"))
+}
+
+/// A number of a trial, a repeat or a sweep. Spreadsheets write it as `3.0` too.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(super) fn number(what: &str, text: &str) -> Result<u32, String> {
+    let value = whole(text, f64::from(MOST_NUMBER));
+    value
+        .map(|v| v as u32)
+        .ok_or_else(|| format!("{what} '{text}' must be a whole number from 1 to {MOST_NUMBER}"))
+}
+
+/// An answer on the five-point scale.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(super) fn answer(text: &str) -> Result<u8, String> {
+    let points = Likert::POINTS;
+    let value = whole(text, f64::from(points));
+    value
+        .map(|v| v as u8)
+        .ok_or_else(|| format!("the answer '{text}' must be a whole number from 1 to {points}"))
+}
+
+/// The whole number from 1 to `most` that `text` spells, where it spells one.
+fn whole(text: &str, most: f64) -> Option<f64> {
+    text.parse().ok().filter(|v: &f64| (1.0..=most).contains(v) && v.fract() == 0.0)
+}
+
+/// The trials in the order given, each with its number in the session and its repeat of the
+/// condition: as given, or counted up from 1.
+///
+/// # Errors
+/// Two trials of one number, and a trial or session that lies on the disk already.
+pub(super) fn number_trials(
+    context: &Context,
+    identities: &[Identity],
+    samples: bool,
+) -> Result<Vec<PlannedTrial>, Errors> {
+    let (mut trials, mut repeats) = (BTreeMap::new(), BTreeMap::new());
+    let mut planned = Vec::new();
+    for i in identities {
+        let session = (&i.participant, &i.session);
+        let trial = next(&mut trials, session, i.trial);
+        // Practice has repeats of its own: the first repeat that counts is 1.
+        let repeat = next(&mut repeats, (session, &i.environment, &i.mode, i.kind), i.repeat);
+        let (environment, mode) = (i.environment.clone(), i.mode.clone());
+        planned.push(PlannedTrial { trial, repeat, kind: i.kind, environment, mode, samples });
+    }
+    let mut errors = duplicates(context, identities, &planned);
+    errors.extend(twins(context, identities)?);
+    if errors.is_empty() { Ok(planned) } else { Err(Errors(errors)) }
+}
+
+/// The number given, or the one after the highest so far.
+pub(super) fn next<K: Ord>(last: &mut BTreeMap<K, u32>, key: K, given: Option<u32>) -> u32 {
+    let last = last.entry(key).or_insert(0);
+    let number = given.unwrap_or(*last + 1);
+    *last = number.max(*last);
+    number
+}
+
+/// What to do about a session that is there already.
+const AGAIN: &str = "sessions are imported whole, all files in one command: choose another session id, or, to import it \
+                     again, first remove its folder under trials/ and its files under sessions/";
+
+fn duplicates(
+    context: &Context,
+    identities: &[Identity],
+    planned: &[PlannedTrial],
+) -> Vec<StoreError> {
+    let mut errors = Vec::new();
+    let mut seen: BTreeMap<_, &Path> = BTreeMap::new();
+    let mut sessions: BTreeMap<_, bool> = BTreeMap::new();
+    for (i, p) in identities.iter().zip(planned) {
+        let duplicate = |also: String, remedy: &str| {
+            let what = format!(
+                "duplicate trial: trial {} of {} {} {also}",
+                p.trial, i.participant, i.session
+            );
+            StoreError::new(&i.file, what, remedy)
+        };
+        if let Some(first) = seen.insert((&i.participant, &i.session, p.trial), &i.file) {
+            let remedy = "give every trial a number of its own, or leave the file out";
+            errors.push(duplicate(format!("is in {} too", first.display()), remedy));
+        }
+        let path = context.layout.trial(&i.participant, &i.session, p.trial);
+        let exists = context.files.kind(&path).is_some();
+        if exists {
+            let also = format!("lies at {} already", context.layout.shown(&path).display());
+            errors.push(duplicate(also, AGAIN));
+        }
+        *sessions.entry((&i.participant, &i.session)).or_insert(false) |= exists;
+    }
+    // A session whose trials were named above is not named again.
+    for ((participant, session), _) in sessions.iter().filter(|(_, named)| !**named) {
+        let (record, events) = (
+            context.layout.session(participant, session),
+            context.layout.events(participant, session),
+        );
+        if let Some(path) = [record, events].iter().find(|p| context.files.kind(p).is_some()) {
+            let what = format!("session {session} of {participant} exists already");
+            errors.push(StoreError::new(path, what, AGAIN));
+        }
+    }
+    errors
+}
+
+/// Ids that differ only by case from others: some disks, and some people, take them for the same.
+fn twins(context: &Context, identities: &[Identity]) -> Result<Vec<StoreError>, StoreError> {
+    let there = readable_records(context.files, context.layout)?;
+    let mut people = Cases::default();
+    let mut sessions = Cases::default();
+    for record in &there {
+        people.knows("", record.participant.as_str());
+        sessions.knows(record.participant.as_str(), record.session.as_str());
+    }
+    let mut errors = Vec::new();
+    for i in identities {
+        let (who, which) = (i.participant.as_str(), i.session.as_str());
+        let twin = people.add("", who).map(|other| ("participant", who, other));
+        let twin = twin.or_else(|| sessions.add(who, which).map(|other| ("session", which, other)));
+        errors.extend(twin.map(|(what, id, other)| {
+            let what = format!("{what} '{id}' differs only by case from '{other}', which is there");
+            StoreError::new(&i.file, what, "write it as it is written there, or choose another id")
+        }));
+    }
+    Ok(errors)
+}
+
+/// Ids, and how they are written.
+#[derive(Default)]
+pub(super) struct Cases(BTreeMap<(String, String), String>);
+
+impl Cases {
+    /// Notes an id, within another.
+    pub(super) fn knows(&mut self, within: &str, id: &str) {
+        self.0.entry((within.to_owned(), id.to_ascii_lowercase())).or_insert_with(|| id.to_owned());
+    }
+
+    /// Notes an id; the one there that differs only by case, if it does. Each such id is told once.
+    pub(super) fn add(&mut self, within: &str, id: &str) -> Option<String> {
+        self.knows(within, id);
+        let there = self.0.get(&(within.to_owned(), id.to_ascii_lowercase()))?;
+        let twin = (there != id).then(|| there.clone())?;
+        let told = (format!("{within} told"), id.to_owned());
+        self.0.insert(told, id.to_owned()).is_none().then_some(twin)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::{COLUMNS, FORCE, ONE, World, trials_map};
+    use super::*;
+
+    #[test]
+    fn numbers_not_given_follow_the_highest_so_far() {
+        let mut last = BTreeMap::new();
+        let mut at = |key, given| next(&mut last, key, given);
+        assert_eq!((at("a", None), at("a", None), at("b", None)), (1, 2, 1));
+        assert_eq!((at("a", Some(7)), at("a", Some(3)), at("a", None)), (7, 3, 8));
+    }
+
+    #[test]
+    fn an_answer_is_a_whole_number_from_1_to_5() {
+        assert_eq!((answer("1"), answer("5.0")), (Ok(1), Ok(5)));
+        for bad in ["0", "6", "2.5", "", "NaN", "agree"] {
+            assert!(answer(bad).unwrap_err().contains("from 1 to 5"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_number_is_whole_and_at_least_1() {
+        assert_eq!((number("trial", "12"), number("trial", "3.0")), (Ok(12), Ok(3)));
+        for bad in ["0", "-1", "1.5", "x", "1000001", "4294967295", "1e300"] {
+            assert!(number("trial", bad).is_err(), "{bad}");
+        }
+    }
+
+    const NAMED: &str = "
+[name]
+pattern = '(?<who>\\w+)/(?<session>\\d+)_(?<mode>[a-z]+)\\.csv$'
+[trial]
+participant = { name = \"who\" }
+session = { name = \"session\", prefix = \"S\", digits = 2 }
+environment = \"spring\"
+mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
+";
+
+    #[test]
+    fn labels_come_from_the_path_and_repeats_are_counted_up_in_file_order() {
+        let world = World::new();
+        let csv = "t,f\n0,1\n1,2\n";
+        let names = ["P07/9_act.csv", "P07/9_pas.csv", "again/P07/9_act.csv"];
+        let files = names.map(|n| {
+            world.file(n, format!("t,f\n0,1\n1,{}\n", n.bytes().map(u32::from).sum::<u32>()))
+        });
+        world.import(&trials_map(&[NAMED, FORCE]), &files).unwrap();
+        let metas: Vec<_> = (1..=3).map(|n| world.trial("P07", "S09", n).meta).collect();
+        assert_eq!(metas.iter().map(|m| m.repeat).collect::<Vec<_>>(), [1, 1, 2]);
+        assert_eq!(metas[1].mode.as_str(), "passive");
+        let odd = world.file("P08/9_xxx.csv", csv);
+        let errors = world.import(&trials_map(&[NAMED, FORCE]), &[odd]).unwrap_err();
+        assert!(
+            errors[0].what.contains("'xxx' is not in the translation table, which has act, pas"),
+            "{errors:?}"
+        );
+        let odd = world.file("P08.csv", csv);
+        let errors = world.import(&trials_map(&[NAMED, FORCE]), &[odd]).unwrap_err();
+        assert!(errors[0].what.contains("does not match the pattern"), "{errors:?}");
+    }
+
+    #[test]
+    fn a_trial_that_exists_or_comes_back_is_refused_by_name() {
+        let world = World::new();
+        let csv = "who,mode,n,kind,q,t,f\nP01,active,1,trial,3,0,1\nP01,active,2,trial,3,0,1\nP01,active,1,trial,3,1,1\n";
+        let map = trials_map(&[COLUMNS, FORCE]);
+        world.refuses(
+            &map,
+            &world.file("a.csv", csv),
+            "duplicate trial: trial 1 of P01 S01 is in",
+            None,
+        );
+        let file = world.file("b.csv", "t,f\n0,1\n1,2\n");
+        world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&file)).unwrap();
+        let before = world.written();
+        let errors =
+            world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&file)).unwrap_err();
+        assert!(
+            errors[0].what.contains("duplicate trial: trial 1 of P01 S01 lies at raw/demo/trials"),
+            "{errors:?}"
+        );
+        let second = format!("{ONE}trial = 2\n");
+        let errors =
+            world.import(&trials_map(&[&second, FORCE]), std::slice::from_ref(&file)).unwrap_err();
+        assert!(errors[0].what.contains("session S01 of P01 exists already"), "{errors:?}");
+        let errors = world.import(&trials_map(&[ONE, FORCE]), &[file.clone(), file]).unwrap_err();
+        assert!(errors[0].what.contains("given twice"), "{errors:?}");
+        assert_eq!(world.written(), before);
+    }
+
+    #[test]
+    fn labels_that_are_no_ids_or_not_in_the_study_are_refused_with_column_and_row() {
+        let world = World::new();
+        let check = |from: &str, to: &str, words: &str, at: &str| {
+            let csv = format!(
+                "who,mode,n,kind,q,t,f\n{}\n",
+                "P01,active,1,trial,3,0,1".replace(from, to)
+            );
+            let file = world.file("bad.csv", csv);
+            world.refuses(&trials_map(&[COLUMNS, FORCE]), &file, words, Some((at, 1)));
+        };
+        check("P01", "../x", "'../x' is not a valid participant id", "who");
+        check("P01", "", "there is no participant", "who");
+        check(
+            "active",
+            "actve",
+            "mode 'actve' is not in study.toml, which has active, passive, hybrid",
+            "mode",
+        );
+        check("trial", "test", "kind 'test' must be trial or familiarisation", "kind");
+        check(",1,trial", ",0,trial", "trial '0' must be a whole number from 1", "n");
+        check("3,0,1", "6,0,1", "the answer '6' must be a whole number from 1 to 5", "q");
+    }
+
+    #[test]
+    fn an_id_that_differs_only_by_case_from_another_is_refused() {
+        let world = World::new();
+        world
+            .import(&trials_map(&[ONE, FORCE]), &[world.file("a.csv", "t,f\n0,1\n1,2\n")])
+            .unwrap();
+        let before = world.written();
+        let other = world.file("b.csv", "t,f\n0,1\n1,3\n");
+        for (from, to, words) in [
+            ("P01", "p01", "participant 'p01' differs only by case from 'P01'"),
+            ("S01", "s01", "session 's01' differs only by case from 'S01'"),
+        ] {
+            let map = trials_map(&[&ONE.replace(from, to), FORCE]);
+            let errors = world.import(&map, std::slice::from_ref(&other)).unwrap_err();
+            assert!(errors.len() == 1 && errors[0].what.contains(words), "{errors:?}");
+        }
+        assert_eq!(world.written(), before);
+        let csv = "who,mode,n,kind,q,t,f\nPx,active,1,trial,3,0,1\nPX,active,1,trial,3,0,1\npx,active,1,trial,3,1,1\n";
+        let errors =
+            world.import(&trials_map(&[COLUMNS, FORCE]), &[world.file("c.csv", csv)]).unwrap_err();
+        assert_eq!(errors.len(), 2, "{errors:?}");
+        let second = trials_map(&[&ONE.replace("S01", "S02"), FORCE]);
+        assert_eq!(world.import(&second, &[other]).unwrap().sessions, 1);
+    }
+}

@@ -1,0 +1,199 @@
+//! JSON lines: one object a line, keys are columns.
+
+use super::limits::{MOST_LINE, Take, check_columns, check_name, shown, too_many_rows, too_much};
+use super::table::{Cells, Table};
+use super::text::decode;
+use arrow::array::{ArrayBuilder as _, LargeStringBuilder};
+use serde::Deserializer as _;
+use serde::de::{MapAccess, Visitor};
+use serde_json::value::RawValue;
+use std::collections::BTreeSet;
+use std::fmt;
+use std::path::Path;
+use zwidth_store::{MOST_ROWS, StoreError};
+
+/// Reads JSON lines. Numbers keep the text they were written with, strings lose their quotes,
+/// `null` and a missing key are empty cells.
+pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, StoreError> {
+    let text = decode(path, bytes)?;
+    let (names, lines) = keys(path, text)?;
+    let builder = |(place, name): (usize, &String)| {
+        take.wants(place, Some(name)).then(LargeStringBuilder::new)
+    };
+    let mut columns: Vec<Option<LargeStringBuilder>> =
+        names.iter().enumerate().map(builder).collect();
+    if !take.budget.cells(lines.len().saturating_mul(columns.iter().flatten().count())) {
+        return Err(too_much(path));
+    }
+    for (row, (number, line)) in full_lines(text).enumerate() {
+        let mut cell = |key: String, raw: &RawValue| {
+            // The names are sorted: they come out of a set.
+            let column = names.binary_search(&key).ok().and_then(|place| columns[place].as_mut());
+            let Some(column) = column else { return Ok(()) };
+            let cell = text_of(raw.get())?;
+            column.append_option(Some(cell).filter(|cell| !cell.is_empty()));
+            Ok(())
+        };
+        walk(line, &mut cell).map_err(|e| no_object(path, number, &e))?;
+        for column in columns.iter_mut().flatten().filter(|column| column.len() == row) {
+            column.append_null();
+        }
+    }
+    let cells = |column: Option<LargeStringBuilder>| {
+        column.map_or(Cells::Unread, |mut column| Cells::Text(column.finish()))
+    };
+    Ok(Table { columns: columns.into_iter().map(cells).collect(), names: Some(names), lines })
+}
+
+/// The lines that are not blank, with their numbers.
+fn full_lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
+    (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty())
+}
+
+/// Every key of the file, sorted, and the number of the line of each row.
+fn keys(path: &Path, text: &str) -> Result<(Vec<String>, Vec<u64>), StoreError> {
+    let (mut names, mut lines) = (BTreeSet::new(), Vec::new());
+    for (number, line) in full_lines(text) {
+        if line.len() > MOST_LINE {
+            let what =
+                format!("line {number} has {} bytes, and at most {MOST_LINE} are read", line.len());
+            return Err(StoreError::new(
+                path,
+                what,
+                "write one object a line, without what is not needed",
+            ));
+        }
+        if lines.len() == MOST_ROWS {
+            return Err(too_many_rows(path, &format!("more than {MOST_ROWS}")));
+        }
+        let mut add = |key: String, _: &RawValue| {
+            names.insert(key);
+            Ok(())
+        };
+        walk(line, &mut add).map_err(|e| no_object(path, number, &e))?;
+        check_columns(path, names.len())?;
+        lines.push(number);
+    }
+    names.iter().try_for_each(|name| check_name(path, name))?;
+    Ok((names.into_iter().collect(), lines))
+}
+
+fn no_object(path: &Path, line: u64, error: &serde_json::Error) -> StoreError {
+    let what = format!("line {line} is not a JSON object with each key once: {error}");
+    StoreError::new(path, what, "the file may be cut off; mend or remove the line")
+}
+
+/// What is done with a key and its value.
+type Each<'a> = &'a mut dyn FnMut(String, &RawValue) -> Result<(), serde_json::Error>;
+
+/// Walks through the keys of one object. A key that comes twice is an error: nobody knows which
+/// value is meant.
+fn walk(line: &str, each: Each) -> Result<(), serde_json::Error> {
+    let mut reader = serde_json::Deserializer::from_str(line);
+    reader.deserialize_map(Keys(each))?;
+    reader.end()
+}
+
+struct Keys<'a>(Each<'a>);
+
+impl<'de> Visitor<'de> for Keys<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut object: M) -> Result<(), M::Error> {
+        use serde::de::Error as _;
+        let mut seen = BTreeSet::new();
+        while let Some(key) = object.next_key::<String>()? {
+            if !seen.insert(key.clone()) {
+                return Err(M::Error::custom(format!("the key '{}' comes twice", shown(&key))));
+            }
+            let value: &RawValue = object.next_value()?;
+            self.0(key, value).map_err(M::Error::custom)?;
+        }
+        Ok(())
+    }
+}
+
+fn text_of(raw: &str) -> Result<String, serde_json::Error> {
+    match raw.as_bytes().first() {
+        Some(b'"') => serde_json::from_str::<String>(raw).map(|s| s.trim().to_owned()),
+        _ if raw == "null" => Ok(String::new()),
+        _ => Ok(raw.to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::limits::{Budget, MOST_COLUMNS, tests::everything};
+    use super::super::table::{Cell, ColumnRef};
+    use super::*;
+
+    fn read(path: &Path, bytes: &[u8]) -> Result<Table, StoreError> {
+        everything(|take| super::read(path, bytes, take))
+    }
+
+    #[test]
+    fn keys_are_columns_and_numbers_keep_their_digits() {
+        let text = "{\"t\": 0.1, \"mode\": \"act\\u0069ve\"}\n\n{\"t\": 1e-321, \"f\": null}\r\n";
+        let table = read(Path::new("a.jsonl"), text.as_bytes()).unwrap();
+        assert_eq!(table.names.as_ref().unwrap(), &["f", "mode", "t"]);
+        let cell = |c: usize, r: usize| table.columns[c].cell(r);
+        assert_eq!((cell(2, 0), cell(2, 1)), (Cell::Text("0.1"), Cell::Text("1e-321")));
+        assert_eq!((cell(1, 0), cell(1, 1)), (Cell::Text("active"), Cell::Empty));
+        assert_eq!((cell(0, 0), cell(0, 1)), (Cell::Empty, Cell::Empty));
+        assert_eq!(table.lines, [1, 3]);
+    }
+
+    #[test]
+    fn a_cut_line_and_a_line_that_is_no_object_are_refused_with_the_line() {
+        for bad in ["{\"t\": 1}\n{\"t\": ", "{\"t\": 1}\n[1, 2]\n"] {
+            let error = read(Path::new("a.jsonl"), bad.as_bytes()).unwrap_err();
+            assert!(error.what.contains("line 2 is not a JSON object"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_key_that_comes_twice_in_an_object_is_refused_however_it_is_written() {
+        for bad in ["{\"t\": 1, \"f\": 2, \"t\": 3}\n", "{\"t\": 1, \"\\u0074\": 3}\n"] {
+            let error =
+                read(Path::new("a.jsonl"), format!("{{\"t\": 0}}\n{bad}").as_bytes()).unwrap_err();
+            assert!(
+                error.what.contains("line 2") && error.what.contains("the key 't' comes twice"),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn thirty_thousand_keys_are_refused_in_one_line_or_in_many() {
+        let one: String = (0..30_000).map(|i| format!("\"k{i}\":1,")).collect();
+        let many: String = (0..30_000).map(|i| format!("{{\"k{i}\":1}}\n")).collect();
+        for text in [format!("{{{}}}", one.trim_end_matches(',')), many] {
+            let error = read(Path::new("a.jsonl"), text.as_bytes()).unwrap_err();
+            assert!(
+                error.what.contains(&format!("and at most {MOST_COLUMNS} are read")),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_enormous_line_is_refused_and_deep_nesting_is_no_matter() {
+        let long = format!("{{\"t\": 1}}\n{{\"t\": \"{}\"}}", "x".repeat(MOST_LINE));
+        let error = read(Path::new("a.jsonl"), long.as_bytes()).unwrap_err();
+        assert!(
+            error.what.contains("line 2 has") && error.what.contains("at most 1048576"),
+            "{error}"
+        );
+        let deep = format!("{{\"t\": 1, \"x\": {}{}}}", "[".repeat(500_000), "]".repeat(500_000));
+        let t = ColumnRef::Name("t".to_owned());
+        let budget = Budget::default();
+        let take = Take { columns: vec![&t], pattern: None, budget: &budget };
+        let table = super::read(Path::new("a.jsonl"), deep.as_bytes(), &take).unwrap();
+        assert_eq!(table.columns[0].cell(0), Cell::Text("1"));
+        assert!(matches!(table.columns[1], Cells::Unread));
+    }
+}

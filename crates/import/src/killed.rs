@@ -1,0 +1,258 @@
+//! An import is killed, or the power is cut, at every step of its writing; the next import goes
+//! through without hands, and each recording counts once.
+
+use super::world::{COLUMNS, FORCE, ONE, UTC, trials_map};
+use super::{Mapping, Report, import};
+use rayon::prelude::*;
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+use zwidth_store::{Fault, Layout, Memory, StoreError, StudyData, Survives, recover, verify_from};
+use zwidth_study::{Study, StudyId, template};
+
+/// An import into a study in memory, of files on the disk.
+struct Case {
+    _folder: TempDir,
+    mapping: Mapping,
+    files: Vec<PathBuf>,
+    /// Imported before, in order.
+    before: Vec<PathBuf>,
+    /// Trials that count, sweeps and answers, at the end.
+    whole: (usize, usize, usize),
+}
+
+const SWEEPS: &str = "kind = \"sweeps\"\n[sweep]\nactuator = \"brake\"\nsweep = { column = \"n\" }\n\
+    [command]\nname = \"u\"\nunit = \"V\"\nfrom = \"t\"\n[response]\nname = \"f\"\nunit = \"N\"\nfrom = \"f\"\n";
+const LIKERT: &str = "kind = \"likert\"\n[trial]\nparticipant = { column = \"who\" }\nsession = \"S01\"\n\
+    environment = \"spring\"\nmode = { column = \"mode\" }\n[questions.columns]\nfelt_spring = 3\n";
+
+impl Case {
+    fn new(map: &str, contents: &[&str], before: usize, whole: (usize, usize, usize)) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |(i, content): (usize, &&str)| {
+            let path = folder.path().join(format!("{i}.csv"));
+            std::fs::write(&path, content).unwrap();
+            path
+        };
+        let mut files: Vec<PathBuf> = contents.iter().enumerate().map(file).collect();
+        let rest = files.split_off(before);
+        let mapping = Mapping::from_toml(map, Path::new("map.toml")).unwrap();
+        Self { _folder: folder, mapping, files: rest, before: files, whole }
+    }
+
+    /// One trial.
+    fn one() -> Self {
+        Self::new(&trials_map(&[ONE, FORCE]), &["t,f\n0,1\n1,2\n"], 0, (1, 0, 0))
+    }
+
+    /// Three trials of two participants.
+    fn trials() -> Self {
+        let head = "who,mode,n,kind,q,t,f\n";
+        let one = format!(
+            "{head}P01,active,1,trial,3,0,1\nP01,active,1,trial,3,1,1\nP02,active,1,trial,3,0,1\n"
+        );
+        let two = format!("{head}P01,passive,2,trial,4,0,1\n");
+        Self::new(&trials_map(&[COLUMNS, FORCE]), &[&one, &two], 0, (3, 0, 3))
+    }
+
+    /// Two sweeps beside one that is there.
+    fn sweeps() -> Self {
+        Self::new(SWEEPS, &["n,t,f\n7,0,1\n", "n,t,f\n1,0,1\n2,0,1\n"], 1, (0, 3, 0))
+    }
+
+    /// The first sweep of a study.
+    fn first_sweep() -> Self {
+        Self::new(SWEEPS, &["n,t,f\n1,0,1\n"], 0, (0, 1, 0))
+    }
+
+    /// Questionnaires of two participants.
+    fn likert() -> Self {
+        Self::new(
+            LIKERT,
+            &["who,mode,a\nP01,active,1\nP02,active,2\nP01,passive,3\n"],
+            0,
+            (0, 0, 3),
+        )
+    }
+
+    /// A study with what was imported before.
+    fn study(&self) -> (Memory, Layout) {
+        let (disk, layout) =
+            (Memory::new(), Layout::new(Path::new("/root"), StudyId::new("demo").unwrap()));
+        disk.put(&layout.study_toml(), template(layout.study()).as_bytes());
+        if !self.before.is_empty() {
+            self.import(&disk, &layout, &self.before).unwrap();
+        }
+        (disk, layout)
+    }
+
+    fn import(
+        &self,
+        disk: &Memory,
+        layout: &Layout,
+        files: &[PathBuf],
+    ) -> Result<Report, Vec<StoreError>> {
+        let study = Study::from_toml(&template(layout.study())).unwrap();
+        import(layout, &study, &self.mapping, files, UTC, "zwidth test", disk)
+    }
+
+    /// The import, killed at step `n`, and what then stands on the disk; whether the kill came
+    /// before its end.
+    fn killed(&self, n: u64, end: Survives, then: impl Fn(&Memory, &Layout)) -> bool {
+        let (disk, layout) = self.study();
+        disk.fail_in(n, Fault::End);
+        let ran = self.import(&disk, &layout, &self.files);
+        disk.restart(end);
+        then(&disk, &layout);
+        ran.is_err()
+    }
+
+    /// Imports again. `false` if there was nothing to do: the kill came when all was done but the
+    /// last word.
+    fn goes_through(&self, disk: &Memory, layout: &Layout, what: &str) -> bool {
+        let again = self.import(disk, layout, &self.files);
+        let data = StudyData::load_from(disk, layout).unwrap();
+        let found = (data.counting().count(), data.sweeps.len(), data.answers().len());
+        assert_eq!((found, verify_from(disk, layout)), (self.whole, vec![]), "{what}: {again:?}");
+        assert_eq!(recover(disk, layout, UTC), [], "{what}");
+        if let Err(errors) = &again {
+            assert!(
+                errors
+                    .iter()
+                    .all(|e| e.what.contains("already") || e.what.contains("imported before")),
+                "{what}: {errors:?}"
+            );
+        }
+        again.is_ok()
+    }
+}
+
+const ENDS: [Survives; 5] =
+    [Survives::Everything, Survives::Synced, Survives::Names, Survives::Zeros, Survives::Half];
+
+/// Kills the import at each of its steps; how many there are.
+fn every_step(case: &Case, steps: u64, ends: &[Survives]) {
+    for end in ends.iter().copied() {
+        let step = |n: u64| {
+            let done = Cell::new(false);
+            let killed = case.killed(n, end, |disk, layout| {
+                done.set(!case.goes_through(disk, layout, &format!("step {n}, {end:?} survives")));
+            });
+            (killed, done.get())
+        };
+        let tried: Vec<(bool, bool)> = (0..=steps).into_par_iter().map(step).collect();
+        // At the last step, the sync behind the removal of the list, the import is done; and so it
+        // is without a kill.
+        assert!(tried[..tried.len() - 2].iter().all(|t| *t == (true, false)), "{end:?}: {tried:?}");
+        assert!(
+            matches!(tried[tried.len() - 2..], [(true, _), (false, true)]),
+            "every step, {end:?}: {tried:?}"
+        );
+    }
+}
+
+#[test]
+fn an_import_that_is_killed_at_any_step_goes_through_the_next_time_and_each_recording_counts_once()
+{
+    every_step(&Case::one(), 34, &ENDS);
+    every_step(&Case::sweeps(), 22, &ENDS);
+    every_step(&Case::first_sweep(), 22, &ENDS[..2]);
+    every_step(&Case::trials(), 62, &ENDS[..2]);
+    every_step(&Case::likert(), 40, &ENDS[..2]);
+}
+
+#[test]
+fn what_a_killed_import_left_is_told_by_verify_and_taken_back_by_recover() {
+    for case in [Case::trials(), Case::sweeps(), Case::likert()] {
+        let before = {
+            let (disk, layout) = case.study();
+            disk.below(&layout.raw())
+        };
+        for n in 4.. {
+            let told = Cell::new(false);
+            let killed = case.killed(n, Survives::Everything, |disk, layout| {
+                let list = layout.import_list();
+                told.set(
+                    verify_from(disk, layout)
+                        .iter()
+                        .any(|e| e.path == list && e.remedy.contains("again")),
+                );
+                let found = recover(disk, layout, UTC);
+                assert!(found.iter().all(Result::is_ok), "step {n}: {found:?}");
+                if told.get() {
+                    assert_eq!(disk.below(&layout.raw()), before, "step {n}: {found:?}");
+                }
+                assert_eq!(verify_from(disk, layout), [], "step {n}: {found:?}");
+                case.goes_through(disk, layout, &format!("step {n}, recovered"));
+            });
+            if !killed {
+                break;
+            }
+        }
+    }
+}
+
+#[test]
+fn an_import_that_is_killed_while_it_takes_the_last_one_back_goes_through_too() {
+    for case in [Case::one(), Case::sweeps()] {
+        for [end, again] in
+            [[Survives::Everything, Survives::Everything], [Survives::Synced, Survives::Half]]
+        {
+            let killed = |n: u64, m: u64| {
+                let cut = Cell::new(false);
+                case.killed(n, end, |disk, layout| {
+                    disk.fail_in(m, Fault::End);
+                    cut.set(case.import(disk, layout, &case.files).is_err());
+                    disk.restart(again);
+                    case.goes_through(
+                        disk,
+                        layout,
+                        &format!("step {n} {end:?}, then {m} {again:?}"),
+                    );
+                });
+                cut.get()
+            };
+            // Taking back has as many steps as there were files; the last of them are those of the
+            // import itself.
+            let tries =
+                |n: u64| (0..24).step_by(2).filter(|m| killed(2 * n + m % 4 / 2, *m)).count();
+            let tried: usize = (0..18_u64).into_par_iter().map(tries).sum();
+            assert!(tried > 100, "only {tried}");
+        }
+    }
+}
+
+#[test]
+fn a_list_that_names_what_no_import_wrote_removes_nothing() {
+    let case = Case::one();
+    let (disk, layout) = case.study();
+    case.import(&disk, &layout, &case.files).unwrap();
+    let trial = layout.trial(&"P01".parse().unwrap(), &"S01".parse().unwrap(), 1);
+    disk.put(&layout.raw().join("trials/x.txt"), b"mine");
+    let before = disk.below(Path::new("/"));
+    let hash = |path: &Path| zwidth_store::hex_blake3(&before[path]);
+    let study = hash(&layout.study_toml());
+    for (path, blake3) in [
+        ("../../raw/demo/study.toml".to_owned(), &study),
+        ("/root/raw/demo/study.toml".to_owned(), &study),
+        ("trials/../study.toml".to_owned(), &study),
+        ("study.toml".to_owned(), &study),
+        ("trials/x.txt".to_owned(), &zwidth_store::hex_blake3(b"mine")),
+        (format!("trials/{}", trial.strip_prefix(layout.trials()).unwrap().display()), &study),
+    ] {
+        let list = format!(
+            "{{\"files\":[{{\"path\":{path:?},\"blake3\":\"{blake3}\"}}],\"folders\":[\"..\", \"/\"]}}"
+        );
+        disk.put(&layout.import_list(), list.as_bytes());
+        let errors = case.import(&disk, &layout, &case.files).unwrap_err();
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        assert!(
+            errors[0].what.contains("cut short lists it")
+                || errors[0].what.contains("no import writes"),
+            "{errors:?}"
+        );
+        disk.put(&layout.import_list(), b"");
+        let now = disk.below(Path::new("/"));
+        assert!(before.iter().all(|(path, bytes)| now.get(path) == Some(bytes)), "{path}");
+    }
+}

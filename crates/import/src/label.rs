@@ -1,0 +1,203 @@
+//! Labels: where a participant, a session, a mode, … of a recording comes from.
+
+use super::recording::Recording;
+use super::table::ColumnRef;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use zwidth_store::StoreError;
+
+/// Where a label comes from, and how it becomes ours.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Label {
+    pub(super) from: From,
+    /// Their word → ours. Where there is a table, every word must stand in it.
+    pub(super) translate: BTreeMap<String, String>,
+    /// Set before the word.
+    pub(super) prefix: String,
+    /// Whole numbers are filled with zeros to this many digits.
+    pub(super) digits: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum From {
+    /// The same for all files.
+    Fixed(String),
+    /// A column.
+    Column(ColumnRef),
+    /// A named group of the pattern on the file's path.
+    Name(String),
+}
+
+impl Default for From {
+    fn default() -> Self {
+        Self::Fixed(String::new())
+    }
+}
+
+/// A label as it stands in a mapping file: `"P01"`, `3`, `{ column = "mode", translate = {…} }`.
+#[derive(Debug, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a fixed value, or { column = … } or { name = … }, with translate, prefix, digits"
+)]
+pub(super) enum LabelShape {
+    Text(String),
+    Number(u32),
+    From(FromShape),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FromShape {
+    column: Option<ColumnRef>,
+    name: Option<String>,
+    #[serde(default)]
+    translate: BTreeMap<String, String>,
+    #[serde(default)]
+    prefix: String,
+    #[serde(default)]
+    digits: usize,
+}
+
+/// Most digits a number is filled to: an id has at most 32 characters.
+const MAX_DIGITS: usize = 32;
+
+impl LabelShape {
+    /// The checked label; `Err` says what is wrong. `groups` are those of the pattern on the path.
+    pub(super) fn check(self, groups: &[&str]) -> Result<Label, String> {
+        let shape = match self {
+            Self::Text(text) => return Ok(Label { from: From::Fixed(text), ..Label::default() }),
+            Self::Number(number) => {
+                return Ok(Label { from: From::Fixed(number.to_string()), ..Label::default() });
+            }
+            Self::From(shape) => shape,
+        };
+        let from = match (shape.column, shape.name) {
+            (Some(column), None) => From::Column(column),
+            (None, Some(name)) if groups.contains(&name.as_str()) => From::Name(name),
+            (None, Some(name)) => {
+                return Err(format!(
+                    "'{name}' is no named group (?<{name}>…) of the pattern in [name]"
+                ));
+            }
+            _ => return Err("needs either column or name".to_owned()),
+        };
+        if shape.digits > MAX_DIGITS {
+            return Err(format!(
+                "digits = {} is more than an id can hold ({MAX_DIGITS})",
+                shape.digits
+            ));
+        }
+        Ok(Label { from, translate: shape.translate, prefix: shape.prefix, digits: shape.digits })
+    }
+}
+
+impl Label {
+    /// The column it comes from, where it comes from one.
+    pub(super) fn column(&self) -> Option<&ColumnRef> {
+        match &self.from {
+            From::Column(column) => Some(column),
+            _ => None,
+        }
+    }
+
+    /// The label of the rows that begin with `row`, as the value that `parse` makes of it.
+    ///
+    /// # Errors
+    /// No value there, no translation for it, or what `parse` says of it, with file, column and
+    /// row.
+    pub(super) fn value<T>(
+        &self,
+        what: &str,
+        recording: &Recording,
+        row: usize,
+        parse: impl FnOnce(&str) -> Result<T, String>,
+    ) -> Result<T, StoreError> {
+        let theirs = match &self.from {
+            From::Fixed(text) => text.clone(),
+            From::Name(group) => recording.group(group)?,
+            From::Column(column) => recording.cell(column, row)?.to_string(),
+        };
+        let ours = match theirs.as_str() {
+            "" => Err(format!("there is no {what}")),
+            theirs => self.ours(theirs),
+        };
+        ours.and_then(|ours| parse(&ours)).map_err(|problem| {
+            let remedy = format!("mend the value, or change {what} in the mapping");
+            match self.column().map(|c| recording.find(c)) {
+                Some(Ok(column)) => recording.cell_error(column, row, &problem, &remedy),
+                _ => recording.error(problem, remedy),
+            }
+        })
+    }
+
+    /// Their word as ours.
+    fn ours(&self, theirs: &str) -> Result<String, String> {
+        if !self.translate.is_empty() {
+            return self.translate.get(theirs).cloned().ok_or_else(|| {
+                let known =
+                    self.translate.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+                format!("'{theirs}' is not in the translation table, which has {known}")
+            });
+        }
+        let digits = theirs.bytes().all(|b| b.is_ascii_digit());
+        if self.digits > 0 && !digits {
+            return Err(format!(
+                "'{theirs}' is no whole number, which digits = {} asks for",
+                self.digits
+            ));
+        }
+        Ok(format!("{}{theirs:0>width$}", self.prefix, width = self.digits))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn label(toml: &str) -> Result<Label, String> {
+        #[derive(Deserialize)]
+        struct File {
+            x: LabelShape,
+        }
+        let file: File = toml::from_str(toml).map_err(|e| e.to_string())?;
+        file.x.check(&["mode"])
+    }
+
+    fn check(toml: &str, theirs: &str, expect: Result<&str, &str>) {
+        match (label(toml).unwrap().ours(theirs), expect) {
+            (Ok(found), Ok(expect)) => assert_eq!(found, expect),
+            (Err(found), Err(words)) => assert!(found.contains(words), "{found}"),
+            (found, _) => panic!("{found:?}"),
+        }
+    }
+
+    #[test]
+    fn a_word_is_translated_prefixed_and_filled_with_zeros() {
+        check("x = { column = \"p\", prefix = \"P\", digits = 2 }", "7", Ok("P07"));
+        check("x = { column = 2, prefix = \"P\" }", "120", Ok("P120"));
+        check("x = { name = \"mode\", translate = { A = \"active\" } }", "A", Ok("active"));
+        check("x = { name = \"mode\", translate = { A = \"active\" } }", "B", Err("which has A"));
+        check("x = { column = 2, digits = 2 }", "x", Err("no whole number"));
+    }
+
+    #[test]
+    fn fixed_values_are_text_or_numbers() {
+        assert_eq!(label("x = \"P01\"").unwrap().from, From::Fixed("P01".to_owned()));
+        assert_eq!(label("x = 3").unwrap().from, From::Fixed("3".to_owned()));
+    }
+
+    #[test]
+    fn a_label_that_comes_from_nowhere_is_refused() {
+        for (toml, words) in [
+            ("x = { name = \"nothing\" }", "no named group"),
+            ("x = { prefix = \"P\" }", "either column or name"),
+            ("x = { column = 1, name = \"mode\" }", "either column or name"),
+            ("x = { colum = 1 }", "expected a fixed value"),
+            ("x = { column = 1, digits = 99 }", "digits"),
+        ] {
+            let error = label(toml).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! Import: recordings of other rigs, through a mapping file, into a study (`docs/import.md`).
+//!
+//! All files are read, converted and checked before anything is written, and what is written is
+//! written whole or not at all. What a recording lacks is a null column; what was computed (a
+//! derivative, a time from a rate) was asked for in the mapping, and the files made say so.
+//!
+//! A file goes through: `recording` (its format becomes a `table` of text and number columns) →
+//! `trials`, `sweeps` or `likert` (labels resolved, units converted) → `batch` (bytes, written).
+
+mod batch;
+mod check;
+mod check_samples;
+mod check_sweeps;
+mod convert;
+mod csv;
+mod identity;
+mod jsonl;
+#[cfg(test)]
+mod killed;
+mod label;
+mod likert;
+mod limits;
+mod mapping;
+mod mat;
+mod once;
+mod parquet;
+mod plan;
+pub mod readers;
+#[cfg(test)]
+mod real;
+mod recording;
+mod report;
+mod shape;
+mod sweeps;
+mod table;
+mod text;
+mod trials;
+mod unit;
+mod wide;
+#[cfg(test)]
+mod world;
+
+pub use mapping::Mapping;
+pub use report::{ColumnDropped, FileReport, Report, RowsDropped};
+
+use batch::Batch;
+use limits::{MOST_ERRORS, MOST_FILE, Take, shown};
+use mapping::{Content, Format};
+use rayon::prelude::*;
+use recording::{Recording, Rows};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_store::started::settle;
+use zwidth_store::{Files, Layout, MOST_STUDY, SOURCE, StoreError, hex_blake3};
+use zwidth_study::{Study, printable};
+
+/// Imports `files` into the study at `layout`, as `mapping` says.
+///
+/// `study` is the content of the study's `study.toml`; `utc` is the time in RFC 3339, for the event
+/// log; `software` is the program with its version, for the session records; `disk` holds the
+/// study. The caller holds the study's lock. What an import before this one left because it was
+/// killed is removed first.
+///
+/// # Errors
+/// Everything found wrong, each with file, column and row; then nothing was written. When writing
+/// fails, what this import had written is removed again, and the error says so.
+pub fn import(
+    layout: &Layout,
+    study: &Study,
+    mapping: &Mapping,
+    files: &[PathBuf],
+    utc: &str,
+    software: &str,
+    disk: &dyn Files,
+) -> Result<Report, Vec<StoreError>> {
+    let made = all(settle(disk, layout)).and_then(|_| {
+        let read = disk.read(&layout.study_toml(), MOST_STUDY);
+        let study_toml = read.map_err(|e| StoreError::io(&layout.study_toml(), "read", &e))?;
+        let study_blake3 = hex_blake3(&study_toml);
+        let context =
+            Context { layout, study, mapping, software, study_toml, study_blake3, files: disk };
+        let batch = batch(&context, files)?;
+        batch.write(disk, layout, utc)?;
+        Ok(batch)
+    });
+    made.map(|batch| batch.report(layout)).map_err(|Errors(mut errors)| {
+        if errors.len() >= MOST_ERRORS {
+            let what = "there are more errors than these";
+            errors.push(StoreError::new(&mapping.path, what, "mend these first, and import again"));
+        }
+        errors
+    })
+}
+
+fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
+    if files.is_empty() {
+        return Err(StoreError::new(
+            Path::new("."),
+            "no file is given",
+            "name the files to import",
+        )
+        .into());
+    }
+    match &context.mapping.content {
+        Content::Trials { who, time, columns, channels } => {
+            trials::trials(context, (who, time, columns, channels), files)
+        }
+        Content::Sweeps { labels, form } => sweeps::sweeps(context, (labels, form), files),
+        Content::Likert { who, questions } => likert::likert(context, (who, questions), files),
+    }
+}
+
+/// A file, and what was made of it.
+struct Converted<T> {
+    path: PathBuf,
+    /// BLAKE3 of the file, hexadecimal.
+    blake3: String,
+    made: T,
+}
+
+/// Everything found wrong; never empty.
+#[derive(Debug)]
+struct Errors(Vec<StoreError>);
+
+impl From<StoreError> for Errors {
+    fn from(error: StoreError) -> Self {
+        Self(vec![error])
+    }
+}
+
+/// Every value, or every error up to [`MOST_ERRORS`].
+fn all<T, E: Into<Errors>>(
+    results: impl IntoIterator<Item = Result<T, E>>,
+) -> Result<Vec<T>, Errors> {
+    let (mut values, mut errors) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(value) => values.push(value),
+            Err(found) => {
+                let room = MOST_ERRORS - errors.len();
+                errors.extend(found.into().0.into_iter().take(room));
+            }
+        }
+    }
+    if errors.is_empty() { Ok(values) } else { Err(Errors(errors)) }
+}
+
+/// What every file of an import is converted with.
+struct Context<'a> {
+    layout: &'a Layout,
+    study: &'a Study,
+    mapping: &'a Mapping,
+    software: &'a str,
+    /// The text of `study.toml`, of which each session keeps a copy.
+    study_toml: Vec<u8>,
+    study_blake3: String,
+    /// Where the study lies.
+    files: &'a dyn Files,
+}
+
+impl Context<'_> {
+    /// Reads every file and converts it, side by side as far as they fit into memory together.
+    ///
+    /// # Errors
+    /// Everything found wrong; more in all of them than is read; a recording that is there twice.
+    fn convert<T: Send>(
+        &self,
+        files: &[PathBuf],
+        take: &Take,
+        convert: impl Fn(&Recording) -> Result<T, Errors> + Sync,
+    ) -> Result<Vec<Converted<T>>, Errors> {
+        let one = |path: &PathBuf| {
+            let recording =
+                Recording::read(path, &self.mapping.file, self.mapping.name.as_ref(), take)?;
+            let made = convert(&recording)?;
+            Ok::<_, Errors>(Converted { path: recording.path, blake3: recording.blake3, made })
+        };
+        let mut found = Vec::new();
+        for group in self.groups(files) {
+            found.extend(group.par_iter().map(one).collect::<Vec<_>>());
+            take.budget.held(files)?;
+        }
+        let converted = all(found)?;
+        once::given_once(&converted)?;
+        Ok(converted)
+    }
+
+    /// The files in groups whose contents have at most [`MOST_FILE`] bytes together. What a packed
+    /// file unpacks to may be as much on its own.
+    fn groups<'f>(&self, files: &'f [PathBuf]) -> Vec<&'f [PathBuf]> {
+        let is_packed = |path: &Path| {
+            matches!(self.mapping.file.format_of(path), Ok(Format::Parquet | Format::Mat))
+        };
+        let bytes = |path: &PathBuf| match is_packed(path) {
+            true => MOST_FILE,
+            false => std::fs::metadata(path).map_or(0, |found| found.len()),
+        };
+        let (mut groups, mut from, mut together) = (Vec::new(), 0, 0);
+        for (i, path) in files.iter().enumerate() {
+            let bytes = bytes(path).min(MOST_FILE);
+            if i > from && together + bytes > MOST_FILE {
+                groups.push(&files[from..i]);
+                (from, together) = (i, 0);
+            }
+            together += bytes;
+        }
+        groups.push(&files[from..]);
+        groups
+    }
+
+    /// What a file made from a recording says of itself. The recording's name is left out: it may
+    /// hold a person's.
+    fn footer(&self, source_blake3: String, computed: &[String]) -> BTreeMap<String, String> {
+        let mut footer = BTreeMap::from([
+            ("study_blake3".to_owned(), self.study_blake3.clone()),
+            ("device".to_owned(), self.study.device.name.clone()),
+            ("software".to_owned(), self.software.to_owned()),
+            (SOURCE.to_owned(), source_blake3),
+            ("mapping_blake3".to_owned(), self.mapping.blake3.clone()),
+        ]);
+        if !computed.is_empty() {
+            footer.insert("made_by_import".to_owned(), computed.join("; "));
+        }
+        footer
+    }
+
+    /// The report on a file as far as all kinds share it; `used` are the columns that were taken.
+    ///
+    /// # Errors
+    /// A column that the mapping drops by name but the file does not have, or one that it also
+    /// uses.
+    fn file_report(
+        &self,
+        recording: &Recording,
+        rows: &Rows,
+        used: &[usize],
+    ) -> Result<FileReport, StoreError> {
+        let names: Vec<_> =
+            (0..recording.table.columns.len()).map(|i| recording.table.full_name(i)).collect();
+        let stray = |name: &&String| {
+            !names.iter().enumerate().any(|(i, n)| *n == name.as_str() && !used.contains(&i))
+        };
+        if let Some(name) = self.mapping.drop.keys().find(stray) {
+            let what = "the column is named in [drop], but it is missing or used";
+            return Err(recording.error(what, "remove it from [drop]").column(name));
+        }
+        let unused = names.iter().enumerate().filter(|(i, _)| !used.contains(i));
+        let why = |name: &str| {
+            self.mapping.drop.get(name).cloned().unwrap_or_else(|| "not mapped".to_owned())
+        };
+        let limit = self.mapping.file.rows.unwrap_or(rows.read);
+        let dropped = [
+            (rows.missing, "a mapped cell is empty or NaN (missing = \"drop\")".to_owned()),
+            (rows.past_limit, format!("after the first {limit} (rows = {limit})")),
+        ];
+        Ok(FileReport {
+            file: printable(&recording.path.to_string_lossy()).into_owned(),
+            rows_read: rows.read,
+            rows_kept: rows.kept.len(),
+            rows_dropped: dropped
+                .into_iter()
+                .filter(|d| d.0 > 0)
+                .map(|(rows, why)| RowsDropped { rows, why })
+                .collect(),
+            columns_dropped: unused
+                .map(|(_, name)| ColumnDropped {
+                    column: printable(&shown(name)).into_owned(),
+                    why: why(name),
+                })
+                .collect(),
+            converted: Vec::new(),
+            computed: Vec::new(),
+            null: Vec::new(),
+            made: Vec::new(),
+        })
+    }
+}

@@ -1,0 +1,241 @@
+//! Wide questionnaire tables → trials without samples, and answers as events.
+
+use super::batch::Batch;
+use super::identity::{Identity, answer, identity, number_trials};
+use super::limits::{Budget, Take};
+use super::mapping::{Missing, Who};
+use super::recording::Recording;
+use super::report::FileReport;
+use super::table::ColumnRef;
+use super::{Context, Converted, Errors, all, once};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use zwidth_store::StoreError;
+use zwidth_study::{Event, PlannedTrial, QuestionId, Study};
+
+/// One row: a trial without samples, and what was answered.
+struct Row {
+    identity: Identity,
+    answers: Vec<(QuestionId, u8)>,
+}
+
+/// Reads every file, numbers the rows as trials over all of them, and turns the answers into
+/// events.
+pub(super) fn likert(
+    context: &Context,
+    (who, questions): (&Who, &BTreeMap<QuestionId, ColumnRef>),
+    files: &[PathBuf],
+) -> Result<Batch, Errors> {
+    let questions = question_columns(questions, context)?;
+    let budget = Budget::default();
+    let columns =
+        who.columns().into_iter().chain(questions.iter().map(|(_, column)| column)).collect();
+    let take = Take { columns, pattern: None, budget: &budget };
+    let converted = context
+        .convert(files, &take, |recording| convert(context, who, &questions, &budget, recording))?;
+    let mut batch = Batch::default();
+    let (mut rows, mut sources) = (Vec::new(), Vec::new());
+    for Converted { blake3, made: (found, report), .. } in &converted {
+        batch.files.push(report.clone());
+        rows.extend(found);
+        sources.resize(rows.len(), blake3.as_str());
+    }
+    let identities: Vec<Identity> = rows.iter().map(|r| r.identity.clone()).collect();
+    let planned = number_trials(context, &identities, false)?;
+    once::answers(context, &converted)?;
+    let events = |(row, number): (&Row, &PlannedTrial)| {
+        let event = |(question, value)| Event::Answer { trial: number.trial, question, value };
+        row.answers.iter().cloned().map(event).collect()
+    };
+    let events = rows.into_iter().zip(&planned).map(events).collect();
+    batch.add_sessions(context, &identities, &planned, events, &sources)?;
+    Ok(batch)
+}
+
+/// The column of every question: as listed in the mapping, or the one whose header is its text.
+fn question_columns(
+    listed: &BTreeMap<QuestionId, ColumnRef>,
+    context: &Context,
+) -> Result<Vec<(QuestionId, ColumnRef)>, StoreError> {
+    let study = context.study;
+    let error = |what: String, remedy: &str| StoreError::new(&context.mapping.path, what, remedy);
+    if let Some(id) = listed.keys().find(|id| study.question(id).is_none()) {
+        let what = format!("[questions.columns] has '{id}', which is no question of study.toml");
+        return Err(error(what, "add it to study.toml, or remove it from the mapping"));
+    }
+    if !listed.is_empty() {
+        return Ok(listed.iter().map(|(id, column)| (id.clone(), column.clone())).collect());
+    }
+    if study.questions.is_empty() {
+        return Err(error(
+            "study.toml has no questions".to_owned(),
+            "add [[questions]] to study.toml",
+        ));
+    }
+    if let Some(id) = repeated_text(study) {
+        let what = format!("question '{id}' of study.toml has the text of another one");
+        return Err(error(what, "list the columns in [questions.columns]"));
+    }
+    Ok(study
+        .questions
+        .iter()
+        .map(|q| (q.id.clone(), ColumnRef::Name(q.text.trim().to_owned())))
+        .collect())
+}
+
+fn repeated_text(study: &Study) -> Option<&QuestionId> {
+    let is_second = |(i, q): &(usize, &zwidth_study::Question)| {
+        study.questions[..*i].iter().any(|p| p.text == q.text)
+    };
+    study.questions.iter().enumerate().find(is_second).map(|(_, q)| &q.id)
+}
+
+fn convert(
+    context: &Context,
+    who: &Who,
+    questions: &[(QuestionId, ColumnRef)],
+    budget: &Budget,
+    recording: &Recording,
+) -> Result<(Vec<Row>, FileReport), Errors> {
+    let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
+    let columns = all(questions.iter().map(|(_, column)| recording.find(column)))?;
+    let rows = recording.rows(&context.mapping.file, &[], &labels)?;
+    budget.trials(&recording.path, rows.kept.len())?;
+    let read = |row: &usize| {
+        let identity = identity(who, recording, *row, context.study)?;
+        let answers = questions.iter().zip(&columns).map(|((id, _), column)| {
+            let value = given(context, recording, *column, *row)?;
+            Ok::<_, StoreError>(value.map(|v| (id.clone(), v)))
+        });
+        Ok::<_, Errors>(Row { identity, answers: all(answers)?.into_iter().flatten().collect() })
+    };
+    let found: Vec<Row> = all(rows.kept.iter().map(read))?;
+    let mut report = context.file_report(recording, &rows, &[labels, columns].concat())?;
+    let answers: usize = found.iter().map(|r| r.answers.len()).sum();
+    report.converted.push(format!("answers 1…5, as given, of {} questions", questions.len()));
+    let empty = match found.len() * questions.len() - answers {
+        0 => String::new(),
+        n => format!("; {n} empty answers left out"),
+    };
+    report.made.push(format!("{} trials without samples, {answers} answers{empty}", found.len()));
+    Ok((found, report))
+}
+
+/// The answer in a cell; `None` where it is empty and the mapping leaves such cells out.
+fn given(
+    context: &Context,
+    recording: &Recording,
+    column: usize,
+    row: usize,
+) -> Result<Option<u8>, StoreError> {
+    if context.mapping.file.missing == Missing::Drop && recording.number(column, row) == Ok(None) {
+        return Ok(None);
+    }
+    let cell = recording.table.columns[column].cell(row);
+    let remedy = "mend the cell; leave empty ones out with missing = \"drop\" in [file]";
+    answer(&cell.to_string())
+        .map(Some)
+        .map_err(|what| recording.cell_error(column, row, &what, remedy))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::World;
+    use zwidth_study::{Event, StudyId, template};
+
+    const MAP: &str = "
+kind = \"likert\"
+[file]
+delimiter = \";\"
+[trial]
+participant = { column = \"who\", prefix = \"P\", digits = 2 }
+session = \"S01\"
+environment = \"spring\"
+mode = { column = \"mode\" }
+trial = { column = \"order\" }
+";
+
+    /// The template with short texts: question `felt_spring` asks "Spring?", `felt_wall` asks
+    /// "Wall?".
+    fn world() -> World {
+        let text = template(&StudyId::new("demo").unwrap());
+        let short = text.lines().map(|line| match line {
+            l if l.contains("such as a wall") => "text = \"Wall?\"",
+            l if l.contains("a linear stiffness") => "text = \"Spring?\"",
+            l => l,
+        });
+        World::with(&short.collect::<Vec<_>>().join("\n"))
+    }
+
+    const TABLE: &str = "Timestamp;who;mode;order;Wall?;Spring?\n\
+        x;1;active;2;5;1\n\
+        x;1;passive;1;4;2\n\
+        x;12;active;1;3;3\n";
+
+    #[test]
+    fn every_row_becomes_a_trial_without_samples_and_answers_as_events() {
+        let world = world();
+        let report = world.import(MAP, &[world.file("a.csv", TABLE)]).unwrap();
+        assert_eq!((report.trials, report.sessions, report.answers), (0, 2, 6));
+        assert_eq!(report.files[0].columns_dropped[0].column, "Timestamp");
+        let events = world.events("P01", "S01");
+        let answer = |trial, question: &str, value| Event::Answer {
+            trial,
+            question: question.parse().unwrap(),
+            value,
+        };
+        assert_eq!(events[..2], [answer(1, "felt_spring", 2), answer(1, "felt_wall", 4)]);
+        let data = world.load();
+        assert!(data.sessions[0].record.trials.iter().all(|t| !t.samples));
+        let answers = data.answers();
+        assert_eq!(answers.len(), 6);
+        assert_eq!(answers[5].participant.as_str(), "P12");
+    }
+
+    #[test]
+    fn questions_may_be_listed_with_their_columns() {
+        let world = world();
+        let map = format!("{MAP}[questions.columns]\nfelt_wall = 5\n");
+        assert_eq!(world.import(&map, &[world.file("a.csv", TABLE)]).unwrap().answers, 3);
+    }
+
+    #[test]
+    fn an_empty_answer_is_refused_or_left_out_never_invented() {
+        let world = world();
+        let file = world.file("a.csv", TABLE.replace("5;1", ";1"));
+        world.refuses(
+            MAP,
+            &file,
+            "the answer '' must be a whole number from 1 to 5 (line 2)",
+            Some(("Wall?", 1)),
+        );
+        let drop = MAP.replace("[trial]", "missing = \"drop\"\n[trial]");
+        let report = world.import(&drop, &[file]).unwrap();
+        assert_eq!(report.answers, 5);
+        assert!(report.to_string().contains("5 answers; 1 empty answers left out"), "{report}");
+    }
+
+    #[test]
+    fn bad_answers_and_tables_are_refused_with_column_and_row() {
+        let world = world();
+        let check = |map: &str, from: &str, to: &str, words: &str, at| {
+            assert!(TABLE.contains(from), "{from}");
+            world.refuses(map, &world.file("a.csv", TABLE.replace(from, to)), words, at);
+        };
+        check(MAP, "1;4;2", "1;6;2", "the answer '6'", Some(("Wall?", 2)));
+        check(MAP, "1;4;2", "1;2.5;2", "the answer '2.5'", Some(("Wall?", 2)));
+        check(MAP, "1;4;2", "1;agree;2", "the answer 'agree'", Some(("Wall?", 2)));
+        check(MAP, "passive;1", "passive;2", "duplicate trial: trial 2 of P01 S01", None);
+        check(MAP, "Wall?", "Walls?", "column Wall?: the column is missing", None);
+        check(MAP, "x;12;", "x;Ann;", "'Ann' is no whole number", Some(("who", 3)));
+        check(
+            MAP,
+            "x;12;active",
+            "x;12;actve",
+            "mode 'actve' is not in study.toml",
+            Some(("mode", 3)),
+        );
+        let odd = format!("{MAP}[questions.columns]\nnothing = 5\n");
+        check(&odd, "x", "x", "'nothing', which is no question of study.toml", None);
+    }
+}

@@ -1,0 +1,273 @@
+//! How much of other people's files is read: nothing that they claim decides how much memory is
+//! taken (`docs/data.md`, "Limits").
+
+use super::table::ColumnRef;
+use regex::Regex;
+use std::borrow::Cow;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use zwidth_store::{MOST_ROWS, Samples, Signal, StoreError};
+
+/// Bytes of one recording (256 MiB); files are read side by side up to as many together.
+pub(super) const MOST_FILE: u64 = 1 << 28;
+/// Bytes of a mapping file (256 KiB).
+pub(super) const MOST_MAPPING: u64 = 1 << 18;
+/// Errors that are told: nobody reads more, and one a cell would fill memory.
+pub(super) const MOST_ERRORS: usize = 1_000;
+/// Bytes of a line of text, a cell in quotes with line breaks included: 64 for each of
+/// [`MOST_COLUMNS`].
+pub(super) const MOST_LINE: usize = 1 << 20;
+/// Columns, keys or variables of one recording.
+pub(super) const MOST_COLUMNS: usize = 1 << 14;
+/// Bytes of a column's name.
+pub(super) const MOST_NAME: usize = 1 << 12;
+/// Bytes that the mapped columns of a Parquet file, or a variable of a MAT file, unpack to (256
+/// MiB).
+pub(super) const MOST_UNPACKED: u64 = 1 << 28;
+/// Bytes of the texts in the mapped columns of a Parquet file (128 MiB): a word that every row
+/// repeats is packed once.
+pub(super) const MOST_TEXT: usize = 1 << 27;
+/// Cells of mapped columns, over all files of an import: as numbers 256 MiB.
+const MOST_CELLS: usize = 1 << 25;
+/// Trials, sweeps, or rows of questionnaires of an import: each has a file or an entry of its own.
+const MOST_TRIALS: usize = 1 << 14;
+/// The highest number of a trial, a repeat or a sweep.
+pub(super) const MOST_NUMBER: u32 = 1_000_000;
+/// Rates of a recording, Hz.
+pub(super) const RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
+/// From the first sample to the last, s: a day.
+const MOST_SPAN_S: f64 = 86_400.0;
+/// The latest time, s, from whatever it is counted: three thousand years.
+const MOST_TIME_S: f64 = 1e11;
+/// The largest angle, rad: a thousand turns.
+const MOST_ANGLE_RAD: f64 = 1_000.0 * std::f64::consts::TAU;
+/// Characters of a text of theirs that an error repeats: half from its beginning, half from its
+/// end.
+const MOST_SHOWN: usize = 400;
+
+/// What an import may still take: counted over all its files, which are read side by side.
+#[derive(Debug, Default)]
+pub(super) struct Budget {
+    cells: AtomicUsize,
+    trials: AtomicUsize,
+}
+
+impl Budget {
+    /// Takes room for cells, before memory is; `false` where there is none left.
+    pub(super) fn cells(&self, n: usize) -> bool {
+        spend(&self.cells, n, MOST_CELLS)
+    }
+
+    /// Takes room for trials.
+    ///
+    /// # Errors
+    /// There is none left.
+    pub(super) fn trials(&self, path: &Path, n: usize) -> Result<(), StoreError> {
+        if spend(&self.trials, n, MOST_TRIALS) { Ok(()) } else { Err(too_much(path)) }
+    }
+
+    /// Whether all there was to be taken fitted. Which of the files was one too many depends on the
+    /// order in which they were read, so that all of them are named together.
+    ///
+    /// # Errors
+    /// What there was too much of.
+    pub(super) fn held(&self, files: &[std::path::PathBuf]) -> Result<(), StoreError> {
+        let over = |spent: &AtomicUsize, most: usize| spent.load(Ordering::Relaxed) > most;
+        let what = if over(&self.cells, MOST_CELLS) {
+            format!(
+                "more than {MOST_CELLS} cells in mapped columns, and no more are read in one import"
+            )
+        } else if over(&self.trials, MOST_TRIALS) {
+            format!(
+                "more than {MOST_TRIALS} trials, sweeps or answered rows, and no more are read in one import"
+            )
+        } else {
+            return Ok(());
+        };
+        let first = files.first().map_or(Path::new("."), std::path::PathBuf::as_path);
+        Err(match files.len() {
+            1 => StoreError::new(first, format!("the file has {what}"), "split it"),
+            n => {
+                let what = format!("this file and the {} others have {what}", n - 1);
+                StoreError::new(
+                    first,
+                    what,
+                    "import them in several commands, whole sessions in each",
+                )
+            }
+        })
+    }
+}
+
+fn spend(spent: &AtomicUsize, n: usize, most: usize) -> bool {
+    let add = |spent: usize| Some(spent.saturating_add(n));
+    let before =
+        spent.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).unwrap_or(usize::MAX);
+    before.saturating_add(n) <= most
+}
+
+/// Stands for the error of [`Budget::held`], which takes its place.
+pub(super) fn too_much(path: &Path) -> StoreError {
+    StoreError::new(
+        path,
+        "with it the import has more than is read at once",
+        "import fewer files at once",
+    )
+}
+
+/// The error of a recording with too many rows; `rows` in words.
+pub(super) fn too_many_rows(path: &Path, rows: &str) -> StoreError {
+    StoreError::new(
+        path,
+        format!("the file has {rows} rows, and at most {MOST_ROWS} are read"),
+        "split it",
+    )
+}
+
+/// Whether so many columns are read.
+///
+/// # Errors
+/// There are more.
+pub(super) fn check_columns(path: &Path, columns: usize) -> Result<(), StoreError> {
+    if columns <= MOST_COLUMNS {
+        return Ok(());
+    }
+    let what = format!("the file has {columns} columns, and at most {MOST_COLUMNS} are read");
+    Err(StoreError::new(
+        path,
+        what,
+        "leave out those that are not needed, or check the delimiter in [file]",
+    ))
+}
+
+/// Whether the names are short enough to be names.
+///
+/// # Errors
+/// One that is not.
+pub(super) fn check_name(path: &Path, name: &str) -> Result<(), StoreError> {
+    if name.len() <= MOST_NAME {
+        return Ok(());
+    }
+    let what =
+        format!("a column's name has {} bytes, and at most {MOST_NAME} are read", name.len());
+    Err(StoreError::new(path, what, "shorten it").column(shown(name)))
+}
+
+/// A text of theirs, as an error shows it: a long one without its middle.
+pub(super) fn shown(text: &str) -> Cow<'_, str> {
+    let half = MOST_SHOWN / 2;
+    let Some((cut, _)) = text.char_indices().nth(half) else { return Cow::Borrowed(text) };
+    match text.char_indices().rev().nth(half - 1) {
+        Some((on, _)) if on > cut => Cow::Owned(format!("{} … {}", &text[..cut], &text[on..])),
+        _ => Cow::Borrowed(text),
+    }
+}
+
+/// Which columns of a recording are taken; no other is kept in memory.
+pub(super) struct Take<'a> {
+    pub(super) columns: Vec<&'a ColumnRef>,
+    /// Columns whose names match are taken too.
+    pub(super) pattern: Option<&'a Regex>,
+    pub(super) budget: &'a Budget,
+}
+
+impl Take<'_> {
+    /// Whether the column at `place` (from 0) is taken; `name` is its name where it has one.
+    pub(super) fn wants(&self, place: usize, name: Option<&str>) -> bool {
+        let is_it = |column: &&ColumnRef| match column {
+            ColumnRef::Position(n) => *n == place + 1,
+            ColumnRef::Name(wanted) => name == Some(wanted),
+        };
+        self.columns.iter().any(is_it)
+            || name.is_some_and(|name| self.pattern.is_some_and(|pattern| pattern.is_match(name)))
+    }
+}
+
+/// Checks that angle and time are of a size that analyses can go through step by step. The error
+/// names our column and the row.
+pub(super) fn check_sizes(path: &Path, samples: &Samples) -> Result<(), StoreError> {
+    if let Some(t) = samples.get(Signal::Time) {
+        check_time(t).map_err(|(row, what)| {
+            let error = StoreError::new(path, what, "check the unit of the time");
+            error.column(Signal::Time.name()).row0(row)
+        })?;
+    }
+    let theta = samples.get(Signal::Theta).unwrap_or_default();
+    let Some(row) = theta.iter().position(|v| v.abs() > MOST_ANGLE_RAD) else { return Ok(()) };
+    let what = format!("the angle {} rad is more than a thousand turns", theta[row]);
+    let error = StoreError::new(
+        path,
+        what,
+        "check unit, scale and offset of the angle, or leave the row out",
+    );
+    Err(error.column(Signal::Theta.name()).row0(row))
+}
+
+/// Whether times are of a sensible size; `Err` is the row (from 0) and what is wrong.
+pub(super) fn check_time(t_s: &[f64]) -> Result<(), (usize, String)> {
+    let first = t_s.first().copied().unwrap_or_default();
+    let late = t_s.iter().position(|t| t.abs() > MOST_TIME_S || t - first > MOST_SPAN_S);
+    late.map_or(Ok(()), |row| {
+        let what = if t_s[row].abs() > MOST_TIME_S {
+            format!("the time {} s is past {MOST_TIME_S} s", t_s[row])
+        } else {
+            format!("{} s after the first sample is more than a day", t_s[row] - first)
+        };
+        Err((row, what))
+    })
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// Every column of a file of up to 64.
+    pub(in super::super) fn everything<T>(read: impl FnOnce(&Take) -> T) -> T {
+        let columns: Vec<ColumnRef> = (1..=64).map(ColumnRef::Position).collect();
+        let budget = Budget::default();
+        read(&Take { columns: columns.iter().collect(), pattern: None, budget: &budget })
+    }
+
+    #[test]
+    fn a_long_text_is_shown_without_its_middle() {
+        assert_eq!(shown("short"), "short");
+        let whole = "é".repeat(MOST_SHOWN);
+        assert_eq!(shown(&whole), whole);
+        let long = format!("{}{}{}", "é".repeat(200), "x".repeat(1 << 20), "ü".repeat(200));
+        assert_eq!(shown(&long), format!("{} … {}", "é".repeat(200), "ü".repeat(200)));
+    }
+
+    #[test]
+    fn what_is_spent_by_many_files_is_told_as_theirs_together() {
+        let budget = Budget::default();
+        assert!(budget.cells(MOST_CELLS) && !budget.cells(1) && !budget.cells(usize::MAX));
+        let two = ["a.csv", "b.csv"].map(std::path::PathBuf::from);
+        let error = budget.held(&two).unwrap_err().to_string();
+        assert!(error.contains("the 1 others have more than 33554432 cells"), "{error}");
+        let budget = Budget::default();
+        assert!(budget.trials(&two[0], MOST_TRIALS).is_ok() && budget.held(&two).is_ok());
+        assert!(budget.trials(&two[0], 1).is_err());
+        assert!(budget.held(&two[..1]).unwrap_err().what.contains("more than 16384 trials"));
+    }
+
+    #[test]
+    fn times_of_more_than_a_day_and_angles_of_more_than_a_thousand_turns_are_refused_with_their_row()
+     {
+        let with = |t: &[f64], theta: &[f64]| {
+            let mut samples = Samples::default();
+            samples.set(Signal::Time, t.to_vec());
+            samples.set(Signal::Theta, theta.to_vec());
+            check_sizes(Path::new("a.csv"), &samples)
+        };
+        assert_eq!(with(&[1.7e9, 1.7e9 + 86_400.0], &[6_283.0, -6_283.0]), Ok(()));
+        for (t, theta, row, words) in [
+            ([0.0, 86_401.0], [0.0, 0.0], 2, "more than a day"),
+            ([1e12, 1e308], [0.0, 0.0], 1, "is past"),
+            ([0.0, 1.0], [0.0, -1e6], 2, "-1000000 rad is more than a thousand turns"),
+            ([0.0, 1.0], [1e308, 0.0], 1, "thousand turns"),
+        ] {
+            let error = with(&t, &theta).unwrap_err();
+            assert!(error.row == Some(row) && error.what.contains(words), "{error}");
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! The mapping file, checked: what of a recording becomes what of ours (`docs/import.md`).
+
+use super::check::check;
+use super::convert::Linear;
+use super::csv::Dialect;
+use super::label::Label;
+use super::limits::MOST_MAPPING;
+pub(super) use super::shape::{Format, Missing, Reduce, Side};
+use super::sweeps::Pairs;
+use super::table::ColumnRef;
+use super::unit::Unit;
+use super::wide::Wide;
+use regex::Regex;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_store::{Quantity, Signal, StoreError, read_named};
+use zwidth_study::{ChannelId, QuestionId, StudyError};
+
+/// A mapping file, checked.
+#[derive(Debug, Clone)]
+pub struct Mapping {
+    /// The mapping's own file, for errors.
+    pub(super) path: PathBuf,
+    /// BLAKE3 of its text, hexadecimal.
+    pub(super) blake3: String,
+    pub(super) file: FileForm,
+    /// Pattern on the path of every file.
+    pub(super) name: Option<Regex>,
+    /// Columns left out on purpose, and why.
+    pub(super) drop: BTreeMap<String, String>,
+    pub(super) content: Content,
+}
+
+/// What the files hold.
+#[derive(Debug, Clone)]
+pub(super) enum Content {
+    Trials { who: Who, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
+    Sweeps { labels: SweepLabels, form: SweepForm },
+    Likert { who: Who, questions: BTreeMap<QuestionId, ColumnRef> },
+}
+
+/// How the files are written.
+#[derive(Debug, Clone)]
+pub(super) struct FileForm {
+    pub(super) format: Option<Format>,
+    pub(super) delimiter: Option<u8>,
+    pub(super) decimal_comma: bool,
+    pub(super) header: bool,
+    pub(super) comment: Option<u8>,
+    pub(super) skip: usize,
+    pub(super) rows: Option<usize>,
+    pub(super) missing: Missing,
+    pub(super) matrix: Option<String>,
+}
+
+impl FileForm {
+    /// The format named, or that of the file's extension.
+    pub(super) fn format_of(&self, path: &Path) -> Result<Format, StoreError> {
+        let extension =
+            path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        self.format.map_or_else(
+            || match extension.as_str() {
+                "csv" => Ok(Format::Csv),
+                "tsv" => Ok(Format::Tsv),
+                "jsonl" | "ndjson" => Ok(Format::Jsonl),
+                "parquet" => Ok(Format::Parquet),
+                "mat" => Ok(Format::Mat),
+                _ => Err(StoreError::new(
+                    path,
+                    format!("the extension '{extension}' names no known format"),
+                    "set format in [file] to csv, tsv, jsonl, parquet or mat",
+                )),
+            },
+            Ok,
+        )
+    }
+
+    /// How delimited text of `format` is written. Where no delimiter is named: tabs in TSV; in CSV
+    /// commas, or semicolons where the comma stands before decimals.
+    pub(super) fn dialect(&self, format: Format) -> Dialect {
+        let usual = match (format, self.decimal_comma) {
+            (Format::Tsv, _) => b'\t',
+            (_, true) => b';',
+            (_, false) => b',',
+        };
+        let delimiter = self.delimiter.unwrap_or(usual);
+        Dialect { delimiter, header: self.header, comment: self.comment, skip: self.skip }
+    }
+}
+
+/// Where the labels of a trial come from.
+#[derive(Debug, Clone)]
+pub(super) struct Who {
+    pub(super) participant: Label,
+    pub(super) session: Label,
+    pub(super) environment: Label,
+    pub(super) mode: Label,
+    pub(super) kind: Option<Label>,
+    pub(super) repeat: Option<Label>,
+    pub(super) trial: Option<Label>,
+    pub(super) likert: Option<Label>,
+}
+
+impl Who {
+    /// The columns that labels come from.
+    pub(super) fn columns(&self) -> Vec<&ColumnRef> {
+        let fixed = [&self.participant, &self.session, &self.environment, &self.mode];
+        let optional = [&self.kind, &self.repeat, &self.trial, &self.likert];
+        fixed.into_iter().chain(optional.into_iter().flatten()).filter_map(Label::column).collect()
+    }
+}
+
+/// Where the time of a sample comes from.
+#[derive(Debug, Clone)]
+pub(super) enum Time {
+    Column {
+        from: ColumnRef,
+        unit: &'static Unit,
+        unit_text: String,
+        line: Linear,
+    },
+    /// The n-th row, from 0, lies at n / rate.
+    Rate {
+        rate_hz: f64,
+    },
+}
+
+/// Where a signal comes from.
+#[derive(Debug, Clone)]
+pub(super) struct SignalFrom {
+    pub(super) to: Signal,
+    pub(super) origin: Origin,
+}
+
+/// Where a channel of the study's own comes from.
+#[derive(Debug, Clone)]
+pub(super) struct ChannelFrom {
+    pub(super) to: ChannelId,
+    pub(super) from: ColumnRef,
+    /// The study's unit of it.
+    pub(super) unit: String,
+    pub(super) line: Linear,
+}
+
+/// A column of theirs, or a rule.
+#[derive(Debug, Clone)]
+pub(super) enum Origin {
+    Column { from: ColumnRef, unit: &'static Unit, unit_text: String, line: Linear },
+    Derived(Rule),
+}
+
+/// How a signal is computed from another one.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Rule {
+    DerivativeOf(Signal),
+    IntegralOf(Signal),
+}
+
+/// Where the labels of a sweep come from.
+#[derive(Debug, Clone)]
+pub(super) struct SweepLabels {
+    pub(super) actuator: Label,
+    pub(super) sweep: Option<Label>,
+}
+
+/// How a sweep lies in its file.
+#[derive(Debug, Clone)]
+pub(super) enum SweepForm {
+    /// A row a sample.
+    Pairs(Pairs),
+    /// A column a value of one quantity.
+    Wide(Wide),
+}
+
+impl SweepForm {
+    /// Command and response.
+    pub(super) fn quantities(&self) -> (&QuantityFrom, &QuantityFrom) {
+        match self {
+            Self::Pairs(pairs) => (&pairs.command.1, &pairs.response.1),
+            Self::Wide(wide) => (&wide.command, &wide.response),
+        }
+    }
+}
+
+/// A quantity of a sweep, and how its values are converted.
+#[derive(Debug, Clone)]
+pub(super) struct QuantityFrom {
+    pub(super) quantity: Quantity,
+    pub(super) line: Linear,
+}
+
+impl Mapping {
+    /// Reads and checks a mapping file that a person named; nothing but a regular file will do.
+    ///
+    /// # Errors
+    /// Those of reading it, and of [`Mapping::from_toml`].
+    pub fn read(path: &Path) -> Result<Self, Vec<StoreError>> {
+        let bytes =
+            read_named(path, MOST_MAPPING).map_err(|e| vec![StoreError::io(path, "read", &e)])?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let what = format!("byte {} is no text (UTF-8)", e.utf8_error().valid_up_to());
+            vec![StoreError::new(path, what, "save the mapping as UTF-8")]
+        })?;
+        Self::from_toml(&text, path)
+    }
+
+    /// Reads and checks a mapping file's text; `path` names it in errors.
+    ///
+    /// # Errors
+    /// Every problem found, each with its line and key: text that is not TOML, an unknown key, an
+    /// unknown column of ours, a unit that does not fit, a pattern that is no regular expression, …
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self, Vec<StoreError>> {
+        let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let remedy = "mend the line; docs/import.md explains the keys";
+        let error = |e: &StudyError| StoreError::new(path, e.to_string(), remedy);
+        check(plain, path).map_err(|errors| errors.iter().map(error).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::World;
+    use super::*;
+    use zwidth_store::Signal;
+    use zwidth_study::Study;
+
+    fn workspace(path: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
+    }
+
+    /// The mappings and the tables in the code blocks of the documentation.
+    fn examples() -> Vec<String> {
+        let text = std::fs::read_to_string(workspace("docs/import.md")).unwrap();
+        let blocks = text.split("```toml\n").skip(1).filter_map(|t| t.split("```").next());
+        blocks.filter(|b| b.starts_with("kind = ")).map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn every_mapping_in_the_documentation_is_valid() {
+        let examples = examples();
+        assert_eq!(examples.len(), 4);
+        for text in examples {
+            Mapping::from_toml(&text, Path::new("docs/import.md")).unwrap();
+        }
+    }
+
+    #[test]
+    fn the_first_mapping_in_the_documentation_does_what_it_says() {
+        let world = World::new();
+        let csv = "time_ms;angle_deg;F_N;status\n0;-45,0;0,02;ok\n1;-44,9;-0,05;ok\n";
+        world.import(&examples()[0], &[world.file("results/P03/2_active.csv", csv)]).unwrap();
+        let trial = world.trial("P03", "S02", 1);
+        assert_eq!(trial.samples.get(Signal::ForceEx).unwrap(), [-0.02, 0.05]);
+        let velocity = trial.samples.get(Signal::ThetaDot).unwrap()[0];
+        assert!((velocity - 100_f64.to_radians()).abs() < 1e-9, "{velocity}");
+    }
+
+    #[test]
+    fn every_study_and_mapping_that_comes_with_the_program_is_valid() {
+        let mut mappings = 0;
+        for folder in std::fs::read_dir(workspace("studies")).unwrap() {
+            let folder = folder.unwrap().path();
+            let study =
+                Study::from_toml(&std::fs::read_to_string(folder.join("study.toml")).unwrap())
+                    .unwrap();
+            assert_eq!(Some(study.id.as_str()), folder.file_name().unwrap().to_str());
+            for file in std::fs::read_dir(folder).unwrap() {
+                let path = file.unwrap().path();
+                if path.file_name().unwrap().to_str().unwrap().starts_with("map") {
+                    Mapping::from_toml(&std::fs::read_to_string(&path).unwrap(), &path).unwrap();
+                    mappings += 1;
+                }
+            }
+        }
+        assert!(mappings >= 6, "{mappings}");
+    }
+}

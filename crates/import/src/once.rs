@@ -1,0 +1,154 @@
+//! The same recording counts once: by its content, within an import and in the whole study.
+
+use super::identity::Cases;
+use super::{Context, Converted, Errors, all};
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_store::{StoreError, files_below, readable_records, sweep_sources, trial_sources};
+
+/// Whether no recording is there twice, under whatever names.
+pub(super) fn given_once<T>(files: &[Converted<T>]) -> Result<(), Errors> {
+    let mut seen = BTreeMap::new();
+    let once = |place: usize| {
+        let file = &files[place];
+        let first = *seen.entry(&file.blake3).or_insert(place);
+        if first == place {
+            return Ok(());
+        }
+        let first = files[first].path.display();
+        let what = format!("the recording is given twice: {first} has the same content");
+        Err(StoreError::new(&file.path, what, "give every recording once"))
+    };
+    all((0..files.len()).map(once).collect::<Vec<_>>()).map(|_| ())
+}
+
+/// Whether no trial of the study was imported from one of these recordings.
+pub(super) fn trials<T>(context: &Context, files: &[Converted<T>]) -> Result<(), Errors> {
+    new_here(files, trial_sources(context.files, context.layout)?)
+}
+
+/// Whether no sweep of the study was imported from one of these recordings.
+pub(super) fn sweeps<T>(context: &Context, files: &[Converted<T>]) -> Result<(), Errors> {
+    new_here(files, sweep_sources(context.files, context.layout)?)
+}
+
+/// Whether no questionnaire of the study was imported from one of these files.
+pub(super) fn answers<T>(context: &Context, files: &[Converted<T>]) -> Result<(), Errors> {
+    let mut known = BTreeMap::new();
+    for record in readable_records(context.files, context.layout)? {
+        let named = format!("{} {}", record.participant, record.session);
+        known.extend(record.imported_from.into_iter().map(|source| (source, named.clone())));
+    }
+    new_here(files, known)
+}
+
+fn new_here<T>(files: &[Converted<T>], known: BTreeMap<String, String>) -> Result<(), Errors> {
+    let once = |file: &Converted<T>| match known.get(&file.blake3) {
+        None => Ok(()),
+        Some(first) => {
+            let what = format!("this recording was imported before, as {first}");
+            Err(StoreError::new(
+                &file.path,
+                what,
+                "leave the file out; a recording must not count twice",
+            ))
+        }
+    };
+    all(files.iter().map(once).collect::<Vec<_>>()).map(|_| ())
+}
+
+/// The actuators that have sweeps.
+pub(super) fn actuators_there(context: &Context) -> Result<Cases, StoreError> {
+    let mut cases = Cases::default();
+    for path in files_below(context.files, &context.layout.sweeps())? {
+        let folder = path.parent().and_then(Path::file_name).and_then(|name| name.to_str());
+        if let Some(actuator) = folder.and_then(|name| name.strip_prefix("actuator=")) {
+            cases.knows("", actuator);
+        }
+    }
+    Ok(cases)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::{FORCE, ONE, World, trials_map};
+    use std::path::Path;
+
+    const CSV: &str = "t,f\n0,1\n1,2\n";
+
+    #[test]
+    fn a_copy_a_link_and_another_way_to_write_its_path_are_the_same_recording() {
+        let world = World::new();
+        let first = world.file("a.csv", CSV);
+        let copy = world.file("deeper/b.csv", CSV);
+        let linked = first.with_file_name("c.csv");
+        std::fs::hard_link(&first, &linked).unwrap();
+        let dotted = first.parent().unwrap().join("./a.csv");
+        for second in [&copy, &linked, &dotted, &first] {
+            let files = [first.clone(), second.clone()];
+            let errors = world.import(&trials_map(&[ONE, FORCE]), &files).unwrap_err();
+            assert!(errors.len() == 1 && errors[0].path == *second, "{errors:?}");
+            assert!(
+                errors[0].what.contains("given twice") && errors[0].what.contains("a.csv has"),
+                "{errors:?}"
+            );
+        }
+        assert_eq!(world.written(), ["study.toml"]);
+    }
+
+    fn imported_before(map: &str, other: &str, content: &str, words: &str) {
+        let world = World::new();
+        world.import(map, &[world.file("a.csv", content)]).unwrap();
+        let before = world.written();
+        let errors = world.import(other, &[world.file("b.csv", content)]).unwrap_err();
+        assert!(errors.len() == 1 && errors[0].what.contains(words), "{errors:?}");
+        assert_eq!(world.written(), before);
+    }
+
+    #[test]
+    fn a_recording_that_the_study_has_under_another_name_is_refused_with_where_it_is() {
+        let one = trials_map(&[ONE, FORCE]);
+        imported_before(
+            &one,
+            &one.replace("S01", "S02"),
+            CSV,
+            "imported before, as P01 S01 trial 1",
+        );
+        imported_before(
+            &one,
+            &one.replace("P01", "P02"),
+            CSV,
+            "imported before, as P01 S01 trial 1",
+        );
+        let sweep = "kind = \"sweeps\"\n[sweep]\nactuator = \"brake\"\n[command]\nname = \"u\"\nunit = \"V\"\nfrom = \"t\"\n\
+            [response]\nname = \"f\"\nunit = \"N\"\nfrom = \"f\"\n";
+        imported_before(
+            sweep,
+            &sweep.replace("brake", "motor"),
+            CSV,
+            "imported before, as sweep 1 of brake",
+        );
+        let likert = "kind = \"likert\"\n[trial]\nparticipant = \"P01\"\nsession = \"S01\"\nenvironment = \"spring\"\n\
+            mode = { column = \"m\" }\n[questions.columns]\nfelt_spring = 2\n";
+        let answers = "m,a\nactive,3\npassive,4\n";
+        imported_before(
+            likert,
+            &likert.replace("S01", "S02"),
+            answers,
+            "imported before, as P01 S01",
+        );
+    }
+
+    #[test]
+    fn a_recording_of_which_nothing_was_kept_may_come_again() {
+        let world = World::new();
+        let (map, file) = (trials_map(&[ONE, FORCE]), world.file("a.csv", CSV));
+        world.import(&map, std::slice::from_ref(&file)).unwrap();
+        for folder in [world.layout.trials(), world.layout.sessions()] {
+            std::fs::remove_dir_all(folder).unwrap();
+        }
+        world.import(&map.replace("S01", "S02"), &[file]).unwrap();
+        assert_eq!(world.load().counting().count(), 1);
+        assert!(Path::new(&world.layout.trials()).join("participant=P01/session=S02").is_dir());
+    }
+}

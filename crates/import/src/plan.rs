@@ -1,0 +1,265 @@
+//! How every file becomes trials: the mapping joined with the study.
+
+use super::convert::Linear;
+use super::mapping::{ChannelFrom, Origin, Rule, SignalFrom, Time};
+use super::table::ColumnRef;
+use super::{Context, Errors, all, unit};
+use zwidth_store::{Signal, StoreError};
+use zwidth_study::Study;
+
+/// What is taken from every file, and what is computed.
+#[derive(Default)]
+pub(super) struct Plan<'a> {
+    /// Time first, where it has a column; then the mapped signals.
+    pub(super) taken: Vec<Taken<'a>>,
+    /// Rows a second, where there is no time column.
+    pub(super) rate_hz: Option<f64>,
+    /// Columns that become channels of the study's own.
+    pub(super) channels: &'a [ChannelFrom],
+    /// Signals computed from others, in order.
+    pub(super) derived: Vec<(Signal, Rule)>,
+    /// For the report.
+    pub(super) converted: Vec<String>,
+    /// For the report and the files.
+    pub(super) computed: Vec<String>,
+    /// The lever length that a conversion used, m.
+    pub(super) lever_m: Option<f64>,
+}
+
+/// A column of theirs that becomes a signal of ours.
+pub(super) struct Taken<'a> {
+    pub(super) to: Signal,
+    pub(super) from: &'a ColumnRef,
+    pub(super) line: Linear,
+    /// From the unit named to SI.
+    pub(super) factor: f64,
+}
+
+/// Joins the mapping with the study.
+///
+/// # Errors
+/// A unit that only fits with a lever length or a linear coordinate, which the study lacks.
+pub(super) fn plan<'a>(
+    context: &Context,
+    time: &'a Time,
+    columns: &'a [SignalFrom],
+    channels: &'a [ChannelFrom],
+) -> Result<Plan<'a>, Errors> {
+    all(channels.iter().map(|channel| check_channel(context, channel)))?;
+    let converted = channels.iter().map(|c| {
+        let line = c.line.words().map(|w| format!(", {w}")).unwrap_or_default();
+        format!("{} ← {} ({}){line}", c.to.as_str(), c.from, c.unit)
+    });
+    let mut plan = Plan { channels, converted: converted.collect(), ..Plan::default() };
+    match time {
+        Time::Rate { rate_hz } => {
+            plan.rate_hz = Some(*rate_hz);
+            plan.computed.push(rate_words(*rate_hz));
+        }
+        Time::Column { from, unit, unit_text, line } => {
+            plan.take(context, Signal::Time, from, (unit, unit_text), *line)?;
+        }
+    }
+    let add = |SignalFrom { to, origin }: &'a SignalFrom| match origin {
+        Origin::Column { from, unit, unit_text, line } => {
+            plan.take(context, target(*to, columns, context.study), from, (unit, unit_text), *line)
+        }
+        Origin::Derived(rule) => {
+            plan.computed.push(rule_words(*to, *rule));
+            plan.derived.push((*to, *rule));
+            Ok(())
+        }
+    };
+    all(columns.iter().map(add))?;
+    Ok(plan)
+}
+
+/// The times of `rows` at a rate, s. A dropped row leaves a gap: later rows keep the time they were
+/// recorded at.
+#[allow(clippy::cast_precision_loss)] // a file has fewer than 2⁵³ rows
+pub(super) fn rate_times(rate_hz: f64, rows: &[usize]) -> Vec<f64> {
+    rows.iter().map(|row| (row - rows[0]) as f64 / rate_hz).collect()
+}
+
+/// What a file says of times that were made from a rate.
+pub(super) fn rate_words(rate_hz: f64) -> String {
+    format!("t_s = row / {rate_hz} Hz, the first row at 0 (the recording has no time)")
+}
+
+/// The user's torque is kept as a force where the study has a lever length, F = τ / L.
+fn target(to: Signal, columns: &[SignalFrom], study: &Study) -> Signal {
+    let force_is_given = columns.iter().any(|c| c.to == Signal::ForceEx);
+    match to {
+        Signal::TorqueEx if study.device.lever_m.is_some() && !force_is_given => Signal::ForceEx,
+        other => other,
+    }
+}
+
+fn rule_words(to: Signal, rule: Rule) -> String {
+    let to = to.name();
+    match rule {
+        Rule::DerivativeOf(of) => {
+            format!("{to} = derivative of {} (central differences)", of.name())
+        }
+        Rule::IntegralOf(of) => {
+            format!("{to} = integral of {} (trapezoids, 0 at the first sample)", of.name())
+        }
+    }
+}
+
+/// Whether the study has such a channel, in this unit: what a unit of another's is, nobody knows.
+fn check_channel(context: &Context, channel: &ChannelFrom) -> Result<(), StoreError> {
+    let known = context.study.channels.iter().find(|known| known.id == channel.to);
+    let error = |what: String, remedy: &str| {
+        Err(StoreError::new(&context.mapping.path, what, remedy).column(channel.from.to_string()))
+    };
+    let id = channel.to.as_str();
+    match known {
+        None => error(
+            format!("'{id}' is no channel of study.toml"),
+            "add it to [[channels]] before the first trial, or remove it from the mapping",
+        ),
+        Some(known) if known.unit != channel.unit => error(
+            format!("'{id}' is in '{}' in study.toml, and in '{}' here", known.unit, channel.unit),
+            "name the study's unit, and turn the values into it by sign, scale and offset",
+        ),
+        Some(_) => Ok(()),
+    }
+}
+
+impl<'a> Plan<'a> {
+    /// Their columns that are taken: those of our signals, then those of the channels.
+    pub(super) fn columns(&self) -> impl Iterator<Item = &'a ColumnRef> + use<'a, '_> {
+        self.taken.iter().map(|taken| taken.from).chain(self.channels.iter().map(|c| &c.from))
+    }
+
+    fn take(
+        &mut self,
+        context: &Context,
+        to: Signal,
+        from: &'a ColumnRef,
+        (unit, unit_text): (&'static unit::Unit, &str),
+        line: Linear,
+    ) -> Result<(), StoreError> {
+        let (factor, length) = unit::factor(unit, to, context.study).map_err(|lacks| {
+            let what =
+                format!("{unit_text} becomes {} only where study.toml has {lacks}", to.name());
+            let remedy = "add it to study.toml, or choose another unit or column of ours";
+            StoreError::new(&context.mapping.path, what, remedy).column(from.to_string())
+        })?;
+        let line_words = line.words().map(|w| format!(", {w}")).unwrap_or_default();
+        let name = to.name();
+        self.converted.push(format!("{name} ← {from} ({unit_text}){line_words}"));
+        if let Some(lever_m) = length {
+            self.lever_m = Some(lever_m);
+            let rule =
+                if unit.dimension == unit::Dimension::Torque { "F = τ / L" } else { "θ = x / L" };
+            self.computed.push(format!("{name} by {rule} with L = {lever_m} m"));
+        }
+        if line.zero_first {
+            self.computed.push(format!("{name} less its first value"));
+        }
+        self.taken.push(Taken { to, from, line, factor });
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::{FORCE, ONE, World, close, trials_map};
+    use zwidth_store::Signal;
+    use zwidth_study::{StudyId, template};
+
+    #[test]
+    fn degrees_signs_scales_and_offsets_become_si() {
+        let world = World::new();
+        let file = world.file("a.csv", "5,180,2000,1\n6,90,1000,2\n");
+        let columns = "
+[file]
+header = false
+[time]
+from = 1
+unit = \"s\"
+zero = \"first\"
+[[column]]
+to = \"theta_rad\"
+from = 2
+unit = \"deg\"
+zero = \"first\"
+[[column]]
+to = \"voltage_motor_v\"
+from = 3
+unit = \"mV\"
+sign = -1
+[[column]]
+to = \"force_ex_n\"
+from = 4
+unit = \"N\"
+scale = 2.0
+offset = 1.0
+";
+        let report = world.import(&trials_map(&[ONE, columns]), &[file]).unwrap();
+        assert_eq!(world.column(1, Signal::Time), [0.0, 1.0]);
+        close(&world.column(1, Signal::Theta), &[0.0, -std::f64::consts::FRAC_PI_2]);
+        assert_eq!(world.column(1, Signal::VoltageMotor), [-2.0, -1.0]);
+        assert_eq!(world.column(1, Signal::ForceEx), [3.0, 5.0]);
+        let made = world.computed(1);
+        assert_eq!(made, "t_s less its first value; theta_rad less its first value");
+        assert!(report.to_string().contains("force_ex_n ← 4 (N), (2 x + 1)"), "{report}");
+    }
+
+    const TORQUE: &str = "
+[time]
+rate_hz = 200.0
+[[column]]
+to = \"torque_ex_nm\"
+from = \"tau\"
+unit = \"mN·m\"
+";
+
+    #[test]
+    fn torque_becomes_force_by_the_lever_and_stays_torque_without_one() {
+        let csv = "tau\n90\n45\n";
+        let world = World::new();
+        world.import(&trials_map(&[ONE, TORQUE]), &[world.file("a.csv", csv)]).unwrap();
+        close(&world.column(1, Signal::ForceEx), &[2.0, 1.0]);
+        assert_eq!(world.trial("P01", "S01", 1).samples.get(Signal::TorqueEx), None);
+        let made = world.computed(1);
+        assert!(made.contains("force_ex_n by F = τ / L with L = 0.045 m"), "{made}");
+
+        let leverless = template(&StudyId::new("demo").unwrap()).replace("lever_m = 0.045", "");
+        let world = World::with(&leverless);
+        let file = world.file("a.csv", csv);
+        let asks_force = TORQUE.replace("torque_ex_nm", "force_ex_n");
+        world.refuses(
+            &trials_map(&[ONE, &asks_force]),
+            &file,
+            "only where study.toml has device.lever_m",
+            None,
+        );
+        world.import(&trials_map(&[ONE, TORQUE]), &[file]).unwrap();
+        close(&world.column(1, Signal::TorqueEx), &[0.09, 0.045]);
+        assert_eq!(world.trial("P01", "S01", 1).samples.get(Signal::ForceEx), None);
+    }
+
+    #[test]
+    fn millimetres_become_radians_by_the_linear_coordinate_only() {
+        let map = FORCE.replace("force_ex_n", "theta_rad").replace("\"N\"", "\"mm\"");
+        let world = World::new();
+        let file = world.file("a.csv", "t,f\n0,5\n1,10\n");
+        world.refuses(
+            &trials_map(&[ONE, &map]),
+            &file,
+            "mm becomes theta_rad only where study.toml has coord",
+            None,
+        );
+        let slide = "schema = 2\n[study]\nid = \"demo\"\ntitle = \"x\"\n[design]\nrepeats = 1\ntrial_limit_s = 4.0
+[coordinate]\nkind = \"linear\"\n[device]\nname = \"x\"\nlever_m = 0.5
+[[environments]]\nid = \"spring\"\nlabel = \"x\"\nkind = \"free\"\n[[modes]]\nid = \"hybrid\"\nlabel = \"x\"\n";
+        let world = World::with(slide);
+        world
+            .import(&trials_map(&[ONE, &map]), &[world.file("a.csv", "t,f\n0,5\n1,10\n")])
+            .unwrap();
+        close(&world.column(1, Signal::Theta), &[0.01, 0.02]);
+    }
+}

@@ -1,0 +1,407 @@
+//! One file of other people's, read but not yet converted.
+
+use super::limits::{MOST_FILE, Take, shown, too_many_rows};
+use super::mapping::{FileForm, Format, Missing};
+use super::table::{Cell, Cells, ColumnRef, Table};
+use super::{csv, jsonl, mat, parquet};
+use regex::Regex;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_store::{MOST_ROWS, StoreError, hex_blake3, read_named};
+
+/// One file, read.
+pub(super) struct Recording {
+    pub(super) path: PathBuf,
+    pub(super) table: Table,
+    /// BLAKE3 of the file, hexadecimal.
+    pub(super) blake3: String,
+    decimal_comma: bool,
+    /// Named groups of the pattern on the path.
+    groups: BTreeMap<String, String>,
+}
+
+/// The rows of a file that an import takes, and how many it leaves.
+#[derive(Debug)]
+pub(super) struct Rows {
+    /// Rows in the file.
+    pub(super) read: usize,
+    /// The rows taken, counted from 0.
+    pub(super) kept: Vec<usize>,
+    /// Rows left out because a mapped cell is empty.
+    pub(super) missing: usize,
+    /// Rows left out because they come after the limit.
+    pub(super) past_limit: usize,
+}
+
+impl Recording {
+    /// Reads the columns of `path` that are taken, as the mapping says.
+    pub(super) fn read(
+        path: &Path,
+        form: &FileForm,
+        name: Option<&Regex>,
+        take: &Take,
+    ) -> Result<Self, StoreError> {
+        let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
+        let blake3 = hex_blake3(&bytes);
+        let groups = name.map_or_else(|| Ok(BTreeMap::new()), |pattern| groups(path, pattern))?;
+        let table = match form.format_of(path)? {
+            format @ (Format::Csv | Format::Tsv) => {
+                csv::read(path, &bytes, form.dialect(format), take)?
+            }
+            Format::Jsonl => jsonl::read(path, &bytes, take)?,
+            Format::Parquet => parquet::read(path, bytes, take)?,
+            Format::Mat => mat::read(path, &bytes, form.matrix.as_deref(), take)?,
+        };
+        Ok(Self { path: path.to_owned(), table, blake3, decimal_comma: form.decimal_comma, groups })
+    }
+
+    /// An error about the file.
+    pub(super) fn error(&self, what: impl Into<String>, remedy: impl Into<String>) -> StoreError {
+        StoreError::new(&self.path, shown(&what.into()), remedy)
+    }
+
+    /// The text of a named group of the pattern on the path.
+    pub(super) fn group(&self, name: &str) -> Result<String, StoreError> {
+        self.groups.get(name).cloned().ok_or_else(|| {
+            self.error(
+                format!("group '{name}' of the pattern is not in the path"),
+                "mend the pattern in [name]",
+            )
+        })
+    }
+
+    /// The place of a column, from 0.
+    pub(super) fn find(&self, column: &ColumnRef) -> Result<usize, StoreError> {
+        let remedy = "name the column as the file does";
+        self.table.find(column).map_err(|what| self.error(what, remedy).column(column.to_string()))
+    }
+
+    /// One cell.
+    pub(super) fn cell(&self, column: &ColumnRef, row: usize) -> Result<Cell<'_>, StoreError> {
+        Ok(self.table.columns[self.find(column)?].cell(row))
+    }
+
+    /// An error about a cell: column, row, and its line where the file has lines.
+    pub(super) fn cell_error(
+        &self,
+        column: usize,
+        row: usize,
+        what: &str,
+        remedy: &str,
+    ) -> StoreError {
+        let what = match self.table.lines.get(row) {
+            Some(line) => format!("{} (line {line})", shown(what)),
+            None => what.to_owned(),
+        };
+        self.error(what, remedy).column(self.table.name(column)).row0(row)
+    }
+
+    /// The number in a cell, `None` where it is missing; `Err` says what stands there instead.
+    pub(super) fn number(&self, column: usize, row: usize) -> Result<Option<f64>, String> {
+        match self.table.columns[column].cell(row) {
+            Cell::Empty => Ok(None),
+            Cell::Number(value) if value.is_nan() => Ok(None),
+            Cell::Number(value) if value.is_finite() => Ok(Some(value)),
+            Cell::Number(value) => Err(format!("{value} is not a finite number")),
+            Cell::Text(text) => number(text, self.decimal_comma),
+        }
+    }
+
+    /// The numbers of a column in the rows given; the error names the first cell that is none.
+    pub(super) fn numbers(&self, column: usize, rows: &[usize]) -> Result<Vec<f64>, StoreError> {
+        let at = |row: &usize| match self.number(column, *row) {
+            Ok(Some(value)) => Ok(value),
+            Ok(None) => Err(self.missing(column, *row)),
+            Err(what) => Err(self.cell_error(
+                column,
+                *row,
+                &what,
+                "mend the cell, or set delimiter and decimal in [file]",
+            )),
+        };
+        rows.iter().map(at).collect()
+    }
+
+    fn missing(&self, column: usize, row: usize) -> StoreError {
+        let cell = self.table.columns[column].cell(row);
+        let what = if cell == Cell::Empty {
+            "the cell is empty".to_owned()
+        } else {
+            format!("{cell} is not a number")
+        };
+        self.cell_error(
+            column,
+            row,
+            &what,
+            "mend the cell, or leave such rows out with missing = \"drop\" in [file]",
+        )
+    }
+
+    /// The rows to take: up to the limit, and without those where one of `numeric` or `text` has no
+    /// value if the mapping drops such rows.
+    ///
+    /// # Errors
+    /// No rows at all, columns of different lengths, or a missing value where they are not dropped.
+    pub(super) fn rows(
+        &self,
+        form: &FileForm,
+        numeric: &[usize],
+        text: &[usize],
+    ) -> Result<Rows, StoreError> {
+        let read = self.height(numeric, text)?;
+        if read > MOST_ROWS {
+            return Err(too_many_rows(&self.path, &read.to_string()));
+        }
+        let limit = form.rows.unwrap_or(read).min(read);
+        let empty =
+            |row: usize, column: &usize| self.table.columns[*column].cell(row) == Cell::Empty;
+        let lacks = |row: &usize| {
+            text.iter().any(|c| empty(*row, c))
+                || numeric.iter().any(|c| self.number(*c, *row) == Ok(None))
+        };
+        let kept: Vec<usize> = match form.missing {
+            Missing::Error => (0..limit).collect(),
+            Missing::Drop => (0..limit).filter(|row| !lacks(row)).collect(),
+        };
+        if kept.is_empty() {
+            let what =
+                if read == 0 { "the file has 0 rows" } else { "no row has all mapped values" };
+            return Err(self.error(what, "leave the file out of the import"));
+        }
+        Ok(Rows { read, missing: limit - kept.len(), past_limit: read - limit, kept })
+    }
+
+    /// `rows` in stretches of equal labels: each is one trial or one sweep.
+    pub(super) fn pieces<'a>(
+        &self,
+        rows: &'a [usize],
+        labels: &[usize],
+    ) -> impl Iterator<Item = &'a [usize]> {
+        let cell = |column: &usize, row: &usize| self.table.columns[*column].cell(*row);
+        rows.chunk_by(move |a, b| labels.iter().all(|c| cell(c, a) == cell(c, b)))
+    }
+
+    /// How many rows the columns in use have.
+    fn height(&self, numeric: &[usize], text: &[usize]) -> Result<usize, StoreError> {
+        let mut columns = numeric.iter().chain(text);
+        let Some(first) = columns.next() else {
+            let read = self.table.columns.iter().find(|column| !matches!(column, Cells::Unread));
+            return Ok(read.map_or(0, Cells::len));
+        };
+        let rows = self.table.columns[*first].len();
+        match columns.find(|c| self.table.columns[**c].len() != rows) {
+            None => Ok(rows),
+            Some(other) => {
+                let has = self.table.columns[*other].len();
+                let what =
+                    format!("it has {has} values where '{}' has {rows}", self.table.name(*first));
+                Err(self
+                    .error(what, "map only columns of one length")
+                    .column(self.table.name(*other)))
+            }
+        }
+    }
+}
+
+fn groups(path: &Path, pattern: &Regex) -> Result<BTreeMap<String, String>, StoreError> {
+    let text = path.to_string_lossy().replace('\\', "/");
+    let captures = pattern.captures(&text).ok_or_else(|| {
+        StoreError::new(
+            path,
+            format!("the path does not match the pattern '{pattern}'"),
+            "mend the pattern in [name], or leave the file out",
+        )
+    })?;
+    let group = |name: &str| Some((name.to_owned(), captures.name(name)?.as_str().to_owned()));
+    Ok(pattern.capture_names().flatten().filter_map(group).collect())
+}
+
+/// The number that `text` spells, `None` where it spells a missing value.
+fn number(text: &str, decimal_comma: bool) -> Result<Option<f64>, String> {
+    if text.eq_ignore_ascii_case("nan") {
+        return Ok(None);
+    }
+    let value: Option<f64> = match (decimal_comma, text.contains('.'), text.contains(',')) {
+        (true, true, _) | (false, _, true) => None,
+        (true, false, _) => text.replace(',', ".").parse().ok(),
+        (false, _, false) => text.parse().ok(),
+    };
+    match value {
+        Some(value) if value.is_finite() => Ok(Some(value)),
+        Some(_) => Err(format!("'{text}' is not a finite number")),
+        None if text.contains([',', '.']) => {
+            let point = if decimal_comma { ',' } else { '.' };
+            Err(format!("'{text}' is not a number with '{point}' before its decimals"))
+        }
+        None => Err(format!("'{text}' is not a number")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::{FORCE, ONE, World, trials_map};
+    use super::*;
+    use zwidth_store::Signal;
+
+    #[test]
+    #[allow(clippy::float_cmp)]
+    fn denormals_and_minus_zero_read_with_their_bits() {
+        let bits = |text: &str| number(text, false).unwrap().unwrap().to_bits();
+        assert_eq!(bits("1.98614e-321"), 402);
+        assert_eq!(bits("1e-321"), 1e-321_f64.to_bits());
+        assert_eq!(bits("-0"), (-0.0_f64).to_bits());
+        assert_eq!(number("-1,5", true), Ok(Some(-1.5)));
+        assert_eq!(number("NaN", false), Ok(None));
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused_with_its_text() {
+        let check = |text: &str, comma: bool, words: &str| {
+            let error = number(text, comma).unwrap_err();
+            assert!(error.contains(text) && error.contains(words), "{error}");
+        };
+        check("abc", false, "not a number");
+        check("1,5", false, "'.' before its decimals");
+        check("1.234,5", true, "',' before its decimals");
+        check("inf", false, "finite");
+        check("1e999", false, "finite");
+        check("0x10", false, "not a number");
+    }
+
+    #[test]
+    fn semicolons_decimal_commas_carriage_returns_and_a_byte_order_mark_read_alike() {
+        let world = World::new();
+        let file = world.file("a.csv", "\u{feff}t;f\r\n0;1,5\r\n0,5;-2\r\n");
+        let form = "[file]\ndelimiter = \";\"\ndecimal = \",\"\n";
+        world.import(&trials_map(&[form, ONE, FORCE]), &[file]).unwrap();
+        assert_eq!(world.column(1, Signal::Time), [0.0, 0.5]);
+        assert_eq!(world.column(1, Signal::ForceEx), [1.5, -2.0]);
+    }
+
+    fn parquet_file() -> Vec<u8> {
+        use arrow::array::{ArrayRef, Float64Array, Int32Array, RecordBatch};
+        let f: ArrayRef = std::sync::Arc::new(Float64Array::from(vec![1.5, 2.0, 4.0]));
+        let t: ArrayRef = std::sync::Arc::new(Int32Array::from(vec![0, 500, 1000]));
+        parquet::tests::encode(&RecordBatch::try_from_iter([("f", f), ("t", t)]).unwrap())
+    }
+
+    #[test]
+    fn every_format_gives_the_same_trial() {
+        let map = trials_map(&[ONE, &FORCE.replace("\"s\"", "\"ms\"")]);
+        let mat = |big| {
+            mat::tests::encode(
+                &[(b'z', &[1.0]), (b't', &[0.0, 500.0, 1e3]), (b'f', &[1.5, 2.0, 4.0])],
+                big,
+            )
+        };
+        let check = |name: &str, form: &str, content: &[u8]| {
+            let world = World::new();
+            world.import(&format!("{map}{form}"), &[world.file(name, content)]).unwrap();
+            assert_eq!(world.column(1, Signal::Time), [0.0, 0.5, 1.0], "{name}");
+            assert_eq!(world.column(1, Signal::ForceEx), [1.5, 2.0, 4.0], "{name}");
+        };
+        check("a.csv", "", b"t,f\n0,1.5\n500,2\n1e3,4\n");
+        check("a.tsv", "", b"f\tt\n1.5\t0\n2\t500\n4\t1000\n");
+        check("a.jsonl", "", b"{\"t\":0,\"f\":1.5}\n{\"f\":2,\"t\":5e2}\n{\"f\":4,\"t\":1000}\n");
+        check("a.parquet", "", &parquet_file());
+        check("a.mat", "", &mat(false));
+        check("a.mat", "", &mat(true));
+        check(
+            "a.txt",
+            "[file]\nformat = \"csv\"\ndelimiter = \" \"\n",
+            b"t f\n0 1.5\n500 2\n1000 4\n",
+        );
+    }
+
+    #[test]
+    fn a_cut_file_of_any_format_is_one_clear_error() {
+        let world = World::new();
+        let mat = mat::tests::encode(&[(b't', &[0.0, 1.0]), (b'f', &[1.0, 2.0])], false);
+        for (name, content) in [
+            ("a.parquet", parquet_file()),
+            ("a.mat", mat),
+            ("a.jsonl", b"{\"t\":0,\"f\":1}\n{\"t\":1".to_vec()),
+        ] {
+            let cut = world.file(name, &content[..content.len() - 9]);
+            world.refuses(&trials_map(&[ONE, FORCE]), &cut, "not a", None);
+        }
+    }
+
+    #[test]
+    fn mapped_columns_of_different_lengths_are_refused_others_do_not_matter() {
+        let world = World::new();
+        let mat = mat::tests::encode(
+            &[(b't', &[0.0, 1.0]), (b'f', &[1.0, 2.0, 3.0]), (b'z', &[1.0])],
+            false,
+        );
+        let words = "it has 3 values where 't' has 2";
+        world.refuses(&trials_map(&[ONE, FORCE]), &world.file("a.mat", mat), words, None);
+    }
+
+    #[test]
+    fn bad_input_is_one_clear_error_with_file_column_and_row() {
+        let world = World::new();
+        let check = |csv: &str, words: &str, at: Option<(&str, usize)>| {
+            let file = world.file("bad.csv", csv);
+            world.refuses(&trials_map(&[ONE, FORCE]), &file, words, at);
+        };
+        check("t,f\n0,1\n1,abc\n", "'abc' is not a number (line 3)", Some(("f", 2)));
+        check("t,f\n0,1\n1,NaN\n", "NaN is not a number (line 3)", Some(("f", 2)));
+        check("t,f\n0,1\n1,inf\n", "'inf' is not a finite number", Some(("f", 2)));
+        check("t,f\n0,1\n1,\n", "the cell is empty (line 3)", Some(("f", 2)));
+        check(
+            "t,f\n0,1\n1,2\n0.5,3\n",
+            "time runs backwards or stands still: 0.5 s after 1 s",
+            Some(("t", 3)),
+        );
+        check("t,f\n0,1\n0,2\n", "stands still", Some(("t", 2)));
+        check("t,g\n0,1\n", "column f: the column is missing; the file has t, g", None);
+        check("t;f\n0;1\n", "column t: the column is missing", None);
+        check("t,f\n0,1\n1\n", "line 3 has 1 cells where 2 belong", None);
+        check(
+            "t,f\n0,\"1,5\"\n",
+            "'1,5' is not a number with '.' before its decimals",
+            Some(("f", 1)),
+        );
+        check("t,f\n", "the file has 0 rows", None);
+        check("", "the file is empty", None);
+        check("\u{feff}\r\n", "the file is empty", None);
+    }
+
+    #[test]
+    fn every_error_of_every_file_is_reported() {
+        let world = World::new();
+        let files = [
+            world.file("a.csv", "t,f\nx,y\n"),
+            world.file("b.csv", "t\n0\n"),
+            world.file("c.txt", "t,f\n"),
+        ];
+        let errors = world.import(&trials_map(&[ONE, FORCE]), &files).unwrap_err();
+        assert_eq!(errors.len(), 4, "{errors:?}");
+    }
+
+    #[test]
+    fn a_file_that_is_wrong_throughout_is_told_up_to_a_thousand_errors() {
+        let world = World::new();
+        let rows: String = (0..3000).map(|i| format!("{i},x\n")).collect();
+        let map = trials_map(&[&ONE.replace("\"hybrid\"", "{ column = \"f\" }"), FORCE]);
+        let bad: String = (0..3000).map(|i| format!("{i},x{i}\n")).collect();
+        assert_eq!(
+            world.import(&map, &[world.file("a.csv", format!("t,f\n{rows}"))]).unwrap_err().len(),
+            1
+        );
+        let errors = world.import(&map, &[world.file("b.csv", format!("t,f\n{bad}"))]).unwrap_err();
+        assert_eq!(errors.len(), 1001);
+        assert!(errors[1000].what.contains("more errors than these"), "{}", errors[1000]);
+    }
+
+    #[test]
+    fn a_missing_file_and_a_damaged_one_are_refused() {
+        let world = World::new();
+        let map = trials_map(&[ONE, FORCE]);
+        world.refuses(&map, &world.layout.raw().join("nothing.csv"), "cannot read", None);
+        for name in ["a.parquet", "a.mat", "a.jsonl"] {
+            world.refuses(&map, &world.file(name, b"PAR1 what is this"), "not a", None);
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! What an import did: for people (`Display`) and for machines (`Serialize`).
+
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::fmt;
+use zwidth_store::Signal;
+use zwidth_study::{StudyId, printable};
+
+/// What an import read, made, and left out.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Report {
+    /// The study that was imported into.
+    pub study: StudyId,
+    /// One entry a file, in the order given.
+    pub files: Vec<FileReport>,
+    /// Trial files written.
+    pub trials: usize,
+    /// Sweep files written.
+    pub sweeps: usize,
+    /// Sessions laid down.
+    pub sessions: usize,
+    /// Answers written as events.
+    pub answers: usize,
+}
+
+/// What became of one file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FileReport {
+    /// The file, as it was given.
+    pub file: String,
+    /// Rows in the file.
+    pub rows_read: usize,
+    /// Rows that went into what was made.
+    pub rows_kept: usize,
+    /// Rows left out, and why.
+    pub rows_dropped: Vec<RowsDropped>,
+    /// Columns left out, and why.
+    pub columns_dropped: Vec<ColumnDropped>,
+    /// Columns that were taken, each with unit and conversion.
+    pub converted: Vec<String>,
+    /// What the recording does not have and was computed; the files made say it too.
+    pub computed: Vec<String>,
+    /// Columns of ours that the recording lacks: null, never invented.
+    pub null: Vec<String>,
+    /// What was made of the file.
+    pub made: Vec<String>,
+}
+
+/// Rows left out.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct RowsDropped {
+    /// How many.
+    pub rows: usize,
+    /// Why.
+    pub why: String,
+}
+
+/// A column left out.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ColumnDropped {
+    /// Its name, or its position.
+    pub column: String,
+    /// Why.
+    pub why: String,
+}
+
+/// The signals that are not among `made`, by name.
+pub(super) fn null_columns(made: &[Signal]) -> Vec<String> {
+    Signal::all().filter(|s| !made.contains(s)).map(|s| s.name().to_owned()).collect()
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for file in &self.files {
+            writeln!(f, "{file}")?;
+        }
+        let counts = [
+            (self.trials, "trial"),
+            (self.sweeps, "sweep"),
+            (self.sessions, "session"),
+            (self.answers, "answer"),
+        ];
+        let made = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| counted(*n, what));
+        let files = counted(self.files.len(), "file");
+        write!(
+            f,
+            "{files} imported into study {}: {}",
+            self.study,
+            made.collect::<Vec<_>>().join(", ")
+        )
+    }
+}
+
+fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+impl fmt::Display for FileReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Names of others stand in each line.
+        self.lines().iter().try_for_each(|line| writeln!(f, "{}", printable(line)))
+    }
+}
+
+impl FileReport {
+    fn lines(&self) -> Vec<String> {
+        let read = counted(self.rows_read, "row");
+        let mut lines = vec![format!("{}: {read} read, {} kept", self.file, self.rows_kept)];
+        let dropped =
+            |d: &RowsDropped| format!("  dropped   {}: {}", counted(d.rows, "row"), d.why);
+        lines.extend(self.rows_dropped.iter().map(dropped));
+        // Forty questionnaire columns with one reason are one line.
+        for why in self.columns_dropped.iter().map(|c| &c.why).collect::<BTreeSet<_>>() {
+            let same =
+                self.columns_dropped.iter().filter(|c| c.why == *why).map(|c| c.column.as_str());
+            let same: Vec<&str> = same.collect();
+            let what = if same.len() == 1 { "column" } else { "columns" };
+            lines.push(format!("  dropped   {what} {}: {why}", same.join(", ")));
+        }
+        for (head, what) in
+            [("converted", &self.converted), ("computed", &self.computed), ("made", &self.made)]
+        {
+            lines.extend(what.iter().map(|line| format!("  {head:<9} {line}")));
+        }
+        lines.extend(
+            (!self.null.is_empty()).then(|| format!("  null      {}", self.null.join(", "))),
+        );
+        lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_report_reads_as_a_list_a_file() {
+        let column = |column: &str| ColumnDropped {
+            column: column.to_owned(),
+            why: "not mapped".to_owned(),
+        };
+        let file = FileReport {
+            file: "K_1.csv".to_owned(),
+            rows_read: 10,
+            rows_kept: 9,
+            rows_dropped: vec![RowsDropped { rows: 1, why: "a mapped cell is empty".to_owned() }],
+            columns_dropped: vec![column("a"), column("b")],
+            converted: vec!["theta_rad ← x (mm)".to_owned()],
+            computed: vec![],
+            null: vec!["flags".to_owned()],
+            made: vec!["trial 1".to_owned()],
+        };
+        let study = StudyId::new("demo").unwrap();
+        let report =
+            Report { study, files: vec![file], trials: 1, sweeps: 0, sessions: 1, answers: 0 };
+        let expect = "\
+K_1.csv: 10 rows read, 9 kept
+  dropped   1 row: a mapped cell is empty
+  dropped   columns a, b: not mapped
+  converted theta_rad ← x (mm)
+  made      trial 1
+  null      flags
+
+1 file imported into study demo: 1 trial, 1 session";
+        assert_eq!(report.to_string(), expect);
+        assert!(serde_json::to_string(&report).unwrap().contains("\"rows_read\":10"));
+    }
+}

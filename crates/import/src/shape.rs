@@ -1,0 +1,197 @@
+//! The mapping file as it stands: its tables and keys, unchecked.
+
+use super::label::LabelShape;
+use super::table::ColumnRef;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum KindShape {
+    Trials,
+    Sweeps,
+    Likert,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Shape {
+    pub(super) kind: KindShape,
+    #[serde(default)]
+    pub(super) file: FileShape,
+    pub(super) name: Option<NameShape>,
+    #[serde(default)]
+    pub(super) drop: BTreeMap<String, String>,
+    pub(super) trial: Option<TrialShape>,
+    pub(super) time: Option<TimeShape>,
+    #[serde(default)]
+    pub(super) column: Vec<ColumnShape>,
+    #[serde(default)]
+    pub(super) channel: Vec<ChannelShape>,
+    pub(super) sweep: Option<SweepShape>,
+    pub(super) command: Option<QuantityShape>,
+    pub(super) response: Option<QuantityShape>,
+    pub(super) wide: Option<WideShape>,
+    pub(super) questions: Option<QuestionsShape>,
+}
+
+/// The formats that can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Format {
+    Csv,
+    Tsv,
+    Jsonl,
+    Parquet,
+    Mat,
+}
+
+/// What to do with rows in which a mapped cell is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Missing {
+    #[default]
+    Error,
+    Drop,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct FileShape {
+    pub(super) format: Option<Format>,
+    pub(super) delimiter: Option<char>,
+    pub(super) decimal: char,
+    pub(super) header: bool,
+    pub(super) comment: Option<char>,
+    pub(super) skip: usize,
+    pub(super) rows: Option<usize>,
+    pub(super) missing: Missing,
+    pub(super) matrix: Option<String>,
+}
+
+impl Default for FileShape {
+    fn default() -> Self {
+        Self {
+            format: None,
+            delimiter: None,
+            decimal: '.',
+            header: true,
+            comment: None,
+            skip: 0,
+            rows: None,
+            missing: Missing::Error,
+            matrix: None,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NameShape {
+    pub(super) pattern: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TrialShape {
+    pub(super) participant: LabelShape,
+    pub(super) session: LabelShape,
+    pub(super) environment: LabelShape,
+    pub(super) mode: LabelShape,
+    pub(super) kind: Option<LabelShape>,
+    pub(super) repeat: Option<LabelShape>,
+    pub(super) trial: Option<LabelShape>,
+    pub(super) likert: Option<LabelShape>,
+}
+
+/// What "zero" may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Zero {
+    First,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TimeShape {
+    pub(super) from: Option<ColumnRef>,
+    pub(super) unit: Option<String>,
+    pub(super) offset: Option<f64>,
+    pub(super) zero: Option<Zero>,
+    pub(super) rate_hz: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ColumnShape {
+    pub(super) to: String,
+    pub(super) from: Option<ColumnRef>,
+    pub(super) unit: Option<String>,
+    pub(super) sign: Option<f64>,
+    pub(super) scale: Option<f64>,
+    pub(super) offset: Option<f64>,
+    pub(super) zero: Option<Zero>,
+    pub(super) derive: Option<String>,
+}
+
+/// A column of theirs that becomes a channel of the study's own.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ChannelShape {
+    pub(super) to: String,
+    pub(super) from: ColumnRef,
+    pub(super) unit: String,
+    pub(super) sign: Option<f64>,
+    pub(super) scale: Option<f64>,
+    pub(super) offset: Option<f64>,
+    pub(super) zero: Option<Zero>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SweepShape {
+    pub(super) actuator: LabelShape,
+    pub(super) sweep: Option<LabelShape>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct QuantityShape {
+    pub(super) from: Option<ColumnRef>,
+    pub(super) name: String,
+    pub(super) unit: String,
+    pub(super) sign: Option<f64>,
+    pub(super) scale: Option<f64>,
+    pub(super) offset: Option<f64>,
+    pub(super) zero: Option<Zero>,
+}
+
+/// Which quantity of a wide sweep stands in the headers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Side {
+    Command,
+    Response,
+}
+
+/// What becomes of the rows of a wide sweep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Reduce {
+    Mean,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WideShape {
+    pub(super) pattern: String,
+    pub(super) header: Side,
+    pub(super) reduce: Option<Reduce>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct QuestionsShape {
+    #[serde(default)]
+    pub(super) columns: BTreeMap<String, ColumnRef>,
+}

@@ -1,0 +1,292 @@
+//! Files of characterisation sweeps → sweeps.
+
+use super::batch::Batch;
+use super::convert::Linear;
+use super::label::Label;
+use super::limits::{Budget, Take, check_time};
+use super::mapping::{QuantityFrom, SweepForm, SweepLabels, Time};
+use super::plan::{rate_times, rate_words};
+use super::recording::Recording;
+use super::report::FileReport;
+use super::table::ColumnRef;
+use super::wide::wide;
+use super::{Context, Converted, Errors, all, identity, once};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use zwidth_store::{StoreError, Sweep, hex_blake3, sweep_bytes};
+use zwidth_study::{ActuatorId, Source};
+
+/// One sweep of a file, its values converted, its number there where the mapping gives it.
+pub(super) struct Piece {
+    pub(super) actuator: ActuatorId,
+    pub(super) number: Option<u32>,
+    pub(super) t_s: Option<Vec<f64>>,
+    pub(super) command: Vec<f64>,
+    pub(super) response: Vec<f64>,
+}
+
+/// Converts every file and numbers the sweeps of each actuator in the order of the files.
+pub(super) fn sweeps(
+    context: &Context,
+    (labels, form): (&SweepLabels, &SweepForm),
+    files: &[PathBuf],
+) -> Result<Batch, Errors> {
+    let budget = Budget::default();
+    let (columns, pattern) = match form {
+        SweepForm::Pairs(form) => (form.columns(), None),
+        SweepForm::Wide(form) => (Vec::new(), Some(&form.pattern)),
+    };
+    let take = Take {
+        columns: columns.into_iter().chain(labels.columns()).collect(),
+        pattern,
+        budget: &budget,
+    };
+    let converted = context.convert(files, &take, |recording| match form {
+        SweepForm::Pairs(form) => pairs(context, labels, form, &budget, recording),
+        SweepForm::Wide(form) => wide(context, labels, form, recording),
+    })?;
+    once::sweeps(context, &converted)?;
+    let mut batch = Batch::default();
+    let (mut last, mut taken) = (BTreeMap::new(), BTreeSet::new());
+    let mut results = Vec::new();
+    let mut cases = once::actuators_there(context)?;
+    for Converted { path: file, blake3, made: (pieces, mut report) } in converted {
+        let footer = context.footer(blake3, &report.computed);
+        for piece in pieces {
+            let number = identity::next(&mut last, piece.actuator.clone(), piece.number);
+            report.made.push(format!(
+                "sweep {number} of {}: {} samples",
+                piece.actuator,
+                piece.command.len()
+            ));
+            let actuator = piece.actuator.clone();
+            let path = context.layout.sweep(&actuator, number);
+            let free = taken.insert(path.clone()) && context.files.kind(&path).is_none();
+            let bytes = match cases.add("", actuator.as_str()) {
+                Some(other) => Err(twin(&actuator, &other, &file)),
+                None if free => encode(form, piece, number, &footer, &file),
+                None => Err(duplicate(context, &path, &file)),
+            };
+            results.push(bytes.map(|bytes| {
+                batch.sweeps.push((actuator, number, hex_blake3(&bytes)));
+                (path, bytes)
+            }));
+        }
+        batch.files.push(report);
+    }
+    batch.outputs = all(results)?;
+    Ok(batch)
+}
+
+fn duplicate(context: &Context, path: &Path, file: &Path) -> StoreError {
+    let what = format!("duplicate sweep: {} exists already", context.layout.shown(path).display());
+    StoreError::new(file, what, "give the sweep another number in [sweep], or leave the file out")
+}
+
+fn twin(actuator: &ActuatorId, other: &str, file: &Path) -> StoreError {
+    let what = format!("actuator '{actuator}' differs only by case from '{other}', which is there");
+    StoreError::new(file, what, "write it as it is written there, or choose another id")
+}
+
+/// One sweep's file; `from` names the recording in errors.
+fn encode(
+    form: &SweepForm,
+    piece: Piece,
+    number: u32,
+    footer: &BTreeMap<String, String>,
+    from: &Path,
+) -> Result<Vec<u8>, StoreError> {
+    let (command, response) = form.quantities();
+    let sweep = Sweep {
+        actuator: piece.actuator,
+        sweep: number,
+        source: Source::Imported,
+        command: command.quantity.clone(),
+        response: response.quantity.clone(),
+        t_s: piece.t_s,
+        command_values: piece.command,
+        response_values: piece.response,
+        file: footer.clone(),
+    };
+    sweep_bytes(&sweep, from)
+}
+
+/// How a file of pairs is mapped.
+#[derive(Debug, Clone)]
+pub(super) struct Pairs {
+    pub(super) time: Option<Time>,
+    pub(super) command: (ColumnRef, QuantityFrom),
+    pub(super) response: (ColumnRef, QuantityFrom),
+}
+
+impl Pairs {
+    /// The columns of command, response and, where it has one, time.
+    fn columns(&self) -> Vec<&ColumnRef> {
+        let time = match &self.time {
+            Some(Time::Column { from, .. }) => Some(from),
+            _ => None,
+        };
+        [Some(&self.command.0), Some(&self.response.0), time].into_iter().flatten().collect()
+    }
+}
+
+/// A row a sample; consecutive rows with equal labels are one sweep.
+fn pairs(
+    context: &Context,
+    labels: &SweepLabels,
+    form: &Pairs,
+    budget: &Budget,
+    recording: &Recording,
+) -> Result<(Vec<Piece>, FileReport), Errors> {
+    let numeric = all(form.columns().into_iter().map(|c| recording.find(c)))?;
+    let label_columns = all(labels.columns().map(|c| recording.find(c)))?;
+    let rows = recording.rows(&context.mapping.file, &numeric, &label_columns)?;
+    let piece = |rows: &[usize]| {
+        let (actuator, number) = labels.of(recording, rows[0])?;
+        let column = |i: usize, line: &Linear, factor: f64| {
+            let mut values = recording.numbers(numeric[i], rows)?;
+            line.apply(&mut values, factor);
+            Ok::<_, StoreError>(values)
+        };
+        let t_s = match &form.time {
+            None => None,
+            Some(Time::Rate { rate_hz }) => Some(rate_times(*rate_hz, rows)),
+            Some(Time::Column { unit, line, .. }) => {
+                let t = column(2, line, unit.to_si)?;
+                check_time(&t).map_err(|(i, what)| {
+                    recording.cell_error(numeric[2], rows[i], &what, "check the unit of the time")
+                })?;
+                runs_forward(&t).map_err(|i| {
+                    let what = "time runs backwards or stands still";
+                    recording.cell_error(numeric[2], rows[i], what, "sort or mend the recording")
+                })?;
+                Some(t)
+            }
+        };
+        let command = column(0, &form.command.1.line, 1.0)?;
+        let response = column(1, &form.response.1.line, 1.0)?;
+        Ok::<_, StoreError>(Piece { actuator, number, t_s, command, response })
+    };
+    budget.trials(&recording.path, recording.pieces(&rows.kept, &label_columns).count())?;
+    let pieces = all(recording.pieces(&rows.kept, &label_columns).map(piece))?;
+    let mut report =
+        context.file_report(recording, &rows, &[numeric.as_slice(), &label_columns].concat())?;
+    match form.time {
+        Some(Time::Rate { rate_hz }) => report.computed.push(rate_words(rate_hz)),
+        Some(Time::Column { line, .. }) => {
+            report.computed.extend(line.words().map(|words| format!("t_s = {words}")));
+        }
+        None => report.null.push("t_s".to_owned()),
+    }
+    for (side, (from, q)) in [("command", &form.command), ("response", &form.response)] {
+        note(&mut report, side, &from.to_string(), q);
+    }
+    Ok((pieces, report))
+}
+
+/// Whether every time is later than the one before; `Err` is the first that is not.
+fn runs_forward(t_s: &[f64]) -> Result<(), usize> {
+    t_s.windows(2).position(|w| w[1] <= w[0]).map_or(Ok(()), |i| Err(i + 1))
+}
+
+/// Says in the report where a quantity came from, and what was done to it.
+pub(super) fn note(report: &mut FileReport, side: &str, from: &str, q: &QuantityFrom) {
+    let words = q.line.words();
+    let line = words.as_ref().map(|w| format!(", {w}")).unwrap_or_default();
+    report
+        .converted
+        .push(format!("{side} ({}, {}) ← {from}{line}", q.quantity.name, q.quantity.unit));
+    report.computed.extend(words.map(|w| format!("{side} = {w}")));
+}
+
+impl SweepLabels {
+    /// The columns that labels come from.
+    pub(super) fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
+        [Some(&self.actuator), self.sweep.as_ref()].into_iter().flatten().filter_map(Label::column)
+    }
+
+    /// Whose sweep begins with `row`, and which number it has where the mapping gives it.
+    pub(super) fn of(
+        &self,
+        recording: &Recording,
+        row: usize,
+    ) -> Result<(ActuatorId, Option<u32>), StoreError> {
+        let actuator = self.actuator.value("actuator", recording, row, identity::id)?;
+        let number =
+            |label: &Label| label.value("sweep", recording, row, |t| identity::number("sweep", t));
+        Ok((actuator, self.sweep.as_ref().map(number).transpose()?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::World;
+    use zwidth_store::{Sweep, read_sweep};
+
+    const PAIRS: &str = "
+kind = \"sweeps\"
+[sweep]
+actuator = \"brake\"
+[command]
+name = \"voltage\"
+unit = \"V\"
+from = \"u\"
+[response]
+name = \"brake torque\"
+unit = \"mN·m\"
+from = \"adc\"
+zero = \"first\"
+scale = 0.5
+sign = -1
+";
+
+    fn sweep(world: &World, number: u32) -> Sweep {
+        read_sweep(&world.layout.sweep(&"brake".parse().unwrap(), number)).unwrap()
+    }
+
+    #[test]
+    fn a_row_a_sample_keeps_the_units_named_and_says_what_was_done() {
+        let world = World::new();
+        let file = world.file("a.csv", "u,adc,x\n0,100,1\n1,98,1\n2,90,1\n");
+        let report = world.import(PAIRS, &[file]).unwrap();
+        assert_eq!((report.sweeps, report.trials, report.sessions), (1, 0, 0));
+        let sweep = sweep(&world, 1);
+        assert_eq!((sweep.command.unit.as_str(), sweep.response.unit.as_str()), ("V", "mN·m"));
+        assert_eq!(sweep.command_values, [0.0, 1.0, 2.0]);
+        assert_eq!(sweep.response_values, [-0.0, 1.0, 5.0]);
+        assert_eq!(sweep.t_s, None);
+        assert_eq!(sweep.file["made_by_import"], "response = −0.5 (x − first x)");
+        assert_eq!(report.files[0].columns_dropped[0].column, "x");
+        world.load();
+    }
+
+    #[test]
+    fn sweeps_are_numbered_in_file_order_or_by_the_mapping_and_may_have_a_time() {
+        let world = World::new();
+        let file = |n: &str, last| world.file(n, format!("u,adc,ms,n\n0,1,0,7\n1,{last},500,7\n"));
+        let files = [file("a.csv", 1), file("b.csv", 2), file("c.csv", 3), file("d.csv", 4)];
+        let map = format!("{PAIRS}[time]\nfrom = \"ms\"\nunit = \"ms\"\n");
+        world.import(&map, &files[..2]).unwrap();
+        assert_eq!(sweep(&world, 2).t_s.unwrap(), [0.0, 0.5]);
+        let given = PAIRS.replace("[command]", "sweep = { column = \"n\" }\n[command]");
+        world.import(&given, &files[2..3]).unwrap();
+        assert_eq!(sweep(&world, 7).sweep, 7);
+        let errors = world.import(&given, &files[3..]).unwrap_err();
+        assert!(errors[0].what.contains("duplicate sweep"), "{errors:?}");
+    }
+
+    #[test]
+    fn bad_sweeps_are_refused_with_column_and_row() {
+        let world = World::new();
+        let check = |map: &str, csv: &str, words: &str, at| {
+            world.refuses(map, &world.file("a.csv", csv), words, at)
+        };
+        check(PAIRS, "u,adc\n0,1\n1,x\n", "'x' is not a number (line 3)", Some(("adc", 2)));
+        check(PAIRS, "u,adc\n", "0 rows", None);
+        let timed = format!("{PAIRS}[time]\nfrom = \"t\"\nunit = \"s\"\n");
+        check(&timed, "u,adc,t\n0,1,1\n1,1,0.5\n", "time runs backwards", Some(("t", 2)));
+        check(&timed, "u,adc,t\n0,1,1\n1,1,1e9\n", "more than a day", Some(("t", 2)));
+        let path = PAIRS.replace("\"brake\"", "\"../x\"");
+        check(&path, "u,adc\n0,1\n", "'../x' is not a valid actuator id", None);
+    }
+}

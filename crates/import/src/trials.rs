@@ -1,0 +1,353 @@
+//! Files of samples → trials.
+
+use super::batch::Batch;
+use super::convert::{derivative, integral};
+use super::identity::{Identity, identity, number_trials};
+use super::limits::{Budget, Take, check_sizes};
+use super::mapping::{ChannelFrom, Rule, SignalFrom, Time, Who};
+use super::plan::{Plan, Taken, plan, rate_times};
+use super::recording::Recording;
+use super::report::{FileReport, null_columns};
+use super::{Context, Converted, Errors, all, once};
+use rayon::prelude::*;
+use std::path::PathBuf;
+use zwidth_store::{
+    Samples, Signal, StoreError, Trial, TrialFile, check_form, hex_blake3, trial_bytes,
+};
+use zwidth_study::{Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
+
+/// One trial of a file.
+struct Piece {
+    identity: Identity,
+    samples: Samples,
+}
+
+/// Converts every file, numbers the trials over all of them, and encodes them.
+pub(super) fn trials(
+    context: &Context,
+    (who, time, columns, channels): (&Who, &Time, &[SignalFrom], &[ChannelFrom]),
+    files: &[PathBuf],
+) -> Result<Batch, Errors> {
+    check_form(context.files, context.layout, context.study)?;
+    let plan = plan(context, time, columns, channels)?;
+    let budget = Budget::default();
+    let taken = plan.columns().chain(who.columns()).collect();
+    let take = Take { columns: taken, pattern: None, budget: &budget };
+    let converted = context
+        .convert(files, &take, |recording| convert(context, who, &plan, &budget, recording))?;
+    let identities: Vec<Identity> =
+        converted.iter().flat_map(|c| c.made.0.iter().map(|p| p.identity.clone())).collect();
+    let planned = number_trials(context, &identities, true)?;
+    once::trials(context, &converted)?;
+    let mut batch = Batch::default();
+    let mut numbers = planned.iter();
+    let mut made = Vec::new();
+    for Converted { blake3, made: (pieces, mut report), .. } in converted {
+        for (piece, number) in pieces.into_iter().zip(&mut numbers) {
+            report.made.push(words(&piece, number));
+            made.push((piece, number, blake3.clone()));
+        }
+        batch.files.push(report);
+    }
+    let encode = |(piece, number, blake3): (Piece, &PlannedTrial, String)| {
+        encode(context, &plan, piece, number, blake3)
+    };
+    batch.outputs = all(made.into_par_iter().map(encode).collect::<Vec<_>>())?;
+    let events =
+        |((number, (_, bytes)), identity): ((&PlannedTrial, &(PathBuf, Vec<u8>)), &Identity)| {
+            let recorded = Event::Recorded { trial: number.trial, blake3: hex_blake3(bytes) };
+            std::iter::once(recorded).chain(answer(context.study, identity, number.trial)).collect()
+        };
+    let events = planned.iter().zip(&batch.outputs).zip(&identities).map(events).collect();
+    // The trials' own footers say what they were imported from.
+    batch.add_sessions(context, &identities, &planned, events, &[])?;
+    Ok(batch)
+}
+
+/// The event of an answer that stands beside the samples. In schema 1 the trial's file has it.
+fn answer(study: &Study, identity: &Identity, trial: u32) -> Option<Event> {
+    let question = study.environment(&identity.environment)?.question.clone()?;
+    let value = identity.likert.filter(|_| study.schema > Schema::One)?;
+    Some(Event::Answer { trial, question, value })
+}
+
+fn words(piece: &Piece, number: &PlannedTrial) -> String {
+    let i = &piece.identity;
+    let PlannedTrial { trial, repeat, environment, mode, .. } = number;
+    let n = piece.samples.len();
+    format!(
+        "{} {} trial {trial}: {environment}, {mode}, repeat {repeat}, {n} samples",
+        i.participant, i.session
+    )
+}
+
+/// One file's trials: consecutive rows with equal labels are one trial.
+fn convert(
+    context: &Context,
+    who: &Who,
+    plan: &Plan,
+    budget: &Budget,
+    recording: &Recording,
+) -> Result<(Vec<Piece>, FileReport), Errors> {
+    let numeric = all(plan.columns().map(|column| recording.find(column)))?;
+    let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
+    let rows = recording.rows(&context.mapping.file, &numeric, &labels)?;
+    let piece = |rows: &[usize]| {
+        let identity = identity(who, recording, rows[0], context.study)?;
+        Ok::<_, Errors>(Piece { identity, samples: samples(plan, recording, &numeric, rows)? })
+    };
+    budget.trials(&recording.path, recording.pieces(&rows.kept, &labels).count())?;
+    let pieces = all(recording.pieces(&rows.kept, &labels).map(piece))?;
+    let made: Vec<Signal> =
+        Signal::all().filter(|s| pieces.iter().any(|p| p.samples.get(*s).is_some())).collect();
+    let report = FileReport {
+        converted: plan.converted.clone(),
+        computed: plan.computed.clone(),
+        null: null_columns(&made),
+        ..context.file_report(recording, &rows, &[numeric, labels].concat())?
+    };
+    Ok((pieces, report))
+}
+
+/// The samples in `rows` of the file; `numeric` are the places of the columns taken.
+fn samples(
+    plan: &Plan,
+    recording: &Recording,
+    numeric: &[usize],
+    rows: &[usize],
+) -> Result<Samples, Errors> {
+    let column = |(taken, place): (&Taken, &usize)| {
+        let mut values = recording.numbers(*place, rows)?;
+        taken.line.apply(&mut values, taken.factor);
+        Ok::<_, StoreError>((taken.to, values))
+    };
+    let mut samples = Samples::default();
+    for (signal, values) in all(plan.taken.iter().zip(numeric).map(column))? {
+        samples.set(signal, values);
+    }
+    let places = numeric.iter().skip(plan.taken.len());
+    let channel = |(channel, place): (&ChannelFrom, &usize)| {
+        let mut values = recording.numbers(*place, rows)?;
+        channel.line.apply(&mut values, 1.0);
+        Ok::<_, StoreError>((channel.to.clone(), values))
+    };
+    for (id, values) in all(plan.channels.iter().zip(places).map(channel))? {
+        samples.set_channel(id, values);
+    }
+    if let Some(rate_hz) = plan.rate_hz {
+        samples.set(Signal::Time, rate_times(rate_hz, rows));
+    }
+    let check = |samples: &Samples| {
+        let checked =
+            samples.check(&recording.path).and_then(|()| check_sizes(&recording.path, samples));
+        checked.map_err(|e| in_their_words(e, plan, recording, numeric, rows))
+    };
+    check(&samples)?;
+    for (to, rule) in &plan.derived {
+        samples.set(*to, derive(*rule, &samples, recording)?);
+    }
+    check(&samples)?;
+    Ok(samples)
+}
+
+fn derive(rule: Rule, samples: &Samples, recording: &Recording) -> Result<Vec<f64>, StoreError> {
+    let column = |signal: Signal| samples.get(signal).unwrap_or_default();
+    let t = column(Signal::Time);
+    match rule {
+        Rule::DerivativeOf(_) if t.len() < 2 => {
+            let what = "a derivative needs at least 2 samples in a trial";
+            Err(recording.error(what, "leave the file out, or remove derive from the mapping"))
+        }
+        Rule::DerivativeOf(of) => Ok(derivative(t, column(of))),
+        Rule::IntegralOf(of) => Ok(integral(t, column(of))),
+    }
+}
+
+/// An error about our column and a sample's number, as one about their column and row.
+fn in_their_words(
+    error: StoreError,
+    plan: &Plan,
+    recording: &Recording,
+    numeric: &[usize],
+    rows: &[usize],
+) -> StoreError {
+    let channels = plan.channels.iter().map(|c| c.to.as_str());
+    let mut ours = plan.taken.iter().map(|t| t.to.name()).chain(channels);
+    match (ours.position(|name| Some(name) == error.column.as_deref()), error.row) {
+        (Some(i), Some(row)) => {
+            recording.cell_error(numeric[i], rows[row - 1], &error.what, &error.remedy)
+        }
+        _ => error,
+    }
+}
+
+/// One trial's file.
+fn encode(
+    context: &Context,
+    plan: &Plan,
+    Piece { identity: i, samples }: Piece,
+    number: &PlannedTrial,
+    blake3: String,
+) -> Result<(PathBuf, Vec<u8>), StoreError> {
+    let path = context.layout.trial(&i.participant, &i.session, number.trial);
+    let meta = TrialMeta {
+        participant: i.participant,
+        session: i.session,
+        trial: number.trial,
+        repeat: number.repeat,
+        kind: i.kind,
+        status: Status::Complete,
+        environment: i.environment,
+        mode: i.mode,
+        likert: i.likert,
+        source: Source::Imported,
+    };
+    let mut file: TrialFile = context.footer(blake3, &plan.computed);
+    file.extend(plan.lever_m.map(|l| ("lever_m".to_owned(), l.to_string())));
+    let bytes = trial_bytes(&Trial { meta, file, samples }, &context.study.trial_form(), &path)?;
+    Ok((path, bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::{COLUMNS, FORCE, ONE, World, close, trials_map};
+    use zwidth_store::{Signal, file_blake3, read_channels};
+    use zwidth_study::{Event, Kind};
+
+    #[test]
+    fn a_file_becomes_a_trial_a_session_and_an_event_with_the_files_hash() {
+        let world = World::new();
+        let file = world.file("a.csv", "t,f,note\n0,1,x\n0.5,1e-321,y\n1,-0,z\n");
+        let report = world.import(&trials_map(&[ONE, FORCE]), &[file]).unwrap();
+        assert_eq!((report.trials, report.sessions, report.answers), (1, 1, 0));
+        assert_eq!((report.files[0].rows_read, report.files[0].rows_kept), (3, 3));
+        assert_eq!(report.files[0].columns_dropped[0].column, "note");
+        assert_eq!(report.files[0].null.len(), Signal::COUNT - 2);
+        let trial = world.trial("P01", "S01", 1);
+        let bits: Vec<u64> = world.column(1, Signal::ForceEx).iter().map(|v| v.to_bits()).collect();
+        assert_eq!(bits, [1.0, 1e-321, -0.0].map(f64::to_bits));
+        assert_eq!(trial.samples.get(Signal::Theta), None);
+        assert_eq!(trial.file["software"], "zwidth test");
+        assert!(!trial.file.contains_key("made_by_import"), "nothing was computed");
+        let path = world.layout.trials().join("participant=P01/session=S01/trial-001.parquet");
+        let recorded = Event::Recorded { trial: 1, blake3: file_blake3(&path).unwrap() };
+        assert_eq!(world.events("P01", "S01"), [recorded]);
+        let data = world.load();
+        assert_eq!((data.counting().count(), data.sessions[0].record.trials.len()), (1, 1));
+    }
+
+    #[test]
+    fn a_column_becomes_a_channel_of_the_study_in_its_unit_and_no_other() {
+        let channels =
+            "\n[[channels]]\nid = \"grip_n\"\nunit = \"N\"\ndescription = \"the grip\"\n";
+        let text = zwidth_study::template(&"demo".parse().unwrap()) + channels;
+        let map = |to: &str, unit: &str| {
+            let channel = format!(
+                "\n[[channel]]\nto = \"{to}\"\nfrom = \"g\"\nunit = \"{unit}\"\nsign = -1\n"
+            );
+            trials_map(&[ONE, FORCE, &channel])
+        };
+        let world = World::with(&text);
+        let file = world.file("a.csv", "t,f,g\n0,0,1.5\n1,1,-2\n");
+        world.refuses(&map("grip_n", "mN"), &file, "'grip_n' is in 'N' in study.toml", None);
+        world.refuses(&map("hum", "N"), &file, "'hum' is no channel of study.toml", None);
+        world.refuses(&map("t_s", "N"), &file, "a column of every trial file", None);
+        let bad = world.file("b.csv", "t,f,g\n0,0,1.5\n1,1,x\n");
+        world.refuses(&map("grip_n", "N"), &bad, "x", Some(("g", 2)));
+        world.import(&map("grip_n", "N"), &[file]).unwrap();
+        let (p, s) = ("P01".parse().unwrap(), "S01".parse().unwrap());
+        let grip = "grip_n".parse().unwrap();
+        let path = world.layout.trial(&p, &s, 1);
+        let samples = read_channels(&path, std::slice::from_ref(&grip)).unwrap().samples;
+        assert_eq!(samples.channel(&grip), Some([-1.5, 2.0].as_slice()));
+        world.load();
+    }
+
+    #[test]
+    fn an_import_of_another_form_than_the_trials_that_are_there_is_refused() {
+        let world = World::new();
+        let (map, file) = (trials_map(&[ONE, FORCE]), world.file("a.csv", "t,f\n0,1\n"));
+        world.import(&map, &[file]).unwrap();
+        let text = std::fs::read_to_string(world.layout.study_toml()).unwrap();
+        let world = World::again(world, &text.replace("schema = 2", "schema = 1"));
+        let other = world.file("b.csv", "t,f\n0,2\n");
+        let errors = world.import(&map.replace("P01", "P02"), &[other]).unwrap_err();
+        assert!(errors[0].remedy.contains("keeps the form it began with"), "{errors:?}");
+    }
+
+    const RATED: &str = "
+[time]
+rate_hz = 200.0
+[[column]]
+to = \"torque_ex_nm\"
+from = \"tau\"
+unit = \"mN·m\"
+";
+
+    #[test]
+    fn a_rate_makes_the_time_and_the_file_says_so() {
+        let world = World::new();
+        world.import(&trials_map(&[ONE, RATED]), &[world.file("a.csv", "tau\n1\n2\n3\n")]).unwrap();
+        assert_eq!(world.column(1, Signal::Time), [0.0, 0.005, 0.01]);
+        let made = world.computed(1);
+        assert!(made.contains("t_s = row / 200 Hz"), "{made}");
+    }
+
+    #[test]
+    fn dropped_rows_leave_a_gap_in_time_and_are_counted() {
+        let world = World::new();
+        let map = trials_map(&["[file]\nmissing = \"drop\"\nrows = 4\n", ONE, RATED]);
+        let report =
+            world.import(&map, &[world.file("a.csv", "tau,x\n1,\n,5\n3,\nNaN,\n5,\n")]).unwrap();
+        assert_eq!(world.column(1, Signal::Time), [0.0, 0.01]);
+        let file = &report.files[0];
+        assert_eq!((file.rows_read, file.rows_kept), (5, 2));
+        assert_eq!(file.rows_dropped.iter().map(|d| d.rows).collect::<Vec<_>>(), [2, 1]);
+    }
+
+    #[test]
+    fn a_derivative_is_made_only_where_asked_for_and_the_file_says_so() {
+        let world = World::new();
+        let derived = "
+[time]
+from = \"t\"
+unit = \"ms\"
+[[column]]
+to = \"theta_dot_rad_s\"
+from = \"w\"
+unit = \"rad/s\"
+[[column]]
+to = \"theta_ddot_rad_s2\"
+derive = \"derivative of theta_dot_rad_s\"
+[[column]]
+to = \"theta_rad\"
+derive = \"integral of theta_dot_rad_s\"
+";
+        let file = world.file("a.csv", "t,w\n0,0\n500,1\n1000,4\n");
+        world.import(&trials_map(&[ONE, derived]), &[file]).unwrap();
+        close(&world.column(1, Signal::ThetaDdot), &[2.0, 4.0, 6.0]);
+        close(&world.column(1, Signal::Theta), &[0.0, 0.25, 1.5]);
+        let made = world.computed(1);
+        assert!(made.contains("derivative of theta_dot_rad_s (central differences)"), "{made}");
+        assert!(made.contains("theta_rad = integral of theta_dot_rad_s"), "{made}");
+    }
+
+    #[test]
+    fn one_file_may_hold_many_trials_of_many_participants() {
+        let world = World::new();
+        let csv = "who,mode,n,kind,q,t,f\n\
+            P01,active,1,familiarisation,3,0,1\nP01,active,1,familiarisation,3,1,1\n\
+            P01,active,2,trial,5,0,2\nP01,active,2,trial,5,1,2\n\
+            P02,active,1,trial,1,0,3\nP02,active,1,trial,1,1,3\n";
+        let report =
+            world.import(&trials_map(&[COLUMNS, FORCE]), &[world.file("a.csv", csv)]).unwrap();
+        assert_eq!((report.trials, report.sessions), (3, 2));
+        let meta = world.trial("P01", "S01", 2).meta;
+        assert_eq!((meta.likert, meta.repeat, meta.kind), (None, 1, Kind::Trial));
+        let question = "felt_spring".parse().unwrap();
+        let answer = Event::Answer { trial: 2, question, value: 5 };
+        assert!(world.events("P01", "S01").contains(&answer));
+        assert_eq!(world.trial("P01", "S01", 1).meta.kind, Kind::Familiarisation);
+        assert_eq!(world.load().counting().count(), 2, "familiarisation does not count");
+    }
+}

@@ -1,0 +1,230 @@
+//! Units of other people's recordings: which there are, and how they become ours.
+
+use zwidth_store::Signal;
+use zwidth_study::{Coordinate, Study};
+
+/// What a unit measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Dimension {
+    Time,
+    Angle,
+    AngularVelocity,
+    AngularAcceleration,
+    Length,
+    Velocity,
+    Acceleration,
+    Force,
+    Torque,
+    Voltage,
+    Counts,
+    Bits,
+}
+
+use Dimension::{
+    Acceleration, Angle, AngularAcceleration, AngularVelocity, Bits, Counts, Force, Length, Time,
+    Torque, Velocity, Voltage,
+};
+
+impl Dimension {
+    /// The dimension of the time derivative, where a signal has it.
+    pub(super) fn derivative(self) -> Option<Self> {
+        match self {
+            Angle => Some(AngularVelocity),
+            AngularVelocity => Some(AngularAcceleration),
+            _ => None,
+        }
+    }
+
+    /// The angular dimension that a linear coordinate x = L θ turns this one into.
+    fn angular(self) -> Option<Self> {
+        match self {
+            Length => Some(Angle),
+            Velocity => Some(AngularVelocity),
+            Acceleration => Some(AngularAcceleration),
+            _ => None,
+        }
+    }
+}
+
+/// A unit: its spellings, and the factor to SI.
+#[derive(Debug)]
+pub(super) struct Unit {
+    spellings: &'static [&'static str],
+    pub(super) dimension: Dimension,
+    pub(super) to_si: f64,
+}
+
+const fn unit(spellings: &'static [&'static str], dimension: Dimension, to_si: f64) -> Unit {
+    Unit { spellings, dimension, to_si }
+}
+
+/// Radians in a degree.
+const DEG: f64 = std::f64::consts::PI / 180.0;
+/// Radians in a turn.
+const TURN: f64 = std::f64::consts::TAU;
+/// Newtons in a pound-force (0.45359237 kg at standard gravity).
+const LBF: f64 = 4.448_221_615_260_5;
+/// Newtons in a kilogram-force (standard gravity).
+const KGF: f64 = 9.806_65;
+/// Metres in an inch.
+const INCH: f64 = 0.0254;
+/// Ounces in a pound.
+const OUNCES: f64 = 16.0;
+/// Seconds in a minute.
+const MINUTE: f64 = 60.0;
+
+const UNITS: [Unit; 43] = [
+    unit(&["s"], Time, 1.0),
+    unit(&["ms"], Time, 1e-3),
+    unit(&["µs", "μs", "us"], Time, 1e-6),
+    unit(&["ns"], Time, 1e-9),
+    unit(&["min"], Time, MINUTE),
+    unit(&["rad"], Angle, 1.0),
+    unit(&["mrad"], Angle, 1e-3),
+    unit(&["deg", "°"], Angle, DEG),
+    unit(&["turn", "rev"], Angle, TURN),
+    unit(&["rad/s"], AngularVelocity, 1.0),
+    unit(&["deg/s", "°/s"], AngularVelocity, DEG),
+    unit(&["rpm"], AngularVelocity, TURN / MINUTE),
+    unit(&["rad/s²", "rad/s^2", "rad/s2"], AngularAcceleration, 1.0),
+    unit(&["deg/s²", "deg/s^2", "deg/s2", "°/s²"], AngularAcceleration, DEG),
+    unit(&["m"], Length, 1.0),
+    unit(&["cm"], Length, 1e-2),
+    unit(&["mm"], Length, 1e-3),
+    unit(&["µm", "μm", "um"], Length, 1e-6),
+    unit(&["in"], Length, INCH),
+    unit(&["m/s"], Velocity, 1.0),
+    unit(&["cm/s"], Velocity, 1e-2),
+    unit(&["mm/s"], Velocity, 1e-3),
+    unit(&["m/s²", "m/s^2", "m/s2"], Acceleration, 1.0),
+    unit(&["mm/s²", "mm/s^2", "mm/s2"], Acceleration, 1e-3),
+    unit(&["N"], Force, 1.0),
+    unit(&["mN"], Force, 1e-3),
+    unit(&["kN"], Force, 1e3),
+    unit(&["lbf"], Force, LBF),
+    unit(&["kgf"], Force, KGF),
+    unit(&["gf"], Force, KGF * 1e-3),
+    unit(&["N·m", "Nm", "N*m", "N.m", "N m"], Torque, 1.0),
+    unit(&["mN·m", "mNm", "mN*m", "mN.m", "mN m"], Torque, 1e-3),
+    unit(&["µN·m", "μN·m", "uN·m", "uNm"], Torque, 1e-6),
+    unit(&["N·mm", "Nmm", "N*mm"], Torque, 1e-3),
+    unit(&["N·cm", "Ncm", "N*cm"], Torque, 1e-2),
+    unit(&["oz·in", "oz-in", "oz*in", "ozf·in"], Torque, LBF / OUNCES * INCH),
+    unit(&["lbf·in", "lb-in", "lbf*in"], Torque, LBF * INCH),
+    unit(&["kgf·cm", "kg·cm", "kgf*cm"], Torque, KGF * 1e-2),
+    unit(&["V"], Voltage, 1.0),
+    unit(&["mV"], Voltage, 1e-3),
+    unit(&["kV"], Voltage, 1e3),
+    unit(&["counts", "count"], Counts, 1.0),
+    unit(&["bits"], Bits, 1.0),
+];
+
+/// The unit of that spelling, where it is one we know.
+pub(super) fn find(text: &str) -> Option<&'static Unit> {
+    UNITS.iter().find(|u| u.spellings.contains(&text))
+}
+
+/// The first spelling of every unit that can become `signal`, for error messages.
+pub(super) fn choices(signal: Signal) -> String {
+    let fitting = UNITS.iter().filter(|u| may_become(u, signal));
+    fitting.map(|u| u.spellings[0]).collect::<Vec<_>>().join(", ")
+}
+
+/// What a signal of ours measures.
+pub(super) fn dimension(signal: Signal) -> Option<Dimension> {
+    find(signal.column().unit).map(|u| u.dimension)
+}
+
+/// Whether `unit` can become `signal` in some study.
+pub(super) fn may_become(unit: &Unit, signal: Signal) -> bool {
+    let target = dimension(signal);
+    target == Some(unit.dimension)
+        || (target.is_some() && target == unit.dimension.angular())
+        || (unit.dimension == Torque && target == Some(Force))
+}
+
+/// The factor that turns a value in `unit` into `signal`'s SI unit, and the length that was used.
+///
+/// Lengths become angles by the linear coordinate θ = x / L; a torque becomes a force by the lever,
+/// F = τ / L. `Err` says what the study lacks.
+pub(super) fn factor(
+    unit: &Unit,
+    signal: Signal,
+    study: &Study,
+) -> Result<(f64, Option<f64>), &'static str> {
+    if dimension(signal) == Some(unit.dimension) {
+        return Ok((unit.to_si, None));
+    }
+    let lever_m = match (unit.dimension, study.coordinate) {
+        (Torque, _) => study.device.lever_m.ok_or("device.lever_m (F = τ / L)")?,
+        (_, Coordinate::Linear { lever_m }) => lever_m,
+        (_, Coordinate::Rotational) => return Err("coordinate.kind = \"linear\" (x = L θ)"),
+    };
+    Ok((unit.to_si / lever_m, Some(lever_m)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_study::{StudyId, template};
+
+    fn study() -> Study {
+        Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap()
+    }
+
+    fn check(unit: &str, signal: Signal, expect: f64) {
+        let (found, _) = factor(find(unit).unwrap(), signal, &study()).unwrap();
+        assert!((found / expect - 1.0).abs() < 1e-12, "{unit}: {found}");
+    }
+
+    #[test]
+    fn every_unit_of_ours_is_known_and_is_si() {
+        for signal in Signal::all() {
+            check(signal.column().unit, signal, 1.0);
+        }
+    }
+
+    #[test]
+    fn no_spelling_stands_twice() {
+        let mut all: Vec<_> = UNITS.iter().flat_map(|u| u.spellings).collect();
+        let n = all.len();
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), n);
+    }
+
+    #[test]
+    fn units_become_si() {
+        check("deg", Signal::Theta, 0.017_453_292_519_943_295);
+        check("rpm", Signal::ThetaDot, 0.104_719_755_119_659_77);
+        check("ms", Signal::Time, 1e-3);
+        check("oz·in", Signal::TorqueEx, 0.028_349_523_125 * 9.806_65 * 0.0254);
+        check("mN·m", Signal::TorqueEx, 1e-3);
+    }
+
+    #[test]
+    fn torque_becomes_force_by_the_lever_and_length_becomes_angle_by_the_linear_coordinate() {
+        check("N·m", Signal::ForceEx, 1.0 / 0.045);
+        let mut study = study();
+        let mm = find("mm").unwrap();
+        assert!(factor(mm, Signal::Theta, &study).unwrap_err().contains("linear"));
+        study.coordinate = Coordinate::Linear { lever_m: 0.5 };
+        assert_eq!(factor(mm, Signal::Theta, &study), Ok((0.002, Some(0.5))));
+        study.device.lever_m = None;
+        assert!(factor(find("N·m").unwrap(), Signal::ForceEx, &study).is_err());
+    }
+
+    #[test]
+    fn what_does_not_fit_does_not_fit_in_any_study() {
+        for (unit, signal) in [
+            ("mV", Signal::Theta),
+            ("N", Signal::TorqueEx),
+            ("deg", Signal::ThetaDot),
+            ("s", Signal::ForceEx),
+            ("counts", Signal::StateBits),
+            ("m/s", Signal::Theta),
+        ] {
+            assert!(!may_become(find(unit).unwrap(), signal), "{unit}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The form of a study's trial files: which columns they have. `study.toml` says it, so that all of a
+//! study's files are alike and open as one data set, and so that a study keeps the form it began
+//! with.
+
+use crate::{ChannelId, Study};
+use serde::{Deserialize, Serialize};
+
+/// A version of the form of trial files: `schema` of `study.toml`.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
+)]
+#[serde(try_from = "u32", into = "u32")]
+pub enum Schema {
+    /// Status bits are called `flags`; an answer stands in the trial file, whatever the question;
+    /// one row group.
+    One,
+    /// Status bits are called `state_bits`; answers are events, and stand in the trial file too
+    /// where the study has one question; channels of its own; a row group per 2²⁰ rows.
+    #[default]
+    Two,
+}
+
+impl Schema {
+    /// Its number.
+    pub fn number(self) -> u32 {
+        self.into()
+    }
+
+    /// The version of this number, if it is known.
+    pub fn from_number(number: u32) -> Option<Self> {
+        [Self::One, Self::Two].into_iter().find(|schema| schema.number() == number)
+    }
+}
+
+impl From<Schema> for u32 {
+    fn from(schema: Schema) -> u32 {
+        match schema {
+            Schema::One => 1,
+            Schema::Two => 2,
+        }
+    }
+}
+
+impl TryFrom<u32> for Schema {
+    type Error = String;
+
+    fn try_from(number: u32) -> Result<Self, String> {
+        let unknown =
+            || format!("version {number} is unknown; this software reads versions 1 and 2");
+        Self::from_number(number).ok_or_else(unknown)
+    }
+}
+
+/// A quantity of a study's own that is recorded per sample: a column of its trial files.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Channel {
+    /// Its name: the column's.
+    pub id: ChannelId,
+    /// Its unit, as in the column's metadata; `1` for a pure number.
+    pub unit: String,
+    /// What it is, as in the column's metadata.
+    pub description: String,
+}
+
+/// The form of a study's trial files.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrialForm {
+    /// The version.
+    pub schema: Schema,
+    /// Whether there is a column `likert`.
+    pub likert: bool,
+    /// The study's own channels, in the order of their columns.
+    pub channels: Vec<Channel>,
+}
+
+impl TrialForm {
+    /// The form of version 1, which is the same in every study.
+    pub fn first() -> Self {
+        Self { schema: Schema::One, likert: true, channels: Vec::new() }
+    }
+}
+
+impl Study {
+    /// The form of this study's trial files. In version 2 there is a column `likert` only where
+    /// the study has one question, so that nobody has to ask which one is meant.
+    pub fn trial_form(&self) -> TrialForm {
+        let (schema, channels) = (self.schema, self.channels.clone());
+        let likert = schema == Schema::One || self.questions.len() == 1;
+        TrialForm { schema, likert, channels }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::template;
+
+    fn study(changes: &[(&str, &str)]) -> Study {
+        let mut text = template(&"demo".parse().unwrap());
+        for (from, to) in changes {
+            assert!(text.contains(from), "the template lost '{from}'");
+            text = text.replacen(from, to, 1);
+        }
+        Study::from_toml(&text).unwrap()
+    }
+
+    const GRIP: &str = "[[channels]]\nid = \"grip_n\"\nunit = \"N\"\n\
+                        description = \"force of the grip\"\n";
+
+    #[test]
+    fn a_study_of_version_1_has_one_form_whatever_it_asks() {
+        assert_eq!(study(&[("schema = 2", "schema = 1")]).trial_form(), TrialForm::first());
+    }
+
+    #[test]
+    fn in_version_2_an_answer_has_a_column_only_where_there_is_one_question() {
+        let several = study(&[]);
+        assert!(several.questions.len() > 1 && !several.trial_form().likert);
+        let one = Study { questions: several.questions[..1].to_vec(), ..several };
+        assert!(one.trial_form().likert);
+    }
+
+    #[test]
+    fn channels_are_read_written_and_part_of_the_form() {
+        let text = template(&"demo".parse().unwrap());
+        let text = format!("{text}\n{GRIP}");
+        let study = Study::from_toml(&text).unwrap();
+        assert_eq!(study.trial_form().channels[0].id.as_str(), "grip_n");
+        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+    }
+
+    #[test]
+    fn a_channel_that_is_none_is_refused_with_its_key() {
+        let text = template(&"demo".parse().unwrap());
+        let refused = |text: String| Study::from_toml(&text).unwrap_err()[0].to_string();
+        let with = |from: &str, to: &str| format!("{text}\n{}", GRIP.replace(from, to));
+        assert!(refused(with("grip_n", "t_s")).contains("a column of every trial file"));
+        assert!(refused(with("grip_n", "Grip")).contains("lower case"));
+        assert!(refused(with("\"N\"", "\"\"")).contains("channels[0].unit"));
+        assert!(refused(format!("{text}\n{GRIP}\n{GRIP}")).contains("stands twice"));
+        assert!(refused(with("x", "x").replace("schema = 2", "schema = 1")).contains("schema = 2"));
+        let many: String = (0..9).map(|i| GRIP.replace("grip_n", &format!("g{i}"))).collect();
+        assert!(refused(format!("{text}\n{many}")).contains("at most 8"));
+    }
+}

@@ -1,0 +1,53 @@
+//! The answers as a long table: one row per answer.
+
+use zwidth_store::Answer;
+use zwidth_tables::{Column, Table, TableError};
+
+/// The answers as they were given (reversed questions too), one row each, in their order. Columns:
+/// `participant`, `session`, `trial`, `environment`, `mode`, `question`, `answer`.
+///
+/// # Errors
+/// None that answers can cause.
+pub fn long(answers: &[Answer]) -> Result<Table, TableError> {
+    let text = |name: &'static str, about: &'static str, of: fn(&Answer) -> &str| {
+        Column::text(name, about, answers.iter().map(|answer| Some(of(answer))))
+    };
+    let trials = answers.iter().map(|answer| Some(answer.trial.into()));
+    let values = answers.iter().map(|answer| Some(answer.value.into()));
+    let columns = vec![
+        text("participant", "who", |a| a.participant.as_str()),
+        text("session", "in which session", |a| a.session.as_str()),
+        Column::integer("trial", "1", "after which trial of the session", trials),
+        text("environment", "what was rendered", |a| a.condition.environment.as_str()),
+        text("mode", "how it was rendered", |a| a.condition.mode.as_str()),
+        text("question", "the question", |a| a.question.as_str()),
+        Column::integer("answer", "1", "the answer as given, 1…5", values),
+    ];
+    Table::new("answers", "Answers as given, one row per answer", columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_study::Condition;
+
+    #[test]
+    fn every_answer_is_a_row_with_its_question() {
+        let answer = |question: &str, value| Answer {
+            participant: "P01".parse().unwrap(),
+            session: "S01".parse().unwrap(),
+            trial: 3,
+            condition: Condition {
+                environment: "spring".parse().unwrap(),
+                mode: "hybrid".parse().unwrap(),
+            },
+            question: question.parse().unwrap(),
+            value,
+        };
+        let table = long(&[answer("felt", 4), answer("liked", 2)]).unwrap();
+        let questions = ["felt", "liked"].map(|q| Some(q.to_owned()));
+        assert_eq!(table.texts("question").unwrap(), questions);
+        assert_eq!(table.integers("answer").unwrap(), [Some(4), Some(2)]);
+        assert_eq!(table.integers("trial").unwrap(), [Some(3), Some(3)]);
+    }
+}
