@@ -1,6 +1,6 @@
 //! The metrics by condition: mean and standard deviation of the repeats, by polars.
 
-use polars::prelude::{self as pl, IntoLazy as _};
+use polars::prelude::{self as pl, ChunkAgg as _, ChunkVar as _};
 use std::borrow::Cow;
 use std::panic::resume_unwind;
 use std::thread;
@@ -41,14 +41,7 @@ pub fn by_condition(metrics: &Table, conditions: &[Condition]) -> Result<Table, 
         .filter_map(|name| metrics.fields().find(|f| f.name == *name))
         .filter(|f| metrics.floats(&f.name).is_ok_and(|v| v.iter().any(Option::is_some)))
         .collect();
-    let mut aggregates = vec![pl::len().cast(pl::DataType::Int64).alias("n")];
-    for field in &present {
-        let values = || pl::col(field.name.as_ref());
-        aggregates.push(values().mean());
-        aggregates.push(values().std(1).alias(deviation(field)));
-        aggregates.push(values().count().cast(pl::DataType::Int64).alias(count(field)));
-    }
-    let grouped = grouped(metrics, &aggregates)?;
+    let grouped = grouped(metrics, &present)?;
     let title = "Metrics by condition: mean and SD of the repeats";
     let table = Table::from_frame("conditions", title, fields(metrics, &present), &grouped)?;
     Ok(incomplete(metrics, &present, &grouped)?.into_iter().fold(table, Table::with_note))
@@ -96,11 +89,36 @@ fn polars(source: pl::PolarsError) -> TableError {
 }
 
 /// Polars waits for threads of its own, and a thread of ours that waits takes up other work,
-/// however long: so the query waits on a thread that has no other.
-fn grouped(metrics: &Table, aggregates: &[pl::Expr]) -> Result<pl::DataFrame, TableError> {
-    let query = metrics.frame()?.lazy().group_by_stable(GROUP.map(pl::col)).agg(aggregates);
-    let found = thread::scope(|scope| scope.spawn(|| query.collect()).join());
+/// however long: so the grouping waits on a thread that has no other.
+fn grouped(metrics: &Table, present: &[&Field]) -> Result<pl::DataFrame, TableError> {
+    let rows = metrics.frame()?;
+    let found = thread::scope(|scope| scope.spawn(|| summary(&rows, present)).join());
     found.unwrap_or_else(|panic| resume_unwind(panic)).map_err(polars)
+}
+
+/// One row a group, in the order in which the groups come: its key, its number of rows, and of each
+/// metric mean, standard deviation and number of values.
+fn summary(rows: &pl::DataFrame, present: &[&Field]) -> Result<pl::DataFrame, pl::PolarsError> {
+    let mut columns = rows.group_by_stable(GROUP)?.keys();
+    let groups = rows.partition_by_stable(GROUP, false)?;
+    let heights = groups.iter().map(|group| whole(group.height()));
+    columns.push(pl::Column::new("n".into(), heights.collect::<Vec<i64>>()));
+    for field in present {
+        let metric = |group| pl::DataFrame::column(group, &field.name)?.f64();
+        let values = groups.iter().map(metric).collect::<Result<Vec<_>, _>>()?;
+        let means: Vec<Option<f64>> = values.iter().map(|v| v.mean()).collect();
+        let deviations: Vec<Option<f64>> = values.iter().map(|v| v.std(1)).collect();
+        let counts: Vec<i64> = values.iter().map(|v| whole(v.len() - v.null_count())).collect();
+        columns.push(pl::Column::new(field.name.as_ref().into(), means));
+        columns.push(pl::Column::new(deviation(field).into(), deviations));
+        columns.push(pl::Column::new(count(field).into(), counts));
+    }
+    pl::DataFrame::new(groups.len(), columns)
+}
+
+/// A number of rows in memory, which fits.
+fn whole(rows: usize) -> i64 {
+    i64::try_from(rows).unwrap_or(i64::MAX)
 }
 
 /// Where a metric is over fewer trials than the condition's n, in words.
