@@ -47,4 +47,4 @@ pub use table::table;
 pub use zwidth_study::Alignment;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;

@@ -47,4 +47,4 @@ pub use scene::Parameters;
 pub use table::{table, together};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;

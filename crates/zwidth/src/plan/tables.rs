@@ -7,7 +7,7 @@ use zwidth_store::{Layout, StudyData};
 use zwidth_tables::{Format, Table};
 
 /// Version of the formats: raised when a table would be written differently from the same data.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// The derived tables that are printed, if a job makes them.
 pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
