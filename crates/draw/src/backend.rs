@@ -14,7 +14,7 @@ use plotters_backend::{
 
 use crate::font::{ASCENT_EM, CAP_EM};
 use crate::legend;
-use crate::sheet::{At, Ink, Rect, Sheet};
+use crate::sheet::{At, Rect, Sheet};
 use crate::style::{Colour, Dash, Marker, Stroke};
 
 /// Backend pixels a point.
@@ -166,10 +166,10 @@ fn font_error(error: crate::Error) -> DrawingErrorKind<Infallible> {
     DrawingErrorKind::FontError(Box::new(error))
 }
 
-/// A curve or an area in data coordinates, with any of our pens.
+/// A curve in data coordinates, with any of our pens.
 pub(crate) struct Curve {
     pub(crate) points: Vec<(f64, f64)>,
-    pub(crate) ink: Ink,
+    pub(crate) stroke: Stroke,
 }
 
 impl<'a> PointCollection<'a, (f64, f64)> for &'a Curve {
@@ -189,10 +189,7 @@ impl Drawable<Pen<'_>> for Curve {
         _: (u32, u32),
     ) -> Outcome {
         let points: Vec<At> = points.map(on_page).collect();
-        match &self.ink {
-            Ink::Stroke(stroke) => pen.sheet.stroke(&points, stroke),
-            Ink::Fill(colour, opacity) => pen.sheet.fill(&points, *colour, *opacity),
-        }
+        pen.sheet.stroke(&points, &self.stroke);
         Ok(())
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::coord::types::RangedCoordf64;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
-use plotters::element::{Circle, Rectangle, Text as Words};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text as Words};
 use plotters::style::{Color as _, IntoFont as _, RGBColor, TextStyle};
 use plotters_backend::text_anchor::{HPos, Pos, VPos};
 
@@ -16,7 +16,7 @@ use crate::figure::{Band, Direction, Intervals, Layer, Likert, Line, Points, Ref
 use crate::likert::{self, Segment};
 use crate::panel::PanelPlan;
 use crate::scale::{Ends, Scale};
-use crate::sheet::{Ink, Sheet};
+use crate::sheet::Sheet;
 use crate::style::{self, BAND_OPACITY, Colour, Dash, LEAST_PT, SMALL_PT, Stroke};
 
 /// A panel's plot area as plotters sees it.
@@ -59,8 +59,8 @@ pub(crate) fn draw(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64))
 }
 
 impl Plot<'_> {
-    fn curve(&self, points: Vec<Point>, ink: Ink) -> Outcome {
-        self.area.draw(&Curve { points, ink }).map_err(refused)
+    fn curve(&self, points: Vec<Point>, stroke: Stroke) -> Outcome {
+        self.area.draw(&Curve { points, stroke }).map_err(refused)
     }
 
     fn disc(&self, at: Point, diameter_pt: f64, colour: Colour, opacity: f64) -> Outcome {
@@ -84,7 +84,7 @@ impl Plot<'_> {
                 self.lone_point(lone, &stroke)?;
             }
             for part in curve::cut_line(&stretch, &self.window) {
-                self.curve(self.thinned(part), Ink::Stroke(stroke))?;
+                self.curve(self.thinned(part), stroke)?;
             }
         }
         Ok(())
@@ -98,7 +98,9 @@ impl Plot<'_> {
         self.disc(at, 1.5 * stroke.width_pt, stroke.colour, stroke.opacity)
     }
 
+    /// An area between two curves; plotters' own area ends at one height.
     fn band(&self, band: &Band) -> Outcome {
+        let style = rgb(band.colour).mix(BAND_OPACITY).filled();
         let edge = |edge: &[f64]| -> Vec<Point> {
             // a gap in either edge is a gap in both
             let whole = |i: usize| band.low[i].is_finite() && band.high[i].is_finite();
@@ -111,10 +113,8 @@ impl Plot<'_> {
         for ((_, low), (_, high)) in lows.into_iter().zip(highs) {
             let mut outline = self.thinned(low);
             outline.extend(self.thinned(high).into_iter().rev());
-            self.curve(
-                curve::cut_area(&outline, &self.window),
-                Ink::Fill(band.colour, BAND_OPACITY),
-            )?;
+            let inside = curve::cut_area(&outline, &self.window);
+            self.area.draw(&Polygon::new(inside, style)).map_err(refused)?;
         }
         Ok(())
     }
@@ -139,7 +139,7 @@ impl Plot<'_> {
             Direction::Vertical => [(at, y.0), (at, y.1)],
         };
         let parts = curve::cut_line(&ends, &self.window);
-        parts.into_iter().try_for_each(|part| self.curve(part, Ink::Stroke(reference.stroke)))
+        parts.into_iter().try_for_each(|part| self.curve(part, reference.stroke))
     }
 
     fn intervals(&self, intervals: &Intervals) -> Outcome {
@@ -147,11 +147,11 @@ impl Plot<'_> {
             Direction::Horizontal => (value, at),
             Direction::Vertical => (at, value),
         };
-        let stroke = Stroke { width_pt: style::WHISKER_PT, ..style::mean(intervals.colour) };
+        let whisker = rgb(intervals.colour).stroke_width(units(style::WHISKER_PT).unsigned_abs());
         for (i, &at) in intervals.at.iter().enumerate() {
-            let whisker = [point(at, intervals.low[i]), point(at, intervals.high[i])];
-            for part in curve::cut_line(&whisker, &self.window) {
-                self.curve(part, Ink::Stroke(stroke))?;
+            let ends = [point(at, intervals.low[i]), point(at, intervals.high[i])];
+            for part in curve::cut_line(&ends, &self.window) {
+                self.area.draw(&PathElement::new(part, whisker)).map_err(refused)?;
             }
             let estimate = point(at, intervals.estimate[i]);
             if self.window.holds(estimate) {
@@ -165,7 +165,7 @@ impl Plot<'_> {
 
     fn likert(&self, likert: &Likert) -> Outcome {
         let zero = curve::cut_line(&[(0.0, self.window.y.0), (0.0, self.window.y.1)], &self.window);
-        zero.into_iter().try_for_each(|zero| self.curve(zero, Ink::Stroke(style::zero())))?;
+        zero.into_iter().try_for_each(|zero| self.curve(zero, style::zero()))?;
         for (row, counts) in likert.rows.iter().enumerate() {
             let mut taken_pt = f64::NEG_INFINITY;
             for segment in likert::segments(counts, likert.scale) {

@@ -4,7 +4,7 @@
 //! No other place knows polars, so that only what stands on queries waits for it to compile.
 //! Polars groups by its in-memory engine with stable order: the same table gives the same bits.
 
-use polars::prelude::{self as pl, IntoColumn, IntoLazy as _, NamedFrom};
+use polars::prelude::{self as pl, ChunkAgg as _, ChunkVar as _, IntoColumn, NamedFrom};
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::thread;
@@ -79,21 +79,13 @@ impl Frame {
         rows: &str,
         aggregates: &[Aggregate],
     ) -> Result<Self, FrameError> {
-        let integer = |counted: pl::Expr| counted.cast(pl::DataType::Int64);
-        let expression = |aggregate: &Aggregate| {
-            let values = pl::col(aggregate.of.as_str());
-            let made = match aggregate.statistic {
-                Statistic::Mean => values.mean(),
-                Statistic::Deviation => values.std(1),
-                Statistic::Count => integer(values.count()),
-            };
-            made.alias(aggregate.name.as_str())
-        };
-        let mut made = vec![integer(pl::len()).alias(rows)];
-        made.extend(aggregates.iter().map(expression));
-        let keys: Vec<pl::Expr> = keys.iter().map(|key| pl::col(*key)).collect();
-        let query = self.rows.clone().lazy().group_by_stable(keys).agg(made);
-        Ok(Self { table: self.table.clone(), rows: self.collect(query)? })
+        let work = || summary(&self.rows, keys, rows, aggregates);
+        // Polars waits for threads of its own, and a thread of ours that waits takes up other
+        // work, however long: so the grouping waits on a thread that has no other.
+        let found = thread::scope(|scope| scope.spawn(work).join());
+        let refused = |source| FrameError::Polars { table: self.table.clone(), source };
+        let rows = found.unwrap_or_else(|panic| resume_unwind(panic)).map_err(refused)?;
+        Ok(Self { table: self.table.clone(), rows })
     }
 
     /// A table of those columns that `fields` describe.
@@ -111,15 +103,43 @@ impl Frame {
         let refused = |source| FrameError::Polars { table: name.to_owned(), source };
         Ok(Table::new(name, title, columns.map_err(refused)?)?)
     }
+}
 
-    /// Polars waits for threads of its own, and a thread of ours that waits takes up other work,
-    /// however long: so the query waits on a thread that has no other.
-    fn collect(&self, query: pl::LazyFrame) -> Result<pl::DataFrame, FrameError> {
-        let found = thread::scope(|scope| scope.spawn(|| query.collect()).join());
-        found
-            .unwrap_or_else(|panic| resume_unwind(panic))
-            .map_err(|source| FrameError::Polars { table: self.table.clone(), source })
+/// One row per group, in the order in which the groups appear: its key, its number of rows, and the
+/// aggregates.
+fn summary(
+    rows: &pl::DataFrame,
+    keys: &[&str],
+    n: &str,
+    aggregates: &[Aggregate],
+) -> Result<pl::DataFrame, pl::PolarsError> {
+    let keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
+    let mut columns = rows.group_by_stable(&keys)?.keys();
+    let groups = rows.partition_by_stable(&keys, false)?;
+    let heights = groups.iter().map(|group| whole(group.height()));
+    columns.push(pl::Column::new(n.into(), heights.collect::<Vec<i64>>()));
+    for Aggregate { of, statistic, name } in aggregates {
+        let values = |group| pl::DataFrame::column(group, of)?.f64();
+        let values = groups.iter().map(values).collect::<Result<Vec<_>, _>>()?;
+        let floats = |of: fn(&&pl::Float64Chunked) -> Option<f64>| -> Vec<Option<f64>> {
+            values.iter().map(of).collect()
+        };
+        let name = pl::PlSmallStr::from_str(name);
+        columns.push(match statistic {
+            Statistic::Mean => pl::Column::new(name, floats(|v| v.mean())),
+            Statistic::Deviation => pl::Column::new(name, floats(|v| v.std(1))),
+            Statistic::Count => {
+                let there = values.iter().map(|v| whole(v.len() - v.null_count()));
+                pl::Column::new(name, there.collect::<Vec<i64>>())
+            }
+        });
     }
+    pl::DataFrame::new(groups.len(), columns)
+}
+
+/// A number of rows in memory, which fits.
+fn whole(rows: usize) -> i64 {
+    i64::try_from(rows).unwrap_or(i64::MAX)
 }
 
 fn series(column: &Column) -> pl::Column {

@@ -11,8 +11,8 @@ use ::parquet::arrow::arrow_reader::{
 use ::parquet::basic::Type as Physical;
 use ::parquet::errors::ParquetError;
 use arrow::array::{ArrayRef, AsArray, Float64Builder, LargeStringBuilder, StringArray};
-use arrow::compute::cast;
-use arrow::datatypes::{DataType, FieldRef, Fields, Float64Type, Int32Type, Schema};
+use arrow::compute::floats;
+use arrow::datatypes::{DataType, FieldRef, Fields, Int32Type, Schema};
 use bytes::Bytes;
 use std::path::Path;
 use std::sync::Arc;
@@ -142,8 +142,7 @@ impl Growing {
     fn extend(&mut self, array: &ArrayRef, text: &mut usize) -> Result<(), ParquetError> {
         match self {
             Self::Numbers(numbers) => {
-                let cells = cast(array, &DataType::Float64)?;
-                numbers.extend(cells.as_primitive::<Float64Type>());
+                numbers.extend(&floats(array)?);
             }
             Self::Text(texts) => {
                 let words = array

@@ -11,6 +11,7 @@ mod error;
 pub mod hac;
 pub mod interval;
 pub mod recording;
+mod rounded;
 pub mod student_t;
 
 pub use error::StatsError;

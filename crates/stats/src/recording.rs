@@ -72,7 +72,7 @@ mod tests {
         let expect = [0.9359346337178767, 0.007449077216132867];
         for (found, expect) in fit.estimates.iter().zip(expect) {
             assert!((found.std_error / expect - 1.0).abs() < 1e-9, "{} {expect}", found.std_error);
-            assert!((found.ci_high - found.estimate - 2.262157162798205 * expect).abs() < 1e-9);
+            assert!((found.ci_high - found.estimate - 2.26215716 * expect).abs() < 1e-9);
         }
     }
 

@@ -275,7 +275,7 @@ mod tests {
         let force = course(&found, Signal::ForceEx);
         let middle = at_onset(&trials[1..2], &parameters);
         let unit = &course(&middle, Signal::ForceEx).band.mean;
-        let half = 4.302652729749462 * 0.1 / 3_f64.sqrt(); // scipy.stats.t.ppf(0.975, 2)
+        let half = 4.30265273 * 0.1 / 3_f64.sqrt(); // scipy.stats.t.ppf(0.975, 2) to nine digits
         for (i, unit) in unit.iter().enumerate() {
             let u = unit.unwrap();
             assert!((force.band.mean[i].unwrap() - u).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! The tally against a questionnaire collected by others; the test says so where it is not there.
+//! The tally against a questionnaire collected by others.
 
 use crate::Scheme;
 use crate::tally;
@@ -77,11 +77,11 @@ fn pooled(table: &Table, group: &str) -> Vec<[i64; 5]> {
 /// Python, from the two files: `Counter(6 - a if inverted == "-1" else a)` over the group's
 /// columns, by condition.
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn pooled_counts_with_reversed_items_are_those_of_an_independent_count() {
-    let Some(root) = std::env::var_os("ZWIDTH_REAL_DATA").map(PathBuf::from) else {
-        println!("skipped: ZWIDTH_REAL_DATA is not set");
-        return;
-    };
+    let root = PathBuf::from(
+        std::env::var_os("ZWIDTH_REAL_DATA").expect("ZWIDTH_REAL_DATA names a folder"),
+    );
     let folder = root.join("likert_vr_shoes");
     let questions = questions(&rows(folder.join("UXdata_questions2023-04-17.csv")));
     let people = rows(folder.join("UXdata2023-04-28.csv"));

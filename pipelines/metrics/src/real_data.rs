@@ -11,12 +11,9 @@ use zwidth_store::Signal;
 const LEVER_M: f64 = 1.0;
 const MM: f64 = 1e-3;
 
-fn folder() -> Option<PathBuf> {
-    let root = std::env::var_os("ZWIDTH_REAL_DATA").map(PathBuf::from);
-    if root.is_none() {
-        println!("skipped: ZWIDTH_REAL_DATA is not set");
-    }
-    root.map(|root| root.join("tsa_virtual_spring"))
+fn folder() -> PathBuf {
+    let root = std::env::var_os("ZWIDTH_REAL_DATA").expect("ZWIDTH_REAL_DATA names a folder");
+    PathBuf::from(root).join("tsa_virtual_spring")
 }
 
 /// Columns: t s, x desired mm, x measured mm, force desired N, force measured N (negative for x >
@@ -51,8 +48,9 @@ const EXCESS_N_PER_MM: [(&str, f64); 6] = [
 ];
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_rendered_stiffness_is_the_commanded_plus_the_parallel_spring_in_every_file() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     for (k, expect) in EXCESS_N_PER_MM {
         let rows = read(&folder.join(format!("K_{k}.csv")));
         let points: Vec<_> = rows.iter().map(|r| (r[0], r[2] * MM / LEVER_M, 0.0)).collect();

@@ -4,12 +4,12 @@ use super::{Real, close, floats, labels, recordings};
 use std::fs;
 use std::sync::LazyLock;
 
-static RUN: LazyLock<Option<Real>> = LazyLock::new(|| {
-    let folder = recordings("brake_b5zd")?;
+static RUN: LazyLock<Real> = LazyLock::new(|| {
+    let folder = recordings("brake_b5zd");
     let real = Real::new("brake_b5zd");
     let report = real.import("map.toml", &[folder.join("test_rig_treadmill.csv")]);
     assert!(report.contains("6554 rows read, 6554 kept"), "{report}");
-    Some(real.run())
+    real.run()
 });
 
 /// Model → its RMS (mN·m) and what is said of it.
@@ -21,8 +21,9 @@ fn models(real: &Real) -> Vec<(String, f64, String)> {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn a_line_and_a_hinge_are_rejected_and_the_power_law_is_chosen() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let found = models(real);
     let expect =
         [("line", 3.09, "rejected"), ("hinge", 1.34, "rejected"), ("power_law", 0.33, "chosen")];
@@ -39,8 +40,9 @@ fn a_line_and_a_hinge_are_rejected_and_the_power_law_is_chosen() {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_printed_table_says_why() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let table = fs::read_to_string(real.report("tables/characteristic.brake.md")).unwrap();
     for words in [
         "rejected: RMS 3.09 mN·m is",
@@ -56,8 +58,9 @@ fn the_printed_table_says_why() {
 
 /// 0 … 47 mN·m over 0 … 26,212 counts, noise about 0.36 mN·m.
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_curve_spans_the_published_torque_and_its_units_are_those_of_the_sweep() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let curve = real.derived("characterise/curve.brake.parquet");
     let command = floats(&curve, "command");
     assert_eq!((command[0], *command.last().unwrap()), (0.0, 26212.0));

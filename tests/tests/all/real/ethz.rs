@@ -8,8 +8,8 @@ use std::path::Path;
 use std::sync::LazyLock;
 use zwidth_store::{Signal, read_trial};
 
-static RUN: LazyLock<Option<Real>> = LazyLock::new(|| {
-    let folder = recordings("ethz_haptic_paddle")?;
+static RUN: LazyLock<Real> = LazyLock::new(|| {
+    let folder = recordings("ethz_haptic_paddle");
     let real = Real::new("ethz");
     let transparency = files(&folder.join("transparency"), "csv");
     assert_eq!(transparency.len(), 12);
@@ -23,21 +23,22 @@ static RUN: LazyLock<Option<Real>> = LazyLock::new(|| {
         "map-load-cell.toml",
         &[folder.join("force_sensor/transfer_function_put_together.csv")],
     );
-    Some(real.run())
+    real.run()
 });
 
-static DRIVEN: LazyLock<Option<Real>> = LazyLock::new(|| {
-    let folder = recordings("ethz_haptic_paddle")?;
+static DRIVEN: LazyLock<Real> = LazyLock::new(|| {
+    let folder = recordings("ethz_haptic_paddle");
     let real = Real::new("ethz_plant");
     real.import("map.toml", &[folder.join("plant/position_time_sinusoid.csv")]);
-    Some(real.run())
+    real.run()
 });
 
 /// NumPy and statsmodels on the file itself (`tests/interop/definitions.py`, `plant`): estimate and
 /// standard error.
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_paddle_driven_by_its_motor_shows_friction_and_pull_but_no_inertia() {
-    let Some(real) = &*DRIVEN else { return };
+    let real = &*DRIVEN;
     let plant = real.derived("plant.parquet");
     for (quantity, unit, expect, std_error) in [
         ("offset", "nm", 2.5989635054e-04, 3.8164317637e-06),
@@ -66,8 +67,9 @@ fn half_digit(decimals: i32) -> f64 {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_motor_current_is_the_published_line() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let table = real.derived("characterise/parameters.motor.parquet");
     close(parameter(&table, "line", "b"), -0.42852, half_digit(5));
     close(parameter(&table, "line", "a"), 1.06768, half_digit(5));
@@ -75,8 +77,9 @@ fn the_motor_current_is_the_published_line() {
 
 /// F = 3.5855 (V − 0.118712) + 0.057404.
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_load_cell_is_the_published_line() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let table = real.derived("characterise/parameters.load_cell.parquet");
     let slope = parameter(&table, "line", "b");
     close(slope, 3.5855, half_digit(4));
@@ -88,8 +91,9 @@ fn the_load_cell_is_the_published_line() {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn twelve_plane_fits_have_intervals_and_one_figure_compares_them() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let fits = real.derived("free_motion.parquet");
     let texts = |column| fits.texts(column).unwrap().into_iter().flatten().collect::<Vec<_>>();
     let conditions: std::collections::BTreeSet<_> =
@@ -121,9 +125,10 @@ fn twelve_plane_fits_have_intervals_and_one_figure_compares_them() {
 
 /// Ordinary least squares by normal equations, straight from the file, for one recording.
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn a_plane_fit_is_that_of_the_normal_equations_on_the_file() {
-    let Some(real) = &*RUN else { return };
-    let folder = recordings("ethz_haptic_paddle").unwrap();
+    let real = &*RUN;
+    let folder = recordings("ethz_haptic_paddle");
     let expect = plane(&folder.join("transparency/session_11/force_feedback.csv"));
     let fits = real.derived("free_motion.parquet");
     let (sessions, modes) = (fits.texts("session").unwrap(), fits.texts("mode").unwrap());
@@ -162,8 +167,9 @@ fn plane(path: &Path) -> [f64; 3] {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn what_was_not_recorded_is_null_and_the_time_comes_from_the_rate() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     for path in files(&real.layout.trials(), "parquet") {
         let trial = read_trial(&path, Signal::all()).unwrap();
         for lacks in [
@@ -182,8 +188,9 @@ fn what_was_not_recorded_is_null_and_the_time_comes_from_the_rate() {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn there_is_no_average_no_angle_and_no_force_and_the_program_says_why() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     for path in files(&real.layout.derived().join("average"), "parquet") {
         let average = zwidth_tables::Table::from_parquet(&path).unwrap();
         assert_eq!(average.height(), 0);

@@ -2,7 +2,7 @@
 //! `studies/`.
 //!
 //! The recordings are not part of this repository: `ZWIDTH_REAL_DATA` names the folder that holds
-//! them; without it these tests say that they skip.
+//! them.
 
 mod brake;
 mod ethz;
@@ -17,13 +17,10 @@ use tempfile::TempDir;
 use zwidth_store::Layout;
 use zwidth_tables::Table;
 
-/// The folder of the recordings of one set, if there is one.
-fn recordings(set: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("ZWIDTH_REAL_DATA").map(PathBuf::from);
-    if root.is_none() {
-        println!("skipped: ZWIDTH_REAL_DATA is not set");
-    }
-    root.map(|root| root.join(set))
+/// The folder of the recordings of one set.
+fn recordings(set: &str) -> PathBuf {
+    let root = std::env::var_os("ZWIDTH_REAL_DATA").expect("ZWIDTH_REAL_DATA names a folder");
+    PathBuf::from(root).join(set)
 }
 
 /// A study of `studies/`, in a temporary folder.

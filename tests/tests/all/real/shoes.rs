@@ -12,17 +12,17 @@ const ANSWERS: &str = "UXdata2023-04-28.csv";
 /// Where the condition stands in a row.
 const CONDITION: usize = 2;
 
-static RUN: LazyLock<Option<Real>> = LazyLock::new(|| {
-    let folder = recordings("likert_vr_shoes")?;
+static RUN: LazyLock<Real> = LazyLock::new(|| {
+    let folder = recordings("likert_vr_shoes");
     let real = Real::new("likert_vr_shoes");
     let report = real.import("map.toml", &[folder.join(ANSWERS)]);
     assert!(report.contains("80 trials without samples, 3600 answers"), "{report}");
-    Some(real.run())
+    real.run()
 });
 
 /// The counts of answers 1 … 5 to one item under each condition, of the answers file.
 fn counted(question: &str, reversed: bool) -> BTreeMap<String, [i64; 5]> {
-    let text = fs::read_to_string(recordings("likert_vr_shoes").unwrap().join(ANSWERS)).unwrap();
+    let text = fs::read_to_string(recordings("likert_vr_shoes").join(ANSWERS)).unwrap();
     let mut lines = text.lines().map(|l| l.split(';').collect::<Vec<_>>());
     let column = lines.next().unwrap().iter().position(|h| *h == question).unwrap();
     let mut counts = BTreeMap::new();
@@ -43,8 +43,9 @@ fn tallied(tally: &Table, question: &str) -> BTreeMap<String, [i64; 5]> {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn twenty_participants_answer_45_items_under_4_conditions() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let tally = real.derived("likert.parquet");
     let (questions, n) = (tally.texts("question").unwrap(), tally.integers("n").unwrap());
     let of_items: Vec<i64> =
@@ -55,8 +56,9 @@ fn twenty_participants_answer_45_items_under_4_conditions() {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn an_item_as_asked_and_a_reversed_one_are_those_of_an_independent_count() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let tally = real.derived("likert.parquet");
     let easy = counted("I found the interface easy to use", false);
     let complicated = counted("The interface was too complicated to use effectively", true);
@@ -69,9 +71,10 @@ fn an_item_as_asked_and_a_reversed_one_are_those_of_an_independent_count() {
 
 /// `-1` in the question table marks a reversed item, `-2` one of another scale.
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_study_reverses_the_items_that_the_question_table_reverses() {
-    let Some(real) = &*RUN else { return };
-    let table = recordings("likert_vr_shoes").unwrap().join("UXdata_questions2023-04-17.csv");
+    let real = &*RUN;
+    let table = recordings("likert_vr_shoes").join("UXdata_questions2023-04-17.csv");
     let text = fs::read_to_string(table).unwrap();
     let rows = text.lines().skip(1).map(|l| l.split(';').map(str::trim).collect::<Vec<_>>());
     let expect: BTreeMap<String, bool> =
@@ -85,8 +88,9 @@ fn the_study_reverses_the_items_that_the_question_table_reverses() {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn figures_show_bars_with_counts_and_say_what_was_turned() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let overview = labels(&real.report("figures/likert.1.svg"));
     for word in ["strongly disagree", "strongly agree", "HED", "AVG", "Ease of Use"] {
         assert!(overview.iter().any(|l| l.contains(word)), "{word} is not in {overview:?}");
@@ -96,11 +100,12 @@ fn figures_show_bars_with_counts_and_say_what_was_turned() {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_import_says_which_columns_it_dropped_and_why() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let list = zwidth(real.folder.path(), &["list", "--json"]).exits(0).json();
     assert_eq!(list[0]["sessions"].as_array().unwrap().len(), 20);
-    let folder = recordings("likert_vr_shoes").unwrap();
+    let folder = recordings("likert_vr_shoes");
     let report = Real::new("likert_vr_shoes").import("map.toml", &[folder.join(ANSWERS)]);
     assert!(report.contains("Nausea") && report.contains("simulator sickness item"), "{report}");
     assert!(report.contains("80 rows read, 80 kept"), "{report}");

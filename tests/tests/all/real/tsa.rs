@@ -15,12 +15,12 @@ const PER_MM: f64 = 1e3;
 const COMMANDED: [(&str, f64); 6] =
     [("k0_1", 0.1), ("k0_2", 0.2), ("k0_6", 0.6), ("k1", 1.0), ("k2", 2.0), ("k3_5", 3.5)];
 
-static RUN: LazyLock<Option<Real>> = LazyLock::new(|| {
-    let folder = recordings("tsa_virtual_spring")?;
+static RUN: LazyLock<Real> = LazyLock::new(|| {
+    let folder = recordings("tsa_virtual_spring");
     let real = Real::new("tsa");
     let report = real.import("map.toml", &files(&folder, "csv"));
     assert!(report.ends_with("6 files imported into study tsa: 6 trials, 1 session\n"), "{report}");
-    Some(real.run())
+    real.run()
 });
 
 /// A column of the metrics, by environment.
@@ -31,8 +31,9 @@ fn metric(real: &Real, column: &str) -> BTreeMap<String, f64> {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_rendered_stiffness_is_the_commanded_and_a_parallel_spring_in_all_six() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let (rendered, error) =
         (metric(real, "stiffness_n_per_rad"), metric(real, "stiffness_error_n_per_rad"));
     assert_eq!(rendered.len(), 6);
@@ -45,9 +46,10 @@ fn the_rendered_stiffness_is_the_commanded_and_a_parallel_spring_in_all_six() {
 
 /// Least squares on the rows up to the first largest x, with x > 0.5 mm, straight from the file.
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn the_stiffness_is_that_of_a_line_through_the_files_own_rows() {
-    let Some(real) = &*RUN else { return };
-    let folder = recordings("tsa_virtual_spring").unwrap();
+    let real = &*RUN;
+    let folder = recordings("tsa_virtual_spring");
     let rendered = metric(real, "stiffness_n_per_rad");
     for (environment, commanded) in COMMANDED {
         let expect = slope(&folder.join(format!("K_{commanded}.csv")));
@@ -74,8 +76,9 @@ fn slope(path: &Path) -> f64 {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn pushing_is_positive_and_unloading_lies_below_loading() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     for column in ["stiffness_n_per_rad", "discrepancy_mean_n", "discrepancy_max_n", "loop_area_j"]
     {
         for (environment, value) in metric(real, column) {
@@ -85,8 +88,9 @@ fn pushing_is_positive_and_unloading_lies_below_loading() {
 }
 
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn a_loop_figure_and_tables_in_millimetres_are_there() {
-    let Some(real) = &*RUN else { return };
+    let real = &*RUN;
     let figure = labels(&real.report("figures/loops.P01.S01.svg"));
     assert!(figure.iter().any(|l| l.contains("force against displacement")), "{figure:?}");
     assert!(figure.iter().any(|l| l.contains("(mm)")), "{figure:?}");
@@ -101,9 +105,10 @@ fn a_loop_figure_and_tables_in_millimetres_are_there() {
 /// Every file begins with a desired position of some 1e-321 mm, which is dropped; what is kept of
 /// the other columns has the bits of the file.
 #[test]
+#[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn files_with_denormals_are_read_and_every_sample_is_kept() {
-    let Some(real) = &*RUN else { return };
-    let folder = recordings("tsa_virtual_spring").unwrap();
+    let real = &*RUN;
+    let folder = recordings("tsa_virtual_spring");
     let trials = files(&real.layout.trials(), "parquet");
     let recorded = files(&folder, "csv");
     assert!(recorded.iter().any(|p| fs::read_to_string(p).unwrap().contains("e-32")));
