@@ -2,8 +2,8 @@
 //! they are empty and their note says why.
 
 use crate::conditions::{Repeats, repeats};
+use crate::making::{derived, made};
 use crate::trials::{OfTrials, files, read_all};
-use crate::{derived, made};
 use std::path::PathBuf;
 use zwidth_average::{Alignment, AverageError, Parameters};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};

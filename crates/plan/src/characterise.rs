@@ -1,7 +1,7 @@
 //! Stage `characterise`: candidate models, parameters and curve of each actuator or sensor; the
 //! calibration.
 
-use crate::{derived, made, split};
+use crate::making::{derived, made, split};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;

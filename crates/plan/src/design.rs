@@ -1,7 +1,7 @@
 //! Figures of what was planned: the environments, and the forces that each mode can render.
 
 use crate::characterise;
-use crate::figures::{Drawing, drawn};
+use crate::drawing::{Drawing, drawn};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

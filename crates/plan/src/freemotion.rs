@@ -1,8 +1,8 @@
 //! Stage `freemotion`: in a free environment, the plane fit of every trial that brings an
 //! acceleration, the plant of every other that has an angle.
 
+use crate::making::{derived, made, split};
 use crate::trials::{OfTrials, files, name, read_all};
-use crate::{derived, made, split};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use zwidth_freemotion::{FreeMotionError, Parameters};

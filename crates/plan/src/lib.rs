@@ -10,12 +10,15 @@
 mod average;
 mod characterise;
 mod conditions;
+mod courses;
 mod design;
+mod drawing;
 mod figures;
 mod freemotion;
 mod identify;
 mod likert;
 mod likert_figures;
+mod making;
 mod metrics;
 mod replay;
 mod replay_figures;
@@ -29,10 +32,8 @@ pub use report::built_in;
 pub use summary::file as summary_file;
 pub use tables::printed as printed_tables;
 
-use std::path::{Path, PathBuf};
-use zwidth_runner::{Job, JobError, Made, Making};
-use zwidth_store::{Findings, Layout, StudyData};
-use zwidth_tables::{Table, TableError};
+use zwidth_runner::Job;
+use zwidth_store::{Findings, StudyData};
 
 /// Every job of a study, of which this was found.
 pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
@@ -44,7 +45,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     jobs.extend(freemotion::jobs(data));
     jobs.extend(replay::jobs(data));
     jobs.extend(identify::jobs(data));
-    jobs.extend(replay::course_jobs(data));
+    jobs.extend(courses::jobs(data));
     jobs.extend(likert::jobs(data));
     jobs.extend(report::jobs(data));
     jobs.extend(tables::jobs(data));
@@ -68,31 +69,3 @@ pub const STAGES: [&str; 11] = [
     "tables",
     "summary",
 ];
-
-/// A job's result: tables as Parquet files, in the order of its outputs.
-fn made(tables: &[Table], making: &Making, problems: Vec<String>) -> Result<Made, JobError> {
-    let bytes = |(t, path): (&Table, &PathBuf)| t.to_parquet(making.from, path);
-    let outputs =
-        tables.iter().zip(making.outputs).map(bytes).collect::<Result<_, TableError>>()?;
-    Ok(Made { outputs, problems, ..Made::default() })
-}
-
-/// Tables that stages made.
-fn read_tables(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
-    files.iter().map(|file| Table::from_parquet(file)).collect()
-}
-
-/// The good results, and the bad ones in words.
-fn split<T, E: ToString>(results: Vec<Result<T, E>>) -> (Vec<T>, Vec<String>) {
-    let mut problems = Vec::new();
-    let good = results
-        .into_iter()
-        .filter_map(|r| r.map_err(|e| problems.push(e.to_string())).ok())
-        .collect();
-    (good, problems)
-}
-
-/// A file under `derived/<study>`.
-fn derived(layout: &Layout, name: impl AsRef<Path>) -> PathBuf {
-    layout.derived().join(name)
-}

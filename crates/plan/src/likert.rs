@@ -1,6 +1,6 @@
 //! Stage `likert`: tallies by question, and by group of questions; the answers themselves.
 
-use crate::{derived, made};
+use crate::making::{derived, made};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_likert::Scheme;

@@ -1,6 +1,6 @@
 //! The figures of the stage `likert`, as many panels to a figure as fit on a page.
 
-use crate::figures::{Drawing, drawn};
+use crate::drawing::{Drawing, drawn};
 use crate::likert::tally;
 use serde::Serialize;
 use std::path::PathBuf;

@@ -3,8 +3,8 @@
 //! from there.
 
 use crate::conditions::{Repeats, repeats};
+use crate::making::{derived, made, read_tables, split};
 use crate::trials::{OfTrials, files, name, read_all};
-use crate::{derived, made, read_tables, split};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

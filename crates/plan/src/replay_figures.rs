@@ -2,8 +2,8 @@
 //! that is given its external force, by eye and fitted: what the stage `replay` derived.
 
 use crate::conditions::sessions;
-use crate::figures::{Drawing, drawn};
-use crate::replay;
+use crate::courses;
+use crate::drawing::{Drawing, drawn};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_figures::{About, Kind};
@@ -24,7 +24,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     let mut drawings = Vec::new();
     for session in sessions(data) {
         for environment in &data.study.environments {
-            let courses = replay::courses(data, &session, environment);
+            let courses = courses::file(data, &session, environment);
             drawings.extend(courses.map(|courses| {
                 let [participant, session_id] = session.ids();
                 let subject = [participant, session_id, environment.id.to_string()];

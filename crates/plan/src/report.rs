@@ -1,7 +1,8 @@
 //! Stage `report`: the tables of what was planned, and the pros and cons beside what came out.
 
 use crate::design::{Forces, forces, has_actuators};
-use crate::{derived, made, metrics};
+use crate::making::{derived, made};
+use crate::metrics;
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_report::{

@@ -1,7 +1,7 @@
 //! Stage `summary`: the page a person reads first.
 
 use crate::conditions::sessions;
-use crate::figures::Drawing;
+use crate::drawing::Drawing;
 use crate::trials::name;
 use crate::{average, freemotion, likert, metrics, tables};
 use rayon::prelude::*;

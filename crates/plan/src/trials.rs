@@ -1,6 +1,6 @@
 //! Reading the trials of a job.
 
-use crate::split;
+use crate::making::split;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

@@ -71,7 +71,7 @@ impl Samples {
     }
 
     /// Whether there is no sample.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 

@@ -29,12 +29,13 @@ const KNOWN: [(&str, &str, &[&str]); 14] = [
             "entries",
             "events",
             "fit",
-            "import::started",
+            "form",
             "journal",
             "laid",
             "record",
             "recover",
             "sessions",
+            "started",
             "study",
             "sweep",
             "sweep_log",
@@ -53,28 +54,33 @@ const KNOWN: [(&str, &str, &[&str]); 14] = [
     ),
     (
         "the form of a mapping file, its checks and its readers name each other",
-        "crates/store",
+        "crates/import",
         &[
-            "import",
-            "import::batch",
-            "import::check",
-            "import::identity",
-            "import::label",
-            "import::likert",
-            "import::mapping",
-            "import::once",
-            "import::plan",
-            "import::recording",
-            "import::shape",
-            "import::sweeps",
-            "import::trials",
-            "import::wide",
+            "crate",
+            "batch",
+            "check",
+            "identity",
+            "label",
+            "likert",
+            "mapping",
+            "once",
+            "plan",
+            "recording",
+            "shape",
+            "sweeps",
+            "trials",
+            "wide",
         ],
     ),
     (
         "a limit names the column it is about, and reading a column keeps the limits",
-        "crates/store",
-        &["import::limits", "import::table"],
+        "crates/import",
+        &["limits", "table"],
+    ),
+    (
+        "a trial's form follows from its study, which lists the form's channels",
+        "crates/study",
+        &["form", "model"],
     ),
     (
         "an error names a column's type, and columns give errors",
@@ -85,27 +91,6 @@ const KNOWN: [(&str, &str, &[&str]); 14] = [
         "a layout is of shown cells, shown within the layout's widths",
         "crates/tables",
         &["layout", "shown", "width"],
-    ),
-    (
-        "jobs share the plan's helpers and learn the paths of each other's results",
-        "crates/zwidth",
-        &[
-            "plan",
-            "plan::average",
-            "plan::characterise",
-            "plan::design",
-            "plan::figures",
-            "plan::freemotion",
-            "plan::identify",
-            "plan::likert",
-            "plan::likert_figures",
-            "plan::metrics",
-            "plan::replay",
-            "plan::replay_figures",
-            "plan::report",
-            "plan::summary",
-            "plan::tables",
-        ],
     ),
     (
         "an error names the grouping it failed in, and candidates carry their verdict",
@@ -351,7 +336,7 @@ fn modules(root: &Path) -> BTreeMap<Name, Module> {
             let flat = folder.join(format!("{child}.rs"));
             let deep = folder.join(child).join("mod.rs");
             let path = if flat.is_file() { flat } else { deep };
-            waiting.push(([&name[..], &[child.clone()]].concat(), path));
+            waiting.push(([&name[..], std::slice::from_ref(child)].concat(), path));
         }
         modules.insert(name, module);
     }
@@ -387,7 +372,7 @@ fn definer<'m>(
         "crate" => Name::new(),
         "self" => from.to_vec(),
         "super" => from.split_last()?.1.to_vec(),
-        _ if modules[from].files.contains(first) => [from, &[first.clone()]].concat(),
+        _ if modules[from].files.contains(first) => [from, std::slice::from_ref(first)].concat(),
         _ => {
             let brought = modules[from].names.get(first).filter(|brought| brought[..] != *path)?;
             return definer(modules, from, &[brought, rest].concat(), depth + 1);

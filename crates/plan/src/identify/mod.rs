@@ -2,9 +2,9 @@
 //! balances the forces of the recorded motion, the judge is the replay driven by force; here stages
 //! meet, because they do not know each other.
 
+use crate::making::{derived, made, split};
 use crate::replay::{is_replayable, rendering};
 use crate::trials::{OfTrials, files, name, read_all};
-use crate::{derived, made, split};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;

@@ -1,0 +1,83 @@
+//! The trials of Figure 24 and their models against time, of each environment with a spring: a table
+//! of the stage `replay`, which the figure draws.
+
+use crate::conditions::{Repeats, Session, sessions};
+use crate::making::{derived, made, read_tables};
+use crate::replay::{STAGE, is_replayable, rendering};
+use crate::trials::{OfTrials, files, read_all};
+use crate::{identify, replay};
+use serde::Serialize;
+use std::path::PathBuf;
+use zwidth_replay::{Parameters, Rendering};
+use zwidth_runner::{Job, JobError, Made, Making};
+use zwidth_store::{Signal, StudyData};
+use zwidth_study::{Environment, ModeId};
+use zwidth_tables::Table;
+
+/// The courses of typical trials of one environment of a session, if one can be replayed.
+pub(crate) fn file(
+    data: &StudyData,
+    session: &Session,
+    environment: &Environment,
+) -> Option<PathBuf> {
+    let is_any = session.of(environment).iter().any(|t| is_replayable(data, t));
+    let key = [session.ids().as_slice(), &[environment.id.to_string()]].concat().join(".");
+    is_any.then(|| derived(&data.layout, format!("courses/{key}.parquet")))
+}
+
+/// What the courses depend on besides files.
+#[derive(Serialize)]
+struct Typical {
+    /// In the order of the study, each with how it was rendered.
+    modes: Vec<(ModeId, Rendering)>,
+    plant: Parameters,
+}
+
+/// The courses of typical trials of each environment with a spring.
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let mut jobs = Vec::new();
+    for session in sessions(data) {
+        for environment in &data.study.environments {
+            let of_modes = data.study.modes.iter().filter_map(|m| session.repeats(environment, m));
+            let conditions: Vec<Repeats> = of_modes.collect();
+            let Some(output) = file(data, &session, environment) else { continue };
+            let mut trials = session.of(environment);
+            trials.retain(|t| is_replayable(data, t));
+            let rendered = |r: &Repeats| {
+                let meta = &r.trials.first()?.meta;
+                Some((r.mode.id.clone(), rendering(data, meta, environment, r.mode)))
+            };
+            let modes = conditions.iter().filter_map(rendered).collect();
+            let typical = Typical { modes, plant: Parameters::BY_EYE };
+            let replays: Vec<PathBuf> =
+                conditions.iter().map(|r| replay::of_condition(&data.layout, r)).collect();
+            let inputs = (files(&trials), replays, identify::plant_of(&data.layout));
+            let name = format!("courses {} {}", session.who(), environment.id);
+            let of = OfTrials::new(typical, &trials);
+            jobs.push(Job::new(STAGE, name, of, inputs, vec![output], make));
+        }
+    }
+    jobs
+}
+
+fn make(
+    of: &OfTrials<Typical>,
+    (files, replays, plant): &(Vec<PathBuf>, Vec<PathBuf>, PathBuf),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let replays = zwidth_replay::together(&read_tables(replays)?)?.ok_or("there is no trial")?;
+    let fitted = identify::fitted(&Table::from_parquet(plant)?)?;
+    let mut trials = Vec::new();
+    for (mode, rendering) in &of.stage.modes {
+        let Some(number) = zwidth_replay::typical(&replays, mode.as_str())? else { continue };
+        let Some(at) = of.trials.iter().position(|known| known.trial == number) else { continue };
+        let (read, problems) = read_all(&files[at..=at], &of.trials[at..=at], Signal::all());
+        let trial = read.into_iter().next().ok_or_else(|| problems.join("; "))?;
+        trials.push((trial, rendering));
+    }
+    let courses = zwidth_replay::courses(&trials, &of.stage.plant, fitted.as_ref())?;
+    if courses.height() == 0 {
+        return Err("no trial could be replayed: the table 'replay' says why".into());
+    }
+    made(&[courses], making, Vec::new())
+}

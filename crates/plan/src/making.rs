@@ -1,0 +1,39 @@
+//! What the jobs of every stage share: where results lie, reading and writing tables, keeping apart
+//! what went well and what did not.
+
+use std::path::{Path, PathBuf};
+use zwidth_runner::{JobError, Made, Making};
+use zwidth_store::Layout;
+use zwidth_tables::{Table, TableError};
+
+/// A job's result: tables as Parquet files, in the order of its outputs.
+pub(crate) fn made(
+    tables: &[Table],
+    making: &Making,
+    problems: Vec<String>,
+) -> Result<Made, JobError> {
+    let bytes = |(t, path): (&Table, &PathBuf)| t.to_parquet(making.from, path);
+    let outputs =
+        tables.iter().zip(making.outputs).map(bytes).collect::<Result<_, TableError>>()?;
+    Ok(Made { outputs, problems, ..Made::default() })
+}
+
+/// Tables that stages made.
+pub(crate) fn read_tables(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
+    files.iter().map(|file| Table::from_parquet(file)).collect()
+}
+
+/// The good results, and the bad ones in words.
+pub(crate) fn split<T, E: ToString>(results: Vec<Result<T, E>>) -> (Vec<T>, Vec<String>) {
+    let mut problems = Vec::new();
+    let good = results
+        .into_iter()
+        .filter_map(|r| r.map_err(|e| problems.push(e.to_string())).ok())
+        .collect();
+    (good, problems)
+}
+
+/// A file under `derived/<study>`.
+pub(crate) fn derived(layout: &Layout, name: impl AsRef<Path>) -> PathBuf {
+    layout.derived().join(name)
+}
