@@ -89,8 +89,9 @@ pub fn run(
         let begun = begun(&mut run.board());
         rayon::scope_fifo(|scope| begun.into_iter().for_each(|i| run.spawn(scope, i)));
     }
+    let (before, board) = (run.before, run.board);
     let Board { mut records, mut unsaved, reports, stayed, disk, .. } =
-        run.board.into_inner().unwrap_or_else(PoisonError::into_inner);
+        board.into_inner().unwrap_or_else(PoisonError::into_inner);
     if let Some(error) = disk {
         // What was made is remembered where there is room for that; the first error is the one to
         // report.
@@ -99,10 +100,11 @@ pub fn run(
     }
     remarks.extend(stayed);
     if options.only.is_none() && !options.dry_run {
-        let gone = unplanned(jobs, &mut records);
-        unsaved |= !gone.is_empty();
+        unsaved |= !unplanned(jobs, &mut records).is_empty();
         let planned: BTreeSet<&PathBuf> = jobs.iter().flat_map(|job| &job.outputs).collect();
-        remarks.extend(gone.iter().flat_map(|record| remove_unplanned(&planned, record, results)));
+        // Of jobs that are gone all, of the others what they no longer make.
+        let made = before.0.values();
+        remarks.extend(made.flat_map(|record| remove_unplanned(&planned, record, results)));
     }
     if unsaved && !options.dry_run {
         records.write(results)?;
@@ -355,8 +357,7 @@ fn unplanned(jobs: &[Job], records: &mut Records) -> Vec<Record> {
     gone.iter().filter_map(|name| records.0.remove(name)).collect()
 }
 
-/// Removes what a job that is no longer planned made, unless a planned job makes it; what stayed
-/// nevertheless.
+/// Removes what a job made before and no planned job makes any more; what stayed nevertheless.
 fn remove_unplanned(
     planned: &BTreeSet<&PathBuf>,
     record: &Record,

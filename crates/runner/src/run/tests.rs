@@ -351,3 +351,23 @@ fn without_origin_outputs_are_told_nothing_of_their_making() {
     verdicts(folder.path(), &jobs, &Options { fresh: true, ..Options::default() });
     assert!(fs::read_to_string(&output).unwrap().contains("\"origin\":\"zwidth:said:1:"));
 }
+
+#[test]
+fn an_output_that_a_job_no_longer_makes_goes() {
+    let folder = folder();
+    let stage = Stage { name: "report", version: 1 };
+    let job = |names: &[&str]| {
+        let outputs = names.iter().map(|name| folder.path().join(name)).collect();
+        [Job::new(stage, "report", names.len(), (), outputs, |n, (), _| {
+            Ok(Made { outputs: vec![b"made".to_vec(); *n], ..Made::default() })
+        })]
+    };
+    let there = |name: &str| folder.path().join(name).exists();
+    verdicts(folder.path(), &job(&["modes", "weight"]), &Options::default());
+    assert!(there("modes") && there("weight"));
+    let one = Options { only: Some("modes".to_owned()), ..Options::default() };
+    verdicts(folder.path(), &job(&["modes"]), &Options::default());
+    assert!(there("modes") && !there("weight"), "no table of weights without masses");
+    verdicts(folder.path(), &job(&["modes"]), &one);
+    assert!(there("modes"));
+}
