@@ -13,5 +13,7 @@ pub mod interval;
 pub mod recording;
 mod rounded;
 pub mod student_t;
+mod tested;
 
 pub use error::StatsError;
+pub use tested::{FTest, Tested, Unestimable};

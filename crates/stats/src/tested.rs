@@ -1,0 +1,80 @@
+//! Words that all tests share: an estimate with its test, and why there may be none.
+
+use crate::error::StatsError;
+
+/// An estimate, its interval and its test against zero. Units as the estimated quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tested {
+    /// The estimate.
+    pub estimate: f64,
+    /// Its standard error.
+    pub std_error: f64,
+    /// Lower end of the interval.
+    pub ci_low: f64,
+    /// Upper end of the interval.
+    pub ci_high: f64,
+    /// The test statistic: estimate / std_error.
+    pub statistic: f64,
+    /// Degrees of freedom of the t distribution that the interval and the p value refer to.
+    pub df: f64,
+    /// Two-sided p value of "the quantity is zero".
+    pub p_value: f64,
+}
+
+/// The test of several contrasts at once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FTest {
+    /// The F statistic.
+    pub statistic: f64,
+    /// Degrees of freedom of the numerator: independent contrasts.
+    pub df_num: f64,
+    /// Degrees of freedom of the denominator.
+    pub df_den: f64,
+    /// The p value of "all contrasts are zero".
+    pub p_value: f64,
+}
+
+/// Why data that are as they should be have no such statistic. Each is an answer for a table, in
+/// words, where another program would print NaN.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Unestimable {
+    /// Fewer units than the statistic takes.
+    #[error("{found} {units}, {needed} are needed")]
+    TooFew {
+        /// What is counted, in the plural: `participants`, `pairs`.
+        units: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many the statistic takes at least.
+        needed: usize,
+    },
+    /// Values that do not vary, so that no error can be estimated from them.
+    #[error("all {units} are equal, so nothing tells how far they scatter")]
+    Constant {
+        /// What is equal, in the plural: `differences`, `answers`.
+        units: &'static str,
+    },
+    /// Answers that one side always gives and the other never, so that the estimate is infinite.
+    #[error("the answers separate {what} completely, so the estimate has no end")]
+    Separated {
+        /// What is told apart.
+        what: String,
+    },
+    /// Columns of a model that the data cannot tell apart.
+    #[error("the data cannot tell {what} apart")]
+    Confounded {
+        /// What cannot be told apart.
+        what: String,
+    },
+    /// A search that found no optimum.
+    #[error("the search for {what} found no optimum (slope {slope:.1e} left)")]
+    NotConverged {
+        /// What was searched.
+        what: &'static str,
+        /// Largest component of the gradient where the search stopped.
+        slope: f64,
+    },
+    /// A request that cannot be meant.
+    #[error(transparent)]
+    Refused(#[from] StatsError),
+}
