@@ -39,6 +39,30 @@ pub enum StatsError {
         /// Points in this row.
         found: usize,
     },
+    /// A bound of equivalence that bounds nothing.
+    #[error(
+        "an equivalence bound of {bound} bounds nothing: give a positive number in the unit of the difference"
+    )]
+    Bound {
+        /// The bound asked for.
+        bound: f64,
+    },
+    /// A level of significance outside (0, 0.5).
+    #[error(
+        "a level of significance of {alpha} tests nothing: give a share between 0 and 0.5, such as 0.05"
+    )]
+    Alpha {
+        /// The level asked for.
+        alpha: f64,
+    },
+    /// A number given as a probability that is none.
+    #[error("value {index} is {value}, which is no p value: give numbers from 0 to 1")]
+    Probability {
+        /// Index of the first such value.
+        index: usize,
+        /// The value itself.
+        value: f64,
+    },
     /// Inputs of a fit that do not belong together.
     #[error(transparent)]
     Numerics(#[from] NumericsError),
@@ -55,4 +79,12 @@ pub(crate) fn all_finite(values: &[f64]) -> Result<(), StatsError> {
 /// Checks that `level` lies strictly between 0 and 1.
 pub(crate) fn check_level(level: f64) -> Result<(), StatsError> {
     if level > 0.0 && level < 1.0 { Ok(()) } else { Err(StatsError::Level { level }) }
+}
+
+/// Checks that every value lies between 0 and 1, both ends included.
+pub(crate) fn check_probabilities(values: &[f64]) -> Result<(), StatsError> {
+    match values.iter().position(|v| !(0.0..=1.0).contains(v)) {
+        None => Ok(()),
+        Some(index) => Err(StatsError::Probability { index, value: values[index] }),
+    }
 }
