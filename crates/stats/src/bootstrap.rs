@@ -79,7 +79,8 @@ fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     Some(sorted[below] + (place - below as f64) * (sorted[above] - sorted[below]))
 }
 
-fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+/// The random numbers of one draw: stream `number` of the cipher keyed with `seed`.
+pub(crate) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
     let mut key = [0; KEY_BYTES];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);
@@ -89,7 +90,7 @@ fn stream(seed: u64, number: u64) -> ChaCha8Rng {
 
 /// A whole number below `n`, from the high half of a 64 × 64 bit product (Lemire 2019); its bias is
 /// below n / 2⁶⁴.
-fn index_below(rng: &mut ChaCha8Rng, n: usize) -> usize {
+pub(crate) fn index_below(rng: &mut ChaCha8Rng, n: usize) -> usize {
     ((u128::from(rng.next_u64()) * n as u128) >> u64::BITS) as usize
 }
 

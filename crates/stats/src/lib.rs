@@ -8,12 +8,16 @@ pub mod autocorrelation;
 pub mod band;
 pub mod bootstrap;
 mod error;
+pub mod friedman;
 pub mod hac;
 pub mod holm;
 pub mod interval;
+pub mod null;
 pub mod paired;
 pub mod recording;
 mod rounded;
+pub mod sign_flip;
+pub mod signed_rank;
 pub mod student_t;
 mod tested;
 

@@ -76,6 +76,17 @@ pub fn d_av(pairs: &[[f64; 2]]) -> Result<f64, Unestimable> {
     Ok((mean_a - mean_b) / scatter)
 }
 
+/// The differences that are not zero: there must be one at least.
+pub(crate) fn nonzero(differences: &[f64]) -> Result<Vec<f64>, Unestimable> {
+    let found: Vec<f64> = differences.iter().copied().filter(|d| d.abs() > 0.0).collect();
+    let units = match (differences.is_empty(), found.is_empty()) {
+        (true, _) => "participants",
+        (false, true) => "differences other than zero",
+        (false, false) => return Ok(found),
+    };
+    Err(Unestimable::TooFew { units, found: 0, needed: 1 })
+}
+
 fn two_or_more(values: &[f64]) -> Result<(f64, f64), Unestimable> {
     if let [_, _, ..] = values
         && let (mean, Some(sd)) = mean_and_sd(values)
