@@ -63,6 +63,24 @@ pub enum StatsError {
         /// The value itself.
         value: f64,
     },
+    /// A trial of a mode that there is not.
+    #[error("trial {trial} has mode {mode}, but modes are numbered from 0 and there are {modes}")]
+    Mode {
+        /// The first such trial.
+        trial: usize,
+        /// Its mode.
+        mode: usize,
+        /// Number of modes.
+        modes: usize,
+    },
+    /// All orders that a design can draw, and the actual one is not among them.
+    #[error(
+        "the order of the trials is not among the {orders} that the design can draw: give the design that drew it"
+    )]
+    OrderNotAmong {
+        /// Number of orders given.
+        orders: usize,
+    },
     /// Inputs of a fit that do not belong together.
     #[error(transparent)]
     Numerics(#[from] NumericsError),

@@ -8,9 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use zwidth_numerics::NumericsError;
 
-/// Exact as long as taking in one participant costs at most so many sums: three modes and some
-/// three hundred participants, four and about twenty, five and about ten.
-const STEPS: usize = 1_000_000;
+/// Exact as long as counting takes at most so many sums: about a second.
+const STEPS: usize = 5_000_000;
 
 /// Friedman's test of several modes on complete participants.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,9 +31,9 @@ pub struct Friedman {
 /// mean of their ranks: with R_j the sum of mode j's ranks over n rows of k modes and t the sizes of
 /// ties, W = 12 Σ (R_j − n (k + 1) / 2)² / (n² (k³ − k) − n Σ (t³ − t)). The p value is the share of
 /// all (k!)ⁿ orders within rows whose W is at least the observed one, ties kept: rows are taken in
-/// one by one, the sums of ranks after each being a distribution that the next convolves. Where
-/// a row would take more than a million sums (four modes: above about twenty participants; five:
-/// above about ten), orders are drawn by `sampling`.
+/// one by one, the sums of ranks after each being a distribution that the next convolves. Where that
+/// would take more than five million sums (three modes: from some 130 participants on; four: 25; five: 9), orders
+/// are drawn by `sampling`.
 ///
 /// # Errors
 /// No row; fewer than two modes; rows that are all of one value each; a value that is not finite;
@@ -113,11 +112,10 @@ fn exact_p(ranks: &[Vec<u64>], centre: u64, observed: u64) -> Option<f64> {
     let places = (1..=modes).try_fold(1_usize, |orders, k| orders.checked_mul(k));
     places.filter(|orders| *orders <= STEPS)?;
     let mut shares = BTreeMap::from([(vec![0_u64; modes], 1.0)]);
+    let mut left = STEPS;
     for row in ranks {
         let orders = distinct_orders(row);
-        if shares.len() * orders.len() > STEPS {
-            return None;
-        }
+        left = left.checked_sub(shares.len() * orders.len())?;
         let mut next = BTreeMap::new();
         for (sums, share) in &shares {
             let each = share / orders.len() as f64;

@@ -16,6 +16,7 @@ pub mod null;
 pub mod paired;
 pub mod recording;
 mod rounded;
+pub mod sharp_null;
 pub mod sign_flip;
 pub mod signed_rank;
 pub mod student_t;

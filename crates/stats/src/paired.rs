@@ -22,11 +22,13 @@ const ROUNDINGS: f64 = 10.0;
 /// A difference that is only the rounding of its terms is exactly zero, so that equal values
 /// count as equal however they were computed.
 pub fn differences(pairs: &[[f64; 2]]) -> Vec<f64> {
-    let difference = |[a, b]: &[f64; 2]| {
-        let rounding = ROUNDING * a.abs().max(b.abs());
-        if (a - b).abs() <= rounding { 0.0 } else { a - b }
-    };
-    pairs.iter().map(difference).collect()
+    pairs.iter().map(|[a, b]| difference(*a, *b)).collect()
+}
+
+/// a − b, exactly zero where it is only rounding.
+pub(crate) fn difference(a: f64, b: f64) -> f64 {
+    let rounding = ROUNDING * a.abs().max(b.abs());
+    if (a - b).abs() <= rounding { 0.0 } else { a - b }
 }
 
 /// The mean of participants' paired differences, with its interval at confidence `level` and its

@@ -1,0 +1,233 @@
+//! Randomisation over the orders of trials: had the trials come in another order that the design
+//! could have drawn, would the modes have differed as much?
+//!
+//! That tests the sharp null hypothesis that *no trial of anyone* depended on mode, carry-over
+//! included. It is no test of an average effect: participants whose effects cancel are no such
+//! null, and it rejects them. Fisher (1935), *The Design of Experiments*; Edgington & Onghena
+//! (2007), *Randomization Tests*.
+//!
+//! This crate knows no design: the caller redraws orders with the rules and the probabilities that
+//! drew the actual one, all participants jointly.
+
+use crate::Unestimable;
+use crate::bootstrap::stream;
+use crate::error::{StatsError, all_finite};
+use crate::null::{Null, SAME, Sampling};
+use crate::paired::difference;
+use rand_chacha::rand_core::Rng;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use zwidth_numerics::NumericsError;
+
+/// What is measured of an order: large where modes differ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Statistic {
+    /// |mean of the first mode − mean of the second|, in the unit of the values.
+    Difference(usize, usize),
+    /// The sum of squares between modes, Σ n_m (mean_m − mean)², in the unit of the values squared.
+    BetweenModes,
+}
+
+/// The values of trials, in whatever order; an order of a design says the mode of each. What no
+/// order changes (the person, the session, the environment) is their block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trials {
+    /// The values, less the mean of their block.
+    centred: Vec<f64>,
+    /// Number of modes.
+    modes: usize,
+    /// The mode of each trial as it was, from 0.
+    actual: Vec<usize>,
+}
+
+/// A test by randomisation over orders.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Randomised {
+    /// The statistic of the actual order.
+    pub statistic: f64,
+    /// p value of "no trial of anyone depended on mode".
+    pub p_value: f64,
+    /// The p value that the most extreme of the orders would have had: no data recorded in these
+    /// values reach a smaller one.
+    pub smallest_p: f64,
+    /// Whether all orders were counted or some drawn.
+    pub null: Null,
+}
+
+impl Trials {
+    /// Trials with their `values`, the number of the `block` of each, and the mode of each in the
+    /// `actual` order, from 0 to `modes` − 1.
+    ///
+    /// Each value is taken from the mean of its block, which no order changes: what blocks differ
+    /// by does not blur the modes where trials are missing, and nothing changes where none is. A
+    /// trial without a value is left out here and from every order alike.
+    ///
+    /// # Errors
+    /// No trial; a value that is not finite; lists of different lengths; a mode not below `modes`.
+    pub fn new(
+        values: &[f64],
+        block: &[usize],
+        actual: &[usize],
+        modes: usize,
+    ) -> Result<Trials, Unestimable> {
+        all_finite(values)?;
+        if values.is_empty() {
+            return Err(Unestimable::TooFew { units: "trials", found: 0, needed: 1 });
+        }
+        same_length("the list of blocks", values.len(), block.len())?;
+        check_order(actual, values.len(), modes)?;
+        let mut blocks: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+        for (value, block) in values.iter().zip(block) {
+            let (sum, count) = blocks.entry(*block).or_default();
+            (*sum, *count) = (*sum + value, *count + 1.0);
+        }
+        let mean = |block: &usize| blocks.get(block).map_or(0.0, |(sum, count)| sum / count);
+        let centred = values.iter().zip(block).map(|(v, block)| difference(*v, mean(block)));
+        Ok(Trials { centred: centred.collect(), modes, actual: actual.to_vec() })
+    }
+
+    /// p = (1 + orders at least as extreme) / (1 + orders drawn), where `redraw` gives the modes of
+    /// the trials in the order that the design draws for a seed.
+    ///
+    /// Orders are drawn on as many threads as there are and counted: one seed of `sampling`, one p
+    /// value. Statistics that differ by less than 1e-9 of the largest possible count as equal. An
+    /// order that leaves one of the tested modes without a value counts as extreme, which can only
+    /// make p larger.
+    ///
+    /// # Errors
+    /// A mode without a trial in the actual order; trials of one value only; an order with another
+    /// number of trials or with a mode that there is not.
+    pub fn against_drawn(
+        &self,
+        statistic: Statistic,
+        sampling: Sampling,
+        redraw: impl Fn(u64) -> Vec<usize> + Sync,
+    ) -> Result<Randomised, Unestimable> {
+        let observed = self.observed(statistic)?;
+        let one = |number| {
+            let order = redraw(stream(sampling.seed, number).next_u64());
+            check_order(&order, self.centred.len(), self.modes)?;
+            Ok(self.measure(statistic, &order))
+        };
+        let drawn: Result<Vec<f64>, StatsError> =
+            (0..sampling.draws as u64).into_par_iter().map(one).collect();
+        let drawn = drawn?;
+        let p = |value| {
+            (1 + self.as_extreme(statistic, &drawn, value)) as f64 / (1 + drawn.len()) as f64
+        };
+        Ok(Randomised {
+            statistic: observed,
+            p_value: p(observed),
+            smallest_p: p(largest(&drawn).max(observed)),
+            null: Null::Sampled { draws: sampling.draws },
+        })
+    }
+
+    /// p = the share of `orders` at least as extreme, where `orders` are all that the design can
+    /// draw, each as often as it is likely; the actual one is among them.
+    ///
+    /// # Errors
+    /// As [`Trials::against_drawn`]; `orders` without the actual one.
+    pub fn against_all(
+        &self,
+        statistic: Statistic,
+        orders: &[Vec<usize>],
+    ) -> Result<Randomised, Unestimable> {
+        let observed = self.observed(statistic)?;
+        orders.iter().try_for_each(|order| check_order(order, self.centred.len(), self.modes))?;
+        if !orders.contains(&self.actual) {
+            return Err(Unestimable::Refused(StatsError::OrderNotAmong { orders: orders.len() }));
+        }
+        let all: Vec<f64> = orders.par_iter().map(|order| self.measure(statistic, order)).collect();
+        let p = |value| self.as_extreme(statistic, &all, value) as f64 / all.len() as f64;
+        Ok(Randomised {
+            statistic: observed,
+            p_value: p(observed),
+            smallest_p: p(largest(&all)),
+            null: Null::Exact,
+        })
+    }
+
+    /// Those of `orders` in which every trial of a mode other than `a` and `b` has its actual mode:
+    /// what a test of this one pair may shuffle when the other modes may differ from it.
+    pub fn that_move_only(&self, a: usize, b: usize, orders: &[Vec<usize>]) -> Vec<Vec<usize>> {
+        let moved = |mode: &usize| *mode == a || *mode == b;
+        let holds = |order: &&Vec<usize>| {
+            order.len() == self.actual.len()
+                && order.iter().zip(&self.actual).all(|(x, y)| x == y || moved(x) && moved(y))
+        };
+        orders.iter().filter(holds).cloned().collect()
+    }
+
+    /// The statistic of the actual order.
+    fn observed(&self, statistic: Statistic) -> Result<f64, Unestimable> {
+        let tested: Vec<usize> = match statistic {
+            Statistic::Difference(a, b) => vec![a, b],
+            Statistic::BetweenModes => (0..self.modes).collect(),
+        };
+        if tested.iter().any(|mode| !self.actual.contains(mode)) {
+            return Err(Unestimable::TooFew { units: "trials of a mode", found: 0, needed: 1 });
+        }
+        if self.squares() <= 0.0 {
+            return Err(Unestimable::Constant { units: "trials of each participant" });
+        }
+        Ok(self.measure(statistic, &self.actual))
+    }
+
+    /// The statistic of an order; infinite where a tested mode has no trial.
+    fn measure(&self, statistic: Statistic, order: &[usize]) -> f64 {
+        let (mut sums, mut counts) = (vec![0.0; self.modes], vec![0_usize; self.modes]);
+        for (value, mode) in self.centred.iter().zip(order) {
+            sums[*mode] += value;
+            counts[*mode] += 1;
+        }
+        let mean = |mode: usize| match counts[mode] {
+            0 => f64::INFINITY,
+            count => sums[mode] / count as f64,
+        };
+        match statistic {
+            Statistic::Difference(a, b) if counts[a] == 0 || counts[b] == 0 => f64::INFINITY,
+            Statistic::Difference(a, b) => (mean(a) - mean(b)).abs(),
+            // the mean of all is zero
+            Statistic::BetweenModes => {
+                (0..self.modes).map(|mode| counts[mode].max(1) as f64 * mean(mode).powi(2)).sum()
+            }
+        }
+    }
+
+    fn squares(&self) -> f64 {
+        self.centred.iter().map(|value| value * value).sum()
+    }
+
+    /// How many of `found` are `value` or more, to rounding.
+    fn as_extreme(&self, statistic: Statistic, found: &[f64], value: f64) -> usize {
+        let possible = match statistic {
+            Statistic::Difference(..) => self.squares().sqrt(),
+            Statistic::BetweenModes => self.squares(),
+        };
+        let threshold = value - SAME * possible;
+        found.iter().filter(|s| **s >= threshold).count()
+    }
+}
+
+fn largest(found: &[f64]) -> f64 {
+    found.iter().copied().fold(0.0, f64::max)
+}
+
+fn check_order(order: &[usize], trials: usize, modes: usize) -> Result<(), StatsError> {
+    same_length("an order of modes", trials, order.len())?;
+    match order.iter().position(|mode| *mode >= modes) {
+        None => Ok(()),
+        Some(trial) => Err(StatsError::Mode { trial, mode: order[trial], modes }),
+    }
+}
+
+fn same_length(what: &'static str, expected: usize, found: usize) -> Result<(), StatsError> {
+    match expected == found {
+        true => Ok(()),
+        false => Err(NumericsError::LengthMismatch { what, expected, found }.into()),
+    }
+}
+
+#[cfg(test)]
+mod tests;
