@@ -72,7 +72,7 @@ pub fn expanded_level(level: f64, n: usize) -> Result<f64, StatsError> {
 }
 
 /// The quantile of `sorted` values at `share` of the way from the first to the last.
-fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+pub(crate) fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let place = share * sorted.len().checked_sub(1)? as f64;
     let below = place.floor() as usize;
     let above = (below + 1).min(sorted.len() - 1);

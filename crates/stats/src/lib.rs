@@ -6,6 +6,7 @@
 pub mod aicc;
 pub mod autocorrelation;
 pub mod band;
+pub mod bca;
 pub mod bootstrap;
 mod error;
 pub mod friedman;
