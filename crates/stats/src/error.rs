@@ -81,6 +81,22 @@ pub enum StatsError {
         /// Number of orders given.
         orders: usize,
     },
+    /// A claim that a design cannot carry, however large the effect.
+    #[error(
+        "{pairs} pairs in {contrasts} contrasts cannot bring an adjusted p below {reachable}, however large the effect; below {alpha} takes {needed} pairs"
+    )]
+    OutOfReach {
+        /// Pairs that the design has.
+        pairs: usize,
+        /// Contrasts of the family.
+        contrasts: usize,
+        /// The smallest adjusted p value that they reach.
+        reachable: f64,
+        /// The p value below which a claim counts.
+        alpha: f64,
+        /// The fewest pairs that reach below it.
+        needed: usize,
+    },
     /// Inputs of a fit that do not belong together.
     #[error(transparent)]
     Numerics(#[from] NumericsError),

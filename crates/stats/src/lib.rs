@@ -8,6 +8,7 @@ pub mod autocorrelation;
 pub mod band;
 pub mod bca;
 pub mod bootstrap;
+pub mod design_guard;
 mod error;
 pub mod friedman;
 pub mod hac;

@@ -30,7 +30,7 @@ pub struct SignFlip {
 /// The smallest two-sided p that `n` differences reach: 2 / 2ⁿ, where all have one sign; 1 for
 /// `n` = 0 and 1.
 pub fn smallest_p(n: usize) -> f64 {
-    libm::ldexp(2.0, -(n.min(1000) as i32)).min(1.0)
+    libm::ldexp(2.0, -(n.min(2000) as i32)).min(1.0)
 }
 
 /// Tests the mean of paired `differences` by the share of all 2ⁿ flips of their signs with |sum| ≥
