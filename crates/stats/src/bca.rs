@@ -87,9 +87,12 @@ pub fn interval<B: Sync>(
     of_resamples(statistic(&all), &resampled, &jackknife, level)
 }
 
-/// The interval of an `estimate` whose statistic has these values of resamples and of the
-/// jackknife.
-fn of_resamples(
+/// The BCa interval of an `estimate` whose statistic has the values `resampled` of resamples and
+/// `jackknife` of the data without one block each; see [`interval`].
+///
+/// # Errors
+/// As [`interval`], but for the blocks.
+pub fn of_resamples(
     estimate: f64,
     resampled: &[f64],
     jackknife: &[f64],

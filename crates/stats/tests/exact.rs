@@ -1,0 +1,130 @@
+//! The same numbers by SciPy and statsmodels, on random data with ties, zeros and constants.
+//!
+//! `ZWIDTH_PYTHON=… cargo test -p zwidth-stats --test exact -- --ignored`, with the Python that has
+//! what `tests/interop/requirements.txt` lists.
+
+// Helpers of tests stand outside of `#[test]` functions, where clippy.toml's exemption does not
+// reach.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use serde_json::Value;
+use std::process::Command;
+use zwidth_stats::null::Sampling;
+use zwidth_stats::sharp_null::{Statistic, Trials};
+use zwidth_stats::{bca, friedman, holm, paired, sign_flip, signed_rank};
+
+const SAMPLING: Sampling = Sampling { draws: 999, seed: 1 };
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/interop/stats/exact.py");
+
+#[test]
+#[ignore = "needs Python with SciPy, statsmodels"]
+fn every_number_is_that_of_scipy_and_statsmodels() {
+    let python = std::env::var("ZWIDTH_PYTHON").unwrap_or_else(|_| "python3".into());
+    let output = Command::new(&python).arg(SCRIPT).output();
+    let output = output.unwrap_or_else(|why| panic!("{python}, named by ZWIDTH_PYTHON: {why}"));
+    assert!(output.status.success(), "{python}: {}", String::from_utf8_lossy(&output.stderr));
+    let cases: Value = serde_json::from_slice(&output.stdout).unwrap();
+    check(&cases, "differences", 61, differences);
+    check(&cases, "paired", 10, paired_t);
+    check(&cases, "friedman", 24, friedmans);
+    check(&cases, "holm", 10, holms);
+    check(&cases, "orders", 8, orders);
+    check(&cases, "bca", 9, bcas);
+}
+
+/// Checks the cases of one name, of which there are some number.
+fn check(cases: &Value, name: &str, number: usize, check: fn(&Value)) {
+    let cases = cases[name].as_array().unwrap();
+    assert_eq!(cases.len(), number, "cases of {name}");
+    cases.iter().for_each(check);
+}
+
+fn differences(case: &Value) {
+    let d = numbers(&case["d"]);
+    match &case["signed_rank"] {
+        Value::Null => assert!(signed_rank::test(&d).is_err(), "{d:?}"),
+        expected => {
+            let found = signed_rank::test(&d).unwrap();
+            near(found.p_value, &expected["p"], 1e-9, case);
+            near(found.statistic, &expected["statistic"], 1e-12, case);
+            near(found.rank_biserial, &expected["rank_biserial"], 1e-12, case);
+        }
+    }
+    match &case["sign_flip"] {
+        Value::Null if d.len() < 13 => assert!(sign_flip::test(&d, SAMPLING).is_err(), "{d:?}"),
+        Value::Null => {}
+        p => near(sign_flip::test(&d, SAMPLING).unwrap().p_value, p, 1e-12, case),
+    }
+}
+
+fn paired_t(case: &Value) {
+    let (a, b) = (numbers(&case["a"]), numbers(&case["b"]));
+    let pairs: Vec<[f64; 2]> = a.iter().zip(&b).map(|(a, b)| [*a, *b]).collect();
+    let found = paired::mean_difference(&paired::differences(&pairs), 0.95).unwrap();
+    near(found.statistic, &case["t"], 1e-9, case);
+    near(found.p_value, &case["p"], 1e-8, case);
+    near(found.ci_low, &case["ci"][0], 1e-6, case);
+    near(found.ci_high, &case["ci"][1], 1e-6, case);
+    near(paired::d_av(&pairs).unwrap(), &case["d_av"], 1e-12, case);
+    let (bound, expected) = (case["bound"].as_f64().unwrap(), &case["tost"]);
+    let tost = paired::equivalence(&found, bound, 0.05).unwrap();
+    near(tost.p_lower, &expected["lower"], 1e-8, case);
+    near(tost.p_upper, &expected["upper"], 1e-8, case);
+    near(tost.p_value(), &expected["p"], 1e-8, case);
+    near(tost.ci_low, &expected["ci"][0], 1e-6, case);
+    near(tost.ci_high, &expected["ci"][1], 1e-6, case);
+}
+
+fn friedmans(case: &Value) {
+    let rows: Vec<Vec<f64>> = case["rows"].as_array().unwrap().iter().map(numbers).collect();
+    let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    let found = friedman::test(&rows, SAMPLING);
+    if case["p"].is_null() {
+        assert!(found.is_err(), "{case}");
+        return;
+    }
+    let found = found.unwrap();
+    near(found.p_value, &case["p"], 1e-12, case);
+    near(found.statistic, &case["statistic"], 1e-12, case);
+    near(found.concordance, &case["concordance"], 1e-12, case);
+}
+
+fn holms(case: &Value) {
+    let found = holm::adjusted(&numbers(&case["p"])).unwrap();
+    for (found, expected) in found.iter().zip(case["adjusted"].as_array().unwrap()) {
+        near(*found, expected, 1e-12, case);
+    }
+}
+
+fn orders(case: &Value) {
+    let (values, modes) = (numbers(&case["values"]), whole(&case["modes"]));
+    let orders: Vec<Vec<usize>> = case["orders"].as_array().unwrap().iter().map(whole).collect();
+    let kinds = 1 + modes.iter().max().unwrap();
+    let trials = Trials::new(&values, &vec![0; values.len()], &modes, kinds).unwrap();
+    let found = trials.against_all(Statistic::BetweenModes, &orders).unwrap();
+    near(found.p_value, &case["p"], 1e-12, case);
+    near(found.statistic, &case["statistic"], 1e-9, case);
+}
+
+fn bcas(case: &Value) {
+    let (resampled, jackknife) = (numbers(&case["resampled"]), numbers(&case["jackknife"]));
+    let estimate = case["estimate"].as_f64().unwrap();
+    let found = bca::of_resamples(estimate, &resampled, &jackknife, 0.95).unwrap();
+    assert!(matches!(found.kind, bca::Kind::Corrected { .. }), "{case}");
+    near(found.ci_low, &case["ci"][0], 1e-7, case);
+    near(found.ci_high, &case["ci"][1], 1e-7, case);
+}
+
+/// Checks a number to a share of its size.
+fn near(found: f64, expected: &Value, share: f64, case: &Value) {
+    let expected = expected.as_f64().unwrap();
+    assert!((found - expected).abs() <= share * expected.abs(), "{found} {expected}: {case}");
+}
+
+fn numbers(list: &Value) -> Vec<f64> {
+    list.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+fn whole(list: &Value) -> Vec<usize> {
+    list.as_array().unwrap().iter().map(|v| v.as_u64().unwrap() as usize).collect()
+}

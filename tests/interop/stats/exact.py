@@ -1,0 +1,136 @@
+"""Numbers of SciPy and statsmodels for crates/stats/tests/exact.rs, as JSON: random data with ties, zeros, constants.
+
+What has no such number (one value, all equal) is null: there our functions must say why instead.
+"""
+
+import itertools
+import json
+import warnings
+
+import numpy as np
+from scipy import stats
+from statsmodels.stats.multitest import multipletests
+from statsmodels.stats.weightstats import ttost_paired
+
+EVERY = np.inf  # resamples: all of them are counted
+
+
+def sign_flip(d):
+    """All flips of signs, by permutation_test (which asks for two values)."""
+    if not d.any():
+        return None
+    if len(d) == 1:
+        return 1.0
+    found = stats.permutation_test((d,), np.sum, permutation_type="samples", n_resamples=EVERY, vectorized=False)
+    return found.pvalue
+
+
+def signed_rank(d):
+    """All flips of the signs of ranks, zeros after Pratt; SciPy's "exact" would leave ties out of account."""
+    if not d.any():
+        return None
+    ranks = np.sign(d) * stats.rankdata(np.abs(d))
+    if np.count_nonzero(d) > 50:
+        method = "asymptotic"
+        p = stats.wilcoxon(d, zero_method="pratt", correction=True, method=method).pvalue
+    elif len(d) == 1:
+        p = 1.0
+    elif len(d) <= 12:
+        p = stats.permutation_test((ranks,), np.sum, permutation_type="samples", n_resamples=EVERY).pvalue
+    else:  # without ties or zeros
+        p = stats.wilcoxon(d, method="exact").pvalue
+    return {"p": p, "statistic": ranks[ranks > 0].sum(), "rank_biserial": ranks.sum() / np.abs(ranks).sum()}
+
+
+def differences(rng):
+    """Eighths, so that sums are exact: many ties and zeros in small ranges; one value; all equal."""
+    sets = [rng.integers(-4, 9, n) / 8 for n in range(1, 13) for _ in range(4)]
+    sets += [np.full(n, v) for n in (1, 2, 6) for v in (0.0, 0.5)]
+    sets += [rng.permutation(np.arange(1, n + 1)) * rng.choice([-1, 1, 1], n) / 8 for n in (13, 20, 37, 50)]
+    return [{"d": d, "signed_rank": signed_rank(d), "sign_flip": sign_flip(d) if len(d) < 13 else None}
+            for d in map(np.asarray, sets)] + [
+        {"d": d, "signed_rank": signed_rank(d)} for d in (rng.integers(-9, 14, n) / 8 for n in (60, 75, 200))]
+
+
+def paired(rng):
+    """Paired t, d_av and two one-sided tests."""
+    for n in (2, 3, 6, 12, 40):
+        for bound in (0.2, 1.0):
+            a = rng.normal(5, 1, n)
+            b = a + rng.normal(0.3, 0.5, n)
+            t = stats.ttest_1samp(a - b, 0)
+            p, (_, lower, _), (_, upper, _) = ttost_paired(a, b, -bound, bound)
+            wide, narrow = t.confidence_interval(0.95), t.confidence_interval(0.9)
+            yield {"a": a, "b": b, "bound": bound, "t": t.statistic, "p": t.pvalue, "ci": [*wide],
+                   "d_av": (a - b).mean() / np.sqrt((a.var(ddof=1) + b.var(ddof=1)) / 2),
+                   "tost": {"p": p, "lower": lower, "upper": upper, "ci": [*narrow]}}
+
+
+def friedman(rng):
+    """The χ² of friedmanchisquare; all orders within rows, on ranks, by permutation_test."""
+    for modes, n in ((3, 1), (3, 2), (3, 4), (3, 5), (4, 3), (3, 3), (4, 2), (5, 2)):
+        for values in (2, 4, 100):
+            rows = rng.integers(0, values, (n, modes)) / 8
+            ranks = stats.rankdata(rows, axis=1)
+            if (ranks == (modes + 1) / 2).all():
+                yield {"rows": rows, "p": None}
+                continue
+            spread = lambda *columns: sum((c.sum() - n * (modes + 1) / 2) ** 2 for c in columns)
+            p = 1.0 if n == 1 else stats.permutation_test(
+                tuple(ranks.T), spread, permutation_type="samples", alternative="greater",
+                n_resamples=EVERY, vectorized=False).pvalue
+            chi2 = stats.friedmanchisquare(*rows.T).statistic
+            yield {"rows": rows, "p": p, "statistic": chi2, "concordance": chi2 / (n * (modes - 1))}
+
+
+def holm(rng):
+    """Adjusted p values, with ties."""
+    for m in (1, 2, 3, 6, 15):
+        for p in (rng.uniform(0, 1, m) ** 3, rng.integers(0, 5, m) / 40):
+            yield {"p": p, "adjusted": multipletests(p, method="holm")[1]}
+
+
+def orders(rng):
+    """All assignments of modes to trials, by permutation_test of independent samples."""
+    for sizes in ((3, 3), (4, 2), (2, 2, 2), (3, 2, 2)):
+        for values in (4, 1000):
+            v = rng.integers(0, values, sum(sizes)) / 8
+            if (v == v[0]).all():
+                continue
+            groups = np.split(v, np.cumsum(sizes)[:-1])
+            between = lambda *g: sum(len(x) * (x.mean() - v.mean()) ** 2 for x in g)
+            found = stats.permutation_test(
+                tuple(groups), between, permutation_type="independent", alternative="greater",
+                n_resamples=EVERY, vectorized=False)
+            modes = [mode for mode, size in enumerate(sizes) for _ in range(size)]
+            every = sorted(set(itertools.permutations(modes)))
+            yield {"values": v, "modes": modes, "orders": every, "statistic": found.statistic, "p": found.pvalue}
+
+
+def bca(rng):
+    """BCa ends of given resamples: SciPy takes over a distribution when it draws none of its own."""
+    for n in (5, 12, 30):
+        for statistic in (np.mean, np.median, lambda x, axis=-1: np.std(x, axis=axis, ddof=1)):
+            v = rng.gamma(2, 1, n)
+            drawn = statistic(rng.choice(v, (999, n)), axis=-1)
+            whole = statistic(v)  # SciPy would tell apart what differs by rounding
+            drawn = np.where(np.isclose(drawn, whole, rtol=1e-12, atol=0), whole, drawn)
+            rest = [statistic(np.delete(v, i)) for i in range(n)]
+            given = stats.bootstrap((v,), statistic, n_resamples=2, method="percentile")
+            given.bootstrap_distribution = drawn
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                ends = stats.bootstrap((v,), statistic, n_resamples=0, method="BCa", bootstrap_result=given)
+            ends = [*ends.confidence_interval]
+            if np.isfinite(ends).all():  # degenerate for SciPy: nothing to compare with
+                yield {"estimate": whole, "resampled": drawn, "jackknife": rest, "ci": ends}
+
+
+def plain(value):
+    """Arrays and NumPy's numbers as JSON has them."""
+    return value.tolist()
+
+
+rng = np.random.default_rng(20240601)
+cases = {f.__name__: list(f(rng)) for f in (differences, paired, friedman, holm, orders, bca)}
+print(json.dumps(cases, default=plain, allow_nan=False))
