@@ -126,6 +126,7 @@ fn affects(key: &str) -> Affects {
         | ["coordinate", ..]
         | ["masses", ..]
         | ["analysis", ..]
+        | ["compare", ..]
         | ["figures", ..] => Affects::Nothing,
         ["environments" | "modes", _, "label"]
         | ["questions", _, "group" | "reversed"]
@@ -152,7 +153,7 @@ fn flatten(path: &str, value: &Value, found: &mut BTreeMap<String, String>) {
                 flatten(&key, inner, found);
             }
         }
-        Value::Array(elements) => {
+        Value::Array(elements) if LISTS.contains(&path) => {
             let ids: Vec<&str> = elements.iter().filter_map(|e| e.get("id")?.as_str()).collect();
             found.insert(format!("{path}{ORDER}"), ids.join(", "));
             for (id, element) in ids.iter().zip(elements) {
@@ -198,6 +199,27 @@ mod tests {
             "",
             &[("figures.alignment", "\"onset\"", "absent", Affects::Nothing)],
         );
+    }
+
+    #[test]
+    fn what_is_compared_affects_nothing_that_is_recorded() {
+        let with = |compare: &str| {
+            Study::from_toml(&format!("{}\n[compare]\n{compare}\n", text())).unwrap()
+        };
+        for (then, now, key) in [
+            ("", "contrasts = [[\"active\", \"passive\"]]", "compare.contrasts"),
+            ("", "metrics = []", "compare.metrics"),
+            ("metrics = [\"a_s\"]", "metrics = [\"b_s\"]", "compare.metrics"),
+            ("", "primary = \"a_s\"", "compare.primary"),
+            ("bounds.a_s = 1.0", "bounds.a_s = 2.0", "compare.bounds.a_s"),
+            ("bounds.a_s.weber = 0.1", "bounds.a_s.weber = 0.2", "compare.bounds.a_s.weber"),
+            ("", "alpha = 0.01", "compare.alpha"),
+        ] {
+            let found = study_changes(&with(then), &with(now));
+            let keys: Vec<&str> = found.iter().map(|c| c.key.as_str()).collect();
+            assert!(keys.contains(&key), "{found:?}");
+            assert!(found.iter().all(|c| c.affects == Affects::Nothing), "{found:?}");
+        }
     }
 
     #[test]

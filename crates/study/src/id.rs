@@ -64,12 +64,17 @@ const COLUMNS: [&str; 23] = [
     "session",
 ];
 
-/// Why a text is no name of a column of a study's own.
-fn refused_as_column(text: &str) -> Option<&'static str> {
+/// Why a text is no name of a metric.
+fn refused_as_metric(text: &str) -> Option<&'static str> {
     let is_plain = text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
         && text.starts_with(|c: char| c.is_ascii_lowercase());
     refused(text)
         .or_else(|| (!is_plain).then_some("use lower case, digits and '_', a letter first"))
+}
+
+/// Why a text is no name of a column of a study's own.
+fn refused_as_column(text: &str) -> Option<&'static str> {
+    refused_as_metric(text)
         .or_else(|| COLUMNS.contains(&text).then_some("it is a column of every trial file"))
 }
 
@@ -139,8 +144,17 @@ ids! {
     QuestionId = "question", unless refused;
     /// A channel of a study: a column of its trial files.
     ChannelId = "channel", unless refused_as_column;
+    /// A metric, by the name of its column: it ends in its unit.
+    MetricId = "metric", unless refused_as_metric;
     /// An actuator or sensor that was characterised, such as `motor`.
     ActuatorId = "actuator", unless refused;
+}
+
+impl MetricId {
+    /// The metric that is primary where a study names none: the mean force discrepancy.
+    pub(crate) fn primary() -> Self {
+        Self("discrepancy_mean_n".to_owned())
+    }
 }
 
 /// How the code of a sealed mode begins.

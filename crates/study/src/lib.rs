@@ -6,6 +6,7 @@
 
 mod calibration;
 mod changes;
+mod compare;
 mod control;
 mod event;
 mod figures;
@@ -24,13 +25,14 @@ mod trial;
 
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
+pub use compare::{Bound, Compare, Contrast, Families};
 pub use control::{Control, VelocityFilter};
 pub use event::{Event, SealedTrial};
 pub use figures::{Alignment, Figures};
 pub use form::{Channel, Schema, TrialForm};
 pub use id::{
-    ActuatorId, ChannelId, EnvironmentId, IdError, ModeId, ParticipantId, QuestionId, SessionId,
-    StudyId,
+    ActuatorId, ChannelId, EnvironmentId, IdError, MetricId, ModeId, ParticipantId, QuestionId,
+    SessionId, StudyId,
 };
 pub use locate::{line_of, toml_error};
 pub use model::{

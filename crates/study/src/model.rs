@@ -1,6 +1,8 @@
 //! A study as a value: what was planned, in SI units.
 
-use crate::{Channel, Control, EnvironmentId, Figures, ModeId, QuestionId, Schema, StudyId};
+use crate::{
+    Channel, Compare, Control, EnvironmentId, Figures, ModeId, QuestionId, Schema, StudyId,
+};
 use serde::{Deserialize, Serialize};
 
 /// A whole `study.toml`, checked.
@@ -28,6 +30,8 @@ pub struct Study {
     pub questions: Vec<Question>,
     /// Numbers the analysis needs.
     pub analysis: Analysis,
+    /// What is compared.
+    pub compare: Compare,
     /// What figures show.
     pub figures: Figures,
     /// Version of the trial files' form.

@@ -1,5 +1,6 @@
 //! `study.toml`: its shape, its checks, and the way there and back.
 
+mod compare;
 mod figures;
 mod read;
 mod shape;

@@ -67,7 +67,7 @@ impl Check<'_> {
         self.errors.push(StudyError { line, key: key.to_owned(), problem });
     }
 
-    fn positive(&mut self, key: &str, value: f64) -> f64 {
+    pub(super) fn positive(&mut self, key: &str, value: f64) -> f64 {
         if !(value > 0.0 && (1.0 / LARGEST..=LARGEST).contains(&value)) {
             self.error(
                 key,
@@ -212,7 +212,10 @@ impl Check<'_> {
             .enumerate()
             .map(|(i, e)| self.environment(&format!("environments[{i}]"), e, coordinate, &known))
             .collect();
-        let modes = file.modes.iter().enumerate().map(|(i, m)| self.mode(i, m)).collect();
+        let modes: Vec<Mode> =
+            file.modes.iter().enumerate().map(|(i, m)| self.mode(i, m)).collect();
+        let analysis = self.analysis(&file.analysis, coordinate);
+        let compare = self.compare(file.compare, &modes, &analysis);
         Study {
             id: file.study.id,
             title: file.study.title,
@@ -229,7 +232,8 @@ impl Check<'_> {
             questions: file.questions.into_iter().map(question).collect(),
             schema,
             channels: file.channels,
-            analysis: self.analysis(&file.analysis, coordinate),
+            analysis,
+            compare,
             figures,
         }
     }
@@ -244,14 +248,17 @@ impl Check<'_> {
                 self.error(&format!("{list}[{i}].id"), what);
             }
         }
-        if count > MOST_LISTED {
-            self.error(
-                list,
-                format!("the list has {count} entries; at most {MOST_LISTED} are allowed"),
-            );
-        }
+        self.at_most_listed(list, count);
         if count == 0 && !["questions", "channels"].contains(&list) {
             self.error(list, "the list is empty; a study needs at least one".to_owned());
+        }
+    }
+
+    pub(super) fn at_most_listed(&mut self, list: &str, count: usize) {
+        if count > MOST_LISTED {
+            let problem =
+                format!("the list has {count} entries; at most {MOST_LISTED} are allowed");
+            self.error(list, problem);
         }
     }
 

@@ -1,10 +1,10 @@
 //! The shape of `study.toml`: what serde reads and writes, in the units people type.
 
-use crate::Channel;
 use crate::model::{Analysis, OrderScheme};
-use crate::{Control, VelocityFilter};
-use crate::{EnvironmentId, ModeId, QuestionId, StudyId};
+use crate::{Channel, Control, Families, VelocityFilter};
+use crate::{EnvironmentId, MetricId, ModeId, QuestionId, StudyId};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -21,6 +21,8 @@ pub(super) struct File {
     pub(super) masses: Option<MassesTable>,
     #[serde(default)]
     pub(super) analysis: AnalysisTable,
+    #[serde(default, skip_serializing_if = "CompareTable::is_default")]
+    pub(super) compare: CompareTable,
     /// Tables within tables, read by hand (`figures.rs`): a key's name is the beginning of a
     /// figure's id.
     #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
@@ -164,6 +166,40 @@ impl Default for AnalysisTable {
             confidence,
         }
     }
+}
+
+#[derive(Serialize, Deserialize, Default, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct CompareTable {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) contrasts: Option<Vec<[ModeId; 2]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) primary: Option<MetricId>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) metrics: Option<Vec<MetricId>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) alpha: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) level: Option<f64>,
+    pub(super) families: Families,
+    pub(super) bounds: BTreeMap<MetricId, BoundTable>,
+}
+
+impl CompareTable {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+#[derive(Serialize, Deserialize, Clone, Copy, PartialEq)]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "a bound is a number in the metric's unit, or { weber = 0.1 }"
+)]
+pub(super) enum BoundTable {
+    Absolute(f64),
+    Weber { weber: f64 },
 }
 
 #[derive(Serialize, Deserialize, Clone, Copy, PartialEq)]

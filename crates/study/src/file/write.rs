@@ -51,6 +51,7 @@ impl From<&Study> for File {
                 brake_g: decimal(m.brake_kg / MILLI),
             }),
             analysis: analysis_table(&s.analysis, s.coordinate),
+            compare: super::compare::table(s),
             figures: super::figures::table(&s.figures),
             environments: s
                 .environments

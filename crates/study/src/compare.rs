@@ -1,0 +1,59 @@
+//! What a study compares: contrasts of modes, metrics, what difference would matter.
+
+use crate::{MetricId, ModeId};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// `[compare]` of a study, with its defaults put in: what is compared, set before the data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Compare {
+    /// Pairs of modes; by default the last mode against each other one.
+    pub contrasts: Vec<Contrast>,
+    /// The metric whose claims count; the claims of every other metric are exploratory.
+    pub primary: MetricId,
+    /// The other metrics; `None` for all that the trials have.
+    pub metrics: Option<Vec<MetricId>>,
+    /// What difference is too small to matter, by metric.
+    pub bounds: BTreeMap<MetricId, Bound>,
+    /// A claim counts where its adjusted p value is below this.
+    pub alpha: f64,
+    /// Level of the intervals, as a fraction; by default that of the analysis.
+    pub level: f64,
+    /// Which contrasts of a metric are claimed together.
+    pub families: Families,
+}
+
+/// The difference of two modes: `mode` − `against`.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub struct Contrast {
+    /// The mode that is compared.
+    pub mode: ModeId,
+    /// The mode that it is compared with.
+    pub against: ModeId,
+}
+
+/// Differences within ± this are too small to matter.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bound {
+    /// A number in the metric's unit, which its name ends in.
+    Absolute(f64),
+    /// A share of the commanded value: the Weber fraction of the just noticeable difference.
+    Weber(f64),
+}
+
+/// Which contrasts of a metric are one family, adjusted together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Families {
+    /// Those of all environments.
+    #[default]
+    Metric,
+    /// Those of one environment.
+    Environment,
+}
+
+impl Compare {
+    /// The level of significance where a study gives none.
+    pub const ALPHA: f64 = 0.05;
+}

@@ -1,0 +1,252 @@
+//! `[compare]` of a `study.toml`: its defaults, its checks, and the way back.
+
+use super::read::Check;
+use super::shape::{BoundTable, CompareTable};
+use crate::{Analysis, Bound, Compare, Contrast, MetricId, Mode, ModeId, Study};
+use std::collections::{BTreeMap, BTreeSet};
+
+impl Check<'_> {
+    pub(super) fn compare(
+        &mut self,
+        table: CompareTable,
+        modes: &[Mode],
+        analysis: &Analysis,
+    ) -> Compare {
+        let primary = table.primary.unwrap_or_else(MetricId::primary);
+        let (alpha, level) =
+            (table.alpha.unwrap_or(Compare::ALPHA), table.level.unwrap_or(analysis.confidence));
+        if !(alpha > 0.0 && alpha < 0.5) {
+            let problem = format!("{alpha} must lie between 0 and 0.5, such as 0.05");
+            self.error("compare.alpha", problem);
+        }
+        if table.level.is_some() && !(level > 0.0 && level < 1.0) {
+            let problem = format!("{level} must lie between 0 and 1, such as 0.95");
+            self.error("compare.level", problem);
+        }
+        self.metrics(&primary, table.metrics.as_deref().unwrap_or_default());
+        let compared = |m: &MetricId| {
+            *m == primary || table.metrics.as_ref().is_none_or(|others| others.contains(m))
+        };
+        let bounds = table.bounds.iter().map(|(m, b)| (m.clone(), self.bound(m, b, compared(m))));
+        Compare {
+            bounds: bounds.collect(),
+            contrasts: match table.contrasts {
+                Some(pairs) => self.contrasts(pairs, modes),
+                None => default_contrasts(modes),
+            },
+            primary,
+            metrics: table.metrics,
+            alpha,
+            level,
+            families: table.families,
+        }
+    }
+
+    fn contrasts(&mut self, pairs: Vec<[ModeId; 2]>, modes: &[Mode]) -> Vec<Contrast> {
+        let known: Vec<&str> = modes.iter().map(|m| m.id.as_str()).collect();
+        if pairs.is_empty() {
+            let problem =
+                "the list is empty; leave it out for the last mode against each other one";
+            self.error("compare.contrasts", problem.to_owned());
+        }
+        let mut seen = BTreeSet::new();
+        for (i, [mode, against]) in pairs.iter().enumerate() {
+            let key = format!("compare.contrasts[{i}]");
+            let unknown = [mode, against].into_iter().find(|m| !known.contains(&m.as_str()));
+            let pair = if mode < against { (mode, against) } else { (against, mode) };
+            let problem = if let Some(unknown) = unknown {
+                format!("there is no mode '{unknown}'; there are {}", known.join(", "))
+            } else if mode == against {
+                format!("compares '{mode}' with itself; name two modes")
+            } else if !seen.insert(pair) {
+                format!("'{mode}' and '{against}' stand twice; one contrast of two modes is enough")
+            } else {
+                continue;
+            };
+            self.error(&key, problem);
+        }
+        pairs.into_iter().map(|[mode, against]| Contrast { mode, against }).collect()
+    }
+
+    /// The other metrics: each once, and not the primary one.
+    fn metrics(&mut self, primary: &MetricId, others: &[MetricId]) {
+        let mut seen = BTreeSet::new();
+        for (i, metric) in others.iter().enumerate() {
+            let key = format!("compare.metrics[{i}]");
+            if metric == primary {
+                self.error(&key, format!("'{metric}' is the primary metric; leave it out here"));
+            } else if !seen.insert(metric) {
+                self.error(&key, format!("'{metric}' stands twice; leave one out"));
+            }
+        }
+        self.at_most_listed("compare.metrics", others.len());
+    }
+
+    fn bound(&mut self, metric: &MetricId, bound: &BoundTable, is_compared: bool) -> Bound {
+        let key = format!("compare.bounds.{metric}");
+        if !is_compared {
+            let problem = format!("'{metric}' is not compared; add it to compare.metrics");
+            self.error(&key, problem);
+        }
+        match *bound {
+            BoundTable::Absolute(bound) => Bound::Absolute(self.positive(&key, bound)),
+            BoundTable::Weber { weber } => {
+                if !(weber > 0.0 && weber < 1.0) {
+                    let problem =
+                        format!("{weber} must be a share between 0 and 1, such as weber = 0.1");
+                    self.error(&key, problem);
+                }
+                Bound::Weber(weber)
+            }
+        }
+    }
+}
+
+/// The last of `modes` against each other one, in their order.
+fn default_contrasts(modes: &[Mode]) -> Vec<Contrast> {
+    let Some((last, others)) = modes.split_last() else { return Vec::new() };
+    let contrast = |m: &Mode| Contrast { mode: last.id.clone(), against: m.id.clone() };
+    others.iter().map(contrast).collect()
+}
+
+/// Back to the table of the file: what is not the default.
+pub(super) fn table(study: &Study) -> CompareTable {
+    let compare = &study.compare;
+    let pair = |c: &Contrast| [c.mode.clone(), c.against.clone()];
+    let contrasts = &compare.contrasts;
+    let differs =
+        |value: f64, default: f64| (value.to_bits() != default.to_bits()).then_some(value);
+    let bound = |bound: &Bound| match *bound {
+        Bound::Absolute(bound) => BoundTable::Absolute(bound),
+        Bound::Weber(weber) => BoundTable::Weber { weber },
+    };
+    CompareTable {
+        contrasts: (*contrasts != default_contrasts(&study.modes))
+            .then(|| contrasts.iter().map(pair).collect()),
+        primary: (compare.primary != MetricId::primary()).then(|| compare.primary.clone()),
+        metrics: compare.metrics.clone(),
+        alpha: differs(compare.alpha, Compare::ALPHA),
+        level: differs(compare.level, study.analysis.confidence),
+        families: compare.families,
+        bounds: compare
+            .bounds
+            .iter()
+            .map(|(m, b)| (m.clone(), bound(b)))
+            .collect::<BTreeMap<_, _>>(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Bound, Families, Study, StudyError, StudyId, template};
+
+    /// The template's study with `[compare]` and what stands under it.
+    fn with(compare: &str) -> Result<Study, Vec<StudyError>> {
+        let text = template(&StudyId::new("demo").unwrap());
+        Study::from_toml(&format!("{text}\n[compare]\n{compare}\n"))
+    }
+
+    fn pairs(study: &Study) -> Vec<(&str, &str)> {
+        let contrasts = study.compare.contrasts.iter();
+        contrasts.map(|c| (c.mode.as_str(), c.against.as_str())).collect()
+    }
+
+    fn metric(name: &str) -> crate::MetricId {
+        name.parse().unwrap()
+    }
+
+    #[test]
+    fn a_study_without_the_section_compares_its_last_mode_with_each_other_one() {
+        let study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
+        assert_eq!(pairs(&study), [("hybrid", "active"), ("hybrid", "passive")]);
+        let compare = &study.compare;
+        assert_eq!(compare.primary.as_str(), "discrepancy_mean_n");
+        assert_eq!((compare.metrics.as_ref(), compare.bounds.len()), (None, 0));
+        assert_eq!(compare.alpha.to_bits(), 0.05_f64.to_bits());
+        assert_eq!(compare.level.to_bits(), 0.95_f64.to_bits());
+        assert_eq!(compare.families, Families::Metric);
+        assert!(!study.to_toml().unwrap().contains("compare"));
+        assert_eq!(with("").unwrap(), study);
+        let written = "contrasts = [[\"hybrid\", \"active\"], [\"hybrid\", \"passive\"]]\n\
+            primary = \"discrepancy_mean_n\"\nalpha = 0.05\nlevel = 0.95\nfamilies = \"metric\"";
+        assert_eq!(with(written).unwrap(), study);
+    }
+
+    #[test]
+    fn the_level_is_that_of_the_analysis_unless_it_is_given() {
+        let text = template(&StudyId::new("demo").unwrap());
+        let text = text.replace("confidence = 0.95", "confidence = 0.99");
+        let study = Study::from_toml(&text).unwrap();
+        assert_eq!(study.compare.level.to_bits(), 0.99_f64.to_bits());
+        let study = Study::from_toml(&(text + "\n[compare]\nlevel = 0.9\n")).unwrap();
+        assert_eq!(study.compare.level.to_bits(), 0.9_f64.to_bits());
+        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+    }
+
+    #[test]
+    fn what_is_chosen_survives_a_round_trip() {
+        let study = with(
+            "contrasts = [[\"active\", \"passive\"]]\nprimary = \"wall_dwell_s\"\n\
+             metrics = [\"discrepancy_mean_n\", \"loop_area_j\"]\nalpha = 0.01\nlevel = 0.9\n\
+             families = \"environment\"\n[compare.bounds]\ndiscrepancy_mean_n = { weber = 0.1 }\n\
+             wall_dwell_s = 1",
+        )
+        .unwrap();
+        assert_eq!(pairs(&study), [("active", "passive")]);
+        let bounds = &study.compare.bounds;
+        assert_eq!(bounds[&metric("discrepancy_mean_n")], Bound::Weber(0.1));
+        assert_eq!(bounds[&metric("wall_dwell_s")], Bound::Absolute(1.0));
+        assert_eq!(study.compare.families, Families::Environment);
+        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+    }
+
+    #[test]
+    fn no_other_metric_is_a_choice_too() {
+        let study = with("metrics = []").unwrap();
+        assert_eq!(study.compare.metrics, Some(Vec::new()));
+        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+    }
+
+    #[test]
+    fn a_study_of_one_mode_has_no_contrast() {
+        let text = template(&StudyId::new("demo").unwrap());
+        let (before, rest) = text.split_once("[[modes]]").unwrap();
+        let (mode, _) = rest.split_once("[[modes]]").unwrap();
+        let (_, questions) = text.split_once("[[questions]]").unwrap();
+        let one = format!("{before}[[modes]]{mode}[[questions]]{questions}");
+        assert_eq!(pairs(&Study::from_toml(&one).unwrap()), []);
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_one_error_with_value_and_remedy() {
+        for (compare, key, words) in [
+            ("contrasts = [[\"hybrid\", \"actve\"]]", "compare.contrasts[0]", "there are active"),
+            ("contrasts = [[\"hybrid\", \"hybrid\"]]", "compare.contrasts[0]", "with itself"),
+            (
+                "contrasts = [[\"hybrid\", \"active\"], [\"active\", \"hybrid\"]]",
+                "compare.contrasts[1]",
+                "stand twice",
+            ),
+            ("contrasts = []", "compare.contrasts", "leave it out"),
+            ("contrasts = [[\"hybrid\"]]", "contrasts", "invalid length 1"),
+            ("primary = \"Force N\"", "primary", "not a valid metric id"),
+            ("metrics = [\"discrepancy_mean_n\"]", "compare.metrics[0]", "is the primary metric"),
+            ("metrics = [\"a_s\", \"a_s\"]", "compare.metrics[1]", "'a_s' stands twice"),
+            ("alpha = 0.5", "compare.alpha", "0.5 must lie between 0 and 0.5"),
+            ("alpha = nan", "compare.alpha", "must lie"),
+            ("level = 95.0", "compare.level", "95 must lie between 0 and 1"),
+            ("families = \"all\"", "families", "unknown variant"),
+            ("bounds.a_s = 0.0", "compare.bounds.a_s", "above 0"),
+            ("bounds.a_s = -inf", "compare.bounds.a_s", "above 0"),
+            ("bounds.a_s = { weber = 10.0 }", "compare.bounds.a_s", "10 must be a share"),
+            ("bounds.a_s = \"ten\"", "bounds.a_s", "{ weber = 0.1 }"),
+            ("metrics = []\nbounds.a_s = 1.0", "compare.bounds.a_s", "add it to compare.metrics"),
+            ("contrast = 1", "contrast", "unknown field"),
+        ] {
+            let errors = with(compare).unwrap_err();
+            assert_eq!(errors.len(), 1, "{errors:?}");
+            assert_eq!(errors[0].key, key, "{}", errors[0]);
+            assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
+        }
+    }
+}
