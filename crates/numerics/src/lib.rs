@@ -9,6 +9,7 @@ pub mod cubic;
 mod error;
 pub mod expm;
 pub mod lsq;
+pub mod minimise;
 pub mod nonlinear;
 pub mod phases;
 pub mod roots;

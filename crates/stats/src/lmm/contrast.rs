@@ -1,0 +1,84 @@
+//! Linear combinations of the coefficients, as both kinds of degrees of freedom take them.
+
+use super::design::Design;
+use crate::error::StatsError;
+use crate::f_distribution::upper_p;
+use crate::interval::t_interval;
+use crate::matrix::Matrix;
+use crate::student_t::two_sided_p;
+use crate::tested::{FTest, Tested, Unestimable};
+use zwidth_numerics::NumericsError;
+
+/// A variance below this share of its parts is rounding: the contrasts say one thing twice.
+const SAME_TWICE: f64 = 1e-10;
+
+/// Contrasts L β: their estimates, and L in coordinates of Q.
+pub(super) struct Contrasts {
+    pub(super) estimates: Vec<f64>,
+    pub(super) l: Matrix,
+}
+
+/// Contrasts of `weights` per coefficient.
+pub(super) fn contrasts(
+    design: &Design,
+    coefficients: &[f64],
+    weights: &[&[f64]],
+) -> Result<Contrasts, StatsError> {
+    let expected = coefficients.len();
+    for row in weights {
+        if row.len() != expected {
+            let what = "a contrast";
+            return Err(NumericsError::LengthMismatch { what, expected, found: row.len() }.into());
+        }
+        crate::error::all_finite(row)?;
+    }
+    let estimate = |row: &&[f64]| row.iter().zip(coefficients).map(|(w, b)| w * b).sum::<f64>();
+    let rows = Matrix::from_fn(weights.len(), expected, |i, j| weights[i][j]);
+    Ok(Contrasts {
+        estimates: weights.iter().map(estimate).collect(),
+        l: rows.times(&design.r_inverse),
+    })
+}
+
+/// L M Lᵀ.
+pub(super) fn sandwich(l: &Matrix, m: &Matrix) -> Matrix {
+    l.times(&m.times(&l.transpose()))
+}
+
+/// Refuses contrasts of which one follows from the others.
+pub(super) fn check_independent(variances: &Matrix) -> Result<(), Unestimable> {
+    let diagonal = variances.diagonal();
+    let what = || Unestimable::Confounded { what: "the contrasts".to_owned() };
+    if diagonal.iter().any(|v| v.is_nan() || *v <= 0.0) {
+        return Err(what());
+    }
+    let scaled = Matrix::from_fn(variances.rows, variances.rows, |i, j| {
+        variances[(i, j)] / (diagonal[i] * diagonal[j]).sqrt()
+    });
+    if scaled.eigen().0.iter().any(|v| *v < SAME_TWICE) { Err(what()) } else { Ok(()) }
+}
+
+/// The t test of an estimate.
+pub(super) fn t_test(
+    estimate: f64,
+    variance: f64,
+    df: f64,
+    level: f64,
+) -> Result<Tested, Unestimable> {
+    let found = t_interval(estimate, variance.sqrt(), df, level)?;
+    let statistic = estimate / found.std_error;
+    Ok(Tested {
+        estimate,
+        std_error: found.std_error,
+        ci_low: found.ci_low,
+        ci_high: found.ci_high,
+        statistic,
+        df,
+        p_value: two_sided_p(statistic, df)?,
+    })
+}
+
+/// The F test of a statistic.
+pub(super) fn f_test(statistic: f64, df_num: f64, df_den: f64) -> Result<FTest, Unestimable> {
+    Ok(FTest { statistic, df_num, df_den, p_value: upper_p(statistic, df_num, df_den)? })
+}

@@ -1,0 +1,201 @@
+//! The same data in R: lme4, lmerTest and pbkrtest. `cargo test -p zwidth-stats --test r -- --ignored`
+//! with `Rscript` in the path; without it these tests fail. `ZWIDTH_R_CASES` sets how many data sets
+//! are drawn beside those of R's packages (60), `ZWIDTH_R_SEED` the seed they are drawn from.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+use zwidth_stats::Unestimable;
+use zwidth_stats::lmm::{Column, Criterion, Fit, Model, RandomTerm, fit};
+
+/// What `tests/interop/stats/<script>` prints, as JSON.
+fn r(script: &str, arguments: &[String]) -> Vec<Value> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/interop/stats");
+    let ran = Command::new("Rscript").arg(folder.join(script)).args(arguments).output();
+    let ran = ran.expect("Rscript is needed: install R with lme4, lmerTest, pbkrtest, jsonlite");
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    serde_json::from_slice(&ran.stdout).unwrap()
+}
+
+fn setting(name: &str, default: &str) -> String {
+    std::env::var(name).unwrap_or_else(|_| default.to_owned())
+}
+
+/// The number in a field; R's one-element vectors are numbers.
+fn number(value: &Value, field: &str) -> f64 {
+    let found = &value[field];
+    found.as_f64().or_else(|| found[0].as_f64()).unwrap_or_else(|| panic!("{field} in {value}"))
+}
+
+fn truth(value: &Value, field: &str) -> bool {
+    value[field].as_bool().or_else(|| value[field][0].as_bool()).unwrap()
+}
+
+fn text<'a>(value: &'a Value, field: &str) -> &'a str {
+    value[field].as_str().or_else(|| value[field][0].as_str()).unwrap()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+fn rows(value: &Value) -> Vec<Vec<f64>> {
+    value.as_array().unwrap().iter().map(numbers).collect()
+}
+
+fn whole(value: &Value) -> Vec<usize> {
+    value.as_array().unwrap().iter().map(|v| v.as_u64().unwrap() as usize).collect()
+}
+
+fn model(case: &Value) -> Model {
+    let fixed = rows(&case["fixed"]).into_iter().enumerate();
+    let random = case["random"].as_array().unwrap().iter();
+    Model {
+        response: numbers(&case["response"]),
+        fixed: fixed.map(|(j, values)| Column { name: format!("x{j}"), values }).collect(),
+        group: whole(&case["group"]),
+        random: random
+            .map(|term| {
+                let level = whole(&term["level"]);
+                let whole_column = |column: &Vec<f64>| match column.as_slice() {
+                    [one] => vec![*one; level.len()],
+                    all => all.to_vec(),
+                };
+                let columns = rows(&term["columns"]).iter().map(whole_column).collect();
+                RandomTerm { name: text(term, "name").to_owned(), columns, level }
+            })
+            .collect(),
+    }
+}
+
+/// Differences that are larger than they may be, in words.
+struct Differences {
+    case: String,
+    found: Vec<String>,
+    looked: usize,
+}
+
+impl Differences {
+    fn look(&mut self, what: &str, ours: f64, r: f64, tolerance: f64) {
+        self.looked += 1;
+        let scale = r.abs().max(1e-8);
+        if (ours - r).abs() > tolerance * scale || ours.is_nan() {
+            self.found.push(format!("{}: {what} {ours} against {r} in R", self.case));
+        }
+    }
+}
+
+/// lme4's optimum is good to its criterion's last digits, which leaves half of the digits of θ and
+/// of all that follows from it; lmerTest differentiates numerically.
+const CRITERION: f64 = 1e-8;
+const ESTIMATE: f64 = 2e-5;
+const SATTERTHWAITE: f64 = 1e-3;
+
+fn compare(differences: &mut Differences, ours: &Fit, case: &Value) {
+    let theirs = &case["found"];
+    differences.look("criterion", ours.deviance, number(theirs, "criterion"), CRITERION);
+    let scale = number(theirs, "residual_variance");
+    differences.look("residual variance", ours.residual_variance, scale, ESTIMATE);
+    for (ours, theirs) in ours.terms.iter().zip(theirs["covariances"].as_array().unwrap()) {
+        for (ours, theirs) in ours.covariance.iter().flatten().zip(rows(theirs).iter().flatten()) {
+            differences.look("variance + residual", ours + scale, theirs + scale, 1e-3);
+        }
+    }
+    let estimates = numbers(&theirs["coefficients"]);
+    let errors = numbers(&theirs["se"]);
+    for j in 0..estimates.len() {
+        let unit = errors[j] + estimates[j].abs();
+        differences.look("coefficient", ours.coefficients[j] + unit, estimates[j] + unit, ESTIMATE);
+        differences.look("standard error", ours.covariance[j][j].sqrt(), errors[j], ESTIMATE);
+    }
+    let Some(contrasts) = theirs["contrasts"].as_array() else { return };
+    let (kr, sat) = (ours.kenward_roger().unwrap(), ours.satterthwaite().unwrap());
+    for contrast in contrasts {
+        let weights = numbers(&contrast["weights"]);
+        let adjusted = kr.test(&weights, 0.95).unwrap();
+        differences.look("KR error", adjusted.std_error, number(contrast, "kr_se"), ESTIMATE);
+        differences.look("KR df", adjusted.df, number(contrast, "kr_df"), 1e-4);
+        let plain = sat.test(&weights, 0.95).unwrap();
+        differences.look("error", plain.std_error, number(contrast, "se"), ESTIMATE);
+        differences.look("Satterthwaite df", plain.df, number(contrast, "df"), SATTERTHWAITE);
+    }
+    if !theirs["joint"].is_object() {
+        return;
+    }
+    let joint = &theirs["joint"];
+    let weights = rows(&joint["weights"]);
+    let weights: Vec<&[f64]> = weights.iter().map(Vec::as_slice).collect();
+    let adjusted = kr.test_all(&weights).unwrap();
+    differences.look("KR F", adjusted.statistic, number(joint, "kr_f"), 1e-4);
+    differences.look("KR df of F", adjusted.df_den, number(joint, "kr_df"), 1e-4);
+    let plain = sat.test_all(&weights).unwrap();
+    differences.look("F", plain.statistic, number(joint, "f"), 1e-4);
+    differences.look("df of F", plain.df_den, number(joint, "df"), SATTERTHWAITE);
+}
+
+#[test]
+#[ignore = "needs R"]
+fn mixed_models_agree_with_lme4_lmertest_and_pbkrtest() {
+    let arguments = [setting("ZWIDTH_R_CASES", "60"), setting("ZWIDTH_R_SEED", "20240501")];
+    let cases = r("mixed_models.R", &arguments);
+    let (mut singular, mut refused, mut tested, mut looked) = (0, 0, 0, 0);
+    let mut differences = Vec::new();
+    for case in &cases {
+        let criterion = if truth(case, "reml") { Criterion::Reml } else { Criterion::Ml };
+        let mut here =
+            Differences { case: text(case, "name").to_owned(), found: Vec::new(), looked: 0 };
+        let identified = truth(&case["found"], "identified");
+        match fit(&model(case), criterion) {
+            Ok(ours) if identified => {
+                compare(&mut here, &ours, case);
+                singular += usize::from(ours.singular);
+                tested += 1;
+            }
+            Err(Unestimable::Confounded { .. }) if !identified => refused += 1,
+            other => here.found.push(format!(
+                "{}: identified {identified} in R, here {:?}",
+                here.case,
+                other.map(|fit| fit.deviance)
+            )),
+        }
+        looked += here.looked;
+        differences.extend(here.found);
+    }
+    println!(
+        "{} models: {tested} compared by {looked} numbers, {singular} of them singular; {refused} refused as their design \
+         cannot tell the variances apart",
+        cases.len()
+    );
+    assert!(differences.is_empty(), "{}\n{}", differences.len(), differences.join("\n"));
+}
+
+/// Criterion, and of one coefficient its standard error and Kenward–Roger degrees of freedom, as lme4
+/// and pbkrtest have them when they converge tightly.
+const KNOWN: [(&str, f64, usize, f64, f64); 8] = [
+    ("sleepstudy (Days | Subject)", 1743.628_271_96, 1, 1.545_788_9, 17.0),
+    ("sleepstudy (Days | Subject) ML", 1751.939_344_46, 1, 1.545_788_9, 17.0),
+    ("sleepstudy (1 | Subject)", 1786.465_085_39, 1, 0.804_221_429, 161.0),
+    ("Orthodont (1 | Subject)", 433.757_249_201, 3, 0.121_420_896, 79.0),
+    // lme4's default stops at 432.581667 with 0.134705844
+    ("Orthodont (age | Subject)", 432.581_661_503, 3, 0.134_735_34, 25.0),
+    ("Machines", 215.687_568_008, 1, 2.176_975_476, 10.0),
+    ("Dyestuff", 319.654_276_842, 0, 19.383_412_15, 5.0),
+    ("Dyestuff2", 161.828_277_812, 0, 0.678_388_031, 5.0),
+];
+
+#[test]
+#[ignore = "needs R"]
+fn known_data_sets_have_their_known_fits() {
+    let cases = r("mixed_models.R", &["0".to_owned()]);
+    for (name, deviance, coefficient, std_error, df) in KNOWN {
+        let case = cases.iter().find(|case| text(case, "name") == name).unwrap();
+        let criterion = if truth(case, "reml") { Criterion::Reml } else { Criterion::Ml };
+        let ours = fit(&model(case), criterion).unwrap();
+        let mut weights = vec![0.0; ours.coefficients.len()];
+        weights[coefficient] = 1.0;
+        let test = ours.kenward_roger().unwrap().test(&weights, 0.95).unwrap();
+        assert!((ours.deviance / deviance - 1.0).abs() < 5e-12, "{name}: {}", ours.deviance);
+        assert!((test.std_error / std_error - 1.0).abs() < 5e-9, "{name}: {}", test.std_error);
+        assert!((test.df / df - 1.0).abs() < 1e-9, "{name}: {}", test.df);
+    }
+}
