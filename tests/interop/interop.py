@@ -12,6 +12,7 @@ import os
 from pathlib import Path
 
 import checks
+import compared
 import folders
 import mixed
 import recordings
@@ -31,6 +32,7 @@ def main():
     results.tables("thesis-twin", root / "reports/thesis-twin/tables")
     results.figures("thesis-twin", root / "reports/thesis-twin/figures", synthetic=True)
     mixed.check(zwidth)
+    compared.study(zwidth)
     real = os.environ.get("ZWIDTH_REAL_DATA")
     if real:
         recordings.all_sets(zwidth, Path(real), WORKSPACE / "studies")

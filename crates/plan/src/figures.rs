@@ -3,7 +3,9 @@
 use crate::conditions::{Repeats, Session, sessions};
 use crate::drawing::{Drawing, STAGE, drawn};
 use crate::trials::{Known, files, known, read_all};
-use crate::{average, characterise, design, freemotion, likert_figures, metrics, replay_figures};
+use crate::{
+    average, characterise, compare, design, freemotion, likert_figures, metrics, replay_figures,
+};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_figures::{About, Caption, Characterised, Kind, Loaded};
@@ -39,12 +41,13 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     }));
     drawings.extend(replay_figures::all(data));
     drawings.extend(likert_figures::all(data));
+    drawings.extend(compare::figures(data));
     drawings.extend(design::all(data));
     drawings
 }
 
 /// The choices of study.toml for figures that the study does not have (of a kind that it lacks is
-/// no mistake).
+/// no mistake), and for metrics that there are not.
 pub fn chosen_in_vain(study: &Study, planned: &[Job]) -> Vec<String> {
     let names: Vec<&str> =
         planned.iter().filter(|j| j.stage == STAGE).filter_map(Job::stem).collect();
@@ -55,10 +58,10 @@ pub fn chosen_in_vain(study: &Study, planned: &[Job]) -> Vec<String> {
         .figures
         .choices()
         .filter(|(id, _)| id.contains('.') && !names.iter().any(|n| is_of(n, id)));
-    vain.map(|(id, _)| {
+    let vain = vain.map(|(id, _)| {
         format!("the choice figures.{id} of study.toml: the study has no such figure")
-    })
-    .collect()
+    });
+    vain.chain(compare::asked_in_vain(study)).collect()
 }
 
 /// What a figure of one environment of one session depends on besides files.

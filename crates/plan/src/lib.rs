@@ -9,6 +9,7 @@
 
 mod average;
 mod characterise;
+mod compare;
 mod conditions;
 mod courses;
 mod design;
@@ -27,6 +28,7 @@ mod summary;
 mod tables;
 mod trials;
 
+pub use compare::{By, compared, comparison};
 pub use figures::chosen_in_vain;
 pub use report::built_in;
 pub use summary::file as summary_file;
@@ -47,6 +49,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     jobs.extend(identify::jobs(data));
     jobs.extend(courses::jobs(data));
     jobs.extend(likert::jobs(data));
+    jobs.extend(compare::jobs(data));
     jobs.extend(report::jobs(data));
     jobs.extend(tables::jobs(data));
     let summary = summary::job(data, found, &figures);
@@ -56,7 +59,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub const STAGES: [&str; 11] = [
+pub const STAGES: [&str; 12] = [
     "characterise",
     "metrics",
     "average",
@@ -64,6 +67,7 @@ pub const STAGES: [&str; 11] = [
     "replay",
     "identify",
     "likert",
+    "compare",
     "figures",
     "report",
     "tables",

@@ -3,20 +3,22 @@
 use crate::conditions::sessions;
 use crate::drawing::Drawing;
 use crate::trials::name;
-use crate::{average, freemotion, likert, metrics, tables};
+use crate::{average, compare, freemotion, likert, metrics, tables};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
-use zwidth_report::{Made as Listed, Planned, Remark, Shown, Summary, findings, summary_markdown};
+use zwidth_report::{
+    ComparedMetric, Made as Listed, Planned, Remark, Shown, Summary, findings, summary_markdown,
+};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
 use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 5 };
+const STAGE: Stage = Stage { name: "summary", version: 6 };
 
 /// The summary's file.
 pub fn file(data: &StudyData) -> PathBuf {
@@ -30,6 +32,8 @@ struct Page {
     planned: Planned,
     /// The figures' captions, in the order of their files.
     captions: Vec<Caption>,
+    /// The metrics that are compared, in the order of their files.
+    compared: Vec<String>,
     /// Participant and session, where there is only one.
     only_session: Option<[String; 2]>,
 }
@@ -44,18 +48,22 @@ struct Files {
     tables: Vec<PathBuf>,
     metrics: Option<PathBuf>,
     tally: Option<PathBuf>,
+    /// Means and contrasts of each metric that is compared, the primary one first.
+    compared: Vec<[PathBuf; 2]>,
 }
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
         let numbers = self.metrics.iter().chain(&self.tally).cloned().collect::<Vec<_>>();
-        [&self.noted, &self.conditions, &self.figures, &self.tables, &numbers]
+        let compared: Vec<PathBuf> = self.compared.iter().flatten().cloned().collect();
+        [&self.noted, &self.conditions, &self.figures, &self.tables, &numbers, &compared]
             .map(Clone::clone)
             .concat()
     }
 }
 
 pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
+    let compared = compare::compared(data);
     let fits = freemotion::planes(data).into_iter().chain(freemotion::plants(data));
     let files = Files {
         noted: average::at_onset(data).into_iter().chain(fits).collect(),
@@ -64,11 +72,13 @@ pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Jo
         tables: tables::files(data),
         metrics: metrics::of_study(data),
         tally: likert::tally(data),
+        compared: compared.iter().map(|metric| compare::summarised(&data.layout, metric)).collect(),
     };
     let page = Page {
         facts: facts(data, found),
         planned: Planned::of(&data.study),
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
+        compared,
         only_session: match sessions(data).as_slice() {
             [one] => Some(one.ids()),
             _ => None,
@@ -96,7 +106,16 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
     let tables = there.par_iter().map(|f| table(f, folder)).collect::<Result<Vec<_>, _>>()?;
     summary.left_out.extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
     summary.tables = tables.into_iter().map(|(listed, _)| listed).collect();
-    summary.shown = shown(page, files, &summary)?;
+    let compared = read_compared(files)?;
+    let metrics: Vec<ComparedMetric> = page
+        .compared
+        .iter()
+        .zip(&compared)
+        .map(|(name, [means, contrasts])| ComparedMetric { name, means, contrasts })
+        .collect();
+    summary.matrix = zwidth_report::matrix(&page.planned, &metrics)?;
+    summary.limits.extend(notes(&contrasts_of(files), |kind| kind == NoteKind::Limit)?);
+    summary.shown = shown(page, files, &metrics, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
     let origin = making.from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
@@ -106,7 +125,12 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
 
 /// What the trials show, each sentence with the figure or table that holds its numbers: metrics of
 /// the trials, tally of the answers.
-fn shown(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, TableError> {
+fn shown(
+    page: &Page,
+    files: &Files,
+    compared: &[ComparedMetric],
+    made: &Summary,
+) -> Result<Vec<Listed>, TableError> {
     let read = |file: &Option<PathBuf>| {
         let there = file.as_deref().filter(|f| f.exists());
         there.map(Table::from_parquet).transpose()
@@ -121,13 +145,35 @@ fn shown(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, Tabl
             }
             (Shown::Answers, _) => "figures/likert.png".to_owned(),
             (Shown::Metrics, _) => "tables/metrics.md".to_owned(),
+            (Shown::Compared(metric), _) => format!("figures/compare.{metric}.png"),
             _ => CONDITIONS.to_owned(),
         };
         let is_made = made.figures.iter().chain(&made.tables).any(|m| m.path == path);
         if is_made { path } else { CONDITIONS.to_owned() }
     };
+    let compared = zwidth_report::contrasts(&page.planned, compared)?;
     let found = findings(&page.planned, &metrics, tally.as_ref())?;
-    Ok(found.into_iter().map(|f| Listed { path: path(f.shown), caption: f.text }).collect())
+    Ok(compared
+        .into_iter()
+        .chain(found)
+        .into_iter()
+        .map(|f| Listed { path: path(f.shown), caption: f.text })
+        .collect())
+}
+
+/// The tables of the metrics that are compared, up to one that could not be made.
+fn read_compared(files: &Files) -> Result<Vec<[Table; 2]>, TableError> {
+    let there = files.compared.iter().take_while(|tables| tables.iter().all(|f| f.exists()));
+    there
+        .map(|[means, contrasts]| {
+            Ok([Table::from_parquet(means)?, Table::from_parquet(contrasts)?])
+        })
+        .collect()
+}
+
+/// The tables of contrasts.
+fn contrasts_of(files: &Files) -> Vec<PathBuf> {
+    files.compared.iter().map(|[_, contrasts]| contrasts.clone()).collect()
 }
 
 /// The table of the metrics by condition, from the summary's folder on.

@@ -46,6 +46,12 @@ impl Decimal {
     }
 }
 
+/// A number as people read it: to the digits its `uncertainty` allows (same unit), or to four where
+/// that is not known.
+pub fn number(value: f64, uncertainty: Option<f64>) -> String {
+    rounded(value, uncertainty).typeset()
+}
+
 fn raised(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raise = |c: char| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize]);

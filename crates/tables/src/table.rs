@@ -1,6 +1,7 @@
 //! The table: columns that know their unit and what they mean.
 
 use crate::TableError;
+use crate::unit::split_unit;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -151,10 +152,12 @@ pub enum NoteKind {
     LeftOut,
     /// Something in the table that is to be read with care.
     Care,
+    /// What the study's design cannot show.
+    Limit,
 }
 
 impl NoteKind {
-    const ALL: [Self; 4] = [Self::General, Self::Extent, Self::LeftOut, Self::Care];
+    const ALL: [Self; 5] = [Self::General, Self::Extent, Self::LeftOut, Self::Care, Self::Limit];
 
     /// The word that stands for it in a file.
     pub(crate) fn word(self) -> &'static str {
@@ -163,6 +166,7 @@ impl NoteKind {
             Self::Extent => "extent",
             Self::LeftOut => "left_out",
             Self::Care => "care",
+            Self::Limit => "limit",
         }
     }
 
@@ -248,6 +252,28 @@ impl Table {
     /// The columns.
     pub fn columns(&self) -> &[Column] {
         &self.columns
+    }
+
+    /// One column.
+    ///
+    /// # Errors
+    /// A column that is not there.
+    pub fn column(&self, name: &str) -> Result<&Column, TableError> {
+        let found = self.columns.iter().find(|c| c.field.name == name);
+        found.ok_or_else(|| TableError::NoColumn {
+            table: self.name.clone(),
+            column: name.to_owned(),
+            has: self.names(),
+        })
+    }
+
+    /// The column of that stem, whatever its unit: `mean` is `mean_n`, or `mean_rad`.
+    ///
+    /// # Errors
+    /// A column that is not there.
+    pub fn column_of(&self, stem: &str) -> Result<&Column, TableError> {
+        let is_of = |c: &&Column| split_unit(&c.field.name, &c.field.unit).0 == stem;
+        self.columns.iter().find(is_of).map_or_else(|| self.column(stem), Ok)
     }
 
     /// Number of rows.
@@ -344,12 +370,7 @@ impl Table {
     }
 
     fn values(&self, column: &str) -> Result<&Values, TableError> {
-        let found = self.columns.iter().find(|c| c.field.name == column);
-        found.map(|c| &c.values).ok_or_else(|| TableError::NoColumn {
-            table: self.name.clone(),
-            column: column.to_owned(),
-            has: self.names(),
-        })
+        self.column(column).map(|column| &column.values)
     }
 
     fn wrong_type(&self, column: &str, wanted: Type) -> TableError {

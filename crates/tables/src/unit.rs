@@ -40,6 +40,13 @@ pub(crate) fn for_people(unit: &str, coordinate: Coordinate) -> Option<Conversio
     }
 }
 
+/// The unit in which people read `unit`, and what a value is multiplied by to be in it: `("°", 57.3)`
+/// for `rad`; `unit` itself and 1 where nothing changes.
+pub fn shown_unit(unit: &str, coordinate: Coordinate) -> (String, f64) {
+    for_people(unit, coordinate)
+        .map_or_else(|| (unit.to_owned(), 1.0), |shown| (shown.unit, shown.factor))
+}
+
 /// N·m as mN·m.
 pub(crate) fn small_torque() -> Conversion {
     Conversion { unit: "mN·m".to_owned(), factor: MILLI }
@@ -60,6 +67,13 @@ pub(crate) fn suffixes(unit: &str) -> Vec<String> {
     suffixes.sort_by_key(|s| std::cmp::Reverse(s.len()));
     suffixes.dedup();
     suffixes
+}
+
+/// A column's name without its unit, and the suffix that is the unit: `("wall_past_max", "_rad")`.
+/// The suffix is empty where the name carries none.
+pub fn split_unit<'a>(name: &'a str, unit: &str) -> (&'a str, &'a str) {
+    let stem = suffixes(unit).iter().find_map(|suffix| name.strip_suffix(suffix.as_str()));
+    name.split_at(stem.unwrap_or(name).len())
 }
 
 fn slug(unit: &str, solidus: &str, dot: &str) -> String {
@@ -94,6 +108,14 @@ pub(crate) fn stem<'a>(name: &'a str, unit: &str) -> (&'a str, Option<usize>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_is_split_before_its_unit() {
+        assert_eq!(split_unit("stiffness_n_per_rad", "N/rad"), ("stiffness", "_n_per_rad"));
+        assert_eq!(split_unit("wall_past_max_rad", "rad"), ("wall_past_max", "_rad"));
+        assert_eq!(split_unit("returned_energy_share", "1"), ("returned_energy_share", ""));
+        assert_eq!(split_unit("force", "N"), ("force", ""));
+    }
 
     #[test]
     fn a_name_ends_in_its_unit() {

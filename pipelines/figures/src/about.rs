@@ -52,6 +52,12 @@ pub enum Kind {
     FreeMotion,
     /// [`crate::replay`].
     Replay,
+    /// [`crate::modes_compared`].
+    ModesCompared,
+    /// [`crate::participants_compared`].
+    ParticipantsCompared,
+    /// [`crate::repeats_compared`].
+    RepeatsCompared,
 }
 
 impl Kind {
@@ -79,6 +85,13 @@ impl Kind {
                 ("free_motion", "plane fits of free motion, sessions and modes side by side")
             }
             Self::Replay => ("replay", "recorded trials and the model given their external force"),
+            Self::ModesCompared => {
+                ("compare", "modes compared: means, and differences with their intervals")
+            }
+            Self::ParticipantsCompared => {
+                ("participants", "each participant's difference between modes")
+            }
+            Self::RepeatsCompared => ("learning", "mean at each repeat of a condition"),
         }
     }
 

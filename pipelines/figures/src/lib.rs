@@ -13,6 +13,7 @@
 //! | `loops` | 31 | force against angle for every environment |
 //! | `characteristic` | 22, 23 | an actuator's response to its command: sweeps, mean, first-order and chosen fit |
 //! | `likert` | 30 | answers, diverging bars with counts |
+//! | `compared` | – | modes, participants and repeats compared, one metric a figure |
 //! | `freemotion` | – | plane-fit coefficients with intervals, by session and mode |
 //! | `simulation` | 11, 12, 33–35; 8 | model runs: forces against angle and time, angle against time; their inputs |
 //! | `bow_tie` | 31 | brake and motor of a lever whose motion is given |
@@ -22,6 +23,7 @@ mod about;
 mod bow_tie;
 mod characteristic;
 mod chattering;
+mod compared;
 mod data;
 mod environment;
 mod export;
@@ -43,6 +45,7 @@ pub use about::{About, Caption, Kind};
 pub use bow_tie::bow_tie;
 pub use characteristic::{Characterised, characteristic};
 pub use chattering::chattering;
+pub use compared::{ComparedTables, modes_compared, participants_compared, repeats_compared};
 pub use data::{ModeData, Repeat, SIGNALS, Scene, average_columns};
 pub use environment::{Placement, environment};
 pub use export::data_table;

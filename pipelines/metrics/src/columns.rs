@@ -2,6 +2,8 @@
 
 use crate::{RecordedStability, Row};
 use zwidth_numerics::spectrum::BandPower;
+use zwidth_store::Signal;
+use zwidth_study::Scene;
 
 /// Where a value stands in a row.
 pub(crate) enum Get {
@@ -56,6 +58,32 @@ const fn word(
 /// line is one column.
 pub(crate) const GROUPS: [&[Spec]; 6] =
     [MOVEMENT, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY];
+
+/// Whether there is a metric of that name that is a number with a unit.
+pub fn is_number(metric: &str) -> bool {
+    let is_it = |spec: &Spec| spec.name == metric && matches!(spec.get, Get::Float(_));
+    GROUPS.into_iter().flatten().any(is_it)
+}
+
+/// What the environment asks for where a metric measures how far it is rendered, in the metric's
+/// unit: a spring's stiffness, in N/rad.
+pub fn commanded(metric: &str, scene: &Scene) -> Option<f64> {
+    let spring = scene.spring().filter(|_| metric == "stiffness_n_per_rad")?;
+    Some(spring.stiffness_n_per_rad)
+}
+
+/// Whether trials in such a scene, recorded with such signals, can have that metric at all.
+pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal]) -> bool {
+    let is_in = |group: &[Spec]| group.iter().any(|spec| spec.name == metric);
+    let has = |needed: &[Signal]| needed.iter().all(|signal| signals.contains(signal));
+    if is_in(DISCREPANCY) || is_in(SPRING) {
+        scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])
+    } else if is_in(WALL) {
+        scene.wall_rad().is_some() && has(&[Signal::Theta])
+    } else {
+        is_in(MOVEMENT) || is_in(COMPLIANCE) || is_in(STABILITY)
+    }
+}
 
 #[rustfmt::skip]
 const MOVEMENT: &[Spec] = &[

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use zwidth_frames::{Aggregate, Frame, FrameError, Statistic};
 use zwidth_study::Condition;
-use zwidth_tables::{Field, Table, TableError, Type, of_trials};
+use zwidth_tables::{Field, Table, TableError, Type, of_trials, split_unit};
 
 /// What the repeats of a condition share: the unit of analysis is one participant in one session.
 const GROUP: [&str; 4] = ["participant", "session", "environment", "mode"];
@@ -151,12 +151,8 @@ fn count(field: &Field) -> String {
 
 /// `stiffness_n_per_rad` → `stiffness_sd_n_per_rad`: the unit stays last.
 fn deviation(field: &Field) -> String {
-    const UNITS: [&str; 6] = ["_n_per_rad", "_rad", "_s", "_n", "_j", "_m"];
-    let name = field.name.as_ref();
-    match UNITS.iter().find_map(|unit| name.strip_suffix(unit).map(|stem| (stem, unit))) {
-        Some((stem, unit)) => format!("{stem}_sd{unit}"),
-        None => format!("{name}_sd"),
-    }
+    let (stem, unit) = split_unit(&field.name, &field.unit);
+    format!("{stem}_sd{unit}")
 }
 
 #[cfg(test)]

@@ -43,6 +43,7 @@ mod table;
 mod testing;
 mod wall;
 
+pub use columns::{commanded, is_number, is_possible};
 pub use compliance::Compliance;
 pub use conditions::{by_condition, together};
 pub use discrepancy::Discrepancy;

@@ -1,7 +1,7 @@
 //! The experiment's results in sentences, made from the numbers (thesis §5.3.3).
 
 use crate::Planned;
-use crate::people::simulated;
+use crate::people::{count, simulated};
 use crate::trials::Trials;
 use zwidth_study::{Environment, EnvironmentId, Likert, Mode};
 use zwidth_tables::{Table, TableError};
@@ -20,6 +20,8 @@ pub enum Shown {
     Metrics,
     /// In the figure of the answers.
     Answers,
+    /// In the figure that compares the modes in this metric.
+    Compared(String),
 }
 
 /// One sentence.
@@ -67,11 +69,6 @@ pub fn findings(
     Ok(found)
 }
 
-/// `one trial`, `6 trials`.
-fn of_trials(n: usize) -> String {
-    if n == 1 { "one trial".to_owned() } else { format!("mean of {n} trials") }
-}
-
 /// What one mode made of the environment's spring.
 fn rendered(
     environment: &Environment,
@@ -80,31 +77,33 @@ fn rendered(
 ) -> Result<Option<String>, TableError> {
     let Some(spring) = environment.scene.spring() else { return Ok(None) };
     let mut parts = Vec::new();
-    if let Some((stiffness, n)) = trials.mean("stiffness_n_per_rad")? {
+    if let Some(stiffness) = trials.mean("stiffness_n_per_rad")? {
         let asked = spring.stiffness_n_per_rad;
         parts.push(format!(
-            "compressing gave {stiffness:.2} N/rad where {asked} N/rad were asked for ({})",
-            of_trials(n)
+            "compressing gave {:.2} N/rad where {asked} N/rad were asked for ({})",
+            stiffness.mean,
+            stiffness.words()
         ));
     }
     parts.push(match trials.mean("saturation_force_n")? {
-        Some((force, n)) => {
-            format!("the force flattened at {force:.2} N in {n} of {} trials", trials.len())
-        }
+        Some(force) => format!(
+            "the force flattened at {:.2} N in {} of {} trials",
+            force.mean,
+            force.trials,
+            trials.len()
+        ),
         None => "no flattening of the force was found".to_owned(),
     });
-    if let Some((step, _)) = trials.mean("discrepancy_step_n")? {
-        parts.push(format!("the force fell by {step:.2} N at the reversal"));
+    if let Some(step) = trials.mean("discrepancy_step_n")? {
+        parts.push(format!("the force fell by {:.2} N at the reversal", step.mean));
     }
-    match trials.mean("returned_energy_share")? {
-        Some((share, _)) if share <= NOTHING_RETURNED => {
+    match trials.mean("returned_energy_share")?.map(|share| share.mean) {
+        Some(share) if share <= NOTHING_RETURNED => {
             parts.push(
                 "none of the work put in came back: there was no spring on the way back".to_owned(),
             );
         }
-        Some((share, _)) => {
-            parts.push(format!("{:.0} % of the work put in came back", 100.0 * share))
-        }
+        Some(share) => parts.push(format!("{:.0} % of the work put in came back", 100.0 * share)),
         None => {}
     }
     Ok(Some(format!("{}, {}: {}.", environment.label, mode.label.to_lowercase(), parts.join("; "))))
@@ -118,7 +117,9 @@ fn wall_by_mode(
     let mut past = Vec::new();
     for (mode, trials) in tried {
         let mean = trials.mean("wall_past_max_rad")?;
-        past.extend(mean.map(|(rad, n)| (rad, n, mode.label.to_lowercase(), trials.len())));
+        past.extend(
+            mean.map(|rad| (rad.mean, rad.trials, mode.label.to_lowercase(), trials.len())),
+        );
     }
     past.sort_by(|a, b| a.0.total_cmp(&b.0));
     let of = |(rad, n, label, all): &(f64, usize, String, usize)| {
@@ -142,10 +143,10 @@ fn both(study: &Planned, metrics: &Table) -> Result<Option<Finding>, TableError>
         let trials = Trials::of(metrics, None, &mode.id)?;
         let returned = trials
             .mean("returned_energy_share")?
-            .is_some_and(|(share, _)| share > NOTHING_RETURNED);
+            .is_some_and(|share| share.mean > NOTHING_RETURNED);
         let label = mode.label.to_lowercase();
         let mean = trials.mean("wall_past_max_rad")?;
-        past.extend(mean.map(|(rad, _)| (rad, label.clone(), returned)));
+        past.extend(mean.map(|rad| (rad.mean, label.clone(), returned)));
         gave.extend(returned.then_some(label));
     }
     past.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -190,8 +191,9 @@ fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Findin
     let [environments, modes, questions] =
         ["environment", "mode", "question"].map(|name| tally.texts(name));
     let (environments, modes, questions) = (environments?, modes?, questions?);
-    let [low, high, n] = ["median_low", "median_high", "n"].map(|name| tally.integers(name));
-    let (low, high, n) = (low?, high?, n?);
+    let [low, high] = ["median_low", "median_high"].map(|name| tally.integers(name));
+    let [n, people] = ["n", "participants"].map(|name| tally.integers(name));
+    let (low, high, n, people) = (low?, high?, n?, people?);
     let mut found = Vec::new();
     for environment in study.environments.iter() {
         let Some(question) = &environment.question else { continue };
@@ -203,7 +205,14 @@ fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Findin
             };
             let row = (0..tally.height()).find(is)?;
             let median = median(low[row]?, high[row]?);
-            Some(format!("{median} with {} (n = {})", mode.label.to_lowercase(), n[row]?))
+            let counted = count(usize::try_from(n[row]?).ok()?, "answer");
+            let whose = people[row].filter(|people| *people > 1);
+            let whose = whose.map(|people| format!(" of {people} participants"));
+            Some(format!(
+                "{median} with {} ({counted}{})",
+                mode.label.to_lowercase(),
+                whose.unwrap_or_default()
+            ))
         };
         let list: Vec<String> = study.modes.iter().filter_map(of_mode).collect();
         let whose = if simulated { "simulated answer" } else { "answer" };
@@ -304,13 +313,17 @@ mod tests {
             text("mode", "active"),
             text("question", "felt_spring"),
             number("n", 6),
+            number("participants", 1),
             number("median_low", 4),
             number("median_high", 4),
         ];
         let tally = Table::new("likert", "", columns).unwrap();
         let of =
             |source| texts(&[Row { source, ..row("spring", "active") }], Some(&tally))[2].clone();
-        assert_eq!(of("recorded"), "Spring: the median answer was 4 (agree) with active (n = 6).");
+        assert_eq!(
+            of("recorded"),
+            "Spring: the median answer was 4 (agree) with active (6 answers)."
+        );
         assert!(of("twin").contains("the median simulated answer was"));
         assert_eq!(median(3, 4), "3 to 4");
     }

@@ -7,6 +7,7 @@
 //! data in, text and tables out.
 
 mod actuation;
+mod compared;
 mod design;
 mod facts;
 mod findings;
@@ -17,6 +18,7 @@ mod pros_cons;
 mod trials;
 mod weight;
 
+pub use compared::{ComparedMetric, Matrix, contrasts, matrix};
 pub use design::{device_table, modes_table};
 pub use findings::{Finding, Shown, findings};
 pub use model::model_table;
@@ -50,6 +52,8 @@ pub struct Summary {
     pub sweeps: usize,
     /// How many of these trials and sweeps come from where.
     pub sources: BTreeMap<Source, usize>,
+    /// Means by metric, environment and mode.
+    pub matrix: Matrix,
     /// What the trials show: sentences, each with where it can be seen.
     pub shown: Vec<Made>,
     /// The figures, the one to look at first in front.
@@ -93,6 +97,9 @@ pub fn summary_markdown(summary: &Summary) -> String {
         [sources(&summary.sources), Some(what_it_is(summary)), participants(summary.participants)];
     let mut parts = vec![format!("# {}", escape(&summary.title))];
     parts.extend(facts.into_iter().flatten());
+    if !summary.matrix.rows.is_empty() {
+        parts.push(format!("## The modes compared\n\n{}", grid(&summary.matrix)));
+    }
     if !summary.shown.is_empty() {
         parts.push(section("What the trials show", &summary.shown, shown, ""));
     }
@@ -133,6 +140,17 @@ fn what_it_is(summary: &Summary) -> String {
     let device =
         (!summary.device.is_empty()).then(|| format!("Device: {}. ", escape(&summary.device)));
     format!("{}Data: {counted}.", device.unwrap_or_default())
+}
+
+/// The matrix as a table.
+fn grid(matrix: &Matrix) -> String {
+    let line = |cells: Vec<String>| format!("| {} |", cells.join(" | "));
+    let head = ["metric", "environment"].map(str::to_owned).into_iter();
+    let head: Vec<String> = head.chain(matrix.head.iter().map(|mode| escape(mode))).collect();
+    let rule = vec!["---".to_owned(); head.len()];
+    let rows = matrix.rows.iter().map(|row| row.iter().map(|cell| escape(cell)).collect());
+    let lines: Vec<String> = [head, rule].into_iter().chain(rows).map(line).collect();
+    format!("{}\n\n{}", lines.join("\n"), escape(&matrix.caption))
 }
 
 fn section<T>(title: &str, items: &[T], line: impl Fn(&T) -> String, none: &str) -> String {
@@ -179,6 +197,7 @@ mod tests {
             trials: 142,
             sweeps: 0,
             sources: BTreeMap::from([(Source::Recorded, 142)]),
+            matrix: Matrix::default(),
             shown: vec![Made {
                 path: "tables/conditions.md".to_owned(),
                 caption: "In none of 142 trials did the lever swing fast.".to_owned(),

@@ -184,14 +184,14 @@ fn returned(
     judge: fn(f64) -> bool,
 ) -> Result<Option<(Evidence, f64)>, TableError> {
     let Some((environment, trials)) = trials(known, mode, a_spring)? else { return Ok(None) };
-    let Some((share, n)) = trials.mean("returned_energy_share")? else { return Ok(None) };
-    let stiffness = trials.mean("stiffness_n_per_rad")?.map_or(f64::NAN, |(mean, _)| mean);
+    let Some(share) = trials.mean("returned_energy_share")? else { return Ok(None) };
+    let stiffness = trials.mean("stiffness_n_per_rad")?.map_or(f64::NAN, |of| of.mean);
     let evidence = Evidence {
         metric: format!("returned share of the work, {}", environment.label),
-        value: 100.0 * share,
+        value: 100.0 * share.mean,
         unit: "%",
-        remark: format!("mean of {n} trials"),
-        supported: judge(share),
+        remark: share.words(),
+        supported: judge(share.mean),
     };
     Ok(Some((evidence, stiffness)))
 }
@@ -255,13 +255,13 @@ fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> 
         trials.mean("wall_past_max_rad")
     };
     let (motor, brake) = (past(active(known.study))?, past(passive(known.study))?);
-    let (Some((motor, n)), Some((brake, _))) = (motor, brake) else { return Ok(None) };
+    let (Some(motor), Some(brake)) = (motor, brake) else { return Ok(None) };
     Ok(Some(Evidence {
         metric: "angle past the wall".to_owned(),
-        value: motor.to_degrees(),
+        value: motor.mean.to_degrees(),
         unit: "°",
-        remark: format!("mean of {n} trials; {:.2}° with the brake", brake.to_degrees()),
-        supported: motor > brake,
+        remark: format!("{}; {:.2}° with the brake", motor.words(), brake.mean.to_degrees()),
+        supported: motor.mean > brake.mean,
     }))
 }
 

@@ -1,7 +1,34 @@
 //! Some rows of the table of metrics: the trials of one condition.
 
+use std::collections::BTreeMap;
 use zwidth_study::{EnvironmentId, ModeId};
 use zwidth_tables::{Table, TableError};
+
+/// A mean, and what it is over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Mean {
+    pub(crate) mean: f64,
+    /// Trials that have a value.
+    pub(crate) trials: usize,
+    /// People who have such a trial.
+    pub(crate) participants: usize,
+}
+
+impl Mean {
+    /// What it is over: `mean of 6 participants`; of one participant, `mean of 6 trials`.
+    pub(crate) fn words(&self) -> String {
+        match (self.participants, self.trials) {
+            (1, 1) => "one trial".to_owned(),
+            (1, trials) => format!("mean of {trials} trials"),
+            (participants, _) => format!("mean of {participants} participants"),
+        }
+    }
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let n = values.len() as f64;
+    values.sum::<f64>() / n
+}
 
 /// Trials of one mode, in one environment or in all.
 #[derive(Debug, Clone)]
@@ -35,11 +62,26 @@ impl<'a> Trials<'a> {
         Ok(self.rows.iter().filter_map(|row| values[*row]).collect())
     }
 
-    /// Mean of those trials that have a value, and how many they are; none where none has.
-    pub(crate) fn mean(&self, column: &str) -> Result<Option<(f64, usize)>, TableError> {
-        let values = self.floats(column)?;
-        let n = values.len();
-        Ok((n > 0).then(|| (values.iter().sum::<f64>() / n as f64, n)))
+    /// The mean over participants of each one's mean, sessions with equal weight; none where no trial
+    /// has a value.
+    pub(crate) fn mean(&self, column: &str) -> Result<Option<Mean>, TableError> {
+        let values = self.metrics.floats(column)?;
+        let [who, session] = ["participant", "session"].map(|name| self.metrics.texts(name));
+        let (who, session) = (who?, session?);
+        let mut people: BTreeMap<_, BTreeMap<_, Vec<f64>>> = BTreeMap::new();
+        for row in &self.rows {
+            let Some(value) = values[*row] else { continue };
+            people.entry(&who[*row]).or_default().entry(&session[*row]).or_default().push(value);
+        }
+        let trials = people.values().flat_map(BTreeMap::values).map(Vec::len).sum();
+        let of_one = |sessions: &BTreeMap<_, Vec<f64>>| {
+            mean(sessions.values().map(|v| mean(v.iter().copied())))
+        };
+        Ok((trials > 0).then(|| Mean {
+            mean: mean(people.values().map(of_one)),
+            trials,
+            participants: people.len(),
+        }))
     }
 
     /// Number of trials with this word, and of trials with any.

@@ -76,6 +76,8 @@ pub(crate) enum Command {
     },
     /// Run a model of the device: figures and tables of scenes
     Simulate(Simulate),
+    /// Modes, participants, sessions or repeats of a study compared, one metric at a time
+    Compare(Compare),
     /// Print a table of a study, or list its tables
     Table(Table),
     /// What a result was last made from, and why a run would make it again
@@ -299,6 +301,42 @@ pub(crate) struct Simulate {
     /// Instead of pushing the lever, move it from stop to stop and back: force against angle
     #[arg(long, conflicts_with = "chattering")]
     pub(crate) bow_tie: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Compare {
+    /// The study
+    pub(crate) study: StudyId,
+    /// What is compared
+    #[arg(long, value_enum, default_value_t = By::Mode)]
+    pub(crate) by: By,
+    /// The metric's column in the table of metrics [default: the primary one]
+    #[arg(long, value_name = "METRIC")]
+    pub(crate) metric: Option<String>,
+}
+
+/// What can be compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum By {
+    /// The modes: means, and differences with their intervals
+    Mode,
+    /// The participants: each one's differences between modes
+    Participant,
+    /// The sessions: changes from the first to each later one
+    Session,
+    /// The repeats: the change from one to the next
+    Repeat,
+}
+
+impl From<By> for zwidth_plan::By {
+    fn from(by: By) -> Self {
+        match by {
+            By::Mode => Self::Mode,
+            By::Participant => Self::Participant,
+            By::Session => Self::Session,
+            By::Repeat => Self::Repeat,
+        }
+    }
 }
 
 #[derive(Debug, clap::Args)]

@@ -3,6 +3,7 @@
 pub(crate) mod acquire;
 pub(crate) mod characterise;
 pub(crate) mod check;
+pub(crate) mod compare;
 mod device;
 pub(crate) mod import;
 pub(crate) mod list;

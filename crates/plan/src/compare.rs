@@ -1,0 +1,276 @@
+//! Stage `compare`: modes, participants and sessions compared, one job per metric; its figures.
+
+use crate::drawing::{Drawing, drawn};
+use crate::making::{derived, made};
+use crate::metrics;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use zwidth_compare::Parameters;
+use zwidth_figures::{About, ComparedTables, Kind};
+use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_store::{Layout, StudyData, TrialEntry};
+use zwidth_study::{Bound, Environment, MetricId, Source, Study};
+use zwidth_tables::Table;
+
+const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
+
+/// The metrics that a study compares besides the primary one, where it does not say which.
+const OTHERS: [&str; 6] = [
+    "wall_past_max_rad",
+    "stiffness_n_per_rad",
+    "loop_area_j",
+    "force_rms_error_n",
+    "returned_energy_share",
+    "duration_s",
+];
+
+/// What a metric's tables are, by the beginning of their names, in the order of the job's outputs.
+const TABLES: [&str; 7] =
+    ["cells", "means", "contrasts", "participants", "sessions", "learning", "repeats"];
+
+/// By what a study is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum By {
+    /// Its modes: means and contrasts.
+    Mode,
+    /// Its participants: everybody's differences between modes.
+    Participant,
+    /// Its sessions: changes between them.
+    Session,
+    /// Its repeats: changes from one to the next.
+    Repeat,
+}
+
+/// The derived tables that answer by what a study is compared, in the order in which they are read.
+pub fn comparison(layout: &Layout, by: By, metric: &str) -> Vec<PathBuf> {
+    let names: &[&str] = match by {
+        By::Mode => &["means", "contrasts"],
+        By::Participant => &["participants"],
+        By::Session => &["sessions"],
+        By::Repeat => &["learning"],
+    };
+    names.iter().map(|name| table_of(layout, name, metric)).collect()
+}
+
+/// The metrics that are compared: those that trials of this study can have, the primary one first.
+/// None in a study with one mode.
+pub fn compared(data: &StudyData) -> Vec<String> {
+    let study = &data.study;
+    let possible = |metric: &String| {
+        data.counting().any(|trial| {
+            let environment = study.environment(&trial.meta.environment);
+            environment.is_some_and(|environment| {
+                zwidth_metrics::is_possible(metric, &environment.scene, &trial.signals)
+            })
+        })
+    };
+    let several = study.modes.len() > 1;
+    wanted(study).into_iter().filter(|_| several).filter(possible).collect()
+}
+
+/// The metrics that a study asks for, the primary one first, each once.
+fn wanted(study: &Study) -> Vec<String> {
+    let primary = study.compare.primary.to_string();
+    let others: Vec<String> = match &study.compare.metrics {
+        Some(metrics) => metrics.iter().map(ToString::to_string).collect(),
+        None => OTHERS.map(str::to_owned).to_vec(),
+    };
+    let mut wanted = vec![primary];
+    for metric in others {
+        if !wanted.contains(&metric) {
+            wanted.push(metric);
+        }
+    }
+    wanted
+}
+
+/// What study.toml says of metrics that there are not, and of bounds that say nothing.
+pub(crate) fn asked_in_vain(study: &Study) -> Vec<String> {
+    let unknown = wanted(study).into_iter().filter(|metric| !zwidth_metrics::is_number(metric));
+    let unknown = unknown.map(|metric| {
+        format!("[compare] of study.toml: there is no metric '{metric}' that is a number")
+    });
+    let commanded = |metric: &MetricId| {
+        let scenes = study.environments.iter().map(|environment| &environment.scene);
+        scenes.filter_map(|scene| zwidth_metrics::commanded(metric.as_str(), scene)).next()
+    };
+    let weber = |(metric, bound): (&MetricId, &Bound)| {
+        let vain = matches!(bound, Bound::Weber(_)) && commanded(metric).is_none();
+        vain.then(|| {
+            format!(
+                "the bound of '{metric}' in study.toml is a Weber fraction, but no environment \
+                 commands a value of it: give a number in its unit"
+            )
+        })
+    };
+    unknown.chain(study.compare.bounds.iter().filter_map(weber)).collect()
+}
+
+/// A table of a metric.
+fn table_of(layout: &Layout, table: &str, metric: &str) -> PathBuf {
+    derived(layout, format!("compare/{table}_{metric}.parquet"))
+}
+
+/// The tables of a metric that the summary speaks of: its means and its contrasts.
+pub(crate) fn summarised(layout: &Layout, metric: &str) -> [PathBuf; 2] {
+    ["means", "contrasts"].map(|table| table_of(layout, table, metric))
+}
+
+/// Whether several people took part, and whether somebody came again.
+fn who(data: &StudyData) -> (bool, bool) {
+    let ids = |trial: &TrialEntry| (trial.meta.participant.clone(), trial.meta.session.clone());
+    let sessions: BTreeSet<_> = data.counting().map(ids).collect();
+    let people: BTreeSet<_> = sessions.iter().map(|(participant, _)| participant).collect();
+    (people.len() > 1, sessions.len() > people.len())
+}
+
+/// The tables that people read: of every metric its means, its contrasts and its changes; those of
+/// participants and sessions where there are several.
+pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
+    let (several, again) = who(data);
+    let is_read = |table: &&str| match *table {
+        "participants" => several,
+        "sessions" => several && again,
+        "cells" | "repeats" => false,
+        _ => true,
+    };
+    let names: Vec<&str> = TABLES.into_iter().filter(is_read).collect();
+    let of = |metric: &String| {
+        names.iter().map(|table| table_of(&data.layout, table, metric)).collect::<Vec<_>>()
+    };
+    compared(data).iter().flat_map(of).collect()
+}
+
+/// What the comparison of a metric depends on.
+fn parameters(study: &Study, metric: &str) -> Parameters {
+    let compare = &study.compare;
+    let given = compare.bounds.iter().find(|(of, _)| of.as_str() == metric).map(|(_, bound)| bound);
+    let bound = |environment: &Environment| match given? {
+        Bound::Absolute(bound) => Some(*bound),
+        Bound::Weber(share) => {
+            let commanded = zwidth_metrics::commanded(metric, &environment.scene)?;
+            Some(share * commanded)
+        }
+    };
+    Parameters {
+        metric: metric.to_owned(),
+        primary: metric == compare.primary.as_str(),
+        environments: study.environments.iter().map(|e| e.id.clone()).collect(),
+        bounds: study.environments.iter().map(bound).collect(),
+        modes: study.modes.iter().map(|m| m.id.clone()).collect(),
+        contrasts: compare.contrasts.clone(),
+        families: compare.families,
+        alpha: compare.alpha,
+        level: compare.level,
+    }
+}
+
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let Some(metrics) = metrics::of_study(data) else { return Vec::new() };
+    let job = |metric: &String| {
+        let outputs = TABLES.map(|table| table_of(&data.layout, table, metric)).to_vec();
+        let parameters = parameters(&data.study, metric);
+        Job::new(STAGE, format!("compare {metric}"), parameters, metrics.clone(), outputs, make)
+    };
+    compared(data).iter().map(job).collect()
+}
+
+fn make(parameters: &Parameters, metrics: &PathBuf, making: &Making) -> Result<Made, JobError> {
+    let columns = zwidth_compare::COLUMNS.into_iter().chain([parameters.metric.as_str()]);
+    let metrics = Table::columns_from_parquet(metrics, &columns.collect::<Vec<_>>())?;
+    let found = zwidth_compare::compare(&metrics, parameters)?;
+    let tables = [
+        found.cells,
+        found.means,
+        found.contrasts,
+        found.participants,
+        found.sessions,
+        found.learning,
+        found.repeats,
+    ];
+    made(&tables, making, Vec::new())
+}
+
+/// What a figure of the stage depends on besides tables.
+#[derive(Clone, Serialize)]
+struct Drawn {
+    about: About,
+    environments: Vec<Environment>,
+    sources: BTreeSet<Source>,
+}
+
+/// A job's function of a figure.
+type Draw = fn(&Drawn, &Vec<PathBuf>, &Making) -> Result<Made, JobError>;
+
+/// The figures of every metric.
+pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
+    let (several, _) = who(data);
+    let trials = data.counting().count();
+    let of = Drawn {
+        about: About::of(&data.study),
+        environments: data.study.environments.clone(),
+        sources: data.counting().map(|trial| trial.meta.source).collect(),
+    };
+    let of_metric = |metric: &String| {
+        let files = TABLES.map(|table| table_of(&data.layout, table, metric)).to_vec();
+        let drawing = |kind, draw: Draw| {
+            Drawing::new(data, kind, [metric.as_str()], of.clone(), files.clone(), draw).of(trials)
+        };
+        let people = || drawing(Kind::ParticipantsCompared, draw_participants);
+        let modes = drawing(Kind::ModesCompared, draw_modes);
+        let repeats = drawing(Kind::RepeatsCompared, draw_repeats);
+        [modes].into_iter().chain(several.then(people)).chain([repeats])
+    };
+    compared(data).iter().flat_map(of_metric).collect()
+}
+
+/// A metric's tables as figures see them.
+struct Read([Table; 5]);
+
+impl Read {
+    fn of(files: &[PathBuf]) -> Result<Self, JobError> {
+        let [cells, means, contrasts, participants, _, _, repeats] = files else {
+            return Err("a metric has seven tables".into());
+        };
+        let read = |file: &PathBuf| Table::from_parquet(file);
+        Ok(Self([
+            read(cells)?,
+            read(means)?,
+            read(contrasts)?,
+            read(participants)?,
+            read(repeats)?,
+        ]))
+    }
+
+    fn tables(&self) -> ComparedTables<'_> {
+        let [cells, means, contrasts, participants, repeats] = &self.0;
+        ComparedTables { cells, means, contrasts, participants, repeats }
+    }
+}
+
+fn draw_modes(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    draw(zwidth_figures::modes_compared, of, files, making)
+}
+
+fn draw_participants(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    draw(zwidth_figures::participants_compared, of, files, making)
+}
+
+fn draw_repeats(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    draw(zwidth_figures::repeats_compared, of, files, making)
+}
+
+/// A figure of a metric's tables.
+type Figure = fn(
+    &About,
+    &[Environment],
+    &[Source],
+    ComparedTables,
+) -> Result<zwidth_draw::Figure, zwidth_tables::TableError>;
+
+fn draw(figure: Figure, of: &Drawn, files: &[PathBuf], making: &Making) -> Result<Made, JobError> {
+    let read = Read::of(files)?;
+    let sources: Vec<Source> = of.sources.iter().copied().collect();
+    drawn(figure(&of.about, &of.environments, &sources, read.tables())?, Vec::new(), making)
+}

@@ -1,0 +1,113 @@
+//! `zwidth compare`: modes, participants, sessions or repeats of a study compared. What is missing
+//! of the stage `compare` is made first.
+
+use super::near::did_you_mean;
+use crate::args::Compare;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::bail;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_acquire::Unsynced;
+use zwidth_plan as plan;
+use zwidth_runner::{Options, Results, Verdict, run as run_jobs};
+use zwidth_store::{RealFiles, StudyData, findings};
+use zwidth_tables::{Format, Table, TableError, Type};
+
+pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = super::study(root, asked.study.clone())?;
+    let data = StudyData::load(&layout).map_err(|findings| super::together(&findings))?;
+    let metric = metric(&data, asked)?;
+    let mut exit = make(&data, screen)?;
+    let files = plan::comparison(&layout, asked.by.into(), &metric);
+    let tables =
+        files.iter().map(|file| Table::from_parquet(file)).collect::<Result<Vec<_>, _>>()?;
+    if tables.iter().all(|table| table.height() == 0) {
+        screen.warn(format!("there is nothing to compare: no {} more than once", what(asked)));
+        exit = Exit::Partly;
+    }
+    if screen.json {
+        let listed = tables.iter().map(listing).collect::<Result<Vec<_>, _>>()?;
+        screen.listing(&listed)?;
+        return Ok(exit);
+    }
+    for (file, table) in files.iter().zip(&tables) {
+        let wanted = [(Format::Markdown, file.as_path())];
+        for bytes in table.to_bytes(&wanted, data.study.coordinate, &BTreeMap::new())? {
+            screen.file(&String::from_utf8(bytes)?);
+        }
+    }
+    Ok(exit)
+}
+
+/// What would have to be there more than once.
+fn what(asked: &Compare) -> &'static str {
+    match asked.by {
+        crate::args::By::Mode => "mode was tried",
+        crate::args::By::Participant => "participant took part",
+        crate::args::By::Session => "participant came",
+        crate::args::By::Repeat => "condition was repeated",
+    }
+}
+
+/// The metric asked for, or the first.
+fn metric(data: &StudyData, asked: &Compare) -> anyhow::Result<String> {
+    let metrics = plan::compared(data);
+    let Some(first) = metrics.first() else {
+        bail!(
+            "{} has nothing to compare: it takes trials that count, of two modes",
+            data.layout.study()
+        );
+    };
+    let Some(wanted) = &asked.metric else { return Ok(first.clone()) };
+    match metrics.iter().find(|metric| *metric == wanted) {
+        Some(metric) => Ok(metric.clone()),
+        None => bail!(
+            "--metric {wanted}: {} does not compare it{} (it compares {})",
+            data.layout.study(),
+            did_you_mean(wanted, metrics.iter().map(String::as_str)),
+            metrics.join(", ")
+        ),
+    }
+}
+
+/// Makes what is missing of the stage.
+fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
+    let jobs = plan::jobs(data, &findings(&RealFiles, data));
+    let trials = data.trials.iter().map(|t| (t.path.clone(), t.blake3.clone()));
+    let options =
+        Options { only: Some("compare".to_owned()), known: trials.collect(), ..Options::default() };
+    let done = run_jobs(&jobs, &Results::new(&data.layout, &Unsynced), &options, &|_| ())?;
+    let mut exit = Exit::Fine;
+    for report in done.reports {
+        if let Verdict::Failed(why) | Verdict::Blocked(why) = report.verdict {
+            screen.warn(format!("{} could not be made: {why}", report.name));
+            exit = Exit::Partly;
+        }
+    }
+    Ok(exit)
+}
+
+/// A table for machines: its notes, and a row as an object, in SI units.
+fn listing(table: &Table) -> Result<Value, TableError> {
+    let mut rows = vec![Map::new(); table.height()];
+    for field in table.fields() {
+        let name: &str = &field.name;
+        let values: Vec<Value> = match field.kind {
+            Type::Float => table.floats(name)?.into_iter().map(|v| json!(v)).collect(),
+            Type::Integer => table.integers(name)?.into_iter().map(|v| json!(v)).collect(),
+            Type::Text => table.texts(name)?.into_iter().map(|v| json!(v)).collect(),
+            Type::Flag => table.flags(name)?.into_iter().map(|v| json!(v)).collect(),
+        };
+        for (row, value) in rows.iter_mut().zip(values) {
+            row.insert(name.to_owned(), value);
+        }
+    }
+    Ok(json!({
+        "table": table.name(),
+        "title": table.title(),
+        "rows": rows,
+        "notes": table.notes(),
+    }))
+}

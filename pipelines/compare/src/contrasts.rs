@@ -1,0 +1,216 @@
+//! Contrasts between modes: one row per environment and contrast.
+
+use crate::cells::{Cells, whole};
+use crate::differences::{Difference, of_everybody};
+use crate::measure::Measure;
+use crate::unit::Unit;
+use crate::{CompareError, Parameters};
+use zwidth_stats::null::Sampling;
+use zwidth_stats::paired::{self, Verdict};
+use zwidth_stats::{StatsError, Tested, Unestimable, holm, sign_flip, signed_rank};
+use zwidth_study::{Contrast, Families};
+use zwidth_tables::{Column, Table};
+
+/// Flips that are drawn where there are too many participants to count all.
+const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
+
+/// One contrast in one environment.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Row {
+    /// Index among the study's environments.
+    pub(crate) environment: usize,
+    /// What is compared.
+    pub(crate) contrast: Contrast,
+    /// Everybody's differences.
+    pub(crate) differences: Vec<Difference>,
+    /// Their mean with its test, or why there is none.
+    pub(crate) tested: Result<Tested, Unestimable>,
+    /// The p value, adjusted for the other contrasts of the family.
+    pub(crate) p_adjusted: Option<f64>,
+    /// The p value of "the difference is not within the bound", where there is a bound.
+    pub(crate) p_not_equivalent: Option<f64>,
+    /// What these two say.
+    pub(crate) verdict: Option<Verdict>,
+}
+
+impl Row {
+    /// How many units the contrast rests on: participants, or one participant's trials.
+    pub(crate) fn n(&self, unit: &Unit) -> usize {
+        match unit {
+            Unit::Participants => self.differences.len(),
+            Unit::Trials { .. } => self.differences.iter().flat_map(|d| d.trials).sum(),
+        }
+    }
+}
+
+/// Every contrast of every environment that somebody has, tested, with p values adjusted (Holm)
+/// family by family.
+pub(crate) fn rows(
+    cells: &Cells,
+    unit: &Unit,
+    parameters: &Parameters,
+) -> Result<Vec<Row>, CompareError> {
+    let mut rows = Vec::new();
+    for environment in 0..parameters.environments.len() {
+        for contrast in &parameters.contrasts {
+            let place = |mode| parameters.modes.iter().position(|m| m == mode);
+            let modes = place(&contrast.mode).zip(place(&contrast.against));
+            let Some((mode, with)) = modes else { continue };
+            let differences = of_everybody(cells, environment, [mode, with], parameters.level);
+            if !differences.is_empty() {
+                rows.push(row(environment, contrast, differences, unit, parameters)?);
+            }
+        }
+    }
+    let together = |a: &Row, b: &Row| match parameters.families {
+        Families::Metric => true,
+        Families::Environment => a.environment == b.environment,
+    };
+    for family in rows.chunk_by_mut(together) {
+        adjust(family, parameters.alpha)?;
+    }
+    Ok(rows)
+}
+
+fn row(
+    environment: usize,
+    contrast: &Contrast,
+    differences: Vec<Difference>,
+    unit: &Unit,
+    parameters: &Parameters,
+) -> Result<Row, StatsError> {
+    let tested = match unit {
+        Unit::Participants => {
+            let pairs: Vec<[f64; 2]> = differences.iter().map(|d| d.means).collect();
+            paired::mean_difference(&paired::differences(&pairs), parameters.level)
+        }
+        Unit::Trials { .. } => differences[0].within.clone(),
+    };
+    let equivalence = tested.as_ref().ok().zip(parameters.bounds[environment]);
+    let equivalence = equivalence
+        .map(|(tested, bound)| paired::equivalence(tested, bound, parameters.alpha))
+        .transpose()?;
+    Ok(Row {
+        environment,
+        contrast: contrast.clone(),
+        differences,
+        tested,
+        p_adjusted: None,
+        p_not_equivalent: equivalence.map(|e| e.p_value()),
+        verdict: None,
+    })
+}
+
+/// Adjusts the p values of one family.
+fn adjust(rows: &mut [Row], alpha: f64) -> Result<(), StatsError> {
+    let tested = |row: &Row| row.tested.as_ref().ok().map(|tested| tested.p_value);
+    let adjusted = holm::adjusted(&rows.iter().filter_map(tested).collect::<Vec<_>>())?;
+    let with_p = rows.iter_mut().filter(|row| row.tested.is_ok());
+    for (row, p) in with_p.zip(adjusted) {
+        row.p_adjusted = Some(p);
+        row.verdict = Some(Verdict::new(p, row.p_not_equivalent, alpha));
+    }
+    Ok(())
+}
+
+/// The contrasts as a table.
+pub(crate) fn table(
+    rows: &[Row],
+    unit: &Unit,
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Result<Table, CompareError> {
+    let over = |row: &Row, side: usize| {
+        let means: Vec<f64> = row.differences.iter().map(|d| d.means[side]).collect();
+        Some(means.iter().sum::<f64>() / means.len() as f64)
+    };
+    let estimate = |row: &Row| {
+        let all = row.differences.iter().map(|d| d.estimate);
+        Some(all.sum::<f64>() / row.differences.len() as f64)
+    };
+    let tested = |of: fn(&Tested) -> f64| {
+        rows.iter().map(move |row| row.tested.as_ref().ok().map(of)).collect::<Vec<_>>()
+    };
+    let pairs = |row: &Row| row.differences.iter().map(|d| d.means).collect::<Vec<_>>();
+    let d_av = |row: &Row| paired::d_av(&pairs(row)).ok();
+    let sign_flip = |row: &Row| {
+        let differences = paired::differences(&pairs(row));
+        sign_flip::test(&differences, SAMPLING).ok().map(|test| test.p_value)
+    };
+    let signed_rank = |row: &Row| {
+        let differences = paired::differences(&pairs(row));
+        signed_rank::test(&differences).ok().map(|test| test.p_value)
+    };
+    let with_sessions =
+        |row: &Row| row.differences.iter().map(|d| d.sessions).max().and_then(whole);
+    let number =
+        |name, description, values: Vec<Option<f64>>| Column::float(name, "1", description, values);
+    let texts = |name, description, of: &dyn Fn(&Row) -> Option<String>| {
+        Column::text(name, description, rows.iter().map(of))
+    };
+    let mut columns = vec![
+        texts("environment", "what was rendered", &|row| {
+            Some(parameters.environments[row.environment].to_string())
+        }),
+        texts("contrast", "the modes compared: the one minus the other", &|row| {
+            Some(format!("{} − {}", row.contrast.mode, row.contrast.against))
+        }),
+        texts("unit_of_analysis", "what n counts", &|_| Some(unit.words())),
+        Column::integer("n", "1", "units of analysis", rows.iter().map(|row| whole(row.n(unit)))),
+        Column::integer(
+            "sessions",
+            "1",
+            "sessions per participant, at most",
+            rows.iter().map(with_sessions),
+        ),
+        measure.column("mean", "mean in the one mode", rows.iter().map(|row| over(row, 0))),
+        measure.column("mean_with", "mean in the other mode", rows.iter().map(|row| over(row, 1))),
+        measure.column("difference", "mean difference", rows.iter().map(estimate)),
+        measure.column("difference_std_error", "its standard error", tested(|t| t.std_error)),
+        measure.column("difference_ci_low", "lower end of its interval", tested(|t| t.ci_low)),
+        measure.column("difference_ci_high", "upper end of its interval", tested(|t| t.ci_high)),
+        number("statistic", "t statistic", tested(|t| t.statistic)),
+        number("df", "degrees of freedom", tested(|t| t.df)),
+        number("p_value", "p value of no difference", tested(|t| t.p_value)),
+        number(
+            "p_adjusted",
+            "the same, adjusted over its family by Holm",
+            rows.iter().map(|row| row.p_adjusted).collect(),
+        ),
+    ];
+    if *unit == Unit::Participants {
+        columns.push(number(
+            "d_av",
+            "difference over the root mean of the modes' variances between participants",
+            rows.iter().map(d_av).collect(),
+        ));
+        columns.push(number(
+            "p_sign_flip",
+            "p value of the sign-flip test, not adjusted",
+            rows.iter().map(sign_flip).collect(),
+        ));
+        columns.push(number(
+            "p_signed_rank",
+            "p value of the signed-rank test, not adjusted",
+            rows.iter().map(signed_rank).collect(),
+        ));
+    }
+    if parameters.bounds.iter().any(Option::is_some) {
+        columns.push(measure.column(
+            "bound",
+            "differences up to this size are equivalent",
+            rows.iter().map(|row| parameters.bounds[row.environment]),
+        ));
+        columns.push(number(
+            "p_not_equivalent",
+            "p value of a difference beyond the bound (TOST)",
+            rows.iter().map(|row| row.p_not_equivalent).collect(),
+        ));
+    }
+    columns.push(texts("verdict", "what the tests show", &|row| {
+        let found = row.verdict.map(|verdict| verdict.words().to_owned());
+        found.or_else(|| row.tested.as_ref().err().map(|why| format!("no test: {why}")))
+    }));
+    let title = format!("Modes compared: {}", measure.description);
+    Ok(Table::new(&format!("contrasts_{}", measure.name), &title, columns)?)
+}

@@ -1,0 +1,19 @@
+//! Why a comparison was refused.
+
+use zwidth_frames::FrameError;
+use zwidth_stats::StatsError;
+use zwidth_tables::TableError;
+
+/// What went wrong.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// A query was refused.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// A table was refused.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// A statistic was refused.
+    #[error(transparent)]
+    Stats(#[from] StatsError),
+}

@@ -1,0 +1,96 @@
+//! Stage: modes, participants and sessions compared, one metric at a time.
+//!
+//! [`compare`] turns the table of metrics (one row per trial) into tables of one metric. Nothing
+//! here reads a file or a clock.
+//!
+//! # What is estimated
+//! The unweighted mean over participants of (mean in one mode − mean in the other), sessions
+//! averaged with equal weight, per environment. Repeats of one person are not people: with several
+//! participants n counts participants, and each contributes one difference, tested by Student's t
+//! with n − 1 degrees of freedom (the differences carry their own variance, so no sphericity is
+//! assumed). With one participant, n counts trials and everything is said "within this
+//! participant" (Welch's test, sessions as strata).
+//!
+//! # Families
+//! The contrasts of the primary metric over all environments are one family of claims, adjusted
+//! after Holm. Every other metric is a family of its own, and exploratory. Intervals are not
+//! adjusted.
+
+mod cells;
+mod contrasts;
+mod differences;
+mod error;
+mod learning;
+mod means;
+mod measure;
+mod notes;
+mod parameters;
+mod people;
+mod repeats;
+mod sessions;
+#[cfg(test)]
+mod tests;
+mod unit;
+
+pub use error::CompareError;
+pub use measure::Measure;
+pub use parameters::Parameters;
+
+use cells::Cells;
+use unit::Unit;
+use zwidth_tables::{NoteKind, Table};
+
+/// Version of the algorithms here: a change of any number they give raises it.
+pub const VERSION: u32 = 1;
+
+/// The columns of the metrics that a comparison reads besides the metric.
+pub const COLUMNS: [&str; 5] = ["participant", "session", "environment", "mode", "repeat"];
+
+/// The tables of one metric.
+#[derive(Debug, Clone)]
+pub struct Compared {
+    /// Each participant's mean by session and condition.
+    pub cells: Table,
+    /// Mean over the units of analysis by condition.
+    pub means: Table,
+    /// Differences between modes.
+    pub contrasts: Table,
+    /// Each participant's differences.
+    pub participants: Table,
+    /// Changes between sessions.
+    pub sessions: Table,
+    /// Changes from repeat to repeat.
+    pub learning: Table,
+    /// Means at each repeat.
+    pub repeats: Table,
+}
+
+/// Compares the modes, participants and sessions of one metric. `metrics` has one row per trial.
+///
+/// # Errors
+/// A table that lacks a column; a level or bound that is none.
+pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, CompareError> {
+    let measure = &Measure::of(metrics, &parameters.metric)?;
+    let cells = Cells::of(metrics, measure, parameters)?;
+    let unit = &Unit::of(&cells);
+    let contrasts = contrasts::rows(&cells, unit, parameters)?;
+    let means = means::rows(&cells, unit, parameters)?;
+    let noted = |table: Table, notes: Vec<(NoteKind, String)>| {
+        notes.into_iter().fold(table, |table, (kind, note)| table.with_note_of(kind, note))
+    };
+    Ok(Compared {
+        cells: cells.table(measure, parameters)?,
+        means: noted(
+            means::table(&means, unit, measure, parameters)?,
+            notes::means(&means, unit, parameters),
+        ),
+        contrasts: noted(
+            contrasts::table(&contrasts, unit, measure, parameters)?,
+            notes::contrasts(&contrasts, &cells, unit, parameters),
+        ),
+        participants: people::table(&contrasts, &cells, measure, parameters)?,
+        sessions: sessions::table(&cells, measure, parameters)?,
+        learning: learning::table(metrics, unit, measure, parameters)?,
+        repeats: repeats::table(metrics, unit, measure, parameters)?,
+    })
+}

@@ -1,0 +1,28 @@
+//! What a comparison of one metric depends on besides the metrics.
+
+use serde::Serialize;
+use zwidth_study::{Contrast, EnvironmentId, Families, ModeId};
+
+/// What a comparison depends on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Parameters {
+    /// The metric's column in the table of metrics.
+    pub metric: String,
+    /// Whether it is the study's primary metric. The claims of every other one are exploratory.
+    pub primary: bool,
+    /// The environments, in the study's order.
+    pub environments: Vec<EnvironmentId>,
+    /// For each environment the size up to which differences are equivalent, in the metric's SI
+    /// unit, where the study says so.
+    pub bounds: Vec<Option<f64>>,
+    /// The modes, in the study's order.
+    pub modes: Vec<ModeId>,
+    /// The contrasts.
+    pub contrasts: Vec<Contrast>,
+    /// Which of them are adjusted together.
+    pub families: Families,
+    /// What an adjusted p value must lie below for a claim.
+    pub alpha: f64,
+    /// Level of every interval, as a fraction.
+    pub level: f64,
+}

@@ -1,0 +1,101 @@
+//! Sessions compared: how participants changed from one session to another.
+
+use crate::cells::{Cell, Cells, whole};
+use crate::measure::Measure;
+use crate::{CompareError, Parameters};
+use std::collections::BTreeMap;
+use zwidth_stats::paired::{differences, mean_difference};
+use zwidth_stats::{Tested, Unestimable};
+use zwidth_tables::{Column, Table};
+
+/// Two sessions of one condition.
+#[derive(Debug, Clone, PartialEq)]
+struct Row {
+    environment: usize,
+    mode: usize,
+    /// Indices among [`Cells::sessions`], the earlier first.
+    sessions: [usize; 2],
+    /// Everybody's means in the two sessions, the later first.
+    pairs: Vec<[f64; 2]>,
+    /// Later minus earlier, participants as units.
+    change: Result<Tested, Unestimable>,
+}
+
+/// Each later session against the first one, in every condition, as a table.
+pub(crate) fn table(
+    cells: &Cells,
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Result<Table, CompareError> {
+    let mut rows = Vec::new();
+    for environment in 0..parameters.environments.len() {
+        for mode in 0..parameters.modes.len() {
+            for later in 1..cells.sessions.len() {
+                let pairs = pairs(cells, environment, mode, [later, 0]);
+                if !pairs.is_empty() {
+                    let change = mean_difference(&differences(&pairs), parameters.level);
+                    rows.push(Row { environment, mode, sessions: [0, later], pairs, change });
+                }
+            }
+        }
+    }
+    as_table(&rows, cells, measure, parameters)
+}
+
+/// Everybody's means in two sessions, in the order of participants.
+fn pairs(cells: &Cells, environment: usize, mode: usize, sessions: [usize; 2]) -> Vec<[f64; 2]> {
+    let of = |session| {
+        let here = cells.of_condition(environment, mode).filter(move |c| c.session == session);
+        here.filter_map(|c: &Cell| Some((c.participant, c.mean?)))
+    };
+    let earlier: BTreeMap<usize, f64> = of(sessions[1]).collect();
+    of(sessions[0]).filter_map(|(who, mean)| Some([mean, *earlier.get(&who)?])).collect()
+}
+
+fn as_table(
+    rows: &[Row],
+    cells: &Cells,
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Result<Table, CompareError> {
+    let texts = |name, description, of: &dyn Fn(&Row) -> Option<String>| {
+        Column::text(name, description, rows.iter().map(of))
+    };
+    let tested = |of: fn(&Tested) -> f64| {
+        rows.iter().map(move |row| row.change.as_ref().ok().map(of)).collect::<Vec<_>>()
+    };
+    let over = |side: usize| {
+        rows.iter().map(move |row| {
+            Some(row.pairs.iter().map(|pair| pair[side]).sum::<f64>() / row.pairs.len() as f64)
+        })
+    };
+    let columns = vec![
+        texts("environment", "what was rendered", &|row| {
+            Some(parameters.environments[row.environment].to_string())
+        }),
+        texts("mode", "how it was rendered", &|row| Some(parameters.modes[row.mode].to_string())),
+        texts("sessions", "the sessions compared: the later minus the earlier", &|row| {
+            let [earlier, later] = row.sessions.map(|session| &cells.sessions[session]);
+            Some(format!("{later} − {earlier}"))
+        }),
+        Column::integer(
+            "n",
+            "1",
+            "participants with both sessions",
+            rows.iter().map(|row| whole(row.pairs.len())),
+        ),
+        measure.column("mean_later", "mean in the later session", over(0)),
+        measure.column("mean_earlier", "mean in the earlier session", over(1)),
+        measure.column("change", "mean change", tested(|t| t.estimate)),
+        measure.column("change_std_error", "its standard error", tested(|t| t.std_error)),
+        measure.column("change_ci_low", "lower end of its interval", tested(|t| t.ci_low)),
+        measure.column("change_ci_high", "upper end of its interval", tested(|t| t.ci_high)),
+        Column::float("df", "1", "degrees of freedom", tested(|t| t.df)),
+        Column::float("p_value", "1", "p value of no change, not adjusted", tested(|t| t.p_value)),
+        texts("remark", "why there is no test", &|row| {
+            row.change.as_ref().err().map(ToString::to_string)
+        }),
+    ];
+    let title = format!("Sessions compared: {}", measure.description);
+    Ok(Table::new(&format!("sessions_{}", measure.name), &title, columns)?)
+}

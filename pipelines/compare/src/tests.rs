@@ -1,0 +1,169 @@
+//! Comparisons of small tables, against numbers that R gives for the same data.
+
+use super::*;
+use zwidth_study::{Contrast, Families};
+use zwidth_tables::Column;
+
+/// One trial: participant, session, mode, repeat, value.
+type Trial = (&'static str, &'static str, &'static str, i64, Option<f64>);
+
+fn metrics(trials: &[Trial]) -> Table {
+    let text = |name, of: fn(&Trial) -> &'static str| {
+        Column::text(name, "", trials.iter().map(move |trial| Some(of(trial))))
+    };
+    let columns = vec![
+        text("participant", |t| t.0),
+        text("session", |t| t.1),
+        Column::integer("repeat", "1", "", trials.iter().map(|t| Some(t.3))),
+        text("environment", |_| "spring"),
+        text("mode", |t| t.2),
+        Column::float("step_n", "N", "a step", trials.iter().map(|t| t.4)),
+    ];
+    Table::new("metrics", "", columns).unwrap()
+}
+
+fn parameters() -> Parameters {
+    let mode = |id: &str| id.parse().unwrap();
+    let contrast = |with| Contrast { mode: mode("hybrid"), against: mode(with) };
+    Parameters {
+        metric: "step_n".to_owned(),
+        primary: true,
+        environments: vec!["spring".parse().unwrap()],
+        modes: ["active", "passive", "hybrid"].map(mode).to_vec(),
+        contrasts: ["active", "passive"].map(contrast).to_vec(),
+        bounds: vec![None],
+        families: Families::Metric,
+        alpha: 0.05,
+        level: 0.95,
+    }
+}
+
+/// Four people, two repeats of each mode; P04 has no passive.
+fn four() -> Vec<Trial> {
+    let person = |who, values: &[(&'static str, [f64; 2])]| {
+        let trials = values.iter().flat_map(|(mode, values)| {
+            (1..).zip(values).map(move |(repeat, v)| (who, "S01", *mode, repeat, Some(*v)))
+        });
+        trials.collect::<Vec<Trial>>()
+    };
+    [
+        person("P01", &[("active", [1.0, 1.2]), ("passive", [2.0, 2.2]), ("hybrid", [1.6, 1.4])]),
+        person("P02", &[("active", [0.8, 1.0]), ("passive", [2.4, 2.2]), ("hybrid", [1.5, 1.7])]),
+        person("P03", &[("active", [1.4, 1.2]), ("passive", [1.8, 2.0]), ("hybrid", [1.9, 1.9])]),
+        person("P04", &[("active", [1.1, 1.3]), ("hybrid", [1.5, 1.3])]),
+    ]
+    .concat()
+}
+
+fn floats(table: &Table, column: &str) -> Vec<f64> {
+    table.floats(column).unwrap().into_iter().map(|v| v.unwrap_or(f64::NAN)).collect()
+}
+
+fn near(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() <= 2e-8 * expected.abs().max(1e-3), "{found} {expected}");
+    }
+}
+
+/// R: `t.test(c(1.5,1.6,1.9,1.4) - c(1.1,.9,1.3,1.2))` and, without P04,
+/// `t.test(c(1.5,1.6,1.9) - c(2.1,2.3,1.9))`; `p.adjust(…, "holm")`.
+#[test]
+fn each_participant_gives_one_difference_and_who_lacks_a_mode_leaves_that_contrast() {
+    let compared = compare(&metrics(&four()), &parameters()).unwrap();
+    let table = &compared.contrasts;
+    assert_eq!(table.integers("n").unwrap(), [Some(4), Some(3)]);
+    near(&floats(table, "difference_n"), &[0.475, -0.433_333_333_333_333]);
+    near(&floats(table, "difference_ci_low_n"), &[0.122_169_214_106_93, -1.373_812_692_225_08]);
+    near(&floats(table, "p_value"), &[0.023_365_405_115_362_9, 0.185_908_421_589_306]);
+    near(&floats(table, "p_adjusted"), &[0.046_730_810_230_725_8, 0.185_908_421_589_306]);
+    let left_out = table.notes().iter().find(|note| note.contains("P04")).unwrap();
+    assert_eq!(left_out, "spring, hybrid − passive: without P04, who lack one of the modes.");
+    assert_eq!(table.texts("unit_of_analysis").unwrap()[0].as_deref(), Some("participants"));
+}
+
+#[test]
+fn one_participant_speaks_of_trials_and_of_nobody_else() {
+    let trials: Vec<Trial> = four().into_iter().filter(|trial| trial.0 == "P01").collect();
+    let compared = compare(&metrics(&trials), &parameters()).unwrap();
+    let units = compared.contrasts.texts("unit_of_analysis").unwrap();
+    assert_eq!(units, [Some("trials of P01".to_owned()), Some("trials of P01".to_owned())]);
+    assert_eq!(compared.contrasts.integers("n").unwrap(), [Some(4), Some(4)]);
+    assert!(compared.contrasts.notes()[0].contains("nothing is said of anybody else"));
+    assert!(compared.contrasts.column("d_av").is_err());
+}
+
+#[test]
+fn repeats_do_not_count_as_people_and_sessions_have_equal_weight() {
+    let mut trials = four();
+    // A second session of P01 with many repeats: one mean, as the first.
+    for repeat in 1..=9 {
+        trials.push(("P01", "S02", "active", repeat, Some(3.0 + 0.1 * repeat as f64)));
+        trials.push(("P01", "S02", "hybrid", repeat, Some(4.0 + 0.1 * repeat as f64)));
+    }
+    let compared = compare(&metrics(&trials), &parameters()).unwrap();
+    assert_eq!(compared.contrasts.integers("n").unwrap(), [Some(4), Some(3)]);
+    let first = floats(&compared.participants, "difference_n")[0];
+    assert!((first - (0.4 + 1.0) / 2.0).abs() < 1e-12, "{first}");
+    assert_eq!(compared.participants.integers("sessions").unwrap()[0], Some(2));
+}
+
+#[test]
+fn a_trial_without_the_metric_does_not_count_and_is_told() {
+    let mut trials = four();
+    trials.push(("P02", "S01", "hybrid", 3, None));
+    let compared = compare(&metrics(&trials), &parameters()).unwrap();
+    let note = "spring × hybrid: 8 of 9 trials have the metric; the mean is among those.";
+    assert!(compared.means.notes().iter().any(|n| n == note), "{:?}", compared.means.notes());
+    let whole = compare(&metrics(&four()), &parameters()).unwrap();
+    assert_eq!(floats(&compared.means, "mean_n"), floats(&whole.means, "mean_n"));
+}
+
+#[test]
+fn sessions_are_compared_person_by_person() {
+    let mut trials = four();
+    for (who, by) in [("P01", 0.1), ("P02", 0.2), ("P03", 0.3)] {
+        let later: Vec<Trial> = trials
+            .iter()
+            .filter(|t| t.0 == who && t.1 == "S01")
+            .map(|t| (t.0, "S02", t.2, t.3, t.4.map(|v| v + by)))
+            .collect();
+        trials.extend(later);
+    }
+    let sessions = compare(&metrics(&trials), &parameters()).unwrap().sessions;
+    assert_eq!(sessions.height(), 3);
+    near(&floats(&sessions, "change_n"), &[0.2; 3]);
+    assert_eq!(sessions.integers("n").unwrap(), [Some(3); 3]);
+    assert_eq!(sessions.texts("sessions").unwrap()[0].as_deref(), Some("S02 − S01"));
+}
+
+#[test]
+fn a_change_from_repeat_to_repeat_is_each_participants_slope() {
+    let learning = compare(&metrics(&four()), &parameters()).unwrap().learning;
+    // active: +0.2, +0.2, −0.2, +0.2
+    near(&floats(&learning, "change_n")[..1], &[0.1]);
+    assert_eq!(learning.integers("n").unwrap()[0], Some(4));
+}
+
+#[test]
+fn differences_without_scatter_have_no_test_and_say_why() {
+    let trials: Vec<Trial> = ["P01", "P02", "P03"]
+        .iter()
+        .flat_map(|who| {
+            [(*who, "S01", "active", 1, Some(1.0)), (*who, "S01", "hybrid", 1, Some(2.0))]
+        })
+        .collect();
+    let contrasts = compare(&metrics(&trials), &parameters()).unwrap().contrasts;
+    assert_eq!(contrasts.height(), 1);
+    assert_eq!(floats(&contrasts, "difference_n"), [1.0]);
+    let verdict = contrasts.texts("verdict").unwrap()[0].clone().unwrap();
+    assert!(verdict.starts_with("no test: all differences are equal"), "{verdict}");
+}
+
+#[test]
+fn a_study_without_a_trial_gives_empty_tables() {
+    let compared = compare(&metrics(&[]), &parameters()).unwrap();
+    let heights = [&compared.cells, &compared.means, &compared.contrasts, &compared.learning]
+        .map(Table::height);
+    assert_eq!(heights, [0; 4]);
+}

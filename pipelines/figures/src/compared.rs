@@ -1,0 +1,403 @@
+//! Modes, participants and repeats compared, one metric a figure, from the tables of the stage
+//! `compare`.
+
+use crate::About;
+use crate::words::{mark, percent, plain};
+use std::collections::BTreeMap;
+use zwidth_draw::style::{self, Marker, Stroke};
+use zwidth_draw::{
+    Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, dodge,
+};
+use zwidth_study::{Environment, EnvironmentId, Source};
+use zwidth_tables::{Table, TableError, Values, shown_unit};
+
+/// Height of a panel, mm.
+const PANEL_MM: f64 = 52.0;
+/// Height that one participant's line takes, mm.
+const PERSON_MM: f64 = 3.6;
+/// From this many participants on their codes would not be read, and a panel keeps its height.
+const MANY: usize = 40;
+/// Width of means against that of differences.
+const WEIGHTS: [f64; 2] = [1.3, 1.0];
+
+/// A metric's tables, and what figures say of it.
+#[derive(Debug, Clone, Copy)]
+pub struct ComparedTables<'a> {
+    /// By participant, session and condition.
+    pub cells: &'a Table,
+    /// By condition, over the units of analysis.
+    pub means: &'a Table,
+    /// Differences between modes.
+    pub contrasts: &'a Table,
+    /// Everybody's differences.
+    pub participants: &'a Table,
+    /// By repeat and condition.
+    pub repeats: &'a Table,
+}
+
+/// The metric as it stands on an axis.
+struct Shown {
+    factor: f64,
+    unit: String,
+    words: String,
+}
+
+impl Shown {
+    fn of(about: &About, tables: ComparedTables) -> Result<Self, TableError> {
+        let unit = &tables.cells.column_of("mean")?.field.unit;
+        let (unit, factor) = shown_unit(unit, about.coordinate);
+        let title = tables.cells.title();
+        let words = title.split_once(": ").map_or(title, |(_, words)| words).to_owned();
+        Ok(Self { factor, unit, words })
+    }
+
+    /// The numbers of the column of that stem as they stand on the axis; null is a gap.
+    fn numbers(&self, table: &Table, stem: &str) -> Result<Vec<f64>, TableError> {
+        let Values::Float(values) = &table.column_of(stem)?.values else { return Ok(Vec::new()) };
+        Ok(values.iter().map(|v| v.map_or(f64::NAN, |v| v * self.factor)).collect())
+    }
+}
+
+/// The rows in which a text column has that value.
+fn rows_with(table: &Table, columns: &[(&str, &str)]) -> Result<Vec<usize>, TableError> {
+    let mut rows: Vec<usize> = (0..table.height()).collect();
+    for (column, value) in columns {
+        let texts = table.texts(column)?;
+        rows.retain(|row| texts[*row].as_deref() == Some(value));
+    }
+    Ok(rows)
+}
+
+fn pick(values: &[f64], rows: &[usize]) -> Vec<f64> {
+    rows.iter().map(|row| values[*row]).collect()
+}
+
+/// Modes compared: for each environment, at the left everybody's mean in each mode and the mean
+/// over them with its interval, at the right the differences between modes with theirs.
+///
+/// # Errors
+/// Tables that are not of the stage `compare`.
+pub fn modes_compared(
+    about: &About,
+    environments: &[Environment],
+    sources: &[Source],
+    tables: ComparedTables,
+) -> Result<Figure, TableError> {
+    let shown = Shown::of(about, tables)?;
+    let mut panels = Vec::new();
+    for environment in environments {
+        let id = environment.id.as_str();
+        if rows_with(tables.means, &[("environment", id)])?.is_empty() {
+            continue;
+        }
+        let row = panels.len() / 2;
+        let modes = Axis::categories(about.modes.iter().map(|mode| plain(&mode.label)));
+        let axis = |label: &str| Axis::new(label, shown.unit.as_str());
+        let title = plain(&environment.label);
+        let panel =
+            Panel::new(Cell::at(row, 0), modes, axis("mean"), means(about, id, &shown, tables)?);
+        panels.push(Panel { height_mm: Some(PANEL_MM), ..panel.titled(title) });
+        let (contrasts, layers) = differences(id, &shown, tables)?;
+        let names = contrasts.iter().map(|name| plain(name));
+        let panel =
+            Panel::new(Cell::at(row, 1), Axis::categories(names), axis("difference"), layers);
+        panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+    }
+    let unit = tables.means.texts("unit_of_analysis")?.into_iter().flatten().next();
+    let unit = unit.unwrap_or_default();
+    let lines = if unit == "participants" {
+        "a line joins one participant's means"
+    } else {
+        "dots: sessions"
+    };
+    let notes = vec![plain(&format!(
+        "Units of analysis: {unit}; {lines}. Whiskers: {} intervals, not adjusted.",
+        percent(about.confidence)
+    ))];
+    let footnotes = notes.into_iter().chain(last_note(tables.contrasts)).collect();
+    Ok(Figure {
+        title: Some(plain(&format!("{}: {}", about.title, shown.words))),
+        description: format!(
+            "{}, modes compared: means by mode and differences between modes, with {} intervals.",
+            shown.words,
+            percent(about.confidence)
+        ),
+        panels,
+        column_weights: WEIGHTS.to_vec(),
+        footnotes,
+        mark: mark(sources.iter().copied()),
+        ..Figure::default()
+    })
+}
+
+/// Whether the metric is the primary one.
+fn last_note(contrasts: &Table) -> Option<String> {
+    let is_family = |note: &&String| note.starts_with("Primary") || note.starts_with("Exploratory");
+    contrasts.notes().iter().find(is_family).map(|note| plain(note))
+}
+
+/// Everybody's means, joined, and the mean over them.
+fn means(
+    about: &About,
+    environment: &str,
+    shown: &Shown,
+    tables: ComparedTables,
+) -> Result<Vec<Layer>, TableError> {
+    let place = |mode: &str| about.modes.iter().position(|m| m.id.as_str() == mode);
+    let (who, modes) = (tables.cells.texts("participant")?, tables.cells.texts("mode")?);
+    let values = shown.numbers(tables.cells, "mean")?;
+    let mut people: BTreeMap<&str, Vec<Vec<f64>>> = BTreeMap::new();
+    for row in rows_with(tables.cells, &[("environment", environment)])? {
+        let Some(place) = place(modes[row].as_deref().unwrap_or_default()) else { continue };
+        let of = people.entry(who[row].as_deref().unwrap_or_default()).or_default();
+        of.resize(about.modes.len(), Vec::new());
+        if values[row].is_finite() {
+            of[place].push(values[row]);
+        }
+    }
+    let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+    let mut layers: Vec<Layer> = people
+        .values()
+        .map(|modes| {
+            // A mode without the metric has no place on the line.
+            let there = modes.iter().enumerate().filter(|(_, values)| !values.is_empty());
+            let (x, y) = there.map(|(place, values)| (place as f64, mean(values))).unzip();
+            Layer::Line(Line {
+                x,
+                y,
+                stroke: Stroke { opacity: 0.45, ..style::faint(style::GREY) },
+                ..Line::default()
+            })
+        })
+        .collect();
+    for (index, mode) in about.modes.iter().enumerate() {
+        let dots: Vec<f64> = match people.len() {
+            1 => people.values().flat_map(|modes| modes[index].clone()).collect(),
+            _ => people.values().map(|modes| mean(&modes[index])).collect(),
+        };
+        layers.push(Layer::Points(Points {
+            x: vec![index as f64; dots.len()],
+            y: dots,
+            colour: style::mode_colour(index),
+            opacity: 0.55,
+            ..Points::default()
+        }));
+        let keys = [("environment", environment), ("mode", mode.id.as_str())];
+        let rows = rows_with(tables.means, &keys)?;
+        let at = vec![index as f64 + ASIDE; rows.len()];
+        let intervals = intervals(tables.means, ["mean", "ci_low", "ci_high"], &rows, shown)?;
+        let colour = style::mode_colour(index);
+        layers.push(Layer::Intervals(Intervals { at, colour, ..intervals }));
+    }
+    Ok(layers)
+}
+
+/// How far a mean stands beside what it is the mean of, in categories.
+const ASIDE: f64 = 0.18;
+
+/// Estimates of these rows, upright, in ink.
+fn intervals(
+    table: &Table,
+    [estimate, low, high]: [&str; 3],
+    rows: &[usize],
+    shown: &Shown,
+) -> Result<Intervals, TableError> {
+    let of = |stem| Ok::<_, TableError>(pick(&shown.numbers(table, stem)?, rows));
+    Ok(Intervals {
+        direction: Direction::Vertical,
+        at: Vec::new(),
+        estimate: of(estimate)?,
+        low: of(low)?,
+        high: of(high)?,
+        colour: style::INK,
+        marker: Marker::Disc,
+        name: None,
+    })
+}
+
+/// The contrasts' names, and what is drawn of them: zero, everybody's differences, the mean.
+fn differences(
+    environment: &str,
+    shown: &Shown,
+    tables: ComparedTables,
+) -> Result<(Vec<String>, Vec<Layer>), TableError> {
+    let rows = rows_with(tables.contrasts, &[("environment", environment)])?;
+    let names = tables.contrasts.texts("contrast")?;
+    let names: Vec<String> = rows.iter().filter_map(|row| names[*row].clone()).collect();
+    let everybody = shown.numbers(tables.participants, "difference")?;
+    let several = tables.participants.texts("participant")?;
+    let several = several.windows(2).any(|pair| pair[0] != pair[1]);
+    let mut layers = vec![zero(Direction::Horizontal)];
+    for (place, name) in names.iter().enumerate().filter(|_| several) {
+        let keys = [("environment", environment), ("contrast", name.as_str())];
+        let of = pick(&everybody, &rows_with(tables.participants, &keys)?);
+        layers.push(Layer::Points(Points {
+            x: vec![place as f64; of.len()],
+            y: of,
+            colour: style::GREY,
+            opacity: 0.55,
+            ..Points::default()
+        }));
+    }
+    let stems = ["difference", "difference_ci_low", "difference_ci_high"];
+    let aside = if several { ASIDE } else { 0.0 };
+    let at = (0..rows.len()).map(|place| place as f64 + aside).collect();
+    let means = intervals(tables.contrasts, stems, &rows, shown)?;
+    layers.push(Layer::Intervals(Intervals { at, ..means }));
+    Ok((names, layers))
+}
+
+fn zero(direction: Direction) -> Layer {
+    Layer::Reference(Reference {
+        direction,
+        at: 0.0,
+        label: None,
+        stroke: style::zero(),
+        name: None,
+    })
+}
+
+/// Participants compared: everybody's difference with its interval within them, the smallest first,
+/// one panel a contrast, one row of panels an environment.
+///
+/// # Errors
+/// Tables that are not of the stage `compare`.
+pub fn participants_compared(
+    about: &About,
+    environments: &[Environment],
+    sources: &[Source],
+    tables: ComparedTables,
+) -> Result<Figure, TableError> {
+    let shown = Shown::of(about, tables)?;
+    let contrasts = tables.contrasts.texts("contrast")?;
+    let mut panels = Vec::new();
+    for (row, environment) in with_contrasts(environments, tables)?.into_iter().enumerate() {
+        let of_environment = [("environment", environment.id.as_str())];
+        for (column, place) in rows_with(tables.contrasts, &of_environment)?.into_iter().enumerate()
+        {
+            let contrast = contrasts[place].as_deref().unwrap_or_default();
+            let panel = caterpillar(&environment.id, contrast, place, &shown, tables)?;
+            let title = format!("{}: {}", plain(&environment.label), plain(contrast));
+            panels.push(Panel { cell: Cell::at(row, column), ..panel.titled(title) });
+        }
+    }
+    Ok(Figure {
+        title: Some(plain(&format!("{}: participants, {}", about.title, shown.words))),
+        description: format!("{}: each participant's difference between modes.", shown.words),
+        panels,
+        footnotes: vec![plain(&format!(
+            "Whiskers: {} intervals within each participant, repeats as units. Line: mean over participants; zero: thin.",
+            percent(about.confidence)
+        ))],
+        mark: mark(sources.iter().copied()),
+        ..Figure::default()
+    })
+}
+
+/// The environments in which modes were compared.
+fn with_contrasts<'e>(
+    environments: &'e [Environment],
+    tables: ComparedTables,
+) -> Result<Vec<&'e Environment>, TableError> {
+    let found = tables.contrasts.texts("environment")?;
+    let has = |e: &&Environment| found.iter().any(|id| id.as_deref() == Some(e.id.as_str()));
+    Ok(environments.iter().filter(has).collect())
+}
+
+/// One contrast, everybody in the order of their difference.
+fn caterpillar(
+    environment: &EnvironmentId,
+    contrast: &str,
+    place: usize,
+    shown: &Shown,
+    tables: ComparedTables,
+) -> Result<Panel, TableError> {
+    let keys = [("environment", environment.as_str()), ("contrast", contrast)];
+    let mut rows = rows_with(tables.participants, &keys)?;
+    let values = shown.numbers(tables.participants, "difference")?;
+    rows.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let who = tables.participants.texts("participant")?;
+    let names = rows.iter().map(|row| plain(who[*row].as_deref().unwrap_or_default()));
+    let (y, height) = match rows.len() {
+        n if n < MANY => (Axis::categories(names), PERSON_MM * n as f64 + PERSON_MM),
+        _ => (Axis::new("participants, in order", ""), MANY as f64 * PERSON_MM),
+    };
+    let stems = ["difference", "difference_ci_low", "difference_ci_high"];
+    let whiskers = intervals(tables.participants, stems, &rows, shown)?;
+    let at = (0..rows.len()).map(|row| row as f64).collect();
+    let mean = shown.numbers(tables.contrasts, "difference")?[place];
+    let mean = Reference {
+        direction: Direction::Vertical,
+        at: mean,
+        label: None,
+        stroke: style::reference(),
+        name: None,
+    };
+    let layers = vec![
+        zero(Direction::Vertical),
+        Layer::Reference(mean),
+        Layer::Intervals(Intervals { at, direction: Direction::Horizontal, ..whiskers }),
+    ];
+    let panel = Panel::new(Cell::at(0, 0), Axis::new("difference", shown.unit.as_str()), y, layers);
+    Ok(Panel { height_mm: Some(height), ..panel })
+}
+
+/// Learning: the mean at each repeat of a condition, one panel an environment, one line a mode.
+///
+/// # Errors
+/// Tables that are not of the stage `compare`.
+pub fn repeats_compared(
+    about: &About,
+    environments: &[Environment],
+    sources: &[Source],
+    tables: ComparedTables,
+) -> Result<Figure, TableError> {
+    let shown = Shown::of(about, tables)?;
+    let numbers: Vec<f64> = tables
+        .repeats
+        .integers("repeat")?
+        .into_iter()
+        .map(|repeat| repeat.map_or(f64::NAN, |repeat| repeat as f64))
+        .collect();
+    let mut panels = Vec::new();
+    for environment in environments {
+        let mut layers = Vec::new();
+        for (index, mode) in about.modes.iter().enumerate() {
+            let keys = [("environment", environment.id.as_str()), ("mode", mode.id.as_str())];
+            let rows = rows_with(tables.repeats, &keys)?;
+            if rows.is_empty() {
+                continue;
+            }
+            let colour = style::mode_colour(index);
+            let aside = dodge(index, about.modes.len()) / 2.0;
+            let at: Vec<f64> = pick(&numbers, &rows).iter().map(|x| x + aside).collect();
+            let stems = ["mean", "ci_low", "ci_high"];
+            let marks = intervals(tables.repeats, stems, &rows, &shown)?;
+            let (name, y) = (Some(plain(&mode.label)), marks.estimate.clone());
+            let stroke = style::single(colour);
+            layers.push(Layer::Line(Line {
+                x: at.clone(),
+                y,
+                stroke,
+                name: name.clone(),
+                ..Line::default()
+            }));
+            layers.push(Layer::Intervals(Intervals { at, colour, name, ..marks }));
+        }
+        if !layers.is_empty() {
+            let cell = Cell::at(0, panels.len());
+            let y = Axis::new("mean", shown.unit.as_str());
+            let panel = Panel::new(cell, Axis::new("repeat", ""), y, layers);
+            let panel = panel.titled(plain(&environment.label));
+            panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+        }
+    }
+    Ok(Figure {
+        title: Some(plain(&format!("{}: learning, {}", about.title, shown.words))),
+        description: format!("{}: mean at each repeat of a condition.", shown.words),
+        panels,
+        footnotes: tables.repeats.notes().iter().map(|note| plain(note)).collect(),
+        mark: mark(sources.iter().copied()),
+        ..Figure::default()
+    })
+}

@@ -1,0 +1,257 @@
+//! What the comparison of modes says, in a matrix and in sentences.
+
+use crate::findings::{Finding, Shown};
+use crate::planned::Planned;
+use serde::Serialize;
+use zwidth_tables::{Table, TableError, Values, for_people, number};
+
+/// A metric's tables of the stage `compare`.
+#[derive(Debug, Clone, Copy)]
+pub struct ComparedMetric<'a> {
+    /// Its column in the table of metrics.
+    pub name: &'a str,
+    /// Means by condition.
+    pub means: &'a Table,
+    /// Differences between modes.
+    pub contrasts: &'a Table,
+}
+
+/// Means by metric, environment and mode.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+pub struct Matrix {
+    /// The modes.
+    pub head: Vec<String>,
+    /// Metric with its unit, environment, and a cell per mode: `1.617 ± 0.029 (6)`.
+    pub rows: Vec<Vec<String>>,
+    /// What stands in the cells, a sentence.
+    pub caption: String,
+}
+
+fn floats(table: &Table, stem: &str) -> Result<Vec<Option<f64>>, TableError> {
+    match &table.column_of(stem)?.values {
+        Values::Float(values) => Ok(values.clone()),
+        _ => table.floats(stem),
+    }
+}
+
+/// The metric in words, from the title of one of its tables.
+fn words(table: &Table) -> &str {
+    table.title().split_once(": ").map_or(table.title(), |(_, words)| words)
+}
+
+/// The means of every metric, environment and mode, as people read them.
+///
+/// # Errors
+/// Tables that are not of the stage `compare`.
+pub fn matrix(study: &Planned, metrics: &[ComparedMetric]) -> Result<Matrix, TableError> {
+    let mut matrix = Matrix {
+        head: study.modes.iter().map(|mode| mode.label.clone()).collect(),
+        ..Matrix::default()
+    };
+    for metric in metrics {
+        let means = for_people(metric.means, study.coordinate)?;
+        let unit = means.column_of("mean")?.field.unit.to_string();
+        let unit = if unit == "1" { String::new() } else { format!(" ({unit})") };
+        let (environments, modes) = (means.texts("environment")?, means.texts("mode")?);
+        let (mean, sd, n) = (floats(&means, "mean")?, floats(&means, "sd")?, means.integers("n")?);
+        for environment in &study.environments {
+            let of_mode = |mode: &str| {
+                let is = |row: &usize| {
+                    environments[*row].as_deref() == Some(environment.id.as_str())
+                        && modes[*row].as_deref() == Some(mode)
+                };
+                let row = (0..means.height()).find(is)?;
+                let spread = sd[row].map(|sd| format!(" ± {}", number(sd, Some(sd))));
+                let mean = number(mean[row]?, sd[row]);
+                Some(format!("{mean}{} ({})", spread.unwrap_or_default(), n[row]?))
+            };
+            let cells: Vec<Option<String>> =
+                study.modes.iter().map(|mode| of_mode(mode.id.as_str())).collect();
+            if cells.iter().any(Option::is_some) {
+                let cells = cells.into_iter().map(|cell| cell.unwrap_or_else(|| "–".to_owned()));
+                let first = [format!("{}{unit}", words(&means)), environment.label.clone()];
+                matrix.rows.push(first.into_iter().chain(cells).collect());
+            }
+        }
+        if matrix.caption.is_empty() && means.height() > 0 {
+            matrix.caption = caption(&unit_of_analysis(&means)?);
+        }
+    }
+    Ok(matrix)
+}
+
+/// `participants`, `trials of P01`.
+fn unit_of_analysis(table: &Table) -> Result<String, TableError> {
+    Ok(table.texts("unit_of_analysis")?.into_iter().flatten().next().unwrap_or_default())
+}
+
+fn caption(unit: &str) -> String {
+    match unit.strip_prefix("trials of ") {
+        Some(who) => format!(
+            "Mean ± standard deviation within {who}; in brackets the number of trials. \
+             Nothing is said of anybody else."
+        ),
+        None => format!("Mean ± standard deviation over {unit}; in brackets their number."),
+    }
+}
+
+/// What the contrasts of the primary metric, the first of `metrics`, say: first how many show a
+/// difference, then each in a sentence with effect, interval, n and unit. Of the other metrics, how
+/// many are compared.
+///
+/// # Errors
+/// Tables that are not of the stage `compare`.
+pub fn contrasts(study: &Planned, metrics: &[ComparedMetric]) -> Result<Vec<Finding>, TableError> {
+    let Some((primary, others)) = metrics.split_first() else { return Ok(Vec::new()) };
+    let table = for_people(primary.contrasts, study.coordinate)?;
+    let sentences = sentences(study, &table)?;
+    if sentences.is_empty() {
+        return Ok(Vec::new());
+    }
+    let exploratory = (!others.is_empty()).then(|| {
+        let names: Vec<&str> = others.iter().map(|metric| words(metric.contrasts)).collect();
+        let text = format!("Compared besides, exploratory: {}.", names.join("; "));
+        Finding { text, shown: Shown::Compared(others[0].name.to_owned()) }
+    });
+    let shown = Shown::Compared(primary.name.to_owned());
+    let texts = [answer(&table)?].into_iter().chain(sentences);
+    let found = texts.map(|text| Finding { text, shown: shown.clone() });
+    Ok(found.chain(exploratory).collect())
+}
+
+/// How many contrasts of the primary metric show a difference.
+fn answer(table: &Table) -> Result<String, TableError> {
+    let verdicts: Vec<String> = table.texts("verdict")?.into_iter().flatten().collect();
+    let differ = verdicts.iter().filter(|verdict| verdict.starts_with("different")).count();
+    let who = match unit_of_analysis(table)?.strip_prefix("trials of ") {
+        Some(who) => format!("Within {who}, the"),
+        None => "The".to_owned(),
+    };
+    let all = verdicts.len();
+    let of = match differ {
+        0 => format!("in none of {all} contrasts"),
+        differ => format!("in {differ} of {all} contrasts"),
+    };
+    Ok(format!("{who} modes were shown to differ in the primary metric, {}, {of}.", words(table)))
+}
+
+/// Each contrast in a sentence.
+fn sentences(study: &Planned, table: &Table) -> Result<Vec<String>, TableError> {
+    let unit = table.column_of("difference")?.field.unit.to_string();
+    let unit = if unit == "1" { String::new() } else { format!("\u{a0}{unit}") };
+    let (environments, contrasts) = (table.texts("environment")?, table.texts("contrast")?);
+    let verdicts = table.texts("verdict")?;
+    let n = table.integers("n")?;
+    let of = |stem| floats(table, stem);
+    let (difference, error) = (of("difference")?, of("difference_std_error")?);
+    let (low, high) = (of("difference_ci_low")?, of("difference_ci_high")?);
+    let p = of("p_adjusted")?;
+    let counted = unit_of_analysis(table)?;
+    let label = |id: &str| {
+        let known = study.environments.iter().find(|e| e.id.as_str() == id);
+        known.map_or_else(|| id.to_owned(), |e| e.label.clone())
+    };
+    let mut sentences = Vec::new();
+    for row in 0..table.height() {
+        let (Some(environment), Some(contrast)) = (&environments[row], &contrasts[row]) else {
+            continue;
+        };
+        let Some(estimate) = difference[row] else { continue };
+        let amount = format!("{}{unit}", number(estimate, error[row]));
+        let ends = low[row].zip(high[row]).map(|(low, high)| {
+            let [low, high] = [low, high].map(|end| number(end, error[row]));
+            format!("interval {low} to {high}, ")
+        });
+        let p = p[row].map(|p| format!(", adjusted p = {}", number(p, None)));
+        sentences.push(format!(
+            "{}, {contrast}: {} differs by {amount} ({}n = {} {counted}{}): {}.",
+            label(environment),
+            words(table),
+            ends.unwrap_or_default(),
+            n[row].unwrap_or_default(),
+            p.unwrap_or_default(),
+            verdicts[row].as_deref().unwrap_or("no test"),
+        ));
+    }
+    Ok(sentences)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_study::template;
+    use zwidth_tables::Column;
+
+    fn study() -> Planned {
+        Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
+    }
+
+    fn text(name: &'static str, values: &[&str]) -> Column {
+        Column::text(name, "", values.iter().map(|v| Some((*v).to_owned())))
+    }
+
+    fn means(unit: &str) -> Table {
+        let float = |name, values: [f64; 2]| Column::float(name, "rad", "", values.map(Some));
+        let columns = vec![
+            text("environment", &["spring", "spring"]),
+            text("mode", &["active", "hybrid"]),
+            text("unit_of_analysis", &[unit, unit]),
+            Column::integer("n", "1", "", [Some(6), Some(5)]),
+            float("mean_rad", [0.2, 0.1]),
+            float("sd_rad", [0.012, 0.025]),
+        ];
+        Table::new("means", "Means by condition: angle past the wall", columns).unwrap()
+    }
+
+    fn differences(unit: &str, verdict: &str) -> Table {
+        let float = |name, v: f64| Column::float(name, "rad", "", [Some(v)]);
+        let columns = vec![
+            text("environment", &["spring"]),
+            text("contrast", &["hybrid − active"]),
+            text("unit_of_analysis", &[unit]),
+            Column::integer("n", "1", "", [Some(6)]),
+            float("difference_rad", -0.1),
+            float("difference_std_error_rad", 0.02),
+            float("difference_ci_low_rad", -0.15),
+            float("difference_ci_high_rad", -0.05),
+            Column::float("p_adjusted", "1", "", [Some(0.0123)]),
+            text("verdict", &[verdict]),
+        ];
+        Table::new("contrasts", "Modes compared: angle past the wall", columns).unwrap()
+    }
+
+    fn texts(unit: &str, verdict: &str) -> Vec<String> {
+        let (means, contrasts_of) = (means(unit), differences(unit, verdict));
+        let metric = ComparedMetric { name: "past", means: &means, contrasts: &contrasts_of };
+        contrasts(&study(), &[metric]).unwrap().into_iter().map(|found| found.text).collect()
+    }
+
+    #[test]
+    fn the_matrix_has_mean_deviation_and_number_in_degrees_and_a_dash_where_nothing_is() {
+        let (means, contrasts) = (means("participants"), differences("participants", "different"));
+        let metric = ComparedMetric { name: "past", means: &means, contrasts: &contrasts };
+        let matrix = matrix(&study(), &[metric]).unwrap();
+        let row = ["angle past the wall (°)", "Spring", "11.46 ± 0.69 (6)", "–", "5.7 ± 1.4 (5)"];
+        assert_eq!(matrix.rows, [row.map(str::to_owned).to_vec()]);
+        assert!(matrix.caption.contains("over participants"), "{}", matrix.caption);
+    }
+
+    #[test]
+    fn a_difference_is_told_with_its_interval_its_n_and_its_unit_after_the_answer() {
+        let found = texts("participants", "different");
+        let answer = "The modes were shown to differ in the primary metric, angle past the wall, in 1 of 1 contrasts.";
+        assert_eq!(found[0], answer);
+        assert_eq!(
+            found[1],
+            "Spring, hybrid − active: angle past the wall differs by −5.7\u{a0}° (interval −8.6 to −2.9, \
+             n = 6 participants, adjusted p = 0.0123): different."
+        );
+    }
+
+    #[test]
+    fn with_one_participant_it_is_said_within_whom() {
+        let found = texts("trials of P01", "undecided");
+        assert!(found[0].starts_with("Within P01, the modes") && found[0].contains("in none of 1"));
+        assert!(found[1].contains("n = 6 trials of P01"), "{}", found[1]);
+    }
+}

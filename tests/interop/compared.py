@@ -1,0 +1,77 @@
+"""The stage `compare` against pandas, SciPy and statsmodels: a simulated study of six people in two sessions."""
+
+import tempfile
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+from statsmodels.stats.multitest import multipletests
+
+from checks import check, close, equal, run
+
+STUDY = "six"
+PEOPLE, SESSIONS = 6, 2
+# Numbers that come of a t distribution have nine digits.
+DIGITS = 2e-8
+
+
+def study(zwidth):
+    """Simulates, compares and checks every metric of a study."""
+    with tempfile.TemporaryDirectory() as folder:
+        run(zwidth, "--root", folder, "twin", STUDY, "--participants", PEOPLE, "--sessions", SESSIONS, "--quiet")
+        run(zwidth, "--root", folder, "run", STUDY, "--only", "compare", "--quiet")
+        derived = Path(folder) / "derived" / STUDY
+        metrics = pd.read_parquet(derived / "metrics.parquet")
+        files = sorted((derived / "compare").glob("contrasts_*.parquet"))
+        check(f"{STUDY}: some metrics are compared", len(files) > 3, str(len(files)))
+        for file in files:
+            contrasts(metrics, file, file.stem.removeprefix("contrasts_"))
+
+
+def stem(table, name):
+    """The column of that stem, whatever its unit."""
+    endings = ["", "_n", "_rad", "_s", "_j", "_n_per_rad"]
+    found = [name + ending for ending in endings if name + ending in table]
+    return table[found[0]]
+
+
+def contrasts(metrics, file, metric):
+    """One metric: everything from the trials again."""
+    found = pd.read_parquet(file)
+    cells = metrics.dropna(subset=[metric]).groupby(["participant", "session", "environment", "mode"])[metric].mean()
+    p_values = []
+    for i, row in found.iterrows():
+        label = f"{metric}: {row['environment']}, {row['contrast']}"
+        mode, against = row["contrast"].split(" − ")
+        of = cells.xs(row["environment"], level="environment").unstack("mode")
+        pairs = of[[mode, against]].dropna().groupby("participant").mean()
+        differences = (pairs[mode] - pairs[against]).to_numpy()
+        equal(f"{label}: n counts participants", row["n"], len(differences))
+        equal(f"{label}: the unit", row["unit_of_analysis"], "participants")
+        close(f"{label}: difference", stem(found, "difference")[i], differences.mean(), 1e-9)
+        test = stats.ttest_rel(pairs[mode], pairs[against])
+        ends = test.confidence_interval(0.95)
+        for name, expect in [
+            ("difference_std_error", stats.sem(differences)),
+            ("difference_ci_low", ends.low),
+            ("difference_ci_high", ends.high),
+            ("statistic", test.statistic),
+            ("p_value", test.pvalue),
+            ("d_av", differences.mean() / np.sqrt((pairs[mode].var() + pairs[against].var()) / 2)),
+            ("p_sign_flip", flipped(differences)),
+        ]:
+            close(f"{label}: {name}", stem(found, name)[i], expect, DIGITS)
+        ranks = stats.wilcoxon(differences, method="exact").pvalue
+        close(f"{label}: signed rank", row["p_signed_rank"], ranks, DIGITS)
+        p_values.append(test.pvalue)
+    adjusted = multipletests(p_values, method="holm")[1]
+    for found_p, expect in zip(found["p_adjusted"], adjusted):
+        close(f"{metric}: Holm", found_p, expect, DIGITS)
+
+
+def flipped(differences):
+    """The sign-flip test, every flip counted."""
+    sums = [abs(np.dot(signs, differences)) for signs in product([1, -1], repeat=len(differences))]
+    return np.mean(np.array(sums) >= abs(differences.sum()) * (1 - 1e-9))
