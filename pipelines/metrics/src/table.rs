@@ -17,7 +17,7 @@ pub fn table(rows: &[Row]) -> Result<Table, TableError> {
 }
 
 fn column(spec: &Spec, rows: &[Row]) -> Column {
-    let Spec { name, unit, description, get } = spec;
+    let Spec { name, unit, description, get, .. } = spec;
     match get {
         Get::Float(get) => Column::float(name, unit, description, rows.iter().map(get)),
         Get::Count(get) => Column::integer(name, unit, description, rows.iter().map(get)),
