@@ -45,6 +45,7 @@ pub use solve::adaptive::Tolerances;
 pub use solve::dormand_prince::DormandPrince;
 pub use solve::exact::{Exact, Prepared};
 pub use solve::moreau_jean::MoreauJean;
+pub use solve::named::{NAMED_SOLVERS, NamedSolver};
 pub use solve::rk4::Rk4;
 pub use solve::symplectic_euler::SymplecticEuler;
 pub use solve::tr_bdf2::TrBdf2;

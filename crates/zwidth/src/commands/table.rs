@@ -46,7 +46,7 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
             names.join(", ")
         );
     };
-    let wanted = [(asked.format.into(), file.as_path())];
+    let wanted = [(asked.format, file.as_path())];
     for bytes in table.to_bytes(&wanted, data.study.coordinate, &BTreeMap::new())? {
         screen.file(&String::from_utf8(bytes)?);
     }
