@@ -11,7 +11,7 @@ use super::{Context, Converted, Errors, all, once};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_store::StoreError;
-use zwidth_study::{Event, PlannedTrial, QuestionId, Study};
+use zwidth_study::{AnswerScale, Event, PlannedTrial, QuestionId, Study};
 
 /// One row: a trial without samples, and what was answered.
 struct Row {
@@ -104,7 +104,8 @@ fn convert(
     let read = |row: &usize| {
         let identity = identity(who, recording, *row, context.study)?;
         let answers = questions.iter().zip(&columns).map(|((id, _), column)| {
-            let value = given(context, recording, *column, *row)?;
+            let scale = context.study.question(id).map(|q| q.scale).unwrap_or_default();
+            let value = given(context, recording, scale, *column, *row)?;
             Ok::<_, StoreError>(value.map(|v| (id.clone(), v)))
         });
         Ok::<_, Errors>(Row { identity, answers: all(answers)?.into_iter().flatten().collect() })
@@ -112,7 +113,7 @@ fn convert(
     let found: Vec<Row> = all(rows.kept.iter().map(read))?;
     let mut report = context.file_report(recording, &rows, &[labels, columns].concat())?;
     let answers: usize = found.iter().map(|r| r.answers.len()).sum();
-    report.converted.push(format!("answers 1…5, as given, of {} questions", questions.len()));
+    report.converted.push(format!("answers, as given, of {} questions", questions.len()));
     let empty = match found.len() * questions.len() - answers {
         0 => String::new(),
         n => format!("; {n} empty answers left out"),
@@ -125,6 +126,7 @@ fn convert(
 fn given(
     context: &Context,
     recording: &Recording,
+    scale: AnswerScale,
     column: usize,
     row: usize,
 ) -> Result<Option<u8>, StoreError> {
@@ -133,7 +135,7 @@ fn given(
     }
     let cell = recording.table.columns[column].cell(row);
     let remedy = "mend the cell; leave empty ones out with missing = \"drop\" in [file]";
-    answer(&cell.to_string())
+    answer(&cell.to_string(), scale)
         .map(Some)
         .map_err(|what| recording.cell_error(column, row, &what, remedy))
 }

@@ -1,14 +1,21 @@
 //! Force against position for every environment side by side: the force discrepancy at a glance
 //! (Fig. 31).
 
-use crate::About;
 use crate::data::{ModeData, Scene, aligned, repeats_averaged};
 use crate::panels::{axis, mean_loop, repeat_loop};
 use crate::words::{Words, mark, plain, together};
+use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Colour};
 use zwidth_draw::{Cell, Figure, Layer, Line, Panel};
 use zwidth_store::Signal;
 use zwidth_tables::TableError;
+
+/// The figure [`loops`].
+pub const LOOPS: FigureKind = FigureKind {
+    stem: "loops",
+    shows: "force against position, all environments",
+    drawn_from: "trial",
+};
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 55.0;

@@ -1,6 +1,7 @@
 //! Figures 28 and 29: position, force and velocity against time, force against position; the mean
 //! of each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall.
 
+use crate::FigureKind;
 use crate::data::{Scene, aligned};
 use crate::panels::{axis, mean_loop, mean_over_time, repeat_loop, repeat_over_time, wall_line};
 use crate::words::{Words, mark, plain, time_axis, together};
@@ -8,6 +9,13 @@ use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, style};
 use zwidth_store::Signal;
 use zwidth_study::Alignment;
 use zwidth_tables::TableError;
+
+/// The figure [`modes`].
+pub const MODES: FigureKind = FigureKind {
+    stem: "modes",
+    shows: "position, force and velocity against time, force against position",
+    drawn_from: "trial",
+};
 
 /// Height of one of the three panels against time, mm.
 const PANEL_MM: f64 = 30.0;

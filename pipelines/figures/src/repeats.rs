@@ -1,10 +1,15 @@
 //! Figures 36–41: every repeat of one condition; the commanded force dotted.
 
+use crate::FigureKind;
 use crate::data::{ModeData, Repeat, Scene};
 use crate::panels::{axis, on_axis, repeat_loop, repeat_over_time, wall_line};
 use crate::words::{Words, mark, plain, time_axis, together};
 use zwidth_draw::{Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, style};
 use zwidth_store::Signal;
+
+/// The figure [`repeats`].
+pub const REPEATS: FigureKind =
+    FigureKind { stem: "repeats", shows: "every repeat of one condition", drawn_from: "trial" };
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 45.0;

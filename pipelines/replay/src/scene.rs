@@ -6,7 +6,7 @@ use serde::Serialize;
 use zwidth_dynamics::{
     Brake, BrakeLaw, Environment, Friction, Input, Mode, Motor, Plant, Scene, Series, Start, Terms,
 };
-use zwidth_study::{Calibration, Scene as Rendered, Study};
+use zwidth_study::{ActuatorKind, Calibration, ForceLaw, ModeLaw, Scene as Rendered, Study};
 
 /// Lags below this are none, s: far below any sample's interval.
 const LEAST_LAG_S: f64 = 1e-6;
@@ -79,6 +79,8 @@ pub struct Rendering {
     pub motor_max_v: f64,
     /// Highest brake voltage of the mode, V; 0 where it uses none.
     pub brake_max_v: f64,
+    /// Which of them is in charge when.
+    pub law: Option<ModeLaw>,
     /// Lever length L, m.
     pub lever_m: Option<f64>,
     /// The ends of the work space, rad.
@@ -102,6 +104,7 @@ impl Rendering {
             rendered: environment.scene,
             motor_max_v: mode.motor_max_v.unwrap_or(0.0),
             brake_max_v: mode.brake_max_v.unwrap_or(0.0),
+            law: mode.law(),
             lever_m: device.lever_m,
             stops_rad: device.theta_min_rad.zip(device.theta_max_rad).map(|(a, b)| [a, b]),
             let_go_n: study.control.let_go_n,
@@ -111,22 +114,22 @@ impl Rendering {
 
     /// Which actuators the mode uses; a mode with none has a motor that gives nothing.
     fn mode(&self) -> Mode {
-        match (self.motor_max_v > 0.0, self.brake_max_v > 0.0) {
-            (true, true) => Mode::Hybrid,
-            (false, true) => Mode::Passive,
-            (_, false) => Mode::Active,
-        }
+        let by_motor = |law: ModeLaw| law.drives().map(|drive| drive == ActuatorKind::Motor);
+        let of_law = |law| Mode::ALL.into_iter().find(|mode| mode.by_motor() == by_motor(law));
+        self.law.and_then(of_law).unwrap_or(Mode::Active)
     }
 
     fn environment(&self) -> Result<Environment, WhyNot> {
-        let spring =
-            |s: zwidth_study::Spring| Environment::spring(s.stiffness_n_per_rad, 0.0, s.rest_rad);
-        match self.rendered {
-            Rendered::None => Err(WhyNot::NotRendered),
-            Rendered::Free => Ok(Environment::free()),
-            Rendered::Spring(s) => Ok(spring(s)),
-            Rendered::SpringWall { spring: s, wall_rad } => Ok(spring(s).with_wall(wall_rad)),
-        }
+        let ForceLaw { stiffness_n_per_rad, damping_ns_per_rad, rest_rad, wall_rad } =
+            self.rendered.law().ok_or(WhyNot::NotRendered)?;
+        let base = match self.rendered {
+            Rendered::Free => Environment::free(),
+            _ => Environment::spring(stiffness_n_per_rad, damping_ns_per_rad, rest_rad),
+        };
+        Ok(match wall_rad {
+            Some(wall_rad) => base.with_wall(wall_rad),
+            None => base,
+        })
     }
 
     /// The most motor and brake give in this mode, N; in a free environment nothing is asked of

@@ -3,7 +3,7 @@
 use crate::Planned;
 use crate::people::simulated;
 use crate::trials::Trials;
-use zwidth_study::{Environment, EnvironmentId, Likert, Mode};
+use zwidth_study::{AnswerScale, Environment, EnvironmentId, Mode};
 use zwidth_tables::{Table, TableError};
 
 /// Up to this share returned energy counts as none: a released lever moves on a little.
@@ -202,7 +202,7 @@ fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Findin
                     && questions[*row].as_deref() == Some(question.as_str())
             };
             let row = (0..tally.height()).find(is)?;
-            let median = median(low[row]?, high[row]?);
+            let median = median(study.scale(question), low[row]?, high[row]?);
             Some(format!("{median} with {} (n = {})", mode.label.to_lowercase(), n[row]?))
         };
         let list: Vec<String> = study.modes.iter().filter_map(of_mode).collect();
@@ -217,8 +217,8 @@ fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Findin
 }
 
 /// `4 (agree)`, or `3 to 4` where the two middle answers differ.
-fn median(low: i64, high: i64) -> String {
-    let word = usize::try_from(low - 1).ok().and_then(|i| Likert::WORDS.get(i));
+fn median(scale: AnswerScale, low: i64, high: i64) -> String {
+    let word = u8::try_from(low).ok().and_then(|answer| scale.word(answer));
     match word {
         Some(word) if low == high => format!("{low} ({word})"),
         _ if low == high => low.to_string(),
@@ -312,6 +312,6 @@ mod tests {
             |source| texts(&[Row { source, ..row("spring", "active") }], Some(&tally))[2].clone();
         assert_eq!(of("recorded"), "Spring: the median answer was 4 (agree) with active (n = 6).");
         assert!(of("twin").contains("the median simulated answer was"));
-        assert_eq!(median(3, 4), "3 to 4");
+        assert_eq!(median(AnswerScale::FivePoint, 3, 4), "3 to 4");
     }
 }

@@ -3,7 +3,7 @@
 use crate::Run;
 use crate::run::highest;
 use serde::Serialize;
-use zwidth_dynamics::{FingerLaw, Mode, Verdict};
+use zwidth_dynamics::{FingerLaw, Verdict};
 
 /// What a person wants to know of a run first. SI units and radians.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -86,7 +86,7 @@ impl Summary {
         Self {
             scene: scene.name.clone(),
             environment: scene.environment.name.clone(),
-            mode: mode_word(scene.mode),
+            mode: scene.mode.as_str(),
             solver: run.solver.clone(),
             step_s: scene.step_s,
             samples: of.len(),
@@ -118,14 +118,6 @@ fn fast_swings(run: &Run) -> [FastSwings; 3] {
         FastSwings { step_s, count: swings.count, amplitude_rad: swings.amplitude_rad }
     };
     [at(0, 1.0), at(1, 0.5), at(2, 0.25)]
-}
-
-fn mode_word(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Active => "active",
-        Mode::Passive => "passive",
-        Mode::Hybrid => "hybrid",
-    }
 }
 
 fn finger_word(law: FingerLaw) -> &'static str {
@@ -165,6 +157,7 @@ pub(crate) fn verdict_meaning(verdict: Verdict) -> &'static str {
 mod tests {
     use super::*;
     use crate::{DEFAULT_TOLERANCE, simulate, solver};
+    use zwidth_dynamics::Mode;
     use zwidth_dynamics::{Input, table3};
 
     fn summary(name: &str) -> Summary {

@@ -11,7 +11,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use zwidth_dynamics::DrivenState;
 use zwidth_study::{
-    Calibration, Environment, Sample, Scene, Spring, Study, StudyId, Voltages, template,
+    AnswerScale, Calibration, Environment, Sample, Scene, Spring, Study, StudyId, Voltages,
+    template,
 };
 
 pub(super) const SPRING: Spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 };
@@ -150,7 +151,7 @@ pub(super) fn rehearse(
     assert!(matches!(run.end, TrialEnd::Limit | TrialEnd::LetGo), "{:?}", run.end);
     let rows =
         device.states.iter().zip(&samples).map(|(&state, &sample)| Row { state, sample }).collect();
-    Rehearsal { rows, intent: *twin.intent(), answer: twin.answer().unwrap() }
+    Rehearsal { rows, intent: *twin.intent(), answer: twin.answer(AnswerScale::FivePoint).unwrap() }
 }
 
 /// A device drawn from the whole range, every third number from an end of it, and a participant.
