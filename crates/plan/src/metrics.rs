@@ -91,7 +91,7 @@ fn make_study(
     tables: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let all = zwidth_metrics::together(&read_tables(tables)?)?.ok_or("there is no trial")?;
+    let all = zwidth_metrics::join_conditions(&read_tables(tables)?)?.ok_or("there is no trial")?;
     let conditions = zwidth_metrics::by_condition(&all, conditions)?;
     made(&[all, conditions], making, Vec::new())
 }

@@ -105,7 +105,8 @@ fn make_condition(
 }
 
 fn make_study(level: &f64, tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    let replays = zwidth_replay::together(&read_tables(tables)?)?.ok_or("there is no trial")?;
+    let replays =
+        zwidth_replay::join_conditions(&read_tables(tables)?)?.ok_or("there is no trial")?;
     let agreement = zwidth_replay::agreement(&replays, *level)?;
     made(&[replays, agreement], making, Vec::new())
 }

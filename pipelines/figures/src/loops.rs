@@ -3,7 +3,7 @@
 
 use crate::data::{ModeData, Scene, aligned, repeats_averaged};
 use crate::panels::{axis, mean_loop, repeat_loop};
-use crate::words::{Words, mark, plain, together};
+use crate::words::{Words, keep_together, mark, plain};
 use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Colour};
 use zwidth_draw::{Cell, Figure, Layer, Line, Panel};
@@ -47,7 +47,7 @@ pub fn loops(about: &About, scenes: &[Scene]) -> Result<Figure, TableError> {
             "{}: {load_word} against {} ({})",
             about.title,
             words.position_word(),
-            together(who)
+            keep_together(who)
         ))),
         description: format!(
             "{who}: {load_word} against {} there and back, one panel a mode, one loop an environment.",

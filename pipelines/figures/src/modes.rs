@@ -4,7 +4,7 @@
 use crate::FigureKind;
 use crate::data::{Scene, aligned};
 use crate::panels::{axis, mean_loop, mean_over_time, repeat_loop, repeat_over_time, wall_line};
-use crate::words::{Words, mark, plain, time_axis, together};
+use crate::words::{Words, keep_together, mark, plain, time_axis};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, style};
 use zwidth_store::Signal;
 use zwidth_study::Alignment;
@@ -35,7 +35,7 @@ pub fn modes(scene: &Scene) -> Result<Figure, TableError> {
             "{}: {} ({})",
             scene.about.title,
             scene.environment.label,
-            together(&scene.who)
+            keep_together(&scene.who)
         ))),
         description: describe(scene, words),
         panels,

@@ -3,7 +3,7 @@
 use crate::FigureKind;
 use crate::data::{ModeData, Repeat, Scene};
 use crate::panels::{axis, on_axis, repeat_loop, repeat_over_time, wall_line};
-use crate::words::{Words, mark, plain, time_axis, together};
+use crate::words::{Words, keep_together, mark, plain, time_axis};
 use zwidth_draw::{Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, style};
 use zwidth_store::Signal;
 
@@ -28,7 +28,7 @@ pub fn repeats(scene: &Scene, mode: &ModeData) -> Figure {
             "{}: every repeat, {} ({})",
             scene.environment.label,
             mode.label.to_lowercase(),
-            together(&scene.who),
+            keep_together(&scene.who),
         ))),
         description: format!(
             "{}, environment {}, mode {}: all {} repeats. Force against {}, then {} and velocity against time. Dotted: \

@@ -1,7 +1,7 @@
 //! Figure 24, reality against simulation: forces, position and velocity against time of one
 //! recorded trial a mode, and those of the model that was given its external force.
 
-use crate::words::{Words, mark, plain, time_axis, together};
+use crate::words::{Words, keep_together, mark, plain, time_axis};
 use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, Panel, Reference};
@@ -126,7 +126,7 @@ fn figure(
             "{}: {}, reality against model ({})",
             about.title,
             environment.label,
-            together(who)
+            keep_together(who)
         ))),
         description: format!(
             "{who}, environment {}: forces, {} and velocity against time of one recorded trial a mode, and of the \

@@ -67,7 +67,7 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
 ///
 /// # Errors
 /// Tables that are not of this stage.
-pub fn together(conditions: &[Table]) -> Result<Option<Table>, TableError> {
+pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, TableError> {
     of_trials("metrics", "Metrics, one row a trial", conditions)
 }
 

@@ -44,7 +44,7 @@ mod testing;
 mod wall;
 
 pub use compliance::Compliance;
-pub use conditions::{by_condition, together};
+pub use conditions::{by_condition, join_conditions};
 pub use discrepancy::Discrepancy;
 pub use error::MetricsError;
 pub use movement::Movement;

@@ -46,7 +46,7 @@ pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};
 pub use replay::{Outcome, Row, replay};
 pub use scene::{Parameters, Rendering};
-pub use table::{table, together};
+pub use table::{join_conditions, table};
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 3;

@@ -87,7 +87,7 @@ pub fn table(rows: &[Row]) -> Result<Table, ReplayError> {
 ///
 /// # Errors
 /// Tables that are not of this stage.
-pub fn together(conditions: &[Table]) -> Result<Option<Table>, ReplayError> {
+pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, ReplayError> {
     Ok(of_trials(NAME, TITLE, conditions)?)
 }
 

@@ -1,6 +1,6 @@
 //! What recording needs: the study as it is to be run, the device, seeds, and the folder of seals.
 
-use super::{study, together};
+use super::{join_findings, study};
 use crate::args::Keys;
 use crate::devices::Occasion;
 use crate::text::beside;
@@ -26,7 +26,7 @@ pub(super) struct Bench {
 /// device's parameters.
 pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::Result<Bench> {
     let layout = study(root, id)?;
-    let mut study = read_study(&layout).map_err(|findings| together(&findings))?;
+    let mut study = read_study(&layout).map_err(|findings| join_findings(&findings))?;
     study.control.rate_hz = rate_hz.unwrap_or(study.control.rate_hz);
     let path = layout.raw().join("calibration.toml");
     let calibration = match beside(&path)? {

@@ -1,7 +1,7 @@
 //! `zwidth run`: the main job. Raw data to every figure, table and summary; does only what changed.
 
 use super::near::did_you_mean;
-use super::{nameless, studies, together};
+use super::{join_findings, nameless, studies};
 use crate::args::Run;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -70,7 +70,7 @@ pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result
 
 fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcome> {
     let start = Instant::now();
-    let data = StudyData::load(layout).map_err(|findings| together(&findings))?;
+    let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
     let found = findings(&RealFiles, &data);
     let jobs = plan::jobs(&data, &found);
     check_only(&jobs, command)?;

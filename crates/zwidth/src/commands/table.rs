@@ -20,7 +20,7 @@ struct Entry {
 
 pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
-    let data = StudyData::load(&layout).map_err(|findings| super::together(&findings))?;
+    let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
     let files: Vec<_> = plan::printed_tables(&data).into_iter().filter(|f| f.exists()).collect();
     if files.is_empty() {
         bail!("{} has no tables yet; make them with `zwidth run {}`", asked.study, asked.study);
