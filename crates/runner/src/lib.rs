@@ -33,7 +33,7 @@ mod state;
 mod trace;
 
 pub use change::{Change, Field, FileChange, How};
-pub use job::{Inputs, Job, JobError, Made, Making, Stage};
+pub use job::{Inputs, Job, JobError, Made, Making, Stage, strip_root};
 pub use plan::wanted;
 pub use provenance::{ORIGIN, Provenance, origins};
 pub use record::{Record, Records};
