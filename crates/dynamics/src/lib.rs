@@ -57,4 +57,4 @@ pub use system::linear::LinearPart;
 pub use system::region::{Contact, Motion, Region, Side};
 pub use system::transition::EventKind;
 pub use trajectory::{Event, Forces, Trajectory, WorkCounts};
-pub use verdict::{Judgement, Swings, Verdict, fast_swings, judge};
+pub use verdict::{Judgement, RunVerdict, Swings, fast_swings, judge};

@@ -38,6 +38,6 @@ pub use plan::wanted;
 pub use provenance::{ORIGIN, Provenance, origins};
 pub use record::{Record, Records};
 pub use results::Results;
-pub use run::{Done, Options, Report, Verdict, run};
+pub use run::{Done, JobEnd, Options, Report, run};
 pub use state::{Again, State, states};
 pub use trace::{Source, Step, Trace, trace};

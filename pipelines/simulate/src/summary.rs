@@ -3,7 +3,7 @@
 use crate::Run;
 use crate::run::highest;
 use serde::Serialize;
-use zwidth_dynamics::{FingerLaw, Verdict};
+use zwidth_dynamics::{FingerLaw, RunVerdict};
 
 /// What a person wants to know of a run first. SI units and radians.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -128,28 +128,30 @@ fn finger_word(law: FingerLaw) -> &'static str {
 }
 
 /// A verdict in a word or two.
-pub fn verdict_word(verdict: Verdict) -> &'static str {
+pub fn verdict_word(verdict: RunVerdict) -> &'static str {
     match verdict {
-        Verdict::Smooth => "smooth",
-        Verdict::NumericalChattering => "numerical chattering",
-        Verdict::LimitCycle => "limit cycle",
-        Verdict::UnstableStep => "unstable step",
-        Verdict::Failed => "failed",
+        RunVerdict::Smooth => "smooth",
+        RunVerdict::NumericalChattering => "numerical chattering",
+        RunVerdict::LimitCycle => "limit cycle",
+        RunVerdict::UnstableStep => "unstable step",
+        RunVerdict::Failed => "failed",
     }
 }
 
 /// A verdict as a clause.
-pub(crate) fn verdict_meaning(verdict: Verdict) -> &'static str {
+pub(crate) fn verdict_meaning(verdict: RunVerdict) -> &'static str {
     match verdict {
-        Verdict::Smooth => "verdict smooth",
-        Verdict::NumericalChattering => {
+        RunVerdict::Smooth => "verdict smooth",
+        RunVerdict::NumericalChattering => {
             "verdict numerical chattering (the fast swings are the method's: they vanish with the step)"
         }
-        Verdict::LimitCycle => {
+        RunVerdict::LimitCycle => {
             "verdict limit cycle (the fast swings are the model's: they stay as the step goes to zero)"
         }
-        Verdict::UnstableStep => "verdict unstable step (outside of the method's stability region)",
-        Verdict::Failed => "verdict failed (half the step or a quarter of it could not be run)",
+        RunVerdict::UnstableStep => {
+            "verdict unstable step (outside of the method's stability region)"
+        }
+        RunVerdict::Failed => "verdict failed (half the step or a quarter of it could not be run)",
     }
 }
 
