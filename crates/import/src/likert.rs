@@ -14,7 +14,7 @@ use zwidth_store::StoreError;
 use zwidth_study::{AnswerScale, Event, PlannedTrial, QuestionId, Study};
 
 /// One row: a trial without samples, and what was answered.
-struct Row {
+struct Answered {
     identity: Identity,
     answers: Vec<(QuestionId, u8)>,
 }
@@ -43,7 +43,7 @@ pub(super) fn likert(
     let identities: Vec<Identity> = rows.iter().map(|r| r.identity.clone()).collect();
     let planned = number_trials(context, &identities, false)?;
     once::answers(context, &converted)?;
-    let events = |(row, number): (&Row, &PlannedTrial)| {
+    let events = |(row, number): (&Answered, &PlannedTrial)| {
         let event = |(question, value)| Event::Answer { trial: number.trial, question, value };
         row.answers.iter().cloned().map(event).collect()
     };
@@ -96,7 +96,7 @@ fn convert(
     questions: &[(QuestionId, ColumnRef)],
     budget: &Budget,
     recording: &Recording,
-) -> Result<(Vec<Row>, FileReport), Errors> {
+) -> Result<(Vec<Answered>, FileReport), Errors> {
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let columns = all(questions.iter().map(|(_, column)| recording.find(column)))?;
     let rows = recording.rows(&context.mapping.file, &[], &labels)?;
@@ -108,9 +108,12 @@ fn convert(
             let value = given(context, recording, scale, *column, *row)?;
             Ok::<_, StoreError>(value.map(|v| (id.clone(), v)))
         });
-        Ok::<_, Errors>(Row { identity, answers: all(answers)?.into_iter().flatten().collect() })
+        Ok::<_, Errors>(Answered {
+            identity,
+            answers: all(answers)?.into_iter().flatten().collect(),
+        })
     };
-    let found: Vec<Row> = all(rows.kept.iter().map(read))?;
+    let found: Vec<Answered> = all(rows.kept.iter().map(read))?;
     let mut report = context.file_report(recording, &rows, &[labels, columns].concat())?;
     let answers: usize = found.iter().map(|r| r.answers.len()).sum();
     report.converted.push(format!("answers, as given, of {} questions", questions.len()));

@@ -46,7 +46,7 @@ pub enum LikertError {
 }
 
 /// One row of the table.
-struct Row<'a> {
+struct TallyRow<'a> {
     environment: &'a EnvironmentId,
     mode: &'a ModeId,
     /// `None` where a group is pooled.
@@ -99,7 +99,8 @@ pub fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Table, LikertError> 
         for mode in &scheme.modes {
             let condition = Condition { environment: environment.clone(), mode: mode.clone() };
             let questions = questions(&counts, &condition, scheme);
-            let row = |question, group, counts| Row { environment, mode, question, group, counts };
+            let row =
+                |question, group, counts| TallyRow { environment, mode, question, group, counts };
             rows.extend(
                 questions.iter().map(|(q, c)| row(Some(*q), q.group.as_deref(), (*c).clone())),
             );
@@ -193,7 +194,7 @@ fn turned(scales: &[AnswerScale]) -> String {
 }
 
 /// How often a point was chosen; null on a scale without it.
-fn count_column(rows: &[Row], scales: &[AnswerScale], point: u8) -> Column {
+fn count_column(rows: &[TallyRow], scales: &[AnswerScale], point: u8) -> Column {
     let words: Vec<&str> = scales.iter().filter_map(|scale| scale.word(point)).collect();
     let values = rows.iter().map(|r| r.counts.of_point(point).map(|n| n as i64));
     let mut column = Column::integer("count", "1", "", values);
@@ -202,11 +203,11 @@ fn count_column(rows: &[Row], scales: &[AnswerScale], point: u8) -> Column {
     column
 }
 
-fn columns(rows: &[Row], scales: &[AnswerScale]) -> Vec<Column> {
-    let text = |name, meaning, get: fn(&Row) -> Option<String>| {
+fn columns(rows: &[TallyRow], scales: &[AnswerScale]) -> Vec<Column> {
+    let text = |name, meaning, get: fn(&TallyRow) -> Option<String>| {
         Column::text(name, meaning, rows.iter().map(get))
     };
-    let number = |name, meaning, get: fn(&Row) -> Option<i64>| {
+    let number = |name, meaning, get: fn(&TallyRow) -> Option<i64>| {
         Column::integer(name, "1", meaning, rows.iter().map(get))
     };
     let mut reversed =

@@ -1,14 +1,14 @@
 //! The columns of the metrics: name, unit, meaning, and where each stands in a row.
 
-use crate::{RecordedStability, Row};
+use crate::{RecordedStability, TrialMetrics};
 use zwidth_numerics::spectrum::BandPower;
 
 /// Where a value stands in a row.
 pub(crate) enum Get {
-    Float(fn(&Row) -> Option<f64>),
-    Count(fn(&Row) -> Option<i64>),
-    Flag(fn(&Row) -> Option<bool>),
-    Word(fn(&Row) -> Option<&'static str>),
+    Float(fn(&TrialMetrics) -> Option<f64>),
+    Count(fn(&TrialMetrics) -> Option<i64>),
+    Flag(fn(&TrialMetrics) -> Option<bool>),
+    Word(fn(&TrialMetrics) -> Option<&'static str>),
 }
 
 /// A column.
@@ -32,7 +32,7 @@ const fn float(
     name: &'static str,
     unit: &'static str,
     description: &'static str,
-    get: fn(&Row) -> Option<f64>,
+    get: fn(&TrialMetrics) -> Option<f64>,
 ) -> Spec {
     Spec { name, unit, description, get: Get::Float(get), summarised: false }
 }
@@ -40,7 +40,7 @@ const fn float(
 const fn count(
     name: &'static str,
     description: &'static str,
-    get: fn(&Row) -> Option<i64>,
+    get: fn(&TrialMetrics) -> Option<i64>,
 ) -> Spec {
     Spec { name, unit: "1", description, get: Get::Count(get), summarised: false }
 }
@@ -48,7 +48,7 @@ const fn count(
 const fn flag(
     name: &'static str,
     description: &'static str,
-    get: fn(&Row) -> Option<bool>,
+    get: fn(&TrialMetrics) -> Option<bool>,
 ) -> Spec {
     Spec { name, unit: "1", description, get: Get::Flag(get), summarised: false }
 }
@@ -56,7 +56,7 @@ const fn flag(
 const fn word(
     name: &'static str,
     description: &'static str,
-    get: fn(&Row) -> Option<&'static str>,
+    get: fn(&TrialMetrics) -> Option<&'static str>,
 ) -> Spec {
     Spec { name, unit: "1", description, get: Get::Word(get), summarised: false }
 }

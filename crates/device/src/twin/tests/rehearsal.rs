@@ -41,13 +41,13 @@ pub(super) const MODES: [Mode; 3] = [Mode::Active, Mode::Passive, Mode::Hybrid];
 
 /// One tick: the plant's true state when it was read, and the sample made of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Row {
+pub(super) struct RehearsedTick {
     pub(super) state: DrivenState,
     pub(super) sample: Sample,
 }
 
 pub(super) struct Rehearsal {
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<RehearsedTick>,
     pub(super) intent: Intent,
     pub(super) answer: u8,
 }
@@ -149,8 +149,12 @@ pub(super) fn rehearse(
     let run =
         run_trial(&mut device, &mut clock, &mut controller, &mut guard, &plan, &stop, &mut sink);
     assert!(matches!(run.end, TrialEnd::Limit | TrialEnd::LetGo), "{:?}", run.end);
-    let rows =
-        device.states.iter().zip(&samples).map(|(&state, &sample)| Row { state, sample }).collect();
+    let rows = device
+        .states
+        .iter()
+        .zip(&samples)
+        .map(|(&state, &sample)| RehearsedTick { state, sample })
+        .collect();
     Rehearsal { rows, intent: *twin.intent(), answer: twin.answer(AnswerScale::FivePoint).unwrap() }
 }
 
