@@ -43,7 +43,7 @@ pub use about::{About, Caption, FigureKind};
 pub use bow_tie::bow_tie;
 pub use characteristic::{CHARACTERISTIC, Characterised, characteristic};
 pub use chattering::chattering;
-pub use data::{ModeData, Repeat, SIGNALS, Scene, average_columns};
+pub use data::{EnvironmentData, ModeData, Repeat, SIGNALS, average_columns};
 pub use environment::{ENVIRONMENT, Placement, environment};
 pub use export::data_table;
 pub use freemotion::{FREE_MOTION, free_motion};
