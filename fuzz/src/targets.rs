@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
-use zwidth_dynamics::{Scene, System};
+use zwidth_dynamics::{ModelScene, System};
 use zwidth_import::Mapping;
 use zwidth_import::readers::readers;
 use zwidth_runner::{Records, Results};
@@ -109,7 +109,7 @@ fn mapping(bytes: &[u8]) {
 }
 
 fn scene(bytes: &[u8]) {
-    if let Ok(scene) = Scene::from_toml(&text(bytes)) {
+    if let Ok(scene) = ModelScene::from_toml(&text(bytes)) {
         let _ = System::new(scene);
     }
 }

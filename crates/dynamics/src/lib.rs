@@ -1,6 +1,6 @@
 //! The device's hybrid dynamics: scenes as values, models, actuators, and solvers behind one trait.
 //!
-//! A [`Scene`] says what is simulated. [`System::new`] checks it and turns it into regions, in each
+//! A [`ModelScene`] says what is simulated. [`System::new`] checks it and turns it into regions, in each
 //! of which the motion is smooth, and rules for passing from one to the next. A [`Solver`] moves a
 //! system along a [`Grid`] of times and returns a [`Trajectory`]. Solvers know no scene, scenes
 //! know no solver. Equation numbers in parentheses are the thesis'. Nothing here reads a file or
@@ -40,7 +40,7 @@ pub use scene::plant::{Plant, Start};
 pub use scene::terms::gravity::Gravity;
 pub use scene::terms::pull::Pull;
 pub use scene::terms::{Affine, Curve, Parameter, Term, Terms};
-pub use scene::{Scene, table3, terms};
+pub use scene::{ModelScene, table3, terms};
 pub use solve::adaptive::Tolerances;
 pub use solve::dormand_prince::DormandPrince;
 pub use solve::exact::{Exact, Prepared};

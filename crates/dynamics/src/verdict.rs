@@ -154,7 +154,7 @@ mod tests {
     use super::*;
     use crate::scene::actuators::Mode;
     use crate::scene::input::Input;
-    use crate::scene::{Scene, table3};
+    use crate::scene::{ModelScene, table3};
     use crate::solve::Switching;
     use crate::solve::exact::Exact;
     use crate::solve::moreau_jean::MoreauJean;
@@ -166,12 +166,12 @@ mod tests {
         Rk4 { switching: Switching::PerStage }
     }
 
-    fn check(solver: &dyn Solver, scene: Scene, h: f64, expect: RunVerdict) {
+    fn check(solver: &dyn Solver, scene: ModelScene, h: f64, expect: RunVerdict) {
         let judgement = judge(solver, &System::new(scene).unwrap(), h);
         assert_eq!(judgement.verdict, expect, "{} at {h}: {judgement:?}", solver.name());
     }
 
-    fn sticking() -> Scene {
+    fn sticking() -> ModelScene {
         table3::scene(Mode::Hybrid, Input::sine(2.15))
     }
 
@@ -228,7 +228,7 @@ mod tests {
     }
 
     /// The unsaturated system of a scene.
-    fn unsaturated(mut scene: Scene) -> System {
+    fn unsaturated(mut scene: ModelScene) -> System {
         scene.mode = Mode::Active;
         scene.motor.max_n = 1e30;
         scene.plant.stops_rad = None;

@@ -4,9 +4,10 @@
 use crate::WhyNot;
 use serde::Serialize;
 use zwidth_dynamics::{
-    Brake, BrakeLaw, Environment, Friction, Input, Mode, Motor, Plant, Scene, Series, Start, Terms,
+    Brake, BrakeLaw, Environment, Friction, Input, Mode, ModelScene, Motor, Plant, Series, Start,
+    Terms,
 };
-use zwidth_study::{ActuatorKind, Calibration, ForceLaw, ModeLaw, Scene as Rendered, Study};
+use zwidth_study::{ActuatorKind, Calibration, ForceLaw, ModeLaw, Scene, Study};
 
 /// Lags below this are none, s: far below any sample's interval.
 const LEAST_LAG_S: f64 = 1e-6;
@@ -61,11 +62,11 @@ impl Parameters {
     }
 
     /// The same plant in a scene.
-    pub(crate) fn put(&self, scene: &Scene) -> Scene {
+    pub(crate) fn put(&self, scene: &ModelScene) -> ModelScene {
         let plant = Plant { mass_kg: self.mass_kg, ..scene.plant };
         let motor = Motor { lag_s: self.motor_lag_s(), ..scene.motor };
         let brake = Brake { lag_on_off_s: self.brake_lag_on_off_s(), ..scene.brake };
-        Scene { plant, motor, brake, friction: Some(self.friction()), ..scene.clone() }
+        ModelScene { plant, motor, brake, friction: Some(self.friction()), ..scene.clone() }
     }
 }
 
@@ -74,7 +75,7 @@ impl Parameters {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rendering {
     /// What was rendered.
-    pub rendered: Rendered,
+    pub rendered: Scene,
     /// Highest motor voltage of the mode, V; 0 where it uses none.
     pub motor_max_v: f64,
     /// Highest brake voltage of the mode, V; 0 where it uses none.
@@ -123,7 +124,7 @@ impl Rendering {
         let ForceLaw { stiffness_n_per_rad, damping_ns_per_rad, rest_rad, wall_rad } =
             self.rendered.law().ok_or(WhyNot::NotRendered)?;
         let base = match self.rendered {
-            Rendered::Free => Environment::free(),
+            Scene::Free => Environment::free(),
             _ => Environment::spring(stiffness_n_per_rad, damping_ns_per_rad, rest_rad),
         };
         Ok(match wall_rad {
@@ -136,7 +137,7 @@ impl Rendering {
     /// them.
     fn limits_n(&self) -> Result<(f64, f64), WhyNot> {
         match (self.rendered, &self.calibration) {
-            (Rendered::Free, _) => Ok((0.0, 0.0)),
+            (Scene::Free, _) => Ok((0.0, 0.0)),
             (_, None) => Err(WhyNot::NoCalibration),
             (_, Some(c)) => {
                 Ok((c.motor.force_n(self.motor_max_v), c.brake.force_n(self.brake_max_v)))
@@ -178,12 +179,12 @@ impl Rendering {
         input: Series,
         start: Start,
         duration_s: f64,
-    ) -> Result<Scene, WhyNot> {
+    ) -> Result<ModelScene, WhyNot> {
         let lever_m = self.lever_m.ok_or(WhyNot::NoLever)?;
         let (motor_n, brake_n) = self.limits_n()?;
         let within = |[low, high]: [f64; 2]| start.theta_rad.clamp(low, high);
         let theta_rad = self.stops_rad.map_or(start.theta_rad, within);
-        Ok(Scene {
+        Ok(ModelScene {
             name: "replay".to_owned(),
             mode: self.mode(),
             duration_s,

@@ -4,7 +4,7 @@
 use crate::run::{grid, highest};
 use crate::summary::verdict_word;
 use crate::{DEFAULT_TOLERANCE, SimulateError, solver};
-use zwidth_dynamics::{Exact, Judgement, Scene, Solver, System, judge};
+use zwidth_dynamics::{Exact, Judgement, ModelScene, Solver, System, judge};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Steps for a table of chattering, s: from the thesis' 8.3 ms to 0.05 ms, about evenly spaced in
@@ -33,7 +33,7 @@ struct Found {
 /// An unknown solver, a scene that makes no sense or that the exact solver cannot run (it is the
 /// reference), or too many samples.
 pub fn chattering_table(
-    scene: &Scene,
+    scene: &ModelScene,
     solvers: &[&str],
     steps_s: &[f64],
 ) -> Result<Table, SimulateError> {
