@@ -2,7 +2,9 @@
 //! number of trials.
 
 use rayon::prelude::*;
-use zwidth_dynamics::{DynamicsError, Environment, Exact, Input, Mode, Scene, Trajectory, table3};
+use zwidth_dynamics::{
+    DynamicsError, Environment, Exact, Input, Mode, ModelScene, Trajectory, table3,
+};
 
 /// What is kept of all trials. Whole numbers and extremes only, so that the order of the trials
 /// does not matter.
@@ -41,7 +43,7 @@ impl Summary {
 
 /// The hybrid spring of Table 3 with stiffness, damping and push of trial `i`: multiples of
 /// irrational numbers fill the ranges evenly without a random generator (Weyl 1916).
-fn scene(i: u32) -> Scene {
+fn scene(i: u32) -> ModelScene {
     let spread = |irrational: f64, low: f64, high: f64| {
         low + (high - low) * (f64::from(i) * irrational).fract()
     };

@@ -7,13 +7,13 @@ use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
 };
 use zwidth_benches::sweep::sweep;
-use zwidth_dynamics::{Exact, Grid, Input, Mode, Scene, Series, Solver, System, table3};
+use zwidth_dynamics::{Exact, Grid, Input, Mode, ModelScene, Series, Solver, System, table3};
 
 /// The grids of the stated goals: name, step in s.
 const GRIDS: [(&str, f64); 2] = [("480 of 8.3 ms", 0.008_3), ("4000 of 1 ms", 0.001)];
 
 /// Whole runs of a scene whose regions have been met before, all samples written.
-fn steady(group: &mut BenchmarkGroup<'_, WallTime>, name: String, scene: Scene, grid: &Grid) {
+fn steady(group: &mut BenchmarkGroup<'_, WallTime>, name: String, scene: ModelScene, grid: &Grid) {
     let system = System::new(scene).unwrap();
     let solver = Exact::default();
     let mut prepared = solver.prepare(&system, grid).unwrap();
@@ -23,7 +23,7 @@ fn steady(group: &mut BenchmarkGroup<'_, WallTime>, name: String, scene: Scene, 
 }
 
 /// A scene and its twin with the finger.
-fn both(scene: Scene) -> [(&'static str, Scene); 2] {
+fn both(scene: ModelScene) -> [(&'static str, ModelScene); 2] {
     [("no finger", scene.clone()), ("finger", table3::with_finger(scene))]
 }
 

@@ -33,7 +33,13 @@ fn ours(seconds: f64) -> LiveRun {
     let environment =
         Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
     let (motor_max_v, brake_max_v) = (Some(8.0), Some(8.0));
-    let mode = Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v };
+    let mode = Mode {
+        id: "m".parse().unwrap(),
+        label: String::new(),
+        motor_max_v,
+        brake_max_v,
+        law: None,
+    };
     let (control, calibration) = (Control::default(), Calibration::thesis());
     let mut controller = Controller::new(&control, &environment, &mode, &calibration);
     let mut guard = Guard::new(&device.capabilities, limits, false);

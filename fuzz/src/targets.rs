@@ -2,17 +2,18 @@
 
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
-use zwidth_dynamics::{Scene, System};
-use zwidth_import::{Mapping, readers};
+use zwidth_dynamics::{ModelScene, System};
+use zwidth_import::Mapping;
+use zwidth_import::readers::readers;
 use zwidth_runner::{Records, Results};
 use zwidth_store::{Layout, Memory, hostile};
 use zwidth_study::{Calibration, Study, StudyId, study_changes};
 
 /// A reader, given bytes.
-pub type Target = fn(&[u8]);
+pub type Target = Box<dyn Fn(&[u8]) + Send + Sync>;
 
-/// Every target by its name, which is the folder of its seeds.
-const ALL: [(&str, Target); 17] = [
+/// Every target of our own files by its name, which is the folder of its seeds.
+const OURS: [(&str, fn(&[u8])); 13] = [
     ("journal", journal),
     ("events", events),
     ("head", head),
@@ -25,19 +26,19 @@ const ALL: [(&str, Target); 17] = [
     ("twin", twin),
     ("trial", trial),
     ("sweep", sweep),
-    ("csv", csv),
-    ("jsonl", jsonl),
-    ("mat", mat),
-    ("parquet", parquet),
     ("whole", whole),
 ];
 
 pub fn named(name: &str) -> Option<Target> {
-    ALL.iter().find(|(known, _)| *known == name).map(|(_, target)| *target)
+    let ours = OURS.iter().find(|(known, _)| *known == name);
+    let theirs = || readers().find(|reader| reader.word() == name);
+    ours.map(|(_, target)| Box::new(target) as Target).or_else(|| {
+        theirs().map(|reader| -> Target { Box::new(move |bytes| drop(reader.read(bytes))) })
+    })
 }
 
 pub fn names() -> Vec<&'static str> {
-    ALL.iter().map(|(name, _)| *name).collect()
+    OURS.iter().map(|(name, _)| *name).chain(readers().map(|reader| reader.word())).collect()
 }
 
 /// A disk with this one file, and where it lies.
@@ -108,7 +109,7 @@ fn mapping(bytes: &[u8]) {
 }
 
 fn scene(bytes: &[u8]) {
-    if let Ok(scene) = Scene::from_toml(&text(bytes)) {
+    if let Ok(scene) = ModelScene::from_toml(&text(bytes)) {
         let _ = System::new(scene);
     }
 }
@@ -129,22 +130,6 @@ fn trial(bytes: &[u8]) {
 fn sweep(bytes: &[u8]) {
     let (disk, path) = disk(bytes);
     let _ = hostile::sweep(&disk, &path);
-}
-
-fn csv(bytes: &[u8]) {
-    let _ = readers::csv(bytes);
-}
-
-fn jsonl(bytes: &[u8]) {
-    let _ = readers::jsonl(bytes);
-}
-
-fn mat(bytes: &[u8]) {
-    let _ = readers::mat(bytes);
-}
-
-fn parquet(bytes: &[u8]) {
-    let _ = readers::parquet(bytes);
 }
 
 /// A study of one session with these bytes as one of its files: the first byte says which.

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
+use zwidth_import::readers::readers;
 
 /// The counters of libFuzzer: which edges were taken, and which numbers were compared.
 const COUNTERS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
@@ -16,9 +17,10 @@ const COUNTERS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-l
     -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=4";
 const HOST: &str = "x86_64-unknown-linux-gnu";
 
-/// A target, the runs that it gets, and the longest input in bytes.
+/// A target, what people call its file, the runs that it gets, and the longest input in bytes.
 struct Kind {
     name: &'static str,
+    about: String,
     runs: u64,
     longest: u32,
 }
@@ -26,26 +28,35 @@ struct Kind {
 const TEXT: u64 = 10_000_000;
 const BINARY: u64 = 1_000_000;
 
-const KINDS: [Kind; 17] = [
-    // Mending tries each bit of a frame, which takes time by the square of its length.
-    Kind { name: "journal", runs: TEXT, longest: 1024 },
-    Kind { name: "events", runs: TEXT, longest: 4096 },
-    Kind { name: "head", runs: TEXT, longest: 4096 },
-    Kind { name: "record", runs: TEXT, longest: 4096 },
-    Kind { name: "records", runs: TEXT, longest: 4096 },
-    Kind { name: "csv", runs: TEXT, longest: 4096 },
-    Kind { name: "jsonl", runs: TEXT, longest: 4096 },
-    Kind { name: "study", runs: BINARY, longest: 4096 },
-    Kind { name: "calibration", runs: BINARY, longest: 1024 },
-    Kind { name: "mapping", runs: BINARY, longest: 4096 },
-    Kind { name: "scene", runs: BINARY, longest: 4096 },
-    Kind { name: "twin", runs: BINARY, longest: 1024 },
-    Kind { name: "trial", runs: BINARY, longest: 16_384 },
-    Kind { name: "sweep", runs: BINARY, longest: 16_384 },
-    Kind { name: "mat", runs: BINARY, longest: 4096 },
-    Kind { name: "parquet", runs: BINARY, longest: 8192 },
-    Kind { name: "whole", runs: BINARY, longest: 4096 },
-];
+/// Every target: our own files, then the formats of others.
+fn kinds() -> Vec<Kind> {
+    let ours = [
+        // Mending tries each bit of a frame, which takes time by the square of its length.
+        ("journal", "a trial's journal", TEXT, 1024),
+        ("events", "a session's log", TEXT, 4096),
+        ("head", "the head of a log, and its log", TEXT, 4096),
+        ("record", "a session's record", TEXT, 4096),
+        ("records", "the runner's records.json", TEXT, 4096),
+        ("study", "study.toml", BINARY, 4096),
+        ("calibration", "calibration.toml", BINARY, 1024),
+        ("mapping", "a mapping file", BINARY, 4096),
+        ("scene", "a scene", BINARY, 4096),
+        ("twin", "twin.toml", BINARY, 1024),
+        ("trial", "a trial's Parquet file", BINARY, 16_384),
+        ("sweep", "a sweep's Parquet file", BINARY, 16_384),
+        ("whole", "any text file of a study, and what verify says of it", BINARY, 4096),
+    ];
+    let ours = ours.map(|(name, about, runs, longest)| {
+        let about = about.to_owned();
+        Kind { name, about, runs, longest }
+    });
+    let theirs = readers().map(|reader| {
+        let about = format!("{} to be imported", reader.name());
+        let (runs, longest) = if reader.is_packed() { (BINARY, 8192) } else { (TEXT, 4096) };
+        Kind { name: reader.word(), about, runs, longest }
+    });
+    ours.into_iter().chain(theirs).collect()
+}
 
 /// Targets at once.
 const AT_ONCE: usize = 2;
@@ -56,10 +67,11 @@ const MOST_TIME: &str = "10";
 
 /// Fuzzes one target or `all`, each with so many runs or its own number.
 pub(crate) fn fuzz(which: &str, runs: Option<u64>) -> anyhow::Result<()> {
+    let kinds = kinds();
     let chosen: Vec<&Kind> =
-        KINDS.iter().filter(|kind| which == "all" || kind.name == which).collect();
+        kinds.iter().filter(|kind| which == "all" || kind.name == which).collect();
     if chosen.is_empty() && which != "seeds" {
-        let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
         bail!("'{which}' is no target; there are all, {}", names.join(", "));
     }
     let program = build()?;
@@ -101,36 +113,13 @@ fn tell(program: &Path, kind: &Kind, runs: u64) -> anyhow::Result<bool> {
         found.as_deref().unwrap_or("no finding")
     );
     note(&Tried {
-        what: format!("any bytes as {}", about(kind.name)),
+        what: format!("any bytes as {}", kind.about),
         command: format!("cargo xtask fuzz {} {runs}", kind.name),
         times: runs,
         broken: u64::from(found.is_some()),
         seconds,
     })?;
     Ok(found.is_some())
-}
-
-/// What people call a target's file.
-fn about(name: &str) -> &'static str {
-    match name {
-        "journal" => "a trial's journal",
-        "events" => "a session's log",
-        "head" => "the head of a log, and its log",
-        "record" => "a session's record",
-        "records" => "the runner's records.json",
-        "csv" => "a CSV to be imported",
-        "jsonl" => "JSON lines to be imported",
-        "study" => "study.toml",
-        "calibration" => "calibration.toml",
-        "mapping" => "a mapping file",
-        "scene" => "a scene",
-        "twin" => "twin.toml",
-        "trial" => "a trial's Parquet file",
-        "sweep" => "a sweep's Parquet file",
-        "mat" => "a MAT file to be imported",
-        "parquet" => "a Parquet file to be imported",
-        _ => "any text file of a study, and what verify says of it",
-    }
 }
 
 fn target_folder() -> PathBuf {

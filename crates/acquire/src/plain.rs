@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
-use zwidth_study::{Kind, Likert};
+use zwidth_study::Kind;
 
 /// Lines in, lines out.
 #[derive(Debug)]
@@ -133,11 +133,11 @@ fn parse(line: &str) -> Result<Input, String> {
         ("exclude", reason) => Ok(Input::Exclude(reason.to_owned())),
         ("note", text) => Ok(Input::Note(text.to_owned())),
         ("answer", n) => {
-            n.parse().map(Input::Answer).map_err(|_| format!("'{n}' is no answer: 1 to 5"))
+            n.parse().map(Input::Answer).map_err(|_| format!("'{n}' is no answer: a number"))
         }
         (n, "") if n.parse::<u8>().is_ok() => Ok(Input::Answer(n.parse().unwrap_or(0))),
         _ => Err(format!(
-            "'{line}' is not understood: start, answer 1 to 5, skip, repeat, exclude REASON, note TEXT, stop, quit"
+            "'{line}' is not understood: start, answer NUMBER, skip, repeat, exclude REASON, note TEXT, stop, quit"
         )),
     }
 }
@@ -158,9 +158,9 @@ fn line(view: &View) -> String {
         Phase::Homing => "homing: lever against its lower stop".to_owned(),
         Phase::Ready => format!("ready {}", trial(view)),
         Phase::Trial { limit_s, .. } => format!("trial {}, at most {limit_s} s", trial(view)),
-        Phase::Question { text } => {
-            let [first, .., last] = Likert::WORDS;
-            format!("question {text} (1 {first} to {} {last})", Likert::POINTS)
+        Phase::Question { text, scale } => {
+            let [first, last] = [1, scale.points()].map(|a| scale.word(a).unwrap_or_default());
+            format!("question {text} (1 {first} to {} {last})", scale.points())
         }
         Phase::Pause { left_s, .. } => format!("pause {left_s:.1} s"),
         Phase::Stopped { why } => format!("stopped {why} (start goes on, quit ends)"),
@@ -208,7 +208,7 @@ mod tests {
     }
 
     fn question() -> Phase {
-        Phase::Question { text: String::new() }
+        Phase::Question { text: String::new(), scale: Default::default() }
     }
 
     #[test]

@@ -11,7 +11,7 @@ use zwidth_store::{
     lay_down, read_session,
 };
 use zwidth_study::{
-    Calibration, Channel, Event, ModeId, OrderRecord, PlannedTrial, QuestionId, Scene, Seal,
+    Calibration, Channel, Event, ModeId, OrderRecord, PlannedTrial, Question, Scene, Seal,
     SessionRecord, Status, Study, TrialMeta, order,
 };
 
@@ -75,9 +75,11 @@ impl Session {
     }
 
     /// The order, each trial with the question that follows it.
-    pub(crate) fn order(&self, study: &Study) -> Vec<(PlannedTrial, Option<QuestionId>)> {
-        let question =
-            |t: &PlannedTrial| study.environment(&t.environment).and_then(|e| e.question.clone());
+    pub(crate) fn order(&self, study: &Study) -> Vec<(PlannedTrial, Option<Question>)> {
+        let question = |t: &PlannedTrial| {
+            let id = study.environment(&t.environment)?.question.as_ref()?;
+            study.question(id).cloned()
+        };
         self.record.trials.iter().map(|t| (t.clone(), question(t))).collect()
     }
 

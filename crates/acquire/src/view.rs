@@ -4,7 +4,7 @@
 //! it by mistake.
 
 use std::collections::VecDeque;
-use zwidth_study::{Kind, Voltages};
+use zwidth_study::{AnswerScale, Kind, Voltages};
 
 /// Points of a trace kept, at most: a trial of 10 s at [`TRACE_HZ`].
 pub const TRACE_POINTS: usize = 1000;
@@ -76,6 +76,8 @@ pub enum Phase {
     Question {
         /// Its wording.
         text: String,
+        /// What may be answered.
+        scale: AnswerScale,
     },
     /// The pause after a trial.
     Pause {

@@ -5,7 +5,9 @@
 //! voltage and a voltage above 0 pushes towards +θ, so resisting takes a negative one. The brake
 //! only knows a level.
 
-use zwidth_study::{Calibration, Control, Environment, Flags, Mode, Scene, Voltages};
+use zwidth_study::{
+    ActuatorKind, Calibration, Control, Environment, Flags, Mode, ModeLaw, Scene, Voltages,
+};
 
 /// The lever counts as moving forward from this velocity on, rad/s (5.7°/s): five times what one
 /// flickering count of the prototype's sensor shows through the default velocity filter.
@@ -16,29 +18,22 @@ pub const FORWARD_RAD_S: f64 = 0.1;
 /// would never let go.
 pub const HOLDING_RAD_S: f64 = 0.05;
 
-/// What a scene demands at an angle.
+/// What a scene demands at an angle and a velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Demand {
-    /// Resisting force u = K (θ − θ_rest), N (thesis (8) without damping, as the prototype
-    /// commands it, §4.3).
+    /// Resisting force u, N ([`zwidth_study::ForceLaw`]; the prototype commands none by velocity,
+    /// thesis §4.3).
     force_n: f64,
     /// Behind the wall: the actuators get all the voltage they may have.
     wall: bool,
 }
 
-fn demand(scene: &Scene, theta_rad: f64) -> Demand {
-    let spring = |s: zwidth_study::Spring| s.stiffness_n_per_rad * (theta_rad - s.rest_rad);
+fn demand(scene: &Scene, theta_rad: f64, theta_dot_rad_s: f64) -> Demand {
+    let law = scene.law();
     Demand {
-        force_n: scene.spring().map_or(0.0, spring),
-        wall: scene.wall_rad().is_some_and(|wall_rad| theta_rad >= wall_rad),
+        force_n: law.map_or(0.0, |law| law.force_n(theta_rad, theta_dot_rad_s)),
+        wall: law.is_some_and(|law| law.is_past_wall(theta_rad)),
     }
-}
-
-/// An actuator's part in a mode.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Drive {
-    Motor,
-    Brake,
 }
 
 /// The control law of one trial.
@@ -61,10 +56,11 @@ pub struct Controller {
     motor_max_v: f64,
     brake_max_v: f64,
     let_go_n: f64,
+    law: Option<ModeLaw>,
     /// θ̇ > 0, with hysteresis.
     forward: bool,
-    /// Hybrid: the brake is in charge.
-    braking: bool,
+    /// Whether what is in charge is the one that is while compressing.
+    compressing: bool,
 }
 
 impl Controller {
@@ -81,8 +77,9 @@ impl Controller {
             motor_max_v: mode.motor_max_v.unwrap_or(0.0),
             brake_max_v: mode.brake_max_v.unwrap_or(0.0),
             let_go_n: control.let_go_n,
+            law: mode.law(),
             forward: false,
-            braking: false,
+            compressing: false,
         }
     }
 
@@ -94,14 +91,16 @@ impl Controller {
         theta_dot_rad_s: f64,
         force_n: f64,
     ) -> (Voltages, Flags) {
-        let demand = demand(&self.scene, theta_rad);
+        let demand = demand(&self.scene, theta_rad, theta_dot_rad_s);
         self.forward = theta_dot_rad_s > if self.forward { HOLDING_RAD_S } else { FORWARD_RAD_S };
-        self.braking = self.forward || (self.braking && force_n >= self.let_go_n);
+        let brakes = self.law.is_some_and(|law| law.drives()[0] == ActuatorKind::Brake);
+        let holds = brakes && self.compressing && force_n >= self.let_go_n;
+        self.compressing = self.forward || holds;
         let flags = Flags::default().with(Flags::PAST_WALL, demand.wall);
         let Some(drive) = self.drive() else { return (Voltages::OFF, flags) };
         let (voltages, saturated) = match drive {
-            Drive::Motor => self.motor(demand),
-            Drive::Brake => self.brake(demand),
+            ActuatorKind::Motor => self.motor(demand),
+            ActuatorKind::Brake => self.brake(demand),
         };
         (voltages, flags.with(Flags::SATURATED, saturated))
     }
@@ -113,13 +112,9 @@ impl Controller {
     }
 
     /// Which actuator is in charge; none in a mode that has none.
-    fn drive(&self) -> Option<Drive> {
-        match (self.motor_max_v > 0.0, self.brake_max_v > 0.0) {
-            (true, true) => Some(if self.braking { Drive::Brake } else { Drive::Motor }),
-            (true, false) => Some(Drive::Motor),
-            (false, true) => Some(Drive::Brake),
-            (false, false) => None,
-        }
+    fn drive(&self) -> Option<ActuatorKind> {
+        let [compressing, releasing] = self.law?.drives();
+        Some(if self.compressing { compressing } else { releasing })
     }
 
     /// The motor's voltage, and whether more was demanded than it can give.
@@ -168,8 +163,13 @@ mod tests {
     }
 
     fn controller(scene: Scene, motor_max_v: Option<f64>, brake_max_v: Option<f64>) -> Controller {
-        let mode =
-            Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v };
+        let mode = Mode {
+            id: "m".parse().unwrap(),
+            label: String::new(),
+            motor_max_v,
+            brake_max_v,
+            law: None,
+        };
         let environment =
             Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
         Controller::new(&Control::default(), &environment, &mode, &Calibration::thesis())

@@ -1,7 +1,7 @@
 //! The instrument: read a sample, write two voltages.
 
 use crate::DeviceError;
-use zwidth_study::{Channel, Environment, Extra, Source, Voltages};
+use zwidth_study::{AnswerScale, Channel, Environment, Extra, Source, Voltages};
 
 /// What a device is and can do.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,8 +104,9 @@ pub trait Device: Send {
     /// play, cares.
     fn begin(&mut self, _now_s: f64, _cue: &Cue<'_>) {}
 
-    /// The answer of a device's own participant to the question of the trial that has ended, 1…5.
-    fn answer(&mut self) -> Option<u8> {
+    /// The answer of a device's own participant to the question of the trial that has ended, on
+    /// that question's scale.
+    fn answer(&mut self, _on: AnswerScale) -> Option<u8> {
         None
     }
 }

@@ -45,7 +45,13 @@ fn allocations(limit_s: f64, filter: VelocityFilter) -> u64 {
     let environment =
         Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
     let (motor_max_v, brake_max_v) = (Some(8.0), Some(8.0));
-    let mode = Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v };
+    let mode = Mode {
+        id: "m".parse().unwrap(),
+        label: String::new(),
+        motor_max_v,
+        brake_max_v,
+        law: None,
+    };
     let calibration = Calibration::thesis();
     let mut controller = Controller::new(&Control::default(), &environment, &mode, &calibration);
     let mut guard = Guard::new(&device.capabilities, limits, false);

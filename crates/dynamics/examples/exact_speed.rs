@@ -5,10 +5,10 @@
 use std::time::Instant;
 
 use zwidth_dynamics::{
-    DormandPrince, Exact, Grid, Input, Mode, Scene, Series, Solver, System, Tolerances, table3,
+    DormandPrince, Exact, Grid, Input, Mode, ModelScene, Series, Solver, System, Tolerances, table3,
 };
 
-fn measure(name: &str, scene: Scene, grid: &Grid) {
+fn measure(name: &str, scene: ModelScene, grid: &Grid) {
     let system = System::new(scene).unwrap();
     let solver = Exact::default();
     let runs = 2_000_000 / grid.samples();

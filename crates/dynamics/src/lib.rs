@@ -1,6 +1,6 @@
 //! The device's hybrid dynamics: scenes as values, models, actuators, and solvers behind one trait.
 //!
-//! A [`Scene`] says what is simulated. [`System::new`] checks it and turns it into regions, in each
+//! A [`ModelScene`] says what is simulated. [`System::new`] checks it and turns it into regions, in each
 //! of which the motion is smooth, and rules for passing from one to the next. A [`Solver`] moves a
 //! system along a [`Grid`] of times and returns a [`Trajectory`]. Solvers know no scene, scenes
 //! know no solver. Equation numbers in parentheses are the thesis'. Nothing here reads a file or
@@ -40,11 +40,12 @@ pub use scene::plant::{Plant, Start};
 pub use scene::terms::gravity::Gravity;
 pub use scene::terms::pull::Pull;
 pub use scene::terms::{Affine, Curve, Parameter, Term, Terms};
-pub use scene::{Scene, table3, terms};
+pub use scene::{ModelScene, table3, terms};
 pub use solve::adaptive::Tolerances;
 pub use solve::dormand_prince::DormandPrince;
 pub use solve::exact::{Exact, Prepared};
 pub use solve::moreau_jean::MoreauJean;
+pub use solve::named::{NAMED_SOLVERS, NamedSolver};
 pub use solve::rk4::Rk4;
 pub use solve::symplectic_euler::SymplecticEuler;
 pub use solve::tr_bdf2::TrBdf2;
@@ -56,4 +57,4 @@ pub use system::linear::LinearPart;
 pub use system::region::{Contact, Motion, Region, Side};
 pub use system::transition::EventKind;
 pub use trajectory::{Event, Forces, Trajectory, WorkCounts};
-pub use verdict::{Judgement, Swings, Verdict, fast_swings, judge};
+pub use verdict::{Judgement, RunVerdict, Swings, fast_swings, judge};

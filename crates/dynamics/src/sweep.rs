@@ -3,7 +3,7 @@
 use rayon::iter::IndexedParallelIterator;
 
 use crate::error::DynamicsError;
-use crate::scene::Scene;
+use crate::scene::ModelScene;
 use crate::solve::{Grid, Solver};
 use crate::system::System;
 use crate::trajectory::Trajectory;
@@ -27,7 +27,7 @@ use crate::trajectory::Trajectory;
 /// ```
 pub fn sweep<'a, T: Send + 'a>(
     solver: &'a dyn Solver,
-    scenes: impl IndexedParallelIterator<Item = Scene> + 'a,
+    scenes: impl IndexedParallelIterator<Item = ModelScene> + 'a,
     summary: impl Fn(&System, &Trajectory) -> T + Sync + Send + 'a,
 ) -> impl IndexedParallelIterator<Item = Result<T, DynamicsError>> + 'a {
     scenes.map(move |scene| {

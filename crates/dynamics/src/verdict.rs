@@ -20,7 +20,7 @@ use crate::trajectory::Trajectory;
 
 /// How a run went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum RunVerdict {
     /// Nothing swings fast.
     Smooth,
     /// Fast swings that vanish with the step: the method's own.
@@ -46,7 +46,7 @@ pub struct Swings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: RunVerdict,
     /// Fast swings with the step, half of it, and a quarter.
     pub swings: [Swings; 3],
     /// Largest growth of a step over the visited regions, per step, over the exact flow's own
@@ -68,13 +68,13 @@ pub fn judge(solver: &dyn Solver, system: &System, step_s: f64) -> Judgement {
             let amplification = amplification(solver, system, &a, step_s);
             let swings = [fast_swings(&a), fast_swings(&b), fast_swings(&c)];
             let verdict =
-                if amplification > STABLE { Verdict::UnstableStep } else { compare(&swings) };
+                if amplification > STABLE { RunVerdict::UnstableStep } else { compare(&swings) };
             Judgement { verdict, swings, amplification, error: None }
         }
         runs => {
             let error = runs.into_iter().find_map(Result::err);
             Judgement {
-                verdict: Verdict::Failed,
+                verdict: RunVerdict::Failed,
                 swings: Default::default(),
                 amplification: 1.0,
                 error,
@@ -84,7 +84,7 @@ pub fn judge(solver: &dyn Solver, system: &System, step_s: f64) -> Judgement {
 }
 
 /// By how the swings change from the first step to its quarter.
-fn compare(swings: &[Swings; 3]) -> Verdict {
+fn compare(swings: &[Swings; 3]) -> RunVerdict {
     /// Fewer fast swings are an impact or a transient.
     const FEW: usize = 6;
     /// Chattering falls with the step, to a quarter here; a cycle that keeps half of its amplitude
@@ -92,11 +92,11 @@ fn compare(swings: &[Swings; 3]) -> Verdict {
     const KEPT: f64 = 0.5;
     let (coarse, fine) = (swings[0], swings[2]);
     if coarse.count < FEW && fine.count < FEW {
-        return Verdict::Smooth;
+        return RunVerdict::Smooth;
     }
     let grows = fine.count > coarse.count + coarse.count / 2;
     let vanishes = fine.count < FEW || fine.amplitude_rad < KEPT * coarse.amplitude_rad;
-    if grows || vanishes { Verdict::NumericalChattering } else { Verdict::LimitCycle }
+    if grows || vanishes { RunVerdict::NumericalChattering } else { RunVerdict::LimitCycle }
 }
 
 /// The fast swings of a run.
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
     use crate::scene::actuators::Mode;
     use crate::scene::input::Input;
-    use crate::scene::{Scene, table3};
+    use crate::scene::{ModelScene, table3};
     use crate::solve::Switching;
     use crate::solve::exact::Exact;
     use crate::solve::moreau_jean::MoreauJean;
@@ -166,28 +166,28 @@ mod tests {
         Rk4 { switching: Switching::PerStage }
     }
 
-    fn check(solver: &dyn Solver, scene: Scene, h: f64, expect: Verdict) {
+    fn check(solver: &dyn Solver, scene: ModelScene, h: f64, expect: RunVerdict) {
         let judgement = judge(solver, &System::new(scene).unwrap(), h);
         assert_eq!(judgement.verdict, expect, "{} at {h}: {judgement:?}", solver.name());
     }
 
-    fn sticking() -> Scene {
+    fn sticking() -> ModelScene {
         table3::scene(Mode::Hybrid, Input::sine(2.15))
     }
 
     #[test]
     fn methods_that_switch_on_the_sign_chatter_where_the_lever_sticks_and_the_others_do_not() {
         for h in [8.3e-3, 0.83e-3, 0.2e-3] {
-            check(&stage(), sticking(), h, Verdict::NumericalChattering);
+            check(&stage(), sticking(), h, RunVerdict::NumericalChattering);
             check(
                 &Rk4 { switching: Switching::PerStep },
                 sticking(),
                 h,
-                Verdict::NumericalChattering,
+                RunVerdict::NumericalChattering,
             );
-            check(&SymplecticEuler, sticking(), h, Verdict::NumericalChattering);
-            check(&MoreauJean::default(), sticking(), h, Verdict::Smooth);
-            check(&Exact::default(), sticking(), h, Verdict::Smooth);
+            check(&SymplecticEuler, sticking(), h, RunVerdict::NumericalChattering);
+            check(&MoreauJean::default(), sticking(), h, RunVerdict::Smooth);
+            check(&Exact::default(), sticking(), h, RunVerdict::Smooth);
         }
     }
 
@@ -195,13 +195,15 @@ mod tests {
     fn a_brake_that_engages_late_makes_a_cycle_that_stays_as_the_step_goes_to_zero() {
         let mut scene = sticking();
         scene.brake.lag_on_off_s = Some([0.015, 0.010]);
-        check(&Exact::default(), scene.clone(), 8.3e-3, Verdict::LimitCycle);
-        check(&MoreauJean::default(), scene, 0.2e-3, Verdict::LimitCycle);
+        check(&Exact::default(), scene.clone(), 8.3e-3, RunVerdict::LimitCycle);
+        check(&MoreauJean::default(), scene, 0.2e-3, RunVerdict::LimitCycle);
     }
 
     #[test]
     fn a_short_lever_makes_the_thesis_step_unstable_though_saturation_and_stops_bound_the_run() {
-        for (lever_m, expect) in [(0.045, Verdict::UnstableStep), (0.58, Verdict::UnstableStep)] {
+        for (lever_m, expect) in
+            [(0.045, RunVerdict::UnstableStep), (0.58, RunVerdict::UnstableStep)]
+        {
             let mut scene = sticking();
             scene.plant.lever_m = lever_m;
             check(&stage(), scene, 8.3e-3, expect);
@@ -213,7 +215,7 @@ mod tests {
         let mut scene = sticking();
         scene.environment = crate::scene::environment::Environment::spring(1e9, 0.0, 0.0);
         let few = Exact { most_events: 10, ..Exact::default() };
-        check(&few, scene, 8.3e-3, Verdict::Failed);
+        check(&few, scene, 8.3e-3, RunVerdict::Failed);
     }
 
     /// Bisects for the value at which `stable` turns from false to true between two values.
@@ -226,7 +228,7 @@ mod tests {
     }
 
     /// The unsaturated system of a scene.
-    fn unsaturated(mut scene: Scene) -> System {
+    fn unsaturated(mut scene: ModelScene) -> System {
         scene.mode = Mode::Active;
         scene.motor.max_n = 1e30;
         scene.plant.stops_rad = None;

@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_store::{StoreError, readable_records};
 use zwidth_study::{
-    EnvironmentId, IdError, Kind, Likert, ModeId, ParticipantId, PlannedTrial, SessionId, Study,
+    AnswerScale, EnvironmentId, IdError, Kind, ModeId, ParticipantId, PlannedTrial, SessionId,
+    Study,
 };
 
 /// The labels of one trial. Numbers are there where the mapping gives them.
@@ -46,18 +47,23 @@ pub(super) fn identity(
     let whole = |what: &'static str| {
         move |label: &Label| label.value(what, recording, row, |t| number(what, t))
     };
+    let participant = who.participant.value("participant", recording, row, id)?;
+    let session = who.session.value("session", recording, row, id)?;
+    let environment =
+        who.environment.value("environment", recording, row, |t| environment(study, t))?;
+    let scale = scale_after(study, &environment);
     Ok(Identity {
-        participant: who.participant.value("participant", recording, row, id)?,
-        session: who.session.value("session", recording, row, id)?,
-        environment: who
-            .environment
-            .value("environment", recording, row, |t| environment(study, t))?,
+        participant,
+        session,
+        environment,
         mode: who.mode.value("mode", recording, row, |t| mode(study, t))?,
         kind: optional(who.kind.as_ref(), |l| l.value("kind", recording, row, kind))?
             .unwrap_or(Kind::Trial),
         repeat: optional(who.repeat.as_ref(), whole("repeat"))?,
         trial: optional(who.trial.as_ref(), whole("trial"))?,
-        likert: optional(who.likert.as_ref(), |l| l.value("likert", recording, row, answer))?,
+        likert: optional(who.likert.as_ref(), |l| {
+            l.value("likert", recording, row, |text| answer(text, scale))
+        })?,
         file: recording.path.clone(),
     })
 }
@@ -97,14 +103,19 @@ pub(super) fn number(what: &str, text: &str) -> Result<u32, String> {
         .ok_or_else(|| format!("{what} '{text}' must be a whole number from 1 to {MOST_NUMBER}"))
 }
 
-/// An answer on the five-point scale.
+/// The scale of what is asked after an environment's trials.
+fn scale_after(study: &Study, environment: &EnvironmentId) -> AnswerScale {
+    let id = study.environment(environment).and_then(|e| e.question.as_ref());
+    id.and_then(|id| study.question(id)).map(|q| q.scale).unwrap_or_default()
+}
+
+/// An answer on a scale.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub(super) fn answer(text: &str) -> Result<u8, String> {
-    let points = Likert::POINTS;
-    let value = whole(text, f64::from(points));
+pub(super) fn answer(text: &str, scale: AnswerScale) -> Result<u8, String> {
+    let value = whole(text, f64::from(scale.points()));
     value
         .map(|v| v as u8)
-        .ok_or_else(|| format!("the answer '{text}' must be a whole number from 1 to {points}"))
+        .ok_or_else(|| format!("the answer '{text}' must be a whole number from {}", scale.range()))
 }
 
 /// The whole number from 1 to `most` that `text` spells, where it spells one.
@@ -248,9 +259,15 @@ mod tests {
 
     #[test]
     fn an_answer_is_a_whole_number_from_1_to_5() {
-        assert_eq!((answer("1"), answer("5.0")), (Ok(1), Ok(5)));
+        assert_eq!(
+            (answer("1", AnswerScale::FivePoint), answer("5.0", AnswerScale::FivePoint)),
+            (Ok(1), Ok(5))
+        );
         for bad in ["0", "6", "2.5", "", "NaN", "agree"] {
-            assert!(answer(bad).unwrap_err().contains("from 1 to 5"), "{bad}");
+            assert!(
+                answer(bad, AnswerScale::FivePoint).unwrap_err().contains("from 1 to 5"),
+                "{bad}"
+            );
         }
     }
 

@@ -13,6 +13,7 @@ mod check_samples;
 mod check_sweeps;
 mod convert;
 mod csv;
+mod format;
 mod identity;
 mod jsonl;
 #[cfg(test)]
@@ -44,8 +45,9 @@ pub use mapping::Mapping;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped};
 
 use batch::Batch;
+use format::Format;
 use limits::{MOST_ERRORS, MOST_FILE, Take, shown};
-use mapping::{Content, Format};
+use mapping::Content;
 use rayon::prelude::*;
 use recording::{Recording, Rows};
 use std::collections::BTreeMap;
@@ -188,9 +190,8 @@ impl Context<'_> {
     /// The files in groups whose contents have at most [`MOST_FILE`] bytes together. What a packed
     /// file unpacks to may be as much on its own.
     fn groups<'f>(&self, files: &'f [PathBuf]) -> Vec<&'f [PathBuf]> {
-        let is_packed = |path: &Path| {
-            matches!(self.mapping.file.format_of(path), Ok(Format::Parquet | Format::Mat))
-        };
+        let is_packed =
+            |path: &Path| self.mapping.file.format_of(path).is_ok_and(Format::is_packed);
         let bytes = |path: &PathBuf| match is_packed(path) {
             true => MOST_FILE,
             false => std::fs::metadata(path).map_or(0, |found| found.len()),

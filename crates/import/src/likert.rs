@@ -11,10 +11,10 @@ use super::{Context, Converted, Errors, all, once};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_store::StoreError;
-use zwidth_study::{Event, PlannedTrial, QuestionId, Study};
+use zwidth_study::{AnswerScale, Event, PlannedTrial, QuestionId, Study};
 
 /// One row: a trial without samples, and what was answered.
-struct Row {
+struct Answered {
     identity: Identity,
     answers: Vec<(QuestionId, u8)>,
 }
@@ -43,7 +43,7 @@ pub(super) fn likert(
     let identities: Vec<Identity> = rows.iter().map(|r| r.identity.clone()).collect();
     let planned = number_trials(context, &identities, false)?;
     once::answers(context, &converted)?;
-    let events = |(row, number): (&Row, &PlannedTrial)| {
+    let events = |(row, number): (&Answered, &PlannedTrial)| {
         let event = |(question, value)| Event::Answer { trial: number.trial, question, value };
         row.answers.iter().cloned().map(event).collect()
     };
@@ -96,7 +96,7 @@ fn convert(
     questions: &[(QuestionId, ColumnRef)],
     budget: &Budget,
     recording: &Recording,
-) -> Result<(Vec<Row>, FileReport), Errors> {
+) -> Result<(Vec<Answered>, FileReport), Errors> {
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let columns = all(questions.iter().map(|(_, column)| recording.find(column)))?;
     let rows = recording.rows(&context.mapping.file, &[], &labels)?;
@@ -104,15 +104,19 @@ fn convert(
     let read = |row: &usize| {
         let identity = identity(who, recording, *row, context.study)?;
         let answers = questions.iter().zip(&columns).map(|((id, _), column)| {
-            let value = given(context, recording, *column, *row)?;
+            let scale = context.study.question(id).map(|q| q.scale).unwrap_or_default();
+            let value = given(context, recording, scale, *column, *row)?;
             Ok::<_, StoreError>(value.map(|v| (id.clone(), v)))
         });
-        Ok::<_, Errors>(Row { identity, answers: all(answers)?.into_iter().flatten().collect() })
+        Ok::<_, Errors>(Answered {
+            identity,
+            answers: all(answers)?.into_iter().flatten().collect(),
+        })
     };
-    let found: Vec<Row> = all(rows.kept.iter().map(read))?;
+    let found: Vec<Answered> = all(rows.kept.iter().map(read))?;
     let mut report = context.file_report(recording, &rows, &[labels, columns].concat())?;
     let answers: usize = found.iter().map(|r| r.answers.len()).sum();
-    report.converted.push(format!("answers 1…5, as given, of {} questions", questions.len()));
+    report.converted.push(format!("answers, as given, of {} questions", questions.len()));
     let empty = match found.len() * questions.len() - answers {
         0 => String::new(),
         n => format!("; {n} empty answers left out"),
@@ -125,6 +129,7 @@ fn convert(
 fn given(
     context: &Context,
     recording: &Recording,
+    scale: AnswerScale,
     column: usize,
     row: usize,
 ) -> Result<Option<u8>, StoreError> {
@@ -133,7 +138,7 @@ fn given(
     }
     let cell = recording.table.columns[column].cell(row);
     let remedy = "mend the cell; leave empty ones out with missing = \"drop\" in [file]";
-    answer(&cell.to_string())
+    answer(&cell.to_string(), scale)
         .map(Some)
         .map_err(|what| recording.cell_error(column, row, &what, remedy))
 }

@@ -3,9 +3,10 @@
 use super::check::check;
 use super::convert::Linear;
 use super::csv::Dialect;
+use super::format::Format;
 use super::label::Label;
 use super::limits::MOST_MAPPING;
-pub(super) use super::shape::{Format, Missing, Reduce, Side};
+pub(super) use super::shape::{Missing, Reduce, Side};
 use super::sweeps::Pairs;
 use super::table::ColumnRef;
 use super::unit::Unit;
@@ -59,17 +60,13 @@ impl FileForm {
         let extension =
             path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         self.format.map_or_else(
-            || match extension.as_str() {
-                "csv" => Ok(Format::Csv),
-                "tsv" => Ok(Format::Tsv),
-                "jsonl" | "ndjson" => Ok(Format::Jsonl),
-                "parquet" => Ok(Format::Parquet),
-                "mat" => Ok(Format::Mat),
-                _ => Err(StoreError::new(
-                    path,
-                    format!("the extension '{extension}' names no known format"),
-                    "set format in [file] to csv, tsv, jsonl, parquet or mat",
-                )),
+            || {
+                let is_its = |format: &Format| format.extensions().contains(&extension.as_str());
+                Format::ALL.into_iter().find(is_its).ok_or_else(|| {
+                    let what = format!("the extension '{extension}' names no known format");
+                    let words = Format::ALL.map(Format::word).join(", ");
+                    StoreError::new(path, what, format!("set format in [file] to one of {words}"))
+                })
             },
             Ok,
         )

@@ -1,52 +1,59 @@
 //! The readers of other people's formats as functions of bytes, with the first columns taken.
 
 use super::csv::Dialect;
+use super::format::{Format, FormatOptions};
 use super::limits::{Budget, Take};
-use super::table::{ColumnRef, Table};
+use super::table::ColumnRef;
 use std::path::Path;
 use zwidth_store::StoreError;
 
 /// Columns that are taken.
 const TAKEN: usize = 8;
 
-fn taken(read: impl Fn(&Path, &Take) -> Result<Table, StoreError>) -> Result<usize, StoreError> {
-    let columns: Vec<ColumnRef> = (1..=TAKEN).map(ColumnRef::Position).collect();
-    let budget = Budget::default();
-    let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
-    read(Path::new("input"), &take).map(|table| table.lines.len())
+/// The reader of a format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FormatReader(Format);
+
+/// Every reader.
+pub fn readers() -> impl Iterator<Item = FormatReader> {
+    // Tabs are read as commas are.
+    Format::ALL.into_iter().filter(|format| *format != Format::Tsv).map(FormatReader)
 }
 
-/// Comma-separated values with a header; the number of rows.
-///
-/// # Errors
-/// Why they cannot be read.
-pub fn csv(bytes: &[u8]) -> Result<usize, StoreError> {
-    let dialect = Dialect { delimiter: b',', header: true, comment: Some(b'#'), skip: 0 };
-    taken(|path, take| super::csv::read(path, bytes, dialect, take))
-}
+impl FormatReader {
+    /// The format's word.
+    pub fn word(self) -> &'static str {
+        self.0.word()
+    }
 
-/// JSON lines; the number of rows.
-///
-/// # Errors
-/// Why they cannot be read.
-pub fn jsonl(bytes: &[u8]) -> Result<usize, StoreError> {
-    taken(|path, take| super::jsonl::read(path, bytes, take))
-}
+    /// What people call a file of it.
+    pub fn name(self) -> &'static str {
+        self.0.name()
+    }
 
-/// A MAT file: its vectors, then the columns of the matrix `data`; the number of rows of the
-/// vectors.
-///
-/// # Errors
-/// Why it cannot be read.
-pub fn mat(bytes: &[u8]) -> Result<usize, StoreError> {
-    let _ = taken(|path, take| super::mat::read(path, bytes, Some("data"), take));
-    taken(|path, take| super::mat::read(path, bytes, None, take))
-}
+    /// Whether a file may unpack to more than its size.
+    pub fn is_packed(self) -> bool {
+        self.0.is_packed()
+    }
 
-/// A Parquet file of others; the number of rows.
-///
-/// # Errors
-/// Why it cannot be read.
-pub fn parquet(bytes: &[u8]) -> Result<usize, StoreError> {
-    taken(|path, take| super::parquet::read(path, bytes.to_vec(), take))
+    /// Reads a file; the number of rows. Of a MAT file the columns of the matrix `data` are read
+    /// before its vectors.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    pub fn read(self, bytes: &[u8]) -> Result<usize, StoreError> {
+        let columns: Vec<ColumnRef> = (1..=TAKEN).map(ColumnRef::Position).collect();
+        let dialect = Dialect { delimiter: b',', header: true, comment: Some(b'#'), skip: 0 };
+        let read = |matrix| {
+            let budget = Budget::default();
+            let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
+            let options = FormatOptions { dialect, matrix };
+            let table = self.0.read(Path::new("input"), bytes.to_vec(), options, &take)?;
+            Ok(table.lines.len())
+        };
+        if self.0 == Format::Mat {
+            let _: Result<usize, StoreError> = read(Some("data"));
+        }
+        read(None)
+    }
 }

@@ -1,9 +1,9 @@
 //! One file of other people's, read but not yet converted.
 
+use super::format::FormatOptions;
 use super::limits::{MOST_FILE, Take, shown, too_many_rows};
-use super::mapping::{FileForm, Format, Missing};
+use super::mapping::{FileForm, Missing};
 use super::table::{Cell, Cells, ColumnRef, Table};
-use super::{csv, jsonl, mat, parquet};
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -44,14 +44,10 @@ impl Recording {
         let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
         let blake3 = hex_blake3(&bytes);
         let groups = name.map_or_else(|| Ok(BTreeMap::new()), |pattern| groups(path, pattern))?;
-        let table = match form.format_of(path)? {
-            format @ (Format::Csv | Format::Tsv) => {
-                csv::read(path, &bytes, form.dialect(format), take)?
-            }
-            Format::Jsonl => jsonl::read(path, &bytes, take)?,
-            Format::Parquet => parquet::read(path, bytes, take)?,
-            Format::Mat => mat::read(path, &bytes, form.matrix.as_deref(), take)?,
-        };
+        let format = form.format_of(path)?;
+        let options =
+            FormatOptions { dialect: form.dialect(format), matrix: form.matrix.as_deref() };
+        let table = format.read(path, bytes, options, take)?;
         Ok(Self { path: path.to_owned(), table, blake3, decimal_comma: form.decimal_comma, groups })
     }
 
@@ -240,6 +236,7 @@ fn number(text: &str, decimal_comma: bool) -> Result<Option<f64>, String> {
 #[cfg(test)]
 mod tests {
     use super::super::world::{FORCE, ONE, World, trials_map};
+    use super::super::{mat, parquet};
     use super::*;
     use zwidth_store::Signal;
 

@@ -1,5 +1,6 @@
 //! The mapping file as it stands: its tables and keys, unchecked.
 
+use super::format::Format;
 use super::label::LabelShape;
 use super::table::ColumnRef;
 use serde::Deserialize;
@@ -33,17 +34,6 @@ pub(super) struct Shape {
     pub(super) response: Option<QuantityShape>,
     pub(super) wide: Option<WideShape>,
     pub(super) questions: Option<QuestionsShape>,
-}
-
-/// The formats that can be read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Format {
-    Csv,
-    Tsv,
-    Jsonl,
-    Parquet,
-    Mat,
 }
 
 /// What to do with rows in which a mapped cell is missing.

@@ -7,7 +7,9 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_compare::Parameters;
-use zwidth_figures::{About, ComparedTables, Kind};
+use zwidth_figures::{
+    About, ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED,
+};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData, TrialEntry};
 use zwidth_study::{Bound, Environment, MetricId, Source, Study};
@@ -217,9 +219,9 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
         let drawing = |kind, draw: Draw| {
             Drawing::new(data, kind, [metric.as_str()], of.clone(), files.clone(), draw).of(trials)
         };
-        let people = || drawing(Kind::ParticipantsCompared, draw_participants);
-        let modes = drawing(Kind::ModesCompared, draw_modes);
-        let repeats = drawing(Kind::RepeatsCompared, draw_repeats);
+        let people = || drawing(PARTICIPANTS_COMPARED, draw_participants);
+        let modes = drawing(MODES_COMPARED, draw_modes);
+        let repeats = drawing(REPEATS_COMPARED, draw_repeats);
         [modes].into_iter().chain(several.then(people)).chain([repeats])
     };
     compared(data).iter().flat_map(of_metric).collect()

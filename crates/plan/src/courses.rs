@@ -65,7 +65,8 @@ fn make(
     (files, replays, plant): &(Vec<PathBuf>, Vec<PathBuf>, PathBuf),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let replays = zwidth_replay::together(&read_tables(replays)?)?.ok_or("there is no trial")?;
+    let replays =
+        zwidth_replay::join_conditions(&read_tables(replays)?)?.ok_or("there is no trial")?;
     let fitted = identify::fitted(&Table::from_parquet(plant)?)?;
     let mut trials = Vec::new();
     for (mode, rendering) in &of.stage.modes {

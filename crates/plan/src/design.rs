@@ -5,7 +5,7 @@ use crate::drawing::{Drawing, drawn};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use zwidth_figures::{About, Kind, Placement};
+use zwidth_figures::{About, ENVIRONMENT, Placement, RENDERING_RANGE};
 use zwidth_runner::{JobError, Made, Making};
 use zwidth_store::{MOST_BYTES, StoreError, StudyData, read_regular};
 use zwidth_study::{Basis, Calibration, Source};
@@ -59,7 +59,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     if has_actuators(data) {
         let Forces { basis, sources, calibration } = forces(data);
         let range = Range { about: About::of(&data.study), basis, sources };
-        let kind = Kind::RenderingRange;
+        let kind = RENDERING_RANGE;
         drawings.push(Drawing::new(data, kind, [""; 0], range, calibration, draw_range));
     }
     drawings
@@ -67,7 +67,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
 
 fn environment(data: &StudyData, placement: Placement) -> Drawing {
     let id = placement.environment.id.to_string();
-    Drawing::new(data, Kind::Environment, [id], placement, (), draw_environment)
+    Drawing::new(data, ENVIRONMENT, [id], placement, (), draw_environment)
 }
 
 fn draw_environment(placement: &Placement, (): &(), making: &Making) -> Result<Made, JobError> {

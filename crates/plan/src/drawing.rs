@@ -3,7 +3,7 @@
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_draw::{DEFAULT_DPI, Figure, draw};
-use zwidth_figures::{Caption, Kind};
+use zwidth_figures::{Caption, FigureKind};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
 
@@ -19,7 +19,7 @@ impl Drawing {
     /// The figure of a kind, of a subject.
     pub(crate) fn new<P, I>(
         data: &StudyData,
-        kind: Kind,
+        kind: FigureKind,
         subject: impl IntoIterator<Item = impl Into<String>>,
         parameters: P,
         inputs: I,

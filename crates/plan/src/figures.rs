@@ -8,7 +8,9 @@ use crate::{
 };
 use serde::Serialize;
 use std::path::PathBuf;
-use zwidth_figures::{About, Caption, Characterised, Kind, Loaded};
+use zwidth_figures::{
+    About, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, LOOPS, Loaded, MODES, REPEATS,
+};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making};
 use zwidth_store::{StudyData, Trial, TrialEntry};
 use zwidth_study::{Alignment, Environment, ModeId, Study};
@@ -33,11 +35,10 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
         let of = (actuator.to_string(), data.study.analysis.confidence);
         let tables = characterise::tables_of(&data.layout, actuator);
         let (subject, n) = ([actuator.to_string()], sweeps.len());
-        Drawing::new(data, Kind::Characteristic, subject, of, (sweeps, tables), characteristic)
-            .of(n)
+        Drawing::new(data, CHARACTERISTIC, subject, of, (sweeps, tables), characteristic).of(n)
     }));
     drawings.extend(freemotion::planes(data).map(|table| {
-        Drawing::new(data, Kind::FreeMotion, [""; 0], About::of(&data.study), table, free_motion)
+        Drawing::new(data, FREE_MOTION, [""; 0], About::of(&data.study), table, free_motion)
     }));
     drawings.extend(replay_figures::all(data));
     drawings.extend(likert_figures::all(data));
@@ -164,10 +165,10 @@ fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<(Loaded<'r>, Vec<St
 fn modes<'a>(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment) -> Drawing {
     let [participant, session_id] = session.ids();
     let subject = [participant, session_id, environment.id.to_string()];
-    let caption = Caption::new(Kind::Modes, subject.clone());
+    let caption = Caption::new(MODES, subject.clone());
     let (trials, conditions) = (session.of(environment), conditions(data, session, environment));
     let (recorded, files) = recorded(data, session, environment, &caption, &trials, &conditions);
-    Drawing::new(data, Kind::Modes, subject, recorded, files, draw_modes).of(trials.len())
+    Drawing::new(data, MODES, subject, recorded, files, draw_modes).of(trials.len())
 }
 
 fn draw_modes(recorded: &Recorded, files: &Files, making: &Making) -> Result<Made, JobError> {
@@ -185,7 +186,7 @@ fn repeats<'a>(
     let one = |r: Repeats<'a>| {
         let [participant, session_id] = session.ids();
         let subject = [participant, session_id, environment.id.to_string(), r.mode.id.to_string()];
-        let caption = Caption::new(Kind::Repeats, subject.clone());
+        let caption = Caption::new(REPEATS, subject.clone());
         let only = std::slice::from_ref(&r);
         let (recorded, files) = recorded(data, session, environment, &caption, &r.trials, only);
         // Every repeat at its own time: no mean.
@@ -193,7 +194,7 @@ fn repeats<'a>(
             Recorded { averaged: Vec::new(), ..recorded },
             Files { averages: Vec::new(), ..files },
         );
-        Drawing::new(data, Kind::Repeats, subject, recorded, files, draw_repeats).of(r.trials.len())
+        Drawing::new(data, REPEATS, subject, recorded, files, draw_repeats).of(r.trials.len())
     };
     conditions(data, session, environment).into_iter().filter(several).map(one).collect()
 }
@@ -211,7 +212,7 @@ fn loops<'a>(
     session: &Session<'a>,
     environments: &[&'a Environment],
 ) -> Drawing {
-    let caption = Caption::new(Kind::Loops, session.ids());
+    let caption = Caption::new(LOOPS, session.ids());
     let one = |environment: &&'a Environment| {
         let (trials, conditions) =
             (session.of(environment), conditions(data, session, environment));
@@ -219,7 +220,7 @@ fn loops<'a>(
     };
     let (recorded, files): (Vec<_>, Vec<_>) = environments.iter().map(one).unzip();
     let n = recorded.iter().map(|of: &Recorded| of.trials.len()).sum();
-    Drawing::new(data, Kind::Loops, session.ids(), recorded, files, draw_loops).of(n)
+    Drawing::new(data, LOOPS, session.ids(), recorded, files, draw_loops).of(n)
 }
 
 fn draw_loops(

@@ -45,7 +45,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 fn make(asked: &Asked, (): &(), making: &Making) -> Result<Made, JobError> {
     let Asked { scheme, answers } = asked;
     made(
-        &[zwidth_likert::tally(answers, scheme)?, zwidth_likert::long(answers)?],
+        &[zwidth_likert::tally(answers, scheme)?, zwidth_likert::long(answers, scheme)?],
         making,
         Vec::new(),
     )

@@ -4,7 +4,7 @@ use crate::drawing::{Drawing, drawn};
 use crate::likert::tally;
 use serde::Serialize;
 use std::path::PathBuf;
-use zwidth_figures::{About, Kind, LikertPage};
+use zwidth_figures::{About, FigureKind, LIKERT, LIKERT_ITEMS, LikertPage};
 use zwidth_runner::{JobError, Made, Making};
 use zwidth_store::{Answer, StudyData};
 use zwidth_study::{Environment, Question, Source};
@@ -23,7 +23,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     let (answers, asked) = (data.answers(), asked(data));
     let overview = zwidth_figures::likert_overview(&asked);
     let items = zwidth_figures::likert_items(&asked);
-    let pages = |kind: Kind, pages: Vec<LikertPage>| -> Vec<Drawing> {
+    let pages = |kind: FigureKind, pages: Vec<LikertPage>| -> Vec<Drawing> {
         let number = |i: usize| (pages.len() > 1).then(|| (i + 1).to_string());
         let one = |(i, page): (usize, &LikertPage)| {
             let sources = data.sessions.iter().map(|s| s.record.source).collect();
@@ -37,8 +37,8 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
         };
         pages.iter().enumerate().map(one).collect()
     };
-    let mut drawings = pages(Kind::Likert, overview);
-    drawings.extend(pages(Kind::LikertItems, items));
+    let mut drawings = pages(LIKERT, overview);
+    drawings.extend(pages(LIKERT_ITEMS, items));
     drawings
 }
 

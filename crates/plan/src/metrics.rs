@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_metrics::Parameters;
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
 use zwidth_store::{Asked, Layout, Signal, StoreError, StudyData, Trial, check_samples};
 use zwidth_study::Condition;
 use zwidth_tables::NoteKind;
@@ -79,7 +79,7 @@ fn make_condition(
     let (rows, more) = split(trials.par_iter().map(one).collect());
     problems.extend(more);
     let care: Vec<String> = trials.iter().flat_map(|t| with_care(&of.stage.asked, t)).collect();
-    let left_out = problems.iter().map(|p| (NoteKind::LeftOut, making.without_root(p)));
+    let left_out = problems.iter().map(|p| (NoteKind::LeftOut, strip_root(making.root, p)));
     let notes = left_out.chain(care.iter().map(|note| (NoteKind::Care, note.clone())));
     let table = zwidth_metrics::table(&rows)?;
     let table = notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note));
@@ -91,7 +91,7 @@ fn make_study(
     tables: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let all = zwidth_metrics::together(&read_tables(tables)?)?.ok_or("there is no trial")?;
+    let all = zwidth_metrics::join_conditions(&read_tables(tables)?)?.ok_or("there is no trial")?;
     let conditions = zwidth_metrics::by_condition(&all, conditions)?;
     made(&[all, conditions], making, Vec::new())
 }

@@ -7,7 +7,7 @@ use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
-use zwidth_replay::{Parameters, Rendering, Row};
+use zwidth_replay::{Parameters, Rendering, TrialReplay};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{Analysis, Environment, Mode, Scene, TrialMeta};
@@ -95,7 +95,7 @@ fn make_condition(
     let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
     let Modelled { rendering, analysis, plant } = &of.stage;
     let rendering = rendering.as_ref().ok_or("there is no trial")?;
-    let rows = |trial: &Trial| -> Result<Vec<Row>, String> {
+    let rows = |trial: &Trial| -> Result<Vec<TrialReplay>, String> {
         let rows = zwidth_replay::replay(trial, rendering, analysis, plant);
         rows.map_err(|e| format!("{}: {e}", name(&trial.meta)))
     };
@@ -105,7 +105,8 @@ fn make_condition(
 }
 
 fn make_study(level: &f64, tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    let replays = zwidth_replay::together(&read_tables(tables)?)?.ok_or("there is no trial")?;
+    let replays =
+        zwidth_replay::join_conditions(&read_tables(tables)?)?.ok_or("there is no trial")?;
     let agreement = zwidth_replay::agreement(&replays, *level)?;
     made(&[replays, agreement], making, Vec::new())
 }

@@ -6,7 +6,7 @@ use crate::courses;
 use crate::drawing::{Drawing, drawn};
 use serde::Serialize;
 use std::path::PathBuf;
-use zwidth_figures::{About, Kind};
+use zwidth_figures::{About, REPLAY};
 use zwidth_runner::{JobError, Made, Making};
 use zwidth_store::StudyData;
 use zwidth_study::Environment;
@@ -30,7 +30,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
                 let subject = [participant, session_id, environment.id.to_string()];
                 let (about, environment) = (About::of(&data.study), environment.clone());
                 let against = Against { about, environment, who: session.who() };
-                Drawing::new(data, Kind::Replay, subject, against, courses, draw)
+                Drawing::new(data, REPLAY, subject, against, courses, draw)
             }));
         }
     }

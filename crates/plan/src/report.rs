@@ -9,7 +9,7 @@ use zwidth_report::{
     Known, Planned, device_table, model_table, modes_table, pros_cons_table, weight_table,
 };
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_simulate::Scene;
+use zwidth_simulate::ModelScene;
 use zwidth_store::{Layout, StudyData};
 use zwidth_study::Basis;
 use zwidth_tables::Table;
@@ -111,6 +111,6 @@ fn make_planned(
     (): &(),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let tables = [model_table(&Scene::from_toml(model)?)?, device_table(planned)?];
+    let tables = [model_table(&ModelScene::from_toml(model)?)?, device_table(planned)?];
     made(&tables, making, Vec::new())
 }

@@ -12,7 +12,7 @@ use zwidth_figures::Caption;
 use zwidth_report::{
     ComparedMetric, Made as Listed, Planned, Remark, Shown, Summary, findings, summary_markdown,
 };
-use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
 use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
@@ -243,19 +243,16 @@ fn left_out(data: &StudyData, found: &Findings) -> Vec<Remark> {
     all
 }
 
-/// A text without the data's folder in it.
-fn without_root(data: &StudyData, text: &str) -> String {
-    let root = data.layout.root().join("").to_string_lossy().into_owned();
-    if root.is_empty() { text.to_owned() } else { text.replace(&root, "") }
-}
-
 /// A finding as the page has it.
 fn remark(data: &StudyData, finding: &StoreError) -> Remark {
     let path = data.layout.shown(&finding.path).to_string_lossy().replace('\\', "/");
     let column =
         finding.column.as_ref().map(|column| format!(", column {column}")).unwrap_or_default();
     let row = finding.row.map(|row| format!(", row {row}")).unwrap_or_default();
-    Remark { what: format!("{path}{column}{row}"), why: without_root(data, &finding.what) }
+    Remark {
+        what: format!("{path}{column}{row}"),
+        why: strip_root(data.layout.root(), &finding.what),
+    }
 }
 
 /// A table that has nothing in it, and so shows nothing.

@@ -89,13 +89,11 @@ pub struct Making<'m> {
     pub root: &'m Path,
 }
 
-impl Making<'_> {
-    /// A text without the data's folder in it, so that results have the same bytes wherever that
-    /// lies.
-    pub fn without_root(&self, text: &str) -> String {
-        let root = self.root.join("").to_string_lossy().into_owned();
-        if root.is_empty() { text.to_owned() } else { text.replace(&root, "") }
-    }
+/// A text without the folder that holds the data in it, so that results have the same bytes wherever
+/// that lies.
+pub fn strip_root(root: &Path, text: &str) -> String {
+    let root = root.join("").to_string_lossy().into_owned();
+    if root.is_empty() { text.to_owned() } else { text.replace(&root, "") }
 }
 
 /// The function that makes a job's outputs.

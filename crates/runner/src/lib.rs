@@ -33,11 +33,11 @@ mod state;
 mod trace;
 
 pub use change::{Change, Field, FileChange, How};
-pub use job::{Inputs, Job, JobError, Made, Making, Stage};
+pub use job::{Inputs, Job, JobError, Made, Making, Stage, strip_root};
 pub use plan::wanted;
 pub use provenance::{ORIGIN, Provenance, origins};
 pub use record::{Record, Records};
 pub use results::Results;
-pub use run::{Done, Options, Report, Verdict, run};
+pub use run::{Done, JobEnd, Options, Report, run};
 pub use state::{Again, State, states};
 pub use trace::{Source, Step, Trace, trace};

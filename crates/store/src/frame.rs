@@ -4,7 +4,7 @@
 //! journal = "zwidth journal 2\n" frame*
 //! frame   = length of the payload (u32) · kind (u8) · payload · digest (32 bytes)
 //! kind    = 1 header: JSON of what is known of the trial and of what its file will say of itself
-//!           2 rows · 3 end (empty) · 4 answer: the answer 1…5 (u8)
+//!           2 rows · 3 end (empty) · 4 answer: the answer, from 1 on (u8)
 //!           5 rows with channels: how many (u8), then the rows, each followed by its channels (f64)
 //! row     = which of the optional values are there (u8: 1 device time, 2 force age, 4 count) · t_s · t_device_s ·
 //!           theta_rad · theta_dot_rad_s · force_ex_n · motor_v · brake_v · force_age_s · force_cmd_n (f64) ·

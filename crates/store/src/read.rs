@@ -25,8 +25,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 use zwidth_study::{
-    Channel, ChannelId, Kind, MOST_CHANNELS, ParticipantId, Schema, SessionId, Source, Status,
-    TrialForm, TrialMeta,
+    AnswerScale, Channel, ChannelId, Kind, MOST_CHANNELS, ParticipantId, Schema, SessionId, Source,
+    Status, TrialForm, TrialMeta,
 };
 
 const DAMAGED: &str = "restore the file from a copy, or exclude the trial";
@@ -420,7 +420,7 @@ fn meta_from(
             text => Some(
                 text.parse()
                     .ok()
-                    .filter(|v| (1..=5).contains(v))
+                    .filter(|v| (1..=AnswerScale::most_points()).contains(v))
                     .ok_or_else(|| bad("likert", text))?,
             ),
         },

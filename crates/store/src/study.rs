@@ -148,7 +148,7 @@ pub struct Answer {
     pub condition: Condition,
     /// The question.
     pub question: QuestionId,
-    /// The answer as given, 1…5.
+    /// The answer as given, from 1 on.
     pub value: u8,
 }
 

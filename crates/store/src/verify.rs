@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use zwidth_study::{Event, PlannedTrial, Study};
+use zwidth_study::{Event, PlannedTrial, Question, Study};
 
 /// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit
 /// at which the safety layer cuts the voltage).
@@ -71,9 +71,22 @@ pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
 fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry) -> Vec<StoreError> {
     // Whether it fits study.toml and its session's log was told when the study was loaded.
     match read_whole_trial(files, &entry.path) {
-        Ok(trial) => check_samples(&Asked::of(&data.study), &entry.path, &trial.samples),
+        Ok(trial) => {
+            let samples = check_samples(&Asked::of(&data.study), &entry.path, &trial.samples);
+            samples.into_iter().chain(off_scale(&data.study, entry)).collect()
+        }
         Err(error) => vec![error],
     }
+}
+
+/// An answer in a trial's file that the scale of its question does not have.
+fn off_scale(study: &Study, entry: &TrialEntry) -> Option<StoreError> {
+    let question = study.environment(&entry.meta.environment)?.question.as_ref()?;
+    let scale = study.question(question)?.scale;
+    let value = entry.meta.likert.filter(|value| !scale.has(*value))?;
+    let what = format!("the answer is {value}; answers to '{question}' are {}", scale.range());
+    let remedy = "add an event with the right answer: it takes the place of the file's";
+    Some(StoreError::new(&entry.path, what, remedy).column("likert"))
 }
 
 /// What a study asks of a trial's samples.
@@ -208,12 +221,14 @@ fn event_finding(
         ));
     }
     match event {
-        Event::Answer { question, .. } if data.study.question(question).is_none() => {
-            finding(format!("question '{question}' is not in study.toml"))
-        }
-        Event::Answer { trial, value, .. } if !(1..=5).contains(value) => {
-            finding(format!("the answer to trial {trial} is {value}; answers are 1 to 5"))
-        }
+        Event::Answer { trial, question, value } => match data.study.question(question) {
+            None => finding(format!("question '{question}' is not in study.toml")),
+            Some(Question { scale, .. }) if !scale.has(*value) => finding(format!(
+                "the answer to trial {trial} is {value}; answers are {}",
+                scale.range()
+            )),
+            Some(_) => None,
+        },
         Event::Superseded { by, .. } if !known.contains(by) => finding(format!(
             "trial {by}, said to take a trial's place, is not in the session's record"
         )),

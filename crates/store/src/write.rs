@@ -15,7 +15,7 @@ use parquet::file::properties::WriterProperties;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_study::{Channel, ChannelId, Schema, TrialForm};
+use zwidth_study::{AnswerScale, Channel, ChannelId, Schema, TrialForm};
 
 /// Prefix of the footer keys that carry a column's digest.
 pub(crate) const DIGEST: &str = "blake3:";
@@ -189,8 +189,9 @@ fn constant_columns(trial: &Trial, form: &TrialForm) -> Vec<(Field, ArrayRef)> {
         word("mode", meta.mode.as_str(), "how; a sealed code until the session is unsealed"),
     ];
     let likert = meta.likert.map(i32::from);
-    let about = "answer 1…5, where given before the file was finished";
-    columns.extend(form.likert.then(|| integer("likert", likert, about)));
+    let points = AnswerScale::most_points();
+    let about = format!("answer 1…{points}, where given before the file was finished");
+    columns.extend(form.likert.then(|| integer("likert", likert, &about)));
     columns
 }
 

@@ -37,7 +37,7 @@ pub enum Event {
         trial: u32,
         /// Which question.
         question: QuestionId,
-        /// The answer as given (not reversed), 1…5.
+        /// The answer as given (not reversed), from 1 on.
         value: u8,
     },
     /// The trial was done again, or is to be; this one no longer counts. The one that takes its

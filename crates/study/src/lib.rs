@@ -13,11 +13,14 @@ mod figures;
 mod file;
 mod form;
 mod id;
+mod law;
 mod locate;
 mod model;
 pub mod order;
 mod printable;
 mod sample;
+mod scale;
+mod scene;
 mod seal;
 mod session;
 mod template;
@@ -34,13 +37,16 @@ pub use id::{
     ActuatorId, ChannelId, EnvironmentId, IdError, MetricId, ModeId, ParticipantId, QuestionId,
     SessionId, StudyId,
 };
+pub use law::{ActuatorKind, ModeLaw};
 pub use locate::{line_of, toml_error};
 pub use model::{
-    Analysis, Condition, Coordinate, Design, Device, Environment, Likert, Masses, Mode,
-    OrderScheme, Question, Scene, Spring, Study,
+    Analysis, Condition, Coordinate, Design, Device, Environment, Masses, Mode, OrderScheme,
+    Question, Study,
 };
 pub use printable::{printable, printable_lines};
 pub use sample::{Extra, Flags, MOST_CHANNELS, Sample, Voltages};
+pub use scale::AnswerScale;
+pub use scene::{ForceLaw, Scene, SceneKind, Spring};
 pub use seal::{Seal, SealError};
 pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};
 pub use template::template;

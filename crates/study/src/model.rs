@@ -1,7 +1,8 @@
 //! A study as a value: what was planned, in SI units.
 
 use crate::{
-    Channel, Compare, Control, EnvironmentId, Figures, ModeId, QuestionId, Schema, StudyId,
+    ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Figures, ModeId, ModeLaw,
+    QuestionId, Scene, Schema, StudyId,
 };
 use serde::{Deserialize, Serialize};
 
@@ -129,52 +130,6 @@ pub struct Masses {
     pub brake_kg: f64,
 }
 
-/// A virtual spring: resisting force `K (θ − θ_rest)` (thesis (8), with a rest angle).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spring {
-    /// Stiffness K at the lever, N/rad.
-    pub stiffness_n_per_rad: f64,
-    /// Angle without force, rad.
-    pub rest_rad: f64,
-}
-
-/// What an environment renders.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Scene {
-    /// Nothing is rendered by a device (a questionnaire about something else).
-    None,
-    /// Free motion.
-    Free,
-    /// A spring.
-    Spring(Spring),
-    /// A spring, and from `wall_rad` on a wall.
-    SpringWall {
-        /// The spring.
-        spring: Spring,
-        /// Where the wall begins, rad.
-        wall_rad: f64,
-    },
-}
-
-impl Scene {
-    /// The scene's spring, where it has one.
-    pub fn spring(&self) -> Option<Spring> {
-        match *self {
-            Self::Spring(spring) | Self::SpringWall { spring, .. } => Some(spring),
-            Self::None | Self::Free => None,
-        }
-    }
-
-    /// Where the scene's wall begins, rad.
-    pub fn wall_rad(&self) -> Option<f64> {
-        match *self {
-            Self::SpringWall { wall_rad, .. } => Some(wall_rad),
-            _ => None,
-        }
-    }
-}
-
 /// One environment of the study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Environment {
@@ -199,9 +154,30 @@ pub struct Mode {
     pub motor_max_v: Option<f64>,
     /// Highest brake voltage used, V.
     pub brake_max_v: Option<f64>,
+    /// Which of them is in charge when, where the study names it ([`Mode::law`]).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub law: Option<ModeLaw>,
 }
 
-/// One question, answered on a five-point scale.
+impl Mode {
+    /// Whether an actuator has a voltage in this mode.
+    pub fn has(&self, drive: ActuatorKind) -> bool {
+        let max_v = match drive {
+            ActuatorKind::Motor => self.motor_max_v,
+            ActuatorKind::Brake => self.brake_max_v,
+        };
+        max_v.is_some_and(|v| v > 0.0)
+    }
+
+    /// Its law: the one named, else the first that uses the actuators that have a voltage; none
+    /// without any.
+    pub fn law(&self) -> Option<ModeLaw> {
+        let fits = |law: &ModeLaw| ActuatorKind::ALL.iter().all(|d| law.uses(*d) == self.has(*d));
+        self.law.or_else(|| ModeLaw::ALL.into_iter().find(fits))
+    }
+}
+
+/// One question, answered on a scale.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Question {
     /// Its id.
@@ -210,24 +186,10 @@ pub struct Question {
     pub text: String,
     /// The group it is tallied with, where it belongs to one.
     pub group: Option<String>,
-    /// Agreement speaks against: the tally turns the answer a into 6 − a.
+    /// What may be answered.
+    pub scale: AnswerScale,
+    /// Agreement speaks against: the tally turns the answer round ([`AnswerScale::score`]).
     pub reversed: bool,
-}
-
-/// The five-point scale.
-pub struct Likert;
-
-impl Likert {
-    /// Points of the scale.
-    pub const POINTS: u8 = 5;
-    /// The answers in words, from 1 to 5 (thesis §5.2.3).
-    pub const WORDS: [&'static str; 5] =
-        ["strongly disagree", "disagree", "neutral", "agree", "strongly agree"];
-
-    /// The answer as it counts: 6 − a where the question is reversed.
-    pub fn scored(answer: u8, reversed: bool) -> u8 {
-        if reversed { Self::POINTS + 1 - answer } else { answer }
-    }
 }
 
 /// Environment × mode.

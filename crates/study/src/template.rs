@@ -1,10 +1,17 @@
 //! The commented `study.toml` that `zwidth new` writes.
 
-use crate::StudyId;
+use crate::{SceneKind, StudyId};
 
 /// A commented `study.toml` for a new study: the thesis' design, ready to edit, valid as it stands.
 pub fn template(id: &StudyId) -> String {
-    TEMPLATE.replace("@ID@", id.as_str())
+    TEMPLATE.replace("@ID@", id.as_str()).replace("@KINDS@", &kinds())
+}
+
+/// The kinds of environment as a list; the last one is "none".
+fn kinds() -> String {
+    let mut words = SceneKind::ALL.map(|kind| format!("\"{}\"", kind.as_str())).to_vec();
+    let last = words.pop().unwrap_or_default();
+    format!("{} or {last}", words.join(", "))
 }
 
 const TEMPLATE: &str = r#"# What this study is: design, device, environments, modes, questions.
@@ -82,7 +89,7 @@ confidence = 0.95
 [figures]
 alignment = "onset"
 
-# What is rendered. kind = "free", "spring", "spring_wall" or "none" (a questionnaire alone).
+# What is rendered. kind = @KINDS@ (a questionnaire alone).
 [[environments]]
 id = "spring"
 label = "Spring"

@@ -72,7 +72,7 @@ pub struct TrialMeta {
     pub environment: EnvironmentId,
     /// The mode (its sealed code until the session is unsealed).
     pub mode: ModeId,
-    /// The answer given before the file was finished, 1…5.
+    /// The answer given before the file was finished, from 1 on.
     pub likert: Option<u8>,
     /// Measured, simulated or imported.
     pub source: Source,

@@ -44,6 +44,23 @@ impl Format {
         }
     }
 
+    /// What it is, for a reader who chooses one.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Csv => "CSV, full precision",
+            Self::Markdown => "Markdown",
+            Self::Latex => "LaTeX (booktabs, siunitx)",
+            Self::Typst => "Typst",
+            Self::Html => "HTML",
+            Self::Parquet => "Parquet, full precision",
+        }
+    }
+
+    /// Whether its files are text.
+    pub fn is_text(self) -> bool {
+        self != Self::Parquet
+    }
+
     /// The lines that, at the end of a file, hold its `origin` and are not shown; `None` where the
     /// format has no comments (CSV by RFC 4180; Parquet has its footer).
     pub fn comment(self, origin: &str) -> Option<String> {
@@ -127,7 +144,7 @@ mod tests {
             String::from_utf8_lossy(&bytes[0]).into_owned()
         };
         assert_eq!(text(Format::Csv), "theta_rad\r\n1.5707963267948966\r\n");
-        for format in [Format::Markdown, Format::Latex, Format::Typst, Format::Html] {
+        for format in Format::ALL.into_iter().filter(|f| f.is_text() && *f != Format::Csv) {
             assert!(text(format).contains("90"), "{format:?}");
         }
         assert!(text(Format::Parquet).starts_with("PAR1"));

@@ -3,6 +3,7 @@
 
 mod args;
 mod commands;
+mod devices;
 mod exit;
 mod limits;
 mod screen;

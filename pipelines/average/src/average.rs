@@ -6,7 +6,9 @@ use crate::{AverageError, WhyNot};
 use serde::Serialize;
 use zwidth_stats::band::{Band, band};
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Alignment, Analysis, Condition, ParticipantId, Scene, SessionId, Source};
+use zwidth_study::{
+    Alignment, Analysis, Condition, ParticipantId, Scene, SceneKind, SessionId, Source,
+};
 
 /// Everything that is averaged, in the order of the columns.
 pub const SIGNALS: [Signal; 5] =
@@ -168,10 +170,10 @@ fn check_together(trials: &[Trial]) -> Result<(), AverageError> {
 
 /// Where the scene's wall begins, if it has one; a reason where nothing is rendered to average.
 fn wall(scene: Scene) -> Result<Option<f64>, WhyNot> {
-    match scene {
-        Scene::Free => Err(WhyNot::FreeMotion),
-        Scene::None => Err(WhyNot::NothingRendered),
-        Scene::Spring(_) | Scene::SpringWall { .. } => Ok(scene.wall_rad()),
+    match scene.kind() {
+        SceneKind::Free => Err(WhyNot::FreeMotion),
+        SceneKind::None => Err(WhyNot::NothingRendered),
+        _ => Ok(scene.wall_rad()),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::models::{self, Model, Quantity, break_range};
 use crate::noise::noise;
 use crate::samples::{Samples, Sweep};
 use crate::uncertainty::resampled;
-use crate::verdict::{self, Verdict, significant};
+use crate::verdict::{self, CandidateVerdict, significant};
 use core::ops::Range;
 use rayon::prelude::*;
 use zwidth_stats::aicc::aicc;
@@ -69,7 +69,7 @@ fn candidate(
         complexity: model.complexity(),
         parameters: Vec::new(),
         quality: None,
-        verdict: Verdict::NotFitted,
+        verdict: CandidateVerdict::NotFitted,
         verdict_text: String::new(),
         left_out: Vec::new(),
         independent: (samples.sweeps.len() > 1).then_some(samples.sweeps.len()),
@@ -294,7 +294,12 @@ mod tests {
         let verdict = |name| candidate(&found, name).verdict;
         assert_eq!(
             ["line", "hinge", "power_law", "hinge_up_down"].map(verdict),
-            [Verdict::Rejected, Verdict::Chosen, Verdict::NotNeeded, Verdict::NotNeeded]
+            [
+                CandidateVerdict::Rejected,
+                CandidateVerdict::Chosen,
+                CandidateVerdict::NotNeeded,
+                CandidateVerdict::NotNeeded
+            ]
         );
         let text = &candidate(&found, "line").verdict_text;
         assert!(
@@ -362,7 +367,7 @@ mod tests {
         let sweep = Sweep { command: &x, response: &y };
         let found = characterise(&[sweep], &settings()).unwrap();
         assert_eq!((found.chosen, found.folds), (0, 3));
-        assert_eq!(found.candidates[3].verdict, Verdict::NotFitted);
+        assert_eq!(found.candidates[3].verdict, CandidateVerdict::NotFitted);
         assert!(found.candidates[3].parameters.is_empty());
     }
 

@@ -2,7 +2,7 @@
 
 use crate::branch::Branch;
 use crate::models::Quantity;
-use crate::verdict::Verdict;
+use crate::verdict::CandidateVerdict;
 use zwidth_stats::StatsError;
 use zwidth_stats::bootstrap::{expanded_level, percentile_interval};
 
@@ -82,7 +82,7 @@ pub struct Candidate {
     /// How good the fit is; `None` if it could not be fitted.
     pub quality: Option<Quality>,
     /// Chosen or not.
-    pub verdict: Verdict,
+    pub verdict: CandidateVerdict,
     /// The verdict with its reason, in words.
     pub verdict_text: String,
     /// Mean squared error on each part left out of the fit, unit of the response squared; empty if

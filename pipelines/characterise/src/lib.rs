@@ -70,7 +70,7 @@ pub use error::CharacteriseError;
 pub use first_order::{FirstOrder, first_order};
 pub use samples::Sweep;
 pub use table::{StageError, Subject, chosen_from, curve_table, models_table, parameters_table};
-pub use verdict::Verdict;
+pub use verdict::CandidateVerdict;
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 5;

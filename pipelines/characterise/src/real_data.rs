@@ -1,6 +1,6 @@
 //! Facts of recordings made by others, read where `ZWIDTH_REAL_DATA` points.
 
-use crate::{Characteristic, Settings, Sweep, Verdict, characterise, first_order};
+use crate::{CandidateVerdict, Characteristic, Settings, Sweep, characterise, first_order};
 use std::path::PathBuf;
 
 /// Rows of numbers of a comma-separated file under the folder of real recordings; `skip` header
@@ -63,7 +63,7 @@ fn the_load_cell_of_the_haptic_paddle_has_the_published_line() {
     assert!((line.intercept.estimate - (0.057404 - 3.5855 * 0.118712)).abs() < 5e-5);
     let found = check(&volts, &force_n, ("V", "N"));
     assert_eq!(found.candidates[found.chosen].name, "line");
-    assert_eq!(found.candidates[3].verdict, Verdict::NotFitted);
+    assert_eq!(found.candidates[3].verdict, CandidateVerdict::NotFitted);
 }
 
 #[test]
@@ -76,9 +76,9 @@ fn the_particle_brake_is_a_power_law_above_a_break() {
     let found = check(&counts, &torque_mnm, ("counts", "mN·m"));
     let named = |name: &str| found.candidates.iter().find(|c| c.name == name).unwrap();
     for (name, rms, verdict) in [
-        ("line", 3.086, Verdict::Rejected),
-        ("hinge", 1.340, Verdict::Rejected),
-        ("power_law", 0.326, Verdict::Chosen),
+        ("line", 3.086, CandidateVerdict::Rejected),
+        ("hinge", 1.340, CandidateVerdict::Rejected),
+        ("power_law", 0.326, CandidateVerdict::Chosen),
     ] {
         let candidate = named(name);
         assert!((candidate.quality.unwrap().rms - rms).abs() < 5e-4, "{candidate:?}");

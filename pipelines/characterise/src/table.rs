@@ -3,8 +3,8 @@
 use crate::curve::mean_response;
 use crate::models;
 use crate::{
-    Branch, Candidate, CharacteriseError, Characteristic, Chosen, Curve, Parameter, Sweep, Verdict,
-    curve, first_order,
+    Branch, Candidate, CandidateVerdict, CharacteriseError, Characteristic, Chosen, Curve,
+    Parameter, Sweep, curve, first_order,
 };
 use std::borrow::Cow;
 use zwidth_tables::{Column, Field, Table, TableError, Type, Values};
@@ -225,7 +225,7 @@ pub fn chosen_from(
 /// Row of the chosen model in a [`models_table`].
 fn chosen_row(models: &Table) -> Result<Option<usize>, TableError> {
     let is_chosen = |text: &Option<String>| {
-        text.as_deref().is_some_and(|t| t.starts_with(Verdict::Chosen.name()))
+        text.as_deref().is_some_and(|t| t.starts_with(CandidateVerdict::Chosen.name()))
     };
     Ok(models.texts("verdict")?.iter().position(is_chosen))
 }

@@ -16,7 +16,7 @@ const SAME: f64 = 1e-9;
 
 /// What became of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum CandidateVerdict {
     /// It is the one to use.
     Chosen,
     /// Its residuals exceed the noise, or it predicts worse than the chosen one.
@@ -27,7 +27,7 @@ pub enum Verdict {
     NotFitted,
 }
 
-impl Verdict {
+impl CandidateVerdict {
     /// The verdict as a table says it: `chosen`, `rejected`, `not_needed`, `not_fitted`.
     pub fn name(self) -> &'static str {
         match self {
@@ -122,14 +122,14 @@ fn reason(
     }
 }
 
-fn verdict(candidate: &Candidate, winner: &Candidate, chosen: bool) -> Verdict {
+fn verdict(candidate: &Candidate, winner: &Candidate, chosen: bool) -> CandidateVerdict {
     match candidate.quality {
-        None => Verdict::NotFitted,
-        Some(_) if chosen => Verdict::Chosen,
+        None => CandidateVerdict::NotFitted,
+        Some(_) if chosen => CandidateVerdict::Chosen,
         Some(q) if candidate.complexity > winner.complexity && !fits_worse(&q, winner.quality) => {
-            Verdict::NotNeeded
+            CandidateVerdict::NotNeeded
         }
-        Some(_) => Verdict::Rejected,
+        Some(_) => CandidateVerdict::Rejected,
     }
 }
 
@@ -143,15 +143,15 @@ fn words(candidate: &Candidate, winner: &Candidate, unit: &str) -> String {
     let against =
         || format!("{} against {}", left_out_error(&q, unit), left_out_error(&best, unit));
     match candidate.verdict {
-        Verdict::Chosen => format!("chosen: {}{}", residuals(&q, unit), warning(&q)),
-        Verdict::NotNeeded if !is_law(candidate) && is_law(winner) => {
+        CandidateVerdict::Chosen => format!("chosen: {}{}", residuals(&q, unit), warning(&q)),
+        CandidateVerdict::NotNeeded if !is_law(candidate) && is_law(winner) => {
             format!(
                 "not needed: {} is a law and leaves the noise alone (RMS on data left out {})",
                 winner.name,
                 against()
             )
         }
-        Verdict::NotNeeded => {
+        CandidateVerdict::NotNeeded => {
             format!("not needed: RMS on data left out {} for {}", against(), winner.name)
         }
         _ if fits_worse(&q, Some(best)) => format!("rejected: {}", residuals(&q, unit)),
@@ -236,7 +236,7 @@ mod tests {
             complexity: model.complexity(),
             parameters: vec![],
             quality: Some(quality),
-            verdict: Verdict::NotFitted,
+            verdict: CandidateVerdict::NotFitted,
             verdict_text: String::new(),
             left_out: left_out.to_vec(),
             independent: None,

@@ -4,6 +4,7 @@
 use crate::words::{model_mark, plain};
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Axis, Cell, Figure, Layer, Line, Panel, Points, Ticks};
+use zwidth_dynamics::NAMED_SOLVERS;
 use zwidth_tables::{Table, TableError};
 
 /// Height of a panel, mm.
@@ -143,15 +144,8 @@ fn logarithms(values: &[f64]) -> Vec<f64> {
 
 /// A solver as people write it.
 fn words(solver: &str) -> String {
-    match solver {
-        "dormand_prince" => "Dormand–Prince".to_owned(),
-        "tr_bdf2" => "TR-BDF2".to_owned(),
-        "moreau_jean" => "Moreau–Jean".to_owned(),
-        "symplectic_euler" => "symplectic Euler".to_owned(),
-        "rk4_per_stage" => "RK4, switched per stage".to_owned(),
-        "rk4_per_step" => "RK4, switched per step".to_owned(),
-        other => other.replace('_', " "),
-    }
+    let named = NAMED_SOLVERS.into_iter().find(|named| named.name == solver);
+    named.map_or_else(|| solver.replace('_', " "), |named| named.label.to_owned())
 }
 
 #[cfg(test)]

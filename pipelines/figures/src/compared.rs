@@ -1,8 +1,8 @@
 //! Modes, participants and repeats compared, one metric a figure, from the tables of the stage
 //! `compare`.
 
-use crate::About;
 use crate::words::{mark, percent, plain};
+use crate::{About, FigureKind};
 use std::collections::BTreeMap;
 use zwidth_draw::style::{self, Marker, Stroke};
 use zwidth_draw::{
@@ -10,6 +10,27 @@ use zwidth_draw::{
 };
 use zwidth_study::{Environment, EnvironmentId, Source};
 use zwidth_tables::{Table, TableError, Values, shown_unit};
+
+/// The figure [`modes_compared`].
+pub const MODES_COMPARED: FigureKind = FigureKind {
+    stem: "compare",
+    shows: "modes compared: means, and differences with their intervals",
+    drawn_from: "trial",
+};
+
+/// The figure [`participants_compared`].
+pub const PARTICIPANTS_COMPARED: FigureKind = FigureKind {
+    stem: "participants",
+    shows: "each participant's difference between modes",
+    drawn_from: "trial",
+};
+
+/// The figure [`repeats_compared`].
+pub const REPEATS_COMPARED: FigureKind = FigureKind {
+    stem: "learning",
+    shows: "mean at each repeat of a condition",
+    drawn_from: "trial",
+};
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 52.0;

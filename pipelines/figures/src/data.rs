@@ -83,7 +83,7 @@ pub struct ModeData<'a> {
 
 /// One environment of one session, with every mode tried in it.
 #[derive(Debug, Clone)]
-pub struct Scene<'a> {
+pub struct EnvironmentData<'a> {
     /// The study.
     pub about: &'a About,
     /// The environment.
@@ -98,7 +98,7 @@ pub struct Scene<'a> {
     pub notes: Vec<String>,
 }
 
-impl Scene<'_> {
+impl EnvironmentData<'_> {
     /// Where all repeats come from.
     pub(crate) fn sources(&self) -> impl Iterator<Item = Source> + '_ {
         self.modes.iter().flat_map(|m| &m.repeats).map(|r| r.trial.meta.source)

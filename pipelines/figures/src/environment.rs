@@ -1,6 +1,7 @@
 //! Figures 26 and 27: what an environment renders, drawn to the angles of the study: device,
 //! spring, wall.
 
+use crate::FigureKind;
 use crate::words::{Words, plain};
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -9,6 +10,13 @@ use zwidth_draw::{
     Axis, Cell, Figure, Layer, LegendPlace, Line, ONE_COLUMN_MM, Panel, Points, Text, TextPlace,
 };
 use zwidth_study::{Coordinate, Environment, Spring, Study};
+
+/// The figure [`environment`].
+pub const ENVIRONMENT: FigureKind = FigureKind {
+    stem: "environment",
+    shows: "device, spring and wall at the study's own angles",
+    drawn_from: "trial",
+};
 
 /// Height of the drawing, mm.
 const PANEL_MM: f64 = 50.0;

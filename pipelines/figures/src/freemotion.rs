@@ -1,12 +1,19 @@
 //! Plane-fit coefficients of free motion with their intervals: sessions side by side, one colour a
 //! mode.
 
-use crate::About;
 use crate::words::{mark, percent, plain};
+use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Marker};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Intervals, Layer, Panel, dodge};
 use zwidth_study::Source;
 use zwidth_tables::{Table, TableError};
+
+/// The figure [`free_motion`].
+pub const FREE_MOTION: FigureKind = FigureKind {
+    stem: "free_motion",
+    shows: "plane fits of free motion, sessions and modes side by side",
+    drawn_from: "trial",
+};
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 48.0;

@@ -41,22 +41,25 @@ mod simulation;
 mod tests;
 mod words;
 
-pub use about::{About, Caption, Kind};
+pub use about::{About, Caption, FigureKind};
 pub use bow_tie::bow_tie;
-pub use characteristic::{Characterised, characteristic};
+pub use characteristic::{CHARACTERISTIC, Characterised, characteristic};
 pub use chattering::chattering;
-pub use compared::{ComparedTables, modes_compared, participants_compared, repeats_compared};
-pub use data::{ModeData, Repeat, SIGNALS, Scene, average_columns};
-pub use environment::{Placement, environment};
+pub use compared::{
+    ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED, modes_compared,
+    participants_compared, repeats_compared,
+};
+pub use data::{EnvironmentData, ModeData, Repeat, SIGNALS, average_columns};
+pub use environment::{ENVIRONMENT, Placement, environment};
 pub use export::data_table;
-pub use freemotion::free_motion;
-pub use likert::{LikertPage, likert, likert_items, likert_overview};
+pub use freemotion::{FREE_MOTION, free_motion};
+pub use likert::{LIKERT, LIKERT_ITEMS, LikertPage, likert, likert_items, likert_overview};
 pub use loaded::{Loaded, METRICS_COLUMNS};
-pub use loops::loops;
-pub use modes::modes;
-pub use rendering_range::rendering_range;
-pub use repeats::repeats;
-pub use replay::replay;
+pub use loops::{LOOPS, loops};
+pub use modes::{MODES, modes};
+pub use rendering_range::{RENDERING_RANGE, rendering_range};
+pub use repeats::{REPEATS, repeats};
+pub use replay::{REPLAY, replay};
 pub use simulation::{MOST_SIDE_BY_SIDE, inputs, simulation};
 pub use words::{Words, mark};
 

@@ -1,14 +1,23 @@
 //! Figure 30: answers as diverging bars, their counts in the boxes.
 
-use crate::About;
 use crate::words::{mark, plain};
+use crate::{About, FigureKind};
 use serde::Serialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::{Axis, Cell, Figure, Layer, Likert, LikertScale, Panel, Ticks};
-use zwidth_study::{
-    Environment, EnvironmentId, Likert as Scale, Mode, Question, QuestionId, Source,
-};
+use zwidth_study::{AnswerScale, Environment, EnvironmentId, Mode, Question, QuestionId, Source};
 use zwidth_tables::{Table, TableError};
+
+/// The figure of answers by environment or group.
+pub const LIKERT: FigureKind = FigureKind {
+    stem: "likert",
+    shows: "answers, diverging bars with counts",
+    drawn_from: "answer",
+};
+
+/// The figure of answers by question.
+pub const LIKERT_ITEMS: FigureKind =
+    FigureKind { stem: "likert_items", shows: "answers to each question", drawn_from: "answer" };
 
 /// Panels that fit on a page: two columns of six.
 const A_PAGE: usize = 12;
@@ -38,6 +47,8 @@ struct Wanted {
     title: String,
     environment: EnvironmentId,
     what: What,
+    /// What was answered.
+    scale: AnswerScale,
     /// Whether an answer of it was turned round.
     reversed: bool,
     /// The question's wording, where the heading is another.
@@ -64,15 +75,16 @@ impl Wanted {
             title: environment.label.clone(),
             environment: environment.id.clone(),
             what: What::Question(question.id.clone()),
+            scale: question.scale,
             reversed: question.reversed,
             wording: Some(question.text.clone()).filter(|text| *text != environment.label),
         }
     }
 
-    fn group(environment: &Environment, group: &str) -> Self {
+    fn group(environment: &Environment, group: &str, scale: AnswerScale) -> Self {
         let (title, what) = (group.to_owned(), What::Group(group.to_owned()));
         let environment = environment.id.clone();
-        Self { title, environment, what, reversed: true, wording: None }
+        Self { title, environment, what, scale, reversed: true, wording: None }
     }
 }
 
@@ -88,8 +100,12 @@ pub fn likert_items(asked: &[(&Environment, Vec<&Question>)]) -> Vec<LikertPage>
     pages(several.flat_map(|(e, questions)| questions.iter().map(|q| Wanted::item(e, q))))
 }
 
+/// A page has one scale, so that one legend holds for all of it.
 fn pages(wanted: impl Iterator<Item = Wanted>) -> Vec<LikertPage> {
-    wanted.collect::<Vec<_>>().chunks(A_PAGE).map(|page| LikertPage(page.to_vec())).collect()
+    let mut of_scales: BTreeMap<AnswerScale, Vec<Wanted>> = BTreeMap::new();
+    wanted.for_each(|w| of_scales.entry(w.scale).or_default().push(w));
+    let pages = of_scales.values().flat_map(|wanted| wanted.chunks(A_PAGE));
+    pages.map(|page| LikertPage(page.to_vec())).collect()
 }
 
 fn overview(environment: &Environment, questions: &[&Question]) -> Vec<Wanted> {
@@ -101,17 +117,20 @@ fn overview(environment: &Environment, questions: &[&Question]) -> Vec<Wanted> {
     for question in questions {
         match question.group.as_deref() {
             None => wanted.push(Wanted::item(environment, question)),
-            Some(group) if seen.insert(group) => wanted.push(Wanted::group(environment, group)),
+            Some(group) if seen.insert(group) => {
+                wanted.push(Wanted::group(environment, group, question.scale));
+            }
             Some(_) => {}
         }
     }
     wanted
 }
 
-/// One panel: a heading, and for each row a label and the counts of the answers 1…5.
+/// One panel: a heading, and for each row a label and the counts of the answers, from 1 on.
 struct Counted {
     title: String,
-    rows: Vec<(String, [u32; 5])>,
+    scale: AnswerScale,
+    rows: Vec<(String, Vec<u32>)>,
 }
 
 /// Diverging bars, two panels side by side. `tally` is the table of the stage `likert`.
@@ -135,10 +154,7 @@ pub fn likert(
         panels.iter().enumerate().map(|(i, p)| panel(p, Cell::at(i / columns, i % columns), scale));
     Ok(Figure {
         title: Some(plain(title)),
-        description: format!(
-            "{title}: number of answers from strongly disagree to strongly agree, a row of boxes each; the neutral \
-             answers straddle zero."
-        ),
+        description: describe(title, scale_of(wanted)),
         width_mm: if columns == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
         panels: drawn.collect(),
         footnotes: footnotes(wanted).iter().map(|n| plain(n)).collect(),
@@ -147,13 +163,27 @@ pub fn likert(
     })
 }
 
+/// The one scale of a page.
+fn scale_of(page: &[Wanted]) -> AnswerScale {
+    page.first().map(|w| w.scale).unwrap_or_default()
+}
+
+fn describe(title: &str, scale: AnswerScale) -> String {
+    let [first, last] = [1, scale.points()].map(|answer| scale.word(answer).unwrap_or_default());
+    let middle = match scale.points() % 2 {
+        0 => "zero lies between the two halves",
+        _ => "the neutral answers straddle zero",
+    };
+    format!("{title}: number of answers from {first} to {last}, a row of boxes each; {middle}.")
+}
+
 /// A row a mode, in the study's order.
 fn counted(modes: &[Mode], tally: &Table, wanted: &Wanted) -> Result<Counted, TableError> {
     let texts = |column| tally.texts(column);
     let (environments, of_modes) = (texts("environment")?, texts("mode")?);
     let (questions, groups) = (texts("question")?, texts("group")?);
-    let counts =
-        (1..=5).map(|k| tally.integers(&format!("count_{k}"))).collect::<Result<Vec<_>, _>>()?;
+    let counts = (1..=wanted.scale.points()).map(|k| tally.integers(&format!("count_{k}")));
+    let counts = counts.collect::<Result<Vec<_>, _>>()?;
     let is_wanted = |row: usize| match &wanted.what {
         What::Question(id) => questions[row].as_deref() == Some(id.as_str()),
         What::Group(group) => {
@@ -166,10 +196,11 @@ fn counted(modes: &[Mode], tally: &Table, wanted: &Wanted) -> Result<Counted, Ta
                 && of_modes[*row].as_deref() == Some(mode.id.as_str())
                 && is_wanted(*row)
         })?;
-        let count = |k: usize| counts[k][found].and_then(|n| u32::try_from(n).ok()).unwrap_or(0);
-        Some((mode.label.clone(), std::array::from_fn(count)))
+        let count = |of: &Vec<Option<i64>>| of[found].and_then(|n| n.try_into().ok()).unwrap_or(0);
+        Some((mode.label.clone(), counts.iter().map(count).collect()))
     };
-    Ok(Counted { title: wanted.title.clone(), rows: modes.iter().filter_map(row).collect() })
+    let rows = modes.iter().filter_map(row).collect();
+    Ok(Counted { title: wanted.title.clone(), scale: wanted.scale, rows })
 }
 
 /// The wording where a panel is named after its environment, and what was reversed.
@@ -177,10 +208,10 @@ fn footnotes(wanted: &[Wanted]) -> Vec<String> {
     let worded = |w: &Wanted| Some(format!("{}: “{}”", w.title, w.wording.as_ref()?));
     let mut notes: Vec<String> = wanted.iter().filter_map(worded).collect();
     if wanted.iter().any(|w| w.reversed) {
-        notes.push(
-            "Answers to reversed questions are turned round (6 − a), so that right is favourable."
-                .to_owned(),
-        );
+        notes.push(format!(
+            "Answers to reversed questions are turned round ({} − a), so that right is favourable.",
+            scale_of(wanted).points() + 1
+        ));
     }
     notes
 }
@@ -193,8 +224,8 @@ fn panel(p: &Counted, cell: Cell, scale: LikertScale) -> Panel {
     let x = Axis { ticks: Ticks::Magnitudes, ..Axis::new(label, unit) }.linked("answers");
     let y = Axis::categories(p.rows.iter().map(|(label, _)| plain(label)));
     let bars = Likert {
-        answers: Scale::WORDS.iter().map(|w| (*w).to_owned()).collect(),
-        rows: p.rows.iter().map(|(_, counts)| counts.to_vec()).collect(),
+        answers: p.scale.words().iter().map(|w| (*w).to_owned()).collect(),
+        rows: p.rows.iter().map(|(_, counts)| counts.clone()).collect(),
         scale,
     };
     let panel = Panel::new(cell, x, y, vec![Layer::Likert(bars)]).titled(plain(&p.title));

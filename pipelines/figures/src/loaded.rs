@@ -1,6 +1,6 @@
 //! One environment of one session as it was read, from which the figures of trials are drawn.
 
-use crate::{About, ModeData, Repeat, Scene};
+use crate::{About, EnvironmentData, ModeData, Repeat};
 use std::collections::BTreeMap;
 use zwidth_store::Trial;
 use zwidth_study::{Alignment, Environment, ModeId};
@@ -67,7 +67,7 @@ impl<'a> Loaded<'a> {
     }
 
     /// The same, by modes that have a repeat.
-    pub fn scene(&self) -> Scene<'_> {
+    pub fn scene(&self) -> EnvironmentData<'_> {
         let modes = self.about.modes.iter().enumerate().filter_map(|(index, mode)| {
             let mine = (0..self.trials.len()).filter(|i| self.trials[*i].meta.mode == mode.id);
             let repeats: Vec<_> = mine.map(|i| self.repeat(i)).collect();
@@ -75,7 +75,7 @@ impl<'a> Loaded<'a> {
             let data = ModeData { index, label: &mode.label, repeats, average };
             (!data.repeats.is_empty()).then_some(data)
         });
-        Scene {
+        EnvironmentData {
             about: self.about,
             environment: self.environment,
             who: self.who.to_owned(),

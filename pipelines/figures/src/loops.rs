@@ -1,22 +1,29 @@
 //! Force against position for every environment side by side: the force discrepancy at a glance
 //! (Fig. 31).
 
-use crate::About;
-use crate::data::{ModeData, Scene, aligned, repeats_averaged};
+use crate::data::{EnvironmentData, ModeData, aligned, repeats_averaged};
 use crate::panels::{axis, mean_loop, repeat_loop};
-use crate::words::{Words, mark, plain, together};
+use crate::words::{Words, keep_together, mark, plain};
+use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Colour};
 use zwidth_draw::{Cell, Figure, Layer, Line, Panel};
 use zwidth_store::Signal;
 use zwidth_tables::TableError;
 
+/// The figure [`loops`].
+pub const LOOPS: FigureKind = FigureKind {
+    stem: "loops",
+    shows: "force against position, all environments",
+    drawn_from: "trial",
+};
+
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 55.0;
 
 /// One panel a mode, one loop an environment.
-pub fn loops(about: &About, scenes: &[Scene]) -> Result<Figure, TableError> {
+pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableError> {
     let words = Words::new(about.coordinate);
-    let load = scenes.first().map_or(Signal::ForceEx, Scene::load);
+    let load = scenes.first().map_or(Signal::ForceEx, EnvironmentData::load);
     let load_word = if load == Signal::TorqueEx { "torque" } else { "force" };
     let who = scenes.first().map(|s| s.who.as_str()).unwrap_or_default();
     let mut panels = Vec::new();
@@ -40,7 +47,7 @@ pub fn loops(about: &About, scenes: &[Scene]) -> Result<Figure, TableError> {
             "{}: {load_word} against {} ({})",
             about.title,
             words.position_word(),
-            together(who)
+            keep_together(who)
         ))),
         description: format!(
             "{who}: {load_word} against {} there and back, one panel a mode, one loop an environment.",
@@ -49,14 +56,14 @@ pub fn loops(about: &About, scenes: &[Scene]) -> Result<Figure, TableError> {
         width_mm: if panels.len() == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
         panels,
         footnotes,
-        mark: mark(scenes.iter().flat_map(Scene::sources)),
+        mark: mark(scenes.iter().flat_map(EnvironmentData::sources)),
         ..Figure::default()
     })
 }
 
 /// Which means the loops are, and of how many repeats, where there is one; what dots mean, where
 /// there are any.
-fn footnotes(scenes: &[Scene], panels: &[Panel]) -> Vec<String> {
+fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
     let several = |m: &&ModeData| m.repeats.len() > 1;
     let averaged = repeats_averaged(scenes.iter().flat_map(|s| &s.modes).filter(several));
     let means = scenes.first().zip(averaged);
@@ -71,7 +78,7 @@ fn footnotes(scenes: &[Scene], panels: &[Panel]) -> Vec<String> {
 
 /// The mean loop, or every repeat's where there is no mean.
 fn one(
-    scene: &Scene,
+    scene: &EnvironmentData,
     words: Words,
     mode: &ModeData,
     colour: Colour,

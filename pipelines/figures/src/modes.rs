@@ -1,19 +1,27 @@
 //! Figures 28 and 29: position, force and velocity against time, force against position; the mean
 //! of each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall.
 
-use crate::data::{Scene, aligned};
+use crate::FigureKind;
+use crate::data::{EnvironmentData, aligned};
 use crate::panels::{axis, mean_loop, mean_over_time, repeat_loop, repeat_over_time, wall_line};
-use crate::words::{Words, mark, plain, time_axis, together};
+use crate::words::{Words, keep_together, mark, plain, time_axis};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, style};
 use zwidth_store::Signal;
 use zwidth_study::Alignment;
 use zwidth_tables::TableError;
 
+/// The figure [`modes`].
+pub const MODES: FigureKind = FigureKind {
+    stem: "modes",
+    shows: "position, force and velocity against time, force against position",
+    drawn_from: "trial",
+};
+
 /// Height of one of the three panels against time, mm.
 const PANEL_MM: f64 = 30.0;
 
 /// The four-panel figure of one environment.
-pub fn modes(scene: &Scene) -> Result<Figure, TableError> {
+pub fn modes(scene: &EnvironmentData) -> Result<Figure, TableError> {
     let words = Words::new(scene.about.coordinate);
     let load = scene.load();
     let mut panels = Vec::new();
@@ -27,7 +35,7 @@ pub fn modes(scene: &Scene) -> Result<Figure, TableError> {
             "{}: {} ({})",
             scene.about.title,
             scene.environment.label,
-            together(&scene.who)
+            keep_together(&scene.who)
         ))),
         description: describe(scene, words),
         panels,
@@ -38,7 +46,7 @@ pub fn modes(scene: &Scene) -> Result<Figure, TableError> {
     })
 }
 
-fn describe(scene: &Scene, words: Words) -> String {
+fn describe(scene: &EnvironmentData, words: Words) -> String {
     let counts: Vec<String> = scene
         .modes
         .iter()
@@ -58,7 +66,7 @@ fn describe(scene: &Scene, words: Words) -> String {
 }
 
 /// What the pens mean, and what is to be said of the means.
-fn footnotes(scene: &Scene) -> Vec<String> {
+fn footnotes(scene: &EnvironmentData) -> Vec<String> {
     let mut legend = String::new();
     if scene.modes.iter().any(|m| m.average.is_some()) {
         legend += &format!("Thick: mean of the repeats, {}", aligned(scene.alignment));
@@ -81,7 +89,7 @@ fn footnotes(scene: &Scene) -> Vec<String> {
 }
 
 fn over_time(
-    scene: &Scene,
+    scene: &EnvironmentData,
     words: Words,
     cell: Cell,
     time: Axis,
@@ -112,7 +120,7 @@ fn over_time(
     Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::new(cell, time, y, layers) })
 }
 
-fn loop_panel(scene: &Scene, words: Words, load: Signal) -> Result<Panel, TableError> {
+fn loop_panel(scene: &EnvironmentData, words: Words, load: Signal) -> Result<Panel, TableError> {
     let cell = Cell::at(0, 1).spanning(3, 1);
     let (x, y) = (words.position_axis(), axis(words, load));
     if !(scene.has(Signal::Theta) && scene.has(load)) {

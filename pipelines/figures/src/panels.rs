@@ -1,6 +1,6 @@
 //! What several figures share: curves of repeats and means, wall lines, axes of the force.
 
-use crate::data::{ModeData, Repeat, Scene, gaps, mean_curve};
+use crate::data::{EnvironmentData, ModeData, Repeat, gaps, mean_curve};
 use crate::words::Words;
 use zwidth_draw::style::{self, Colour, Stroke};
 use zwidth_draw::{Axis, Band, Direction, Layer, Line, Reference};
@@ -27,7 +27,7 @@ pub(crate) fn axis(words: Words, signal: Signal) -> Axis {
 }
 
 /// Which samples lie at or past the wall; empty without a wall or an angle.
-pub(crate) fn past_wall(scene: &Scene, theta_rad: &[f64]) -> Vec<bool> {
+pub(crate) fn past_wall(scene: &EnvironmentData, theta_rad: &[f64]) -> Vec<bool> {
     match scene.environment.scene.wall_rad() {
         Some(wall) => theta_rad.iter().map(|theta| *theta >= wall).collect(),
         None => Vec::new(),
@@ -36,7 +36,7 @@ pub(crate) fn past_wall(scene: &Scene, theta_rad: &[f64]) -> Vec<bool> {
 
 /// One repeat's signal against time.
 pub(crate) fn repeat_over_time(
-    scene: &Scene,
+    scene: &EnvironmentData,
     words: Words,
     repeat: &Repeat,
     signal: Signal,
@@ -62,7 +62,7 @@ pub(crate) fn repeat_loop(
 
 /// The mean of a mode's repeats against time, with its band; dotted past the wall.
 pub(crate) fn mean_over_time(
-    scene: &Scene,
+    scene: &EnvironmentData,
     words: Words,
     mode: &ModeData,
     signal: Signal,
@@ -92,7 +92,7 @@ pub(crate) fn mean_over_time(
 
 /// The mean force of a mode's repeats against their mean position; dotted past the wall.
 pub(crate) fn mean_loop(
-    scene: &Scene,
+    scene: &EnvironmentData,
     words: Words,
     mode: &ModeData,
     load: Signal,
@@ -114,7 +114,11 @@ pub(crate) fn mean_loop(
 }
 
 /// The line where the wall begins, across an axis that shows positions.
-pub(crate) fn wall_line(scene: &Scene, words: Words, direction: Direction) -> Option<Layer> {
+pub(crate) fn wall_line(
+    scene: &EnvironmentData,
+    words: Words,
+    direction: Direction,
+) -> Option<Layer> {
     let wall = scene.environment.scene.wall_rad()?;
     let label = match direction {
         Direction::Vertical => Some(format!("wall {}", words.place(wall))),

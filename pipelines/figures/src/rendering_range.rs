@@ -1,13 +1,20 @@
 //! Figure 25: the forces that each mode can render, compression and decompression apart.
 
-use crate::About;
 use crate::words::{mark, plain};
+use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Dash};
 use zwidth_draw::{
     Axis, Band, Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, Range, Reference, Text,
     TextPlace,
 };
-use zwidth_study::{Calibration, Characteristic, Mode, Source};
+use zwidth_study::{ActuatorKind, Calibration, Characteristic, Mode, Source};
+
+/// The figure [`rendering_range`].
+pub const RENDERING_RANGE: FigureKind = FigureKind {
+    stem: "rendering_range",
+    shows: "forces that each mode can render, compressing and decompressing",
+    drawn_from: "trial",
+};
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 34.0;
@@ -94,10 +101,10 @@ fn acting<'a>(mode: &Mode, way: Way, calibration: &'a Calibration) -> Option<Act
         max_v,
         shares: if way == Way::Compression { (0.0, 1.0) } else { (-1.0, 0.0) },
     };
-    match (mode.motor_max_v, mode.brake_max_v, way) {
-        (Some(_), Some(v), Way::Compression) | (None, Some(v), _) => Some(brake(v)),
-        (Some(v), _, _) => Some(motor(v)),
-        (None, None, _) => None,
+    let [compressing, releasing] = mode.law()?.drives();
+    match if way == Way::Compression { compressing } else { releasing } {
+        ActuatorKind::Motor => mode.motor_max_v.map(motor),
+        ActuatorKind::Brake => mode.brake_max_v.map(brake),
     }
 }
 

@@ -1,16 +1,21 @@
 //! Figures 36–41: every repeat of one condition; the commanded force dotted.
 
-use crate::data::{ModeData, Repeat, Scene};
+use crate::FigureKind;
+use crate::data::{EnvironmentData, ModeData, Repeat};
 use crate::panels::{axis, on_axis, repeat_loop, repeat_over_time, wall_line};
-use crate::words::{Words, mark, plain, time_axis, together};
+use crate::words::{Words, keep_together, mark, plain, time_axis};
 use zwidth_draw::{Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, style};
 use zwidth_store::Signal;
+
+/// The figure [`repeats`].
+pub const REPEATS: FigureKind =
+    FigureKind { stem: "repeats", shows: "every repeat of one condition", drawn_from: "trial" };
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 45.0;
 
 /// Force against position, position and velocity against time, of every repeat of `mode`.
-pub fn repeats(scene: &Scene, mode: &ModeData) -> Figure {
+pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
     let words = Words::new(scene.about.coordinate);
     let load = scene.load();
     let panels = vec![
@@ -23,7 +28,7 @@ pub fn repeats(scene: &Scene, mode: &ModeData) -> Figure {
             "{}: every repeat, {} ({})",
             scene.environment.label,
             mode.label.to_lowercase(),
-            together(&scene.who),
+            keep_together(&scene.who),
         ))),
         description: format!(
             "{}, environment {}, mode {}: all {} repeats. Force against {}, then {} and velocity against time. Dotted: \
@@ -52,7 +57,7 @@ fn name(mode: &ModeData, i: usize) -> String {
     format!("repeat {}", mode.repeats[i].trial.meta.repeat)
 }
 
-fn force_panel(scene: &Scene, words: Words, mode: &ModeData, load: Signal) -> Panel {
+fn force_panel(scene: &EnvironmentData, words: Words, mode: &ModeData, load: Signal) -> Panel {
     let (x, y) = (words.position_axis(), axis(words, load));
     let mut layers: Vec<Layer> = wall_line(scene, words, Direction::Vertical).into_iter().collect();
     for (i, (repeat, stroke)) in mode.repeats.iter().zip(strokes(mode)).enumerate() {
@@ -104,7 +109,13 @@ fn once(theta: &[f64], force: &[f64]) -> Vec<f64> {
     (0..force.len()).map(|i| if drawn(i) { f64::NAN } else { force[i] }).collect()
 }
 
-fn time_panel(scene: &Scene, words: Words, mode: &ModeData, cell: Cell, signal: Signal) -> Panel {
+fn time_panel(
+    scene: &EnvironmentData,
+    words: Words,
+    mode: &ModeData,
+    cell: Cell,
+    signal: Signal,
+) -> Panel {
     let lines =
         mode.repeats.iter().zip(strokes(mode)).enumerate().filter_map(|(i, (repeat, stroke))| {
             let line = repeat_over_time(scene, words, repeat, signal, stroke)?;

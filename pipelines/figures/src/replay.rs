@@ -1,12 +1,19 @@
 //! Figure 24, reality against simulation: forces, position and velocity against time of one
 //! recorded trial a mode, and those of the model that was given its external force.
 
-use crate::About;
-use crate::words::{Words, mark, plain, time_axis, together};
+use crate::words::{Words, keep_together, mark, plain, time_axis};
+use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, Panel, Reference};
 use zwidth_study::{Environment, Mode, Source};
 use zwidth_tables::{Table, TableError};
+
+/// The figure [`replay`].
+pub const REPLAY: FigureKind = FigureKind {
+    stem: "replay",
+    shows: "recorded trials and the model given their external force",
+    drawn_from: "trial",
+};
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 32.0;
@@ -119,7 +126,7 @@ fn figure(
             "{}: {}, reality against model ({})",
             about.title,
             environment.label,
-            together(who)
+            keep_together(who)
         ))),
         description: format!(
             "{who}, environment {}: forces, {} and velocity against time of one recorded trial a mode, and of the \

@@ -1,8 +1,8 @@
 //! Facts about the figures of trials, on small made-up data.
 
 use crate::{
-    About, ModeData, Repeat, SIGNALS, Scene, average_columns, loops, modes, rendering_range,
-    repeats,
+    About, EnvironmentData, ModeData, Repeat, SIGNALS, average_columns, loops, modes,
+    rendering_range, repeats,
 };
 use zwidth_draw::{Axis, Figure, Layer, Line};
 use zwidth_store::{Samples, Signal, Trial};
@@ -65,9 +65,13 @@ fn average(trial: &Trial) -> Table {
     Table::new("average", "Average", columns).unwrap()
 }
 
-fn scene<'a>(study: &'a Studied, trial: &'a Trial, average: Option<&'a Table>) -> Scene<'a> {
+fn scene<'a>(
+    study: &'a Studied,
+    trial: &'a Trial,
+    average: Option<&'a Table>,
+) -> EnvironmentData<'a> {
     let repeats = vec![Repeat { trial, onset_s: Some(1.0), warped_s: None }];
-    Scene {
+    EnvironmentData {
         about: &study.about,
         environment: &study.environments[1],
         who: "P01 S01".to_owned(),
@@ -124,7 +128,9 @@ fn loops_say_what_their_dots_mean() {
     trial.meta.repeat = 2;
     let mut scene = scene(&study, &trial, Some(&mean));
     scene.modes[0].repeats.push(Repeat { trial: &trial, onset_s: Some(1.0), warped_s: None });
-    let notes = |scene: &Scene| loops(&study.about, std::slice::from_ref(scene)).unwrap().footnotes;
+    let notes = |scene: &EnvironmentData| {
+        loops(&study.about, std::slice::from_ref(scene)).unwrap().footnotes
+    };
     let means = "Lines: mean of the repeats (n = 1), aligned at movement onset.";
     assert_eq!(notes(&scene), [means, "Dotted: at the wall or past it."]);
     scene.environment = &study.environments[0];
@@ -205,7 +211,7 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
         (Alignment::Onset, "aligned at movement onset", "time since movement onset"),
         (Alignment::Landmarks, "aligned by landmarks", "time since onset, by landmarks"),
     ] {
-        let mut scene = Scene { alignment, ..scene(&study, &trial, Some(&mean)) };
+        let mut scene = EnvironmentData { alignment, ..scene(&study, &trial, Some(&mean)) };
         let twice = scene.modes[0].repeats[0];
         scene.modes[0].repeats.push(twice);
         let figure = modes(&scene).unwrap();
@@ -221,7 +227,8 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
         assert_eq!(loops.footnotes[0], format!("Lines: mean of the repeats (n = 1), {words}."));
     }
     let without =
-        modes(&Scene { alignment: Alignment::Landmarks, ..scene(&study, &trial, None) }).unwrap();
+        modes(&EnvironmentData { alignment: Alignment::Landmarks, ..scene(&study, &trial, None) })
+            .unwrap();
     assert_eq!(without.panels[2].x.label, "time since movement onset", "there is no mean");
 }
 

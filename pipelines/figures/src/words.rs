@@ -79,7 +79,7 @@ pub(crate) fn plain(name: &str) -> String {
 }
 
 /// Participant and session as they stand in a heading: no line break parts them.
-pub(crate) fn together(who: &str) -> String {
+pub(crate) fn keep_together(who: &str) -> String {
     who.replace(' ', "\u{a0}")
 }
 

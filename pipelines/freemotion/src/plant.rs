@@ -59,13 +59,13 @@ pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, Fre
         (column(Signal::Time)?, column(Signal::Theta)?, column(Signal::ThetaDot)?);
     let torque = torque(&trial.samples, parameters.lever_m)?;
     let least_rad_s = parameters.onset_rad_s;
-    let rows: Vec<Row> = (0..t.len())
+    let rows: Vec<StretchMeans> = (0..t.len())
         .filter_map(|centre| row(&stretch(t, centre)?, [theta, velocity, &torque], least_rad_s))
         .collect();
     if rows.is_empty() {
         return Err(FreeMotionError::NoSlip { needed_s: 2.0 * HALF_S, least_rad_s });
     }
-    let of = |get: fn(&Row) -> f64| rows.iter().map(get).collect::<Vec<f64>>();
+    let of = |get: fn(&StretchMeans) -> f64| rows.iter().map(get).collect::<Vec<f64>>();
     let columns = [
         vec![1.0; rows.len()],
         of(|r| r.acceleration),
@@ -92,7 +92,7 @@ pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, Fre
 }
 
 /// The averages over one stretch.
-struct Row {
+struct StretchMeans {
     torque: f64,
     acceleration: f64,
     velocity: f64,
@@ -101,12 +101,16 @@ struct Row {
 }
 
 /// The averages of `[θ, θ̇, τ]` over `stretch`; `None` unless it slips one way throughout.
-fn row(stretch: &Stretch, [theta, velocity, torque]: [&[f64]; 3], least_rad_s: f64) -> Option<Row> {
+fn row(
+    stretch: &Stretch,
+    [theta, velocity, torque]: [&[f64]; 3],
+    least_rad_s: f64,
+) -> Option<StretchMeans> {
     let inside = stretch.first..stretch.first + stretch.weights.len();
     let [theta, velocity, torque] = [theta, velocity, torque].map(|y| &y[inside.clone()]);
     let sign = velocity[0].signum();
     let slips = velocity.iter().all(|v| sign * v >= least_rad_s);
-    slips.then(|| Row {
+    slips.then(|| StretchMeans {
         torque: average(&stretch.weights, torque),
         acceleration: average(&stretch.curvature, theta),
         velocity: average(&stretch.slope, theta),

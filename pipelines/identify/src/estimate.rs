@@ -4,7 +4,7 @@ use crate::IdentifyError;
 use crate::fit::{Block, Problem, sum};
 use crate::profile::{Curve, Point};
 use crate::slopes::Parameter;
-use crate::verdict::{Verdict, inflation, verdict};
+use crate::verdict::{Identifiability, inflation, verdict};
 use zwidth_numerics::nonlinear::Minimum;
 use zwidth_stats::student_t::critical_value;
 
@@ -28,7 +28,7 @@ pub struct Estimate {
     /// Its profile, by rising value; empty without standard error.
     pub profile: Vec<Point>,
     /// Whether the trials say what it is.
-    pub verdict: Verdict,
+    pub verdict: Identifiability,
 }
 
 /// A standard error below this share of the value is that of the arithmetic: there is no noise, and
@@ -178,7 +178,7 @@ pub(crate) fn estimates<const P: usize>(
             interval,
             inflation: inflation[j],
             profile: curve.map(|curve| curve.points()).unwrap_or_default(),
-            verdict: Verdict::OnBound,
+            verdict: Identifiability::OnBound,
         };
         estimate.verdict = verdict(&estimate, all.curvature[j][j]);
         Ok(estimate)
@@ -241,7 +241,7 @@ mod tests {
             close(ci_low - fitted, low - fitted, 1e-4);
             close(ci_high - fitted, high - fitted, 1e-4);
             close(one_off(estimate, fitted + std_error).likelihood_ratio, 1.0, 1e-6);
-            assert_eq!(estimate.verdict, Verdict::Identifiable);
+            assert_eq!(estimate.verdict, Identifiability::Identifiable);
         }
         close(
             one_off(&found[0], SCIPY[0][0] + SCIPY[0][1]).relative_error,
@@ -256,7 +256,7 @@ mod tests {
     fn a_value_on_its_bound_has_a_bracket_from_there() {
         let (lower, [free, _, _, _, free_high]) = (0.97, SCIPY[1]);
         let found = &fitted(lower)[1];
-        assert_eq!((found.fitted, found.verdict), (lower, Verdict::OnBound));
+        assert_eq!((found.fitted, found.verdict), (lower, Identifiability::OnBound));
         let (low, high) = found.interval.unwrap();
         assert_eq!(low.to_bits(), lower.to_bits());
         close(high - free, ((free_high - free).powi(2) + (lower - free).powi(2)).sqrt(), 0.02);
@@ -266,7 +266,7 @@ mod tests {
     #[test]
     fn a_profile_that_stays_low_up_to_a_bound_is_flat() {
         let found = &fitted(0.95)[1];
-        assert_eq!(found.verdict, Verdict::Flat);
+        assert_eq!(found.verdict, Identifiability::Flat);
         assert_eq!(found.interval.unwrap().0.to_bits(), 0.95_f64.to_bits());
         close(found.interval.unwrap().1 - SCIPY[1][0], SCIPY[1][4] - SCIPY[1][0], 1e-3);
     }

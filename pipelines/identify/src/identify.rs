@@ -137,7 +137,7 @@ fn without_each<const P: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Verdict;
+    use crate::Identifiability;
     use crate::testing::{PARAMETERS, STARTS, TRUE, metas, pushed};
 
     fn recordings<'a>(metas: &'a [TrialMeta], observed: &'a [Vec<f64>]) -> Vec<Recording<'a>> {
@@ -162,7 +162,7 @@ mod tests {
         for (estimate, expect) in found.estimates.iter().zip(TRUE) {
             let fitted = estimate.fitted;
             assert!((fitted / expect - 1.0).abs() < 1e-6, "{fitted} instead of {expect}");
-            assert_eq!(estimate.verdict, Verdict::Identifiable, "{estimate:?}");
+            assert_eq!(estimate.verdict, Identifiability::Identifiable, "{estimate:?}");
         }
         let held: Vec<_> = found.trials.iter().filter(|t| t.part == Part::HeldOut).collect();
         assert_eq!(held.len(), 4);
@@ -186,13 +186,13 @@ mod tests {
         let found = identify(&recordings, &task(&PARAMETERS), line, |_, _| None).unwrap().estimates;
         assert_eq!(
             [found[0].verdict, found[1].verdict],
-            [Verdict::Identifiable, Verdict::Insensitive]
+            [Identifiability::Identifiable, Identifiability::Insensitive]
         );
         let (low, high) = found[0].interval.unwrap();
         assert!(low < found[0].fitted && found[0].fitted < high);
         let double = |i: usize, p: &[f64; 3]| Some(x(i).map(|x| (p[0] + p[1]) * x).collect());
         let found = identify(&recordings, &task(&PARAMETERS), double, |_, _| None).unwrap();
-        assert_eq!(found.estimates[0].verdict, Verdict::Confounded);
+        assert_eq!(found.estimates[0].verdict, Identifiability::Confounded);
     }
 
     #[test]

@@ -14,7 +14,7 @@
 //!   t has Satterthwaite's degrees of freedom, because a parameter may show in few of the trials.
 //! * **Left out**: a trial's error with the parameters that the other fitted trials give, by one
 //!   Gauss–Newton step.
-//! * **Verdict**: see [`Verdict`].
+//! * **Identifiability**: see [`Identifiability`].
 //! * **Threshold**: see [`Bracket`].
 //!
 //! Pure: recordings in memory, tables out; the same bits with any number of threads.
@@ -38,7 +38,7 @@ pub use identify::{Identified, Part, Recording, Task, TrialErrors, identify};
 pub use profile::Point;
 pub use slopes::Parameter;
 pub use table::{against_eye, estimates, nothing_fitted, profiles, threshold, trials};
-pub use verdict::Verdict;
+pub use verdict::Identifiability;
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 5;

@@ -2,8 +2,8 @@
 
 use crate::Parameter;
 use zwidth_dynamics::{
-    Environment, Exact, Friction, Grid, Input, Mode, Plant, Scene, Series, Solver, Start, System,
-    table3,
+    Environment, Exact, Friction, Grid, Input, Mode, ModelScene, Plant, Series, Solver, Start,
+    System, table3,
 };
 use zwidth_study::{Kind, Source, Status, TrialMeta};
 
@@ -44,7 +44,7 @@ pub(crate) fn pushed(i: usize, [mass_kg, damping, friction_n]: &[f64; 3]) -> Opt
     let (size, omega) = (1.5 + 0.1 * i as f64, 2.0 + 0.3 * i as f64);
     let push = |t: f64| size * (1.0 - libm::cos(omega * t)) + 0.2 * libm::sin(11.0 * t);
     let value = t_s.iter().map(|t| push(*t)).collect();
-    let scene = Scene {
+    let scene = ModelScene {
         duration_s: 3.0,
         environment: Environment::spring(4.0, 0.0, 0.0),
         plant: Plant { mass_kg: *mass_kg, lever_m: 0.05, stops_rad: None },

@@ -9,7 +9,7 @@ const MOST_INFLATION: f64 = 100.0;
 
 /// Whether the trials say what a parameter is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum Identifiability {
     /// They do: none of the reasons below.
     Identifiable,
     /// The recordings do not depend on it.
@@ -26,7 +26,7 @@ pub enum Verdict {
     Uncertain,
 }
 
-impl Verdict {
+impl Identifiability {
     /// The word in the table.
     pub fn as_str(self) -> &'static str {
         match self {
@@ -41,24 +41,24 @@ impl Verdict {
 }
 
 /// The verdict of an estimate; `curvature` is its entry in JᵀJ.
-pub(crate) fn verdict(estimate: &Estimate, curvature: f64) -> Verdict {
+pub(crate) fn verdict(estimate: &Estimate, curvature: f64) -> Identifiability {
     if curvature.is_nan() || curvature <= 0.0 {
-        return Verdict::Insensitive;
+        return Identifiability::Insensitive;
     }
     if on_bound(&estimate.parameter, estimate.fitted) {
-        return Verdict::OnBound;
+        return Identifiability::OnBound;
     }
     if estimate.inflation.is_none_or(|inflation| inflation > MOST_INFLATION) {
-        return Verdict::Confounded;
+        return Identifiability::Confounded;
     }
-    let Some((low, high)) = estimate.interval else { return Verdict::Uncertain };
+    let Some((low, high)) = estimate.interval else { return Identifiability::Uncertain };
     if on_bound(&estimate.parameter, low) || on_bound(&estimate.parameter, high) {
-        return Verdict::Flat;
+        return Identifiability::Flat;
     }
     if high - low > 2.0 * estimate.fitted.abs() {
-        Verdict::Uncertain
+        Identifiability::Uncertain
     } else {
-        Verdict::Identifiable
+        Identifiability::Identifiable
     }
 }
 
@@ -74,7 +74,7 @@ mod tests {
     use super::*;
     use crate::Parameter;
 
-    fn check(change: impl Fn(&mut Estimate), expect: Verdict) {
+    fn check(change: impl Fn(&mut Estimate), expect: Identifiability) {
         let mut estimate = Estimate {
             parameter: Parameter { name: "mass", unit: "kg", by_eye: 1.0, lower: 0.0, upper: 10.0 },
             fitted: 2.0,
@@ -83,7 +83,7 @@ mod tests {
             interval: Some((1.8, 2.2)),
             inflation: Some(3.0),
             profile: Vec::new(),
-            verdict: Verdict::OnBound,
+            verdict: Identifiability::OnBound,
         };
         change(&mut estimate);
         assert_eq!(verdict(&estimate, 1.0), expect);
@@ -91,13 +91,13 @@ mod tests {
 
     #[test]
     fn each_doubt_has_its_word() {
-        check(|_| {}, Verdict::Identifiable);
-        check(|e| e.fitted = 10.0, Verdict::OnBound);
-        check(|e| e.inflation = Some(101.0), Verdict::Confounded);
-        check(|e| e.inflation = None, Verdict::Confounded);
-        check(|e| e.interval = Some((0.0, 2.2)), Verdict::Flat);
-        check(|e| e.interval = Some((0.5, 10.0)), Verdict::Flat);
-        check(|e| e.interval = Some((0.5, 5.0)), Verdict::Uncertain);
-        check(|e| e.interval = None, Verdict::Uncertain);
+        check(|_| {}, Identifiability::Identifiable);
+        check(|e| e.fitted = 10.0, Identifiability::OnBound);
+        check(|e| e.inflation = Some(101.0), Identifiability::Confounded);
+        check(|e| e.inflation = None, Identifiability::Confounded);
+        check(|e| e.interval = Some((0.0, 2.2)), Identifiability::Flat);
+        check(|e| e.interval = Some((0.5, 10.0)), Identifiability::Flat);
+        check(|e| e.interval = Some((0.5, 5.0)), Identifiability::Uncertain);
+        check(|e| e.interval = None, Identifiability::Uncertain);
     }
 }

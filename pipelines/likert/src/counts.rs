@@ -1,26 +1,36 @@
-//! Counts of the five points of the scale.
+//! Counts of the points of a scale.
 
 use std::collections::BTreeSet;
-use zwidth_study::{Likert, ParticipantId};
+use zwidth_study::{AnswerScale, ParticipantId};
 
 /// How often each point was chosen, and by whom.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Counts {
-    /// Of the points 1 … 5.
-    pub(crate) of: [usize; Likert::POINTS as usize],
+    /// Of each point, from 1 on.
+    of: Vec<usize>,
     pub(crate) participants: BTreeSet<ParticipantId>,
 }
 
 impl Counts {
-    /// Counts one answer as scored, 1 … 5.
+    /// No answer yet, on a scale.
+    pub(crate) fn on(scale: AnswerScale) -> Self {
+        Self { of: vec![0; scale.points().into()], participants: BTreeSet::new() }
+    }
+
+    /// How often this point was chosen; none off the scale.
+    pub(crate) fn of_point(&self, point: u8) -> Option<usize> {
+        self.of.get(usize::from(point).checked_sub(1)?).copied()
+    }
+
+    /// Counts one answer as scored, which is on the scale.
     pub(crate) fn add(&mut self, scored: u8, participant: &ParticipantId) {
         self.of[usize::from(scored) - 1] += 1;
         self.participants.insert(participant.clone());
     }
 
-    /// Counts all that `other` counts.
+    /// Counts all that `other`, of the same scale, counts.
     pub(crate) fn merge(&mut self, other: &Self) {
-        self.of.iter_mut().zip(other.of).for_each(|(count, more)| *count += more);
+        self.of.iter_mut().zip(&other.of).for_each(|(count, more)| *count += more);
         self.participants.extend(other.participants.iter().cloned());
     }
 
@@ -38,7 +48,7 @@ impl Counts {
     /// The answer at `rank` (from 0) of all answers in rising order.
     fn ranked(&self, rank: usize) -> Option<i64> {
         let mut below = 0;
-        (1..).zip(self.of).find_map(|(point, count)| {
+        (1..).zip(&self.of).find_map(|(point, count)| {
             below += count;
             (rank < below).then_some(point)
         })
@@ -50,7 +60,7 @@ mod tests {
     use super::*;
 
     fn check(answers: &[u8], expect: Option<(i64, i64)>) {
-        let mut counts = Counts::default();
+        let mut counts = Counts::on(AnswerScale::FivePoint);
         for &answer in answers {
             counts.add(answer, &ParticipantId::new("P01").unwrap());
         }

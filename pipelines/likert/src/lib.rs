@@ -1,9 +1,9 @@
 //! Stage: tallies of the answers to Likert questions.
 //!
-//! [`tally`] counts, for each environment × mode, how often each point of the five-point scale was
+//! [`tally`] counts, for each environment × mode, how often each point of a question's scale was
 //! chosen: one row a question, and one a group of questions with its answers pooled. An answer to a
-//! reversed question (where agreement speaks against) counts as 6 − a, so that 5 is always the
-//! favourable end. Only answers that were given are counted: an unanswered question is not a 0, and
+//! reversed question (where agreement speaks against) counts from the other end
+//! (6 − a of five points), so that the last point is always the favourable one. Only answers that were given are counted: an unanswered question is not a 0, and
 //! a condition nobody answered for has no row.
 //!
 //! The scale is ordinal: there is a median and no mean. Answers pooled over a group come from the

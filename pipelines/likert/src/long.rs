@@ -1,6 +1,8 @@
 //! The answers as a long table: one row per answer.
 
+use crate::Scheme;
 use zwidth_store::Answer;
+use zwidth_study::AnswerScale;
 use zwidth_tables::{Column, Table, TableError};
 
 /// The answers as they were given (reversed questions too), one row each, in their order. Columns:
@@ -8,12 +10,15 @@ use zwidth_tables::{Column, Table, TableError};
 ///
 /// # Errors
 /// None that answers can cause.
-pub fn long(answers: &[Answer]) -> Result<Table, TableError> {
+pub fn long(answers: &[Answer], scheme: &Scheme) -> Result<Table, TableError> {
     let text = |name: &'static str, about: &'static str, of: fn(&Answer) -> &str| {
         Column::text(name, about, answers.iter().map(|answer| Some(of(answer))))
     };
     let trials = answers.iter().map(|answer| Some(answer.trial.into()));
     let values = answers.iter().map(|answer| Some(answer.value.into()));
+    let mut answer = Column::integer("answer", "1", "", values);
+    let points = scheme.scales().into_iter().map(AnswerScale::points).max().unwrap_or_default();
+    answer.field.description = format!("the answer as given, 1…{points}").into();
     let columns = vec![
         text("participant", "who", |a| a.participant.as_str()),
         text("session", "in which session", |a| a.session.as_str()),
@@ -21,7 +26,7 @@ pub fn long(answers: &[Answer]) -> Result<Table, TableError> {
         text("environment", "what was rendered", |a| a.condition.environment.as_str()),
         text("mode", "how it was rendered", |a| a.condition.mode.as_str()),
         text("question", "the question", |a| a.question.as_str()),
-        Column::integer("answer", "1", "the answer as given, 1…5", values),
+        answer,
     ];
     Table::new("answers", "Answers as given, one row per answer", columns)
 }
@@ -29,7 +34,7 @@ pub fn long(answers: &[Answer]) -> Result<Table, TableError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::Condition;
+    use zwidth_study::{Condition, Study, template};
 
     #[test]
     fn every_answer_is_a_row_with_its_question() {
@@ -44,7 +49,10 @@ mod tests {
             question: question.parse().unwrap(),
             value,
         };
-        let table = long(&[answer("felt", 4), answer("liked", 2)]).unwrap();
+        let study = Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
+        let scheme = Scheme::of(&study);
+        let table = long(&[answer("felt", 4), answer("liked", 2)], &scheme).unwrap();
+        assert_eq!(table.columns()[6].field.description, "the answer as given, 1…5");
         let questions = ["felt", "liked"].map(|q| Some(q.to_owned()));
         assert_eq!(table.texts("question").unwrap(), questions);
         assert_eq!(table.integers("answer").unwrap(), [Some(4), Some(2)]);

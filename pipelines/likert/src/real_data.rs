@@ -5,8 +5,8 @@ use crate::tally;
 use std::path::PathBuf;
 use zwidth_store::Answer;
 use zwidth_study::{
-    Condition, EnvironmentId, Mode, ModeId, ParticipantId, Question, QuestionId, Scene, SessionId,
-    Study, StudyId,
+    AnswerScale, Condition, EnvironmentId, Mode, ModeId, ParticipantId, Question, QuestionId,
+    Scene, SessionId, Study, StudyId,
 };
 use zwidth_tables::Table;
 
@@ -29,7 +29,9 @@ fn questions(rows: &[Vec<String>]) -> Vec<(usize, Question)> {
     let question = |(i, row): (usize, &Vec<String>)| {
         let id = QuestionId::new(format!("q{i}")).unwrap();
         let (group, text, reversed) = (Some(row[0].clone()), row[1].clone(), row[2] == "-1");
-        (row[2] != OTHER_SCALE).then_some((BEFORE + i, Question { id, text, group, reversed }))
+        let scale = AnswerScale::FivePoint;
+        (row[2] != OTHER_SCALE)
+            .then_some((BEFORE + i, Question { id, text, group, scale, reversed }))
     };
     rows.iter().enumerate().filter_map(question).collect()
 }
@@ -42,6 +44,7 @@ fn scheme(questions: &[(usize, Question)]) -> Scheme {
         label: id.to_owned(),
         motor_max_v: None,
         brake_max_v: None,
+        law: None,
     };
     study.modes = ["HED", "HIP", "STF", "AVG"].map(mode).to_vec();
     study.environments.truncate(1);

@@ -2,9 +2,9 @@
 
 use crate::counts::Counts;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::Answer;
-use zwidth_study::{Condition, EnvironmentId, Likert, ModeId, Question, QuestionId, Study};
+use zwidth_study::{AnswerScale, Condition, EnvironmentId, ModeId, Question, QuestionId, Study};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Why answers could not be tallied.
@@ -12,7 +12,7 @@ use zwidth_tables::{Column, Table, TableError};
 pub enum LikertError {
     /// An answer off the scale.
     #[error(
-        "{participant} {session} trial {trial}: the answer {value} to '{question}' is not on the scale 1 … 5"
+        "{participant} {session} trial {trial}: the answer {value} to '{question}' is not on its scale, {range}"
     )]
     OffScale {
         /// Who.
@@ -25,6 +25,8 @@ pub enum LikertError {
         question: QuestionId,
         /// The answer.
         value: u8,
+        /// The answers there are.
+        range: String,
     },
     /// An answer to a question, or after a condition, that the study does not have.
     #[error(
@@ -44,7 +46,7 @@ pub enum LikertError {
 }
 
 /// One row of the table.
-struct Row<'a> {
+struct TallyRow<'a> {
     environment: &'a EnvironmentId,
     mode: &'a ModeId,
     /// `None` where a group is pooled.
@@ -75,12 +77,18 @@ impl Scheme {
             questions: study.questions.clone(),
         }
     }
+
+    /// The scales in use, each once.
+    pub(crate) fn scales(&self) -> Vec<AnswerScale> {
+        let of_questions: BTreeSet<AnswerScale> = self.questions.iter().map(|q| q.scale).collect();
+        of_questions.into_iter().collect()
+    }
 }
 
 /// The table of counts, in the order of the study file: for each environment and mode first a row a
 /// question, then a row a group. Columns: `environment`, `mode`, `question` and `reversed` (null in
-/// a pooled row), `group`, `pooled`, `participants`, `n`, `count_1` … `count_5` (as scored),
-/// `median_low` and `median_high` (the two middle answers; equal for odd n).
+/// a pooled row), `group`, `pooled`, `participants`, `n`, `count_1`, `count_2`, … to the longest
+/// scale's last point (as scored; null beyond the last point of the row's own scale), `median_low` and `median_high` (the two middle answers; equal for odd n).
 ///
 /// # Errors
 /// An answer off the scale; a question, environment or mode that the study does not have.
@@ -91,42 +99,38 @@ pub fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Table, LikertError> 
         for mode in &scheme.modes {
             let condition = Condition { environment: environment.clone(), mode: mode.clone() };
             let questions = questions(&counts, &condition, scheme);
-            let row = |question, group, counts| Row { environment, mode, question, group, counts };
+            let row =
+                |question, group, counts| TallyRow { environment, mode, question, group, counts };
             rows.extend(
                 questions.iter().map(|(q, c)| row(Some(*q), q.group.as_deref(), (*c).clone())),
             );
             rows.extend(pooled(&questions).into_iter().map(|(group, c)| row(None, Some(group), c)));
         }
     }
-    Ok(Table::new(
-        "likert",
-        "Answers on the five-point scale (reversed questions scored 6 - a)",
-        columns(&rows),
-    )?)
+    let scales = scheme.scales();
+    let names: Vec<&str> = scales.iter().map(|scale| scale.name()).collect();
+    let caption = format!(
+        "Answers on the {} (reversed questions scored {})",
+        names.join(" and the "),
+        turned(&scales)
+    );
+    Ok(Table::new("likert", &caption, columns(&rows, &scales))?)
 }
 
 fn count(answers: &[Answer], scheme: &Scheme) -> Result<ByQuestion, LikertError> {
     let mut counts = ByQuestion::new();
     for answer in answers {
         let question = check(answer, scheme)?;
-        let scored = Likert::scored(answer.value, question.reversed);
+        let scored = question.scale.score(answer.value, question.reversed);
         let key = (answer.condition.clone(), answer.question.clone());
-        counts.entry(key).or_default().add(scored, &answer.participant);
+        let counts = counts.entry(key).or_insert_with(|| Counts::on(question.scale));
+        counts.add(scored, &answer.participant);
     }
     Ok(counts)
 }
 
 /// The answer's question, if the answer and all it refers to are there.
 fn check<'s>(answer: &Answer, scheme: &'s Scheme) -> Result<&'s Question, LikertError> {
-    if !(1..=Likert::POINTS).contains(&answer.value) {
-        return Err(LikertError::OffScale {
-            participant: answer.participant.to_string(),
-            session: answer.session.to_string(),
-            trial: answer.trial,
-            question: answer.question.clone(),
-            value: answer.value,
-        });
-    }
     let unknown =
         |what, id: &str| LikertError::Unknown { what, id: id.to_owned(), trial: answer.trial };
     let Condition { environment, mode } = &answer.condition;
@@ -137,7 +141,18 @@ fn check<'s>(answer: &Answer, scheme: &'s Scheme) -> Result<&'s Question, Likert
         return Err(unknown("mode", mode.as_str()));
     }
     let question = scheme.questions.iter().find(|q| q.id == answer.question);
-    question.ok_or_else(|| unknown("question", answer.question.as_str()))
+    let question = question.ok_or_else(|| unknown("question", answer.question.as_str()))?;
+    if !question.scale.has(answer.value) {
+        return Err(LikertError::OffScale {
+            participant: answer.participant.to_string(),
+            session: answer.session.to_string(),
+            trial: answer.trial,
+            question: answer.question.clone(),
+            value: answer.value,
+            range: question.scale.range(),
+        });
+    }
+    Ok(question)
 }
 
 /// The questions answered after `condition`, in the study's order.
@@ -162,7 +177,7 @@ fn pooled<'s>(questions: &[(&'s Question, &Counts)]) -> Vec<(&'s str, Counts)> {
             continue;
         };
         let at = groups.iter().position(|(g, _)| *g == group).unwrap_or_else(|| {
-            groups.push((group, Counts::default()));
+            groups.push((group, Counts::on(question.scale)));
             groups.len() - 1
         });
         groups[at].1.merge(counts);
@@ -170,14 +185,40 @@ fn pooled<'s>(questions: &[(&'s Question, &Counts)]) -> Vec<(&'s str, Counts)> {
     groups
 }
 
-fn columns(rows: &[Row]) -> Vec<Column> {
-    let text = |name, meaning, get: fn(&Row) -> Option<String>| {
+/// How a reversed answer a is turned round.
+fn turned(scales: &[AnswerScale]) -> String {
+    match scales {
+        [only] => format!("{} - a", only.points() + 1),
+        _ => "points + 1 - a".to_owned(),
+    }
+}
+
+/// How often a point was chosen; null on a scale without it.
+fn count_column(rows: &[TallyRow], scales: &[AnswerScale], point: u8) -> Column {
+    let words: Vec<&str> = scales.iter().filter_map(|scale| scale.word(point)).collect();
+    let values = rows.iter().map(|r| r.counts.of_point(point).map(|n| n as i64));
+    let mut column = Column::integer("count", "1", "", values);
+    column.field.name = format!("count_{point}").into();
+    column.field.description = format!("answers {point} as scored: {}", words.join(", ")).into();
+    column
+}
+
+fn columns(rows: &[TallyRow], scales: &[AnswerScale]) -> Vec<Column> {
+    let text = |name, meaning, get: fn(&TallyRow) -> Option<String>| {
         Column::text(name, meaning, rows.iter().map(get))
     };
-    let number = |name, meaning, get: fn(&Row) -> Option<i64>| {
+    let number = |name, meaning, get: fn(&TallyRow) -> Option<i64>| {
         Column::integer(name, "1", meaning, rows.iter().map(get))
     };
-    vec![
+    let mut reversed =
+        Column::flag("reversed", "", rows.iter().map(|r| r.question.map(|q| q.reversed)));
+    reversed.field.description = format!(
+        "whether agreement speaks against, so that a counts as {}; null where pooled",
+        turned(scales)
+    )
+    .into();
+    let points = scales.iter().map(|scale| scale.points()).max().unwrap_or_default();
+    let mut columns = vec![
         text("environment", "what was rendered", |r| Some(r.environment.to_string())),
         text("mode", "how it was rendered", |r| Some(r.mode.to_string())),
         text("question", "the question; null where a group is pooled", |r| {
@@ -189,27 +230,20 @@ fn columns(rows: &[Row]) -> Vec<Column> {
             "whether the row pools a group",
             rows.iter().map(|r| Some(r.question.is_none())),
         ),
-        Column::flag(
-            "reversed",
-            "whether agreement speaks against, so that a counts as 6 - a; null where pooled",
-            rows.iter().map(|r| r.question.map(|q| q.reversed)),
-        ),
+        reversed,
         number("participants", "people who answered", |r| Some(r.counts.participants.len() as i64)),
         number("n", "answers", |r| Some(r.counts.n() as i64)),
-        number("count_1", "answers 1 as scored: strongly disagree", |r| {
-            Some(r.counts.of[0] as i64)
-        }),
-        number("count_2", "answers 2 as scored: disagree", |r| Some(r.counts.of[1] as i64)),
-        number("count_3", "answers 3 as scored: neutral", |r| Some(r.counts.of[2] as i64)),
-        number("count_4", "answers 4 as scored: agree", |r| Some(r.counts.of[3] as i64)),
-        number("count_5", "answers 5 as scored: strongly agree", |r| Some(r.counts.of[4] as i64)),
+    ];
+    columns.extend((1..=points).map(|point| count_column(rows, scales, point)));
+    columns.extend([
         number("median_low", "median; for even n the lower of the two middle answers", |r| {
             r.counts.medians().map(|m| m.0)
         }),
         number("median_high", "median; for even n the upper of the two middle answers", |r| {
             r.counts.medians().map(|m| m.1)
         }),
-    ]
+    ]);
+    columns
 }
 
 #[cfg(test)]
@@ -225,6 +259,7 @@ mod tests {
             id: QuestionId::new(id).unwrap(),
             text: String::new(),
             group: group.map(str::to_owned),
+            scale: AnswerScale::FivePoint,
             reversed,
         };
         study.questions = vec![

@@ -1,16 +1,16 @@
 //! The columns of the metrics: name, unit, meaning, and where each stands in a row.
 
-use crate::{RecordedStability, Row};
+use crate::{RecordedStability, TrialMetrics};
 use zwidth_numerics::spectrum::BandPower;
 use zwidth_store::Signal;
 use zwidth_study::Scene;
 
 /// Where a value stands in a row.
 pub(crate) enum Get {
-    Float(fn(&Row) -> Option<f64>),
-    Count(fn(&Row) -> Option<i64>),
-    Flag(fn(&Row) -> Option<bool>),
-    Word(fn(&Row) -> Option<&'static str>),
+    Float(fn(&TrialMetrics) -> Option<f64>),
+    Count(fn(&TrialMetrics) -> Option<i64>),
+    Flag(fn(&TrialMetrics) -> Option<bool>),
+    Word(fn(&TrialMetrics) -> Option<&'static str>),
 }
 
 /// A column.
@@ -19,39 +19,48 @@ pub(crate) struct Spec {
     pub(crate) unit: &'static str,
     pub(crate) description: &'static str,
     pub(crate) get: Get,
+    /// Whether the table of conditions has its mean and its deviation.
+    pub(crate) summarised: bool,
+}
+
+impl Spec {
+    /// The same, with mean and deviation in the table of conditions.
+    const fn summarised(self) -> Self {
+        Self { summarised: true, ..self }
+    }
 }
 
 const fn float(
     name: &'static str,
     unit: &'static str,
     description: &'static str,
-    get: fn(&Row) -> Option<f64>,
+    get: fn(&TrialMetrics) -> Option<f64>,
 ) -> Spec {
-    Spec { name, unit, description, get: Get::Float(get) }
+    Spec { name, unit, description, get: Get::Float(get), summarised: false }
 }
 
 const fn count(
     name: &'static str,
     description: &'static str,
-    get: fn(&Row) -> Option<i64>,
+    get: fn(&TrialMetrics) -> Option<i64>,
 ) -> Spec {
-    Spec { name, unit: "1", description, get: Get::Count(get) }
+    Spec { name, unit: "1", description, get: Get::Count(get), summarised: false }
 }
 
 const fn flag(
     name: &'static str,
     description: &'static str,
-    get: fn(&Row) -> Option<bool>,
+    get: fn(&TrialMetrics) -> Option<bool>,
 ) -> Spec {
-    Spec { name, unit: "1", description, get: Get::Flag(get) }
+    Spec { name, unit: "1", description, get: Get::Flag(get), summarised: false }
 }
 
 const fn word(
     name: &'static str,
     description: &'static str,
-    get: fn(&Row) -> Option<&'static str>,
+    get: fn(&TrialMetrics) -> Option<&'static str>,
 ) -> Spec {
-    Spec { name, unit: "1", description, get: Get::Word(get) }
+    Spec { name, unit: "1", description, get: Get::Word(get), summarised: false }
 }
 
 /// Every metric, in the order of the table; `docs/analysis.md` defines each by its name. Below, one
@@ -90,14 +99,14 @@ const MOVEMENT: &[Spec] = &[
     float("onset_s", "s", "first time above the onset's velocity", |r| r.movement.onset_s),
     float("reversal_s", "s", "first time of the largest angle between onset and end", |r| r.movement.reversal_s),
     float("end_s", "s", "first time below the offset's velocity after the last above the onset's", |r| r.movement.end_s),
-    float("duration_s", "s", "end minus onset", |r| r.movement.duration_s),
-    float("theta_max_rad", "rad", "largest angle", |r| r.movement.theta_max_rad),
+    float("duration_s", "s", "end minus onset", |r| r.movement.duration_s).summarised(),
+    float("theta_max_rad", "rad", "largest angle", |r| r.movement.theta_max_rad).summarised(),
     float("velocity_forward_mean_rad_s", "rad/s", "mean speed, onset to reversal", |r| r.movement.velocity_forward_mean_rad_s),
     float("velocity_forward_peak_rad_s", "rad/s", "largest speed, onset to reversal", |r| r.movement.velocity_forward_peak_rad_s),
     float("velocity_backward_mean_rad_s", "rad/s", "mean speed, reversal to end", |r| r.movement.velocity_backward_mean_rad_s),
     float("velocity_backward_peak_rad_s", "rad/s", "largest speed, reversal to end", |r| r.movement.velocity_backward_peak_rad_s),
-    float("sparc_forward", "1", "smoothness (spectral arc length) of the speed, onset to reversal", |r| r.movement.sparc_forward),
-    float("sparc_backward", "1", "smoothness (spectral arc length) of the speed, reversal to end", |r| r.movement.sparc_backward),
+    float("sparc_forward", "1", "smoothness (spectral arc length) of the speed, onset to reversal", |r| r.movement.sparc_forward).summarised(),
+    float("sparc_backward", "1", "smoothness (spectral arc length) of the speed, reversal to end", |r| r.movement.sparc_backward).summarised(),
     count("work_space_hits_low", "arrivals at the work space's lower end", |r| r.movement.work_space_hits_low),
     count("work_space_hits_high", "arrivals at the work space's upper end", |r| r.movement.work_space_hits_high),
 ];
@@ -114,21 +123,21 @@ const COMPLIANCE: &[Spec] = &[
 
 #[rustfmt::skip]
 const DISCREPANCY: &[Spec] = &[
-    float("discrepancy_mean_n", "N", "compression minus decompression force, mean over the angle", |r| r.discrepancy.mean_n),
+    float("discrepancy_mean_n", "N", "compression minus decompression force, mean over the angle", |r| r.discrepancy.mean_n).summarised(),
     float("discrepancy_mean_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.mean_ci_low_n),
     float("discrepancy_mean_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.mean_ci_high_n),
     float("discrepancy_max_n", "N", "compression minus decompression force, largest", |r| r.discrepancy.max_n),
-    float("discrepancy_step_n", "N", "compression minus decompression force at the reversal", |r| r.discrepancy.step_n),
+    float("discrepancy_step_n", "N", "compression minus decompression force at the reversal", |r| r.discrepancy.step_n).summarised(),
     float("discrepancy_step_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.step_ci_low_n),
     float("discrepancy_step_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.step_ci_high_n),
-    float("loop_area_j", "J", "energy left in the device from onset to end", |r| r.discrepancy.loop_area_j),
+    float("loop_area_j", "J", "energy left in the device from onset to end", |r| r.discrepancy.loop_area_j).summarised(),
     float("loop_area_ci_low_j", "J", "lower end of its interval within this trial", |r| r.discrepancy.loop_area_ci_low_j),
     float("loop_area_ci_high_j", "J", "upper end of its interval within this trial", |r| r.discrepancy.loop_area_ci_high_j),
 ];
 
 #[rustfmt::skip]
 const SPRING: &[Spec] = &[
-    float("stiffness_n_per_rad", "N/rad", "rendered stiffness: slope of force on angle in compression, below saturation", |r| r.spring.stiffness_n_per_rad),
+    float("stiffness_n_per_rad", "N/rad", "rendered stiffness: slope of force on angle in compression, below saturation", |r| r.spring.stiffness_n_per_rad).summarised(),
     float("stiffness_std_error_n_per_rad", "N/rad", "its standard error (Newey-West, a tenth of the samples)", |r| r.spring.stiffness_std_error_n_per_rad),
     float("stiffness_ci_low_n_per_rad", "N/rad", "lower end of its interval within this trial", |r| r.spring.stiffness_ci_low_n_per_rad),
     float("stiffness_ci_high_n_per_rad", "N/rad", "upper end of its interval within this trial", |r| r.spring.stiffness_ci_high_n_per_rad),
@@ -136,22 +145,22 @@ const SPRING: &[Spec] = &[
     float("force_at_rest_n", "N", "the line's force at the spring's rest", |r| r.spring.force_at_rest_n),
     float("stiffness_r2", "1", "R² of the line", |r| r.spring.r2),
     count("stiffness_samples", "samples of the line", |r| r.spring.samples),
-    float("saturation_force_n", "N", "force at which the spring saturates", |r| r.spring.saturation.force_n),
+    float("saturation_force_n", "N", "force at which the spring saturates", |r| r.spring.saturation.force_n).summarised(),
     float("saturation_force_ci_low_n", "N", "lower end of its interval within this trial", |r| r.spring.saturation.force_ci_low_n),
     float("saturation_force_ci_high_n", "N", "upper end of its interval within this trial", |r| r.spring.saturation.force_ci_high_n),
     float("saturation_theta_rad", "rad", "angle from which on the spring saturates", |r| r.spring.saturation.theta_rad),
     float("saturation_theta_ci_low_rad", "rad", "lower end of its interval within this trial", |r| r.spring.saturation.theta_ci_low_rad),
     float("saturation_theta_ci_high_rad", "rad", "upper end of its interval within this trial", |r| r.spring.saturation.theta_ci_high_rad),
-    float("force_rms_error_n", "N", "RMS of user force minus commanded force in compression", |r| r.spring.force_rms_error_n),
-    float("returned_energy_share", "1", "work given back over work put in", |r| r.spring.returned_energy_share),
+    float("force_rms_error_n", "N", "RMS of user force minus commanded force in compression", |r| r.spring.force_rms_error_n).summarised(),
+    float("returned_energy_share", "1", "work given back over work put in", |r| r.spring.returned_energy_share).summarised(),
 ];
 
 #[rustfmt::skip]
 const WALL: &[Spec] = &[
     flag("wall_reached", "whether the wall was passed", |r| r.wall.reached),
-    float("wall_past_max_rad", "rad", "largest angle past the wall", |r| r.wall.past_max_rad),
+    float("wall_past_max_rad", "rad", "largest angle past the wall", |r| r.wall.past_max_rad).summarised(),
     float("wall_depth_m", "m", "largest depth past the wall, at the lever", |r| r.wall.past_max_m),
-    float("wall_dwell_s", "s", "time past the wall", |r| r.wall.dwell_s),
+    float("wall_dwell_s", "s", "time past the wall", |r| r.wall.dwell_s).summarised(),
     float("wall_impulse_n_s", "N·s", "impulse of the user's force past the wall", |r| r.wall.impulse_n_s),
     float("wall_energy_j", "J", "energy the wall takes from the user", |r| r.wall.energy_j),
     float("wall_impact_velocity_rad_s", "rad/s", "velocity where the wall is first passed", |r| r.wall.impact_velocity_rad_s),

@@ -1,5 +1,6 @@
 //! The metrics by condition: mean and standard deviation of the repeats, as a query.
 
+use crate::columns::GROUPS;
 use std::borrow::Cow;
 use zwidth_frames::{Aggregate, Frame, FrameError, Statistic};
 use zwidth_study::Condition;
@@ -9,21 +10,9 @@ use zwidth_tables::{Field, Table, TableError, Type, of_trials, split_unit};
 const GROUP: [&str; 4] = ["participant", "session", "environment", "mode"];
 
 /// The metrics that are summarised.
-const SUMMARISED: [&str; 13] = [
-    "duration_s",
-    "theta_max_rad",
-    "sparc_forward",
-    "sparc_backward",
-    "discrepancy_mean_n",
-    "discrepancy_step_n",
-    "loop_area_j",
-    "stiffness_n_per_rad",
-    "saturation_force_n",
-    "force_rms_error_n",
-    "returned_energy_share",
-    "wall_past_max_rad",
-    "wall_dwell_s",
-];
+fn summarised() -> impl Iterator<Item = &'static str> {
+    GROUPS.into_iter().flatten().filter(|spec| spec.summarised).map(|spec| spec.name)
+}
 
 /// One row a participant, session and condition, sessions in the order of the trials and the
 /// conditions of each in that of `conditions`: number of trials, then mean and standard deviation
@@ -34,9 +23,8 @@ const SUMMARISED: [&str; 13] = [
 /// A table that is not the stage's.
 pub fn by_condition(metrics: &Table, conditions: &[Condition]) -> Result<Table, FrameError> {
     let metrics = &ordered(metrics, conditions)?;
-    let present: Vec<&Field> = SUMMARISED
-        .iter()
-        .filter_map(|name| metrics.fields().find(|f| f.name == *name))
+    let present: Vec<&Field> = summarised()
+        .filter_map(|name| metrics.fields().find(|f| f.name == name))
         .filter(|f| metrics.floats(&f.name).is_ok_and(|v| v.iter().any(Option::is_some)))
         .collect();
     let aggregates: Vec<Aggregate> = present.iter().flat_map(|field| aggregates(field)).collect();
@@ -79,7 +67,7 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
 ///
 /// # Errors
 /// Tables that are not of this stage.
-pub fn together(conditions: &[Table]) -> Result<Option<Table>, TableError> {
+pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, TableError> {
     of_trials("metrics", "Metrics, one row a trial", conditions)
 }
 

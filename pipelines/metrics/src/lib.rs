@@ -1,6 +1,6 @@
 //! Stage: the metrics of a trial, one row a trial.
 //!
-//! [`trial_metrics`] turns one trial into a [`Row`]; [`table`] puts rows together. Nothing here
+//! [`trial_metrics`] turns one trial into a [`TrialMetrics`]; [`table`] puts rows together. Nothing here
 //! reads a file or a clock, and sums run in the order of the samples, so the same trial gives the
 //! same bits anywhere. Only trials that count may come in (`StudyData::counting`): the caller
 //! filters.
@@ -45,7 +45,7 @@ mod wall;
 
 pub use columns::{commanded, is_number, is_possible};
 pub use compliance::Compliance;
-pub use conditions::{by_condition, together};
+pub use conditions::{by_condition, join_conditions};
 pub use discrepancy::Discrepancy;
 pub use error::MetricsError;
 pub use movement::Movement;
@@ -65,7 +65,7 @@ pub const VERSION: u32 = 4;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct TrialMetrics {
     /// Which trial.
     pub meta: TrialMeta,
     /// When and how fast it moved.
@@ -87,7 +87,7 @@ pub struct Row {
 ///
 /// # Errors
 /// Samples without time or of unequal length; a number that is none.
-pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<Row, MetricsError> {
+pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<TrialMetrics, MetricsError> {
     let signals = Signals::of(trial, parameters)?;
     let analysis = &parameters.analysis;
     let (spring, wall_rad) = (parameters.scene.spring(), parameters.scene.wall_rad());
@@ -96,7 +96,7 @@ pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<Row, Metr
     let rendering =
         spring.map(|spring| spring::spring_rendering(&signals, spring, wall_rad, analysis));
     let wall = wall_rad.map(|wall| wall::wall_contact(&signals, wall, analysis.confidence));
-    Ok(Row {
+    Ok(TrialMetrics {
         meta: trial.meta.clone(),
         movement: movement::movement(&signals, parameters)?,
         discrepancy: discrepancy.transpose()?.unwrap_or_default(),

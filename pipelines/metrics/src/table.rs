@@ -1,23 +1,23 @@
 //! The rows as a table: SI units, one row a trial.
 
-use crate::Row;
+use crate::TrialMetrics;
 use crate::columns::{GROUPS, Get, Spec};
 use zwidth_tables::{Column, Table, TableError, identity};
 
 /// One row a trial, in the order given: which trial it is, then every metric. SI units; null where
 /// a metric does not apply or the recording lacks what it needs. The columns' definitions stand at
-/// the fields of [`Row`]'s parts and, by column, in `docs/analysis.md`.
+/// the fields of [`TrialMetrics`]'s parts and, by column, in `docs/analysis.md`.
 ///
 /// # Errors
 /// A metric that is not finite.
-pub fn table(rows: &[Row]) -> Result<Table, TableError> {
+pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
     let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
     columns.extend(GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
     Table::new("metrics", "Metrics, one row a trial", columns)
 }
 
-fn column(spec: &Spec, rows: &[Row]) -> Column {
-    let Spec { name, unit, description, get } = spec;
+fn column(spec: &Spec, rows: &[TrialMetrics]) -> Column {
+    let Spec { name, unit, description, get, .. } = spec;
     match get {
         Get::Float(get) => Column::float(name, unit, description, rows.iter().map(get)),
         Get::Count(get) => Column::integer(name, unit, description, rows.iter().map(get)),

@@ -4,7 +4,7 @@ use crate::closed_loop::{self, Held};
 use crate::scene::{Parameters, Rendering};
 use crate::updates::input;
 use crate::{Causality, ReplayError, WhyNot};
-use zwidth_dynamics::{DynamicsError, Exact, Grid, Scene, Series, Solver, Start, System};
+use zwidth_dynamics::{DynamicsError, Exact, Grid, ModelScene, Series, Solver, Start, System};
 use zwidth_numerics::series::{central_differences, interpolate};
 use zwidth_store::{Signal, Trial};
 
@@ -14,7 +14,7 @@ pub struct Drive {
     /// Time of the first sample, s; everything else counts from there.
     pub(crate) began_s: f64,
     recorded: Course,
-    scene: Scene,
+    scene: ModelScene,
     held: Result<Held, WhyNot>,
 }
 
@@ -106,7 +106,7 @@ impl Drive {
         Ok(Exact::default().run(&system, &Grid::Times(t_s.to_vec()))?.theta_rad().collect())
     }
 
-    fn force_driven(&self, scene: Scene) -> Result<Course, DynamicsError> {
+    fn force_driven(&self, scene: ModelScene) -> Result<Course, DynamicsError> {
         let system = System::new(scene)?;
         let run = Exact::default().run(&system, &Grid::Times(self.recorded.t_s.clone()))?;
         let feedback = |i: usize| {
@@ -122,7 +122,7 @@ impl Drive {
         })
     }
 
-    fn position_driven(&self, scene: Scene) -> Result<Course, ReplayError> {
+    fn position_driven(&self, scene: ModelScene) -> Result<Course, ReplayError> {
         let system = System::new(scene)?;
         let Course { t_s, theta_rad, .. } = &self.recorded;
         let theta_dot = central_differences(t_s, theta_rad)?;

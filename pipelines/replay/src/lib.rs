@@ -1,7 +1,7 @@
 //! Stage: recorded forces into the model, and how far it departs from what was recorded (thesis
 //! §4.3, Fig. 24).
 //!
-//! [`replay`] turns one trial into three [`Row`]s, one a [`Causality`]; [`table`] puts rows
+//! [`replay`] turns one trial into three [`TrialReplay`]s, one a [`Causality`]; [`table`] puts rows
 //! together, and [`agreement`] says of all trials together how far peaks and times agree (Bland &
 //! Altman). [`Drive`] is a trial made ready to be replayed with any [`Parameters`], for figures and
 //! for judging fits; [`Balance`] is one whose recorded motion says what force it needs, for fits.
@@ -44,9 +44,9 @@ pub use compare::Comparison;
 pub use courses::{courses, typical};
 pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};
-pub use replay::{Outcome, Row, replay};
+pub use replay::{Outcome, TrialReplay, replay};
 pub use scene::{Parameters, Rendering};
-pub use table::{table, together};
+pub use table::{join_conditions, table};
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 3;

@@ -33,7 +33,7 @@ impl Outcome {
 
 /// One trial in one causality.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct TrialReplay {
     /// Which trial.
     pub meta: TrialMeta,
     /// What went in, and what came out.
@@ -64,13 +64,13 @@ pub fn replay(
     rendering: &Rendering,
     analysis: &Analysis,
     parameters: &Parameters,
-) -> Result<Vec<Row>, ReplayError> {
+) -> Result<Vec<TrialReplay>, ReplayError> {
     let drive = match Drive::new(trial, rendering) {
         Err(ReplayError::WhyNot(why)) => Err(why),
         other => Ok(other?),
     };
     let one = |causality| {
-        let empty = Row {
+        let empty = TrialReplay {
             meta: trial.meta.clone(),
             causality,
             parameters: *parameters,
@@ -80,17 +80,17 @@ pub fn replay(
             reversal_error_s: None,
         };
         match &drive {
-            Err(why) => Ok(Row { outcome: Outcome::Not(*why), ..empty }),
+            Err(why) => Ok(TrialReplay { outcome: Outcome::Not(*why), ..empty }),
             Ok(drive) => row(drive, analysis, empty),
         }
     };
     Causality::ALL.into_iter().map(one).collect()
 }
 
-fn row(drive: &Drive, analysis: &Analysis, empty: Row) -> Result<Row, ReplayError> {
+fn row(drive: &Drive, analysis: &Analysis, empty: TrialReplay) -> Result<TrialReplay, ReplayError> {
     let recorded = drive.recorded();
     let turned_s = reversal_s(recorded, analysis);
-    let empty = Row { reversal_recorded_s: turned_s.map(|t| t + drive.began_s), ..empty };
+    let empty = TrialReplay { reversal_recorded_s: turned_s.map(|t| t + drive.began_s), ..empty };
     let model = match drive.run(empty.causality, &empty.parameters) {
         Ok(model) if has_diverged(&model) => return Ok(empty),
         Err(ReplayError::Dynamics(
@@ -98,7 +98,9 @@ fn row(drive: &Drive, analysis: &Analysis, empty: Row) -> Result<Row, ReplayErro
         )) => {
             return Ok(empty);
         }
-        Err(ReplayError::WhyNot(why)) => return Ok(Row { outcome: Outcome::Not(why), ..empty }),
+        Err(ReplayError::WhyNot(why)) => {
+            return Ok(TrialReplay { outcome: Outcome::Not(why), ..empty });
+        }
         other => other?,
     };
     let moves = empty.causality != Causality::PositionDriven;
@@ -109,7 +111,12 @@ fn row(drive: &Drive, analysis: &Analysis, empty: Row) -> Result<Row, ReplayErro
         Comparison { peak_time_recorded_s: found.peak_time_recorded_s + drive.began_s, ..found };
     let turns = reversal_s(&model, analysis).zip(turned_s).filter(|_| moves);
     let reversal_error_s = turns.map(|(model, recorded)| model - recorded);
-    Ok(Row { outcome: Outcome::Replayed, comparison: Some(comparison), reversal_error_s, ..empty })
+    Ok(TrialReplay {
+        outcome: Outcome::Replayed,
+        comparison: Some(comparison),
+        reversal_error_s,
+        ..empty
+    })
 }
 
 /// First time of the largest θ between onset and end, by the study's thresholds of θ̇.
@@ -132,7 +139,7 @@ mod tests {
     use crate::testing::{delayed, rendering, simulated};
     use zwidth_store::Signal;
 
-    fn rows(trial: &Trial) -> Vec<Row> {
+    fn rows(trial: &Trial) -> Vec<TrialReplay> {
         let rendering = rendering(trial.meta.mode.as_str());
         replay(trial, &rendering, &Analysis::default(), &Parameters::BY_EYE).unwrap()
     }

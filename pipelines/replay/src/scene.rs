@@ -4,9 +4,10 @@
 use crate::WhyNot;
 use serde::Serialize;
 use zwidth_dynamics::{
-    Brake, BrakeLaw, Environment, Friction, Input, Mode, Motor, Plant, Scene, Series, Start, Terms,
+    Brake, BrakeLaw, Environment, Friction, Input, Mode, ModelScene, Motor, Plant, Series, Start,
+    Terms,
 };
-use zwidth_study::{Calibration, Scene as Rendered, Study};
+use zwidth_study::{ActuatorKind, Calibration, ForceLaw, ModeLaw, Scene, Study};
 
 /// Lags below this are none, s: far below any sample's interval.
 const LEAST_LAG_S: f64 = 1e-6;
@@ -61,11 +62,11 @@ impl Parameters {
     }
 
     /// The same plant in a scene.
-    pub(crate) fn put(&self, scene: &Scene) -> Scene {
+    pub(crate) fn put(&self, scene: &ModelScene) -> ModelScene {
         let plant = Plant { mass_kg: self.mass_kg, ..scene.plant };
         let motor = Motor { lag_s: self.motor_lag_s(), ..scene.motor };
         let brake = Brake { lag_on_off_s: self.brake_lag_on_off_s(), ..scene.brake };
-        Scene { plant, motor, brake, friction: Some(self.friction()), ..scene.clone() }
+        ModelScene { plant, motor, brake, friction: Some(self.friction()), ..scene.clone() }
     }
 }
 
@@ -74,11 +75,13 @@ impl Parameters {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rendering {
     /// What was rendered.
-    pub rendered: Rendered,
+    pub rendered: Scene,
     /// Highest motor voltage of the mode, V; 0 where it uses none.
     pub motor_max_v: f64,
     /// Highest brake voltage of the mode, V; 0 where it uses none.
     pub brake_max_v: f64,
+    /// Which of them is in charge when.
+    pub law: Option<ModeLaw>,
     /// Lever length L, m.
     pub lever_m: Option<f64>,
     /// The ends of the work space, rad.
@@ -102,6 +105,7 @@ impl Rendering {
             rendered: environment.scene,
             motor_max_v: mode.motor_max_v.unwrap_or(0.0),
             brake_max_v: mode.brake_max_v.unwrap_or(0.0),
+            law: mode.law(),
             lever_m: device.lever_m,
             stops_rad: device.theta_min_rad.zip(device.theta_max_rad).map(|(a, b)| [a, b]),
             let_go_n: study.control.let_go_n,
@@ -111,29 +115,29 @@ impl Rendering {
 
     /// Which actuators the mode uses; a mode with none has a motor that gives nothing.
     fn mode(&self) -> Mode {
-        match (self.motor_max_v > 0.0, self.brake_max_v > 0.0) {
-            (true, true) => Mode::Hybrid,
-            (false, true) => Mode::Passive,
-            (_, false) => Mode::Active,
-        }
+        let by_motor = |law: ModeLaw| law.drives().map(|drive| drive == ActuatorKind::Motor);
+        let of_law = |law| Mode::ALL.into_iter().find(|mode| mode.by_motor() == by_motor(law));
+        self.law.and_then(of_law).unwrap_or(Mode::Active)
     }
 
     fn environment(&self) -> Result<Environment, WhyNot> {
-        let spring =
-            |s: zwidth_study::Spring| Environment::spring(s.stiffness_n_per_rad, 0.0, s.rest_rad);
-        match self.rendered {
-            Rendered::None => Err(WhyNot::NotRendered),
-            Rendered::Free => Ok(Environment::free()),
-            Rendered::Spring(s) => Ok(spring(s)),
-            Rendered::SpringWall { spring: s, wall_rad } => Ok(spring(s).with_wall(wall_rad)),
-        }
+        let ForceLaw { stiffness_n_per_rad, damping_ns_per_rad, rest_rad, wall_rad } =
+            self.rendered.law().ok_or(WhyNot::NotRendered)?;
+        let base = match self.rendered {
+            Scene::Free => Environment::free(),
+            _ => Environment::spring(stiffness_n_per_rad, damping_ns_per_rad, rest_rad),
+        };
+        Ok(match wall_rad {
+            Some(wall_rad) => base.with_wall(wall_rad),
+            None => base,
+        })
     }
 
     /// The most motor and brake give in this mode, N; in a free environment nothing is asked of
     /// them.
     fn limits_n(&self) -> Result<(f64, f64), WhyNot> {
         match (self.rendered, &self.calibration) {
-            (Rendered::Free, _) => Ok((0.0, 0.0)),
+            (Scene::Free, _) => Ok((0.0, 0.0)),
             (_, None) => Err(WhyNot::NoCalibration),
             (_, Some(c)) => {
                 Ok((c.motor.force_n(self.motor_max_v), c.brake.force_n(self.brake_max_v)))
@@ -175,12 +179,12 @@ impl Rendering {
         input: Series,
         start: Start,
         duration_s: f64,
-    ) -> Result<Scene, WhyNot> {
+    ) -> Result<ModelScene, WhyNot> {
         let lever_m = self.lever_m.ok_or(WhyNot::NoLever)?;
         let (motor_n, brake_n) = self.limits_n()?;
         let within = |[low, high]: [f64; 2]| start.theta_rad.clamp(low, high);
         let theta_rad = self.stops_rad.map_or(start.theta_rad, within);
-        Ok(Scene {
+        Ok(ModelScene {
             name: "replay".to_owned(),
             mode: self.mode(),
             duration_s,

@@ -1,6 +1,6 @@
 //! The replays as a table: SI units, one row a trial and causality.
 
-use crate::{Comparison, ReplayError, Row};
+use crate::{Comparison, ReplayError, TrialReplay};
 use zwidth_tables::{Column, Table, identity, of_trials};
 
 const NAME: &str = "replay";
@@ -41,12 +41,12 @@ const COLUMNS: [Spec; 11] = [
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn table(rows: &[Row]) -> Result<Table, ReplayError> {
+pub fn table(rows: &[TrialReplay]) -> Result<Table, ReplayError> {
     let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
-    let text = |name, description, get: fn(&Row) -> &'static str| {
+    let text = |name, description, get: fn(&TrialReplay) -> &'static str| {
         Column::text(name, description, rows.iter().map(|r| Some(get(r).to_owned())))
     };
-    let number = |name, unit, description, get: fn(&Row) -> Option<f64>| {
+    let number = |name, unit, description, get: fn(&TrialReplay) -> Option<f64>| {
         Column::float(name, unit, description, rows.iter().map(get))
     };
     columns.push(text("causality", "what went into the model and what came out", |r| {
@@ -67,7 +67,8 @@ pub fn table(rows: &[Row]) -> Result<Table, ReplayError> {
         }),
     ]);
     for (name, unit, description, of, get) in COLUMNS {
-        let value = |row: &Row| row.comparison.as_ref().filter(|_| applies(of, row)).and_then(get);
+        let value =
+            |row: &TrialReplay| row.comparison.as_ref().filter(|_| applies(of, row)).and_then(get);
         columns.push(Column::float(name, unit, description, rows.iter().map(value)));
     }
     columns.extend([
@@ -87,11 +88,11 @@ pub fn table(rows: &[Row]) -> Result<Table, ReplayError> {
 ///
 /// # Errors
 /// Tables that are not of this stage.
-pub fn together(conditions: &[Table]) -> Result<Option<Table>, ReplayError> {
+pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, ReplayError> {
     Ok(of_trials(NAME, TITLE, conditions)?)
 }
 
-fn applies(of: Of, row: &Row) -> bool {
+fn applies(of: Of, row: &TrialReplay) -> bool {
     let force = row.causality == crate::Causality::PositionDriven;
     of == Of::Any || force == (of == Of::Force)
 }
@@ -103,7 +104,7 @@ mod tests {
     use crate::{Parameters, replay};
     use zwidth_study::Analysis;
 
-    fn rows() -> Vec<Row> {
+    fn rows() -> Vec<TrialReplay> {
         let trial = simulated("hybrid", &Parameters::BY_EYE);
         replay(&trial, &rendering("hybrid"), &Analysis::default(), &Parameters::BY_EYE).unwrap()
     }
@@ -122,7 +123,8 @@ mod tests {
 
     #[test]
     fn a_model_that_diverged_is_a_word_and_nulls() {
-        let row = Row { outcome: crate::Outcome::Diverged, comparison: None, ..rows().remove(0) };
+        let row =
+            TrialReplay { outcome: crate::Outcome::Diverged, comparison: None, ..rows().remove(0) };
         let table = table(&[row]).unwrap();
         assert_eq!(table.texts("outcome").unwrap(), [Some("diverged".to_owned())]);
         assert_eq!(table.floats("vaf").unwrap(), [None]);

@@ -1,9 +1,9 @@
 //! Tables of what was planned: the modes as used, the device.
 
 use crate::Planned;
-use crate::actuation::{Actuator, acting, force_n};
+use crate::actuation::{acting, force_n};
 use crate::facts::{self, Fact};
-use zwidth_study::{Calibration, Mode, VelocityFilter};
+use zwidth_study::{ActuatorKind, Calibration, Mode, VelocityFilter};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Motor and brake as each mode uses them, one row a mode: highest voltages, what acts while
@@ -41,11 +41,11 @@ pub fn modes_table(
 }
 
 /// A brake acts against the motion alone: on the way back that is no spring's force.
-fn on_way(actuator: Actuator, way: usize) -> &'static str {
-    if actuator == Actuator::Brake && way == 1 {
+fn on_way(drive: ActuatorKind, way: usize) -> &'static str {
+    if drive == ActuatorKind::Brake && way == 1 {
         "brake, against the return"
     } else {
-        actuator.word()
+        drive.as_str()
     }
 }
 

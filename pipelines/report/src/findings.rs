@@ -3,7 +3,7 @@
 use crate::Planned;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
-use zwidth_study::{Environment, EnvironmentId, Likert, Mode};
+use zwidth_study::{AnswerScale, Environment, EnvironmentId, Mode};
 use zwidth_tables::{Table, TableError};
 
 /// Up to this share returned energy counts as none: a released lever moves on a little.
@@ -204,7 +204,7 @@ fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Findin
                     && questions[*row].as_deref() == Some(question.as_str())
             };
             let row = (0..tally.height()).find(is)?;
-            let median = median(low[row]?, high[row]?);
+            let median = median(study.scale(question), low[row]?, high[row]?);
             let counted = count(usize::try_from(n[row]?).ok()?, "answer");
             let whose = people[row].filter(|people| *people > 1);
             let whose = whose.map(|people| format!(" of {people} participants"));
@@ -226,8 +226,8 @@ fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Findin
 }
 
 /// `4 (agree)`, or `3 to 4` where the two middle answers differ.
-fn median(low: i64, high: i64) -> String {
-    let word = usize::try_from(low - 1).ok().and_then(|i| Likert::WORDS.get(i));
+fn median(scale: AnswerScale, low: i64, high: i64) -> String {
+    let word = u8::try_from(low).ok().and_then(|answer| scale.word(answer));
     match word {
         Some(word) if low == high => format!("{low} ({word})"),
         _ if low == high => low.to_string(),
@@ -238,7 +238,7 @@ fn median(low: i64, high: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trials::testing::{Row, metrics, row};
+    use crate::trials::testing::{MetricsRow, metrics, row};
     use zwidth_study::template;
     use zwidth_tables::Column;
 
@@ -246,13 +246,13 @@ mod tests {
         Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
     }
 
-    fn texts(rows: &[Row], tally: Option<&Table>) -> Vec<String> {
+    fn texts(rows: &[MetricsRow], tally: Option<&Table>) -> Vec<String> {
         findings(&study(), &metrics(rows), tally).unwrap().into_iter().map(|f| f.text).collect()
     }
 
     #[test]
     fn what_a_mode_made_of_the_spring_is_one_sentence_from_its_numbers() {
-        let active = || Row {
+        let active = || MetricsRow {
             stiffness: Some(4.05),
             saturation: Some(4.43),
             returned: Some(0.79),
@@ -270,8 +270,10 @@ mod tests {
 
     #[test]
     fn the_modes_stand_in_the_order_in_which_the_wall_held() {
-        let past =
-            |mode, deg: f64| Row { past_rad: Some(deg.to_radians()), ..row("spring_wall", mode) };
+        let past = |mode, deg: f64| MetricsRow {
+            past_rad: Some(deg.to_radians()),
+            ..row("spring_wall", mode)
+        };
         let rows = [past("active", 16.0), past("passive", 0.25), row("spring_wall", "passive")];
         let found = texts(&rows, None);
         let expect = "past the wall the lever went, on average, 0.25° with passive (reached in 1 of 2 trials), 16.00° \
@@ -281,7 +283,7 @@ mod tests {
 
     #[test]
     fn the_mode_that_does_both_gives_work_back_and_holds_the_wall_best_of_those() {
-        let of = |mode, returned, past| Row {
+        let of = |mode, returned, past| MetricsRow {
             returned: Some(returned),
             past_rad: Some(f64::to_radians(past)),
             ..row("spring_wall", mode)
@@ -298,8 +300,10 @@ mod tests {
 
     #[test]
     fn an_oscillating_trial_is_told_with_its_mode() {
-        let rows =
-            [Row { stability: "oscillating", ..row("spring", "hybrid") }, row("spring", "hybrid")];
+        let rows = [
+            MetricsRow { stability: "oscillating", ..row("spring", "hybrid") },
+            row("spring", "hybrid"),
+        ];
         let found = texts(&rows, None);
         assert_eq!(found[1], "The lever swung fast in 1 of 2 trials: 1 of 2 with hybrid.");
     }
@@ -318,13 +322,14 @@ mod tests {
             number("median_high", 4),
         ];
         let tally = Table::new("likert", "", columns).unwrap();
-        let of =
-            |source| texts(&[Row { source, ..row("spring", "active") }], Some(&tally))[2].clone();
+        let of = |source| {
+            texts(&[MetricsRow { source, ..row("spring", "active") }], Some(&tally))[2].clone()
+        };
         assert_eq!(
             of("recorded"),
             "Spring: the median answer was 4 (agree) with active (6 answers)."
         );
         assert!(of("twin").contains("the median simulated answer was"));
-        assert_eq!(median(3, 4), "3 to 4");
+        assert_eq!(median(AnswerScale::FivePoint, 3, 4), "3 to 4");
     }
 }

@@ -1,7 +1,7 @@
 //! The thesis' Table 3: parameters of the simulation model, from a scene.
 
 use crate::facts::{self, Fact};
-use zwidth_dynamics::{BrakeLaw, Demand, Input, Scene};
+use zwidth_dynamics::{BrakeLaw, Demand, Input, ModelScene};
 use zwidth_tables::{Table, TableError};
 
 /// Parameters of the model that a scene is, with the thesis' symbols; what the scene lacks (a
@@ -9,7 +9,7 @@ use zwidth_tables::{Table, TableError};
 ///
 /// # Errors
 /// A parameter that is not finite.
-pub fn model_table(scene: &Scene) -> Result<Table, TableError> {
+pub fn model_table(scene: &ModelScene) -> Result<Table, TableError> {
     let mut facts =
         vec![Fact::new("M_O, mass of the object (spring)", Some(scene.plant.mass_kg), "kg")];
     facts.extend(scene.environment.zones.iter().flat_map(|zone| demand(zone.demand)));
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn the_scene_of_the_thesis_gives_the_numbers_of_its_table_3() {
         let text = include_str!("../../../scenes/sine_finger.toml");
-        let table = model_table(&Scene::from_toml(text).unwrap()).unwrap();
+        let table = model_table(&ModelScene::from_toml(text).unwrap()).unwrap();
         let (names, values, units) = (
             table.texts("quantity").unwrap(),
             table.floats("value").unwrap(),
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn a_scene_without_a_finger_has_no_row_of_one() {
         let text = include_str!("../../../scenes/sine.toml");
-        let table = model_table(&Scene::from_toml(text).unwrap()).unwrap();
+        let table = model_table(&ModelScene::from_toml(text).unwrap()).unwrap();
         assert!(!table.texts("quantity").unwrap().iter().flatten().any(|q| q.contains("finger")));
     }
 }

@@ -1,7 +1,10 @@
 //! What the report takes from a study besides results: what was planned.
 
 use serde::Serialize;
-use zwidth_study::{Control, Coordinate, Device, Environment, Masses, Mode, Study};
+use zwidth_study::{
+    AnswerScale, Control, Coordinate, Device, Environment, Masses, Mode, Question, QuestionId,
+    Study,
+};
 
 /// What was planned, as far as the report speaks of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -18,6 +21,8 @@ pub struct Planned {
     pub environments: Vec<Environment>,
     /// How it is rendered.
     pub modes: Vec<Mode>,
+    /// What is asked.
+    pub questions: Vec<Question>,
 }
 
 impl Planned {
@@ -30,6 +35,13 @@ impl Planned {
             masses: study.masses,
             environments: study.environments.clone(),
             modes: study.modes.clone(),
+            questions: study.questions.clone(),
         }
+    }
+
+    /// The scale of the question of that id.
+    pub(crate) fn scale(&self, question: &QuestionId) -> AnswerScale {
+        let found = self.questions.iter().find(|q| q.id == *question);
+        found.map(|q| q.scale).unwrap_or_default()
     }
 }

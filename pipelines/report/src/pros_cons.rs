@@ -268,7 +268,7 @@ fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trials::testing::{Row, metrics, row};
+    use crate::trials::testing::{MetricsRow, metrics, row};
     use zwidth_study::template;
 
     fn study() -> Planned {
@@ -283,10 +283,10 @@ mod tests {
 
     fn trials(past_with_motor: f64) -> Table {
         metrics(&[
-            Row { returned: Some(0.8), ..row("spring", "active") },
+            MetricsRow { returned: Some(0.8), ..row("spring", "active") },
             row("spring", "passive"),
-            Row { past_rad: Some(past_with_motor), ..row("spring_wall", "active") },
-            Row { past_rad: Some(0.01), ..row("spring_wall", "passive") },
+            MetricsRow { past_rad: Some(past_with_motor), ..row("spring_wall", "active") },
+            MetricsRow { past_rad: Some(0.01), ..row("spring_wall", "passive") },
         ])
     }
 
@@ -307,7 +307,7 @@ mod tests {
             "contradicted",
             "a motor that holds the wall"
         );
-        let weak = metrics(&[Row { returned: Some(0.5), ..row("spring", "passive") }]);
+        let weak = metrics(&[MetricsRow { returned: Some(0.5), ..row("spring", "passive") }]);
         assert_eq!(verdicts(Some(&weak))[3], "contradicted", "a brake that gives work back");
     }
 
@@ -315,7 +315,7 @@ mod tests {
     fn simulated_trials_and_a_single_participant_are_named_in_the_notes() {
         let (study, calibration) = (study(), Calibration::thesis());
         let of = |source, participants: [&'static str; 2]| {
-            let rows = participants.map(|participant| Row {
+            let rows = participants.map(|participant| MetricsRow {
                 source,
                 participant,
                 ..row("spring", "active")

@@ -98,7 +98,7 @@ pub(crate) mod testing {
     use zwidth_tables::Column;
 
     /// One trial of made-up metrics: environment, mode, and the values that the report reads.
-    pub(crate) struct Row {
+    pub(crate) struct MetricsRow {
         pub(crate) condition: (&'static str, &'static str),
         pub(crate) stiffness: Option<f64>,
         pub(crate) saturation: Option<f64>,
@@ -109,8 +109,8 @@ pub(crate) mod testing {
         pub(crate) participant: &'static str,
     }
 
-    pub(crate) fn row(environment: &'static str, mode: &'static str) -> Row {
-        Row {
+    pub(crate) fn row(environment: &'static str, mode: &'static str) -> MetricsRow {
+        MetricsRow {
             condition: (environment, mode),
             stiffness: Some(4.0),
             saturation: None,
@@ -122,12 +122,13 @@ pub(crate) mod testing {
         }
     }
 
-    pub(crate) fn metrics(rows: &[Row]) -> Table {
-        let text = |name, get: fn(&Row) -> &'static str| {
+    pub(crate) fn metrics(rows: &[MetricsRow]) -> Table {
+        let text = |name, get: fn(&MetricsRow) -> &'static str| {
             Column::text(name, "", rows.iter().map(|r| Some(get(r).to_owned())))
         };
-        let float =
-            |name, get: fn(&Row) -> Option<f64>| Column::float(name, "1", "", rows.iter().map(get));
+        let float = |name, get: fn(&MetricsRow) -> Option<f64>| {
+            Column::float(name, "1", "", rows.iter().map(get))
+        };
         let columns = vec![
             text("participant", |r| r.participant),
             text("session", |_| "S01"),

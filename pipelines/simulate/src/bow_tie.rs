@@ -2,7 +2,7 @@
 //! nothing can swing.
 
 use crate::SimulateError;
-use zwidth_dynamics::{Forces, Scene, System};
+use zwidth_dynamics::{Forces, ModelScene, System};
 use zwidth_tables::{Column, Table};
 
 /// Steps of the stroke there, and of the one back.
@@ -26,7 +26,7 @@ struct Sample {
 ///
 /// # Errors
 /// A scene that makes no sense, or one without stops.
-pub fn bow_tie_table(scene: &Scene) -> Result<Table, SimulateError> {
+pub fn bow_tie_table(scene: &ModelScene) -> Result<Table, SimulateError> {
     let system = System::new(scene.clone())?;
     let [low, high] = scene.plant.stops_rad.ok_or(SimulateError::NoStops)?;
     let half_s = scene.duration_s / 2.0;
@@ -71,7 +71,7 @@ mod tests {
 
     /// A spring at rest in the middle, a brake that makes all of its force and a motor that makes 1
     /// N.
-    fn scene() -> Scene {
+    fn scene() -> ModelScene {
         let mut scene = table3::scene(Mode::Hybrid, Input::constant(0.0));
         scene.environment = Environment::spring(4.0, 0.0, 0.0);
         scene.brake.law = BrakeLaw::Thesis;

@@ -4,7 +4,7 @@
 use crate::run::{grid, highest};
 use crate::summary::verdict_word;
 use crate::{DEFAULT_TOLERANCE, SimulateError, solver};
-use zwidth_dynamics::{Exact, Judgement, Scene, Solver, System, judge};
+use zwidth_dynamics::{Exact, Judgement, ModelScene, Solver, System, judge};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Steps for a table of chattering, s: from the thesis' 8.3 ms to 0.05 ms, about evenly spaced in
@@ -13,7 +13,7 @@ pub const CHATTERING_STEPS_S: [f64; 12] =
     [8.3e-3, 5e-3, 3e-3, 2e-3, 1.3e-3, 0.83e-3, 0.5e-3, 0.3e-3, 0.2e-3, 0.13e-3, 0.083e-3, 0.05e-3];
 
 /// One solver at one step. Empty where the run failed.
-struct Row {
+struct SolverRun {
     solver: String,
     step_s: f64,
     found: Option<Found>,
@@ -33,7 +33,7 @@ struct Found {
 /// An unknown solver, a scene that makes no sense or that the exact solver cannot run (it is the
 /// reference), or too many samples.
 pub fn chattering_table(
-    scene: &Scene,
+    scene: &ModelScene,
     solvers: &[&str],
     steps_s: &[f64],
 ) -> Result<Table, SimulateError> {
@@ -50,23 +50,23 @@ pub fn chattering_table(
     Ok(table(&scene.name, &rows, reference_rad)?)
 }
 
-fn row(solver: &dyn Solver, system: &System, step_s: f64) -> Result<Row, SimulateError> {
+fn row(solver: &dyn Solver, system: &System, step_s: f64) -> Result<SolverRun, SimulateError> {
     let run = solver.run(system, &grid(system, step_s)?).ok();
     let found = run.map(|run| Found { reversals: run.reversals(), theta_max_rad: highest(&run).0 });
-    Ok(Row { solver: solver.name(), step_s, found, judgement: judge(solver, system, step_s) })
+    Ok(SolverRun { solver: solver.name(), step_s, found, judgement: judge(solver, system, step_s) })
 }
 
-fn table(scene: &str, rows: &[Row], reference_rad: f64) -> Result<Table, TableError> {
-    let float = |name, unit, about, get: &dyn Fn(&Row) -> Option<f64>| {
+fn table(scene: &str, rows: &[SolverRun], reference_rad: f64) -> Result<Table, TableError> {
+    let float = |name, unit, about, get: &dyn Fn(&SolverRun) -> Option<f64>| {
         Column::float(name, unit, about, rows.iter().map(get))
     };
-    let count = |name, about, get: fn(&Row) -> Option<usize>| {
+    let count = |name, about, get: fn(&SolverRun) -> Option<usize>| {
         Column::integer(name, "1", about, rows.iter().map(|row| get(row).map(|n| n as i64)))
     };
-    let text = |name, about, get: fn(&Row) -> String| {
+    let text = |name, about, get: fn(&SolverRun) -> String| {
         Column::text(name, about, rows.iter().map(|row| Some(get(row))))
     };
-    let largest = |row: &Row| row.found.as_ref().map(|found| found.theta_max_rad);
+    let largest = |row: &SolverRun| row.found.as_ref().map(|found| found.theta_max_rad);
     let columns = vec![
         text("solver", "the solver", |row| row.solver.clone()),
         float("step_s", "s", "its step; adaptive solvers sample by it", &|row| Some(row.step_s)),

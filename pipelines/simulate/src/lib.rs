@@ -24,7 +24,7 @@ pub use run::{MOST_SAMPLES, Run, simulate};
 pub use solvers::{DEFAULT_SOLVER, DEFAULT_TOLERANCE, SOLVERS, solver};
 pub use summary::{Energy, FastSwings, Summary, Work, verdict_word};
 pub use trajectory::{events_table, trajectory_table};
-pub use zwidth_dynamics::{DynamicsError, Scene};
+pub use zwidth_dynamics::{DynamicsError, ModelScene};
 
 /// Version of the tables' form: raised when the same scene would give another table. The solvers
 /// have their own tests.

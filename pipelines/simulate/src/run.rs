@@ -1,7 +1,7 @@
 //! A scene, run and judged.
 
 use crate::SimulateError;
-use zwidth_dynamics::{Grid, Judgement, Scene, Solver, System, Trajectory, judge};
+use zwidth_dynamics::{Grid, Judgement, ModelScene, Solver, System, Trajectory, judge};
 
 /// More samples than this are not kept: judging by step halving holds seven times as many states at
 /// once.
@@ -24,7 +24,7 @@ pub struct Run {
 ///
 /// # Errors
 /// A scene that makes no sense, one the solver cannot run, or more than [`MOST_SAMPLES`] samples.
-pub fn simulate(scene: Scene, solver: &dyn Solver) -> Result<Run, SimulateError> {
+pub fn simulate(scene: ModelScene, solver: &dyn Solver) -> Result<Run, SimulateError> {
     let system = System::new(scene)?;
     let step_s = system.scene().step_s;
     let trajectory = solver.run(&system, &grid(&system, step_s)?)?;
@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn the_largest_angle_and_its_time_do_not_depend_on_the_samples() {
         for step_s in [1e-3, 8.3e-3, 0.9] {
-            let scene = Scene { step_s, ..table3::scene(Mode::Hybrid, Input::sine(2.15)) };
+            let scene = ModelScene { step_s, ..table3::scene(Mode::Hybrid, Input::sine(2.15)) };
             let run =
                 simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap();
             let (theta_rad, t_s) = highest(&run.trajectory);

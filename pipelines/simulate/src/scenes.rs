@@ -4,15 +4,15 @@ use crate::{
     DEFAULT_TOLERANCE, Run, bow_tie_table, events_table, simulate, solver, trajectory_table,
 };
 use std::path::{Path, PathBuf};
-use zwidth_dynamics::{FingerLaw, Scene};
+use zwidth_dynamics::{FingerLaw, ModelScene};
 use zwidth_tables::Table;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
 }
 
-fn scene(stem: &str) -> Scene {
-    Scene::from_toml(&std::fs::read_to_string(folder().join(format!("{stem}.toml"))).unwrap())
+fn scene(stem: &str) -> ModelScene {
+    ModelScene::from_toml(&std::fs::read_to_string(folder().join(format!("{stem}.toml"))).unwrap())
         .unwrap()
 }
 
@@ -25,7 +25,7 @@ fn stems() -> Vec<String> {
     stems
 }
 
-fn run(scene: Scene, name: &str) -> Run {
+fn run(scene: ModelScene, name: &str) -> Run {
     simulate(scene, solver(name, DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap()
 }
 
@@ -35,7 +35,7 @@ fn column(table: &Table, name: &str) -> Vec<f64> {
 
 /// Runs a scene exactly and sees to it that its tables can be made: those refuse what is not
 /// finite.
-fn check(stem: &str, scene: Scene) {
+fn check(stem: &str, scene: ModelScene) {
     let run = run(scene, "exact");
     let table = trajectory_table(&run).unwrap();
     assert_eq!(table.height(), 482, "{stem}");

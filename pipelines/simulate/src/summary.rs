@@ -3,7 +3,7 @@
 use crate::Run;
 use crate::run::highest;
 use serde::Serialize;
-use zwidth_dynamics::{FingerLaw, Mode, Verdict};
+use zwidth_dynamics::{FingerLaw, RunVerdict};
 
 /// What a person wants to know of a run first. SI units and radians.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -86,7 +86,7 @@ impl Summary {
         Self {
             scene: scene.name.clone(),
             environment: scene.environment.name.clone(),
-            mode: mode_word(scene.mode),
+            mode: scene.mode.as_str(),
             solver: run.solver.clone(),
             step_s: scene.step_s,
             samples: of.len(),
@@ -120,14 +120,6 @@ fn fast_swings(run: &Run) -> [FastSwings; 3] {
     [at(0, 1.0), at(1, 0.5), at(2, 0.25)]
 }
 
-fn mode_word(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Active => "active",
-        Mode::Passive => "passive",
-        Mode::Hybrid => "hybrid",
-    }
-}
-
 fn finger_word(law: FingerLaw) -> &'static str {
     match law {
         FingerLaw::Thesis => "thesis",
@@ -136,28 +128,30 @@ fn finger_word(law: FingerLaw) -> &'static str {
 }
 
 /// A verdict in a word or two.
-pub fn verdict_word(verdict: Verdict) -> &'static str {
+pub fn verdict_word(verdict: RunVerdict) -> &'static str {
     match verdict {
-        Verdict::Smooth => "smooth",
-        Verdict::NumericalChattering => "numerical chattering",
-        Verdict::LimitCycle => "limit cycle",
-        Verdict::UnstableStep => "unstable step",
-        Verdict::Failed => "failed",
+        RunVerdict::Smooth => "smooth",
+        RunVerdict::NumericalChattering => "numerical chattering",
+        RunVerdict::LimitCycle => "limit cycle",
+        RunVerdict::UnstableStep => "unstable step",
+        RunVerdict::Failed => "failed",
     }
 }
 
 /// A verdict as a clause.
-pub(crate) fn verdict_meaning(verdict: Verdict) -> &'static str {
+pub(crate) fn verdict_meaning(verdict: RunVerdict) -> &'static str {
     match verdict {
-        Verdict::Smooth => "verdict smooth",
-        Verdict::NumericalChattering => {
+        RunVerdict::Smooth => "verdict smooth",
+        RunVerdict::NumericalChattering => {
             "verdict numerical chattering (the fast swings are the method's: they vanish with the step)"
         }
-        Verdict::LimitCycle => {
+        RunVerdict::LimitCycle => {
             "verdict limit cycle (the fast swings are the model's: they stay as the step goes to zero)"
         }
-        Verdict::UnstableStep => "verdict unstable step (outside of the method's stability region)",
-        Verdict::Failed => "verdict failed (half the step or a quarter of it could not be run)",
+        RunVerdict::UnstableStep => {
+            "verdict unstable step (outside of the method's stability region)"
+        }
+        RunVerdict::Failed => "verdict failed (half the step or a quarter of it could not be run)",
     }
 }
 
@@ -165,6 +159,7 @@ pub(crate) fn verdict_meaning(verdict: Verdict) -> &'static str {
 mod tests {
     use super::*;
     use crate::{DEFAULT_TOLERANCE, simulate, solver};
+    use zwidth_dynamics::Mode;
     use zwidth_dynamics::{Input, table3};
 
     fn summary(name: &str) -> Summary {

@@ -158,13 +158,13 @@ fn event_word(kind: EventKind) -> &'static str {
 mod tests {
     use super::*;
     use crate::{DEFAULT_TOLERANCE, simulate, solver};
-    use zwidth_dynamics::{Gravity, Input, Mode, Pull, Scene, table3};
+    use zwidth_dynamics::{Gravity, Input, Mode, ModelScene, Pull, table3};
 
-    fn run(scene: Scene) -> Run {
+    fn run(scene: ModelScene) -> Run {
         simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap()
     }
 
-    fn sticking() -> Scene {
+    fn sticking() -> ModelScene {
         table3::scene(Mode::Hybrid, Input::sine(2.15))
     }
 
@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn each_term_has_a_column_of_its_own() {
-        let mut scene = Scene { duration_s: 0.5, ..sticking() };
+        let mut scene = ModelScene { duration_s: 0.5, ..sticking() };
         scene.terms.set(Pull { stiffness_n_per_rad: 2.0, displacement: Input::constant(0.1) });
         scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.04 });
         let solver = solver("dormand_prince", DEFAULT_TOLERANCE).unwrap();

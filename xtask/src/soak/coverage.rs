@@ -27,7 +27,7 @@ const BIAS_SCATTER: f64 = 3.3;
 const AT_ONCE: u32 = 2;
 
 /// One parameter of one seed.
-struct Row {
+struct Coverage {
     parameter: String,
     fitted: f64,
     std_error: f64,
@@ -37,7 +37,7 @@ struct Row {
 
 /// What one seed gave: the parameters, and the threshold's bracket.
 struct Found {
-    rows: Vec<Row>,
+    rows: Vec<Coverage>,
     bracket: [f64; 2],
 }
 
@@ -95,10 +95,10 @@ fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
         .context("no threshold was bracketed")?;
     let names = ["parameter", "fitted", "std_error", "ci_low", "ci_high", "verdict"];
     let row =
-        |[parameter, fitted, std_error, low, high, verdict]: [String; 6]| -> anyhow::Result<Row> {
+        |[parameter, fitted, std_error, low, high, verdict]: [String; 6]| -> anyhow::Result<Coverage> {
             let number =
                 |text: &str| text.parse::<f64>().with_context(|| format!("{parameter}: '{text}'"));
-            Ok(Row {
+            Ok(Coverage {
                 fitted: number(&fitted)?,
                 std_error: number(&std_error)?,
                 interval: [number(&low)?, number(&high)?],
@@ -150,10 +150,11 @@ fn tell(found: &[Found]) -> anyhow::Result<()> {
     let allowed = allowed(n);
     println!("parameter   truth      mean       coverage  bias/SD  SE/SD  identifiable");
     for (j, first) in found.first().context("no seeds")?.rows.iter().enumerate() {
-        let rows: Vec<&Row> = found.iter().filter_map(|f| f.rows.get(j)).collect();
+        let rows: Vec<&Coverage> = found.iter().filter_map(|f| f.rows.get(j)).collect();
         let truth = truth(&first.parameter)?;
         let mean = rows.iter().map(|r| r.fitted).sum::<f64>() / n as f64;
-        let squares = |of: &dyn Fn(&Row) -> f64| rows.iter().map(|r| of(r) * of(r)).sum::<f64>();
+        let squares =
+            |of: &dyn Fn(&Coverage) -> f64| rows.iter().map(|r| of(r) * of(r)).sum::<f64>();
         let sd = (squares(&|r| r.fitted - mean) / (n as f64 - 1.0)).sqrt();
         let std_error = (squares(&|r| r.std_error) / n as f64).sqrt();
         let covered =

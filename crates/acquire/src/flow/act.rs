@@ -1,7 +1,7 @@
 //! One input at a time: what it changes, and what is to be done.
 
 use super::{Action, EMERGENCY_STOP, End, Flow, Halt, Input, Phase};
-use zwidth_study::{Event, Likert};
+use zwidth_study::{Event, Question};
 
 impl Flow {
     /// Takes an input; what is to be done about it, in order.
@@ -94,8 +94,9 @@ impl Flow {
                 vec![Action::Check]
             }
             (Phase::Pause, _) => refuse(format!("the pause has {:.1} s to go", self.rest_s)),
-            (Phase::Question { .. }, _) => {
-                refuse("the question is open: answer it with 1 to 5, or skip it")
+            (Phase::Question { place, .. }, _) => {
+                let range = self.asked(*place).map(|q| q.scale.range()).unwrap_or_default();
+                refuse(format!("the question is open: answer it with {range}, or skip it"))
             }
             (Phase::Done, _) => refuse("every trial is done: quit"),
             (Phase::Trial { .. }, _) => refuse("a trial is running"),
@@ -160,19 +161,24 @@ impl Flow {
         let Phase::Question { place, late } = self.phase else {
             return refuse("no question is open");
         };
-        if !(1..=Likert::POINTS).contains(&value) {
-            return refuse(format!("{value} is no answer: 1 to {}", Likert::POINTS));
+        let Some(question) = self.asked(place) else { return refuse("no question is open") };
+        if !question.scale.has(value) {
+            return refuse(format!("{value} is no answer: {}", question.scale.range()));
         }
-        let action = match (&self.places[place].question, late) {
-            (Some(question), true) => {
-                let trial = self.places[place].trial.trial;
-                Action::Log(Event::Answer { trial, question: question.clone(), value })
-            }
-            _ => self.finish(place, Some(value)),
+        let action = if late {
+            let (trial, question) = (self.places[place].trial.trial, question.id.clone());
+            Action::Log(Event::Answer { trial, question, value })
+        } else {
+            self.finish(place, Some(value))
         };
         self.unanswered = false;
         self.go_on();
         vec![action]
+    }
+
+    /// What is asked after the trial at `place`.
+    fn asked(&self, place: usize) -> Option<&Question> {
+        self.places[place].question.as_ref()
     }
 
     fn skip(&mut self) -> Vec<Action> {

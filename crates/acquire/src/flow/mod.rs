@@ -17,7 +17,7 @@ mod start;
 mod tests;
 
 pub use start::Recorded;
-use zwidth_study::{Event, PlannedTrial, QuestionId};
+use zwidth_study::{Event, PlannedTrial, Question};
 
 /// What a stop by key is called.
 pub const EMERGENCY_STOP: &str = "emergency stop";
@@ -37,7 +37,7 @@ pub enum Input {
     Elapsed(f64),
     /// Begin the next trial; after a stop: go on.
     Start,
-    /// The answer to the question, 1…5.
+    /// The answer to the question, from 1 on.
     Answer(u8),
     /// The question stays without an answer.
     Skip,
@@ -144,7 +144,7 @@ pub struct Place {
     /// The trial it took the place from.
     pub repeats: Option<u32>,
     /// What is asked after it.
-    pub question: Option<QuestionId>,
+    pub question: Option<Question>,
     /// Whether it ran to its end.
     pub done: bool,
 }

@@ -2,7 +2,7 @@
 
 use super::{Action, Flow, Phase, Place};
 use std::collections::BTreeMap;
-use zwidth_study::{Event, PlannedTrial, QuestionId};
+use zwidth_study::{Event, PlannedTrial, Question};
 
 /// A trial of the session that has a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,7 +22,7 @@ impl Flow {
     /// A place is done if the trial that holds it last is complete. A trial that was cut short
     /// gives its place to a new one, right away.
     pub(crate) fn begin(
-        order: Vec<(PlannedTrial, Option<QuestionId>)>,
+        order: Vec<(PlannedTrial, Option<Question>)>,
         pause_s: f64,
         recorded: &[Recorded],
         events: &[Event],
@@ -76,7 +76,7 @@ fn successors(events: &[Event]) -> BTreeMap<u32, u32> {
 
 fn place(
     mut trial: PlannedTrial,
-    question: Option<QuestionId>,
+    question: Option<Question>,
     successors: &BTreeMap<u32, u32>,
     files: &BTreeMap<u32, Recorded>,
 ) -> Place {

@@ -1,11 +1,21 @@
 use super::{Action, End, Flow, Halt, Input, Phase, Recorded};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
-use zwidth_study::{Event, Kind, ModeId, PlannedTrial, QuestionId};
+use zwidth_study::{AnswerScale, Event, Kind, ModeId, PlannedTrial, Question};
 
 const PAUSE_S: f64 = 5.0;
 
-fn order(n: u32) -> Vec<(PlannedTrial, Option<QuestionId>)> {
+fn felt() -> Question {
+    Question {
+        id: "felt".parse().unwrap(),
+        text: "Felt?".to_owned(),
+        group: None,
+        scale: AnswerScale::FivePoint,
+        reversed: false,
+    }
+}
+
+fn order(n: u32) -> Vec<(PlannedTrial, Option<Question>)> {
     let trial = |trial: u32| PlannedTrial {
         trial,
         repeat: trial.div_ceil(3),
@@ -15,7 +25,7 @@ fn order(n: u32) -> Vec<(PlannedTrial, Option<QuestionId>)> {
         samples: true,
     };
     // Every fourth trial has no question.
-    (1..=n).map(|i| (trial(i), (i % 4 != 0).then(|| "felt".parse().unwrap()))).collect()
+    (1..=n).map(|i| (trial(i), (i % 4 != 0).then(felt))).collect()
 }
 
 fn fresh(n: u32) -> Flow {

@@ -75,9 +75,9 @@ fn phase(flow: &Flow, plan: &Plan, view: &View) -> Phase {
             Phase::Trial { t_s, limit_s: plan.study.design.trial_limit_s }
         }
         flow::Phase::Question { place, .. } => {
-            let question =
-                flow.places()[*place].question.as_ref().and_then(|id| plan.study.question(id));
-            Phase::Question { text: question.map(|q| q.text.clone()).unwrap_or_default() }
+            let question = flow.places()[*place].question.as_ref();
+            let (text, scale) = question.map(|q| (q.text.clone(), q.scale)).unwrap_or_default();
+            Phase::Question { text, scale }
         }
         flow::Phase::Pause => {
             Phase::Pause { left_s: flow.rest_s(), pause_s: plan.study.design.pause_s }

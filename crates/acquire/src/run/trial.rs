@@ -160,7 +160,9 @@ impl<'a> Runner<'a> {
 
     /// What the device's own participant answers.
     fn ask_participant(&mut self) -> Option<u8> {
-        self.attendant.ask(|station| station.device.answer()).ok().flatten()
+        let question = self.flow.here().and_then(|i| self.flow.places()[i].question.as_ref());
+        let scale = question.map(|q| q.scale).unwrap_or_default();
+        self.attendant.ask(move |station| station.device.answer(scale)).ok().flatten()
     }
 
     /// Whether the motor may run that no watchdog watches, as was asked for.

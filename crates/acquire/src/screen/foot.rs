@@ -54,9 +54,9 @@ pub(super) fn keys(view: &View, entry: Option<&Entry>, look: Look) -> Line<'stat
         vec![Span::styled(format!(" {} STOP ", stop_key(entry)), look.style(Role::Stop))];
     let commands = match entry {
         None => commands(&view.phase),
-        Some(Entry::Note(_)) => &[("Enter", "keep the note"), ("Esc", "drop it")],
-        Some(Entry::Exclude(_)) => &[("Enter", "exclude"), ("Esc", "do not")],
-        Some(Entry::Sure(_)) => &[("y", "yes"), ("any other key", "no")],
+        Some(Entry::Note(_)) => vec![("Enter".into(), "keep the note"), ("Esc".into(), "drop it")],
+        Some(Entry::Exclude(_)) => vec![("Enter".into(), "exclude"), ("Esc".into(), "do not")],
+        Some(Entry::Sure(_)) => vec![("y".into(), "yes"), ("any other key".into(), "no")],
     };
     for (key, meaning) in commands {
         spans.push(Span::styled(format!("   {key}"), look.style(Role::Accent)));

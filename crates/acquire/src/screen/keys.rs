@@ -7,6 +7,7 @@
 
 use crate::{Input, Phase};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use std::borrow::Cow;
 
 /// Characters of a remark, at most: three lines of the narrowest screen.
 const LONGEST: usize = 200;
@@ -83,7 +84,9 @@ fn command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
     let of = |c| commands(phase).iter().any(|(keys, _)| *keys == c);
     match lower(code) {
         KeyCode::Enter if of("Enter") => (None, Some(Input::Start)),
-        KeyCode::Char(c @ '1'..='5') if of("1–5") => (None, digit(c).map(Input::Answer)),
+        KeyCode::Char(c) if answer(c, phase).is_some() => {
+            (None, answer(c, phase).map(Input::Answer))
+        }
         KeyCode::Char('s') if of("s") => (Some(Entry::Sure(Ask::Skip)), None),
         KeyCode::Char('n') if of("n") => (Some(Entry::Note(String::new())), None),
         KeyCode::Char('x') if of("x") => (Some(Entry::Exclude(String::new())), None),
@@ -93,8 +96,10 @@ fn command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
     }
 }
 
-fn digit(c: char) -> Option<u8> {
-    c.to_digit(10).and_then(|n| u8::try_from(n).ok())
+/// The answer that a key gives to the open question, if one is open and has such an answer.
+fn answer(c: char, phase: &Phase) -> Option<u8> {
+    let Phase::Question { scale, .. } = phase else { return None };
+    c.to_digit(10).and_then(|n| u8::try_from(n).ok()).filter(|n| scale.has(*n))
 }
 
 /// Capitals mean the same: the lock may be on.
@@ -106,19 +111,24 @@ fn lower(code: KeyCode) -> KeyCode {
 }
 
 /// The keys of a phase besides the stop key, each with its meaning, as the screen shows them.
-pub(super) fn commands(phase: &Phase) -> &'static [(&'static str, &'static str)] {
+pub(super) fn commands(phase: &Phase) -> Vec<(Cow<'static, str>, &'static str)> {
     const NOTE: (&str, &str) = ("n", "note");
     const EXCLUDE: (&str, &str) = ("x", "exclude");
     const REPEAT: (&str, &str) = ("r", "repeat");
     const QUIT: (&str, &str) = ("q", "quit");
-    match phase {
+    let fixed: &[(&str, &str)] = match phase {
         Phase::Check | Phase::Homing => &[NOTE, QUIT],
         Phase::Ready => &[("Enter", "start"), NOTE, EXCLUDE, REPEAT, QUIT],
         Phase::Trial { .. } | Phase::Left => &[],
-        Phase::Question { .. } => &[("1–5", "answer"), ("s", "skip"), NOTE, EXCLUDE, REPEAT, QUIT],
+        Phase::Question { .. } => &[("s", "skip"), NOTE, EXCLUDE, REPEAT, QUIT],
         Phase::Pause { .. } | Phase::Done => &[NOTE, EXCLUDE, REPEAT, QUIT],
         Phase::Stopped { .. } => &[("Enter", "go on"), NOTE, EXCLUDE, REPEAT, QUIT],
-    }
+    };
+    let answers = match phase {
+        Phase::Question { scale, .. } => Some((format!("1–{}", scale.points()).into(), "answer")),
+        _ => None,
+    };
+    answers.into_iter().chain(fixed.iter().map(|(key, does)| ((*key).into(), *does))).collect()
 }
 
 /// The stop key as the screen writes it.
@@ -143,6 +153,7 @@ impl Ask {
 mod tests {
     use super::super::tests::examples::phases;
     use super::*;
+    use zwidth_study::AnswerScale;
 
     fn key(code: KeyCode) -> KeyEvent {
         KeyEvent::new(code, KeyModifiers::NONE)
@@ -175,7 +186,7 @@ mod tests {
     const TRIAL: Phase = Phase::Trial { t_s: 1.0, limit_s: 4.0 };
 
     fn question() -> Phase {
-        Phase::Question { text: String::new() }
+        Phase::Question { text: String::new(), scale: AnswerScale::FivePoint }
     }
 
     #[test]

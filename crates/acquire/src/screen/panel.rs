@@ -4,7 +4,7 @@ use super::look::{Look, Role};
 use super::text::{fit, width, wrap};
 use crate::{CheckLine, Current, Phase, View};
 use ratatui::text::{Line, Span};
-use zwidth_study::{Kind, Likert};
+use zwidth_study::{AnswerScale, Kind};
 
 /// A device check of so many lines leaves room for messages in the smallest window, of 24 rows.
 const LEAVES_ROOM: usize = 12;
@@ -76,7 +76,7 @@ pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>>
         Phase::Trial { .. } => {
             plain("The trial runs until its time is up. Space stops it at once, at 0 V.")
         }
-        Phase::Question { text } => question(text, look, limit),
+        Phase::Question { text, scale } => question(text, *scale, look, limit),
         Phase::Pause { .. } => then_next(plain("Rest. Both actuators are off.")),
         Phase::Stopped { why } => then_next(stopped(why, look, limit)),
         Phase::Done => plain("Every trial is done and stored; q ends the session."),
@@ -108,11 +108,11 @@ fn stopped(why: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
 }
 
 /// The question and its scale: in one row where it fits, else one row an answer.
-fn question(text: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
+fn question(text: &str, scale: AnswerScale, look: Look, limit: usize) -> Vec<Line<'static>> {
     let mut lines = styled(text, Role::Strong, look, limit);
     lines.push(Line::default());
     let answers: Vec<(String, &str)> =
-        (1..).map(|n: u8| n.to_string()).zip(Likert::WORDS).collect();
+        (1..).map(|n: u8| n.to_string()).zip(scale.words().iter().copied()).collect();
     let row: usize = answers.iter().map(|(n, word)| width(n) + 1 + width(word)).sum();
     let gaps = answers.len() - 1;
     let answer = |(n, word): &(String, &str)| {

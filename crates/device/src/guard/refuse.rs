@@ -90,7 +90,7 @@ mod tests {
     use crate::mock;
 
     fn mode(motor_max_v: Option<f64>, brake_max_v: Option<f64>) -> Mode {
-        Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v }
+        Mode { id: "m".parse().unwrap(), label: String::new(), motor_max_v, brake_max_v, law: None }
     }
 
     fn refuse(

@@ -1,7 +1,7 @@
 //! The answer to the question of a trial: a written rule from what was felt, with a bias and noise.
 //!
 //! Qualities go from 0 (nothing like it) to 1 (just like it); the answer is
-//! 1 + 4 · quality + bias + noise, rounded, and held to 1…5.
+//! 1 + (points − 1) · (quality + (bias + noise) / 4), rounded, and held to the scale.
 //!
 //! | environment | quality |
 //! |---|---|
@@ -14,7 +14,7 @@
 
 use super::draw::{Draw, Purpose};
 use super::{Felt, Person};
-use zwidth_study::{Likert, Scene};
+use zwidth_study::{AnswerScale, Scene};
 
 /// R² at which force over angle no longer seems a line at all.
 const NO_LINE: f64 = 0.5;
@@ -26,7 +26,7 @@ const NO_SPRING_N: f64 = 6.0;
 const NO_WALL_RAD: f64 = 8.0 * std::f64::consts::PI / 180.0;
 /// Greatest force at which free space is not free, N.
 const NOT_FREE_N: f64 = 2.0;
-/// Standard deviation of an answer's noise, points.
+/// Standard deviation of an answer's noise, points of a five-point scale.
 const NOISE: f64 = 0.4;
 
 /// How much what was felt is like what the environment should be, 0…1.
@@ -53,11 +53,14 @@ fn part(x: f64) -> f64 {
 }
 
 impl Person {
-    /// The answer after a trial, 1…5.
-    pub(crate) fn answer(&self, trial: u32, felt: &Felt, scene: &Scene) -> u8 {
-        let points = f64::from(Likert::POINTS);
+    /// The answer after a trial, on a scale.
+    pub(crate) fn answer(&self, trial: u32, felt: &Felt, scene: &Scene, on: AnswerScale) -> u8 {
+        let points = f64::from(on.points());
+        // Bias and noise are in points of five.
+        let stretch = (points - 1.0) / 4.0;
         let noise = NOISE * Draw::new(self.seed, Purpose::Answer, u64::from(trial)).moderate();
-        let meant = 1.0 + (points - 1.0) * quality(felt, scene) + self.bias + noise;
+        let meant =
+            1.0 + (points - 1.0) * quality(felt, scene) + stretch * self.bias + stretch * noise;
         meant.round().clamp(1.0, points) as u8
     }
 }
@@ -69,6 +72,7 @@ mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_4;
 
+    const FIVE: AnswerScale = AnswerScale::FivePoint;
     const WALL: Scene = Scene::SpringWall { spring: SPRING, wall_rad: 0.464 };
 
     fn ideal(theta: f64) -> f64 {
@@ -99,8 +103,8 @@ mod tests {
         let felt = walk(0.5, false, ideal, |theta| 0.5 * ideal(theta));
         let scene = Scene::Spring(SPRING);
         let answers: Vec<u8> =
-            (1..200).map(|trial| Person::typical(3).answer(trial, &felt, &scene)).collect();
-        assert!(answers.iter().all(|a| (1..=5).contains(a)));
+            (1..200).map(|trial| Person::typical(3).answer(trial, &felt, &scene, FIVE)).collect();
+        assert!(answers.iter().all(|a| FIVE.has(*a)));
         let mean = answers.iter().map(|a| f64::from(*a)).sum::<f64>() / answers.len() as f64;
         assert!((mean - 1.0 - 4.0 * quality(&felt, &scene)).abs() < 0.2, "{mean}");
         assert!(answers.iter().any(|a| *a != answers[0]));

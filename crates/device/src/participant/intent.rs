@@ -101,10 +101,9 @@ fn plan(person: &Person, task: &Task, off: f64) -> f64 {
         }
         None => (reach_rad(person, task) + REACH_SD_RAD * off, 0.0),
     };
-    let spring = task.scene.spring();
-    let spring_n =
-        spring.map_or(0.0, |spring| spring.stiffness_n_per_rad * (angle_rad - spring.rest_rad));
-    task.lever_m * (angle_rad - task.start_rad) + soft * (spring_n + task.resistance_n) + press_m
+    // Where it turns back the hand stands: what resists by velocity presses nothing.
+    let scene_n = task.scene.law().map_or(0.0, |law| law.force_n(angle_rad, 0.0));
+    task.lever_m * (angle_rad - task.start_rad) + soft * (scene_n + task.resistance_n) + press_m
 }
 
 /// How far into an object without a wall: as far as the person likes, and leaves room.

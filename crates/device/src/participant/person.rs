@@ -35,7 +35,7 @@ pub struct Person {
     pub reaction_s: f64,
     /// Standard deviation of its durations from repeat to repeat, as a share.
     pub spread: f64,
-    /// How much higher than others it answers, points.
+    /// How much higher than others it answers, points of a five-point scale.
     pub bias: f64,
 }
 

@@ -23,6 +23,7 @@ pub(crate) fn mode() -> Mode {
         label: String::new(),
         motor_max_v: Some(8.0),
         brake_max_v: Some(8.0),
+        law: None,
     }
 }
 

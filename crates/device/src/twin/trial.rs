@@ -4,7 +4,7 @@ use super::parameters::{STOPS_RAD, TwinParameters};
 use crate::Cue;
 use crate::participant::{Felt, Intent, Person, Reaction, Task};
 use zwidth_dynamics::{Aim, DrivenState};
-use zwidth_study::Scene;
+use zwidth_study::{AnswerScale, Scene};
 
 /// How far from the lever the hand waits, m.
 pub(super) const WAITING_GAP_M: f64 = 5e-4;
@@ -81,9 +81,9 @@ impl Trial {
         }
     }
 
-    /// The answer to its question, 1…5; none while waiting.
-    pub(super) fn answer(&self, person: &Person) -> Option<u8> {
-        (self.number > 0).then(|| person.answer(self.number, &self.felt, &self.scene))
+    /// The answer to its question, on its scale; none while waiting.
+    pub(super) fn answer(&self, person: &Person, on: AnswerScale) -> Option<u8> {
+        (self.number > 0).then(|| person.answer(self.number, &self.felt, &self.scene, on))
     }
 }
 

@@ -5,7 +5,7 @@ use zwidth_numerics::expm::{self, Ladder, ORDER, Rung};
 use zwidth_numerics::roots;
 
 use super::parameters::DrivenParameters;
-use super::region::{GUARDS, N, Region, Row, guards, matrix};
+use super::region::{GUARDS, N, Region, StateRow, guards, matrix};
 
 /// Events are located to this share of the lowest rung's span: some 1e-21 s.
 const RESOLUTION: f64 = 1e-15;
@@ -17,9 +17,9 @@ pub(super) type Guards = [f64; GUARDS];
 #[derive(Debug, Clone)]
 pub(super) struct Compiled {
     ladder: Ladder<N>,
-    guards: [Row; GUARDS],
+    guards: [StateRow; GUARDS],
     /// For each rung, how far each guard can sag below its chord, per |ż| at the start.
-    sags: Vec<[Row; GUARDS]>,
+    sags: Vec<[StateRow; GUARDS]>,
 }
 
 /// Where a piece ended.
@@ -44,7 +44,7 @@ impl Compiled {
     /// `blind` are not looked at: the lever is at rest against a stop, which pushes back as
     /// hard as it must.
     #[inline]
-    pub(super) fn step(&self, z: &mut Row, rest_s: f64, blind: Option<usize>) -> Piece {
+    pub(super) fn step(&self, z: &mut StateRow, rest_s: f64, blind: Option<usize>) -> Piece {
         let rate = self.ladder.a.apply_affine(z).map(f64::abs);
         let before = self.values(z, blind);
         for (rung, sags) in self.ladder.rungs.iter().zip(&self.sags).rev() {
@@ -61,7 +61,7 @@ impl Compiled {
     }
 
     /// The same over a span no longer than the lowest rung, by Taylor polynomials.
-    fn short_step(&self, z: &mut Row, span_s: f64, blind: Option<usize>) -> Piece {
+    fn short_step(&self, z: &mut StateRow, span_s: f64, blind: Option<usize>) -> Piece {
         let series = expm::taylor(&self.ladder.a, z);
         let mut piece = Piece { span_s, event: None };
         for (i, w) in self.guards.iter().enumerate().filter(|(i, _)| Some(*i) != blind) {
@@ -77,7 +77,7 @@ impl Compiled {
     }
 
     #[inline]
-    fn values(&self, z: &Row, blind: Option<usize>) -> Guards {
+    fn values(&self, z: &StateRow, blind: Option<usize>) -> Guards {
         std::array::from_fn(|i| {
             if Some(i) == blind { f64::INFINITY } else { expm::dot(&self.guards[i], z) }
         })
@@ -87,14 +87,14 @@ impl Compiled {
 /// Most that a guard w can sag below its chord over a span, per |ż(0)|. With ż(t) = exp(A t) ż(0)
 /// and an envelope E of the flows, |g''(t)| ≤ |w A| E |ż(0)|, and a curve sags at most max|g''|
 /// span²/8.
-fn sag(ladder: &Ladder<N>, w: &Row, rung: &Rung<N>) -> Row {
-    let bend: Row = std::array::from_fn(|j| expm::dot(w, &ladder.a.columns[j]).abs());
+fn sag(ladder: &Ladder<N>, w: &StateRow, rung: &Rung<N>) -> StateRow {
+    let bend: StateRow = std::array::from_fn(|j| expm::dot(w, &ladder.a.columns[j]).abs());
     let eighth = rung.span * rung.span / 8.0;
     std::array::from_fn(|j| expm::dot(&bend, &rung.envelope.columns[j]) * eighth)
 }
 
 /// Whether no guard can have been below zero between two points.
 #[inline]
-fn is_free(sags: &[Row; GUARDS], rate: &Row, before: &Guards, after: &Guards) -> bool {
+fn is_free(sags: &[StateRow; GUARDS], rate: &StateRow, before: &Guards, after: &Guards) -> bool {
     (0..GUARDS).all(|i| before[i].min(after[i]) >= expm::dot(&sags[i], rate))
 }

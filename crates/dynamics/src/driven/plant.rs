@@ -4,7 +4,7 @@ use super::compiled::Compiled;
 use super::parameters::DrivenParameters;
 use super::region::{
     self, BRAKE, BRAKE_COMMAND, CONTACT, DEPTH, FIRST, GAP, HAND_V, INTENT, INTENT_RATE, MOTOR,
-    MOTOR_COMMAND, Motion, N, OMEGA, ONE, Region, Row, SECOND, THETA,
+    MOTOR_COMMAND, Motion, N, OMEGA, ONE, Region, SECOND, StateRow, THETA,
 };
 use crate::error::{DynamicsError, Result, check, finite, in_bounds, not_negative};
 use zwidth_numerics::expm::dot;
@@ -61,7 +61,7 @@ pub struct Driven {
     /// In the order of [`Region::index`]; none for a region this plant is never in.
     regions: Vec<Option<Compiled>>,
     region: Region,
-    z: Row,
+    z: StateRow,
 }
 
 impl Driven {

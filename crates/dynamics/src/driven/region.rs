@@ -42,7 +42,7 @@ pub(super) const SECOND: usize = 1;
 pub(super) const CONTACT: usize = 2;
 
 /// A linear functional of the state.
-pub(super) type Row = [f64; N];
+pub(super) type StateRow = [f64; N];
 
 /// A lever at rest holds, and a tissue in contact clings, by this much more than it should, N: far
 /// below any force that matters and far above rounding. What departs or lifts off is then pushed on
@@ -107,7 +107,7 @@ impl Region {
 }
 
 /// `Σ terms` as a row.
-fn row<const T: usize>(terms: [(usize, f64); T]) -> Row {
+fn row<const T: usize>(terms: [(usize, f64); T]) -> StateRow {
     let mut row = [0.0; N];
     for (entry, factor) in terms {
         row[entry] += factor;
@@ -115,28 +115,28 @@ fn row<const T: usize>(terms: [(usize, f64); T]) -> Row {
     row
 }
 
-fn plus(a: Row, b: Row) -> Row {
+fn plus(a: StateRow, b: StateRow) -> StateRow {
     std::array::from_fn(|j| a[j] + b[j])
 }
 
-fn times(a: Row, factor: f64) -> Row {
+fn times(a: StateRow, factor: f64) -> StateRow {
     a.map(|x| factor * x)
 }
 
 /// F_ex = K_F δ + B_F (v_h − L θ̇) in contact, 0 else.
-pub(super) fn contact_force(parameters: &DrivenParameters, contact: bool) -> Row {
+pub(super) fn contact_force(parameters: &DrivenParameters, contact: bool) -> StateRow {
     let Some(hand) = parameters.hand.filter(|_| contact) else { return [0.0; N] };
     let (k, b) = (hand.tissue.stiffness_n_per_m, hand.tissue.damping_ns_per_m);
     row([(DEPTH, k), (HAND_V, b), (OMEGA, -b * parameters.lever_m)])
 }
 
 /// F_m + F_ex: what would move a lever that is held.
-fn drive(parameters: &DrivenParameters, contact: bool) -> Row {
+fn drive(parameters: &DrivenParameters, contact: bool) -> StateRow {
     plus(row([(MOTOR, 1.0)]), contact_force(parameters, contact))
 }
 
 /// b + F_s, and the margin: what can hold it.
-fn holding(parameters: &DrivenParameters) -> Row {
+fn holding(parameters: &DrivenParameters) -> StateRow {
     row([(BRAKE, 1.0), (ONE, parameters.dry().static_n + MARGIN_N)])
 }
 
@@ -161,7 +161,7 @@ pub(super) fn matrix(parameters: &DrivenParameters, region: Region) -> Matrix<N>
 }
 
 /// θ̈ of a lever in motion.
-fn acceleration(parameters: &DrivenParameters, region: Region) -> Row {
+fn acceleration(parameters: &DrivenParameters, region: Region) -> StateRow {
     let sign = region.motion.sign();
     let resisting = row([
         (OMEGA, -parameters.viscous_ns_per_rad()),
@@ -171,7 +171,7 @@ fn acceleration(parameters: &DrivenParameters, region: Region) -> Row {
     times(plus(drive(parameters, region.contact), resisting), 1.0 / parameters.mass_kg_m())
 }
 
-fn hand_rows(parameters: &DrivenParameters, hand: &Hand, region: Region, rows: &mut [Row; N]) {
+fn hand_rows(parameters: &DrivenParameters, hand: &Hand, region: Region, rows: &mut [StateRow; N]) {
     let (k, b, l) = (hand.stiffness_n_per_m, hand.damping_ns_per_m, parameters.lever_m);
     let meant = row([(INTENT, 1.0), (THETA, -k * l), (DEPTH, -k), (GAP, k), (HAND_V, -b)]);
     let push = contact_force(parameters, region.contact);
@@ -188,7 +188,7 @@ fn hand_rows(parameters: &DrivenParameters, hand: &Hand, region: Region, rows: &
 }
 
 /// The guards of a region; one that cannot end it holds the constant 1.
-pub(super) fn guards(parameters: &DrivenParameters, region: Region) -> [Row; GUARDS] {
+pub(super) fn guards(parameters: &DrivenParameters, region: Region) -> [StateRow; GUARDS] {
     let always = row([(ONE, 1.0)]);
     let sign = region.motion.sign();
     let (first, second) = match (region.motion, parameters.stops_rad) {

@@ -16,6 +16,35 @@ pub enum Mode {
     Hybrid,
 }
 
+impl Mode {
+    /// Every mode.
+    pub const ALL: [Self; 3] = [Self::Active, Self::Passive, Self::Hybrid];
+
+    /// Whether the motor is in charge, not the brake: while compressing, and while holding or
+    /// releasing.
+    pub const fn by_motor(self) -> [bool; 2] {
+        match self {
+            Self::Active => [true, true],
+            Self::Passive => [false, false],
+            Self::Hybrid => [false, true],
+        }
+    }
+
+    /// Its word in scene files and tables.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Active => "active",
+            Self::Passive => "passive",
+            Self::Hybrid => "hybrid",
+        }
+    }
+
+    /// Whether the motor takes over from the brake when the lever no longer goes forward.
+    pub(crate) fn takes_over(self) -> bool {
+        self.by_motor() == [false, true]
+    }
+}
+
 /// A DC motor as a force at the lever's end: −clamp(u, −max, max), behind its electrical lag if it
 /// has one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -5,37 +5,37 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::Scene;
+use super::ModelScene;
 use super::terms::{self, Terms};
 
-/// The fields' own reading and writing are derived as `Scene::deserialize` and `Scene::serialize`
+/// The fields' own reading and writing are derived as `ModelScene::deserialize` and `ModelScene::serialize`
 /// (serde's `remote = "Self"`), to which the terms are added here.
-impl<'de> Deserialize<'de> for Scene {
+impl<'de> Deserialize<'de> for ModelScene {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_map(Whole)
     }
 }
 
-impl Serialize for Scene {
+impl Serialize for ModelScene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Scene::serialize(self, serializer)
+        ModelScene::serialize(self, serializer)
     }
 }
 
 struct Whole;
 
 impl<'de> Visitor<'de> for Whole {
-    type Value = Scene;
+    type Value = ModelScene;
 
     fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.write_str("a scene")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Scene, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ModelScene, A::Error> {
         let mut terms = Terms::default();
         let scene =
-            Scene::deserialize(MapAccessDeserializer::new(Fields { map, terms: &mut terms }))?;
-        Ok(Scene { terms, ..scene })
+            ModelScene::deserialize(MapAccessDeserializer::new(Fields { map, terms: &mut terms }))?;
+        Ok(ModelScene { terms, ..scene })
     }
 }
 
@@ -104,12 +104,12 @@ mod tests {
     use crate::scene::actuators::Mode;
     use crate::scene::input::Input;
     use crate::scene::table3;
-    use crate::{Pull, Scene};
+    use crate::{ModelScene, Pull};
 
     /// A scene's text with a line more on top, and the error it gives.
     fn error(line: &str) -> String {
         let text = table3::scene(Mode::Active, Input::step(1.0)).to_toml().unwrap();
-        Scene::from_toml(&format!("{line}\n{text}")).unwrap_err().to_string()
+        ModelScene::from_toml(&format!("{line}\n{text}")).unwrap_err().to_string()
     }
 
     #[test]
@@ -118,7 +118,7 @@ mod tests {
         scene.terms.set(Pull { stiffness_n_per_rad: 0.1, displacement: Input::constant(0.3) });
         let text = scene.to_toml().unwrap();
         assert!(text.contains("[pull]"), "{text}");
-        assert_eq!(Scene::from_toml(&text).unwrap(), scene);
+        assert_eq!(ModelScene::from_toml(&text).unwrap(), scene);
     }
 
     #[test]

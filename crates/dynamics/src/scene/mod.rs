@@ -27,7 +27,7 @@ use crate::error::{DynamicsError, Result, positive};
 /// equations and cost nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", deny_unknown_fields)]
-pub struct Scene {
+pub struct ModelScene {
     /// What a listing calls it.
     pub name: String,
     /// Which actuators render the environment.
@@ -61,7 +61,7 @@ pub struct Scene {
     pub terms: Terms,
 }
 
-impl Scene {
+impl ModelScene {
     /// Reads a scene from TOML text.
     ///
     /// # Errors
@@ -71,7 +71,7 @@ impl Scene {
         toml::from_str(text).map_err(|e| DynamicsError::Toml(e.to_string()))
     }
 
-    /// The scene as TOML text, which [`Scene::from_toml`] reads back.
+    /// The scene as TOML text, which [`ModelScene::from_toml`] reads back.
     ///
     /// # Errors
     /// [`DynamicsError::Toml`] if a value cannot be written.
@@ -133,12 +133,12 @@ mod tests {
     fn a_scene_survives_toml() {
         let scene = table3::with_finger(table3::scene(Mode::Hybrid, Input::sine(2.15)));
         let text = scene.to_toml().unwrap();
-        assert_eq!(Scene::from_toml(&text).unwrap(), scene);
+        assert_eq!(ModelScene::from_toml(&text).unwrap(), scene);
     }
 
     #[test]
     fn a_scene_written_by_hand_is_read() {
-        let scene = Scene::from_toml(
+        let scene = ModelScene::from_toml(
             r#"
             name = "sponge with a wall, recorded push"
             mode = "hybrid"
@@ -167,7 +167,7 @@ mod tests {
     fn an_unknown_word_is_an_error_that_names_it() {
         let text = table3::scene(Mode::Active, Input::step(1.0)).to_toml().unwrap();
         let text = text.replace("lever_m", "lever_mm");
-        let error = Scene::from_toml(&text).unwrap_err().to_string();
+        let error = ModelScene::from_toml(&text).unwrap_err().to_string();
         assert!(error.contains("lever_mm"), "{error}");
     }
 

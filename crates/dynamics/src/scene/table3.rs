@@ -1,6 +1,6 @@
 //! The thesis' Table 3: its numbers, and the scenes made of it.
 
-use super::Scene;
+use super::ModelScene;
 use super::actuators::{Brake, BrakeLaw, Mode, Motor};
 use super::environment::Environment;
 use super::finger::{Finger, FingerLaw};
@@ -21,8 +21,8 @@ pub(crate) fn spring_wall() -> Environment {
 }
 
 /// Table 3 without finger, at rest on the lower stop, F_m = 3.25 N, F_b = 13 N, set-valued brake.
-pub fn scene(mode: Mode, input: Input) -> Scene {
-    Scene {
+pub fn scene(mode: Mode, input: Input) -> ModelScene {
+    ModelScene {
         name: "table 3".to_owned(),
         mode,
         duration_s: DURATION_S,
@@ -61,8 +61,8 @@ pub fn finger(law: FingerLaw) -> Finger {
 }
 
 /// `scene` with Table 3's fingertip in the consistent form.
-pub fn with_finger(scene: Scene) -> Scene {
-    Scene { finger: Some(finger(FingerLaw::Consistent)), ..scene }
+pub fn with_finger(scene: ModelScene) -> ModelScene {
+    ModelScene { finger: Some(finger(FingerLaw::Consistent)), ..scene }
 }
 
 /// The linear two-mass model (1)–(4) with Table 3's numbers, in compression coordinates: q = L_O0 −
@@ -70,7 +70,7 @@ pub fn with_finger(scene: Scene) -> Scene {
 /// (4) read M_O q̈ = F_O + F_F and M_F (q̈ + p̈) = F_ex − F_F: the rotational model with the
 /// consistent finger, a lever of 1 m, an object that rests at 0, no stops, and metres for radians.
 /// Brake to motor is 4 : 1. L_O0 drops out; the largest brake force is not given in the thesis.
-pub fn linear(mode: Mode, input: Input, brake_n: f64) -> Scene {
+pub fn linear(mode: Mode, input: Input, brake_n: f64) -> ModelScene {
     /// Largest brake force over largest motor force (1).
     const FORCE_RATIO: f64 = 4.0;
     let mut scene = with_finger(scene(mode, input));

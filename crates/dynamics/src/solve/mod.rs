@@ -6,6 +6,7 @@ pub(crate) mod embedded;
 pub(crate) mod exact;
 mod fixed;
 pub(crate) mod moreau_jean;
+pub(crate) mod named;
 pub(crate) mod rk4;
 pub(crate) mod symplectic_euler;
 pub(crate) mod tr_bdf2;

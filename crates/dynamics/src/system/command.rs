@@ -51,13 +51,15 @@ impl Command {
     }
 }
 
-/// Who acts in a mode on a side (the table of the three modes).
+/// Who acts in a mode on a side (the table of the modes, [`Mode::by_motor`]).
 pub(crate) fn actuator(mode: Mode, law: BrakeLaw, side: Side) -> Actuator {
-    match (mode, side, law) {
-        (Mode::Active, ..) | (Mode::Hybrid, Side::Down, _) => Actuator::Motor,
-        (_, Side::Up, BrakeLaw::Thesis) => Actuator::SignedBrake,
-        (Mode::Passive, Side::Down, BrakeLaw::Thesis) => Actuator::Nobody,
-        (_, _, BrakeLaw::Coulomb) => Actuator::Brake,
+    let [up, down] = mode.by_motor();
+    match (side, law) {
+        (Side::Up, _) if up => Actuator::Motor,
+        (Side::Down, _) if down => Actuator::Motor,
+        (Side::Up, BrakeLaw::Thesis) => Actuator::SignedBrake,
+        (Side::Down, BrakeLaw::Thesis) => Actuator::Nobody,
+        (_, BrakeLaw::Coulomb) => Actuator::Brake,
     }
 }
 

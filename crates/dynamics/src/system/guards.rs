@@ -5,7 +5,6 @@ use super::region::{Branch, Contact, Region, Side};
 use super::row::{Functional, Row};
 use super::transition::EventKind;
 use super::{OMEGA, System, THETA};
-use crate::scene::actuators::Mode;
 use crate::scene::finger::{Finger, FingerLaw};
 
 /// The region holds while the value is not below zero; then `kind` happens.
@@ -98,8 +97,7 @@ impl System {
 
     /// The let-go threshold, where it has a meaning: a hybrid drive.
     pub(crate) fn let_go_n(&self) -> Option<f64> {
-        let hybrid = self.scene.mode == Mode::Hybrid;
-        self.scene.brake.let_go_n.filter(|_| hybrid)
+        self.scene.brake.let_go_n.filter(|_| self.scene.mode.takes_over())
     }
 
     /// The tissue bottoms at ±L_F0, and lifts off once its rigid stop would have to pull.

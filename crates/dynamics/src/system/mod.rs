@@ -17,7 +17,7 @@ mod terms;
 pub(crate) mod transition;
 
 use crate::error::DynamicsError;
-use crate::scene::Scene;
+use crate::scene::ModelScene;
 use crate::scene::actuators::BrakeLaw;
 use crate::scene::input::{Input, Span};
 use crate::scene::plant::Plant;
@@ -49,7 +49,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    fn of(scene: &Scene) -> Self {
+    fn of(scene: &ModelScene) -> Self {
         let mut n = 2;
         let mut take = |wanted: bool, entries: usize| {
             let at = n;
@@ -89,7 +89,7 @@ fn affine_row(term: &dyn Term, plant: &Plant, layout: &Layout) -> Row {
 /// A scene checked and laid out; immutable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct System {
-    pub(crate) scene: Scene,
+    pub(crate) scene: ModelScene,
     pub(crate) layout: Layout,
     /// The affine part of each term, in the scene's order.
     terms: Vec<Row>,
@@ -125,7 +125,7 @@ impl System {
     /// # Errors
     /// The first parameter that makes no sense, by name and value, or two parts that do not go
     /// together.
-    pub fn new(scene: Scene) -> std::result::Result<Self, DynamicsError> {
+    pub fn new(scene: ModelScene) -> std::result::Result<Self, DynamicsError> {
         scene.check()?;
         if scene.brake.law == BrakeLaw::Thesis && scene.brake.lag_on_off_s.is_some() {
             let what = "brake.lag_on_off_s needs the level of a set-valued brake";
@@ -143,7 +143,7 @@ impl System {
     }
 
     /// The scene this system was made of.
-    pub fn scene(&self) -> &Scene {
+    pub fn scene(&self) -> &ModelScene {
         &self.scene
     }
 

@@ -3,7 +3,6 @@
 use super::region::{Branch, Contact, Motion, Region, Side};
 use super::row::Functional;
 use super::{OMEGA, System, THETA};
-use crate::scene::actuators::Mode;
 use crate::scene::finger::FingerLaw;
 
 /// Why a region is left.
@@ -145,7 +144,7 @@ impl System {
             motor_holds: false,
             motor_share: 0.0,
         };
-        if self.scene.mode != Mode::Hybrid || rest.held {
+        if !self.scene.mode.takes_over() || rest.held {
             return rest;
         }
         let (command, branch) = self.commanded(&rest, Side::Down);

@@ -3,7 +3,7 @@
 use super::*;
 use zwidth_device::{Controller, TwinParameters};
 use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, Hand, Tissue, table3};
-use zwidth_identify::Verdict;
+use zwidth_identify::Identifiability;
 use zwidth_store::{Samples, TrialFile};
 use zwidth_study::{Calibration, Kind, Scene, Source, Spring, Status, Study, TrialMeta, template};
 
@@ -124,6 +124,6 @@ fn without_noise_every_parameter_comes_back_to_a_millionth() {
     for (estimate, expect) in found.estimates.iter().zip(expect) {
         let (name, fitted) = (estimate.parameter.name, estimate.fitted);
         assert!((fitted / expect - 1.0).abs() < 1e-6, "{name}: {fitted} instead of {expect}");
-        assert_eq!(estimate.verdict, Verdict::Identifiable, "{name}");
+        assert_eq!(estimate.verdict, Identifiability::Identifiable, "{name}");
     }
 }

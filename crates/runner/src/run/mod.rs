@@ -29,7 +29,7 @@ pub struct Options {
 
 /// How a job ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Verdict {
+pub enum JobEnd {
     /// Nothing to do.
     UpToDate,
     /// Made (or, in a dry run, to be made); why.
@@ -48,7 +48,7 @@ pub struct Report {
     /// The job's name.
     pub name: String,
     /// How it ended.
-    pub verdict: Verdict,
+    pub verdict: JobEnd,
     /// What it left out, now or when it was last made.
     pub problems: Vec<String>,
     /// What in it is to be read with care, likewise.
@@ -240,11 +240,11 @@ impl<'j> Run<'j> {
     ) -> Result<(), StoreError> {
         let job = &self.jobs[i];
         match (&report.verdict, record) {
-            (Verdict::Made(_) | Verdict::UpToDate, Some(record)) => {
+            (JobEnd::Made(_) | JobEnd::UpToDate, Some(record)) => {
                 board.records.0.insert(job.name.clone(), record);
                 board.unsaved = true;
             }
-            (Verdict::Failed(_) | Verdict::Blocked(_), _) => {
+            (JobEnd::Failed(_) | JobEnd::Blocked(_), _) => {
                 board.unsaved |= board.records.0.remove(&job.name).is_some();
                 board.failed.extend(&job.outputs);
                 let stayed = self.withdraw(job);
@@ -278,7 +278,7 @@ impl<'j> Run<'j> {
         let failed = |board: &Board| job.inputs.iter().find(|i| board.failed.contains(i)).cloned();
         if let Some(input) = failed(&self.board()).filter(|_| !job.tolerant) {
             let why = format!("it needs {}, which could not be made", shown(root, &input));
-            return Ok((without(Verdict::Blocked(why)), None));
+            return Ok((without(JobEnd::Blocked(why)), None));
         }
         let now = Record::now(job, root, &self.hashes);
         let outputs = || self.hashes.of(root, &job.outputs);
@@ -289,13 +289,13 @@ impl<'j> Run<'j> {
         };
         let Some(why) = reason.map(|change| change.to_string()) else {
             let before = before.cloned().unwrap_or_default();
-            let report = report(Verdict::UpToDate, before.problems.clone(), before.care.clone());
+            let report = report(JobEnd::UpToDate, before.problems.clone(), before.care.clone());
             let moved = before.origins != now.origins;
             return Ok((report, moved.then_some(Record { origins: now.origins, ..before })));
         };
         if self.options.dry_run {
             self.hashes.forget(&job.outputs);
-            return Ok((without(Verdict::Made(why)), None));
+            return Ok((without(JobEnd::Made(why)), None));
         }
         let mut record = now.with_origin(&job.name);
         let from = match self.options.without_origin {
@@ -304,7 +304,7 @@ impl<'j> Run<'j> {
         };
         let making = Making { from: &from, outputs: &job.outputs, root };
         Ok(match make(job, &making, self.results)? {
-            Err(error) => (without(Verdict::Failed(error)), None),
+            Err(error) => (without(JobEnd::Failed(error)), None),
             Ok(made) => {
                 for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
                     let hash = hex_blake3(bytes);
@@ -313,7 +313,7 @@ impl<'j> Run<'j> {
                 }
                 record.problems.clone_from(&made.problems);
                 record.care.clone_from(&made.care);
-                (report(Verdict::Made(why), made.problems, made.care), Some(record))
+                (report(JobEnd::Made(why), made.problems, made.care), Some(record))
             }
         })
     }

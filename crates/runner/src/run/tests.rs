@@ -27,13 +27,13 @@ fn jobs(root: &Path, version: u32) -> Vec<Job> {
     ]
 }
 
-fn go(root: &Path, version: u32, options: &Options) -> Vec<(&'static str, Verdict)> {
+fn go(root: &Path, version: u32, options: &Options) -> Vec<(&'static str, JobEnd)> {
     let reports = reports(root, &jobs(root, version), options).unwrap();
     reports.into_iter().map(|r| (r.stage, r.verdict)).collect()
 }
 
-fn made(results: &[(&'static str, Verdict)]) -> Vec<&'static str> {
-    results.iter().filter(|(_, v)| matches!(v, Verdict::Made(_))).map(|(s, _)| *s).collect()
+fn made(results: &[(&'static str, JobEnd)]) -> Vec<&'static str> {
+    results.iter().filter(|(_, v)| matches!(v, JobEnd::Made(_))).map(|(s, _)| *s).collect()
 }
 
 /// `derived/s` of a folder of its own, in which the inputs lie too.
@@ -86,17 +86,14 @@ fn a_new_version_a_missing_and_an_edited_output_are_made_again_and_say_why() {
     let root = folder.path();
     let plain = Options::default();
     go(root, 1, &plain);
-    assert_eq!(go(root, 2, &plain)[1].1, Verdict::Made("algorithm version 1 is now 2".to_owned()));
+    assert_eq!(go(root, 2, &plain)[1].1, JobEnd::Made("algorithm version 1 is now 2".to_owned()));
     fs::remove_file(root.join("B.txt")).unwrap();
     assert_eq!(
         go(root, 2, &plain)[2].1,
-        Verdict::Made("output derived/s/B.txt is missing".to_owned())
+        JobEnd::Made("output derived/s/B.txt is missing".to_owned())
     );
     fs::write(root.join("B.txt"), "edited").unwrap();
-    assert_eq!(
-        go(root, 2, &plain)[2].1,
-        Verdict::Made("output derived/s/B.txt changed".to_owned())
-    );
+    assert_eq!(go(root, 2, &plain)[2].1, JobEnd::Made("output derived/s/B.txt changed".to_owned()));
     assert_eq!(made(&go(root, 2, &Options { fresh: true, ..plain })).len(), 3);
 }
 
@@ -118,7 +115,7 @@ fn noted(
     Job { make, ..job }
 }
 
-fn verdicts(root: &Path, jobs: &[Job], options: &Options) -> Vec<Verdict> {
+fn verdicts(root: &Path, jobs: &[Job], options: &Options) -> Vec<JobEnd> {
     reports(root, jobs, options).unwrap().into_iter().map(|r| r.verdict).collect()
 }
 
@@ -150,14 +147,14 @@ fn what_waits_for_a_blocked_job_is_blocked_and_what_waits_for_a_circle_ends_with
         chain.into_iter().chain(circle).map(|job| noted(folder.path(), job, &made)).collect();
     let found = verdicts(folder.path(), &jobs, &Options::default());
     assert!(
-        matches!(found[..3], [Verdict::Blocked(_), Verdict::Blocked(_), Verdict::Failed(_)]),
+        matches!(found[..3], [JobEnd::Blocked(_), JobEnd::Blocked(_), JobEnd::Failed(_)]),
         "{found:?}"
     );
     assert!(
-        found[3..6].iter().all(|v| matches!(v, Verdict::Blocked(_) | Verdict::Failed(_))),
+        found[3..6].iter().all(|v| matches!(v, JobEnd::Blocked(_) | JobEnd::Failed(_))),
         "{found:?}"
     );
-    assert!(matches!(found[6], Verdict::Made(_)), "{found:?}");
+    assert!(matches!(found[6], JobEnd::Made(_)), "{found:?}");
     let only = Options { only: Some("z".to_owned()), ..Options::default() };
     assert_eq!(verdicts(folder.path(), &jobs, &only).len(), 3, "with the circle that it waits for");
 }
@@ -185,10 +182,10 @@ fn jobs_that_need_each_other_fail_and_the_others_go_on() {
     let reports = reports(folder.path(), &jobs, &Options::default()).unwrap();
     for report in &reports[..2] {
         // whichever fails first blocks the other
-        let ended = matches!(report.verdict, Verdict::Failed(_) | Verdict::Blocked(_));
+        let ended = matches!(report.verdict, JobEnd::Failed(_) | JobEnd::Blocked(_));
         assert!(ended, "{report:?}");
     }
-    assert!(matches!(reports[2].verdict, Verdict::Made(_)));
+    assert!(matches!(reports[2].verdict, JobEnd::Made(_)));
 }
 
 #[test]
@@ -197,9 +194,9 @@ fn a_failed_job_fails_alone_and_what_needs_it_says_so() {
     let root = folder.path();
     fs::write(root.join("a.txt"), "bad").unwrap();
     let results = go(root, 1, &Options::default());
-    assert!(matches!(&results[0].1, Verdict::Blocked(why) if why.contains("A.txt")));
-    assert_eq!(results[1].1, Verdict::Failed("a bad input".to_owned()));
-    assert!(matches!(results[2].1, Verdict::Made(_)));
+    assert!(matches!(&results[0].1, JobEnd::Blocked(why) if why.contains("A.txt")));
+    assert_eq!(results[1].1, JobEnd::Failed("a bad input".to_owned()));
+    assert!(matches!(results[2].1, JobEnd::Made(_)));
 }
 
 #[test]
@@ -212,7 +209,7 @@ fn an_output_that_cannot_be_written_ends_the_run_with_one_error() {
     assert!(root.join("B.txt").exists() && !root.join("AB.txt").exists());
     fs::remove_dir(root.join("A.txt")).unwrap();
     let made =
-        run().unwrap().into_iter().filter(|r| r.verdict != Verdict::UpToDate).map(|r| r.stage);
+        run().unwrap().into_iter().filter(|r| r.verdict != JobEnd::UpToDate).map(|r| r.stage);
     assert_eq!(made.collect::<Vec<_>>(), ["both", "upper"], "what was made before is remembered");
 }
 
@@ -236,7 +233,7 @@ fn a_tolerant_job_is_made_without_the_inputs_that_could_not_be() {
     jobs[0].tolerant = true;
     jobs[0].make = Box::new(|_| Ok(Made { outputs: vec![b"without".to_vec()], ..Made::default() }));
     let reports = reports(root, &jobs, &Options::default()).unwrap();
-    assert!(matches!(reports[0].verdict, Verdict::Made(_)));
+    assert!(matches!(reports[0].verdict, JobEnd::Made(_)));
 }
 
 #[test]
@@ -327,13 +324,13 @@ fn a_file_that_only_parameters_come_from_is_traced_and_remakes_nothing() {
         crate::trace(&records, "tally").unwrap().sources
     };
     let plain = Options::default();
-    assert!(matches!(verdicts(root, &job(4), &plain)[0], Verdict::Made(_)));
+    assert!(matches!(verdicts(root, &job(4), &plain)[0], JobEnd::Made(_)));
     let before = origin();
     assert_eq!(before[0].path, "derived/s/a.txt");
     fs::write(root.join("a.txt"), "changed").unwrap();
-    assert_eq!(verdicts(root, &job(4), &plain), [Verdict::UpToDate]);
+    assert_eq!(verdicts(root, &job(4), &plain), [JobEnd::UpToDate]);
     assert_ne!(origin(), before, "the trace tells the file as it is");
-    let parameters = Verdict::Made("1 of its parameters changed".to_owned());
+    let parameters = JobEnd::Made("1 of its parameters changed".to_owned());
     assert_eq!(verdicts(root, &job(5), &plain), [parameters]);
 }
 

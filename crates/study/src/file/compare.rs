@@ -1,6 +1,6 @@
 //! `[compare]` of a `study.toml`: its defaults, its checks, and the way back.
 
-use super::read::Check;
+use super::check::Check;
 use super::shape::{BoundTable, CompareTable};
 use crate::{Analysis, Bound, Compare, Contrast, MetricId, Mode, ModeId, Study};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,6 +1,6 @@
 //! `[figures]` of a `study.toml`: tables within tables along the dots of a figure's id.
 
-use super::read::Check;
+use super::check::Check;
 use crate::{Alignment, Figures};
 use std::collections::BTreeMap;
 use toml::{Table, Value};

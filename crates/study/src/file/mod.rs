@@ -1,19 +1,21 @@
 //! `study.toml`: its shape, its checks, and the way there and back.
 
+mod check;
 mod compare;
+mod environment;
 mod figures;
 mod read;
 mod shape;
+mod units;
 mod write;
 
 pub(crate) use write::value_of;
 
-/// Grams in a kilogram, millimetres in a metre.
-const MILLI: f64 = 1e-3;
-
 #[cfg(test)]
 mod tests {
-    use crate::{Control, OrderScheme, Study, StudyError, StudyId, VelocityFilter, template};
+    use crate::{
+        Control, ModeLaw, OrderScheme, Study, StudyError, StudyId, VelocityFilter, template,
+    };
 
     fn sample() -> String {
         template(&StudyId::new("demo").unwrap())
@@ -80,6 +82,33 @@ mod tests {
         );
         check("\"second_order\"\n", "\"difference\"\n", "control.velocity_cutoff_hz", "no meaning");
         check("order = \"williams\"", "order = \"by hand\"", "order", "unknown variant");
+    }
+
+    #[test]
+    fn a_mode_may_name_the_law_that_its_actuators_can_follow_and_no_other() {
+        check(
+            "motor_max_v = 16.0",
+            "law = \"hybrid\"\nmotor_max_v = 16.0",
+            "modes[0].law",
+            "uses the brake",
+        );
+        check(
+            "\nbrake_max_v = 8.0\n",
+            "\nlaw = \"active\"\nbrake_max_v = 8.0\n",
+            "modes[1].law",
+            "brake",
+        );
+        let named = sample().replace("motor_max_v = 16.0", "law = \"active\"\nmotor_max_v = 16.0");
+        let study = Study::from_toml(&named).unwrap();
+        assert_eq!(study.modes[0].law(), Some(ModeLaw::Active));
+        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+    }
+
+    #[test]
+    fn a_question_may_name_its_scale_and_its_default_is_no_change() {
+        let named = sample().replace("[[questions]]", "[[questions]]\nscale = \"five_point\"");
+        assert_eq!(Study::from_toml(&named).unwrap(), Study::from_toml(&sample()).unwrap());
+        check("[[questions]]", "[[questions]]\nscale = \"yes\"", "scale", "unknown variant");
     }
 
     #[test]

@@ -1,11 +1,10 @@
 //! From the text of a `study.toml` to a checked study in SI units.
 
-use super::MILLI;
+use super::check::{Check, FARTHEST_DEG};
 use super::shape::*;
-use crate::model::{
-    Analysis, Coordinate, Design, Device, Environment, Masses, Mode, Question, Scene, Spring, Study,
-};
-use crate::{Control, MOST_CHANNELS, Schema, StudyError, VelocityFilter, locate};
+use super::units::MILLI;
+use crate::model::{Analysis, Coordinate, Design, Device, Masses, Mode, Question, Study};
+use crate::{ActuatorKind, Control, MOST_CHANNELS, Schema, StudyError, VelocityFilter, locate};
 use std::collections::BTreeSet;
 
 /// Movement begins above this velocity: well above a held sensor's jitter, well below a slow push.
@@ -27,83 +26,23 @@ const FASTEST_HZ: f64 = 100_000.0;
 pub(super) const MOST_SAMPLES: f64 = 4_194_304.0;
 /// No mean has more points: no figure shows as many.
 const MOST_POINTS: usize = 100_000;
-/// No number is larger, nor one that divides smaller than its inverse, in the unit in which it is
-/// typed.
-const LARGEST: f64 = 1e9;
-/// No position lies further out: a hundred turns, or a hundred metres.
-const FARTHEST_DEG: f64 = 36_000.0;
-const FARTHEST_MM: f64 = 100_000.0;
 /// No study has more environments, modes or questions.
 const MOST_LISTED: usize = 1000;
 /// No title, label or question is longer, in characters.
 const LONGEST_TEXT: usize = 1000;
-/// So many problems are told at once.
-const MOST_ERRORS: usize = 100;
-
 impl Study {
     /// Reads and checks a `study.toml`. Every problem found is in the error, each with its key and
     /// line.
     pub fn from_toml(text: &str) -> Result<Self, Vec<StudyError>> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let file: File = toml::from_str(text).map_err(|e| vec![locate::toml_error(text, &e)])?;
-        let mut check = Check { text, errors: Vec::new() };
+        let mut check = Check::new(text);
         let study = check.study(file);
         if check.errors.is_empty() { Ok(study) } else { Err(check.errors) }
     }
 }
 
-/// Collects problems while the values are converted.
-pub(super) struct Check<'a> {
-    text: &'a str,
-    errors: Vec<StudyError>,
-}
-
 impl Check<'_> {
-    pub(super) fn error(&mut self, key: &str, problem: String) {
-        if self.errors.len() >= MOST_ERRORS {
-            return;
-        }
-        let line = locate::line_of(self.text, key);
-        self.errors.push(StudyError { line, key: key.to_owned(), problem });
-    }
-
-    pub(super) fn positive(&mut self, key: &str, value: f64) -> f64 {
-        if !(value > 0.0 && (1.0 / LARGEST..=LARGEST).contains(&value)) {
-            self.error(
-                key,
-                format!(
-                    "{value} must be a number above 0, from {:e} to {LARGEST:e}",
-                    1.0 / LARGEST
-                ),
-            );
-        }
-        value
-    }
-
-    /// Above 0, and at most so much: what is more would run for ever or fill the disk.
-    fn within(&mut self, key: &str, value: f64, most: f64) -> f64 {
-        if value > most {
-            self.error(key, format!("{value} must be at most {most}"));
-            return most;
-        }
-        self.positive(key, value)
-    }
-
-    fn not_negative(&mut self, key: &str, value: f64) -> f64 {
-        if !(0.0..=LARGEST).contains(&value) {
-            self.error(key, format!("{value} must be 0 or a number above it, at most {LARGEST:e}"));
-        }
-        value
-    }
-
-    /// A number that lies no further from 0 than this.
-    fn near(&mut self, key: &str, value: f64, most: f64) -> f64 {
-        if !(-most..=most).contains(&value) {
-            self.error(key, format!("{value} must be a finite number, from -{most} to {most}"));
-        }
-        value
-    }
-
     /// A text that people will read: on one line, and not without end.
     fn line(&mut self, key: &str, text: &str) {
         let steers = |c: char| {
@@ -202,6 +141,7 @@ impl Check<'_> {
         self.unique("environments", file.environments.iter().map(|e| e.id.as_str()));
         self.unique("modes", file.modes.iter().map(|m| m.id.as_str()));
         self.unique("questions", file.questions.iter().map(|q| q.id.as_str()));
+        self.groups(&file.questions);
         self.unique("channels", file.channels.iter().map(|c| c.id.as_str()));
         let known: BTreeSet<&str> = file.questions.iter().map(|q| q.id.as_str()).collect();
         let ids: Vec<&str> = file.environments.iter().map(|e| e.id.as_str()).collect();
@@ -259,6 +199,22 @@ impl Check<'_> {
             let problem =
                 format!("the list has {count} entries; at most {MOST_LISTED} are allowed");
             self.error(list, problem);
+        }
+    }
+
+    /// What is pooled must be answered on one scale.
+    fn groups(&mut self, questions: &[QuestionTable]) {
+        for (i, question) in questions.iter().enumerate() {
+            let pooled = |q: &&QuestionTable| q.group.is_some() && q.group == question.group;
+            let Some(first) = questions.iter().find(pooled) else { continue };
+            if first.scale != question.scale {
+                let what = format!(
+                    "differs from that of '{}', which is of the same group: answers on different \
+                     scales cannot be counted together",
+                    first.id
+                );
+                self.error(&format!("questions[{i}].scale"), what);
+            }
         }
     }
 
@@ -347,130 +303,13 @@ impl Check<'_> {
         }
     }
 
-    fn environment(
-        &mut self,
-        at: &str,
-        e: &EnvironmentTable,
-        coordinate: Coordinate,
-        questions: &BTreeSet<&str>,
-    ) -> Environment {
-        if let Some(q) = &e.question
-            && !questions.contains(q.as_str())
-        {
-            self.error(
-                &format!("{at}.question"),
-                format!("'{q}' is not the id of any [[questions]]"),
-            );
-        }
-        let scene = match e.kind {
-            SceneKind::None => Scene::None,
-            SceneKind::Free => Scene::Free,
-            SceneKind::Spring => Scene::Spring(self.spring(at, e, coordinate)),
-            SceneKind::SpringWall => Scene::SpringWall {
-                spring: self.spring(at, e, coordinate),
-                wall_rad: self.position(
-                    at,
-                    ["wall_deg", "wall_mm"],
-                    [e.wall_deg, e.wall_mm],
-                    coordinate,
-                    None,
-                ),
-            },
-        };
-        self.refuse_unused(at, e, coordinate);
-        Environment {
-            id: e.id.clone(),
-            label: e.label.clone(),
-            scene,
-            question: e.question.clone(),
-        }
-    }
-
-    fn spring(&mut self, at: &str, e: &EnvironmentTable, coordinate: Coordinate) -> Spring {
-        let (key, value, factor) = match coordinate {
-            Coordinate::Rotational => ("stiffness_n_per_rad", e.stiffness_n_per_rad, 1.0),
-            Coordinate::Linear { lever_m } => {
-                ("stiffness_n_per_mm", e.stiffness_n_per_mm, lever_m / MILLI)
-            }
-        };
-        let key = format!("{at}.{key}");
-        let stiffness = self.required(&key, value);
-        Spring {
-            stiffness_n_per_rad: self.not_negative(&key, stiffness) * factor,
-            rest_rad: self.position(
-                at,
-                ["rest_deg", "rest_mm"],
-                [e.rest_deg, e.rest_mm],
-                coordinate,
-                None,
-            ),
-        }
-    }
-
-    /// A position or velocity: given in degrees in a rotational study, in millimetres in a linear
-    /// one; returned in radians. `missing` stands in for an absent key; without it the key is
-    /// required.
-    fn position(
-        &mut self,
-        at: &str,
-        [deg_key, mm_key]: [&str; 2],
-        [deg, mm]: [Option<f64>; 2],
-        coordinate: Coordinate,
-        missing: Option<f64>,
-    ) -> f64 {
-        let (key, given) = match coordinate {
-            Coordinate::Rotational => (deg_key, deg),
-            Coordinate::Linear { .. } => (mm_key, mm),
-        };
-        let key = format!("{at}.{key}");
-        let value = self.required(&key, given.or(missing));
-        match coordinate {
-            Coordinate::Rotational => self.near(&key, value, FARTHEST_DEG).to_radians(),
-            Coordinate::Linear { lever_m } => self.near(&key, value, FARTHEST_MM) * MILLI / lever_m,
-        }
-    }
-
-    fn required(&mut self, key: &str, value: Option<f64>) -> f64 {
-        if value.is_none() {
-            self.error(key, "is missing; this kind of environment needs it".to_owned());
-        }
-        value.unwrap_or(0.0)
-    }
-
-    /// A key that the environment's kind or the study's coordinate gives no meaning to is a
-    /// mistake.
-    fn refuse_unused(&mut self, at: &str, e: &EnvironmentTable, coordinate: Coordinate) {
-        let linear = coordinate != Coordinate::Rotational;
-        let spring = matches!(e.kind, SceneKind::Spring | SceneKind::SpringWall);
-        let wall = e.kind == SceneKind::SpringWall;
-        for (name, given, used) in [
-            ("stiffness_n_per_rad", e.stiffness_n_per_rad.is_some(), spring && !linear),
-            ("rest_deg", e.rest_deg.is_some(), spring && !linear),
-            ("wall_deg", e.wall_deg.is_some(), wall && !linear),
-            ("stiffness_n_per_mm", e.stiffness_n_per_mm.is_some(), spring && linear),
-            ("rest_mm", e.rest_mm.is_some(), spring && linear),
-            ("wall_mm", e.wall_mm.is_some(), wall && linear),
-        ] {
-            if given && !used {
-                let meant = if spring {
-                    format!("; with this coordinate it is {}", other(name))
-                } else {
-                    String::new()
-                };
-                let problem =
-                    format!("has no meaning for this kind of environment and coordinate{meant}");
-                self.error(&format!("{at}.{name}"), problem);
-            }
-        }
-    }
-
     fn mode(&mut self, i: usize, m: &ModeTable) -> Mode {
         if m.id.is_code() {
             let problem =
                 format!("'{}' looks like the code of a sealed mode; choose another id", m.id);
             self.error(&format!("modes[{i}].id"), problem);
         }
-        Mode {
+        let mode = Mode {
             id: m.id.clone(),
             label: m.label.clone(),
             motor_max_v: m
@@ -479,7 +318,20 @@ impl Check<'_> {
             brake_max_v: m
                 .brake_max_v
                 .map(|v| self.not_negative(&format!("modes[{i}].brake_max_v"), v)),
+            law: m.law,
+        };
+        for drive in ActuatorKind::ALL {
+            let has = mode.has(drive);
+            if let Some(law) = m.law.filter(|law| law.uses(drive) != has) {
+                let (law, drive) = (law.as_str(), drive.as_str());
+                let what = match has {
+                    true => format!("'{law}' does not use the {drive}; leave {drive}_max_v out"),
+                    false => format!("'{law}' uses the {drive}; add {drive}_max_v, above 0"),
+                };
+                self.error(&format!("modes[{i}].law"), what);
+            }
         }
+        mode
     }
 
     fn analysis(&mut self, a: &AnalysisTable, coordinate: Coordinate) -> Analysis {
@@ -543,15 +395,6 @@ impl Check<'_> {
     }
 }
 
-/// The key that says the same in the other coordinate.
-fn other(name: &str) -> String {
-    [("_deg", "_mm"), ("_mm", "_deg"), ("_per_rad", "_per_mm"), ("_per_mm", "_per_rad")]
-        .iter()
-        .find(|(from, _)| name.contains(from))
-        .map(|(from, to)| name.replace(from, to))
-        .unwrap_or_default()
-}
-
 fn question(q: QuestionTable) -> Question {
-    Question { id: q.id, text: q.text, group: q.group, reversed: q.reversed }
+    Question { id: q.id, text: q.text, group: q.group, scale: q.scale, reversed: q.reversed }
 }

@@ -1,8 +1,9 @@
 //! The shape of `study.toml`: what serde reads and writes, in the units people type.
 
+use super::environment::EnvironmentTable;
 use crate::model::{Analysis, OrderScheme};
+use crate::{AnswerScale, MetricId, ModeId, ModeLaw, QuestionId, StudyId};
 use crate::{Channel, Control, Families, VelocityFilter};
-use crate::{EnvironmentId, MetricId, ModeId, QuestionId, StudyId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -202,37 +203,6 @@ pub(super) enum BoundTable {
     Weber { weber: f64 },
 }
 
-#[derive(Serialize, Deserialize, Clone, Copy, PartialEq)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum SceneKind {
-    None,
-    Free,
-    Spring,
-    SpringWall,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct EnvironmentTable {
-    pub(super) id: EnvironmentId,
-    pub(super) label: String,
-    pub(super) kind: SceneKind,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) stiffness_n_per_rad: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) rest_deg: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) wall_deg: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) stiffness_n_per_mm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) rest_mm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) wall_mm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) question: Option<QuestionId>,
-}
-
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ModeTable {
@@ -242,6 +212,8 @@ pub(super) struct ModeTable {
     pub(super) motor_max_v: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) brake_max_v: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) law: Option<ModeLaw>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -251,6 +223,8 @@ pub(super) struct QuestionTable {
     pub(super) text: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) group: Option<String>,
+    #[serde(default)]
+    pub(super) scale: AnswerScale,
     #[serde(default)]
     pub(super) reversed: bool,
 }

@@ -1,8 +1,9 @@
 //! From a study back to the text of its `study.toml`.
 
-use super::MILLI;
+use super::environment::EnvironmentTable;
 use super::shape::*;
-use crate::model::{Analysis, Coordinate, Environment, Scene, Study};
+use super::units::{MILLI, decimal, degrees};
+use crate::model::{Analysis, Coordinate, Study};
 
 impl Study {
     /// The study as `study.toml` text (without comments); [`Study::from_toml`] reads it back.
@@ -56,7 +57,7 @@ impl From<&Study> for File {
             environments: s
                 .environments
                 .iter()
-                .map(|e| environment_table(e, s.coordinate))
+                .map(|e| EnvironmentTable::of(e, s.coordinate))
                 .collect(),
             modes: s
                 .modes
@@ -66,6 +67,7 @@ impl From<&Study> for File {
                     label: m.label.clone(),
                     motor_max_v: m.motor_max_v,
                     brake_max_v: m.brake_max_v,
+                    law: m.law,
                 })
                 .collect(),
             questions: s
@@ -75,48 +77,13 @@ impl From<&Study> for File {
                     id: q.id.clone(),
                     text: q.text.clone(),
                     group: q.group.clone(),
+                    scale: q.scale,
                     reversed: q.reversed,
                 })
                 .collect(),
             channels: s.channels.clone(),
         }
     }
-}
-
-fn environment_table(e: &Environment, coordinate: Coordinate) -> EnvironmentTable {
-    let (spring, wall) = (e.scene.spring(), e.scene.wall_rad());
-    let mut table = EnvironmentTable {
-        id: e.id.clone(),
-        label: e.label.clone(),
-        kind: match e.scene {
-            Scene::None => SceneKind::None,
-            Scene::Free => SceneKind::Free,
-            Scene::Spring(_) => SceneKind::Spring,
-            Scene::SpringWall { .. } => SceneKind::SpringWall,
-        },
-        stiffness_n_per_rad: None,
-        rest_deg: None,
-        wall_deg: None,
-        stiffness_n_per_mm: None,
-        rest_mm: None,
-        wall_mm: None,
-        question: e.question.clone(),
-    };
-    match coordinate {
-        Coordinate::Rotational => {
-            table.stiffness_n_per_rad = spring.map(|s| s.stiffness_n_per_rad);
-            table.rest_deg = spring.map(|s| degrees(s.rest_rad));
-            table.wall_deg = wall.map(degrees);
-        }
-        Coordinate::Linear { lever_m } => {
-            let mm = |rad: f64| decimal(rad * lever_m / MILLI);
-            table.stiffness_n_per_mm =
-                spring.map(|s| decimal(s.stiffness_n_per_rad / lever_m * MILLI));
-            table.rest_mm = spring.map(|s| mm(s.rest_rad));
-            table.wall_mm = wall.map(mm);
-        }
-    }
-    table
 }
 
 fn analysis_table(a: &Analysis, coordinate: Coordinate) -> AnalysisTable {
@@ -139,14 +106,4 @@ fn analysis_table(a: &Analysis, coordinate: Coordinate) -> AnalysisTable {
         }
     }
     table
-}
-
-fn degrees(rad: f64) -> f64 {
-    decimal(rad.to_degrees())
-}
-
-/// Takes the last bits of a unit conversion away, so that 26.6 is written as 26.6.
-fn decimal(value: f64) -> f64 {
-    const DIGITS: f64 = 1e9;
-    (value * DIGITS).round() / DIGITS
 }

@@ -1,15 +1,12 @@
 //! What can be typed. Parsed here, resolved into work by the commands.
 
-mod device;
-
+use crate::devices::{DEVICES, DeviceSpec};
 use crate::limits::{
     MOST_PARTICIPANTS, MOST_SCALE, MOST_SESSIONS, MOST_SWEEPS, MOST_THREADS, positive, rate,
     tolerance,
 };
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
-use device::DEVICES;
-pub(crate) use device::DeviceSpec;
 use std::path::PathBuf;
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
 use zwidth_study::{ParticipantId, SessionId, StudyId};
@@ -346,8 +343,8 @@ pub(crate) struct Table {
     /// The table; without it the tables there are get listed
     pub(crate) name: Option<String>,
     /// The form in which to print it
-    #[arg(long, value_enum, default_value_t = TableFormat::Md)]
-    pub(crate) format: TableFormat,
+    #[arg(long, default_value = Format::Markdown.extension(), value_parser = text_formats())]
+    pub(crate) format: Format,
 }
 
 /// A result asked about.
@@ -358,31 +355,14 @@ pub(crate) struct Traced {
     pub(crate) path: PathBuf,
 }
 
-/// Forms in which a table can be printed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum TableFormat {
-    /// LaTeX (booktabs, siunitx)
-    Tex,
-    /// Typst
-    Typ,
-    /// Markdown
-    Md,
-    /// CSV, full precision
-    Csv,
-    /// HTML
-    Html,
-}
-
-impl From<TableFormat> for Format {
-    fn from(format: TableFormat) -> Self {
-        match format {
-            TableFormat::Tex => Self::Latex,
-            TableFormat::Typ => Self::Typst,
-            TableFormat::Md => Self::Markdown,
-            TableFormat::Csv => Self::Csv,
-            TableFormat::Html => Self::Html,
-        }
-    }
+/// The formats of a table that are text, by the extensions of their files.
+fn text_formats() -> impl TypedValueParser<Value = Format> {
+    let text = || Format::ALL.into_iter().filter(|format| format.is_text());
+    let values = text().map(|f| PossibleValue::new(f.extension()).help(f.about()));
+    PossibleValuesParser::new(values).try_map(move |word| {
+        let of_word = text().find(|format| format.extension() == word);
+        of_word.ok_or_else(|| format!("'{word}' is no format"))
+    })
 }
 
 #[cfg(test)]

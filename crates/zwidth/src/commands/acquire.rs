@@ -1,11 +1,10 @@
 //! `zwidth acquire`: records a session, or goes on with one.
 
-use super::device::{
-    Bench, bench, checks_itself, clock, keys, mixed, open, raised_by_signals, secret,
-};
+use super::device::{Bench, bench, clock, keys, raised_by_signals, secret};
 use super::recover::{lock, put_in_order_and_tell};
 use super::resume::resume;
 use crate::args::Acquire;
+use crate::devices::{checks_itself, mixed, open};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use crate::text::beside;
@@ -33,7 +32,7 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         bench = bench.by(own, command.rate)?;
     }
     let seed = device_seed(&bench, command);
-    let mut device = open(&command.device, &bench, seed, participant, session)?;
+    let mut device = open(&command.device, &bench.occasion(seed, participant, session))?;
     let keys = keys(&command.keys, bench.study.design.blinded)?;
     let plan = Plan {
         rate_hz: bench.study.control.rate_hz.min(device.capabilities().rate_hz),

@@ -2,7 +2,8 @@
 
 use super::device::{Bench, bench};
 use super::recover::{lock, now};
-use crate::args::{Actuator, Characterise, DeviceSpec};
+use crate::args::{Actuator, Characterise};
+use crate::devices::DeviceSpec;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;

@@ -1,8 +1,9 @@
 //! `zwidth check`: the device check before a session.
 
-use super::device::{bench, checks_itself, clock, open, raised_by_signals};
+use super::device::{bench, clock, raised_by_signals};
 use super::recover::lock;
 use crate::args::Check;
+use crate::devices::{checks_itself, open};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
@@ -27,7 +28,7 @@ pub(crate) fn check(root: &Path, command: &Check, screen: &Screen) -> anyhow::Re
     let bench = bench(root, command.study.clone(), command.rate)?;
     let _lock = lock(&bench.layout, "zwidth check")?;
     let (nobody, none) = ("check".parse()?, "check".parse()?);
-    let mut device = open(&command.device, &bench, SEED, &nobody, &none)?;
+    let mut device = open(&command.device, &bench.occasion(SEED, &nobody, &none))?;
     let capabilities = device.capabilities().clone();
     let rate_hz = bench.study.control.rate_hz.min(capabilities.rate_hz);
     let mut guard = Guard::new(&capabilities, Limits::of(&bench.study)?, false);

@@ -11,13 +11,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
-use zwidth_runner::{Options, Results, Verdict, run as run_jobs};
+use zwidth_runner::{JobEnd, Options, Results, run as run_jobs};
 use zwidth_store::{RealFiles, StudyData, findings};
 use zwidth_tables::{Format, Table, TableError, Type};
 
 pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
-    let data = StudyData::load(&layout).map_err(|findings| super::together(&findings))?;
+    let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
     let metric = metric(&data, asked)?;
     let mut exit = make(&data, screen)?;
     let files = plan::comparison(&layout, asked.by.into(), &metric);
@@ -81,7 +81,7 @@ fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
     let done = run_jobs(&jobs, &Results::new(&data.layout, &Unsynced), &options, &|_| ())?;
     let mut exit = Exit::Fine;
     for report in done.reports {
-        if let Verdict::Failed(why) | Verdict::Blocked(why) = report.verdict {
+        if let JobEnd::Failed(why) | JobEnd::Blocked(why) = report.end {
             screen.warn(format!("{} could not be made: {why}", report.name));
             exit = Exit::Partly;
         }

@@ -1,6 +1,6 @@
 //! `zwidth list`: studies, sessions, trials, and what is missing.
 
-use super::{nameless, studies, together};
+use super::{join_findings, nameless, studies};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use serde::Serialize;
@@ -67,7 +67,7 @@ pub(crate) fn list(root: &Path, study: Option<StudyId>, screen: &Screen) -> anyh
 }
 
 fn listing(layout: &Layout) -> anyhow::Result<Listing> {
-    let data = StudyData::load(layout).map_err(|findings| together(&findings))?;
+    let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
     let mut sweeps = BTreeMap::new();
     for sweep in &data.sweeps {
         *sweeps.entry(sweep.actuator.to_string()).or_default() += 1;

@@ -96,7 +96,7 @@ fn is_study(folder: &Path) -> bool {
 }
 
 /// Several findings as one error, a line each.
-fn together(findings: &[StoreError]) -> anyhow::Error {
+fn join_findings(findings: &[StoreError]) -> anyhow::Error {
     anyhow::anyhow!(
         "{}",
         findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n       ")

@@ -1,6 +1,6 @@
 //! `zwidth recover`: what a kill or a power cut left is brought in order.
 
-use super::{study, together};
+use super::{join_findings, study};
 use crate::args::Recover;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -44,7 +44,7 @@ fn accepted(layout: &Layout, lock: &StudyLock, command: &Recover) -> anyhow::Res
     let only = command.participant.as_ref().zip(command.session.as_ref());
     let raw = Raw::adds(&RealFiles, layout, lock);
     let accepted =
-        accept_study(&raw, layout, &now(), only).map_err(|findings| together(&findings))?;
+        accept_study(&raw, layout, &now(), only).map_err(|findings| join_findings(&findings))?;
     let file = layout.study_toml().display().to_string();
     let line = |what| Line { file: file.clone(), what, ok: true };
     let none = accepted.is_empty().then(|| "study.toml: no change waits to be accepted".to_owned());

@@ -1,7 +1,8 @@
 //! The command that goes on with a session: with every option that it was begun with and needs
 //! again, as a shell reads it.
 
-use crate::args::{Acquire, DeviceSpec};
+use crate::args::Acquire;
+use crate::devices::DeviceSpec;
 use std::path::Path;
 
 /// The command. A blinded session needs no seed to go on, so its seed is not shown.

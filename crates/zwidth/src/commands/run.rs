@@ -1,7 +1,7 @@
 //! `zwidth run`: the main job. Raw data to every figure, table and summary; does only what changed.
 
 use super::near::did_you_mean;
-use super::{nameless, studies, together};
+use super::{join_findings, nameless, studies};
 use crate::args::Run;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -11,7 +11,7 @@ use std::path::Path;
 use std::time::Instant;
 use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
-use zwidth_runner::{Done, Job, Options, Report, Results, Verdict, run as run_jobs, wanted};
+use zwidth_runner::{Done, Job, JobEnd, Options, Report, Results, run as run_jobs, wanted};
 use zwidth_store::{Layout, RealFiles, StoreError, StudyData, findings};
 
 /// What `--json` prints of a study.
@@ -70,7 +70,7 @@ pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result
 
 fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcome> {
     let start = Instant::now();
-    let data = StudyData::load(layout).map_err(|findings| together(&findings))?;
+    let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
     let found = findings(&RealFiles, &data);
     let jobs = plan::jobs(&data, &found);
     check_only(&jobs, command)?;
@@ -148,18 +148,18 @@ fn outcome(data: &StudyData, reports: &[Report], seconds: f64) -> Outcome {
     let entry =
         |r: &Report, why: &str| Entry { stage: r.stage, name: r.name.clone(), why: why.to_owned() };
     let made = reports.iter().filter_map(|r| match &r.verdict {
-        Verdict::Made(why) => Some(entry(r, why)),
+        JobEnd::Made(why) => Some(entry(r, why)),
         _ => None,
     });
     let failed = reports.iter().filter_map(|r| match &r.verdict {
-        Verdict::Failed(why) | Verdict::Blocked(why) => Some(entry(r, why)),
+        JobEnd::Failed(why) | JobEnd::Blocked(why) => Some(entry(r, why)),
         _ => None,
     });
     Outcome {
         study: data.layout.study().to_string(),
         made: made.collect(),
         failed: failed.collect(),
-        up_to_date: reports.iter().filter(|r| r.verdict == Verdict::UpToDate).count(),
+        up_to_date: reports.iter().filter(|r| r.verdict == JobEnd::UpToDate).count(),
         left_out: Vec::new(),
         read_with_care: Vec::new(),
         seconds,
@@ -171,8 +171,8 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
     for stage in plan::STAGES {
         let of_stage: Vec<_> = reports.iter().filter(|r| r.stage == stage).collect();
         if !of_stage.is_empty() {
-            let made = of_stage.iter().filter(|r| matches!(r.verdict, Verdict::Made(_))).count();
-            let fresh = of_stage.iter().filter(|r| r.verdict == Verdict::UpToDate).count();
+            let made = of_stage.iter().filter(|r| matches!(r.verdict, JobEnd::Made(_))).count();
+            let fresh = of_stage.iter().filter(|r| r.verdict == JobEnd::UpToDate).count();
             screen.say(format!("{stage:>13}  {made:>3} {verb}  {fresh:>3} up to date"));
         }
     }
@@ -194,7 +194,7 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
         outcome.seconds
     ));
     let is_there = |r: &Report| {
-        r.stage == "summary" && matches!(r.verdict, Verdict::Made(_) | Verdict::UpToDate)
+        r.stage == "summary" && matches!(r.verdict, JobEnd::Made(_) | JobEnd::UpToDate)
     };
     if !command.dry_run && reports.iter().any(is_there) {
         screen

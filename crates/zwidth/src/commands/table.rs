@@ -20,7 +20,7 @@ struct Entry {
 
 pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
-    let data = StudyData::load(&layout).map_err(|findings| super::together(&findings))?;
+    let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
     let files: Vec<_> = plan::printed_tables(&data).into_iter().filter(|f| f.exists()).collect();
     if files.is_empty() {
         bail!("{} has no tables yet; make them with `zwidth run {}`", asked.study, asked.study);
@@ -46,7 +46,7 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
             names.join(", ")
         );
     };
-    let wanted = [(asked.format.into(), file.as_path())];
+    let wanted = [(asked.format, file.as_path())];
     for bytes in table.to_bytes(&wanted, data.study.coordinate, &BTreeMap::new())? {
         screen.file(&String::from_utf8(bytes)?);
     }

@@ -2,9 +2,10 @@
 //! the same bytes, on any machine and any number of threads.
 
 use super::characterise::record as record_sweep;
-use super::device::{Bench, bench, checks_itself, keys, mixed, twin as device};
+use super::device::{Bench, bench, keys};
 use super::recover::lock;
-use crate::args::{Actuator, DeviceSpec, Twin};
+use crate::args::{Actuator, Twin};
+use crate::devices::{DeviceSpec, checks_itself, mixed, twin as device};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};

@@ -3,7 +3,7 @@
 
 use super::device::keys;
 use super::recover::{lock, now};
-use super::{study, together};
+use super::{join_findings, study};
 use crate::args::Unseal;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -15,7 +15,7 @@ use zwidth_store::{Raw, RealFiles, SessionLog, StudyData, append_events};
 pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
     let lock = lock(&layout, "zwidth unseal")?;
-    let data = StudyData::load(&layout).map_err(|findings| together(&findings))?;
+    let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
     let log = session(&data, command)?;
     let name = format!("session {} of {}", command.session, command.participant);
     if log.seal.is_some() {

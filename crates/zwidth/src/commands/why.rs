@@ -1,7 +1,7 @@
 //! `zwidth why`: what a result was last made from, and whether and why a run would make it again.
 
 use super::locate::{FoundBy, Place, copies, is_raw, no_job, place, records};
-use super::{study, together};
+use super::{join_findings, study};
 use crate::args::Traced;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -85,7 +85,7 @@ fn asked(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Asked
 
 fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
     let layout = &asked.layout;
-    let data = StudyData::load(layout).map_err(|findings| together(&findings))?;
+    let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
     let jobs = plan::jobs(&data, &findings(&RealFiles, &data));
     let file = root.join(&asked.path);
     let makes = |outputs: &[PathBuf]| outputs.contains(&file);

@@ -4,12 +4,20 @@
 mod words;
 
 use self::words::{Parameter, about, chosen, parameters, row_of, significant};
+use crate::FigureKind;
 use crate::data::gaps;
 use crate::words::{mark, percent, plain};
 use zwidth_draw::style::{self, Colour};
 use zwidth_draw::{Axis, Band, Cell, Direction, Figure, Layer, Line, Panel, Points, Reference};
 use zwidth_store::{Quantity, Sweep};
 use zwidth_tables::{Table, TableError};
+
+/// The figure [`characteristic`].
+pub const CHARACTERISTIC: FigureKind = FigureKind {
+    stem: "characteristic",
+    shows: "response to the command, with the chosen fit",
+    drawn_from: "sweep",
+};
 
 /// Width of the figure, mm.
 const WIDTH_MM: f64 = 110.0;

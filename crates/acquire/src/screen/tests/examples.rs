@@ -1,7 +1,7 @@
 //! Views for tests: a session in each of its phases.
 
 use crate::{CheckLine, Current, Phase, Point, Timing, View};
-use zwidth_study::{Kind, Voltages, template};
+use zwidth_study::{AnswerScale, Kind, Voltages, template};
 
 /// The longest question of the commented `study.toml`: the thesis' second.
 pub(super) fn question() -> String {
@@ -14,13 +14,18 @@ pub(super) fn question() -> String {
         .to_owned()
 }
 
+/// That question, open.
+pub(super) fn asked() -> Phase {
+    Phase::Question { text: question(), scale: AnswerScale::FivePoint }
+}
+
 pub(crate) fn phases() -> Vec<Phase> {
     vec![
         Phase::Check,
         Phase::Homing,
         Phase::Ready,
         Phase::Trial { t_s: 1.6, limit_s: 4.0 },
-        Phase::Question { text: question() },
+        asked(),
         Phase::Pause { left_s: 3.2, pause_s: 5.0 },
         Phase::Stopped { why: "stale angle: no new value for 50 ms; check the cable".into() },
         Phase::Done,

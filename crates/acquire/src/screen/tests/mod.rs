@@ -6,12 +6,12 @@ use super::keys::{Ask, Entry, commands};
 use super::look::Look;
 use super::render::render;
 use crate::{Phase, Timing, View};
-use examples::{phases, question, view};
+use examples::{asked, phases, question, view};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::buffer::Buffer;
 use ratatui::style::Color;
-use zwidth_study::Likert;
+use zwidth_study::AnswerScale;
 
 const FULL: Look = Look { colour: true, ascii: false };
 const BARE: Look = Look { colour: false, ascii: true };
@@ -95,7 +95,8 @@ fn at_80_by_24_nothing_is_cut() {
                 text.contains("> trial 11 stored: 3,998 samples"),
                 "{phase:?} {entry:?} {text}"
             );
-            let keys = commands(&phase).iter().map(|(key, meaning)| format!("{key} {meaning}"));
+            let commands = commands(&phase);
+            let keys = commands.iter().map(|(key, meaning)| format!("{key} {meaning}"));
             let keys: Vec<String> = keys.filter(|_| entry.is_none()).collect();
             assert!(keys.iter().all(|key| text.contains(key)), "{text}");
         }
@@ -104,13 +105,12 @@ fn at_80_by_24_nothing_is_cut() {
 
 #[test]
 fn a_question_is_asked_whole_with_every_word_of_the_scale() {
-    let text = words(&view(Phase::Question { text: question() }, true), None);
+    let text = words(&view(asked(), true), None);
     assert!(text.contains(&question()), "{text}");
-    for (n, word) in (1..).zip(Likert::WORDS) {
+    for (n, word) in (1..).zip(AnswerScale::FivePoint.words()) {
         assert!(text.contains(&format!("{n} {word}")), "{text}");
     }
-    let narrow =
-        rows(&view(Phase::Question { text: question() }, true), None, FULL, (50, 24)).join("\n");
+    let narrow = rows(&view(asked(), true), None, FULL, (50, 24)).join("\n");
     assert!(narrow.contains(" 4 agree") && narrow.contains(" 5 strongly agree"), "{narrow}");
 }
 
@@ -136,7 +136,7 @@ fn the_traces_stand_where_they_stood_from_trial_to_question_to_pause() {
     };
     let trial = at(Phase::Trial { t_s: 1.0, limit_s: 4.0 });
     assert!(trial.is_some());
-    assert_eq!(at(Phase::Question { text: question() }), trial);
+    assert_eq!(at(asked()), trial);
     assert_eq!(at(Phase::Pause { left_s: 1.0, pause_s: 5.0 }), trial);
     assert_eq!(at(Phase::Ready), trial);
 }
@@ -175,9 +175,7 @@ fn what_is_typed_and_what_is_asked_is_in_sight() {
     let note = Entry::Note("the finger slipped ".into());
     assert!(words(&view(Phase::Ready, false), Some(&note)).contains("Note: the finger slipped _"));
     let long = Entry::Note("x".repeat(150) + " the end");
-    assert!(
-        words(&view(Phase::Question { text: question() }, false), Some(&long)).contains("the end_")
-    );
+    assert!(words(&view(asked(), false), Some(&long)).contains("the end_"));
     let repeat = Entry::Sure(Ask::Repeat);
     let text = words(&view(Phase::Pause { left_s: 3.2, pause_s: 5.0 }, false), Some(&repeat));
     assert!(
@@ -234,7 +232,7 @@ fn before_the_first_trial_the_device_check_stands_where_the_traces_will() {
 
 #[test]
 fn messages_are_shown_whole_the_newest_last() {
-    let mut view = view(Phase::Question { text: question() }, false);
+    let mut view = view(asked(), false);
     view.say("a message of two lines: ".to_owned() + &"word ".repeat(20));
     let text = words(&view, None);
     assert!(

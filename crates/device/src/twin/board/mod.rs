@@ -7,7 +7,7 @@ use crate::participant::draw::{Draw, Purpose};
 use crate::participant::{Person, STEP_S};
 use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
 use zwidth_dynamics::{Command, Driven};
-use zwidth_study::{Channel, ChannelId, Extra, Source, Voltages};
+use zwidth_study::{AnswerScale, Channel, ChannelId, Extra, Source, Voltages};
 
 /// Version of the simulation: another one makes other numbers of the same seed.
 const VERSION: u32 = 1;
@@ -213,9 +213,9 @@ impl Device for Twin {
         self.start(now_s, phase);
     }
 
-    fn answer(&mut self) -> Option<u8> {
+    fn answer(&mut self, on: AnswerScale) -> Option<u8> {
         self.trial.over_s = self.trial.over_s.min(self.now_s);
-        self.trial.answer(&self.person)
+        self.trial.answer(&self.person, on)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The board: what it shows, when it acts, and that a seed repeats.
 
 use super::*;
-use zwidth_study::{Environment, Scene};
+use zwidth_study::{AnswerScale, Environment, Scene};
 
 fn twin() -> Twin {
     Twin::new(TwinParameters::default(), Person::typical(1), 1).unwrap()
@@ -88,7 +88,7 @@ fn a_trial_depends_on_its_number_and_not_on_those_before() {
         begin(twin, 0.0, trial);
         let readings: Vec<Reading> =
             (1..500).map(|i| twin.read(f64::from(i) * 8.3e-3).unwrap()).collect();
-        (readings, twin.answer())
+        (readings, twin.answer(AnswerScale::FivePoint))
     };
     let (mut fresh, mut used) = (twin(), twin());
     run(&mut used, 1);

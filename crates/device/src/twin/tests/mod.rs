@@ -88,7 +88,7 @@ fn at_saturation_the_users_force_is_the_motors_within_friction_and_inertia() {
 }
 
 /// The motor gives all it has, and the lever moves one way and is at no stop.
-fn saturated(rows: &[Row]) -> bool {
+fn saturated(rows: &[RehearsedTick]) -> bool {
     let way = rows[0].state.theta_dot_rad_s;
     rows.iter().all(|row| {
         let one_way = row.state.theta_dot_rad_s * way > 0.0;
@@ -254,7 +254,7 @@ fn participants_differ_in_peak_force_and_duration_and_so_do_repeats() {
     let measure = |person: Person, trial| {
         let mut twin = Twin::new(TwinParameters::default(), person, 1).unwrap();
         let trial = rehearse(&mut twin, Mode::Hybrid, &spring(), 250.0, trial);
-        let moving = |row: &Row| row.state.theta_dot_rad_s.abs() > 0.1;
+        let moving = |row: &RehearsedTick| row.state.theta_dot_rad_s.abs() > 0.1;
         let first = trial.rows.iter().position(moving).unwrap();
         let last = trial.rows.iter().rposition(moving).unwrap();
         [trial.peak_n(), trial.rows[last].sample.t_s - trial.rows[first].sample.t_s]

@@ -11,7 +11,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use zwidth_dynamics::DrivenState;
 use zwidth_study::{
-    Calibration, Environment, Sample, Scene, Spring, Study, StudyId, Voltages, template,
+    AnswerScale, Calibration, Environment, Sample, Scene, Spring, Study, StudyId, Voltages,
+    template,
 };
 
 pub(super) const SPRING: Spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 };
@@ -40,13 +41,13 @@ pub(super) const MODES: [Mode; 3] = [Mode::Active, Mode::Passive, Mode::Hybrid];
 
 /// One tick: the plant's true state when it was read, and the sample made of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Row {
+pub(super) struct RehearsedTick {
     pub(super) state: DrivenState,
     pub(super) sample: Sample,
 }
 
 pub(super) struct Rehearsal {
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<RehearsedTick>,
     pub(super) intent: Intent,
     pub(super) answer: u8,
 }
@@ -148,9 +149,13 @@ pub(super) fn rehearse(
     let run =
         run_trial(&mut device, &mut clock, &mut controller, &mut guard, &plan, &stop, &mut sink);
     assert!(matches!(run.end, TrialEnd::Limit | TrialEnd::LetGo), "{:?}", run.end);
-    let rows =
-        device.states.iter().zip(&samples).map(|(&state, &sample)| Row { state, sample }).collect();
-    Rehearsal { rows, intent: *twin.intent(), answer: twin.answer().unwrap() }
+    let rows = device
+        .states
+        .iter()
+        .zip(&samples)
+        .map(|(&state, &sample)| RehearsedTick { state, sample })
+        .collect();
+    Rehearsal { rows, intent: *twin.intent(), answer: twin.answer(AnswerScale::FivePoint).unwrap() }
 }
 
 /// A device drawn from the whole range, every third number from an end of it, and a participant.

@@ -8,7 +8,7 @@ mod physics;
 use super::*;
 use crate::{
     Brake, BrakeLaw, Demand, Environment, Exact, Finger, FingerLaw, Friction, Grid, Input, Mode,
-    Motor, Plant, Scene, Series, Solver, System, Zone, table3,
+    ModelScene, Motor, Plant, Series, Solver, System, Zone, table3,
 };
 
 /// The twin's defaults (physics.md).
@@ -233,7 +233,7 @@ fn force(peak_n: f64) -> Series {
 /// solver. Its finger is our hand without an impedance of its own, moved by the force itself.
 fn other_solver(mode: Mode, mine: &DrivenParameters, peak_n: f64) -> Vec<f64> {
     let hand = mine.hand.unwrap();
-    let scene = Scene {
+    let scene = ModelScene {
         duration_s: 0.7,
         step_s: 1e-3,
         environment: Environment {

@@ -7,7 +7,7 @@ use crate::scene::actuators::Mode;
 use crate::scene::environment::Environment;
 use crate::scene::input::Input;
 use crate::scene::plant::Plant;
-use crate::scene::{Scene, table3};
+use crate::scene::{ModelScene, table3};
 use crate::solve::adaptive::Tolerances;
 use crate::{DormandPrince, DynamicsError, Exact, Grid, Rk4, Solver, Switching, System, TrBdf2};
 
@@ -81,12 +81,12 @@ impl Term for Detent {
 }
 
 /// Table 3 without environment or stops, released at 0.3 rad.
-fn free() -> Scene {
+fn free() -> ModelScene {
     let mut scene = table3::scene(Mode::Active, Input::constant(0.0));
     scene.environment = Environment::free();
     scene.plant.stops_rad = None;
     scene.start.theta_rad = 0.3;
-    Scene { duration_s: 1.0, step_s: 1e-3, ..scene }
+    ModelScene { duration_s: 1.0, step_s: 1e-3, ..scene }
 }
 
 fn bed() -> Bed {
@@ -244,6 +244,6 @@ fn each_reader_reads_the_term_of_its_key() {
     let mut scene = free();
     scene.terms.set(gravity::Gravity { mass_kg: 0.02, radius_m: 0.04 });
     scene.terms.set(pull::Pull { stiffness_n_per_rad: 2.0, displacement: Input::constant(0.5) });
-    let read = Scene::from_toml(&scene.to_toml().unwrap()).unwrap();
+    let read = ModelScene::from_toml(&scene.to_toml().unwrap()).unwrap();
     assert_eq!(read.terms.iter().map(Term::name).collect::<Vec<_>>(), names().collect::<Vec<_>>());
 }

@@ -12,10 +12,10 @@ use crate::scene::finger::FingerLaw;
 use crate::scene::friction::Friction;
 use crate::scene::input::{Input, Series};
 use crate::scene::terms::pull::Pull;
-use crate::scene::{Scene, table3};
+use crate::scene::{ModelScene, table3};
 
 /// The scenes on which methods are compared: every mode, law and term at least once.
-fn scenes() -> Vec<Scene> {
+fn scenes() -> Vec<ModelScene> {
     let mut list = Vec::new();
     let uneven = Series {
         t_s: vec![0.0, 0.3, 0.35, 1.2, 2.0, 2.9],
@@ -40,7 +40,7 @@ fn scenes() -> Vec<Scene> {
             let displacement = Input::Line { value: -0.7, rate: 0.4 };
             pulled.terms.set(Pull { stiffness_n_per_rad: 2.0, displacement });
             let printed =
-                Scene { finger: Some(table3::finger(FingerLaw::Thesis)), ..plain.clone() };
+                ModelScene { finger: Some(table3::finger(FingerLaw::Thesis)), ..plain.clone() };
             let both = table3::with_finger(walled.clone());
             let rough_finger = table3::with_finger(rough.clone());
             list.extend([
@@ -60,8 +60,8 @@ fn scenes() -> Vec<Scene> {
     list
 }
 
-fn named(name: &str, scene: Scene) -> Scene {
-    Scene { name: format!("{name}, {:?}, {:?}", scene.mode, scene.input), ..scene }
+fn named(name: &str, scene: ModelScene) -> ModelScene {
+    ModelScene { name: format!("{name}, {:?}, {:?}", scene.mode, scene.input), ..scene }
 }
 
 /// Largest difference of θ and of θ̇; samples next to an event of the first run are passed over for
@@ -126,7 +126,7 @@ fn the_parts_of_the_force_add_up_to_mass_times_acceleration_on_every_scene() {
 
 /// Largest error of θ against the exact run at the end of a smooth scene, for steps that are
 /// halved.
-fn errors(solver: &dyn Solver, scene: &Scene, steps: &[f64]) -> Vec<f64> {
+fn errors(solver: &dyn Solver, scene: &ModelScene, steps: &[f64]) -> Vec<f64> {
     let system = System::new(scene.clone()).unwrap();
     let error = |&h: &f64| {
         let grid = Grid::filling(1.0, h);

@@ -18,7 +18,7 @@ use crate::scene::finger::{Finger, FingerLaw};
 use crate::scene::friction::Friction;
 use crate::scene::input::{Input, Series};
 use crate::scene::terms::pull::Pull;
-use crate::scene::{Scene, table3};
+use crate::scene::{ModelScene, table3};
 use crate::trajectory::Forces;
 
 /// A scene is quick to run, and the odd ones are rare: forty times as many cases as other
@@ -89,7 +89,7 @@ prop_compose! {
         wall in prop::option::of(-0.5..0.7_f64),
         finger in finger(),
         friction in friction(),
-    ) -> Scene {
+    ) -> ModelScene {
         let environment = Environment::spring(spring.0, spring.1, -table3::HALF_STROKE_RAD);
         let mut scene = table3::scene(mode, input);
         scene.environment = wall.map_or(environment.clone(), |wall| environment.with_wall(wall));
@@ -103,7 +103,7 @@ prop_compose! {
 
 /// The balance of a run; none where a motor bounces on its wall without end, which ends in an
 /// error.
-fn energy(scene: Scene) -> Option<EnergyBalance> {
+fn energy(scene: ModelScene) -> Option<EnergyBalance> {
     let bounces = scene.mode != Mode::Passive && scene.environment.zones.len() > 1;
     let system = System::new(scene).unwrap();
     let solver = Exact { energy: true, most_events: 10_000, ..Exact::default() };
@@ -142,7 +142,7 @@ fn extreme() -> impl Strategy<Value = f64> {
 }
 
 /// A scene with one parameter (by number) at an extreme, or all of them.
-fn extreme_scene(mut scene: Scene, which: usize, x: &[f64]) -> Scene {
+fn extreme_scene(mut scene: ModelScene, which: usize, x: &[f64]) -> ModelScene {
     let mut finger = table3::finger(FingerLaw::Consistent);
     let mut friction = Friction { static_n: 0.2, kinetic_n: 0.15, viscous_ns_per_rad: 0.02 };
     let (mut stiff, mut damped) = (4.0, 1.0);
@@ -226,7 +226,7 @@ proptest! {
 }
 
 /// Runs a scene with every method; what did not end as it must.
-fn ends_well(scene: Scene, energy: bool) -> std::result::Result<(), String> {
+fn ends_well(scene: ModelScene, energy: bool) -> std::result::Result<(), String> {
     let exact = Exact { most_events: 500, most_pieces: 20_000, energy };
     let tolerances = Tolerances { most_steps: 1_000, ..Tolerances::of(1e-6) };
     let solvers: [&dyn Solver; 6] = [

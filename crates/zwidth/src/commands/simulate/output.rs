@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_draw::{DEFAULT_DPI, Figure, draw};
 use zwidth_runner::Provenance;
-use zwidth_simulate::Scene;
+use zwidth_simulate::ModelScene;
 use zwidth_store::{RealFiles, replace};
 use zwidth_tables::{Table, csv};
 
@@ -21,7 +21,7 @@ impl<'a> Output<'a> {
     pub(super) fn new(
         folder: &'a Path,
         command: &Simulate,
-        scene: Option<&Scene>,
+        scene: Option<&ModelScene>,
     ) -> anyhow::Result<Self> {
         let mut provenance = BTreeMap::from([
             ("software".to_owned(), concat!("zwidth ", env!("CARGO_PKG_VERSION")).to_owned()),

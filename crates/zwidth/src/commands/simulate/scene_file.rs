@@ -2,19 +2,19 @@
 
 use anyhow::anyhow;
 use std::path::{Path, PathBuf};
-use zwidth_simulate::{DynamicsError, Scene, SimulateError};
+use zwidth_simulate::{DynamicsError, ModelScene, SimulateError};
 
 /// A scene with the text it came from.
 pub(super) struct SceneFile {
     path: PathBuf,
     text: String,
-    pub(super) scene: Scene,
+    pub(super) scene: ModelScene,
 }
 
 impl SceneFile {
     pub(super) fn read(path: &Path) -> anyhow::Result<Self> {
         let text = crate::text::scene(path)?;
-        let scene = Scene::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
+        let scene = ModelScene::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
         Ok(Self { path: path.to_owned(), text, scene })
     }
 

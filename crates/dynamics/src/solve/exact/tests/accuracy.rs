@@ -7,7 +7,7 @@
 
 use super::super::*;
 use super::oscillator;
-use crate::scene::Scene;
+use crate::scene::ModelScene;
 use crate::scene::actuators::Mode;
 use crate::scene::environment::Environment;
 use crate::scene::finger::{Finger, FingerLaw};
@@ -20,7 +20,7 @@ const MASS: f64 = 1.0;
 
 /// A run of so many steps against a closed form of one entry of its state.
 struct Case {
-    scene: Scene,
+    scene: ModelScene,
     steps: f64,
     entry: usize,
     closed: Box<dyn Fn(f64) -> f64>,
@@ -29,7 +29,7 @@ struct Case {
 /// Condition number, and largest error over largest signal; no error where the run ended in the
 /// typed error of a motion with more swings in a step than the work limits allow.
 fn measure(case: &Case) -> (f64, Option<f64>) {
-    let scene = Scene { duration_s: case.steps * case.scene.step_s, ..case.scene.clone() };
+    let scene = ModelScene { duration_s: case.steps * case.scene.step_s, ..case.scene.clone() };
     let system = System::new(scene).unwrap();
     let run = match Exact::default().run(&system, &Grid::of(&system)) {
         Ok(run) => run,
@@ -70,12 +70,12 @@ fn check(name: &str, powers: std::ops::RangeInclusive<i32>, family: impl Fn(f64)
 }
 
 /// m x¨ + b x˙ + k x = F, of which k/m and b/m are given.
-fn spring(stiffness: f64, damping: f64, input: Input, theta_rad: f64, step_s: f64) -> Scene {
+fn spring(stiffness: f64, damping: f64, input: Input, theta_rad: f64, step_s: f64) -> ModelScene {
     let mut scene = oscillator(0.0, input, theta_rad);
     scene.plant.mass_kg = MASS;
     scene.environment = Environment::spring(stiffness * MASS, damping * MASS, 0.0);
     scene.motor.max_n = 1e30;
-    Scene { step_s, ..scene }
+    ModelScene { step_s, ..scene }
 }
 
 fn at_rest() -> Input {
@@ -148,7 +148,7 @@ fn held_finger(mass_kg: f64, stiffness_n_per_m: f64, damping_ns_per_m: f64, step
         let swing = libm::cos(omega * t) + sigma / omega * libm::sin(omega * t);
         -1.0 / stiffness_n_per_m * (1.0 - libm::exp(-sigma * t) * swing)
     };
-    Case { scene: Scene { step_s, ..scene }, steps: 64.0, entry: 2, closed: Box::new(closed) }
+    Case { scene: ModelScene { step_s, ..scene }, steps: 64.0, entry: 2, closed: Box::new(closed) }
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn coefficients_that_had_to_be_rounded_cost_no_more_than_the_promise_allows() {
 #[test]
 fn a_million_samples_cost_no_more_than_an_epsilon_each() {
     let case = held_finger(0.015_625, 4.0, 0.0, 0.0);
-    let system = System::new(Scene { step_s: 1.0, ..case.scene }).unwrap();
+    let system = System::new(ModelScene { step_s: 1.0, ..case.scene }).unwrap();
     let (step_s, steps) = (libm::ldexp(1.0, -10), 1_000_000);
     let (mut error, mut signal): (f64, f64) = (0.0, 0.0);
     let mut visit = |t: f64, z: &[f64]| {

@@ -11,11 +11,11 @@ use crate::scene::input::{Input, Series};
 use crate::scene::plant::Start;
 use crate::scene::terms::gravity::Gravity;
 use crate::scene::terms::pull::Pull;
-use crate::scene::{Scene, table3};
+use crate::scene::{ModelScene, table3};
 use crate::system::region::{Contact, Motion};
 use crate::system::transition::EventKind;
 
-pub(super) fn run(scene: Scene) -> Trajectory {
+pub(super) fn run(scene: ModelScene) -> Trajectory {
     let system = System::new(scene).unwrap();
     Exact::default().run(&system, &Grid::of(&system)).unwrap()
 }
@@ -33,7 +33,7 @@ fn check_theta(run: &Trajectory, bound: f64, exact: impl Fn(f64) -> f64) {
 }
 
 /// A lever on an unsaturated spring, no stops, with a given damping; m L = 0.005, K = 4.
-pub(super) fn oscillator(damping: f64, input: Input, theta_rad: f64) -> Scene {
+pub(super) fn oscillator(damping: f64, input: Input, theta_rad: f64) -> ModelScene {
     let mut scene = table3::scene(Mode::Active, input);
     scene.environment = Environment::spring(4.0, damping, 0.0);
     scene.motor.max_n = 1e6;
@@ -179,9 +179,9 @@ fn events_do_not_depend_on_the_grid_so_that_none_inside_a_sample_is_missed() {
             scene.environment = table3::spring_wall();
             scene.environment.zones[1].from_rad = 0.2;
             let scene = if finger { table3::with_finger(scene) } else { scene };
-            let fine = run(Scene { step_s: 1e-4, ..scene.clone() });
+            let fine = run(ModelScene { step_s: 1e-4, ..scene.clone() });
             for step_s in [8.3e-3, 0.137, 1.9] {
-                let coarse = run(Scene { step_s, ..scene.clone() });
+                let coarse = run(ModelScene { step_s, ..scene.clone() });
                 let until = *coarse.t_s.last().unwrap();
                 let expect: Vec<_> =
                     fine.events.iter().filter(|event| event.t_s <= until).collect();
@@ -289,7 +289,7 @@ fn the_let_go_rule_holds_a_wall_until_the_user_yields() {
     let mut scene = table3::scene(Mode::Hybrid, Input::Line { value: 5.0, rate: -1.0 });
     scene.environment = table3::spring_wall();
     scene.start.theta_rad = 0.6;
-    let depart = |scene: Scene| {
+    let depart = |scene: ModelScene| {
         let run = run(scene);
         run.events
             .iter()

@@ -10,7 +10,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::super::*;
-use crate::scene::Scene;
+use crate::scene::ModelScene;
 use crate::scene::actuators::Mode;
 use crate::scene::environment::Environment;
 use crate::scene::finger::{Finger, FingerLaw};
@@ -37,7 +37,7 @@ struct Reference {
 }
 
 impl Reference {
-    fn scene(&self) -> Scene {
+    fn scene(&self) -> ModelScene {
         let [magnitude, omega_rad_s] = self.sine;
         let sine = Input::Sine { magnitude, omega_rad_s };
         let input = if omega_rad_s > 0.0 { sine } else { Input::constant(0.0) };

@@ -1,0 +1,72 @@
+//! The solvers by the names they go by in tables and on the command line: the one list.
+
+use super::adaptive::Tolerances;
+use super::dormand_prince::DormandPrince;
+use super::exact::Exact;
+use super::moreau_jean::MoreauJean;
+use super::rk4::Rk4;
+use super::symplectic_euler::SymplecticEuler;
+use super::tr_bdf2::TrBdf2;
+use super::{Solver, Switching};
+
+/// A solver, ready to be chosen by name.
+pub struct NamedSolver {
+    /// Its name in tables and on the command line, which is [`Solver::name`].
+    pub name: &'static str,
+    /// Its name in figures.
+    pub label: &'static str,
+    /// Makes it. The relative error a step matters to the adaptive ones alone; the exact one
+    /// accounts for the energy too.
+    pub make: fn(f64) -> Box<dyn Solver>,
+}
+
+/// Every solver: the exact one, the two adaptive ones, then those of a fixed step.
+pub const NAMED_SOLVERS: [NamedSolver; 7] = [
+    NamedSolver {
+        name: "exact",
+        label: "exact",
+        make: |_| Box::new(Exact { energy: true, ..Exact::default() }),
+    },
+    NamedSolver {
+        name: "dormand_prince",
+        label: "Dormand–Prince",
+        make: |tolerance| Box::new(DormandPrince { tolerances: Tolerances::of(tolerance) }),
+    },
+    NamedSolver {
+        name: "tr_bdf2",
+        label: "TR-BDF2",
+        make: |tolerance| Box::new(TrBdf2 { tolerances: Tolerances::of(tolerance) }),
+    },
+    NamedSolver {
+        name: "moreau_jean",
+        label: "Moreau–Jean",
+        make: |_| Box::new(MoreauJean::default()),
+    },
+    NamedSolver {
+        name: "symplectic_euler",
+        label: "symplectic Euler",
+        make: |_| Box::new(SymplecticEuler),
+    },
+    NamedSolver {
+        name: "rk4_per_stage",
+        label: "RK4, switched per stage",
+        make: |_| Box::new(Rk4 { switching: Switching::PerStage }),
+    },
+    NamedSolver {
+        name: "rk4_per_step",
+        label: "RK4, switched per step",
+        make: |_| Box::new(Rk4 { switching: Switching::PerStep }),
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_solver_goes_by_the_name_that_it_gives_itself() {
+        for solver in NAMED_SOLVERS {
+            assert_eq!((solver.make)(1e-9).name(), solver.name);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! The formats of other people's files: the one list.
+
+use super::csv::Dialect;
+use super::limits::Take;
+use super::table::Table;
+use super::{csv, jsonl, mat, parquet};
+use serde::Deserialize;
+use std::path::Path;
+use zwidth_store::StoreError;
+
+/// The formats that can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Format {
+    Csv,
+    Tsv,
+    Jsonl,
+    Parquet,
+    Mat,
+}
+
+/// What a format needs to know besides the bytes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FormatOptions<'a> {
+    /// How delimited text is written.
+    pub(super) dialect: Dialect,
+    /// The matrix of a MAT file whose columns are meant.
+    pub(super) matrix: Option<&'a str>,
+}
+
+impl Format {
+    /// Every format.
+    pub(super) const ALL: [Self; 5] = [Self::Csv, Self::Tsv, Self::Jsonl, Self::Parquet, Self::Mat];
+
+    /// The extensions of its files, in small letters; the first is its word in a mapping file.
+    pub(super) fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Csv => &["csv"],
+            Self::Tsv => &["tsv"],
+            Self::Jsonl => &["jsonl", "ndjson"],
+            Self::Parquet => &["parquet"],
+            Self::Mat => &["mat"],
+        }
+    }
+
+    /// Its word in a mapping file.
+    pub(super) fn word(self) -> &'static str {
+        self.extensions()[0]
+    }
+
+    /// What people call a file of it.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Csv => "a CSV",
+            Self::Tsv => "a TSV",
+            Self::Jsonl => "JSON lines",
+            Self::Parquet => "a Parquet file",
+            Self::Mat => "a MAT file",
+        }
+    }
+
+    /// Whether a file may unpack to more than its size.
+    pub(super) fn is_packed(self) -> bool {
+        matches!(self, Self::Parquet | Self::Mat)
+    }
+
+    /// Reads the columns that are taken.
+    ///
+    /// # Errors
+    /// Why the file cannot be read.
+    pub(super) fn read(
+        self,
+        path: &Path,
+        bytes: Vec<u8>,
+        options: FormatOptions,
+        take: &Take,
+    ) -> Result<Table, StoreError> {
+        match self {
+            Self::Csv | Self::Tsv => csv::read(path, &bytes, options.dialect, take),
+            Self::Jsonl => jsonl::read(path, &bytes, take),
+            Self::Parquet => parquet::read(path, bytes, take),
+            Self::Mat => mat::read(path, &bytes, options.matrix, take),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_format_goes_by_its_own_word_and_no_extension_means_two() {
+        let mut seen = std::collections::BTreeSet::new();
+        for format in Format::ALL {
+            let word =
+                serde::de::value::StrDeserializer::<serde::de::value::Error>::new(format.word());
+            assert_eq!(Format::deserialize(word).unwrap(), format);
+            assert!(format.extensions().iter().all(|extension| seen.insert(*extension)));
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! `[[environments]]` of `study.toml`: the keys of a scene's numbers, in both coordinates.
+
+use super::check::Check;
+use super::units::{MILLI, decimal, degrees};
+use crate::model::{Coordinate, Environment};
+use crate::scene::SceneNumber;
+use crate::{EnvironmentId, QuestionId, SceneKind};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EnvironmentTable {
+    pub(super) id: EnvironmentId,
+    pub(super) label: String,
+    kind: SceneKind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stiffness_n_per_rad: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rest_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wall_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stiffness_n_per_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rest_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wall_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    question: Option<QuestionId>,
+}
+
+/// How a number is typed.
+#[derive(Clone, Copy, PartialEq)]
+enum KeyForm {
+    /// A position: degrees, or millimetres.
+    Position,
+    /// 0 or above, over an angle: per radian, or per millimetre.
+    PerAngle,
+}
+
+impl SceneNumber {
+    /// Every number, in the order in which problems are told.
+    const ALL: [Self; 3] = [Self::Stiffness, Self::Rest, Self::Wall];
+
+    fn form(self) -> KeyForm {
+        match self {
+            Self::Stiffness => KeyForm::PerAngle,
+            Self::Rest | Self::Wall => KeyForm::Position,
+        }
+    }
+}
+
+impl EnvironmentTable {
+    /// The keys of a number in a rotational and in a linear study, and what they have.
+    fn given(&self, quantity: SceneNumber) -> [(&'static str, Option<f64>); 2] {
+        match quantity {
+            SceneNumber::Stiffness => [
+                ("stiffness_n_per_rad", self.stiffness_n_per_rad),
+                ("stiffness_n_per_mm", self.stiffness_n_per_mm),
+            ],
+            SceneNumber::Rest => [("rest_deg", self.rest_deg), ("rest_mm", self.rest_mm)],
+            SceneNumber::Wall => [("wall_deg", self.wall_deg), ("wall_mm", self.wall_mm)],
+        }
+    }
+
+    /// The table of an environment.
+    pub(super) fn of(e: &Environment, coordinate: Coordinate) -> Self {
+        let deg = |quantity: SceneNumber| match (coordinate, quantity.form()) {
+            (Coordinate::Linear { .. }, _) => None,
+            (_, KeyForm::Position) => e.scene.value(quantity).map(degrees),
+            (_, KeyForm::PerAngle) => e.scene.value(quantity),
+        };
+        let mm = |quantity: SceneNumber| match (coordinate, quantity.form()) {
+            (Coordinate::Rotational, _) => None,
+            (Coordinate::Linear { lever_m }, KeyForm::Position) => {
+                e.scene.value(quantity).map(|rad| decimal(rad * lever_m / MILLI))
+            }
+            (Coordinate::Linear { lever_m }, KeyForm::PerAngle) => {
+                e.scene.value(quantity).map(|per_rad| decimal(per_rad / lever_m * MILLI))
+            }
+        };
+        Self {
+            id: e.id.clone(),
+            label: e.label.clone(),
+            kind: e.scene.kind(),
+            stiffness_n_per_rad: deg(SceneNumber::Stiffness),
+            rest_deg: deg(SceneNumber::Rest),
+            wall_deg: deg(SceneNumber::Wall),
+            stiffness_n_per_mm: mm(SceneNumber::Stiffness),
+            rest_mm: mm(SceneNumber::Rest),
+            wall_mm: mm(SceneNumber::Wall),
+            question: e.question.clone(),
+        }
+    }
+}
+
+impl Check<'_> {
+    /// The environment of a table, which stands at `at` in the file.
+    pub(super) fn environment(
+        &mut self,
+        at: &str,
+        e: &EnvironmentTable,
+        coordinate: Coordinate,
+        questions: &BTreeSet<&str>,
+    ) -> Environment {
+        if let Some(q) = &e.question
+            && !questions.contains(q.as_str())
+        {
+            self.error(
+                &format!("{at}.question"),
+                format!("'{q}' is not the id of any [[questions]]"),
+            );
+        }
+        let mut values = BTreeMap::new();
+        for quantity in e.kind.quantities() {
+            values.insert(*quantity, self.quantity(at, e, *quantity, coordinate));
+        }
+        self.refuse_unused(at, e, coordinate);
+        let value = |quantity| values.get(&quantity).copied().unwrap_or_default();
+        Environment {
+            id: e.id.clone(),
+            label: e.label.clone(),
+            scene: e.kind.scene(value),
+            question: e.question.clone(),
+        }
+    }
+
+    /// A number that the environment's kind takes, in SI units.
+    fn quantity(
+        &mut self,
+        at: &str,
+        e: &EnvironmentTable,
+        quantity: SceneNumber,
+        coordinate: Coordinate,
+    ) -> f64 {
+        let [(deg_key, deg), (mm_key, mm)] = e.given(quantity);
+        if quantity.form() == KeyForm::Position {
+            return self.position(at, [deg_key, mm_key], [deg, mm], coordinate, None);
+        }
+        let (key, given, factor) = match coordinate {
+            Coordinate::Rotational => (deg_key, deg, 1.0),
+            Coordinate::Linear { lever_m } => (mm_key, mm, lever_m / MILLI),
+        };
+        let key = format!("{at}.{key}");
+        let value = self.required(&key, given);
+        self.not_negative(&key, value) * factor
+    }
+
+    /// A key that the environment's kind or the study's coordinate gives no meaning to is a
+    /// mistake.
+    fn refuse_unused(&mut self, at: &str, e: &EnvironmentTable, coordinate: Coordinate) {
+        let here = usize::from(coordinate != Coordinate::Rotational);
+        for place in [0, 1] {
+            for quantity in SceneNumber::ALL {
+                let keys = e.given(quantity);
+                let taken = e.kind.quantities().contains(&quantity);
+                if keys[place].1.is_none() || (taken && place == here) {
+                    continue;
+                }
+                let meant = match taken {
+                    true => format!("; with this coordinate it is {}", keys[here].0),
+                    false => String::new(),
+                };
+                let problem =
+                    format!("has no meaning for this kind of environment and coordinate{meant}");
+                self.error(&format!("{at}.{}", keys[place].0), problem);
+            }
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! What an environment may render: the one list of kinds.
+
+use serde::{Deserialize, Serialize};
+
+/// A virtual spring: resisting force `K (θ − θ_rest)` (thesis (8), with a rest angle).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spring {
+    /// Stiffness K at the lever, N/rad.
+    pub stiffness_n_per_rad: f64,
+    /// Angle without force, rad.
+    pub rest_rad: f64,
+}
+
+/// What an environment renders.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scene {
+    /// Nothing is rendered by a device (a questionnaire about something else).
+    None,
+    /// Free motion.
+    Free,
+    /// A spring.
+    Spring(Spring),
+    /// A spring, and from `wall_rad` on a wall.
+    SpringWall {
+        /// The spring.
+        spring: Spring,
+        /// Where the wall begins, rad.
+        wall_rad: f64,
+    },
+}
+
+/// A kind of scene, as `study.toml` names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SceneKind {
+    /// [`Scene::None`].
+    None,
+    /// [`Scene::Free`].
+    Free,
+    /// [`Scene::Spring`].
+    Spring,
+    /// [`Scene::SpringWall`].
+    SpringWall,
+}
+
+/// What a scene takes: a number of `study.toml`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum SceneNumber {
+    /// Stiffness K at the lever, N/rad.
+    Stiffness,
+    /// Angle without force, rad.
+    Rest,
+    /// Where the wall begins, rad.
+    Wall,
+}
+
+/// The force that a scene asks for, `K (θ − θ_rest) + B θ̇` (thesis (8)), up to its wall, where there
+/// is one; from there on it asks for all that the mode's actuators have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForceLaw {
+    /// K, N/rad.
+    pub stiffness_n_per_rad: f64,
+    /// B, N s/rad.
+    pub damping_ns_per_rad: f64,
+    /// θ_rest, rad.
+    pub rest_rad: f64,
+    /// Where the wall begins, rad.
+    pub wall_rad: Option<f64>,
+}
+
+impl ForceLaw {
+    /// No force anywhere.
+    const FREE: Self =
+        Self { stiffness_n_per_rad: 0.0, damping_ns_per_rad: 0.0, rest_rad: 0.0, wall_rad: None };
+
+    fn spring(spring: Spring) -> Self {
+        let Spring { stiffness_n_per_rad, rest_rad } = spring;
+        Self { stiffness_n_per_rad, rest_rad, ..Self::FREE }
+    }
+
+    /// The resisting force short of the wall, N: above 0 it pushes towards −θ.
+    pub fn force_n(&self, theta_rad: f64, theta_dot_rad_s: f64) -> f64 {
+        let spring_n = self.stiffness_n_per_rad * (theta_rad - self.rest_rad);
+        // Without damping no velocity counts, not even one that is no number.
+        if self.damping_ns_per_rad == 0.0 {
+            return spring_n;
+        }
+        spring_n + self.damping_ns_per_rad * theta_dot_rad_s
+    }
+
+    /// Whether an angle lies behind the wall.
+    pub fn is_past_wall(&self, theta_rad: f64) -> bool {
+        self.wall_rad.is_some_and(|wall_rad| theta_rad >= wall_rad)
+    }
+}
+
+impl SceneKind {
+    /// Every kind, the one without a scene last.
+    pub const ALL: [Self; 4] = [Self::Free, Self::Spring, Self::SpringWall, Self::None];
+
+    /// Its word in `study.toml`.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Free => "free",
+            Self::Spring => "spring",
+            Self::SpringWall => "spring_wall",
+        }
+    }
+
+    /// The numbers that it takes.
+    pub(crate) fn quantities(self) -> &'static [SceneNumber] {
+        match self {
+            Self::None | Self::Free => &[],
+            Self::Spring => &[SceneNumber::Stiffness, SceneNumber::Rest],
+            Self::SpringWall => &[SceneNumber::Stiffness, SceneNumber::Rest, SceneNumber::Wall],
+        }
+    }
+
+    /// The scene of that kind with these numbers, in SI units.
+    pub(crate) fn scene(self, value: impl Fn(SceneNumber) -> f64) -> Scene {
+        let spring = || Spring {
+            stiffness_n_per_rad: value(SceneNumber::Stiffness),
+            rest_rad: value(SceneNumber::Rest),
+        };
+        match self {
+            Self::None => Scene::None,
+            Self::Free => Scene::Free,
+            Self::Spring => Scene::Spring(spring()),
+            Self::SpringWall => {
+                Scene::SpringWall { spring: spring(), wall_rad: value(SceneNumber::Wall) }
+            }
+        }
+    }
+}
+
+impl Scene {
+    /// Its kind.
+    pub fn kind(&self) -> SceneKind {
+        match self {
+            Self::None => SceneKind::None,
+            Self::Free => SceneKind::Free,
+            Self::Spring(_) => SceneKind::Spring,
+            Self::SpringWall { .. } => SceneKind::SpringWall,
+        }
+    }
+
+    /// The force it asks for; none where nothing is rendered.
+    pub fn law(&self) -> Option<ForceLaw> {
+        match *self {
+            Self::None => None,
+            Self::Free => Some(ForceLaw::FREE),
+            Self::Spring(spring) => Some(ForceLaw::spring(spring)),
+            Self::SpringWall { spring, wall_rad } => {
+                Some(ForceLaw { wall_rad: Some(wall_rad), ..ForceLaw::spring(spring) })
+            }
+        }
+    }
+
+    /// The scene's spring, where it has one.
+    pub fn spring(&self) -> Option<Spring> {
+        match *self {
+            Self::Spring(spring) | Self::SpringWall { spring, .. } => Some(spring),
+            _ => None,
+        }
+    }
+
+    /// Where the scene's wall begins, rad.
+    pub fn wall_rad(&self) -> Option<f64> {
+        self.law()?.wall_rad
+    }
+
+    /// One of its numbers, in SI units; none that it does not take.
+    pub(crate) fn value(&self, quantity: SceneNumber) -> Option<f64> {
+        let law = self.law().filter(|_| self.kind().quantities().contains(&quantity))?;
+        match quantity {
+            SceneNumber::Stiffness => Some(law.stiffness_n_per_rad),
+            SceneNumber::Rest => Some(law.rest_rad),
+            SceneNumber::Wall => law.wall_rad,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scene of each kind, whose numbers are all different.
+    fn scenes() -> impl Iterator<Item = Scene> {
+        SceneKind::ALL.into_iter().map(|kind| kind.scene(|q| 2.0 + f64::from(q as u8)))
+    }
+
+    #[test]
+    fn a_scene_made_of_its_kind_and_its_numbers_is_the_same_scene() {
+        for scene in scenes() {
+            let again = scene.kind().scene(|q| scene.value(q).unwrap());
+            assert_eq!(again, scene);
+        }
+    }
+
+    #[test]
+    fn every_kind_has_one_word_in_files_and_in_code() {
+        for kind in SceneKind::ALL {
+            assert_eq!(serde_json::to_string(&kind).unwrap(), format!("\"{}\"", kind.as_str()));
+        }
+    }
+
+    #[test]
+    fn a_scene_without_numbers_asks_for_no_force_and_one_with_them_for_some() {
+        for scene in scenes() {
+            let Some(law) = scene.law() else { continue };
+            let asks = law.force_n(5.0, 7.0) != 0.0 || law.wall_rad.is_some();
+            assert_eq!(asks, !scene.kind().quantities().is_empty(), "{scene:?}");
+        }
+    }
+
+    #[test]
+    fn a_spring_pulls_back_to_its_rest_and_damping_against_the_velocity() {
+        let law = ForceLaw { stiffness_n_per_rad: 4.0, damping_ns_per_rad: 0.5, ..ForceLaw::FREE };
+        assert!((law.force_n(0.5, 0.2) - 2.1).abs() < 1e-15);
+        let spring = ForceLaw { damping_ns_per_rad: 0.0, ..law };
+        assert!((spring.force_n(0.5, f64::NAN) - 2.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,139 @@
+//! The devices by the names that they have on the command line: the one list.
+
+use anyhow::{Context as _, anyhow};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use zwidth_device::check::Step;
+use zwidth_device::{Device, Person, Playback, Twin, TwinParameters};
+use zwidth_store::{Samples, Signal, hex_blake3, read_trial};
+use zwidth_study::{Flags, ParticipantId, Sample, SessionId, Voltages};
+
+/// How devices are written on the command line.
+pub(crate) const DEVICES: &str = "twin|playback:FILE";
+
+/// A device by name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum DeviceSpec {
+    /// The simulated device.
+    Twin,
+    /// A recorded trial.
+    Playback(PathBuf),
+}
+
+impl fmt::Display for DeviceSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Twin => f.write_str("twin"),
+            Self::Playback(file) => write!(f, "playback:{}", file.display()),
+        }
+    }
+}
+
+impl FromStr for DeviceSpec {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "twin" => Ok(Self::Twin),
+            Some(("playback", file)) if !file.is_empty() => Ok(Self::Playback(file.into())),
+            _ => Err(format!("it must be {DEVICES}")),
+        }
+    }
+}
+
+/// What a device is opened for.
+pub(crate) struct Occasion<'a> {
+    /// The simulated device's parameters.
+    pub(crate) twin: &'a TwinParameters,
+    /// The lower end of the work space, rad.
+    pub(crate) theta_min_rad: Option<f64>,
+    /// What the simulated device's participant and noise are drawn from.
+    pub(crate) seed: u64,
+    pub(crate) participant: &'a ParticipantId,
+    pub(crate) session: &'a SessionId,
+}
+
+/// The device, and who is at it where it is the simulated one.
+pub(crate) fn open(spec: &DeviceSpec, occasion: &Occasion) -> anyhow::Result<Box<dyn Device>> {
+    let Occasion { twin: parameters, theta_min_rad, seed, participant, session } = *occasion;
+    match spec {
+        DeviceSpec::Twin => Ok(Box::new(twin(parameters, seed, participant, session)?)),
+        DeviceSpec::Playback(path) => {
+            let trial = read_trial(path, Signal::all())?;
+            let stop_rad = theta_min_rad.context("study.toml: device.theta_min_deg is missing")?;
+            Ok(Box::new(Playback::new(rows(path, &trial.samples)?, stop_rad)?))
+        }
+    }
+}
+
+/// The simulated device with a participant. One seed: one device, the same person in each session,
+/// other noise.
+pub(crate) fn twin(
+    parameters: &TwinParameters,
+    seed: u64,
+    participant: &ParticipantId,
+    session: &SessionId,
+) -> anyhow::Result<Twin> {
+    let person = Person::draw(mixed(seed, &["person", participant.as_str()]));
+    let board = mixed(seed, &["board", participant.as_str(), session.as_str()]);
+    Ok(Twin::new(parameters.clone(), person, board)?)
+}
+
+/// A seed from a seed and what it is for.
+pub(crate) fn mixed(seed: u64, purpose: &[&str]) -> u64 {
+    /// Hexadecimal digits of 64 bits.
+    const DIGITS: usize = 16;
+    let text = format!("{seed}\n{}", purpose.join("\n"));
+    u64::from_str_radix(&hex_blake3(text.as_bytes())[..DIGITS], 16).unwrap_or(seed)
+}
+
+/// Whether the device goes through a step of the check by itself: the simulated one has its
+/// participant, a recording has nothing to check, and neither has a mass to hang on.
+pub(crate) fn checks_itself(spec: &DeviceSpec) -> fn(Step) -> bool {
+    match spec {
+        DeviceSpec::Twin => |step| !matches!(step, Step::Load(_)),
+        DeviceSpec::Playback(_) => |_| false,
+    }
+}
+
+/// A trial's rows.
+fn rows(path: &Path, samples: &Samples) -> anyhow::Result<Vec<Sample>> {
+    let needed = |signal: Signal| {
+        let missing = || {
+            anyhow!("{}: {signal:?} was not recorded; choose a trial that has it", path.display())
+        };
+        samples.get(signal).ok_or_else(missing)
+    };
+    let or_zero = |signal: Signal, i: usize| samples.get(signal).map_or(0.0, |v| v[i]);
+    let (t, theta, force) =
+        (needed(Signal::Time)?, needed(Signal::Theta)?, needed(Signal::ForceEx)?);
+    let row = |i: usize| Sample {
+        t_s: t[i],
+        t_device_s: samples.get(Signal::DeviceTime).map(|v| v[i]),
+        theta_rad: theta[i],
+        theta_dot_rad_s: or_zero(Signal::ThetaDot, i),
+        force_ex_n: force[i],
+        voltages: Voltages::OFF,
+        force_age_s: samples.get(Signal::ForceAge).map(|v| v[i]),
+        theta_raw: None,
+        force_cmd_n: 0.0,
+        flags: Flags::default(),
+        extra: zwidth_study::Extra::default(),
+    };
+    Ok((0..t.len()).map(row).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_is_named_by_its_kind_and_what_belongs_to_it() {
+        assert_eq!("twin".parse(), Ok(DeviceSpec::Twin));
+        assert_eq!("playback:a:b".parse(), Ok(DeviceSpec::Playback("a:b".into())));
+        for bad in ["", "twin:1", "playback", "playback:", "rig:/dev/x,/dev/y", "Twin"] {
+            assert!(bad.parse::<DeviceSpec>().unwrap_err().contains("playback:FILE"), "{bad}");
+        }
+    }
+}
