@@ -4,15 +4,21 @@
 //! exist (the interval of one value) is `None`, never NaN.
 
 pub mod aicc;
+mod answers;
 pub mod autocorrelation;
 pub mod band;
 pub mod bootstrap;
+pub mod clm;
 mod error;
 pub mod hac;
 pub mod interval;
+mod logistic;
 pub mod recording;
+mod reference;
 mod rounded;
+mod separation;
 pub mod student_t;
+mod symmetric;
 mod tested;
 
 pub use error::StatsError;
