@@ -94,20 +94,9 @@ impl Fit {
     /// # Errors
     /// `level` outside (0, 1).
     pub fn wald(&self, column: usize, level: f64) -> Result<Tested, StatsError> {
-        let z = reference::normal_critical(level)?;
-        let estimate = self.coefficients[column];
         let place = self.thresholds.len() + column;
         let std_error = self.covariance[place][place].sqrt();
-        let statistic = estimate / std_error;
-        Ok(Tested {
-            estimate,
-            std_error,
-            ci_low: estimate - z * std_error,
-            ci_high: estimate + z * std_error,
-            statistic,
-            df: f64::INFINITY,
-            p_value: reference::normal_two_sided(statistic),
-        })
+        reference::normal_wald(self.coefficients[column], std_error, level)
     }
 }
 

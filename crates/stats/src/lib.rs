@@ -9,6 +9,7 @@ pub mod autocorrelation;
 pub mod band;
 pub mod bootstrap;
 pub mod clm;
+pub mod clmm;
 mod error;
 pub mod hac;
 pub mod interval;

@@ -3,6 +3,7 @@
 
 use crate::error::{StatsError, check_level};
 use crate::rounded::rounded;
+use crate::tested::Tested;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
 /// A statistic that is referred to the χ² distribution.
@@ -38,6 +39,21 @@ pub(crate) fn normal_critical(level: f64) -> Result<f64, StatsError> {
 /// P(|Z| ≥ |z|).
 pub(crate) fn normal_two_sided(z: f64) -> f64 {
     libm::erfc(z.abs() / core::f64::consts::SQRT_2)
+}
+
+/// An estimate with its Wald test and interval: the normal distribution, `df` infinite.
+pub(crate) fn normal_wald(estimate: f64, std_error: f64, level: f64) -> Result<Tested, StatsError> {
+    let half = normal_critical(level)? * std_error;
+    let statistic = estimate / std_error;
+    Ok(Tested {
+        estimate,
+        std_error,
+        ci_low: estimate - half,
+        ci_high: estimate + half,
+        statistic,
+        df: f64::INFINITY,
+        p_value: normal_two_sided(statistic),
+    })
 }
 
 #[cfg(test)]
