@@ -10,6 +10,7 @@ mod error;
 pub mod expm;
 pub mod gauss_hermite;
 pub mod lsq;
+pub mod minimise;
 pub mod nonlinear;
 pub mod phases;
 pub mod roots;
