@@ -79,7 +79,8 @@ fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     Some(sorted[below] + (place - below as f64) * (sorted[above] - sorted[below]))
 }
 
-fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+/// The random numbers of resample `number`.
+pub(crate) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
     let mut key = [0; KEY_BYTES];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);

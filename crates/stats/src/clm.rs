@@ -8,14 +8,15 @@
 
 use crate::answers::Answers;
 pub use crate::answers::{Column, Scale};
-use crate::error::{StatsError, check_level};
+use crate::error::StatsError;
+
 use crate::logistic::{by_threshold, inner, logit, softplus_and_share};
+use crate::profile;
 use crate::reference;
 pub use crate::reference::ChiSquareTest;
 use crate::separation::Pattern;
 use crate::symmetric::{cholesky, dot, inverse, solve};
 use crate::tested::{Tested, Unestimable};
-use zwidth_numerics::roots;
 
 /// Newton's method has converged where the next step promises less of the log-likelihood.
 const PROMISE: f64 = 1e-18;
@@ -77,11 +78,15 @@ impl Model {
         self.answers.categories() - 1
     }
 
-    /// The logits of the cumulated shares, without effects of the columns.
-    fn start(&self) -> Vec<f64> {
+    /// The logits of the cumulated shares: the thresholds without effects of the columns.
+    pub(crate) fn cumulated_logits(&self) -> Vec<f64> {
         let all = self.answers.codes.len() as f64;
         let up_to = |k: usize| self.answers.codes.iter().filter(|&&c| c <= k).count() as f64;
-        let mut start: Vec<f64> = (0..self.thresholds()).map(|k| logit(up_to(k) / all)).collect();
+        (0..self.thresholds()).map(|k| logit(up_to(k) / all)).collect()
+    }
+
+    fn start(&self) -> Vec<f64> {
+        let mut start = self.cumulated_logits();
         start.resize(self.thresholds() + self.answers.columns.len(), 0.0);
         start
     }
@@ -140,37 +145,21 @@ pub fn profile_interval(
     column: usize,
     level: f64,
 ) -> Result<(f64, f64), Unestimable> {
-    /// Ends are found to this share of the standard error.
-    const RESOLUTION: f64 = 1e-9;
-    check_level(level)?;
     let z = reference::normal_critical(level)?;
     let place = fit.thresholds.len() + column;
     let std_error = fit.covariance[place][place].sqrt();
     let peak: Vec<f64> = fit.thresholds.iter().chain(&fit.coefficients).copied().collect();
-    let end = |sign: f64| {
-        let mut start = peak.clone();
-        let mut failure = None;
-        // What is left of z at a distance from the estimate, in standard errors.
-        let mut left = |distance: f64| {
-            start[place] = peak[place] + sign * distance * std_error;
-            match maximise(model, start.clone(), Some(place)) {
-                Ok((point, surface)) => {
-                    start = point;
-                    z - (2.0 * (fit.log_likelihood - surface.value).max(0.0)).sqrt()
-                }
-                Err(error) => {
-                    failure = Some(error);
-                    f64::NEG_INFINITY
-                }
-            }
+    let end = |sign: f64| -> Result<f64, Unestimable> {
+        let mut point = peak.clone();
+        let fall = |distance: f64| {
+            point[place] = peak[place] + sign * distance * std_error;
+            let (found, there) = maximise(model, point.clone(), Some(place))?;
+            point = found;
+            Ok((2.0 * (fit.log_likelihood - there.value).max(0.0)).sqrt())
         };
         // Concave and bounded by its maximum, the profile falls below any level.
-        let mut outer = z;
-        while left(outer) > 0.0 {
-            outer *= 2.0;
-        }
-        let distance = roots::bracketed(&mut left, 0.0, outer, RESOLUTION);
-        failure.map_or(Ok(peak[place] + sign * distance * std_error), Err)
+        let distance = profile::end(fall, z)?.unwrap_or(f64::INFINITY);
+        Ok(peak[place] + sign * distance * std_error)
     };
     Ok((end(-1.0)?, end(1.0)?))
 }

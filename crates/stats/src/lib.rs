@@ -14,11 +14,13 @@ mod error;
 pub mod hac;
 pub mod interval;
 mod logistic;
+mod profile;
 pub mod recording;
 mod reference;
 mod rounded;
 mod separation;
 pub mod student_t;
+pub mod superiority;
 mod symmetric;
 mod tested;
 

@@ -12,6 +12,9 @@ use crate::tested::{Tested, Unestimable};
 
 /// An SD below this is compared with none at all.
 const SMALL_SD: f64 = 0.1;
+/// An SD above this, in logits: who answers decides the answer, and the likelihood only grows flat
+/// towards infinite thresholds and SDs.
+const ENDLESS_SD: f64 = 20.0;
 /// A log-likelihood that an SD raises by less than this is no higher than without it: what searches
 /// leave.
 const NO_GAIN: f64 = 1e-9;
@@ -55,31 +58,25 @@ impl Fit {
         let place = self.thresholds.len() + column;
         normal_wald(self.coefficients[column], self.covariance[place][place].sqrt(), level)
     }
-
-    /// The parameters.
-    pub(super) fn point(&self) -> Point {
-        Point {
-            theta: self.thresholds.clone(),
-            beta: self.coefficients.clone(),
-            sd: [self.sd_participant, self.sd_participant_mode.unwrap_or(0.0)],
-        }
-    }
 }
 
 /// Fits a model by maximum likelihood.
 ///
 /// # Errors
-/// [`Unestimable::NotConverged`] if the search found no maximum: where each participant's answers
-/// hardly vary the SDs have no end.
+/// [`Unestimable::Separated`] where each participant's answers hardly vary, so that the SDs have no
+/// end; [`Unestimable::NotConverged`] if the search found no maximum.
 pub fn fit(model: &Model, integral: Integral) -> Result<Fit, Unestimable> {
     let (start, peak) = highest(model, integral)?;
+    if peak.coordinates[start.held.len() - 2..].iter().any(|sd| sd.abs() > ENDLESS_SD) {
+        return Err(Unestimable::Separated { what: "participants".to_owned() });
+    }
     finish(model, integral, start, peak)
 }
 
 /// The maximum of the log-likelihood, with the start that led there: SDs that gain nothing are
 /// held at zero.
 pub(super) fn highest(model: &Model, integral: Integral) -> Result<(Start, Peak), Unestimable> {
-    let mut start = Start::new(model)?;
+    let mut start = Start::new(model);
     let mut peak = climb(model, integral, &start)?;
     let width = start.coordinates.len();
     for sd in [width - 1, width - 2] {

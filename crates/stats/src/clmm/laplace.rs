@@ -10,10 +10,9 @@
 //! The gradient follows v̂ through ∂v̂/∂ψ = −H⁻¹ ∂²h/∂v∂ψ; one system per participant serves all
 //! parameters, because only its product with ∂ ln|H|/∂v is needed.
 
+use super::cell::{Levels, Slopes, fixed};
 use super::model::Cells;
 use super::point::Point;
-use crate::logistic::softplus_and_share;
-use crate::symmetric::dot;
 
 /// The search ends where no effect moves by more than this in a step; the last step squares it.
 const STEP: f64 = 1e-7;
@@ -36,58 +35,34 @@ impl Effects {
     pub(super) fn none(cells: &Cells) -> Self {
         Self { participant: 0.0, modes: vec![0.0; cells.groups.len()] }
     }
-}
 
-/// Sums over the cells of one mode: slope and bend by η.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Slopes {
-    /// ln P(answers).
-    pub(super) value: f64,
-    /// d ln P / dη.
-    pub(super) slope: f64,
-    /// −d² ln P / dη².
-    pub(super) bend: f64,
-}
-
-impl Slopes {
-    pub(super) fn add(&mut self, other: Self) {
-        self.value += other.value;
-        self.slope += other.slope;
-        self.bend += other.bend;
+    fn moved(&self, step: &Self, share: f64) -> Self {
+        let modes = self.modes.iter().zip(&step.modes).map(|(v, s)| v + share * s).collect();
+        Self { participant: self.participant + share * step.participant, modes }
     }
-}
-
-/// xβ of each cell.
-pub(super) fn fixed(cells: &Cells, point: &Point) -> Vec<f64> {
-    cells.x.iter().map(|x| dot(x, &point.beta)).collect()
-}
-
-/// The terms of one cell that depend on η.
-pub(super) fn slopes(cells: &Cells, cell: usize, theta: &[f64], eta: f64) -> Slopes {
-    let mut sum = Slopes::default();
-    for ((theta, below), beside) in theta.iter().zip(&cells.below[cell]).zip(&cells.beside[cell]) {
-        if *beside > 0.0 {
-            let z = theta - eta;
-            let (softplus, share) = softplus_and_share(z);
-            sum.value += below * z - beside * softplus;
-            sum.slope += beside * share - below;
-            sum.bend += beside * share * (1.0 - share);
-        }
-    }
-    sum
 }
 
 /// The logarithm of the approximation (without the inner categories' widths, which are the same
 /// for all) and its gradient by the parameters. `effects` is where the search starts, and where it
 /// ended.
 pub(super) fn laplace(cells: &Cells, point: &Point, effects: &mut Effects) -> (f64, Point) {
-    let fixed = fixed(cells, point);
-    let arrow = settle(cells, point, &fixed, effects);
+    let (levels, fixed) = (Levels::new(&point.theta), fixed(cells, point));
+    let person = Person { cells, point, levels, fixed };
+    let arrow = person.settle(effects);
     let value = -arrow.height - arrow.log_determinant() / 2.0;
-    (value, gradient(cells, point, &fixed, effects, &arrow))
+    (value, person.gradient(effects, &arrow))
 }
 
-/// h and its derivatives at some effects.
+/// A participant at one point of the parameters.
+struct Person<'a> {
+    cells: &'a Cells,
+    point: &'a Point,
+    levels: Levels,
+    /// xβ per cell.
+    fixed: Vec<f64>,
+}
+
+/// h and its second derivatives at some effects.
 struct Arrow {
     height: f64,
     /// Per mode.
@@ -100,23 +75,10 @@ struct Arrow {
 }
 
 impl Arrow {
-    fn new(cells: &Cells, point: &Point, fixed: &[f64], effects: &Effects) -> Self {
-        let mut height = effects.participant * effects.participant / 2.0;
-        let mut slopes = Vec::with_capacity(cells.groups.len());
-        for (group, v) in cells.groups.iter().zip(&effects.modes) {
-            let shift = point.sd[0] * effects.participant + point.sd[1] * v;
-            let mut sum = Slopes::default();
-            for cell in group.clone() {
-                sum.add(self::slopes(cells, cell, &point.theta, fixed[cell] + shift));
-            }
-            height += v * v / 2.0 - sum.value;
-            slopes.push(sum);
-        }
-        let spokes: Vec<f64> =
-            slopes.iter().map(|s| 1.0 + point.sd[1] * point.sd[1] * s.bend).collect();
+    fn new(height: f64, slopes: Vec<Slopes>, sd: [f64; 2]) -> Self {
+        let spokes: Vec<f64> = slopes.iter().map(|s| 1.0 + sd[1] * sd[1] * s.bend).collect();
         let share: f64 = slopes.iter().zip(&spokes).map(|(s, a)| s.bend / a).sum();
-        let hub = 1.0 + point.sd[0] * point.sd[0] * share;
-        Self { height, slopes, spokes, hub, sd: point.sd }
+        Self { height, slopes, spokes, hub: 1.0 + sd[0] * sd[0] * share, sd }
     }
 
     fn log_determinant(&self) -> f64 {
@@ -142,99 +104,127 @@ impl Arrow {
             modes: self.slopes.iter().zip(&effects.modes).map(mode).collect(),
         }
     }
+
+    /// Half the variance of η in each mode: what ½ ln|H| gains per unit of its bend S.
+    fn half_variances(&self) -> Vec<f64> {
+        let [su, sw] = self.sd;
+        let half = |a: &f64| 0.5 * (sw * sw / a + su * su / (self.hub * a * a));
+        self.spokes.iter().map(half).collect()
+    }
 }
 
-/// Moves the effects to the minimum of h by Newton's method with halved steps.
-fn settle(cells: &Cells, point: &Point, fixed: &[f64], effects: &mut Effects) -> Arrow {
-    let mut here = Arrow::new(cells, point, fixed, effects);
-    for _ in 0..MAX_STEPS {
-        let step = here.solve(&here.descent(effects));
-        let longest = step.modes.iter().fold(step.participant.abs(), |m, s| m.max(s.abs()));
-        let mut share = 1.0;
-        loop {
-            let trial = moved(effects, &step, share);
-            let there = Arrow::new(cells, point, fixed, &trial);
-            if longest < TRUSTED || there.height < here.height || share < f64::EPSILON {
-                (*effects, here) = (trial, there);
+impl Person<'_> {
+    /// η of a cell.
+    fn eta(&self, cell: usize, mode: usize, effects: &Effects) -> f64 {
+        let [su, sw] = self.point.sd;
+        self.fixed[cell] + su * effects.participant + sw * effects.modes[mode]
+    }
+
+    fn arrow(&self, effects: &Effects) -> Arrow {
+        let mut height = effects.participant * effects.participant / 2.0;
+        let mut slopes = Vec::with_capacity(self.cells.groups.len());
+        for (mode, group) in self.cells.groups.iter().enumerate() {
+            let mut sum = Slopes::default();
+            for cell in group.clone() {
+                let eta = self.eta(cell, mode, effects);
+                sum.add(self.levels.slopes(self.cells, cell, eta, None));
+            }
+            height += effects.modes[mode] * effects.modes[mode] / 2.0 - sum.value;
+            slopes.push(sum);
+        }
+        Arrow::new(height, slopes, self.point.sd)
+    }
+
+    /// Moves the effects to the minimum of h by Newton's method with halved steps.
+    fn settle(&self, effects: &mut Effects) -> Arrow {
+        let mut here = self.arrow(effects);
+        for _ in 0..MAX_STEPS {
+            let step = here.solve(&here.descent(effects));
+            let longest = step.modes.iter().fold(step.participant.abs(), |m, s| m.max(s.abs()));
+            let mut share = 1.0;
+            loop {
+                let trial = effects.moved(&step, share);
+                let there = self.arrow(&trial);
+                if longest < TRUSTED || there.height < here.height || share < f64::EPSILON {
+                    (*effects, here) = (trial, there);
+                    break;
+                }
+                share /= 2.0;
+            }
+            if longest.is_nan() || longest < STEP || share < f64::EPSILON {
                 break;
             }
-            share /= 2.0;
         }
-        if longest.is_nan() || longest < STEP || share < f64::EPSILON {
-            break;
-        }
+        here
     }
-    here
-}
 
-fn moved(effects: &Effects, step: &Effects, share: f64) -> Effects {
-    let modes = effects.modes.iter().zip(&step.modes).map(|(v, s)| v + share * s).collect();
-    Effects { participant: effects.participant + share * step.participant, modes }
-}
-
-fn gradient(
-    cells: &Cells,
-    point: &Point,
-    fixed: &[f64],
-    effects: &Effects,
-    arrow: &Arrow,
-) -> Point {
-    let [su, sw] = point.sd;
-    let mut sum = Point::zero(point.theta.len(), point.beta.len());
-    // q: half the variance of η of a mode's cells; −½ d ln|H| = −q dS.
-    let q: Vec<f64> =
-        arrow.spokes.iter().map(|a| 0.5 * (sw * sw / a + su * su / (arrow.hub * a * a))).collect();
-    // T = −dS/dη, per mode: half of what moves ln|H| along v.
-    let twists: Vec<f64> = cells
-        .groups
-        .iter()
-        .zip(&effects.modes)
-        .map(|(group, v)| {
-            let shift = su * effects.participant + sw * v;
-            group.clone().map(|cell| twist(cells, cell, &point.theta, fixed[cell] + shift)).sum()
-        })
-        .collect();
-    let pull: Vec<f64> = q.iter().zip(&twists).map(|(q, t)| q * t).collect();
-    let along = Effects {
-        participant: su * pull.iter().sum::<f64>(),
-        modes: pull.iter().map(|p| sw * p).collect(),
-    };
-    let adjoint = arrow.solve(&along);
-    for (m, group) in cells.groups.iter().enumerate() {
-        let (v, a) = (effects.modes[m], arrow.spokes[m]);
-        let shift = su * effects.participant + sw * v;
-        let follow = su * adjoint.participant + sw * adjoint.modes[m];
-        let mut by_eta = 0.0;
-        for cell in group.clone() {
-            let mut cell_by_eta = 0.0;
-            let counts = cells.below[cell].iter().zip(&cells.beside[cell]);
-            for ((theta, (below, beside)), by) in point.theta.iter().zip(counts).zip(&mut sum.theta)
-            {
-                let (_, share) = softplus_and_share(theta - fixed[cell] - shift);
-                let bend = beside * share * (1.0 - share);
-                let along =
-                    below - beside * share - q[m] * bend * (1.0 - 2.0 * share) + follow * bend;
-                *by += along;
-                cell_by_eta -= along;
+    /// The gradient of −h − ½ ln|H| at the minimum of h.
+    fn gradient(&self, effects: &Effects, arrow: &Arrow) -> Point {
+        let [su, sw] = self.point.sd;
+        let half_variances = arrow.half_variances();
+        let adjoint = arrow.solve(&self.pull(effects, &half_variances));
+        let mut sum = Point::zero(self.point.theta.len(), self.point.beta.len());
+        for (mode, group) in self.cells.groups.iter().enumerate() {
+            // By how much η of this mode follows, through v̂.
+            let follow = su * adjoint.participant + sw * adjoint.modes[mode];
+            let mut by_eta = 0.0;
+            for cell in group.clone() {
+                let eta = self.eta(cell, mode, effects);
+                by_eta += self.add_cell(&mut sum, cell, eta, half_variances[mode], follow);
             }
-            sum.beta.iter_mut().zip(&cells.x[cell]).for_each(|(by, x)| *by += cell_by_eta * x);
-            by_eta += cell_by_eta;
+            // S/A, and where the SDs stand in h and in |H| themselves.
+            let slope = arrow.slopes[mode].slope;
+            let share = arrow.slopes[mode].bend / arrow.spokes[mode];
+            sum.sd[0] +=
+                by_eta * effects.participant + adjoint.participant * slope - su * share / arrow.hub;
+            sum.sd[1] += by_eta * effects.modes[mode] + adjoint.modes[mode] * slope
+                - sw * share * (1.0 - su * su * share / arrow.hub);
         }
-        let Slopes { slope, bend, .. } = arrow.slopes[m];
-        let bend_share = bend / a;
-        sum.sd[0] += by_eta * effects.participant + adjoint.participant * slope
-            - su * bend_share / arrow.hub;
-        sum.sd[1] += by_eta * v + adjoint.modes[m] * slope - sw * bend_share
-            + su * su * sw / arrow.hub * bend_share * bend_share;
+        sum
     }
-    sum
-}
 
-/// Σ Nⱼ F'' of one cell.
-fn twist(cells: &Cells, cell: usize, theta: &[f64], eta: f64) -> f64 {
-    let one = |(theta, beside): (&f64, &f64)| {
-        let (_, share) = softplus_and_share(theta - eta);
-        beside * share * (1.0 - share) * (1.0 - 2.0 * share)
-    };
-    theta.iter().zip(&cells.beside[cell]).map(one).sum()
+    /// −½ ∂ ln|H| / ∂v.
+    fn pull(&self, effects: &Effects, half_variances: &[f64]) -> Effects {
+        let [su, sw] = self.point.sd;
+        let of = |(mode, half_variance): (usize, &f64)| {
+            let cells = self.cells.groups[mode].clone();
+            half_variance * cells.map(|c| self.twist(c, self.eta(c, mode, effects))).sum::<f64>()
+        };
+        let pulls: Vec<f64> = half_variances.iter().enumerate().map(of).collect();
+        Effects {
+            participant: su * pulls.iter().sum::<f64>(),
+            modes: pulls.iter().map(|pull| sw * pull).collect(),
+        }
+    }
+
+    /// −dS/dη = Σ Nⱼ F'' of one cell.
+    fn twist(&self, cell: usize, eta: f64) -> f64 {
+        let counts = self.cells.beside[cell].iter();
+        let one = |(n, f): (&f64, f64)| n * f * (1.0 - f) * (1.0 - 2.0 * f);
+        counts.zip(self.levels.shares(eta)).map(one).sum()
+    }
+
+    /// Adds what a cell gives by θ and β; returns what it gives by η.
+    fn add_cell(
+        &self,
+        sum: &mut Point,
+        cell: usize,
+        eta: f64,
+        half_variance: f64,
+        follow: f64,
+    ) -> f64 {
+        let mut by_eta = 0.0;
+        let counts = self.cells.below[cell].iter().zip(&self.cells.beside[cell]);
+        for (((below, beside), share), by) in
+            counts.zip(self.levels.shares(eta)).zip(&mut sum.theta)
+        {
+            let bend = beside * share * (1.0 - share);
+            let determinant = half_variance * bend * (1.0 - 2.0 * share);
+            let along = below - beside * share - determinant + follow * bend;
+            *by += along;
+            by_eta -= along;
+        }
+        sum.beta.iter_mut().zip(&self.cells.x[cell]).for_each(|(by, x)| *by += by_eta * x);
+        by_eta
+    }
 }

@@ -5,17 +5,26 @@
 //! The effects are integrated out by Laplace's approximation or by nested adaptive Gauss–Hermite
 //! quadrature; the likelihood is climbed by a quasi-Newton method with analytic gradients.
 
+mod cell;
+mod compare;
 mod fit;
 mod laplace;
 mod likelihood;
 mod model;
 mod point;
+mod profile;
 mod quadrature;
+mod ratio;
+mod resample;
 mod search;
 #[cfg(test)]
 mod tests;
 
 pub use crate::answers::{Column, Scale};
+pub use compare::{ModeComparison, ModeStudy, OddsRatio, compare_modes};
 pub use fit::{Fit, fit};
 pub use likelihood::Integral;
 pub use model::{Model, Ratings, Terms};
+pub use profile::{ProfileInterval, profile_interval};
+pub use ratio::{RatioTest, test_columns};
+pub use resample::{Bootstrap, bootstrap};

@@ -3,7 +3,7 @@
 use crate::answers::{Answers, Column, same_length};
 use crate::logistic::by_threshold;
 use crate::tested::Unestimable;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// The answers of a study, one row each; all slices are of one length.
@@ -39,6 +39,8 @@ pub struct Model {
     pub(super) participants: Vec<Cells>,
     /// Participant and mode of each row, as indices of `participants` and of its groups.
     pub(super) places: Vec<(usize, usize)>,
+    /// How many modes there are.
+    modes: usize,
 }
 
 /// One participant's answers. A cell counts those that share mode and columns: their linear
@@ -70,7 +72,8 @@ impl Model {
         }
         answers.screen()?;
         let places = places(ratings.participants, ratings.modes);
-        let model = Self::of(answers, places, terms);
+        let modes = ratings.modes.iter().collect::<BTreeSet<_>>().len();
+        let model = Self::of(answers, places, terms, modes);
         let found = model.participants.len();
         if found < 2 {
             return Err(Unestimable::TooFew { units: "participants", found, needed: 2 });
@@ -84,7 +87,12 @@ impl Model {
     }
 
     /// The model of answers whose places are known, unscreened.
-    pub(super) fn of(answers: Answers, places: Vec<(usize, usize)>, terms: Terms) -> Self {
+    pub(super) fn of(
+        answers: Answers,
+        places: Vec<(usize, usize)>,
+        terms: Terms,
+        modes: usize,
+    ) -> Self {
         let mut rows: Vec<Vec<Vec<usize>>> = Vec::new();
         for (row, &(participant, group)) in places.iter().enumerate() {
             rows.resize_with(rows.len().max(participant + 1), Vec::new);
@@ -93,7 +101,7 @@ impl Model {
             groups[group].push(row);
         }
         let participants = rows.iter().map(|groups| Cells::new(&answers, groups)).collect();
-        Self { answers, terms, participants, places }
+        Self { answers, terms, participants, places, modes }
     }
 
     /// The same model without some columns.
@@ -101,7 +109,23 @@ impl Model {
         let kept = self.answers.columns.iter().enumerate();
         let kept = kept.filter(|(j, _)| !columns.contains(j)).map(|(_, c)| c.clone());
         let answers = Answers { columns: kept.collect(), ..self.answers.clone() };
-        Self::of(answers, self.places.clone(), self.terms)
+        self.with(answers)
+    }
+
+    /// The same model of other answers.
+    pub(super) fn with(&self, answers: Answers) -> Self {
+        Self::of(answers, self.places.clone(), self.terms, self.modes)
+    }
+
+    /// (n − 1)(m − 1) for n participants and m modes: the degrees of freedom of their interaction,
+    /// and so of the error of a mode effect where people differ in it.
+    pub fn mode_df(&self) -> f64 {
+        (self.participants.len() as f64 - 1.0) * (self.modes as f64 - 1.0)
+    }
+
+    /// How many people answered.
+    pub fn participants(&self) -> usize {
+        self.participants.len()
     }
 
     /// How many thresholds there are.

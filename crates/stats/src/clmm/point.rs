@@ -53,11 +53,6 @@ impl Point {
         by.into_iter().chain(self.beta.iter().copied()).chain(self.sd).collect()
     }
 
-    /// The parameters as one list: θ, β, the SDs.
-    pub(super) fn list(&self) -> Vec<f64> {
-        self.theta.iter().chain(&self.beta).chain(&self.sd).copied().collect()
-    }
-
     /// Adds another gradient.
     pub(super) fn add(&mut self, other: &Self) {
         let add = |to: &mut [f64], from: &[f64]| {
@@ -66,6 +61,14 @@ impl Point {
         add(&mut self.theta, &other.theta);
         add(&mut self.beta, &other.beta);
         add(&mut self.sd, &other.sd);
+    }
+}
+
+#[cfg(test)]
+impl Point {
+    /// The parameters as one list: θ, β, the SDs.
+    pub(super) fn list(&self) -> Vec<f64> {
+        self.theta.iter().chain(&self.beta).chain(&self.sd).copied().collect()
     }
 }
 

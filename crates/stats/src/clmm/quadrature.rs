@@ -10,10 +10,10 @@
 //! of ln P(answers | v), with the same nodes. It differs from the derivative of the rule by what
 //! the rule itself is off.
 
-use super::laplace::{Effects, Slopes, fixed, slopes};
+use super::cell::{Levels, Slopes, fixed};
+use super::laplace::Effects;
 use super::model::Cells;
 use super::point::Point;
-use crate::logistic::softplus_and_share;
 use core::f64::consts::{PI, SQRT_2};
 use zwidth_numerics::gauss_hermite::Rule;
 
@@ -33,14 +33,15 @@ pub(super) fn integrate(
     rule: &Rule,
     effects: &mut Effects,
 ) -> (f64, Point) {
-    let outer = Outer { cells, point, rule, fixed: fixed(cells, point) };
+    let (levels, fixed) = (Levels::new(&point.theta), fixed(cells, point));
+    let log_weights: Vec<f64> = rule.weights.iter().map(|w| libm::log(*w)).collect();
+    let outer = Outer { cells, point, levels, fixed, nodes: &rule.nodes, log_weights };
     let scale = outer.settle(effects);
     let centre = effects.participant;
     let mut nodes: Vec<Node> = Vec::with_capacity(rule.nodes.len());
-    for (x, weight) in rule.nodes.iter().zip(&rule.weights) {
-        let v = centre + SQRT_2 * scale * x;
-        let mut node = outer.node(v, effects, true);
-        node.log_weight += libm::log(*weight);
+    for (x, log_weight) in rule.nodes.iter().zip(&outer.log_weights) {
+        let mut node = outer.node(centre + SQRT_2 * scale * x, effects);
+        node.log_weight += log_weight;
         nodes.push(node);
     }
     let (log_sum, shares) = log_sum(nodes.iter().map(|node| node.log_weight));
@@ -56,8 +57,11 @@ pub(super) fn integrate(
 struct Outer<'a> {
     cells: &'a Cells,
     point: &'a Point,
-    rule: &'a Rule,
+    levels: Levels,
+    /// xβ per cell.
     fixed: Vec<f64>,
+    nodes: &'a [f64],
+    log_weights: Vec<f64>,
 }
 
 /// The outer integrand at one v₀.
@@ -96,7 +100,7 @@ impl Outer<'_> {
     fn settle(&self, effects: &mut Effects) -> f64 {
         let mut scale = 1.0;
         for _ in 0..MAX_STEPS {
-            let here = self.node(effects.participant, effects, false);
+            let here = self.node(effects.participant, effects);
             let step = (here.slope / here.bend).clamp(-LONGEST, LONGEST);
             scale = 1.0 / here.bend.sqrt();
             effects.participant += step;
@@ -107,17 +111,15 @@ impl Outer<'_> {
         scale
     }
 
-    /// The outer integrand at `v`, with what the gradient needs if that is asked for.
-    fn node(&self, v: f64, effects: &mut Effects, with_gradient: bool) -> Node {
-        let [su, _] = self.point.sd;
-        let thresholds = self.point.theta.len();
-        let room = if with_gradient { self.cells.x.len() * thresholds } else { 0 };
+    /// The outer integrand at `v`.
+    fn node(&self, v: f64, effects: &mut Effects) -> Node {
+        let su = self.point.sd[0];
         let mut node = Node {
             v,
             log_weight: -v * v / 2.0,
             slope: -v,
             bend: 1.0,
-            residuals: vec![0.0; room],
+            residuals: Vec::with_capacity(self.cells.x.len() * self.point.theta.len()),
             mode_slope: 0.0,
         };
         for m in 0..self.cells.groups.len() {
@@ -129,35 +131,42 @@ impl Outer<'_> {
         node
     }
 
-    /// ln Iₘ at the shift σᵤ v₀ with its slope and bend by that shift; adds to the node's gradient.
+    /// ln Iₘ at the shift σᵤ v₀ with its slope and bend by that shift. What the mode gives to the
+    /// gradient goes to the node.
     fn inner(&self, m: usize, shift: f64, mode: &mut f64, node: &mut Node) -> Slopes {
         let sw = self.point.sd[1];
         if sw.abs() <= f64::MIN_POSITIVE {
             *mode = 0.0;
-            let here = self.group(m, shift);
-            self.add_residuals(m, shift, 1.0, node);
-            return here;
+            return self.group(m, shift, Some(&mut node.residuals));
         }
         let scale = self.settle_mode(m, shift, mode);
-        let at: Vec<(f64, Slopes)> = self
-            .rule
+        let place = |x: &f64| *mode + SQRT_2 * scale * x;
+        let mut residuals = Vec::new();
+        let at: Vec<Slopes> = self
             .nodes
             .iter()
-            .map(|x| *mode + SQRT_2 * scale * x)
-            .map(|v| (v, self.group(m, shift + sw * v)))
+            .map(|x| self.group(m, shift + sw * place(x), Some(&mut residuals)))
             .collect();
-        let log_weights = at.iter().zip(&self.rule.weights);
+        let weigh = |((x, here), log_weight): ((&f64, &Slopes), &f64)| {
+            here.value - place(x) * place(x) / 2.0 + log_weight
+        };
         let (log_sum, shares) =
-            log_sum(log_weights.map(|((v, s), w)| s.value - v * v / 2.0 + libm::log(*w)));
+            log_sum(self.nodes.iter().zip(&at).zip(&self.log_weights).map(weigh));
         let mut mean = Slopes::default();
-        for ((v, here), share) in at.iter().zip(&shares) {
+        for ((x, here), share) in self.nodes.iter().zip(&at).zip(&shares) {
             mean.slope += share * here.slope;
             mean.bend += share * here.bend;
-            node.mode_slope += share * v * here.slope;
-            self.add_residuals(m, shift + sw * v, *share, node);
+            node.mode_slope += share * place(x) * here.slope;
+        }
+        let first = node.residuals.len();
+        let width = residuals.len() / shares.len();
+        node.residuals.resize(first + width, 0.0);
+        for (residuals, share) in residuals.chunks_exact(width).zip(&shares) {
+            let means = node.residuals[first..].iter_mut().zip(residuals);
+            means.for_each(|(mean, residual)| *mean += share * residual);
         }
         // The logarithm of a mean bends by the mean bend less the slopes' variance.
-        let spread = |((_, here), share): (&(f64, Slopes), &f64)| {
+        let spread = |(here, share): (&Slopes, &f64)| {
             share * (here.slope - mean.slope) * (here.slope - mean.slope)
         };
         let variance: f64 = at.iter().zip(&shares).map(spread).sum();
@@ -173,7 +182,7 @@ impl Outer<'_> {
         let sw = self.point.sd[1];
         let mut scale = 1.0;
         for _ in 0..MAX_STEPS {
-            let here = self.group(m, shift + sw * *mode);
+            let here = self.group(m, shift + sw * *mode, None);
             let bend = 1.0 + sw * sw * here.bend;
             let step = ((sw * here.slope - *mode) / bend).clamp(-LONGEST, LONGEST);
             scale = 1.0 / bend.sqrt();
@@ -185,28 +194,15 @@ impl Outer<'_> {
         scale
     }
 
-    /// ln P(answers in mode m) with its slope and bend by η.
-    fn group(&self, m: usize, shift: f64) -> Slopes {
+    /// ln P(answers in mode m) with its slope and bend by η; nⱼ − Nⱼ F of each cell and threshold
+    /// is pushed where it is asked for.
+    fn group(&self, m: usize, shift: f64, mut residuals: Option<&mut Vec<f64>>) -> Slopes {
         let mut sum = Slopes::default();
         for cell in self.cells.groups[m].clone() {
-            sum.add(slopes(self.cells, cell, &self.point.theta, self.fixed[cell] + shift));
+            let eta = self.fixed[cell] + shift;
+            sum.add(self.levels.slopes(self.cells, cell, eta, residuals.as_deref_mut()));
         }
         sum
-    }
-
-    fn add_residuals(&self, m: usize, shift: f64, share: f64, node: &mut Node) {
-        if node.residuals.is_empty() {
-            return;
-        }
-        let theta = &self.point.theta;
-        for cell in self.cells.groups[m].clone() {
-            let counts = self.cells.below[cell].iter().zip(&self.cells.beside[cell]);
-            let room = &mut node.residuals[cell * theta.len()..];
-            for ((theta, (below, beside)), mean) in theta.iter().zip(counts).zip(room) {
-                let (_, here) = softplus_and_share(theta - self.fixed[cell] - shift);
-                *mean += share * (below - beside * here);
-            }
-        }
     }
 }
 

@@ -16,6 +16,10 @@ const FLAT: f64 = 5e-7;
 const NEARLY_FLAT: f64 = 1e-4;
 /// SDs at which a search begins.
 const FIRST_SD: [f64; 2] = [1.0, 0.5];
+/// No search begins at an SD below this: zero is a stationary point, which it would not leave.
+const LEAST_SD: f64 = 0.3;
+/// Variance of the coordinates where nothing is known of it.
+const UNKNOWN: f64 = 0.25;
 
 /// Where a search begins, and how far its parameters may be expected to move.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,28 +42,52 @@ pub(super) struct Peak {
 }
 
 impl Start {
-    /// The fit without random effects, with SDs to begin with.
-    pub(super) fn new(model: &Model) -> Result<Self, Unestimable> {
-        let plain = clm::fit(&clm::Model::of(model.answers.clone()))?;
-        let point = Point { theta: plain.thresholds, beta: plain.coefficients, sd: FIRST_SD };
-        let mut start = Self {
-            covariance: by_coordinates(&plain.covariance, &point.theta),
-            coordinates: point.coordinates(),
-            held: vec![false; model.thresholds() + model.columns() + 2],
+    /// The fit without random effects, with SDs to begin with. Where answers are separated (those of
+    /// a bootstrap may be) it begins without effects of the columns.
+    pub(super) fn new(model: &Model) -> Self {
+        let plain = clm::Model::of(model.answers.clone());
+        let width = model.thresholds() + model.columns() + 2;
+        let (point, mut covariance) = match model.answers.screen().and_then(|()| clm::fit(&plain)) {
+            Ok(fit) => {
+                let covariance = by_coordinates(&fit.covariance, &fit.thresholds);
+                (Point { theta: fit.thresholds, beta: fit.coefficients, sd: FIRST_SD }, covariance)
+            }
+            Err(_) => {
+                let theta = plain.cumulated_logits();
+                let unknown = |i: usize| one_entry(width - 2, i, UNKNOWN);
+                let beta = vec![0.0; model.columns()];
+                (Point { theta, beta, sd: FIRST_SD }, (0..width - 2).map(unknown).collect())
+            }
         };
-        let width = start.coordinates.len();
-        start.covariance.iter_mut().for_each(|row| row.resize(width, 0.0));
-        // The variance of an SD estimated from n values is 1/(2n) of its square.
-        let groups: usize = model.participants.iter().map(|cells| cells.groups.len()).sum();
-        for (sd, values) in [model.participants.len(), groups].into_iter().enumerate() {
-            let mut row = vec![0.0; width];
-            row[width - 2 + sd] = 1.0 / (2.0 * values as f64);
-            start.covariance.push(row);
+        covariance.iter_mut().for_each(|row| row.resize(width, 0.0));
+        for (sd, variance) in sd_variances(model).into_iter().enumerate() {
+            covariance.push(one_entry(width, width - 2 + sd, variance));
         }
+        let mut start =
+            Self { covariance, coordinates: point.coordinates(), held: vec![false; width] };
         if model.terms == Terms::Participant {
             start.hold_at(width - 1, 0.0);
         }
-        Ok(start)
+        start
+    }
+
+    /// Where a search begins that ended at `peak` before, with all SDs of the model free again.
+    pub(super) fn again(model: &Model, peak: &[f64], covariance: &[Vec<f64>]) -> Self {
+        let mut start = Self {
+            coordinates: peak.to_vec(),
+            covariance: covariance.to_vec(),
+            held: vec![false; peak.len()],
+        };
+        for (sd, variance) in sd_variances(model).into_iter().enumerate() {
+            let place = peak.len() - 2 + sd;
+            if start.covariance[place][place] <= 0.0 {
+                start.covariance[place][place] = variance;
+            }
+        }
+        if model.terms == Terms::Participant {
+            start.hold_at(peak.len() - 1, 0.0);
+        }
+        start
     }
 
     /// Keeps a coordinate at a value.
@@ -82,6 +110,19 @@ impl Start {
     }
 }
 
+/// Variance of each SD as estimated from its number of values: σ² / (2n), with σ about 1.
+fn sd_variances(model: &Model) -> [f64; 2] {
+    let groups: usize = model.participants.iter().map(|cells| cells.groups.len()).sum();
+    [model.participants.len(), groups].map(|values| 1.0 / (2.0 * values as f64))
+}
+
+/// A row of zeros but for one entry.
+fn one_entry(width: usize, place: usize, entry: f64) -> Vec<f64> {
+    let mut row = vec![0.0; width];
+    row[place] = entry;
+    row
+}
+
 /// Rows of a covariance of (θ, β) as one of the coordinates.
 fn by_coordinates(covariance: &[Vec<f64>], theta: &[f64]) -> Vec<Vec<f64>> {
     let steps = |row: &[f64]| -> Vec<f64> {
@@ -102,8 +143,14 @@ pub(super) fn climb(model: &Model, integral: Integral, start: &Start) -> Result<
     let mut likelihood = Likelihood::new(model, integral);
     let free = start.free();
     let shape = start.shape(&free);
+    let mut first = start.coordinates.clone();
+    for i in first.len() - 2..first.len() {
+        if !start.held[i] {
+            first[i] = first[i].abs().max(LEAST_SD);
+        }
+    }
     let place = |steps: &[f64]| {
-        let mut coordinates = start.coordinates.clone();
+        let mut coordinates = first.clone();
         for (row, &i) in shape.iter().zip(&free) {
             coordinates[i] += row.iter().zip(steps).map(|(l, s)| l * s).sum::<f64>();
         }

@@ -1,12 +1,15 @@
 //! Gradients against differences, quadrature against a tensor rule, and simulated studies.
 
-use super::laplace::{Effects, laplace, slopes};
+use super::cell::Levels;
+use super::laplace::{Effects, laplace};
 use super::likelihood::Likelihood;
 use super::model::Cells;
 use super::point::Point;
 use super::quadrature::integrate;
 use super::*;
+use crate::Unestimable;
 use crate::answers::Answers;
+use crate::clm;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use zwidth_numerics::gauss_hermite::rule;
@@ -169,7 +172,7 @@ impl Study {
     fn of_one(&self) -> Model {
         let answers = Answers::new(&self.answers, 5, &self.columns).unwrap();
         let places = self.participants.iter().copied().zip(self.modes.iter().copied()).collect();
-        Model::of(answers, places, Terms::ParticipantAndMode)
+        Model::of(answers, places, Terms::ParticipantAndMode, 3)
     }
 }
 
@@ -180,7 +183,7 @@ fn minus_log_joint(cells: &Cells, point: &Point, v: &[f64]) -> f64 {
         for cell in group.clone() {
             let fixed: f64 = cells.x[cell].iter().zip(&point.beta).map(|(x, b)| x * b).sum();
             let eta = fixed + point.sd[0] * v[0] + point.sd[1] * v[1 + m];
-            sum -= slopes(cells, cell, &point.theta, eta).value;
+            sum -= Levels::new(&point.theta).slopes(cells, cell, eta, None).value;
         }
     }
     sum
@@ -224,20 +227,219 @@ fn nested_quadrature_agrees_with_a_tensor_rule_of_sixty_nodes() {
     let point = |sd| Point { theta: THETA.to_vec(), beta: BETA[1..].to_vec(), sd };
     let answers = Answers::new(&study.answers, 5, &study.columns).unwrap();
     let places = study.participants.iter().copied().zip(study.modes.iter().copied()).collect();
-    let model = Model::of(answers, places, Terms::ParticipantAndMode);
+    let model = Model::of(answers, places, Terms::ParticipantAndMode, 3);
     for sd in [[0.8, 0.6], [1.2, 0.0], [0.3, 1.0]] {
         for cells in &model.participants {
             let exact = tensor(cells, &point(sd));
             let found =
                 |nodes| integrate(cells, &point(sd), &rule(nodes), &mut Effects::none(cells)).0;
-            println!(
-                "{sd:?} {:e} {:e} {:e} {:e}",
-                found(7) - exact,
-                found(11) - exact,
-                found(15) - exact,
-                found(25) - exact
-            );
             assert!((found(25) - exact).abs() < 1e-8, "{sd:?}: {} {exact}", found(25));
         }
     }
+}
+
+#[test]
+fn people_who_are_alike_are_a_singular_fit_and_that_of_the_plain_model() {
+    // Each person gives the same answers, so that nothing is left to vary between them.
+    let one = study(5, 1, 5, [0.0, 0.0]);
+    let people = 4;
+    let again = |values: &[usize]| values.repeat(people);
+    let rows = one.answers.len();
+    let study = Study {
+        answers: one.answers.repeat(people),
+        columns: one
+            .columns
+            .iter()
+            .map(|c| Column { name: c.name.clone(), values: c.values.repeat(people) })
+            .collect(),
+        participants: (0..people * rows).map(|i| i / rows).collect(),
+        modes: again(&one.modes),
+    };
+    let plain = clm::Model::new(&study.answers, 5, &study.columns).unwrap();
+    let plain = clm::fit(&plain).unwrap();
+    for terms in [Terms::Participant, Terms::ParticipantAndMode] {
+        for integral in [Integral::Laplace, Integral::Quadrature { nodes: 9 }] {
+            let found = fit(&study.model(terms), integral).unwrap();
+            assert!(found.singular && found.sd_participant == 0.0);
+            assert!(found.sd_participant_mode.is_none_or(|sd| sd == 0.0));
+            assert!((found.log_likelihood - plain.log_likelihood).abs() < 1e-9);
+            for (a, b) in found.coefficients.iter().zip(&plain.coefficients) {
+                assert!((a - b).abs() < 1e-6, "{a} {b}");
+            }
+            for j in 0..3 {
+                let (a, b) = (found.wald(j, 0.95).unwrap(), plain.wald(j, 0.95).unwrap());
+                assert!((a.std_error / b.std_error - 1.0).abs() < 1e-5, "{a:?} {b:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_simulated_study_of_many_people_gives_back_its_truth() {
+    let study = study(6, 300, 3, [1.0, 0.7]);
+    let model = study.model(Terms::ParticipantAndMode);
+    let found = fit(&model, Integral::Quadrature { nodes: 9 }).unwrap();
+    assert!(!found.singular);
+    let near = |estimate: f64, truth: f64, error: f64| {
+        assert!((estimate - truth).abs() < 3.3 * error, "{estimate} {truth} {error}");
+    };
+    for (j, truth) in BETA.into_iter().enumerate() {
+        near(found.coefficients[j], truth, found.wald(j, 0.95).unwrap().std_error);
+    }
+    for (k, truth) in THETA.into_iter().enumerate() {
+        near(found.thresholds[k], truth, found.covariance[k][k].sqrt());
+    }
+    // An SD from n values has a standard error of at least σ/√(2n).
+    near(found.sd_participant, 1.0, 2.0 / 600_f64.sqrt());
+    near(found.sd_participant_mode.unwrap(), 0.7, 2.0 * 0.7 / 1800_f64.sqrt());
+}
+
+#[test]
+fn more_nodes_change_a_fit_of_fifteen_by_less_than_its_search_leaves() {
+    let model = study(7, 8, 3, [1.2, 0.8]).model(Terms::ParticipantAndMode);
+    let of = |nodes| fit(&model, Integral::Quadrature { nodes }).unwrap();
+    let (few, many) = (of(15), of(40));
+    assert!((few.log_likelihood - many.log_likelihood).abs() < 1e-8);
+    assert!((few.coefficients[0] - many.coefficients[0]).abs() < 1e-6);
+    assert!((few.sd_participant - many.sd_participant).abs() < 1e-5);
+    assert!(few.slope < 1e-6 && many.slope < 1e-6);
+}
+
+#[test]
+fn one_thread_gives_the_bits_of_many() {
+    let study = study(8, 150, 2, [1.0, 0.5]);
+    let model = study.model(Terms::ParticipantAndMode);
+    let small = self::study(9, 5, 2, [0.7, 0.5]).model(Terms::ParticipantAndMode);
+    let run = || {
+        let fits = [Integral::Laplace, Integral::Quadrature { nodes: 7 }]
+            .map(|integral| fit(&model, integral).unwrap());
+        (fits, bootstrap(&small, Integral::Laplace, &[0, 1], 20, 3).unwrap())
+    };
+    let on = |threads| {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+    };
+    assert_eq!(on(1), on(4));
+}
+
+/// The test referred to F(1, df) and the interval cut at its quantile say the same: at level
+/// 1 − p an end of the interval is zero.
+#[test]
+fn a_profile_interval_at_the_level_of_its_test_ends_at_zero() {
+    let model = study(10, 6, 4, [1.0, 0.4]).model(Terms::ParticipantAndMode);
+    for integral in [Integral::Laplace, Integral::Quadrature { nodes: 15 }] {
+        let fit = fit(&model, integral).unwrap();
+        let df = model.mode_df();
+        assert!((df - 10.0).abs() < 1e-15);
+        for column in 0..2 {
+            let test = test_columns(&model, integral, &fit, &[column], df).unwrap();
+            let level = 1.0 - test.f.p_value;
+            let found = profile_interval(&model, integral, &fit, column, level, df).unwrap();
+            let (low, high) = (found.low.unwrap(), found.high.unwrap());
+            let nearest = if fit.coefficients[column] > 0.0 { low } else { high };
+            assert!(nearest.abs() < 1e-5, "{found:?}");
+            assert!(low < fit.coefficients[column] && fit.coefficients[column] < high);
+            assert!((test.chi_square.statistic - test.f.statistic).abs() < 1e-15);
+            assert!(test.chi_square.p_value < test.f.p_value);
+        }
+    }
+}
+
+#[test]
+fn coding_by_another_reference_changes_the_sign_of_an_effect_and_nothing_else() {
+    let study = study(11, 6, 3, [1.0, 0.4]);
+    let model = study.model(Terms::ParticipantAndMode);
+    let first = fit(&model, Integral::Laplace).unwrap();
+    let first_interval = profile_interval(&model, Integral::Laplace, &first, 0, 0.9, 10.0).unwrap();
+    // Mode 1 is now the reference: its column gives way to one of mode 0.
+    let zero = study.modes.iter().map(|&m| f64::from(u8::from(m == 0))).collect();
+    let mut columns = study.columns.clone();
+    columns[0] = Column { name: "mode 0".to_owned(), values: zero };
+    let turned =
+        Model::new(&Ratings { columns: &columns, ..study.ratings() }, model.terms).unwrap();
+    let second = fit(&turned, Integral::Laplace).unwrap();
+    let second_interval =
+        profile_interval(&turned, Integral::Laplace, &second, 0, 0.9, 10.0).unwrap();
+    assert!((first.log_likelihood - second.log_likelihood).abs() < 1e-10);
+    assert!((first.coefficients[0] + second.coefficients[0]).abs() < 1e-5);
+    assert!((first_interval.low.unwrap() + second_interval.high.unwrap()).abs() < 1e-5);
+    assert!((first_interval.high.unwrap() + second_interval.low.unwrap()).abs() < 1e-5);
+}
+
+#[test]
+fn modes_are_compared_against_the_reference_for_one_person() {
+    let study = study(12, 6, 4, [0.8, 0.3]);
+    let sessions: Vec<usize> =
+        study.columns[2].values.iter().map(|&second| 1 + second as usize).collect();
+    let modes = ModeStudy {
+        answers: &study.answers,
+        points: 5,
+        participants: &study.participants,
+        modes: &study.modes,
+        sessions: &sessions,
+    };
+    let found = compare_modes(&modes, 1, 0.95, 4).unwrap();
+    assert_eq!((found.participants, found.odds_ratios.len()), (6, 2));
+    assert_eq!(found.integral, Integral::Quadrature { nodes: 15 });
+    // The same model with columns of our own: mode 1 against 0.
+    let model = study.model(Terms::ParticipantAndMode);
+    let fit = fit(&model, found.integral).unwrap();
+    let ratio = &found.odds_ratios[0];
+    assert_eq!(ratio.mode, 0);
+    assert!((libm::log(ratio.estimate) - fit.coefficients[0]).abs() < 1e-5);
+    assert!(ratio.ci_low.unwrap() < ratio.estimate && ratio.estimate < ratio.ci_high.unwrap());
+    assert!((found.fit.log_likelihood - fit.log_likelihood).abs() < 1e-9);
+    assert_eq!((found.test.f.df_num, found.test.f.df_den), (2.0, 10.0));
+    let drawn = found.bootstrap.unwrap();
+    assert_eq!((drawn.resamples, found.p_value()), (999, drawn.p_value));
+    // Bootstrap and F are two answers to one question.
+    assert!((drawn.p_value - found.test.f.p_value).abs() < 0.05, "{found:?}");
+    assert!(matches!(compare_modes(&modes, 7, 0.95, 4), Err(Unestimable::TooFew { found: 0, .. })));
+}
+
+#[test]
+fn the_bootstrap_tells_an_effect_from_none() {
+    let strong = study(13, 7, 6, [0.6, 0.2]).model(Terms::ParticipantAndMode);
+    let effect = bootstrap(&strong, Integral::Laplace, &[0, 1], 99, 1).unwrap();
+    assert!(effect.p_value <= 0.03, "{effect:?}");
+    // Modes that are dealt at random within people make no difference.
+    let mut none = study(13, 7, 6, [0.6, 0.2]);
+    let rows = none.answers.len();
+    none.answers = (0..rows).map(|i| none.answers[i / 36 * 36 + i * 7 % 36]).collect();
+    let model = none.model(Terms::ParticipantAndMode);
+    let chance = bootstrap(&model, Integral::Laplace, &[0, 1], 99, 1).unwrap();
+    assert!(chance.p_value > 0.05, "{chance:?}");
+    assert_eq!((effect.unfitted, chance.unfitted), (0, 0));
+}
+
+#[test]
+fn studies_without_estimates_are_named_by_their_reason() {
+    let check = |study: &Study, terms, expect: &str| {
+        let found = Model::new(&study.ratings(), terms).and_then(|m| fit(&m, Integral::Laplace));
+        assert_eq!(found.unwrap_err().to_string(), expect);
+    };
+    let one = study(14, 1, 6, [0.5, 0.5]);
+    check(&one, Terms::Participant, "1 participants, 2 are needed");
+    let mut split = study(15, 6, 4, [0.5, 0.5]);
+    split.modes.clone_from(&split.participants);
+    check(
+        &split,
+        Terms::ParticipantAndMode,
+        "the data cannot tell participants and their modes apart",
+    );
+    // Everybody keeps to an answer of their own.
+    let mut fixed = study(16, 5, 4, [0.5, 0.5]);
+    fixed.answers = fixed.participants.iter().map(|&p| p as u8 + 1).collect();
+    check(
+        &fixed,
+        Terms::Participant,
+        "the answers separate participants completely, so the estimate has no end",
+    );
+    let mut apart = study(17, 5, 4, [0.5, 0.5]);
+    let high = |(&mode, &answer): (&usize, &u8)| if mode == 2 { 5 } else { answer.min(4) };
+    apart.answers = apart.modes.iter().zip(&apart.answers).map(high).collect();
+    check(
+        &apart,
+        Terms::ParticipantAndMode,
+        "the answers separate mode 3 completely, so the estimate has no end",
+    );
 }
