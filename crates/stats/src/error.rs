@@ -27,6 +27,18 @@ pub enum StatsError {
         /// Degrees of freedom asked for.
         df: f64,
     },
+    /// An answer that is not on its scale.
+    #[error(
+        "answer {index} is {found} on a scale from 1 to {points}: give the scale it was asked on"
+    )]
+    Answer {
+        /// Index of the first such answer.
+        index: usize,
+        /// The answer.
+        found: u8,
+        /// Points of the scale.
+        points: u8,
+    },
     /// Repeats that do not lie on one grid.
     #[error(
         "row {row} has {found} points where the first has {expected}: put all repeats on one grid first"

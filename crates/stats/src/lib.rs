@@ -4,11 +4,14 @@
 //! exist (the interval of one value) is `None`, never NaN.
 
 pub mod aicc;
+mod answers;
 pub mod autocorrelation;
 pub mod band;
 pub mod bca;
 pub mod bootstrap;
 pub mod design_guard;
+pub mod clm;
+pub mod clmm;
 mod error;
 pub mod f_distribution;
 pub mod friedman;
@@ -20,12 +23,18 @@ pub mod lmm;
 mod matrix;
 pub mod null;
 pub mod paired;
+mod logistic;
+mod profile;
 pub mod recording;
+mod reference;
 mod rounded;
 pub mod sharp_null;
 pub mod sign_flip;
 pub mod signed_rank;
+mod separation;
 pub mod student_t;
+pub mod superiority;
+mod symmetric;
 mod tested;
 pub mod welch;
 

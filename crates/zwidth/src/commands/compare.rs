@@ -81,7 +81,7 @@ fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
     let done = run_jobs(&jobs, &Results::new(&data.layout, &Unsynced), &options, &|_| ())?;
     let mut exit = Exit::Fine;
     for report in done.reports {
-        if let JobEnd::Failed(why) | JobEnd::Blocked(why) = report.end {
+        if let JobEnd::Failed(why) | JobEnd::Blocked(why) = report.verdict {
             screen.warn(format!("{} could not be made: {why}", report.name));
             exit = Exit::Partly;
         }

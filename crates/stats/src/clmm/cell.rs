@@ -1,0 +1,141 @@
+//! The answers of one cell as a function of its linear predictor η.
+//!
+//! The odds of an answer above threshold j are e^(η − θⱼ) = e^η e^(−θⱼ): one exponential per η
+//! serves all thresholds. With F = 1 / (1 + odds) and z = θⱼ − η the terms of
+//! [`crate::logistic`] are nⱼ z − Nⱼ (z + ln(1 + odds)).
+
+use super::model::Cells;
+use super::point::Point;
+use crate::symmetric::dot;
+
+/// A threshold or predictor farther out counts as if it were here: the odds are 10^±130, and the
+/// products of two of them finite. Only steps of a search that are taken back go there.
+const FARTHEST: f64 = 300.0;
+
+/// The thresholds with their odds at η = 0.
+#[derive(Debug, Clone)]
+pub(super) struct Levels {
+    theta: Vec<f64>,
+    odds: Vec<f64>,
+}
+
+/// Value, slope and bend by η.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Slopes {
+    /// ln P(answers), but for the widths of inner categories.
+    pub(super) value: f64,
+    /// d ln P / dη.
+    pub(super) slope: f64,
+    /// −d² ln P / dη².
+    pub(super) bend: f64,
+}
+
+impl Slopes {
+    pub(super) fn add(&mut self, other: Self) {
+        self.value += other.value;
+        self.slope += other.slope;
+        self.bend += other.bend;
+    }
+}
+
+impl Levels {
+    pub(super) fn new(theta: &[f64]) -> Self {
+        let theta: Vec<f64> = theta.iter().map(|theta| near(*theta)).collect();
+        Self { odds: theta.iter().map(|theta| libm::exp(-theta)).collect(), theta }
+    }
+
+    /// F(θⱼ − η), threshold by threshold.
+    pub(super) fn shares(&self, eta: f64) -> impl Iterator<Item = f64> {
+        let lift = libm::exp(near(eta));
+        self.odds.iter().map(move |odds| 1.0 / (1.0 + lift * odds))
+    }
+
+    /// The terms of one cell. Where they are asked for, nⱼ − Nⱼ F is pushed per threshold: the
+    /// derivatives by the thresholds.
+    pub(super) fn slopes(
+        &self,
+        cells: &Cells,
+        cell: usize,
+        eta: f64,
+        mut residuals: Option<&mut Vec<f64>>,
+    ) -> Slopes {
+        let eta = near(eta);
+        let lift = libm::exp(eta);
+        let mut sum = Slopes::default();
+        let counts = cells.below[cell].iter().zip(&cells.beside[cell]);
+        for ((theta, odds), (below, beside)) in self.theta.iter().zip(&self.odds).zip(counts) {
+            let odds = lift * odds;
+            let share = 1.0 / (1.0 + odds);
+            if *beside > 0.0 {
+                let z = theta - eta;
+                sum.value += below * z - beside * (z + libm::log(1.0 + odds));
+                sum.slope += beside * share - below;
+                sum.bend += beside * share * odds * share;
+            }
+            if let Some(residuals) = residuals.as_deref_mut() {
+                residuals.push(below - beside * share);
+            }
+        }
+        sum
+    }
+}
+
+fn near(logit: f64) -> f64 {
+    logit.clamp(-FARTHEST, FARTHEST)
+}
+
+/// xβ of each cell.
+pub(super) fn fixed(cells: &Cells, point: &Point) -> Vec<f64> {
+    cells.x.iter().map(|x| dot(x, &point.beta)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::logistic::softplus_and_share;
+
+    /// A mode's only cell.
+    fn cell(below: &[f64], beside: &[f64]) -> Cells {
+        let groups = std::iter::once(0..1).collect();
+        Cells {
+            groups,
+            x: vec![vec![]],
+            below: vec![below.to_vec()],
+            beside: vec![beside.to_vec()],
+        }
+    }
+
+    #[test]
+    fn the_terms_of_a_cell_are_those_of_the_logistic_model() {
+        let cells = cell(&[2.0, 1.0, 4.0], &[3.0, 5.0, 7.0]);
+        let theta = [-1.5, 0.25, 3.0];
+        for eta in [-40.0, -2.0, 0.0, 0.7, 35.0] {
+            let mut residuals = Vec::new();
+            let found = Levels::new(&theta).slopes(&cells, 0, eta, Some(&mut residuals));
+            let mut expect = Slopes::default();
+            for (j, theta) in theta.iter().enumerate() {
+                let (below, beside) = (cells.below[0][j], cells.beside[0][j]);
+                let (softplus, share) = softplus_and_share(theta - eta);
+                expect.value += below * (theta - eta) - beside * softplus;
+                expect.slope += beside * share - below;
+                expect.bend += beside * share * (1.0 - share);
+                assert!((residuals[j] - below + beside * share).abs() < 1e-14);
+                let shares: Vec<f64> = Levels::new(&[*theta]).shares(eta).collect();
+                assert!((shares[0] - share).abs() < 1e-15);
+            }
+            assert!((found.value - expect.value).abs() < 1e-13 * (1.0 + expect.value.abs()));
+            assert!((found.slope - expect.slope).abs() < 1e-14);
+            assert!((found.bend - expect.bend).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn no_logit_is_too_far_out_for_a_number() {
+        let cells = cell(&[2.0], &[3.0]);
+        for (theta, eta) in [(-1e9, 1e9), (1e9, -1e9), (1e300, 1e300)] {
+            let found = Levels::new(&[theta]).slopes(&cells, 0, eta, None);
+            assert!(found.value.is_finite() && found.slope.is_finite() && found.bend >= 0.0);
+            assert!(found.value <= 0.0, "{found:?}");
+        }
+    }
+}

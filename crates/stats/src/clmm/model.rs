@@ -1,0 +1,171 @@
+//! What is fitted: answers grouped by participant and mode, and where the parameters lie.
+
+use crate::answers::{Answers, Column, same_length};
+use crate::logistic::by_threshold;
+use crate::tested::Unestimable;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+/// The answers of a study, one row each; all slices are of one length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ratings<'a> {
+    /// The answers, from 1 to `points`.
+    pub answers: &'a [u8],
+    /// Points of the scale.
+    pub points: u8,
+    /// The fixed effects.
+    pub columns: &'a [Column],
+    /// Who answered: any numbers that tell participants apart.
+    pub participants: &'a [usize],
+    /// In which mode: any numbers that tell modes apart.
+    pub modes: &'a [usize],
+}
+
+/// The random effects of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Terms {
+    /// u per participant.
+    Participant,
+    /// u per participant and w per participant and mode: people differ in their mode effects too.
+    ParticipantAndMode,
+}
+
+/// Grouped answers with their random effects.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    pub(super) answers: Answers,
+    pub(super) terms: Terms,
+    /// In the order of their numbers.
+    pub(super) participants: Vec<Cells>,
+    /// Participant and mode of each row, as indices of `participants` and of its groups.
+    pub(super) places: Vec<(usize, usize)>,
+    /// How many modes there are.
+    modes: usize,
+}
+
+/// One participant's answers. A cell counts those that share mode and columns: their linear
+/// predictor is one number, whatever the random effects.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Cells {
+    /// The cells of each mode.
+    pub(super) groups: Vec<Range<usize>>,
+    /// Values of the columns, cell by cell.
+    pub(super) x: Vec<Vec<f64>>,
+    /// Answers just below each threshold (nⱼ), cell by cell.
+    pub(super) below: Vec<Vec<f64>>,
+    /// Answers on either side of each threshold (Nⱼ).
+    pub(super) beside: Vec<Vec<f64>>,
+}
+
+impl Model {
+    /// The model of `ratings` with random effects `terms`.
+    ///
+    /// # Errors
+    /// As [`crate::clm::Model::new`]; besides, fewer than two participants, and participants who
+    /// answered in one mode each where both terms are asked for. What separates the answers of all
+    /// together leaves no finite estimate here either: along such a direction the likelihood rises
+    /// for any value of the random effects.
+    pub fn new(ratings: &Ratings, terms: Terms) -> Result<Self, Unestimable> {
+        let answers = Answers::new(ratings.answers, ratings.points, ratings.columns)?;
+        for labels in [ratings.participants, ratings.modes] {
+            same_length(ratings.answers.len(), labels.len())?;
+        }
+        answers.screen()?;
+        let places = places(ratings.participants, ratings.modes);
+        let modes = ratings.modes.iter().collect::<BTreeSet<_>>().len();
+        let model = Self::of(answers, places, terms, modes);
+        let found = model.participants.len();
+        if found < 2 {
+            return Err(Unestimable::TooFew { units: "participants", found, needed: 2 });
+        }
+        let alone = model.participants.iter().all(|cells| cells.groups.len() == 1);
+        if alone && terms == Terms::ParticipantAndMode {
+            let what = "participants and their modes".to_owned();
+            return Err(Unestimable::Confounded { what });
+        }
+        Ok(model)
+    }
+
+    /// The model of answers whose places are known, unscreened.
+    pub(super) fn of(
+        answers: Answers,
+        places: Vec<(usize, usize)>,
+        terms: Terms,
+        modes: usize,
+    ) -> Self {
+        let mut rows: Vec<Vec<Vec<usize>>> = Vec::new();
+        for (row, &(participant, group)) in places.iter().enumerate() {
+            rows.resize_with(rows.len().max(participant + 1), Vec::new);
+            let groups = &mut rows[participant];
+            groups.resize_with(groups.len().max(group + 1), Vec::new);
+            groups[group].push(row);
+        }
+        let participants = rows.iter().map(|groups| Cells::new(&answers, groups)).collect();
+        Self { answers, terms, participants, places, modes }
+    }
+
+    /// The same model without some columns.
+    pub(super) fn without(&self, columns: &[usize]) -> Self {
+        let kept = self.answers.columns.iter().enumerate();
+        let kept = kept.filter(|(j, _)| !columns.contains(j)).map(|(_, c)| c.clone());
+        let answers = Answers { columns: kept.collect(), ..self.answers.clone() };
+        self.with(answers)
+    }
+
+    /// The same model of other answers.
+    pub(super) fn with(&self, answers: Answers) -> Self {
+        Self::of(answers, self.places.clone(), self.terms, self.modes)
+    }
+
+    /// (n − 1)(m − 1) for n participants and m modes: the degrees of freedom of their interaction,
+    /// and so of the error of a mode effect where people differ in it.
+    pub fn mode_df(&self) -> f64 {
+        (self.participants.len() as f64 - 1.0) * (self.modes as f64 - 1.0)
+    }
+
+    /// How many people answered.
+    pub fn participants(&self) -> usize {
+        self.participants.len()
+    }
+
+    /// How many thresholds there are.
+    pub(super) fn thresholds(&self) -> usize {
+        self.answers.categories() - 1
+    }
+
+    /// How many columns there are.
+    pub(super) fn columns(&self) -> usize {
+        self.answers.columns.len()
+    }
+}
+
+impl Cells {
+    fn new(answers: &Answers, groups: &[Vec<usize>]) -> Self {
+        let mut cells = Self { groups: vec![], x: vec![], below: vec![], beside: vec![] };
+        for rows in groups {
+            let first = cells.x.len();
+            for pattern in answers.patterns(rows.iter().copied()) {
+                let (below, beside) = by_threshold(&pattern.counts);
+                cells.x.push(pattern.x);
+                cells.below.push(below);
+                cells.beside.push(beside);
+            }
+            cells.groups.push(first..cells.x.len());
+        }
+        cells
+    }
+}
+
+/// Participants and the modes of each, numbered in the order of their labels.
+fn places(participants: &[usize], modes: &[usize]) -> Vec<(usize, usize)> {
+    let mut seen: BTreeMap<usize, BTreeMap<usize, usize>> = BTreeMap::new();
+    for (participant, mode) in participants.iter().zip(modes) {
+        seen.entry(*participant).or_default().insert(*mode, 0);
+    }
+    for groups in seen.values_mut() {
+        groups.values_mut().zip(0..).for_each(|(place, number)| *place = number);
+    }
+    let number: BTreeMap<usize, usize> = seen.keys().copied().zip(0..).collect();
+    let rows = participants.iter().zip(modes);
+    rows.map(|(participant, mode)| (number[participant], seen[participant][mode])).collect()
+}

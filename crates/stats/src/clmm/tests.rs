@@ -1,0 +1,445 @@
+//! Gradients against differences, quadrature against a tensor rule, and simulated studies.
+
+use super::cell::Levels;
+use super::laplace::{Effects, laplace};
+use super::likelihood::Likelihood;
+use super::model::Cells;
+use super::point::Point;
+use super::quadrature::integrate;
+use super::*;
+use crate::Unestimable;
+use crate::answers::Answers;
+use crate::clm;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use zwidth_numerics::gauss_hermite::rule;
+
+/// A number in (0, 1).
+fn uniform(rng: &mut ChaCha8Rng) -> f64 {
+    ((rng.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+}
+
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    let radius = (-2.0 * libm::log(uniform(rng))).sqrt();
+    radius * libm::cos(2.0 * core::f64::consts::PI * uniform(rng))
+}
+
+/// A study: 1 to 5, modes by treatment columns, two sessions.
+struct Study {
+    answers: Vec<u8>,
+    columns: Vec<Column>,
+    participants: Vec<usize>,
+    modes: Vec<usize>,
+}
+
+const THETA: [f64; 4] = [-2.0, -0.5, 0.7, 2.2];
+const BETA: [f64; 3] = [0.8, -0.4, 0.3];
+
+/// `people` × 3 modes × 2 sessions × `repeats` answers.
+fn study(seed: u64, people: usize, repeats: usize, sd: [f64; 2]) -> Study {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut study = Study { answers: vec![], columns: vec![], participants: vec![], modes: vec![] };
+    let mut x = vec![vec![]; 3];
+    for participant in 0..people {
+        let u = sd[0] * normal(&mut rng);
+        for mode in 0..3 {
+            let w = sd[1] * normal(&mut rng);
+            for session in 0..2 {
+                let row = [mode == 1, mode == 2, session == 1].map(|b| f64::from(u8::from(b)));
+                let eta = row.iter().zip(BETA).map(|(x, b)| x * b).sum::<f64>() + u + w;
+                for _ in 0..repeats {
+                    let latent = eta + crate::logistic::logit(uniform(&mut rng));
+                    let answer = 1 + THETA.iter().filter(|&&t| t < latent).count();
+                    study.answers.push(answer as u8);
+                    study.participants.push(participant);
+                    study.modes.push(mode);
+                    x.iter_mut().zip(row).for_each(|(x, value)| x.push(value));
+                }
+            }
+        }
+    }
+    let names = ["mode 2", "mode 3", "session 2"];
+    let column = |(values, name): (Vec<f64>, &str)| Column { name: name.to_owned(), values };
+    study.columns = x.into_iter().zip(names).map(column).collect();
+    study
+}
+
+impl Study {
+    fn ratings(&self) -> Ratings<'_> {
+        Ratings {
+            answers: &self.answers,
+            points: 5,
+            columns: &self.columns,
+            participants: &self.participants,
+            modes: &self.modes,
+        }
+    }
+
+    fn model(&self, terms: Terms) -> Model {
+        Model::new(&self.ratings(), terms).unwrap()
+    }
+}
+
+fn point(sd: [f64; 2]) -> Point {
+    Point { theta: THETA.to_vec(), beta: BETA.to_vec(), sd }
+}
+
+/// Each component of a gradient against central differences of fourth order.
+fn check_gradient(at: &Point, tolerance: f64, mut f: impl FnMut(&Point) -> (f64, Point)) {
+    let gradient = f(at).1.list();
+    let (thresholds, columns) = (at.theta.len(), at.beta.len());
+    for (i, slope) in gradient.iter().enumerate() {
+        let mut value = |step: f64| {
+            let mut list = at.list();
+            list[i] += step;
+            let (theta, rest) = list.split_at(thresholds);
+            let (beta, sd) = rest.split_at(columns);
+            f(&Point { theta: theta.to_vec(), beta: beta.to_vec(), sd: [sd[0], sd[1]] }).0
+        };
+        let h = 1e-3;
+        let near = (value(h) - value(-h)) / (2.0 * h);
+        let far = (value(2.0 * h) - value(-2.0 * h)) / (4.0 * h);
+        let difference = (4.0 * near - far) / 3.0;
+        assert!((difference - slope).abs() < tolerance, "{i}: {difference} {slope}");
+    }
+}
+
+#[test]
+fn the_gradient_of_laplace_agrees_with_differences() {
+    let model = study(1, 3, 4, [1.0, 0.7]).model(Terms::ParticipantAndMode);
+    for sd in [[1.1, 0.6], [-0.4, 2.0], [0.0, 0.9], [1.3, 0.0], [0.0, 0.0]] {
+        for cells in &model.participants {
+            let mut effects = Effects::none(cells);
+            check_gradient(&point(sd), 1e-8, |p| laplace(cells, p, &mut effects));
+        }
+    }
+}
+
+#[test]
+fn the_gradient_of_the_whole_likelihood_agrees_with_differences() {
+    let model = study(2, 5, 3, [1.0, 0.7]).model(Terms::ParticipantAndMode);
+    for integral in [Integral::Laplace, Integral::Quadrature { nodes: 40 }] {
+        let mut likelihood = Likelihood::new(&model, integral);
+        check_gradient(&point([0.9, 0.5]), 2e-8, |p| likelihood.at(p));
+    }
+}
+
+/// Laplace's approximation from its definition: h minimised by coordinate bisections, its second
+/// derivatives by differences, a dense determinant.
+#[test]
+fn laplace_is_what_its_definition_says() {
+    let model = study(3, 1, 5, [1.0, 0.7]).of_one();
+    let cells = &model.participants[0];
+    let point = point([0.8, 0.6]);
+    let h = |v: &[f64]| minus_log_joint(cells, &point, v);
+    let mut v = vec![0.0; 4];
+    for _ in 0..200 {
+        for i in 0..4 {
+            let slope = |x: f64| {
+                let mut at = v.clone();
+                at[i] = x + 1e-5;
+                let high = h(&at);
+                at[i] = x - 1e-5;
+                high - h(&at)
+            };
+            let (mut low, mut high) = (-10.0, 10.0);
+            for _ in 0..60 {
+                let middle = (low + high) / 2.0;
+                if slope(middle) > 0.0 { high = middle } else { low = middle }
+            }
+            v[i] = low;
+        }
+    }
+    let step = 1e-3;
+    let bend = |i: usize, j: usize| {
+        let at = |a: f64, b: f64| {
+            let mut at = v.clone();
+            at[i] += a * step;
+            at[j] += b * step;
+            h(&at)
+        };
+        (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0)) / (4.0 * step * step)
+    };
+    let hessian: Vec<Vec<f64>> = (0..4).map(|i| (0..4).map(|j| bend(i, j)).collect()).collect();
+    let l = crate::symmetric::cholesky(&hessian).unwrap();
+    let half_log_determinant: f64 = (0..4).map(|i| libm::log(l[i][i])).sum();
+    let (found, _) = laplace(cells, &point, &mut Effects::none(cells));
+    assert!((found - (-h(&v) - half_log_determinant)).abs() < 1e-6, "{found}");
+}
+
+impl Study {
+    /// The model of a study of one participant, which has no estimates but a likelihood.
+    fn of_one(&self) -> Model {
+        let answers = Answers::new(&self.answers, 5, &self.columns).unwrap();
+        let places = self.participants.iter().copied().zip(self.modes.iter().copied()).collect();
+        Model::of(answers, places, Terms::ParticipantAndMode, 3)
+    }
+}
+
+/// |v|²/2 − ln P(answers | v), effects in SDs: the participant's, then one per mode.
+fn minus_log_joint(cells: &Cells, point: &Point, v: &[f64]) -> f64 {
+    let mut sum = v.iter().map(|v| v * v / 2.0).sum::<f64>();
+    for (m, group) in cells.groups.iter().enumerate() {
+        for cell in group.clone() {
+            let fixed: f64 = cells.x[cell].iter().zip(&point.beta).map(|(x, b)| x * b).sum();
+            let eta = fixed + point.sd[0] * v[0] + point.sd[1] * v[1 + m];
+            sum -= Levels::new(&point.theta).slopes(cells, cell, eta, None).value;
+        }
+    }
+    sum
+}
+
+/// ∫ over all effects at once: 60 fixed nodes for each, around 0 and as wide as the effects.
+fn tensor(cells: &Cells, point: &Point) -> f64 {
+    let rule = rule(60);
+    let nodes: Vec<(f64, f64)> = rule
+        .nodes
+        .iter()
+        .zip(&rule.weights)
+        .map(|(x, w)| (core::f64::consts::SQRT_2 * x, w / core::f64::consts::PI.sqrt()))
+        .collect();
+    let size = 1 + cells.groups.len();
+    let mut sum = 0.0;
+    let mut index = vec![0; size];
+    loop {
+        let v: Vec<f64> = index.iter().map(|&i| nodes[i].0).collect();
+        let weight: f64 = index.iter().map(|&i| nodes[i].1).product();
+        sum += weight * libm::exp(-minus_log_joint(cells, point, &v));
+        let Some(place) = index.iter().position(|&i| i + 1 < nodes.len()) else { break };
+        index[..place].fill(0);
+        index[place] += 1;
+    }
+    libm::log(sum)
+}
+
+#[test]
+fn nested_quadrature_agrees_with_a_tensor_rule_of_sixty_nodes() {
+    // A mode less than in other tests: 60³ values of the integrand per participant.
+    let mut study = study(4, 4, 2, [0.8, 0.6]);
+    let kept: Vec<usize> = (0..study.answers.len()).filter(|&i| study.modes[i] != 1).collect();
+    study.answers = kept.iter().map(|&i| study.answers[i]).collect();
+    study.modes = kept.iter().map(|&i| study.modes[i] / 2).collect();
+    study.participants = kept.iter().map(|&i| study.participants[i]).collect();
+    study.columns.remove(0);
+    for column in &mut study.columns {
+        column.values = kept.iter().map(|&i| column.values[i]).collect();
+    }
+    let point = |sd| Point { theta: THETA.to_vec(), beta: BETA[1..].to_vec(), sd };
+    let answers = Answers::new(&study.answers, 5, &study.columns).unwrap();
+    let places = study.participants.iter().copied().zip(study.modes.iter().copied()).collect();
+    let model = Model::of(answers, places, Terms::ParticipantAndMode, 3);
+    for sd in [[0.8, 0.6], [1.2, 0.0], [0.3, 1.0]] {
+        for cells in &model.participants {
+            let exact = tensor(cells, &point(sd));
+            let found =
+                |nodes| integrate(cells, &point(sd), &rule(nodes), &mut Effects::none(cells)).0;
+            assert!((found(25) - exact).abs() < 1e-8, "{sd:?}: {} {exact}", found(25));
+        }
+    }
+}
+
+#[test]
+fn people_who_are_alike_are_a_singular_fit_and_that_of_the_plain_model() {
+    // Each person gives the same answers, so that nothing is left to vary between them.
+    let one = study(5, 1, 5, [0.0, 0.0]);
+    let people = 4;
+    let again = |values: &[usize]| values.repeat(people);
+    let rows = one.answers.len();
+    let study = Study {
+        answers: one.answers.repeat(people),
+        columns: one
+            .columns
+            .iter()
+            .map(|c| Column { name: c.name.clone(), values: c.values.repeat(people) })
+            .collect(),
+        participants: (0..people * rows).map(|i| i / rows).collect(),
+        modes: again(&one.modes),
+    };
+    let plain = clm::Model::new(&study.answers, 5, &study.columns).unwrap();
+    let plain = clm::fit(&plain).unwrap();
+    for terms in [Terms::Participant, Terms::ParticipantAndMode] {
+        for integral in [Integral::Laplace, Integral::Quadrature { nodes: 9 }] {
+            let found = fit(&study.model(terms), integral).unwrap();
+            assert!(found.singular && found.sd_participant == 0.0);
+            assert!(found.sd_participant_mode.is_none_or(|sd| sd == 0.0));
+            assert!((found.log_likelihood - plain.log_likelihood).abs() < 1e-9);
+            for (a, b) in found.coefficients.iter().zip(&plain.coefficients) {
+                assert!((a - b).abs() < 1e-6, "{a} {b}");
+            }
+            for j in 0..3 {
+                let (a, b) = (found.wald(j, 0.95).unwrap(), plain.wald(j, 0.95).unwrap());
+                assert!((a.std_error / b.std_error - 1.0).abs() < 1e-5, "{a:?} {b:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_simulated_study_of_many_people_gives_back_its_truth() {
+    let study = study(6, 300, 3, [1.0, 0.7]);
+    let model = study.model(Terms::ParticipantAndMode);
+    let found = fit(&model, Integral::Quadrature { nodes: 9 }).unwrap();
+    assert!(!found.singular);
+    let near = |estimate: f64, truth: f64, error: f64| {
+        assert!((estimate - truth).abs() < 3.3 * error, "{estimate} {truth} {error}");
+    };
+    for (j, truth) in BETA.into_iter().enumerate() {
+        near(found.coefficients[j], truth, found.wald(j, 0.95).unwrap().std_error);
+    }
+    for (k, truth) in THETA.into_iter().enumerate() {
+        near(found.thresholds[k], truth, found.covariance[k][k].sqrt());
+    }
+    // An SD from n values has a standard error of at least σ/√(2n).
+    near(found.sd_participant, 1.0, 2.0 / 600_f64.sqrt());
+    near(found.sd_participant_mode.unwrap(), 0.7, 2.0 * 0.7 / 1800_f64.sqrt());
+}
+
+#[test]
+fn more_nodes_change_a_fit_of_fifteen_by_less_than_its_search_leaves() {
+    let model = study(7, 8, 3, [1.2, 0.8]).model(Terms::ParticipantAndMode);
+    let of = |nodes| fit(&model, Integral::Quadrature { nodes }).unwrap();
+    let (few, many) = (of(15), of(40));
+    assert!((few.log_likelihood - many.log_likelihood).abs() < 1e-8);
+    assert!((few.coefficients[0] - many.coefficients[0]).abs() < 1e-6);
+    assert!((few.sd_participant - many.sd_participant).abs() < 1e-5);
+    assert!(few.slope < 1e-6 && many.slope < 1e-6);
+}
+
+#[test]
+fn one_thread_gives_the_bits_of_many() {
+    let study = study(8, 150, 2, [1.0, 0.5]);
+    let model = study.model(Terms::ParticipantAndMode);
+    let small = self::study(9, 5, 2, [0.7, 0.5]).model(Terms::ParticipantAndMode);
+    let run = || {
+        let fits = [Integral::Laplace, Integral::Quadrature { nodes: 7 }]
+            .map(|integral| fit(&model, integral).unwrap());
+        (fits, bootstrap(&small, Integral::Laplace, &[0, 1], 20, 3).unwrap())
+    };
+    let on = |threads| {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+    };
+    assert_eq!(on(1), on(4));
+}
+
+/// The test referred to F(1, df) and the interval cut at its quantile say the same: at level
+/// 1 − p an end of the interval is zero.
+#[test]
+fn a_profile_interval_at_the_level_of_its_test_ends_at_zero() {
+    let model = study(10, 6, 4, [1.0, 0.4]).model(Terms::ParticipantAndMode);
+    for integral in [Integral::Laplace, Integral::Quadrature { nodes: 15 }] {
+        let fit = fit(&model, integral).unwrap();
+        let df = model.mode_df();
+        assert!((df - 10.0).abs() < 1e-15);
+        for column in 0..2 {
+            let test = test_columns(&model, integral, &fit, &[column], df).unwrap();
+            let level = 1.0 - test.f.p_value;
+            let found = profile_interval(&model, integral, &fit, column, level, df).unwrap();
+            let (low, high) = (found.low.unwrap(), found.high.unwrap());
+            let nearest = if fit.coefficients[column] > 0.0 { low } else { high };
+            assert!(nearest.abs() < 1e-5, "{found:?}");
+            assert!(low < fit.coefficients[column] && fit.coefficients[column] < high);
+            assert!((test.chi_square.statistic - test.f.statistic).abs() < 1e-15);
+            assert!(test.chi_square.p_value < test.f.p_value);
+        }
+    }
+}
+
+#[test]
+fn coding_by_another_reference_changes_the_sign_of_an_effect_and_nothing_else() {
+    let study = study(11, 6, 3, [1.0, 0.4]);
+    let model = study.model(Terms::ParticipantAndMode);
+    let first = fit(&model, Integral::Laplace).unwrap();
+    let first_interval = profile_interval(&model, Integral::Laplace, &first, 0, 0.9, 10.0).unwrap();
+    // Mode 1 is now the reference: its column gives way to one of mode 0.
+    let zero = study.modes.iter().map(|&m| f64::from(u8::from(m == 0))).collect();
+    let mut columns = study.columns.clone();
+    columns[0] = Column { name: "mode 0".to_owned(), values: zero };
+    let turned =
+        Model::new(&Ratings { columns: &columns, ..study.ratings() }, model.terms).unwrap();
+    let second = fit(&turned, Integral::Laplace).unwrap();
+    let second_interval =
+        profile_interval(&turned, Integral::Laplace, &second, 0, 0.9, 10.0).unwrap();
+    assert!((first.log_likelihood - second.log_likelihood).abs() < 1e-10);
+    assert!((first.coefficients[0] + second.coefficients[0]).abs() < 1e-5);
+    assert!((first_interval.low.unwrap() + second_interval.high.unwrap()).abs() < 1e-5);
+    assert!((first_interval.high.unwrap() + second_interval.low.unwrap()).abs() < 1e-5);
+}
+
+#[test]
+fn modes_are_compared_against_the_reference_for_one_person() {
+    let study = study(12, 6, 4, [0.8, 0.3]);
+    let sessions: Vec<usize> =
+        study.columns[2].values.iter().map(|&second| 1 + second as usize).collect();
+    let modes = ModeStudy {
+        answers: &study.answers,
+        points: 5,
+        participants: &study.participants,
+        modes: &study.modes,
+        sessions: &sessions,
+    };
+    let found = compare_modes(&modes, 1, 0.95, 4).unwrap();
+    assert_eq!((found.participants, found.odds_ratios.len()), (6, 2));
+    assert_eq!(found.integral, Integral::Quadrature { nodes: 15 });
+    // The same model with columns of our own: mode 1 against 0.
+    let model = study.model(Terms::ParticipantAndMode);
+    let fit = fit(&model, found.integral).unwrap();
+    let ratio = &found.odds_ratios[0];
+    assert_eq!(ratio.mode, 0);
+    assert!((libm::log(ratio.estimate) - fit.coefficients[0]).abs() < 1e-5);
+    assert!(ratio.ci_low.unwrap() < ratio.estimate && ratio.estimate < ratio.ci_high.unwrap());
+    assert!((found.fit.log_likelihood - fit.log_likelihood).abs() < 1e-9);
+    assert_eq!((found.test.f.df_num, found.test.f.df_den), (2.0, 10.0));
+    let drawn = found.bootstrap.unwrap();
+    assert_eq!((drawn.resamples, found.p_value()), (999, drawn.p_value));
+    // Bootstrap and F are two answers to one question.
+    assert!((drawn.p_value - found.test.f.p_value).abs() < 0.05, "{found:?}");
+    assert!(matches!(compare_modes(&modes, 7, 0.95, 4), Err(Unestimable::TooFew { found: 0, .. })));
+}
+
+#[test]
+fn the_bootstrap_tells_an_effect_from_none() {
+    let strong = study(13, 7, 6, [0.6, 0.2]).model(Terms::ParticipantAndMode);
+    let effect = bootstrap(&strong, Integral::Laplace, &[0, 1], 99, 1).unwrap();
+    assert!(effect.p_value <= 0.03, "{effect:?}");
+    // Modes that are dealt at random within people make no difference.
+    let mut none = study(13, 7, 6, [0.6, 0.2]);
+    let rows = none.answers.len();
+    none.answers = (0..rows).map(|i| none.answers[i / 36 * 36 + i * 7 % 36]).collect();
+    let model = none.model(Terms::ParticipantAndMode);
+    let chance = bootstrap(&model, Integral::Laplace, &[0, 1], 99, 1).unwrap();
+    assert!(chance.p_value > 0.05, "{chance:?}");
+    assert_eq!((effect.unfitted, chance.unfitted), (0, 0));
+}
+
+#[test]
+fn studies_without_estimates_are_named_by_their_reason() {
+    let check = |study: &Study, terms, expect: &str| {
+        let found = Model::new(&study.ratings(), terms).and_then(|m| fit(&m, Integral::Laplace));
+        assert_eq!(found.unwrap_err().to_string(), expect);
+    };
+    let one = study(14, 1, 6, [0.5, 0.5]);
+    check(&one, Terms::Participant, "1 participants, 2 are needed");
+    let mut split = study(15, 6, 4, [0.5, 0.5]);
+    split.modes.clone_from(&split.participants);
+    check(
+        &split,
+        Terms::ParticipantAndMode,
+        "the data cannot tell participants and their modes apart",
+    );
+    // Everybody keeps to an answer of their own.
+    let mut fixed = study(16, 5, 4, [0.5, 0.5]);
+    fixed.answers = fixed.participants.iter().map(|&p| p as u8 + 1).collect();
+    check(
+        &fixed,
+        Terms::Participant,
+        "the answers separate participants completely, so the estimate has no end",
+    );
+    let mut apart = study(17, 5, 4, [0.5, 0.5]);
+    let high = |(&mode, &answer): (&usize, &u8)| if mode == 2 { 5 } else { answer.min(4) };
+    apart.answers = apart.modes.iter().zip(&apart.answers).map(high).collect();
+    check(
+        &apart,
+        Terms::ParticipantAndMode,
+        "the answers separate mode 3 completely, so the estimate has no end",
+    );
+}

@@ -1,0 +1,74 @@
+//! The end of a profile interval: how far from the estimate the profiled likelihood has fallen to
+//! its critical value.
+
+use crate::tested::Unestimable;
+use zwidth_numerics::roots;
+
+/// Ends are found to this many standard errors.
+const RESOLUTION: f64 = 1e-7;
+/// Standard errors from the estimate beyond which no end is looked for.
+const FARTHEST: f64 = 1000.0;
+
+/// The distance, in standard errors, at which `fall` reaches `critical`. `fall` is √(2 (maximum −
+/// profile)) at a distance: 0 at 0, the distance itself for a parabola. `None` if it stays below
+/// as far as one looks.
+///
+/// # Errors
+/// What `fall` ends with.
+pub(crate) fn end(
+    mut fall: impl FnMut(f64) -> Result<f64, Unestimable>,
+    critical: f64,
+) -> Result<Option<f64>, Unestimable> {
+    let (mut inner, mut outer) = ([0.0, critical], [critical, critical - fall(critical)?]);
+    while outer[1] > 0.0 {
+        if outer[0] > FARTHEST {
+            return Ok(None);
+        }
+        inner = outer;
+        // Twice what a parabola needs from here on, but a doubling at most.
+        let next = outer[0] + (2.0 * outer[1]).clamp(0.1 * critical, outer[0]);
+        outer = [next, critical - fall(next)?];
+    }
+    let mut failure = None;
+    let left = |distance: f64| match distance {
+        // The ends of the bracket are known.
+        d if d <= inner[0] => inner[1],
+        d if d >= outer[0] => outer[1],
+        d => fall(d).map_or_else(
+            |error| {
+                failure = Some(error);
+                0.0
+            },
+            |fallen| critical - fallen,
+        ),
+    };
+    let distance = roots::bracketed(left, inner[0], outer[0], RESOLUTION);
+    failure.map_or(Ok(Some(distance)), Err)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_of_a_parabola_is_its_critical_value() {
+        let found = end(Ok, 1.96).unwrap().unwrap();
+        assert!((found - 1.96).abs() < 1e-7);
+    }
+
+    #[test]
+    fn a_flat_and_a_steep_profile_are_followed_to_their_ends() {
+        for steepness in [0.01, 0.3, 5.0] {
+            let found = end(|d| Ok(steepness * d + 0.001 * d * d), 2.2).unwrap().unwrap();
+            assert!((steepness * found + 0.001 * found * found - 2.2).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_profile_that_levels_off_has_no_end_and_an_error_is_handed_on() {
+        assert_eq!(end(|d| Ok(d / (1.0 + d)), 1.96), Ok(None));
+        let error = Unestimable::Constant { units: "answers" };
+        let failing = |d: f64| if d > 1.0 { Err(error.clone()) } else { Ok(d) };
+        assert_eq!(end(failing, 1.96), Err(error.clone()));
+    }
+}
