@@ -3,8 +3,10 @@
 //! Pure functions on slices: no files, no clock, no hidden random state. A result that does not
 //! exist (the interval of one value) is `None`, never NaN.
 
+pub mod agreement;
 pub mod aicc;
 mod answers;
+pub mod anova;
 pub mod autocorrelation;
 pub mod band;
 pub mod bca;
@@ -27,6 +29,9 @@ mod logistic;
 mod profile;
 pub mod recording;
 mod reference;
+pub mod power;
+pub mod recording;
+pub mod rm_anova;
 mod rounded;
 pub mod sharp_null;
 pub mod sign_flip;

@@ -40,7 +40,10 @@ impl Matrix {
     }
 
     pub(crate) fn from_fn(rows: usize, cols: usize, f: impl Fn(usize, usize) -> f64) -> Self {
-        let data = (0..rows * cols).map(|k| f(k / cols, k % cols)).collect();
+        let mut data = Vec::with_capacity(rows * cols);
+        for i in 0..rows {
+            data.extend((0..cols).map(|j| f(i, j)));
+        }
         Self { rows, cols, data }
     }
 

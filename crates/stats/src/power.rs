@@ -1,0 +1,407 @@
+//! Power of a planned study, by simulating it and testing each simulated study as a real one is
+//! tested.
+//!
+//! A trial is the participant's level, the mode's effect, the participant's own effect of the mode and
+//! a residual, all normal. The test is the paired t of participants' means in two modes. Each study
+//! draws from its own stream of the ChaCha8 cipher, keyed with the seed, so the result is the same
+//! with any number of threads; the same seed draws the same people at any difference.
+
+use crate::error::{StatsError, all_finite, check_level};
+use crate::interval::mean_and_sd;
+use crate::lmm::trials::{Trials, fit_trials};
+use crate::rounded::rounded;
+use crate::student_t::two_sided_p;
+use crate::tested::Unestimable;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+use statrs::function::beta::checked_beta_reg;
+
+/// Number of bytes of the cipher's key.
+const KEY_BYTES: usize = 32;
+/// A search for participants ends here: no study of the kind has more.
+const MOST_PARTICIPANTS: usize = 10_000;
+/// Halvings of a searched difference: to a millionth of where it began.
+const HALVINGS: usize = 20;
+
+/// A planned study of one contrast: two modes, the others beside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plan {
+    /// SD of participants' levels. The paired tests do not depend on it.
+    pub participant_sd: f64,
+    /// SD of a participant's own effect of a mode.
+    pub interaction_sd: f64,
+    /// SD of one trial about it.
+    pub residual_sd: f64,
+    /// Trials of each mode.
+    pub repeats: usize,
+    /// Modes; those beyond two matter to the mixed model alone.
+    pub modes: usize,
+    /// The true difference, last mode minus first.
+    pub difference: f64,
+    /// Participants.
+    pub participants: usize,
+}
+
+/// The test that a simulated study is put to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlannedTest {
+    /// Paired t of participants' means.
+    PairedT,
+    /// The largest mixed model that the design supports, after Kenward & Roger.
+    KenwardRoger,
+}
+
+/// How studies are simulated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Simulation {
+    /// The test.
+    pub test: PlannedTest,
+    /// The p value below which a difference is claimed.
+    pub alpha: f64,
+    /// Studies.
+    pub studies: usize,
+    /// Seed of all draws.
+    pub seed: u64,
+}
+
+/// A share of simulated studies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Power {
+    /// Studies that claimed the difference.
+    pub claims: usize,
+    /// Studies that had a test.
+    pub studies: usize,
+    /// claims / studies.
+    pub estimate: f64,
+    /// Lower end of Clopper & Pearson's 95 % interval.
+    pub ci_low: f64,
+    /// Its upper end.
+    pub ci_high: f64,
+}
+
+/// Level of the interval that power is given with.
+const POWER_LEVEL: f64 = 0.95;
+
+/// The share of simulated studies in which the test claims a difference.
+///
+/// # Errors
+/// An SD that is negative or not finite, fewer than two modes, participants or studies, no repeats,
+/// `alpha` outside (0, 1).
+pub fn power(plan: &Plan, simulation: &Simulation) -> Result<Power, Unestimable> {
+    check(plan, simulation)?;
+    let claims: Vec<bool> = (0..simulation.studies)
+        .into_par_iter()
+        .map(|study| {
+            let values = simulate(plan, simulation.seed, study as u64);
+            p_value(plan, simulation.test, &values).is_ok_and(|p| p < simulation.alpha)
+        })
+        .collect();
+    let claimed = claims.iter().filter(|claim| **claim).count();
+    let (ci_low, ci_high) = clopper_pearson(claimed, simulation.studies, POWER_LEVEL)?;
+    Ok(Power {
+        claims: claimed,
+        studies: simulation.studies,
+        estimate: claimed as f64 / simulation.studies as f64,
+        ci_low,
+        ci_high,
+    })
+}
+
+/// The fewest participants whose power is at least `target`, with it; `None` if 10,000 do not have
+/// it. By doubling, then halving: power grows with participants.
+///
+/// # Errors
+/// As [`power`], `target` outside (0, 1).
+pub fn participants_for(
+    target: f64,
+    plan: &Plan,
+    simulation: &Simulation,
+) -> Result<Option<(usize, Power)>, Unestimable> {
+    check_level(target)?;
+    let at = |participants| power(&Plan { participants, ..*plan }, simulation);
+    let (mut low, mut high) = (1, 2);
+    let mut found = at(high)?;
+    while found.estimate < target {
+        if high >= MOST_PARTICIPANTS {
+            return Ok(None);
+        }
+        (low, high) = (high, (2 * high).min(MOST_PARTICIPANTS));
+        found = at(high)?;
+    }
+    while high - low > 1 {
+        let middle = low + (high - low) / 2;
+        let there = at(middle)?;
+        if there.estimate < target {
+            low = middle;
+        } else {
+            (high, found) = (middle, there);
+        }
+    }
+    Ok(Some((high, found)))
+}
+
+/// The smallest difference that the planned participants find with power `target`, in the unit of the
+/// plan's SDs.
+///
+/// # Errors
+/// As [`power`], `target` outside (0, 1), SDs that are all zero.
+pub fn smallest_difference(
+    target: f64,
+    plan: &Plan,
+    simulation: &Simulation,
+) -> Result<f64, Unestimable> {
+    check_level(target)?;
+    let at = |difference| power(&Plan { difference, ..*plan }, simulation);
+    let mut high = contrast_sd(plan) / (plan.participants as f64).sqrt();
+    if high <= 0.0 {
+        return Err(Unestimable::Constant { units: "planned values" });
+    }
+    let mut low = 0.0;
+    while at(high)?.estimate < target {
+        (low, high) = (high, 2.0 * high);
+        if !high.is_finite() {
+            return Err(Unestimable::NotConverged { what: "the difference", slope: 0.0 });
+        }
+    }
+    for _ in 0..HALVINGS {
+        let middle = low + (high - low) / 2.0;
+        if at(middle)?.estimate < target {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(high)
+}
+
+/// SD of a participant's difference of mode means: √(2 (σ²_mode + σ² / repeats)).
+fn contrast_sd(plan: &Plan) -> f64 {
+    let square = |x: f64| x * x;
+    (2.0 * (square(plan.interaction_sd) + square(plan.residual_sd) / plan.repeats as f64)).sqrt()
+}
+
+fn check(plan: &Plan, simulation: &Simulation) -> Result<(), Unestimable> {
+    let sds = [plan.participant_sd, plan.interaction_sd, plan.residual_sd];
+    all_finite(&sds)?;
+    all_finite(&[plan.difference])?;
+    check_level(1.0 - simulation.alpha)?;
+    if let Some(index) = sds.iter().position(|sd| *sd < 0.0) {
+        return Err(StatsError::NonFinite { index, value: sds[index] }.into());
+    }
+    for (units, found, needed) in [
+        ("modes", plan.modes, 2),
+        ("participants", plan.participants, 2),
+        ("trials of a mode", plan.repeats, 1),
+        ("simulated studies", simulation.studies, 1),
+    ] {
+        if found < needed {
+            return Err(Unestimable::TooFew { units, found, needed });
+        }
+    }
+    Ok(())
+}
+
+/// The values of one study, by participant, mode and repeat.
+fn simulate(plan: &Plan, seed: u64, study: u64) -> Vec<f64> {
+    let mut key = [0; KEY_BYTES];
+    key[..8].copy_from_slice(&seed.to_le_bytes());
+    let mut rng = ChaCha8Rng::from_seed(key);
+    rng.set_stream(study);
+    let mut values = Vec::with_capacity(plan.participants * plan.modes * plan.repeats);
+    for _ in 0..plan.participants {
+        let own = plan.participant_sd * normal(&mut rng);
+        for mode in 0..plan.modes {
+            let last = mode + 1 == plan.modes;
+            let effect = if last { plan.difference } else { 0.0 };
+            let level = own + effect + plan.interaction_sd * normal(&mut rng);
+            values.extend((0..plan.repeats).map(|_| level + plan.residual_sd * normal(&mut rng)));
+        }
+    }
+    values
+}
+
+/// A standard normal number (Box & Muller 1958), by libm: the same on any machine.
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    /// 2⁻⁵³, so that 53 bits make a number in [0, 1).
+    const UNIT: f64 = 1.0 / (1_u64 << 53) as f64;
+    let mut uniform = || (rng.next_u64() >> 11) as f64 * UNIT;
+    let radius = (-2.0 * libm::log(1.0 - uniform())).sqrt();
+    radius * libm::cos(2.0 * core::f64::consts::PI * uniform())
+}
+
+/// p of the difference of the last and the first mode in one study.
+fn p_value(plan: &Plan, test: PlannedTest, values: &[f64]) -> Result<f64, Unestimable> {
+    match test {
+        PlannedTest::PairedT => paired_t(plan, values),
+        PlannedTest::KenwardRoger => kenward_roger(plan, values),
+    }
+}
+
+fn paired_t(plan: &Plan, values: &[f64]) -> Result<f64, Unestimable> {
+    let mean = |cell: &[f64]| cell.iter().sum::<f64>() / plan.repeats as f64;
+    let size = plan.modes * plan.repeats;
+    let difference =
+        |person: &[f64]| mean(&person[size - plan.repeats..]) - mean(&person[..plan.repeats]);
+    let differences: Vec<f64> = values.chunks(size).map(difference).collect();
+    let n = differences.len() as f64;
+    match mean_and_sd(&differences) {
+        (mean, Some(sd)) if sd > 0.0 => Ok(two_sided_p(mean / (sd / n.sqrt()), n - 1.0)?),
+        _ => Err(Unestimable::Constant { units: "differences" }),
+    }
+}
+
+fn kenward_roger(plan: &Plan, values: &[f64]) -> Result<f64, Unestimable> {
+    let rows = 0..values.len();
+    let participant: Vec<usize> =
+        rows.clone().map(|row| row / (plan.modes * plan.repeats)).collect();
+    let mode: Vec<usize> = rows.map(|row| row / plan.repeats % plan.modes).collect();
+    let session = vec![0; values.len()];
+    let trials =
+        Trials { participant: &participant, session: &session, mode: &mode, value: values };
+    let found = fit_trials(trials)?;
+    let weights = found.difference(plan.modes - 1, 0)?;
+    Ok(found.fit.kenward_roger()?.test(&weights, POWER_LEVEL)?.p_value)
+}
+
+/// The exact interval of a share, `count` of `n` (Clopper & Pearson 1934, Biometrika 26:404): each
+/// end is the share that makes a count as far out have probability (1 − level) / 2.
+///
+/// # Errors
+/// `level` outside (0, 1), `n` zero or below `count`.
+pub fn clopper_pearson(count: usize, n: usize, level: f64) -> Result<(f64, f64), StatsError> {
+    check_level(level)?;
+    if n == 0 || count > n {
+        return Err(StatsError::DegreesOfFreedom { df: n as f64 });
+    }
+    let (x, rest) = (count as f64, (n - count) as f64);
+    let tail = (1.0 - level) / 2.0;
+    let low = if count == 0 { 0.0 } else { beta_quantile(tail, x, rest + 1.0) };
+    let high = if count == n { 1.0 } else { beta_quantile(1.0 - tail, x + 1.0, rest) };
+    Ok((rounded(low), rounded(high)))
+}
+
+/// The quantile of the beta distribution, by bisection down to neighbouring numbers.
+fn beta_quantile(share: f64, a: f64, b: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    loop {
+        let middle: f64 = low + (high - low) / 2.0;
+        if middle <= low || middle >= high {
+            return middle;
+        }
+        if checked_beta_reg(a, b, middle).is_ok_and(|below| below < share) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLAN: Plan = Plan {
+        participant_sd: 1.0,
+        interaction_sd: 0.5,
+        residual_sd: 0.9,
+        repeats: 6,
+        modes: 3,
+        difference: 0.6,
+        participants: 12,
+    };
+    const SIMULATION: Simulation =
+        Simulation { test: PlannedTest::PairedT, alpha: 0.05, studies: 4000, seed: 1 };
+
+    /// R: `power.t.test(n, delta, sd, type = "paired", strict = TRUE)$power`, sd = √(2 (0.25 + 0.135)).
+    #[test]
+    fn power_is_that_of_the_noncentral_t() {
+        for (participants, r) in POWER_OF_R {
+            let found = power(&Plan { participants, ..PLAN }, &SIMULATION).unwrap();
+            let (low, high) = clopper_pearson(found.claims, found.studies, 0.999).unwrap();
+            assert!(low < r && r < high, "{participants}: {found:?} for {r}");
+        }
+    }
+
+    #[test]
+    fn without_a_difference_power_is_alpha() {
+        let found = power(&Plan { difference: 0.0, ..PLAN }, &SIMULATION).unwrap();
+        assert!(found.ci_low < 0.05 && 0.05 < found.ci_high, "{found:?}");
+    }
+
+    #[test]
+    fn one_thread_gives_the_claims_of_many() {
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| power(&PLAN, &SIMULATION).unwrap())
+        };
+        assert_eq!(on(1), on(4));
+        let other = Simulation { seed: 2, ..SIMULATION };
+        assert_ne!(on(1).claims, power(&PLAN, &other).unwrap().claims);
+    }
+
+    #[test]
+    fn the_fewest_participants_are_enough_and_one_fewer_are_not() {
+        let (n, found) = participants_for(0.8, &PLAN, &SIMULATION).unwrap().unwrap();
+        assert!(found.estimate >= 0.8, "{found:?}");
+        let fewer = power(&Plan { participants: n - 1, ..PLAN }, &SIMULATION).unwrap();
+        assert!(fewer.estimate < 0.8);
+        let exact = PARTICIPANTS_OF_R;
+        assert!(n.abs_diff(exact) <= 1, "{n} for {exact}");
+        let hopeless = Plan { difference: 0.0, ..PLAN };
+        let few = Simulation { studies: 20, ..SIMULATION };
+        assert_eq!(participants_for(0.8, &hopeless, &few).unwrap(), None);
+    }
+
+    #[test]
+    fn the_smallest_difference_is_found_with_its_power() {
+        let found = smallest_difference(0.8, &PLAN, &SIMULATION).unwrap();
+        assert!((found / DIFFERENCE_OF_R - 1.0).abs() < 0.04, "{found}");
+        let none = Plan { interaction_sd: 0.0, residual_sd: 0.0, ..PLAN };
+        assert!(smallest_difference(0.8, &none, &SIMULATION).is_err());
+    }
+
+    #[test]
+    fn the_mixed_model_has_nearly_the_power_of_the_paired_test() {
+        let few = Simulation { studies: 400, ..SIMULATION };
+        let t = power(&PLAN, &few).unwrap();
+        let mixed = power(&PLAN, &Simulation { test: PlannedTest::KenwardRoger, ..few }).unwrap();
+        assert!((t.estimate - mixed.estimate).abs() < 0.08, "{t:?} {mixed:?}");
+    }
+
+    /// SciPy: `beta.ppf(0.025, x, n - x + 1)`, `beta.ppf(0.975, x + 1, n - x)`.
+    #[test]
+    fn exact_intervals_of_shares_are_those_of_scipy() {
+        for (count, n, low, high) in SCIPY {
+            let found = clopper_pearson(count, n, 0.95).unwrap();
+            assert!((found.0 - low).abs() < 1e-9 && (found.1 - high).abs() < 1e-9, "{found:?}");
+        }
+        assert!(clopper_pearson(3, 2, 0.95).is_err() && clopper_pearson(0, 0, 0.95).is_err());
+    }
+
+    #[test]
+    fn a_plan_that_cannot_be_meant_is_refused() {
+        for plan in [
+            Plan { residual_sd: -1.0, ..PLAN },
+            Plan { interaction_sd: f64::NAN, ..PLAN },
+            Plan { modes: 1, ..PLAN },
+            Plan { participants: 1, ..PLAN },
+            Plan { repeats: 0, ..PLAN },
+        ] {
+            assert!(power(&plan, &SIMULATION).is_err(), "{plan:?}");
+        }
+        assert!(power(&PLAN, &Simulation { alpha: 1.0, ..SIMULATION }).is_err());
+        assert!(participants_for(80.0, &PLAN, &SIMULATION).is_err());
+    }
+
+    const POWER_OF_R: [(usize, f64); 3] =
+        [(4, 0.164_258_021_698), (12, 0.579_115_270_454), (24, 0.893_798_790_809)];
+    const PARTICIPANTS_OF_R: usize = 19;
+    const DIFFERENCE_OF_R: f64 = 0.779_790_953;
+    const SCIPY: [(usize, usize, f64, f64); 4] = [
+        (0, 10, 0.0, 0.3084971078187607),
+        (3, 10, 0.06673951117773447, 0.6524528500599973),
+        (10, 10, 0.6915028921812392, 1.0),
+        (480, 2000, 0.2214246405699285, 0.25934056691120344),
+    ];
+}

@@ -1,0 +1,139 @@
+//! Repeated-measures analysis of variance of participants' means: one row per participant, one
+//! column per mode.
+//!
+//! F compares the modes with the interaction of participant × mode. It takes the differences between
+//! all pairs of modes to have one variance (sphericity); ε says how far they do, and degrees of
+//! freedom times ε make the test hold nearly anyway.
+
+use crate::anova::{ROUNDING, check_table, two_way};
+use crate::f_distribution::upper_p;
+use crate::matrix::Matrix;
+use crate::tested::{FTest, Unestimable};
+
+/// A repeated-measures analysis of variance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RmAnova {
+    /// The test with (k − 1) and (n − 1)(k − 1) degrees of freedom.
+    pub test: FTest,
+    /// Greenhouse & Geisser (1959)'s ε, from 1 / (k − 1) to 1.
+    pub greenhouse_geisser: f64,
+    /// Huynh & Feldt (1976)'s ε, at most 1. For one group of participants Lecoutre (1991)'s
+    /// correction of it leaves it as it is.
+    pub huynh_feldt: f64,
+    /// p with both degrees of freedom times Greenhouse & Geisser's ε.
+    pub p_greenhouse_geisser: f64,
+    /// p with both degrees of freedom times Huynh & Feldt's ε.
+    pub p_huynh_feldt: f64,
+}
+
+/// The analysis of `table`: a row per participant, a column per mode, complete.
+///
+/// # Errors
+/// Fewer than two participants or modes, rows of different lengths, a value that is not finite,
+/// modes that differ alike in all participants.
+pub fn rm_anova(table: &[Vec<f64>]) -> Result<RmAnova, Unestimable> {
+    check_table(table, (2, 2), ("participants", "modes"))?;
+    let (n, k) = (table.len() as f64, table[0].len() as f64);
+    let sums = two_way(table);
+    if sums.error <= ROUNDING * sums.total || sums.total <= 0.0 {
+        return Err(Unestimable::Constant { units: "differences of modes" });
+    }
+    let (df_num, df_den) = (k - 1.0, (n - 1.0) * (k - 1.0));
+    let statistic = sums.columns / df_num / (sums.error / df_den);
+    let greenhouse_geisser = greenhouse_geisser(table);
+    let huynh_feldt = huynh_feldt(greenhouse_geisser, n, k);
+    let p = |epsilon: f64| upper_p(statistic, epsilon * df_num, epsilon * df_den);
+    Ok(RmAnova {
+        test: FTest { statistic, df_num, df_den, p_value: p(1.0)? },
+        greenhouse_geisser,
+        huynh_feldt,
+        p_greenhouse_geisser: p(greenhouse_geisser)?,
+        p_huynh_feldt: p(huynh_feldt)?,
+    })
+}
+
+/// ε̂ = (tr C)² / ((k − 1) tr C²), with C the modes' covariance matrix centred by rows and columns.
+fn greenhouse_geisser(table: &[Vec<f64>]) -> f64 {
+    let (n, k) = (table.len(), table[0].len());
+    let origin = &table[0];
+    // rows without their participant's level, columns without their mode's
+    let level = |row: &[f64]| row.iter().zip(origin).map(|(v, o)| v - o).sum::<f64>() / k as f64;
+    let centred: Vec<Vec<f64>> = table
+        .iter()
+        .map(|row| row.iter().zip(origin).map(|(v, o)| v - o - level(row)).collect())
+        .collect();
+    let mean: Vec<f64> =
+        (0..k).map(|j| centred.iter().map(|row| row[j]).sum::<f64>() / n as f64).collect();
+    let mut covariance = Matrix::zeros(k, k);
+    for row in &centred {
+        let rest: Vec<f64> = row.iter().zip(&mean).map(|(v, m)| v - m).collect();
+        covariance.add_outer(1.0, &rest, &rest);
+    }
+    let trace: f64 = covariance.diagonal().iter().sum();
+    (trace * trace / ((k - 1) as f64 * covariance.dot(&covariance))).min(1.0)
+}
+
+/// ε̃ = (n (k − 1) ε̂ − 2) / ((k − 1) (n − 1 − (k − 1) ε̂)), at most 1. Of two participants nothing can
+/// be said but ε̂.
+fn huynh_feldt(epsilon: f64, n: f64, k: f64) -> f64 {
+    /// Less than this is left by rounding alone.
+    const NOTHING: f64 = 1e-9;
+    let left = n - 1.0 - (k - 1.0) * epsilon;
+    let over = n * (k - 1.0) * epsilon - 2.0;
+    match (left > NOTHING, over > NOTHING) {
+        (true, _) => (over / ((k - 1.0) * left)).max(epsilon).min(1.0),
+        (false, true) => 1.0,
+        (false, false) => epsilon,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agreement::tests::shrout_fleiss;
+
+    fn close(found: f64, expected: f64, digits: f64) {
+        assert!((found / expected - 1.0).abs() < digits, "{found} for {expected}");
+    }
+
+    /// R 4.2: `anova(lm(d ~ 1), X = ~1, test = "Spherical")`; pingouin 0.7: `epsilon`.
+    #[test]
+    fn judges_as_modes_have_the_analysis_of_r_and_pingouin() {
+        let found = rm_anova(&shrout_fleiss()).unwrap();
+        close(found.test.statistic, 31.866485013624, 1e-12);
+        close(found.test.p_value, 9.45426320247059e-07, 1e-8);
+        close(found.greenhouse_geisser, 0.681724544594095, 1e-12);
+        close(found.p_greenhouse_geisser, 3.84552635469624e-05, 1e-8);
+        close(found.huynh_feldt, 1.0, 1e-15);
+        close(found.p_huynh_feldt, 9.45426320247059e-07, 1e-8);
+    }
+
+    /// With ε̂ = 0.6 of 8 participants and 4 modes: (8 · 3 · 0.6 − 2) / (3 (7 − 1.8)).
+    #[test]
+    fn huynh_and_feldts_epsilon_follows_from_the_other() {
+        close(huynh_feldt(0.6, 8.0, 4.0), 12.4 / 15.6, 1e-14);
+        close(huynh_feldt(0.5, 2.0, 3.0), 0.5, 1e-14);
+    }
+
+    /// Of two modes F is the square of the paired t, and there is nothing to correct.
+    #[test]
+    fn two_modes_are_the_paired_t_test() {
+        let table = [[1.0, 2.5], [2.0, 2.9], [4.0, 5.5], [3.0, 3.1]].map(Vec::from);
+        let found = rm_anova(&table).unwrap();
+        let (mean, sd) = crate::interval::mean_and_sd(&[1.5, 0.9, 1.5, 0.1]);
+        let t = mean / (sd.unwrap() / 2.0);
+        close(found.test.statistic, t * t, 1e-12);
+        close(found.greenhouse_geisser, 1.0, 1e-12);
+        close(found.p_greenhouse_geisser, found.test.p_value, 1e-8);
+    }
+
+    #[test]
+    fn what_cannot_be_said_is_said() {
+        let few = rm_anova(&[vec![1.0, 2.0]]);
+        assert!(matches!(few, Err(Unestimable::TooFew { .. })));
+        let alike = rm_anova(&[vec![1.0, 2.0], vec![3.0, 4.0], vec![7.0, 8.0]]);
+        assert!(matches!(alike, Err(Unestimable::Constant { .. })));
+        let ragged = rm_anova(&[vec![1.0, 2.0], vec![3.0]]);
+        assert!(matches!(ragged, Err(Unestimable::Refused(_))));
+    }
+}
