@@ -3,10 +3,11 @@
 use super::fit::{Fit, fit};
 use super::likelihood::Integral;
 use super::model::{Model, Ratings, Terms};
-use super::profile::profile_interval;
+use super::profile::{ProfileInterval, profile_interval};
 use super::ratio::{RatioTest, test_columns};
 use super::resample::{Bootstrap, bootstrap};
 use crate::answers::Column;
+use crate::error::check_level;
 use crate::tested::Unestimable;
 use std::collections::BTreeSet;
 
@@ -42,10 +43,9 @@ pub struct OddsRatio {
     /// Odds of a higher answer in the reference mode over those in the other, for one person. No
     /// average over people: that is smaller the more they differ.
     pub estimate: f64,
-    /// Lower end of the profile interval; `None` if the answers allow any ratio down to 0.
-    pub ci_low: Option<f64>,
-    /// Upper end; `None` if they allow any ratio, however large.
-    pub ci_high: Option<f64>,
+    /// Its profile interval, or why there is none: where few answers leave the SDs without an end
+    /// too, a search far from the estimate may not converge.
+    pub interval: Result<ProfileInterval, Unestimable>,
     /// The likelihood-ratio test of "the ratio is one".
     pub test: RatioTest,
 }
@@ -88,6 +88,7 @@ pub fn compare_modes(
     level: f64,
     seed: u64,
 ) -> Result<ModeComparison, Unestimable> {
+    check_level(level)?;
     let modes: Vec<usize> = levels(study.modes).into_iter().filter(|&m| m != reference).collect();
     if !study.modes.contains(&reference) {
         let units = "answers in the reference mode";
@@ -139,12 +140,14 @@ fn odds_ratio(
     level: f64,
 ) -> Result<OddsRatio, Unestimable> {
     let df = model.mode_df();
-    let interval = profile_interval(model, integral, fit, column, level, df)?;
+    let turned = |interval: ProfileInterval| ProfileInterval {
+        low: interval.high.map(|end| libm::exp(-end)),
+        high: interval.low.map(|end| libm::exp(-end)),
+    };
     Ok(OddsRatio {
         mode,
         estimate: libm::exp(-fit.coefficients[column]),
-        ci_low: interval.high.map(|end| libm::exp(-end)),
-        ci_high: interval.low.map(|end| libm::exp(-end)),
+        interval: profile_interval(model, integral, fit, column, level, df).map(turned),
         test: test_columns(model, integral, fit, &[column], df)?,
     })
 }

@@ -386,7 +386,8 @@ fn modes_are_compared_against_the_reference_for_one_person() {
     let ratio = &found.odds_ratios[0];
     assert_eq!(ratio.mode, 0);
     assert!((libm::log(ratio.estimate) - fit.coefficients[0]).abs() < 1e-5);
-    assert!(ratio.ci_low.unwrap() < ratio.estimate && ratio.estimate < ratio.ci_high.unwrap());
+    let ends = ratio.interval.clone().unwrap();
+    assert!(ends.low.unwrap() < ratio.estimate && ratio.estimate < ends.high.unwrap());
     assert!((found.fit.log_likelihood - fit.log_likelihood).abs() < 1e-9);
     assert_eq!((found.test.f.df_num, found.test.f.df_den), (2.0, 10.0));
     let drawn = found.bootstrap.unwrap();
