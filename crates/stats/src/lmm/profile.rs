@@ -154,8 +154,7 @@ fn in_variances(
     let mut slopes: Vec<Matrix> =
         design.scales.iter().map(|s| Matrix::zeros(s.len(), s.len())).collect();
     for (pattern, spread) in design.patterns.iter().zip(spreads) {
-        let residuals = residual_squares(pattern, gamma);
-        let fr = spread.f.times(&residuals);
+        let uu = blup_squares(pattern, spread, gamma);
         let xa = spread.zwx.times(a_inverse);
         for Block { term, at } in &pattern.blocks {
             let slope = &mut slopes[*term];
@@ -163,13 +162,26 @@ fn in_variances(
                 for j in 0..slope.rows {
                     let (a, b) = (at + i, at + j);
                     let lost = if reml { dot(xa.row(a), spread.zwx.row(b)) } else { 0.0 };
-                    let u = dot(fr.row(a), spread.f.row(b));
-                    slope[(i, j)] += pattern.groups * (spread.zwz[(a, b)] - lost) - u / variance;
+                    let rest = pattern.groups * (spread.zwz[(a, b)] - lost);
+                    slope[(i, j)] += rest - uu[(a, b)] / variance;
                 }
             }
         }
     }
     slopes
+}
+
+/// Σ u uᵀ over the groups of a pattern, u = Zᵀ W⁻¹ (y − X γ). Group by group: a square that is taken
+/// before the large parts of Zᵀ y cancel has lost twice the digits.
+fn blup_squares(pattern: &Pattern, spread: &Spread, gamma: &[f64]) -> Matrix {
+    let fitted = pattern.ztx.times_vector(gamma);
+    let mut squares = Matrix::zeros(fitted.len(), fitted.len());
+    for zty in &pattern.each {
+        let rest: Vec<f64> = zty.iter().zip(&fitted).map(|(z, fitted)| z - fitted).collect();
+        let u = spread.f.times_vector(&rest);
+        squares.add_outer(1.0, &u, &u);
+    }
+    squares
 }
 
 /// Σ Zᵀ r rᵀ Z over the groups of a pattern, r = y − X γ.
