@@ -14,8 +14,9 @@ use crate::error::NumericsError;
 const KEPT_PROMISE: f64 = 1e-4;
 /// Share of the first slope that may be left after a step (curvature).
 const SLOPE_LEFT: f64 = 0.9;
-/// Rise of the function, as a share of its size, that rounding can cause.
-const ROUNDING: f64 = 1e-13;
+/// Rise of the function, as a share of its size, that rounding may have caused (Hager & Zhang take
+/// 1e-6): below it the slope decides.
+const ROUNDING: f64 = 1e-10;
 /// Points tried along one line: more than doubling or halving needs to cross all magnitudes met.
 const MAX_TRIALS: usize = 80;
 /// More steps than a handful of parameters with a sensible start take.

@@ -349,7 +349,7 @@ mod tests {
         let exact = PARTICIPANTS_OF_R;
         assert!(n.abs_diff(exact) <= 1, "{n} for {exact}");
         let hopeless = Plan { difference: 0.0, ..PLAN };
-        let few = Simulation { studies: 20, ..SIMULATION };
+        let few = Simulation { studies: 5, ..SIMULATION };
         assert_eq!(participants_for(0.8, &hopeless, &few).unwrap(), None);
     }
 

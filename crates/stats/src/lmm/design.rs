@@ -3,8 +3,7 @@
 //!
 //! Groups are independent, so everything is a sum over groups of products of Zᵢᵀ Zᵢ, Zᵢᵀ Xᵢ, Xᵢᵀ Xᵢ
 //! and of Zᵢᵀ yᵢ, Xᵢᵀ yᵢ, yᵢᵀ yᵢ. The first three are the same for all participants who did the same
-//! trials, and the likelihood takes of the others only Σ Zᵢᵀ yᵢ and Σ Zᵢᵀ yᵢ yᵢᵀ Zᵢ: a thousand people
-//! on one design cost as much as one.
+//! trials: a thousand people on one design share one factorisation.
 //!
 //! Before that X = Q R is orthonormalised and y replaced by its least-squares residuals, so that a
 //! large mean costs no digits; the random columns are divided by their root mean squares.
@@ -47,6 +46,8 @@ pub(super) struct Pattern {
     pub(super) ztz: Matrix,
     pub(super) ztx: Matrix,
     pub(super) xtx: Matrix,
+    /// Zᵀ y of each group.
+    pub(super) each: Vec<Vec<f64>>,
     /// Σ Zᵀ y, Σ Zᵀ y yᵀ Z, Σ Xᵀ y and Σ yᵀ y over groups.
     pub(super) zty: Vec<f64>,
     pub(super) zty_ytz: Matrix,
@@ -254,6 +255,7 @@ fn empty_pattern(model: &Model, rows: &[Row]) -> Pattern {
         ztz: Matrix::zeros(size, size),
         ztx: Matrix::zeros(size, p),
         xtx: Matrix::zeros(p, p),
+        each: Vec::new(),
         zty: vec![0.0; size],
         zty_ytz: Matrix::zeros(size, size),
         xty: vec![0.0; p],
@@ -279,6 +281,7 @@ fn add_group(pattern: &mut Pattern, rows: &[Row]) {
     add_scaled(&mut pattern.zty, 1.0, &zty);
     pattern.zty_ytz.add_outer(1.0, &zty, &zty);
     pattern.groups += 1.0;
+    pattern.each.push(zty);
 }
 
 /// One row of Z: the term's columns at the block of its level.

@@ -69,7 +69,9 @@ pub struct Fit {
 /// Fits `model` by `criterion`.
 ///
 /// The cost of one evaluation of the criterion is that of a small matrix per *different* design of a
-/// group.
+/// group. It is a sum of cross-products, which lose digits as a random effect's SD outgrows the
+/// residual's: up to a hundred times that is nothing to notice; at a thousand the search may end in
+/// [`Unestimable::NotConverged`].
 ///
 /// # Errors
 /// Lengths that differ, numbers that are not finite; fixed columns or variances that the data cannot

@@ -20,6 +20,8 @@ const TWO_PI: f64 = 2.0 * core::f64::consts::PI;
 pub(super) struct Spread {
     /// N = Λ (I + Λᵀ Zᵀ Z Λ)⁻¹ Λᵀ, so that W⁻¹ = I − Z N Zᵀ (Woodbury).
     pub(super) n: Matrix,
+    /// B with Bᵀ B = N.
+    root: Matrix,
     /// F = I − Zᵀ Z N, so that Zᵀ W⁻¹ = F Zᵀ.
     pub(super) f: Matrix,
     /// Zᵀ W⁻¹ Z.
@@ -70,13 +72,18 @@ pub(super) fn profile(design: &Design, reml: bool, theta: &[f64]) -> Option<Prof
     let mut spreads = Vec::with_capacity(design.patterns.len());
     for pattern in &design.patterns {
         let spread = spread(pattern, &factors)?;
-        // Xᵀ W⁻¹ X, Xᵀ W⁻¹ y and yᵀ W⁻¹ y, each with W⁻¹ = I − Z N Zᵀ
-        let ntx = spread.n.times(&pattern.ztx);
+        // Xᵀ W⁻¹ X, Xᵀ W⁻¹ y and yᵀ W⁻¹ y, each with W⁻¹ = I − Z Bᵀ B Zᵀ
+        let bx = spread.root.times(&pattern.ztx);
         a.add(pattern.groups, &pattern.xtx);
-        a.add(-pattern.groups, &pattern.ztx.transposed_times(&ntx));
+        a.add(-pattern.groups, &bx.transposed_times(&bx));
         add_scaled(&mut xwy, 1.0, &pattern.xty);
-        add_scaled(&mut xwy, -1.0, &ntx.transposed_times_vector(&pattern.zty));
-        ywy += pattern.yty - spread.n.dot(&pattern.zty_ytz);
+        let by = spread.root.times_vector(&pattern.zty);
+        add_scaled(&mut xwy, -1.0, &bx.transposed_times_vector(&by));
+        ywy += pattern.yty;
+        for zty in &pattern.each {
+            let by = spread.root.times_vector(zty);
+            ywy -= dot(&by, &by);
+        }
         log_det += pattern.groups * spread.log_det;
         spreads.push(spread);
     }
@@ -99,18 +106,17 @@ fn spread(pattern: &Pattern, factors: &[Matrix]) -> Option<Spread> {
     let mut inner = times_lambda(&sl.transpose(), &pattern.blocks, factors);
     (0..size).for_each(|i| inner[(i, i)] += 1.0);
     let l = inner.cholesky()?;
-    // N = (Λ L⁻ᵀ) (Λ L⁻ᵀ)ᵀ
+    // B = L⁻¹ Λᵀ and B S; N itself grows with θ² where columns of Z depend on each other, these do not
     let root = times_lambda_transposed(&l.lower_inverse(), &pattern.blocks, factors);
-    let n = root.transposed_times(&root);
+    let bs = root.times(&pattern.ztz);
     let mut f = Matrix::identity(size);
-    f.add(-1.0, &pattern.ztz.times(&n));
-    Some(Spread {
-        zwz: f.times(&pattern.ztz),
-        zwx: f.times(&pattern.ztx),
-        log_det: l.diagonal().iter().map(|d| 2.0 * libm::log(*d)).sum(),
-        n,
-        f,
-    })
+    f.add(-1.0, &bs.transposed_times(&root));
+    let mut zwz = pattern.ztz.clone();
+    zwz.add(-1.0, &bs.transposed_times(&bs));
+    let mut zwx = pattern.ztx.clone();
+    zwx.add(-1.0, &bs.transposed_times(&root.times(&pattern.ztx)));
+    let log_det = l.diagonal().iter().map(|d| 2.0 * libm::log(*d)).sum();
+    Some(Spread { n: root.transposed_times(&root), root, f, zwz, zwx, log_det })
 }
 
 /// M Λ.
@@ -154,8 +160,7 @@ fn in_variances(
     let mut slopes: Vec<Matrix> =
         design.scales.iter().map(|s| Matrix::zeros(s.len(), s.len())).collect();
     for (pattern, spread) in design.patterns.iter().zip(spreads) {
-        let residuals = residual_squares(pattern, gamma);
-        let fr = spread.f.times(&residuals);
+        let uu = blup_squares(pattern, spread, gamma);
         let xa = spread.zwx.times(a_inverse);
         for Block { term, at } in &pattern.blocks {
             let slope = &mut slopes[*term];
@@ -163,13 +168,26 @@ fn in_variances(
                 for j in 0..slope.rows {
                     let (a, b) = (at + i, at + j);
                     let lost = if reml { dot(xa.row(a), spread.zwx.row(b)) } else { 0.0 };
-                    let u = dot(fr.row(a), spread.f.row(b));
-                    slope[(i, j)] += pattern.groups * (spread.zwz[(a, b)] - lost) - u / variance;
+                    let rest = pattern.groups * (spread.zwz[(a, b)] - lost);
+                    slope[(i, j)] += rest - uu[(a, b)] / variance;
                 }
             }
         }
     }
     slopes
+}
+
+/// Σ u uᵀ over the groups of a pattern, u = Zᵀ W⁻¹ (y − X γ). Group by group: a square that is taken
+/// before the large parts of Zᵀ y cancel has lost twice the digits.
+fn blup_squares(pattern: &Pattern, spread: &Spread, gamma: &[f64]) -> Matrix {
+    let fitted = pattern.ztx.times_vector(gamma);
+    let mut squares = Matrix::zeros(fitted.len(), fitted.len());
+    for zty in &pattern.each {
+        let rest: Vec<f64> = zty.iter().zip(&fitted).map(|(z, fitted)| z - fitted).collect();
+        let u = spread.f.times_vector(&rest);
+        squares.add_outer(1.0, &u, &u);
+    }
+    squares
 }
 
 /// Σ Zᵀ r rᵀ Z over the groups of a pattern, r = y − X γ.
