@@ -2,13 +2,14 @@
 
 use crate::drawing::{Drawing, drawn};
 use crate::making::{derived, made};
-use crate::metrics;
+use crate::{likert, metrics};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_compare::Parameters;
+use zwidth_compare::{AnswerParameters, Parameters};
 use zwidth_figures::{
     About, ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED,
+    SESSIONS_COMPARED,
 };
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData, TrialEntry};
@@ -28,8 +29,8 @@ const OTHERS: [&str; 6] = [
 ];
 
 /// What a metric's tables are, by the beginning of their names, in the order of the job's outputs.
-const TABLES: [&str; 7] =
-    ["cells", "means", "contrasts", "participants", "sessions", "learning", "repeats"];
+const TABLES: [&str; 8] =
+    ["cells", "means", "contrasts", "models", "participants", "sessions", "learning", "repeats"];
 
 /// By what a study is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +54,11 @@ pub fn comparison(layout: &Layout, by: By, metric: &str) -> Vec<PathBuf> {
         By::Repeat => &["learning"],
     };
     names.iter().map(|name| table_of(layout, name, metric)).collect()
+}
+
+/// The derived table of the mixed models of a metric.
+pub fn models(layout: &Layout, metric: &str) -> PathBuf {
+    table_of(layout, "models", metric)
 }
 
 /// The metrics that are compared: those that trials of this study can have, the primary one first.
@@ -132,7 +138,7 @@ fn who(data: &StudyData) -> (bool, bool) {
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     let (several, again) = who(data);
     let is_read = |table: &&str| match *table {
-        "participants" => several,
+        "models" | "participants" => several,
         "sessions" => several && again,
         "cells" | "repeats" => false,
         _ => true,
@@ -141,7 +147,17 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     let of = |metric: &String| {
         names.iter().map(|table| table_of(&data.layout, table, metric)).collect::<Vec<_>>()
     };
-    compared(data).iter().flat_map(of).collect()
+    compared(data).iter().flat_map(of).chain(answers(data)).collect()
+}
+
+/// The answers compared, if there are some after several modes.
+fn answers(data: &StudyData) -> Option<PathBuf> {
+    let several = data.study.modes.len() > 1;
+    likert::long(data).filter(|_| several).map(|_| answers_file(&data.layout))
+}
+
+fn answers_file(layout: &Layout) -> PathBuf {
+    derived(layout, "compare/answers_compared.parquet")
 }
 
 /// What the comparison of a metric depends on.
@@ -169,13 +185,37 @@ fn parameters(study: &Study, metric: &str) -> Parameters {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let Some(metrics) = metrics::of_study(data) else { return Vec::new() };
+    let answers = answers(data).map(|output| answers_job(data, output));
+    let Some(metrics) = metrics::of_study(data) else { return answers.into_iter().collect() };
     let job = |metric: &String| {
         let outputs = TABLES.map(|table| table_of(&data.layout, table, metric)).to_vec();
         let parameters = parameters(&data.study, metric);
         Job::new(STAGE, format!("compare {metric}"), parameters, metrics.clone(), outputs, make)
     };
-    compared(data).iter().map(job).collect()
+    compared(data).iter().map(job).chain(answers).collect()
+}
+
+fn answers_job(data: &StudyData, output: PathBuf) -> Job {
+    let study = &data.study;
+    let parameters = AnswerParameters {
+        environments: study.environments.iter().map(|e| e.id.clone()).collect(),
+        modes: study.modes.iter().map(|m| m.id.clone()).collect(),
+        questions: study.questions.clone(),
+        contrasts: study.compare.contrasts.clone(),
+        level: study.compare.level,
+    };
+    let inputs = likert::long(data);
+    Job::new(STAGE, "compare answers", parameters, inputs, vec![output], make_answers)
+}
+
+fn make_answers(
+    parameters: &AnswerParameters,
+    answers: &Option<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let answers = answers.as_deref().ok_or("there is no answer")?;
+    let answers = Table::from_parquet(answers)?;
+    made(&[zwidth_compare::compare_answers(&answers, parameters)?], making, Vec::new())
 }
 
 fn make(parameters: &Parameters, metrics: &PathBuf, making: &Making) -> Result<Made, JobError> {
@@ -186,6 +226,7 @@ fn make(parameters: &Parameters, metrics: &PathBuf, making: &Making) -> Result<M
         found.cells,
         found.means,
         found.contrasts,
+        found.models,
         found.participants,
         found.sessions,
         found.learning,
@@ -207,7 +248,7 @@ type Draw = fn(&Drawn, &Vec<PathBuf>, &Making) -> Result<Made, JobError>;
 
 /// The figures of every metric.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
-    let (several, _) = who(data);
+    let (several, again) = who(data);
     let trials = data.counting().count();
     let of = Drawn {
         about: About::of(&data.study),
@@ -222,18 +263,20 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
         let people = || drawing(PARTICIPANTS_COMPARED, draw_participants);
         let modes = drawing(MODES_COMPARED, draw_modes);
         let repeats = drawing(REPEATS_COMPARED, draw_repeats);
-        [modes].into_iter().chain(several.then(people)).chain([repeats])
+        let sessions = || drawing(SESSIONS_COMPARED, draw_sessions);
+        let beside = [several.then(people), (several && again).then(sessions)];
+        [modes].into_iter().chain(beside.into_iter().flatten()).chain([repeats])
     };
     compared(data).iter().flat_map(of_metric).collect()
 }
 
 /// A metric's tables as figures see them.
-struct Read([Table; 5]);
+struct Read([Table; 6]);
 
 impl Read {
     fn of(files: &[PathBuf]) -> Result<Self, JobError> {
-        let [cells, means, contrasts, participants, _, _, repeats] = files else {
-            return Err("a metric has seven tables".into());
+        let [cells, means, contrasts, _, participants, sessions, _, repeats] = files else {
+            return Err("a metric has eight tables".into());
         };
         let read = |file: &PathBuf| Table::from_parquet(file);
         Ok(Self([
@@ -241,13 +284,14 @@ impl Read {
             read(means)?,
             read(contrasts)?,
             read(participants)?,
+            read(sessions)?,
             read(repeats)?,
         ]))
     }
 
     fn tables(&self) -> ComparedTables<'_> {
-        let [cells, means, contrasts, participants, repeats] = &self.0;
-        ComparedTables { cells, means, contrasts, participants, repeats }
+        let [cells, means, contrasts, participants, sessions, repeats] = &self.0;
+        ComparedTables { cells, means, contrasts, participants, sessions, repeats }
     }
 }
 
@@ -257,6 +301,10 @@ fn draw_modes(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made,
 
 fn draw_participants(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
     draw(zwidth_figures::participants_compared, of, files, making)
+}
+
+fn draw_sessions(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    draw(zwidth_figures::sessions_compared, of, files, making)
 }
 
 fn draw_repeats(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {

@@ -21,9 +21,9 @@ pub(crate) fn tally(data: &StudyData) -> Option<PathBuf> {
     (!data.answers().is_empty()).then(|| derived(&data.layout, "likert.parquet"))
 }
 
-/// Every answer of the study, one row each.
-fn long(data: &StudyData) -> PathBuf {
-    derived(&data.layout, "answers.parquet")
+/// Every answer of the study, one row each, if there is one.
+pub(crate) fn long(data: &StudyData) -> Option<PathBuf> {
+    (!data.answers().is_empty()).then(|| derived(&data.layout, "answers.parquet"))
 }
 
 /// Files an answer can stand in: trials that count, session records, event logs.
@@ -36,7 +36,8 @@ fn origins(data: &StudyData) -> Vec<PathBuf> {
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let job = |output: PathBuf| {
         let asked = Asked { scheme: Scheme::of(&data.study), answers: data.answers() };
-        let job = Job::new(STAGE, "likert tallies", asked, (), vec![output, long(data)], make);
+        let outputs = [Some(output), long(data)].into_iter().flatten().collect();
+        let job = Job::new(STAGE, "likert tallies", asked, (), outputs, make);
         job.told_by(origins(data))
     };
     tally(data).map(job).into_iter().collect()

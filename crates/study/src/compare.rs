@@ -11,7 +11,7 @@ pub struct Compare {
     pub contrasts: Vec<Contrast>,
     /// The metric whose claims count; the claims of every other metric are exploratory.
     pub primary: MetricId,
-    /// The other metrics; `None` for all that the trials have.
+    /// The other metrics; `None` for those of the stage.
     pub metrics: Option<Vec<MetricId>>,
     /// What difference is too small to matter, by metric.
     pub bounds: BTreeMap<MetricId, Bound>,

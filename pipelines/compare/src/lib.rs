@@ -16,6 +16,7 @@
 //! after Holm. Every other metric is a family of its own, and exploratory. Intervals are not
 //! adjusted.
 
+mod answers;
 mod cells;
 mod contrasts;
 mod differences;
@@ -23,6 +24,7 @@ mod error;
 mod learning;
 mod means;
 mod measure;
+mod models;
 mod notes;
 mod parameters;
 mod people;
@@ -32,6 +34,7 @@ mod sessions;
 mod tests;
 mod unit;
 
+pub use answers::{AnswerParameters, compare_answers};
 pub use error::CompareError;
 pub use measure::Measure;
 pub use parameters::Parameters;
@@ -55,6 +58,8 @@ pub struct Compared {
     pub means: Table,
     /// Differences between modes.
     pub contrasts: Table,
+    /// The same by mixed models.
+    pub models: Table,
     /// Each participant's differences.
     pub participants: Table,
     /// Changes between sessions.
@@ -88,6 +93,7 @@ pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, Com
             contrasts::table(&contrasts, unit, measure, parameters)?,
             notes::contrasts(&contrasts, &cells, unit, parameters),
         ),
+        models: models::table(metrics, unit, measure, parameters)?,
         participants: people::table(&contrasts, &cells, measure, parameters)?,
         sessions: sessions::table(&cells, measure, parameters)?,
         learning: learning::table(metrics, unit, measure, parameters)?,

@@ -1,9 +1,11 @@
-//! Sessions compared: how participants changed from one session to another.
+//! Sessions compared: how participants changed from one session to another, and how well one session
+//! tells another.
 
 use crate::cells::{Cell, Cells, whole};
 use crate::measure::Measure;
 use crate::{CompareError, Parameters};
 use std::collections::BTreeMap;
+use zwidth_stats::agreement::{Agreement, BlandAltman, agreement, bland_altman};
 use zwidth_stats::paired::{differences, mean_difference};
 use zwidth_stats::{Tested, Unestimable};
 use zwidth_tables::{Column, Table};
@@ -19,6 +21,10 @@ struct Row {
     pairs: Vec<[f64; 2]>,
     /// Later minus earlier, participants as units.
     change: Result<Tested, Unestimable>,
+    /// Of the changes.
+    limits: Option<BlandAltman>,
+    /// Of the two sessions.
+    agreement: Option<Agreement>,
 }
 
 /// Each later session against the first one, in every condition, as a table.
@@ -33,13 +39,27 @@ pub(crate) fn table(
             for later in 1..cells.sessions.len() {
                 let pairs = pairs(cells, environment, mode, [later, 0]);
                 if !pairs.is_empty() {
-                    let change = mean_difference(&differences(&pairs), parameters.level);
-                    rows.push(Row { environment, mode, sessions: [0, later], pairs, change });
+                    let row = row(pairs, parameters.level);
+                    rows.push(Row { environment, mode, sessions: [0, later], ..row });
                 }
             }
         }
     }
     as_table(&rows, cells, measure, parameters)
+}
+
+fn row(pairs: Vec<[f64; 2]>, level: f64) -> Row {
+    let changes = differences(&pairs);
+    let by_participant: Vec<Vec<f64>> = pairs.iter().map(|pair| pair.to_vec()).collect();
+    Row {
+        environment: 0,
+        mode: 0,
+        sessions: [0, 0],
+        change: mean_difference(&changes, level),
+        limits: bland_altman(&changes, level).ok(),
+        agreement: agreement(&by_participant, level).ok(),
+        pairs,
+    }
 }
 
 /// Everybody's means in two sessions, in the order of participants.
@@ -69,6 +89,13 @@ fn as_table(
             Some(row.pairs.iter().map(|pair| pair[side]).sum::<f64>() / row.pairs.len() as f64)
         })
     };
+    let limits = |of: fn(&BlandAltman) -> f64| {
+        rows.iter().map(move |row| row.limits.as_ref().map(of)).collect::<Vec<_>>()
+    };
+    let agreeing = |of: fn(&Agreement) -> f64| {
+        rows.iter().map(move |row| row.agreement.as_ref().map(of)).collect::<Vec<_>>()
+    };
+    let number = |name, description, values| Column::float(name, "1", description, values);
     let columns = vec![
         texts("environment", "what was rendered", &|row| {
             Some(parameters.environments[row.environment].to_string())
@@ -92,6 +119,36 @@ fn as_table(
         measure.column("change_ci_high", "upper end of its interval", tested(|t| t.ci_high)),
         Column::float("df", "1", "degrees of freedom", tested(|t| t.df)),
         Column::float("p_value", "1", "p value of no change, not adjusted", tested(|t| t.p_value)),
+        measure.column(
+            "limit_low",
+            "lower limit of agreement of single changes (Bland–Altman)",
+            limits(|l| l.lower.estimate),
+        ),
+        measure.column("limit_high", "upper limit of agreement", limits(|l| l.upper.estimate)),
+        number(
+            "icc_a1",
+            "ICC(A,1) [ICC(2,1)]: absolute agreement of single sessions",
+            agreeing(|a| a.a1.estimate),
+        ),
+        number("icc_a1_ci_low", "lower end of its interval", agreeing(|a| a.a1.ci_low)),
+        number("icc_a1_ci_high", "upper end of its interval", agreeing(|a| a.a1.ci_high)),
+        number(
+            "icc_c1",
+            "ICC(C,1) [ICC(3,1)]: consistency of single sessions",
+            agreeing(|a| a.c1.estimate),
+        ),
+        number(
+            "icc_ak",
+            "ICC(A,k) [ICC(2,k)]: absolute agreement of their means",
+            agreeing(|a| a.ak.estimate),
+        ),
+        number(
+            "icc_ck",
+            "ICC(C,k) [ICC(3,k)]: consistency of their means",
+            agreeing(|a| a.ck.estimate),
+        ),
+        measure.column("sem", "standard error of measurement", agreeing(|a| a.sem)),
+        measure.column("mdc", "minimal detectable change, 95 %", agreeing(|a| a.mdc)),
         texts("remark", "why there is no test", &|row| {
             row.change.as_ref().err().map(ToString::to_string)
         }),

@@ -167,3 +167,118 @@ fn a_study_without_a_trial_gives_empty_tables() {
         .map(Table::height);
     assert_eq!(heights, [0; 4]);
 }
+
+/// Six people, three modes, four repeats, two sessions: a study with everything in it.
+fn whole_study() -> Vec<Trial> {
+    let people = ["P01", "P02", "P03", "P04", "P05", "P06"];
+    let mut trials = Vec::new();
+    for (p, who) in people.into_iter().enumerate() {
+        for (s, session) in ["S01", "S02"].into_iter().enumerate() {
+            for (m, mode) in ["active", "passive", "hybrid"].into_iter().enumerate() {
+                for repeat in 1..=4 {
+                    // Numbers without a pattern, the same on any machine.
+                    let place = (p * 37 + s * 53 + m * 71 + repeat as usize * 29) % 17;
+                    let value = 1.0 + 0.3 * m as f64 + 0.1 * p as f64 + 0.02 * place as f64;
+                    trials.push((who, session, mode, repeat, Some(value)));
+                }
+            }
+        }
+    }
+    trials
+}
+
+#[test]
+fn on_complete_data_the_mixed_model_has_the_difference_of_the_participants() {
+    let compared = compare(&metrics(&whole_study()), &parameters()).unwrap();
+    let [paired, modelled] =
+        [&compared.contrasts, &compared.models].map(|table| floats(table, "difference_n"));
+    near(&modelled, &paired);
+    assert_eq!(compared.models.integers("n").unwrap(), [Some(6), Some(6)]);
+    assert_eq!(compared.models.integers("trials").unwrap(), [Some(144), Some(144)]);
+    let terms = compared.models.texts("random_terms").unwrap()[0].clone().unwrap();
+    assert!(terms.starts_with("participant, participant × mode"), "{terms}");
+}
+
+#[test]
+fn one_participant_has_no_mixed_model() {
+    let trials: Vec<Trial> = whole_study().into_iter().filter(|t| t.0 == "P01").collect();
+    assert_eq!(compare(&metrics(&trials), &parameters()).unwrap().models.height(), 0);
+}
+
+#[test]
+fn sessions_have_limits_and_a_share_of_agreement() {
+    let sessions = compare(&metrics(&whole_study()), &parameters()).unwrap().sessions;
+    assert_eq!(sessions.height(), 3);
+    let of = |name: &str| floats(&sessions, name)[0];
+    assert!(of("limit_low_n") < of("change_n") && of("change_n") < of("limit_high_n"));
+    assert!(of("icc_a1") > 0.5 && of("icc_a1") <= of("icc_ak"), "{}", of("icc_a1"));
+    assert!((of("mdc_n") - 1.96 * 2_f64.sqrt() * of("sem_n")).abs() < 1e-9);
+}
+
+fn answers(given: &[(&str, &str, i64)]) -> Table {
+    let text = |name, of: fn(&(&str, &str, i64)) -> String| {
+        Column::text(name, "", given.iter().map(|answer| Some(of(answer))))
+    };
+    let columns = vec![
+        text("participant", |a| a.0.to_owned()),
+        text("session", |_| "S01".to_owned()),
+        text("environment", |_| "spring".to_owned()),
+        text("mode", |a| a.1.to_owned()),
+        text("question", |_| "felt".to_owned()),
+        Column::integer("answer", "1", "", given.iter().map(|a| Some(a.2))),
+    ];
+    Table::new("answers", "", columns).unwrap()
+}
+
+fn answer_parameters() -> AnswerParameters {
+    let of = parameters();
+    let question = zwidth_study::Question {
+        id: "felt".parse().unwrap(),
+        text: String::new(),
+        group: None,
+        reversed: false,
+        scale: zwidth_study::AnswerScale::FivePoint,
+    };
+    AnswerParameters {
+        environments: of.environments,
+        modes: of.modes,
+        questions: vec![question],
+        contrasts: of.contrasts[..1].to_vec(),
+        level: of.level,
+    }
+}
+
+/// Pairs by hand: P01 hybrid 4, 3 against active 2, 3: wins 3, ties 1 of 4; P02 hybrid 5, 5 against
+/// 5, 4: wins 2, ties 2.
+#[test]
+fn answers_are_compared_pair_by_pair_within_each_participant() {
+    let given = [
+        ("P01", "hybrid", 4),
+        ("P01", "hybrid", 3),
+        ("P01", "active", 2),
+        ("P01", "active", 3),
+        ("P02", "hybrid", 5),
+        ("P02", "hybrid", 5),
+        ("P02", "active", 5),
+        ("P02", "active", 4),
+    ];
+    let table = compare_answers(&answers(&given), &answer_parameters()).unwrap();
+    assert_eq!(table.integers("n").unwrap(), [Some(2)]);
+    assert_eq!(table.integers("answers").unwrap(), [Some(8)]);
+    near(&floats(&table, "superiority"), &[(0.875 + 0.75) / 2.0]);
+}
+
+#[test]
+fn answers_that_separate_the_modes_have_no_odds_ratio_and_say_so() {
+    let given: Vec<_> = ["P01", "P02", "P03"]
+        .into_iter()
+        .flat_map(|who| {
+            [(who, "hybrid", 5), (who, "hybrid", 4), (who, "active", 1), (who, "active", 2)]
+        })
+        .collect();
+    let table = compare_answers(&answers(&given), &answer_parameters()).unwrap();
+    assert_eq!(table.floats("odds_ratio").unwrap(), [None]);
+    let remark = table.texts("remark").unwrap()[0].clone().unwrap();
+    assert!(remark.contains("separate"), "{remark}");
+    near(&floats(&table, "superiority"), &[1.0]);
+}

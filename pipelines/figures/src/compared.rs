@@ -25,6 +25,13 @@ pub const PARTICIPANTS_COMPARED: FigureKind = FigureKind {
     drawn_from: "trial",
 };
 
+/// The figure [`sessions_compared`].
+pub const SESSIONS_COMPARED: FigureKind = FigureKind {
+    stem: "sessions",
+    shows: "each participant's change between sessions",
+    drawn_from: "trial",
+};
+
 /// The figure [`repeats_compared`].
 pub const REPEATS_COMPARED: FigureKind = FigureKind {
     stem: "learning",
@@ -52,6 +59,8 @@ pub struct ComparedTables<'a> {
     pub contrasts: &'a Table,
     /// Everybody's differences.
     pub participants: &'a Table,
+    /// Changes between sessions.
+    pub sessions: &'a Table,
     /// By repeat and condition.
     pub repeats: &'a Table,
 }
@@ -421,4 +430,93 @@ pub fn repeats_compared(
         mark: mark(sources.iter().copied()),
         ..Figure::default()
     })
+}
+
+/// Sessions compared: everybody's change against the mean of the two sessions (Bland–Altman), with
+/// mean change and limits of agreement; one row of panels an environment, one panel a mode.
+///
+/// # Errors
+/// Tables that are not of the stage `compare`.
+pub fn sessions_compared(
+    about: &About,
+    environments: &[Environment],
+    sources: &[Source],
+    tables: ComparedTables,
+) -> Result<Figure, TableError> {
+    let shown = Shown::of(about, tables)?;
+    let mut panels = Vec::new();
+    let mut row = 0;
+    for environment in environments {
+        let of_environment = [("environment", environment.id.as_str())];
+        if rows_with(tables.sessions, &of_environment)?.is_empty() {
+            continue;
+        }
+        for (column, mode) in about.modes.iter().enumerate() {
+            let keys = [of_environment[0], ("mode", mode.id.as_str())];
+            let Some(place) = rows_with(tables.sessions, &keys)?.into_iter().next() else {
+                continue;
+            };
+            let title = format!("{}, {}", environment.label, mode.label.to_lowercase());
+            let layers = bland_altman(&keys, place, column, &shown, tables)?;
+            let x = Axis::new("mean of both", shown.unit.as_str());
+            let y = Axis::new("change", shown.unit.as_str()).linked("change");
+            let panel = Panel::new(Cell::at(row, column), x, y, layers).titled(plain(&title));
+            panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+        }
+        row += 1;
+    }
+    let which = tables.sessions.texts("sessions")?.into_iter().flatten().next();
+    Ok(Figure {
+        title: Some(plain(&format!("{}: sessions, {}", about.title, shown.words))),
+        description: format!("{}: each participant's change between sessions.", shown.words),
+        panels,
+        footnotes: vec![plain(&format!(
+            "Change: {}. A dot is a participant. Dashed: mean change and limits of agreement.",
+            which.unwrap_or_default()
+        ))],
+        mark: mark(sources.iter().copied()),
+        ..Figure::default()
+    })
+}
+
+/// Everybody's change in one condition from the first session to the later one, zero, mean, limits.
+fn bland_altman(
+    keys: &[(&str, &str)],
+    place: usize,
+    mode: usize,
+    shown: &Shown,
+    tables: ComparedTables,
+) -> Result<Vec<Layer>, TableError> {
+    let which = tables.sessions.texts("sessions")?;
+    let which = which[place].as_deref().and_then(|which| which.split_once(" − "));
+    let (later, earlier) = which.unwrap_or_default();
+    let (who, sessions) = (tables.cells.texts("participant")?, tables.cells.texts("session")?);
+    let means = shown.numbers(tables.cells, "mean")?;
+    let mut people: BTreeMap<Option<&str>, [f64; 2]> = BTreeMap::new();
+    for row in rows_with(tables.cells, keys)? {
+        let side = [later, earlier].iter().position(|s| sessions[row].as_deref() == Some(s));
+        let of = people.entry(who[row].as_deref()).or_insert([f64::NAN; 2]);
+        side.into_iter().for_each(|side| of[side] = means[row]);
+    }
+    let dots = Points {
+        x: people.values().map(|[later, earlier]| (later + earlier) / 2.0).collect(),
+        y: people.values().map(|[later, earlier]| later - earlier).collect(),
+        colour: style::mode_colour(mode),
+        ..Points::default()
+    };
+    let mut layers = vec![zero(Direction::Horizontal)];
+    for stem in ["change", "limit_low", "limit_high"] {
+        let at = shown.numbers(tables.sessions, stem)?[place];
+        let stroke = style::reference();
+        let direction = Direction::Horizontal;
+        layers.extend(at.is_finite().then_some(Layer::Reference(Reference {
+            direction,
+            at,
+            label: None,
+            stroke,
+            name: None,
+        })));
+    }
+    layers.push(Layer::Points(dots));
+    Ok(layers)
 }

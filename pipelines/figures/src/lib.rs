@@ -46,8 +46,8 @@ pub use bow_tie::bow_tie;
 pub use characteristic::{CHARACTERISTIC, Characterised, characteristic};
 pub use chattering::chattering;
 pub use compared::{
-    ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED, modes_compared,
-    participants_compared, repeats_compared,
+    ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED,
+    modes_compared, participants_compared, repeats_compared, sessions_compared,
 };
 pub use data::{EnvironmentData, ModeData, Repeat, SIGNALS, average_columns};
 pub use environment::{ENVIRONMENT, Placement, environment};

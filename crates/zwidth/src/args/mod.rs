@@ -75,6 +75,8 @@ pub(crate) enum Command {
     Simulate(Simulate),
     /// Modes, participants, sessions or repeats of a study compared, one metric at a time
     Compare(Compare),
+    /// How many participants a study needs to find a difference; a plan to deposit
+    Power(Power),
     /// Print a table of a study, or list its tables
     Table(Table),
     /// What a result was last made from, and why a run would make it again
@@ -310,6 +312,39 @@ pub(crate) struct Compare {
     /// The metric's column in the table of metrics [default: the primary one]
     #[arg(long, value_name = "METRIC")]
     pub(crate) metric: Option<String>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Power {
+    /// The study: its repeats, modes, alpha and contrasts are planned with
+    pub(crate) study: StudyId,
+    /// The true difference between two modes, in the metric's SI unit
+    #[arg(long, value_name = "D", value_parser = positive)]
+    pub(crate) difference: f64,
+    /// Number of participants
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_PARTICIPANTS))]
+    pub(crate) participants: Option<u32>,
+    /// The metric's column in the table of metrics [default: the primary one]
+    #[arg(long, value_name = "METRIC")]
+    pub(crate) metric: Option<String>,
+    /// Standard deviation of participants' levels [default: that of the study's own trials]
+    #[arg(long, value_name = "SD", value_parser = positive)]
+    pub(crate) participant_sd: Option<f64>,
+    /// Standard deviation of participants' own effects of a mode [default: likewise]
+    #[arg(long, value_name = "SD", value_parser = positive)]
+    pub(crate) participant_mode_sd: Option<f64>,
+    /// Standard deviation of repeats [default: likewise]
+    #[arg(long, value_name = "SD", value_parser = positive)]
+    pub(crate) residual_sd: Option<f64>,
+    /// Number of studies that are simulated
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(100..=100_000))]
+    pub(crate) studies: u32,
+    /// Seed of the simulated studies
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Write the plan to this file, which must not be there yet
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plan: Option<PathBuf>,
 }
 
 /// What can be compared.

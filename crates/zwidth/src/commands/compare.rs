@@ -73,7 +73,7 @@ fn metric(data: &StudyData, asked: &Compare) -> anyhow::Result<String> {
 }
 
 /// Makes what is missing of the stage.
-fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
+pub(super) fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
     let jobs = plan::jobs(data, &findings(&RealFiles, data));
     let trials = data.trials.iter().map(|t| (t.path.clone(), t.blake3.clone()));
     let options =

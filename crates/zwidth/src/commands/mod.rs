@@ -10,6 +10,7 @@ pub(crate) mod list;
 mod locate;
 mod near;
 pub(crate) mod new;
+pub(crate) mod power;
 pub(crate) mod recover;
 mod resume;
 pub(crate) mod run;

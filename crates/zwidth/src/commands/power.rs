@@ -1,0 +1,185 @@
+//! `zwidth power`: how many participants a study needs to find a difference, by simulating studies and
+//! testing them as `compare` does; and a plan to deposit before data are taken.
+
+use crate::args::Power;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::{Context as _, bail};
+use serde::Serialize;
+use std::path::Path;
+use zwidth_plan as plan;
+use zwidth_stats::power::{self, Plan, PlannedTest, Simulation};
+use zwidth_store::{RealFiles, StudyData, hex_blake3, write_new};
+use zwidth_tables::Table;
+
+/// The power that a study is planned with.
+const TARGET: f64 = 0.8;
+/// Participants where none are named: as many as the smallest studies have.
+const PARTICIPANTS: usize = 12;
+
+/// What was planned and found, as printed with `--json` and written as a plan.
+#[derive(Debug, Serialize)]
+struct Planned {
+    study: String,
+    /// BLAKE3 of the study.toml that says contrasts, metrics, alpha and bounds.
+    study_blake3: String,
+    metric: String,
+    /// In the metric's SI unit, as the SDs.
+    difference: f64,
+    participant_sd: f64,
+    participant_mode_sd: f64,
+    residual_sd: f64,
+    /// Where the SDs come from.
+    source: String,
+    repeats: usize,
+    participants: usize,
+    alpha: f64,
+    seed: u64,
+    studies: usize,
+    power: f64,
+    power_ci_low: f64,
+    power_ci_high: f64,
+    /// The fewest participants with a power of 80 %; none if 10,000 do not have it.
+    participants_needed: Option<usize>,
+    /// The smallest difference that the participants named find with a power of 80 %.
+    smallest_difference: f64,
+}
+
+/// The SDs that a plan rests on.
+struct Spread {
+    participant: f64,
+    participant_mode: f64,
+    residual: f64,
+    source: String,
+}
+
+pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = super::study(root, asked.study.clone())?;
+    let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
+    let metric = asked.metric.clone().unwrap_or_else(|| data.study.compare.primary.to_string());
+    let spread = spread(&data, asked, &metric, screen)?;
+    let repeats = usize::try_from(data.study.design.repeats)?;
+    let planned = Plan {
+        participant_sd: spread.participant,
+        interaction_sd: spread.participant_mode,
+        residual_sd: spread.residual,
+        repeats,
+        modes: data.study.modes.len(),
+        difference: asked.difference,
+        participants: asked.participants.map_or(Ok(PARTICIPANTS), usize::try_from)?,
+    };
+    let simulation = Simulation {
+        test: PlannedTest::PairedT,
+        alpha: data.study.compare.alpha / data.study.compare.contrasts.len().max(1) as f64,
+        studies: usize::try_from(asked.studies)?,
+        seed: asked.seed,
+    };
+    let found = power::power(&planned, &simulation)?;
+    let needed = power::participants_for(TARGET, &planned, &simulation)?;
+    let result = Planned {
+        study: layout.study().to_string(),
+        study_blake3: hex_blake3(&std::fs::read(layout.study_toml())?),
+        metric,
+        difference: planned.difference,
+        participant_sd: planned.participant_sd,
+        participant_mode_sd: planned.interaction_sd,
+        residual_sd: planned.residual_sd,
+        source: spread.source,
+        repeats,
+        participants: planned.participants,
+        alpha: simulation.alpha,
+        seed: simulation.seed,
+        studies: simulation.studies,
+        power: found.estimate,
+        power_ci_low: found.ci_low,
+        power_ci_high: found.ci_high,
+        participants_needed: needed.map(|(participants, _)| participants),
+        smallest_difference: power::smallest_difference(TARGET, &planned, &simulation)?,
+    };
+    if let Some(path) = &asked.plan {
+        write_new(&RealFiles, path, &serde_json::to_vec_pretty(&result)?)
+            .context("a plan is not written over another")?;
+    }
+    if screen.json {
+        screen.listing(&result)?;
+    } else {
+        tell(&result, screen);
+    }
+    Ok(Exit::Fine)
+}
+
+/// The SDs given, or those of the mixed model of the study's own trials.
+fn spread(
+    data: &StudyData,
+    asked: &Power,
+    metric: &str,
+    screen: &Screen,
+) -> anyhow::Result<Spread> {
+    if let (Some(participant_mode), Some(residual)) = (asked.participant_mode_sd, asked.residual_sd)
+    {
+        let participant = asked.participant_sd.unwrap_or(0.0);
+        return Ok(Spread {
+            participant,
+            participant_mode,
+            residual,
+            source: "assumed".to_owned(),
+        });
+    }
+    if !plan::compared(data).iter().any(|compared| compared == metric) {
+        bail!(
+            "{} has no trials from which the spread of {metric} could be taken: \
+             give --participant-mode-sd and --residual-sd",
+            data.layout.study()
+        );
+    }
+    super::compare::make(data, screen)?;
+    let table = Table::from_parquet(&plan::models(&data.layout, metric))?;
+    let largest = |stem: &str| -> anyhow::Result<f64> {
+        let name = table.column_of(stem)?.field.name.to_string();
+        let values = table.floats(&name)?.into_iter().flatten();
+        values.fold(None, |most: Option<f64>, v| Some(most.map_or(v, |m| m.max(v)))).with_context(
+            || {
+                format!(
+                    "the trials of {} do not tell the spread of {metric} (one participant, or no mixed \
+                     model): give --participant-mode-sd and --residual-sd",
+                    data.layout.study()
+                )
+            },
+        )
+    };
+    Ok(Spread {
+        participant: largest("participant_sd")?,
+        participant_mode: largest("participant_mode_sd")?,
+        residual: largest("residual_sd")?,
+        source: "the mixed model of the study's trials, the largest over environments".to_owned(),
+    })
+}
+
+fn tell(result: &Planned, screen: &Screen) {
+    let Planned { difference, participants, power, power_ci_low, power_ci_high, .. } = result;
+    screen.result(format!(
+        "{}: a difference of {difference} with {participants} participants: power {:.1} % ({:.1} to {:.1} %, {} studies)",
+        result.metric,
+        100.0 * power,
+        100.0 * power_ci_low,
+        100.0 * power_ci_high,
+        result.studies
+    ));
+    screen.result(match result.participants_needed {
+        Some(needed) => format!("80 % power: {needed} participants"),
+        None => "80 % power: not with 10,000 participants".to_owned(),
+    });
+    screen.result(format!(
+        "smallest difference with {participants} participants and 80 % power: {:.4}",
+        result.smallest_difference
+    ));
+    screen.result(format!(
+        "SDs ({}): participants {:.4}, their own mode effects {:.4}, repeats {:.4}; alpha {} a contrast; \
+         all in the metric's SI unit",
+        result.source,
+        result.participant_sd,
+        result.participant_mode_sd,
+        result.residual_sd,
+        result.alpha
+    ));
+}

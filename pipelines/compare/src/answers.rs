@@ -1,0 +1,260 @@
+//! Answers compared: one row per question, environment and contrast.
+//!
+//! Answers are ordinal: no means. The effect is P(A > B) + ½ P(A = B) over each participant's pairs
+//! of repeats, averaged over participants; the test is that of the cumulative-link mixed model with
+//! participant and participant × mode, the odds ratio for one person beside.
+
+use crate::CompareError;
+use crate::cells::whole;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+use zwidth_stats::clmm::{ModeComparison, ModeStudy, OddsRatio, compare_modes};
+use zwidth_stats::superiority::{Repeats, Superiority, superiority};
+use zwidth_stats::{Unestimable, holm};
+use zwidth_study::{Contrast, EnvironmentId, ModeId, Question};
+use zwidth_tables::{Column, Table};
+
+/// The key of the bootstrap's random numbers.
+const SEED: u64 = 1;
+
+/// What a comparison of answers depends on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AnswerParameters {
+    /// The environments, in the study's order.
+    pub environments: Vec<EnvironmentId>,
+    /// The modes, in the study's order.
+    pub modes: Vec<ModeId>,
+    /// The questions, in the study's order.
+    pub questions: Vec<Question>,
+    /// The contrasts.
+    pub contrasts: Vec<Contrast>,
+    /// Level of every interval, as a fraction.
+    pub level: f64,
+}
+
+/// The answers to one question in one environment, by the places of their names.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Answers {
+    participant: Vec<usize>,
+    session: Vec<usize>,
+    mode: Vec<usize>,
+    answer: Vec<u8>,
+}
+
+struct Row<'a> {
+    question: &'a Question,
+    environment: &'a EnvironmentId,
+    contrast: &'a Contrast,
+    answers: usize,
+    effect: Result<Superiority, Unestimable>,
+    model: Result<OddsRatio, Unestimable>,
+    p_adjusted: Option<f64>,
+    /// The p value of "no mode differs from another", and whether a bootstrap gave it.
+    any: Option<(f64, bool)>,
+}
+
+/// Compares the modes by the answers, which have one row each (`answers` of the stage `likert`).
+///
+/// # Errors
+/// A table that lacks a column; a level outside (0, 1).
+pub fn compare_answers(
+    answers: &Table,
+    parameters: &AnswerParameters,
+) -> Result<Table, CompareError> {
+    let by_condition = by_question(answers, parameters)?;
+    let mut rows = Vec::new();
+    for question in &parameters.questions {
+        let first = rows.len();
+        for environment in &parameters.environments {
+            let key = (question.id.as_str(), environment.as_str());
+            if let Some(answers) = by_condition.get(&key) {
+                rows.extend(of_environment(question, environment, answers, parameters));
+            }
+        }
+        adjust(&mut rows[first..])?;
+    }
+    as_table(&rows)
+}
+
+/// The scored answers by question and environment.
+fn by_question<'p>(
+    answers: &Table,
+    parameters: &'p AnswerParameters,
+) -> Result<BTreeMap<(&'p str, &'p str), Answers>, CompareError> {
+    let texts = |name| answers.texts(name);
+    let (participants, sessions) = (texts("participant")?, texts("session")?);
+    let (environments, modes, questions) =
+        (texts("environment")?, texts("mode")?, texts("question")?);
+    let values = answers.integers("answer")?;
+    let places = |names: &[Option<String>]| -> BTreeMap<Option<String>, usize> {
+        let names: BTreeSet<_> = names.iter().cloned().collect();
+        names.into_iter().zip(0..).collect()
+    };
+    let (people, times) = (places(&participants), places(&sessions));
+    let mut found: BTreeMap<_, Answers> = BTreeMap::new();
+    for row in 0..answers.height() {
+        let is = |id: &str, of: &[Option<String>]| of[row].as_deref() == Some(id);
+        let question = parameters.questions.iter().find(|q| is(q.id.as_str(), &questions));
+        let environment = parameters.environments.iter().find(|e| is(e.as_str(), &environments));
+        let mode = parameters.modes.iter().position(|m| is(m.as_str(), &modes));
+        let value = values[row].and_then(|value| u8::try_from(value).ok());
+        let (Some(question), Some(environment), Some(mode), Some(value)) =
+            (question, environment, mode, value)
+        else {
+            continue;
+        };
+        let of = found.entry((question.id.as_str(), environment.as_str())).or_default();
+        of.participant.push(people[&participants[row]]);
+        of.session.push(times[&sessions[row]]);
+        of.mode.push(mode);
+        of.answer.push(question.scale.score(value, question.reversed));
+    }
+    Ok(found)
+}
+
+/// The contrasts of one question in one environment of which both modes were answered.
+fn of_environment<'a>(
+    question: &'a Question,
+    environment: &'a EnvironmentId,
+    answers: &Answers,
+    parameters: &'a AnswerParameters,
+) -> Vec<Row<'a>> {
+    let place = |mode: &ModeId| parameters.modes.iter().position(|m| m == mode);
+    let mut models: BTreeMap<usize, Result<ModeComparison, Unestimable>> = BTreeMap::new();
+    let mut rows = Vec::new();
+    for contrast in &parameters.contrasts {
+        let Some((mode, against)) = place(&contrast.mode).zip(place(&contrast.against)) else {
+            continue;
+        };
+        if ![mode, against].iter().all(|mode| answers.mode.contains(mode)) {
+            continue;
+        }
+        let model =
+            models.entry(mode).or_insert_with(|| model(answers, question, mode, parameters.level));
+        let ratio = model.as_ref().map_err(Clone::clone).and_then(|comparison| {
+            let is_it = |ratio: &&OddsRatio| ratio.mode == against;
+            let none = || Unestimable::Confounded { what: "the modes".to_owned() };
+            comparison.odds_ratios.iter().find(is_it).cloned().ok_or_else(none)
+        });
+        rows.push(Row {
+            question,
+            environment,
+            contrast,
+            answers: answers.mode.iter().filter(|m| [mode, against].contains(m)).count(),
+            effect: effect(answers, [mode, against], parameters.level),
+            model: ratio,
+            p_adjusted: None,
+            any: model.as_ref().ok().map(|of| (of.p_value(), of.bootstrap.is_some())),
+        });
+    }
+    rows
+}
+
+fn model(
+    answers: &Answers,
+    question: &Question,
+    mode: usize,
+    level: f64,
+) -> Result<ModeComparison, Unestimable> {
+    let study = ModeStudy {
+        answers: &answers.answer,
+        points: question.scale.points(),
+        participants: &answers.participant,
+        modes: &answers.mode,
+        sessions: &answers.session,
+    };
+    compare_modes(&study, mode, level, SEED)
+}
+
+/// Everybody's answers in the two modes, compared pair by pair.
+fn effect(answers: &Answers, modes: [usize; 2], level: f64) -> Result<Superiority, Unestimable> {
+    let mut people: BTreeMap<usize, [Vec<u8>; 2]> = BTreeMap::new();
+    for (row, participant) in answers.participant.iter().enumerate() {
+        if let Some(side) = modes.iter().position(|mode| *mode == answers.mode[row]) {
+            people.entry(*participant).or_default()[side].push(answers.answer[row]);
+        }
+    }
+    let repeats: Vec<Repeats> = people.values().map(|[a, b]| Repeats { a, b }).collect();
+    superiority(&repeats, level)
+}
+
+/// The tests of one question are one family.
+fn adjust(rows: &mut [Row]) -> Result<(), CompareError> {
+    let p = |row: &Row| row.model.as_ref().ok().map(|ratio| ratio.test.f.p_value);
+    let adjusted = holm::adjusted(&rows.iter().filter_map(p).collect::<Vec<_>>())?;
+    for (row, p) in rows.iter_mut().filter(|row| row.model.is_ok()).zip(adjusted) {
+        row.p_adjusted = Some(p);
+    }
+    Ok(())
+}
+
+fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
+    let texts = |name, description, of: fn(&Row) -> Option<String>| {
+        Column::text(name, description, rows.iter().map(of))
+    };
+    let numbers = |name, description, of: fn(&Row) -> Option<f64>| {
+        Column::float(name, "1", description, rows.iter().map(of))
+    };
+    let effect = |row: &Row| row.effect.as_ref().ok().cloned();
+    let columns = vec![
+        texts("question", "the question", |row| Some(row.question.id.to_string())),
+        texts("environment", "what was rendered", |row| Some(row.environment.to_string())),
+        texts("contrast", "the modes compared", |row| {
+            Some(format!("{} − {}", row.contrast.mode, row.contrast.against))
+        }),
+        Column::integer(
+            "n",
+            "1",
+            "participants with both modes",
+            rows.iter().map(|row| {
+                whole(effect(row)?.shares.iter().filter(|share| share.is_some()).count())
+            }),
+        ),
+        Column::integer("answers", "1", "answers", rows.iter().map(|row| whole(row.answers))),
+        Column::float(
+            "superiority",
+            "1",
+            "P(A > B) + ½ P(A = B), mean over participants: ½ where neither is above the other",
+            rows.iter().map(|row| Some(effect(row)?.probability)),
+        ),
+        Column::float(
+            "superiority_ci_low",
+            "1",
+            "lower end of its interval over participants",
+            rows.iter().map(|row| Some(effect(row)?.interval.ok()?.0)),
+        ),
+        Column::float(
+            "superiority_ci_high",
+            "1",
+            "upper end of its interval over participants",
+            rows.iter().map(|row| Some(effect(row)?.interval.ok()?.1)),
+        ),
+        numbers("odds_ratio", "odds of a higher answer, for one person", |row| {
+            Some(row.model.as_ref().ok()?.estimate)
+        }),
+        numbers("odds_ratio_ci_low", "lower end of its profile interval; none: down to 0", |row| {
+            row.model.as_ref().ok()?.interval.as_ref().ok()?.low
+        }),
+        numbers("odds_ratio_ci_high", "upper end; none: without end", |row| {
+            row.model.as_ref().ok()?.interval.as_ref().ok()?.high
+        }),
+        numbers("p_value", "p value of an odds ratio of one (likelihood ratio over F)", |row| {
+            Some(row.model.as_ref().ok()?.test.f.p_value)
+        }),
+        numbers("p_adjusted", "the same, adjusted over the question by Holm", |row| row.p_adjusted),
+        numbers("p_any", "p value of no difference between any modes", |row| Some(row.any?.0)),
+        texts("test_any", "how that was found", |row| {
+            Some(if row.any?.1 { "bootstrap" } else { "F" }.to_owned())
+        }),
+        texts("remark", "why there is no model", |row| {
+            row.model.as_ref().err().map(ToString::to_string)
+        }),
+    ];
+    let title = "Answers compared: effects over participants, odds ratios for one person";
+    let table = Table::new("answers_compared", title, columns)?;
+    Ok(table.with_note(
+        "n counts participants, never answers. Model: cumulative logit with participant and \
+         participant × mode, sessions fixed; the likelihood ratio over F is a small-sample \
+         approximation, below 8 participants a bootstrap (999) tests whether any mode differs.",
+    ))
+}
