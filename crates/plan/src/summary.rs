@@ -82,9 +82,9 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
     let mut summary = page.facts.clone();
     summary.limits.extend(notes(&files.noted, |kind| kind != NoteKind::Extent)?);
     let left_out = notes(&files.conditions, |kind| kind == NoteKind::LeftOut)?;
-    summary.left_out.extend(left_out.iter().map(|note| told(note)));
+    summary.left_out.extend(left_out.iter().map(|note| to_remark(note)));
     let with_care = notes(&files.conditions, |kind| kind != NoteKind::LeftOut)?;
-    summary.care.extend(with_care.iter().map(|note| told(note)));
+    summary.care.extend(with_care.iter().map(|note| to_remark(note)));
     let listed = |(file, caption): (&PathBuf, &Caption)| match file.exists() {
         true => Ok(Listed { path: relative(file, folder), caption: caption.text() }),
         false => Err(could_not_be_made(file)),
@@ -96,7 +96,7 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
     let tables = there.par_iter().map(|f| table(f, folder)).collect::<Result<Vec<_>, _>>()?;
     summary.left_out.extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
     summary.tables = tables.into_iter().map(|(listed, _)| listed).collect();
-    summary.shown = shown(page, files, &summary)?;
+    summary.shown = list_findings(page, files, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
     let origin = making.from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
@@ -106,7 +106,7 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
 
 /// What the trials show, each sentence with the figure or table that holds its numbers: metrics of
 /// the trials, tally of the answers.
-fn shown(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, TableError> {
+fn list_findings(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, TableError> {
     let read = |file: &Option<PathBuf>| {
         let there = file.as_deref().filter(|f| f.exists());
         there.map(Table::from_parquet).transpose()
@@ -249,7 +249,7 @@ fn notes(tables: &[PathBuf], of: fn(NoteKind) -> bool) -> Result<BTreeSet<String
 }
 
 /// A note of a trial, `P01 S01 trial 2: …`.
-fn told(note: &str) -> Remark {
+fn to_remark(note: &str) -> Remark {
     let (what, why) = note.split_once(": ").unwrap_or(("metrics", note));
     Remark { what: what.to_owned(), why: why.to_owned() }
 }
