@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 use zwidth_dynamics::{
-    DynamicsError, Environment, Exact, Input, Mode, ModelScene, Trajectory, table3,
+    DriveMode, DynamicsError, Environment, Exact, Input, ModelScene, Trajectory, table3,
 };
 
 /// What is kept of all trials. Whole numbers and extremes only, so that the order of the trials
@@ -50,7 +50,7 @@ fn scene(i: u32) -> ModelScene {
     let stiffness_n_per_rad = spread(std::f64::consts::SQRT_2, 2.0, 8.0);
     let damping_ns_per_rad = spread(std::f64::consts::LN_2, 0.5, 2.0);
     let magnitude_n = spread(std::f64::consts::E, 1.0, 3.0);
-    let mut scene = table3::scene(Mode::Hybrid, Input::sine(magnitude_n));
+    let mut scene = table3::scene(DriveMode::Hybrid, Input::sine(magnitude_n));
     scene.environment =
         Environment::spring(stiffness_n_per_rad, damping_ns_per_rad, -table3::HALF_STROKE_RAD);
     scene

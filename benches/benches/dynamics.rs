@@ -7,7 +7,7 @@ use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
 };
 use zwidth_benches::sweep::sweep;
-use zwidth_dynamics::{Exact, Grid, Input, Mode, ModelScene, Series, Solver, System, table3};
+use zwidth_dynamics::{DriveMode, Exact, Grid, Input, ModelScene, Series, Solver, System, table3};
 
 /// The grids of the stated goals: name, step in s.
 const GRIDS: [(&str, f64); 2] = [("480 of 8.3 ms", 0.008_3), ("4000 of 1 ms", 0.001)];
@@ -30,7 +30,7 @@ fn both(scene: ModelScene) -> [(&'static str, ModelScene); 2] {
 fn sine(c: &mut Criterion) {
     let mut group = c.benchmark_group("exact hybrid spring");
     for (samples, step_s) in GRIDS {
-        for (finger, scene) in both(table3::scene(Mode::Hybrid, Input::sine(2.15))) {
+        for (finger, scene) in both(table3::scene(DriveMode::Hybrid, Input::sine(2.15))) {
             steady(&mut group, format!("{finger}, {samples}"), scene, &Grid::filling(4.0, step_s));
         }
     }
@@ -56,7 +56,8 @@ fn recorded(c: &mut Criterion) {
             ("uneven", uneven.clone(), Grid::Times(uneven)),
         ];
         for (name, times, grid) in grids {
-            for (finger, scene) in both(table3::scene(Mode::Hybrid, recording(times.clone()))) {
+            for (finger, scene) in both(table3::scene(DriveMode::Hybrid, recording(times.clone())))
+            {
                 steady(&mut group, format!("{name}, {finger}, {samples}"), scene, &grid);
             }
         }

@@ -1,6 +1,6 @@
 //! zwidth's own solvers on the scene: exact, and its general adaptive methods.
 
-use zwidth_dynamics::{Exact, Grid, Input, Mode, Prepared, Solver, System, table3};
+use zwidth_dynamics::{Exact, Grid, Input, DriveMode, Prepared, Solver, System, table3};
 
 use crate::scene::{SAMPLES, STEP_S, Samples};
 
@@ -12,7 +12,7 @@ pub(crate) fn grid() -> Grid {
 }
 
 pub(crate) fn system() -> Result<System, String> {
-    System::new(table3::scene(Mode::Hybrid, Input::sine(MAGNITUDE_N)))
+    System::new(table3::scene(DriveMode::Hybrid, Input::sine(MAGNITUDE_N)))
         .map_err(|error| error.to_string())
 }
 

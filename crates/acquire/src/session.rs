@@ -68,7 +68,7 @@ impl Session {
             Ok(None) => {
                 check_session_ids(files, &plan.layout, &plan.participant, &plan.session)?;
                 check_form(files, &plan.layout, &plan.study)?;
-                drawn(plan, device, files)
+                draw_session(plan, device, files)
             }
             Err(findings) => Err(AcquireError::NotWhole { session: plan.name(), findings }),
         }
@@ -175,7 +175,11 @@ fn bare(plan: &Plan, device: &Capabilities) -> Result<SessionRecord, AcquireErro
     Ok(record)
 }
 
-fn drawn(plan: &Plan, device: &Capabilities, files: &dyn Files) -> Result<Session, AcquireError> {
+fn draw_session(
+    plan: &Plan,
+    device: &Capabilities,
+    files: &dyn Files,
+) -> Result<Session, AcquireError> {
     let mut record = bare(plan, device)?;
     let seed = match plan.seed {
         Some(seed) => seed,

@@ -26,7 +26,7 @@ pub(crate) fn plan(
 ) -> Result<Vec<Word>, Error> {
     let title_ends = title.iter().rev().map(|line| plot.left + line.width_pt).collect();
     let mut words = over(labels(fonts, panel, Direction::Vertical, x)?, title_ends, plot);
-    words.extend(beside(labels(fonts, panel, Direction::Horizontal, y)?, plot));
+    words.extend(stack_beside(labels(fonts, panel, Direction::Horizontal, y)?, plot));
     Ok(words)
 }
 
@@ -71,7 +71,7 @@ fn over(labels: Vec<(f64, Label)>, mut row_ends: Vec<f64>, plot: &Rect) -> Vec<W
 }
 
 /// A column right of the plot, each label no higher than the one before it allows.
-fn beside(labels: Vec<(f64, Label)>, plot: &Rect) -> Vec<Word> {
+fn stack_beside(labels: Vec<(f64, Label)>, plot: &Rect) -> Vec<Word> {
     let mut lowest = f64::NEG_INFINITY;
     let mut words = Vec::new();
     for (at, label) in labels {
@@ -104,7 +104,7 @@ mod tests {
     fn words_that_would_touch_go_to_different_rows() {
         let words = over(vec![(100.0, label("wall")), (104.0, label("stop"))], Vec::new(), &PLOT);
         assert!(words[1].at.1 < words[0].at.1 - SMALL_PT);
-        let beside = beside(vec![(70.0, label("wall")), (71.0, label("stop"))], &PLOT);
+        let beside = stack_beside(vec![(70.0, label("wall")), (71.0, label("stop"))], &PLOT);
         assert!(beside[1].at.1 > beside[0].at.1 + SMALL_PT);
     }
 }

@@ -5,7 +5,8 @@
 use std::time::Instant;
 
 use zwidth_dynamics::{
-    DormandPrince, Exact, Grid, Input, Mode, ModelScene, Series, Solver, System, Tolerances, table3,
+    DormandPrince, DriveMode, Exact, Grid, Input, ModelScene, Series, Solver, System, Tolerances,
+    table3,
 };
 
 fn measure(name: &str, scene: ModelScene, grid: &Grid) {
@@ -41,7 +42,7 @@ fn measure(name: &str, scene: ModelScene, grid: &Grid) {
 
 /// Whole runs of the adaptive method on the same regions, and its error against the exact one.
 fn peer(tolerance: f64) {
-    let system = System::new(table3::scene(Mode::Hybrid, Input::sine(2.15))).unwrap();
+    let system = System::new(table3::scene(DriveMode::Hybrid, Input::sine(2.15))).unwrap();
     let grid = Grid::of(&system);
     let solver = DormandPrince { tolerances: Tolerances::of(tolerance) };
     let mut best = f64::INFINITY;
@@ -65,7 +66,7 @@ fn main() {
     for tolerance in [1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12] {
         peer(tolerance);
     }
-    let scene = || table3::scene(Mode::Hybrid, Input::sine(2.15));
+    let scene = || table3::scene(DriveMode::Hybrid, Input::sine(2.15));
     for (name, step_s) in [("480 of 8.3 ms", 0.008_3), ("4,000 of 1 ms", 0.001)] {
         let grid = Grid::filling(4.0, step_s);
         measure(&format!("no finger, {name}"), scene(), &grid);
@@ -87,10 +88,10 @@ fn main() {
             };
             measure(
                 &format!("recorded, {name}, {step}"),
-                table3::scene(Mode::Hybrid, input.clone()),
+                table3::scene(DriveMode::Hybrid, input.clone()),
                 &grid,
             );
-            let finger = table3::with_finger(table3::scene(Mode::Hybrid, input));
+            let finger = table3::with_finger(table3::scene(DriveMode::Hybrid, input));
             measure(&format!("recorded, {name}, {step}, finger"), finger, &grid);
         }
     }

@@ -32,13 +32,13 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::actuators::Mode;
+    use crate::scene::actuators::DriveMode;
     use crate::scene::input::Input;
     use crate::scene::table3;
 
     #[test]
     fn a_slow_stroke_shows_the_bow_tie_of_brake_and_motor() {
-        let system = System::new(table3::scene(Mode::Hybrid, Input::constant(0.0))).unwrap();
+        let system = System::new(table3::scene(DriveMode::Hybrid, Input::constant(0.0))).unwrap();
         let at = 32.0_f64.to_radians();
         let forward = system.prescribed(at, 1e-12, 0.0);
         let backward = system.prescribed(at, -1e-12, 0.0);
@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn the_force_for_an_acceleration_is_mass_times_lever_times_it() {
-        let system = System::new(table3::scene(Mode::Active, Input::constant(0.0))).unwrap();
+        let system = System::new(table3::scene(DriveMode::Active, Input::constant(0.0))).unwrap();
         let still = system.prescribed(-0.5, 0.0, 0.0).external_n;
         let moved = system.prescribed(-0.5, 0.0, 10.0).external_n;
         assert!((moved - still - 0.05).abs() < 1e-15);

@@ -100,7 +100,7 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::PARTS;
-    use crate::scene::actuators::Mode;
+    use crate::scene::actuators::DriveMode;
     use crate::scene::input::Input;
     use crate::scene::table3;
     use crate::system::OMEGA;
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn the_sampled_balance_comes_close_to_the_exact_one() {
-        let scene = table3::with_finger(table3::scene(Mode::Hybrid, Input::sine(2.15)));
+        let scene = table3::with_finger(table3::scene(DriveMode::Hybrid, Input::sine(2.15)));
         let system = System::new(scene).unwrap();
         let solver = Exact { energy: true, ..Exact::default() };
         let run = solver.run(&system, &Grid::filling(4.0, 1e-4)).unwrap();

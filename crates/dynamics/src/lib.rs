@@ -7,9 +7,9 @@
 //! the clock.
 //!
 //! ```
-//! use zwidth_dynamics::{Exact, Grid, Input, Mode, Solver, System, table3};
+//! use zwidth_dynamics::{Exact, Grid, Input, DriveMode, Solver, System, table3};
 //!
-//! let system = System::new(table3::scene(Mode::Hybrid, Input::sine(2.15)))?;
+//! let system = System::new(table3::scene(DriveMode::Hybrid, Input::sine(2.15)))?;
 //! let run = Exact::default().run(&system, &Grid::of(&system))?;
 //! let highest_rad = run.theta_rad().fold(f64::MIN, f64::max);
 //! assert!((highest_rad.to_degrees() - 14.40784).abs() < 1e-5);
@@ -31,7 +31,7 @@ mod verdict;
 pub use driven::{Aim, Command, Driven, DrivenParameters, DrivenState, Hand, Tissue};
 pub use energy::EnergyBalance;
 pub use error::DynamicsError;
-pub use scene::actuators::{Brake, BrakeLaw, Mode, Motor};
+pub use scene::actuators::{Brake, BrakeLaw, DriveMode, Motor};
 pub use scene::environment::{Demand, Environment, Zone};
 pub use scene::finger::{Finger, FingerLaw};
 pub use scene::friction::Friction;

@@ -18,9 +18,9 @@ use crate::trajectory::Trajectory;
 ///
 /// ```
 /// use rayon::prelude::*;
-/// use zwidth_dynamics::{Exact, Input, Mode, sweep, table3};
+/// use zwidth_dynamics::{Exact, Input, DriveMode, sweep, table3};
 ///
-/// let scenes = (0..100).into_par_iter().map(|i| table3::scene(Mode::Hybrid, Input::sine(0.03 * f64::from(i))));
+/// let scenes = (0..100).into_par_iter().map(|i| table3::scene(DriveMode::Hybrid, Input::sine(0.03 * f64::from(i))));
 /// let solver = Exact::default();
 /// let highest_rad = sweep(&solver, scenes, |_, run| run.theta_rad().fold(f64::MIN, f64::max));
 /// assert_eq!(highest_rad.filter(Result::is_ok).count(), 100);
@@ -42,7 +42,7 @@ mod tests {
     use rayon::prelude::*;
 
     use super::*;
-    use crate::scene::actuators::Mode;
+    use crate::scene::actuators::DriveMode;
     use crate::scene::input::Input;
     use crate::scene::table3;
     use crate::solve::exact::Exact;
@@ -50,7 +50,7 @@ mod tests {
     /// θ at the end of each trial, as bits; every tenth scene has a mass that makes no sense.
     fn ends(threads: usize) -> Vec<Result<u64, DynamicsError>> {
         let scenes = (0..200).into_par_iter().map(|i| {
-            let mut scene = table3::scene(Mode::Hybrid, Input::sine(0.01 * f64::from(i)));
+            let mut scene = table3::scene(DriveMode::Hybrid, Input::sine(0.01 * f64::from(i)));
             scene.plant.mass_kg *= f64::from(i % 10);
             scene
         });

@@ -152,7 +152,7 @@ pub(crate) fn growth(solver: &dyn Solver, a: &LinearPart, h: f64) -> Option<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::actuators::Mode;
+    use crate::scene::actuators::DriveMode;
     use crate::scene::input::Input;
     use crate::scene::{ModelScene, table3};
     use crate::solve::Switching;
@@ -172,7 +172,7 @@ mod tests {
     }
 
     fn sticking() -> ModelScene {
-        table3::scene(Mode::Hybrid, Input::sine(2.15))
+        table3::scene(DriveMode::Hybrid, Input::sine(2.15))
     }
 
     #[test]
@@ -229,7 +229,7 @@ mod tests {
 
     /// The unsaturated system of a scene.
     fn unsaturated(mut scene: ModelScene) -> System {
-        scene.mode = Mode::Active;
+        scene.mode = DriveMode::Active;
         scene.motor.max_n = 1e30;
         scene.plant.stops_rad = None;
         scene.input = Input::constant(1.0);
@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn rk4_runs_the_linear_two_mass_model_up_to_7_312_ms() {
-        let system = unsaturated(table3::linear(Mode::Active, Input::constant(1.0), 13.0));
+        let system = unsaturated(table3::linear(DriveMode::Active, Input::constant(1.0), 13.0));
         let analytic = limit(9e-3, 5e-3, |h| analytic_stable(&system, h));
         let measured = limit(9e-3, 5e-3, |h| measured_stable(&system, h));
         assert!((analytic - 7.312e-3).abs() < 5e-7, "{analytic}");

@@ -105,7 +105,7 @@ fn convert(
         let identity = identity(who, recording, *row, context.study)?;
         let answers = questions.iter().zip(&columns).map(|((id, _), column)| {
             let scale = context.study.question(id).map(|q| q.scale).unwrap_or_default();
-            let value = given(context, recording, scale, *column, *row)?;
+            let value = read_given(context, recording, scale, *column, *row)?;
             Ok::<_, StoreError>(value.map(|v| (id.clone(), v)))
         });
         Ok::<_, Errors>(Answered {
@@ -126,7 +126,7 @@ fn convert(
 }
 
 /// The answer in a cell; `None` where it is empty and the mapping leaves such cells out.
-fn given(
+fn read_given(
     context: &Context,
     recording: &Recording,
     scale: AnswerScale,

@@ -80,8 +80,8 @@ impl fmt::Display for Report {
             (self.sessions, "session"),
             (self.answers, "answer"),
         ];
-        let made = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| counted(*n, what));
-        let files = counted(self.files.len(), "file");
+        let made = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| count_of(*n, what));
+        let files = count_of(self.files.len(), "file");
         write!(
             f,
             "{files} imported into study {}: {}",
@@ -91,7 +91,7 @@ impl fmt::Display for Report {
     }
 }
 
-fn counted(n: usize, what: &str) -> String {
+fn count_of(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
@@ -104,10 +104,10 @@ impl fmt::Display for FileReport {
 
 impl FileReport {
     fn lines(&self) -> Vec<String> {
-        let read = counted(self.rows_read, "row");
+        let read = count_of(self.rows_read, "row");
         let mut lines = vec![format!("{}: {read} read, {} kept", self.file, self.rows_kept)];
         let dropped =
-            |d: &RowsDropped| format!("  dropped   {}: {}", counted(d.rows, "row"), d.why);
+            |d: &RowsDropped| format!("  dropped   {}: {}", count_of(d.rows, "row"), d.why);
         lines.extend(self.rows_dropped.iter().map(dropped));
         // Forty questionnaire columns with one reason are one line.
         for why in self.columns_dropped.iter().map(|c| &c.why).collect::<BTreeSet<_>>() {

@@ -2,7 +2,7 @@
 //! they are empty and their note says why.
 
 use crate::conditions::{Repeats, repeats};
-use crate::making::{derived, made};
+use crate::making::{derived, write_tables};
 use crate::trials::{OfTrials, files, read_all};
 use std::path::PathBuf;
 use zwidth_average::{Alignment, AverageError, Parameters};
@@ -60,5 +60,5 @@ fn make(
         }
     };
     let tables = Alignment::ALL.into_iter().map(table).collect::<Result<Vec<_>, _>>()?;
-    made(&tables, making, problems)
+    write_tables(&tables, making, problems)
 }

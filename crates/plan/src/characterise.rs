@@ -1,7 +1,7 @@
 //! Stage `characterise`: candidate models, parameters and curve of each actuator or sensor; the
 //! calibration.
 
-use crate::making::{derived, made, split};
+use crate::making::{derived, split, write_tables};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -102,7 +102,7 @@ fn make_characteristic(
         parameters_table(subject, &found)?,
         curve_table(subject, &samples, &found, of.level)?,
     ];
-    made(&tables, making, problems)
+    write_tables(&tables, making, problems)
 }
 
 fn samples(sweep: &Sweep) -> zwidth_characterise::Sweep<'_> {

@@ -1,7 +1,7 @@
 //! Stage `compare`: modes, participants and sessions compared, one job per metric; its figures.
 
-use crate::drawing::{Drawing, drawn};
-use crate::making::{derived, made};
+use crate::drawing::{Drawing, write_figure};
+use crate::making::{derived, write_tables};
 use crate::{likert, metrics};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -215,7 +215,7 @@ fn make_answers(
 ) -> Result<Made, JobError> {
     let answers = answers.as_deref().ok_or("there is no answer")?;
     let answers = Table::from_parquet(answers)?;
-    made(&[zwidth_compare::compare_answers(&answers, parameters)?], making, Vec::new())
+    write_tables(&[zwidth_compare::compare_answers(&answers, parameters)?], making, Vec::new())
 }
 
 fn make(parameters: &Parameters, metrics: &PathBuf, making: &Making) -> Result<Made, JobError> {
@@ -232,7 +232,7 @@ fn make(parameters: &Parameters, metrics: &PathBuf, making: &Making) -> Result<M
         found.learning,
         found.repeats,
     ];
-    made(&tables, making, Vec::new())
+    write_tables(&tables, making, Vec::new())
 }
 
 /// What a figure of the stage depends on besides tables.
@@ -322,5 +322,5 @@ type Figure = fn(
 fn draw(figure: Figure, of: &Drawn, files: &[PathBuf], making: &Making) -> Result<Made, JobError> {
     let read = Read::of(files)?;
     let sources: Vec<Source> = of.sources.iter().copied().collect();
-    drawn(figure(&of.about, &of.environments, &sources, read.tables())?, Vec::new(), making)
+    write_figure(figure(&of.about, &of.environments, &sources, read.tables())?, Vec::new(), making)
 }

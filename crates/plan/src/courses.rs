@@ -2,7 +2,7 @@
 //! of the stage `replay`, which the figure draws.
 
 use crate::conditions::{Repeats, Session, sessions};
-use crate::making::{derived, made, read_tables};
+use crate::making::{derived, read_tables, write_tables};
 use crate::replay::{STAGE, is_replayable, rendering};
 use crate::trials::{OfTrials, files, read_all};
 use crate::{identify, replay};
@@ -80,5 +80,5 @@ fn make(
     if courses.height() == 0 {
         return Err("no trial could be replayed: the table 'replay' says why".into());
     }
-    made(&[courses], making, Vec::new())
+    write_tables(&[courses], making, Vec::new())
 }

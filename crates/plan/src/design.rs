@@ -1,7 +1,7 @@
 //! Figures of what was planned: the environments, and the forces that each mode can render.
 
 use crate::characterise;
-use crate::drawing::{Drawing, drawn};
+use crate::drawing::{Drawing, write_figure};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ fn environment(data: &StudyData, placement: Placement) -> Drawing {
 
 fn draw_environment(placement: &Placement, (): &(), making: &Making) -> Result<Made, JobError> {
     let figure = zwidth_figures::environment(placement).ok_or("the environment cannot be drawn")?;
-    drawn(figure, Vec::new(), making)
+    write_figure(figure, Vec::new(), making)
 }
 
 fn draw_range(
@@ -83,5 +83,5 @@ fn draw_range(
     let calibration = Forces::read(calibration.as_deref())?;
     let sources: Vec<Source> = sources.iter().copied().collect();
     let figure = zwidth_figures::rendering_range(about, &calibration, basis.footnote(), &sources);
-    drawn(figure.ok_or("no mode has an actuator")?, Vec::new(), making)
+    write_figure(figure.ok_or("no mode has an actuator")?, Vec::new(), making)
 }

@@ -55,7 +55,7 @@ fn files_of(layout: &Layout, stem: &str) -> Vec<PathBuf> {
 }
 
 /// A figure in every form, with its data.
-pub(crate) fn drawn(
+pub(crate) fn write_figure(
     figure: Figure,
     problems: Vec<String>,
     making: &Making,

@@ -1,8 +1,8 @@
 //! Stage `figures`: each figure as SVG, PDF and PNG, with its data beside it.
 
 use crate::conditions::{Repeats, Session, sessions};
-use crate::drawing::{Drawing, STAGE, drawn};
-use crate::trials::{Known, files, known, read_all};
+use crate::drawing::{Drawing, STAGE, write_figure};
+use crate::trials::{Known, describe_trials, files, read_all};
 use crate::{
     average, characterise, compare, design, freemotion, likert_figures, metrics, replay_figures,
 };
@@ -112,7 +112,7 @@ fn recorded(
         about: About::of(&data.study),
         environment: environment.clone(),
         who: session.who(),
-        trials: known(trials),
+        trials: describe_trials(trials),
         alignment,
         averaged: conditions.iter().map(|r| r.mode.id.clone()).collect(),
         average: (parameters, zwidth_average::VERSION),
@@ -173,7 +173,7 @@ fn modes<'a>(data: &'a StudyData, session: &Session<'a>, environment: &'a Enviro
 
 fn draw_modes(recorded: &Recorded, files: &Files, making: &Making) -> Result<Made, JobError> {
     let (loaded, problems) = load(recorded, files)?;
-    drawn(zwidth_figures::modes(&loaded.scene())?, problems, making)
+    write_figure(zwidth_figures::modes(&loaded.scene())?, problems, making)
 }
 
 fn repeats<'a>(
@@ -204,7 +204,7 @@ fn draw_repeats(recorded: &Recorded, files: &Files, making: &Making) -> Result<M
     let scene = loaded.scene();
     let none = || format!("no trial could be read: {}", problems.join("; "));
     let first = scene.modes.first().ok_or_else(none)?;
-    drawn(zwidth_figures::repeats(&scene, first), problems, making)
+    write_figure(zwidth_figures::repeats(&scene, first), problems, making)
 }
 
 fn loops<'a>(
@@ -236,7 +236,7 @@ fn draw_loops(
     }
     let scenes: Vec<_> = all.iter().map(Loaded::scene).collect();
     let about = &recorded.first().ok_or("there is no environment")?.about;
-    drawn(zwidth_figures::loops(about, &scenes)?, problems, making)
+    write_figure(zwidth_figures::loops(about, &scenes)?, problems, making)
 }
 
 fn characteristic(
@@ -248,10 +248,10 @@ fn characteristic(
     let [models, parameters, curve] = tables.each_ref().map(|file| Table::from_parquet(file));
     let (models, parameters, curve) = (&models?, &parameters?, &curve?);
     let of = Characterised { models, parameters, curve, level: *level };
-    drawn(zwidth_figures::characteristic(actuator, &read, of)?, problems, making)
+    write_figure(zwidth_figures::characteristic(actuator, &read, of)?, problems, making)
 }
 
 fn free_motion(about: &About, table: &PathBuf, making: &Making) -> Result<Made, JobError> {
     let fits = Table::from_parquet(table)?;
-    drawn(zwidth_figures::free_motion(about, &fits)?, Vec::new(), making)
+    write_figure(zwidth_figures::free_motion(about, &fits)?, Vec::new(), making)
 }

@@ -1,7 +1,7 @@
 //! Stage `freemotion`: in a free environment, the plane fit of every trial that brings an
 //! acceleration, the plant of every other that has an angle.
 
-use crate::making::{derived, made, split};
+use crate::making::{derived, split, write_tables};
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -52,7 +52,7 @@ fn make_planes(
     making: &Making,
 ) -> Result<Made, JobError> {
     let (fits, problems) = fit_all(of, files, zwidth_freemotion::plane_fit);
-    made(&[zwidth_freemotion::table(&fits)?], making, problems)
+    write_tables(&[zwidth_freemotion::table(&fits)?], making, problems)
 }
 
 fn make_plants(
@@ -61,7 +61,7 @@ fn make_plants(
     making: &Making,
 ) -> Result<Made, JobError> {
     let (fits, problems) = fit_all(of, files, zwidth_freemotion::plant_fit);
-    made(&[zwidth_freemotion::plant_table(&fits)?], making, problems)
+    write_tables(&[zwidth_freemotion::plant_table(&fits)?], making, problems)
 }
 
 /// The fits of the trials that can be read and fitted, and what is wrong with the others.

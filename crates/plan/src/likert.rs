@@ -1,6 +1,6 @@
 //! Stage `likert`: tallies by question, and by group of questions; the answers themselves.
 
-use crate::making::{derived, made};
+use crate::making::{derived, write_tables};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_likert::Scheme;
@@ -45,7 +45,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 fn make(asked: &Asked, (): &(), making: &Making) -> Result<Made, JobError> {
     let Asked { scheme, answers } = asked;
-    made(
+    write_tables(
         &[zwidth_likert::tally(answers, scheme)?, zwidth_likert::long(answers, scheme)?],
         making,
         Vec::new(),

@@ -1,6 +1,6 @@
 //! The figures of the stage `likert`, as many panels to a figure as fit on a page.
 
-use crate::drawing::{Drawing, drawn};
+use crate::drawing::{Drawing, write_figure};
 use crate::likert::tally;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ struct Page {
 
 pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     let Some(tally) = tally(data) else { return Vec::new() };
-    let (answers, asked) = (data.answers(), asked(data));
+    let (answers, asked) = (data.answers(), list_asked(data));
     let overview = zwidth_figures::likert_overview(&asked);
     let items = zwidth_figures::likert_items(&asked);
     let pages = |kind: FigureKind, pages: Vec<LikertPage>| -> Vec<Drawing> {
@@ -43,7 +43,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
 }
 
 /// The questions answered in each environment, in the study's order.
-fn asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)> {
+fn list_asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)> {
     let answers = data.answers();
     let given = |e: &Environment, q: &Question| {
         answers.iter().any(|a| a.condition.environment == e.id && a.question == q.id)
@@ -58,5 +58,5 @@ fn asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)> {
 fn draw(page: &Page, tally: &PathBuf, making: &Making) -> Result<Made, JobError> {
     let tally = Table::from_parquet(tally)?;
     let Page { about, page, sources } = page;
-    drawn(zwidth_figures::likert(about, page, &tally, sources)?, Vec::new(), making)
+    write_figure(zwidth_figures::likert(about, page, &tally, sources)?, Vec::new(), making)
 }

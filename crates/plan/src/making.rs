@@ -7,7 +7,7 @@ use zwidth_store::Layout;
 use zwidth_tables::{Table, TableError};
 
 /// A job's result: tables as Parquet files, in the order of its outputs.
-pub(crate) fn made(
+pub(crate) fn write_tables(
     tables: &[Table],
     making: &Making,
     problems: Vec<String>,

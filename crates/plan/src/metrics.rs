@@ -3,7 +3,7 @@
 //! from there.
 
 use crate::conditions::{Repeats, repeats};
-use crate::making::{derived, made, read_tables, split};
+use crate::making::{derived, read_tables, split, write_tables};
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -83,7 +83,7 @@ fn make_condition(
     let notes = left_out.chain(care.iter().map(|note| (NoteKind::Care, note.clone())));
     let table = zwidth_metrics::table(&rows)?;
     let table = notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note));
-    Ok(Made { care, ..made(&[table], making, problems)? })
+    Ok(Made { care, ..write_tables(&[table], making, problems)? })
 }
 
 fn make_study(
@@ -93,7 +93,7 @@ fn make_study(
 ) -> Result<Made, JobError> {
     let all = zwidth_metrics::join_conditions(&read_tables(tables)?)?.ok_or("there is no trial")?;
     let conditions = zwidth_metrics::by_condition(&all, conditions)?;
-    made(&[all, conditions], making, Vec::new())
+    write_tables(&[all, conditions], making, Vec::new())
 }
 
 /// What `verify` finds in a trial's samples, which count all the same.

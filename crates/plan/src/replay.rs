@@ -2,7 +2,7 @@
 //! then one of the whole study, and how far peaks and times agree.
 
 use crate::conditions::{Repeats, calibration, repeats};
-use crate::making::{derived, made, read_tables, split};
+use crate::making::{derived, read_tables, split, write_tables};
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -101,12 +101,12 @@ fn make_condition(
     };
     let (rows, more) = split(trials.par_iter().map(rows).collect());
     problems.extend(more);
-    made(&[zwidth_replay::table(&rows.concat())?], making, problems)
+    write_tables(&[zwidth_replay::table(&rows.concat())?], making, problems)
 }
 
 fn make_study(level: &f64, tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
     let replays =
         zwidth_replay::join_conditions(&read_tables(tables)?)?.ok_or("there is no trial")?;
     let agreement = zwidth_replay::agreement(&replays, *level)?;
-    made(&[replays, agreement], making, Vec::new())
+    write_tables(&[replays, agreement], making, Vec::new())
 }

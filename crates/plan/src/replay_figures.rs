@@ -3,7 +3,7 @@
 
 use crate::conditions::sessions;
 use crate::courses;
-use crate::drawing::{Drawing, drawn};
+use crate::drawing::{Drawing, write_figure};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_figures::{About, REPLAY};
@@ -43,5 +43,5 @@ fn draw(
     making: &Making,
 ) -> Result<Made, JobError> {
     let courses = Table::from_parquet(courses)?;
-    drawn(zwidth_figures::replay(about, environment, who, &courses)?, Vec::new(), making)
+    write_figure(zwidth_figures::replay(about, environment, who, &courses)?, Vec::new(), making)
 }

@@ -1,7 +1,7 @@
 //! Stage `report`: the tables of what was planned, and the pros and cons beside what came out.
 
 use crate::design::{Forces, forces, has_actuators};
-use crate::making::{derived, made};
+use crate::making::{derived, write_tables};
 use crate::metrics;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -89,7 +89,7 @@ fn make_pros_cons(
     let calibration = &Forces::read(calibration.as_deref())?;
     let metrics = metrics.as_deref().map(Table::from_parquet).transpose()?;
     let known = Known { study: planned, calibration, metrics: metrics.as_ref() };
-    made(&[pros_cons_table(known)?.with_note(basis.footnote())], making, Vec::new())
+    write_tables(&[pros_cons_table(known)?.with_note(basis.footnote())], making, Vec::new())
 }
 
 /// What the forces of the actuators decide: the modes as used, and the weights.
@@ -102,7 +102,7 @@ fn make_forces(
     let modes = modes_table(planned, calibration, basis.footnote())?;
     let weight = weight_table(planned, calibration).transpose()?;
     let weight = weight.map(|table| table.with_note(basis.footnote()));
-    made(&[modes].into_iter().chain(weight).collect::<Vec<_>>(), making, Vec::new())
+    write_tables(&[modes].into_iter().chain(weight).collect::<Vec<_>>(), making, Vec::new())
 }
 
 /// What stands before anything is recorded: the model's parameters and the device.
@@ -112,5 +112,5 @@ fn make_planned(
     making: &Making,
 ) -> Result<Made, JobError> {
     let tables = [model_table(&ModelScene::from_toml(model)?)?, device_table(planned)?];
-    made(&tables, making, Vec::new())
+    write_tables(&tables, making, Vec::new())
 }

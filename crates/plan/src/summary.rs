@@ -92,9 +92,9 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
     let mut summary = page.facts.clone();
     summary.limits.extend(notes(&files.noted, |kind| kind != NoteKind::Extent)?);
     let left_out = notes(&files.conditions, |kind| kind == NoteKind::LeftOut)?;
-    summary.left_out.extend(left_out.iter().map(|note| told(note)));
+    summary.left_out.extend(left_out.iter().map(|note| to_remark(note)));
     let with_care = notes(&files.conditions, |kind| kind != NoteKind::LeftOut)?;
-    summary.care.extend(with_care.iter().map(|note| told(note)));
+    summary.care.extend(with_care.iter().map(|note| to_remark(note)));
     let listed = |(file, caption): (&PathBuf, &Caption)| match file.exists() {
         true => Ok(Listed { path: relative(file, folder), caption: caption.text() }),
         false => Err(could_not_be_made(file)),
@@ -115,7 +115,7 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
         .collect();
     summary.matrix = zwidth_report::matrix(&page.planned, &metrics)?;
     summary.limits.extend(notes(&contrasts_of(files), |kind| kind == NoteKind::Limit)?);
-    summary.shown = shown(page, files, &metrics, &summary)?;
+    summary.shown = list_findings(page, files, &metrics, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
     let origin = making.from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
@@ -125,7 +125,7 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
 
 /// What the trials show, each sentence with the figure or table that holds its numbers: metrics of
 /// the trials, tally of the answers.
-fn shown(
+fn list_findings(
     page: &Page,
     files: &Files,
     compared: &[ComparedMetric],
@@ -295,7 +295,7 @@ fn notes(tables: &[PathBuf], of: fn(NoteKind) -> bool) -> Result<BTreeSet<String
 }
 
 /// A note of a trial, `P01 S01 trial 2: …`.
-fn told(note: &str) -> Remark {
+fn to_remark(note: &str) -> Remark {
     let (what, why) = note.split_once(": ").unwrap_or(("metrics", note));
     Remark { what: what.to_owned(), why: why.to_owned() }
 }

@@ -26,12 +26,12 @@ pub(crate) struct OfTrials<P> {
 
 impl<P> OfTrials<P> {
     pub(crate) fn new(stage: P, trials: &[&TrialEntry]) -> Self {
-        Self { stage, trials: known(trials) }
+        Self { stage, trials: describe_trials(trials) }
     }
 }
 
 /// What is known of trials.
-pub(crate) fn known(trials: &[&TrialEntry]) -> Vec<Known> {
+pub(crate) fn describe_trials(trials: &[&TrialEntry]) -> Vec<Known> {
     let of = |meta: &TrialMeta| Known {
         trial: meta.trial,
         mode: meta.mode.clone(),

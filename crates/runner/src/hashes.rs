@@ -19,7 +19,7 @@ impl Hashes {
     }
 
     pub(crate) fn of(&self, root: &Path, paths: &[PathBuf]) -> BTreeMap<String, String> {
-        paths.iter().map(|p| (shown(root, p), self.one(p))).collect()
+        paths.iter().map(|p| (show_path(root, p), self.one(p))).collect()
     }
 
     fn one(&self, path: &Path) -> String {
@@ -49,6 +49,6 @@ impl Hashes {
 }
 
 /// A path as records have it: relative to the root, with `/`.
-pub(crate) fn shown(root: &Path, path: &Path) -> String {
+pub(crate) fn show_path(root: &Path, path: &Path) -> String {
     path.strip_prefix(root).unwrap_or(path).to_string_lossy().replace('\\', "/")
 }

@@ -27,10 +27,10 @@ impl StudyLock {
         let mut file = opened(&path).map_err(|e| StoreError::io(&path, "open the lock", &e))?;
         match file.try_lock() {
             Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(held(&path, &mut file)),
+            Err(TryLockError::WouldBlock) => return Err(describe_held(&path, &mut file)),
             Err(TryLockError::Error(e)) => return Err(StoreError::io(&path, "lock", &e)),
         }
-        written(&mut file, owner).map_err(|e| StoreError::io(&path, "write the lock", &e))?;
+        write_owner(&mut file, owner).map_err(|e| StoreError::io(&path, "write the lock", &e))?;
         Ok(Self { file })
     }
 }
@@ -92,13 +92,13 @@ fn read(file: &mut File) -> Option<String> {
     Some(text.trim().to_owned())
 }
 
-fn written(file: &mut File, owner: &str) -> io::Result<()> {
+fn write_owner(file: &mut File, owner: &str) -> io::Result<()> {
     file.set_len(0)?;
     file.rewind()?;
     writeln!(file, "{owner}")
 }
 
-fn held(path: &Path, file: &mut File) -> StoreError {
+fn describe_held(path: &Path, file: &mut File) -> StoreError {
     let who =
         read(file).filter(|text| !text.is_empty()).unwrap_or_else(|| "another process".to_owned());
     StoreError::new(path, format!("the study is in use: {who}"), "wait for it, or end it")

@@ -124,7 +124,7 @@ pub fn recover(
         }
         Err(error) => found.push(Err(error)),
     }
-    for path in named(files, &layout.journals(), ".journal") {
+    for path in find_named(files, &layout.journals(), ".journal") {
         found.extend(journal(files, layout, &path, utc));
     }
     found
@@ -133,7 +133,7 @@ pub fn recover(
 /// Records whose log was never begun.
 fn laid_down(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recovered, StoreError>> {
     let mut found = Vec::new();
-    for path in named(files, &layout.sessions(), ".json") {
+    for path in find_named(files, &layout.sessions(), ".json") {
         // What cannot be read is an error of whoever reads it.
         let Ok(text) = text(files, &path, MOST_RECORD) else { continue };
         let Ok(record) = record_from(&path, &text) else { continue };
@@ -151,12 +151,12 @@ fn laid_down(files: &dyn Files, layout: &Layout, utc: &str) -> Vec<Result<Recove
 
 /// The logs of sessions and of sweeps.
 fn logs(files: &dyn Files, layout: &Layout) -> Vec<PathBuf> {
-    let mut found = named(files, &layout.sessions(), ".events.jsonl");
+    let mut found = find_named(files, &layout.sessions(), ".events.jsonl");
     found.extend(Some(layout.sweep_events()).filter(|path| files.kind(path) == Some(Entry::File)));
     found
 }
 
-fn named(files: &dyn Files, folder: &Path, ending: &str) -> Vec<PathBuf> {
+fn find_named(files: &dyn Files, folder: &Path, ending: &str) -> Vec<PathBuf> {
     let mut paths = files_below(files, folder).unwrap_or_default();
     paths.retain(|path| path.to_string_lossy().ends_with(ending));
     paths

@@ -80,7 +80,7 @@ pub(crate) fn layout(columns: &[Shown]) -> Layout<'_> {
             return whole(false, columns);
         }
     }
-    let wrapped = all.iter().map(|c| placed(c)).collect();
+    let wrapped = all.iter().map(|c| place_column(c)).collect();
     match squeezed(wrapped, &DENSE, NARROWEST_TEXT_DIGITS) {
         Some(squeezed) => whole(true, squeezed),
         None => sectioned(&all).unwrap_or_else(|| several(&all)),
@@ -94,7 +94,7 @@ fn finished<'a>(dense: bool, groups: Vec<Vec<Placed<'a>>>, notes: Vec<String>) -
 
 /// The column with its heading in as many lines as it takes to be no wider than the cells, or than
 /// its longest word.
-fn placed(column: &Shown) -> Placed<'_> {
+fn place_column(column: &Shown) -> Placed<'_> {
     placed_in(column, usize::MAX)
 }
 
@@ -177,7 +177,7 @@ fn sectioned<'a>(all: &[&'a Shown]) -> Option<Layout<'a>> {
     let texts = all.iter().take_while(|c| !c.numeric).count();
     let (first, sections) =
         (1..=texts).rev().find_map(|first| Some((first, sections(&all[..first])?)))?;
-    let rest = all[first..].iter().map(|c| placed(c)).collect();
+    let rest = all[first..].iter().map(|c| place_column(c)).collect();
     let placed = squeezed(rest, &DENSE, NARROWEST_TEXT_DIGITS)?;
     let layout = finished(true, vec![placed], Vec::new());
     let long = layout.long || lines(&layout.groups[0]) + sections.len() > PAGE_LINES;
@@ -207,7 +207,7 @@ fn several<'a>(all: &[&'a Shown]) -> Layout<'a> {
     let is_key = |column: &Shown| keys.iter().any(|key| std::ptr::eq(*key, column));
     let others: Vec<&Shown> = varying.iter().copied().filter(|c| !is_key(c)).collect();
     let with_keys =
-        |group: &[&'a Shown]| keys.iter().chain(group).map(|c| placed(c)).collect::<Vec<_>>();
+        |group: &[&'a Shown]| keys.iter().chain(group).map(|c| place_column(c)).collect::<Vec<_>>();
     let packed =
         |share: f64| packed(&others, |group| capped_fits(&with_keys(group), share * DENSE.digits));
     let fewest = packed(1.0).len();
@@ -248,8 +248,9 @@ fn keys<'a>(columns: &[&'a Shown]) -> Vec<&'a Shown> {
     let front = columns.iter().take_while(|c| !c.fractional).count();
     let to_last_text = columns[..front].iter().rposition(|c| !c.numeric).map_or(0, |last| last + 1);
     let mut keys = columns[..to_last_text].to_vec();
-    let room =
-        |keys: &[&Shown]| keys.iter().map(|c| natural(&placed(c)) + DENSE.gap_digits).sum::<f64>();
+    let room = |keys: &[&Shown]| {
+        keys.iter().map(|c| natural(&place_column(c)) + DENSE.gap_digits).sum::<f64>()
+    };
     let mut at = keys.len();
     while room(&keys) > KEYS_SHARE * DENSE.digits && at > 0 {
         at -= 1;
@@ -509,6 +510,6 @@ mod tests {
     fn a_heading_breaks_between_words_and_never_within_a_unit() {
         let column = Column::float("force_rms_error_n_per_rad", "N/rad", "", [Some(1.0)]);
         let columns = shown(&Table::new("t", "T", vec![column]).unwrap());
-        assert_eq!(placed(&columns[0]).head, ["force", "RMS", "error", "(N/rad)"]);
+        assert_eq!(place_column(&columns[0]).head, ["force", "RMS", "error", "(N/rad)"]);
     }
 }

@@ -12,7 +12,7 @@ const MOST_SCENE: u64 = 1 << 26;
 
 /// The text of a file beside `study.toml`, if anything stands there. A link is refused, not
 /// followed.
-pub(crate) fn beside(path: &Path) -> anyhow::Result<Option<String>> {
+pub(crate) fn read_beside(path: &Path) -> anyhow::Result<Option<String>> {
     if path.symlink_metadata().is_err() {
         return Ok(None);
     }

@@ -130,7 +130,7 @@ fn of_environment<'a>(
             continue;
         }
         let model =
-            models.entry(mode).or_insert_with(|| model(answers, question, mode, parameters.level));
+            models.entry(mode).or_insert_with(|| model(answers, question, mode, parameters));
         let ratio = model.as_ref().map_err(Clone::clone).and_then(|comparison| {
             let is_it = |ratio: &&OddsRatio| ratio.mode == against;
             let none = || Unestimable::Confounded { what: "the modes".to_owned() };
@@ -154,7 +154,7 @@ fn model(
     answers: &Answers,
     question: &Question,
     mode: usize,
-    level: f64,
+    parameters: &AnswerParameters,
 ) -> Result<ModeComparison, Unestimable> {
     let study = ModeStudy {
         answers: &answers.answer,
@@ -163,7 +163,23 @@ fn model(
         modes: &answers.mode,
         sessions: &answers.session,
     };
-    compare_modes(&study, mode, level, SEED)
+    let compared = compare_modes(&study, mode, parameters.level, SEED);
+    compared.map_err(|why| name_modes(why, &parameters.modes))
+}
+
+/// The same reason with the modes' names in the place of their numbers.
+fn name_modes(why: Unestimable, modes: &[ModeId]) -> Unestimable {
+    let named = |what: String| {
+        let numbered = modes.iter().enumerate().rev();
+        numbered.fold(what, |what, (number, mode)| {
+            what.replace(&format!("mode {number}"), mode.as_str())
+        })
+    };
+    match why {
+        Unestimable::Separated { what } => Unestimable::Separated { what: named(what) },
+        Unestimable::Confounded { what } => Unestimable::Confounded { what: named(what) },
+        other => other,
+    }
 }
 
 /// Everybody's answers in the two modes, compared pair by pair.

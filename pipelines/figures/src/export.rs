@@ -38,7 +38,7 @@ pub fn data_table(name: &str, figure: &Figure) -> Result<Table, TableError> {
             name,
             "1",
             about,
-            layers.iter().flat_map(|l| get(l).iter().copied().map(known)),
+            layers.iter().flat_map(|l| get(l).iter().copied().map(keep_known)),
         )
     };
     let count = |name, about, get: fn(&Rows) -> i64| {
@@ -74,7 +74,7 @@ fn words(axis: &Axis) -> String {
 }
 
 /// A gap is null.
-fn known(value: f64) -> Option<f64> {
+fn keep_known(value: f64) -> Option<f64> {
     (!value.is_nan()).then_some(value)
 }
 

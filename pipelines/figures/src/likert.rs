@@ -145,7 +145,7 @@ pub fn likert(
 ) -> Result<Figure, TableError> {
     let title = &about.title;
     let panels =
-        wanted.iter().map(|w| counted(&about.modes, tally, w)).collect::<Result<Vec<_>, _>>()?;
+        wanted.iter().map(|w| count_rows(&about.modes, tally, w)).collect::<Result<Vec<_>, _>>()?;
     let columns = COLUMNS.min(panels.len().max(1));
     let totals = panels.iter().flat_map(|p| &p.rows).map(|(_, counts)| counts.iter().sum::<u32>());
     let (least, most) = totals.fold((u32::MAX, 0), |(a, b), n| (a.min(n), b.max(n)));
@@ -178,7 +178,7 @@ fn describe(title: &str, scale: AnswerScale) -> String {
 }
 
 /// A row a mode, in the study's order.
-fn counted(modes: &[Mode], tally: &Table, wanted: &Wanted) -> Result<Counted, TableError> {
+fn count_rows(modes: &[Mode], tally: &Table, wanted: &Wanted) -> Result<Counted, TableError> {
     let texts = |column| tally.texts(column);
     let (environments, of_modes) = (texts("environment")?, texts("mode")?);
     let (questions, groups) = (texts("question")?, texts("group")?);

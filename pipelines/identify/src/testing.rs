@@ -2,7 +2,7 @@
 
 use crate::Parameter;
 use zwidth_dynamics::{
-    Environment, Exact, Friction, Grid, Input, Mode, ModelScene, Plant, Series, Solver, Start,
+    DriveMode, Environment, Exact, Friction, Grid, Input, ModelScene, Plant, Series, Solver, Start,
     System, table3,
 };
 use zwidth_study::{Kind, Source, Status, TrialMeta};
@@ -54,7 +54,7 @@ pub(crate) fn pushed(i: usize, [mass_kg, damping, friction_n]: &[f64; 3]) -> Opt
             viscous_ns_per_rad: *damping,
         }),
         start: Start::default(),
-        ..table3::scene(Mode::Active, Input::Series(Series { t_s: t_s.clone(), value }))
+        ..table3::scene(DriveMode::Active, Input::Series(Series { t_s: t_s.clone(), value }))
     };
     let run = Exact::default().run(&System::new(scene).ok()?, &Grid::Times(t_s)).ok()?;
     Some(run.theta_rad().collect())

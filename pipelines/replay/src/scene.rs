@@ -4,8 +4,8 @@
 use crate::WhyNot;
 use serde::Serialize;
 use zwidth_dynamics::{
-    Brake, BrakeLaw, Environment, Friction, Input, Mode, ModelScene, Motor, Plant, Series, Start,
-    Terms,
+    Brake, BrakeLaw, DriveMode, Environment, Friction, Input, ModelScene, Motor, Plant, Series,
+    Start, Terms,
 };
 use zwidth_study::{ActuatorKind, Calibration, ForceLaw, ModeLaw, Scene, Study};
 
@@ -114,10 +114,10 @@ impl Rendering {
     }
 
     /// Which actuators the mode uses; a mode with none has a motor that gives nothing.
-    fn mode(&self) -> Mode {
+    fn mode(&self) -> DriveMode {
         let by_motor = |law: ModeLaw| law.drives().map(|drive| drive == ActuatorKind::Motor);
-        let of_law = |law| Mode::ALL.into_iter().find(|mode| mode.by_motor() == by_motor(law));
-        self.law.and_then(of_law).unwrap_or(Mode::Active)
+        let of_law = |law| DriveMode::ALL.into_iter().find(|mode| mode.by_motor() == by_motor(law));
+        self.law.and_then(of_law).unwrap_or(DriveMode::Active)
     }
 
     fn environment(&self) -> Result<Environment, WhyNot> {

@@ -101,11 +101,11 @@ pub fn summary_markdown(summary: &Summary) -> String {
         parts.push(format!("## The modes compared\n\n{}", grid(&summary.matrix)));
     }
     if !summary.shown.is_empty() {
-        parts.push(section("What the trials show", &summary.shown, shown, ""));
+        parts.push(section("What the trials show", &summary.shown, tell, ""));
     }
     parts.extend([
-        section("Figures", &summary.figures, made, "No figure was made."),
-        section("Tables", &summary.tables, made, "No table was made."),
+        section("Figures", &summary.figures, link_to, "No figure was made."),
+        section("Tables", &summary.tables, link_to, "No table was made."),
         section("Left out", &summary.left_out, remark, nothing(summary)),
     ]);
     if !summary.care.is_empty() {
@@ -159,12 +159,12 @@ fn section<T>(title: &str, items: &[T], line: impl Fn(&T) -> String, none: &str)
     format!("## {title}\n\n{body}")
 }
 
-fn made(made: &Made) -> String {
+fn link_to(made: &Made) -> String {
     format!("[{}]({})", escape(&made.caption), made.path)
 }
 
 /// A sentence, and a link to where it is seen.
-fn shown(made: &Made) -> String {
+fn tell(made: &Made) -> String {
     let what = if made.path.starts_with("figures/") { "figure" } else { "table" };
     format!("{} ([{what}]({}))", escape(&made.caption), made.path)
 }

@@ -67,12 +67,12 @@ pub fn bow_tie_table(scene: &ModelScene) -> Result<Table, SimulateError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_dynamics::{BrakeLaw, Environment, Input, Mode, table3};
+    use zwidth_dynamics::{BrakeLaw, DriveMode, Environment, Input, table3};
 
     /// A spring at rest in the middle, a brake that makes all of its force and a motor that makes 1
     /// N.
     fn scene() -> ModelScene {
-        let mut scene = table3::scene(Mode::Hybrid, Input::constant(0.0));
+        let mut scene = table3::scene(DriveMode::Hybrid, Input::constant(0.0));
         scene.environment = Environment::spring(4.0, 0.0, 0.0);
         scene.brake.law = BrakeLaw::Thesis;
         scene.motor.max_n = 1.0;

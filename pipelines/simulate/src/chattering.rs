@@ -97,10 +97,10 @@ fn table(scene: &str, rows: &[SolverRun], reference_rad: f64) -> Result<Table, T
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_dynamics::{Finger, FingerLaw, Input, Mode, table3};
+    use zwidth_dynamics::{DriveMode, Finger, FingerLaw, Input, table3};
 
     fn check(solver: &str, step_s: f64, reversals: i64, max_deg: f64) {
-        let scene = table3::scene(Mode::Hybrid, Input::sine(2.15));
+        let scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
         let table = chattering_table(&scene, &[solver], &[step_s]).unwrap();
         let found = table.floats("theta_max_rad").unwrap()[0].unwrap().to_degrees();
         assert_eq!(table.integers("reversals").unwrap(), [Some(reversals)], "{solver} {step_s}");
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn solvers_that_know_sticking_turn_twice_at_every_step_and_are_smooth() {
-        let scene = table3::scene(Mode::Hybrid, Input::sine(2.15));
+        let scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
         let solvers = ["exact", "dormand_prince", "tr_bdf2", "moreau_jean"];
         let table = chattering_table(&scene, &solvers, &[8.3e-3, 0.83e-3]).unwrap();
         assert!(table.texts("verdict").unwrap().iter().all(|v| v.as_deref() == Some("smooth")));
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn a_run_that_fails_is_a_row_that_says_so() {
-        let mut scene = table3::scene(Mode::Active, Input::sine(2.15));
+        let mut scene = table3::scene(DriveMode::Active, Input::sine(2.15));
         scene.plant.stops_rad = None;
         // Each step is so long for tissue so stiff that it grows by many powers of ten, and nothing
         // bounds it.

@@ -55,11 +55,11 @@ pub(crate) fn highest(run: &Trajectory) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::{DEFAULT_TOLERANCE, solver};
-    use zwidth_dynamics::{Input, Mode, table3};
+    use zwidth_dynamics::{DriveMode, Input, table3};
 
     #[test]
     fn a_step_that_would_fill_the_memory_is_refused_with_its_size() {
-        let mut scene = table3::scene(Mode::Hybrid, Input::sine(2.15));
+        let mut scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
         scene.step_s = 1e-9;
         let error =
             simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap_err();
@@ -69,7 +69,8 @@ mod tests {
     #[test]
     fn the_largest_angle_and_its_time_do_not_depend_on_the_samples() {
         for step_s in [1e-3, 8.3e-3, 0.9] {
-            let scene = ModelScene { step_s, ..table3::scene(Mode::Hybrid, Input::sine(2.15)) };
+            let scene =
+                ModelScene { step_s, ..table3::scene(DriveMode::Hybrid, Input::sine(2.15)) };
             let run =
                 simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap();
             let (theta_rad, t_s) = highest(&run.trajectory);

@@ -159,11 +159,11 @@ pub(crate) fn verdict_meaning(verdict: RunVerdict) -> &'static str {
 mod tests {
     use super::*;
     use crate::{DEFAULT_TOLERANCE, simulate, solver};
-    use zwidth_dynamics::Mode;
+    use zwidth_dynamics::DriveMode;
     use zwidth_dynamics::{Input, table3};
 
     fn summary(name: &str) -> Summary {
-        let scene = table3::scene(Mode::Hybrid, Input::sine(2.15));
+        let scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
         Summary::of(&simulate(scene, solver(name, DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap())
     }
 

@@ -158,14 +158,14 @@ fn event_word(kind: EventKind) -> &'static str {
 mod tests {
     use super::*;
     use crate::{DEFAULT_TOLERANCE, simulate, solver};
-    use zwidth_dynamics::{Gravity, Input, Mode, ModelScene, Pull, table3};
+    use zwidth_dynamics::{DriveMode, Gravity, Input, ModelScene, Pull, table3};
 
     fn run(scene: ModelScene) -> Run {
         simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap()
     }
 
     fn sticking() -> ModelScene {
-        table3::scene(Mode::Hybrid, Input::sine(2.15))
+        table3::scene(DriveMode::Hybrid, Input::sine(2.15))
     }
 
     fn column(table: &Table, name: &str) -> Vec<f64> {

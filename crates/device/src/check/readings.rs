@@ -72,7 +72,7 @@ pub fn timing(timing: &Timing, rate_hz: f64) -> Vec<Finding> {
 pub fn at_rest(capabilities: &Capabilities, asked_hz: f64, looks: &[Look]) -> Vec<Finding> {
     let span_s = span_s(looks);
     let nominal_hz = capabilities.rate_hz.min(asked_hz);
-    let angle_hz = taken(looks, |r| Some(r.angle_age_s)).len() as f64 / span_s;
+    let angle_hz = find_taken(looks, |r| Some(r.angle_age_s)).len() as f64 / span_s;
     let fast = |found_hz: f64, nominal_hz: f64| found_hz >= LEAST_RATE * nominal_hz;
     let mut found = vec![
         Finding::new(
@@ -211,7 +211,7 @@ fn noise(capabilities: &Capabilities, looks: &[Look]) -> Finding {
 }
 
 /// When each new value was taken, and its look.
-fn taken(looks: &[Look], age_s: impl Fn(&Reading) -> Option<f64>) -> Vec<&Look> {
+fn find_taken(looks: &[Look], age_s: impl Fn(&Reading) -> Option<f64>) -> Vec<&Look> {
     let mut last_s = f64::NEG_INFINITY;
     let is_new = |look: &&Look| {
         let t_s = look.t_s - age_s(&look.reading).unwrap_or(0.0);
@@ -223,7 +223,7 @@ fn taken(looks: &[Look], age_s: impl Fn(&Reading) -> Option<f64>) -> Vec<&Look> 
 }
 
 fn new_forces_n(looks: &[Look]) -> Vec<f64> {
-    taken(looks, |r| r.force_age_s).iter().map(|look| look.reading.force_n).collect()
+    find_taken(looks, |r| r.force_age_s).iter().map(|look| look.reading.force_n).collect()
 }
 
 /// Mean force of a stretch, each value of the sensor once, N; 0 of none.

@@ -7,7 +7,7 @@ use crate::error::{Result, finite, not_negative, positive};
 /// Which actuators render the environment (§5.2.2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Mode {
+pub enum DriveMode {
     /// The motor alone, in both directions.
     Active,
     /// The brake alone: it resists in both directions and drives in none.
@@ -16,7 +16,7 @@ pub enum Mode {
     Hybrid,
 }
 
-impl Mode {
+impl DriveMode {
     /// Every mode.
     pub const ALL: [Self; 3] = [Self::Active, Self::Passive, Self::Hybrid];
 

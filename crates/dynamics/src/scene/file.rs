@@ -101,20 +101,20 @@ impl<'de, K: DeserializeSeed<'de>> DeserializeSeed<'de> for Key<K> {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene::actuators::Mode;
+    use crate::scene::actuators::DriveMode;
     use crate::scene::input::Input;
     use crate::scene::table3;
     use crate::{ModelScene, Pull};
 
     /// A scene's text with a line more on top, and the error it gives.
     fn error(line: &str) -> String {
-        let text = table3::scene(Mode::Active, Input::step(1.0)).to_toml().unwrap();
+        let text = table3::scene(DriveMode::Active, Input::step(1.0)).to_toml().unwrap();
         ModelScene::from_toml(&format!("{line}\n{text}")).unwrap_err().to_string()
     }
 
     #[test]
     fn a_term_is_written_and_read_under_its_name() {
-        let mut scene = table3::scene(Mode::Active, Input::step(1.0));
+        let mut scene = table3::scene(DriveMode::Active, Input::step(1.0));
         scene.terms.set(Pull { stiffness_n_per_rad: 0.1, displacement: Input::constant(0.3) });
         let text = scene.to_toml().unwrap();
         assert!(text.contains("[pull]"), "{text}");

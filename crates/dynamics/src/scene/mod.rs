@@ -12,7 +12,7 @@ pub(crate) mod plant;
 pub mod table3;
 pub mod terms;
 
-use actuators::{Brake, Mode, Motor};
+use actuators::{Brake, DriveMode, Motor};
 use environment::Environment;
 use finger::Finger;
 use friction::Friction;
@@ -31,7 +31,7 @@ pub struct ModelScene {
     /// What a listing calls it.
     pub name: String,
     /// Which actuators render the environment.
-    pub mode: Mode,
+    pub mode: DriveMode,
     /// Length of the run T, s; above 0.
     pub duration_s: f64,
     /// Time between samples h, s; above 0. Fixed-step methods step by it.
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn a_scene_survives_toml() {
-        let scene = table3::with_finger(table3::scene(Mode::Hybrid, Input::sine(2.15)));
+        let scene = table3::with_finger(table3::scene(DriveMode::Hybrid, Input::sine(2.15)));
         let text = scene.to_toml().unwrap();
         assert_eq!(ModelScene::from_toml(&text).unwrap(), scene);
     }
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn an_unknown_word_is_an_error_that_names_it() {
-        let text = table3::scene(Mode::Active, Input::step(1.0)).to_toml().unwrap();
+        let text = table3::scene(DriveMode::Active, Input::step(1.0)).to_toml().unwrap();
         let text = text.replace("lever_m", "lever_mm");
         let error = ModelScene::from_toml(&text).unwrap_err().to_string();
         assert!(error.contains("lever_mm"), "{error}");
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn a_wrong_value_is_named_with_its_unit() {
-        let mut scene = table3::scene(Mode::Active, Input::step(1.0));
+        let mut scene = table3::scene(DriveMode::Active, Input::step(1.0));
         scene.plant.mass_kg = f64::NAN;
         let error = scene.check().unwrap_err().to_string();
         assert!(error.contains("plant.mass_kg is NaN"), "{error}");

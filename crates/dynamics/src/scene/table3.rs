@@ -1,7 +1,7 @@
 //! The thesis' Table 3: its numbers, and the scenes made of it.
 
 use super::ModelScene;
-use super::actuators::{Brake, BrakeLaw, Mode, Motor};
+use super::actuators::{Brake, BrakeLaw, DriveMode, Motor};
 use super::environment::Environment;
 use super::finger::{Finger, FingerLaw};
 use super::input::Input;
@@ -21,7 +21,7 @@ pub(crate) fn spring_wall() -> Environment {
 }
 
 /// Table 3 without finger, at rest on the lower stop, F_m = 3.25 N, F_b = 13 N, set-valued brake.
-pub fn scene(mode: Mode, input: Input) -> ModelScene {
+pub fn scene(mode: DriveMode, input: Input) -> ModelScene {
     ModelScene {
         name: "table 3".to_owned(),
         mode,
@@ -70,7 +70,7 @@ pub fn with_finger(scene: ModelScene) -> ModelScene {
 /// (4) read M_O q̈ = F_O + F_F and M_F (q̈ + p̈) = F_ex − F_F: the rotational model with the
 /// consistent finger, a lever of 1 m, an object that rests at 0, no stops, and metres for radians.
 /// Brake to motor is 4 : 1. L_O0 drops out; the largest brake force is not given in the thesis.
-pub fn linear(mode: Mode, input: Input, brake_n: f64) -> ModelScene {
+pub fn linear(mode: DriveMode, input: Input, brake_n: f64) -> ModelScene {
     /// Largest brake force over largest motor force (1).
     const FORCE_RATIO: f64 = 4.0;
     let mut scene = with_finger(scene(mode, input));

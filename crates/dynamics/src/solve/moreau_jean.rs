@@ -116,7 +116,7 @@ fn step<const N: usize>(
     };
     let ahead = ahead(system, z, inputs);
     for &side in sides(system, z, &ahead) {
-        let end = settled(system, side, ahead.contact, z, &mut attempt);
+        let end = settle(system, side, ahead.contact, z, &mut attempt);
         if end[OMEGA] * side.sign() > 0.0 {
             return end;
         }
@@ -151,7 +151,7 @@ fn sides<const N: usize>(system: &System, z: &[f64; N], ahead: &Region) -> &'sta
 }
 
 /// The step for motion to a side, with saturation and zone as they are at its end.
-fn settled<const N: usize>(
+fn settle<const N: usize>(
     system: &System,
     side: Side,
     contact: Contact,

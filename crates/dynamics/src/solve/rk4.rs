@@ -90,12 +90,12 @@ fn combined<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::actuators::Mode;
+    use crate::scene::actuators::DriveMode;
     use crate::scene::input::Input;
     use crate::scene::table3;
 
     fn check(switching: Switching, h: f64, reversals: usize, max_deg: f64) {
-        let system = System::new(table3::scene(Mode::Hybrid, Input::sine(2.15))).unwrap();
+        let system = System::new(table3::scene(DriveMode::Hybrid, Input::sine(2.15))).unwrap();
         let run = Rk4 { switching }.run(&system, &Grid::filling(4.0, h)).unwrap();
         let max = run.theta_rad().fold(f64::MIN, f64::max).to_degrees();
         assert_eq!(run.reversals(), reversals, "{switching:?} {h}: max {max}");

@@ -3,7 +3,7 @@
 use super::region::{Branch, Side};
 use super::row::Row;
 use super::{OMEGA, System, THETA};
-use crate::scene::actuators::{BrakeLaw, Mode};
+use crate::scene::actuators::{BrakeLaw, DriveMode};
 use crate::scene::environment::Demand;
 
 /// Which force a command goes to.
@@ -51,8 +51,8 @@ impl Command {
     }
 }
 
-/// Who acts in a mode on a side (the table of the modes, [`Mode::by_motor`]).
-pub(crate) fn actuator(mode: Mode, law: BrakeLaw, side: Side) -> Actuator {
+/// Who acts in a mode on a side (the table of the modes, [`DriveMode::by_motor`]).
+pub(crate) fn actuator(mode: DriveMode, law: BrakeLaw, side: Side) -> Actuator {
     let [up, down] = mode.by_motor();
     match (side, law) {
         (Side::Up, _) if up => Actuator::Motor,

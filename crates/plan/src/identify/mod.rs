@@ -2,7 +2,7 @@
 //! balances the forces of the recorded motion, the judge is the replay driven by force; here stages
 //! meet, because they do not know each other.
 
-use crate::making::{derived, made, split};
+use crate::making::{derived, split, write_tables};
 use crate::replay::{is_replayable, rendering};
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
@@ -126,7 +126,7 @@ fn make(of: &OfTrials<Fit>, files: &Vec<PathBuf>, making: &Making) -> Result<Mad
     let mut tables = tables_of(&fitted, fit)?;
     let bracket = Bracket::of(trials.iter().filter_map(|(trial, how)| switching(trial, how)));
     tables.insert(2, zwidth_identify::threshold(&bracket, fit.let_go_n)?);
-    made(&tables, making, problems)
+    write_tables(&tables, making, problems)
 }
 
 /// A trial that can be fitted and replayed.

@@ -1,7 +1,7 @@
 //! Runs a plan: each job as soon as what it reads is there, as many at a time as there are cores.
 
 use crate::change::{Change, first_change};
-use crate::hashes::{Hashes, shown};
+use crate::hashes::{Hashes, show_path};
 use crate::plan::{needs, wanted};
 use crate::provenance::provenance;
 use crate::record::Record;
@@ -277,7 +277,7 @@ impl<'j> Run<'j> {
         let before = self.before.get(&job.name);
         let failed = |board: &Board| job.inputs.iter().find(|i| board.failed.contains(i)).cloned();
         if let Some(input) = failed(&self.board()).filter(|_| !job.tolerant) {
-            let why = format!("it needs {}, which could not be made", shown(root, &input));
+            let why = format!("it needs {}, which could not be made", show_path(root, &input));
             return Ok((without(JobEnd::Blocked(why)), None));
         }
         let now = Record::now(job, root, &self.hashes);
@@ -308,7 +308,7 @@ impl<'j> Run<'j> {
             Ok(made) => {
                 for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
                     let hash = hex_blake3(bytes);
-                    record.outputs.insert(shown(root, path), hash.clone());
+                    record.outputs.insert(show_path(root, path), hash.clone());
                     self.hashes.set(path, hash);
                 }
                 record.problems.clone_from(&made.problems);

@@ -96,7 +96,7 @@ mod tests {
             "\nbrake_max_v = 8.0\n",
             "\nlaw = \"active\"\nbrake_max_v = 8.0\n",
             "modes[1].law",
-            "brake",
+            "uses the motor",
         );
         let named = sample().replace("motor_max_v = 16.0", "law = \"active\"\nmotor_max_v = 16.0");
         let study = Study::from_toml(&named).unwrap();

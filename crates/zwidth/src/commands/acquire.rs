@@ -7,7 +7,7 @@ use crate::args::Acquire;
 use crate::devices::{checks_itself, mixed, open};
 use crate::exit::Exit;
 use crate::screen::Screen;
-use crate::text::beside;
+use crate::text::read_beside;
 use std::io::{BufReader, stdin, stdout};
 use std::path::Path;
 use std::sync::Arc;
@@ -82,7 +82,7 @@ fn device_seed(bench: &Bench, command: &Acquire) -> u64 {
         return mixed(0, &["device", command.study.as_str()]);
     }
     let path = bench.layout.session(&command.participant, &command.session);
-    let begun = || from_json::<SessionRecord>(&beside(&path).ok()??).ok()?.seed;
+    let begun = || from_json::<SessionRecord>(&read_beside(&path).ok()??).ok()?.seed;
     command.seed.or_else(begun).unwrap_or_else(|| seed_of(&bench.study))
 }
 

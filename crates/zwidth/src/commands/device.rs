@@ -3,7 +3,7 @@
 use super::{join_findings, study};
 use crate::args::Keys;
 use crate::devices::Occasion;
-use crate::text::beside;
+use crate::text::read_beside;
 use anyhow::{Context as _, anyhow, bail};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
     let mut study = read_study(&layout).map_err(|findings| join_findings(&findings))?;
     study.control.rate_hz = rate_hz.unwrap_or(study.control.rate_hz);
     let path = layout.raw().join("calibration.toml");
-    let calibration = match beside(&path)? {
+    let calibration = match read_beside(&path)? {
         Some(text) => {
             Calibration::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?
         }
@@ -67,7 +67,7 @@ fn twin_parameters(layout: &Layout, lever_m: Option<f64>) -> anyhow::Result<Twin
     let path = layout.raw().join("twin.toml");
     let mut twin = TwinParameters::default();
     twin.lever_m = lever_m.unwrap_or(twin.lever_m);
-    let Some(text) = beside(&path)? else { return Ok(twin) };
+    let Some(text) = read_beside(&path)? else { return Ok(twin) };
     let named: toml::Table = text.parse().map_err(|e| anyhow!("{}: {e}", path.display()))?;
     if named.contains_key("lever_m") {
         bail!(

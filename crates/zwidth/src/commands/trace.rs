@@ -60,8 +60,9 @@ impl Raw {
 }
 
 pub(crate) fn trace(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Result<Exit> {
-    let made = made(root, &command.path, screen)?;
-    let found = made.iter().map(|made| behind(root, made)).collect::<anyhow::Result<Vec<_>>>()?;
+    let made = find_made(root, &command.path, screen)?;
+    let found =
+        made.iter().map(|made| trace_behind(root, made)).collect::<anyhow::Result<Vec<_>>>()?;
     if screen.json {
         screen.listing(&found)?;
     } else {
@@ -72,7 +73,7 @@ pub(crate) fn trace(root: &Path, command: &Traced, screen: &Screen) -> anyhow::R
 
 /// The job behind the path, or the jobs behind a copy: of a file with several tables in it there
 /// are several.
-fn made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Made>> {
+fn find_made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Made>> {
     let (id, path) = match place(root, typed) {
         Place::Raw(path) => bail!(is_raw(&path)),
         Place::Outside => return copies(root, typed, screen),
@@ -96,7 +97,7 @@ fn made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Made>>
     bail!(no_job(&path, id, &outputs))
 }
 
-fn behind(root: &Path, made: &Made) -> anyhow::Result<Behind> {
+fn trace_behind(root: &Path, made: &Made) -> anyhow::Result<Behind> {
     let found = follow(&made.records, &made.job)
         .ok_or_else(|| anyhow!("there is no record of {}", made.job))?;
     let parameters_from = parameters_from(made, &found);

@@ -54,7 +54,7 @@ struct Asked {
 }
 
 pub(crate) fn why(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Result<Exit> {
-    let found = asked(root, &command.path, screen)?;
+    let found = find_asked(root, &command.path, screen)?;
     let whys =
         found.iter().map(|asked| one(root, asked, screen)).collect::<anyhow::Result<Vec<_>>>()?;
     if screen.json {
@@ -65,7 +65,7 @@ pub(crate) fn why(root: &Path, command: &Traced, screen: &Screen) -> anyhow::Res
     Ok(Exit::Fine)
 }
 
-fn asked(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Asked>> {
+fn find_asked(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Asked>> {
     match place(root, typed) {
         Place::Raw(path) => bail!(is_raw(&path)),
         Place::Results(id, path) if path.starts_with("reports/simulate/") => {
@@ -119,11 +119,11 @@ fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
         again: own.again(),
         reasons: own.changes,
         last_made: record.map(|record| Last { dated: dated(&file), record }),
-        first: found.into_iter().filter(|s| s.again() != Again::No).map(behind).collect(),
+        first: found.into_iter().filter(|s| s.again() != Again::No).map(explain).collect(),
     })
 }
 
-fn behind(state: State) -> Behind {
+fn explain(state: State) -> Behind {
     let again = state.again();
     Behind {
         job: state.job.name.clone(),
@@ -156,14 +156,15 @@ fn text(why: &Why) -> String {
             "A run would make it again if these come out with another content:".to_owned()
         }
     });
-    lines.extend(why.reasons.iter().map(|change| format!("  {}", told(change))));
+    lines.extend(why.reasons.iter().map(|change| format!("  {}", describe_change(change))));
     if !why.first.is_empty() {
         lines.push("Made again before it:".to_owned());
     }
     for behind in &why.first {
         let perhaps = if behind.again == Again::IfInputsDiffer { ", perhaps" } else { "" };
         lines.push(format!("  {} ({}{perhaps})", behind.job, behind.stage));
-        lines.extend(behind.reasons.iter().map(|change| format!("    {}", told(change))));
+        lines
+            .extend(behind.reasons.iter().map(|change| format!("    {}", describe_change(change))));
     }
     lines.join("\n")
 }
@@ -190,7 +191,7 @@ fn last_made(last: &Last) -> Vec<String> {
 }
 
 /// A change with what it was and what it is.
-fn told(change: &Change) -> String {
+fn describe_change(change: &Change) -> String {
     match change {
         Change::Input(file) | Change::Output(file) => format!("{change}{}", hashes(file)),
         Change::Parameters { fields } => {
@@ -237,7 +238,8 @@ mod tests {
     #[test]
     fn parameters_are_told_by_field_and_many_are_counted() {
         let field = |i: usize| Field { name: format!("f{i}"), recorded: Some(0.into()), now: None };
-        let told = |n: usize| told(&Change::Parameters { fields: (0..n).map(field).collect() });
+        let told =
+            |n: usize| describe_change(&Change::Parameters { fields: (0..n).map(field).collect() });
         assert_eq!(told(1), "parameter f0 changed: f0: 0 is now nothing");
         assert!(told(7).ends_with("f4: 0 is now nothing; and 2 more"), "{}", told(7));
     }

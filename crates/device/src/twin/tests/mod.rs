@@ -9,7 +9,7 @@ use crate::{Intent, Person};
 use rehearsal::*;
 use std::f64::consts::FRAC_PI_4;
 use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, Hand};
-use zwidth_study::Scene;
+use zwidth_study::{ModeLaw, Scene};
 
 /// Devices and participants: drawn from the whole range, and each number at either end of its
 /// range.
@@ -26,7 +26,7 @@ fn everyone() -> Vec<(TwinParameters, Person)> {
 
 /// Rehearses an environment in a mode with everyone, at 1 kHz and the thesis' 120 Hz.
 fn with_everyone(
-    mode: Mode,
+    mode: ModeLaw,
     place: &zwidth_study::Environment,
     check: impl Fn(&TwinParameters, &Rehearsal, f64),
 ) {
@@ -45,7 +45,7 @@ fn residue_rad(device: &TwinParameters) -> f64 {
 
 #[test]
 fn active_spring_saturates_at_4_16_n_and_returns() {
-    with_everyone(Mode::Active, &spring(), |device, trial, _| {
+    with_everyone(ModeLaw::Active, &spring(), |device, trial, _| {
         let highest_n = trial.rows.iter().map(|row| row.sample.force_cmd_n).fold(0.0, f64::max);
         assert!((highest_n - 4.16).abs() < 1e-12);
         assert!(trial.last().theta_rad < -FRAC_PI_4 + residue_rad(device), "{:?}", trial.last());
@@ -62,7 +62,7 @@ fn at_saturation_the_users_force_is_the_motors_within_friction_and_inertia() {
         let viscous = friction.viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap();
         let trial = rehearse(
             &mut Twin::new(device, person, 1).unwrap(),
-            Mode::Active,
+            ModeLaw::Active,
             &spring(),
             1000.0,
             5,
@@ -101,7 +101,7 @@ fn saturated(rows: &[RehearsedTick]) -> bool {
 
 #[test]
 fn passive_spring_stays_at_its_largest_angle_while_the_force_falls_to_0() {
-    with_everyone(Mode::Passive, &spring(), |_, trial, _| {
+    with_everyone(ModeLaw::Passive, &spring(), |_, trial, _| {
         assert_eq!(trial.last().theta_rad.to_bits(), trial.top_rad().to_bits());
         assert_eq!(trial.last().contact_n.to_bits(), 0);
         assert!(trial.top_rad() > 20.0_f64.to_radians() && trial.peak_n() > 4.16);
@@ -112,8 +112,8 @@ fn passive_spring_stays_at_its_largest_angle_while_the_force_falls_to_0() {
 fn hybrid_spring_returns_with_a_larger_step_at_the_reversal_than_active() {
     for (i, (device, person)) in everyone().into_iter().enumerate() {
         let mut twin = Twin::new(device.clone(), person, i as u64).unwrap();
-        let active = rehearse(&mut twin, Mode::Active, &spring(), 1000.0, 3);
-        let hybrid = rehearse(&mut twin, Mode::Hybrid, &spring(), 1000.0, 3);
+        let active = rehearse(&mut twin, ModeLaw::Active, &spring(), 1000.0, 3);
+        let hybrid = rehearse(&mut twin, ModeLaw::Hybrid, &spring(), 1000.0, 3);
         assert!(hybrid.last().theta_rad < -FRAC_PI_4 + residue_rad(&device), "{i}");
         let (more, less) = (hybrid.step_at_reversal_n(), active.step_at_reversal_n());
         assert!(more > less + 1.0, "{i}: {more} against {less}");
@@ -122,7 +122,7 @@ fn hybrid_spring_returns_with_a_larger_step_at_the_reversal_than_active() {
 
 #[test]
 fn active_passes_the_wall_by_degrees() {
-    with_everyone(Mode::Active, &wall(), |_, trial, _| {
+    with_everyone(ModeLaw::Active, &wall(), |_, trial, _| {
         assert!(
             trial.top_rad() > WALL_RAD + 2.0_f64.to_radians(),
             "{}",
@@ -153,7 +153,7 @@ fn stops_at_the_wall(device: &TwinParameters, trial: &Rehearsal, rate_hz: f64) {
 
 #[test]
 fn passive_stops_at_the_wall_and_stays_there() {
-    with_everyone(Mode::Passive, &wall(), |device, trial, rate_hz| {
+    with_everyone(ModeLaw::Passive, &wall(), |device, trial, rate_hz| {
         stops_at_the_wall(device, trial, rate_hz);
         assert_eq!(trial.last().theta_rad.to_bits(), trial.top_rad().to_bits());
     });
@@ -161,7 +161,7 @@ fn passive_stops_at_the_wall_and_stays_there() {
 
 #[test]
 fn hybrid_stops_at_the_wall_and_returns_when_the_force_has_fallen() {
-    with_everyone(Mode::Hybrid, &wall(), |device, trial, rate_hz| {
+    with_everyone(ModeLaw::Hybrid, &wall(), |device, trial, rate_hz| {
         stops_at_the_wall(device, trial, rate_hz);
         assert!(trial.rows[trial.top() + 1].state.contact_n < LET_GO_N);
         assert!(trial.last().theta_rad < -FRAC_PI_4 + residue_rad(device));
@@ -172,7 +172,7 @@ fn hybrid_stops_at_the_wall_and_returns_when_the_force_has_fallen() {
 fn the_hand_never_pulls_and_stays_below_the_limit_of_a_finger() {
     for (i, (device, person)) in everyone().into_iter().enumerate() {
         let mut twin = Twin::new(device, person, i as u64).unwrap();
-        for mode in MODES {
+        for mode in LAWS {
             let trial = rehearse(&mut twin, mode, &wall(), 500.0, 2);
             assert!(trial.rows.iter().all(|row| row.state.contact_n >= 0.0));
             assert!(trial.peak_n() < 8.5, "{}", trial.peak_n()); // 10 N is the limit of safety
@@ -184,7 +184,7 @@ fn the_hand_never_pulls_and_stays_below_the_limit_of_a_finger() {
 fn one_intent_gives_three_trajectories_in_three_modes() {
     let (device, person) = drawn(5);
     let mut twin = Twin::new(device, person, 5).unwrap();
-    let trials = MODES.map(|mode| rehearse(&mut twin, mode, &spring(), 1000.0, 7));
+    let trials = LAWS.map(|mode| rehearse(&mut twin, mode, &spring(), 1000.0, 7));
     assert!(trials.iter().all(|trial| trial.intent == trials[0].intent));
     let tops = trials.each_ref().map(Rehearsal::top_rad);
     assert!(tops[0] > tops[1] + 0.02);
@@ -242,7 +242,7 @@ fn alone(hand: Hand, intent: &Intent) -> Vec<f64> {
 /// The lever's own friction lets it start with a jerk; that is no second movement.
 #[test]
 fn a_free_lever_follows_in_one_movement() {
-    with_everyone(Mode::Active, &rehearsal::environment(Scene::Free), |_, trial, _| {
+    with_everyone(ModeLaw::Active, &rehearsal::environment(Scene::Free), |_, trial, _| {
         let velocity: Vec<f64> =
             trial.rows.iter().map(|row| row.state.theta_dot_rad_s.max(0.0)).collect();
         assert_eq!(peaks(&velocity, 0.15), 1);
@@ -253,7 +253,7 @@ fn a_free_lever_follows_in_one_movement() {
 fn participants_differ_in_peak_force_and_duration_and_so_do_repeats() {
     let measure = |person: Person, trial| {
         let mut twin = Twin::new(TwinParameters::default(), person, 1).unwrap();
-        let trial = rehearse(&mut twin, Mode::Hybrid, &spring(), 250.0, trial);
+        let trial = rehearse(&mut twin, ModeLaw::Hybrid, &spring(), 250.0, trial);
         let moving = |row: &RehearsedTick| row.state.theta_dot_rad_s.abs() > 0.1;
         let first = trial.rows.iter().position(moving).unwrap();
         let last = trial.rows.iter().rposition(moving).unwrap();
@@ -283,8 +283,8 @@ fn answers_rank_as_in_the_thesis() {
         });
         answers.sum::<f64>() / 24.0
     };
-    let [active, passive, hybrid] = MODES.map(|mode| mean(mode, &spring()));
+    let [active, passive, hybrid] = LAWS.map(|mode| mean(mode, &spring()));
     assert!(active > hybrid && hybrid > passive + 1.0, "spring: {active} {passive} {hybrid}");
-    let [active, passive, hybrid] = MODES.map(|mode| mean(mode, &wall()));
+    let [active, passive, hybrid] = LAWS.map(|mode| mean(mode, &wall()));
     assert!(hybrid > active + 1.0 && hybrid > passive + 1.0, "wall: {active} {passive} {hybrid}");
 }

@@ -11,8 +11,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use zwidth_dynamics::DrivenState;
 use zwidth_study::{
-    AnswerScale, Calibration, Environment, Sample, Scene, Spring, Study, StudyId, Voltages,
-    template,
+    AnswerScale, Calibration, Environment, ModeLaw, Sample, Scene, Spring, Study, StudyId,
+    Voltages, template,
 };
 
 pub(super) const SPRING: Spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 };
@@ -22,22 +22,8 @@ pub(super) const COUNT_RAD: f64 = TAU / 4096.0 * 11.0 / 75.0;
 /// Below this force the brake lets go, N.
 pub(super) const LET_GO_N: f64 = 2.0;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Mode {
-    Active,
-    Passive,
-    Hybrid,
-}
-
-impl Mode {
-    /// The mode as the template's study has it.
-    fn of(self, study: &Study) -> &zwidth_study::Mode {
-        let id = ["active", "passive", "hybrid"][self as usize];
-        study.modes.iter().find(|mode| mode.id.as_str() == id).unwrap()
-    }
-}
-
-pub(super) const MODES: [Mode; 3] = [Mode::Active, Mode::Passive, Mode::Hybrid];
+/// The laws of the template's modes.
+pub(super) const LAWS: [ModeLaw; 3] = [ModeLaw::Active, ModeLaw::Passive, ModeLaw::Hybrid];
 
 /// One tick: the plant's true state when it was read, and the sample made of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,13 +112,14 @@ impl Device for Watched<'_> {
 /// One trial as a session would run it, from homing to the answer.
 pub(super) fn rehearse(
     twin: &mut Twin,
-    mode: Mode,
+    law: ModeLaw,
     place: &Environment,
     rate_hz: f64,
     trial: u32,
 ) -> Rehearsal {
     let study = Study::from_toml(&template(&StudyId::new("rehearsal").unwrap())).unwrap();
-    let (mode, calibration) = (mode.of(&study), Calibration::thesis());
+    let (mode, calibration) =
+        (study.modes.iter().find(|mode| mode.law() == Some(law)).unwrap(), Calibration::thesis());
     let mut device = Watched { twin, states: Vec::new() };
     let mut guard = Guard::new(device.capabilities(), Limits::of(&study).unwrap(), false);
     guard.home(&mut device, 0.0).unwrap();

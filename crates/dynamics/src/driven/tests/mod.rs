@@ -7,8 +7,8 @@ mod physics;
 
 use super::*;
 use crate::{
-    Brake, BrakeLaw, Demand, Environment, Exact, Finger, FingerLaw, Friction, Grid, Input, Mode,
-    ModelScene, Motor, Plant, Series, Solver, System, Zone, table3,
+    Brake, BrakeLaw, Demand, DriveMode, Environment, Exact, Finger, FingerLaw, Friction, Grid,
+    Input, ModelScene, Motor, Plant, Series, Solver, System, Zone, table3,
 };
 
 /// The twin's defaults (physics.md).
@@ -231,7 +231,7 @@ fn force(peak_n: f64) -> Series {
 
 /// Angles at every millisecond of a press against brake or motor at full force, by the other
 /// solver. Its finger is our hand without an impedance of its own, moved by the force itself.
-fn other_solver(mode: Mode, mine: &DrivenParameters, peak_n: f64) -> Vec<f64> {
+fn other_solver(mode: DriveMode, mine: &DrivenParameters, peak_n: f64) -> Vec<f64> {
     let hand = mine.hand.unwrap();
     let scene = ModelScene {
         duration_s: 0.7,
@@ -267,7 +267,7 @@ fn other_solver(mode: Mode, mine: &DrivenParameters, peak_n: f64) -> Vec<f64> {
     Exact::default().run(&system, &Grid::of(&system)).unwrap().theta_rad().collect()
 }
 
-fn check_against_exact(mode: Mode, command: Command, peak_n: f64) {
+fn check_against_exact(mode: DriveMode, command: Command, peak_n: f64) {
     /// So soft that the hand's own position does not matter, and the force is what it aims for,
     /// N/m.
     const SOFT: f64 = 1e-12;
@@ -292,10 +292,10 @@ fn check_against_exact(mode: Mode, command: Command, peak_n: f64) {
 
 #[test]
 fn a_braked_press_agrees_with_the_exact_solver() {
-    check_against_exact(Mode::Passive, Command { motor_n: 0.0, brake_n: 2.5 }, 3.0);
+    check_against_exact(DriveMode::Passive, Command { motor_n: 0.0, brake_n: 2.5 }, 3.0);
 }
 
 #[test]
 fn a_driven_press_agrees_with_the_exact_solver() {
-    check_against_exact(Mode::Active, Command { motor_n: -2.08, brake_n: 0.0 }, 2.6);
+    check_against_exact(DriveMode::Active, Command { motor_n: -2.08, brake_n: 0.0 }, 2.6);
 }

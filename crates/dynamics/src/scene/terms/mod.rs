@@ -7,7 +7,7 @@
 //!
 //! ```
 //! use serde::Serialize;
-//! use zwidth_dynamics::{Affine, Exact, Grid, Input, Mode, Parameter, Plant, Solver, System, Term, table3};
+//! use zwidth_dynamics::{Affine, Exact, Grid, Input, DriveMode, Parameter, Plant, Solver, System, Term, table3};
 //!
 //! /// A weight on a string over a pulley: F = constant.
 //! #[derive(Debug, Serialize)]
@@ -30,7 +30,7 @@
 //!     }
 //! }
 //!
-//! let mut scene = table3::scene(Mode::Hybrid, Input::constant(0.0));
+//! let mut scene = table3::scene(DriveMode::Hybrid, Input::constant(0.0));
 //! scene.terms.set(Bias { force_n: 1.0 });
 //! let system = System::new(scene)?;
 //! let run = Exact::default().run(&system, &Grid::of(&system))?;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::*;
-use crate::scene::actuators::Mode;
+use crate::scene::actuators::DriveMode;
 use crate::scene::environment::Environment;
 use crate::scene::input::Input;
 use crate::scene::plant::Plant;
@@ -82,7 +82,7 @@ impl Term for Detent {
 
 /// Table 3 without environment or stops, released at 0.3 rad.
 fn free() -> ModelScene {
-    let mut scene = table3::scene(Mode::Active, Input::constant(0.0));
+    let mut scene = table3::scene(DriveMode::Active, Input::constant(0.0));
     scene.environment = Environment::free();
     scene.plant.stops_rad = None;
     scene.start.theta_rad = 0.3;
@@ -119,7 +119,7 @@ fn a_spring_bed_swings_as_its_closed_form_in_every_solver() {
 
 #[test]
 fn the_force_of_a_term_is_told_by_its_place_and_its_work_closes_the_balance() {
-    let mut scene = table3::with_finger(table3::scene(Mode::Hybrid, Input::sine(2.15)));
+    let mut scene = table3::with_finger(table3::scene(DriveMode::Hybrid, Input::sine(2.15)));
     scene.terms.set(bed());
     scene.terms.set(pull::Pull { stiffness_n_per_rad: 2.0, displacement: Input::constant(0.5) });
     let system = System::new(scene).unwrap();

@@ -7,7 +7,7 @@ use super::dormand_prince::DormandPrince;
 use super::exact::Exact;
 use super::tr_bdf2::TrBdf2;
 use super::*;
-use crate::scene::actuators::{BrakeLaw, Mode};
+use crate::scene::actuators::{BrakeLaw, DriveMode};
 use crate::scene::finger::FingerLaw;
 use crate::scene::friction::Friction;
 use crate::scene::input::{Input, Series};
@@ -22,7 +22,7 @@ fn scenes() -> Vec<ModelScene> {
         value: vec![0.0, 4.0, 3.5, 6.0, 1.0, 2.0],
     };
     let inputs = [Input::sine(2.15), Input::step(2.0), Input::ramp(3.2), Input::Series(uneven)];
-    for mode in [Mode::Active, Mode::Passive, Mode::Hybrid] {
+    for mode in [DriveMode::Active, DriveMode::Passive, DriveMode::Hybrid] {
         for input in &inputs {
             let plain = table3::scene(mode, input.clone());
             let mut walled = plain.clone();
@@ -142,7 +142,7 @@ fn every_fixed_step_method_converges_with_its_order_on_smooth_scenes() {
     use super::moreau_jean::MoreauJean;
     use super::rk4::Rk4;
     use super::symplectic_euler::SymplecticEuler;
-    let mut plain = table3::scene(Mode::Active, Input::sine(1.0));
+    let mut plain = table3::scene(DriveMode::Active, Input::sine(1.0));
     plain.environment = crate::scene::environment::Environment::spring(4.0, 0.05, -0.9);
     plain.plant.stops_rad = None;
     plain.motor.max_n = 100.0;
@@ -179,7 +179,7 @@ fn time_stepping_and_rk4_come_close_to_the_exact_solution_on_every_scene() {
         if let Some(friction) = &mut scene.friction {
             friction.static_n = friction.kinetic_n; // the switching right-hand side has no level at rest
         }
-        let creeps = scene.mode == Mode::Passive || scene.brake.let_go_n.is_some();
+        let creeps = scene.mode == DriveMode::Passive || scene.brake.let_go_n.is_some();
         let system = System::new(scene).unwrap();
         let name = &system.scene().name;
         let exact = Exact::default().run(&system, &grid).unwrap();
@@ -197,7 +197,7 @@ fn time_stepping_and_rk4_come_close_to_the_exact_solution_on_every_scene() {
 #[test]
 fn time_stepping_finds_the_cycle_of_a_late_brake() {
     use super::moreau_jean::MoreauJean;
-    let mut scene = table3::scene(Mode::Hybrid, Input::sine(2.15));
+    let mut scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
     scene.brake.lag_on_off_s = Some([0.015, 0.010]);
     let system = System::new(scene).unwrap();
     let at = |h: f64| {
@@ -213,7 +213,7 @@ fn time_stepping_finds_the_cycle_of_a_late_brake() {
 fn gravity_swings_with_the_period_of_a_compound_pendulum() {
     // Hanging below the axis, small amplitude: omega^2 = m g r / (M_O L^2).
     use crate::scene::terms::gravity::Gravity;
-    let mut scene = table3::scene(Mode::Passive, Input::constant(0.0));
+    let mut scene = table3::scene(DriveMode::Passive, Input::constant(0.0));
     scene.brake.max_n = 0.0;
     scene.plant.stops_rad = None;
     scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.05 });
@@ -240,7 +240,7 @@ fn gravity_swings_with_the_period_of_a_compound_pendulum() {
 
 #[test]
 fn the_stiff_method_agrees_with_the_exact_one_where_the_finger_is_hard() {
-    let mut scene = table3::with_finger(table3::scene(Mode::Hybrid, Input::sine(2.15)));
+    let mut scene = table3::with_finger(table3::scene(DriveMode::Hybrid, Input::sine(2.15)));
     if let Some(finger) = &mut scene.finger {
         finger.damping_ns_per_m = 1e5;
     }
@@ -273,7 +273,7 @@ fn the_step_ends_at_0_as_5_has_it_and_starts_anew_in_a_run_that_goes_on() {
         &super::symplectic_euler::SymplecticEuler,
         &super::rk4::Rk4 { switching: Switching::PerStage },
     ];
-    let scene = table3::scene(Mode::Hybrid, Input::step(2.0));
+    let scene = table3::scene(DriveMode::Hybrid, Input::step(2.0));
     let system = System::new(scene).unwrap();
     let uneven = Grid::Times(vec![0.0, 0.5, 1.0, 2.7, 4.0]);
     for solver in solvers {

@@ -12,7 +12,7 @@ use super::super::symplectic_euler::SymplecticEuler;
 use super::super::tr_bdf2::TrBdf2;
 use super::super::*;
 use crate::energy::EnergyBalance;
-use crate::scene::actuators::{BrakeLaw, Mode};
+use crate::scene::actuators::{BrakeLaw, DriveMode};
 use crate::scene::environment::Environment;
 use crate::scene::finger::{Finger, FingerLaw};
 use crate::scene::friction::Friction;
@@ -33,8 +33,8 @@ fn log(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
     (low..high).prop_map(|x| libm::pow(10.0, x))
 }
 
-fn mode() -> impl Strategy<Value = Mode> {
-    prop_oneof![Just(Mode::Active), Just(Mode::Passive), Just(Mode::Hybrid)]
+fn mode() -> impl Strategy<Value = DriveMode> {
+    prop_oneof![Just(DriveMode::Active), Just(DriveMode::Passive), Just(DriveMode::Hybrid)]
 }
 
 fn input() -> impl Strategy<Value = Input> {
@@ -104,7 +104,7 @@ prop_compose! {
 /// The balance of a run; none where a motor bounces on its wall without end, which ends in an
 /// error.
 fn energy(scene: ModelScene) -> Option<EnergyBalance> {
-    let bounces = scene.mode != Mode::Passive && scene.environment.zones.len() > 1;
+    let bounces = scene.mode != DriveMode::Passive && scene.environment.zones.len() > 1;
     let system = System::new(scene).unwrap();
     let solver = Exact { energy: true, most_events: 10_000, ..Exact::default() };
     let grid = Grid::of(&system);
@@ -120,7 +120,7 @@ proptest! {
 
     #[test]
     fn the_passive_mode_takes_no_energy_from_nothing_and_every_balance_closes(scene in scene()) {
-        let passive = scene.mode == Mode::Passive;
+        let passive = scene.mode == DriveMode::Passive;
         let Some(e) = energy(scene) else { return Ok(()) };
         prop_assert!(e.residual_j().abs() <= 1e-10 * e.summed_j(), "{:?}: {}", e, e.residual_j() / e.summed_j());
         if passive {
@@ -273,7 +273,7 @@ fn a_brake_of_the_largest_number_is_refused_by_name() {
         1.0,
         1.0,
     ]);
-    let mut scene = extreme_scene(table3::scene(Mode::Passive, Input::sine(1.0)), 1469, &x);
+    let mut scene = extreme_scene(table3::scene(DriveMode::Passive, Input::sine(1.0)), 1469, &x);
     if let Some(finger) = &mut scene.finger {
         finger.law = FingerLaw::Thesis;
     }
@@ -287,7 +287,7 @@ fn a_brake_of_the_largest_number_is_refused_by_name() {
 #[test]
 fn a_finger_too_heavy_for_its_lever_is_refused_by_name() {
     let mut scene = table3::with_finger(table3::scene(
-        Mode::Passive,
+        DriveMode::Passive,
         Input::Ramp { magnitude: 1.0, period_s: 1.0 },
     ));
     scene.plant.lever_m = 716132134.7158322;

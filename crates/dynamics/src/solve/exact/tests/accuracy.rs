@@ -8,7 +8,7 @@
 use super::super::*;
 use super::oscillator;
 use crate::scene::ModelScene;
-use crate::scene::actuators::Mode;
+use crate::scene::actuators::DriveMode;
 use crate::scene::environment::Environment;
 use crate::scene::finger::{Finger, FingerLaw};
 use crate::scene::input::Input;
@@ -137,7 +137,7 @@ fn a_motion_forced_by_a_sine_is_the_closed_form_however_fast_it_could_swing() {
 
 /// A finger on a lever that the brake holds, pulled by 1 N from rest.
 fn held_finger(mass_kg: f64, stiffness_n_per_m: f64, damping_ns_per_m: f64, step_s: f64) -> Case {
-    let mut scene = table3::scene(Mode::Passive, Input::constant(-1.0));
+    let mut scene = table3::scene(DriveMode::Passive, Input::constant(-1.0));
     let law = FingerLaw::Consistent;
     scene.finger =
         Some(Finger { law, mass_kg, stiffness_n_per_m, damping_ns_per_m, length_m: None });

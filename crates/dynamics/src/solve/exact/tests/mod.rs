@@ -3,7 +3,7 @@ mod condition;
 mod reference;
 
 use super::*;
-use crate::scene::actuators::Mode;
+use crate::scene::actuators::DriveMode;
 use crate::scene::environment::Environment;
 use crate::scene::finger::FingerLaw;
 use crate::scene::friction::Friction;
@@ -34,7 +34,7 @@ fn check_theta(run: &Trajectory, bound: f64, exact: impl Fn(f64) -> f64) {
 
 /// A lever on an unsaturated spring, no stops, with a given damping; m L = 0.005, K = 4.
 pub(super) fn oscillator(damping: f64, input: Input, theta_rad: f64) -> ModelScene {
-    let mut scene = table3::scene(Mode::Active, input);
+    let mut scene = table3::scene(DriveMode::Active, input);
     scene.environment = Environment::spring(4.0, damping, 0.0);
     scene.motor.max_n = 1e6;
     scene.plant.stops_rad = None;
@@ -46,7 +46,7 @@ const INERTIA: f64 = table3::OBJECT_MASS_KG * table3::LEVER_M;
 
 #[test]
 fn the_chattering_scene_sticks_once_and_reaches_14_40784_degrees() {
-    let run = run(table3::scene(Mode::Hybrid, Input::sine(2.15)));
+    let run = run(table3::scene(DriveMode::Hybrid, Input::sine(2.15)));
     let max = run.theta_rad().fold(f64::MIN, f64::max).to_degrees();
     assert!((max - 14.40784).abs() < 1e-5, "{max}");
     let mut motions: Vec<Motion> = run.events.iter().map(|event| event.region.motion).collect();
@@ -91,7 +91,7 @@ fn a_forced_oscillation_by_a_sine_is_the_closed_form() {
 
 #[test]
 fn a_finger_on_a_held_lever_swings_at_26_55_hz_with_damping_0_218() {
-    let mut scene = table3::with_finger(table3::scene(Mode::Passive, Input::constant(-1.0)));
+    let mut scene = table3::with_finger(table3::scene(DriveMode::Passive, Input::constant(-1.0)));
     scene.duration_s = 0.5;
     scene.step_s = 1e-3;
     let run = run(scene);
@@ -159,7 +159,7 @@ fn a_spring_pulled_at_constant_speed_sticks_and_slips_as_rabinowicz_found() {
 
 #[test]
 fn a_held_lever_does_not_drift_over_ten_million_samples() {
-    let mut scene = table3::scene(Mode::Passive, Input::constant(2.0));
+    let mut scene = table3::scene(DriveMode::Passive, Input::constant(2.0));
     scene.start.theta_rad = 0.1;
     let system = System::new(scene).unwrap();
     let grid = Grid::Even { step_s: 1e-3, steps: 10_000_000 };
@@ -174,7 +174,7 @@ fn a_held_lever_does_not_drift_over_ten_million_samples() {
 #[test]
 fn events_do_not_depend_on_the_grid_so_that_none_inside_a_sample_is_missed() {
     for finger in [false, true] {
-        for mode in [Mode::Active, Mode::Passive, Mode::Hybrid] {
+        for mode in [DriveMode::Active, DriveMode::Passive, DriveMode::Hybrid] {
             let mut scene = table3::scene(mode, Input::step(2.5));
             scene.environment = table3::spring_wall();
             scene.environment.zones[1].from_rad = 0.2;
@@ -246,12 +246,12 @@ fn grazing_a_wall_is_no_contact_and_a_hair_further_is() {
 
 #[test]
 fn a_lever_that_starts_on_a_stop_stays_until_it_is_pushed_off() {
-    let mut scene = table3::scene(Mode::Hybrid, Input::Line { value: -1.0, rate: 1.0 });
+    let mut scene = table3::scene(DriveMode::Hybrid, Input::Line { value: -1.0, rate: 1.0 });
     scene.duration_s = 2.0;
     let run = run(scene);
     assert_eq!(kinds(&run)[0], EventKind::DepartUp);
     assert!((run.events[1].t_s - 1.0).abs() < 1e-12);
-    let system = System::new(table3::scene(Mode::Hybrid, Input::constant(-1.0))).unwrap();
+    let system = System::new(table3::scene(DriveMode::Hybrid, Input::constant(-1.0))).unwrap();
     let held = Exact::default().run(&system, &Grid::of(&system)).unwrap();
     assert!((held.forces(&system, 7).stop_n - 1.0).abs() < 1e-15);
 }
@@ -264,16 +264,16 @@ fn a_lever_that_starts_inside_the_wall_is_pushed_out_by_the_motor_and_held_by_th
         scene.start.theta_rad = 0.6;
         run(scene)
     };
-    assert_eq!(start(Mode::Active, 1.0).events[0].region.motion, Motion::Backward);
-    assert_eq!(kinds(&start(Mode::Hybrid, 5.0)), []);
-    assert_eq!(kinds(&start(Mode::Passive, -12.9)), []);
-    assert_eq!(start(Mode::Hybrid, 13.1).events[0].region.motion, Motion::Forward);
+    assert_eq!(start(DriveMode::Active, 1.0).events[0].region.motion, Motion::Backward);
+    assert_eq!(kinds(&start(DriveMode::Hybrid, 5.0)), []);
+    assert_eq!(kinds(&start(DriveMode::Passive, -12.9)), []);
+    assert_eq!(start(DriveMode::Hybrid, 13.1).events[0].region.motion, Motion::Forward);
 }
 
 #[test]
 fn an_input_that_jumps_frees_a_held_lever_at_once() {
     let series = Series { t_s: vec![0.0, 1.005, 1.005], value: vec![5.0, 5.0, 1.0] };
-    let mut scene = table3::scene(Mode::Hybrid, Input::Series(series));
+    let mut scene = table3::scene(DriveMode::Hybrid, Input::Series(series));
     scene.environment = table3::spring_wall();
     scene.start.theta_rad = 0.6;
     let run = run(scene);
@@ -286,7 +286,7 @@ fn an_input_that_jumps_frees_a_held_lever_at_once() {
 
 #[test]
 fn the_let_go_rule_holds_a_wall_until_the_user_yields() {
-    let mut scene = table3::scene(Mode::Hybrid, Input::Line { value: 5.0, rate: -1.0 });
+    let mut scene = table3::scene(DriveMode::Hybrid, Input::Line { value: 5.0, rate: -1.0 });
     scene.environment = table3::spring_wall();
     scene.start.theta_rad = 0.6;
     let depart = |scene: ModelScene| {
@@ -307,7 +307,7 @@ fn the_let_go_rule_holds_a_wall_until_the_user_yields() {
 
 #[test]
 fn a_pressed_finger_passes_the_whole_force_and_its_tissue_saturates_at_3_5_n() {
-    let mut scene = table3::with_finger(table3::scene(Mode::Passive, Input::constant(6.0)));
+    let mut scene = table3::with_finger(table3::scene(DriveMode::Passive, Input::constant(6.0)));
     scene.start.theta_rad = 0.78;
     scene.duration_s = 0.4;
     let system = System::new(scene).unwrap();
@@ -337,7 +337,7 @@ fn a_finger_that_bottoms_on_a_free_lever_keeps_the_momentum() {
 
 #[test]
 fn gravity_is_refused_by_name() {
-    let mut scene = table3::scene(Mode::Active, Input::step(1.0));
+    let mut scene = table3::scene(DriveMode::Active, Input::step(1.0));
     scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.04 });
     let error =
         Exact::default().run(&System::new(scene).unwrap(), &Grid::filling(1.0, 0.1)).unwrap_err();
@@ -346,7 +346,7 @@ fn gravity_is_refused_by_name() {
 
 #[test]
 fn the_thesis_finger_bottoms_without_moving_the_lever() {
-    let mut scene = table3::scene(Mode::Passive, Input::constant(6.0));
+    let mut scene = table3::scene(DriveMode::Passive, Input::constant(6.0));
     scene.finger = Some(table3::finger(FingerLaw::Thesis));
     let run = run(scene);
     assert!(kinds(&run).contains(&EventKind::Bottomed));
@@ -357,7 +357,7 @@ fn the_thesis_finger_bottoms_without_moving_the_lever() {
 fn a_dead_zone_takes_its_share_of_the_brake() {
     // u = 4 N/rad x 1 rad = 4 N; with 1 N lost the brake holds 3 N.
     let holds = |force: f64| {
-        let mut scene = table3::scene(Mode::Passive, Input::constant(force));
+        let mut scene = table3::scene(DriveMode::Passive, Input::constant(force));
         scene.brake.dead_zone_n = 1.0;
         scene.start.theta_rad = 1.0 - table3::HALF_STROKE_RAD;
         run(scene).events[0].region.motion == Motion::Rest
@@ -368,7 +368,8 @@ fn a_dead_zone_takes_its_share_of_the_brake() {
 #[test]
 fn a_prepared_system_gives_the_same_bits_again_and_without_samples() {
     let system =
-        System::new(table3::with_finger(table3::scene(Mode::Hybrid, Input::step(2.15)))).unwrap();
+        System::new(table3::with_finger(table3::scene(DriveMode::Hybrid, Input::step(2.15))))
+            .unwrap();
     let grid = Grid::of(&system);
     let fresh = Exact::default().run(&system, &grid).unwrap();
     let mut prepared = Exact::default().prepare(&system, &grid).unwrap();
@@ -386,7 +387,7 @@ fn a_prepared_system_gives_the_same_bits_again_and_without_samples() {
 #[test]
 fn uneven_steps_give_the_even_steps_trajectory() {
     for finger in [false, true] {
-        let scene = table3::scene(Mode::Hybrid, Input::ramp(2.15));
+        let scene = table3::scene(DriveMode::Hybrid, Input::ramp(2.15));
         let system = System::new(if finger { table3::with_finger(scene) } else { scene }).unwrap();
         let even = Exact::default().run(&system, &Grid::filling(4.0, 1e-3)).unwrap();
         let times = (0..=4000).map(|i: i32| {

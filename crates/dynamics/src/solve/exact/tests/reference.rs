@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::super::*;
 use crate::scene::ModelScene;
-use crate::scene::actuators::Mode;
+use crate::scene::actuators::DriveMode;
 use crate::scene::environment::Environment;
 use crate::scene::finger::{Finger, FingerLaw};
 use crate::scene::input::Input;
@@ -41,7 +41,7 @@ impl Reference {
         let [magnitude, omega_rad_s] = self.sine;
         let sine = Input::Sine { magnitude, omega_rad_s };
         let input = if omega_rad_s > 0.0 { sine } else { Input::constant(0.0) };
-        let mut scene = table3::scene(Mode::Active, input);
+        let mut scene = table3::scene(DriveMode::Active, input);
         [scene.plant.mass_kg, scene.plant.lever_m] = self.plant;
         scene.plant.stops_rad = None;
         scene.environment = Environment::spring(self.spring[0], self.spring[1], self.spring[2]);
@@ -94,7 +94,7 @@ type Held = ([f64; 3], f64, [f64; 4]);
 fn a_finger_that_swings_a_thousand_times_a_step_keeps_its_phase() {
     let mut largest: f64 = 0.0;
     for (finger, step_s, expect) in HELD {
-        let mut scene = table3::scene(Mode::Passive, Input::constant(-1.0));
+        let mut scene = table3::scene(DriveMode::Passive, Input::constant(-1.0));
         scene.start.theta_rad = 0.2; // the brake holds 3.9 N here, the finger pulls 2 N at most
         let [mass_kg, stiffness_n_per_m, damping_ns_per_m] = *finger;
         let law = FingerLaw::Consistent;
