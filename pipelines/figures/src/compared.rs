@@ -138,7 +138,7 @@ pub fn modes_compared(
     let lines = if unit == "participants" {
         "a line joins one participant's means"
     } else {
-        "dots: sessions"
+        "dots: repeats"
     };
     let notes = vec![plain(&format!(
         "Units of analysis: {unit}; {lines}. Whiskers: {} intervals, not adjusted.",
@@ -163,7 +163,9 @@ pub fn modes_compared(
 /// Whether the metric is the primary one.
 fn last_note(contrasts: &Table) -> Option<String> {
     let is_family = |note: &&String| note.starts_with("Primary") || note.starts_with("Exploratory");
-    contrasts.notes().iter().find(is_family).map(|note| plain(note))
+    let note = contrasts.notes().iter().find(is_family)?;
+    let first = note.split_once(". ").map_or(note.as_str(), |(first, _)| first);
+    Some(plain(&format!("{}.", first.trim_end_matches('.'))))
 }
 
 /// Everybody's means, joined, and the mean over them.
@@ -201,8 +203,9 @@ fn means(
         })
         .collect();
     for (index, mode) in about.modes.iter().enumerate() {
+        let keys = [("environment", environment), ("mode", mode.id.as_str())];
         let dots: Vec<f64> = match people.len() {
-            1 => people.values().flat_map(|modes| modes[index].clone()).collect(),
+            1 => pick(&shown.numbers(tables.repeats, "mean")?, &rows_with(tables.repeats, &keys)?),
             _ => people.values().map(|modes| mean(&modes[index])).collect(),
         };
         layers.push(Layer::Points(Points {
@@ -212,7 +215,6 @@ fn means(
             opacity: 0.55,
             ..Points::default()
         }));
-        let keys = [("environment", environment), ("mode", mode.id.as_str())];
         let rows = rows_with(tables.means, &keys)?;
         let at = vec![index as f64 + ASIDE; rows.len()];
         let intervals = intervals(tables.means, ["mean", "ci_low", "ci_high"], &rows, shown)?;
@@ -451,17 +453,19 @@ pub fn sessions_compared(
         if rows_with(tables.sessions, &of_environment)?.is_empty() {
             continue;
         }
-        for (column, mode) in about.modes.iter().enumerate() {
+        let mut column = 0;
+        for (index, mode) in about.modes.iter().enumerate() {
             let keys = [of_environment[0], ("mode", mode.id.as_str())];
             let Some(place) = rows_with(tables.sessions, &keys)?.into_iter().next() else {
                 continue;
             };
             let title = format!("{}, {}", environment.label, mode.label.to_lowercase());
-            let layers = bland_altman(&keys, place, column, &shown, tables)?;
+            let layers = bland_altman(&keys, place, index, &shown, tables)?;
             let x = Axis::new("mean of both", shown.unit.as_str());
-            let y = Axis::new("change", shown.unit.as_str()).linked("change");
+            let y = Axis::new("change", shown.unit.as_str());
             let panel = Panel::new(Cell::at(row, column), x, y, layers).titled(plain(&title));
             panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+            column += 1;
         }
         row += 1;
     }

@@ -15,6 +15,7 @@ mod bad_files;
 mod bad_import;
 mod binary;
 mod circles;
+mod compared;
 mod counting;
 mod findings;
 mod folders;

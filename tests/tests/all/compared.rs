@@ -1,0 +1,78 @@
+//! `zwidth compare` and `zwidth power` as a user types them.
+
+use crate::binary::zwidth;
+use crate::shipped;
+use std::fs;
+
+#[test]
+fn compare_makes_what_is_missing_and_says_whom_it_speaks_of() {
+    let root = shipped::raw();
+    zwidth(root.path(), &["compare", "thesis-twin"]).exits(0).says(&[
+        "Means by condition",
+        "Modes compared",
+        "trials of P01",
+        "nothing is said of anybody else",
+    ]);
+    assert!(root.path().join("derived/thesis-twin/compare/contrasts_loop_area_j.parquet").exists());
+}
+
+#[test]
+fn compare_gives_machines_every_row_in_si_units() {
+    let ran = zwidth(shipped::finished().path(), &["compare", "thesis-twin", "--json"]).exits(0);
+    let json = ran.json();
+    let names: Vec<&str> =
+        json.as_array().unwrap().iter().map(|t| t["table"].as_str().unwrap()).collect();
+    assert_eq!(names, ["means_discrepancy_mean_n", "contrasts_discrepancy_mean_n"]);
+    assert!(json[1]["rows"][0]["difference_n"].as_f64().unwrap().is_finite());
+}
+
+#[test]
+fn a_metric_that_is_not_compared_is_named_with_those_that_are() {
+    let root = shipped::finished();
+    zwidth(root.path(), &["compare", "thesis-twin", "--metric", "loop_area"])
+        .exits(1)
+        .says(&["--metric loop_area", "loop_area_j"]);
+}
+
+#[test]
+fn one_session_has_no_sessions_to_compare_and_says_so() {
+    let root = shipped::finished();
+    zwidth(root.path(), &["compare", "thesis-twin", "--by", "session"])
+        .exits(3)
+        .says(&["there is nothing to compare"]);
+}
+
+#[test]
+fn one_participant_tells_no_spread_and_assumed_spreads_give_a_plan_that_is_not_written_over() {
+    let root = shipped::finished();
+    let difference = ["power", "thesis-twin", "--difference", "0.1"];
+    zwidth(root.path(), &difference).exits(1).says(&["give --participant-mode-sd"]);
+    let plan = root.path().join("plan.json");
+    let plan = plan.to_str().unwrap();
+    let assumed = [
+        "--participant-mode-sd",
+        "0.1",
+        "--residual-sd",
+        "0.2",
+        "--studies",
+        "200",
+        "--plan",
+        plan,
+    ];
+    let arguments = [&difference[..], &assumed].concat();
+    zwidth(root.path(), &arguments).exits(0).says(&["80 % power", "200 studies"]);
+    let written = fs::read(plan).unwrap();
+    zwidth(root.path(), &arguments).exits(1).says(&["a plan is not written over another"]);
+    assert_eq!(fs::read(plan).unwrap(), written);
+}
+
+#[test]
+fn a_metric_of_study_toml_that_there_is_not_is_told() {
+    let root = shipped::finished();
+    let path = root.path().join("raw/thesis-twin/study.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, format!("{text}\n[compare]\nmetrics = [\"softness_n\"]\n")).unwrap();
+    zwidth(root.path(), &["run", "thesis-twin", "--only", "compare"])
+        .exits(3)
+        .says(&["there is no metric 'softness_n'"]);
+}
