@@ -43,11 +43,14 @@ pub enum By {
     Session,
     /// Its repeats: changes from one to the next.
     Repeat,
+    /// Its modes, by the answers.
+    Answer,
 }
 
 /// The derived tables that answer by what a study is compared, in the order in which they are read.
 pub fn comparison(layout: &Layout, by: By, metric: &str) -> Vec<PathBuf> {
     let names: &[&str] = match by {
+        By::Answer => return vec![answers_file(layout)],
         By::Mode => &["means", "contrasts"],
         By::Participant => &["participants"],
         By::Session => &["sessions"],
@@ -151,7 +154,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
 }
 
 /// The answers compared, if there are some after several modes.
-fn answers(data: &StudyData) -> Option<PathBuf> {
+pub fn answers(data: &StudyData) -> Option<PathBuf> {
     let several = data.study.modes.len() > 1;
     likert::long(data).filter(|_| several).map(|_| answers_file(&data.layout))
 }

@@ -28,7 +28,7 @@ mod summary;
 mod tables;
 mod trials;
 
-pub use compare::{By, compared, comparison, models};
+pub use compare::{By, answers, compared, comparison, models};
 pub use figures::chosen_in_vain;
 pub use report::built_in;
 pub use summary::file as summary_file;

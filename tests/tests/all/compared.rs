@@ -35,6 +35,16 @@ fn a_metric_that_is_not_compared_is_named_with_those_that_are() {
 }
 
 #[test]
+fn answers_are_compared_without_a_mean() {
+    let root = shipped::finished();
+    zwidth(root.path(), &["compare", "thesis-twin", "--by", "answer"]).exits(0).says(&[
+        "Answers compared",
+        "superiority",
+        "never answers",
+    ]);
+}
+
+#[test]
 fn one_session_has_no_sessions_to_compare_and_says_so() {
     let root = shipped::finished();
     zwidth(root.path(), &["compare", "thesis-twin", "--by", "session"])

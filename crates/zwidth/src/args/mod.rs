@@ -306,9 +306,9 @@ pub(crate) struct Simulate {
 pub(crate) struct Compare {
     /// The study
     pub(crate) study: StudyId,
-    /// What is compared
-    #[arg(long, value_enum, default_value_t = By::Mode)]
-    pub(crate) by: By,
+    /// What is compared [default: the modes; by the answers in a study without a metric]
+    #[arg(long, value_enum)]
+    pub(crate) by: Option<By>,
     /// The metric's column in the table of metrics [default: the primary one]
     #[arg(long, value_name = "METRIC")]
     pub(crate) metric: Option<String>,
@@ -358,6 +358,8 @@ pub(crate) enum By {
     Session,
     /// The repeats: the change from one to the next
     Repeat,
+    /// The modes by the answers: effects over participants, odds ratios for one person
+    Answer,
 }
 
 impl From<By> for zwidth_plan::By {
@@ -367,6 +369,7 @@ impl From<By> for zwidth_plan::By {
             By::Participant => Self::Participant,
             By::Session => Self::Session,
             By::Repeat => Self::Repeat,
+            By::Answer => Self::Answer,
         }
     }
 }

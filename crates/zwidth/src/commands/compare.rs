@@ -2,7 +2,7 @@
 //! of the stage `compare` is made first.
 
 use super::near::did_you_mean;
-use crate::args::Compare;
+use crate::args::{By, Compare};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
@@ -18,13 +18,17 @@ use zwidth_tables::{Format, Table, TableError, Type};
 pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
-    let metric = metric(&data, asked)?;
+    let by = asked.by.unwrap_or_else(|| default_of(&data));
+    let metric = if by == By::Answer { String::new() } else { metric(&data, asked)? };
+    if by == By::Answer && plan::answers(&data).is_none() {
+        bail!("{} has no answers after several modes to compare", layout.study());
+    }
     let mut exit = make(&data, screen)?;
-    let files = plan::comparison(&layout, asked.by.into(), &metric);
+    let files = plan::comparison(&layout, by.into(), &metric);
     let tables =
         files.iter().map(|file| Table::from_parquet(file)).collect::<Result<Vec<_>, _>>()?;
     if tables.iter().all(|table| table.height() == 0) {
-        screen.warn(format!("there is nothing to compare: no {} more than once", what(asked)));
+        screen.warn(format!("there is nothing to compare: no {} more than once", what(by)));
         exit = Exit::Partly;
     }
     if screen.json {
@@ -42,13 +46,20 @@ pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::
 }
 
 /// What would have to be there more than once.
-fn what(asked: &Compare) -> &'static str {
-    match asked.by {
-        crate::args::By::Mode => "mode was tried",
-        crate::args::By::Participant => "participant took part",
-        crate::args::By::Session => "participant came",
-        crate::args::By::Repeat => "condition was repeated",
+fn what(by: By) -> &'static str {
+    match by {
+        By::Mode => "mode was tried",
+        By::Participant => "participant took part",
+        By::Session => "participant came",
+        By::Repeat => "condition was repeated",
+        By::Answer => "question was answered",
     }
+}
+
+/// The modes by their metrics, or by the answers where there is no metric.
+fn default_of(data: &StudyData) -> By {
+    let only_answers = plan::compared(data).is_empty() && plan::answers(data).is_some();
+    if only_answers { By::Answer } else { By::Mode }
 }
 
 /// The metric asked for, or the first.
