@@ -156,7 +156,6 @@ fn list_findings(
     Ok(compared
         .into_iter()
         .chain(found)
-        .into_iter()
         .map(|f| Listed { path: path(f.shown), caption: f.text })
         .collect())
 }

@@ -41,11 +41,10 @@ pub(crate) fn table(
     as_table(&rows, unit, measure, parameters)
 }
 
-/// The points of each participant by condition.
-fn by_condition(
-    metrics: &Table,
-    measure: &Measure,
-) -> Result<BTreeMap<(String, String), BTreeMap<String, Sessions>>, CompareError> {
+/// The points of each participant by condition: environment and mode.
+type ByCondition = BTreeMap<(String, String), BTreeMap<String, Sessions>>;
+
+fn by_condition(metrics: &Table, measure: &Measure) -> Result<ByCondition, CompareError> {
     let [participants, sessions, environments, modes] = KEYS.map(|key| metrics.texts(key));
     let (participants, sessions) = (participants?, sessions?);
     let (environments, modes) = (environments?, modes?);
