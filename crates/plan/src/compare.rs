@@ -76,7 +76,8 @@ pub fn compared(data: &StudyData) -> Vec<String> {
             })
         })
     };
-    let several = study.modes.len() > 1;
+    let tried: BTreeSet<_> = data.counting().map(|trial| &trial.meta.mode).collect();
+    let several = tried.len() > 1;
     wanted(study).into_iter().filter(|_| several).filter(possible).collect()
 }
 
@@ -155,7 +156,8 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
 
 /// The answers compared, if there are some after several modes.
 pub fn answers(data: &StudyData) -> Option<PathBuf> {
-    let several = data.study.modes.len() > 1;
+    let tried: BTreeSet<_> = data.answers().into_iter().map(|a| a.condition.mode).collect();
+    let several = tried.len() > 1;
     likert::long(data).filter(|_| several).map(|_| answers_file(&data.layout))
 }
 

@@ -128,9 +128,12 @@ pub fn modes_compared(
             Panel::new(Cell::at(row, 0), modes, axis("mean"), means(about, id, &shown, tables)?);
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel.titled(title) });
         let (contrasts, layers) = differences(id, &shown, tables)?;
-        let names = contrasts.iter().map(|name| plain(name));
-        let panel =
-            Panel::new(Cell::at(row, 1), Axis::categories(names), axis("difference"), layers);
+        let names = Axis::categories(contrasts.iter().map(|name| plain(name)));
+        let (cell, y) = (Cell::at(row, 1), axis("difference"));
+        let panel = match contrasts.is_empty() {
+            true => Panel::with_note(cell, Axis::new("", ""), y, "no two modes to compare"),
+            false => Panel::new(cell, names, y, layers),
+        };
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
     }
     let unit = tables.means.texts("unit_of_analysis")?.into_iter().flatten().next();

@@ -149,8 +149,9 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     .unwrap();
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
     // The plant rests on all trials, and so does every figure of it. No other condition's metrics,
-    // mean, replays and figures do, nor anything about the actuators.
-    let expect = strings(&[
+    // mean, replays and figures do, nor anything about the actuators. What is compared
+    // rests on the metrics of all.
+    let mut expect = strings(&[
         "average P01 S01 spring hybrid",
         "courses P01 S01 spring",
         "courses P01 S01 spring_wall",
@@ -180,6 +181,18 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "table replay",
         "table replay.agreement",
     ]);
+    let compared = |name: &&String| {
+        ["compare.", "learning.", "means_", "contrasts_", "learning_", "answers_"]
+            .iter()
+            .any(|begin| name.starts_with(begin))
+    };
+    expect.extend(figures().iter().filter(compared).map(|name| format!("figure {name}")));
+    expect.extend(tables().iter().filter(compared).map(|name| format!("table {name}")));
+    let figures = figures();
+    let metrics = figures.iter().filter_map(|figure| figure.strip_prefix("compare."));
+    expect.extend(metrics.map(|metric| format!("compare {metric}")));
+    expect.push("compare answers".to_owned());
+    expect.sort();
     assert_eq!(ran.made(), expect);
     let metrics =
         Table::from_parquet(&root.path().join("derived/thesis-twin/metrics.parquet")).unwrap();

@@ -50,8 +50,8 @@ pub struct OddsRatio {
     pub test: RatioTest,
 }
 
-/// Modes compared by a cumulative-link model with participant and participant × mode, and sessions
-/// as fixed effects.
+/// Modes compared by a cumulative-link model with participant and participant × mode (participant
+/// alone where nobody answered twice in a mode), and sessions as fixed effects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeComparison {
     /// The fitted model. Its columns: one per mode but the reference, one per session but the first.
@@ -107,7 +107,7 @@ pub fn compare_modes(
         participants: study.participants,
         modes: study.modes,
     };
-    let model = Model::new(&ratings, Terms::ParticipantAndMode)?;
+    let model = Model::new(&ratings, terms(study))?;
     let participants = model.participants();
     let integral = match participants {
         MANY.. => Integral::Laplace,
@@ -128,6 +128,13 @@ pub fn compare_modes(
         odds_ratios: modes.iter().enumerate().map(ratio).collect::<Result<_, _>>()?,
         fit,
     })
+}
+
+/// Participant and participant × mode; participant alone where nobody answered twice in a mode, so
+/// that nothing tells a participant's own effect of a mode from the scatter of answers.
+fn terms(study: &ModeStudy) -> Terms {
+    let cells: BTreeSet<_> = study.participants.iter().zip(study.modes).collect();
+    if cells.len() < study.answers.len() { Terms::ParticipantAndMode } else { Terms::Participant }
 }
 
 /// The column says what the other mode adds to the reference: the ratio is turned round.

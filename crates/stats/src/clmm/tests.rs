@@ -444,3 +444,22 @@ fn studies_without_estimates_are_named_by_their_reason() {
         "the answers separate mode 3 completely, so the estimate has no end",
     );
 }
+
+/// Eight people who answered once in each of three modes, as questionnaires ask.
+#[test]
+fn one_answer_per_person_and_mode_is_compared_with_participants_alone() {
+    let answers = [2, 3, 4, 1, 3, 5, 3, 3, 4, 2, 4, 3, 1, 2, 4, 3, 2, 5, 4, 4, 5, 2, 3, 3];
+    let participants: Vec<usize> = (0..24).map(|row| row / 3).collect();
+    let modes: Vec<usize> = (0..24).map(|row| row % 3).collect();
+    let sessions = [1; 24];
+    let study = ModeStudy {
+        answers: &answers,
+        points: 5,
+        participants: &participants,
+        modes: &modes,
+        sessions: &sessions,
+    };
+    let found = compare_modes(&study, 2, 0.95, 1).unwrap();
+    assert_eq!(found.participants, 8);
+    assert!(found.odds_ratios[0].estimate > 1.0 && found.p_value() < 0.2, "{found:?}");
+}

@@ -6,10 +6,12 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
+use std::fs::File;
+use std::io::Write as _;
 use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_stats::power::{self, Plan, PlannedTest, Simulation};
-use zwidth_store::{RealFiles, StudyData, hex_blake3, write_new};
+use zwidth_store::{StudyData, hex_blake3};
 use zwidth_tables::Table;
 
 /// The power that a study is planned with.
@@ -97,8 +99,11 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
         smallest_difference: power::smallest_difference(TARGET, &planned, &simulation)?,
     };
     if let Some(path) = &asked.plan {
-        write_new(&RealFiles, path, &serde_json::to_vec_pretty(&result)?)
-            .context("a plan is not written over another")?;
+        let plan = serde_json::to_vec_pretty(&result)?;
+        let written = File::create_new(path).and_then(|mut file| file.write_all(&plan));
+        written.with_context(|| {
+            format!("{}: a plan is not written over another file", path.display())
+        })?;
     }
     if screen.json {
         screen.listing(&result)?;
