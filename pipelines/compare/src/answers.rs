@@ -270,7 +270,8 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
     let table = Table::new("answers_compared", title, columns)?;
     Ok(table.with_note(
         "n counts participants, never answers. Model: cumulative logit with participant and \
-         participant × mode (participant alone where nobody answered twice in a mode), sessions fixed; the likelihood ratio over F is a small-sample \
-         approximation, below 8 participants a bootstrap (999) tests whether any mode differs.",
+         participant × mode (participant alone where nobody answered twice in a mode), sessions \
+         fixed; the likelihood ratio over F is a small-sample approximation, below 8 participants \
+         a bootstrap (999) tests whether any mode differs.",
     ))
 }
