@@ -88,6 +88,15 @@ impl Shown {
     }
 }
 
+/// The panels; where there are none, one that says why.
+fn or_note(panels: Vec<Panel>) -> Vec<Panel> {
+    let bare = || Axis::bare(0.0, 1.0);
+    match panels.is_empty() {
+        true => vec![Panel::with_note(Cell::at(0, 0), bare(), bare(), "nothing to compare")],
+        false => panels,
+    }
+}
+
 /// The rows in which a text column has that value.
 fn rows_with(table: &Table, columns: &[(&str, &str)]) -> Result<Vec<usize>, TableError> {
     let mut rows: Vec<usize> = (0..table.height()).collect();
@@ -155,7 +164,7 @@ pub fn modes_compared(
             shown.words,
             percent(about.confidence)
         ),
-        panels,
+        panels: or_note(panels),
         column_weights: WEIGHTS.to_vec(),
         footnotes,
         mark: mark(sources.iter().copied()),
@@ -319,7 +328,7 @@ pub fn participants_compared(
     Ok(Figure {
         title: Some(plain(&format!("{}: participants, {}", about.title, shown.words))),
         description: format!("{}: each participant's difference between modes.", shown.words),
-        panels,
+        panels: or_note(panels),
         footnotes: vec![plain(&format!(
             "Whiskers: {} intervals within each participant, repeats as units. Line: mean over participants; zero: thin.",
             percent(about.confidence)
@@ -430,7 +439,7 @@ pub fn repeats_compared(
     Ok(Figure {
         title: Some(plain(&format!("{}: learning, {}", about.title, shown.words))),
         description: format!("{}: mean at each repeat of a condition.", shown.words),
-        panels,
+        panels: or_note(panels),
         footnotes: tables.repeats.notes().iter().map(|note| plain(note)).collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
@@ -476,7 +485,7 @@ pub fn sessions_compared(
     Ok(Figure {
         title: Some(plain(&format!("{}: sessions, {}", about.title, shown.words))),
         description: format!("{}: each participant's change between sessions.", shown.words),
-        panels,
+        panels: or_note(panels),
         footnotes: vec![plain(&format!(
             "Change: {}. A dot is a participant. Dashed: mean change and limits of agreement.",
             which.unwrap_or_default()
