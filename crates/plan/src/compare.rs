@@ -166,7 +166,8 @@ fn answers_file(layout: &Layout) -> PathBuf {
 }
 
 /// What the comparison of a metric depends on.
-fn parameters(study: &Study, metric: &str) -> Parameters {
+fn parameters(data: &StudyData, metric: &str) -> Parameters {
+    let study = &data.study;
     let compare = &study.compare;
     let given = compare.bounds.iter().find(|(of, _)| of.as_str() == metric).map(|(_, bound)| bound);
     let bound = |environment: &Environment| match given? {
@@ -179,6 +180,7 @@ fn parameters(study: &Study, metric: &str) -> Parameters {
     Parameters {
         metric: metric.to_owned(),
         primary: metric == compare.primary.as_str(),
+        simulated: data.counting().any(|trial| trial.meta.source == Source::Twin),
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         bounds: study.environments.iter().map(bound).collect(),
         modes: study.modes.iter().map(|m| m.id.clone()).collect(),
@@ -194,7 +196,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let Some(metrics) = metrics::of_study(data) else { return answers.into_iter().collect() };
     let job = |metric: &String| {
         let outputs = TABLES.map(|table| table_of(&data.layout, table, metric)).to_vec();
-        let parameters = parameters(&data.study, metric);
+        let parameters = parameters(data, metric);
         Job::new(STAGE, format!("compare {metric}"), parameters, metrics.clone(), outputs, make)
     };
     compared(data).iter().map(job).chain(answers).collect()
@@ -203,6 +205,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 fn answers_job(data: &StudyData, output: PathBuf) -> Job {
     let study = &data.study;
     let parameters = AnswerParameters {
+        simulated: data.sessions.iter().any(|session| session.record.source == Source::Twin),
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         modes: study.modes.iter().map(|m| m.id.clone()).collect(),
         questions: study.questions.clone(),

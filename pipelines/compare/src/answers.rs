@@ -4,8 +4,8 @@
 //! of repeats, averaged over participants; the test is that of the cumulative-link mixed model with
 //! participant and participant × mode, the odds ratio for one person beside.
 
-use crate::CompareError;
 use crate::cells::whole;
+use crate::{CompareError, columns, notes};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_stats::clmm::{ModeComparison, ModeStudy, OddsRatio, compare_modes};
@@ -20,6 +20,8 @@ const SEED: u64 = 1;
 /// What a comparison of answers depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnswerParameters {
+    /// Whether any of the answers are simulated.
+    pub simulated: bool,
     /// The environments, in the study's order.
     pub environments: Vec<EnvironmentId>,
     /// The modes, in the study's order.
@@ -73,7 +75,7 @@ pub fn compare_answers(
         }
         adjust(&mut rows[first..])?;
     }
-    as_table(&rows)
+    Ok(notes::mark(as_table(&rows)?, parameters.simulated))
 }
 
 /// The scored answers by question and environment.
@@ -212,12 +214,10 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
         Column::float(name, "1", description, rows.iter().map(of))
     };
     let effect = |row: &Row| row.effect.as_ref().ok().cloned();
-    let columns = vec![
+    let all = vec![
         texts("question", "the question", |row| Some(row.question.id.to_string())),
         texts("environment", "what was rendered", |row| Some(row.environment.to_string())),
-        texts("contrast", "the modes compared", |row| {
-            Some(format!("{} − {}", row.contrast.mode, row.contrast.against))
-        }),
+        columns::contrasts(rows.iter().map(|row| row.contrast)),
         Column::integer(
             "n",
             "1",
@@ -262,12 +262,16 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
         texts("test_any", "how that was found", |row| {
             Some(if row.any?.1 { "bootstrap" } else { "F" }.to_owned())
         }),
-        texts("remark", "why there is no model", |row| {
-            row.model.as_ref().err().map(ToString::to_string)
+        texts("remark", "why there is no model, or no interval", |row| {
+            let no_interval = |why| format!("no interval: {why}");
+            match &row.model {
+                Ok(ratio) => ratio.interval.as_ref().err().map(no_interval),
+                Err(why) => Some(why.to_string()),
+            }
         }),
     ];
     let title = "Answers compared: effects over participants, odds ratios for one person";
-    let table = Table::new("answers_compared", title, columns)?;
+    let table = Table::new("answers_compared", title, all)?;
     Ok(table.with_note(
         "n counts participants, never answers. Model: cumulative logit with participant and \
          participant × mode (participant alone where nobody answered twice in a mode), sessions \

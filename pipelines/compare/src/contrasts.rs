@@ -4,7 +4,7 @@ use crate::cells::{Cells, whole};
 use crate::differences::{Difference, of_everybody};
 use crate::measure::Measure;
 use crate::unit::Unit;
-use crate::{CompareError, Parameters};
+use crate::{CompareError, Parameters, columns};
 use zwidth_stats::null::Sampling;
 use zwidth_stats::paired::{self, Verdict};
 use zwidth_stats::{StatsError, Tested, Unestimable, holm, sign_flip, signed_rank};
@@ -148,14 +148,10 @@ pub(crate) fn table(
     let texts = |name, description, of: &dyn Fn(&Row) -> Option<String>| {
         Column::text(name, description, rows.iter().map(of))
     };
-    let mut columns = vec![
-        texts("environment", "what was rendered", &|row| {
-            Some(parameters.environments[row.environment].to_string())
-        }),
-        texts("contrast", "the modes compared: the one minus the other", &|row| {
-            Some(format!("{} − {}", row.contrast.mode, row.contrast.against))
-        }),
-        texts("unit_of_analysis", "what n counts", &|_| Some(unit.words())),
+    let mut all = vec![
+        columns::environments(parameters, rows.iter().map(|row| row.environment)),
+        columns::contrasts(rows.iter().map(|row| &row.contrast)),
+        columns::units(unit, rows.len()),
         Column::integer("n", "1", "units of analysis", rows.iter().map(|row| whole(row.n(unit)))),
         Column::integer(
             "sessions",
@@ -179,38 +175,38 @@ pub(crate) fn table(
         ),
     ];
     if *unit == Unit::Participants {
-        columns.push(number(
+        all.push(number(
             "d_av",
             "difference over the root mean of the modes' variances between participants",
             rows.iter().map(d_av).collect(),
         ));
-        columns.push(number(
+        all.push(number(
             "p_sign_flip",
             "p value of the sign-flip test, not adjusted",
             rows.iter().map(sign_flip).collect(),
         ));
-        columns.push(number(
+        all.push(number(
             "p_signed_rank",
             "p value of the signed-rank test, not adjusted",
             rows.iter().map(signed_rank).collect(),
         ));
     }
     if parameters.bounds.iter().any(Option::is_some) {
-        columns.push(measure.column(
+        all.push(measure.column(
             "bound",
             "differences up to this size are equivalent",
             rows.iter().map(|row| parameters.bounds[row.environment]),
         ));
-        columns.push(number(
+        all.push(number(
             "p_not_equivalent",
             "p value of a difference beyond the bound (TOST)",
             rows.iter().map(|row| row.p_not_equivalent).collect(),
         ));
     }
-    columns.push(texts("verdict", "what the tests show", &|row| {
+    all.push(texts("verdict", "what the tests show", &|row| {
         let found = row.verdict.map(|verdict| verdict.words().to_owned());
         found.or_else(|| row.tested.as_ref().err().map(|why| format!("no test: {why}")))
     }));
     let title = format!("Modes compared: {}", measure.description);
-    Ok(Table::new(&format!("contrasts_{}", measure.name), &title, columns)?)
+    Ok(Table::new(&format!("contrasts_{}", measure.name), &title, all)?)
 }

@@ -3,7 +3,7 @@
 use crate::cells::{KEYS, whole};
 use crate::measure::Measure;
 use crate::unit::Unit;
-use crate::{CompareError, Parameters};
+use crate::{CompareError, Parameters, columns};
 use std::collections::BTreeMap;
 use zwidth_stats::paired::mean_difference;
 use zwidth_stats::{Tested, Unestimable, line};
@@ -95,24 +95,27 @@ fn as_table(
     let tested = |of: fn(&Tested) -> f64| {
         rows.iter().map(move |row| row.change.as_ref().ok().map(of)).collect::<Vec<_>>()
     };
-    let columns = vec![
-        texts("environment", "what was rendered", &|row| {
-            Some(parameters.environments[row.environment].to_string())
-        }),
-        texts("mode", "how it was rendered", &|row| Some(parameters.modes[row.mode].to_string())),
-        texts("unit_of_analysis", "what n counts", &|_| Some(unit.words())),
+    let change: Vec<Option<Tested>> = rows.iter().map(|row| row.change.clone().ok()).collect();
+    let mut all = vec![
+        columns::environments(parameters, rows.iter().map(|row| row.environment)),
+        columns::modes(parameters, rows.iter().map(|row| row.mode)),
+        columns::units(unit, rows.len()),
         Column::integer("n", "1", "units of analysis", rows.iter().map(|row| whole(row.n))),
-        measure.column("change", "mean change from one repeat to the next", tested(|t| t.estimate)),
-        measure.column("change_std_error", "its standard error", tested(|t| t.std_error)),
-        measure.column("change_ci_low", "lower end of its interval", tested(|t| t.ci_low)),
-        measure.column("change_ci_high", "upper end of its interval", tested(|t| t.ci_high)),
+    ];
+    all.extend(columns::tested(
+        measure,
+        "change",
+        "mean change from one repeat to the next",
+        &change,
+    ));
+    all.extend([
         Column::float("df", "1", "degrees of freedom", tested(|t| t.df)),
         Column::float("p_value", "1", "p value of no change, not adjusted", tested(|t| t.p_value)),
         texts("remark", "why there is no test", &|row| {
             row.change.as_ref().err().map(ToString::to_string)
         }),
-    ];
+    ]);
     let title = format!("Change per repeat: {}", measure.description);
-    let table = Table::new(&format!("learning_{}", measure.name), &title, columns)?;
+    let table = Table::new(&format!("learning_{}", measure.name), &title, all)?;
     Ok(table.with_note("Exploratory: no claim is made from this table."))
 }

@@ -18,6 +18,7 @@
 
 mod answers;
 mod cells;
+mod columns;
 mod contrasts;
 mod differences;
 mod error;
@@ -83,20 +84,21 @@ pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, Com
     let noted = |table: Table, notes: Vec<(NoteKind, String)>| {
         notes.into_iter().fold(table, |table, (kind, note)| table.with_note_of(kind, note))
     };
+    let marked = |table: Table| notes::mark(table, parameters.simulated);
     Ok(Compared {
-        cells: cells.table(measure, parameters)?,
-        means: noted(
+        cells: marked(cells.table(measure, parameters)?),
+        means: marked(noted(
             means::table(&means, unit, measure, parameters)?,
             notes::means(&means, unit, parameters),
-        ),
-        contrasts: noted(
+        )),
+        contrasts: marked(noted(
             contrasts::table(&contrasts, unit, measure, parameters)?,
             notes::contrasts(&contrasts, &cells, unit, parameters),
-        ),
-        models: models::table(metrics, unit, measure, parameters)?,
-        participants: people::table(&contrasts, &cells, measure, parameters)?,
-        sessions: sessions::table(&cells, measure, parameters)?,
-        learning: learning::table(metrics, unit, measure, parameters)?,
-        repeats: repeats::table(metrics, unit, measure, parameters)?,
+        )),
+        models: marked(models::table(metrics, unit, measure, parameters)?),
+        participants: marked(people::table(&contrasts, &cells, measure, parameters)?),
+        sessions: marked(sessions::table(&cells, measure, parameters)?),
+        learning: marked(learning::table(metrics, unit, measure, parameters)?),
+        repeats: marked(repeats::table(metrics, unit, measure, parameters)?),
     })
 }

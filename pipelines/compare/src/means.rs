@@ -3,7 +3,7 @@
 use crate::cells::{Cell, Cells, whole};
 use crate::measure::Measure;
 use crate::unit::Unit;
-use crate::{CompareError, Parameters};
+use crate::{CompareError, Parameters, columns};
 use zwidth_stats::interval;
 use zwidth_stats::welch::{self, Group};
 use zwidth_tables::{Column, Table};
@@ -92,19 +92,14 @@ pub(crate) fn table(
     measure: &Measure,
     parameters: &Parameters,
 ) -> Result<Table, CompareError> {
-    let texts = |name, description, of: &dyn Fn(&Row) -> String| {
-        Column::text(name, description, rows.iter().map(|row| Some(of(row))))
-    };
     let counts = |name, description, of: fn(&Row) -> usize| {
         Column::integer(name, "1", description, rows.iter().map(|row| whole(of(row))))
     };
     let end = |side: usize| rows.iter().map(move |row| row.interval.map(|ends| ends[side]));
-    let columns = vec![
-        texts("environment", "what was rendered", &|row| {
-            parameters.environments[row.environment].to_string()
-        }),
-        texts("mode", "how it was rendered", &|row| parameters.modes[row.mode].to_string()),
-        texts("unit_of_analysis", "what n counts", &|_| unit.words()),
+    let all = vec![
+        columns::environments(parameters, rows.iter().map(|row| row.environment)),
+        columns::modes(parameters, rows.iter().map(|row| row.mode)),
+        columns::units(unit, rows.len()),
         counts("n", "units of analysis", |row| row.n),
         counts("trials", "trials that count", |row| row.trials[0]),
         counts("trials_with", "trials that have the metric", |row| row.trials[1]),
@@ -114,5 +109,5 @@ pub(crate) fn table(
         measure.column("ci_high", "upper end of the mean's interval", end(1)),
     ];
     let title = format!("Means by condition: {}", measure.description);
-    Ok(Table::new(&format!("means_{}", measure.name), &title, columns)?)
+    Ok(Table::new(&format!("means_{}", measure.name), &title, all)?)
 }

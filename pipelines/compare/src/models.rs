@@ -6,7 +6,7 @@
 use crate::cells::{KEYS, whole};
 use crate::measure::Measure;
 use crate::unit::Unit;
-use crate::{CompareError, Parameters};
+use crate::{CompareError, Parameters, columns};
 use std::collections::BTreeSet;
 use zwidth_stats::lmm::trials::{Term, TrialFit, Trials, fit_trials};
 use zwidth_stats::{Tested, Unestimable};
@@ -146,13 +146,10 @@ fn as_table(
     };
     let number = |name, description, values| Column::float(name, "1", description, values);
     let residual = rows.iter().map(|row| row.fit.map(|fit| fit.fit.residual_variance.sqrt()));
-    let columns = vec![
-        texts("environment", "what was rendered", &|row| {
-            Some(parameters.environments[row.environment].to_string())
-        }),
-        texts("contrast", "the modes compared: the one minus the other", &|row| {
-            Some(format!("{} − {}", row.contrast.mode, row.contrast.against))
-        }),
+    let difference: Vec<Option<Tested>> = rows.iter().map(|row| row.tested.clone().ok()).collect();
+    let mut all = vec![
+        columns::environments(parameters, rows.iter().map(|row| row.environment)),
+        columns::contrasts(rows.iter().map(|row| row.contrast)),
         Column::integer(
             "n",
             "1",
@@ -160,14 +157,9 @@ fn as_table(
             rows.iter().map(|row| row.fit.and_then(|fit| whole(fit.fit.groups))),
         ),
         Column::integer("trials", "1", "trials", rows.iter().map(|row| whole(row.trials))),
-        measure.column("difference", "mean difference", tested(|t| t.estimate)),
-        measure.column(
-            "difference_std_error",
-            "its standard error (Kenward–Roger)",
-            tested(|t| t.std_error),
-        ),
-        measure.column("difference_ci_low", "lower end of its interval", tested(|t| t.ci_low)),
-        measure.column("difference_ci_high", "upper end of its interval", tested(|t| t.ci_high)),
+    ];
+    all.extend(columns::tested(measure, "difference", "mean difference", &difference));
+    all.extend([
         number("df", "degrees of freedom (Kenward–Roger)", tested(|t| t.df)),
         number("p_value", "p value of no difference, not adjusted", tested(|t| t.p_value)),
         number("df_satterthwaite", "degrees of freedom (Satterthwaite)", second(|t| t.df)),
@@ -195,9 +187,9 @@ fn as_table(
         texts("remark", "why there is no test", &|row| {
             row.tested.as_ref().err().map(ToString::to_string)
         }),
-    ];
+    ]);
     let title = format!("Mixed model beside: {}", measure.description);
-    let table = Table::new(&format!("models_{}", measure.name), &title, columns)?;
+    let table = Table::new(&format!("models_{}", measure.name), &title, all)?;
     let table = table.with_note(
         "REML over all trials, with the largest random structure that the design supports; \
          Kenward and Roger 1997. The claims rest on the table of contrasts.",

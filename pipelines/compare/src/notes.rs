@@ -2,10 +2,16 @@
 
 use crate::cells::Cells;
 use crate::unit::Unit;
-use crate::{Parameters, contrasts, means};
+use crate::{Parameters, columns, contrasts, means};
 use zwidth_stats::design_guard;
 use zwidth_study::Families;
-use zwidth_tables::NoteKind;
+use zwidth_tables::{NoteKind, Table};
+
+/// Says below a table that what it is made from was simulated, where any of it was.
+pub(crate) fn mark(table: Table, simulated: bool) -> Table {
+    let note = "SYNTHETIC: made from simulated data, nothing of those was measured.";
+    if simulated { table.with_note_of(NoteKind::Care, note) } else { table }
+}
 
 /// Notes on means.
 pub(crate) fn means(
@@ -79,9 +85,8 @@ fn left_out(
     let environment = &parameters.environments[row.environment];
     (!missing.is_empty()).then(|| {
         let text = format!(
-            "{environment}, {} − {}: without {}, who lack one of the modes.",
-            row.contrast.mode,
-            row.contrast.against,
+            "{environment}, {}: without {}, who lack one of the modes.",
+            columns::name(&row.contrast),
             missing.join(", ")
         );
         (NoteKind::LeftOut, text)

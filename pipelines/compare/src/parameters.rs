@@ -10,6 +10,8 @@ pub struct Parameters {
     pub metric: String,
     /// Whether it is the study's primary metric. The claims of every other one are exploratory.
     pub primary: bool,
+    /// Whether any of the data are simulated.
+    pub simulated: bool,
     /// The environments, in the study's order.
     pub environments: Vec<EnvironmentId>,
     /// For each environment the size up to which differences are equivalent, in the metric's SI

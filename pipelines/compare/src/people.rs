@@ -4,7 +4,7 @@ use crate::cells::{Cells, whole};
 use crate::contrasts::Row;
 use crate::differences::Difference;
 use crate::measure::Measure;
-use crate::{CompareError, Parameters};
+use crate::{CompareError, Parameters, columns};
 use zwidth_stats::Tested;
 use zwidth_tables::{Column, Table};
 
@@ -17,23 +17,20 @@ pub(crate) fn table(
 ) -> Result<Table, CompareError> {
     let all: Vec<(&Row, &Difference)> =
         rows.iter().flat_map(|row| row.differences.iter().map(move |of| (row, of))).collect();
-    let texts = |name, description, of: &dyn Fn(&Row, &Difference) -> String| {
-        Column::text(name, description, all.iter().map(|(row, one)| Some(of(row, one))))
-    };
     let counts = |name, description, of: fn(&Difference) -> usize| {
         Column::integer(name, "1", description, all.iter().map(|(_, one)| whole(of(one))))
     };
     let within = |of: fn(&Tested) -> f64| {
         all.iter().map(move |(_, one)| one.within.as_ref().ok().map(of)).collect::<Vec<_>>()
     };
-    let columns = vec![
-        texts("environment", "what was rendered", &|row, _| {
-            parameters.environments[row.environment].to_string()
-        }),
-        texts("contrast", "the modes compared: the one minus the other", &|row, _| {
-            format!("{} − {}", row.contrast.mode, row.contrast.against)
-        }),
-        texts("participant", "who", &|_, one| cells.participants[one.participant].clone()),
+    let table = vec![
+        columns::environments(parameters, all.iter().map(|(row, _)| row.environment)),
+        columns::contrasts(all.iter().map(|(row, _)| &row.contrast)),
+        Column::text(
+            "participant",
+            "who",
+            all.iter().map(|(_, one)| Some(cells.participants[one.participant].as_str())),
+        ),
         counts("sessions", "sessions that have both modes", |one| one.sessions),
         counts("trials", "trials of the one mode", |one| one.trials[0]),
         counts("trials_with", "trials of the other mode", |one| one.trials[1]),
@@ -59,5 +56,5 @@ pub(crate) fn table(
         ),
     ];
     let title = format!("Participants compared: {}", measure.description);
-    Ok(Table::new(&format!("participants_{}", measure.name), &title, columns)?)
+    Ok(Table::new(&format!("participants_{}", measure.name), &title, table)?)
 }

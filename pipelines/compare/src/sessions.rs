@@ -3,7 +3,7 @@
 
 use crate::cells::{Cell, Cells, whole};
 use crate::measure::Measure;
-use crate::{CompareError, Parameters};
+use crate::{CompareError, Parameters, columns};
 use std::collections::BTreeMap;
 use zwidth_stats::agreement::{Agreement, BlandAltman, agreement, bland_altman};
 use zwidth_stats::paired::{differences, mean_difference};
@@ -96,11 +96,10 @@ fn as_table(
         rows.iter().map(move |row| row.agreement.as_ref().map(of)).collect::<Vec<_>>()
     };
     let number = |name, description, values| Column::float(name, "1", description, values);
-    let columns = vec![
-        texts("environment", "what was rendered", &|row| {
-            Some(parameters.environments[row.environment].to_string())
-        }),
-        texts("mode", "how it was rendered", &|row| Some(parameters.modes[row.mode].to_string())),
+    let change: Vec<Option<Tested>> = rows.iter().map(|row| row.change.clone().ok()).collect();
+    let mut all = vec![
+        columns::environments(parameters, rows.iter().map(|row| row.environment)),
+        columns::modes(parameters, rows.iter().map(|row| row.mode)),
         texts("sessions", "the sessions compared: the later minus the earlier", &|row| {
             let [earlier, later] = row.sessions.map(|session| &cells.sessions[session]);
             Some(format!("{later} − {earlier}"))
@@ -113,10 +112,9 @@ fn as_table(
         ),
         measure.column("mean_later", "mean in the later session", over(0)),
         measure.column("mean_earlier", "mean in the earlier session", over(1)),
-        measure.column("change", "mean change", tested(|t| t.estimate)),
-        measure.column("change_std_error", "its standard error", tested(|t| t.std_error)),
-        measure.column("change_ci_low", "lower end of its interval", tested(|t| t.ci_low)),
-        measure.column("change_ci_high", "upper end of its interval", tested(|t| t.ci_high)),
+    ];
+    all.extend(columns::tested(measure, "change", "mean change", &change));
+    all.extend([
         Column::float("df", "1", "degrees of freedom", tested(|t| t.df)),
         Column::float("p_value", "1", "p value of no change, not adjusted", tested(|t| t.p_value)),
         measure.column(
@@ -152,7 +150,7 @@ fn as_table(
         texts("remark", "why there is no test", &|row| {
             row.change.as_ref().err().map(ToString::to_string)
         }),
-    ];
+    ]);
     let title = format!("Sessions compared: {}", measure.description);
-    Ok(Table::new(&format!("sessions_{}", measure.name), &title, columns)?)
+    Ok(Table::new(&format!("sessions_{}", measure.name), &title, all)?)
 }

@@ -28,6 +28,7 @@ fn parameters() -> Parameters {
     Parameters {
         metric: "step_n".to_owned(),
         primary: true,
+        simulated: false,
         environments: vec!["spring".parse().unwrap()],
         modes: ["active", "passive", "hybrid"].map(mode).to_vec(),
         contrasts: ["active", "passive"].map(contrast).to_vec(),
@@ -80,6 +81,26 @@ fn each_participant_gives_one_difference_and_who_lacks_a_mode_leaves_that_contra
     let left_out = table.notes().iter().find(|note| note.contains("P04")).unwrap();
     assert_eq!(left_out, "spring, hybrid − passive: without P04, who lack one of the modes.");
     assert_eq!(table.texts("unit_of_analysis").unwrap()[0].as_deref(), Some("participants"));
+}
+
+#[test]
+fn every_table_of_simulated_trials_says_so_and_none_of_recorded_ones() {
+    for simulated in [false, true] {
+        let found = compare(&metrics(&four()), &Parameters { simulated, ..parameters() }).unwrap();
+        for table in [
+            found.cells,
+            found.means,
+            found.contrasts,
+            found.models,
+            found.participants,
+            found.sessions,
+            found.learning,
+            found.repeats,
+        ] {
+            let marked = table.notes().iter().any(|note| note.starts_with("SYNTHETIC"));
+            assert_eq!(marked, simulated, "{}", table.name());
+        }
+    }
 }
 
 #[test]
@@ -240,6 +261,7 @@ fn answer_parameters() -> AnswerParameters {
         scale: zwidth_study::AnswerScale::FivePoint,
     };
     AnswerParameters {
+        simulated: true,
         environments: of.environments,
         modes: of.modes,
         questions: vec![question],
@@ -266,6 +288,7 @@ fn answers_are_compared_pair_by_pair_within_each_participant() {
     assert_eq!(table.integers("n").unwrap(), [Some(2)]);
     assert_eq!(table.integers("answers").unwrap(), [Some(8)]);
     near(&floats(&table, "superiority"), &[(0.875 + 0.75) / 2.0]);
+    assert!(table.notes().iter().any(|note| note.starts_with("SYNTHETIC")), "{:?}", table.notes());
 }
 
 #[test]

@@ -440,7 +440,7 @@ pub fn repeats_compared(
         title: Some(plain(&format!("{}: learning, {}", about.title, shown.words))),
         description: format!("{}: mean at each repeat of a condition.", shown.words),
         panels: or_note(panels),
-        footnotes: tables.repeats.notes().iter().map(|note| plain(note)).collect(),
+        footnotes: tables.repeats.notes().first().map(|note| plain(note)).into_iter().collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
     })

@@ -12,6 +12,7 @@ use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_stats::power::{self, Plan, PlannedTest, Simulation};
 use zwidth_store::{StudyData, hex_blake3};
+use zwidth_study::Source;
 use zwidth_tables::Table;
 
 /// The power that a study is planned with.
@@ -152,11 +153,15 @@ fn spread(
             },
         )
     };
+    let simulated = data.counting().any(|trial| trial.meta.source == Source::Twin);
+    let mark = if simulated { " (SYNTHETIC: simulated data)" } else { "" };
     Ok(Spread {
         participant: largest("participant_sd")?,
         participant_mode: largest("participant_mode_sd")?,
         residual: largest("residual_sd")?,
-        source: "the mixed model of the study's trials, the largest over environments".to_owned(),
+        source: format!(
+            "the mixed model of the study's trials, the largest over environments{mark}"
+        ),
     })
 }
 
