@@ -14,6 +14,7 @@ fn metrics(trials: &[Trial]) -> Table {
     let columns = vec![
         text("participant", |t| t.0),
         text("session", |t| t.1),
+        Column::integer("trial", "1", "", (1..=trials.len() as i64).map(Some)),
         Column::integer("repeat", "1", "", trials.iter().map(|t| Some(t.3))),
         text("environment", |_| "spring"),
         text("mode", |t| t.2),
@@ -35,6 +36,7 @@ fn parameters() -> Parameters {
         families: Families::Metric,
         alpha: 0.05,
         level: 0.95,
+        orders: Vec::new(),
     }
 }
 
