@@ -6,14 +6,15 @@ use crate::{likert, metrics};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_compare::{AnswerParameters, Parameters};
+use zwidth_compare::{AnswerParameters, DrawnOrder, Parameters, SessionOrder};
 use zwidth_figures::{
     About, ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED,
     SESSIONS_COMPARED,
 };
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, StudyData, TrialEntry};
-use zwidth_study::{Bound, Environment, MetricId, Source, Study};
+use zwidth_store::{Layout, SessionLog, StudyData, TrialEntry};
+use zwidth_study::order::Rules;
+use zwidth_study::{Bound, Environment, Event, MetricId, Source, Study};
 use zwidth_tables::Table;
 
 const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
@@ -29,13 +30,22 @@ const OTHERS: [&str; 6] = [
 ];
 
 /// What a metric's tables are, by the beginning of their names, in the order of the job's outputs.
-const TABLES: [&str; 8] =
-    ["cells", "means", "contrasts", "models", "participants", "sessions", "learning", "repeats"];
+const TABLES: [&str; 9] = [
+    "cells",
+    "means",
+    "contrasts",
+    "models",
+    "participants",
+    "sessions",
+    "learning",
+    "repeats",
+    "orders",
+];
 
 /// By what a study is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum By {
-    /// Its modes: means and contrasts.
+    /// Its modes: means, contrasts, and these against other orders of the trials.
     Mode,
     /// Its participants: everybody's differences between modes.
     Participant,
@@ -51,7 +61,7 @@ pub enum By {
 pub fn comparison(layout: &Layout, by: By, metric: &str) -> Vec<PathBuf> {
     let names: &[&str] = match by {
         By::Answer => return vec![answers_file(layout)],
-        By::Mode => &["means", "contrasts"],
+        By::Mode => &["means", "contrasts", "orders"],
         By::Participant => &["participants"],
         By::Session => &["sessions"],
         By::Repeat => &["learning"],
@@ -188,7 +198,39 @@ fn parameters(data: &StudyData, metric: &str) -> Parameters {
         families: compare.families,
         alpha: compare.alpha,
         level: compare.level,
+        orders: data.sessions.iter().map(|log| order(log, study)).collect(),
     }
+}
+
+/// How the order of a session came about. It was drawn for the study as it was then.
+fn order(log: &SessionLog, study: &Study) -> SessionOrder {
+    let study = log.study.as_ref().unwrap_or(study);
+    let drawn = log.record.order.map(|order| DrawnOrder {
+        rules: Rules {
+            scheme: order.scheme,
+            ..Rules::of(study, order.participant_number, order.session_number)
+        },
+        seed: log.record.seed,
+        familiarisation: study.design.familiarisation,
+        environments: study.environments.iter().map(|e| e.id.clone()).collect(),
+        modes: study.modes.iter().map(|m| m.id.clone()).collect(),
+        repeated: repeated(&log.events),
+    });
+    let (participant, session) = (log.record.participant.clone(), log.record.session.clone());
+    SessionOrder { participant, session, drawn }
+}
+
+/// The trials that were done in the place of another, which may have been done in that of a third:
+/// the number of each, and the number that the order gave the place.
+fn repeated(events: &[Event]) -> Vec<[u32; 2]> {
+    let mut found: Vec<[u32; 2]> = Vec::new();
+    for event in events {
+        let Event::Superseded { trial, by } = event else { continue };
+        let before = found.iter().find(|[number, _]| number == trial);
+        let place = before.map_or(*trial, |[_, place]| *place);
+        found.push([*by, place]);
+    }
+    found
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
@@ -239,6 +281,7 @@ fn make(parameters: &Parameters, metrics: &PathBuf, making: &Making) -> Result<M
         found.sessions,
         found.learning,
         found.repeats,
+        found.orders,
     ];
     write_tables(&tables, making, Vec::new())
 }
@@ -283,8 +326,8 @@ struct Read([Table; 6]);
 
 impl Read {
     fn of(files: &[PathBuf]) -> Result<Self, JobError> {
-        let [cells, means, contrasts, _, participants, sessions, _, repeats] = files else {
-            return Err("a metric has eight tables".into());
+        let [cells, means, contrasts, _, participants, sessions, _, repeats, _] = files else {
+            return Err("a metric has nine tables".into());
         };
         let read = |file: &PathBuf| Table::from_parquet(file);
         Ok(Self([
@@ -331,4 +374,17 @@ fn draw(figure: Figure, of: &Drawn, files: &[PathBuf], making: &Making) -> Resul
     let read = Read::of(files)?;
     let sources: Vec<Source> = of.sources.iter().copied().collect();
     write_figure(figure(&of.about, &of.environments, &sources, read.tables())?, Vec::new(), making)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trial_that_was_done_again_twice_has_the_place_of_the_first() {
+        let again = |trial, by| Event::Superseded { trial, by };
+        let note = Event::Note { trial: Some(40), text: "slipped".to_owned() };
+        let events = [again(2, 40), note, again(40, 41), again(3, 42)];
+        assert_eq!(repeated(&events), [[40, 2], [41, 2], [42, 3]]);
+    }
 }

@@ -14,6 +14,7 @@
 use crate::{Kind, OrderScheme, PlannedTrial, Scene, Study};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// How often a mode may come in a row in a constrained order.
@@ -36,13 +37,61 @@ pub fn williams(n: usize) -> Vec<Vec<usize>> {
     rows
 }
 
-/// Draws a session: familiarisation first, then a block of trials an environment.
-///
-/// The order of the environments is a row of their Williams square, by participant and session
-/// number in turn. In a Williams block each repeat is one row of the modes' square: over as many
-/// participants as it has rows, every repeat of every environment sees each row once. In a
-/// constrained block the trials are drawn one by one, in proportion to what remains, with no mode
-/// more than twice in a row (a study of one mode has no choice).
+/// All that the order of a session is drawn by, besides the seed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Rules {
+    /// How the order of the modes within a block is drawn.
+    pub scheme: OrderScheme,
+    /// How often each mode comes in a block.
+    pub repeats: u32,
+    /// Number of environments.
+    pub environments: usize,
+    /// Number of modes.
+    pub modes: usize,
+    /// The participant's number in the counterbalancing; it may start anywhere.
+    pub participant_number: u32,
+    /// The session's number in the counterbalancing; it may start anywhere.
+    pub session_number: u32,
+}
+
+/// An order as it was drawn. Environments and modes are numbered from 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Order {
+    /// The modes' order in familiarisation.
+    pub practice: Vec<usize>,
+    /// The blocks, in order.
+    pub blocks: Vec<Block>,
+}
+
+/// The trials of one environment.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Block {
+    /// Which environment.
+    pub environment: usize,
+    /// The mode of each trial.
+    pub modes: Vec<usize>,
+}
+
+impl Rules {
+    /// Those of a session of `study`.
+    pub fn of(study: &Study, participant_number: u32, session_number: u32) -> Rules {
+        Rules {
+            scheme: study.design.order,
+            repeats: study.design.repeats,
+            environments: study.environments.len(),
+            modes: study.modes.len(),
+            participant_number,
+            session_number,
+        }
+    }
+
+    /// Number of trials in a block.
+    pub fn trials_per_block(&self) -> usize {
+        self.modes * self.repeats as usize
+    }
+}
+
+/// Draws a session: familiarisation first, then a block of trials an environment ([`draw_modes`]).
 ///
 /// Familiarisation takes environments in the order of the blocks and all modes in turn, so that few
 /// trials cover every environment and every mode, and environments × modes of them cover every
@@ -56,40 +105,86 @@ pub fn draw(
     session_number: u32,
     seed: u64,
 ) -> Vec<PlannedTrial> {
-    let (environments, modes) = (study.environments.len(), study.modes.len());
-    let person = participant_number as usize;
-    let mut shared = stream(seed, Stream::Study, 0);
-    let blocks = squares(&mut shared, environments);
-    let blocks = &blocks[(person + session_number as usize) % blocks.len()];
-    let mut of_session = stream(seed, Stream::Session, session_number.into());
-    let rows: Vec<_> = (0..environments).map(|_| squares(&mut of_session, modes)).collect();
-    let own = u64::from(participant_number) << u32::BITS | u64::from(session_number);
-    let mut own = stream(seed, Stream::Person, own);
-    let mut plan = familiarisation(&mut own, study.design.familiarisation, blocks, modes);
-    for environment in blocks {
-        let order = match study.design.order {
-            OrderScheme::Williams => by_rows(&rows[*environment], person, study.design.repeats),
-            OrderScheme::Constrained => constrained(&mut own, modes, study.design.repeats as usize),
-        };
-        plan.extend(order.into_iter().map(|mode| (Kind::Trial, *environment, mode)));
+    let drawn = draw_modes(&Rules::of(study, participant_number, session_number), seed);
+    let mut plan = familiarisation(&drawn, study.design.familiarisation);
+    for Block { environment, modes } in drawn.blocks {
+        plan.extend(modes.into_iter().map(|mode| (Kind::Trial, environment, mode)));
     }
     numbered(study, &plan)
 }
 
+/// Draws the modes of each environment's trials.
+///
+/// The order of the environments is a row of their Williams square, by participant and session
+/// number in turn. In a Williams block each repeat is one row of the modes' square: over as many
+/// participants as it has rows, every repeat of every environment sees each row once. In a
+/// constrained block the trials are drawn one by one, in proportion to what remains, with no mode
+/// more than twice in a row (a study of one mode has no choice).
+pub fn draw_modes(rules: &Rules, seed: u64) -> Order {
+    let Rules { scheme, repeats, environments, modes, participant_number, session_number } = *rules;
+    let person = participant_number as usize;
+    let mut shared = stream(seed, Stream::Study, 0);
+    let places = squares(&mut shared, environments);
+    let turn = (person + session_number as usize) % places.len().max(1);
+    let mut of_session = stream(seed, Stream::Session, session_number.into());
+    let rows: Vec<_> = (0..environments).map(|_| squares(&mut of_session, modes)).collect();
+    let own = u64::from(participant_number) << u32::BITS | u64::from(session_number);
+    let mut own = stream(seed, Stream::Person, own);
+    let mut practice: Vec<usize> = (0..modes).collect();
+    shuffle(&mut own, &mut practice);
+    let block = |environment: &usize| Block {
+        environment: *environment,
+        modes: match scheme {
+            OrderScheme::Williams => by_rows(&rows[*environment], person, repeats),
+            OrderScheme::Constrained => constrained(&mut own, modes, repeats as usize),
+        },
+    };
+    let blocks = places.get(turn).into_iter().flatten().map(block).collect();
+    Order { practice, blocks }
+}
+
+/// Whether [`draw_modes`] can draw these modes of an environment's trials, by some seed.
+pub fn can_draw(rules: &Rules, modes: &[usize]) -> bool {
+    let count = |mode: usize| modes.iter().filter(|m| **m == mode).count();
+    let is_whole = modes.len() == rules.trials_per_block()
+        && (0..rules.modes).all(|mode| count(mode) == rules.repeats as usize);
+    let is_free_of_runs =
+        || rules.modes == 1 || !modes.windows(IN_A_ROW + 1).any(|w| w.iter().all(|m| *m == w[0]));
+    is_whole
+        && match rules.scheme {
+            OrderScheme::Williams => are_rows(rules.modes, modes),
+            OrderScheme::Constrained => is_free_of_runs(),
+        }
+}
+
+/// Whether these modes are rows of one Williams square, all rows in turn. The first row may be any
+/// of the square's, whose conditions are named accordingly.
+fn are_rows(n: usize, modes: &[usize]) -> bool {
+    let square = williams(n);
+    let rows: Vec<&[usize]> = modes.chunks(n.max(1)).collect();
+    let Some(first) = rows.first() else { return true };
+    let named = |row: &Vec<usize>, as_first: &Vec<usize>| -> Vec<usize> {
+        let place = |entry: &usize| as_first.iter().position(|e| e == entry).unwrap_or(0);
+        row.iter().map(|entry| first[place(entry)]).collect()
+    };
+    let in_turn = (0..rows.len())
+        .all(|i| (0..i).all(|j| (rows[i] == rows[j]) == ((i - j).is_multiple_of(square.len()))));
+    let is_square = |as_first: &Vec<usize>| {
+        let named: Vec<Vec<usize>> = square.iter().map(|row| named(row, as_first)).collect();
+        rows.iter().all(|row| named.iter().any(|of| of == row))
+    };
+    in_turn && square.iter().any(is_square)
+}
+
 /// Practice trials: (environment, mode) with modes in an order of the participant's own.
-fn familiarisation(
-    rng: &mut ChaCha8Rng,
-    trials: u32,
-    blocks: &[usize],
-    modes: usize,
-) -> Vec<(Kind, usize, usize)> {
-    let mut order: Vec<usize> = (0..modes).collect();
-    shuffle(rng, &mut order);
+fn familiarisation(order: &Order, trials: u32) -> Vec<(Kind, usize, usize)> {
+    let (blocks, modes) = (&order.blocks, &order.practice);
     // Both indices run in step until they meet again at their least common multiple; then the modes
     // shift by one.
-    let period = blocks.len() * modes / gcd(blocks.len(), modes);
+    let period = blocks.len() * modes.len() / gcd(blocks.len(), modes.len());
     let trial = |i: usize| {
-        (Kind::Familiarisation, blocks[i % blocks.len()], order[(i + i / period) % modes])
+        let environment = blocks[i % blocks.len()].environment;
+        (Kind::Familiarisation, environment, modes[(i + i / period) % modes.len()])
     };
     (0..trials as usize).map(trial).collect()
 }
@@ -110,7 +205,8 @@ fn squares(rng: &mut ChaCha8Rng, n: usize) -> Vec<Vec<usize>> {
 
 /// A block by rows: each repeat is one row, and the participant says where to begin.
 fn by_rows(rows: &[Vec<usize>], person: usize, repeats: u32) -> Vec<usize> {
-    (0..repeats as usize).flat_map(|repeat| rows[(person + repeat) % rows.len()].clone()).collect()
+    let row = |repeat: usize| rows.get((person + repeat) % rows.len().max(1)).cloned();
+    (0..repeats as usize).filter_map(row).flatten().collect()
 }
 
 /// Each mode `repeats` times, none more than [`IN_A_ROW`] times in a row.
@@ -388,12 +484,70 @@ mod tests {
         );
     }
 
+    /// Every order drawn can be drawn, and what the scheme rules out cannot.
+    #[test]
+    fn an_order_that_was_drawn_is_one_that_can_be_drawn() {
+        for (scheme, modes, repeats) in
+            [OrderScheme::Williams, OrderScheme::Constrained].into_iter().flat_map(|scheme| {
+                [(scheme, 1, 3), (scheme, 2, 5), (scheme, 3, 6), (scheme, 3, 8), (scheme, 4, 6)]
+            })
+        {
+            let study = study(scheme, modes, repeats);
+            for number in 0..50 {
+                let rules = Rules::of(&study, number, number % 3);
+                for Block { modes, .. } in draw_modes(&rules, u64::from(number)).blocks {
+                    assert!(can_draw(&rules, &modes), "{scheme:?} {modes:?}");
+                    assert!(!can_draw(&rules, &modes[1..]), "one is missing");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_order_that_the_scheme_rules_out_cannot_be_drawn() {
+        let cannot = |scheme, repeats, orders: &[&[usize]]| {
+            let rules = Rules::of(&study(scheme, 3, repeats), 1, 1);
+            orders.iter().for_each(|order| assert!(!can_draw(&rules, order), "{order:?}"));
+        };
+        // Not each mode once in each repeat; a row twice before all came; a mode too often.
+        cannot(
+            OrderScheme::Williams,
+            2,
+            &[&[0, 1, 1, 2, 0, 2], &[0, 1, 2, 0, 1, 2], &[0, 1, 2, 0, 1, 1]],
+        );
+        cannot(OrderScheme::Constrained, 3, &[&[0, 0, 0, 1, 2, 1, 2, 1, 2], &[0; 9], &[3; 9], &[]]);
+        let rules = Rules::of(&study(OrderScheme::Williams, 4, 2), 1, 1);
+        // In a square each mode begins one row.
+        assert!(can_draw(&rules, &[0, 1, 3, 2, 1, 2, 0, 3]));
+        assert!(!can_draw(&rules, &[0, 1, 3, 2, 0, 1, 2, 3]));
+    }
+
+    /// Every one of the 720 orders of a block that the rule admits is drawn by some seed, and each
+    /// about as often.
+    #[test]
+    fn each_order_of_a_williams_block_is_as_likely() {
+        let rules = Rules::of(&study(OrderScheme::Williams, 3, 6), 1, 1);
+        let mut found: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
+        for seed in 0..36_000 {
+            let drawn = draw_modes(&rules, seed);
+            *found.entry(drawn.blocks[0].modes.clone()).or_default() += 1;
+        }
+        assert_eq!(found.len(), 720);
+        // Poisson with mean 50: all within 5 of its deviations.
+        assert!(found.values().all(|n| (15..=85).contains(n)), "{:?}", found.values().max());
+    }
+
     /// The largest numbers that fit are numbers like any other.
     #[test]
     fn numbers_may_be_anything() {
         let study = study(OrderScheme::Williams, 3, 6);
         for number in [0, u32::MAX] {
             assert_eq!(draw(&study, number, number, u64::MAX).len(), 39);
+        }
+        for (environments, modes) in [(0, 0), (0, 3), (2, 0)] {
+            let rules = Rules { environments, modes, ..Rules::of(&study, 1, 1) };
+            assert!(draw_modes(&rules, 1).blocks.iter().all(|block| block.modes.is_empty()));
+            assert!(can_draw(&Rules { modes: 0, ..rules }, &[]));
         }
     }
 }

@@ -3,10 +3,12 @@
 use crate::cells::{Cells, whole};
 use crate::differences::{Difference, of_everybody};
 use crate::measure::Measure;
+use crate::orders::{NoTest, SharpNull};
 use crate::unit::Unit;
 use crate::{CompareError, Parameters, columns};
 use zwidth_stats::null::Sampling;
 use zwidth_stats::paired::{self, Verdict};
+use zwidth_stats::sharp_null::Randomised;
 use zwidth_stats::{StatsError, Tested, Unestimable, holm, sign_flip, signed_rank};
 use zwidth_study::{Contrast, Families};
 use zwidth_tables::{Column, Table};
@@ -25,8 +27,12 @@ pub(crate) struct Row {
     pub(crate) differences: Vec<Difference>,
     /// Their mean with its test, or why there is none.
     pub(crate) tested: Result<Tested, Unestimable>,
-    /// The p value, adjusted for the other contrasts of the family.
+    /// The test by randomisation over orders, or why there is none.
+    pub(crate) sharp_null: Result<Randomised, NoTest>,
+    /// The p value of the claim, adjusted for the other contrasts of the family.
     pub(crate) p_adjusted: Option<f64>,
+    /// The smallest that it can be, where the test counts orders.
+    pub(crate) smallest_p_adjusted: Option<f64>,
     /// The p value of "the difference is not within the bound", where there is a bound.
     pub(crate) p_not_equivalent: Option<f64>,
     /// What these two say.
@@ -41,24 +47,66 @@ impl Row {
             Unit::Trials { .. } => self.differences.iter().flat_map(|d| d.trials).sum(),
         }
     }
+
+    /// The p value that a claim rests on, before it is adjusted: that of the participants'
+    /// differences; with one participant, that of the sharp null.
+    fn p_of_claim(&self, unit: &Unit) -> Option<f64> {
+        match unit {
+            Unit::Participants => self.tested.as_ref().ok().map(|tested| tested.p_value),
+            Unit::Trials { .. } => self.sharp_null.as_ref().ok().map(|test| test.p_value),
+        }
+    }
+
+    /// The smallest p value that the design's orders reach, where the claim rests on them.
+    fn smallest_p(&self, unit: &Unit) -> Option<f64> {
+        match unit {
+            Unit::Participants => None,
+            Unit::Trials { .. } => self.sharp_null.as_ref().ok().map(|test| test.smallest_p),
+        }
+    }
+
+    /// The smallest adjusted p value, where it is not below `alpha`: no claim can be made.
+    pub(crate) fn out_of_reach(&self, alpha: f64) -> Option<f64> {
+        self.smallest_p_adjusted.filter(|p| *p >= alpha)
+    }
+
+    /// What the tests show, in words; why there is none.
+    fn verdict_in_words(&self, unit: &Unit, alpha: f64) -> Option<String> {
+        let reached =
+            |p: f64| format!(": the design's orders reach an adjusted p of {p:.4} at best");
+        let words = |verdict: Verdict| match verdict {
+            Verdict::Undecided => {
+                let reached = self.out_of_reach(alpha).map(reached).unwrap_or_default();
+                format!("{}{reached}", verdict.words())
+            }
+            shown => shown.words().to_owned(),
+        };
+        let why = match unit {
+            Unit::Participants => self.tested.as_ref().err().map(ToString::to_string),
+            Unit::Trials { .. } => self.sharp_null.as_ref().err().map(ToString::to_string),
+        };
+        self.verdict.map(words).or_else(|| why.map(|why| format!("no test: {why}")))
+    }
 }
 
 /// Every contrast of every environment that somebody has, tested, with p values adjusted (Holm)
 /// family by family.
 pub(crate) fn rows(
     cells: &Cells,
+    orders: &[SharpNull],
     unit: &Unit,
     parameters: &Parameters,
 ) -> Result<Vec<Row>, CompareError> {
     let mut rows = Vec::new();
-    for environment in 0..parameters.environments.len() {
-        for contrast in &parameters.contrasts {
+    for (environment, orders) in orders.iter().enumerate() {
+        for (contrast, sharp_null) in parameters.contrasts.iter().zip(&orders.contrasts) {
             let place = |mode| parameters.modes.iter().position(|m| m == mode);
             let modes = place(&contrast.mode).zip(place(&contrast.against));
             let Some((mode, with)) = modes else { continue };
             let differences = of_everybody(cells, environment, [mode, with], parameters.level);
             if !differences.is_empty() {
-                rows.push(row(environment, contrast, differences, unit, parameters)?);
+                let test = sharp_null.clone();
+                rows.push(row(environment, contrast, differences, test, unit, parameters)?);
             }
         }
     }
@@ -67,7 +115,7 @@ pub(crate) fn rows(
         Families::Environment => a.environment == b.environment,
     };
     for family in rows.chunk_by_mut(together) {
-        adjust(family, parameters.alpha)?;
+        adjust(family, unit, parameters.alpha)?;
     }
     Ok(rows)
 }
@@ -76,6 +124,7 @@ fn row(
     environment: usize,
     contrast: &Contrast,
     differences: Vec<Difference>,
+    sharp_null: Result<Randomised, NoTest>,
     unit: &Unit,
     parameters: &Parameters,
 ) -> Result<Row, StatsError> {
@@ -95,20 +144,28 @@ fn row(
         contrast: contrast.clone(),
         differences,
         tested,
+        sharp_null,
         p_adjusted: None,
+        smallest_p_adjusted: None,
         p_not_equivalent: equivalence.map(|e| e.p_value()),
         verdict: None,
     })
 }
 
-/// Adjusts the p values of one family.
-fn adjust(rows: &mut [Row], alpha: f64) -> Result<(), StatsError> {
-    let tested = |row: &Row| row.tested.as_ref().ok().map(|tested| tested.p_value);
-    let adjusted = holm::adjusted(&rows.iter().filter_map(tested).collect::<Vec<_>>())?;
-    let with_p = rows.iter_mut().filter(|row| row.tested.is_ok());
-    for (row, p) in with_p.zip(adjusted) {
+/// Adjusts the p values of one family, and the smallest that they can be.
+fn adjust(rows: &mut [Row], unit: &Unit, alpha: f64) -> Result<(), StatsError> {
+    let adjusted = |p: fn(&Row, &Unit) -> Option<f64>| {
+        holm::adjusted(&rows.iter().filter_map(|row| p(row, unit)).collect::<Vec<_>>())
+    };
+    let (claims, smallest) = (adjusted(Row::p_of_claim)?, adjusted(Row::smallest_p)?);
+    let with_claim = rows.iter_mut().filter(|row| row.p_of_claim(unit).is_some());
+    for (row, p) in with_claim.zip(claims) {
         row.p_adjusted = Some(p);
         row.verdict = Some(Verdict::new(p, row.p_not_equivalent, alpha));
+    }
+    let with_smallest = rows.iter_mut().filter(|row| row.smallest_p(unit).is_some());
+    for (row, p) in with_smallest.zip(smallest) {
+        row.smallest_p_adjusted = Some(p);
     }
     Ok(())
 }
@@ -165,16 +222,29 @@ pub(crate) fn table(
         measure.column("difference_std_error", "its standard error", tested(|t| t.std_error)),
         measure.column("difference_ci_low", "lower end of its interval", tested(|t| t.ci_low)),
         measure.column("difference_ci_high", "upper end of its interval", tested(|t| t.ci_high)),
-        number("statistic", "t statistic", tested(|t| t.statistic)),
-        number("df", "degrees of freedom", tested(|t| t.df)),
-        number("p_value", "p value of no difference", tested(|t| t.p_value)),
-        number(
-            "p_adjusted",
-            "the same, adjusted over its family by Holm",
-            rows.iter().map(|row| row.p_adjusted).collect(),
-        ),
     ];
-    if *unit == Unit::Participants {
+    let sharp_null = number(
+        "p_sharp_null",
+        "p value of no trial depending on mode (randomisation over orders), not adjusted",
+        rows.iter().map(|row| row.sharp_null.as_ref().ok().map(|test| test.p_value)).collect(),
+    );
+    let adjusted = |description| {
+        number("p_adjusted", description, rows.iter().map(|row| row.p_adjusted).collect())
+    };
+    if let Unit::Trials { .. } = unit {
+        all.push(number("df", "degrees of freedom of the interval", tested(|t| t.df)));
+        all.push(sharp_null);
+        all.push(adjusted("that of no trial depending on mode, adjusted over its family by Holm"));
+        all.push(number(
+            "smallest_p_adjusted",
+            "the smallest adjusted p value that the design's orders reach",
+            rows.iter().map(|row| row.smallest_p_adjusted).collect(),
+        ));
+    } else {
+        all.push(number("statistic", "t statistic", tested(|t| t.statistic)));
+        all.push(number("df", "degrees of freedom", tested(|t| t.df)));
+        all.push(number("p_value", "p value of no difference", tested(|t| t.p_value)));
+        all.push(adjusted("the same, adjusted over its family by Holm"));
         all.push(number(
             "d_av",
             "difference over the root mean of the modes' variances between participants",
@@ -190,6 +260,7 @@ pub(crate) fn table(
             "p value of the signed-rank test, not adjusted",
             rows.iter().map(signed_rank).collect(),
         ));
+        all.push(sharp_null);
     }
     if parameters.bounds.iter().any(Option::is_some) {
         all.push(measure.column(
@@ -204,8 +275,7 @@ pub(crate) fn table(
         ));
     }
     all.push(texts("verdict", "what the tests show", &|row| {
-        let found = row.verdict.map(|verdict| verdict.words().to_owned());
-        found.or_else(|| row.tested.as_ref().err().map(|why| format!("no test: {why}")))
+        row.verdict_in_words(unit, parameters.alpha)
     }));
     let title = format!("Modes compared: {}", measure.description);
     Ok(Table::new(&format!("contrasts_{}", measure.name), &title, all)?)

@@ -8,8 +8,9 @@
 //! averaged with equal weight, per environment. Repeats of one person are not people: with several
 //! participants n counts participants, and each contributes one difference, tested by Student's t
 //! with n − 1 degrees of freedom (the differences carry their own variance, so no sphericity is
-//! assumed). With one participant, n counts trials and everything is said "within this
-//! participant" (Welch's test, sessions as strata).
+//! assumed). With one participant, n counts trials, everything is said "within this participant",
+//! and claims rest on randomisation over the orders that the design could have drawn; Welch's
+//! interval (sessions as strata) stands beside as a description.
 //!
 //! # Families
 //! The contrasts of the primary metric over all environments are one family of claims, adjusted
@@ -21,12 +22,14 @@ mod cells;
 mod columns;
 mod contrasts;
 mod differences;
+mod drawn;
 mod error;
 mod learning;
 mod means;
 mod measure;
 mod models;
 mod notes;
+mod orders;
 mod parameters;
 mod people;
 mod repeats;
@@ -36,6 +39,7 @@ mod tests;
 mod unit;
 
 pub use answers::{AnswerParameters, compare_answers};
+pub use drawn::{DrawnOrder, SessionOrder};
 pub use error::CompareError;
 pub use measure::Measure;
 pub use parameters::Parameters;
@@ -45,10 +49,10 @@ use unit::Unit;
 use zwidth_tables::{NoteKind, Table};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// The columns of the metrics that a comparison reads besides the metric.
-pub const COLUMNS: [&str; 5] = ["participant", "session", "environment", "mode", "repeat"];
+pub const COLUMNS: [&str; 6] = ["participant", "session", "trial", "environment", "mode", "repeat"];
 
 /// The tables of one metric.
 #[derive(Debug, Clone)]
@@ -69,6 +73,8 @@ pub struct Compared {
     pub learning: Table,
     /// Means at each repeat.
     pub repeats: Table,
+    /// Differences between modes against other orders of the trials.
+    pub orders: Table,
 }
 
 /// Compares the modes, participants and sessions of one metric. `metrics` has one row per trial.
@@ -79,7 +85,8 @@ pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, Com
     let measure = &Measure::of(metrics, &parameters.metric)?;
     let cells = Cells::of(metrics, measure, parameters)?;
     let unit = &Unit::of(&cells);
-    let contrasts = contrasts::rows(&cells, unit, parameters)?;
+    let orders = orders::sharp_nulls(metrics, measure, parameters, orders::SAMPLING)?;
+    let contrasts = contrasts::rows(&cells, &orders, unit, parameters)?;
     let means = means::rows(&cells, unit, parameters)?;
     let noted = |table: Table, notes: Vec<(NoteKind, String)>| {
         notes.into_iter().fold(table, |table, (kind, note)| table.with_note_of(kind, note))
@@ -100,5 +107,6 @@ pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, Com
         sessions: marked(sessions::table(&cells, measure, parameters)?),
         learning: marked(learning::table(metrics, unit, measure, parameters)?),
         repeats: marked(repeats::table(metrics, unit, measure, parameters)?),
+        orders: marked(orders::table(&orders, measure, parameters)?),
     })
 }

@@ -48,15 +48,22 @@ pub(crate) fn contrasts(
     );
     let test = match unit {
         Unit::Participants => {
-            "Test: Student's t of the participants' differences, n − 1 degrees of freedom."
+            "Test: Student's t of the participants' differences, n − 1 degrees of freedom. The \
+             sharp null beside it: that no trial of anyone depended on mode, by other orders that \
+             the design could have drawn; it is no test of the average difference."
         }
-        Unit::Trials { .. } => "Test: Welch's, sessions as strata.",
+        Unit::Trials { .. } => {
+            "Test: the sharp null, that no trial depended on mode, by other orders that the design \
+             could have drawn. Intervals: Welch's, sessions as strata, as a description."
+        }
     };
     let general = [of_whom(unit), test.to_owned(), family];
     let general = general.into_iter().map(|text| (NoteKind::General, text));
     let guard = guard(rows, unit, parameters).into_iter().map(|text| (NoteKind::Limit, text));
     general
+        .chain(reached(rows, parameters.alpha))
         .chain(guard)
+        .chain(not_randomised(rows, parameters))
         .chain(rows.iter().filter_map(|row| left_out(row, cells, parameters)))
         .collect()
 }
@@ -69,6 +76,41 @@ fn guard(rows: &[contrasts::Row], unit: &Unit, parameters: &Parameters) -> Optio
     }
     let reached = design_guard::check(fewest, parameters.contrasts.len(), parameters.alpha);
     reached.err().map(|why| format!("Exact tests: {why}"))
+}
+
+/// The smallest p value that the design's orders reach, and the claims that they cannot carry.
+fn reached(rows: &[contrasts::Row], alpha: f64) -> Vec<(NoteKind, String)> {
+    let tests = rows.iter().filter_map(|row| row.sharp_null.as_ref().ok());
+    let Some(smallest) = tests.map(|test| test.smallest_p).min_by(f64::total_cmp) else {
+        return Vec::new();
+    };
+    let adjusted = rows.iter().filter_map(|row| row.smallest_p_adjusted).min_by(f64::total_cmp);
+    let adjusted = adjusted.map(|p| format!(", {p:.4} after Holm")).unwrap_or_default();
+    let text =
+        format!("Sharp null: the design's orders reach p = {smallest:.4} at best{adjusted}.");
+    let refused = rows.iter().filter(|row| row.out_of_reach(alpha).is_some()).count();
+    let refusal = (refused > 0).then(|| {
+        let text = format!(
+            "No claim can be made of {refused} of {} contrasts: however large the effect, the \
+             design's orders bring no adjusted p below {alpha}. More repeats, or order = \
+             \"constrained\" in study.toml, would give more orders.",
+            rows.len()
+        );
+        (NoteKind::Limit, text)
+    });
+    [(NoteKind::General, text)].into_iter().chain(refusal).collect()
+}
+
+/// Environments without a test of the sharp null, and why.
+fn not_randomised(rows: &[contrasts::Row], parameters: &Parameters) -> Vec<(NoteKind, String)> {
+    let of_environment = rows.chunk_by(|a, b| a.environment == b.environment);
+    let words = |rows: &[contrasts::Row]| {
+        let row = rows.first()?;
+        let why = row.sharp_null.as_ref().err()?;
+        let environment = &parameters.environments[row.environment];
+        Some((NoteKind::Care, format!("{environment}: no test of the sharp null: {why}.")))
+    };
+    of_environment.filter_map(words).collect()
 }
 
 /// Who took part and has not both modes of a contrast.

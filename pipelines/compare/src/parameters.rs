@@ -1,5 +1,6 @@
 //! What a comparison of one metric depends on besides the metrics.
 
+use crate::SessionOrder;
 use serde::Serialize;
 use zwidth_study::{Contrast, EnvironmentId, Families, ModeId};
 
@@ -27,4 +28,6 @@ pub struct Parameters {
     pub alpha: f64,
     /// Level of every interval, as a fraction.
     pub level: f64,
+    /// How the orders of the sessions came about.
+    pub orders: Vec<SessionOrder>,
 }

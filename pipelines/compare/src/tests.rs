@@ -14,6 +14,7 @@ fn metrics(trials: &[Trial]) -> Table {
     let columns = vec![
         text("participant", |t| t.0),
         text("session", |t| t.1),
+        Column::integer("trial", "1", "", (1..=trials.len() as i64).map(Some)),
         Column::integer("repeat", "1", "", trials.iter().map(|t| Some(t.3))),
         text("environment", |_| "spring"),
         text("mode", |t| t.2),
@@ -36,6 +37,7 @@ fn parameters() -> Parameters {
         families: Families::Metric,
         alpha: 0.05,
         level: 0.95,
+        orders: Vec::new(),
     }
 }
 
@@ -96,6 +98,7 @@ fn every_table_of_simulated_trials_says_so_and_none_of_recorded_ones() {
             found.sessions,
             found.learning,
             found.repeats,
+            found.orders,
         ] {
             let marked = table.notes().iter().any(|note| note.starts_with("SYNTHETIC"));
             assert_eq!(marked, simulated, "{}", table.name());

@@ -104,23 +104,55 @@ impl Trials {
         redraw: impl Fn(u64) -> Vec<usize> + Sync,
     ) -> Result<Randomised, Unestimable> {
         let observed = self.observed(statistic)?;
+        let drawn = self.measure_drawn(&[statistic], sampling, redraw)?.concat();
+        Ok(self.sampled(statistic, observed, &drawn))
+    }
+
+    /// [`Trials::against_drawn`] for each of several statistics, with each order drawn once for all
+    /// of them.
+    pub fn each_against_drawn(
+        &self,
+        statistics: &[Statistic],
+        sampling: Sampling,
+        redraw: impl Fn(u64) -> Vec<usize> + Sync,
+    ) -> Vec<Result<Randomised, Unestimable>> {
+        let observed: Vec<_> = statistics.iter().map(|of| self.observed(*of)).collect();
+        let draws = if observed.iter().any(Result::is_ok) { sampling.draws } else { 0 };
+        let drawn = self.measure_drawn(statistics, Sampling { draws, ..sampling }, redraw);
+        let one = |(place, observed): (usize, Result<f64, Unestimable>)| {
+            let observed = observed?;
+            let drawn = drawn.as_ref().map_err(Clone::clone)?;
+            let drawn: Vec<f64> = drawn.iter().map(|found| found[place]).collect();
+            Ok(self.sampled(statistics[place], observed, &drawn))
+        };
+        observed.into_iter().enumerate().map(one).collect()
+    }
+
+    /// The statistics of each order drawn.
+    fn measure_drawn(
+        &self,
+        statistics: &[Statistic],
+        sampling: Sampling,
+        redraw: impl Fn(u64) -> Vec<usize> + Sync,
+    ) -> Result<Vec<Vec<f64>>, StatsError> {
         let one = |number| {
             let order = redraw(stream(sampling.seed, number).next_u64());
             check_order(&order, self.centred.len(), self.modes)?;
-            Ok(self.measure(statistic, &order))
+            Ok(statistics.iter().map(|of| self.measure(*of, &order)).collect())
         };
-        let drawn: Result<Vec<f64>, StatsError> =
-            (0..sampling.draws as u64).into_par_iter().map(one).collect();
-        let drawn = drawn?;
+        (0..sampling.draws as u64).into_par_iter().map(one).collect()
+    }
+
+    fn sampled(&self, statistic: Statistic, observed: f64, drawn: &[f64]) -> Randomised {
         let p = |value| {
-            (1 + self.as_extreme(statistic, &drawn, value)) as f64 / (1 + drawn.len()) as f64
+            (1 + self.as_extreme(statistic, drawn, value)) as f64 / (1 + drawn.len()) as f64
         };
-        Ok(Randomised {
+        Randomised {
             statistic: observed,
             p_value: p(observed),
-            smallest_p: p(largest(&drawn).max(observed)),
-            null: Null::Sampled { draws: sampling.draws },
-        })
+            smallest_p: p(largest(drawn).max(observed)),
+            null: Null::Sampled { draws: drawn.len() },
+        }
     }
 
     /// p = the share of `orders` at least as extreme, where `orders` are all that the design can

@@ -181,3 +181,17 @@ fn data_without_an_answer_say_why() {
     let missing = trials.against_drawn(PAIR, SAMPLING, |_| vec![0, 0]).unwrap();
     near(missing.p_value, 1.0);
 }
+
+#[test]
+fn statistics_measured_together_are_those_measured_alone() {
+    let study = study(OrderScheme::Williams);
+    let trials = one(&values(18, 5), &drawn(&study, 1, 1), 3);
+    let redraw = |seed| drawn(&study, 1, seed);
+    let statistics = [PAIR, ANY, Statistic::Difference(2, 0)];
+    let together = trials.each_against_drawn(&statistics, SAMPLING, redraw);
+    for (statistic, found) in statistics.into_iter().zip(together) {
+        assert_eq!(found, trials.against_drawn(statistic, SAMPLING, redraw));
+    }
+    let none = one(&[1.0, 1.0], &[0, 1], 2);
+    assert!(none.each_against_drawn(&[PAIR], SAMPLING, |_| unreachable!())[0].is_err());
+}

@@ -1,0 +1,301 @@
+//! Randomisation over orders: had the trials come in another order that the design could have
+//! drawn, would the modes have differed as much?
+//!
+//! The hypothesis is the sharp null: *no trial of anyone* depended on mode, carry-over included. It
+//! is not that of an average effect. Orders are redrawn for all participants and sessions together,
+//! by the rules and with the probabilities that drew theirs ([`zwidth_study::order`]).
+
+use crate::cells::{KEYS, whole};
+use crate::measure::Measure;
+use crate::{CompareError, Parameters, SessionOrder, columns};
+use std::collections::{BTreeMap, BTreeSet};
+use zwidth_stats::Unestimable;
+use zwidth_stats::null::Sampling;
+use zwidth_stats::sharp_null::{Randomised, Statistic, Trials};
+use zwidth_study::order::{Rules, can_draw, draw_modes};
+use zwidth_tables::{Column, Table};
+
+/// How many orders are drawn besides the actual one.
+pub(crate) const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
+
+/// What the test between all modes is sensitive to.
+const ANY_EFFECT: &str = "any effect";
+
+/// Why there is no randomisation over orders.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub(crate) enum NoTest {
+    /// Imported, or recorded by others.
+    #[error("the order of {session} was not drawn by this program")]
+    NotDrawn {
+        /// Participant and session.
+        session: String,
+    },
+    /// Trials are missing or excluded, or there are others.
+    #[error("{session} has {found} trials that count where its order has {planned}")]
+    NotWhole {
+        /// Participant and session.
+        session: String,
+        /// Trials that count.
+        found: usize,
+        /// Trials of the order.
+        planned: usize,
+    },
+    /// Trials with other modes or in another sequence.
+    #[error("the trials of {session} came in an order that its design could not have drawn")]
+    OtherOrder {
+        /// Participant and session.
+        session: String,
+    },
+    /// Orders that could be drawn, and values that have no test.
+    #[error(transparent)]
+    Unestimable(#[from] Unestimable),
+}
+
+/// The tests of one environment.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SharpNull {
+    /// Sessions.
+    pub(crate) sessions: usize,
+    /// Trials that have the metric.
+    pub(crate) trials: usize,
+    /// Between all modes.
+    pub(crate) any_effect: Result<Randomised, NoTest>,
+    /// Between the two modes of each of [`Parameters::contrasts`].
+    pub(crate) contrasts: Vec<Result<Randomised, NoTest>>,
+}
+
+/// The trials of one session in one environment: the mode and the value of each by its place in
+/// the session's order. Modes as [`Parameters::modes`] has them.
+type Places = Vec<(u32, usize, Option<f64>)>;
+
+/// A session whose order can be redrawn in one environment.
+struct Redrawn {
+    rules: Rules,
+    /// The environment as the rules number it.
+    environment: usize,
+    /// The modes as the rules number them, by their places among [`Parameters::modes`].
+    modes: Vec<usize>,
+    /// Sessions of one number have one seed.
+    seed: u64,
+    /// The actual modes of the trials that have the metric, and their values.
+    actual: Vec<usize>,
+    values: Vec<f64>,
+    /// Whether the trial in each place of the block has the metric.
+    has: Vec<bool>,
+}
+
+/// The tests of each environment, in the order of [`Parameters::environments`].
+///
+/// A trial without the metric is left out of every order alike: under the sharp null it would have
+/// had none in any mode.
+pub(crate) fn sharp_nulls(
+    metrics: &Table,
+    measure: &Measure,
+    parameters: &Parameters,
+    sampling: Sampling,
+) -> Result<Vec<SharpNull>, CompareError> {
+    let by_session = by_session(metrics, measure, parameters)?;
+    Ok((0..parameters.environments.len())
+        .map(|environment| {
+            let here = by_session.iter().filter(|((of, _), _)| *of == environment);
+            let sessions: Vec<(&[String; 2], &Places)> =
+                here.map(|((_, session), places)| (session, places)).collect();
+            sharp_null(environment, &sessions, parameters, sampling)
+        })
+        .collect())
+}
+
+fn by_session(
+    metrics: &Table,
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Result<BTreeMap<(usize, [String; 2]), Places>, CompareError> {
+    let [participants, sessions, environments, modes] = KEYS.map(|key| metrics.texts(key));
+    let (participants, sessions) = (participants?, sessions?);
+    let (environments, modes) = (environments?, modes?);
+    let (trials, values) = (metrics.integers("trial")?, metrics.floats(&measure.name)?);
+    let mut found: BTreeMap<_, Places> = BTreeMap::new();
+    for row in 0..metrics.height() {
+        let text = |column: &[Option<String>]| column[row].clone().unwrap_or_default();
+        let (environment, mode) = (text(&environments), text(&modes));
+        let environment = parameters.environments.iter().position(|e| e.as_str() == environment);
+        let mode = parameters.modes.iter().position(|m| m.as_str() == mode);
+        let (Some(environment), Some(mode)) = (environment, mode) else { continue };
+        let trial = trials[row].and_then(|trial| u32::try_from(trial).ok()).unwrap_or(0);
+        let session = [text(&participants), text(&sessions)];
+        found.entry((environment, session)).or_default().push((trial, mode, values[row]));
+    }
+    Ok(found)
+}
+
+fn sharp_null(
+    environment: usize,
+    sessions: &[(&[String; 2], &Places)],
+    parameters: &Parameters,
+    sampling: Sampling,
+) -> SharpNull {
+    let redrawn: Result<Vec<Redrawn>, NoTest> = sessions
+        .iter()
+        .map(|(session, places)| redrawn(environment, session, places, parameters))
+        .collect();
+    let found = redrawn.and_then(|sessions| tests(&sessions, parameters, sampling));
+    let has = |places: &Places| places.iter().filter(|(_, _, value)| value.is_some()).count();
+    let each = parameters.contrasts.len();
+    let (any_effect, contrasts) = match found {
+        Ok(found) => found,
+        Err(why) => (Err(why.clone()), vec![Err(why); each]),
+    };
+    SharpNull {
+        sessions: sessions.len(),
+        trials: sessions.iter().map(|(_, places)| has(places)).sum(),
+        any_effect,
+        contrasts,
+    }
+}
+
+type Tests = (Result<Randomised, NoTest>, Vec<Result<Randomised, NoTest>>);
+
+/// Any effect, and each contrast.
+fn tests(
+    sessions: &[Redrawn],
+    parameters: &Parameters,
+    sampling: Sampling,
+) -> Result<Tests, NoTest> {
+    let place = |mode| parameters.modes.iter().position(|m| m == mode).unwrap_or(usize::MAX);
+    let pairs = parameters
+        .contrasts
+        .iter()
+        .map(|contrast| Statistic::Difference(place(&contrast.mode), place(&contrast.against)));
+    let statistics: Vec<Statistic> = [Statistic::BetweenModes].into_iter().chain(pairs).collect();
+    let values: Vec<f64> = sessions.iter().flat_map(|s| s.values.clone()).collect();
+    let actual: Vec<usize> = sessions.iter().flat_map(|s| s.actual.clone()).collect();
+    let blocks = sessions.iter().enumerate();
+    let block: Vec<usize> = blocks.flat_map(|(i, s)| vec![i; s.values.len()]).collect();
+    let trials = Trials::new(&values, &block, &actual, parameters.modes.len())?;
+    let redraw = |seed| sessions.iter().flat_map(|session| session.redraw(seed)).collect();
+    let found = trials.each_against_drawn(&statistics, sampling, redraw);
+    let mut found = found.into_iter().map(|test| test.map_err(NoTest::from));
+    let none = || Err(Unestimable::TooFew { units: "trials", found: 0, needed: 1 }.into());
+    Ok((found.next().unwrap_or_else(none), found.collect()))
+}
+
+/// A session's trials in one environment, if they are a whole order of its design.
+fn redrawn(
+    environment: usize,
+    [participant, session]: &[String; 2],
+    places: &Places,
+    parameters: &Parameters,
+) -> Result<Redrawn, NoTest> {
+    let name = || format!("{participant} {session}");
+    let is_it = |order: &&SessionOrder| {
+        (order.participant.as_str(), order.session.as_str()) == (participant, session)
+    };
+    let order = parameters.orders.iter().find(is_it).and_then(|order| order.drawn.as_ref());
+    let order = order.ok_or_else(|| NoTest::NotDrawn { session: name() })?;
+    let planned = order.rules.trials_per_block();
+    if places.len() != planned {
+        return Err(NoTest::NotWhole { session: name(), found: places.len(), planned });
+    }
+    let environment = &parameters.environments[environment];
+    let environment = order.environments.iter().position(|e| e == environment);
+    let place = |mode| parameters.modes.iter().position(|m| m == mode);
+    let modes: Option<Vec<usize>> = order.modes.iter().map(place).collect();
+    let other = || NoTest::OtherOrder { session: name() };
+    let (environment, modes) = environment.zip(modes).ok_or_else(other)?;
+    let mut places: Places =
+        places.iter().map(|(trial, mode, value)| (order.place(*trial), *mode, *value)).collect();
+    places.sort_by_key(|(place, ..)| *place);
+    let numbers: Option<Vec<usize>> =
+        places.iter().map(|(_, mode, _)| modes.iter().position(|m| m == mode)).collect();
+    let numbers = numbers.ok_or_else(other)?;
+    let in_block = places.iter().zip(order.first_of_block(places[0].0)..);
+    if !in_block.clone().all(|((place, ..), expected)| *place == expected)
+        || !can_draw(&order.rules, &numbers)
+    {
+        return Err(other());
+    }
+    let there = || places.iter().filter_map(|(_, mode, value)| Some((*mode, (*value)?)));
+    Ok(Redrawn {
+        rules: order.rules,
+        environment,
+        modes,
+        seed: seed_number(order.seed, parameters),
+        actual: there().map(|(mode, _)| mode).collect(),
+        values: there().map(|(_, value)| value).collect(),
+        has: places.iter().map(|(_, _, value)| value.is_some()).collect(),
+    })
+}
+
+/// The place of a seed among all that sessions were drawn with.
+fn seed_number(seed: Option<u64>, parameters: &Parameters) -> u64 {
+    let drawn = parameters.orders.iter().filter_map(|order| order.drawn.as_ref());
+    let seeds: BTreeSet<Option<u64>> = drawn.map(|drawn| drawn.seed).collect();
+    seeds.range(..seed).count() as u64
+}
+
+impl Redrawn {
+    /// The modes of the trials that have the metric, in an order that the design draws by a seed.
+    /// Seeds that differ, by however little, give orders that have nothing to do with each other.
+    fn redraw(&self, seed: u64) -> Vec<usize> {
+        let order = draw_modes(&self.rules, seed.wrapping_add(self.seed));
+        let block = order.blocks.into_iter().find(|block| block.environment == self.environment);
+        let modes = block.map(|block| block.modes).unwrap_or_default();
+        let there = modes.into_iter().zip(&self.has).filter(|(_, has)| **has);
+        there.map(|(mode, _)| self.modes[mode]).collect()
+    }
+}
+
+/// The tests as a table: for each environment any effect, then each contrast.
+pub(crate) fn table(
+    tests: &[SharpNull],
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Result<Table, CompareError> {
+    let names = || {
+        [ANY_EFFECT.to_owned()].into_iter().chain(parameters.contrasts.iter().map(columns::name))
+    };
+    let all: Vec<(usize, String, &Result<Randomised, NoTest>)> = tests
+        .iter()
+        .enumerate()
+        .filter(|(_, of)| of.trials > 0)
+        .flat_map(|(environment, of)| {
+            let found = [&of.any_effect].into_iter().chain(&of.contrasts);
+            names().zip(found).map(move |(name, test)| (environment, name, test))
+        })
+        .collect();
+    let number = |name, description, of: fn(&Randomised) -> f64| {
+        let values = all.iter().map(|(_, _, test)| test.as_ref().ok().map(of));
+        Column::float(name, "1", description, values)
+    };
+    let count = |name, description, of: fn(&SharpNull) -> usize| {
+        let values = all.iter().map(|(environment, ..)| whole(of(&tests[*environment])));
+        Column::integer(name, "1", description, values)
+    };
+    let columns = vec![
+        columns::environments(parameters, all.iter().map(|(environment, ..)| *environment)),
+        Column::text(
+            "effect",
+            "the effect to which the test is sensitive",
+            all.iter().map(|(_, name, _)| Some(name.as_str())),
+        ),
+        count("sessions", "sessions whose orders are redrawn", |of| of.sessions),
+        count("trials", "trials that have the metric", |of| of.trials),
+        number("p_value", "p value of the sharp null, not adjusted", |test| test.p_value),
+        number("smallest_p", "the smallest that the design's orders reach", |test| test.smallest_p),
+        Column::text(
+            "remark",
+            "why there is no test",
+            all.iter().map(|(_, _, test)| test.as_ref().err().map(ToString::to_string)),
+        ),
+    ];
+    let title = format!("Randomisation over orders: {}", measure.description);
+    let table = Table::new(&format!("orders_{}", measure.name), &title, columns)?;
+    Ok(table.with_note(format!(
+        "The sharp null: no trial of anyone depended on mode, carry-over included. Not a test of an \
+         average effect. {} orders redrawn by the design's rules, for all participants together.",
+        SAMPLING.draws
+    )))
+}
+
+#[cfg(test)]
+mod tests;
