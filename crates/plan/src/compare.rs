@@ -2,17 +2,18 @@
 
 use crate::drawing::{Drawing, write_figure};
 use crate::making::{derived, write_tables};
-use crate::{likert, metrics};
+use crate::preregistered::preregistered;
+use crate::{likert, likert_figures, metrics};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_compare::{AnswerParameters, DrawnOrder, Parameters, SessionOrder};
 use zwidth_figures::{
-    About, ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED,
-    SESSIONS_COMPARED,
+    ANSWERS_COMPARED, About, AnswersPage, ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED,
+    REPEATS_COMPARED, SESSIONS_COMPARED,
 };
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, SessionLog, StudyData, TrialEntry};
+use zwidth_store::{Answer, Layout, SessionLog, StudyData, TrialEntry};
 use zwidth_study::order::Rules;
 use zwidth_study::{Bound, Environment, Event, MetricId, Source, Study};
 use zwidth_tables::Table;
@@ -30,10 +31,11 @@ const OTHERS: [&str; 6] = [
 ];
 
 /// What a metric's tables are, by the beginning of their names, in the order of the job's outputs.
-const TABLES: [&str; 9] = [
+const TABLES: [&str; 10] = [
     "cells",
     "means",
     "contrasts",
+    "omnibus",
     "models",
     "participants",
     "sessions",
@@ -61,7 +63,7 @@ pub enum By {
 pub fn comparison(layout: &Layout, by: By, metric: &str) -> Vec<PathBuf> {
     let names: &[&str] = match by {
         By::Answer => return vec![answers_file(layout)],
-        By::Mode => &["means", "contrasts", "orders"],
+        By::Mode => &["means", "contrasts", "omnibus", "orders"],
         By::Participant => &["participants"],
         By::Session => &["sessions"],
         By::Repeat => &["learning"],
@@ -152,7 +154,7 @@ fn who(data: &StudyData) -> (bool, bool) {
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     let (several, again) = who(data);
     let is_read = |table: &&str| match *table {
-        "models" | "participants" => several,
+        "omnibus" | "models" | "participants" => several,
         "sessions" => several && again,
         "cells" | "repeats" => false,
         _ => true,
@@ -172,7 +174,14 @@ pub fn answers(data: &StudyData) -> Option<PathBuf> {
 }
 
 fn answers_file(layout: &Layout) -> PathBuf {
-    derived(layout, "compare/answers_compared.parquet")
+    let [contrasts, _] = answers_files(layout);
+    contrasts
+}
+
+/// The answers compared, and each participant's effects.
+fn answers_files(layout: &Layout) -> [PathBuf; 2] {
+    ["answers_compared", "answers_participants"]
+        .map(|table| derived(layout, format!("compare/{table}.parquet")))
 }
 
 /// What the comparison of a metric depends on.
@@ -187,9 +196,11 @@ fn parameters(data: &StudyData, metric: &str) -> Parameters {
             Some(share * commanded)
         }
     };
+    let primary = metric == compare.primary.as_str();
     Parameters {
         metric: metric.to_owned(),
-        primary: metric == compare.primary.as_str(),
+        primary,
+        preregistered: preregistered(data).filter(|_| primary),
         simulated: data.counting().any(|trial| trial.meta.source == Source::Twin),
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         bounds: study.environments.iter().map(bound).collect(),
@@ -234,7 +245,7 @@ fn repeated(events: &[Event]) -> Vec<[u32; 2]> {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let answers = answers(data).map(|output| answers_job(data, output));
+    let answers = answers(data).map(|_| answers_job(data));
     let Some(metrics) = metrics::of_study(data) else { return answers.into_iter().collect() };
     let job = |metric: &String| {
         let outputs = TABLES.map(|table| table_of(&data.layout, table, metric)).to_vec();
@@ -244,7 +255,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     compared(data).iter().map(job).chain(answers).collect()
 }
 
-fn answers_job(data: &StudyData, output: PathBuf) -> Job {
+fn answers_job(data: &StudyData) -> Job {
     let study = &data.study;
     let parameters = AnswerParameters {
         simulated: data.sessions.iter().any(|session| session.record.source == Source::Twin),
@@ -255,7 +266,8 @@ fn answers_job(data: &StudyData, output: PathBuf) -> Job {
         level: study.compare.level,
     };
     let inputs = likert::long(data);
-    Job::new(STAGE, "compare answers", parameters, inputs, vec![output], make_answers)
+    let outputs = answers_files(&data.layout).to_vec();
+    Job::new(STAGE, "compare answers", parameters, inputs, outputs, make_answers)
 }
 
 fn make_answers(
@@ -265,7 +277,8 @@ fn make_answers(
 ) -> Result<Made, JobError> {
     let answers = answers.as_deref().ok_or("there is no answer")?;
     let answers = Table::from_parquet(answers)?;
-    write_tables(&[zwidth_compare::compare_answers(&answers, parameters)?], making, Vec::new())
+    let found = zwidth_compare::compare_answers(&answers, parameters)?;
+    write_tables(&[found.contrasts, found.participants], making, Vec::new())
 }
 
 fn make(parameters: &Parameters, metrics: &PathBuf, making: &Making) -> Result<Made, JobError> {
@@ -276,6 +289,7 @@ fn make(parameters: &Parameters, metrics: &PathBuf, making: &Making) -> Result<M
         found.cells,
         found.means,
         found.contrasts,
+        found.omnibus,
         found.models,
         found.participants,
         found.sessions,
@@ -318,7 +332,53 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
         let beside = [several.then(people), (several && again).then(sessions)];
         [modes].into_iter().chain(beside.into_iter().flatten()).chain([repeats])
     };
-    compared(data).iter().flat_map(of_metric).collect()
+    compared(data).iter().flat_map(of_metric).chain(answers_figures(data)).collect()
+}
+
+/// What a page of answers compared depends on besides the tables.
+#[derive(Serialize)]
+struct AnswersDrawn {
+    about: About,
+    page: AnswersPage,
+    sources: BTreeSet<Source>,
+}
+
+/// The figures of answers over several participants.
+fn answers_figures(data: &StudyData) -> Vec<Drawing> {
+    let people: BTreeSet<_> = data.sessions.iter().map(|s| &s.record.participant).collect();
+    if people.len() < 2 || answers(data).is_none() {
+        return Vec::new();
+    }
+    let pages = zwidth_figures::answers_pages(&likert_figures::list_asked(data));
+    let one = |(i, page): (usize, &AnswersPage)| {
+        let shown = |a: &&Answer| page.shows(&a.condition.environment, &a.question);
+        let n = data.answers().iter().filter(shown).count();
+        let of = AnswersDrawn {
+            about: About::of(&data.study),
+            page: page.clone(),
+            sources: data.sessions.iter().map(|s| s.record.source).collect(),
+        };
+        let number = (pages.len() > 1).then(|| (i + 1).to_string());
+        let files = answers_files(&data.layout).to_vec();
+        Drawing::new(data, ANSWERS_COMPARED, number, of, files, draw_answers).of(n)
+    };
+    pages.iter().enumerate().map(one).collect()
+}
+
+fn draw_answers(
+    of: &AnswersDrawn,
+    files: &Vec<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let [contrasts, participants] = files.as_slice() else {
+        return Err("answers compared are two tables".into());
+    };
+    let (contrasts, participants) =
+        (Table::from_parquet(contrasts)?, Table::from_parquet(participants)?);
+    let sources: Vec<Source> = of.sources.iter().copied().collect();
+    let tables = [&contrasts, &participants];
+    let figure = zwidth_figures::answers_compared(&of.about, &of.page, tables, &sources)?;
+    write_figure(figure, Vec::new(), making)
 }
 
 /// A metric's tables as figures see them.
@@ -326,8 +386,8 @@ struct Read([Table; 6]);
 
 impl Read {
     fn of(files: &[PathBuf]) -> Result<Self, JobError> {
-        let [cells, means, contrasts, _, participants, sessions, _, repeats, _] = files else {
-            return Err("a metric has nine tables".into());
+        let [cells, means, contrasts, _, _, participants, sessions, _, repeats, _] = files else {
+            return Err("a metric has ten tables".into());
         };
         let read = |file: &PathBuf| Table::from_parquet(file);
         Ok(Self([

@@ -21,6 +21,7 @@ mod likert;
 mod likert_figures;
 mod making;
 mod metrics;
+mod preregistered;
 mod replay;
 mod replay_figures;
 mod report;
@@ -30,6 +31,7 @@ mod trials;
 
 pub use compare::{By, answers, compared, comparison, models};
 pub use figures::chosen_in_vain;
+pub use preregistered::{analysis, plan_file};
 pub use report::built_in;
 pub use summary::file as summary_file;
 pub use tables::printed as printed_tables;

@@ -43,7 +43,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
 }
 
 /// The questions answered in each environment, in the study's order.
-fn list_asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)> {
+pub(crate) fn list_asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)> {
     let answers = data.answers();
     let given = |e: &Environment, q: &Question| {
         answers.iter().any(|a| a.condition.environment == e.id && a.question == q.id)

@@ -89,6 +89,17 @@ confidence = 0.95
 [figures]
 alignment = "onset"
 
+# What is compared, set before the data are taken; these are the defaults, the table may be left out.
+# [compare]
+# Pairs of modes, the one minus the other: the last mode against each other one.
+# contrasts = [["hybrid", "active"], ["hybrid", "passive"]]
+# The metric whose claims count; claims of every other one are exploratory. alpha is shared by its contrasts (Holm).
+# primary = "discrepancy_mean_n"
+# alpha = 0.05
+# Differences up to this size do not matter: a number in the metric's unit, or a Weber fraction of what is commanded.
+# [compare.bounds]
+# stiffness_n_per_rad = { weber = 0.08 }
+
 # What is rendered. kind = @KINDS@ (a questionnaire alone).
 [[environments]]
 id = "spring"

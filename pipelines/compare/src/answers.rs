@@ -34,6 +34,15 @@ pub struct AnswerParameters {
     pub level: f64,
 }
 
+/// The answers compared, as tables.
+#[derive(Debug, Clone)]
+pub struct AnswersCompared {
+    /// One row per question, environment and contrast.
+    pub contrasts: Table,
+    /// The same for each participant.
+    pub participants: Table,
+}
+
 /// The answers to one question in one environment, by the places of their names.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Answers {
@@ -48,6 +57,8 @@ struct Row<'a> {
     environment: &'a EnvironmentId,
     contrast: &'a Contrast,
     answers: usize,
+    /// The participants who answered in either mode, as `effect` has their shares.
+    people: Vec<usize>,
     effect: Result<Superiority, Unestimable>,
     model: Result<OddsRatio, Unestimable>,
     p_adjusted: Option<f64>,
@@ -62,8 +73,8 @@ struct Row<'a> {
 pub fn compare_answers(
     answers: &Table,
     parameters: &AnswerParameters,
-) -> Result<Table, CompareError> {
-    let by_condition = by_question(answers, parameters)?;
+) -> Result<AnswersCompared, CompareError> {
+    let (names, by_condition) = by_question(answers, parameters)?;
     let mut rows = Vec::new();
     for question in &parameters.questions {
         let first = rows.len();
@@ -75,14 +86,17 @@ pub fn compare_answers(
         }
         adjust(&mut rows[first..])?;
     }
-    Ok(notes::mark(as_table(&rows)?, parameters.simulated))
+    Ok(AnswersCompared {
+        contrasts: notes::mark(as_table(&rows)?, parameters.simulated),
+        participants: notes::mark(of_participants(&rows, &names)?, parameters.simulated),
+    })
 }
 
-/// The scored answers by question and environment.
+/// The scored answers by question and environment, and the names of the participants.
 fn by_question<'p>(
     answers: &Table,
     parameters: &'p AnswerParameters,
-) -> Result<BTreeMap<(&'p str, &'p str), Answers>, CompareError> {
+) -> Result<(Vec<String>, BTreeMap<(&'p str, &'p str), Answers>), CompareError> {
     let texts = |name| answers.texts(name);
     let (participants, sessions) = (texts("participant")?, texts("session")?);
     let (environments, modes, questions) =
@@ -111,7 +125,7 @@ fn by_question<'p>(
         of.mode.push(mode);
         of.answer.push(question.scale.score(value, question.reversed));
     }
-    Ok(found)
+    Ok((people.into_keys().map(Option::unwrap_or_default).collect(), found))
 }
 
 /// The contrasts of one question in one environment of which both modes were answered.
@@ -138,12 +152,14 @@ fn of_environment<'a>(
             let none = || Unestimable::Confounded { what: "the modes".to_owned() };
             comparison.odds_ratios.iter().find(is_it).cloned().ok_or_else(none)
         });
+        let (people, effect) = effect(answers, [mode, against], parameters.level);
         rows.push(Row {
             question,
             environment,
             contrast,
             answers: answers.mode.iter().filter(|m| [mode, against].contains(m)).count(),
-            effect: effect(answers, [mode, against], parameters.level),
+            people,
+            effect,
             model: ratio,
             p_adjusted: None,
             any: model.as_ref().ok().map(|of| (of.p_value(), of.bootstrap.is_some())),
@@ -185,7 +201,11 @@ fn name_modes(why: Unestimable, modes: &[ModeId]) -> Unestimable {
 }
 
 /// Everybody's answers in the two modes, compared pair by pair.
-fn effect(answers: &Answers, modes: [usize; 2], level: f64) -> Result<Superiority, Unestimable> {
+fn effect(
+    answers: &Answers,
+    modes: [usize; 2],
+    level: f64,
+) -> (Vec<usize>, Result<Superiority, Unestimable>) {
     let mut people: BTreeMap<usize, [Vec<u8>; 2]> = BTreeMap::new();
     for (row, participant) in answers.participant.iter().enumerate() {
         if let Some(side) = modes.iter().position(|mode| *mode == answers.mode[row]) {
@@ -193,7 +213,8 @@ fn effect(answers: &Answers, modes: [usize; 2], level: f64) -> Result<Superiorit
         }
     }
     let repeats: Vec<Repeats> = people.values().map(|[a, b]| Repeats { a, b }).collect();
-    superiority(&repeats, level)
+    let effect = superiority(&repeats, level);
+    (people.into_keys().collect(), effect)
 }
 
 /// The tests of one question are one family.
@@ -278,4 +299,33 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
          fixed; the likelihood ratio over F is a small-sample approximation, below 8 participants \
          a bootstrap (999) tests whether any mode differs.",
     ))
+}
+
+/// The participants' effects in one contrast, of those who answered in both modes.
+fn shares<'r>(row: &'r Row<'r>) -> impl Iterator<Item = (&'r Row<'r>, usize, f64)> {
+    let shares = row.effect.as_ref().map(|effect| effect.shares.as_slice()).unwrap_or_default();
+    let everybody = row.people.iter().zip(shares);
+    everybody.filter_map(move |(who, share)| Some((row, *who, (*share)?)))
+}
+
+/// Everybody's effect in each contrast.
+fn of_participants(rows: &[Row], names: &[String]) -> Result<Table, CompareError> {
+    let all: Vec<(&Row, usize, f64)> = rows.iter().flat_map(shares).collect();
+    let texts = |name, description, of: fn(&Row) -> String| {
+        Column::text(name, description, all.iter().map(|(row, ..)| Some(of(row))))
+    };
+    let columns = vec![
+        texts("question", "the question", |row| row.question.id.to_string()),
+        texts("environment", "what was rendered", |row| row.environment.to_string()),
+        columns::contrasts(all.iter().map(|(row, ..)| row.contrast)),
+        Column::text("participant", "who", all.iter().map(|(_, who, _)| Some(&*names[*who]))),
+        Column::float(
+            "superiority",
+            "1",
+            "P(A > B) + ½ P(A = B) over the pairs of this participant's answers",
+            all.iter().map(|(_, _, share)| Some(*share)),
+        ),
+    ];
+    let title = "Answers compared: each participant's effect";
+    Ok(Table::new("answers_participants", title, columns)?)
 }

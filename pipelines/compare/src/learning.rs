@@ -115,7 +115,7 @@ fn as_table(
             row.change.as_ref().err().map(ToString::to_string)
         }),
     ]);
-    let title = format!("Change per repeat: {}", measure.description);
+    let title = format!("Learning per repeat: {}", measure.description);
     let table = Table::new(&format!("learning_{}", measure.name), &title, all)?;
     Ok(table.with_note("Exploratory: no claim is made from this table."))
 }

@@ -29,20 +29,23 @@ mod means;
 mod measure;
 mod models;
 mod notes;
+mod omnibus;
 mod orders;
 mod parameters;
 mod people;
+mod preregistered;
 mod repeats;
 mod sessions;
 #[cfg(test)]
 mod tests;
 mod unit;
 
-pub use answers::{AnswerParameters, compare_answers};
+pub use answers::{AnswerParameters, AnswersCompared, compare_answers};
 pub use drawn::{DrawnOrder, SessionOrder};
 pub use error::CompareError;
 pub use measure::Measure;
 pub use parameters::Parameters;
+pub use preregistered::Preregistered;
 
 use cells::Cells;
 use unit::Unit;
@@ -63,6 +66,8 @@ pub struct Compared {
     pub means: Table,
     /// Differences between modes.
     pub contrasts: Table,
+    /// Whether any mode differs from another.
+    pub omnibus: Table,
     /// The same by mixed models.
     pub models: Table,
     /// Each participant's differences.
@@ -102,6 +107,7 @@ pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, Com
             contrasts::table(&contrasts, unit, measure, parameters)?,
             notes::contrasts(&contrasts, &cells, unit, parameters),
         )),
+        omnibus: marked(omnibus::table(&cells, measure, parameters)?),
         models: marked(models::table(metrics, unit, measure, parameters)?),
         participants: marked(people::table(&contrasts, &cells, measure, parameters)?),
         sessions: marked(sessions::table(&cells, measure, parameters)?),

@@ -60,7 +60,9 @@ pub(crate) fn contrasts(
     let general = [of_whom(unit), test.to_owned(), family];
     let general = general.into_iter().map(|text| (NoteKind::General, text));
     let guard = guard(rows, unit, parameters).into_iter().map(|text| (NoteKind::Limit, text));
+    let plan = parameters.preregistered.as_ref().map(|plan| plan.note(cells.participants.len()));
     general
+        .chain(plan)
         .chain(reached(rows, parameters.alpha))
         .chain(guard)
         .chain(not_randomised(rows, parameters))

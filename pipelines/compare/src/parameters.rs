@@ -1,6 +1,6 @@
 //! What a comparison of one metric depends on besides the metrics.
 
-use crate::SessionOrder;
+use crate::{Preregistered, SessionOrder};
 use serde::Serialize;
 use zwidth_study::{Contrast, EnvironmentId, Families, ModeId};
 
@@ -11,6 +11,8 @@ pub struct Parameters {
     pub metric: String,
     /// Whether it is the study's primary metric. The claims of every other one are exploratory.
     pub primary: bool,
+    /// What the study's plan says of this analysis, where there is a plan.
+    pub preregistered: Option<Preregistered>,
     /// Whether any of the data are simulated.
     pub simulated: bool,
     /// The environments, in the study's order.

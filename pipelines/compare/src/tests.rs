@@ -29,6 +29,7 @@ fn parameters() -> Parameters {
     Parameters {
         metric: "step_n".to_owned(),
         primary: true,
+        preregistered: None,
         simulated: false,
         environments: vec!["spring".parse().unwrap()],
         modes: ["active", "passive", "hybrid"].map(mode).to_vec(),
@@ -85,6 +86,28 @@ fn each_participant_gives_one_difference_and_who_lacks_a_mode_leaves_that_contra
     assert_eq!(table.texts("unit_of_analysis").unwrap()[0].as_deref(), Some("participants"));
 }
 
+/// P04 has no passive. Ranks (1, 3, 2), (1, 3, 2), (1, 2.5, 2.5): 12 of the 6³ orders within rows have
+/// sums as far apart. SciPy `friedmanchisquare`; F, ε and p by NumPy from their definitions, SciPy's F.
+#[test]
+fn whether_any_mode_differs_is_told_of_complete_participants() {
+    let table = compare(&metrics(&four()), &parameters()).unwrap().omnibus;
+    assert_eq!(table.integers("n").unwrap(), [Some(3)]);
+    near(&floats(&table, "friedman"), &[5.636363636363634]);
+    near(&floats(&table, "kendall_w"), &[0.939393939393939]);
+    near(&floats(&table, "p_friedman"), &[12.0 / 216.0]);
+    near(&floats(&table, "f"), &[13.857142857142863]);
+    near(&floats(&table, "p_f"), &[0.015907799691583464]);
+    near(&floats(&table, "epsilon_gg"), &[0.6153254741158383]);
+    near(&floats(&table, "p_gg"), &[0.046604181707783535]);
+    near(&floats(&table, "epsilon_hf"), &[1.0]);
+}
+
+#[test]
+fn one_participant_has_no_test_of_any_difference_over_participants() {
+    let trials: Vec<Trial> = four().into_iter().filter(|trial| trial.0 == "P01").collect();
+    assert_eq!(compare(&metrics(&trials), &parameters()).unwrap().omnibus.height(), 0);
+}
+
 #[test]
 fn every_table_of_simulated_trials_says_so_and_none_of_recorded_ones() {
     for simulated in [false, true] {
@@ -93,6 +116,7 @@ fn every_table_of_simulated_trials_says_so_and_none_of_recorded_ones() {
             found.cells,
             found.means,
             found.contrasts,
+            found.omnibus,
             found.models,
             found.participants,
             found.sessions,
@@ -287,7 +311,7 @@ fn answers_are_compared_pair_by_pair_within_each_participant() {
         ("P02", "active", 5),
         ("P02", "active", 4),
     ];
-    let table = compare_answers(&answers(&given), &answer_parameters()).unwrap();
+    let table = compare_answers(&answers(&given), &answer_parameters()).unwrap().contrasts;
     assert_eq!(table.integers("n").unwrap(), [Some(2)]);
     assert_eq!(table.integers("answers").unwrap(), [Some(8)]);
     near(&floats(&table, "superiority"), &[(0.875 + 0.75) / 2.0]);
@@ -302,7 +326,7 @@ fn answers_that_separate_the_modes_have_no_odds_ratio_and_say_so() {
             [(who, "hybrid", 5), (who, "hybrid", 4), (who, "active", 1), (who, "active", 2)]
         })
         .collect();
-    let table = compare_answers(&answers(&given), &answer_parameters()).unwrap();
+    let table = compare_answers(&answers(&given), &answer_parameters()).unwrap().contrasts;
     assert_eq!(table.floats("odds_ratio").unwrap(), [None]);
     let remark = table.texts("remark").unwrap()[0].clone().unwrap();
     assert_eq!(remark, "the answers separate active completely, so the estimate has no end");

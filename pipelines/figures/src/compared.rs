@@ -98,7 +98,7 @@ fn or_note(panels: Vec<Panel>) -> Vec<Panel> {
 }
 
 /// The rows in which a text column has that value.
-fn rows_with(table: &Table, columns: &[(&str, &str)]) -> Result<Vec<usize>, TableError> {
+pub(crate) fn rows_with(table: &Table, columns: &[(&str, &str)]) -> Result<Vec<usize>, TableError> {
     let mut rows: Vec<usize> = (0..table.height()).collect();
     for (column, value) in columns {
         let texts = table.texts(column)?;

@@ -20,6 +20,7 @@
 //! | `chattering` | – | swings of solvers against their step |
 
 mod about;
+mod answers;
 mod bow_tie;
 mod characteristic;
 mod chattering;
@@ -42,6 +43,7 @@ mod tests;
 mod words;
 
 pub use about::{About, Caption, FigureKind};
+pub use answers::{ANSWERS_COMPARED, AnswersPage, answers_compared, answers_pages};
 pub use bow_tie::bow_tie;
 pub use characteristic::{CHARACTERISTIC, Characterised, characteristic};
 pub use chattering::chattering;

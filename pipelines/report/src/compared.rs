@@ -132,7 +132,20 @@ fn answer(table: &Table) -> Result<String, TableError> {
         0 => format!("in none of {all} contrasts"),
         differ => format!("in {differ} of {all} contrasts"),
     };
-    Ok(format!("{who} modes were shown to differ in the primary metric, {}, {of}.", words(table)))
+    let text =
+        format!("{who} modes were shown to differ in the primary metric, {}, {of}.", words(table));
+    Ok(smallest_p(table).map_or(text.clone(), |p| {
+        format!(
+            "{text} Tested by the other orders that the design could have drawn, which reach an \
+             adjusted p of {} at best; the intervals only describe the trials.",
+            number(p, None)
+        )
+    }))
+}
+
+/// The smallest adjusted p value that the design's orders reach, where claims rest on them.
+fn smallest_p(table: &Table) -> Option<f64> {
+    floats(table, "smallest_p_adjusted").ok()?.into_iter().flatten().min_by(f64::total_cmp)
 }
 
 /// Each contrast in a sentence.

@@ -31,7 +31,8 @@ fn compare_gives_machines_every_row_in_si_units() {
     let json = ran.json();
     let names: Vec<&str> =
         json.as_array().unwrap().iter().map(|t| t["table"].as_str().unwrap()).collect();
-    assert_eq!(names, ["means_discrepancy_mean_n", "contrasts_discrepancy_mean_n"]);
+    let tables = ["means", "contrasts", "omnibus", "orders"];
+    assert_eq!(names, tables.map(|table| format!("{table}_discrepancy_mean_n")));
     assert!(json[1]["rows"][0]["difference_n"].as_f64().unwrap().is_finite());
 }
 
@@ -80,6 +81,25 @@ fn one_participant_tells_no_spread_and_assumed_spreads_give_a_plan_that_is_not_w
     let written = fs::read(plan).unwrap();
     zwidth(root.path(), &arguments).exits(1).says(&["a plan is not written over another"]);
     assert_eq!(fs::read(plan).unwrap(), written);
+}
+
+#[test]
+fn a_plan_beside_the_data_says_whether_the_analysis_is_the_planned_one() {
+    let root = shipped::finished();
+    let plan = ["power", "thesis-twin", "--difference", "0.1", "--participant-mode-sd", "0.1"];
+    let plan = [&plan[..], &["--residual-sd", "0.2", "--studies", "200", "--plan"]].concat();
+    zwidth(root.path(), &plan).exits(0);
+    let compare = ["compare", "thesis-twin"];
+    let ran = zwidth(root.path(), &compare).exits(0);
+    prints(&ran, &["As planned (plan.json", "Participants: 12 planned, 1 with trials"]);
+    prints(&ran, &["The plan was written when 36 trials were there already."]);
+    let path = root.path().join("raw/thesis-twin/study.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, format!("{text}\n[compare]\nalpha = 0.01\n")).unwrap();
+    let ran = zwidth(root.path(), &compare).exits(0);
+    prints(&ran, &["Not as planned (plan.json", "alpha was 0.05, is 0.01"]);
+    fs::write(root.path().join("raw/thesis-twin/plan.json"), "{").unwrap();
+    prints(&zwidth(root.path(), &compare).exits(0), &["the file holds no plan"]);
 }
 
 #[test]

@@ -36,7 +36,7 @@ pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::
         screen.listing(&listed)?;
         return Ok(exit);
     }
-    for (file, table) in files.iter().zip(&tables) {
+    for (file, table) in files.iter().zip(&tables).filter(|(_, table)| table.height() > 0) {
         let wanted = [(Format::Markdown, file.as_path())];
         for bytes in table.to_bytes(&wanted, data.study.coordinate, &BTreeMap::new())? {
             screen.file(&String::from_utf8(bytes)?);

@@ -6,6 +6,7 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
+use serde_json::Value;
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
@@ -26,6 +27,10 @@ struct Planned {
     study: String,
     /// BLAKE3 of the study.toml that says contrasts, metrics, alpha and bounds.
     study_blake3: String,
+    /// What is compared, and in which design.
+    analysis: Value,
+    /// Trials that were there already.
+    trials_before: usize,
     metric: String,
     /// In the metric's SI unit, as the SDs.
     difference: f64,
@@ -82,6 +87,8 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
     let result = Planned {
         study: layout.study().to_string(),
         study_blake3: hex_blake3(&std::fs::read(layout.study_toml())?),
+        analysis: plan::analysis(&data.study),
+        trials_before: data.counting().count(),
         metric,
         difference: planned.difference,
         participant_sd: planned.participant_sd,
@@ -100,8 +107,9 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
         smallest_difference: power::smallest_difference(TARGET, &planned, &simulation)?,
     };
     if let Some(path) = &asked.plan {
+        let path = path.clone().unwrap_or_else(|| plan::plan_file(&layout));
         let plan = serde_json::to_vec_pretty(&result)?;
-        let written = File::create_new(path).and_then(|mut file| file.write_all(&plan));
+        let written = File::create_new(&path).and_then(|mut file| file.write_all(&plan));
         written.with_context(|| {
             format!("{}: a plan is not written over another file", path.display())
         })?;

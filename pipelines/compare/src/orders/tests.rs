@@ -70,6 +70,8 @@ impl Demo {
         let last = MODES[modes - 1];
         let contrast = |with: &&str| Contrast { mode: mode(last), against: mode(with) };
         let parameters = Parameters {
+            preregistered: None,
+            simulated: false,
             metric: "step_n".to_owned(),
             primary: true,
             environments: ENVIRONMENTS.map(|id| id.parse().unwrap()).to_vec(),

@@ -1,0 +1,165 @@
+//! Answers compared: for each question and environment, how often each participant's answers lie
+//! higher in one mode than in another, and the mean over participants with its interval.
+
+use crate::compared::rows_with;
+use crate::words::{mark, percent, plain};
+use crate::{About, FigureKind};
+use serde::Serialize;
+use zwidth_draw::style::{self, Marker};
+use zwidth_draw::{
+    Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Points, Range, Reference, dodge,
+};
+use zwidth_study::{Environment, EnvironmentId, Question, QuestionId, Source};
+use zwidth_tables::{Table, TableError};
+
+/// The figure [`answers_compared`].
+pub const ANSWERS_COMPARED: FigureKind = FigureKind {
+    stem: "answers",
+    shows: "answers compared: each participant, and the mean with its interval",
+    drawn_from: "answer",
+};
+
+/// Panels that fit on a page: two columns of six.
+const A_PAGE: usize = 12;
+/// Panels side by side.
+const COLUMNS: usize = 2;
+/// Height that one contrast's line takes, mm.
+const CONTRAST_MM: f64 = 11.0;
+/// How far the mean lies below the participants, in lines.
+const BELOW: f64 = 0.36;
+
+/// The panels of one figure: a heading and what it shows.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct AnswersPage(Vec<(String, EnvironmentId, QuestionId)>);
+
+impl AnswersPage {
+    /// Whether an answer to this question after a trial in this environment is on the page.
+    pub fn shows(&self, environment: &EnvironmentId, question: &QuestionId) -> bool {
+        self.0.iter().any(|(_, e, q)| e == environment && q == question)
+    }
+}
+
+/// The pages of the answers compared: one panel per environment and question, under the name of the
+/// environment where that has one question, else under the question's wording.
+pub fn answers_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<AnswersPage> {
+    let panels: Vec<_> = asked
+        .iter()
+        .flat_map(|(environment, questions)| {
+            questions.iter().map(|question| {
+                let title = if questions.len() == 1 { &environment.label } else { &question.text };
+                (title.clone(), environment.id.clone(), question.id.clone())
+            })
+        })
+        .collect();
+    panels.chunks(A_PAGE).map(|page| AnswersPage(page.to_vec())).collect()
+}
+
+/// Answers compared, from the tables `answers_compared` and `answers_participants` of the stage
+/// `compare`: dots are participants' P(A > B) + ½ P(A = B), whiskers the interval of their mean.
+///
+/// # Errors
+/// Tables that are not of the stage `compare`.
+pub fn answers_compared(
+    about: &About,
+    AnswersPage(wanted): &AnswersPage,
+    [contrasts, participants]: [&Table; 2],
+    sources: &[Source],
+) -> Result<Figure, TableError> {
+    let mut panels = Vec::new();
+    for (title, environment, question) in wanted {
+        let keys = [("environment", environment.as_str()), ("question", question.as_str())];
+        let rows = rows_with(contrasts, &keys)?;
+        if rows.is_empty() {
+            continue;
+        }
+        let cell = Cell::at(panels.len() / COLUMNS, panels.len() % COLUMNS);
+        panels.push(panel(title, cell, &keys, &rows, [contrasts, participants])?);
+    }
+    if panels.is_empty() {
+        let bare = || Axis::bare(0.0, 1.0);
+        panels.push(Panel::with_note(Cell::at(0, 0), bare(), bare(), "nothing to compare"));
+    }
+    Ok(Figure {
+        title: Some(plain(&format!("{}: answers compared", about.title))),
+        description: "How often answers lie higher in one mode than in another: each participant, \
+                      and the mean with its interval."
+            .to_owned(),
+        panels,
+        footnotes: vec![plain(&format!(
+            "A − B: share of pairs of answers in which A lies higher, ties counting half; at ½ neither \
+             does. Dots: participants. Black: their mean with its {} interval, not adjusted.",
+            percent(about.confidence)
+        ))],
+        mark: mark(sources.iter().copied()),
+        ..Figure::default()
+    })
+}
+
+/// One question in one environment: a line per contrast.
+fn panel(
+    title: &str,
+    cell: Cell,
+    keys: &[(&str, &str); 2],
+    rows: &[usize],
+    [contrasts, participants]: [&Table; 2],
+) -> Result<Panel, TableError> {
+    let names = contrasts.texts("contrast")?;
+    let names: Vec<&str> = rows.iter().filter_map(|row| names[*row].as_deref()).collect();
+    let shares = participants.floats("superiority")?;
+    let mut layers = vec![Layer::Reference(Reference {
+        direction: Direction::Vertical,
+        at: 0.5,
+        label: None,
+        stroke: style::zero(),
+        name: None,
+    })];
+    for (place, name) in names.iter().enumerate() {
+        let of = rows_with(participants, &[keys[0], keys[1], ("contrast", name)])?;
+        let mut x: Vec<f64> = of.iter().filter_map(|row| shares[*row]).collect();
+        x.sort_by(f64::total_cmp);
+        let y = beside_each_other(&x).into_iter().map(|aside| place as f64 + aside).collect();
+        layers.push(Layer::Points(Points {
+            x,
+            y,
+            colour: style::GREY,
+            opacity: 0.6,
+            ..Points::default()
+        }));
+    }
+    let of = |stem| -> Result<Vec<f64>, TableError> {
+        let values = contrasts.floats(stem)?;
+        Ok(rows.iter().map(|row| values[*row].unwrap_or(f64::NAN)).collect())
+    };
+    layers.push(Layer::Intervals(Intervals {
+        direction: Direction::Horizontal,
+        at: (0..rows.len()).map(|place| place as f64 + BELOW).collect(),
+        estimate: of("superiority")?,
+        low: of("superiority_ci_low")?,
+        high: of("superiority_ci_high")?,
+        colour: style::INK,
+        marker: Marker::Disc,
+        name: None,
+    }));
+    let x = Axis { range: Range::Fixed(-0.04, 1.04), ..Axis::new("A above B", "").linked("share") };
+    let y = Axis::categories(names.iter().map(|name| plain(name)));
+    let height_mm = Some(CONTRAST_MM * (rows.len() as f64 + 0.5));
+    Ok(Panel { height_mm, ..Panel::new(cell, x, y, layers).titled(plain(title)) })
+}
+
+/// Where equal values lie so that all of them are seen, in lines: values in order.
+fn beside_each_other(values: &[f64]) -> Vec<f64> {
+    let equal = values.chunk_by(|a, b| (a - b).abs() < 1e-9);
+    equal.flat_map(|of| (0..of.len()).map(|i| dodge(i, of.len()))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_shares_lie_beside_each_other_and_others_on_the_line() {
+        let aside = beside_each_other(&[0.25, 0.5, 0.5, 0.75]);
+        assert_eq!((aside[0], aside[3]), (0.0, 0.0));
+        assert!(aside[1] < 0.0 && aside[2] > 0.0, "{aside:?}");
+    }
+}
