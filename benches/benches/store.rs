@@ -12,7 +12,7 @@ use std::sync::Arc;
 use zwidth_store::{
     RealFiles, Samples, Signal, Trial, read_footer, read_trial, trial_bytes, write_new,
 };
-use zwidth_study::{Kind, Source, Status, TrialForm, TrialMeta};
+use zwidth_study::TrialForm;
 
 const SAMPLES: u32 = 4_000;
 const SIGNALS: [Signal; 4] = [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx];
@@ -24,19 +24,7 @@ fn trial() -> Trial {
         let values = t.iter().map(|t| if factor < 1.0 { *t } else { (t * factor).sin() * factor });
         samples.set(signal, values.collect());
     }
-    let id = |text: &str| text.to_owned();
-    let meta = TrialMeta {
-        participant: id("P01").try_into().unwrap(),
-        session: id("S01").try_into().unwrap(),
-        trial: 1,
-        repeat: 1,
-        kind: Kind::Trial,
-        status: Status::Complete,
-        environment: id("spring").try_into().unwrap(),
-        mode: id("hybrid").try_into().unwrap(),
-        likert: None,
-        source: Source::Twin,
-    };
+    let meta = zwidth_testing::meta(1, "hybrid");
     Trial { meta, file: Default::default(), samples }
 }
 

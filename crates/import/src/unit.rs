@@ -166,10 +166,9 @@ pub(super) fn factor(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::{StudyId, template};
 
     fn study() -> Study {
-        Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap()
+        zwidth_testing::study()
     }
 
     fn check(unit: &str, signal: Signal, expect: f64) {

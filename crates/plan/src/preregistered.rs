@@ -57,10 +57,9 @@ fn deviations(planned: &Value, actual: &Value) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::template;
 
     fn study() -> Study {
-        Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+        zwidth_testing::study()
     }
 
     #[test]

@@ -2,10 +2,7 @@
 
 use crate::Parameters;
 use zwidth_store::{Samples, Signal, Trial, TrialFile};
-use zwidth_study::{
-    EnvironmentId, Kind, ModeId, ParticipantId, SessionId, Source, Status, Study, StudyId,
-    TrialMeta,
-};
+use zwidth_testing::meta;
 
 pub(crate) const RATE_HZ: f64 = 1000.0;
 /// One movement, there and back.
@@ -25,7 +22,7 @@ pub(crate) fn repeat(number: u32, start_s: f64, stroke_rad: f64, length_s: f64) 
     samples.set(Signal::Theta, theta);
     samples.set(Signal::ThetaDot, velocity);
     samples.set(Signal::Time, t);
-    Trial { meta: meta(number), file: TrialFile::new(), samples }
+    Trial { meta: meta(number, "hybrid"), file: TrialFile::new(), samples }
 }
 
 /// Repeat `number`: half a second of rest, a raised cosine of 1 rad there in `there_s` and back in
@@ -50,26 +47,11 @@ pub(crate) fn there_and_back(number: u32, there_s: f64, back_s: f64) -> Trial {
     samples.set(Signal::Theta, theta);
     samples.set(Signal::ThetaDot, velocity);
     samples.set(Signal::Time, t);
-    Trial { meta: meta(number), file: TrialFile::new(), samples }
-}
-
-fn meta(number: u32) -> TrialMeta {
-    TrialMeta {
-        participant: ParticipantId::new("P01").unwrap(),
-        session: SessionId::new("S01").unwrap(),
-        trial: number,
-        repeat: number,
-        kind: Kind::Trial,
-        status: Status::Complete,
-        environment: EnvironmentId::new("spring").unwrap(),
-        mode: ModeId::new("hybrid").unwrap(),
-        likert: None,
-        source: Source::Twin,
-    }
+    Trial { meta: meta(number, "hybrid"), file: TrialFile::new(), samples }
 }
 
 /// Those of the template's first environment, which is `spring`.
 pub(crate) fn parameters() -> Parameters {
-    let study = Study::from_toml(&zwidth_study::template(&StudyId::new("demo").unwrap())).unwrap();
+    let study = zwidth_testing::study();
     Parameters { analysis: study.analysis, scene: study.environments[0].scene }
 }

@@ -52,6 +52,9 @@ struct Answers {
     answer: Vec<u8>,
 }
 
+/// By question and environment.
+type ByQuestion<'p> = BTreeMap<(&'p str, &'p str), Answers>;
+
 struct Row<'a> {
     question: &'a Question,
     environment: &'a EnvironmentId,
@@ -96,7 +99,7 @@ pub fn compare_answers(
 fn by_question<'p>(
     answers: &Table,
     parameters: &'p AnswerParameters,
-) -> Result<(Vec<String>, BTreeMap<(&'p str, &'p str), Answers>), CompareError> {
+) -> Result<(Vec<String>, ByQuestion<'p>), CompareError> {
     let texts = |name| answers.texts(name);
     let (participants, sessions) = (texts("participant")?, texts("session")?);
     let (environments, modes, questions) =

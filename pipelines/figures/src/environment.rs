@@ -282,10 +282,10 @@ fn device(lever: f64) -> Vec<Layer> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::{Scene, template};
+    use zwidth_study::Scene;
 
     fn study() -> Study {
-        Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
+        zwidth_testing::study()
     }
 
     fn texts(figure: &Figure) -> Vec<String> {

@@ -198,10 +198,9 @@ fn extremes(acting: &Acting, low_n: f64, high_n: f64) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::template;
 
     fn about() -> About {
-        let study = zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
+        let study = zwidth_testing::study();
         About::of(&study)
     }
 

@@ -220,7 +220,6 @@ fn level(at: f64) -> Layer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::template;
 
     fn moved(by: f64) -> Motion {
         let t_s: Vec<f64> = (0..50).map(|i| f64::from(i) / 10.0).collect();
@@ -235,7 +234,7 @@ mod tests {
     }
 
     fn drawn(fitted: bool) -> Figure {
-        let study = zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
+        let study = zwidth_testing::study();
         let trial = Replayed {
             title: "Hybrid, trial 4".to_owned(),
             source: Source::Twin,

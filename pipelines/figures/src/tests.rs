@@ -6,7 +6,7 @@ use crate::{
 };
 use zwidth_draw::{Axis, Figure, Layer, Line};
 use zwidth_store::{Samples, Signal, Trial};
-use zwidth_study::{Alignment, Environment, Kind, Source, Status, Study, TrialMeta, template};
+use zwidth_study::{Alignment, Environment, Source, TrialMeta};
 use zwidth_tables::{Column, Table};
 
 /// The template, as figures see it.
@@ -16,7 +16,7 @@ struct Studied {
 }
 
 fn study() -> Studied {
-    let study = Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
+    let study = zwidth_testing::study();
     Studied { about: About::of(&study), environments: study.environments }
 }
 
@@ -32,16 +32,9 @@ fn trial(source: Source, signals: &[Signal]) -> Trial {
         samples.set(*signal, (0..81).map(value).collect());
     }
     let meta = TrialMeta {
-        participant: "P01".parse().unwrap(),
-        session: "S01".parse().unwrap(),
-        trial: 1,
-        repeat: 1,
-        kind: Kind::Trial,
-        status: Status::Complete,
         environment: "spring_wall".parse().unwrap(),
-        mode: "active".parse().unwrap(),
-        likert: None,
         source,
+        ..zwidth_testing::meta(1, "active")
     };
     Trial { meta, file: Default::default(), samples }
 }

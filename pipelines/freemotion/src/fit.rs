@@ -141,9 +141,7 @@ pub(crate) fn sample_interval_s(t: &[f64]) -> f64 {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use zwidth_study::{
-        EnvironmentId, Kind, ModeId, ParticipantId, SessionId, Source, Status, StudyId,
-    };
+    use zwidth_study::StudyId;
 
     pub(crate) fn parameters() -> Parameters {
         let study = zwidth_study::template(&StudyId::new("free").unwrap());
@@ -151,18 +149,8 @@ pub(crate) mod tests {
     }
 
     pub(crate) fn trial(columns: [(Signal, Vec<f64>); 4]) -> Trial {
-        let meta = TrialMeta {
-            participant: ParticipantId::new("P01").unwrap(),
-            session: SessionId::new("S01").unwrap(),
-            trial: 1,
-            repeat: 1,
-            kind: Kind::Trial,
-            status: Status::Complete,
-            environment: EnvironmentId::new("free").unwrap(),
-            mode: ModeId::new("active").unwrap(),
-            likert: None,
-            source: Source::Twin,
-        };
+        let meta =
+            TrialMeta { environment: "free".parse().unwrap(), ..zwidth_testing::meta(1, "active") };
         let mut samples = Samples::default();
         for (signal, values) in columns {
             samples.set(signal, values);

@@ -5,7 +5,7 @@ use zwidth_dynamics::{
     DriveMode, Environment, Exact, Friction, Grid, Input, ModelScene, Plant, Series, Solver, Start,
     System, table3,
 };
-use zwidth_study::{Kind, Source, Status, TrialMeta};
+use zwidth_study::TrialMeta;
 
 const fn parameter(name: &'static str, unit: &'static str, by_eye: f64, upper: f64) -> Parameter {
     Parameter { name, unit, by_eye, lower: 0.0, upper }
@@ -23,19 +23,7 @@ pub(crate) const TRUE: [f64; 3] = [0.4, 0.15, 0.12];
 
 /// The trials' identities: repeats of one condition.
 pub(crate) fn metas(count: u32) -> Vec<TrialMeta> {
-    let meta = |trial| TrialMeta {
-        participant: "P01".parse().unwrap(),
-        session: "S01".parse().unwrap(),
-        trial,
-        repeat: trial,
-        kind: Kind::Trial,
-        status: Status::Complete,
-        environment: "spring".parse().unwrap(),
-        mode: "active".parse().unwrap(),
-        likert: None,
-        source: Source::Twin,
-    };
-    (1..=count).map(meta).collect()
+    (1..=count).map(|trial| zwidth_testing::meta(trial, "active")).collect()
 }
 
 /// θ of trial `i`: a push there and back, each trial another one.

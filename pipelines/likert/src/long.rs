@@ -34,7 +34,7 @@ pub fn long(answers: &[Answer], scheme: &Scheme) -> Result<Table, TableError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::{Condition, Study, template};
+    use zwidth_study::Condition;
 
     #[test]
     fn every_answer_is_a_row_with_its_question() {
@@ -49,7 +49,7 @@ mod tests {
             question: question.parse().unwrap(),
             value,
         };
-        let study = Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
+        let study = zwidth_testing::study();
         let scheme = Scheme::of(&study);
         let table = long(&[answer("felt", 4), answer("liked", 2)], &scheme).unwrap();
         assert_eq!(table.columns()[6].field.description, "the answer as given, 1…5");

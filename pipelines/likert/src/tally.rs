@@ -249,12 +249,11 @@ fn columns(rows: &[TallyRow], scales: &[AnswerScale]) -> Vec<Column> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::{ParticipantId, SessionId, StudyId};
+    use zwidth_study::{ParticipantId, SessionId};
 
     /// The template's study with three questions: q1 and q2 (reversed) in a group, q3 alone.
     fn scheme() -> Scheme {
-        let mut study =
-            Study::from_toml(&zwidth_study::template(&StudyId::new("demo").unwrap())).unwrap();
+        let mut study = zwidth_testing::study();
         let question = |id: &str, group: Option<&str>, reversed| Question {
             id: QuestionId::new(id).unwrap(),
             text: String::new(),

@@ -2,10 +2,7 @@
 
 use crate::Parameters;
 use zwidth_store::{Samples, Signal, Trial, TrialFile};
-use zwidth_study::{
-    EnvironmentId, Kind, ModeId, ParticipantId, Scene, SessionId, Source, Status, Study, StudyId,
-    TrialMeta,
-};
+use zwidth_study::{Scene, TrialMeta};
 
 pub(crate) const RATE_HZ: f64 = 1000.0;
 pub(crate) const REST_RAD: f64 = -core::f64::consts::FRAC_PI_4;
@@ -36,24 +33,12 @@ pub(crate) fn trial(points: &[(f64, f64, f64)], force: impl Fn(f64, f64) -> f64)
 }
 
 pub(crate) fn meta() -> TrialMeta {
-    TrialMeta {
-        participant: ParticipantId::new("P01").unwrap(),
-        session: SessionId::new("S01").unwrap(),
-        trial: 1,
-        repeat: 1,
-        kind: Kind::Trial,
-        status: Status::Complete,
-        environment: EnvironmentId::new("spring").unwrap(),
-        mode: ModeId::new("hybrid").unwrap(),
-        likert: None,
-        source: Source::Twin,
-    }
+    zwidth_testing::meta(1, "hybrid")
 }
 
 /// The parameters of the template's hybrid mode, in a spring K (θ − rest).
 pub(crate) fn in_spring(stiffness_n_per_rad: f64, rest_rad: f64) -> Parameters {
-    let text = zwidth_study::template(&StudyId::new("demo").unwrap());
-    let study = Study::from_toml(&text).unwrap();
+    let study = zwidth_testing::study();
     let hybrid = study.mode(&meta().mode).unwrap();
     let parameters = Parameters::of(&study, &study.environments[0], hybrid);
     let scene = Scene::Spring(zwidth_study::Spring { stiffness_n_per_rad, rest_rad });

@@ -4,7 +4,7 @@ use crate::Parameters;
 use crate::scene::Rendering;
 use zwidth_dynamics::{Exact, Grid, Series, Solver, Start, System};
 use zwidth_store::{Samples, Signal, Trial, TrialFile};
-use zwidth_study::{Calibration, Kind, Scene, Source, Spring, Status, Study, TrialMeta};
+use zwidth_study::{Calibration, Scene, Spring, Study};
 
 /// Time between samples, s.
 pub(crate) const STEP_S: f64 = 0.005;
@@ -12,7 +12,7 @@ const REST_RAD: f64 = -core::f64::consts::FRAC_PI_4;
 
 /// The template's study, its first environment a spring of 4 N/rad that rests at −45°.
 pub(crate) fn study() -> Study {
-    let mut study = Study::from_toml(&zwidth_study::template(&"demo".parse().unwrap())).unwrap();
+    let mut study = zwidth_testing::study();
     study.environments[0].scene =
         Scene::Spring(Spring { stiffness_n_per_rad: 4.0, rest_rad: REST_RAD });
     study
@@ -29,21 +29,6 @@ pub(crate) fn calibration() -> Calibration {
     Calibration::thesis()
 }
 
-fn meta(mode: &str) -> TrialMeta {
-    TrialMeta {
-        participant: "P01".parse().unwrap(),
-        session: "S01".parse().unwrap(),
-        trial: 1,
-        repeat: 1,
-        kind: Kind::Trial,
-        status: Status::Complete,
-        environment: study().environments[0].id.clone(),
-        mode: mode.parse().unwrap(),
-        likert: None,
-        source: Source::Twin,
-    }
-}
-
 /// Uneven times over four seconds; a push that rises to 3.5 N and falls again, and half a second of
 /// rest at both ends.
 fn push() -> Series {
@@ -57,7 +42,7 @@ fn push() -> Series {
 /// A trial as the model records it: the push, its motion, and the voltages of what the actuators
 /// give.
 pub(crate) fn simulated(mode: &str, plant: &Parameters) -> Trial {
-    let (meta, calibration) = (meta(mode), calibration());
+    let (meta, calibration) = (zwidth_testing::meta(1, mode), calibration());
     let (push, condition) = (push(), rendering(mode));
     let start = Start { theta_rad: REST_RAD, theta_dot_rad_s: 0.0 };
     let scene = plant.put(&condition.scene(push.clone(), start, 4.0).unwrap());
@@ -83,7 +68,7 @@ pub(crate) fn simulated(mode: &str, plant: &Parameters) -> Trial {
 
 /// A trial of given samples.
 pub(crate) fn trial(mode: &str, samples: Samples) -> Trial {
-    Trial { meta: meta(mode), file: TrialFile::new(), samples }
+    Trial { meta: zwidth_testing::meta(1, mode), file: TrialFile::new(), samples }
 }
 
 /// The same with a motion that was recorded so many samples late.

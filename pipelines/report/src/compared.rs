@@ -192,11 +192,10 @@ fn sentences(study: &Planned, table: &Table) -> Result<Vec<String>, TableError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::template;
     use zwidth_tables::Column;
 
     fn study() -> Planned {
-        Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
+        Planned::of(&zwidth_testing::study())
     }
 
     fn text(name: &'static str, values: &[&str]) -> Column {

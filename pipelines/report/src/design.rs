@@ -87,10 +87,9 @@ fn velocity(filter: VelocityFilter) -> Fact {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::template;
 
     fn study() -> Planned {
-        Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
+        Planned::of(&zwidth_testing::study())
     }
 
     /// §5.1 and §5.2.2: 4.16 N at 16 V, 2.08 N at 8 V, 13 N of the brake at 8 V.

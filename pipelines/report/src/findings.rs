@@ -239,11 +239,10 @@ fn median(scale: AnswerScale, low: i64, high: i64) -> String {
 mod tests {
     use super::*;
     use crate::trials::testing::{MetricsRow, metrics, row};
-    use zwidth_study::template;
     use zwidth_tables::Column;
 
     fn study() -> Planned {
-        Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
+        Planned::of(&zwidth_testing::study())
     }
 
     fn texts(rows: &[MetricsRow], tally: Option<&Table>) -> Vec<String> {

@@ -269,10 +269,9 @@ fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> 
 mod tests {
     use super::*;
     use crate::trials::testing::{MetricsRow, metrics, row};
-    use zwidth_study::template;
 
     fn study() -> Planned {
-        Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
+        Planned::of(&zwidth_testing::study())
     }
 
     fn verdicts(metrics: Option<&Table>) -> Vec<String> {

@@ -80,10 +80,9 @@ fn table(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::template;
 
     fn study() -> Planned {
-        Planned::of(&zwidth_study::Study::from_toml(&template(&"demo".parse().unwrap())).unwrap())
+        Planned::of(&zwidth_testing::study())
     }
 
     #[test]

@@ -10,7 +10,7 @@ use std::path::Path;
 /// it.
 const FLOORS: [(u8, &[&str]); 8] = [
     (0, &["crates/study", "crates/numerics", "crates/arrow"]),
-    (1, &["crates/dynamics", "crates/store", "crates/stats"]),
+    (1, &["crates/dynamics", "crates/store", "crates/stats", "crates/testing"]),
     (2, &["crates/device", "crates/draw", "crates/tables", "crates/import"]),
     (3, &["crates/frames"]),
     (4, &["crates/runner", "pipelines/*"]),

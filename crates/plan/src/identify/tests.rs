@@ -5,7 +5,7 @@ use zwidth_device::{Controller, TwinParameters};
 use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, Hand, Tissue, table3};
 use zwidth_identify::Identifiability;
 use zwidth_store::{Samples, TrialFile};
-use zwidth_study::{Calibration, Kind, Scene, Source, Spring, Status, Study, TrialMeta, template};
+use zwidth_study::{Calibration, Scene, Spring, Study, TrialMeta, template};
 
 /// Samples of angle and force a second, Hz: what is between them is a cubic.
 const RATE_HZ: f64 = 3000.0;
@@ -76,18 +76,8 @@ fn trial(study: &Study, mode: &str, repeat: u32) -> Trial {
     ];
     let mut samples = Samples::default();
     signals.into_iter().zip(columns).for_each(|(signal, column)| samples.set(signal, column));
-    let meta = TrialMeta {
-        participant: "P01".parse().unwrap(),
-        session: "S01".parse().unwrap(),
-        trial: repeat,
-        repeat,
-        kind: Kind::Trial,
-        status: Status::Complete,
-        environment: environment.id.clone(),
-        mode: mode.parse().unwrap(),
-        likert: None,
-        source: Source::Twin,
-    };
+    let meta =
+        TrialMeta { environment: environment.id.clone(), ..zwidth_testing::meta(repeat, mode) };
     Trial { meta, file: TrialFile::new(), samples }
 }
 
