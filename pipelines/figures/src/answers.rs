@@ -68,7 +68,10 @@ pub fn answers_compared(
     let mut panels = Vec::new();
     for (title, environment, question) in wanted {
         let keys = [("environment", environment.as_str()), ("question", question.as_str())];
+        // Where nobody answered in both modes there is nothing to draw.
+        let means = contrasts.floats("superiority")?;
         let rows = rows_with(contrasts, &keys)?;
+        let rows: Vec<usize> = rows.into_iter().filter(|row| means[*row].is_some()).collect();
         if rows.is_empty() {
             continue;
         }

@@ -182,7 +182,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "table replay.agreement",
     ]);
     let compared = |name: &&String| {
-        ["compare.", "learning.", "means_", "contrasts_", "learning_", "answers_"]
+        ["compare.", "learning.", "means_", "contrasts_", "learning_", "orders_", "answers_"]
             .iter()
             .any(|begin| name.starts_with(begin))
     };
