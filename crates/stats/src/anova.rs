@@ -189,6 +189,106 @@ mod tests {
         }
     }
 
+    /// NIST StRD, AtmWtAg: the atomic weight of silver on two instruments (Powell, Murphy & Gramlich 1982,
+    /// NBS J. Res. 87:9); seven digits are the same throughout.
+    const SILVER: [[f64; 24]; 2] = [
+        [
+            107.868_1568,
+            107.868_1465,
+            107.868_1572,
+            107.868_1785,
+            107.868_1446,
+            107.868_1903,
+            107.868_1526,
+            107.868_1494,
+            107.868_1616,
+            107.868_1587,
+            107.868_1519,
+            107.868_1486,
+            107.868_1419,
+            107.868_1569,
+            107.868_1508,
+            107.868_1672,
+            107.868_1385,
+            107.868_1518,
+            107.868_1662,
+            107.868_1424,
+            107.868_1360,
+            107.868_1333,
+            107.868_1610,
+            107.868_1477,
+        ],
+        [
+            107.868_1079,
+            107.868_1344,
+            107.868_1513,
+            107.868_1197,
+            107.868_1604,
+            107.868_1385,
+            107.868_1642,
+            107.868_1365,
+            107.868_1151,
+            107.868_1082,
+            107.868_1517,
+            107.868_1448,
+            107.868_1198,
+            107.868_1482,
+            107.868_1334,
+            107.868_1609,
+            107.868_1101,
+            107.868_1512,
+            107.868_1469,
+            107.868_1360,
+            107.868_1254,
+            107.868_1261,
+            107.868_1450,
+            107.868_1368,
+        ],
+    ];
+
+    /// NIST StRD, SiRstv: the resistivity of silicon wafers on five instruments (Ehrstein & Croarkin).
+    const SILICON: [[f64; 5]; 5] = [
+        [196.305_2, 196.124_0, 196.189_0, 196.256_9, 196.340_3],
+        [196.304_2, 196.382_5, 196.166_9, 196.325_7, 196.042_2],
+        [196.130_3, 196.200_5, 196.288_9, 196.034_3, 196.181_1],
+        [196.279_5, 196.174_8, 196.149_4, 196.148_5, 195.988_5],
+        [196.211_9, 196.105_1, 196.185_0, 196.005_2, 196.209_0],
+    ];
+
+    /// F, the sums of squares between and within, R² and the residual SD as NIST certifies them. The data of
+    /// silver differ from the eighth digit on, so that a last bit of a value is 1e-9 of their spread.
+    #[test]
+    fn observed_data_have_their_certified_tables() {
+        let check = |groups: &[&[f64]], certified: [f64; 5], digits: f64| {
+            let found = one_way(groups).unwrap();
+            let OneWay { between, within, test, r2, residual_sd } = found;
+            for (found, certified) in
+                [test.statistic, between, within, r2, residual_sd].into_iter().zip(certified)
+            {
+                assert!((found / certified - 1.0).abs() < digits, "{found} for {certified}");
+            }
+            let values: usize = groups.iter().map(|group| group.len()).sum();
+            assert_eq!(test.df_num as usize, groups.len() - 1);
+            assert_eq!(test.df_den as usize, values - groups.len());
+        };
+        let silver = [
+            1.594_673_356_779_30e1,
+            3.638_341_875_000_00e-9,
+            1.049_517_291_666_67e-8,
+            2.574_265_445_383_21e-1,
+            1.510_483_144_464_10e-5,
+        ];
+        check(&SILVER.each_ref().map(|group| group.as_slice()), silver, 1e-8);
+        let silicon = [
+            1.180_462_374_402_55,
+            5.114_626_160_000_00e-2,
+            2.166_365_600_000_00e-1,
+            1.909_990_390_511_29e-1,
+            1.040_760_683_346_56e-1,
+        ];
+        check(&SILICON.each_ref().map(|group| group.as_slice()), silicon, 1e-11);
+    }
+
     #[test]
     fn two_groups_have_the_square_of_students_t() {
         let found = one_way(&[&[1.0, 2.0, 4.0], &[3.0, 5.0, 7.0, 6.0]]).unwrap();

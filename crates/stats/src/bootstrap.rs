@@ -94,6 +94,17 @@ pub(crate) fn index_below(rng: &mut ChaCha8Rng, n: usize) -> usize {
     ((u128::from(rng.next_u64()) * n as u128) >> u64::BITS) as usize
 }
 
+/// A number in (0, 1), from the upper 53 bits.
+pub(crate) fn uniform(rng: &mut ChaCha8Rng) -> f64 {
+    ((rng.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+}
+
+/// A standard normal number (Box & Muller 1958, Ann. Math. Statist. 29:610).
+pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    let radius = (-2.0 * libm::log(uniform(rng))).sqrt();
+    radius * libm::cos(2.0 * core::f64::consts::PI * uniform(rng))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

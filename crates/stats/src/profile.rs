@@ -6,27 +6,28 @@ use zwidth_numerics::roots;
 
 /// Ends are found to this many standard errors.
 const RESOLUTION: f64 = 1e-7;
-/// Standard errors from the estimate beyond which no end is looked for.
-const FARTHEST: f64 = 1000.0;
 
 /// The distance, in standard errors, at which `fall` reaches `critical`. `fall` is √(2 (maximum −
 /// profile)) at a distance: 0 at 0, the distance itself for a parabola. `None` if it stays below
-/// as far as one looks.
+/// up to the `farthest` distance.
 ///
 /// # Errors
 /// What `fall` ends with.
 pub(crate) fn end(
     mut fall: impl FnMut(f64) -> Result<f64, Unestimable>,
     critical: f64,
+    farthest: f64,
 ) -> Result<Option<f64>, Unestimable> {
-    let (mut inner, mut outer) = ([0.0, critical], [critical, critical - fall(critical)?]);
+    let first = critical.min(farthest);
+    let (mut inner, mut outer) = ([0.0, critical], [first, critical - fall(first)?]);
     while outer[1] > 0.0 {
-        if outer[0] > FARTHEST {
+        if outer[0] >= farthest {
             return Ok(None);
         }
         inner = outer;
         // Twice what a parabola needs from here on, but a doubling at most.
         let next = outer[0] + (2.0 * outer[1]).clamp(0.1 * critical, outer[0]);
+        let next = next.min(farthest);
         outer = [next, critical - fall(next)?];
     }
     let mut failure = None;
@@ -52,23 +53,23 @@ mod tests {
 
     #[test]
     fn the_end_of_a_parabola_is_its_critical_value() {
-        let found = end(Ok, 1.96).unwrap().unwrap();
+        let found = end(Ok, 1.96, 9.0).unwrap().unwrap();
         assert!((found - 1.96).abs() < 1e-7);
     }
 
     #[test]
     fn a_flat_and_a_steep_profile_are_followed_to_their_ends() {
         for steepness in [0.01, 0.3, 5.0] {
-            let found = end(|d| Ok(steepness * d + 0.001 * d * d), 2.2).unwrap().unwrap();
+            let found = end(|d| Ok(steepness * d + 0.001 * d * d), 2.2, 200.0).unwrap().unwrap();
             assert!((steepness * found + 0.001 * found * found - 2.2).abs() < 1e-6);
         }
     }
 
     #[test]
     fn a_profile_that_levels_off_has_no_end_and_an_error_is_handed_on() {
-        assert_eq!(end(|d| Ok(d / (1.0 + d)), 1.96), Ok(None));
+        assert_eq!(end(|d| Ok(d / (1.0 + d)), 1.96, 1000.0), Ok(None));
         let error = Unestimable::Constant { units: "answers" };
         let failing = |d: f64| if d > 1.0 { Err(error.clone()) } else { Ok(d) };
-        assert_eq!(end(failing, 1.96), Err(error.clone()));
+        assert_eq!(end(failing, 1.96, 9.0), Err(error.clone()));
     }
 }

@@ -17,6 +17,7 @@ use std::process::Command;
 use zwidth_stats::Unestimable;
 use zwidth_stats::clm;
 use zwidth_stats::clmm::{self, Column, Integral, Ratings, Terms};
+use zwidth_stats::student_t::two_sided_p;
 
 /// clm: both end Newton's method where rounding begins.
 const PLAIN: f64 = 1e-9;
@@ -55,6 +56,7 @@ struct Tally {
     constant: usize,
     one_participant: usize,
     profiles: usize,
+    ends: usize,
 }
 
 #[test]
@@ -66,14 +68,17 @@ fn the_estimates_are_those_of_ordinal() {
         check_plain(case, &mut tally);
         check_mixed(case, "participant", Terms::Participant, &mut tally);
         check_mixed(case, "participant_and_mode", Terms::ParticipantAndMode, &mut tally);
+        check_ends(case, &mut tally);
     }
     check_wine(&cases[0]);
     println!("{tally:?}");
-    let Tally { plain, mixed, singular, separated, constant, one_participant, profiles } = tally;
+    let Tally { plain, mixed, singular, separated, constant, one_participant, profiles, ends } =
+        tally;
     // The random studies hold some of everything.
     for count in [plain, mixed, singular, profiles] {
         assert!(count >= 20, "{count}");
     }
+    assert!(ends >= 24, "{ends}");
     for count in [separated, constant, one_participant] {
         assert!(count >= 4, "{count}");
     }
@@ -137,6 +142,31 @@ fn check_mixed(case: &Case, fit: &str, terms: Terms, tally: &mut Tally) {
     tally.one_participant += usize::from(alone && ours.is_err());
 }
 
+/// Where R, from the definition, has its log-likelihood with a coefficient held, our interval of the
+/// level that this log-likelihood makes has to end.
+fn check_ends(case: &Case, tally: &mut Tally) {
+    let theirs = &case.fits["held"];
+    if theirs.is_null() {
+        return;
+    }
+    let name = &case.name;
+    let model = clmm::Model::new(&case.ratings(), Terms::Participant).unwrap();
+    let fit = clmm::fit(&model, Integral::Quadrature).unwrap();
+    let top = number(&theirs["log_likelihood"]);
+    assert!((fit.log_likelihood - top).abs() < BELOW, "{name}: {} {top}", fit.log_likelihood);
+    for held in theirs["held"].as_array().unwrap() {
+        let at = number(&held["coefficient"]);
+        let fall = (2.0 * (top - number(&held["log_likelihood"]))).sqrt();
+        let df = 10.0;
+        let level = 1.0 - two_sided_p(fall, df).unwrap();
+        let found =
+            clmm::profile_interval(&model, Integral::Quadrature, &fit, 0, level, df).unwrap();
+        let end = if at < fit.coefficients[0] { found.low } else { found.high };
+        close(name, &[end.value().unwrap()], &[at], |_| OF_DIFFERENCES);
+        tally.ends += 1;
+    }
+}
+
 fn same(name: &str, ours: &clmm::Fit, theirs: &Value) {
     let difference = ours.log_likelihood - number(&theirs["log_likelihood"]);
     assert!(difference > -ROUNDING && difference < BELOW, "{name}: {difference}");
@@ -178,7 +208,7 @@ fn check_wine(wine: &Case) {
     close("quick", &[laplace.log_likelihood], &[-81.5654092921], |_| 4e-6);
     close("quick", &[laplace.sd_participant], &[1.1311326], |_| 1e-5);
     close("quick", &laplace.coefficients, &numbers(&quick["coefficients"]), |_| 2e-5);
-    let exact = wine.fit(Terms::Participant, Integral::Quadrature { nodes: 50 }).unwrap();
+    let exact = wine.fit(Terms::Participant, Integral::Quadrature).unwrap();
     close("AGQ", &[exact.log_likelihood], &[-81.532460711], |_| 1e-9);
     // R's search ends 1.5e-10 below the maximum, which is a hundred-thousandth of a standard error.
     let given = [1.1347833, 3.0618910];
@@ -187,15 +217,18 @@ fn check_wine(wine: &Case) {
 }
 
 impl Case {
-    fn fit(&self, terms: Terms, integral: Integral) -> Result<clmm::Fit, Unestimable> {
-        let ratings = Ratings {
+    fn ratings(&self) -> Ratings<'_> {
+        Ratings {
             answers: &self.answers,
             points: self.points,
             columns: &self.columns,
             participants: &self.participants,
             modes: &self.modes,
-        };
-        clmm::fit(&clmm::Model::new(&ratings, terms)?, integral)
+        }
+    }
+
+    fn fit(&self, terms: Terms, integral: Integral) -> Result<clmm::Fit, Unestimable> {
+        clmm::fit(&clmm::Model::new(&self.ratings(), terms)?, integral)
     }
 }
 

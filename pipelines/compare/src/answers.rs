@@ -272,11 +272,13 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
         numbers("odds_ratio", "odds of a higher answer, for one person", |row| {
             Some(row.model.as_ref().ok()?.estimate)
         }),
-        numbers("odds_ratio_ci_low", "lower end of its profile interval; none: down to 0", |row| {
-            row.model.as_ref().ok()?.interval.as_ref().ok()?.low
-        }),
-        numbers("odds_ratio_ci_high", "upper end; none: without end", |row| {
-            row.model.as_ref().ok()?.interval.as_ref().ok()?.high
+        numbers(
+            "odds_ratio_ci_low",
+            "lower end of its profile interval; none: see remark",
+            |row| row.model.as_ref().ok()?.interval.low.value(),
+        ),
+        numbers("odds_ratio_ci_high", "upper end; none: see remark", |row| {
+            row.model.as_ref().ok()?.interval.high.value()
         }),
         numbers("p_value", "p value of an odds ratio of one (likelihood ratio over F)", |row| {
             Some(row.model.as_ref().ok()?.test.f.p_value)
@@ -286,10 +288,9 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
         texts("test_any", "how that was found", |row| {
             Some(if row.any?.1 { "bootstrap" } else { "F" }.to_owned())
         }),
-        texts("remark", "why there is no model, or no interval", |row| {
-            let no_interval = |why| format!("no interval: {why}");
+        texts("remark", "why there is no model, or an end of its interval is missing", |row| {
             match &row.model {
-                Ok(ratio) => ratio.interval.as_ref().err().map(no_interval),
+                Ok(ratio) => ratio.interval.remark(),
                 Err(why) => Some(why.to_string()),
             }
         }),

@@ -22,6 +22,8 @@ use crate::tested::{Tested, Unestimable};
 const PROMISE: f64 = 1e-18;
 /// Where a step promises less than this, rounding hides whether it helped: it is taken.
 const TRUSTED: f64 = 1e-9;
+/// Standard errors from the estimate beyond which no end is looked for.
+const FARTHEST: f64 = 1000.0;
 /// More steps than a log-likelihood with a maximum takes.
 const MAX_STEPS: usize = 200;
 
@@ -158,7 +160,7 @@ pub fn profile_interval(
             Ok((2.0 * (fit.log_likelihood - there.value).max(0.0)).sqrt())
         };
         // Concave and bounded by its maximum, the profile falls below any level.
-        let distance = profile::end(fall, z)?.unwrap_or(f64::INFINITY);
+        let distance = profile::end(fall, z, FARTHEST)?.unwrap_or(f64::INFINITY);
         Ok(peak[place] + sign * distance * std_error)
     };
     Ok((end(-1.0)?, end(1.0)?))

@@ -15,8 +15,6 @@ use std::collections::BTreeSet;
 const FEW: usize = 8;
 /// From this many participants on Laplace's approximation does.
 const MANY: usize = 100;
-/// Nodes per effect below that: the rule's error is far below that of the data.
-const NODES: usize = 15;
 /// Studies that the bootstrap draws: p is a multiple of a thousandth.
 const RESAMPLES: usize = 999;
 
@@ -43,9 +41,8 @@ pub struct OddsRatio {
     /// Odds of a higher answer in the reference mode over those in the other, for one person. No
     /// average over people: that is smaller the more they differ.
     pub estimate: f64,
-    /// Its profile interval, or why there is none: where few answers leave the SDs without an end
-    /// too, a search far from the estimate may not converge.
-    pub interval: Result<ProfileInterval, Unestimable>,
+    /// Its profile interval.
+    pub interval: ProfileInterval,
     /// The likelihood-ratio test of "the ratio is one".
     pub test: RatioTest,
 }
@@ -111,7 +108,7 @@ pub fn compare_modes(
     let participants = model.participants();
     let integral = match participants {
         MANY.. => Integral::Laplace,
-        _ => Integral::Quadrature { nodes: NODES },
+        _ => Integral::Quadrature,
     };
     let fit = fit(&model, integral)?;
     let effects: Vec<usize> = (0..modes.len()).collect();
@@ -147,14 +144,10 @@ fn odds_ratio(
     level: f64,
 ) -> Result<OddsRatio, Unestimable> {
     let df = model.mode_df();
-    let turned = |interval: ProfileInterval| ProfileInterval {
-        low: interval.high.map(|end| libm::exp(-end)),
-        high: interval.low.map(|end| libm::exp(-end)),
-    };
     Ok(OddsRatio {
         mode,
         estimate: libm::exp(-fit.coefficients[column]),
-        interval: profile_interval(model, integral, fit, column, level, df).map(turned),
+        interval: profile_interval(model, integral, fit, column, level, df)?.of_turned_odds(),
         test: test_columns(model, integral, fit, &[column], df)?,
     })
 }

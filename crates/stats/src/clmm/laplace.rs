@@ -53,6 +53,12 @@ pub(super) fn laplace(cells: &Cells, point: &Point, effects: &mut Effects) -> (f
     (value, person.gradient(effects, &arrow))
 }
 
+/// Moves `effects` to the most likely ones.
+pub(super) fn settle(cells: &Cells, point: &Point, effects: &mut Effects) {
+    let (levels, fixed) = (Levels::new(&point.theta), fixed(cells, point));
+    Person { cells, point, levels, fixed }.settle(effects);
+}
+
 /// A participant at one point of the parameters.
 struct Person<'a> {
     cells: &'a Cells,

@@ -6,18 +6,14 @@ use super::point::Point;
 use super::quadrature::integrate;
 use crate::logistic::inner;
 use rayon::prelude::*;
-use zwidth_numerics::gauss_hermite::{Rule, rule};
 
 /// How the random effects are integrated out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Integral {
     /// Laplace's approximation: quick, biased where a participant gave few answers.
     Laplace,
-    /// Nested adaptive Gauss–Hermite quadrature.
-    Quadrature {
-        /// Nodes per effect.
-        nodes: usize,
-    },
+    /// The trapezoidal rule on a lattice, to ten digits or more.
+    Quadrature,
 }
 
 /// Participants that are worth a task of their own: Laplace's approximation of one takes
@@ -28,7 +24,7 @@ const TOGETHER: [usize; 2] = [64, 2];
 /// that the next search for them begins near its end.
 pub(super) struct Likelihood<'a> {
     model: &'a Model,
-    rule: Option<Rule>,
+    integral: Integral,
     effects: Vec<Effects>,
     /// Answers per category.
     counts: Vec<f64>,
@@ -36,30 +32,26 @@ pub(super) struct Likelihood<'a> {
 
 impl<'a> Likelihood<'a> {
     pub(super) fn new(model: &'a Model, integral: Integral) -> Self {
-        let rule = match integral {
-            Integral::Laplace => None,
-            Integral::Quadrature { nodes } => Some(rule(nodes)),
-        };
         let mut counts = vec![0.0; model.answers.categories()];
         model.answers.codes.iter().for_each(|&code| counts[code] += 1.0);
         let effects = model.participants.iter().map(Effects::none).collect();
-        Self { model, rule, effects, counts }
+        Self { model, integral, effects, counts }
     }
 
     /// The log-likelihood and its gradient by the parameters. Participants are summed in their
     /// order: the bits do not depend on the number of threads.
     pub(super) fn at(&mut self, point: &Point) -> (f64, Point) {
-        let rule = self.rule.as_ref();
-        let one = |(cells, effects): (&Cells, &mut Effects)| match rule {
-            None => laplace(cells, point, effects),
-            Some(rule) => integrate(cells, point, rule, effects),
+        let integral = self.integral;
+        let one = |(cells, effects): (&Cells, &mut Effects)| match integral {
+            Integral::Laplace => laplace(cells, point, effects),
+            Integral::Quadrature => integrate(cells, point, effects),
         };
         let parts: Vec<(f64, Point)> = self
             .model
             .participants
             .par_iter()
             .zip(self.effects.par_iter_mut())
-            .with_min_len(TOGETHER[usize::from(rule.is_some())])
+            .with_min_len(TOGETHER[usize::from(integral == Integral::Quadrature)])
             .map(one)
             .collect();
         let (mut value, mut gradient) = self.widths(point);

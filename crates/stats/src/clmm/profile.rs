@@ -4,17 +4,86 @@ use super::fit::Fit;
 use super::likelihood::Integral;
 use super::model::Model;
 use super::search::{Start, climb};
+use crate::error::StatsError;
 use crate::profile::end;
 use crate::student_t::critical_value;
 use crate::tested::Unestimable;
 
+/// How far from its estimate an end is looked for, in logits: an odds ratio that is 7 · 10¹⁰ times
+/// as large or as small.
+const FARTHEST: f64 = 25.0;
+
 /// The values of a coefficient that its likelihood-ratio test does not reject.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ProfileInterval {
-    /// The lower end; `None` where the likelihood never falls that far.
-    pub low: Option<f64>,
-    /// The upper end; `None` as below.
-    pub high: Option<f64>,
+    /// The lower end.
+    pub low: End,
+    /// The upper end.
+    pub high: End,
+}
+
+/// One end of a profile interval.
+#[derive(Debug, Clone, PartialEq)]
+pub enum End {
+    /// Here the test begins to reject.
+    At(f64),
+    /// The answers set no end: 25 logits from the estimate, beyond any effect that matters, the
+    /// likelihood has still not fallen as far as the test asks. With few answers per person large SDs
+    /// explain away any effect.
+    Open,
+    /// The search failed: there may be an end or none.
+    NotFound(Unestimable),
+}
+
+impl End {
+    /// The end, where there is one and it was found.
+    pub fn value(&self) -> Option<f64> {
+        match self {
+            Self::At(value) => Some(*value),
+            Self::Open | Self::NotFound(_) => None,
+        }
+    }
+
+    /// The same end on another scale.
+    fn map(self, scale: impl Fn(f64) -> f64) -> Self {
+        match self {
+            Self::At(value) => Self::At(scale(value)),
+            other => other,
+        }
+    }
+
+    /// Why there is no value of this end, called by its `name`.
+    fn missing(&self, name: &str) -> Option<String> {
+        match self {
+            Self::At(_) => None,
+            Self::Open => Some(format!("no {name} end: the answers set none")),
+            Self::NotFound(why) => Some(format!("{name} end not found: {why}")),
+        }
+    }
+}
+
+impl ProfileInterval {
+    /// In words, why an end has no value: that the answers set none, or that the search for it
+    /// failed. `None` where both ends have one.
+    pub fn remark(&self) -> Option<String> {
+        let one_side = |words: &str| Some(format!("the answers bound the effect {words}"));
+        match (&self.low, &self.high) {
+            (End::At(_), End::At(_)) => None,
+            (End::Open, End::At(_)) => one_side("from above only: no lower end"),
+            (End::At(_), End::Open) => one_side("from below only: no upper end"),
+            (End::Open, End::Open) => one_side("on neither side: no ends"),
+            (low, high) => {
+                let missing = [low.missing("lower"), high.missing("upper")];
+                Some(missing.into_iter().flatten().collect::<Vec<_>>().join("; "))
+            }
+        }
+    }
+
+    /// The interval of e^(−β) for the one of β: the odds ratio with the sides changed.
+    pub(super) fn of_turned_odds(self) -> Self {
+        let turned = |end: End| end.map(|value| libm::exp(-value));
+        Self { low: turned(self.high), high: turned(self.low) }
+    }
 }
 
 /// The profile interval of the coefficient of `column`: where twice the log-likelihood, maximised
@@ -23,7 +92,7 @@ pub struct ProfileInterval {
 /// F(1, `df`) does not reject.
 ///
 /// # Errors
-/// `level` outside (0, 1), `df` not positive; a search that found no maximum.
+/// `level` outside (0, 1), `df` not positive.
 pub fn profile_interval(
     model: &Model,
     integral: Integral,
@@ -31,12 +100,12 @@ pub fn profile_interval(
     column: usize,
     level: f64,
     df: f64,
-) -> Result<ProfileInterval, Unestimable> {
+) -> Result<ProfileInterval, StatsError> {
     let critical = critical_value(level, df)?;
     let place = model.thresholds() + column;
     let peak = &fit.start.coordinates;
     let std_error = fit.start.covariance[place][place].sqrt();
-    let distance = |sign: f64| {
+    let side = |sign: f64| {
         let mut start = Start::again(model, peak, &fit.start.covariance);
         let fall = |distance: f64| {
             start.hold_at(place, peak[place] + sign * distance * std_error);
@@ -44,11 +113,43 @@ pub fn profile_interval(
             start.coordinates = found.coordinates;
             Ok((2.0 * (fit.log_likelihood - found.log_likelihood).max(0.0)).sqrt())
         };
-        end(fall, critical)
+        match end(fall, critical, FARTHEST / std_error) {
+            Ok(Some(distance)) => End::At(peak[place] + sign * distance * std_error),
+            Ok(None) => End::Open,
+            Err(why) => End::NotFound(why),
+        }
     };
-    let at = |sign: f64, distance: f64| peak[place] + sign * distance * std_error;
-    Ok(ProfileInterval {
-        low: distance(-1.0)?.map(|d| at(-1.0, d)),
-        high: distance(1.0)?.map(|d| at(1.0, d)),
-    })
+    Ok(ProfileInterval { low: side(-1.0), high: side(1.0) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_end_without_a_value_says_whether_there_is_none_or_it_was_not_found() {
+        let words = |low: End, high: End| ProfileInterval { low, high }.remark();
+        let failed =
+            || End::NotFound(Unestimable::NotConverged { what: "thresholds", slope: 0.25 });
+        assert_eq!(words(End::At(-1.0), End::At(2.0)), None);
+        for (low, high, expect) in [
+            (End::Open, End::At(1.0), "the answers bound the effect from above only: no lower end"),
+            (End::At(1.0), End::Open, "the answers bound the effect from below only: no upper end"),
+            (End::Open, End::Open, "the answers bound the effect on neither side: no ends"),
+            (
+                failed(),
+                End::Open,
+                "lower end not found: the search for thresholds found no optimum (slope 2.5e-1 \
+                 left); no upper end: the answers set none",
+            ),
+        ] {
+            assert_eq!(words(low, high).as_deref(), Some(expect));
+        }
+    }
+
+    #[test]
+    fn turned_odds_change_their_sides() {
+        let turned = ProfileInterval { low: End::At(0.0), high: End::Open }.of_turned_odds();
+        assert_eq!(turned, ProfileInterval { low: End::Open, high: End::At(1.0) });
+    }
 }

@@ -1,215 +1,225 @@
-//! One participant's likelihood by nested adaptive Gauss–Hermite quadrature.
+//! One participant's likelihood by the trapezoidal rule on a lattice of effects.
 //!
-//! Given the participant's effect v₀ those of the modes are independent, so the integral over
-//! 1 + M effects is ∫ φ(v₀) Π Iₘ(σᵤ v₀) dv₀ with Iₘ(s) = ∫ φ(v) P(answers in mode m | s + σᵥ v) dv:
-//! Q outer nodes times M integrals of Q inner nodes, in place of Q^(1 + M). Nodes are placed by mode
-//! and curvature of the integrand (Liu & Pierce 1994, Biometrika 81:624): the inner ones anew per
-//! outer node, the outer ones by the product of the inner integrals, not by the joint mode.
+//! Given the participant's effect u those of the modes are independent, so the integral over 1 + M
+//! effects is ∫ φ(u/σᵤ)/σᵤ Π Iₘ(u) du with Iₘ(u) = ∫ φ(w/σᵥ)/σᵥ P(answers in mode m | u + w) dw: an
+//! integral of integrals. All are sums over a lattice of logits, multiples of a power of two, and
+//! u + w lies on it again: P is evaluated once per place of the lattice, not once per pair of u and w.
 //!
-//! The gradient is that of the integral, by Fisher's identity: the posterior mean of the gradient
-//! of ln P(answers | v), with the same nodes. It differs from the derivative of the rule by what
-//! the rule itself is off.
+//! The integrands are analytic between the poles of the logistic function, at a distance of π from
+//! the real line, and fall off as a normal density does: for such the rule's error falls
+//! exponentially with the lattice's step (Trefethen & Weideman 2014, SIAM Rev. 56:385), whatever the
+//! SDs, and is below 1e-10 here. Between two steps the nodes do not move with the parameters: the
+//! gradient given is the derivative of the sum itself, so that a search is not misled far from the
+//! estimates either, where SDs are large and integrands nearly boxes.
 
-use super::cell::{Levels, Slopes, fixed};
-use super::laplace::Effects;
+use super::cell::{Levels, fixed};
+use super::laplace::{Effects, settle};
 use super::model::Cells;
 use super::point::Point;
-use core::f64::consts::{PI, SQRT_2};
-use zwidth_numerics::gauss_hermite::Rule;
+use core::f64::consts::PI;
 
-/// Nodes need not sit on the mode to rounding: a step as short as this is the last, and leaves
-/// its square.
-const STEP: f64 = 1e-4;
-/// More steps than a log-concave integrand takes.
-const MAX_STEPS: usize = 100;
-/// A step beyond this many SDs overshoots: it is cut.
-const LONGEST: f64 = 5.0;
+/// Effects this many SDs from the most likely ones are left out. The posterior of an effect is
+/// narrower than its normal density, as answers only narrow it (their likelihood is log-concave), and
+/// its mean is within an SD or so of the most likely effect: less than 1e-12 of it is farther out.
+const REACH: f64 = 8.5;
+/// An SD below this counts as none: the likelihood, even in it, gains less than rounding.
+const NO_SD: f64 = 1e-8;
+/// An SD above this counts as this: people so far apart give one answer each nearly always, and
+/// farther ones the same.
+const LARGEST_SD: f64 = 30.0;
+/// Steps, at least, in the SD of an effect: the error of its density's sum is 2 e^(−2π² · 1.6²).
+const STEPS_PER_SD: f64 = 1.6;
+/// Steps, at least, in what the answers leave of that SD: an error of 2 e^(−2π² · 1.3²).
+const STEPS_PER_POSTERIOR_SD: f64 = 1.3;
+/// The largest step: with poles at ±πi the error is 2 e^(−2π² / 0.5).
+const LARGEST_STEP: f64 = 0.5;
+/// The most that one answer tells: −d² ln P / dη² is at most ½.
+const INFORMATION: f64 = 0.5;
+/// Nodes with less than this share of the integral are left out of its gradient.
+const NO_SHARE: f64 = 1e-18;
 
 /// The logarithm of the likelihood (without the inner categories' widths) and its gradient by the
-/// parameters. `effects` is where the searches for modes begin, and where they ended.
-pub(super) fn integrate(
-    cells: &Cells,
-    point: &Point,
-    rule: &Rule,
-    effects: &mut Effects,
-) -> (f64, Point) {
+/// parameters. `effects` is where the search for the most likely ones begins, and where it ended.
+pub(super) fn integrate(cells: &Cells, point: &Point, effects: &mut Effects) -> (f64, Point) {
+    let sd = point.sd.map(|sd| sd.clamp(-LARGEST_SD, LARGEST_SD));
+    let inside = Point { sd, ..point.clone() };
+    settle(cells, &inside, effects);
     let (levels, fixed) = (Levels::new(&point.theta), fixed(cells, point));
-    let log_weights: Vec<f64> = rule.weights.iter().map(|w| libm::log(*w)).collect();
-    let outer = Outer { cells, point, levels, fixed, nodes: &rule.nodes, log_weights };
-    let scale = outer.settle(effects);
-    let centre = effects.participant;
-    let mut nodes: Vec<Node> = Vec::with_capacity(rule.nodes.len());
-    for (x, log_weight) in rule.nodes.iter().zip(&outer.log_weights) {
-        let mut node = outer.node(centre + SQRT_2 * scale * x, effects);
-        node.log_weight += log_weight;
-        nodes.push(node);
-    }
-    let (log_sum, shares) = log_sum(nodes.iter().map(|node| node.log_weight));
+    let lattice = Lattice::new(cells, sd, effects);
+    let modes: Vec<Mode> =
+        (0..cells.groups.len()).map(|m| Mode::new(cells, m, &levels, &fixed, &lattice)).collect();
+    let height = |i: usize| {
+        modes.iter().map(|mode| libm::log(mode.inner[i])).sum::<f64>()
+            + libm::log(lattice.outer.weights[i])
+    };
+    let (log_sum, shares) = log_sum((0..lattice.outer.places.len()).map(height).collect());
     let mut gradient = Point::zero(point.theta.len(), point.beta.len());
-    for (node, share) in nodes.iter().zip(&shares) {
-        node.add_to(&mut gradient, share, cells);
+    gradient.sd[0] = shares.iter().zip(&lattice.outer.scores).map(|(s, score)| s * score).sum();
+    for (m, mode) in modes.iter().enumerate() {
+        let cells_of_mode = &cells.x[cells.groups[m].clone()];
+        mode.add_to(&mut gradient, &lattice, &shares, cells_of_mode);
     }
-    // dv₀ = √2 scale dx, and φ = e^(−v²/2) / √(2π).
-    (log_sum + libm::log(scale) - libm::log(PI) / 2.0, gradient)
+    for (slope, sd) in gradient.sd.iter_mut().zip(point.sd) {
+        // Beyond the largest SD nothing changes.
+        if sd.abs() > LARGEST_SD {
+            *slope = 0.0;
+        }
+    }
+    (log_sum + modes.iter().map(|mode| mode.log_scale).sum::<f64>(), gradient)
 }
 
-/// What the outer integrand is made of.
-struct Outer<'a> {
-    cells: &'a Cells,
-    point: &'a Point,
-    levels: Levels,
-    /// xβ per cell.
-    fixed: Vec<f64>,
-    nodes: &'a [f64],
-    log_weights: Vec<f64>,
+/// The nodes of one normal effect.
+struct Axis {
+    /// Effects, in logits: multiples of the step.
+    places: Vec<f64>,
+    /// Density times step.
+    weights: Vec<f64>,
+    /// d ln density / dσ.
+    scores: Vec<f64>,
+    step: f64,
 }
 
-/// The outer integrand at one v₀.
-struct Node {
-    v: f64,
-    /// −v₀²/2 + Σ ln Iₘ.
-    log_weight: f64,
-    /// Its first derivative by v₀, and the negative of its second.
-    slope: f64,
-    bend: f64,
-    /// Posterior mean of nⱼ − Nⱼ F, cell by cell and threshold by threshold.
+impl Axis {
+    /// The nodes of an effect, most likely at one of `centres` (in SDs), of which the answers tell no
+    /// more than `information`, the inverse of a variance.
+    fn new(sd: f64, information: f64, centres: &[f64]) -> Self {
+        if sd.abs() < NO_SD {
+            let step = LARGEST_STEP;
+            return Self { places: vec![0.0], weights: vec![1.0], scores: vec![0.0], step };
+        }
+        let size = sd.abs();
+        let posterior_sd = 1.0 / (1.0 / (size * size) + information).sqrt();
+        let largest = (size / STEPS_PER_SD).min(posterior_sd / STEPS_PER_POSTERIOR_SD);
+        let step = power_of_two(largest.min(LARGEST_STEP));
+        let ends = centres.iter().map(|centre| sd * centre);
+        let low = ends.clone().fold(f64::INFINITY, f64::min) - REACH * size;
+        let high = ends.fold(f64::NEG_INFINITY, f64::max) + REACH * size;
+        let numbers = (low / step).ceil() as i32..=(high / step).floor() as i32;
+        let places: Vec<f64> = numbers.map(|k| f64::from(k) * step).collect();
+        let square = |place: &f64| place * place / (size * size);
+        let height = step / (size * (2.0 * PI).sqrt());
+        let weights = places.iter().map(|p| height * libm::exp(-square(p) / 2.0)).collect();
+        let scores = places.iter().map(|p| (square(p) - 1.0) / sd).collect();
+        Self { places, weights, scores, step }
+    }
+}
+
+/// The largest power of two that is not above x > 0.
+fn power_of_two(x: f64) -> f64 {
+    libm::ldexp(1.0, libm::frexp(x).1 - 1)
+}
+
+/// The nodes of the participant's effect and of the modes', and where their sums lie.
+struct Lattice {
+    outer: Axis,
+    inner: Axis,
+    /// Slots from an outer node, and from an inner one, to the next.
+    strides: [usize; 2],
+    /// The sum of the effects in each slot.
+    sums: Vec<f64>,
+}
+
+impl Lattice {
+    fn new(cells: &Cells, sd: [f64; 2], effects: &Effects) -> Self {
+        let answers = |m: usize| answers(cells, m);
+        let all = 0..cells.groups.len();
+        let most = all.clone().map(answers).fold(0.0, f64::max);
+        let inner = Axis::new(sd[1], INFORMATION * most, &effects.modes);
+        // What a mode tells of the participant is blurred by the mode's own effect.
+        let blurred = |m: usize| 1.0 / (sd[1] * sd[1] + 1.0 / (INFORMATION * answers(m)));
+        let outer = Axis::new(sd[0], all.map(blurred).sum(), &[effects.participant]);
+        let (n, k) = (outer.places.len(), inner.places.len());
+        let strides = if outer.step >= inner.step {
+            [((outer.step / inner.step) as usize).min(k), 1]
+        } else {
+            [1, ((inner.step / outer.step) as usize).min(n)]
+        };
+        let mut sums = vec![0.0; strides[0] * (n - 1) + strides[1] * (k - 1) + 1];
+        for (i, u) in outer.places.iter().enumerate() {
+            for (j, w) in inner.places.iter().enumerate() {
+                sums[i * strides[0] + j * strides[1]] = u + w;
+            }
+        }
+        Self { outer, inner, strides, sums }
+    }
+
+    /// The slots of the sums of outer node i with each inner one.
+    fn slots(&self, i: usize) -> impl Iterator<Item = usize> {
+        let [across, along] = self.strides;
+        (0..self.inner.places.len()).map(move |j| i * across + j * along)
+    }
+}
+
+/// Answers of one mode.
+fn answers(cells: &Cells, m: usize) -> f64 {
+    let of_cell = |c: usize| {
+        let (beside, below) = (&cells.beside[c], &cells.below[c]);
+        let last = beside.iter().zip(below).next_back().map_or(0.0, |(b, n)| b - n);
+        below.iter().sum::<f64>() + last
+    };
+    cells.groups[m].clone().map(of_cell).sum()
+}
+
+/// One mode's answers on the lattice.
+struct Mode {
+    /// P(answers | u + w) per slot, over the largest of them.
+    shares: Vec<f64>,
+    /// ln of the largest.
+    log_scale: f64,
+    /// nⱼ − Nⱼ F, slot by slot, cell by cell, threshold by threshold.
     residuals: Vec<f64>,
-    /// Posterior mean of Σ vₘ times the slope of mode m.
-    mode_slope: f64,
+    /// Iₘ(u) per outer node, over the largest P.
+    inner: Vec<f64>,
 }
 
-impl Node {
-    /// Adds `share` of this node's gradient.
-    fn add_to(&self, gradient: &mut Point, share: &f64, cells: &Cells) {
-        let thresholds = gradient.theta.len();
-        let mut by_eta = 0.0;
-        for (cell, residuals) in self.residuals.chunks_exact(thresholds).enumerate() {
-            let all: f64 = residuals.iter().sum();
-            gradient.theta.iter_mut().zip(residuals).for_each(|(by, r)| *by += share * r);
-            let x = &cells.x[cell];
-            gradient.beta.iter_mut().zip(x).for_each(|(by, x)| *by -= share * all * x);
-            by_eta -= all;
-        }
-        gradient.sd[0] += share * self.v * by_eta;
-        gradient.sd[1] += share * self.mode_slope;
-    }
-}
-
-impl Outer<'_> {
-    /// Moves `effects.participant` to the mode of the outer integrand; gives the scale 1/√bend.
-    fn settle(&self, effects: &mut Effects) -> f64 {
-        let mut scale = 1.0;
-        for _ in 0..MAX_STEPS {
-            let here = self.node(effects.participant, effects);
-            let step = (here.slope / here.bend).clamp(-LONGEST, LONGEST);
-            scale = 1.0 / here.bend.sqrt();
-            effects.participant += step;
-            if step.is_nan() || step.abs() < STEP * scale {
-                break;
-            }
-        }
-        scale
-    }
-
-    /// The outer integrand at `v`.
-    fn node(&self, v: f64, effects: &mut Effects) -> Node {
-        let su = self.point.sd[0];
-        let mut node = Node {
-            v,
-            log_weight: -v * v / 2.0,
-            slope: -v,
-            bend: 1.0,
-            residuals: Vec::with_capacity(self.cells.x.len() * self.point.theta.len()),
-            mode_slope: 0.0,
-        };
-        for m in 0..self.cells.groups.len() {
-            let inner = self.inner(m, su * v, &mut effects.modes[m], &mut node);
-            node.log_weight += inner.value;
-            node.slope += su * inner.slope;
-            node.bend += su * su * inner.bend;
-        }
-        node
-    }
-
-    /// ln Iₘ at the shift σᵤ v₀ with its slope and bend by that shift. What the mode gives to the
-    /// gradient goes to the node.
-    fn inner(&self, m: usize, shift: f64, mode: &mut f64, node: &mut Node) -> Slopes {
-        let sw = self.point.sd[1];
-        if sw.abs() <= f64::MIN_POSITIVE {
-            *mode = 0.0;
-            return self.group(m, shift, Some(&mut node.residuals));
-        }
-        let scale = self.settle_mode(m, shift, mode);
-        let place = |x: &f64| *mode + SQRT_2 * scale * x;
+impl Mode {
+    fn new(cells: &Cells, m: usize, levels: &Levels, fixed: &[f64], lattice: &Lattice) -> Self {
         let mut residuals = Vec::new();
-        let at: Vec<Slopes> = self
-            .nodes
-            .iter()
-            .map(|x| self.group(m, shift + sw * place(x), Some(&mut residuals)))
-            .collect();
-        let weigh = |((x, here), log_weight): ((&f64, &Slopes), &f64)| {
-            here.value - place(x) * place(x) / 2.0 + log_weight
+        let mut log_probability = |sum: &f64| -> f64 {
+            let of_cell =
+                |c: usize| levels.slopes(cells, c, fixed[c] + sum, Some(&mut residuals)).value;
+            cells.groups[m].clone().map(of_cell).sum()
         };
-        let (log_sum, shares) =
-            log_sum(self.nodes.iter().zip(&at).zip(&self.log_weights).map(weigh));
-        let mut mean = Slopes::default();
-        for ((x, here), share) in self.nodes.iter().zip(&at).zip(&shares) {
-            mean.slope += share * here.slope;
-            mean.bend += share * here.bend;
-            node.mode_slope += share * place(x) * here.slope;
-        }
-        let first = node.residuals.len();
-        let width = residuals.len() / shares.len();
-        node.residuals.resize(first + width, 0.0);
-        for (residuals, share) in residuals.chunks_exact(width).zip(&shares) {
-            let means = node.residuals[first..].iter_mut().zip(residuals);
-            means.for_each(|(mean, residual)| *mean += share * residual);
-        }
-        // The logarithm of a mean bends by the mean bend less the slopes' variance.
-        let spread = |(here, share): (&Slopes, &f64)| {
-            share * (here.slope - mean.slope) * (here.slope - mean.slope)
-        };
-        let variance: f64 = at.iter().zip(&shares).map(spread).sum();
-        Slopes {
-            value: log_sum + libm::log(scale) - libm::log(PI) / 2.0,
-            slope: mean.slope,
-            bend: mean.bend - variance,
-        }
+        let logarithms: Vec<f64> = lattice.sums.iter().map(&mut log_probability).collect();
+        let log_scale = logarithms.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x));
+        let shares: Vec<f64> = logarithms.iter().map(|x| libm::exp(x - log_scale)).collect();
+        let weights = &lattice.inner.weights;
+        let inner = |i| lattice.slots(i).zip(weights).map(|(slot, w)| w * shares[slot]).sum();
+        let inner = (0..lattice.outer.places.len()).map(inner).collect();
+        Self { shares, log_scale, residuals, inner }
     }
 
-    /// Moves `mode` to that of the inner integrand; gives the scale.
-    fn settle_mode(&self, m: usize, shift: f64, mode: &mut f64) -> f64 {
-        let sw = self.point.sd[1];
-        let mut scale = 1.0;
-        for _ in 0..MAX_STEPS {
-            let here = self.group(m, shift + sw * *mode, None);
-            let bend = 1.0 + sw * sw * here.bend;
-            let step = ((sw * here.slope - *mode) / bend).clamp(-LONGEST, LONGEST);
-            scale = 1.0 / bend.sqrt();
-            *mode += step;
-            if step.is_nan() || step.abs() < STEP * scale {
-                break;
+    /// Adds the posterior mean of the gradient of ln P(answers | u + w) and of ln φ(w/σᵥ)/σᵥ, with
+    /// the posterior `shares` of the outer nodes.
+    fn add_to(&self, gradient: &mut Point, lattice: &Lattice, shares: &[f64], x: &[Vec<f64>]) {
+        let mut by_slot = vec![0.0; self.shares.len()];
+        let nodes = lattice.inner.weights.iter().zip(&lattice.inner.scores);
+        for (i, share) in shares.iter().enumerate().filter(|(_, share)| **share > NO_SHARE) {
+            let share = share / self.inner[i];
+            for (slot, (weight, score)) in lattice.slots(i).zip(nodes.clone()) {
+                let posterior = share * weight * self.shares[slot];
+                by_slot[slot] += posterior;
+                gradient.sd[1] += posterior * score;
             }
         }
-        scale
-    }
-
-    /// ln P(answers in mode m) with its slope and bend by η; nⱼ − Nⱼ F of each cell and threshold
-    /// is pushed where it is asked for.
-    fn group(&self, m: usize, shift: f64, mut residuals: Option<&mut Vec<f64>>) -> Slopes {
-        let mut sum = Slopes::default();
-        for cell in self.cells.groups[m].clone() {
-            let eta = self.fixed[cell] + shift;
-            sum.add(self.levels.slopes(self.cells, cell, eta, residuals.as_deref_mut()));
+        let thresholds = gradient.theta.len();
+        for (posterior, residuals) in
+            by_slot.iter().zip(self.residuals.chunks(thresholds * x.len()))
+        {
+            for (residuals, x) in residuals.chunks(thresholds).zip(x) {
+                let all: f64 = residuals.iter().sum();
+                let theta = gradient.theta.iter_mut().zip(residuals);
+                theta.for_each(|(by, residual)| *by += posterior * residual);
+                gradient.beta.iter_mut().zip(x).for_each(|(by, x)| *by -= posterior * all * x);
+            }
         }
-        sum
     }
 }
 
 /// ln Σ eˣ and each term's share of the sum.
-fn log_sum(logarithms: impl Iterator<Item = f64> + Clone) -> (f64, Vec<f64>) {
-    let most = logarithms.clone().fold(f64::NEG_INFINITY, f64::max);
-    let mut shares: Vec<f64> = logarithms.map(|x| libm::exp(x - most)).collect();
+fn log_sum(logarithms: Vec<f64>) -> (f64, Vec<f64>) {
+    let most = logarithms.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x));
+    let mut shares: Vec<f64> = logarithms.iter().map(|x| libm::exp(x - most)).collect();
     let sum: f64 = shares.iter().sum();
     shares.iter_mut().for_each(|s| *s /= sum);
     (most + libm::log(sum), shares)

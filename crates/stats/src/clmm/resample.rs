@@ -11,12 +11,11 @@ use super::model::Model;
 use super::point::Point;
 use super::search::{Start, climb};
 use crate::answers::{Answers, Scale};
-use crate::bootstrap::stream;
+use crate::bootstrap::{normal, stream, uniform};
 use crate::logistic::logit;
 use crate::symmetric::dot;
 use crate::tested::Unestimable;
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::Rng;
 use rayon::prelude::*;
 
 /// Ratios of discrete answers tie; searches leave less than this between equal ones.
@@ -102,15 +101,4 @@ fn drawn(smaller: &Model, truth: &Point, rng: &mut ChaCha8Rng, model: &Model) ->
     let scale = Scale { used: used.iter().map(|&code| old[code]).collect(), unused: Vec::new() };
     let codes = codes.iter().map(|code| used.partition_point(|u| u < code)).collect();
     (used.len() > 1).then(|| Answers { scale, codes, columns: model.answers.columns.clone() })
-}
-
-/// A number in (0, 1), from the upper 53 bits.
-fn uniform(rng: &mut ChaCha8Rng) -> f64 {
-    ((rng.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-}
-
-/// A standard normal number (Box & Muller 1958, Ann. Math. Statist. 29:610).
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    let radius = (-2.0 * libm::log(uniform(rng))).sqrt();
-    radius * libm::cos(2.0 * core::f64::consts::PI * uniform(rng))
 }

@@ -11,7 +11,7 @@ use zwidth_numerics::minimise::minimise;
 /// Slope of the log-likelihood, per standard error of a parameter, at which a maximum is flat: it
 /// is then 1e-13 below the top.
 const FLAT: f64 = 5e-7;
-/// A search that rounding (or a rule of few nodes) stops earlier has still found a maximum if this
+/// A search that rounding stops earlier has still found a maximum if this
 /// much slope is left, or less: estimates are off by a ten-thousandth of their standard error.
 const NEARLY_FLAT: f64 = 1e-4;
 /// SDs at which a search begins.
