@@ -98,15 +98,16 @@ impl Node {
 impl Outer<'_> {
     /// Moves `effects.participant` to the mode of the outer integrand; gives the scale 1/√bend.
     fn settle(&self, effects: &mut Effects) -> f64 {
-        let mut scale = 1.0;
+        let (mut scale, mut bracket) = (1.0, Bracket::NONE);
         for _ in 0..MAX_STEPS {
             let here = self.node(effects.participant, effects);
             let step = (here.slope / here.bend).clamp(-LONGEST, LONGEST);
             scale = 1.0 / here.bend.sqrt();
-            effects.participant += step;
             if step.is_nan() || step.abs() < STEP * scale {
+                effects.participant += step;
                 break;
             }
+            effects.participant = bracket.step(effects.participant, step);
         }
         scale
     }
@@ -180,16 +181,17 @@ impl Outer<'_> {
     /// Moves `mode` to that of the inner integrand; gives the scale.
     fn settle_mode(&self, m: usize, shift: f64, mode: &mut f64) -> f64 {
         let sw = self.point.sd[1];
-        let mut scale = 1.0;
+        let (mut scale, mut bracket) = (1.0, Bracket::NONE);
         for _ in 0..MAX_STEPS {
             let here = self.group(m, shift + sw * *mode, None);
             let bend = 1.0 + sw * sw * here.bend;
             let step = ((sw * here.slope - *mode) / bend).clamp(-LONGEST, LONGEST);
             scale = 1.0 / bend.sqrt();
-            *mode += step;
             if step.is_nan() || step.abs() < STEP * scale {
+                *mode += step;
                 break;
             }
+            *mode = bracket.step(*mode, step);
         }
         scale
     }
@@ -203,6 +205,31 @@ impl Outer<'_> {
             sum.add(self.levels.slopes(self.cells, cell, eta, residuals.as_deref_mut()));
         }
         sum
+    }
+}
+
+/// Where the mode of a log-concave integrand lies: it rises below and falls above. Newton's steps
+/// alone may go to and fro for ever where an answer is a steep step of the effect, as it is where
+/// people differ a lot.
+struct Bracket {
+    low: f64,
+    high: f64,
+}
+
+impl Bracket {
+    const NONE: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
+
+    /// A step from `here`, or halfway across the bracket where that one would leave it. The
+    /// integrand rises in the direction of `step`.
+    fn step(&mut self, here: f64, step: f64) -> f64 {
+        if step > 0.0 {
+            self.low = here;
+        } else {
+            self.high = here;
+        }
+        let there = here + step;
+        let inside = self.low < there && there < self.high;
+        if inside { there } else { f64::midpoint(self.low, self.high) }
     }
 }
 
