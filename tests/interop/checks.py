@@ -6,7 +6,7 @@ import sys
 passed = 0
 failed = 0
 # Numbers computed twice that must agree to this or closer: how many, and the largest relative difference with its name.
-SAME = 1e-6
+SAME = 3e-6
 compared = 0
 worst = (0.0, "none")
 

@@ -1,4 +1,7 @@
-"""Recordings made by others: our numbers against NumPy, SciPy and statsmodels on the Parquet files."""
+"""Recordings made by others: our numbers against NumPy, SciPy and statsmodels on the Parquet files.
+
+`paddle` and `questionnaire` compute again what `zwidth compare` says of them, from the original files.
+"""
 
 import tempfile
 from pathlib import Path
@@ -9,6 +12,8 @@ from scipy.optimize import curve_fit
 
 import definitions
 import folders
+import paddle
+import questionnaire
 import results
 from checks import check, close, equal, run
 from definitions import half_width, robust
@@ -27,6 +32,7 @@ AGREEMENT = 1e-6
 
 def all_sets(zwidth, real, mappings):
     """Imports, runs and checks every set."""
+    comparisons = {"ethz": paddle.check_compared, "likert_vr_shoes": questionnaire.check_compared}
     for name, maps, checks in [
         ("ethz", ethz_files(real / "ethz_haptic_paddle"), ethz),
         ("ethz_plant", {"map.toml": [real / "ethz_haptic_paddle/plant/position_time_sinusoid.csv"]}, plant),
@@ -46,6 +52,8 @@ def all_sets(zwidth, real, mappings):
             results.tables(name, root / "reports" / name / "tables")
             results.figures(name, root / "reports" / name / "figures", synthetic=False)
             checks(root, real)
+            if name in comparisons:
+                comparisons[name](zwidth, root, real)
 
 
 def ethz_files(folder):

@@ -237,6 +237,74 @@ fn sums_over_the_lattice_agree_with_a_tensor_rule_of_sixty_nodes() {
     }
 }
 
+/// Newton's steps alone go from 0 to 5 and back for ever: an answer is a steep step of the effect.
+#[test]
+fn quadrature_settles_where_people_differ_by_many_logits() {
+    let theta = vec![-18.568, -12.273, -9.372, -3.174];
+    let point = Point { theta, beta: vec![-4.865, -2.0, -2.223], sd: [7.07, 0.0] };
+    let column = |of: usize| Column {
+        name: of.to_string(),
+        values: (0..4).map(|mode| f64::from(u8::from(mode == of))).collect(),
+    };
+    // All five points are in use, by a second participant.
+    let answers = [4, 4, 4, 5, 1, 2, 3, 3];
+    let columns: Vec<Column> = (0..3).map(column).map(|c| twice(&c)).collect();
+    let answers = Answers::new(&answers, 5, &columns).unwrap();
+    let places = (0..8).map(|row| (row / 4, row % 4)).collect();
+    let model = Model::of(answers, places, Terms::Participant, 4);
+    for cells in &model.participants {
+        let (low, step) = (-9.0, 0.01);
+        let at = |i: u32| {
+            let v = [low + step * f64::from(i), 0.0, 0.0, 0.0, 0.0];
+            libm::exp(-minus_log_joint(cells, &point, &v))
+        };
+        let exact = libm::log((0..=1800).map(at).sum::<f64>() * step)
+            - libm::log(2.0 * core::f64::consts::PI) / 2.0;
+        for start in [0.0, 5.0, -5.0] {
+            let mut effects = Effects { participant: start, modes: vec![0.0; 4] };
+            let (found, _) = integrate(cells, &point, &mut effects);
+            assert!((found - exact).abs() < 1e-8, "{start}: {found} {exact}");
+        }
+    }
+}
+
+/// The rows of a column once more.
+fn twice(column: &Column) -> Column {
+    Column { name: column.name.clone(), values: column.values.repeat(2) }
+}
+
+/// 20 people answer once in each of four modes, as in a questionnaire, and differ by 5 logits.
+#[test]
+fn one_answer_per_mode_of_people_who_differ_a_lot_has_all_its_intervals() {
+    for seed in 0..10 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut answers = vec![];
+        for _ in 0..20 {
+            let u = 5.0 * normal(&mut rng);
+            for mode in 0..4 {
+                let latent = u + 0.5 * f64::from(mode) + crate::logistic::logit(uniform(&mut rng));
+                let above = [-6.0, -2.0, 1.0, 4.0].iter().filter(|&&t| t < latent).count();
+                answers.push(1 + above as u8);
+            }
+        }
+        let (participants, modes): (Vec<usize>, Vec<usize>) =
+            (0..80).map(|row| (row / 4, row % 4)).unzip();
+        let study = ModeStudy {
+            answers: &answers,
+            points: 5,
+            participants: &participants,
+            modes: &modes,
+            sessions: &[0; 80],
+        };
+        let found = compare_modes(&study, 3, 0.95, 1).unwrap();
+        assert!(found.fit.sd_participant > 2.0, "{}", found.fit.sd_participant);
+        for ratio in found.odds_ratios {
+            let ends = [&ratio.interval.low, &ratio.interval.high];
+            assert!(ends.iter().all(|end| end.value().is_some()), "seed {seed}: {ends:?}");
+        }
+    }
+}
+
 #[test]
 fn people_who_are_alike_are_a_singular_fit_and_that_of_the_plain_model() {
     // Each person gives the same answers, so that nothing is left to vary between them.
