@@ -12,7 +12,7 @@ use crate::interval::{Estimate, mean_and_sd, t_interval};
 use crate::tested::Unestimable;
 
 /// Limits of agreement hold about 95 % of differences, as Bland & Altman (1999) have them.
-const LIMIT: f64 = 1.96;
+pub(crate) const LIMIT: f64 = 1.96;
 
 /// A correlation with its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,7 +135,7 @@ fn absolute(squares: &Squares, level: f64) -> Result<Correlation, Unestimable> {
 
 /// The correlation of means over k sessions, k ρ / (1 + (k − 1) ρ) (Spearman & Brown), which turns
 /// the ends of an interval into those of the mean's, too.
-fn averaged(single: Correlation, k: f64) -> Correlation {
+pub(crate) fn averaged(single: Correlation, k: f64) -> Correlation {
     let of = |rho: f64| k * rho / (1.0 + (k - 1.0) * rho);
     Correlation {
         estimate: of(single.estimate),

@@ -19,6 +19,7 @@ pub mod f_distribution;
 pub mod friedman;
 pub mod hac;
 pub mod holm;
+pub mod incomplete;
 pub mod interval;
 pub mod line;
 pub mod lmm;

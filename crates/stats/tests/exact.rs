@@ -1,4 +1,4 @@
-//! The same numbers by SciPy and statsmodels, on random data with ties, zeros and constants.
+//! The same numbers by SciPy, statsmodels and pingouin, on random data with ties, zeros and constants.
 //!
 //! `ZWIDTH_PYTHON=… cargo test -p zwidth-stats --test exact -- --ignored`, with the Python that has
 //! what `tests/interop/requirements.txt` lists.
@@ -9,7 +9,9 @@
 
 use serde_json::Value;
 use std::process::Command;
+use zwidth_stats::agreement::agreement;
 use zwidth_stats::null::Sampling;
+use zwidth_stats::rm_anova::rm_anova;
 use zwidth_stats::sharp_null::{Statistic, Trials};
 use zwidth_stats::{bca, friedman, holm, paired, sign_flip, signed_rank};
 
@@ -17,8 +19,8 @@ const SAMPLING: Sampling = Sampling { draws: 999, seed: 1 };
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/interop/stats/exact.py");
 
 #[test]
-#[ignore = "needs Python with SciPy, statsmodels"]
-fn every_number_is_that_of_scipy_and_statsmodels() {
+#[ignore = "needs Python with SciPy, statsmodels, pingouin"]
+fn every_number_is_that_of_scipy_statsmodels_and_pingouin() {
     let python = std::env::var("ZWIDTH_PYTHON").unwrap_or_else(|_| "python3".into());
     let output = Command::new(&python).arg(SCRIPT).output();
     let output = output.unwrap_or_else(|why| panic!("{python}, named by ZWIDTH_PYTHON: {why}"));
@@ -30,6 +32,7 @@ fn every_number_is_that_of_scipy_and_statsmodels() {
     check(&cases, "holm", 10, holms);
     check(&cases, "orders", 8, orders);
     check(&cases, "bca", 9, bcas);
+    check(&cases, "repeated", 12, repeated);
 }
 
 /// Checks the cases of one name, of which there are some number.
@@ -113,6 +116,32 @@ fn bcas(case: &Value) {
     assert!(matches!(found.kind, bca::Kind::Corrected { .. }), "{case}");
     near(found.ci_low, &case["ci"][0], 1e-7, case);
     near(found.ci_high, &case["ci"][1], 1e-7, case);
+}
+
+fn repeated(case: &Value) {
+    let rows: Vec<Vec<f64>> = case["rows"].as_array().unwrap().iter().map(numbers).collect();
+    let found = agreement(&rows, 0.95).unwrap();
+    let icc = case["icc"].as_array().unwrap();
+    for (found, expected) in [found.a1, found.c1, found.ak, found.ck].iter().zip(icc) {
+        near(found.estimate, &expected[0], 1e-9, case);
+        // pingouin gives two digits of the ends.
+        for (end, expected) in [(found.ci_low, &expected[1]), (found.ci_high, &expected[2])] {
+            assert!((end - expected.as_f64().unwrap()).abs() < 0.005_001, "{end}: {case}");
+        }
+    }
+    let (found, anova) = (rm_anova(&rows).unwrap(), &case["anova"]);
+    near(found.test.statistic, &anova["F"], 1e-9, case);
+    near(found.test.df_num, &anova["df"][0], 1e-15, case);
+    near(found.test.df_den, &anova["df"][1], 1e-15, case);
+    near(found.test.p_value, &anova["p"], 1e-8, case);
+    near(found.p_greenhouse_geisser, &case["p_gg"], 1e-8, case);
+    near(found.greenhouse_geisser, &case["gg"], 1e-9, case);
+    near(found.huynh_feldt, &case["hf"], 1e-9, case);
+    let slices: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    let ranked = friedman::test(&slices, SAMPLING).unwrap();
+    near(ranked.concordance, &case["concordance"], 1e-12, case);
+    let pairs: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
+    near(paired::d_av(&pairs).unwrap(), &case["d_av"], 1e-12, case);
 }
 
 /// Checks a number to a share of its size.

@@ -1,4 +1,4 @@
-"""Numbers of SciPy and statsmodels for crates/stats/tests/exact.rs, as JSON: random data with ties, zeros, constants.
+"""Numbers of SciPy, statsmodels and pingouin for crates/stats/tests/exact.rs, as JSON: random data with ties, zeros, constants.
 
 What has no such number (one value, all equal) is null: there our functions must say why instead.
 """
@@ -8,6 +8,8 @@ import json
 import warnings
 
 import numpy as np
+import pandas as pd
+import pingouin
 from scipy import stats
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.weightstats import ttost_paired
@@ -83,6 +85,28 @@ def friedman(rng):
             yield {"rows": rows, "p": p, "statistic": chi2, "concordance": chi2 / (n * (modes - 1))}
 
 
+def repeated(rng):
+    """Intraclass correlations (ends to two digits), repeated-measures ANOVA, Kendall's W, d_av, by pingouin.
+
+    Its ε is right with one factor, as here; with two it is not.
+    """
+    for n, k in ((3, 2), (4, 3), (6, 3), (12, 4), (30, 3), (8, 5)):
+        for people, unlike in ((1.0, 0.0), (0.2, 1.5)):
+            scatter = 1 + unlike * np.arange(k)  # no sphericity
+            rows = 5 + people * rng.normal(size=(n, 1)) + 0.4 * np.arange(k) + scatter * rng.normal(size=(n, k))
+            long = pd.DataFrame(
+                [(i, j, rows[i, j]) for i in range(n) for j in range(k)], columns=["participant", "mode", "y"])
+            one = {"data": long, "dv": "y", "within": "mode", "subject": "participant"}
+            icc = pingouin.intraclass_corr(long, targets="participant", raters="mode", ratings="y").set_index("Type")
+            anova = pingouin.rm_anova(**one, correction=True).iloc[0]
+            yield {"rows": rows, "icc": [[icc.ICC[t], *icc.CI95[t]] for t in ("ICC(A,1)", "ICC(C,1)", "ICC(A,k)", "ICC(C,k)")],
+                   "anova": {"F": anova.F, "df": [anova.ddof1, anova.ddof2], "p": anova.p_unc},
+                   "p_gg": anova.get("p_GG_corr", anova.p_unc), "gg": pingouin.epsilon(pd.DataFrame(rows), correction="gg"),
+                   "hf": pingouin.epsilon(pd.DataFrame(rows), correction="hf"),
+                   "concordance": pingouin.friedman(**one).W.iloc[0],
+                   "d_av": pingouin.compute_effsize(rows[:, 0], rows[:, 1], paired=True, eftype="cohen")}
+
+
 def holm(rng):
     """Adjusted p values, with ties."""
     for m in (1, 2, 3, 6, 15):
@@ -132,5 +156,5 @@ def plain(value):
 
 
 rng = np.random.default_rng(20240601)
-cases = {f.__name__: list(f(rng)) for f in (differences, paired, friedman, holm, orders, bca)}
+cases = {f.__name__: list(f(rng)) for f in (differences, paired, friedman, holm, orders, bca, repeated)}
 print(json.dumps(cases, default=plain, allow_nan=False))
