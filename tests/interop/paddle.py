@@ -117,5 +117,8 @@ def sentences(root, notes):
     check("ethz: sentences on differences", len(lines) > 4, lines)
     alone = ["Every number here describes this one participant and nobody else.", "Nothing is said of anybody else."]
     equal("ethz: the summary says of whom it speaks", [words for words in alone if words not in summary], [])
+    # No trial has the default primary metric, and no contrast a test.
+    untested = "it was not tested whether the modes differ in end minus onset (exploratory: not the primary metric)"
+    check("ethz: the summary says that nothing was tested, and that it is not the primary metric", untested in summary, lines)
     general = [line for line in lines if "participants" in line or "people" in line]
     equal("ethz: sentences on people in general", general, [])

@@ -18,7 +18,7 @@ use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 6 };
+const STAGE: Stage = Stage { name: "summary", version: 7 };
 
 /// The summary's file.
 pub fn file(data: &StudyData) -> PathBuf {
@@ -34,6 +34,8 @@ struct Page {
     captions: Vec<Caption>,
     /// The metrics that are compared, in the order of their files.
     compared: Vec<String>,
+    /// The study's primary metric, which may not be among them.
+    primary: String,
     /// Participant and session, where there is only one.
     only_session: Option<[String; 2]>,
 }
@@ -79,6 +81,7 @@ pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Jo
         planned: Planned::of(&data.study),
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
         compared,
+        primary: data.study.compare.primary.to_string(),
         only_session: match sessions(data).as_slice() {
             [one] => Some(one.ids()),
             _ => None,
@@ -111,7 +114,10 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
         .compared
         .iter()
         .zip(&compared)
-        .map(|(name, [means, contrasts])| ComparedMetric { name, means, contrasts })
+        .map(|(name, [means, contrasts])| {
+            let primary = *name == page.primary;
+            ComparedMetric { name, primary, means, contrasts }
+        })
         .collect();
     summary.matrix = zwidth_report::matrix(&page.planned, &metrics)?;
     summary.limits.extend(notes(&contrasts_of(files), |kind| kind == NoteKind::Limit)?);

@@ -10,6 +10,9 @@ use zwidth_tables::{Table, TableError, Values, for_people, number};
 pub struct ComparedMetric<'a> {
     /// Its column in the table of metrics.
     pub name: &'a str,
+    /// Whether it is the study's primary metric, whose claims count. That one may not be among those
+    /// compared: trials of the study may not have it.
+    pub primary: bool,
     /// Means by condition.
     pub means: &'a Table,
     /// Differences between modes.
@@ -95,15 +98,15 @@ fn caption(unit: &str) -> String {
     }
 }
 
-/// What the contrasts of the primary metric, the first of `metrics`, say: first how many show a
-/// difference, then each in a sentence with effect, interval, n and unit. Of the other metrics, how
-/// many are compared.
+/// What the contrasts of the first of `metrics` say, the primary one where it is there: first how
+/// many show a difference, then each in a sentence with effect, interval, n and unit. Of the other
+/// metrics, how many are compared.
 ///
 /// # Errors
 /// Tables that are not of the stage `compare`.
 pub fn contrasts(study: &Planned, metrics: &[ComparedMetric]) -> Result<Vec<Finding>, TableError> {
-    let Some((primary, others)) = metrics.split_first() else { return Ok(Vec::new()) };
-    let table = for_people(primary.contrasts, study.coordinate)?;
+    let Some((first, others)) = metrics.split_first() else { return Ok(Vec::new()) };
+    let table = for_people(first.contrasts, study.coordinate)?;
     let sentences = sentences(study, &table)?;
     if sentences.is_empty() {
         return Ok(Vec::new());
@@ -113,27 +116,37 @@ pub fn contrasts(study: &Planned, metrics: &[ComparedMetric]) -> Result<Vec<Find
         let text = format!("Compared besides, exploratory: {}.", names.join("; "));
         Finding { text, shown: Shown::Compared(others[0].name.to_owned()) }
     });
-    let shown = Shown::Compared(primary.name.to_owned());
-    let texts = [answer(&table)?].into_iter().chain(sentences);
+    let shown = Shown::Compared(first.name.to_owned());
+    let texts = [answer(&table, first.primary)?].into_iter().chain(sentences);
     let found = texts.map(|text| Finding { text, shown: shown.clone() });
     Ok(found.chain(exploratory).collect())
 }
 
-/// How many contrasts of the primary metric show a difference.
-fn answer(table: &Table) -> Result<String, TableError> {
+/// How many contrasts show a difference; where none has a test, that it was not asked.
+fn answer(table: &Table, primary: bool) -> Result<String, TableError> {
     let verdicts: Vec<String> = table.texts("verdict")?.into_iter().flatten().collect();
     let differ = verdicts.iter().filter(|verdict| verdict.starts_with("different")).count();
-    let who = match unit_of_analysis(table)?.strip_prefix("trials of ") {
-        Some(who) => format!("Within {who}, the"),
-        None => "The".to_owned(),
+    let (who, the) = match unit_of_analysis(table)?.strip_prefix("trials of ") {
+        Some(who) => (format!("Within {who}, "), "the"),
+        None => (String::new(), "The"),
     };
     let all = verdicts.len();
+    let metric = match primary {
+        true => format!("the primary metric, {}", words(table)),
+        false => format!("{} (exploratory: not the primary metric)", words(table)),
+    };
+    if floats(table, "p_adjusted")?.iter().all(Option::is_none) {
+        let whether = format!("whether {} modes differ in {metric}", the.to_lowercase());
+        let start = if who.is_empty() { "It" } else { "it" };
+        return Ok(format!(
+            "{who}{start} was not tested {whether}: none of {all} contrasts has a test."
+        ));
+    }
     let of = match differ {
         0 => format!("in none of {all} contrasts"),
         differ => format!("in {differ} of {all} contrasts"),
     };
-    let text =
-        format!("{who} modes were shown to differ in the primary metric, {}, {of}.", words(table));
+    let text = format!("{who}{the} modes were shown to differ in {metric}, {of}.");
     Ok(smallest_p(table).map_or(text.clone(), |p| {
         format!(
             "{text} Tested by the other orders that the design could have drawn, which reach an \
@@ -215,7 +228,7 @@ mod tests {
         Table::new("means", "Means by condition: angle past the wall", columns).unwrap()
     }
 
-    fn differences(unit: &str, verdict: &str) -> Table {
+    fn differences(unit: &str, verdict: &str, p_adjusted: Option<f64>) -> Table {
         let float = |name, v: f64| Column::float(name, "rad", "", [Some(v)]);
         let columns = vec![
             text("environment", &["spring"]),
@@ -226,22 +239,29 @@ mod tests {
             float("difference_std_error_rad", 0.02),
             float("difference_ci_low_rad", -0.15),
             float("difference_ci_high_rad", -0.05),
-            Column::float("p_adjusted", "1", "", [Some(0.0123)]),
+            Column::float("p_adjusted", "1", "", [p_adjusted]),
             text("verdict", &[verdict]),
         ];
         Table::new("contrasts", "Modes compared: angle past the wall", columns).unwrap()
     }
 
-    fn texts(unit: &str, verdict: &str) -> Vec<String> {
-        let (means, contrasts_of) = (means(unit), differences(unit, verdict));
-        let metric = ComparedMetric { name: "past", means: &means, contrasts: &contrasts_of };
+    fn texts_of(primary: bool, contrasts_of: &Table) -> Vec<String> {
+        let means = means("participants");
+        let (name, contrasts_of) = ("past", contrasts_of);
+        let metric = ComparedMetric { name, primary, means: &means, contrasts: contrasts_of };
         contrasts(&study(), &[metric]).unwrap().into_iter().map(|found| found.text).collect()
+    }
+
+    fn texts(unit: &str, verdict: &str) -> Vec<String> {
+        texts_of(true, &differences(unit, verdict, Some(0.0123)))
     }
 
     #[test]
     fn the_matrix_has_mean_deviation_and_number_in_degrees_and_a_dash_where_nothing_is() {
-        let (means, contrasts) = (means("participants"), differences("participants", "different"));
-        let metric = ComparedMetric { name: "past", means: &means, contrasts: &contrasts };
+        let means = means("participants");
+        let contrasts = differences("participants", "different", Some(0.0123));
+        let metric =
+            ComparedMetric { name: "past", primary: true, means: &means, contrasts: &contrasts };
         let matrix = matrix(&study(), &[metric]).unwrap();
         let row = ["angle past the wall (°)", "Spring", "11.46 ± 0.69 (6)", "–", "5.7 ± 1.4 (5)"];
         assert_eq!(matrix.rows, [row.map(str::to_owned).to_vec()]);
@@ -258,6 +278,22 @@ mod tests {
             "Spring, hybrid − active: angle past the wall differs by −5.7\u{a0}° (interval −8.6 to −2.9, \
              n = 6 participants, adjusted p = 0.0123): different."
         );
+    }
+
+    #[test]
+    fn a_metric_that_is_not_the_primary_one_is_not_called_so() {
+        let found = texts_of(false, &differences("participants", "different", Some(0.0123)));
+        let answer = "The modes were shown to differ in angle past the wall (exploratory: not the \
+                      primary metric), in 1 of 1 contrasts.";
+        assert_eq!(found[0], answer);
+    }
+
+    #[test]
+    fn what_was_not_tested_is_not_told_as_a_difference_that_was_not_shown() {
+        let untested = differences("trials of P01", "no test: why", None);
+        let answer = "Within P01, it was not tested whether the modes differ in the primary metric, \
+                      angle past the wall: none of 1 contrasts has a test.";
+        assert_eq!(texts_of(true, &untested)[0], answer);
     }
 
     #[test]

@@ -66,8 +66,9 @@ fn default_of(data: &StudyData) -> By {
 fn metric(data: &StudyData, asked: &Compare) -> anyhow::Result<String> {
     let metrics = plan::compared(data);
     let Some(first) = metrics.first() else {
+        let answers = plan::answers(data).map_or("", |_| " (its answers: --by answer)");
         bail!(
-            "{} has nothing to compare: it takes trials that count, of two modes",
+            "{} has no metric to compare: it takes recorded trials that count, of two modes{answers}",
             data.layout.study()
         );
     };
