@@ -72,6 +72,7 @@ impl Demo {
         let parameters = Parameters {
             metric: "step_n".to_owned(),
             primary: true,
+            simulated: false,
             environments: ENVIRONMENTS.map(|id| id.parse().unwrap()).to_vec(),
             modes: MODES[..modes].iter().map(|id| mode(id)).collect(),
             contrasts: MODES[..modes - 1].iter().map(contrast).collect(),
