@@ -49,14 +49,8 @@ pub(crate) struct Data {
 }
 
 /// All studies.
-pub(crate) const CASES: [Case; 6] = [
-    mixed(12, 1),
-    mixed(12, 2),
-    mixed(48, 1),
-    mixed(100, 1),
-    ordinal(12),
-    ordinal(48),
-];
+pub(crate) const CASES: [Case; 6] =
+    [mixed(12, 1), mixed(12, 2), mixed(48, 1), mixed(100, 1), ordinal(12), ordinal(48)];
 
 const fn mixed(participants: usize, sessions: usize) -> Case {
     Case { kind: Kind::Mixed, participants, sessions, repeats: 6 }
