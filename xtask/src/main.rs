@@ -10,6 +10,7 @@ mod tried;
 mod twin;
 
 use anyhow::{Context as _, bail};
+use soak::compared::{From, compared};
 use std::path::{Path, PathBuf};
 
 const CHORES: &str =
@@ -22,6 +23,7 @@ cargo xtask bits --without-origin      only their content, without what files sa
 cargo xtask bits renew                 writes that content down
 cargo xtask stale                      each field of study.toml, a session and each stage's parameters changed: no stale result
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
+cargo xtask soak compared [SEEDS [PEOPLE|FILE]] how often comparisons of studies drawn from simulated people (or from their metrics in FILE) are right [1000, of 1000]
 cargo xtask soak simulate [SEEDS [FIRST]] whole sessions in memory with faults drawn from a seed each [100000, from 0]
 cargo xtask soak simulate-twin [SEEDS [FIRST]] the same with the simulated device and participant [1000, from 0]
 cargo xtask soak properties [CASES [SEED]] fresh cases for every random property [1000000, a new seed]
@@ -62,6 +64,13 @@ fn main() -> anyhow::Result<()> {
             &scratch("coverage"),
             number(rest.first(), 400)?,
         ),
+        ["soak", "compared", rest @ ..] => {
+            let from = match rest.get(1) {
+                Some(file) if Path::new(file).is_file() => From::Table(file.into()),
+                people => From::Simulated(number(people, 1000)?),
+            };
+            compared(&scratch("compared"), number(rest.first(), 1000)?, &from)
+        }
         ["soak", "simulate", rest @ ..] => {
             let seeds = number(rest.first(), 100_000)?;
             soak::simulate::simulate(soak::simulate::With::Mock, seeds, number(rest.get(1), 0)?)

@@ -85,6 +85,14 @@ pub enum StatsError {
         /// Number of modes.
         modes: usize,
     },
+    /// A trial that does not move with those it is said to move with.
+    #[error(
+        "trial {trial} has another mode than those it is said to move with: give it a number of its own"
+    )]
+    Apart {
+        /// The first such trial.
+        trial: usize,
+    },
     /// All orders that a design can draw, and the actual one is not among them.
     #[error(
         "the order of the trials is not among the {orders} that the design can draw: give the design that drew it"

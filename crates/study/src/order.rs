@@ -85,6 +85,20 @@ impl Rules {
         }
     }
 
+    /// Rules of which those that are equal draw the same modes in each environment, whatever the
+    /// seed: participants whose rows of a Williams square begin alike share one number. (The
+    /// environments may still follow each other differently, and practice is everybody's own.)
+    pub fn shared(&self) -> Rules {
+        let participant_number = match self.scheme {
+            OrderScheme::Williams => {
+                let rows = u32::try_from(williams(self.modes).len()).unwrap_or(u32::MAX);
+                self.participant_number % rows.max(1)
+            }
+            OrderScheme::Constrained => self.participant_number,
+        };
+        Rules { participant_number, ..*self }
+    }
+
     /// Number of trials in a block.
     pub fn trials_per_block(&self) -> usize {
         self.modes * self.repeats as usize
@@ -482,6 +496,29 @@ mod tests {
             [0, 1].map(|e| modes_in(&study, &drawn, e)),
             [[2, 2, 1, 0, 1, 0], [0, 2, 1, 1, 0, 2]]
         );
+    }
+
+    #[test]
+    fn participants_with_shared_rules_get_the_same_modes_and_others_do_not() {
+        for scheme in [OrderScheme::Williams, OrderScheme::Constrained] {
+            for (modes, rows) in [(2, 2), (3, 6), (4, 4)] {
+                let study = study(scheme, modes, 6);
+                let of = |rules: &Rules, seed| {
+                    let blocks = draw_modes(rules, seed).blocks;
+                    blocks.into_iter().map(|b| (b.environment, b.modes)).collect::<BTreeMap<_, _>>()
+                };
+                let rules_of: Vec<Rules> = (0..13).map(|p| Rules::of(&study, p, 2)).collect();
+                for (a, b) in rules_of.iter().flat_map(|a| rules_of.iter().map(move |b| (a, b))) {
+                    let alike = (0..20).all(|seed| of(a, seed) == of(b, seed));
+                    assert_eq!(a.shared() == b.shared(), alike, "{a:?} {b:?}");
+                }
+                let mut numbers: Vec<u32> =
+                    rules_of.iter().map(|rules| rules.shared().participant_number).collect();
+                numbers.sort();
+                numbers.dedup();
+                assert_eq!(numbers.len(), if scheme == OrderScheme::Williams { rows } else { 13 });
+            }
+        }
     }
 
     /// Every order drawn can be drawn, and what the scheme rules out cannot.

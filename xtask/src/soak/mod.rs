@@ -1,6 +1,7 @@
 //! `cargo xtask soak`: what takes too long for the tests, and a short turn of it in CI.
 
 mod cable;
+pub(crate) mod compared;
 pub(crate) mod coverage;
 pub(crate) mod kill;
 pub(crate) mod live;
@@ -33,6 +34,18 @@ pub(crate) fn program() -> anyhow::Result<PathBuf> {
         .join("release/zwidth")
         .canonicalize()
         .context("the built program is not where cargo puts it")
+}
+
+/// The same soak in a program that is built for speed.
+fn optimised(arguments: &[&str]) -> anyhow::Result<()> {
+    let status = Command::new(env!("CARGO"))
+        .args(["run", "--quiet", "--release", "--locked", "--package", "xtask", "--", "soak"])
+        .args(arguments)
+        .status()?;
+    if !status.success() {
+        bail!("soak {} failed", arguments.join(" "));
+    }
+    Ok(())
 }
 
 /// A fresh root with a study: the template with these replacements.

@@ -32,12 +32,21 @@ pub enum Statistic {
 /// order changes (the person, the session, the environment) is their block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trials {
-    /// The values, less the mean of their block.
-    centred: Vec<f64>,
+    /// The values, less the mean of their block: those that no order tells apart, together.
+    together: Vec<Together>,
+    /// Σ of the squares of these values.
+    squares: f64,
     /// Number of modes.
     modes: usize,
-    /// The mode of each trial as it was, from 0.
+    /// The mode of each of `together` as it was, from 0.
     actual: Vec<usize>,
+}
+
+/// Values that have one mode in every order.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Together {
+    sum: f64,
+    count: usize,
 }
 
 /// A test by randomisation over orders.
@@ -83,7 +92,34 @@ impl Trials {
         }
         let mean = |block: &usize| blocks.get(block).map_or(0.0, |(sum, count)| sum / count);
         let centred = values.iter().zip(block).map(|(v, block)| difference(*v, mean(block)));
-        Ok(Trials { centred: centred.collect(), modes, actual: actual.to_vec() })
+        let centred: Vec<f64> = centred.collect();
+        Ok(Trials {
+            squares: centred.iter().map(|value| value * value).sum(),
+            together: centred.into_iter().map(|sum| Together { sum, count: 1 }).collect(),
+            modes,
+            actual: actual.to_vec(),
+        })
+    }
+
+    /// The same trials, of which those with one number in `group` have one mode in every order that
+    /// the design draws: participants who share their order, say. From here on an order is a list
+    /// of the groups' modes, in the order of their numbers, and costs as much as there are groups.
+    ///
+    /// # Errors
+    /// Not one number per trial; a trial with another actual mode than its group.
+    pub fn moving_together(&self, group: &[usize]) -> Result<Trials, Unestimable> {
+        same_length("the list of groups", self.together.len(), group.len())?;
+        let mut groups: BTreeMap<usize, (Together, usize)> = BTreeMap::new();
+        for (trial, group) in group.iter().enumerate() {
+            let (one, mode) = (self.together[trial], self.actual[trial]);
+            let (all, of_group) = groups.entry(*group).or_insert((Together::default(), mode));
+            if *of_group != mode {
+                return Err(Unestimable::Refused(StatsError::Apart { trial }));
+            }
+            (all.sum, all.count) = (all.sum + one.sum, all.count + one.count);
+        }
+        let (together, actual) = groups.into_values().unzip();
+        Ok(Trials { together, actual, ..*self })
     }
 
     /// p = (1 + orders at least as extreme) / (1 + orders drawn), where `redraw` gives the modes of
@@ -137,7 +173,7 @@ impl Trials {
     ) -> Result<Vec<Vec<f64>>, StatsError> {
         let one = |number| {
             let order = redraw(stream(sampling.seed, number).next_u64());
-            check_order(&order, self.centred.len(), self.modes)?;
+            check_order(&order, self.together.len(), self.modes)?;
             Ok(statistics.iter().map(|of| self.measure(*of, &order)).collect())
         };
         (0..sampling.draws as u64).into_par_iter().map(one).collect()
@@ -166,7 +202,7 @@ impl Trials {
         orders: &[Vec<usize>],
     ) -> Result<Randomised, Unestimable> {
         let observed = self.observed(statistic)?;
-        orders.iter().try_for_each(|order| check_order(order, self.centred.len(), self.modes))?;
+        orders.iter().try_for_each(|order| check_order(order, self.together.len(), self.modes))?;
         if !orders.contains(&self.actual) {
             return Err(Unestimable::Refused(StatsError::OrderNotAmong { orders: orders.len() }));
         }
@@ -200,7 +236,7 @@ impl Trials {
         if tested.iter().any(|mode| !self.actual.contains(mode)) {
             return Err(Unestimable::TooFew { units: "trials of a mode", found: 0, needed: 1 });
         }
-        if self.squares() <= 0.0 {
+        if self.squares <= 0.0 {
             return Err(Unestimable::Constant { units: "trials of each participant" });
         }
         Ok(self.measure(statistic, &self.actual))
@@ -209,9 +245,9 @@ impl Trials {
     /// The statistic of an order; infinite where a tested mode has no trial.
     fn measure(&self, statistic: Statistic, order: &[usize]) -> f64 {
         let (mut sums, mut counts) = (vec![0.0; self.modes], vec![0_usize; self.modes]);
-        for (value, mode) in self.centred.iter().zip(order) {
-            sums[*mode] += value;
-            counts[*mode] += 1;
+        for (together, mode) in self.together.iter().zip(order) {
+            sums[*mode] += together.sum;
+            counts[*mode] += together.count;
         }
         let mean = |mode: usize| match counts[mode] {
             0 => f64::INFINITY,
@@ -227,15 +263,11 @@ impl Trials {
         }
     }
 
-    fn squares(&self) -> f64 {
-        self.centred.iter().map(|value| value * value).sum()
-    }
-
     /// How many of `found` are `value` or more, to rounding.
     fn as_extreme(&self, statistic: Statistic, found: &[f64], value: f64) -> usize {
         let possible = match statistic {
-            Statistic::Difference(..) => self.squares().sqrt(),
-            Statistic::BetweenModes => self.squares(),
+            Statistic::Difference(..) => self.squares.sqrt(),
+            Statistic::BetweenModes => self.squares,
         };
         let threshold = value - SAME * possible;
         found.iter().filter(|s| **s >= threshold).count()

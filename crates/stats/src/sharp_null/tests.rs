@@ -145,6 +145,35 @@ fn one_thread_gives_the_bits_of_many() {
     assert_eq!(on(1), on(4));
 }
 
+/// Ten participants whose orders follow from two: every order is one of two lists of 18 modes.
+#[test]
+fn trials_that_move_together_count_as_one_and_change_no_p() {
+    let study = study(OrderScheme::Williams);
+    let sharing = |person: usize| person as u32 % 2;
+    let all = |seed| (0..10).flat_map(|person| drawn(&study, sharing(person), seed)).collect();
+    let two = |seed| (0..2).flat_map(|person| drawn(&study, person, seed)).collect::<Vec<_>>();
+    let block: Vec<usize> = (0..180).map(|trial| trial / 18).collect();
+    let group: Vec<usize> = (0..180).map(|trial| trial / 18 % 2 * 18 + trial % 18).collect();
+    for seed in 0..3 {
+        let actual: Vec<usize> = all(seed);
+        let apart = Trials::new(&values(180, seed), &block, &actual, 3).unwrap();
+        let together = apart.moving_together(&group).unwrap();
+        let sampling = Sampling { draws: 500, seed };
+        let statistics = [ANY, PAIR];
+        let found = together.each_against_drawn(&statistics, sampling, two);
+        let expected = apart.each_against_drawn(&statistics, sampling, all);
+        for (found, expected) in found.into_iter().zip(expected) {
+            let (found, expected) = (found.unwrap(), expected.unwrap());
+            assert_eq!([found.p_value, found.smallest_p], [expected.p_value, expected.smallest_p]);
+            assert!((found.statistic / expected.statistic - 1.0).abs() < 1e-9);
+        }
+    }
+    let trials = one(&[1.0, 2.0, 4.0], &[0, 1, 1], 2);
+    let words = |group: &[usize]| trials.moving_together(group).unwrap_err().to_string();
+    assert!(words(&[0, 0, 1]).contains("trial 1 has another mode"));
+    assert!(words(&[0, 1]).contains("groups"));
+}
+
 #[test]
 fn values_that_differ_by_rounding_tie() {
     let orders = [vec![0, 1], vec![1, 0]];

@@ -68,8 +68,10 @@ pub(crate) struct SharpNull {
 /// the session's order. Modes as [`Parameters::modes`] has them.
 type Places = Vec<(u32, usize, Option<f64>)>;
 
-/// A session whose order can be redrawn in one environment.
-struct Redrawn {
+/// What the modes of a session's trials in one environment are redrawn by. Sessions of which this
+/// is equal get the same modes in every order.
+#[derive(Debug, Clone, PartialEq)]
+struct Source {
     rules: Rules,
     /// The environment as the rules number it.
     environment: usize,
@@ -77,11 +79,15 @@ struct Redrawn {
     modes: Vec<usize>,
     /// Sessions of one number have one seed.
     seed: u64,
-    /// The actual modes of the trials that have the metric, and their values.
+    /// The actual modes, place by place in the block.
     actual: Vec<usize>,
-    values: Vec<f64>,
-    /// Whether the trial in each place of the block has the metric.
-    has: Vec<bool>,
+}
+
+/// A session whose order can be redrawn in one environment.
+struct Redrawn {
+    source: Source,
+    /// The values, place by place in the block.
+    values: Vec<Option<f64>>,
 }
 
 /// The tests of each environment, in the order of [`Parameters::environments`].
@@ -167,12 +173,28 @@ fn tests(
         .iter()
         .map(|contrast| Statistic::Difference(place(&contrast.mode), place(&contrast.against)));
     let statistics: Vec<Statistic> = [Statistic::BetweenModes].into_iter().chain(pairs).collect();
-    let values: Vec<f64> = sessions.iter().flat_map(|s| s.values.clone()).collect();
-    let actual: Vec<usize> = sessions.iter().flat_map(|s| s.actual.clone()).collect();
-    let blocks = sessions.iter().enumerate();
-    let block: Vec<usize> = blocks.flat_map(|(i, s)| vec![i; s.values.len()]).collect();
+    let mut sources: Vec<&Source> = Vec::new();
+    let (mut values, mut block, mut actual, mut group) = (vec![], vec![], vec![], vec![]);
+    for (number, Redrawn { source, values: of_session }) in sessions.iter().enumerate() {
+        let known = sources.iter().position(|known| *known == source).unwrap_or_else(|| {
+            sources.push(source);
+            sources.len() - 1
+        });
+        for (place, value) in of_session.iter().enumerate() {
+            let Some(value) = value else { continue };
+            values.push(*value);
+            block.push(number);
+            actual.push(source.actual[place]);
+            group.push(known * of_session.len() + place);
+        }
+    }
     let trials = Trials::new(&values, &block, &actual, parameters.modes.len())?;
-    let redraw = |seed| sessions.iter().flat_map(|session| session.redraw(seed)).collect();
+    let trials = trials.moving_together(&group)?;
+    let groups: BTreeSet<usize> = group.into_iter().collect();
+    let redraw = |seed| {
+        let all: Vec<usize> = sources.iter().flat_map(|source| source.redraw(seed)).collect();
+        groups.iter().filter_map(|group| all.get(*group).copied()).collect()
+    };
     let found = trials.each_against_drawn(&statistics, sampling, redraw);
     let mut found = found.into_iter().map(|test| test.map_err(NoTest::from));
     let none = || Err(Unestimable::TooFew { units: "trials", found: 0, needed: 1 }.into());
@@ -214,16 +236,14 @@ fn redrawn(
     {
         return Err(other());
     }
-    let there = || places.iter().filter_map(|(_, mode, value)| Some((*mode, (*value)?)));
-    Ok(Redrawn {
-        rules: order.rules,
+    let source = Source {
+        rules: order.rules.shared(),
         environment,
         modes,
         seed: seed_number(order.seed, parameters),
-        actual: there().map(|(mode, _)| mode).collect(),
-        values: there().map(|(_, value)| value).collect(),
-        has: places.iter().map(|(_, _, value)| value.is_some()).collect(),
-    })
+        actual: places.iter().map(|(_, mode, _)| *mode).collect(),
+    };
+    Ok(Redrawn { source, values: places.into_iter().map(|(.., value)| value).collect() })
 }
 
 /// The place of a seed among all that sessions were drawn with.
@@ -233,15 +253,14 @@ fn seed_number(seed: Option<u64>, parameters: &Parameters) -> u64 {
     seeds.range(..seed).count() as u64
 }
 
-impl Redrawn {
-    /// The modes of the trials that have the metric, in an order that the design draws by a seed.
-    /// Seeds that differ, by however little, give orders that have nothing to do with each other.
+impl Source {
+    /// The modes of the trials, place by place, in an order that the design draws by a seed. Seeds
+    /// that differ, by however little, give orders that have nothing to do with each other.
     fn redraw(&self, seed: u64) -> Vec<usize> {
         let order = draw_modes(&self.rules, seed.wrapping_add(self.seed));
         let block = order.blocks.into_iter().find(|block| block.environment == self.environment);
         let modes = block.map(|block| block.modes).unwrap_or_default();
-        let there = modes.into_iter().zip(&self.has).filter(|(_, has)| **has);
-        there.map(|(mode, _)| self.modes[mode]).collect()
+        modes.into_iter().map(|mode| self.modes[mode]).collect()
     }
 }
 

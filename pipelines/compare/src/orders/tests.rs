@@ -74,6 +74,7 @@ impl Demo {
             simulated: false,
             metric: "step_n".to_owned(),
             primary: true,
+            simulated: false,
             environments: ENVIRONMENTS.map(|id| id.parse().unwrap()).to_vec(),
             modes: MODES[..modes].iter().map(|id| mode(id)).collect(),
             contrasts: MODES[..modes - 1].iter().map(contrast).collect(),

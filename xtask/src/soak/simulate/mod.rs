@@ -18,7 +18,6 @@ pub(crate) use with::With;
 use crate::tried::{Tried, note};
 use anyhow::{bail, ensure};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::ScopedJoinHandle;
@@ -36,7 +35,8 @@ const AT_ONCE: usize = 2;
 /// was broken.
 pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()> {
     if cfg!(debug_assertions) {
-        return optimised(with, seeds, first);
+        let numbers = [seeds, first].map(|number| number.to_string());
+        return super::optimised(&[with.chore(), &numbers[0], &numbers[1]]);
     }
     // What a device's own code does on purpose is caught by the guard, and told by nobody else.
     std::panic::set_hook(Box::new(|_| {}));
@@ -95,28 +95,6 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
     })?;
     if let Some((seed, _)) = broken.first() {
         bail!("look at one again with `cargo xtask soak simulate 1 {seed}`");
-    }
-    Ok(())
-}
-
-/// The same in a program that is built for speed.
-fn optimised(with: With, seeds: u64, first: u64) -> anyhow::Result<()> {
-    let status = Command::new(env!("CARGO"))
-        .args([
-            "run",
-            "--quiet",
-            "--release",
-            "--locked",
-            "--package",
-            "xtask",
-            "--",
-            "soak",
-            with.chore(),
-        ])
-        .args([seeds.to_string(), first.to_string()])
-        .status()?;
-    if !status.success() {
-        bail!("the simulation failed");
     }
     Ok(())
 }

@@ -1,0 +1,268 @@
+//! A study of a thousand people with 36 trials each, compared by the stage's own code: what a job
+//! does between reading the table of metrics and the bytes of its own tables.
+
+use crate::draws::Draws;
+use anyhow::Context as _;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+use zwidth_compare::{
+    AnswerParameters, COLUMNS, Compared, DrawnOrder, Parameters, SessionOrder, compare,
+    compare_answers,
+};
+use zwidth_study::order::{Rules, draw};
+use zwidth_study::{Kind, ParticipantId, PlannedTrial, SessionId, Study, template};
+use zwidth_tables::{Column, Table};
+
+const PARTICIPANTS: u32 = 1000;
+const SEED: u64 = 1;
+/// What it may take on two cores, s: all metrics; the answers with their mixed model besides.
+const AIMS: [f64; 2] = [10.0, 60.0];
+/// What a study compares that does not say what: primary metric, then the others. With their units, and
+/// whether only a wall has them.
+const METRICS: [(&str, &str, bool); 7] = [
+    ("discrepancy_mean_n", "N", false),
+    ("wall_past_max_rad", "rad", true),
+    ("stiffness_n_per_rad", "N/rad", false),
+    ("loop_area_j", "J", false),
+    ("force_rms_error_n", "N", false),
+    ("returned_energy_share", "1", false),
+    ("duration_s", "s", false),
+];
+/// Standard deviations of a participant's level, of their own effect of a mode, of a repeat.
+const SPREAD: [f64; 3] = [1.0, 0.5, 0.9];
+/// What modes add.
+const EFFECTS: [f64; 3] = [0.0, -0.1, 0.15];
+/// Share of the trials without a metric.
+const WITHOUT: f64 = 0.01;
+/// Thresholds of the five-point scale, in logits.
+const THRESHOLDS: [f64; 4] = [-1.6, -0.5, 0.6, 1.8];
+
+/// A participant's session.
+struct Sat {
+    participant: ParticipantId,
+    session: SessionId,
+    number: u32,
+    /// Without familiarisation.
+    trials: Vec<PlannedTrial>,
+}
+
+pub(crate) fn measure(folder: &Path) -> anyhow::Result<()> {
+    let study = Study::from_toml(&template(&"thousand".parse()?));
+    let study = &study.map_err(|wrong| anyhow::anyhow!("the template: {wrong:?}"))?;
+    let sat: Vec<Sat> =
+        (1..=PARTICIPANTS).map(|number| sit(study, number)).collect::<Result<_, _>>()?;
+    let metrics = folder.join("metrics.parquet");
+    let answers = folder.join("answers.parquet");
+    let none = BTreeMap::new();
+    std::fs::write(&metrics, trials(study, &sat)?.to_parquet(&none, &metrics)?)?;
+    std::fs::write(&answers, answered(study, &sat)?.to_parquet(&none, &answers)?)?;
+
+    let began = Spent::now();
+    let jobs = METRICS.par_iter().map(|(metric, ..)| metric_job(study, &sat, &metrics, metric));
+    std::hint::black_box(jobs.collect::<anyhow::Result<Vec<usize>>>()?);
+    let between = Spent::now();
+    std::hint::black_box(answers_job(study, &answers)?);
+    let end = Spent::now();
+    let rows = sat.iter().map(|sat| sat.trials.len()).sum::<usize>();
+    println!(
+        "{} participants × {} trials ({rows} rows), {} metrics, {} threads.\n",
+        sat.len(),
+        rows / sat.len(),
+        METRICS.len(),
+        rayon::current_num_threads(),
+    );
+    println!("| what | s | of processor, s | aim |\n| --- | --- | --- | --- |");
+    line("all metrics, tables read and written", began, between, Some(AIMS[0]));
+    line("the answers, with their mixed models", between, end, None);
+    line("both", began, end, Some(AIMS[1]));
+    Ok(())
+}
+
+/// A moment, and what the processor had done for us until then.
+#[derive(Clone, Copy)]
+struct Spent {
+    at: Instant,
+    /// Of all threads, s; where the system tells it (Linux).
+    processor_s: Option<f64>,
+}
+
+impl Spent {
+    fn now() -> Self {
+        Self { at: Instant::now(), processor_s: processor_s() }
+    }
+}
+
+/// User and system time of this process: fields 14 and 15 of Linux's `/proc/self/stat`, in
+/// hundredths of a second.
+fn processor_s() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let (_, fields) = stat.rsplit_once(") ")?;
+    let ticks = |field: usize| fields.split(' ').nth(field - 3)?.parse::<f64>().ok();
+    Some((ticks(14)? + ticks(15)?) / 100.0)
+}
+
+fn line(what: &str, from: Spent, to: Spent, aim: Option<f64>) {
+    let seconds = (to.at - from.at).as_secs_f64();
+    let processor =
+        from.processor_s.zip(to.processor_s).map(|(from, to)| format!("{:.1}", to - from));
+    let aim = aim.map_or_else(String::new, |aim| {
+        let reached = if seconds < aim { "reached" } else { "missed" };
+        format!("below {aim:.0} s: {reached}")
+    });
+    println!("| {what} | {seconds:.1} | {} | {aim} |", processor.unwrap_or_default());
+}
+
+fn sit(study: &Study, number: u32) -> anyhow::Result<Sat> {
+    let trials = draw(study, number, 1, SEED).into_iter().filter(|trial| trial.kind == Kind::Trial);
+    Ok(Sat {
+        participant: format!("P{number:04}").parse()?,
+        session: "S01".parse()?,
+        number,
+        trials: trials.collect(),
+    })
+}
+
+/// Every trial with its sitting.
+fn rows(sat: &[Sat]) -> impl Iterator<Item = (&Sat, &PlannedTrial)> + Clone {
+    sat.iter().flat_map(|sat| sat.trials.iter().map(move |trial| (sat, trial)))
+}
+
+/// What a trial was: the columns that tables of trials and of answers share.
+fn conditions(sat: &[Sat]) -> Vec<Column> {
+    let text = |name, of: fn((&Sat, &PlannedTrial)) -> String| {
+        Column::text(name, "", rows(sat).map(|row| Some(of(row))))
+    };
+    vec![
+        text("participant", |(sat, _)| sat.participant.to_string()),
+        text("session", |(sat, _)| sat.session.to_string()),
+        Column::integer("trial", "1", "", rows(sat).map(|(_, trial)| Some(trial.trial.into()))),
+        text("environment", |(_, trial)| trial.environment.to_string()),
+        text("mode", |(_, trial)| trial.mode.to_string()),
+    ]
+}
+
+/// A participant's level in each mode, with what the mode adds.
+fn levels(draws: &mut Draws) -> [f64; 3] {
+    let own = SPREAD[0] * draws.normal();
+    EFFECTS.map(|effect| own + effect + SPREAD[1] * draws.normal())
+}
+
+fn mode_of(study: &Study, trial: &PlannedTrial) -> usize {
+    study.modes.iter().position(|mode| mode.id == trial.mode).unwrap_or_default()
+}
+
+/// The table of metrics.
+fn trials(study: &Study, sat: &[Sat]) -> anyhow::Result<Table> {
+    let mut columns = conditions(sat);
+    let repeats = rows(sat).map(|(_, trial)| Some(trial.repeat.into()));
+    columns.push(Column::integer("repeat", "1", "", repeats));
+    for (number, (metric, unit, of_wall)) in (1..).zip(METRICS) {
+        let mut values = Vec::new();
+        for sat in sat {
+            let mut draws = Draws::new(number, sat.number.into());
+            let levels = levels(&mut draws);
+            for trial in &sat.trials {
+                let value = levels[mode_of(study, trial)] + SPREAD[2] * draws.normal();
+                let has = draws.uniform() >= WITHOUT;
+                let wall = study
+                    .environment(&trial.environment)
+                    .is_some_and(|environment| environment.scene.wall_rad().is_some());
+                values.push((has && (wall || !of_wall)).then_some(value));
+            }
+        }
+        columns.push(Column::float(metric, unit, "", values));
+    }
+    Ok(Table::new("metrics", "Metrics", columns)?)
+}
+
+/// The table of answers.
+fn answered(study: &Study, sat: &[Sat]) -> anyhow::Result<Table> {
+    let mut values = Vec::new();
+    for sat in sat {
+        let mut draws = Draws::new(0, sat.number.into());
+        let levels = levels(&mut draws);
+        for trial in &sat.trials {
+            let latent = levels[mode_of(study, trial)] + draws.logistic();
+            values.push(Some(1 + THRESHOLDS.iter().filter(|t| latent > **t).count() as i64));
+        }
+    }
+    let question = |trial: &PlannedTrial| {
+        Some(study.environment(&trial.environment)?.question.as_ref()?.to_string())
+    };
+    let mut columns = conditions(sat);
+    columns.push(Column::text("question", "", rows(sat).map(|(_, trial)| question(trial))));
+    columns.push(Column::integer("answer", "1", "", values));
+    Ok(Table::new("answers", "Answers", columns)?)
+}
+
+/// What the job of a metric does; the number of bytes of its tables.
+fn metric_job(study: &Study, sat: &[Sat], file: &Path, metric: &str) -> anyhow::Result<usize> {
+    let names: Vec<&str> = COLUMNS.into_iter().chain([metric]).collect();
+    let table = Table::columns_from_parquet(file, &names)?;
+    let Compared {
+        cells,
+        means,
+        contrasts,
+        models,
+        participants,
+        sessions,
+        learning,
+        repeats,
+        orders,
+    } = compare(&table, &parameters(study, sat, metric))?;
+    let tables =
+        [cells, means, contrasts, models, participants, sessions, learning, repeats, orders];
+    let none = BTreeMap::new();
+    tables.iter().map(|table| Ok(table.to_parquet(&none, file)?.len())).sum()
+}
+
+fn parameters(study: &Study, sat: &[Sat], metric: &str) -> Parameters {
+    let ids = || study.environments.iter().map(|environment| environment.id.clone());
+    let modes = || study.modes.iter().map(|mode| mode.id.clone());
+    let order = |sat: &Sat| SessionOrder {
+        participant: sat.participant.clone(),
+        session: sat.session.clone(),
+        drawn: Some(DrawnOrder {
+            rules: Rules::of(study, sat.number, 1),
+            seed: Some(SEED),
+            familiarisation: study.design.familiarisation,
+            environments: ids().collect(),
+            modes: modes().collect(),
+            repeated: Vec::new(),
+        }),
+    };
+    Parameters {
+        metric: metric.to_owned(),
+        primary: metric == study.compare.primary.as_str(),
+        simulated: true,
+        environments: ids().collect(),
+        bounds: vec![None; study.environments.len()],
+        modes: modes().collect(),
+        contrasts: study.compare.contrasts.clone(),
+        families: study.compare.families,
+        alpha: study.compare.alpha,
+        level: study.compare.level,
+        orders: sat.iter().map(order).collect(),
+    }
+}
+
+/// What the job of the answers does.
+fn answers_job(study: &Study, file: &Path) -> anyhow::Result<usize> {
+    let parameters = AnswerParameters {
+        simulated: true,
+        environments: study.environments.iter().map(|e| e.id.clone()).collect(),
+        modes: study.modes.iter().map(|m| m.id.clone()).collect(),
+        questions: study.questions.clone(),
+        contrasts: study.compare.contrasts.clone(),
+        level: study.compare.level,
+    };
+    let found = compare_answers(&Table::from_parquet(file)?, &parameters)?;
+    let ratios = found.floats("odds_ratio")?;
+    ratios
+        .into_iter()
+        .collect::<Option<Vec<f64>>>()
+        .context("a model of the answers has no end")?;
+    Ok(found.to_parquet(&BTreeMap::new(), file)?.len())
+}

@@ -1,0 +1,101 @@
+//! Does an interval of a comparison hold the truth 95 times of a hundred, and is nothing found where
+//! there is nothing? Studies of twelve simulated people, drawn from many whose truth is known.
+//!
+//! A study of its own for each seed would simulate hundreds of trials to learn one thing. So people are
+//! simulated once, many of them, by the program as users run it: two sessions of every
+//! environment and mode each. They are the population; its truth is the mean over all of them. A seed
+//! draws twelve of them, each from all, and their trials go through the comparison's own code.
+//! Beside the thesis' modes there is a copy of the last one: nothing can differ there but by chance.
+
+mod judge;
+mod people;
+mod studies;
+
+use crate::tried;
+use anyhow::ensure;
+use people::{COPY, People};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use zwidth_tables::Table;
+
+/// At this rate as the study that comes along, Hz.
+const RATE: &str = "120";
+/// Repeats of a condition in a session: intervals rest on people, and more trials of each would
+/// take more time and show no more.
+const REPEATS: u32 = 2;
+/// The primary metric (which the passive mode does not have), and two others that every condition has.
+pub(crate) const METRICS: [&str; 3] = ["discrepancy_mean_n", "stiffness_n_per_rad", "duration_s"];
+/// Participants of a study.
+pub(crate) const PARTICIPANTS: usize = 12;
+
+/// Where the people come from.
+pub(crate) enum From {
+    /// So many are simulated.
+    Simulated(u32),
+    /// The table of metrics of those that an earlier run simulated.
+    Table(PathBuf),
+}
+
+/// Compares so many studies and tells how often they are right; fails where that is not as often as
+/// they say.
+pub(crate) fn compared(folder: &Path, seeds: u64, from: &From) -> anyhow::Result<()> {
+    ensure!(seeds > 0, "no seeds");
+    if cfg!(debug_assertions) {
+        let people = match from {
+            From::Simulated(people) => people.to_string(),
+            From::Table(file) => file.display().to_string(),
+        };
+        return super::optimised(&["compared", &seeds.to_string(), &people]);
+    }
+    let began = Instant::now();
+    let people = match from {
+        From::Simulated(people) => simulate(&super::program()?, folder, *people)?,
+        From::Table(file) => People::of(&Table::columns_from_parquet(file, &wanted())?)?,
+    };
+    let simulated = began.elapsed().as_secs_f64();
+    println!("{} people in {simulated:.0} s", people.len());
+    let found = studies::all(&people, seeds)?;
+    println!(
+        "{seeds} studies of {PARTICIPANTS} of them in {:.0} s\n",
+        began.elapsed().as_secs_f64() - simulated
+    );
+    judge::tell(&people, &found)?;
+    let what = "studies drawn from simulated people: intervals, claims and power as often right as they say";
+    tried::held(what, format!("cargo xtask soak compared {seeds} {}", people.len()), seeds, began)
+}
+
+/// The columns of the metrics that are read.
+fn wanted() -> Vec<&'static str> {
+    zwidth_compare::COLUMNS.into_iter().chain(METRICS).collect()
+}
+
+/// Simulates people as users do it.
+fn simulate(program: &Path, folder: &Path, people: u32) -> anyhow::Result<People> {
+    let hybrid = "motor_max_v = 8.0\nbrake_max_v = 8.0\n";
+    let copied = format!("{hybrid}\n[[modes]]\nid = \"{COPY}\"\nlabel = \"Copy\"\n{hybrid}");
+    let changes = [
+        ("\nrate_hz = 1000.0\n", format!("\nrate_hz = {RATE}.0\n")),
+        ("\nrepeats = 6\n", format!("\nrepeats = {REPEATS}\n")),
+        ("\nfamiliarisation = 3\n", "\nfamiliarisation = 0\n".to_owned()),
+        (hybrid, copied),
+    ];
+    let layout = super::fresh(folder, &changes.each_ref().map(|(from, to)| (*from, to.as_str())))?;
+    let people = people.to_string();
+    let twin = [
+        "--quiet",
+        "twin",
+        super::STUDY,
+        "--participants",
+        &people,
+        "--sessions",
+        "2",
+        "--seed",
+        "1",
+    ];
+    super::run(program, folder, &twin, &[0])?;
+    super::run(program, folder, &["--quiet", "run", super::STUDY, "--only", "metrics"], &[0])?;
+    let metrics = layout.derived().join("metrics.parquet");
+    let people = People::of(&Table::columns_from_parquet(&metrics, &wanted())?)?;
+    std::fs::remove_dir_all(folder)?;
+    Ok(people)
+}
