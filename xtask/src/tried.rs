@@ -73,16 +73,22 @@ pub(crate) fn reliability() -> anyhow::Result<()> {
 }
 
 const BEGIN: &str = "<!-- begin: cargo xtask reliability -->\n";
-const END: &str = "<!-- end -->\n";
+pub(crate) const END: &str = "<!-- end -->\n";
 
 const HEAD: &str = "| tried | times | promises broken | took | again |\n|---|---|---|---|---|\n";
 
+/// What stands before a mark, between it and the next end, and after that.
+pub(crate) fn parts<'a>(text: &'a str, begin: &str) -> anyhow::Result<[&'a str; 3]> {
+    let (before, rest) =
+        text.split_once(begin).context("the page lost the mark at which its table begins")?;
+    let (between, after) =
+        rest.split_once(END).context("the page lost the mark at which its table ends")?;
+    Ok([before, between, after])
+}
+
 /// The text with the notes in the table between its marks, in order of their words.
 fn put(text: &str, notes: &[Tried]) -> anyhow::Result<String> {
-    let (before, rest) =
-        text.split_once(BEGIN).context("the page lost the mark at which its table begins")?;
-    let (table, after) =
-        rest.split_once(END).context("the page lost the mark at which its table ends")?;
+    let [before, table, after] = parts(text, BEGIN)?;
     let earlier = table.strip_prefix(HEAD).unwrap_or_default().lines();
     let mut rows: BTreeMap<String, String> =
         earlier.map(|row| (cell(row, WHAT).to_owned(), row.to_owned())).collect();

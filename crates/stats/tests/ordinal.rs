@@ -6,10 +6,12 @@
 )]
 #![allow(clippy::print_stdout, reason = "a test says what it counted")]
 //! Our cumulative-link models beside those of R's package ordinal, on the same answers: the wine
-//! data of the package, and fifty random studies with ties, missing cells, separated answers,
-//! people who are alike, answers that are all equal, and one participant.
+//! data of the package, and random studies with ties, missing cells, separated answers, people who
+//! are alike, answers that are all equal, and one participant.
 //!
-//! Without R, or without its packages ordinal and jsonlite, the test fails.
+//! `cargo test -p zwidth-stats --test ordinal -- --ignored` with `Rscript` in the path; without R, or
+//! without its packages ordinal and jsonlite, the test fails. `ZWIDTH_R_CASES` sets how many studies
+//! are drawn (50), `ZWIDTH_R_SEED` the first one's seed; the others' follow.
 
 use serde_json::Value;
 use std::path::Path;
@@ -30,7 +32,8 @@ const ROUNDING: f64 = 1e-10;
 const OF_STD_ERROR: f64 = 4e-4;
 /// An SD that is zero to the flatness of its likelihood, σ² · curvature ≈ `BELOW`.
 const NO_SD: f64 = 2e-3;
-/// R's standard errors come from second differences of the log-likelihood.
+/// Standard errors come from second differences of the log-likelihood: R's own for two terms, for one
+/// those of the script, because R's are off by more at times.
 const OF_DIFFERENCES: f64 = 2e-3;
 /// R interpolates its profiles by splines.
 const OF_SPLINES: f64 = 1e-3;
@@ -46,8 +49,8 @@ struct Case {
     fits: Value,
 }
 
-/// What became of the random studies.
-#[derive(Debug, Default)]
+/// What became of the studies.
+#[derive(Debug, Default, Clone, Copy)]
 struct Tally {
     plain: usize,
     mixed: usize,
@@ -63,24 +66,73 @@ struct Tally {
 #[ignore = "needs R"]
 fn the_estimates_are_those_of_ordinal() {
     let cases = cases();
-    let mut tally = Tally::default();
-    for case in &cases {
-        check_plain(case, &mut tally);
-        check_mixed(case, "participant", Terms::Participant, &mut tally);
-        check_mixed(case, "participant_and_mode", Terms::ParticipantAndMode, &mut tally);
-        check_ends(case, &mut tally);
-    }
     check_wine(&cases[0]);
-    println!("{tally:?}");
+    // A study that fails hides no other: each prints why.
+    let checked = cases.iter().map(|case| std::panic::catch_unwind(|| check(case)));
+    let tallies: Vec<Option<Tally>> = checked.map(Result::ok).collect();
+    let failed: Vec<&str> = cases
+        .iter()
+        .zip(&tallies)
+        .filter_map(|(case, tally)| tally.is_none().then_some(case.name.as_str()))
+        .collect();
+    let tally = tallies.into_iter().flatten().fold(Tally::default(), Tally::plus);
+    println!("{} studies: {tally:?}", cases.len());
+    assert!(failed.is_empty(), "{} of {}: {}", failed.len(), cases.len(), failed.join(", "));
+    note("r-2", &tally.words(cases.len()));
     let Tally { plain, mixed, singular, separated, constant, one_participant, profiles, ends } =
         tally;
     // The random studies hold some of everything.
     for count in [plain, mixed, singular, profiles] {
-        assert!(count >= 20, "{count}");
+        assert!(5 * count >= 2 * (cases.len() - 1), "{count}");
     }
-    assert!(ends >= 24, "{ends}");
+    // Two of each of a dozen small studies among the first 35 seeds.
+    assert!(ends >= 20 || setting("ZWIDTH_R_SEED", "1") != "1", "{ends}");
     for count in [separated, constant, one_participant] {
-        assert!(count >= 4, "{count}");
+        assert!(25 * count >= 2 * (cases.len() - 1), "{count}");
+    }
+}
+
+/// Checks a study, and says what became of it.
+fn check(case: &Case) -> Tally {
+    let mut tally = Tally::default();
+    check_plain(case, &mut tally);
+    check_mixed(case, "participant", Terms::Participant, &mut tally);
+    check_mixed(case, "participant_and_mode", Terms::ParticipantAndMode, &mut tally);
+    check_ends(case, &mut tally);
+    tally
+}
+
+impl Tally {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            plain: self.plain + other.plain,
+            mixed: self.mixed + other.mixed,
+            singular: self.singular + other.singular,
+            separated: self.separated + other.separated,
+            constant: self.constant + other.constant,
+            one_participant: self.one_participant + other.one_participant,
+            profiles: self.profiles + other.profiles,
+            ends: self.ends + other.ends,
+        }
+    }
+
+    fn words(self, studies: usize) -> String {
+        let Self { plain, mixed, singular, separated, constant, one_participant, profiles, ends } =
+            self;
+        format!(
+            "ordinal: {studies} studies: {plain} models of answers and {profiles} profile intervals, \
+             {mixed} models with random effects, {singular} of them singular; refused: {separated} \
+             studies with separated answers, {constant} with all answers equal, {one_participant} \
+             models of one participant; {ends} ends of profiles by the integral itself."
+        )
+    }
+}
+
+/// Writes what was counted where tables of it are asked for.
+fn note(place: &str, words: &str) {
+    if let Ok(folder) = std::env::var("ZWIDTH_TRIED") {
+        let file = Path::new(&folder).join(format!("{place}.md"));
+        std::fs::write(file, format!("* {words}\n")).unwrap();
     }
 }
 
@@ -241,8 +293,12 @@ fn close(what: &str, ours: &[f64], theirs: &[f64], allowed: impl Fn(f64) -> f64)
 
 fn cases() -> Vec<Case> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/interop/stats/ordinal.R");
-    let run = Command::new("Rscript").arg(&script).output().expect("Rscript runs");
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let setting = |name: &str, default: &str| std::env::var(name).unwrap_or(default.to_owned());
+    let given = [setting("ZWIDTH_R_CASES", "50"), setting("ZWIDTH_R_SEED", "1")];
+    let run = Command::new("Rscript").arg(&script).args(given).output();
+    let run = run.expect("Rscript is needed: install R with ordinal, jsonlite");
+    let why = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "R needs ordinal, jsonlite: {why}");
     let all: Value = serde_json::from_slice(&run.stdout).unwrap();
     all.as_array().unwrap().iter().map(case).collect()
 }

@@ -1,10 +1,14 @@
 """Numbers of SciPy, statsmodels and pingouin for crates/stats/tests/exact.rs, as JSON: random data with ties, zeros, constants.
 
-What has no such number (one value, all equal) is null: there our functions must say why instead.
+    python exact.py [ROUNDS [SEED]]
+
+Each round draws the same kinds of data anew. What has no such number (one value, all equal) is null: there our functions
+must say why instead.
 """
 
 import itertools
 import json
+import sys
 import warnings
 
 import numpy as np
@@ -155,6 +159,8 @@ def plain(value):
     return value.tolist()
 
 
-rng = np.random.default_rng(20240601)
-cases = {f.__name__: list(f(rng)) for f in (differences, paired, friedman, holm, orders, bca, repeated)}
+rounds, seed = (int(given) for given in (sys.argv[1:] + ["1", "20240601"][len(sys.argv) - 1:])[:2])
+rng = np.random.default_rng(seed)
+kinds = (differences, paired, friedman, holm, orders, bca, repeated)
+cases = {f.__name__: [case for _ in range(rounds) for case in f(rng)] for f in kinds}
 print(json.dumps(cases, default=plain, allow_nan=False))

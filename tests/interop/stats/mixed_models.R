@@ -3,7 +3,8 @@
 #
 #     Rscript mixed_models.R [RANDOM [SEED]]
 #
-# RANDOM data sets are drawn beside those of R's packages: ties, missing cells, variances of zero.
+# RANDOM data sets are drawn beside those of R's packages, each from SEED and its number: ties, missing cells, variances
+# of zero, one participant, values that are all equal.
 
 suppressPackageStartupMessages({
   library(lme4)
@@ -14,7 +15,7 @@ suppressPackageStartupMessages({
 options(warn = -1)
 given <- commandArgs(TRUE)
 count <- if (length(given) >= 1) as.integer(given[1]) else 60L
-set.seed(if (length(given) >= 2) as.integer(given[2]) else 20240501L)
+seed <- if (length(given) >= 2) as.integer(given[2]) else 20240501L
 
 # lme4 as tight as it goes, from several starts, because its default stops early
 tight <- function(formula, data, REML) {
@@ -45,24 +46,45 @@ identified <- function(fit) {
   min(eigen(crossprod(mapply(function(g, s) g / s, G, size)), only.values = TRUE)$values) > 1e-8
 }
 
+# A1 and A2 of Kenward and Roger's section 3, from pbkrtest's own matrices
+moments <- function(fit, L) {
+  adjusted <- vcovAdj(fit)
+  phi <- as.matrix(vcov(fit))
+  P <- attr(adjusted, "P")
+  W <- as.matrix(attr(adjusted, "W"))
+  theta <- t(L) %*% solve(L %*% phi %*% t(L), L)
+  parts <- lapply(P, function(p) theta %*% phi %*% as.matrix(p) %*% phi)
+  traces <- sapply(parts, function(u) sum(diag(u)))
+  crossed <- outer(seq_along(P), seq_along(P), Vectorize(function(i, j) sum(parts[[i]] * t(parts[[j]]))))
+  list(a1 = sum(W * outer(traces, traces)), a2 = sum(W * crossed))
+}
+
 contrast <- function(fit, tested, w) {
   kr <- contest(tested, w, joint = FALSE, ddf = "Kenward-Roger")
   sat <- contest(tested, w, joint = FALSE)
   list(
     weights = w, estimate = kr[["Estimate"]], kr_se = kr[["Std. Error"]], kr_df = kr[["df"]],
-    se = sat[["Std. Error"]], df = sat[["df"]]
+    se = sat[["Std. Error"]], df = sat[["df"]], kr = moments(fit, matrix(w, 1))
   )
 }
 
 # One case: the data as our model takes them, and what R finds; a random term has lme4's name
 case <- function(name, formula, data, random, group, REML = TRUE, joint = NULL) {
-  fit <- tight(formula, data, REML)
-  X <- getME(fit, "X")
+  y <- data[[all.vars(formula)[1]]]
+  X <- unname(model.matrix(lme4::nobars(formula), data))
   p <- ncol(X)
+  given <- list(
+    name = name, reml = REML, response = as.numeric(y), fixed = lapply(seq_len(p), function(j) X[, j]),
+    group = as.integer(factor(data[[group]])), random = random
+  )
+  # lme4 fits neither: our refusal is looked at alone
+  given$found <- list(constant = length(unique(y)) == 1, alone = length(unique(data[[group]])) == 1)
+  if (given$found$constant || given$found$alone) return(given)
+  fit <- tight(formula, data, REML)
   tested <- NULL
   ok <- identified(fit)
   found <- list(
-    identified = ok,
+    constant = FALSE, alone = FALSE, identified = ok,
     criterion = if (REML) REMLcrit(fit) else deviance(fit, REML = FALSE),
     coefficients = unname(fixef(fit)),
     se = unname(sqrt(diag(as.matrix(vcov(fit))))),
@@ -79,16 +101,16 @@ case <- function(name, formula, data, random, group, REML = TRUE, joint = NULL) 
       kr <- contest(tested, joint, ddf = "Kenward-Roger")
       sat <- contest(tested, joint)
       # lmerTest shows the unscaled mean square beside pbkrtest's scaled F
+      effect <- joint %*% fixef(fit)
+      wald <- sum(effect * solve(joint %*% as.matrix(vcovAdj(fit)) %*% t(joint), effect)) / nrow(joint)
       found$joint <- list(
-        weights = joint, kr_f = kr[["F value"]], kr_df = kr[["DenDF"]], f = sat[["F value"]], df = sat[["DenDF"]]
+        weights = joint, kr_f = kr[["F value"]], kr_f_unscaled = wald, kr_df = kr[["DenDF"]], kr = moments(fit, joint),
+        f = sat[["F value"]], df = sat[["DenDF"]]
       )
     }
   }
-  list(
-    name = name, reml = REML, response = as.numeric(model.response(model.frame(fit))),
-    fixed = lapply(seq_len(p), function(j) unname(X[, j])),
-    group = as.integer(factor(data[[group]])), random = random, found = found
-  )
+  given$found <- found
+  given
 }
 
 term <- function(name, level, ...) list(name = name, level = as.integer(factor(level)), columns = list(...))
@@ -131,8 +153,9 @@ package_cases <- function() {
 
 # A study drawn at random
 draw <- function(number) {
+  set.seed(seed + number)
   repeat {
-    n <- sample(2:8, 1)
+    n <- sample(1:8, 1)
     modes <- sample(2:3, 1)
     sessions <- sample(1:2, 1)
     repeats <- sample(1:4, 1)
@@ -147,7 +170,8 @@ draw <- function(number) {
     if (runif(1) < 0.4) d <- d[runif(nrow(d)) > 0.2, ] # trials missing
     if (runif(1) < 0.3) d <- d[!(d$p == 1 & d$m == 1), ] # a cell missing
     d <- droplevels(d)
-    if (nlevels(d$m) < 2 || nlevels(d$p) < 2 || nrow(d) < 8 || sd(d$y) == 0) next
+    if (runif(1) < 0.02) d$y <- 10 # all equal
+    if (nlevels(d$m) < 2 || nrow(d) < 8) next
     one <- rep(1, nrow(d))
     terms <- list(term("p", one, one), term("p:m", d$m, one))
     formula <- "y ~ m + (1 | p) + (1 | p:m)"
@@ -178,5 +202,9 @@ draw <- function(number) {
   }
 }
 
-cases <- c(package_cases(), lapply(seq_len(count), draw))
+# Two processes: each case has a seed of its own
+drawn <- parallel::mclapply(seq_len(count), draw, mc.cores = 2, mc.preschedule = FALSE)
+failed <- Filter(function(case) !is.list(case), drawn)
+if (length(failed) > 0) stop("a case has no result: ", failed[[1]])
+cases <- c(package_cases(), drawn)
 cat(toJSON(cases, digits = I(17), auto_unbox = FALSE, matrix = "rowmajor"))

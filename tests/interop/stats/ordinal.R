@@ -1,7 +1,8 @@
 # Answers, and what R's package ordinal makes of them: one JSON text on standard output.
 #
-#   Rscript ordinal.R
+#   Rscript ordinal.R [RANDOM [FIRST]]
 #
+# The wine data, and RANDOM studies (50) drawn from a seed each, FIRST (1) and those that follow.
 # A list of cases. Each has its answers (1 to points), columns of fixed effects, participants and modes, and a list of
 # fits: `clm`, `participant` and `participant_and_mode` (clmm by Laplace); for wine also `quadrature` (50 nodes), `quick`
 # and `definition`. A dozen cases have `held`: the log-likelihood of (1 | participant), integrated and not approximated,
@@ -65,6 +66,7 @@ fits <- function(data, columns, quadrature = FALSE, hold = FALSE) {
     thresholds(clmm(model("(1 | participant)"), data = data, control = tight(matrices), ...))
   }
   out$participant <- fitted_by(one(TRUE), columns, "participant")
+  if (!is.null(out$participant$std_errors)) out$participant$std_errors <- defined_errors(data, columns, out$participant)
   out$participant_and_mode <- fitted_by(function() {
     thresholds(clmm(model(c("(1 | participant)", "(1 | cell)")), data = data, control = tight(TRUE)))
   }, columns, c("participant", "cell"))
@@ -81,25 +83,27 @@ fits <- function(data, columns, quadrature = FALSE, hold = FALSE) {
 }
 
 # Laplace's approximation with one scalar term, from its definition: the mode of each participant's effect by bisection,
-# the curvature there in closed form; maximised from the parameters p.
-definition <- function(data, columns, p) {
+# the curvature there in closed form.
+minus_log_likelihood <- function(data, columns, p) {
   cuts <- seq_len(nlevels(data$y) - 1)
-  minus_log_likelihood <- function(p) {
-    theta <- p[cuts]
-    sd <- p[length(p)]
-    eta <- as.matrix(data[columns]) %*% p[length(cuts) + seq_along(columns)]
-    sum(vapply(levels(data$participant), function(i) {
-      rows <- data$participant == i
-      k <- as.integer(data$y[rows])
-      above <- function(v) c(theta, Inf)[k] - eta[rows] - sd * v
-      below <- function(v) c(-Inf, theta)[k] - eta[rows] - sd * v
-      slope <- function(v) v - sd * sum(plogis(above(v)) + plogis(below(v)) - 1)
-      v <- uniroot(slope, c(-30, 30), tol = 1e-14)$root
-      bend <- 1 + sd^2 * sum(dlogis(above(v)) + dlogis(below(v)))
-      v^2 / 2 - sum(log(plogis(above(v)) - plogis(below(v)))) + log(bend) / 2
-    }, 0))
-  }
-  found <- optim(p, minus_log_likelihood, method = "BFGS", control = list(reltol = 1e-16))
+  theta <- p[cuts]
+  sd <- p[length(p)]
+  eta <- as.matrix(data[columns]) %*% p[length(cuts) + seq_along(columns)]
+  sum(vapply(levels(data$participant), function(i) {
+    rows <- data$participant == i
+    k <- as.integer(data$y[rows])
+    above <- function(v) c(theta, Inf)[k] - eta[rows] - sd * v
+    below <- function(v) c(-Inf, theta)[k] - eta[rows] - sd * v
+    slope <- function(v) v - sd * sum(plogis(above(v)) + plogis(below(v)) - 1)
+    v <- uniroot(slope, c(-30, 30), tol = 1e-14)$root
+    bend <- 1 + sd^2 * sum(dlogis(above(v)) + dlogis(below(v)))
+    v^2 / 2 - sum(log(plogis(above(v)) - plogis(below(v)))) + log(bend) / 2
+  }, 0))
+}
+
+# Maximised from the parameters p.
+definition <- function(data, columns, p) {
+  found <- optim(p, function(p) minus_log_likelihood(data, columns, p), method = "BFGS", control = list(reltol = 1e-16))
   list(log_likelihood = -found$value)
 }
 
@@ -148,6 +152,24 @@ held <- function(data, columns, start) {
   list(log_likelihood = top$log_likelihood, held = at)
 }
 
+# Standard errors of the coefficients at a fit, by central second differences; thresholds may not cross on the way. NULL
+# where the SD is as good as zero: there an SD of zero counts as known, which is no matter of second differences.
+defined_errors <- function(data, columns, fit) {
+  p <- c(fit$thresholds, fit$coefficients, fit$sd)
+  if (fit$sd < 0.05) return(NULL)
+  h <- min(1e-3, diff(fit$thresholds) / 10)
+  at <- function(step) minus_log_likelihood(data, columns, p + step)
+  unit <- diag(length(p)) * h
+  second <- function(i, j) {
+    (at(unit[i, ] + unit[j, ]) - at(unit[i, ] - unit[j, ]) - at(unit[j, ] - unit[i, ]) + at(-unit[i, ] - unit[j, ])) / (4 * h^2)
+  }
+  hessian <- outer(seq_along(p), seq_along(p), Vectorize(second))
+  covariance <- tryCatch(solve(hessian), error = function(e) NULL)
+  if (is.null(covariance)) return(NULL)
+  errors <- sqrt(diag(covariance)[length(fit$thresholds) + seq_along(columns)])
+  if (all(is.finite(errors))) I(errors) else NULL
+}
+
 case <- function(name, points, data, columns, ...) {
   list(name = name, points = points, answers = data$answers, participants = data$participants,
        modes = data$modes, columns = lapply(columns, function(c) list(name = c, values = data[[c]])),
@@ -194,5 +216,12 @@ drawn_case <- function(seed) {
   case(paste("seed", seed), points, data, columns, hold = people < 7 && seed < 36)
 }
 
-cases <- c(list(wine_case()), lapply(1:50, drawn_case))
+given <- as.integer(commandArgs(TRUE))
+count <- if (length(given) >= 1) given[1] else 50L
+first <- if (length(given) >= 2) given[2] else 1L
+# Two processes: each case has a seed of its own.
+drawn <- parallel::mclapply(first - 1L + seq_len(count), drawn_case, mc.cores = 2, mc.preschedule = FALSE)
+failed <- Filter(function(case) !is.list(case), drawn)
+if (length(failed) > 0) stop("a case has no result: ", failed[[1]])
+cases <- c(list(wine_case()), drawn)
 cat(toJSON(cases, auto_unbox = TRUE, digits = NA, null = "null"))

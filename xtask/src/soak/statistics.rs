@@ -1,0 +1,153 @@
+//! The statistics held against R and SciPy on random data, and put to studies without an effect: the
+//! tests of `crates/stats`, with the number of data sets and studies changed. What they counted
+//! stands in `docs/statistics-tried.md`.
+
+use crate::tried::{END, held, parts};
+use anyhow::{Context as _, bail};
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+const PAGE: &str = "docs/statistics-tried.md";
+/// R's packages, and how Debian calls them.
+const OF_R: [(&str, &str); 6] = [
+    ("lme4", "r-cran-lme4"),
+    ("lmerTest", "r-cran-lmertest"),
+    ("pbkrtest", "r-cran-pbkrtest"),
+    ("nlme", "r-cran-nlme"),
+    ("ordinal", "r-cran-ordinal"),
+    ("jsonlite", "r-cran-jsonlite"),
+];
+
+/// Compares linear mixed models, cumulative-link models and exact tests with R, SciPy and
+/// statsmodels on so many random data sets each.
+pub(crate) fn against_r(scratch: &Path, sets: u32, seed: Option<u32>) -> anyhow::Result<()> {
+    need_r()?;
+    need_python()?;
+    let began = Instant::now();
+    let sets_text = sets.to_string();
+    let mut settings = vec![("ZWIDTH_R_CASES", &sets_text), ("ZWIDTH_EXACT_CASES", &sets_text)];
+    let seed = seed.map(|seed| seed.to_string());
+    let seeds = ["ZWIDTH_R_SEED", "ZWIDTH_EXACT_SEED"];
+    settings.extend(seeds.into_iter().zip(seed.iter().cycle()));
+    let tests = ["--test", "r", "--test", "ordinal", "--test", "exact"];
+    // Each says what it counted; what is asked for by a name alone is not random.
+    let tables = tables_of(scratch, &tests, &["--ignored", "--nocapture"], &settings)?;
+    put("cargo xtask soak r", u64::from(sets), &tables)?;
+    let what =
+        "random data sets of each kind: models and tests as R, SciPy and statsmodels have them";
+    held(what, format!("cargo xtask soak r {sets}"), sets.into(), began)
+}
+
+/// Puts all tests, models and intervals to so many studies of each kind in which there is nothing to
+/// find, and compares power with its prediction.
+pub(crate) fn null(scratch: &Path, studies: u32) -> anyhow::Result<()> {
+    let began = Instant::now();
+    let settings = [("ZWIDTH_NULL_STUDIES", &studies.to_string())];
+    let tables = tables_of(scratch, &["--test", "null_studies"], &["--nocapture"], &settings)?;
+    put("cargo xtask soak null", u64::from(studies), &tables)?;
+    let what =
+        "studies of each kind without an effect: no default test finds more than it promises";
+    held(what, format!("cargo xtask soak null {studies}"), studies.into(), began)
+}
+
+/// Runs tests of `crates/stats`, built for release, and gives what they wrote, in order of its
+/// names.
+fn tables_of(
+    scratch: &Path,
+    tests: &[&str],
+    how: &[&str],
+    settings: &[(&str, &String)],
+) -> anyhow::Result<Vec<String>> {
+    std::fs::create_dir_all(scratch)?;
+    let folder = scratch.canonicalize()?;
+    let status = Command::new(env!("CARGO"))
+        .args(["test", "--release", "--locked", "--package", "zwidth-stats"])
+        .args(tests)
+        .arg("--")
+        .args(how)
+        .envs(settings.iter().copied())
+        .env("ZWIDTH_TRIED", &folder)
+        .status()?;
+    if !status.success() {
+        bail!("a promise of the statistics is broken, see above");
+    }
+    let entries = std::fs::read_dir(&folder)?;
+    let mut paths: Vec<_> =
+        entries.map(|entry| Ok(entry?.path())).collect::<anyhow::Result<_>>()?;
+    paths.sort();
+    let tables = paths.iter().map(std::fs::read_to_string).collect::<Result<_, _>>()?;
+    std::fs::remove_dir_all(&folder)?;
+    Ok(tables)
+}
+
+/// Writes the tables into the page, between the marks of a chore, unless a longer run stands there.
+fn put(chore: &str, times: u64, tables: &[String]) -> anyhow::Result<()> {
+    let text = std::fs::read_to_string(PAGE)?;
+    match replaced(&text, chore, times, tables)? {
+        Some(text) => std::fs::write(PAGE, text)?,
+        None => println!("{PAGE} keeps what a longer run wrote"),
+    }
+    Ok(())
+}
+
+/// The page with the tables; `None` if those that it has are of a longer run.
+fn replaced(
+    text: &str,
+    chore: &str,
+    times: u64,
+    tables: &[String],
+) -> anyhow::Result<Option<String>> {
+    let begin = format!("<!-- begin: {chore} -->\n");
+    let [before, earlier, after] = parts(text, &begin)?;
+    let ran = format!("Written by `{chore} ");
+    let earlier = earlier.strip_prefix(&ran).and_then(|rest| rest.split_once('`'));
+    let earlier: u64 = earlier.map_or(Ok(0), |(times, _)| times.parse())?;
+    if earlier > times {
+        return Ok(None);
+    }
+    let tables = tables.join("\n");
+    Ok(Some(format!("{before}{begin}{ran}{times}`.\n\n{tables}{END}{after}")))
+}
+
+fn need_r() -> anyhow::Result<()> {
+    let loaded: String = OF_R.map(|(package, _)| format!("library({package}); ")).concat();
+    let debian = OF_R.map(|(_, package)| package).join(" ");
+    let remedy = format!("install R with its packages (apt install r-base-core {debian})");
+    run("Rscript", &["-e", &loaded]).context(remedy)
+}
+
+fn need_python() -> anyhow::Result<()> {
+    let python = std::env::var("ZWIDTH_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let remedy = "install Python with what tests/interop/requirements.txt lists, and name it by \
+                  ZWIDTH_PYTHON";
+    run(&python, &["-c", "import scipy, statsmodels"]).context(remedy)
+}
+
+/// Runs a program that must end well.
+fn run(program: &str, arguments: &[&str]) -> anyhow::Result<()> {
+    let output = Command::new(program).args(arguments).output().context(program.to_owned())?;
+    if !output.status.success() {
+        bail!("{program}: {}", String::from_utf8_lossy(&output.stderr).trim());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shorter_run_leaves_the_tables_of_a_longer_one() {
+        let chore = "cargo xtask soak null";
+        let empty = format!("# Title\n<!-- begin: {chore} -->\n{END}rest\n");
+        let tables = ["| a |\n".to_owned(), "| b |\n".to_owned()];
+        let page = replaced(&empty, chore, 1000, &tables).unwrap().unwrap();
+        let between = "Written by `cargo xtask soak null 1000`.\n\n| a |\n\n| b |\n";
+        let begin = format!("<!-- begin: {chore} -->\n");
+        assert_eq!(page, format!("# Title\n{begin}{between}{END}rest\n"));
+        assert_eq!(replaced(&page, chore, 999, &tables).unwrap(), None);
+        assert_eq!(replaced(&page, chore, 1000, &tables).unwrap(), Some(page));
+        assert!(replaced("no marks", chore, 1, &tables).is_err());
+    }
+}
