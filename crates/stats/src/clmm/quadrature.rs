@@ -1,10 +1,10 @@
 //! One participant's likelihood by the trapezoidal rule on a lattice of effects.
 //!
-//! Given the participant's effect u those of the modes are independent, so the integral over 1 + M
-//! effects is ∫ φ(u/σᵤ)/σᵤ Π Iₘ(u) du with Iₘ(u) = ∫ φ(w/σᵥ)/σᵥ P(answers in mode m | u + w) dw: an
-//! integral of integrals. All are sums over a lattice of logits, multiples of a power of two, and u
-//! + w lies on it again: P is evaluated once per place of the lattice, not once per pair of u and
-//! w.
+//! Given the participant's effect u those of the modes are independent, so the integral over 1 and
+//! M effects is ∫ φ(u/σᵤ)/σᵤ Π Iₘ(u) du with Iₘ(u) = ∫ φ(w/σᵥ)/σᵥ P(answers in mode m | u + w) dw:
+//! an integral of integrals. All are sums over a lattice of logits, multiples of a power of two,
+//! and their sum u + w lies on it again: P is evaluated once per place of the lattice, not once per
+//! pair of u and w.
 //!
 //! The integrands are analytic between the poles of the logistic function, at a distance of π from
 //! the real line, and fall off as a normal density does: for such the rule's error falls
