@@ -1,10 +1,11 @@
-//! Agreement of sessions where some participants lack some: intraclass correlations by a mixed model,
-//! intervals by a parametric bootstrap.
+//! Agreement of sessions where some participants lack some: intraclass correlations by a mixed
+//! model, intervals by a parametric bootstrap.
 //!
-//! yᵢⱼ = μ + pᵢ + sⱼ + eᵢⱼ with variances σ²ₚ, σ²ₛ, σ²ₑ, by restricted maximum likelihood (Patterson &
-//! Thompson 1971, Biometrika 58:545). Participants and sessions are crossed, and of a value missing
-//! at random nothing has to be known. Estimates below zero are allowed, as those of mean squares are
-//! (Verbeke & Molenberghs 2003, Biometrics 59:254): on a complete table the two are the same.
+//! yᵢⱼ = μ + pᵢ + sⱼ + eᵢⱼ with variances σ²ₚ, σ²ₛ, σ²ₑ, by restricted maximum likelihood
+//! (Patterson & Thompson 1971, Biometrika 58:545). Participants and sessions are crossed, and of a
+//! value missing at random nothing has to be known. Estimates below zero are allowed, as those of
+//! mean squares are (Verbeke & Molenberghs 2003, Biometrics 59:254): on a complete table the two
+//! are the same.
 //!
 //! With θ = σ²/σ²ₑ the participants' part W = I + θₚ Zₚ Zₚᵀ has an inverse in closed form. What is
 //! left is of the size of the sessions: M = Sᵀ W⁻¹ S, r = Sᵀ W⁻¹ y and B = (I + θₛ M)⁻¹ give all of
@@ -45,17 +46,17 @@ pub struct IncompleteAgreement {
 /// Agreement of the sessions of `table`, a row per participant and a column per session, `None`
 /// where somebody lacks one; with intervals at `level` from tables drawn by `sampling`.
 ///
-/// An end is T⁻¹(T(ρ̂) − (t − T(ρ₀))) with T(ρ) = ln((1 + (k − 1) ρ) / (1 − ρ)), t a quantile of T over tables
-/// drawn from the fitted model, in which variances below zero count as zero, and ρ₀ the correlation of
-/// that model (the basic bootstrap; Davison & Hinkley 1997, *Bootstrap Methods and their
-/// Application*, §5.2). Of ICC(C,1) T is the logarithm of a ratio of mean squares where the table is
-/// complete, and the interval the exact one but for the drawing.
+/// An end is T⁻¹(T(ρ̂) − (t − T(ρ₀))) with T(ρ) = ln((1 + (k − 1) ρ) / (1 − ρ)), t a quantile of T
+/// over tables drawn from the fitted model, in which variances below zero count as zero, and ρ₀ the
+/// correlation of that model (the basic bootstrap; Davison & Hinkley 1997, *Bootstrap Methods and
+/// their Application*, §5.2). Of ICC(C,1) T is the logarithm of a ratio of mean squares where the
+/// table is complete, and the interval the exact one but for the drawing.
 ///
 /// # Errors
-/// Fewer than two participants or sessions with values, rows of different lengths, a value that is
-/// not finite; participants who share too few sessions to tell their differences from the scatter
-/// ([`Unestimable::Confounded`]); sessions without any scatter; a search that found no maximum; fewer
-/// than 99 draws; `level` outside (0, 1).
+/// Fewer than two participants or sessions with values, rows of different lengths, a value
+/// that is not finite; participants who share too few sessions to tell their differences from the
+/// scatter ([`Unestimable::Confounded`]); sessions without any scatter; a search that found no
+/// maximum; fewer than 99 draws; `level` outside (0, 1).
 pub fn incomplete_agreement(
     table: &[Vec<Option<f64>>],
     level: f64,
@@ -100,7 +101,8 @@ pub fn incomplete_agreement(
     })
 }
 
-/// The interval of a correlation whose estimate is `estimate`, from those `drawn` where it is `truth`.
+/// The interval of a correlation whose estimate is `estimate`, from those `drawn` where it is
+/// `truth`.
 fn basic(estimate: f64, truth: f64, drawn: Vec<f64>, k: f64, level: f64) -> Correlation {
     let log_ratio = |rho: f64| libm::log((1.0 + (k - 1.0) * rho) / (1.0 - rho));
     let back = |t: f64| {
@@ -279,8 +281,8 @@ impl Totals {
         totals
     }
 
-    /// −2 ln REML at (θₚ, θₛ), the error variance profiled out (but for a constant), its slopes by θ, and
-    /// the error variance. NaN where the covariance is not positive.
+    /// −2 ln REML at (θₚ, θₛ), the error variance profiled out (but for a constant), its slopes by
+    /// θ, and the error variance. NaN where the covariance is not positive.
     fn criterion(&self, [people, times]: [f64; 2]) -> (f64, [f64; 2], f64) {
         let k = self.of_session.len();
         let df = self.of_session.iter().sum::<f64>() - 1.0;
@@ -485,9 +487,9 @@ mod tests {
         }
     }
 
-    /// 95 % intervals of 400 tables of 12 participants and 3 sessions, of which a fifth is missing: the
-    /// truth is in at least the share that chance alone falls short of once in a thousand times if
-    /// they hold it 93 %.
+    /// 95 % intervals of 400 tables of 12 participants and 3 sessions, of which a fifth is missing:
+    /// the truth is in at least the share that chance alone falls short of once in a thousand times
+    /// if they hold it 93 %.
     #[test]
     fn intervals_of_incomplete_tables_hold_the_truth() {
         let (sd, tables) = ([1.5_f64, 0.5, 1.0], 400);

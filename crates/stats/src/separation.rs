@@ -14,7 +14,8 @@
 //! chapter 23). Where its residual r = Aᵀy is not 0, the conditions of optimality say A r ≥ 0 and
 //! A r ≠ 0: the residual itself is the direction, a proof that can be checked.
 
-use crate::symmetric::{cholesky, dot, solve};
+use crate::matrix::dot;
+use crate::symmetric::{cholesky, solve};
 
 /// Answers that share their values of all columns.
 #[derive(Debug, Clone, PartialEq)]

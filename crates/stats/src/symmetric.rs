@@ -1,4 +1,9 @@
 //! Small symmetric positive definite systems, by Cholesky's decomposition.
+//!
+//! Its rows are lists, as information matrices and covariances of results are, and a triangle
+//! exists for any pivots above zero: next to separation those are tiny without being rounding.
+//! [`crate::matrix`], of the linear mixed models, calls a matrix singular where a pivot is 1e-14 of
+//! its entry.
 
 /// The lower triangle L of A = L Lᵀ, row by row; `None` where A is not positive definite.
 pub(crate) fn cholesky(a: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
@@ -39,14 +44,10 @@ pub(crate) fn inverse(l: &[Vec<f64>]) -> Vec<Vec<f64>> {
     (0..l.len()).map(|i| solve(l, &unit(i))).collect()
 }
 
-/// Σ aᵢ bᵢ.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matrix::dot;
 
     #[test]
     fn a_system_with_a_known_triangle_is_solved() {

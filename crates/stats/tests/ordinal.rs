@@ -194,8 +194,8 @@ fn check_mixed(case: &Case, fit: &str, terms: Terms, tally: &mut Tally) {
     tally.one_participant += usize::from(alone && ours.is_err());
 }
 
-/// Where R, from the definition, has its log-likelihood with a coefficient held, our interval of the
-/// level that this log-likelihood makes has to end.
+/// Where R, from the definition, has its log-likelihood with a coefficient held, our interval of
+/// the level that this log-likelihood makes has to end.
 fn check_ends(case: &Case, tally: &mut Tally) {
     let theirs = &case.fits["held"];
     if theirs.is_null() {

@@ -11,11 +11,12 @@ pub use crate::answers::{Column, Scale};
 use crate::error::StatsError;
 
 use crate::logistic::{by_threshold, inner, logit, softplus_and_share};
+use crate::matrix::dot;
 use crate::profile;
 use crate::reference;
 pub use crate::reference::ChiSquareTest;
 use crate::separation::Pattern;
-use crate::symmetric::{cholesky, dot, inverse, solve};
+use crate::symmetric::{cholesky, inverse, solve};
 use crate::tested::{Tested, Unestimable};
 
 /// Newton's method has converged where the next step promises less of the log-likelihood.

@@ -2,7 +2,8 @@
 //! logit P(Y ≤ k) = θₖ − xβ − u − w, u normal per participant, w normal per participant and mode
 //! (Hedeker & Gibbons 1994, Biometrics 50:933; Christensen 2022, R's ordinal).
 //!
-//! The effects are integrated out by Laplace's approximation or by sums over a lattice; the likelihood is climbed by a quasi-Newton method with analytic gradients.
+//! The effects are integrated out by Laplace's approximation or by sums over a lattice; the
+//! likelihood is climbed by a quasi-Newton method with analytic gradients.
 
 mod cell;
 mod compare;

@@ -28,8 +28,8 @@ pub enum End {
     /// Here the test begins to reject.
     At(f64),
     /// The answers set no end: 25 logits from the estimate, beyond any effect that matters, the
-    /// likelihood has still not fallen as far as the test asks. With few answers per person large SDs
-    /// explain away any effect.
+    /// likelihood has still not fallen as far as the test asks. With few answers per person large
+    /// SDs explain away any effect.
     Open,
     /// The search failed: there may be an end or none.
     NotFound(Unestimable),

@@ -1,16 +1,17 @@
 //! One participant's likelihood by the trapezoidal rule on a lattice of effects.
 //!
-//! Given the participant's effect u those of the modes are independent, so the integral over 1 + M
-//! effects is ∫ φ(u/σᵤ)/σᵤ Π Iₘ(u) du with Iₘ(u) = ∫ φ(w/σᵥ)/σᵥ P(answers in mode m | u + w) dw: an
-//! integral of integrals. All are sums over a lattice of logits, multiples of a power of two, and
-//! u + w lies on it again: P is evaluated once per place of the lattice, not once per pair of u and w.
+//! Given the participant's effect u those of the modes are independent, so the integral over 1 and
+//! M effects is ∫ φ(u/σᵤ)/σᵤ Π Iₘ(u) du with Iₘ(u) = ∫ φ(w/σᵥ)/σᵥ P(answers in mode m | u + w) dw:
+//! an integral of integrals. All are sums over a lattice of logits, multiples of a power of two,
+//! and their sum u + w lies on it again: P is evaluated once per place of the lattice, not once per
+//! pair of u and w.
 //!
 //! The integrands are analytic between the poles of the logistic function, at a distance of π from
 //! the real line, and fall off as a normal density does: for such the rule's error falls
-//! exponentially with the lattice's step (Trefethen & Weideman 2014, SIAM Rev. 56:385), whatever the
-//! SDs, and is below 1e-10 here. Between two steps the nodes do not move with the parameters: the
-//! gradient given is the derivative of the sum itself, so that a search is not misled far from the
-//! estimates either, where SDs are large and integrands nearly boxes.
+//! exponentially with the lattice's step (Trefethen & Weideman 2014, SIAM Rev. 56:385), whatever
+//! the SDs, and is below 1e-10 here. Between two steps the nodes do not move with the parameters:
+//! the gradient given is the derivative of the sum itself, so that a search is not misled far from
+//! the estimates either, where SDs are large and integrands nearly boxes.
 
 use super::cell::{Levels, fixed};
 use super::laplace::{Effects, settle};
@@ -19,8 +20,9 @@ use super::point::Point;
 use core::f64::consts::PI;
 
 /// Effects this many SDs from the most likely ones are left out. The posterior of an effect is
-/// narrower than its normal density, as answers only narrow it (their likelihood is log-concave), and
-/// its mean is within an SD or so of the most likely effect: less than 1e-12 of it is farther out.
+/// narrower than its normal density, as answers only narrow it (their likelihood is log-concave),
+/// and its mean is within an SD or so of the most likely effect: less than 1e-12 of it is farther
+/// out.
 const REACH: f64 = 8.5;
 /// An SD below this counts as none: the likelihood, even in it, gains less than rounding.
 const NO_SD: f64 = 1e-8;
@@ -80,8 +82,8 @@ struct Axis {
 }
 
 impl Axis {
-    /// The nodes of an effect, most likely at one of `centres` (in SDs), of which the answers tell no
-    /// more than `information`, the inverse of a variance.
+    /// The nodes of an effect, most likely at one of `centres` (in SDs), of which the answers tell
+    /// no more than `information`, the inverse of a variance.
     fn new(sd: f64, information: f64, centres: &[f64]) -> Self {
         if sd.abs() < NO_SD {
             let step = LARGEST_STEP;

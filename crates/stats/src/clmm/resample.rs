@@ -13,7 +13,7 @@ use super::search::{Start, climb};
 use crate::answers::{Answers, Scale};
 use crate::bootstrap::{normal, stream, uniform};
 use crate::logistic::logit;
-use crate::symmetric::dot;
+use crate::matrix::dot;
 use crate::tested::Unestimable;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
