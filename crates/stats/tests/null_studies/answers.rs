@@ -5,15 +5,13 @@ use crate::drawn::{Kind, Study, tidy};
 use crate::judged::{Asked, Judged, LEVEL, Said, judge};
 use zwidth_stats::Tested;
 use zwidth_stats::clmm::{
-    Column, Fit, Integral, Model, Ratings, RatioTest, Terms, bootstrap, fit, profile_interval,
+    Column, End, Fit, Integral, Model, Ratings, RatioTest, Terms, bootstrap, fit, profile_interval,
     test_columns,
 };
 use zwidth_stats::superiority::{Repeats, superiority};
 
-/// Nodes per effect: a fifth of the time that the 15 of `compare_modes` take, and the same ratios (a
-/// test says so).
-const INTEGRAL: Integral = Integral::Quadrature { nodes: 7 };
-const OF_THE_PRODUCT: Integral = Integral::Quadrature { nodes: 15 };
+/// As `compare_modes` takes it for studies of this size.
+const INTEGRAL: Integral = Integral::Quadrature;
 /// As in `compare_modes`: from so many participants on no bootstrap decides.
 pub(crate) const FEW: usize = 8;
 /// Studies that a bootstrap draws here, 999 in `compare_modes`. With 19 a share of 5 % is one of 20,
@@ -52,15 +50,6 @@ fn ratio(
 ) -> Option<RatioTest> {
     let (model, fit) = fitted?;
     test_columns(model, integral, fit, columns, model.mode_df()).ok()
-}
-
-/// By how much the nodes used here change the likelihood ratio that the product's have.
-pub(crate) fn changed_by_nodes(study: &Study) -> Option<f64> {
-    let [here, there] = [INTEGRAL, OF_THE_PRODUCT].map(|integral| {
-        let found = ratio(fitted(study, integral).as_ref(), integral, &MODES)?;
-        Some(found.chi_square.statistic)
-    });
-    Some((here? - there?).abs())
 }
 
 /// The likelihood ratios of "no mode differs" and of the contrast of the last mode with the first,
@@ -105,13 +94,21 @@ pub(crate) fn profiles(kind: Kind, studies: usize) -> Vec<Judged> {
         let interval = fitted(&kind.draw(number), INTEGRAL).and_then(|(model, fit)| {
             profile_interval(&model, INTEGRAL, &fit, LAST, LEVEL, model.mode_df()).ok()
         });
-        // An end that is not there lies beyond every number.
-        let covers = interval.map(|interval| {
-            interval.low.is_none_or(|low| low <= 0.0)
-                && interval.high.is_none_or(|high| 0.0 <= high)
+        let covers = interval.and_then(|interval| {
+            let low = holds(&interval.low, |low| low <= 0.0)?;
+            Some(low && holds(&interval.high, |high| 0.0 <= high)?)
         });
         [Said { rejects: covers == Some(false), covers }]
     })
+}
+
+/// Whether an end lies on its side of the truth: one that the answers do not set does.
+fn holds(end: &End, lies: fn(f64) -> bool) -> Option<bool> {
+    match end {
+        End::At(value) => Some(lies(*value)),
+        End::Open => Some(true),
+        End::NotFound(_) => None,
+    }
 }
 
 /// The parametric bootstrap of "no mode differs".
