@@ -90,11 +90,16 @@ fn main() -> anyhow::Result<()> {
         }
         ["soak", "r", rest @ ..] => {
             let seed = rest.get(1).map(|seed| number(Some(seed), 0)).transpose()?;
-            soak::statistics::against_r(&scratch("r"), number(rest.first(), 1000)?, seed)
+            soak::statistics::against_r(
+                &scratch("r"),
+                number(rest.first(), soak::statistics::SETS)?,
+                seed,
+            )
         }
-        ["soak", "null", rest @ ..] => {
-            soak::statistics::null(&scratch("null"), number(rest.first(), 40_000)?)
-        }
+        ["soak", "null", rest @ ..] => soak::statistics::null(
+            &scratch("null"),
+            number(rest.first(), soak::statistics::STUDIES)?,
+        ),
         ["fuzz", which, rest @ ..] => {
             let runs = rest.first().map(|runs| number(Some(runs), 0)).transpose()?;
             fuzz::fuzz(which, runs)

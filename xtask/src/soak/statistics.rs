@@ -9,6 +9,9 @@ use std::process::Command;
 use std::time::Instant;
 
 const PAGE: &str = "docs/statistics-tried.md";
+/// Data sets, and studies of each kind, of a whole run.
+pub(crate) const SETS: u32 = 1000;
+pub(crate) const STUDIES: u32 = 40_000;
 /// R's packages, and how Debian calls them.
 const OF_R: [(&str, &str); 6] = [
     ("lme4", "r-cran-lme4"),
@@ -33,7 +36,7 @@ pub(crate) fn against_r(scratch: &Path, sets: u32, seed: Option<u32>) -> anyhow:
     let tests = ["--test", "r", "--test", "ordinal", "--test", "exact"];
     // Each says what it counted; what is asked for by a name alone is not random.
     let tables = tables_of(scratch, &tests, &["--ignored", "--nocapture"], &settings)?;
-    put("cargo xtask soak r", u64::from(sets), &tables)?;
+    put("cargo xtask soak r", [sets, SETS], &tables)?;
     let what =
         "random data sets of each kind: models and tests as R, SciPy and statsmodels have them";
     held(what, format!("cargo xtask soak r {sets}"), sets.into(), began)
@@ -45,7 +48,7 @@ pub(crate) fn null(scratch: &Path, studies: u32) -> anyhow::Result<()> {
     let began = Instant::now();
     let settings = [("ZWIDTH_NULL_STUDIES", &studies.to_string())];
     let tables = tables_of(scratch, &["--test", "null_studies"], &["--nocapture"], &settings)?;
-    put("cargo xtask soak null", u64::from(studies), &tables)?;
+    put("cargo xtask soak null", [studies, STUDIES], &tables)?;
     let what =
         "studies of each kind without an effect: no default test finds more than it promises";
     held(what, format!("cargo xtask soak null {studies}"), studies.into(), began)
@@ -81,33 +84,22 @@ fn tables_of(
     Ok(tables)
 }
 
-/// Writes the tables into the page, between the marks of a chore, unless a longer run stands there.
-fn put(chore: &str, times: u64, tables: &[String]) -> anyhow::Result<()> {
-    let text = std::fs::read_to_string(PAGE)?;
-    match replaced(&text, chore, times, tables)? {
-        Some(text) => std::fs::write(PAGE, text)?,
-        None => println!("{PAGE} keeps what a longer run wrote"),
+/// Writes the tables of a whole run into the page, between the marks of its chore.
+fn put(chore: &str, [times, whole]: [u32; 2], tables: &[String]) -> anyhow::Result<()> {
+    if times < whole {
+        println!("{PAGE} takes the tables of {whole} or more alone");
+        return Ok(());
     }
+    let text = std::fs::read_to_string(PAGE)?;
+    std::fs::write(PAGE, replaced(&text, chore, times, tables)?)?;
     Ok(())
 }
 
-/// The page with the tables; `None` if those that it has are of a longer run.
-fn replaced(
-    text: &str,
-    chore: &str,
-    times: u64,
-    tables: &[String],
-) -> anyhow::Result<Option<String>> {
+fn replaced(text: &str, chore: &str, times: u32, tables: &[String]) -> anyhow::Result<String> {
     let begin = format!("<!-- begin: {chore} -->\n");
-    let [before, earlier, after] = parts(text, &begin)?;
-    let ran = format!("Written by `{chore} ");
-    let earlier = earlier.strip_prefix(&ran).and_then(|rest| rest.split_once('`'));
-    let earlier: u64 = earlier.map_or(Ok(0), |(times, _)| times.parse())?;
-    if earlier > times {
-        return Ok(None);
-    }
+    let [before, _, after] = parts(text, &begin)?;
     let tables = tables.join("\n");
-    Ok(Some(format!("{before}{begin}{ran}{times}`.\n\n{tables}{END}{after}")))
+    Ok(format!("{before}{begin}Written by `{chore} {times}`.\n\n{tables}{END}{after}"))
 }
 
 fn need_r() -> anyhow::Result<()> {
@@ -138,16 +130,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_shorter_run_leaves_the_tables_of_a_longer_one() {
+    fn tables_take_the_place_of_earlier_ones_and_nothing_else_changes() {
         let chore = "cargo xtask soak null";
-        let empty = format!("# Title\n<!-- begin: {chore} -->\n{END}rest\n");
-        let tables = ["| a |\n".to_owned(), "| b |\n".to_owned()];
-        let page = replaced(&empty, chore, 1000, &tables).unwrap().unwrap();
-        let between = "Written by `cargo xtask soak null 1000`.\n\n| a |\n\n| b |\n";
         let begin = format!("<!-- begin: {chore} -->\n");
-        assert_eq!(page, format!("# Title\n{begin}{between}{END}rest\n"));
-        assert_eq!(replaced(&page, chore, 999, &tables).unwrap(), None);
-        assert_eq!(replaced(&page, chore, 1000, &tables).unwrap(), Some(page));
+        let tables = ["| a |\n".to_owned(), "| b |\n".to_owned()];
+        let page = format!("# Title\n{begin}earlier\n{END}rest\n");
+        let between = "Written by `cargo xtask soak null 1000`.\n\n| a |\n\n| b |\n";
+        let made = replaced(&page, chore, 1000, &tables).unwrap();
+        assert_eq!(made, format!("# Title\n{begin}{between}{END}rest\n"));
+        assert_eq!(replaced(&made, chore, 1000, &tables).unwrap(), made);
         assert!(replaced("no marks", chore, 1, &tables).is_err());
     }
 }

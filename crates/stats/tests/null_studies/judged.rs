@@ -12,24 +12,24 @@ const BOUNDS: f64 = 0.998;
 /// What an approximate test at 5 % may reject at most, by the upper bound.
 pub(crate) const MOST: f64 = 0.06;
 
-/// Said of one study: whether the test rejects, and whether its interval holds the truth. What has no
-/// estimate claims nothing, and has no interval.
+/// Said of one study: whether the test rejects (nothing of an interval alone), and whether its interval
+/// holds the truth. What has no estimate claims nothing, and has no interval.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Said {
-    pub(crate) rejects: bool,
+    pub(crate) rejects: Option<bool>,
     pub(crate) covers: Option<bool>,
 }
 
 impl Said {
     /// Of a p value; an exact one may lie on the level.
     pub(crate) fn by_p(p_value: Option<f64>) -> Self {
-        Self { rejects: p_value.is_some_and(|p| p <= ALPHA), covers: None }
+        Self { rejects: Some(p_value.is_some_and(|p| p <= ALPHA)), covers: None }
     }
 
     /// Of an estimate with an interval, where the truth is zero.
     pub(crate) fn by_estimate(tested: Option<Tested>) -> Self {
         Self {
-            rejects: tested.is_some_and(|t| t.p_value < ALPHA),
+            rejects: Some(tested.is_some_and(|t| t.p_value < ALPHA)),
             covers: tested.map(|t| t.ci_low <= 0.0 && 0.0 <= t.ci_high),
         }
     }
@@ -43,6 +43,12 @@ pub(crate) struct Share {
 }
 
 impl Share {
+    fn among(all: impl Iterator<Item = bool>) -> Self {
+        let add =
+            |share: Self, is: bool| Self { count: share.count + usize::from(is), of: share.of + 1 };
+        all.fold(Self::default(), add)
+    }
+
     pub(crate) fn estimate(self) -> f64 {
         self.count as f64 / self.of as f64
     }
@@ -54,7 +60,7 @@ impl Share {
 
     /// Whether a test at 5 % rejects more than 6 % beyond doubt.
     pub(crate) fn is_too_many(self) -> bool {
-        self.bounds().0 > MOST
+        self.of > 0 && self.bounds().0 > MOST
     }
 
     /// As in a table: per cent, with its bounds.
@@ -94,7 +100,7 @@ impl Judged {
     /// What breaks a promise, in words. Few studies (`is_whole` false) cannot show that a limit is
     /// kept: there none may be shown to be broken.
     pub(crate) fn broken(&self, is_whole: bool) -> Option<String> {
-        let (low, high) = self.rejected.bounds();
+        let (low, high) = if self.rejected.of == 0 { (0.0, 0.0) } else { self.rejected.bounds() };
         let at_most = |most: f64| if is_whole { high <= most } else { low <= most };
         let within = |[least, most]: [f64; 2]| {
             if self.covered.of == 0 {
@@ -123,16 +129,11 @@ pub(crate) fn judge<const N: usize>(
     say: impl Fn(u64) -> [Said; N] + Sync + Send,
 ) -> Vec<Judged> {
     let said: Vec<[Said; N]> = (0..studies as u64).into_par_iter().map(say).collect();
-    let judged = |(place, (test, asked)): (usize, (&'static str, Asked))| {
-        let intervals: Vec<bool> = said.iter().filter_map(|said| said[place].covers).collect();
-        let rejected = said.iter().filter(|said| said[place].rejects).count();
-        let covered = intervals.iter().filter(|covers| **covers).count();
-        Judged {
-            test,
-            asked,
-            rejected: Share { count: rejected, of: studies },
-            covered: Share { count: covered, of: intervals.len() },
-        }
+    let judged = |(place, (test, asked)): (usize, (&'static str, Asked))| Judged {
+        test,
+        asked,
+        rejected: Share::among(said.iter().filter_map(|said| said[place].rejects)),
+        covered: Share::among(said.iter().filter_map(|said| said[place].covers)),
     };
     tests.into_iter().enumerate().map(judged).collect()
 }

@@ -18,18 +18,20 @@ pub(crate) fn write(place: u8, title: &str, table: &str) {
 /// A row per kind; columns per test, and per interval.
 pub(crate) fn table(all: &[(Kind, Vec<Judged>)]) -> String {
     let most = all.iter().map(|(_, judged)| judged).max_by_key(|judged| judged.len()).unwrap();
+    let testing = |judged: &&Judged| judged.rejected.of > 0;
     let covering = |judged: &&Judged| judged.covered.of > 0;
-    let heads = most.iter().map(|judged| format!("{} rejects", judged.test));
+    let heads = most.iter().filter(testing).map(|judged| format!("{} rejects", judged.test));
     let intervals = most.iter().filter(covering).map(|judged| format!("{} covers", judged.test));
     let heads: Vec<String> = heads.chain(intervals).collect();
     let rows = all.iter().map(|(kind, judged)| {
         let of_test = |test: &str| judged.iter().find(|judged| judged.test == test);
-        let rejected = most.iter().map(|of| of_test(of.test).map_or("–".to_owned(), rejected));
+        let tests = most.iter().filter(testing);
+        let rejected = tests.map(|of| of_test(of.test).map_or("–".to_owned(), rejected));
         let covered = most.iter().filter(covering);
         let covered = covered.map(|of| of_test(of.test).map_or("–".to_owned(), covers));
         line(&[vec![kind.name()], rejected.chain(covered).collect()].concat())
     });
-    let of: usize = most[0].rejected.of;
+    let of = most[0].rejected.of.max(most[0].covered.of);
     let title = format!("{of} studies of each kind");
     format!("{}{}", head(&title, &heads), rows.collect::<String>())
 }
