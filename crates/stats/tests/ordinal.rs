@@ -291,9 +291,12 @@ fn close(what: &str, ours: &[f64], theirs: &[f64], allowed: impl Fn(f64) -> f64)
     }
 }
 
+fn setting(name: &str, default: &str) -> String {
+    std::env::var(name).unwrap_or_else(|_| default.to_owned())
+}
+
 fn cases() -> Vec<Case> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/interop/stats/ordinal.R");
-    let setting = |name: &str, default: &str| std::env::var(name).unwrap_or(default.to_owned());
     let given = [setting("ZWIDTH_R_CASES", "50"), setting("ZWIDTH_R_SEED", "1")];
     let run = Command::new("Rscript").arg(&script).args(given).output();
     let run = run.expect("Rscript is needed: install R with ordinal, jsonlite");
