@@ -79,33 +79,36 @@ impl ModelScene {
         toml::to_string(self).map_err(|e| DynamicsError::Toml(e.to_string()))
     }
 
-    /// The parameter furthest (in powers of ten) from the size it has in Table 3, for errors of
-    /// extreme runs.
+    /// The parameter furthest (in powers of ten) from the size it has in Table 3 or in a usual
+    /// device, for errors of extreme runs.
     pub(crate) fn suspect(&self) -> String {
         let mut list = vec![
             ("plant.mass_kg", self.plant.mass_kg, numbers::OBJECT_MASS_KG),
             ("plant.lever_m", self.plant.lever_m, numbers::LEVER_M),
-            ("motor.max_n", self.motor.max_n, numbers::MOTOR_N),
-            ("brake.max_n", self.brake.max_n, numbers::BRAKE_N),
+            ("start.theta_rad", self.start.theta_rad, numbers::HALF_STROKE_RAD),
+            ("start.theta_dot_rad_s", self.start.theta_dot_rad_s, numbers::VELOCITY_RAD_S),
             ("step_s", self.step_s, numbers::STEP_S),
             ("duration_s", self.duration_s, numbers::DURATION_S),
         ];
         self.environment.list(&mut list);
+        self.motor.list(&mut list);
+        self.brake.list(&mut list);
         if let Some(finger) = &self.finger {
             finger.list(&mut list);
         }
-        list.extend(self.motor.lag_s.map(|lag| ("motor.lag_s", lag, numbers::STEP_S)));
-        list.extend(
-            self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)),
-        );
+        if let Some(friction) = &self.friction {
+            friction.list(&mut list);
+        }
+        let mut list: Vec<_> =
+            list.into_iter().map(|(name, value, usual)| (name.to_owned(), value, usual)).collect();
+        self.input.list("input", numbers::FORCE_N, &mut list);
+        list.extend(self.terms.list());
         let distance = |value: f64, usual: f64| {
             let share = (value / usual).abs();
             if share > 0.0 { libm::log10(share).abs() } else { 0.0 }
         };
-        let own = list.into_iter().map(|(name, value, usual)| (name.to_owned(), value, usual));
-        let furthest = own
-            .chain(self.terms.list())
-            .max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
+        let furthest =
+            list.into_iter().max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
         furthest.map_or_else(String::new, |(name, value, _)| format!("{name} = {value}"))
     }
 
