@@ -57,4 +57,7 @@ pub use system::region::{Contact, Motion, Region, Side};
 pub use system::transition::EventKind;
 pub use system::{RestRule, System};
 pub use trajectory::{Event, Forces, Trajectory, WorkCounts};
-pub use verdict::{Judgement, RunVerdict, Swings, fast_swings, judge};
+pub use verdict::{
+    Controller, Felt, Judgement, Model, Motions, Reference, RunVerdict, SampledLoop, Swings,
+    VibrationThreshold, felt, judge,
+};

@@ -139,7 +139,7 @@ impl System {
     }
 
     /// How many times the terms' curved force stands in each row.
-    fn curved(&self, region: &Region) -> [f64; MOST] {
+    pub(crate) fn curved(&self, region: &Region) -> [f64; MOST] {
         let mut curved = [0.0; MOST];
         if !self.curved {
             return curved;
