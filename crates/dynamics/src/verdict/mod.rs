@@ -5,9 +5,10 @@
 //! of it too: a step may be too long to show how the method chatters. The order of judgement:
 //!
 //! 1. **failed**: the run ended in an error.
-//! 2. **smooth**: neither the run, at any of the three steps, nor the reference oscillates. A *swing* is the way from one end
-//!    of a motion to the next; it exists where half of its angle is above 1e-9 rad and 100 times
-//!    the reference's error; six existing swings are an oscillation.
+//! 2. **smooth**: neither the run, at any of the three steps, nor the reference oscillates. A
+//!    *swing* is the way from one end of a motion to the next; it exists where half of its angle is
+//!    above 1e-9 rad and 100 times the reference's error; six existing swings are an oscillation. A
+//!    run that grows away from the reference without a turn is not smooth but the next.
 //! 3. **unstable step**: |R(hλ)| > 1 in a region in which the run moved, curved terms linearised
 //!    along the run, where the exact flow does not grow.
 //! 4. **depends on the rule at rest**: a lagging actuator may follow either side's command while

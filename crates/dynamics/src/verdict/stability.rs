@@ -59,10 +59,11 @@ pub(super) fn worst(
         })
     });
     let growths: Vec<Growth> = parts.filter_map(|part| Growth::of(solver, &part, h)).collect();
-    let worse = |a: Growth, b: Growth| {
-        let key = |g: Growth| (g.is_unstable(), g.excess());
-        let (x, y) = (key(a), key(b));
-        if x.0 > y.0 || (x.0 == y.0 && x.1 >= y.1) { a } else { b }
+    let worse = |a: Growth, b: Growth| match (a.is_unstable(), b.is_unstable()) {
+        (true, false) => a,
+        (false, true) => b,
+        _ if a.excess() >= b.excess() => a,
+        _ => b,
     };
     growths.into_iter().reduce(worse)
 }

@@ -325,3 +325,22 @@ fn a_step_too_long_to_show_the_models_swings_is_told_beside_the_verdict() {
     assert_eq!(judgement.verdict, RunVerdict::Forced);
     assert!(!judgement.shows_the_reference, "{judgement:?}");
 }
+
+#[test]
+fn the_swings_of_chattering_shrink_and_multiply_as_the_step_is_halved() {
+    let system = System::new(sticking()).unwrap();
+    let judgement = judge(&Rk4 { switching: Switching::PerStep }, &system, 8.3e-3);
+    let [coarse, _, fine] = judgement.swings;
+    assert!(coarse.count >= 6 && fine.count > coarse.count, "{judgement:?}");
+    assert!(fine.amplitude_rad < 0.5 * coarse.amplitude_rad, "{judgement:?}");
+}
+
+#[test]
+fn a_sudden_drop_of_the_force_leaves_no_oscillation() {
+    for mode in DriveMode::ALL {
+        let system = System::new(table3::scene(mode, Input::step(2.15))).unwrap();
+        let judgement = judge(&Exact::default(), &system, 8.3e-3);
+        assert_eq!(judgement.verdict, RunVerdict::Smooth, "{mode:?}: {judgement:?}");
+        assert_eq!(judgement.swings.map(|swings| swings.count), [0; 3]);
+    }
+}

@@ -88,7 +88,8 @@ fn page(cases: &[Case], cells: &[Cell]) -> String {
     let wrong = cells.iter().filter(|cell| cell.verdict != cell.truth).count();
     let _ = write!(
         text,
-        "{} scenes × {} solvers × 4 steps = {} runs; {wrong} wrong verdicts, {} times \"cannot tell\".\n\n",
+        "{} scenes × {} solvers × 4 steps = {} runs; {wrong} wrong verdicts, {} times \"cannot \
+         tell\".\n\n",
         cases.len(),
         NAMED_SOLVERS.len(),
         cells.len(),
@@ -138,7 +139,8 @@ fn no_verdict_on_a_scene_with_a_known_answer_is_wrong_and_the_page_says_so() {
     let written = std::fs::read_to_string(path()).unwrap_or_default();
     assert!(
         written == page(&cases, &cells),
-        "docs/verdict.md is not what a fresh run gives: cargo test -p zwidth-dynamics --test verdict -- --ignored"
+        "docs/verdict.md is not what a fresh run gives: \
+         cargo test -p zwidth-dynamics --test verdict -- --ignored"
     );
 }
 
