@@ -34,7 +34,7 @@ pub struct Summary {
     pub swings: [StepSwings; 3],
     /// The other thing it rests on: the motion as it is known; none where it is not.
     pub reference: Option<KnownMotion>,
-    /// The same with the other rule for the command at rest, where a lag makes it matter.
+    /// The same with the other rule for the command at rest, where the verdict says that it matters.
     pub other_rest_rule: Option<KnownMotion>,
     /// Whether the run oscillates if the reference does.
     pub shows_the_reference: bool,
@@ -130,7 +130,7 @@ impl Summary {
             verdict: verdict_word(run.judgement.verdict),
             swings: step_swings(run),
             reference: run.judgement.reference.as_ref().map(KnownMotion::of),
-            other_rest_rule: run.judgement.other_rest_rule.as_ref().map(KnownMotion::of),
+            other_rest_rule: other_rest_rule(run),
             shows_the_reference: run.judgement.shows_the_reference,
             amplification: run.judgement.amplification,
             finger: scene.finger.map(|finger| finger_word(finger.law)),
@@ -145,6 +145,12 @@ impl Summary {
             },
         }
     }
+}
+
+fn other_rest_rule(run: &Run) -> Option<KnownMotion> {
+    let matters = run.judgement.verdict == RunVerdict::DependsOnRestRule;
+    let other = run.judgement.other_rest_rule.as_ref().filter(|_| matters);
+    other.map(KnownMotion::of)
 }
 
 fn step_swings(run: &Run) -> [StepSwings; 3] {

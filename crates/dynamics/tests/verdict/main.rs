@@ -1,5 +1,7 @@
 //! Every verdict on scenes whose behaviour is known in closed form, and the page that shows them.
 
+#![allow(clippy::unwrap_used)] // helpers outside of a test function are test code too
+
 mod cases;
 
 use std::collections::BTreeMap;

@@ -1,6 +1,5 @@
 //! A summary as people read it: degrees, milliseconds.
 
-use zwidth_dynamics::RunVerdict;
 use zwidth_simulate::{KnownMotion, StepSwings, Summary};
 
 /// Milliseconds in a second.
@@ -18,8 +17,7 @@ pub(super) fn of(summary: &Summary) -> String {
         format!("            {}", s.swings.map(swings).join(", ")),
     ];
     lines.extend(s.reference.as_ref().map(|motion| format!("            {}", known(motion))));
-    let both = s.verdict == RunVerdict::DependsOnRestRule.as_str();
-    if let Some(other) = s.other_rest_rule.as_ref().filter(|_| both) {
+    if let Some(other) = &s.other_rest_rule {
         lines.push(format!("            with the other rule at rest: {}", known(other)));
     }
     if !s.shows_the_reference {
