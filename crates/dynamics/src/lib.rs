@@ -52,9 +52,12 @@ pub use solve::tr_bdf2::TrBdf2;
 pub use solve::{Grid, Solver, Switching};
 pub use sweep::sweep;
 pub use system::Layout;
-pub use system::System;
 pub use system::linear::LinearPart;
 pub use system::region::{Contact, Motion, Region, Side};
 pub use system::transition::EventKind;
+pub use system::{RestRule, System};
 pub use trajectory::{Event, Forces, Trajectory, WorkCounts};
-pub use verdict::{Judgement, RunVerdict, Swings, fast_swings, judge};
+pub use verdict::{
+    Controller, Felt, Judgement, Model, Motions, Reference, RunVerdict, SampledLoop, Swings,
+    VibrationThreshold, felt, judge,
+};

@@ -23,7 +23,7 @@ struct Curve {
     reversals: Vec<f64>,
 }
 
-/// Amplitude of the fast swings, largest angle beyond the exact one, and reversals, each against
+/// Amplitude of the swings, largest angle beyond the exact one, and reversals, each against
 /// the step. `table` is the table of chattering of the stage `simulate`.
 ///
 /// # Errors
@@ -33,7 +33,7 @@ pub fn chattering(table: &Table) -> Result<Figure, TableError> {
     let swinging: Vec<&Curve> = curves.iter().filter(|curve| curve.swings()).collect();
     let counted = merged(&curves);
     let panels = vec![
-        panel(0, ("amplitude of fast swings", "°"), &swinging, |curve| &curve.amplitude_deg),
+        panel(0, ("amplitude of swings", "°"), &swinging, |curve| &curve.amplitude_deg),
         panel(1, ("largest angle beyond the exact one", "°"), &swinging, |curve| {
             &curve.excess_deg
         }),
@@ -44,7 +44,7 @@ pub fn chattering(table: &Table) -> Result<Figure, TableError> {
     Ok(Figure {
         title: Some(plain(table.title())),
         description: format!(
-            "{}. Against the step, for each solver: median amplitude of the fast swings, largest angle beyond the exact \
+            "{}. Against the step, for each solver: median amplitude of the swings, largest angle beyond the exact \
              solver's, number of reversals. All axes are logarithmic.",
             table.title()
         ),
@@ -56,7 +56,7 @@ pub fn chattering(table: &Table) -> Result<Figure, TableError> {
 }
 
 impl Curve {
-    /// Whether there are fast swings at any step.
+    /// Whether it oscillates at any step.
     fn swings(&self) -> bool {
         self.amplitude_deg.iter().any(|amplitude| *amplitude > 0.0)
     }
@@ -81,7 +81,7 @@ fn notes(table: &Table, curves: &[Curve]) -> Vec<String> {
     let still: Vec<&str> = curves.iter().filter(|c| !c.swings()).map(|c| c.name.as_str()).collect();
     let mut notes: Vec<String> = table.notes().iter().map(|note| plain(note)).collect();
     if !still.is_empty() {
-        notes.push(plain(&format!("No fast swings at any step: {}.", still.join(", "))));
+        notes.push(plain(&format!("No oscillation at any step: {}.", still.join(", "))));
     }
     notes
 }
@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(names, ["exact, Moreau–Jean", "RK4, switched per step"]);
         assert_eq!(lines(&figure.panels[1]).len(), 1);
         assert!(
-            figure.footnotes.concat().contains("No fast swings at any step: exact, Moreau–Jean.")
+            figure.footnotes.concat().contains("No oscillation at any step: exact, Moreau–Jean.")
         );
         assert!(figure.mark.unwrap().starts_with("SIMULATION"));
     }

@@ -4,7 +4,7 @@
 use crate::run::{grid, highest};
 use crate::summary::verdict_word;
 use crate::{DEFAULT_TOLERANCE, SimulateError, solver};
-use zwidth_dynamics::{Exact, Judgement, ModelScene, Solver, System, judge};
+use zwidth_dynamics::{Exact, Judgement, ModelScene, Reference, Solver, System};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Steps for a table of chattering, s: from the thesis' 8.3 ms to 0.05 ms, about evenly spaced in
@@ -26,7 +26,7 @@ struct Found {
 }
 
 /// For each solver and step (s): reversals, the largest θ and its excess over the exact solver's,
-/// fast swings with their median amplitude, and the verdict. A run that fails has a row with its
+/// swings with their median amplitude, and the verdict. A run that fails has a row with its
 /// verdict and nothing else.
 ///
 /// # Errors
@@ -40,20 +40,31 @@ pub fn chattering_table(
     let system = System::new(scene.clone())?;
     let exact = Exact::default().run(&system, &grid(&system, scene.step_s)?)?;
     let reference_rad = highest(&exact).0;
+    let reference = Reference::of(&system);
     let mut rows = Vec::new();
     for name in solvers {
         let solver = solver(name, DEFAULT_TOLERANCE)?;
         for &step_s in steps_s {
-            rows.push(row(solver.as_ref(), &system, step_s)?);
+            rows.push(row(solver.as_ref(), &system, &reference, step_s)?);
         }
     }
     Ok(table(&scene.name, &rows, reference_rad)?)
 }
 
-fn row(solver: &dyn Solver, system: &System, step_s: f64) -> Result<SolverRun, SimulateError> {
+fn row(
+    solver: &dyn Solver,
+    system: &System,
+    reference: &Reference,
+    step_s: f64,
+) -> Result<SolverRun, SimulateError> {
     let run = solver.run(system, &grid(system, step_s)?).ok();
     let found = run.map(|run| Found { reversals: run.reversals(), theta_max_rad: highest(&run).0 });
-    Ok(SolverRun { solver: solver.name(), step_s, found, judgement: judge(solver, system, step_s) })
+    Ok(SolverRun {
+        solver: solver.name(),
+        step_s,
+        found,
+        judgement: reference.judge(solver, step_s),
+    })
 }
 
 fn table(scene: &str, rows: &[SolverRun], reference_rad: f64) -> Result<Table, TableError> {
@@ -77,16 +88,18 @@ fn table(scene: &str, rows: &[SolverRun], reference_rad: f64) -> Result<Table, T
         float("theta_excess_rad", "rad", "largest angle less the exact solver's", &|row| {
             largest(row).map(|theta| theta - reference_rad)
         }),
-        count("fast_swings", "reversals within 0.1 s of the one before", |row| {
-            row.found.as_ref().map(|_| row.judgement.swings[0].count)
-        }),
+        count(
+            "swings",
+            "of an oscillation: ways from one end of a motion to the next, 0 for fewer than six",
+            |row| row.found.as_ref().map(|_| row.judgement.swings[0].count),
+        ),
         float(
             "swing_amplitude_rad",
             "rad",
-            "median angle of a fast swing; 0 without any",
+            "median of half a swing's angle; 0 without any",
             &|row| row.found.as_ref().map(|_| row.judgement.swings[0].amplitude_rad),
         ),
-        text("verdict", "what the run is worth, by step halving", |row| {
+        text("verdict", "what the run is worth", |row| {
             verdict_word(row.judgement.verdict).to_owned()
         }),
     ];
@@ -131,7 +144,7 @@ mod tests {
         let table = chattering_table(&scene, &solvers, &[8.3e-3, 0.83e-3]).unwrap();
         assert!(table.texts("verdict").unwrap().iter().all(|v| v.as_deref() == Some("smooth")));
         assert!(table.integers("reversals").unwrap().iter().all(|n| *n == Some(2)));
-        assert!(table.integers("fast_swings").unwrap().iter().all(|n| *n == Some(0)));
+        assert!(table.integers("swings").unwrap().iter().all(|n| *n == Some(0)));
     }
 
     #[test]

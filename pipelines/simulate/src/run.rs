@@ -3,8 +3,7 @@
 use crate::SimulateError;
 use zwidth_dynamics::{Grid, Judgement, ModelScene, Solver, System, Trajectory, judge};
 
-/// More samples than this are not kept: judging by step halving holds seven times as many states at
-/// once.
+/// More samples than this are not kept: judging needs the run with a quarter of the step too.
 pub const MOST_SAMPLES: usize = 500_000;
 
 /// A finished run.
@@ -16,7 +15,7 @@ pub struct Run {
     pub solver: String,
     /// States, events, work and energy.
     pub trajectory: Trajectory,
-    /// What the run is worth, by its step, half of it and a quarter.
+    /// What the run is worth.
     pub judgement: Judgement,
 }
 

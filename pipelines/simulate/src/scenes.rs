@@ -4,7 +4,7 @@ use crate::{
     DEFAULT_TOLERANCE, Run, bow_tie_table, events_table, simulate, solver, trajectory_table,
 };
 use std::path::{Path, PathBuf};
-use zwidth_dynamics::{FingerLaw, ModelScene};
+use zwidth_dynamics::{FingerLaw, ModelScene, RunVerdict};
 use zwidth_tables::Table;
 
 fn folder() -> PathBuf {
@@ -38,7 +38,7 @@ fn column(table: &Table, name: &str) -> Vec<f64> {
 fn check(stem: &str, scene: ModelScene) {
     let run = run(scene, "exact");
     let table = trajectory_table(&run).unwrap();
-    assert_eq!(table.height(), 482, "{stem}");
+    assert_eq!(table.height(), 483, "{stem}");
     assert!(table.fields().all(|f| f.name == "motion" || !column(&table, &f.name).is_empty()));
     assert!(events_table(&run).unwrap().height() > 0, "{stem}");
 }
@@ -82,4 +82,5 @@ fn with_the_thesis_method_the_lever_swings_between_10_and_18_degrees() {
 fn a_sudden_drop_of_the_force_leaves_no_oscillation() {
     let run = run(scene("step"), "exact");
     assert_eq!(run.judgement.swings.map(|swings| swings.count), [0; 3]);
+    assert_eq!(run.judgement.verdict, RunVerdict::Smooth);
 }

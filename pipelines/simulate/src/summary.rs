@@ -3,7 +3,7 @@
 use crate::Run;
 use crate::run::highest;
 use serde::Serialize;
-use zwidth_dynamics::{FingerLaw, RunVerdict};
+use zwidth_dynamics::{FingerLaw, Motions, RunVerdict};
 
 /// What a person wants to know of a run first. SI units and radians.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,10 +30,16 @@ pub struct Summary {
     pub reversals: usize,
     /// What the run is worth: see [`verdict_word`].
     pub verdict: &'static str,
-    /// What the verdict rests on: fast swings at the step, at half of it, and at a quarter.
-    pub fast_swings: [FastSwings; 3],
-    /// The other thing it rests on: largest growth a step in the regions met, over the exact
-    /// flow's; above 1 the step is unstable.
+    /// What the verdict rests on: swings at the step, at half of it, and at a quarter.
+    pub swings: [StepSwings; 3],
+    /// The other thing it rests on: the motion as it is known; none where it is not.
+    pub reference: Option<KnownMotion>,
+    /// The same with the other rule for the command at rest, where the verdict says that it matters.
+    pub other_rest_rule: Option<KnownMotion>,
+    /// Whether the run oscillates if the reference does.
+    pub shows_the_reference: bool,
+    /// Largest growth a step in the regions met, over the exact flow's; above 1 the step is
+    /// unstable.
     pub amplification: f64,
     /// The law of the finger, if there is one: thesis or consistent.
     pub finger: Option<&'static str>,
@@ -43,14 +49,41 @@ pub struct Summary {
     pub work: Work,
 }
 
-/// Reversals that follow the one before within a tenth of a second.
+/// The motion that a run is judged by.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KnownMotion {
+    /// The method, or the two that agree.
+    pub method: String,
+    /// What the motion is.
+    pub nature: &'static str,
+    /// How many swings it has.
+    pub count: usize,
+    /// Median of half their peak-to-peak angle, rad; 0 without any.
+    pub amplitude_rad: f64,
+    /// The largest θ, rad.
+    pub theta_max_rad: f64,
+}
+
+impl KnownMotion {
+    fn of(motion: &Motions) -> Self {
+        Self {
+            method: motion.method.clone(),
+            nature: motion.nature.as_str(),
+            count: motion.swings.count,
+            amplitude_rad: motion.swings.amplitude_rad,
+            theta_max_rad: motion.theta_max_rad,
+        }
+    }
+}
+
+/// Swings of an oscillation: ways of the lever from one end of a motion to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct FastSwings {
+pub struct StepSwings {
     /// The step, s.
     pub step_s: f64,
     /// How many.
     pub count: usize,
-    /// Median angle between two of them, rad.
+    /// Median of half their peak-to-peak angle, rad; 0 without any.
     pub amplitude_rad: f64,
 }
 
@@ -95,7 +128,10 @@ impl Summary {
             motion_changes: (!of.events.is_empty()).then(|| of.motion_changes()),
             reversals: of.reversals(),
             verdict: verdict_word(run.judgement.verdict),
-            fast_swings: fast_swings(run),
+            swings: step_swings(run),
+            reference: run.judgement.reference.as_ref().map(KnownMotion::of),
+            other_rest_rule: other_rest_rule(run),
+            shows_the_reference: run.judgement.shows_the_reference,
             amplification: run.judgement.amplification,
             finger: scene.finger.map(|finger| finger_word(finger.law)),
             energy: of
@@ -111,11 +147,17 @@ impl Summary {
     }
 }
 
-fn fast_swings(run: &Run) -> [FastSwings; 3] {
+fn other_rest_rule(run: &Run) -> Option<KnownMotion> {
+    let matters = run.judgement.verdict == RunVerdict::DependsOnRestRule;
+    let other = run.judgement.other_rest_rule.as_ref().filter(|_| matters);
+    other.map(KnownMotion::of)
+}
+
+fn step_swings(run: &Run) -> [StepSwings; 3] {
     let at = |i: usize, share: f64| {
         let swings = run.judgement.swings[i];
         let step_s = share * run.system.scene().step_s;
-        FastSwings { step_s, count: swings.count, amplitude_rad: swings.amplitude_rad }
+        StepSwings { step_s, count: swings.count, amplitude_rad: swings.amplitude_rad }
     };
     [at(0, 1.0), at(1, 0.5), at(2, 0.25)]
 }
@@ -129,29 +171,31 @@ fn finger_word(law: FingerLaw) -> &'static str {
 
 /// A verdict in a word or two.
 pub fn verdict_word(verdict: RunVerdict) -> &'static str {
-    match verdict {
-        RunVerdict::Smooth => "smooth",
-        RunVerdict::NumericalChattering => "numerical chattering",
-        RunVerdict::LimitCycle => "limit cycle",
-        RunVerdict::UnstableStep => "unstable step",
-        RunVerdict::Failed => "failed",
-    }
+    verdict.as_str()
 }
 
 /// A verdict as a clause.
 pub(crate) fn verdict_meaning(verdict: RunVerdict) -> &'static str {
     match verdict {
         RunVerdict::Smooth => "verdict smooth",
+        RunVerdict::Forced => "verdict forced (it repeats with the input)",
+        RunVerdict::Transient => "verdict transient (an oscillation of the model that dies out)",
+        RunVerdict::Growing => "verdict growing (an oscillation that grows in the model itself)",
+        RunVerdict::FreeUndamped => {
+            "verdict free, undamped (nothing drives the oscillation and nothing damps it)"
+        }
         RunVerdict::NumericalChattering => {
-            "verdict numerical chattering (the fast swings are the method's: they vanish with the step)"
+            "verdict numerical chattering (the swings are the method's: the model does not have them)"
         }
-        RunVerdict::LimitCycle => {
-            "verdict limit cycle (the fast swings are the model's: they stay as the step goes to zero)"
-        }
+        RunVerdict::LimitCycle => "verdict limit cycle (the model keeps the swings up by itself)",
         RunVerdict::UnstableStep => {
             "verdict unstable step (outside of the method's stability region)"
         }
-        RunVerdict::Failed => "verdict failed (half the step or a quarter of it could not be run)",
+        RunVerdict::DependsOnRestRule => {
+            "verdict depends on the rule at rest (the model does not say what is commanded there)"
+        }
+        RunVerdict::CannotTell => "verdict cannot tell (the model's motion is not known)",
+        RunVerdict::Failed => "verdict failed",
     }
 }
 
@@ -180,7 +224,7 @@ mod tests {
     fn the_thesis_method_chatters_and_its_swings_shrink_with_the_step() {
         let found = summary("rk4_per_step");
         assert_eq!((found.verdict, found.reversals), ("numerical chattering", 38));
-        let [coarse, _, fine] = found.fast_swings;
+        let [coarse, _, fine] = found.swings;
         assert!(fine.amplitude_rad < 0.5 * coarse.amplitude_rad && fine.count > coarse.count);
         assert!(found.motion_changes.is_none() && found.energy.is_none());
     }

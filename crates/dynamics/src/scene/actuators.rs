@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::numbers;
 use crate::error::{Result, finite, not_negative, positive};
 
 /// Which actuators render the environment (§5.2.2).
@@ -58,6 +59,12 @@ pub struct Motor {
 }
 
 impl Motor {
+    /// Adds name, value and usual size of each parameter.
+    pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
+        list.push(("motor.max_n", self.max_n, numbers::MOTOR_N));
+        list.extend(self.lag_s.map(|lag| ("motor.lag_s", lag, numbers::STEP_S)));
+    }
+
     pub(crate) fn check(&self) -> Result<()> {
         not_negative("motor.max_n", self.max_n)?;
         self.lag_s.map_or(Ok(()), |lag| positive("motor.lag_s", lag))
@@ -96,6 +103,17 @@ pub struct Brake {
 }
 
 impl Brake {
+    /// Adds name, value and usual size of each parameter.
+    pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
+        list.push(("brake.max_n", self.max_n, numbers::BRAKE_N));
+        list.push(("brake.dead_zone_n", self.dead_zone_n, numbers::FORCE_N));
+        if let Some([on, off]) = self.lag_on_off_s {
+            list.push(("brake.lag_on_off_s[0]", on, numbers::BRAKE_LAGS_S[0]));
+            list.push(("brake.lag_on_off_s[1]", off, numbers::BRAKE_LAGS_S[1]));
+        }
+        list.extend(self.let_go_n.map(|force| ("brake.let_go_n", force, numbers::FORCE_N)));
+    }
+
     pub(crate) fn check(&self) -> Result<()> {
         not_negative("brake.max_n", self.max_n)?;
         not_negative("brake.dead_zone_n", self.dead_zone_n)?;

@@ -70,11 +70,15 @@ impl Environment {
     /// Adds name, value and usual size of the springs' parameters.
     pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
         for zone in &self.zones {
-            if let Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, .. } = zone.demand {
+            list.push(("environment.zones.from_rad", zone.from_rad, numbers::HALF_STROKE_RAD));
+            if let Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } =
+                zone.demand
+            {
                 let usual =
                     [numbers::OBJECT_STIFFNESS_N_PER_RAD, numbers::OBJECT_DAMPING_NS_PER_RAD];
                 list.push(("environment.zones.stiffness_n_per_rad", stiffness_n_per_rad, usual[0]));
                 list.push(("environment.zones.damping_ns_per_rad", damping_ns_per_rad, usual[1]));
+                list.push(("environment.zones.rest_rad", rest_rad, numbers::HALF_STROKE_RAD));
             }
         }
     }

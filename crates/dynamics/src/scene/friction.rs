@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::numbers;
 use crate::error::{Result, check, not_negative};
 
 /// Dry friction with a level at rest and a level in motion, and a viscous part:
@@ -18,6 +19,14 @@ pub struct Friction {
 }
 
 impl Friction {
+    /// Adds name, value and usual size of each parameter.
+    pub(crate) fn list(&self, list: &mut Vec<(&'static str, f64, f64)>) {
+        list.push(("friction.static_n", self.static_n, numbers::FRICTION_N));
+        list.push(("friction.kinetic_n", self.kinetic_n, numbers::FRICTION_N));
+        let viscous = self.viscous_ns_per_rad;
+        list.push(("friction.viscous_ns_per_rad", viscous, numbers::VISCOUS_NS_PER_RAD));
+    }
+
     pub(crate) fn check(&self) -> Result<()> {
         not_negative("friction.static_n", self.static_n)?;
         not_negative("friction.kinetic_n", self.kinetic_n)?;

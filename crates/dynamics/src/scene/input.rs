@@ -1,10 +1,11 @@
 //! Inputs (5)–(7) and recorded series, as spans in each of which x¨ = −ω² (x − mean): ω = 0 is a
 //! straight line, and a sine is exact.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use serde::{Deserialize, Serialize};
 
+use super::numbers;
 use crate::error::{Result, check, finite, not_negative, positive};
 
 /// A recorded signal: straight lines between its samples (first-order hold), constant after the
@@ -99,6 +100,55 @@ impl Input {
         match *self {
             Self::Sine { magnitude, omega_rad_s } => (omega_rad_s, magnitude),
             _ => (0.0, 0.0),
+        }
+    }
+
+    /// The period with which the signal repeats, s; none for one that does not, or is constant.
+    pub(crate) fn period_s(&self) -> Option<f64> {
+        match *self {
+            Self::Line { .. } | Self::Series(_) => None,
+            // Both say the same twice in T.
+            Self::Step { magnitude, period_s } | Self::Ramp { magnitude, period_s } => {
+                (magnitude > 0.0).then_some(0.5 * period_s)
+            }
+            Self::Sine { magnitude, omega_rad_s } => {
+                (magnitude > 0.0 && omega_rad_s > 0.0).then(|| TAU / omega_rad_s)
+            }
+        }
+    }
+
+    /// Adds name, value and usual size of each parameter of the signal `name`, whose own usual size
+    /// is `usual`. A series' largest value stands for it.
+    pub(crate) fn list(&self, name: &str, usual: f64, list: &mut Vec<(String, f64, f64)>) {
+        /// ω of the thesis' sine, rad/s.
+        const OMEGA_RAD_S: f64 = FRAC_PI_2;
+        let period = numbers::DURATION_S;
+        let mut push = |field: &str, value: f64, usual: f64| {
+            list.push((format!("{name}.{field}"), value, usual));
+        };
+        match self {
+            Self::Line { value, rate } => {
+                push("line.value", *value, usual);
+                push("line.rate", *rate, usual);
+            }
+            Self::Step { magnitude, period_s } => {
+                push("step.magnitude", *magnitude, usual);
+                push("step.period_s", *period_s, period);
+            }
+            Self::Ramp { magnitude, period_s } => {
+                push("ramp.magnitude", *magnitude, usual);
+                push("ramp.period_s", *period_s, period);
+            }
+            Self::Sine { magnitude, omega_rad_s } => {
+                push("sine.magnitude", *magnitude, usual);
+                push("sine.omega_rad_s", *omega_rad_s, OMEGA_RAD_S);
+            }
+            Self::Series(series) => {
+                let sizes = series.value.iter().enumerate();
+                if let Some((i, value)) = sizes.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) {
+                    push(&format!("series.value[{i}]"), *value, usual);
+                }
+            }
         }
     }
 

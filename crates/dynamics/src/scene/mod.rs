@@ -79,33 +79,36 @@ impl ModelScene {
         toml::to_string(self).map_err(|e| DynamicsError::Toml(e.to_string()))
     }
 
-    /// The parameter furthest (in powers of ten) from the size it has in Table 3, for errors of
-    /// extreme runs.
+    /// The parameter furthest (in powers of ten) from the size it has in Table 3 or in a usual
+    /// device, for errors of extreme runs.
     pub(crate) fn suspect(&self) -> String {
         let mut list = vec![
             ("plant.mass_kg", self.plant.mass_kg, numbers::OBJECT_MASS_KG),
             ("plant.lever_m", self.plant.lever_m, numbers::LEVER_M),
-            ("motor.max_n", self.motor.max_n, numbers::MOTOR_N),
-            ("brake.max_n", self.brake.max_n, numbers::BRAKE_N),
+            ("start.theta_rad", self.start.theta_rad, numbers::HALF_STROKE_RAD),
+            ("start.theta_dot_rad_s", self.start.theta_dot_rad_s, numbers::VELOCITY_RAD_S),
             ("step_s", self.step_s, numbers::STEP_S),
             ("duration_s", self.duration_s, numbers::DURATION_S),
         ];
         self.environment.list(&mut list);
+        self.motor.list(&mut list);
+        self.brake.list(&mut list);
         if let Some(finger) = &self.finger {
             finger.list(&mut list);
         }
-        list.extend(self.motor.lag_s.map(|lag| ("motor.lag_s", lag, numbers::STEP_S)));
-        list.extend(
-            self.friction.map(|f| ("friction.viscous_ns_per_rad", f.viscous_ns_per_rad, 1.0)),
-        );
+        if let Some(friction) = &self.friction {
+            friction.list(&mut list);
+        }
+        let mut list: Vec<_> =
+            list.into_iter().map(|(name, value, usual)| (name.to_owned(), value, usual)).collect();
+        self.input.list("input", numbers::FORCE_N, &mut list);
+        list.extend(self.terms.list());
         let distance = |value: f64, usual: f64| {
             let share = (value / usual).abs();
             if share > 0.0 { libm::log10(share).abs() } else { 0.0 }
         };
-        let own = list.into_iter().map(|(name, value, usual)| (name.to_owned(), value, usual));
-        let furthest = own
-            .chain(self.terms.list())
-            .max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
+        let furthest =
+            list.into_iter().max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
         furthest.map_or_else(String::new, |(name, value, _)| format!("{name} = {value}"))
     }
 
@@ -177,5 +180,55 @@ mod tests {
         scene.plant.mass_kg = f64::NAN;
         let error = scene.check().unwrap_err().to_string();
         assert!(error.contains("plant.mass_kg is NaN"), "{error}");
+    }
+
+    /// The suspect of a usual scene after one change.
+    fn blamed(change: impl Fn(&mut ModelScene)) -> String {
+        let mut scene = table3::with_finger(table3::scene(DriveMode::Hybrid, Input::sine(2.15)));
+        scene.friction =
+            Some(Friction { static_n: 0.2, kinetic_n: 0.15, viscous_ns_per_rad: 0.02 });
+        scene.motor.lag_s = Some(0.01);
+        scene.brake.lag_on_off_s = Some([0.015, 0.010]);
+        scene.start.theta_dot_rad_s = 1.0;
+        change(&mut scene);
+        scene.suspect()
+    }
+
+    #[test]
+    fn an_error_blames_the_parameter_that_is_extreme_inputs_lags_and_the_start_included() {
+        let pull = |rate| terms::pull::Pull {
+            stiffness_n_per_rad: 1.0,
+            displacement: Input::Line { value: 0.0, rate },
+        };
+        let series =
+            |value| Input::Series(input::Series { t_s: vec![0.0, 1.0], value: vec![0.0, value] });
+        let sine = |magnitude, omega_rad_s| Input::Sine { magnitude, omega_rad_s };
+        for far in [1e-9, 1e9] {
+            for (name, found) in [
+                ("motor.lag_s", blamed(|s| s.motor.lag_s = Some(far))),
+                ("brake.lag_on_off_s[0]", blamed(|s| s.brake.lag_on_off_s = Some([far, 0.01]))),
+                ("brake.lag_on_off_s[1]", blamed(|s| s.brake.lag_on_off_s = Some([0.01, far]))),
+                ("input.sine.magnitude", blamed(|s| s.input = sine(far, 1.6))),
+                ("input.sine.omega_rad_s", blamed(|s| s.input = sine(2.0, far))),
+                (
+                    "input.step.period_s",
+                    blamed(|s| s.input = Input::Step { magnitude: 1.0, period_s: far }),
+                ),
+                (
+                    "input.ramp.magnitude",
+                    blamed(|s| s.input = Input::Ramp { magnitude: far, period_s: 4.0 }),
+                ),
+                ("input.line.value", blamed(|s| s.input = Input::constant(far))),
+                ("input.series.value[1]", blamed(|s| s.input = series(far))),
+                ("pull.displacement.line.rate", blamed(|s| s.terms.set(pull(far)))),
+                ("start.theta_dot_rad_s", blamed(|s| s.start.theta_dot_rad_s = far)),
+                ("friction.kinetic_n", blamed(|s| s.friction.as_mut().unwrap().kinetic_n = far)),
+                ("finger.mass_kg", blamed(|s| s.finger.as_mut().unwrap().mass_kg = far)),
+                ("plant.mass_kg", blamed(|s| s.plant.mass_kg = far)),
+                ("brake.max_n", blamed(|s| s.brake.max_n = far)),
+            ] {
+                assert!(found.starts_with(&format!("{name} = ")), "{name}: {found}");
+            }
+        }
     }
 }

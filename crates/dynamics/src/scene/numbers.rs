@@ -25,6 +25,16 @@ pub const HALF_STROKE_RAD: f64 = std::f64::consts::FRAC_PI_4;
 pub const LEVER_M: f64 = 1.0;
 /// Largest motor force of the simulation's chattering scene, N.
 pub const MOTOR_N: f64 = 3.25;
+/// A force of a finger's usual size, N: a of the simulation's chattering scene.
+pub(crate) const FORCE_N: f64 = 2.15;
+/// A velocity of the lever's usual size, rad/s: the stroke in some seconds.
+pub(crate) const VELOCITY_RAD_S: f64 = 1.0;
+/// A dry friction's usual size, N, and a viscous one's, N s/rad: the twin's.
+pub(crate) const FRICTION_N: f64 = 0.2;
+/// See [`FRICTION_N`].
+pub(crate) const VISCOUS_NS_PER_RAD: f64 = 0.02;
+/// The brake's usual lags of engaging and letting go, s: the twin's.
+pub(crate) const BRAKE_LAGS_S: [f64; 2] = [0.015, 0.010];
 /// Largest brake force, N at 8 V (§5.1).
 pub const BRAKE_N: f64 = 13.0;
 /// Angle of the virtual wall, rad: 26.6° (§5.3.2).

@@ -37,16 +37,30 @@ pub enum Grid {
         /// Number of steps.
         steps: usize,
     },
+    /// 0, h, 2 h, …, `steps` · h, and one shorter step to the end.
+    Ending {
+        /// h, s.
+        step_s: f64,
+        /// Number of steps of h.
+        steps: usize,
+        /// The last sample, s; after `steps` · h by less than h.
+        end_s: f64,
+    },
     /// The first is the start; increasing.
     Times(Vec<f64>),
 }
 
 impl Grid {
-    /// Even steps of `step_s` that fill `duration_s` and do not pass it by more than rounding.
+    /// Even steps of `step_s` that fill `duration_s`, with a shorter one at the end where they do
+    /// not add up to it.
     pub fn filling(duration_s: f64, step_s: f64) -> Self {
-        /// A last step that is short by rounding only still counts.
+        /// Steps that miss the duration by this share of it end with it: rounding.
         const ROUNDING: f64 = 1e-9;
-        Self::Even { step_s, steps: (duration_s / step_s * (1.0 + ROUNDING)).max(0.0) as usize }
+        let steps = (duration_s / step_s * (1.0 + ROUNDING)).max(0.0) as usize;
+        if duration_s - steps as f64 * step_s > ROUNDING * duration_s {
+            return Self::Ending { step_s, steps, end_s: duration_s };
+        }
+        Self::Even { step_s, steps }
     }
 
     /// The grid a system's scene asks for.
@@ -58,7 +72,19 @@ impl Grid {
     pub fn samples(&self) -> usize {
         match self {
             Self::Even { steps, .. } => steps + 1,
+            Self::Ending { steps, .. } => steps + 2,
             Self::Times(times) => times.len(),
+        }
+    }
+
+    /// The step and the number of the even steps it begins with, if it does.
+    #[inline]
+    pub(crate) fn even_part(&self) -> Option<(f64, usize)> {
+        match *self {
+            Self::Even { step_s, steps } | Self::Ending { step_s, steps, .. } => {
+                Some((step_s, steps))
+            }
+            Self::Times(_) => None,
         }
     }
 
@@ -67,6 +93,8 @@ impl Grid {
     pub(crate) fn time(&self, i: usize) -> f64 {
         match self {
             Self::Even { step_s, .. } => i as f64 * step_s,
+            Self::Ending { steps, end_s, .. } if i > *steps => *end_s,
+            Self::Ending { step_s, .. } => i as f64 * step_s,
             Self::Times(times) => times[i],
         }
     }
@@ -76,6 +104,8 @@ impl Grid {
     pub(crate) fn step(&self, i: usize) -> f64 {
         match self {
             Self::Even { step_s, .. } => *step_s,
+            Self::Ending { step_s, steps, end_s } if i == *steps => end_s - i as f64 * step_s,
+            Self::Ending { step_s, .. } => *step_s,
             Self::Times(times) => times[i + 1] - times[i],
         }
     }
@@ -83,7 +113,7 @@ impl Grid {
     /// The longest step, s.
     pub(crate) fn longest_step(&self) -> f64 {
         match self {
-            Self::Even { step_s, .. } => *step_s,
+            Self::Even { step_s, .. } | Self::Ending { step_s, .. } => *step_s,
             Self::Times(times) => {
                 times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
             }
@@ -93,6 +123,12 @@ impl Grid {
     pub(crate) fn check(&self) -> Result<()> {
         match self {
             Self::Even { step_s, .. } => positive("grid.step_s", *step_s),
+            Self::Ending { step_s, steps, end_s } => {
+                positive("grid.step_s", *step_s)?;
+                let over_s = end_s - *steps as f64 * step_s;
+                let ok = over_s > 0.0 && over_s < *step_s;
+                check("grid.end_s", *end_s, ok, "after the last whole step by less than a step")
+            }
             Self::Times(times) => {
                 for (i, pair) in times.windows(2).enumerate() {
                     if pair[0] < pair[1] && pair[1].is_finite() {

@@ -117,7 +117,8 @@ fn step<const N: usize>(
     let ahead = ahead(system, z, inputs);
     for &side in sides(system, z, &ahead) {
         let end = settle(system, side, ahead.contact, z, &mut attempt);
-        if end[OMEGA] * side.sign() > 0.0 {
+        let turns = z[OMEGA] * side.sign() < 0.0;
+        if end[OMEGA] * side.sign() > 0.0 && !(turns && is_held(system, z, inputs, &ahead)) {
             return end;
         }
     }
@@ -135,6 +136,23 @@ fn ahead<const N: usize>(system: &System, z: &[f64; N], inputs: &[f64; N]) -> Re
     let ahead: [f64; N] =
         std::array::from_fn(|i| if i < system.layout.dynamic { z[i] } else { inputs[i] });
     system.settle(&ahead, system.direct_region(z).contact, None)
+}
+
+/// Whether static friction above the kinetic one holds a lever that is about to turn: for an
+/// instant it is at rest.
+fn is_held<const N: usize>(
+    system: &System,
+    z: &[f64; N],
+    inputs: &[f64; N],
+    ahead: &Region,
+) -> bool {
+    if system.scene.friction.is_none_or(|friction| friction.static_n <= friction.kinetic_n) {
+        return false;
+    }
+    let dynamic = system.layout.dynamic;
+    let mut still: [f64; N] = std::array::from_fn(|i| if i < dynamic { z[i] } else { inputs[i] });
+    still[OMEGA] = 0.0;
+    system.settle(&still, ahead.contact, None).motion == Motion::Rest
 }
 
 /// The sides to which the lever may move: on as it moves, or back unless the let-go rule keeps the

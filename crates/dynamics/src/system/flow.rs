@@ -4,7 +4,7 @@ use super::command::{Actuator, Command};
 use super::guards::Guard;
 use super::region::{Branch, Contact, Motion, Region, Side};
 use super::row::{Functional, MOST, Number, Row};
-use super::{OMEGA, System, THETA};
+use super::{OMEGA, RestRule, System, THETA};
 use crate::scene::finger::{Finger, FingerLaw};
 use zwidth_numerics::expm::Pair;
 
@@ -139,7 +139,7 @@ impl System {
     }
 
     /// How many times the terms' curved force stands in each row.
-    fn curved(&self, region: &Region) -> [f64; MOST] {
+    pub(crate) fn curved(&self, region: &Region) -> [f64; MOST] {
         let mut curved = [0.0; MOST];
         if !self.curved {
             return curved;
@@ -174,7 +174,8 @@ impl System {
     /// brake does part of the holding by fast switching, a lagging motor is off for its share
     /// of the time.
     fn lag_rows<T: Number>(&self, region: &Region, rows: &mut [Row<T>; MOST]) {
-        let up = region.motion == Motion::Forward || (region.motion == Motion::Rest && region.held);
+        let engaged = region.held || self.rest_rule == RestRule::Compress;
+        let up = region.motion == Motion::Forward || (region.motion == Motion::Rest && engaged);
         let (command, branch) = self.commanded(region, if up { Side::Up } else { Side::Down });
         let value = command.on(branch, self);
         if let (Some(at), Some(lag)) = (self.layout.motor, self.scene.motor.lag_s) {

@@ -86,6 +86,17 @@ fn affine_row(term: &dyn Term, plant: &Plant, layout: &Layout) -> Row {
     row
 }
 
+/// Which command lagging actuators follow while θ̇ = 0. The thesis does not say; without a lag it
+/// makes no difference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RestRule {
+    /// That of a lever that holds or releases, as while θ̇ < 0.
+    #[default]
+    Release,
+    /// That of a lever that compresses, as while θ̇ > 0: the brake stays engaged.
+    Compress,
+}
+
 /// A scene checked and laid out; immutable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct System {
@@ -95,6 +106,8 @@ pub struct System {
     terms: Vec<Row>,
     /// Whether any term has a curved part.
     pub(crate) curved: bool,
+    /// Which command holds while θ̇ = 0.
+    pub(crate) rest_rule: RestRule,
 }
 
 /// Which span of each input holds.
@@ -137,9 +150,16 @@ impl System {
         let layout = Layout::of(&scene);
         let terms =
             scene.terms.iter().map(|term| affine_row(term, &scene.plant, &layout)).collect();
-        let mut system = Self { scene, layout, terms, curved: false };
+        let rest_rule = RestRule::default();
+        let mut system = Self { scene, layout, terms, curved: false, rest_rule };
         system.curved = system.nonlinear_term().is_some();
         Ok(system)
+    }
+
+    /// The same system with another rule for the command at rest.
+    #[must_use]
+    pub fn with_rest_rule(self, rest_rule: RestRule) -> Self {
+        Self { rest_rule, ..self }
     }
 
     /// The scene this system was made of.

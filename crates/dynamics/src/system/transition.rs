@@ -2,7 +2,7 @@
 
 use super::region::{Branch, Contact, Motion, Region, Side};
 use super::row::Functional;
-use super::{OMEGA, System, THETA};
+use super::{OMEGA, RestRule, System, THETA};
 use crate::scene::finger::FingerLaw;
 
 /// Why a region is left.
@@ -144,7 +144,8 @@ impl System {
             motor_holds: false,
             motor_share: 0.0,
         };
-        if !self.scene.mode.takes_over() || rest.held {
+        let engaged = rest.held || self.rest_rule == RestRule::Compress;
+        if !self.scene.mode.takes_over() || engaged {
             return rest;
         }
         let (command, branch) = self.commanded(&rest, Side::Down);

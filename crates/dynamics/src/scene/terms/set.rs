@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize, Serializer};
 use toml::Value;
 
 use super::READERS;
-use super::term::{Affine, Read, Term, Written};
+use super::term::{Affine, Parameter, Read, Term, Written};
 use crate::error::{DynamicsError, LARGEST, Result, check};
 use crate::scene::input::Input;
+use crate::scene::numbers;
 use crate::scene::plant::Plant;
 
 /// The terms of a scene, one of a name, in order of their names.
@@ -41,10 +42,18 @@ impl Terms {
     }
 
     /// Name, value and usual size of each parameter.
-    pub(crate) fn list(&self) -> impl Iterator<Item = (String, f64, f64)> {
-        let parameters =
-            self.iter().flat_map(|term| term.parameters().into_iter().map(move |p| (term, p)));
-        parameters.map(|(term, p)| (format!("{}.{}", term.name(), p.name), p.value, p.usual))
+    pub(crate) fn list(&self) -> Vec<(String, f64, f64)> {
+        /// A displacement's usual size, rad.
+        const USUAL_RAD: f64 = numbers::HALF_STROKE_RAD;
+        let mut list = Vec::new();
+        for term in self.iter() {
+            let named = |p: Parameter| (format!("{}.{}", term.name(), p.name), p.value, p.usual);
+            list.extend(term.parameters().into_iter().map(named));
+            if let Some((field, input)) = term.input() {
+                input.list(&format!("{}.{field}", term.name()), USUAL_RAD, &mut list);
+            }
+        }
+        list
     }
 
     pub(crate) fn check(&self, plant: &Plant, duration_s: f64) -> Result<()> {

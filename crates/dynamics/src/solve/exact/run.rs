@@ -131,13 +131,12 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         swings: bool,
         record: &mut impl FnMut(f64, &[f64; N], u16),
     ) -> bool {
-        let Grid::Even { step_s, steps } = grid else { return false };
+        let Some((step_s, steps)) = grid.even_part() else { return false };
         let last = i + BLOCK;
-        if last > *steps || self.cursor.end_s <= grid.time(last) {
+        if last > steps || self.cursor.end_s <= grid.time(last) {
             return false;
         }
-        let free =
-            self.regions[self.current].free_block(*step_s, &self.z, &self.rate, &self.guards);
+        let free = self.regions[self.current].free_block(step_s, &self.z, &self.rate, &self.guards);
         let Some(flow) = free else { return false };
         let mut z = self.z;
         for k in i + 1..last {

@@ -298,3 +298,39 @@ fn the_step_ends_at_0_as_5_has_it_and_starts_anew_in_a_run_that_goes_on() {
         }
     }
 }
+
+#[test]
+fn a_run_whose_steps_miss_its_end_takes_a_last_short_sample_with_every_solver() {
+    // 481 steps of 8.3 ms are 3.9923 s.
+    let system = System::new(table3::scene(DriveMode::Active, Input::ramp(1.0))).unwrap();
+    let grid = Grid::of(&system);
+    assert_eq!(grid.samples(), 483);
+    let whole = Exact::default().run(&system, &Grid::filling(4.0, 1e-3)).unwrap();
+    for named in super::named::NAMED_SOLVERS {
+        let run = (named.make)(1e-9).run(&system, &grid).unwrap();
+        assert_eq!((run.len(), run.t_s[482].to_bits()), (483, 4.0_f64.to_bits()));
+        assert!((run.t_s[481] - 3.9923).abs() < 1e-12);
+        let (end, expect) = (run.state(482)[0], whole.state(4000)[0]);
+        let bound = if named.name == "exact" { 1e-12 } else { 0.02 };
+        assert!((end - expect).abs() < bound, "{}: {end} instead of {expect}", named.name);
+    }
+}
+
+#[test]
+fn the_energy_balance_closes_for_a_lever_that_starts_at_1e9_rad_per_s() {
+    let mut largest = 0.0_f64;
+    for mut scene in scenes() {
+        if scene.finger.is_some_and(|finger| finger.law == FingerLaw::Thesis) {
+            continue;
+        }
+        scene.start.theta_dot_rad_s = 1e9;
+        let system = System::new(scene).unwrap();
+        let solver = Exact { energy: true, ..Exact::default() };
+        let run = solver.run(&system, &Grid::of(&system)).unwrap();
+        let energy = run.energy.unwrap();
+        let share = energy.residual_j().abs() / energy.summed_j();
+        assert!(share < 1e-10, "{}: {share} of {energy:?}", system.scene().name);
+        largest = largest.max(energy.summed_j());
+    }
+    assert!(largest > 1e15, "{largest}"); // half of 0.005 kg · (1e9 m/s)²
+}

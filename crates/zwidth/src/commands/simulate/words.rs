@@ -1,6 +1,6 @@
 //! A summary as people read it: degrees, milliseconds.
 
-use zwidth_simulate::{FastSwings, Summary};
+use zwidth_simulate::{KnownMotion, StepSwings, Summary};
 
 /// Milliseconds in a second.
 const MS_PER_S: f64 = 1e3;
@@ -14,8 +14,15 @@ pub(super) fn of(summary: &Summary) -> String {
         format!("  largest θ {:.5}° at {:.4} s", s.theta_max_rad.to_degrees(), s.theta_max_s),
         format!("  motion    {}", motion(s)),
         format!("  verdict   {}", s.verdict),
-        format!("            {}", s.fast_swings.map(swings).join(", ")),
+        format!("            {}", s.swings.map(swings).join(", ")),
     ];
+    lines.extend(s.reference.as_ref().map(|motion| format!("            {}", known(motion))));
+    if let Some(other) = &s.other_rest_rule {
+        lines.push(format!("            with the other rule at rest: {}", known(other)));
+    }
+    if !s.shows_the_reference {
+        lines.push("            the step is too long to show it".to_owned());
+    }
     if s.amplification > 1.0 {
         lines.push(format!(
             "            a step grows by {:.4} over the exact flow",
@@ -43,13 +50,18 @@ fn motion(s: &Summary) -> String {
     format!("{changes}{} reversals between samples", s.reversals)
 }
 
-fn swings(at: FastSwings) -> String {
+fn swings(at: StepSwings) -> String {
     match at.count {
-        0 => format!("no fast swings at {}", ms(at.step_s)),
-        n => {
-            format!("{n} fast swings of {:.3}° at {}", at.amplitude_rad.to_degrees(), ms(at.step_s))
-        }
+        0 => format!("no swings at {}", ms(at.step_s)),
+        n => format!("{n} swings of ±{:.3}° at {}", at.amplitude_rad.to_degrees(), ms(at.step_s)),
     }
+}
+
+fn known(motion: &KnownMotion) -> String {
+    let (nature, count) = (motion.nature, motion.count);
+    let size = motion.amplitude_rad.to_degrees();
+    let largest = motion.theta_max_rad.to_degrees();
+    format!("{}: {nature}, {count} swings of ±{size:.3}°, largest θ {largest:.5}°", motion.method)
 }
 
 /// A time in ms, without the digits that are rounding.

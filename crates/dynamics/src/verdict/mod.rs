@@ -1,0 +1,245 @@
+//! What a run is worth: smooth, an oscillation that its model has, or one that its method made.
+//!
+//! A run is judged by a [`Reference`], the motion as `exact` has it or, where that cannot run the
+//! model, as two independent methods agree on. The method runs it with half the step and a quarter
+//! of it too: a step may be too long to show how the method chatters. The order of judgement:
+//!
+//! 1. **failed**: the run ended in an error.
+//! 2. **smooth**: neither the run, at any of the three steps, nor the reference oscillates. A
+//!    *swing* is the way from one end of a motion to the next; it exists where half of its angle is
+//!    above 1e-9 rad and 100 times the reference's error; six existing swings are an oscillation. A
+//!    run that grows away from the reference without a turn is not smooth but the next.
+//! 3. **unstable step**: |R(hλ)| > 1 in a region in which the run moved, curved terms linearised
+//!    along the run, where the exact flow does not grow.
+//! 4. **depends on the rule at rest**: a lagging actuator may follow either side's command while
+//!    θ̇ = 0, and the two give different motions.
+//! 5. **cannot tell**: the motion is not known.
+//! 6. **numerical chattering**: the run swings in a way that is absent in the reference.
+//! 7. What the reference itself does: **forced** (it repeats with the input's period or 2 to 4 of
+//!    them), **transient** or **growing** (the amplitude of the last third over that of the first
+//!    is below 0.9 or above 1.1), **free, undamped** (a conservative model), or else a **limit
+//!    cycle**.
+//!
+//! Whether a person feels it stands beside, in [`felt`].
+
+mod felt;
+mod model;
+mod path;
+mod reference;
+mod sampled;
+mod stability;
+mod swings;
+#[cfg(test)]
+mod tests;
+
+pub use felt::{Felt, VibrationThreshold, felt};
+pub use model::Model;
+pub use reference::Reference;
+pub use sampled::{Controller, SampledLoop};
+pub use swings::Swings;
+
+use path::Path;
+use reference::Known;
+use stability::Growth;
+use swings::{FEW, Swing, existing, has_its_own};
+
+use crate::error::DynamicsError;
+use crate::solve::Solver;
+use crate::trajectory::Trajectory;
+
+/// How a run went.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum RunVerdict {
+    /// Nothing oscillates.
+    Smooth,
+    /// It repeats with the input's period, or with 2 to 4 of them.
+    Forced,
+    /// An oscillation that dies out.
+    Transient,
+    /// An oscillation that grows, in the model itself.
+    Growing,
+    /// An oscillation that nothing drives and nothing damps.
+    FreeUndamped,
+    /// An oscillation that the model keeps up by itself.
+    LimitCycle,
+    /// Swings that the model does not have: the method's own.
+    NumericalChattering,
+    /// The step lies outside the method's stability region somewhere on the way.
+    UnstableStep,
+    /// The model does not say what is commanded at rest, and it matters.
+    DependsOnRestRule,
+    /// The motion is not known well enough.
+    CannotTell,
+    /// The run ended in an error.
+    Failed,
+}
+
+impl RunVerdict {
+    /// Every verdict.
+    pub const ALL: [Self; 11] = [
+        Self::Smooth,
+        Self::Forced,
+        Self::Transient,
+        Self::Growing,
+        Self::FreeUndamped,
+        Self::LimitCycle,
+        Self::NumericalChattering,
+        Self::UnstableStep,
+        Self::DependsOnRestRule,
+        Self::CannotTell,
+        Self::Failed,
+    ];
+
+    /// Its words in tables.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Smooth => "smooth",
+            Self::Forced => "forced",
+            Self::Transient => "transient",
+            Self::Growing => "growing",
+            Self::FreeUndamped => "free, undamped",
+            Self::LimitCycle => "limit cycle",
+            Self::NumericalChattering => "numerical chattering",
+            Self::UnstableStep => "unstable step",
+            Self::DependsOnRestRule => "depends on the rule at rest",
+            Self::CannotTell => "cannot tell",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// What a motion comes to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motions {
+    /// By which method it is known.
+    pub method: String,
+    /// What it is.
+    pub nature: RunVerdict,
+    /// Its existing swings.
+    pub swings: Swings,
+    /// The largest θ of its samples, rad.
+    pub theta_max_rad: f64,
+}
+
+/// A verdict and what it rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judgement {
+    /// The verdict.
+    pub verdict: RunVerdict,
+    /// The existing swings with the step, half of it, and a quarter; none where the shorter ones
+    /// could not be run.
+    pub swings: [Swings; 3],
+    /// The reference; none if the motion is not known, or the run failed.
+    pub reference: Option<Motions>,
+    /// The reference with the other rule for the command at rest, where there is one.
+    pub other_rest_rule: Option<Motions>,
+    /// Whether the run oscillates if the reference does: a coarse step may lose it.
+    pub shows_the_reference: bool,
+    /// Half the peak-to-peak angle from which on a swing exists, rad.
+    pub bound_rad: f64,
+    /// Largest growth of a step in the regions in which the run moved, over the exact flow's own;
+    /// above 1 the step is unstable. 1 for methods without a limit.
+    pub amplification: f64,
+    /// What went wrong, if the run failed.
+    pub error: Option<DynamicsError>,
+}
+
+/// Runs a model with a step and judges the run. For several runs of a model make its [`Reference`]
+/// once.
+pub fn judge(solver: &dyn Solver, model: &dyn Model, step_s: f64) -> Judgement {
+    Reference::of(model).judge(solver, step_s)
+}
+
+impl Reference<'_> {
+    /// Runs the model with a step, half of it and a quarter, and judges the first run.
+    pub fn judge(&self, solver: &dyn Solver, step_s: f64) -> Judgement {
+        match self.model.run(solver, step_s) {
+            Ok(run) => self.judge_run(solver, step_s, &run),
+            Err(error) => Judgement {
+                verdict: RunVerdict::Failed,
+                swings: Default::default(),
+                reference: self.known.as_ref().map(motions),
+                other_rest_rule: self.other_rule.as_ref().map(motions),
+                shows_the_reference: false,
+                bound_rad: self.bound_rad(),
+                amplification: 1.0,
+                error: Some(error),
+            },
+        }
+    }
+
+    fn bound_rad(&self) -> f64 {
+        self.known.as_ref().map_or(0.0, |known| known.bound_rad)
+    }
+
+    fn judge_run(&self, solver: &dyn Solver, step_s: f64, run: &Trajectory) -> Judgement {
+        let h = self.model.method_step_s(step_s);
+        let growth = stability::worst(solver, self.model.plant(), run, h);
+        let finer = |share: f64| {
+            let run = self.model.run(solver, share * step_s);
+            run.map_or_else(|_| Vec::new(), |run| existing(&run, self.bound_rad()))
+        };
+        let swings = [existing(run, self.bound_rad()), finer(0.5), finer(0.25)];
+        let theirs = self.known.as_ref().map_or(0, |known| known.swings.len());
+        Judgement {
+            verdict: self.verdict(run, &swings, growth),
+            swings: swings.each_ref().map(|swings| Swings::of(swings)),
+            reference: self.known.as_ref().map(motions),
+            other_rest_rule: self.other_rule.as_ref().map(motions),
+            shows_the_reference: swings[0].len() >= FEW || theirs < FEW,
+            bound_rad: self.bound_rad(),
+            amplification: growth.map_or(1.0, Growth::excess).max(1.0),
+            error: None,
+        }
+    }
+
+    /// The order of judgement.
+    fn verdict(
+        &self,
+        run: &Trajectory,
+        swings: &[Vec<Swing>; 3],
+        growth: Option<Growth>,
+    ) -> RunVerdict {
+        let unstable = growth.is_some_and(Growth::is_unstable);
+        let Some(known) = &self.known else {
+            return if unstable { RunVerdict::UnstableStep } else { RunVerdict::CannotTell };
+        };
+        let oscillates = swings.iter().chain([&known.swings]).any(|swings| swings.len() >= FEW);
+        if unstable && (oscillates || runs_away(run, known)) {
+            RunVerdict::UnstableStep
+        } else if !oscillates {
+            RunVerdict::Smooth
+        } else if self.depends_on_rest_rule() {
+            RunVerdict::DependsOnRestRule
+        } else if swings.iter().any(|swings| has_its_own(swings, &known.swings, known.path.end_s()))
+        {
+            RunVerdict::NumericalChattering
+        } else {
+            known.nature
+        }
+    }
+
+    /// Whether the two rules give motions of another nature, or another largest angle by more than
+    /// a hundredth of the range.
+    fn depends_on_rest_rule(&self) -> bool {
+        const SHARE: f64 = 0.01;
+        let (Some(a), Some(b)) = (&self.known, &self.other_rule) else { return false };
+        let apart = (a.path.highest_rad() - b.path.highest_rad()).abs();
+        a.nature != b.nature || apart > a.bound_rad.max(SHARE * a.path.range_rad())
+    }
+}
+
+/// Whether a run without swings leaves the reference by more than half its range: growth without a
+/// turn.
+fn runs_away(run: &Trajectory, known: &Known) -> bool {
+    known.path.distance_rad(&Path::of(run)) > 0.5 * known.path.range_rad() + known.bound_rad
+}
+
+fn motions(known: &Known) -> Motions {
+    Motions {
+        method: known.method.clone(),
+        nature: known.nature,
+        swings: known.summary(),
+        theta_max_rad: known.path.highest_rad(),
+    }
+}

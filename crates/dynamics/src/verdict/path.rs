@@ -1,0 +1,64 @@
+//! θ of a run between its samples: the cubic through both ends and their velocities.
+
+use crate::trajectory::Trajectory;
+
+/// Times, angles and velocities.
+pub(super) struct Path {
+    t_s: Vec<f64>,
+    theta_rad: Vec<f64>,
+    theta_dot_rad_s: Vec<f64>,
+}
+
+impl Path {
+    pub(super) fn of(run: &Trajectory) -> Self {
+        Self {
+            t_s: run.t_s.clone(),
+            theta_rad: run.theta_rad().collect(),
+            theta_dot_rad_s: run.theta_dot_rad_s().collect(),
+        }
+    }
+
+    pub(super) fn end_s(&self) -> f64 {
+        self.t_s.last().copied().unwrap_or(0.0)
+    }
+
+    /// θ at a time within the run.
+    pub(super) fn at(&self, t_s: f64) -> f64 {
+        let after = self.t_s.partition_point(|t| *t <= t_s);
+        let i = after.clamp(1, self.t_s.len().max(2) - 1);
+        let (Some(t1), Some(&b)) = (self.t_s.get(i), self.theta_rad.get(i)) else {
+            return self.theta_rad.first().copied().unwrap_or(0.0);
+        };
+        let (a, h) = (self.theta_rad[i - 1], t1 - self.t_s[i - 1]);
+        let s = ((t_s - self.t_s[i - 1]) / h).clamp(0.0, 1.0);
+        let (u, v) = (h * self.theta_dot_rad_s[i - 1], h * self.theta_dot_rad_s[i]);
+        let rise = b - a;
+        a + s * (u + s * ((3.0 * rise - 2.0 * u - v) + s * (u + v - 2.0 * rise)))
+    }
+
+    pub(super) fn largest_rad(&self) -> f64 {
+        self.theta_rad.iter().map(|theta| theta.abs()).fold(0.0, f64::max)
+    }
+
+    /// Largest θ.
+    pub(super) fn highest_rad(&self) -> f64 {
+        self.theta_rad.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Largest less smallest θ.
+    pub(super) fn range_rad(&self) -> f64 {
+        self.highest_rad() - self.theta_rad.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Largest difference from another path, at its samples.
+    pub(super) fn distance_rad(&self, other: &Path) -> f64 {
+        let apart = other.t_s.iter().zip(&other.theta_rad).map(|(t, theta)| self.at(*t) - theta);
+        apart.map(f64::abs).fold(0.0, f64::max)
+    }
+
+    /// Largest difference of the samples from `from_s` on to what stood there so much earlier.
+    pub(super) fn change_rad(&self, from_s: f64, earlier_s: f64) -> f64 {
+        let samples = self.t_s.iter().zip(&self.theta_rad).filter(|(t, _)| **t >= from_s);
+        samples.map(|(t, theta)| (theta - self.at(t - earlier_s)).abs()).fold(0.0, f64::max)
+    }
+}

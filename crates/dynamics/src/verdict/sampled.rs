@@ -1,0 +1,185 @@
+//! A plant in the loop of a digital controller, which any solver moves from tick to tick.
+
+use serde::Serialize;
+
+use super::model::Model;
+use crate::error::{DynamicsError, Result, finite, not_negative, positive};
+use crate::scene::ModelScene;
+use crate::scene::plant::{Plant, Start};
+use crate::scene::terms::{Affine, Parameter, Term};
+use crate::solve::{Grid, Solver};
+use crate::system::transition::EventKind;
+use crate::system::{OMEGA, System, THETA};
+use crate::trajectory::Trajectory;
+
+/// A virtual spring and damper with a zero-order hold: at each tick
+/// u = K (θ − θ_rest) + B (θ − θ_before) / T, and from so many ticks later on, for one period,
+/// the force −clamp(u, −max, max) at the lever's end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Controller {
+    /// T, s.
+    pub period_s: f64,
+    /// K, N/rad.
+    pub stiffness_n_per_rad: f64,
+    /// B, N s/rad, on the backward difference of θ.
+    pub damping_ns_per_rad: f64,
+    /// θ_rest, rad.
+    pub rest_rad: f64,
+    /// Whether it is a wall: u = 0 below θ_rest, and u ≥ 0 above.
+    pub one_sided: bool,
+    /// Ticks between a measurement and its force; 0 acts at once.
+    pub delay_ticks: usize,
+    /// Largest force, N.
+    pub max_n: f64,
+}
+
+impl Controller {
+    fn check(&self) -> Result<()> {
+        positive("controller.period_s", self.period_s)?;
+        not_negative("controller.stiffness_n_per_rad", self.stiffness_n_per_rad)?;
+        finite("controller.damping_ns_per_rad", self.damping_ns_per_rad)?;
+        finite("controller.rest_rad", self.rest_rad)?;
+        not_negative("controller.max_n", self.max_n)
+    }
+
+    /// The force that a measurement asks for, N.
+    fn force_n(&self, theta: f64, before: f64) -> f64 {
+        let (pressed, rate) = (theta - self.rest_rad, (theta - before) / self.period_s);
+        let u = self.stiffness_n_per_rad * pressed + self.damping_ns_per_rad * rate;
+        let low = if self.one_sided { 0.0 } else { -self.max_n };
+        if self.one_sided && pressed <= 0.0 { 0.0 } else { -u.max(low).min(self.max_n) }
+    }
+}
+
+/// A scene whose lever a [`Controller`] pushes on top of all that the scene has. The controller's
+/// period is its own, whatever the solver's step: a step that does not divide it ends it with a
+/// shorter one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampledLoop {
+    plant: System,
+    controller: Controller,
+}
+
+impl SampledLoop {
+    /// Checks scene and controller.
+    ///
+    /// # Errors
+    /// A parameter that makes no sense; a finger or a lag, whose states a tick would lose.
+    pub fn new(
+        scene: ModelScene,
+        controller: Controller,
+    ) -> std::result::Result<Self, DynamicsError> {
+        controller.check()?;
+        let lags = scene.motor.lag_s.is_some() || scene.brake.lag_on_off_s.is_some();
+        if lags || scene.finger.is_some() {
+            return Err(DynamicsError::Combination {
+                what: "a sampled loop goes on from tick to tick with θ and θ̇ alone",
+                remedy: "leave out finger and lags",
+            });
+        }
+        Ok(Self { plant: System::new(held(scene, 0.0))?, controller })
+    }
+
+    /// The scene under a force that is held, from a state on.
+    fn tick(&self, start: Start, force_n: f64) -> Result<System> {
+        let mut scene = held(self.plant.scene.clone(), force_n);
+        scene.start = start;
+        System::new(scene)
+    }
+}
+
+impl Model for SampledLoop {
+    fn plant(&self) -> &System {
+        &self.plant
+    }
+
+    fn run(
+        &self,
+        solver: &dyn Solver,
+        step_s: f64,
+    ) -> std::result::Result<Trajectory, DynamicsError> {
+        positive("grid.step_s", step_s)?;
+        let Controller { period_s, delay_ticks, .. } = self.controller;
+        let ticks = Grid::filling(self.plant.scene.duration_s, period_s);
+        let mut start = self.plant.scene.start;
+        let mut before = start.theta_rad;
+        let mut commands: Vec<f64> = Vec::with_capacity(ticks.samples());
+        let mut out = Trajectory::new(self.plant.layout, ticks.samples());
+        for k in 0..ticks.samples() - 1 {
+            commands.push(self.controller.force_n(start.theta_rad, before));
+            before = start.theta_rad;
+            let force_n = k.checked_sub(delay_ticks).map_or(0.0, |at| commands[at]);
+            let times = inside(ticks.time(k), ticks.time(k + 1), step_s);
+            let run = solver.run(&self.tick(start, force_n)?, &Grid::Times(times))?;
+            let last = run.state(run.len() - 1);
+            start = Start { theta_rad: last[THETA], theta_dot_rad_s: last[OMEGA] };
+            append(&mut out, &run, k + 2 == ticks.samples());
+        }
+        Ok(out)
+    }
+
+    fn method_step_s(&self, step_s: f64) -> f64 {
+        step_s.min(self.controller.period_s)
+    }
+
+    /// A hold gives energy.
+    fn is_conservative(&self, _: &Trajectory) -> bool {
+        false
+    }
+}
+
+/// Steps of `step_s` from one time to another, the last one shorter where it must be.
+fn inside(from_s: f64, to_s: f64, step_s: f64) -> Vec<f64> {
+    let steps = Grid::filling(to_s - from_s, step_s);
+    let mut times: Vec<f64> = (0..steps.samples()).map(|i| from_s + steps.time(i)).collect();
+    times.pop();
+    times.push(to_s);
+    times
+}
+
+/// Adds the run of a tick, whose last sample is the next one's first.
+fn append(out: &mut Trajectory, run: &Trajectory, whole: bool) {
+    let samples = run.len() - usize::from(!whole);
+    for i in 0..samples {
+        let number = out.region_number(&run.regions[usize::from(run.region[i])]);
+        out.t_s.push(run.t_s[i]);
+        out.states.extend_from_slice(run.state(i));
+        out.region.push(number);
+    }
+    let first = out.events.is_empty();
+    let ticks = run.events.iter().filter(|event| first || event.kind != EventKind::Input);
+    out.events.extend(ticks);
+    out.work.steps += run.work.steps;
+    out.work.rejected += run.work.rejected;
+    out.work.evaluations += run.work.evaluations;
+    out.work.factorisations += run.work.factorisations;
+}
+
+/// A force that is held between two ticks.
+#[derive(Debug, Serialize)]
+struct Held {
+    force_n: f64,
+}
+
+impl Term for Held {
+    fn name(&self) -> &'static str {
+        "held"
+    }
+
+    fn about(&self) -> &'static str {
+        "force of the controller"
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        vec![Parameter::any("force_n", self.force_n, 1.0)]
+    }
+
+    fn affine(&self, _: &Plant) -> Affine {
+        Affine { constant_n: self.force_n, ..Affine::default() }
+    }
+}
+
+fn held(mut scene: ModelScene, force_n: f64) -> ModelScene {
+    scene.terms.set(Held { force_n });
+    scene
+}

@@ -1,0 +1,94 @@
+//! Whether a step lies inside a method's stability region, along a run.
+
+use zwidth_numerics::expm::{Ladder, spectral_radius};
+
+use crate::scene::terms::Curve;
+use crate::solve::Solver;
+use crate::system::linear::LinearPart;
+use crate::system::region::Motion;
+use crate::system::{OMEGA, System, THETA};
+use crate::trajectory::Trajectory;
+
+/// A spectral radius up to this is 1: rounding of the estimate.
+const ONE: f64 = 1.0 + 1e-6;
+
+/// Growth of a linear system over one step: spectral radii of the method's map and of the exact
+/// flow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Growth {
+    method: f64,
+    exact: f64,
+}
+
+impl Growth {
+    /// `None` for methods without a limit.
+    pub(super) fn of(solver: &dyn Solver, a: &LinearPart, h: f64) -> Option<Self> {
+        let method = spectral_radius(&solver.amplification(a, h)?);
+        Some(Self { method, exact: spectral_radius(&Ladder::new(a.a, h).flow(h)) })
+    }
+
+    /// The method's growth beyond that of the exact flow.
+    pub(super) fn excess(self) -> f64 {
+        self.method / self.exact.max(1.0)
+    }
+
+    /// The method grows where the flow does not; where the flow itself grows, at twice its rate.
+    pub(super) fn is_unstable(self) -> bool {
+        self.method > ONE && (self.exact <= ONE || self.method > self.exact * self.exact)
+    }
+}
+
+/// The worst growth in the regions in which a run moved, its curved terms linearised along it.
+pub(super) fn worst(
+    solver: &dyn Solver,
+    system: &System,
+    run: &Trajectory,
+    h: f64,
+) -> Option<Growth> {
+    let moving = run.regions.iter().filter(|region| region.motion != Motion::Rest);
+    let slopes = slopes(system, run);
+    let parts = moving.flat_map(|region| {
+        let (part, factors) = (system.linear_part(region), system.curved(region));
+        slopes.iter().map(move |slope| {
+            let mut part = part;
+            for (i, factor) in factors.iter().enumerate() {
+                part.a.columns[THETA][i] += factor * slope.per_rad_n;
+                part.a.columns[OMEGA][i] += factor * slope.per_rad_s_n;
+            }
+            part
+        })
+    });
+    let growths: Vec<Growth> = parts.filter_map(|part| Growth::of(solver, &part, h)).collect();
+    let worse = |a: Growth, b: Growth| match (a.is_unstable(), b.is_unstable()) {
+        (true, false) => a,
+        (false, true) => b,
+        _ if a.excess() >= b.excess() => a,
+        _ => b,
+    };
+    growths.into_iter().reduce(worse)
+}
+
+/// Slopes of the curved terms along a run: evenly from the least to the greatest; one that is zero
+/// without curved terms.
+fn slopes(system: &System, run: &Trajectory) -> Vec<Curve> {
+    /// Between them a method's limit is not jumped over.
+    const STEPS: usize = 8;
+    let states = run.states.chunks_exact(run.layout.n);
+    let along: Vec<Curve> = states.filter_map(|z| system.curve(z)).collect();
+    let range = |get: fn(&Curve) -> f64| {
+        let values = along.iter().map(get);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+    };
+    if along.is_empty() {
+        return vec![Curve::default()];
+    }
+    let ([k0, k1], [b0, b1]) = (range(|c| c.per_rad_n), range(|c| c.per_rad_s_n));
+    let share = |i: usize| i as f64 / STEPS as f64;
+    let grid = (0..=STEPS).flat_map(|i| [0.0, 1.0].map(|other| (share(i), other)));
+    grid.map(|(i, other)| Curve {
+        force_n: 0.0,
+        per_rad_n: k0 + i * (k1 - k0),
+        per_rad_s_n: b0 + other * (b1 - b0),
+    })
+    .collect()
+}

@@ -1,0 +1,132 @@
+//! Swings of a run: from one end of a motion to the next.
+
+use std::cmp::Ordering;
+
+use crate::system::region::Motion;
+use crate::system::transition::EventKind;
+use crate::system::{OMEGA, THETA};
+use crate::trajectory::{Event, Trajectory};
+
+/// Fewer swings are an impact, or a movement there and back, and no oscillation: three cycles.
+pub(super) const FEW: usize = 6;
+
+/// The way of the lever from one end of a motion to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Swing {
+    pub(super) from_s: f64,
+    pub(super) to_s: f64,
+    /// Half of the peak-to-peak angle, rad.
+    pub(super) amplitude_rad: f64,
+}
+
+impl Swing {
+    pub(super) fn duration_s(&self) -> f64 {
+        self.to_s - self.from_s
+    }
+}
+
+/// The oscillation of a run in numbers: its existing swings; all 0 for fewer than six.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Swings {
+    /// How many.
+    pub count: usize,
+    /// Median of half their peak-to-peak angle, rad; 0 without any.
+    pub amplitude_rad: f64,
+    /// 1 / (2 · their mean duration), Hz; 0 without any.
+    pub frequency_hz: f64,
+}
+
+impl Swings {
+    pub(super) fn of(swings: &[Swing]) -> Self {
+        let amplitudes = sorted(swings.iter().map(|swing| swing.amplitude_rad));
+        let median = amplitudes.get(amplitudes.len() / 2);
+        let Some(&amplitude_rad) = median.filter(|_| swings.len() >= FEW) else {
+            return Self::default();
+        };
+        let whole_s: f64 = swings.iter().map(Swing::duration_s).sum();
+        let frequency_hz = if whole_s > 0.0 { swings.len() as f64 / (2.0 * whole_s) } else { 0.0 };
+        Self { count: swings.len(), amplitude_rad, frequency_hz }
+    }
+}
+
+/// The swings of a run that exist: half of their peak-to-peak angle is above the bound.
+pub(super) fn existing(run: &Trajectory, bound_rad: f64) -> Vec<Swing> {
+    let turns = if run.events.is_empty() { sampled_turns(run) } else { event_turns(run) };
+    turns
+        .windows(2)
+        .map(|pair| Swing {
+            from_s: pair[0].0,
+            to_s: pair[1].0,
+            amplitude_rad: 0.5 * (pair[1].1 - pair[0].1).abs(),
+        })
+        .filter(|swing| swing.amplitude_rad > bound_rad)
+        .collect()
+}
+
+/// Time and angle at the events that end a motion: a reversal, a stop, coming to rest on an edge.
+fn event_turns(run: &Trajectory) -> Vec<(f64, f64)> {
+    let ends = |event: &&Event| match event.kind {
+        EventKind::Reversal | EventKind::Stop => true,
+        EventKind::Zone => event.region.motion == Motion::Rest,
+        _ => false,
+    };
+    run.events.iter().filter(ends).map(|event| (event.t_s, event.theta_rad)).collect()
+}
+
+/// Time and angle of the samples at which a motion has ended: the velocity changed its sign or
+/// became zero.
+fn sampled_turns(run: &Trajectory) -> Vec<(f64, f64)> {
+    let mut last = Some(Ordering::Equal);
+    let mut turns = Vec::new();
+    for (t, z) in run.t_s.iter().zip(run.states.chunks_exact(run.layout.n)) {
+        let now = z[OMEGA].partial_cmp(&0.0);
+        if last != Some(Ordering::Equal) && now != last {
+            turns.push((*t, z[THETA]));
+        }
+        last = now;
+    }
+    turns
+}
+
+/// Whether a run swings in a way that the reference does not: at some size and speed it has several
+/// times as many swings. A method may get the size and the speed of a swing wrong and still show
+/// the reference's. Where the reference oscillates too, swings that take up less than a twentieth
+/// of the run do not name it: a hesitation before the first slip.
+pub(super) fn has_its_own(run: &[Swing], reference: &[Swing], duration_s: f64) -> bool {
+    /// The reference's swings count down to this share of a size, and up to so many times a
+    /// duration.
+    const SIZE: f64 = 0.1;
+    const SLOWER: f64 = 2.0;
+    /// The run has its own if they are more than so many times the reference's.
+    const TIMES: usize = 3;
+    /// Share of the run.
+    const SEEN: f64 = 0.05;
+    let least_s = if reference.len() < FEW { 0.0 } else { SEEN * duration_s };
+    let largest = reference.iter().map(|swing| swing.amplitude_rad).fold(0.0, f64::max);
+    let sizes = tenths(&sorted(run.iter().map(|swing| swing.amplitude_rad)));
+    let durations = tenths(&sorted(run.iter().map(Swing::duration_s)));
+    sizes.iter().any(|&size| {
+        durations.iter().any(|&duration| {
+            let within = |swing: &&Swing, size: f64, duration: f64| {
+                swing.amplitude_rad >= size && swing.duration_s() <= duration
+            };
+            let own: Vec<&Swing> = run.iter().filter(|s| within(s, size, duration)).collect();
+            let (small, slow) = (SIZE * size.min(largest), SLOWER * duration);
+            let alike = reference.iter().filter(|s| within(s, small, slow)).count();
+            own.len() >= FEW + TIMES * alike
+                && own.iter().map(|swing| swing.duration_s()).sum::<f64>() >= least_s
+        })
+    })
+}
+
+/// Every tenth part of a sorted list, from the first to the last.
+fn tenths(sorted: &[f64]) -> Vec<f64> {
+    let Some(last) = sorted.len().checked_sub(1) else { return Vec::new() };
+    (0..=10).map(|i| sorted[i * last / 10]).collect()
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut list: Vec<f64> = values.collect();
+    list.sort_by(f64::total_cmp);
+    list
+}
