@@ -3,7 +3,7 @@
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 
-use super::functionals::{Functionals, Sag};
+use crate::affine::{Functionals, Sag};
 
 /// Steps in a block.
 pub(super) const BLOCK: usize = 8;

@@ -6,7 +6,6 @@
 
 mod block;
 mod compiled;
-mod functionals;
 mod method;
 mod run;
 mod uneven;

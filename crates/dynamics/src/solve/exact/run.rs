@@ -217,14 +217,14 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         self.pieces += 1;
         let compiled = &self.regions[self.current];
         let (next, cover) = compiled.far(&self.z, h);
-        let guards = compiled.guards.apply(&next);
-        if !compiled.sags[cover].safe(&self.rate, &self.guards, &guards) {
+        let guards = compiled.flow.guards.apply(&next);
+        if !compiled.flow.sags[cover].safe(&self.rate, &self.guards, &guards) {
             return false;
         }
         if let Some(work) = &compiled.work {
             work.add(&self.z, h, &mut self.sums);
         }
-        self.rate = compiled.ladder.a.apply_affine(&next);
+        self.rate = compiled.flow.rate(&next);
         (self.z, self.guards) = (next, guards);
         true
     }
@@ -245,10 +245,10 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
                 return Err(self.too_much(limit, "pieces", t));
             }
             let Some((after, kind)) = found else {
-                if compiled.ladder.is_long(rest) {
+                if compiled.flow.ladder.is_long(rest) {
                     // The many short pieces that proved it free of events were rounded as often;
                     // some long ones are not.
-                    self.z = compiled.ladder.advance(&before, rest);
+                    self.z = compiled.flow.ladder.advance(&before, rest);
                 }
                 break;
             };
@@ -294,7 +294,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         if known.is_none_or(|at| self.regions[at].region != *region) {
             self.compile(region);
         }
-        if !self.regions[self.current].ladder.reaches(self.reach_s) {
+        if !self.regions[self.current].flow.ladder.reaches(self.reach_s) {
             return Err(DynamicsError::NotFinite { t_s: t, suspect: self.system.suspect() });
         }
         self.refresh();
@@ -315,8 +315,8 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
     #[inline]
     fn refresh(&mut self) {
         let compiled = &self.regions[self.current];
-        self.rate = compiled.ladder.a.apply_affine(&self.z);
-        self.guards = compiled.guards.apply(&self.z);
+        self.rate = compiled.flow.rate(&self.z);
+        self.guards = compiled.flow.guards.apply(&self.z);
     }
 
     fn balance(&self) -> EnergyBalance {
