@@ -61,39 +61,66 @@ impl<const N: usize, const G: usize> Functionals<N, G> {
 /// With ż(t) = exp(A t) ż(0) and an envelope E of the flows, |g''(t)| = |w A ż(t)| ≤ |w A| E
 /// |ż(0)|, and a curve sags at most max|g''| span²/8 below its chord.
 #[derive(Debug, Clone)]
-pub(crate) struct Sag<const N: usize, const G: usize>(pub(crate) Functionals<N, G>);
+pub(crate) struct Sag<const N: usize, const G: usize> {
+    most: Functionals<N, G>,
+    span: f64,
+}
 
 impl<const N: usize, const G: usize> Sag<N, G> {
     /// `bend` is |w A| of each guard.
     pub(crate) fn new(bend: &Functionals<N, G>, envelope: &Matrix<N>, span: f64) -> Self {
         /// Of the chord bound h²/8.
         const CHORD: f64 = 0.125;
-        let bound = bend.after(envelope);
-        Self(bound.map(|x| x * CHORD * span * span))
+        Self { most: bend.after(envelope).map(|x| x * CHORD * span * span), span }
+    }
+
+    /// The bound at a state's rate.
+    pub(crate) fn most(&self) -> &Functionals<N, G> {
+        &self.most
+    }
+
+    /// True if no guard can fall below zero between two points at most the span apart; false if in
+    /// doubt or not a number.
+    #[inline]
+    pub(crate) fn safe(&self, rate: &[f64; N], before: &[f64; G], after: &[f64; G]) -> bool {
+        all_above(before, after, &self.most.apply_to_rate(&rate.map(f64::abs)))
     }
 
     /// For each guard, whether it may fall below zero between two points; true if in doubt or not a
-    /// number.
+    /// number. Beyond the chord it looks at the `slope` of the guards at the first point, which
+    /// changes by at most max|g''| span = 8 sag/span: a guard that cannot turn before the second
+    /// point is lowest at one of the two, and one that rises by more than max|g''| span²/2 = 4 sag
+    /// along its tangent does not come back.
     #[inline]
     pub(crate) fn doubtful(
         &self,
         rate: &[f64; N],
+        slope: &[f64; G],
         before: &[f64; G],
         after: &[f64; G],
     ) -> [bool; G] {
-        let sag = self.0.apply_to_rate(&rate.map(f64::abs));
-        let safe: [bool; G] = std::array::from_fn(|i| before[i].min(after[i]) >= sag[i]);
-        safe.map(|safe| !safe)
+        let sag = self.most.apply_to_rate(&rate.map(f64::abs));
+        std::array::from_fn(|i| {
+            let along = slope[i] * self.span;
+            let lowest = before[i].min(after[i]);
+            let above = lowest >= sag[i];
+            let rises = before[i] >= 0.0 && along >= 4.0 * sag[i];
+            let turns_not = lowest >= 0.0 && along.abs() >= 8.0 * sag[i];
+            !(above || rises || turns_not)
+        })
     }
+}
 
-    /// True if no guard can fall below zero between two points; false if in doubt or not a number.
-    #[inline]
-    pub(crate) fn safe(&self, rate: &[f64; N], before: &[f64; G], after: &[f64; G]) -> bool {
-        let sag = self.0.apply_to_rate(&rate.map(f64::abs));
-        let mut safe = true;
-        for i in 0..G {
-            safe &= before[i].min(after[i]) >= sag[i];
-        }
-        safe
+/// True if every guard is at both points above what it can sag.
+#[inline]
+pub(crate) fn all_above<const G: usize>(
+    before: &[f64; G],
+    after: &[f64; G],
+    sag: &[f64; G],
+) -> bool {
+    let mut safe = true;
+    for i in 0..G {
+        safe &= before[i].min(after[i]) >= sag[i];
     }
+    safe
 }

@@ -9,6 +9,6 @@ mod functionals;
 mod ready;
 mod row;
 
-pub(crate) use functionals::{Functionals, Sag};
+pub(crate) use functionals::{Functionals, Sag, all_above};
 pub(crate) use ready::{Fall, ReadyFlow};
 pub(crate) use row::{Number, Row};

@@ -67,6 +67,29 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
         Sag::new(&self.bend, &self.ladder.rungs[self.ladder.covering(h)].envelope, h)
     }
 
+    /// True if no guard can fall below zero between two points that `sag` is for; `rate` is ż at the
+    /// first.
+    #[inline]
+    pub(crate) fn is_free(
+        &self,
+        sag: &Sag<N, G>,
+        rate: &[f64; N],
+        before: &[f64; G],
+        after: &[f64; G],
+    ) -> bool {
+        sag.safe(rate, before, after) || self.doubtful(sag, rate, before, after) == [false; G]
+    }
+
+    fn doubtful(
+        &self,
+        sag: &Sag<N, G>,
+        rate: &[f64; N],
+        before: &[f64; G],
+        after: &[f64; G],
+    ) -> [bool; G] {
+        sag.doubtful(rate, &self.guards.apply_to_rate(rate), before, after)
+    }
+
     /// Moves `z` over `span` seconds or to the first event: piece by piece, each as long as can be
     /// proved free of events; at the lowest rung by polynomials. A guard named `blind` is not looked
     /// at.
@@ -81,8 +104,11 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
         let top = self.ladder.rungs.len() - 1;
         let (mut rate, mut guards) = (self.rate(z), self.values(z, blind));
         let (mut elapsed, mut rest, mut level) = (0.0, span, top);
+        // Where a guard was seen below zero, from here on: no piece that reaches it is free.
+        let mut below = f64::INFINITY;
         while rest > 0.0 && *pieces <= most_pieces && in_bounds(z) {
-            while level > 0 && self.ladder.rungs[level].span > rest {
+            let longest = |level: usize| self.ladder.rungs[level].span;
+            while level > 0 && (longest(level) > rest || longest(level) >= below) {
                 level -= 1;
             }
             *pieces += 1;
@@ -90,13 +116,16 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
             let piece = rung.span.min(rest);
             let next = rung.flow.apply_affine(z);
             let after = self.values(&next, blind);
-            if rung.span <= rest && self.sags[level].safe(&rate, &guards, &after) {
+            if rung.span <= rest && self.is_free(&self.sags[level], &rate, &guards, &after) {
                 (*z, guards) = (next, after);
             } else if level > 0 {
+                if after.iter().any(|&value| value < 0.0) {
+                    below = rung.span;
+                }
                 level -= 1;
                 continue;
             } else {
-                let doubtful = self.sags[level].doubtful(&rate, &guards, &after);
+                let doubtful = self.doubtful(&self.sags[level], &rate, &guards, &after);
                 if let Some(Fall { after_s, guard }) = self.first_event(z, piece, &doubtful) {
                     return Some(Fall { after_s: elapsed + after_s, guard });
                 }
@@ -105,6 +134,7 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
             rate = self.rate(z);
             elapsed += piece;
             rest -= piece;
+            below = if below > piece { below - piece } else { f64::INFINITY };
             level = (level + 1).min(top);
         }
         None

@@ -2,7 +2,7 @@
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 
-use super::block::Block;
+use super::block::{self, BLOCK, Block};
 use super::uneven::Table;
 use super::work::Work;
 use crate::affine::{Functionals, ReadyFlow, Sag};
@@ -15,11 +15,12 @@ use crate::system::transition::EventKind;
 #[derive(Debug, Clone)]
 pub(super) struct EvenStep<const N: usize, const G: usize> {
     h: f64,
-    flow: Matrix<N>,
+    /// Flows over 1, 2, … steps, up to as many as were asked for.
+    flows: Vec<Matrix<N>>,
     /// Guard values after the step.
     guards: Functionals<N, G>,
     /// Rate after the step.
-    pub(super) rate: Matrix<N>,
+    rate: Matrix<N>,
     sag: Sag<N, G>,
     /// What proves a block of steps free, once enough of them were taken.
     block: Option<Block<N, G>>,
@@ -27,17 +28,36 @@ pub(super) struct EvenStep<const N: usize, const G: usize> {
 }
 
 impl<const N: usize, const G: usize> EvenStep<N, G> {
-    /// State and guard values after the step, if no event can lie inside.
+    /// The flow over `k` steps, from 1 to [`BLOCK`].
     #[inline]
-    pub(super) fn free(
+    pub(super) fn flow(&mut self, k: usize) -> &Matrix<N> {
+        while self.flows.len() < k {
+            self.flows.push(block::power(&self.flows));
+        }
+        &self.flows[k - 1]
+    }
+
+    /// Rate and guard values after the step, if no event can lie inside.
+    #[inline]
+    fn free(
         &self,
+        flow: &ReadyFlow<N, G>,
         z: &[f64; N],
         rate: &[f64; N],
         guards: &[f64; G],
     ) -> Option<([f64; N], [f64; G])> {
         let after = self.guards.apply(z);
-        self.sag.safe(rate, guards, &after).then(|| (self.flow.apply_affine(z), after))
+        flow.is_free(&self.sag, rate, guards, &after).then(|| (self.rate.apply_affine(z), after))
     }
+}
+
+/// The steps that regions are made ready for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    /// The longest, s.
+    pub(super) longest_s: f64,
+    /// Whether all are equally long; then pieces are halves of one, and leave nothing over.
+    pub(super) even: bool,
 }
 
 /// A region ready for exact steps.
@@ -62,10 +82,14 @@ fn rest<const N: usize>(system: &System, region: &Region) -> Matrix<N> {
 }
 
 impl<const N: usize, const G: usize> Compiled<N, G> {
-    pub(super) fn new(system: &System, region: &Region, reach_s: f64, energy: bool) -> Self {
+    pub(super) fn new(system: &System, region: &Region, reach: Reach, energy: bool) -> Self {
         let flow = system.flow(region);
         let a = Matrix::from_fn(|i, j| flow.rows[i].0[j]);
-        let ladder = Ladder::with_rest(a, reach_s, || rest(system, region));
+        let reach_s = reach.longest_s;
+        let ladder = match reach.even {
+            true => Ladder::halving(a, reach_s, || rest(system, region)),
+            false => Ladder::with_rest(a, reach_s, || rest(system, region)),
+        };
         let guards = flow.guards.iter().map(|guard| shorten(&guard.value.row.0));
         Self {
             region: *region,
@@ -80,14 +104,16 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         }
     }
 
-    /// Whether a step of this length is prepared. One is when the same length is asked for twice in
-    /// a row, so that uneven steps, which never are, do not pay for it.
+    /// Whether a step of this length is prepared. The first of an even grid is at once; another when
+    /// the same length is asked for twice in a row, so that uneven steps, which never are, do not
+    /// pay for it.
     #[inline]
-    pub(super) fn is_ready(&mut self, h: f64) -> bool {
+    pub(super) fn is_ready(&mut self, h: f64, even: bool) -> bool {
         if self.step.as_ref().is_some_and(|step| step.h.to_bits() == h.to_bits()) {
             return true;
         }
-        let wanted = self.wanted_h.to_bits() == h.to_bits();
+        let first = even && self.step.is_none();
+        let wanted = first || self.wanted_h.to_bits() == h.to_bits();
         self.wanted_h = h;
         if wanted {
             self.step = Some(Box::new(self.prepare(h)));
@@ -97,8 +123,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         wanted
     }
 
-    /// The flow over one step, if a block of these is prepared and free of events, and no work is
-    /// integrated.
+    /// The flows over the steps of a block, with rate and guard values after it, if a block of steps
+    /// of this length is prepared and free of events, and no work is integrated.
     #[inline]
     pub(super) fn free_block(
         &mut self,
@@ -106,7 +132,7 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         z: &[f64; N],
         rate: &[f64; N],
         guards: &[f64; G],
-    ) -> Option<&Matrix<N>> {
+    ) -> Option<(&[Matrix<N>], [f64; N], [f64; G])> {
         /// Blocks asked for before the proof of one, which costs as much as the steps of some tens,
         /// is worth it.
         const WORTH: u32 = 32;
@@ -116,18 +142,28 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
             .filter(|step| step.h.to_bits() == h.to_bits() && self.work.is_none())?;
         step.taken += u32::from(step.block.is_none());
         if step.taken == WORTH && step.block.is_none() {
-            step.block = Some(Block::new(&self.flow.guards, &self.flow.ladder, &step.flow, h));
+            step.flow(BLOCK);
+            step.block = Some(Block::new(&self.flow.guards, &self.flow.ladder, &step.flows, h));
         }
-        step.block
-            .as_ref()
-            .is_some_and(|block| block.is_free(z, rate, guards))
-            .then_some(&step.flow)
+        let (rate, guards) = step.block.as_ref()?.free(z, rate, guards)?;
+        Some((&step.flows, rate, guards))
     }
 
-    /// The prepared step.
+    /// Rate and guard values after the prepared step, if no event can lie inside.
     #[inline]
-    pub(super) fn even_step(&self) -> Option<&EvenStep<N, G>> {
-        self.step.as_deref()
+    pub(super) fn free_step(
+        &self,
+        z: &[f64; N],
+        rate: &[f64; N],
+        guards: &[f64; G],
+    ) -> Option<([f64; N], [f64; G])> {
+        self.step.as_ref()?.free(&self.flow, z, rate, guards)
+    }
+
+    /// `k` prepared steps from `base` on, at most [`BLOCK`].
+    #[inline]
+    pub(super) fn stepped(&mut self, base: &[f64; N], k: usize) -> Option<[f64; N]> {
+        self.step.as_mut().map(|step| step.flow(k).apply_affine(base))
     }
 
     /// State after a span of any length up to the reach, and the number of the bound that covers
@@ -160,7 +196,7 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         let flow = self.flow.ladder.flow(h);
         EvenStep {
             h,
-            flow,
+            flows: vec![flow],
             guards: self.flow.guards.after(&flow),
             rate: self.flow.ladder.a.product(&flow),
             sag: self.flow.sag(h),
