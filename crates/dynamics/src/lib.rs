@@ -17,6 +17,7 @@
 //! # Ok::<(), zwidth_dynamics::DynamicsError>(())
 //! ```
 
+mod affine;
 mod displacement;
 mod driven;
 mod energy;

@@ -164,14 +164,20 @@ impl Trajectory {
         }) as u16
     }
 
+    /// Adds one or several samples of a region.
     #[inline(always)]
-    pub(crate) fn push<const N: usize>(&mut self, t_s: f64, z: &[f64; N], region: u16) {
-        self.t_s.push(t_s);
+    pub(crate) fn push<const N: usize, const K: usize>(
+        &mut self,
+        t_s: &[f64; K],
+        states: &[[f64; N]; K],
+        region: u16,
+    ) {
+        self.t_s.extend_from_slice(t_s);
         if N == self.layout.n {
-            self.states.extend_from_slice(z);
+            self.states.extend_from_slice(states.as_flattened());
         } else {
-            self.states.extend_from_slice(&z[..self.layout.n]);
+            states.iter().for_each(|z| self.states.extend_from_slice(&z[..self.layout.n]));
         }
-        self.region.push(region);
+        self.region.extend_from_slice(&[region; K]);
     }
 }

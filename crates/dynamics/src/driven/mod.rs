@@ -25,7 +25,6 @@
 //! roots of its Taylor polynomials. A span is passed over only if no event can lie inside, so none
 //! is missed, however short. A lever at rest keeps its angle bit for bit.
 
-mod compiled;
 mod parameters;
 mod plant;
 mod region;

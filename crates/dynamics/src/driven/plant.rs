@@ -1,13 +1,13 @@
 //! The plant itself: its state, and how commands and intent move it.
 
-use super::compiled::Compiled;
 use super::parameters::DrivenParameters;
 use super::region::{
     self, BRAKE, BRAKE_COMMAND, CONTACT, DEPTH, FIRST, GAP, HAND_V, INTENT, INTENT_RATE, MOTOR,
-    MOTOR_COMMAND, Motion, N, OMEGA, ONE, Region, SECOND, StateRow, THETA,
+    MOTOR_COMMAND, N, OMEGA, ONE, ReadyFlow, Region, SECOND, THETA,
 };
+use crate::affine::Fall;
 use crate::error::{DynamicsError, Result, check, finite, in_bounds, not_negative};
-use zwidth_numerics::expm::dot;
+use crate::system::region::Motion;
 
 /// What the actuators are told, held over an advance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -59,9 +59,9 @@ const MOST_EVENTS: u64 = 100_000;
 pub struct Driven {
     parameters: DrivenParameters,
     /// In the order of [`Region::index`]; none for a region this plant is never in.
-    regions: Vec<Option<Compiled>>,
+    regions: Vec<Option<ReadyFlow>>,
     region: Region,
-    z: StateRow,
+    z: [f64; N],
 }
 
 impl Driven {
@@ -78,7 +78,7 @@ impl Driven {
     pub(super) fn with_reach(parameters: DrivenParameters, reach_s: f64) -> Result<Self> {
         parameters.check()?;
         let compile = |region: Region| {
-            region.exists(&parameters).then(|| Compiled::new(&parameters, region, reach_s))
+            region.exists(&parameters).then(|| region::flow(&parameters, region, reach_s))
         };
         let regions = Region::all().map(compile).collect();
         let mut plant = Self { parameters, regions, region: Region::START, z: [0.0; N] };
@@ -110,7 +110,7 @@ impl Driven {
     /// What can be seen of it now.
     pub fn state(&self) -> DrivenState {
         let z = &self.z;
-        let force = dot(&region::contact_force(&self.parameters, self.region.contact), z);
+        let force = region::contact_force(&self.parameters, self.region.contact).of(z);
         let hand = self.parameters.hand.map_or(0.0, |_| self.hand_m());
         DrivenState {
             theta_rad: z[THETA],
@@ -179,13 +179,12 @@ impl Driven {
         let (mut rest_s, mut events) = (dt_s, 0);
         while rest_s > 0.0 {
             let propped = self.propped();
-            let Some(region) = &self.regions[self.region.index()] else { break };
-            let piece = region.step(&mut self.z, rest_s, propped);
-            rest_s -= piece.span_s;
-            if let Some(guard) = piece.event {
-                self.pass(guard);
-                events += 1;
-            }
+            let Some(flow) = &self.regions[self.region.index()] else { break };
+            let fall = flow.scan(&mut self.z, rest_s, propped, &mut 0, u64::MAX);
+            let Some(Fall { after_s, guard }) = fall else { break };
+            rest_s -= after_s;
+            self.pass(guard);
+            events += 1;
             if events > MOST_EVENTS {
                 let (limit, t_s, suspect) = (MOST_EVENTS, dt_s - rest_s, self.suspect());
                 return Err(DynamicsError::TooMuchWork { limit, what: "events", t_s, suspect });

@@ -1,9 +1,11 @@
 //! The pieces of the dynamics: in each the motion is linear, and a few functionals tell where it
 //! ends.
 
-use zwidth_numerics::expm::Matrix;
+use zwidth_numerics::expm::{Ladder, Matrix};
 
 use super::parameters::{DrivenParameters, Hand};
+use crate::affine;
+use crate::system::region::Motion;
 
 /// Entries of the state.
 pub(super) const N: usize = 12;
@@ -42,34 +44,15 @@ pub(super) const SECOND: usize = 1;
 pub(super) const CONTACT: usize = 2;
 
 /// A linear functional of the state.
-pub(super) type StateRow = [f64; N];
+type Row = affine::Row<N>;
+
+/// A region made ready.
+pub(super) type ReadyFlow = affine::ReadyFlow<N, GUARDS>;
 
 /// A lever at rest holds, and a tissue in contact clings, by this much more than it should, N: far
 /// below any force that matters and far above rounding. What departs or lifts off is then pushed on
 /// for certain; else rounding could send it back and forth without end.
 const MARGIN_N: f64 = 1e-11;
-
-/// Which way the lever moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Motion {
-    /// θ̇ > 0, or about to be.
-    Forward,
-    /// θ̇ < 0, or about to be.
-    Backward,
-    /// θ̇ = 0.
-    Rest,
-}
-
-impl Motion {
-    /// Sign of θ̇.
-    pub(super) fn sign(self) -> f64 {
-        match self {
-            Self::Forward => 1.0,
-            Self::Backward => -1.0,
-            Self::Rest => 0.0,
-        }
-    }
-}
 
 /// One piece of the dynamics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,44 +90,37 @@ impl Region {
 }
 
 /// `Σ terms` as a row.
-fn row<const T: usize>(terms: [(usize, f64); T]) -> StateRow {
-    let mut row = [0.0; N];
-    for (entry, factor) in terms {
-        row[entry] += factor;
-    }
-    row
-}
-
-fn plus(a: StateRow, b: StateRow) -> StateRow {
-    std::array::from_fn(|j| a[j] + b[j])
-}
-
-fn times(a: StateRow, factor: f64) -> StateRow {
-    a.map(|x| factor * x)
+fn row<const T: usize>(terms: [(usize, f64); T]) -> Row {
+    terms.iter().fold(Row::ZERO, |sum, &(entry, factor)| sum.plus(Row::entry(entry, factor)))
 }
 
 /// F_ex = K_F δ + B_F (v_h − L θ̇) in contact, 0 else.
-pub(super) fn contact_force(parameters: &DrivenParameters, contact: bool) -> StateRow {
-    let Some(hand) = parameters.hand.filter(|_| contact) else { return [0.0; N] };
+pub(super) fn contact_force(parameters: &DrivenParameters, contact: bool) -> Row {
+    let Some(hand) = parameters.hand.filter(|_| contact) else { return Row::ZERO };
     let (k, b) = (hand.tissue.stiffness_n_per_m, hand.tissue.damping_ns_per_m);
     row([(DEPTH, k), (HAND_V, b), (OMEGA, -b * parameters.lever_m)])
 }
 
 /// F_m + F_ex: what would move a lever that is held.
-fn drive(parameters: &DrivenParameters, contact: bool) -> StateRow {
-    plus(row([(MOTOR, 1.0)]), contact_force(parameters, contact))
+fn drive(parameters: &DrivenParameters, contact: bool) -> Row {
+    Row::entry(MOTOR, 1.0).plus(contact_force(parameters, contact))
 }
 
 /// b + F_s, and the margin: what can hold it.
-fn holding(parameters: &DrivenParameters) -> StateRow {
+fn holding(parameters: &DrivenParameters) -> Row {
     row([(BRAKE, 1.0), (ONE, parameters.dry().static_n + MARGIN_N)])
 }
 
+/// A region made ready for steps of up to `reach_s`.
+pub(super) fn flow(parameters: &DrivenParameters, region: Region, reach_s: f64) -> ReadyFlow {
+    ReadyFlow::new(Ladder::new(matrix(parameters, region), reach_s), guards(parameters, region))
+}
+
 /// The matrix A of ż = A z in a region.
-pub(super) fn matrix(parameters: &DrivenParameters, region: Region) -> Matrix<N> {
-    let mut rows = [[0.0; N]; N];
+fn matrix(parameters: &DrivenParameters, region: Region) -> Matrix<N> {
+    let mut rows = [Row::ZERO; N];
     if region.motion != Motion::Rest {
-        rows[THETA] = row([(OMEGA, 1.0)]);
+        rows[THETA] = Row::entry(OMEGA, 1.0);
         rows[OMEGA] = acceleration(parameters, region);
     }
     if let Some(lag) = parameters.motor_lag_s {
@@ -157,55 +133,55 @@ pub(super) fn matrix(parameters: &DrivenParameters, region: Region) -> Matrix<N>
     if let Some(hand) = &parameters.hand {
         hand_rows(parameters, hand, region, &mut rows);
     }
-    Matrix::from_fn(|i, j| rows[i][j])
+    Matrix::from_fn(|i, j| rows[i].0[j])
 }
 
 /// θ̈ of a lever in motion.
-fn acceleration(parameters: &DrivenParameters, region: Region) -> StateRow {
+fn acceleration(parameters: &DrivenParameters, region: Region) -> Row {
     let sign = region.motion.sign();
     let resisting = row([
         (OMEGA, -parameters.viscous_ns_per_rad()),
         (BRAKE, -sign),
         (ONE, -sign * parameters.dry().kinetic_n),
     ]);
-    times(plus(drive(parameters, region.contact), resisting), 1.0 / parameters.mass_kg_m())
+    drive(parameters, region.contact).plus(resisting).times(1.0 / parameters.mass_kg_m())
 }
 
-fn hand_rows(parameters: &DrivenParameters, hand: &Hand, region: Region, rows: &mut [StateRow; N]) {
+fn hand_rows(parameters: &DrivenParameters, hand: &Hand, region: Region, rows: &mut [Row; N]) {
     let (k, b, l) = (hand.stiffness_n_per_m, hand.damping_ns_per_m, parameters.lever_m);
     let meant = row([(INTENT, 1.0), (THETA, -k * l), (DEPTH, -k), (GAP, k), (HAND_V, -b)]);
     let push = contact_force(parameters, region.contact);
-    rows[HAND_V] = times(plus(meant, times(push, -1.0)), 1.0 / hand.mass_kg);
-    rows[INTENT] = row([(INTENT_RATE, 1.0)]);
+    rows[HAND_V] = meant.plus(push.times(-1.0)).times(1.0 / hand.mass_kg);
+    rows[INTENT] = Row::entry(INTENT_RATE, 1.0);
     let lever_v = if region.motion == Motion::Rest { 0.0 } else { l };
     if region.contact {
         rows[DEPTH] = row([(HAND_V, 1.0), (OMEGA, -lever_v)]);
     } else {
         let relaxing = hand.tissue.stiffness_n_per_m / hand.tissue.damping_ns_per_m;
-        rows[DEPTH] = row([(DEPTH, -relaxing)]);
+        rows[DEPTH] = Row::entry(DEPTH, -relaxing);
         rows[GAP] = row([(OMEGA, lever_v), (DEPTH, -relaxing), (HAND_V, -1.0)]);
     }
 }
 
 /// The guards of a region; one that cannot end it holds the constant 1.
-pub(super) fn guards(parameters: &DrivenParameters, region: Region) -> [StateRow; GUARDS] {
-    let always = row([(ONE, 1.0)]);
+fn guards(parameters: &DrivenParameters, region: Region) -> [[f64; N]; GUARDS] {
+    let always = Row::entry(ONE, 1.0);
     let sign = region.motion.sign();
     let (first, second) = match (region.motion, parameters.stops_rad) {
         (Motion::Rest, _) => {
             let (holding, drive) = (holding(parameters), drive(parameters, region.contact));
-            (plus(holding, times(drive, -1.0)), plus(holding, drive))
+            (holding.plus(drive.times(-1.0)), holding.plus(drive))
         }
-        (_, None) => (row([(OMEGA, sign)]), always),
+        (_, None) => (Row::entry(OMEGA, sign), always),
         (_, Some([low, high])) => {
             let ahead = if sign > 0.0 { high } else { low };
-            (row([(OMEGA, sign)]), row([(ONE, sign * ahead), (THETA, -sign)]))
+            (Row::entry(OMEGA, sign), row([(ONE, sign * ahead), (THETA, -sign)]))
         }
     };
     let contact = match (region.contact, parameters.hand) {
         (_, None) => always,
-        (true, Some(_)) => plus(contact_force(parameters, true), row([(ONE, MARGIN_N)])),
-        (false, Some(_)) => row([(GAP, 1.0)]),
+        (true, Some(_)) => contact_force(parameters, true).plus(Row::entry(ONE, MARGIN_N)),
+        (false, Some(_)) => Row::entry(GAP, 1.0),
     };
-    [first, second, contact]
+    [first.0, second.0, contact.0]
 }

@@ -208,7 +208,7 @@ impl<'a, const N: usize> State<'a, N> {
 
     fn record(&mut self, t: f64, z: &[f64; N]) {
         let number = self.out.region_number(&self.region);
-        self.out.push(t, z, number);
+        self.out.push(&[t], &[*z], number);
         self.next_sample += 1;
     }
 

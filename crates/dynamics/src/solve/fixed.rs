@@ -71,5 +71,5 @@ fn record<const N: usize>(system: &System, out: &mut Trajectory, t: f64, z: &[f6
     let at_rest = z[OMEGA] == 0.0;
     let region = if at_rest { system.first_region(z) } else { system.direct_region(z) };
     let region = out.region_number(&region);
-    out.push(t, z, region);
+    out.push(&[t], &[*z], region);
 }

@@ -3,8 +3,9 @@
 use super::command::{Actuator, Command};
 use super::guards::Guard;
 use super::region::{Branch, Contact, Motion, Region, Side};
-use super::row::{Functional, MOST, Number, Row};
+use super::row::{Functional, MOST, Row};
 use super::{OMEGA, RestRule, System, THETA};
+use crate::affine::Number;
 use crate::scene::finger::{Finger, FingerLaw};
 use zwidth_numerics::expm::Pair;
 

@@ -32,6 +32,17 @@ pub enum Motion {
     Rest,
 }
 
+impl Motion {
+    /// Sign of θ̇.
+    pub(crate) fn sign(self) -> f64 {
+        match self {
+            Motion::Forward => 1.0,
+            Motion::Backward => -1.0,
+            Motion::Rest => 0.0,
+        }
+    }
+}
+
 /// Which of its three lines a clamped value is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Branch {

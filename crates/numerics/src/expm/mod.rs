@@ -106,7 +106,7 @@ pub fn evaluate<const N: usize>(c: &[[f64; N]; ORDER + 1], t: f64) -> [f64; N] {
 /// One rung: the flow over `span` and a bound on all flows inside it.
 #[derive(Debug, Clone)]
 pub struct Rung<const N: usize> {
-    /// Length of the span, s; the lowest rung's times a power of two.
+    /// Length of the span, s; the longest rung's over a power of two.
     pub span: f64,
     /// `exp(A span)`.
     pub flow: Matrix<N>,
@@ -128,7 +128,8 @@ pub struct Ladder<const N: usize> {
 }
 
 impl<const N: usize> Ladder<N> {
-    /// The ladder of `A` that reaches spans up to `reach` seconds (`reach` > 0, finite).
+    /// The ladder of `A` that reaches spans up to `reach` seconds (`reach` > 0, finite). Its spans
+    /// are powers of two.
     pub fn new(a: Matrix<N>, reach: f64) -> Self {
         Self::with_rest(a, reach, || Matrix::ZERO)
     }
@@ -137,16 +138,27 @@ impl<const N: usize> Ladder<N> {
     /// rounding took away (`rest`, asked for where it counts). Flows that are computed in twice
     /// the precision are those of the sum.
     pub fn with_rest(a: Matrix<N>, reach: f64, rest: impl FnOnce() -> Matrix<N>) -> Self {
+        let below = libm::ldexp(1.0, libm::ilogb(reach));
+        Self::below(a, if below < reach { 2.0 * below } else { below }, reach, rest)
+    }
+
+    /// The same with the reach itself and its halves as spans, for pieces of a step that is
+    /// repeated.
+    pub fn halving(a: Matrix<N>, reach: f64, rest: impl FnOnce() -> Matrix<N>) -> Self {
+        Self::below(a, reach, reach, rest)
+    }
+
+    /// The ladder whose longest rung is `top`, not below the reach.
+    fn below(a: Matrix<N>, top: f64, reach: f64, rest: impl FnOnce() -> Matrix<N>) -> Self {
         let rate = growth(&a);
-        let longest = libm::ldexp(1.0, libm::ilogb(reach));
-        let wanted =
-            if rate > 0.0 { libm::ldexp(1.0, libm::ilogb(RADIUS / rate)) } else { longest };
-        let span = wanted.min(longest);
+        let angle = rate * top / RADIUS;
+        let halvings = if angle > 1.0 { libm::ilogb(angle).saturating_add(1) } else { 0 };
+        let span = libm::ldexp(top, -halvings);
         let mut change = series(&a, span, ORDER);
         let bound = series(&a.map(f64::abs), span, BOUND_ORDER).map(|x| BOUND_MARGIN * x);
         let mut rung = Rung { span, flow: plus_identity(&change), envelope: plus_identity(&bound) };
         let mut rungs = Vec::new();
-        while rung.span < reach && rungs.len() < MOST_RUNGS {
+        while rung.span < top && rungs.len() < MOST_RUNGS {
             change = change.zip(&change.product(&change), |x, square| 2.0 * x + square);
             let next = double(&rung, &change);
             rungs.push(rung);

@@ -1,23 +1,26 @@
 //! Several even steps at once: where no event can lie in a whole block, each of its samples costs
-//! one product.
+//! one product, none of which waits for another.
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 
-use super::functionals::{Functionals, Sag};
+use crate::affine::{Functionals, Sag, all_above};
 
 /// Steps in a block.
 pub(super) const BLOCK: usize = 8;
 
-/// What proves a block of even steps free of events.
+/// What proves a block of even steps free of events, and rate and guards after it.
 #[derive(Debug, Clone)]
 pub(super) struct Block<const N: usize, const G: usize> {
+    /// Rate after the block.
+    rate: Matrix<N>,
     /// Guard values after the block.
     guards: Functionals<N, G>,
-    sag: Sag<N, G>,
+    /// How far the guards can stray from their chord over the block, per |ż| at its start.
+    stray: Functionals<N, G>,
 }
 
 impl<const N: usize, const G: usize> Block<N, G> {
-    /// The block of steps `h` with the given flow.
+    /// The block of steps `h` with the flows over 1 … [`BLOCK`] of them.
     ///
     /// A guard `w · z` moves by `w Ψ(t) ż(0)` with `Ψ(t) = ∫₀ᵗ exp(A s) ds`. How far each entry of
     /// `w Ψ` strays from its chord over the block is taken at every step; between two steps it
@@ -27,32 +30,51 @@ impl<const N: usize, const G: usize> Block<N, G> {
     pub(super) fn new(
         guards: &Functionals<N, G>,
         ladder: &Ladder<N>,
-        flow: &Matrix<N>,
+        flows: &[Matrix<N>],
         h: f64,
     ) -> Self {
+        let (flow, last) = (&flows[0], &flows[BLOCK - 1]);
         let moved = guards_moved(guards, flow, &integral(ladder, h));
         let whole = &moved[BLOCK];
         let envelope = &ladder.rungs[ladder.covering(h)].envelope;
-        let mut sag = Functionals::ZERO;
+        let mut most = Functionals::ZERO;
         let mut bend = guards.after(&ladder.a);
         for k in 0..BLOCK {
             let between = Sag::new(&bend.map(f64::abs), envelope, h);
             let stray = [k, k + 1].map(|k| {
                 moved[k].zip(whole, |at, end| (at - end * (k as f64 / BLOCK as f64)).abs())
             });
-            let highest = stray[0].zip(&stray[1], f64::max).zip(&between.0, |at, more| at + more);
-            sag = sag.zip(&highest, f64::max);
+            let highest =
+                stray[0].zip(&stray[1], f64::max).zip(between.most(), |at, more| at + more);
+            most = most.zip(&highest, f64::max);
             bend = bend.after(flow);
         }
-        let after = (0..BLOCK).fold(guards.clone(), |after, _| after.after(flow));
-        Self { guards: after, sag: Sag(sag) }
+        Self { guards: guards.after(last), rate: ladder.a.product(last), stray: most }
     }
 
-    /// True if no event can lie inside the block.
+    /// Rate and guard values after the block, if no event can lie inside.
     #[inline]
-    pub(super) fn is_free(&self, z: &[f64; N], rate: &[f64; N], guards: &[f64; G]) -> bool {
-        self.sag.safe(rate, guards, &self.guards.apply(z))
+    pub(super) fn free(
+        &self,
+        z: &[f64; N],
+        rate: &[f64; N],
+        guards: &[f64; G],
+    ) -> Option<([f64; N], [f64; G])> {
+        let after = self.guards.apply(z);
+        let stray = self.stray.apply_to_rate(&rate.map(f64::abs));
+        all_above(guards, &after, &stray).then(|| (self.rate.apply_affine(z), after))
     }
+}
+
+/// The next power of a flow, of which the first powers are given, at least one. It is made of its
+/// halves, so that few roundings are behind any, and of the changes `X = Φ − 1`, which keep their
+/// leading digits: `X(s + t) = X(s) + X(t) + X(s) X(t)`.
+pub(super) fn power<const N: usize>(flows: &[Matrix<N>]) -> Matrix<N> {
+    let half = flows.len().div_ceil(2);
+    let change = |k: usize| flows[k - 1].zip(&Matrix::identity(), |x, unit| x - unit);
+    let (a, b) = (change(half), change(flows.len() + 1 - half));
+    let sum = a.zip(&b, |x, y| x + y).zip(&a.product(&b), |sum, product| sum + product);
+    sum.zip(&Matrix::identity(), |x, unit| x + unit)
 }
 
 /// `w Ψ(k h)` for k = 0 … BLOCK: `Ψ((k+1) h) = Ψ(k h) + exp(A k h) Ψ(h)`.
@@ -101,9 +123,24 @@ mod tests {
     }
 
     #[test]
+    fn powers_are_the_flows_over_so_many_steps() {
+        let (_, _, flow, h) = stiff();
+        let ladder = Ladder::new(stiff().1.a, 8.0 * h);
+        let mut flows = vec![flow];
+        (1..BLOCK).for_each(|_| flows.push(power(&flows)));
+        for (k, flow) in flows.iter().enumerate() {
+            let apart = flow.zip(&ladder.flow((k + 1) as f64 * h), |x, y| (x - y).abs());
+            let largest = apart.columns.iter().flatten().fold(0.0, |m: f64, x| m.max(*x));
+            assert!(largest < 1e-14, "{k}: {largest}");
+        }
+    }
+
+    #[test]
     fn a_free_block_has_no_dip_however_short_and_quiet_blocks_are_often_free() {
         let (guards, ladder, flow, h) = stiff();
-        let block = Block::new(&guards, &ladder, &flow, h);
+        let mut flows = vec![flow];
+        (1..BLOCK).for_each(|_| flows.push(power(&flows)));
+        let block = Block::new(&guards, &ladder, &flows, h);
         let short = ladder.flow(h / 64.0);
         let (mut free, mut quiet) = (0, 0);
         for k in 0..2_000 {
@@ -111,7 +148,7 @@ mod tests {
                 (0.6 * libm::sin(f64::from(k)), 1.5 * libm::sin(0.7 * f64::from(k * k)));
             let mut z = [theta, omega, 1.0];
             let rate = ladder.a.apply(&z);
-            let found = block.is_free(&z, &rate, &guards.apply(&z));
+            let found = block.free(&z, &rate, &guards.apply(&z)).is_some();
             let mut least = f64::INFINITY;
             for _ in 0..=64 * BLOCK {
                 least = guards.apply(&z).iter().fold(least, |m, g| m.min(*g));

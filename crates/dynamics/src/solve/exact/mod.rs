@@ -6,7 +6,6 @@
 
 mod block;
 mod compiled;
-mod functionals;
 mod method;
 mod run;
 mod uneven;
@@ -16,6 +15,7 @@ use super::{Grid, Solver, with_length};
 use crate::error::{DynamicsError, Result};
 use crate::system::System;
 use crate::trajectory::Trajectory;
+use compiled::Reach;
 pub use method::{Exact, Prepared};
 use run::Run;
 
@@ -60,10 +60,11 @@ impl Exact {
         grid: &Grid,
     ) -> Result<Box<dyn Prepared + 'a>> {
         let longest_s = grid.longest_step();
-        let reach_s = if longest_s > 0.0 { longest_s } else { 1.0 };
+        let longest_s = if longest_s > 0.0 { longest_s } else { 1.0 };
+        let reach = Reach { longest_s, even: matches!(grid, Grid::Even { .. }) };
         Ok(match system.layout.finger {
-            Some(_) => Box::new(Run::<N, 6>::new(*self, system, reach_s)),
-            None => Box::new(Run::<N, 4>::new(*self, system, reach_s)),
+            Some(_) => Box::new(Run::<N, 6>::new(*self, system, reach)),
+            None => Box::new(Run::<N, 4>::new(*self, system, reach)),
         })
     }
 }

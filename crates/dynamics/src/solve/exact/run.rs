@@ -1,7 +1,7 @@
 //! A run of the exact solver: sample after sample, from event to event.
 
 use super::block::BLOCK;
-use super::compiled::Compiled;
+use super::compiled::{Compiled, Reach};
 use super::work::Sums;
 use super::{Exact, Prepared};
 use crate::energy::EnergyBalance;
@@ -16,13 +16,17 @@ use crate::trajectory::{Event, Trajectory, WorkCounts};
 pub(super) struct Run<'a, const N: usize, const G: usize> {
     limits: Exact,
     system: &'a System,
-    reach_s: f64,
+    reach: Reach,
     regions: Vec<Compiled<N, G>>,
     current: usize,
     cursor: Cursor,
     z: [f64; N],
     rate: [f64; N],
     guards: [f64; G],
+    /// The state so many even steps ago (fewer than a block), from which the next ones are taken
+    /// too: one product each, none of which waits for another.
+    base: [f64; N],
+    steps: usize,
     events: Vec<Event>,
     pieces: u64,
     compiled: u64,
@@ -34,6 +38,32 @@ pub(super) struct Run<'a, const N: usize, const G: usize> {
 /// up.
 const FRESH_INPUT_SAMPLES: usize = 256;
 
+/// Takes the samples of a run, one or several of a region at a time.
+trait Record<const N: usize> {
+    fn record<const K: usize>(&mut self, t_s: &[f64; K], states: &[[f64; N]; K], region: usize);
+}
+
+/// Keeps them.
+struct Keep<'a>(&'a mut Trajectory);
+
+impl<const N: usize> Record<N> for Keep<'_> {
+    #[inline(always)]
+    fn record<const K: usize>(&mut self, t_s: &[f64; K], states: &[[f64; N]; K], region: usize) {
+        self.0.push(t_s, states, region as u16);
+    }
+}
+
+/// Shows them to somebody.
+struct Show<'a>(&'a mut dyn FnMut(f64, &[f64]));
+
+impl<const N: usize> Record<N> for Show<'_> {
+    fn record<const K: usize>(&mut self, t_s: &[f64; K], states: &[[f64; N]; K], _: usize) {
+        for (t, z) in t_s.iter().zip(states) {
+            (self.0)(*t, z);
+        }
+    }
+}
+
 impl<const N: usize, const G: usize> Prepared for Run<'_, N, G> {
     fn run_into(
         &mut self,
@@ -41,7 +71,7 @@ impl<const N: usize, const G: usize> Prepared for Run<'_, N, G> {
         out: &mut Trajectory,
     ) -> std::result::Result<(), DynamicsError> {
         out.clear(self.system.layout, grid.samples());
-        self.along(grid, &mut |t, z: &[f64; N], region| out.push(t, z, region))?;
+        self.along(grid, &mut Keep(out))?;
         self.finish(grid, out);
         Ok(())
     }
@@ -52,25 +82,27 @@ impl<const N: usize, const G: usize> Prepared for Run<'_, N, G> {
         visit: &mut dyn FnMut(f64, &[f64]),
     ) -> std::result::Result<Trajectory, DynamicsError> {
         let mut out = Trajectory::new(self.system.layout, 0);
-        self.along(grid, &mut |t, z: &[f64; N], _| visit(t, z))?;
+        self.along(grid, &mut Show(visit))?;
         self.finish(grid, &mut out);
         Ok(out)
     }
 }
 
 impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
-    pub(super) fn new(limits: Exact, system: &'a System, reach_s: f64) -> Self {
+    pub(super) fn new(limits: Exact, system: &'a System, reach: Reach) -> Self {
         let (full, cursor) = system.start();
         Self {
             limits,
             system,
-            reach_s,
+            reach,
             regions: Vec::new(),
             current: 0,
             cursor,
             z: shorten(&full),
             rate: [0.0; N],
             guards: [0.0; G],
+            base: [0.0; N],
+            steps: 0,
             events: Vec::new(),
             pieces: 0,
             compiled: 0,
@@ -92,20 +124,21 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         Ok(())
     }
 
-    fn along(&mut self, grid: &Grid, record: &mut impl FnMut(f64, &[f64; N], u16)) -> Result<()> {
+    fn along(&mut self, grid: &Grid, out: &mut impl Record<N>) -> Result<()> {
         self.restart(grid.time(0))?;
         let swings = self.system.swings();
-        record(grid.time(0), &self.z, self.current as u16);
+        out.record(&[grid.time(0)], &[self.z], self.current);
+        let even = matches!(grid, Grid::Even { .. });
         let mut i = 0;
         while i + 1 < grid.samples() {
-            if i.is_multiple_of(BLOCK) && self.cross_block(grid, i, swings, record) {
+            if self.steps == 0 && self.cross_block(grid, i, swings, out) {
                 i += BLOCK;
                 continue;
             }
             i += 1;
             let (from, to) = (grid.time(i - 1), grid.time(i));
             if self.cursor.end_s >= to {
-                self.cross(from, grid.step(i - 1))?;
+                self.cross(from, grid.step(i - 1), even)?;
             } else {
                 self.cross_spans(from, to)?;
             }
@@ -116,7 +149,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
                 self.system.write_inputs(&self.cursor, to, &mut self.z);
                 self.refresh();
             }
-            record(to, &self.z, self.current as u16);
+            out.record(&[to], &[self.z], self.current);
         }
         Ok(())
     }
@@ -129,26 +162,29 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         grid: &Grid,
         i: usize,
         swings: bool,
-        record: &mut impl FnMut(f64, &[f64; N], u16),
+        out: &mut impl Record<N>,
     ) -> bool {
         let Some((step_s, steps)) = grid.even_part() else { return false };
         let last = i + BLOCK;
-        if last > steps || self.cursor.end_s <= grid.time(last) {
+        let inputs_until = i - i % FRESH_INPUT_SAMPLES + FRESH_INPUT_SAMPLES;
+        if last > steps || last > inputs_until || self.cursor.end_s <= grid.time(last) {
             return false;
         }
         let free = self.regions[self.current].free_block(step_s, &self.z, &self.rate, &self.guards);
-        let Some(flow) = free else { return false };
-        let mut z = self.z;
-        for k in i + 1..last {
-            z = flow.apply_affine(&z);
-            record(grid.time(k), &z, self.current as u16);
+        let Some((flows, rate, guards)) = free else { return false };
+        let mut states = [[0.0; N]; BLOCK];
+        for (state, flow) in states.iter_mut().zip(flows) {
+            *state = flow.apply_affine(&self.z);
         }
-        self.z = flow.apply_affine(&z);
-        if swings && last.is_multiple_of(FRESH_INPUT_SAMPLES) {
+        (self.z, self.rate, self.guards) = (states[BLOCK - 1], rate, guards);
+        self.base = self.z;
+        if swings && last == inputs_until {
             self.system.write_inputs(&self.cursor, grid.time(last), &mut self.z);
+            states[BLOCK - 1] = self.z;
+            self.refresh();
         }
-        self.refresh();
-        record(grid.time(last), &self.z, self.current as u16);
+        let t_s = std::array::from_fn(|k| grid.time(i + 1 + k));
+        out.record::<BLOCK>(&t_s, &states, self.current);
         true
     }
 
@@ -171,11 +207,11 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             if self.pieces > self.limits.most_pieces {
                 return Err(self.too_much(self.limits.most_pieces, "pieces", at));
             }
-            self.cross(at, end - at)?;
+            self.cross(at, end - at, false)?;
             self.pass_input(end)?;
             at = end;
         }
-        self.cross(at, to - at)
+        self.cross(at, to - at, false)
     }
 
     /// From one span of the inputs to the next; only a jump can change the region.
@@ -189,25 +225,37 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         Ok(())
     }
 
-    /// Over `h` seconds from `t` on, within one span of the inputs.
+    /// Over `h` seconds from `t` on, within one span of the inputs; `even` if it is a step of an even
+    /// grid.
     #[inline]
-    fn cross(&mut self, t: f64, h: f64) -> Result<()> {
+    fn cross(&mut self, t: f64, h: f64, even: bool) -> Result<()> {
         let compiled = &mut self.regions[self.current];
-        if compiled.is_ready(h) {
-            if let Some(step) = compiled.even_step()
-                && let Some((next, guards)) = step.free(&self.z, &self.rate, &self.guards)
-            {
-                self.rate = step.rate.apply_affine(&self.z);
+        let ready = compiled.is_ready(h, even);
+        if ready {
+            if let Some((rate, guards)) = compiled.free_step(&self.z, &self.rate, &self.guards) {
                 if let Some(work) = &compiled.work {
                     work.add(&self.z, h, &mut self.sums);
                 }
-                (self.z, self.guards) = (next, guards);
+                self.step();
+                (self.rate, self.guards) = (rate, guards);
                 return Ok(());
             }
         } else if self.cross_uneven(h) {
             return Ok(());
         }
-        self.search(t, h)
+        self.search(t, h, ready)
+    }
+
+    /// The state after one more prepared step from the base.
+    #[inline]
+    fn step(&mut self) {
+        self.steps += 1;
+        if let Some(next) = self.regions[self.current].stepped(&self.base, self.steps) {
+            self.z = next;
+        }
+        if self.steps == BLOCK {
+            (self.base, self.steps) = (self.z, 0);
+        }
     }
 
     /// The same for a step of any length; false, with nothing done, if an event may lie inside.
@@ -216,20 +264,22 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         self.pieces += 1;
         let compiled = &self.regions[self.current];
         let (next, cover) = compiled.far(&self.z, h);
-        let guards = compiled.guards.apply(&next);
-        if !compiled.sags[cover].safe(&self.rate, &self.guards, &guards) {
+        let guards = compiled.flow.guards.apply(&next);
+        if !compiled.flow.is_free(&compiled.flow.sags[cover], &self.rate, &self.guards, &guards) {
             return false;
         }
         if let Some(work) = &compiled.work {
             work.add(&self.z, h, &mut self.sums);
         }
-        self.rate = compiled.ladder.a.apply_affine(&next);
+        self.rate = compiled.flow.rate(&next);
         (self.z, self.guards) = (next, guards);
+        (self.base, self.steps) = (next, 0);
         true
     }
 
-    /// Piece by piece where an event may lie inside.
-    fn search(&mut self, t: f64, h: f64) -> Result<()> {
+    /// Piece by piece where an event may lie inside; `ready` if a step of this length is prepared.
+    fn search(&mut self, t: f64, h: f64, ready: bool) -> Result<()> {
+        let events = self.events.len();
         // Compensated (Kahan): thousands of events in one interval must not add up their rounding.
         let (mut elapsed, mut excess, mut rest) = (0.0, 0.0, h);
         while rest > 0.0 {
@@ -244,10 +294,10 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
                 return Err(self.too_much(limit, "pieces", t));
             }
             let Some((after, kind)) = found else {
-                if compiled.ladder.is_long(rest) {
+                if compiled.flow.ladder.is_long(rest) {
                     // The many short pieces that proved it free of events were rounded as often;
                     // some long ones are not.
-                    self.z = compiled.ladder.advance(&before, rest);
+                    self.z = compiled.flow.ladder.advance(&before, rest);
                 }
                 break;
             };
@@ -261,10 +311,17 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
                 break;
             }
         }
+        if ready && self.events.len() == events {
+            // Nothing happened: the state is that of the prepared step, which is rounded once,
+            // whatever pieces it took to prove it.
+            self.step();
+            self.look();
+        } else {
+            self.refresh();
+        }
         if !in_bounds(&self.z) {
             return Err(DynamicsError::NotFinite { t_s: t + h, suspect: self.system.suspect() });
         }
-        self.refresh();
         Ok(())
     }
 
@@ -293,7 +350,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         if known.is_none_or(|at| self.regions[at].region != *region) {
             self.compile(region);
         }
-        if !self.regions[self.current].ladder.reaches(self.reach_s) {
+        if !self.regions[self.current].flow.ladder.reaches(self.reach.longest_s) {
             return Err(DynamicsError::NotFinite { t_s: t, suspect: self.system.suspect() });
         }
         self.refresh();
@@ -303,19 +360,25 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
     /// Makes a region ready, in place of the one it differs from in numbers only.
     fn compile(&mut self, region: &Region) {
         self.compiled += 1;
-        let compiled = Compiled::new(self.system, region, self.reach_s, self.limits.energy);
+        let compiled = Compiled::new(self.system, region, self.reach, self.limits.energy);
         match self.regions.get_mut(self.current) {
             Some(slot) => *slot = compiled,
             None => self.regions.push(compiled),
         }
     }
 
-    /// Rate and guard values of the state.
+    /// Rate and guard values of a state that does not come from a base.
     #[inline]
     fn refresh(&mut self) {
-        let compiled = &self.regions[self.current];
-        self.rate = compiled.ladder.a.apply_affine(&self.z);
-        self.guards = compiled.guards.apply(&self.z);
+        (self.base, self.steps) = (self.z, 0);
+        self.look();
+    }
+
+    /// Rate and guard values of the state.
+    #[inline]
+    fn look(&mut self) {
+        let flow = &self.regions[self.current].flow;
+        (self.rate, self.guards) = (flow.rate(&self.z), flow.guards.apply(&self.z));
     }
 
     fn balance(&self) -> EnergyBalance {
