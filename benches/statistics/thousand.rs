@@ -205,6 +205,7 @@ fn metric_job(study: &Study, sat: &[Sat], file: &Path, metric: &str) -> anyhow::
         cells,
         means,
         contrasts,
+        omnibus,
         models,
         participants,
         sessions,
@@ -212,8 +213,18 @@ fn metric_job(study: &Study, sat: &[Sat], file: &Path, metric: &str) -> anyhow::
         repeats,
         orders,
     } = compare(&table, &parameters(study, sat, metric))?;
-    let tables =
-        [cells, means, contrasts, models, participants, sessions, learning, repeats, orders];
+    let tables = [
+        cells,
+        means,
+        contrasts,
+        omnibus,
+        models,
+        participants,
+        sessions,
+        learning,
+        repeats,
+        orders,
+    ];
     let none = BTreeMap::new();
     tables.iter().map(|table| Ok(table.to_parquet(&none, file)?.len())).sum()
 }
@@ -236,6 +247,7 @@ fn parameters(study: &Study, sat: &[Sat], metric: &str) -> Parameters {
     Parameters {
         metric: metric.to_owned(),
         primary: metric == study.compare.primary.as_str(),
+        preregistered: None,
         simulated: true,
         environments: ids().collect(),
         bounds: vec![None; study.environments.len()],
@@ -259,10 +271,12 @@ fn answers_job(study: &Study, file: &Path) -> anyhow::Result<usize> {
         level: study.compare.level,
     };
     let found = compare_answers(&Table::from_parquet(file)?, &parameters)?;
-    let ratios = found.floats("odds_ratio")?;
+    let ratios = found.contrasts.floats("odds_ratio")?;
     ratios
         .into_iter()
         .collect::<Option<Vec<f64>>>()
         .context("a model of the answers has no end")?;
-    Ok(found.to_parquet(&BTreeMap::new(), file)?.len())
+    let written = [found.contrasts, found.participants];
+    let none = BTreeMap::new();
+    written.iter().map(|table| Ok(table.to_parquet(&none, file)?.len())).sum()
 }

@@ -71,9 +71,10 @@ pub fn comparison(layout: &Layout, by: By, metric: &str) -> Vec<PathBuf> {
     names.iter().map(|name| table_of(layout, name, metric)).collect()
 }
 
-/// The derived table of the mixed models of a metric.
-pub fn models(layout: &Layout, metric: &str) -> PathBuf {
-    table_of(layout, "models", metric)
+/// The derived tables that tell how participants differ in a metric: the contrasts, and the mixed
+/// models.
+pub fn spreads(layout: &Layout, metric: &str) -> [PathBuf; 2] {
+    ["contrasts", "models"].map(|table| table_of(layout, table, metric))
 }
 
 /// The metrics that are compared: those that trials of this study can have, the primary one first.
@@ -327,10 +328,12 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
         };
         let people = || drawing(PARTICIPANTS_COMPARED, draw_participants);
         let modes = drawing(MODES_COMPARED, draw_modes);
-        let repeats = drawing(REPEATS_COMPARED, draw_repeats);
+        // One repeat shows no learning.
+        let repeated = data.study.design.repeats > 1;
+        let repeats = || drawing(REPEATS_COMPARED, draw_repeats);
         let sessions = || drawing(SESSIONS_COMPARED, draw_sessions);
         let beside = [several.then(people), (several && again).then(sessions)];
-        [modes].into_iter().chain(beside.into_iter().flatten()).chain([repeats])
+        [modes].into_iter().chain(beside.into_iter().flatten()).chain(repeated.then(repeats))
     };
     compared(data).iter().flat_map(of_metric).chain(answers_figures(data)).collect()
 }

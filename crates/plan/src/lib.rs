@@ -29,7 +29,7 @@ mod summary;
 mod tables;
 mod trials;
 
-pub use compare::{By, answers, compared, comparison, models};
+pub use compare::{By, answers, compared, comparison, spreads};
 pub use figures::chosen_in_vain;
 pub use preregistered::{analysis, plan_file};
 pub use report::built_in;

@@ -301,7 +301,8 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
         "n counts participants, never answers. Model: cumulative logit with participant and \
          participant × mode (participant alone where nobody answered twice in a mode), sessions \
          fixed; the likelihood ratio over F is a small-sample approximation, below 8 participants \
-         a bootstrap (999) tests whether any mode differs.",
+         a bootstrap (999) tests whether any mode differs. Adjusted over the contrasts of a question: \
+         questions are not adjusted for each other.",
     ))
 }
 

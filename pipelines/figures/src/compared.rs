@@ -152,10 +152,12 @@ pub fn modes_compared(
     } else {
         "dots: repeats"
     };
-    let notes = vec![plain(&format!(
-        "Units of analysis: {unit}; {lines}. Whiskers: {} intervals, not adjusted.",
-        percent(about.confidence)
-    ))];
+    let intervals = shown.numbers(tables.means, "ci_low")?.iter().any(|low| low.is_finite());
+    let whiskers = match intervals {
+        true => format!("Whiskers: {} intervals, not adjusted.", percent(about.confidence)),
+        false => "No intervals: one value per session and mode.".to_owned(),
+    };
+    let notes = vec![plain(&format!("Units of analysis: {unit}; {lines}. {whiskers}"))];
     let footnotes = notes.into_iter().chain(last_note(tables.contrasts)).collect();
     Ok(Figure {
         title: Some(plain(&format!("{}: {}", about.title, shown.words))),

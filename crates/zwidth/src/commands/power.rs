@@ -122,7 +122,7 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
     Ok(Exit::Fine)
 }
 
-/// The SDs given, or those of the mixed model of the study's own trials.
+/// The SDs given, or those of the study's own trials.
 fn spread(
     data: &StudyData,
     asked: &Power,
@@ -147,30 +147,55 @@ fn spread(
         );
     }
     super::compare::make(data, screen)?;
-    let table = Table::from_parquet(&plan::models(&data.layout, metric))?;
-    let largest = |stem: &str| -> anyhow::Result<f64> {
-        let name = table.column_of(stem)?.field.name.to_string();
-        let values = table.floats(&name)?.into_iter().flatten();
-        values.fold(None, |most: Option<f64>, v| Some(most.map_or(v, |m| m.max(v)))).with_context(
-            || {
-                format!(
-                    "the trials of {} do not tell the spread of {metric} (one participant, or no mixed \
-                     model): give --participant-mode-sd and --residual-sd",
-                    data.layout.study()
-                )
-            },
-        )
-    };
+    let [contrasts, models] =
+        plan::spreads(&data.layout, metric).map(|file| Table::from_parquet(&file));
+    let (contrasts, models) = (contrasts?, models?);
+    let widest = widest(&contrasts, &models, f64::from(data.study.design.repeats))?;
     let simulated = data.counting().any(|trial| trial.meta.source == Source::Twin);
     let mark = if simulated { " (SYNTHETIC: simulated data)" } else { "" };
-    Ok(Spread {
-        participant: largest("participant_sd")?,
-        participant_mode: largest("participant_mode_sd")?,
-        residual: largest("residual_sd")?,
-        source: format!(
-            "the mixed model of the study's trials, the largest over environments{mark}"
-        ),
-    })
+    let widest = widest.with_context(|| {
+        format!(
+            "the trials of {} do not tell the spread of {metric} (one participant, or no mixed model): \
+             give --participant-mode-sd and --residual-sd",
+            data.layout.study()
+        )
+    })?;
+    Ok(Spread { source: format!("the study's own trials, {}{mark}", widest.source), ..widest })
+}
+
+/// The spread of the contrast in which participants differ most. Their differences scatter with
+/// 2 (σ² of their own mode effects + σ² of repeats / repeats): each contrast has its own, where a
+/// model of all modes would pool those in which people differ little with those in which they differ
+/// much. None where the claims are not about participants.
+fn widest(contrasts: &Table, models: &Table, repeats: f64) -> anyhow::Result<Option<Spread>> {
+    let floats = |table: &Table, stem: &str| -> anyhow::Result<Vec<Option<f64>>> {
+        let name = table.column_of(stem)?.field.name.to_string();
+        Ok(table.floats(&name)?)
+    };
+    let (errors, n) = (floats(contrasts, "difference_std_error")?, contrasts.integers("n")?);
+    let (sessions, units) = (contrasts.integers("sessions")?, contrasts.texts("unit_of_analysis")?);
+    let (environments, names) = (contrasts.texts("environment")?, contrasts.texts("contrast")?);
+    let (participant, residual) =
+        (floats(models, "participant_sd")?, floats(models, "residual_sd")?);
+    let of_model = models.texts("environment")?;
+    let spread = |row: usize| {
+        let model = of_model.iter().position(|environment| *environment == environments[row])?;
+        let is_of_people = units[row].as_deref() == Some("participants");
+        let residual = residual[model].filter(|_| is_of_people)?;
+        let variance = errors[row]?.powi(2) * n[row]? as f64;
+        let of_repeats = 2.0 * residual.powi(2) / (repeats * sessions[row]?.max(1) as f64);
+        let own = ((variance - of_repeats).max(0.0) / 2.0).sqrt();
+        let source = format!(
+            "{}, {}: the contrast in which participants differ most",
+            environments[row].as_deref()?,
+            names[row].as_deref()?
+        );
+        let spread =
+            Spread { participant: participant[model]?, participant_mode: own, residual, source };
+        Some((variance, spread))
+    };
+    let all = (0..contrasts.height()).filter_map(spread);
+    Ok(all.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, spread)| spread))
 }
 
 fn tell(result: &Planned, screen: &Screen) {
@@ -200,4 +225,48 @@ fn tell(result: &Planned, screen: &Screen) {
         result.residual_sd,
         result.alpha
     ));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_tables::Column;
+
+    fn table(unit: &str) -> [Table; 2] {
+        let float = |name, values: [f64; 2]| Column::float(name, "N", "", values.map(Some));
+        let text =
+            |name, values: [&str; 2]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
+        let whole = |name, values: [i64; 2]| Column::integer(name, "1", "", values.map(Some));
+        let contrasts = vec![
+            text("environment", ["spring", "spring"]),
+            text("contrast", ["hybrid − active", "hybrid − passive"]),
+            text("unit_of_analysis", [unit, unit]),
+            whole("n", [4, 4]),
+            whole("sessions", [1, 1]),
+            float("difference_std_error_n", [0.1, 0.2]),
+        ];
+        let models = vec![
+            text("environment", ["spring", "spring"]),
+            float("participant_sd_n", [0.3, 0.3]),
+            float("residual_sd_n", [0.2, 0.2]),
+        ];
+        [("contrasts", contrasts), ("models", models)]
+            .map(|(name, columns)| Table::new(name, "", columns).unwrap())
+    }
+
+    /// Differences have variances 4 · 0.1² and 4 · 0.2², of which two repeats explain 2 · 0.2² / 2.
+    #[test]
+    fn the_spread_is_that_of_the_contrast_in_which_participants_differ_most() {
+        let [contrasts, models] = table("participants");
+        let found = widest(&contrasts, &models, 2.0).unwrap().unwrap();
+        assert!((found.participant_mode - (0.12_f64 / 2.0).sqrt()).abs() < 1e-12);
+        assert_eq!([found.participant, found.residual], [0.3, 0.2]);
+        assert!(found.source.starts_with("spring, hybrid − passive"), "{}", found.source);
+    }
+
+    #[test]
+    fn trials_of_one_participant_tell_no_spread_of_people() {
+        let [contrasts, models] = table("trials of P01");
+        assert!(widest(&contrasts, &models, 2.0).unwrap().is_none());
+    }
 }

@@ -27,7 +27,7 @@ pub(crate) fn tell(people: &People, found: &Found) -> anyhow::Result<()> {
     let mut wrong = Vec::new();
     coverage(people, found, &mut wrong)?;
     nothing(people, found, &mut wrong)?;
-    planned(people, found, &mut wrong)?;
+    planned(people, found)?;
     ensure!(wrong.is_empty(), "{}", wrong.join("\n"));
     Ok(())
 }
@@ -90,11 +90,12 @@ fn nothing(people: &People, found: &Found, wrong: &mut Vec<String>) -> anyhow::R
     Ok(())
 }
 
-/// Power predicted from the spread of people in the two modes (that of all modes, which `zwidth power` pools,
-/// stands beside it), and the share of studies that find such a
-/// difference: one session, as it is planned. Everybody's difference is moved by the same, so that the
-/// mean is the one planned and the people differ as they do.
-fn planned(people: &People, found: &Found, wrong: &mut Vec<String>) -> anyhow::Result<()> {
+/// Power predicted from the spread of people in the two modes (beside it, from that of all modes), and
+/// the share of studies that find such a difference: one session, as it is planned. Everybody's
+/// difference is moved by the same, so that the mean is the one planned and the people differ as they
+/// do. Shown and not judged: a plan draws normal people, and these are not (`soak null` judges power
+/// where they are).
+fn planned(people: &People, found: &Found) -> anyhow::Result<()> {
     println!("\nPower of {PARTICIPANTS} participants in one session, of 100 (99 % interval):\n");
     println!(
         "| difference | SD of people's differences | difference planned | predicted | observed |"
@@ -141,12 +142,6 @@ fn planned(people: &People, found: &Found, wrong: &mut Vec<String>) -> anyhow::R
             100.0 * low,
             100.0 * high,
         );
-        if predicted < low || predicted > high {
-            wrong.push(format!(
-                "{}: power {predicted} predicted, {observed} observed",
-                what.words()
-            ));
-        }
     }
     Ok(())
 }

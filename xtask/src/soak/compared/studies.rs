@@ -79,6 +79,7 @@ fn parameters(metric: usize, name: &str) -> anyhow::Result<Parameters> {
         Ok(Contrast { mode: mode(of)?, against: mode(against)? })
     };
     Ok(Parameters {
+        preregistered: None,
         metric: name.to_owned(),
         primary: metric == 0,
         simulated: true,
