@@ -173,26 +173,29 @@ fn tests(
         .iter()
         .map(|contrast| Statistic::Difference(place(&contrast.mode), place(&contrast.against)));
     let statistics: Vec<Statistic> = [Statistic::BetweenModes].into_iter().chain(pairs).collect();
-    let mut sources: Vec<&Source> = Vec::new();
+    // Each with the place of its first trial among those of all.
+    let mut sources: Vec<(&Source, usize)> = Vec::new();
     let (mut values, mut block, mut actual, mut group) = (vec![], vec![], vec![], vec![]);
     for (number, Redrawn { source, values: of_session }) in sessions.iter().enumerate() {
-        let known = sources.iter().position(|known| *known == source).unwrap_or_else(|| {
-            sources.push(source);
-            sources.len() - 1
+        let known = sources.iter().find(|(known, _)| *known == source).map(|(_, start)| *start);
+        let start = known.unwrap_or_else(|| {
+            let start = sources.last().map_or(0, |(last, start)| start + last.actual.len());
+            sources.push((source, start));
+            start
         });
         for (place, value) in of_session.iter().enumerate() {
             let Some(value) = value else { continue };
             values.push(*value);
             block.push(number);
             actual.push(source.actual[place]);
-            group.push(known * of_session.len() + place);
+            group.push(start + place);
         }
     }
     let trials = Trials::new(&values, &block, &actual, parameters.modes.len())?;
     let trials = trials.moving_together(&group)?;
     let groups: BTreeSet<usize> = group.into_iter().collect();
     let redraw = |seed| {
-        let all: Vec<usize> = sources.iter().flat_map(|source| source.redraw(seed)).collect();
+        let all: Vec<usize> = sources.iter().flat_map(|(source, _)| source.redraw(seed)).collect();
         groups.iter().filter_map(|group| all.get(*group).copied()).collect()
     };
     let found = trials.each_against_drawn(&statistics, sampling, redraw);

@@ -74,7 +74,6 @@ impl Demo {
             simulated: false,
             metric: "step_n".to_owned(),
             primary: true,
-            simulated: false,
             environments: ENVIRONMENTS.map(|id| id.parse().unwrap()).to_vec(),
             modes: MODES[..modes].iter().map(|id| mode(id)).collect(),
             contrasts: MODES[..modes - 1].iter().map(contrast).collect(),
@@ -183,8 +182,8 @@ fn orders_redrawn_with_the_seed_that_drew_them_are_those_of_all_sessions() {
             by_session(&metrics, &measure, &demo.parameters).unwrap()
         {
             let found = redrawn(environment, &session, &places, &demo.parameters).unwrap();
-            assert_eq!(found.redraw(SEED), found.actual);
-            assert_ne!(found.redraw(SEED + 1), found.actual);
+            assert_eq!(found.source.redraw(SEED), found.source.actual);
+            assert_ne!(found.source.redraw(SEED + 1), found.source.actual);
         }
     }
 }
