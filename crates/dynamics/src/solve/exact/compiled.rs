@@ -70,6 +70,8 @@ pub(super) struct Compiled<const N: usize, const G: usize> {
     step: Option<Box<EvenStep<N, G>>>,
     table: Option<Table<N>>,
     uneven: u32,
+    /// Whether it is prepared for an even grid.
+    even: bool,
     reach_s: f64,
     /// Length of the last interval without a prepared step; the second of its kind gets one.
     wanted_h: f64,
@@ -99,6 +101,7 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
             step: None,
             table: None,
             uneven: 0,
+            even: reach.even,
             reach_s,
             wanted_h: f64::NAN,
         }
@@ -113,7 +116,9 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
             return true;
         }
         let first = even && self.step.is_none();
-        let wanted = first || self.wanted_h.to_bits() == h.to_bits();
+        let again = self.wanted_h.to_bits() == h.to_bits();
+        // What is left over at an even grid's end is the same in every run, and not worth it either.
+        let wanted = first || again && (even || !self.even);
         self.wanted_h = h;
         if wanted {
             self.step = Some(Box::new(self.prepare(h)));

@@ -61,7 +61,7 @@ impl Exact {
     ) -> Result<Box<dyn Prepared + 'a>> {
         let longest_s = grid.longest_step();
         let longest_s = if longest_s > 0.0 { longest_s } else { 1.0 };
-        let reach = Reach { longest_s, even: matches!(grid, Grid::Even { .. }) };
+        let reach = Reach { longest_s, even: grid.even_part().is_some() };
         Ok(match system.layout.finger {
             Some(_) => Box::new(Run::<N, 6>::new(*self, system, reach)),
             None => Box::new(Run::<N, 4>::new(*self, system, reach)),

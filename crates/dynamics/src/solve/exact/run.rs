@@ -128,7 +128,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         self.restart(grid.time(0))?;
         let swings = self.system.swings();
         out.record(&[grid.time(0)], &[self.z], self.current);
-        let even = matches!(grid, Grid::Even { .. });
+        let even = grid.even_part().map_or(0, |(_, steps)| steps);
         let mut i = 0;
         while i + 1 < grid.samples() {
             if self.steps == 0 && self.cross_block(grid, i, swings, out) {
@@ -138,7 +138,7 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             i += 1;
             let (from, to) = (grid.time(i - 1), grid.time(i));
             if self.cursor.end_s >= to {
-                self.cross(from, grid.step(i - 1), even)?;
+                self.cross(from, grid.step(i - 1), i <= even)?;
             } else {
                 self.cross_spans(from, to)?;
             }
