@@ -1,16 +1,16 @@
 //! Stage `summary`: the page a person reads first.
 
-use crate::conditions::sessions;
 use crate::drawing::Drawing;
 use crate::trials::name;
-use crate::{average, compare, freemotion, likert, metrics, tables};
+use crate::{average, compare, freemotion, likert, metrics, report, tables};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
-    ComparedMetric, Made as Listed, Planned, Remark, Shown, Summary, findings, summary_markdown,
+    ComparedMetric, Gallery, Made as Listed, Planned, Remark, Shown, Summary, findings,
+    summary_markdown,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
@@ -18,7 +18,7 @@ use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 6 };
+const STAGE: Stage = Stage { name: "summary", version: 7 };
 
 /// The summary's file.
 pub fn file(data: &StudyData) -> PathBuf {
@@ -34,8 +34,7 @@ struct Page {
     captions: Vec<Caption>,
     /// The metrics that are compared, in the order of their files.
     compared: Vec<String>,
-    /// Participant and session, where there is only one.
-    only_session: Option<[String; 2]>,
+    gallery: Gallery,
 }
 
 /// The files that the page speaks of, where they are there.
@@ -48,13 +47,16 @@ struct Files {
     tables: Vec<PathBuf>,
     metrics: Option<PathBuf>,
     tally: Option<PathBuf>,
+    /// The thesis' statements, as judged.
+    statements: Option<PathBuf>,
     /// Means and contrasts of each metric that is compared, the primary one first.
     compared: Vec<[PathBuf; 2]>,
 }
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let numbers = self.metrics.iter().chain(&self.tally).cloned().collect::<Vec<_>>();
+        let numbers: Vec<PathBuf> =
+            [&self.metrics, &self.tally, &self.statements].into_iter().flatten().cloned().collect();
         let compared: Vec<PathBuf> = self.compared.iter().flatten().cloned().collect();
         [&self.noted, &self.conditions, &self.figures, &self.tables, &numbers, &compared]
             .map(Clone::clone)
@@ -72,6 +74,7 @@ pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Jo
         tables: tables::files(data),
         metrics: metrics::of_study(data),
         tally: likert::tally(data),
+        statements: report::statements(data),
         compared: compared.iter().map(|metric| compare::summarised(&data.layout, metric)).collect(),
     };
     let page = Page {
@@ -79,10 +82,7 @@ pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Jo
         planned: Planned::of(&data.study),
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
         compared,
-        only_session: match sessions(data).as_slice() {
-            [one] => Some(one.ids()),
-            _ => None,
-        },
+        gallery: report::gallery(data, figures),
     };
     Job::new(STAGE, "summary", page, files, vec![file(data)], make).tolerant()
 }
@@ -116,6 +116,7 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
     summary.matrix = zwidth_report::matrix(&page.planned, &metrics)?;
     summary.limits.extend(notes(&contrasts_of(files), |kind| kind == NoteKind::Limit)?);
     summary.shown = list_findings(page, files, &metrics, &summary)?;
+    (summary.statements, summary.judged) = list_statements(files, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
     let origin = making.from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
@@ -131,25 +132,13 @@ fn list_findings(
     compared: &[ComparedMetric],
     made: &Summary,
 ) -> Result<Vec<Listed>, TableError> {
-    let read = |file: &Option<PathBuf>| {
-        let there = file.as_deref().filter(|f| f.exists());
-        there.map(Table::from_parquet).transpose()
-    };
     let (Some(metrics), tally) = (read(&files.metrics)?, read(&files.tally)?) else {
         return Ok(Vec::new());
     };
     let path = |shown: Shown| {
-        let path = match (shown, &page.only_session) {
-            (Shown::Modes(environment), Some([participant, session])) => {
-                format!("figures/modes.{participant}.{session}.{environment}.png")
-            }
-            (Shown::Answers, _) => "figures/likert.png".to_owned(),
-            (Shown::Metrics, _) => "tables/metrics.md".to_owned(),
-            (Shown::Compared(metric), _) => format!("figures/compare.{metric}.png"),
-            _ => CONDITIONS.to_owned(),
-        };
-        let is_made = made.figures.iter().chain(&made.tables).any(|m| m.path == path);
-        if is_made { path } else { CONDITIONS.to_owned() }
+        let of_session = matches!(shown, Shown::Modes(_)) && page.gallery.only_session.is_none();
+        let file = page.gallery.file(&shown);
+        if is_made(made, &file) && !of_session { file } else { CONDITIONS.to_owned() }
     };
     let compared = zwidth_report::contrasts(&page.planned, compared)?;
     let found = findings(&page.planned, &metrics, tally.as_ref())?;
@@ -158,6 +147,27 @@ fn list_findings(
         .chain(found)
         .map(|f| Listed { path: path(f.shown), caption: f.text })
         .collect())
+}
+
+/// How the thesis' statements stand, and the judged ones with what shows them.
+fn list_statements(files: &Files, made: &Summary) -> Result<(String, Vec<Listed>), TableError> {
+    let Some(table) = read(&files.statements)? else { return Ok(Default::default()) };
+    let (counts, told) = zwidth_report::told(&table)?;
+    let listed = told.into_iter().map(|told| {
+        let path = Some(told.path).filter(|path| is_made(made, path));
+        Listed { path: path.unwrap_or_else(|| STATEMENTS.to_owned()), caption: told.text }
+    });
+    Ok((counts, listed.collect()))
+}
+
+/// A table, where there is one and it could be made.
+fn read(file: &Option<PathBuf>) -> Result<Option<Table>, TableError> {
+    file.as_deref().filter(|f| f.exists()).map(Table::from_parquet).transpose()
+}
+
+/// Whether a figure or table was made.
+fn is_made(made: &Summary, path: &str) -> bool {
+    made.figures.iter().chain(&made.tables).any(|m| m.path == path)
 }
 
 /// The tables of the metrics that are compared, up to one that could not be made.
@@ -177,6 +187,8 @@ fn contrasts_of(files: &Files) -> Vec<PathBuf> {
 
 /// The table of the metrics by condition, from the summary's folder on.
 const CONDITIONS: &str = "tables/conditions.md";
+/// The table of the thesis' statements.
+const STATEMENTS: &str = "tables/thesis.md";
 
 fn facts(data: &StudyData, found: &Findings) -> Summary {
     let counting: Vec<_> = data.counting().collect();

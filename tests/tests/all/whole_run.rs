@@ -180,6 +180,8 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "table pros_cons",
         "table replay",
         "table replay.agreement",
+        "table thesis",
+        "thesis' statements",
     ]);
     let compared = |name: &&String| {
         ["compare.", "learning.", "means_", "contrasts_", "learning_", "orders_", "answers_"]
@@ -217,7 +219,9 @@ fn a_changed_sweep_remakes_its_own_characteristic_and_what_rests_on_its_forces_a
         "table modes",
         "table parameters.motor",
         "table pros_cons",
+        "table thesis",
         "table weight",
+        "thesis' statements",
     ];
     assert_eq!(ran.made(), expect);
     let why = ran.json()[0]["made"][0]["why"].as_str().unwrap().to_owned();
