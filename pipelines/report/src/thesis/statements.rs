@@ -10,15 +10,16 @@ use zwidth_study::ModeLaw::{self, Active, Hybrid, Passive};
 /// Cheng 1994, ASME DSC 55-1:353), taken for the lever's angle.
 const ANGLE_JND_RAD: f64 = degrees(2.5);
 /// From here on a lever that does not move stands still and does not merely turn: a press of 77° that
-/// takes 2 s is below 5°/s for 26 ms where it turns.
+/// takes 2 s is below 5°/s for 26 ms where it turns. Assumed: no source says from when on people
+/// call it standing.
 const STANDS_S: f64 = 0.1;
 
 const JND: &str = "just noticeable difference of a finger joint's angle (Tan 1994)";
 const DIGITS: &str = "the digits that the thesis gives";
 const ANGLES: &str = "as read off the thesis' figure, to ±5°";
 const ABOVE_NOTHING: &str = "more than nothing";
-const STANDING: &str = "longer than a turn takes";
-const NOT_STANDING: &str = "no longer than a turn takes";
+const STANDING: &str = "longer than a turn takes (assumed)";
+const NOT_STANDING: &str = "no longer than a turn takes (assumed)";
 const RETURNED_NOTHING: &str = "a released lever moves on a little";
 
 const fn degrees(degrees: f64) -> f64 {
