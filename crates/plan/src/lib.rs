@@ -52,7 +52,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     jobs.extend(courses::jobs(data));
     jobs.extend(likert::jobs(data));
     jobs.extend(compare::jobs(data));
-    jobs.extend(report::jobs(data));
+    jobs.extend(report::jobs(data, &figures));
     jobs.extend(tables::jobs(data));
     let summary = summary::job(data, found, &figures);
     jobs.extend(figures.into_iter().map(|figure| figure.job));

@@ -1,18 +1,21 @@
 //! Stage `report`: the tables of what was planned, and the pros and cons beside what came out.
 
+use crate::conditions::sessions;
 use crate::design::{Forces, forces, has_actuators};
+use crate::drawing::Drawing;
 use crate::making::{derived, write_tables};
-use crate::metrics;
+use crate::{likert, metrics, replay};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_report::{
-    Known, Planned, device_table, model_table, modes_table, pros_cons_table, weight_table,
+    Derived, Gallery, Known, Planned, device_table, model_table, modes_table, pros_cons_table,
+    thesis_table, weight_table,
 };
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_simulate::ModelScene;
 use zwidth_store::{Layout, StudyData};
 use zwidth_study::Basis;
-use zwidth_tables::Table;
+use zwidth_tables::{Table, TableError};
 
 const STAGE: Stage = Stage { name: "report", version: zwidth_report::VERSION };
 /// The scene of the thesis' Table 3.
@@ -31,8 +34,20 @@ fn table_of(layout: &Layout, name: &str) -> PathBuf {
     derived(layout, format!("report/{name}.parquet"))
 }
 
-/// Every table of the stage that the study has, the thesis' Table 1 in front.
+/// Every table of the stage that the study has, the thesis' statements and Table 1 in front.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
+    statements(data).into_iter().chain(of_actuators(data)).collect()
+}
+
+/// The table of the thesis' statements, where there is a trial, an answer or an actuator.
+pub(crate) fn statements(data: &StudyData) -> Option<PathBuf> {
+    let any =
+        has_actuators(data) || metrics::of_study(data).is_some() || likert::tally(data).is_some();
+    any.then(|| table_of(&data.layout, "thesis"))
+}
+
+/// The tables that a study with actuators has.
+fn of_actuators(data: &StudyData) -> Vec<PathBuf> {
     let names = ["pros_cons", "modes", "model", "device", "weight"].into_iter();
     let is_made = |name: &&str| *name != "weight" || is_weighed(data);
     let names = names.filter(|_| has_actuators(data)).filter(is_made);
@@ -51,7 +66,86 @@ struct Forced {
     basis: Basis,
 }
 
-pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+/// The figures that there will be.
+pub(crate) fn gallery(data: &StudyData, figures: &[Drawing]) -> Gallery {
+    let only_session = match sessions(data).as_slice() {
+        [one] => Some(one.ids()),
+        _ => None,
+    };
+    Gallery { figures: figures.iter().map(|f| f.caption.stem()).collect(), only_session }
+}
+
+pub(crate) fn jobs(data: &StudyData, figures: &[Drawing]) -> Vec<Job> {
+    let thesis = statements(data).map(|output| job_of_statements(data, figures, output));
+    thesis.into_iter().chain(jobs_of_actuators(data)).collect()
+}
+
+/// What the verdicts on the thesis' statements depend on besides files.
+#[derive(Serialize)]
+struct Asked {
+    #[serde(flatten)]
+    forced: Forced,
+    gallery: Gallery,
+    level: f64,
+}
+
+/// What the thesis' statements are judged by.
+struct Files {
+    calibration: Option<PathBuf>,
+    metrics: Option<PathBuf>,
+    replays: Option<PathBuf>,
+    answers: Option<PathBuf>,
+    tally: Option<PathBuf>,
+}
+
+impl Inputs for Files {
+    fn files(&self) -> Vec<PathBuf> {
+        [&self.calibration, &self.metrics, &self.replays, &self.answers, &self.tally]
+            .into_iter()
+            .flatten()
+            .cloned()
+            .collect()
+    }
+}
+
+fn job_of_statements(data: &StudyData, figures: &[Drawing], output: PathBuf) -> Job {
+    let Forces { basis, calibration, .. } = forces(data);
+    let asked = Asked {
+        forced: Forced { planned: Planned::of(&data.study), basis },
+        gallery: gallery(data, figures),
+        level: data.study.analysis.confidence,
+    };
+    let files = Files {
+        calibration,
+        metrics: metrics::of_study(data),
+        replays: replay::of_study(data).into_iter().next(),
+        answers: likert::long(data),
+        tally: likert::tally(data),
+    };
+    Job::new(STAGE, "thesis' statements", asked, files, vec![output], make_statements)
+}
+
+fn make_statements(asked: &Asked, files: &Files, making: &Making) -> Result<Made, JobError> {
+    let read = |file: &Option<PathBuf>| -> Result<Option<Table>, TableError> {
+        file.as_deref().map(Table::from_parquet).transpose()
+    };
+    let calibration = &Forces::read(files.calibration.as_deref())?;
+    let (metrics, replays) = (read(&files.metrics)?, read(&files.replays)?);
+    let (answers, tally) = (read(&files.answers)?, read(&files.tally)?);
+    let Forced { planned, basis } = &asked.forced;
+    let derived = Derived {
+        known: Known { study: planned, calibration, metrics: metrics.as_ref() },
+        basis: *basis,
+        replays: replays.as_ref(),
+        answers: answers.as_ref(),
+        tally: tally.as_ref(),
+        gallery: &asked.gallery,
+        level: asked.level,
+    };
+    write_tables(&[thesis_table(&derived)?], making, Vec::new())
+}
+
+fn jobs_of_actuators(data: &StudyData) -> Vec<Job> {
     if !has_actuators(data) {
         return Vec::new();
     }

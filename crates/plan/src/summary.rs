@@ -1,16 +1,16 @@
 //! Stage `summary`: the page a person reads first.
 
-use crate::conditions::sessions;
 use crate::drawing::Drawing;
 use crate::trials::name;
-use crate::{average, compare, freemotion, likert, metrics, tables};
+use crate::{average, compare, freemotion, likert, metrics, report, tables};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
-    ComparedMetric, Made as Listed, Planned, Remark, Shown, Summary, findings, summary_markdown,
+    ComparedMetric, Gallery, Made as Listed, Planned, Remark, Shown, Summary, findings,
+    summary_markdown,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
@@ -36,8 +36,7 @@ struct Page {
     compared: Vec<String>,
     /// The study's primary metric, which may not be among them.
     primary: String,
-    /// Participant and session, where there is only one.
-    only_session: Option<[String; 2]>,
+    gallery: Gallery,
 }
 
 /// The files that the page speaks of, where they are there.
@@ -50,13 +49,16 @@ struct Files {
     tables: Vec<PathBuf>,
     metrics: Option<PathBuf>,
     tally: Option<PathBuf>,
+    /// The thesis' statements, as judged.
+    statements: Option<PathBuf>,
     /// Means and contrasts of each metric that is compared, the primary one first.
     compared: Vec<[PathBuf; 2]>,
 }
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let numbers = self.metrics.iter().chain(&self.tally).cloned().collect::<Vec<_>>();
+        let numbers: Vec<PathBuf> =
+            [&self.metrics, &self.tally, &self.statements].into_iter().flatten().cloned().collect();
         let compared: Vec<PathBuf> = self.compared.iter().flatten().cloned().collect();
         [&self.noted, &self.conditions, &self.figures, &self.tables, &numbers, &compared]
             .map(Clone::clone)
@@ -74,6 +76,7 @@ pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Jo
         tables: tables::files(data),
         metrics: metrics::of_study(data),
         tally: likert::tally(data),
+        statements: report::statements(data),
         compared: compared.iter().map(|metric| compare::summarised(&data.layout, metric)).collect(),
     };
     let page = Page {
@@ -82,10 +85,7 @@ pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Jo
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
         compared,
         primary: data.study.compare.primary.to_string(),
-        only_session: match sessions(data).as_slice() {
-            [one] => Some(one.ids()),
-            _ => None,
-        },
+        gallery: report::gallery(data, figures),
     };
     Job::new(STAGE, "summary", page, files, vec![file(data)], make).tolerant()
 }
@@ -122,6 +122,7 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
     summary.matrix = zwidth_report::matrix(&page.planned, &metrics)?;
     summary.limits.extend(notes(&contrasts_of(files), |kind| kind == NoteKind::Limit)?);
     summary.shown = list_findings(page, files, &metrics, &summary)?;
+    (summary.statements, summary.judged) = list_statements(files, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
     let origin = making.from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
@@ -137,25 +138,13 @@ fn list_findings(
     compared: &[ComparedMetric],
     made: &Summary,
 ) -> Result<Vec<Listed>, TableError> {
-    let read = |file: &Option<PathBuf>| {
-        let there = file.as_deref().filter(|f| f.exists());
-        there.map(Table::from_parquet).transpose()
-    };
     let (Some(metrics), tally) = (read(&files.metrics)?, read(&files.tally)?) else {
         return Ok(Vec::new());
     };
     let path = |shown: Shown| {
-        let path = match (shown, &page.only_session) {
-            (Shown::Modes(environment), Some([participant, session])) => {
-                format!("figures/modes.{participant}.{session}.{environment}.png")
-            }
-            (Shown::Answers, _) => "figures/likert.png".to_owned(),
-            (Shown::Metrics, _) => "tables/metrics.md".to_owned(),
-            (Shown::Compared(metric), _) => format!("figures/compare.{metric}.png"),
-            _ => CONDITIONS.to_owned(),
-        };
-        let is_made = made.figures.iter().chain(&made.tables).any(|m| m.path == path);
-        if is_made { path } else { CONDITIONS.to_owned() }
+        let of_session = matches!(shown, Shown::Modes(_)) && page.gallery.only_session.is_none();
+        let file = page.gallery.file(&shown);
+        if is_made(made, &file) && !of_session { file } else { CONDITIONS.to_owned() }
     };
     let compared = zwidth_report::contrasts(&page.planned, compared)?;
     let found = findings(&page.planned, &metrics, tally.as_ref())?;
@@ -164,6 +153,27 @@ fn list_findings(
         .chain(found)
         .map(|f| Listed { path: path(f.shown), caption: f.text })
         .collect())
+}
+
+/// How the thesis' statements stand, and the judged ones with what shows them.
+fn list_statements(files: &Files, made: &Summary) -> Result<(String, Vec<Listed>), TableError> {
+    let Some(table) = read(&files.statements)? else { return Ok(Default::default()) };
+    let (counts, told) = zwidth_report::told(&table)?;
+    let listed = told.into_iter().map(|told| {
+        let path = Some(told.path).filter(|path| is_made(made, path));
+        Listed { path: path.unwrap_or_else(|| STATEMENTS.to_owned()), caption: told.text }
+    });
+    Ok((counts, listed.collect()))
+}
+
+/// A table, where there is one and it could be made.
+fn read(file: &Option<PathBuf>) -> Result<Option<Table>, TableError> {
+    file.as_deref().filter(|f| f.exists()).map(Table::from_parquet).transpose()
+}
+
+/// Whether a figure or table was made.
+fn is_made(made: &Summary, path: &str) -> bool {
+    made.figures.iter().chain(&made.tables).any(|m| m.path == path)
 }
 
 /// The tables of the metrics that are compared, up to one that could not be made.
@@ -183,6 +193,8 @@ fn contrasts_of(files: &Files) -> Vec<PathBuf> {
 
 /// The table of the metrics by condition, from the summary's folder on.
 const CONDITIONS: &str = "tables/conditions.md";
+/// The table of the thesis' statements.
+const STATEMENTS: &str = "tables/thesis.md";
 
 fn facts(data: &StudyData, found: &Findings) -> Summary {
     let counting: Vec<_> = data.counting().collect();

@@ -152,6 +152,7 @@ const SPRING: &[Spec] = &[
     float("saturation_theta_ci_low_rad", "rad", "lower end of its interval within this trial", |r| r.spring.saturation.theta_ci_low_rad),
     float("saturation_theta_ci_high_rad", "rad", "upper end of its interval within this trial", |r| r.spring.saturation.theta_ci_high_rad),
     float("force_rms_error_n", "N", "RMS of user force minus commanded force in compression", |r| r.spring.force_rms_error_n).summarised(),
+    float("return_force_n", "N", "force where the lever begins to return", |r| r.spring.return_force_n).summarised(),
     float("returned_energy_share", "1", "work given back over work put in", |r| r.spring.returned_energy_share).summarised(),
 ];
 
@@ -166,6 +167,9 @@ const WALL: &[Spec] = &[
     float("wall_impact_velocity_rad_s", "rad/s", "velocity where the wall is first passed", |r| r.wall.impact_velocity_rad_s),
     count("wall_rebounds", "passings of the wall after a retreat from it", |r| r.wall.rebounds),
     count("wall_brake_releases", "times the brake goes off past the wall", |r| r.wall.brake_releases),
+    float("wall_still_s", "s", "longest time past the wall below the offset's velocity", |r| r.wall.still_s).summarised(),
+    float("wall_force_max_n", "N", "largest force past the wall", |r| r.wall.force_max_n),
+    float("wall_force_rise_n", "N", "largest force past the wall less that where it is first passed", |r| r.wall.force_rise_n).summarised(),
     float("wall_stiffness_n_per_rad", "N/rad", "slope of force on angle past the wall, on the way in", |r| r.wall.stiffness_n_per_rad),
     float("wall_stiffness_ci_low_n_per_rad", "N/rad", "lower end of its interval within this trial", |r| r.wall.stiffness_ci_low_n_per_rad),
     float("wall_stiffness_ci_high_n_per_rad", "N/rad", "upper end of its interval within this trial", |r| r.wall.stiffness_ci_high_n_per_rad),

@@ -61,7 +61,7 @@ use zwidth_store::Trial;
 use zwidth_study::TrialMeta;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,7 +95,7 @@ pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<TrialMetr
         .map(|_| discrepancy::discrepancy(&signals, analysis.grid_points, analysis.confidence));
     let rendering =
         spring.map(|spring| spring::spring_rendering(&signals, spring, wall_rad, analysis));
-    let wall = wall_rad.map(|wall| wall::wall_contact(&signals, wall, analysis.confidence));
+    let wall = wall_rad.map(|wall| wall::wall_contact(&signals, wall, analysis));
     Ok(TrialMetrics {
         meta: trial.meta.clone(),
         movement: movement::movement(&signals, parameters)?,

@@ -45,6 +45,10 @@ pub struct SpringRendering {
     /// √mean (F_ex − F_cmd)² over the samples of line and plateau, N: the command saturates too.
     /// Null where no commanded force is recorded.
     pub force_rms_error_n: Option<f64>,
+    /// F where the lever begins to return, N: at the first sample from the reversal on from which
+    /// θ̇ stays below −`analysis.offset_rad_s` until it is below −`analysis.onset_rad_s`, so that
+    /// jitter is no return. Null where it never is, before the end.
+    pub return_force_n: Option<f64>,
     /// Work the device gives back over work the user puts in: −∫F dθ (reversal → end) / ∫F dθ
     /// (onset → reversal), by the trapezoidal rule, a wall's work included. 1 for an elastic
     /// spring, 0 for a lever that stays where it is; below 0 where the way back takes work
@@ -90,9 +94,25 @@ pub(crate) fn spring_rendering(
         signals.force_cmd.map(|cmd| samples.iter().map(|&i| cmd[i]).collect::<Vec<_>>());
     Ok(SpringRendering {
         force_rms_error_n: commanded.and_then(|cmd| rms_difference(&f, &cmd)),
+        return_force_n: signals
+            .theta_dot
+            .and_then(|v| return_begins(v, phases, analysis))
+            .map(|begins| force[begins]),
         returned_energy_share: returned_energy(theta, force, phases)?,
         ..line_and_plateau(&u, &f, spring, analysis.confidence)?
     })
+}
+
+/// The sample at which the lever begins to return.
+fn return_begins(theta_dot: &[f64], phases: Phases, analysis: &Analysis) -> Option<usize> {
+    let mut begins = None;
+    for (i, v) in theta_dot.iter().enumerate().take(phases.end + 1).skip(phases.reversal) {
+        begins = (*v < -analysis.offset_rad_s).then(|| begins.unwrap_or(i));
+        if *v < -analysis.onset_rad_s {
+            return begins;
+        }
+    }
+    None
 }
 
 /// The line, and the plateau where there is one.
@@ -205,6 +225,34 @@ mod tests {
         check(found.force_rms_error_n, 0.3, 1e-12);
         // the way back is a little longer: it ends at half the onset's velocity
         check(found.returned_energy_share, 1.0, 2e-3);
+    }
+
+    /// θ̇ = A ω/2 sin ωt falls through −v at t = π/ω + asin(2v/(Aω))/ω; the force is the time.
+    #[test]
+    fn the_force_of_the_return_is_that_of_the_moment_at_which_the_lever_goes_back() {
+        let (stroke_rad, omega) = (1.0, core::f64::consts::PI);
+        let points = stroke(stroke_rad, 2.0);
+        let mut trial = trial(&points, |_, _| 0.0);
+        trial.samples.set(Signal::ForceEx, points.iter().map(|p| p.0).collect());
+        let parameters = in_spring(4.0, REST_RAD);
+        let found = trial_metrics(&trial, &parameters).unwrap().spring.return_force_n;
+        let v = parameters.analysis.offset_rad_s;
+        let begins_s = 0.5 + 1.0 + libm::asin(2.0 * v / (stroke_rad * omega)) / omega;
+        check(found, begins_s, 1.1e-3);
+    }
+
+    #[test]
+    fn a_lever_that_jitters_where_it_stands_does_not_return() {
+        let mut points = stroke(1.0, 2.0);
+        points.truncate(1501);
+        let last = points[1500];
+        points.extend(
+            (1..500).map(|i| {
+                (last.0 + f64::from(i) * 1e-3, last.1, if i % 2 == 0 { -0.1 } else { 0.1 })
+            }),
+        );
+        let found = trial_metrics(&trial(&points, |_, _| 1.0), &in_spring(4.0, REST_RAD)).unwrap();
+        assert_eq!(found.spring.return_force_n, None);
     }
 
     /// A motor of 2.08 N on 4 N/rad from −45° on saturates at −15.2°; friction of 0.2 N lies under

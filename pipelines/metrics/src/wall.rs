@@ -6,6 +6,7 @@ use crate::signals::Signals;
 use zwidth_numerics::phases::first_passing;
 use zwidth_numerics::series::interpolate;
 use zwidth_stats::interval::Estimate;
+use zwidth_study::Analysis;
 
 /// A rebound is a retreat from the wall by more than this share of the angles travelled; less is
 /// taken for the angle sensor's jitter.
@@ -41,6 +42,14 @@ pub struct WallContact {
     /// §6.2.1. Null where the recording does not say when the brake is on (`flags` or
     /// `voltage_brake_v`).
     pub brake_releases: Option<i64>,
+    /// Longest time without a break past the wall with |θ̇| below `analysis.offset_rad_s`, s, from
+    /// sample to sample; 0 where the lever only turns there. Null without θ̇.
+    pub still_s: Option<f64>,
+    /// Largest F past the wall, N. Null without force.
+    pub force_max_n: Option<f64>,
+    /// Largest F past the wall less F where θ first passes θ_wall, N: by how much the user's force
+    /// grows against the wall. Null without force, or if the recording begins past the wall.
+    pub force_rise_n: Option<f64>,
     /// Slope of F on θ past the wall, N/rad: the wall's rendered stiffness. Least squares over the
     /// samples with θ > θ_wall from the first of them to the largest θ. Null for fewer than
     /// three samples or without force.
@@ -54,7 +63,7 @@ pub struct WallContact {
 pub(crate) fn wall_contact(
     signals: &Signals,
     wall_rad: f64,
-    level: f64,
+    analysis: &Analysis,
 ) -> Result<WallContact, MetricsError> {
     let Some(theta) = signals.theta else {
         return Ok(WallContact::default());
@@ -70,7 +79,10 @@ pub(crate) fn wall_contact(
     let over_pieces = |step: &dyn Fn(&Piece) -> f64| {
         force.map(|f| past.iter().map(|p| at(f, p.i, (p.from + p.to) / 2.0) * step(p)).sum::<f64>())
     };
-    let stiffness = stiffness(theta, force, wall_rad, highest, level)?;
+    let force_max_n = force.and_then(|f| largest_past(f, theta, wall_rad));
+    let at_wall = first_passing(signals.t, theta, wall_rad);
+    let when_passing = |y: Option<&[f64]>| interpolate(signals.t, y?, at_wall?);
+    let stiffness = stiffness(theta, force, wall_rad, highest, analysis.confidence)?;
     Ok(WallContact {
         reached: Some(true),
         past_max_rad: Some(highest - wall_rad),
@@ -81,9 +93,15 @@ pub(crate) fn wall_contact(
             .lever_m
             .zip(over_pieces(&way))
             .map(|(lever_m, integral)| lever_m * integral),
-        impact_velocity_rad_s: impact_velocity(signals, theta, wall_rad),
+        impact_velocity_rad_s: when_passing(signals.theta_dot),
         rebounds: Some(rebounds(theta, wall_rad)),
         brake_releases: signals.brake_on.as_deref().map(|on| releases(on, theta, wall_rad)),
+        still_s: signals.theta_dot.map(|v| {
+            let still = |i: usize| theta[i] > wall_rad && v[i].abs() < analysis.offset_rad_s;
+            longest(signals.t, still)
+        }),
+        force_max_n,
+        force_rise_n: force_max_n.zip(when_passing(force)).map(|(most, first)| most - first),
         stiffness_n_per_rad: stiffness.map(|s| s.estimate),
         stiffness_ci_low_n_per_rad: stiffness.map(|s| s.ci_low),
         stiffness_ci_high_n_per_rad: stiffness.map(|s| s.ci_high),
@@ -137,8 +155,19 @@ fn at(values: &[f64], i: usize, share: f64) -> f64 {
     values[i] + share * (values[i + 1] - values[i])
 }
 
-fn impact_velocity(signals: &Signals, theta: &[f64], wall: f64) -> Option<f64> {
-    interpolate(signals.t, signals.theta_dot?, first_passing(signals.t, theta, wall)?)
+fn largest_past(force: &[f64], theta: &[f64], wall: f64) -> Option<f64> {
+    let past = force.iter().zip(theta).filter(|(_, theta)| **theta > wall);
+    past.map(|(f, _)| *f).reduce(f64::max)
+}
+
+/// The longest time, s, from the first to the last of neighbouring samples that are all `still`.
+fn longest(t: &[f64], still: impl Fn(usize) -> bool) -> f64 {
+    let (mut since, mut most) = (None, 0.0_f64);
+    for (i, now) in t.iter().enumerate() {
+        since = still(i).then(|| since.unwrap_or(*now));
+        most = most.max(since.map_or(0.0, |since| now - since));
+    }
+    most
 }
 
 fn rebounds(theta: &[f64], wall: f64) -> i64 {
@@ -244,6 +273,35 @@ mod tests {
         assert_eq!(found.rebounds, Some(0));
     }
 
+    /// Stands past the wall from 1.0 to 1.4 s and, after a jerk, from 1.5 to 1.7 s; F grows by 2
+    /// N/s from 5 N where the wall is passed at 0.5 s.
+    #[test]
+    fn a_lever_that_stands_at_the_wall_is_still_for_its_longest_stand_while_the_force_rises() {
+        let point = |i: u32| {
+            let t = f64::from(i) * 0.01;
+            let stands = (100..=140).contains(&i) || (150..=170).contains(&i);
+            (t, t.min(1.0) * 1.5, if stands { 0.05 } else { 1.5 })
+        };
+        let points: Vec<_> = (0..=180).map(point).collect();
+        let mut trial = trial(&points, |_, _| 0.0);
+        trial.samples.set(Signal::ForceEx, points.iter().map(|p| 4.0 + 2.0 * p.0).collect());
+        let found = trial_metrics(&trial, &at_wall(4.0, REST_RAD, 0.75)).unwrap().wall;
+        check(found.still_s, 0.4, 1e-12);
+        check(found.force_max_n, 4.0 + 2.0 * 1.8, 1e-12);
+        check(found.force_rise_n, 2.0 * 1.8 - 2.0 * 0.5, 1e-12);
+    }
+
+    /// θ = a (1 − cos ωt)/2 turns past the wall with |θ̇| = (aω/2) |sin ωt|: below v for
+    /// 2 asin(2v/(aω))/ω.
+    #[test]
+    fn a_lever_that_turns_past_the_wall_is_still_for_its_turn_alone() {
+        let (stroke_rad, omega) = (1.4, core::f64::consts::PI);
+        let found = contact(&stroke(stroke_rad, 2.0), REST_RAD + 1.0, |_, _| 1.0);
+        let offset_rad_s = 5_f64.to_radians();
+        let turn_s = 2.0 * libm::asin(2.0 * offset_rad_s / (stroke_rad * omega)) / omega;
+        check(found.still_s, turn_s, 2e-3);
+    }
+
     #[test]
     fn rebounds_are_retreats_and_jitter_is_not() {
         let angles = [0.0, 0.8, 0.749, 0.8, 0.6, 0.9, 0.7, 0.8, 0.0];
@@ -255,7 +313,7 @@ mod tests {
     fn a_recording_that_begins_past_the_wall_has_no_impact() {
         let points = [(0.0, 1.0, 0.0), (1.0, 0.0, -1.0)];
         let found = contact(&points, 0.5, |_, _| 1.0);
-        assert_eq!(found.impact_velocity_rad_s, None);
+        assert_eq!((found.impact_velocity_rad_s, found.force_rise_n), (None, None));
         check(found.dwell_s, 0.5, 1e-15);
     }
 }

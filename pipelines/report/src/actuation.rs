@@ -42,6 +42,7 @@ pub(crate) fn hybrid(study: &Planned) -> Option<&Mode> {
     with_law(study, ModeLaw::Hybrid)
 }
 
-fn with_law(study: &Planned, law: ModeLaw) -> Option<&Mode> {
+/// The study's first mode of that law.
+pub(crate) fn with_law(study: &Planned, law: ModeLaw) -> Option<&Mode> {
     study.modes.iter().find(|mode| mode.law() == Some(law))
 }

@@ -1,6 +1,7 @@
 //! What the comparison of modes says, in a matrix and in sentences.
 
-use crate::findings::{Finding, Shown};
+use crate::findings::Finding;
+use crate::gallery::Shown;
 use crate::planned::Planned;
 use serde::Serialize;
 use zwidth_tables::{Table, TableError, Values, for_people, number};

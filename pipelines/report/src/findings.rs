@@ -1,28 +1,13 @@
 //! The experiment's results in sentences, made from the numbers (thesis §5.3.3).
 
 use crate::Planned;
+use crate::answers::median;
+use crate::evidence::NOTHING_RETURNED;
+use crate::gallery::Shown;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
-use zwidth_study::{AnswerScale, Environment, EnvironmentId, Mode};
+use zwidth_study::{Environment, Mode};
 use zwidth_tables::{Table, TableError};
-
-/// Up to this share returned energy counts as none: a released lever moves on a little.
-const NOTHING_RETURNED: f64 = 0.01;
-
-/// Where a sentence can be seen.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Shown {
-    /// In the figure of one environment's modes.
-    Modes(EnvironmentId),
-    /// In the table of metrics by condition.
-    Conditions,
-    /// In the table of metrics by trial.
-    Metrics,
-    /// In the figure of the answers.
-    Answers,
-    /// In the figure that compares the modes in this metric.
-    Compared(String),
-}
 
 /// One sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -188,33 +173,21 @@ fn steadiness(study: &Planned, metrics: &Table) -> Result<Option<Finding>, Table
 
 /// The median answer of each mode, an environment a sentence.
 fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Finding>, TableError> {
-    let [environments, modes, questions] =
-        ["environment", "mode", "question"].map(|name| tally.texts(name));
-    let (environments, modes, questions) = (environments?, modes?, questions?);
-    let [low, high] = ["median_low", "median_high"].map(|name| tally.integers(name));
-    let [n, people] = ["n", "participants"].map(|name| tally.integers(name));
-    let (low, high, n, people) = (low?, high?, n?, people?);
     let mut found = Vec::new();
-    for environment in study.environments.iter() {
-        let Some(question) = &environment.question else { continue };
-        let of_mode = |mode: &Mode| {
-            let is = |row: &usize| {
-                environments[*row].as_deref() == Some(environment.id.as_str())
-                    && modes[*row].as_deref() == Some(mode.id.as_str())
-                    && questions[*row].as_deref() == Some(question.as_str())
-            };
-            let row = (0..tally.height()).find(is)?;
-            let median = median(study.scale(question), low[row]?, high[row]?);
-            let counted = count(usize::try_from(n[row]?).ok()?, "answer");
-            let whose = people[row].filter(|people| *people > 1);
-            let whose = whose.map(|people| format!(" of {people} participants"));
-            Some(format!(
-                "{median} with {} ({counted}{})",
+    for environment in &study.environments {
+        let mut list = Vec::new();
+        for mode in &study.modes {
+            let Some(median) = median(study, tally, environment, mode)? else { continue };
+            let counted = count(usize::try_from(median.answers).unwrap_or_default(), "answer");
+            let people = median.participants;
+            let whose = (people > 1).then(|| format!(" of {people} participants"));
+            list.push(format!(
+                "{} with {} ({counted}{})",
+                median.words(),
                 mode.label.to_lowercase(),
                 whose.unwrap_or_default()
-            ))
-        };
-        let list: Vec<String> = study.modes.iter().filter_map(of_mode).collect();
+            ));
+        }
         let whose = if simulated { "simulated answer" } else { "answer" };
         if !list.is_empty() {
             let text =
@@ -223,16 +196,6 @@ fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Findin
         }
     }
     Ok(found)
-}
-
-/// `4 (agree)`, or `3 to 4` where the two middle answers differ.
-fn median(scale: AnswerScale, low: i64, high: i64) -> String {
-    let word = u8::try_from(low).ok().and_then(|answer| scale.word(answer));
-    match word {
-        Some(word) if low == high => format!("{low} ({word})"),
-        _ if low == high => low.to_string(),
-        _ => format!("{low} to {high}"),
-    }
 }
 
 #[cfg(test)]
@@ -329,6 +292,5 @@ mod tests {
             "Spring: the median answer was 4 (agree) with active (6 answers)."
         );
         assert!(of("twin").contains("the median simulated answer was"));
-        assert_eq!(median(AnswerScale::FivePoint, 3, 4), "3 to 4");
     }
 }

@@ -3,27 +3,35 @@
 //!
 //! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of
 //! [`findings`]. Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`] (2),
-//! [`model_table`] (3), [`device_table`] (4), [`weight_table`] (Appendix A). No files and no clock:
+//! [`model_table`] (3), [`device_table`] (4), [`weight_table`] (Appendix A), and its statements,
+//! [`thesis_table`]. No files and no clock:
 //! data in, text and tables out.
 
 mod actuation;
+mod answers;
 mod compared;
 mod design;
+mod evidence;
 mod facts;
 mod findings;
+mod gallery;
 mod model;
 mod people;
 mod planned;
 mod pros_cons;
+mod thesis;
 mod trials;
 mod weight;
 
 pub use compared::{ComparedMetric, Matrix, contrasts, matrix};
 pub use design::{device_table, modes_table};
-pub use findings::{Finding, Shown, findings};
+pub use evidence::Known;
+pub use findings::{Finding, findings};
+pub use gallery::{Gallery, Shown};
 pub use model::model_table;
 pub use planned::Planned;
-pub use pros_cons::{Known, pros_cons_table};
+pub use pros_cons::pros_cons_table;
+pub use thesis::{Derived, Told, thesis_table, told};
 pub use weight::{is_weighed, weight_table};
 
 use people::{count, participants, sources};
@@ -33,7 +41,7 @@ use zwidth_study::Source;
 use zwidth_tables::escape_markdown as escape;
 
 /// Version of the tables' form: raised when a table would be another from the same data.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// What the summary speaks of.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
@@ -56,6 +64,10 @@ pub struct Summary {
     pub matrix: Matrix,
     /// What the trials show: sentences, each with where it can be seen.
     pub shown: Vec<Made>,
+    /// How the thesis' statements stand, a sentence; empty where none was judged.
+    pub statements: String,
+    /// Those that are judged, each a sentence with where it can be seen.
+    pub judged: Vec<Made>,
     /// The figures, the one to look at first in front.
     pub figures: Vec<Made>,
     /// The tables, likewise.
@@ -102,6 +114,11 @@ pub fn summary_markdown(summary: &Summary) -> String {
     }
     if !summary.shown.is_empty() {
         parts.push(section("What the trials show", &summary.shown, tell, ""));
+    }
+    if !summary.statements.is_empty() {
+        let sentence = escape(&summary.statements);
+        let lines = section("The thesis' statements", &summary.judged, tell, "");
+        parts.push(lines.replacen("\n\n", &format!("\n\n{sentence}\n\n"), 1).trim_end().to_owned());
     }
     parts.extend([
         section("Figures", &summary.figures, link_to, "No figure was made."),
@@ -202,6 +219,11 @@ mod tests {
                 path: "tables/conditions.md".to_owned(),
                 caption: "In none of 142 trials did the lever swing fast.".to_owned(),
             }],
+            statements: "Of 2 statements, 1 is supported.".to_owned(),
+            judged: vec![Made {
+                path: "figures/spring.svg".to_owned(),
+                caption: "The lever moves: supported.".to_owned(),
+            }],
             figures: vec![Made {
                 path: "figures/spring.svg".to_owned(),
                 caption: "Spring: θ, F, θ̇, mean of six".to_owned(),
@@ -231,6 +253,12 @@ Device: lever\\_2. Data: 2 participants, 4 sessions, 142 trials that count.
 ## What the trials show
 
 - In none of 142 trials did the lever swing fast. ([table](tables/conditions.md))
+
+## The thesis' statements
+
+Of 2 statements, 1 is supported.
+
+- The lever moves: supported. ([figure](figures/spring.svg))
 
 ## Figures
 

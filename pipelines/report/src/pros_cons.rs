@@ -1,39 +1,15 @@
 //! The thesis' Table 1: pros and cons of brake and motor, each beside what the study itself knows
 //! of it.
 
-use crate::Planned;
 use crate::actuation::{active, passive};
-use crate::people::simulated;
+use crate::evidence::{Evidence, Known, NOTHING_RETURNED, Verdict, a_spring, a_wall, notes};
 use crate::trials::Trials;
-use zwidth_study::{Calibration, Environment, Mode};
+use zwidth_study::{Environment, Mode};
 use zwidth_tables::{Column, Table, TableError};
-
-/// Up to this share returned energy counts as none: a released lever moves on a little.
-const NOTHING_RETURNED: f64 = 0.01;
 
 /// Down to this balance of work, J, a device counts as one that gives nothing: the noise of the
 /// force sensor, 2 mN, over a stroke of 71 mm is 0.14 mJ.
 const NOTHING_GIVEN_J: f64 = -1e-3;
-
-/// What a study knows.
-#[derive(Debug, Clone, Copy)]
-pub struct Known<'a> {
-    /// The study.
-    pub study: &'a Planned,
-    /// Forces for voltages.
-    pub calibration: &'a Calibration,
-    /// The metrics, one row a trial; none where there is no trial.
-    pub metrics: Option<&'a Table>,
-}
-
-/// What speaks for or against a claim.
-struct Evidence {
-    metric: String,
-    value: f64,
-    unit: &'static str,
-    remark: String,
-    supported: bool,
-}
 
 /// How evidence for a claim is found.
 type Find = fn(&Known) -> Result<Option<Evidence>, TableError>;
@@ -65,12 +41,8 @@ pub fn pros_cons_table(known: Known) -> Result<Table, TableError> {
     };
     let text = |get: fn(&Evidence) -> String| found.iter().map(move |e| e.as_ref().map(get));
     let verdict = |e: &Option<Evidence>| {
-        let word = match e {
-            None => "not measured",
-            Some(e) if e.supported => "supported",
-            Some(_) => "contradicted",
-        };
-        Some(word.to_owned())
+        let verdict = e.as_ref().map_or(Verdict::NotMeasured, |e| e.verdict);
+        Some(verdict.as_str().to_owned())
     };
     let columns = vec![
         Column::text("actuation", "brake alone or motor alone", claim(|c| c.0)),
@@ -81,32 +53,15 @@ pub fn pros_cons_table(known: Known) -> Result<Table, TableError> {
             "value",
             "1",
             "its value, in the unit beside it",
-            found.iter().map(|e| e.as_ref().map(|e| e.value)),
+            found.iter().map(|e| e.as_ref().and_then(|e| e.value)),
         ),
-        Column::text("unit", "its unit", text(|e| e.unit.to_owned())),
+        Column::text("unit", "its unit", text(|e| e.unit.clone())),
         Column::text("verdict", "what the metric says of the claim", found.iter().map(verdict)),
         Column::text("remark", "with what it is compared", text(|e| e.remark.clone())),
     ];
     let table =
         Table::new("pros_cons", "Pros and cons of brake and motor, beside this study", columns)?;
-    Ok(notes(known)?.into_iter().fold(table, Table::with_note))
-}
-
-fn notes(known: Known) -> Result<Vec<String>, TableError> {
-    let Some(metrics) = known.metrics else { return Ok(Vec::new()) };
-    let mut notes = Vec::new();
-    if simulated(metrics)? {
-        notes.push(
-            "Metrics of trials are of simulated ones: they say what the model does.".to_owned(),
-        );
-    }
-    let mut people = metrics.texts("participant")?;
-    people.sort();
-    people.dedup();
-    if let [Some(one)] = people.as_slice() {
-        notes.push(format!("Every metric of trials is within the one participant {one}."));
-    }
-    Ok(notes)
+    Ok(notes(known.metrics)?.into_iter().fold(table, Table::with_note))
 }
 
 fn unknown(_: &Known) -> Result<Option<Evidence>, TableError> {
@@ -123,10 +78,10 @@ fn mass(known: &Known, brake_first: bool) -> Option<Evidence> {
     };
     Some(Evidence {
         metric: name.to_owned(),
-        value,
-        unit: "g",
+        value: Some(value),
+        unit: "g".to_owned(),
         remark: format!("the {other} has {beside:.0} g"),
-        supported: brake_g < motor_g,
+        verdict: Verdict::of(brake_g < motor_g),
     })
 }
 
@@ -152,14 +107,6 @@ fn trials<'a>(
     Ok((trials.len() > 0).then_some((environment, trials)))
 }
 
-fn a_spring(environment: &Environment) -> bool {
-    environment.scene.spring().is_some() && environment.scene.wall_rad().is_none()
-}
-
-fn a_wall(environment: &Environment) -> bool {
-    environment.scene.wall_rad().is_some()
-}
-
 fn brake_never_gives(known: &Known) -> Result<Option<Evidence>, TableError> {
     let (Some(metrics), Some(mode)) = (known.metrics, passive(known.study)) else {
         return Ok(None);
@@ -167,13 +114,13 @@ fn brake_never_gives(known: &Known) -> Result<Option<Evidence>, TableError> {
     let balances = Trials::of(metrics, None, &mode.id)?.floats("passivity_energy_j")?;
     Ok(balances.iter().copied().reduce(f64::min).map(|least| Evidence {
         metric: "lowest balance of the user's work on the device".to_owned(),
-        value: least,
-        unit: "J",
+        value: Some(least),
+        unit: "J".to_owned(),
         remark: format!(
             "over {} trials; below 0 it would have given more than it got",
             balances.len()
         ),
-        supported: least >= NOTHING_GIVEN_J,
+        verdict: Verdict::of(least >= NOTHING_GIVEN_J),
     }))
 }
 
@@ -188,10 +135,10 @@ fn returned(
     let stiffness = trials.mean("stiffness_n_per_rad")?.map_or(f64::NAN, |of| of.mean);
     let evidence = Evidence {
         metric: format!("returned share of the work, {}", environment.label),
-        value: 100.0 * share.mean,
-        unit: "%",
+        value: Some(100.0 * share.mean),
+        unit: "%".to_owned(),
         remark: share.words(),
-        supported: judge(share.mean),
+        verdict: Verdict::of(judge(share.mean)),
     };
     Ok(Some((evidence, stiffness)))
 }
@@ -223,10 +170,10 @@ fn motor_is_smooth(known: &Known) -> Result<Option<Evidence>, TableError> {
     let (smooth, n) = Trials::of(metrics, None, &mode.id)?.count("recorded_stability", "smooth")?;
     Ok((n > 0).then(|| Evidence {
         metric: "trials without fast swings".to_owned(),
-        value: 100.0 * smooth as f64 / n as f64,
-        unit: "%",
+        value: Some(100.0 * smooth as f64 / n as f64),
+        unit: "%".to_owned(),
         remark: format!("{smooth} of {n} trials; steadiness alone, not the effort of making it so"),
-        supported: smooth == n,
+        verdict: Verdict::of(smooth == n),
     }))
 }
 
@@ -239,13 +186,13 @@ fn motor_is_weak(known: &Known) -> Result<Option<Evidence>, TableError> {
     let brake_n = known.calibration.brake.force_n(brake_v);
     Ok(Some(Evidence {
         metric: "largest motor force as used".to_owned(),
-        value: motor_n,
-        unit: "N",
+        value: Some(motor_n),
+        unit: "N".to_owned(),
         remark: format!(
             "the brake has {brake_n:.1} N; a finger's limit is {:.0} N",
             known.study.control.force_limit_n
         ),
-        supported: motor_n < brake_n,
+        verdict: Verdict::of(motor_n < brake_n),
     }))
 }
 
@@ -258,17 +205,19 @@ fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> 
     let (Some(motor), Some(brake)) = (motor, brake) else { return Ok(None) };
     Ok(Some(Evidence {
         metric: "angle past the wall".to_owned(),
-        value: motor.mean.to_degrees(),
-        unit: "°",
+        value: Some(motor.mean.to_degrees()),
+        unit: "°".to_owned(),
         remark: format!("{}; {:.2}° with the brake", motor.words(), brake.mean.to_degrees()),
-        supported: motor.mean > brake.mean,
+        verdict: Verdict::of(motor.mean > brake.mean),
     }))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Planned;
     use crate::trials::testing::{MetricsRow, metrics, row};
+    use zwidth_study::Calibration;
 
     fn study() -> Planned {
         Planned::of(&zwidth_testing::study())

@@ -1,8 +1,11 @@
 //! Some rows of the table of metrics: the trials of one condition.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_study::{EnvironmentId, ModeId};
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::{Table, TableError, Values};
+
+/// Values by participant and session, in the order of the trials.
+pub(crate) type People = BTreeMap<String, BTreeMap<String, Vec<f64>>>;
 
 /// A mean, and what it is over.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +31,19 @@ impl Mean {
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let n = values.len() as f64;
     values.sum::<f64>() / n
+}
+
+/// The mean of a participant's values, sessions with equal weight.
+pub(crate) fn mean_of_one(sessions: &BTreeMap<String, Vec<f64>>) -> f64 {
+    mean(sessions.values().map(|values| mean(values.iter().copied())))
+}
+
+/// A column of numbers or of counts.
+fn numbers(table: &Table, column: &str) -> Result<Vec<Option<f64>>, TableError> {
+    match &table.column(column)?.values {
+        Values::Integer(counts) => Ok(counts.iter().map(|n| n.map(|n| n as f64)).collect()),
+        _ => table.floats(column),
+    }
 }
 
 /// Trials of one mode, in one environment or in all.
@@ -62,26 +78,46 @@ impl<'a> Trials<'a> {
         Ok(self.rows.iter().filter_map(|row| values[*row]).collect())
     }
 
+    /// The same trials, of them those with this word.
+    pub(crate) fn with(self, column: &str, word: &str) -> Result<Self, TableError> {
+        let values = self.metrics.texts(column)?;
+        let rows = self.rows.into_iter().filter(|row| values[*row].as_deref() == Some(word));
+        Ok(Self { metrics: self.metrics, rows: rows.collect() })
+    }
+
+    /// The values by participant and session of those trials that have one; of two columns their
+    /// difference. Counts are numbers too.
+    pub(crate) fn people(&self, column: &str, less: Option<&str>) -> Result<People, TableError> {
+        let values = numbers(self.metrics, column)?;
+        let less = less.map(|column| numbers(self.metrics, column)).transpose()?;
+        let [who, session] = ["participant", "session"].map(|name| self.metrics.texts(name));
+        let (who, session) = (who?, session?);
+        let mut people = People::new();
+        for row in &self.rows {
+            let taken = less.as_ref().map_or(Some(0.0), |less| less[*row]);
+            let (Some(value), Some(taken)) = (values[*row], taken) else { continue };
+            let [who, session] = [&who, &session].map(|of| of[*row].clone().unwrap_or_default());
+            people.entry(who).or_default().entry(session).or_default().push(value - taken);
+        }
+        Ok(people)
+    }
+
     /// The mean over participants of each one's mean, sessions with equal weight; none where no trial
     /// has a value.
     pub(crate) fn mean(&self, column: &str) -> Result<Option<Mean>, TableError> {
-        let values = self.metrics.floats(column)?;
-        let [who, session] = ["participant", "session"].map(|name| self.metrics.texts(name));
-        let (who, session) = (who?, session?);
-        let mut people: BTreeMap<_, BTreeMap<_, Vec<f64>>> = BTreeMap::new();
-        for row in &self.rows {
-            let Some(value) = values[*row] else { continue };
-            people.entry(&who[*row]).or_default().entry(&session[*row]).or_default().push(value);
-        }
+        let people = self.people(column, None)?;
         let trials = people.values().flat_map(BTreeMap::values).map(Vec::len).sum();
-        let of_one = |sessions: &BTreeMap<_, Vec<f64>>| {
-            mean(sessions.values().map(|v| mean(v.iter().copied())))
-        };
         Ok((trials > 0).then(|| Mean {
-            mean: mean(people.values().map(of_one)),
+            mean: mean(people.values().map(mean_of_one)),
             trials,
             participants: people.len(),
         }))
+    }
+
+    /// Whose trials they are.
+    pub(crate) fn participants(&self) -> Result<BTreeSet<String>, TableError> {
+        let who = self.metrics.texts("participant")?;
+        Ok(self.rows.iter().filter_map(|row| who[*row].clone()).collect())
     }
 
     /// Number of trials with this word, and of trials with any.

@@ -8,7 +8,7 @@ use zwidth_tables::{Table, TableError};
 
 /// Rated voltage of the thesis' motor, V: Faulhaber 2342S048C (§2.1). A study's file does not hold
 /// its motor's.
-const RATED_V: f64 = 48.0;
+pub(crate) const RATED_V: f64 = 48.0;
 
 /// What a motor and a brake would weigh if the motor were only as large as the hybrid mode needs
 /// it: the force of a motor goes with its volume (Hancock, the thesis' reference 23) and with its
@@ -32,6 +32,14 @@ pub fn weight_table(
 /// Whether masses and modes allow a table of weights.
 pub fn is_weighed(study: &Planned) -> bool {
     study.masses.is_some() && hybrid(study).is_some_and(|mode| mode.motor_max_v.is_some())
+}
+
+/// Masses, g: of brake and a motor as large as the hybrid mode needs it, and of the motor. None
+/// without masses or without a mode of both actuators.
+pub(crate) fn masses_g(study: &Planned) -> Option<[f64; 2]> {
+    let masses = study.masses?;
+    let share = hybrid(study)?.motor_max_v? / RATED_V;
+    Some([(masses.motor_kg * share + masses.brake_kg) * 1e3, masses.motor_kg * 1e3])
 }
 
 fn table(

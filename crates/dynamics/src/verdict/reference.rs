@@ -1,8 +1,8 @@
 //! The motion that a run is judged by, and what that motion is.
 
-use super::RunVerdict;
 use super::model::Model;
 use super::path::Path;
+use super::run_verdict::RunVerdict;
 use super::swings::{FEW, Swing, Swings, existing};
 use crate::solve::Solver;
 use crate::solve::adaptive::Tolerances;

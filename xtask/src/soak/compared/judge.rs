@@ -1,8 +1,7 @@
 //! How often the studies were right, and whether that is as often as they say.
 
-use super::people::{CONTRASTS, People, THESIS, Truth, What};
+use super::people::{CONTRASTS, PARTICIPANTS, People, REPEATS, THESIS, Truth, What};
 use super::studies::{ALPHA, Found, LEVEL, Said};
-use super::{PARTICIPANTS, REPEATS};
 use anyhow::{Context as _, ensure};
 use zwidth_stats::power::{
     Plan, PlannedTest, Simulation, clopper_pearson, power, smallest_difference,

@@ -13,20 +13,13 @@ mod studies;
 
 use crate::tried;
 use anyhow::ensure;
-use people::{COPY, People};
+use people::{COPY, METRICS, PARTICIPANTS, People, REPEATS};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use zwidth_tables::Table;
 
 /// At this rate as the study that comes along, Hz.
 const RATE: &str = "120";
-/// Repeats of a condition in a session: intervals rest on people, and more trials of each would
-/// take more time and show no more.
-const REPEATS: u32 = 2;
-/// The primary metric (which the passive mode does not have), and two others that every condition has.
-pub(crate) const METRICS: [&str; 3] = ["discrepancy_mean_n", "stiffness_n_per_rad", "duration_s"];
-/// Participants of a study.
-pub(crate) const PARTICIPANTS: usize = 12;
 
 /// Where the people come from.
 pub(crate) enum From {

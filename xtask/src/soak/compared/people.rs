@@ -1,10 +1,17 @@
 //! The people that studies are drawn from, and their truth.
 
-use super::METRICS;
 use anyhow::{Context as _, bail, ensure};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_stats::lmm::trials::{Term, Trials, fit_trials};
 use zwidth_tables::{Column, Table};
+
+/// Repeats of a condition in a session: intervals rest on people, and more trials of each would
+/// take more time and show no more.
+pub(crate) const REPEATS: u32 = 2;
+/// The primary metric (which the passive mode does not have), and two others that every condition has.
+pub(crate) const METRICS: [&str; 3] = ["discrepancy_mean_n", "stiffness_n_per_rad", "duration_s"];
+/// Participants of a study.
+pub(crate) const PARTICIPANTS: usize = 12;
 
 /// The environments and the modes that are simulated.
 pub(crate) const ENVIRONMENTS: [&str; 2] = ["spring", "spring_wall"];
@@ -108,7 +115,7 @@ impl People {
                 values: std::array::from_fn(|metric| values[metric][row]),
             });
         }
-        ensure!(people.len() > super::PARTICIPANTS, "too few people to draw studies from");
+        ensure!(people.len() > PARTICIPANTS, "too few people to draw studies from");
         Ok(Self(people.into_values().collect()))
     }
 

@@ -1,7 +1,6 @@
 //! Studies drawn from the people, each compared by the stage's own code.
 
-use super::people::{CONTRASTS, ENVIRONMENTS, MODES, People, What};
-use super::{METRICS, PARTICIPANTS};
+use super::people::{CONTRASTS, ENVIRONMENTS, METRICS, MODES, PARTICIPANTS, People, What};
 use anyhow::Context as _;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

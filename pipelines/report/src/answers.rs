@@ -1,0 +1,93 @@
+//! The answers to an environment's question: their median, and one mode's against another's.
+
+use crate::Planned;
+use std::collections::BTreeMap;
+use zwidth_study::{AnswerScale, Environment, Mode};
+use zwidth_tables::{Table, TableError};
+
+/// The median of a mode's answers.
+pub(crate) struct Median {
+    pub(crate) scale: AnswerScale,
+    /// The two middle answers, as scored.
+    pub(crate) low: i64,
+    pub(crate) high: i64,
+    pub(crate) answers: i64,
+    pub(crate) participants: i64,
+}
+
+impl Median {
+    /// `4 (agree)`, or `3 to 4` where the two middle answers differ.
+    pub(crate) fn words(&self) -> String {
+        let word = u8::try_from(self.low).ok().and_then(|answer| self.scale.word(answer));
+        match word {
+            Some(word) if self.low == self.high => format!("{} ({word})", self.low),
+            _ if self.low == self.high => self.low.to_string(),
+            _ => format!("{} to {}", self.low, self.high),
+        }
+    }
+}
+
+/// The median answer to the environment's question in a mode, by the tally; none without a question
+/// or an answer.
+pub(crate) fn median(
+    study: &Planned,
+    tally: &Table,
+    environment: &Environment,
+    mode: &Mode,
+) -> Result<Option<Median>, TableError> {
+    let Some(question) = &environment.question else { return Ok(None) };
+    let of = [environment.id.as_str(), mode.id.as_str(), question.as_str()];
+    let Some(row) = rows(tally, of)?.into_iter().next() else { return Ok(None) };
+    let [low, high] = ["median_low", "median_high"].map(|name| tally.integers(name));
+    let [answers, participants] = ["n", "participants"].map(|name| tally.integers(name));
+    let numbers = [low?[row], high?[row], answers?[row], participants?[row]];
+    let [Some(low), Some(high), Some(answers), Some(participants)] = numbers else {
+        return Ok(None);
+    };
+    Ok(Some(Median { scale: study.scale(question), low, high, answers, participants }))
+}
+
+/// The answers to the environment's question in a mode as they count, by participant, of the long
+/// table of answers.
+pub(crate) fn scored(
+    study: &Planned,
+    answers: &Table,
+    environment: &Environment,
+    mode: &Mode,
+) -> Result<BTreeMap<String, Vec<u8>>, TableError> {
+    let mut people: BTreeMap<String, Vec<u8>> = BTreeMap::new();
+    let question = environment.question.as_ref();
+    let Some(asked) = study.questions.iter().find(|q| Some(&q.id) == question) else {
+        return Ok(people);
+    };
+    let (who, given) = (answers.texts("participant")?, answers.integers("answer")?);
+    for row in rows(answers, [environment.id.as_str(), mode.id.as_str(), asked.id.as_str()])? {
+        let answer = given[row].and_then(|answer| u8::try_from(answer).ok());
+        let Some(answer) = answer.filter(|answer| asked.scale.has(*answer)) else { continue };
+        let score = asked.scale.score(answer, asked.reversed);
+        people.entry(who[row].clone().unwrap_or_default()).or_default().push(score);
+    }
+    Ok(people)
+}
+
+/// The rows of an environment, a mode and a question.
+fn rows(table: &Table, of: [&str; 3]) -> Result<Vec<usize>, TableError> {
+    let [environments, modes, questions] =
+        ["environment", "mode", "question"].map(|name| table.texts(name));
+    let columns = [environments?, modes?, questions?];
+    let is = |row: &usize| columns.iter().zip(of).all(|(c, of)| c[*row].as_deref() == Some(of));
+    Ok((0..table.height()).filter(is).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_median_between_two_answers_is_said_as_both() {
+        let of = |low, high| {
+            Median { scale: AnswerScale::FivePoint, low, high, answers: 2, participants: 1 }.words()
+        };
+        assert_eq!((of(4, 4), of(3, 4)), ("4 (agree)".to_owned(), "3 to 4".to_owned()));
+    }
+}

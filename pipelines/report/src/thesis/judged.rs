@@ -1,0 +1,201 @@
+//! A statement as judged, and what its verdict is made from.
+
+use crate::actuation::with_law;
+use crate::evidence::{Evidence, Known, Verdict};
+use crate::gallery::{Gallery, Shown};
+use crate::thesis::estimate::{Estimated, Spread, trials_of};
+use crate::thesis::rule::{Case, From, Place, Quantity, Range};
+use crate::trials::{People, Trials};
+use zwidth_study::{Basis, Coordinate, Environment, Mode, ModeLaw};
+use zwidth_tables::{Table, TableError, number, shown_unit};
+
+/// The tables of a study by which the thesis' statements are judged.
+#[derive(Debug, Clone, Copy)]
+pub struct Derived<'a> {
+    /// The study, its calibration and its metrics.
+    pub known: Known<'a>,
+    /// Where the calibration comes from.
+    pub basis: Basis,
+    /// The replays, one row a trial and causality.
+    pub replays: Option<&'a Table>,
+    /// The answers as given, one row each.
+    pub answers: Option<&'a Table>,
+    /// Their tally.
+    pub tally: Option<&'a Table>,
+    /// The figures that there are.
+    pub gallery: &'a Gallery,
+    /// Confidence level of intervals.
+    pub level: f64,
+}
+
+/// A statement as judged.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Judged {
+    pub(crate) evidence: Evidence,
+    /// What was asked of the value.
+    pub(crate) asked: String,
+    pub(crate) interval: Option<[f64; 2]>,
+    pub(crate) n: Option<usize>,
+    /// The unit of analysis; empty where nothing was counted.
+    pub(crate) over: String,
+    pub(crate) shown: Shown,
+}
+
+/// Why a statement has no verdict from numbers.
+pub(crate) enum Stop {
+    /// Nothing that was measured tells, in words.
+    NotMeasured(String),
+    Table(TableError),
+}
+
+impl std::convert::From<TableError> for Stop {
+    fn from(error: TableError) -> Self {
+        Self::Table(error)
+    }
+}
+
+/// The study's first mode of that law, and its first environment of that kind.
+pub(crate) fn condition<'a>(
+    known: Known<'a>,
+    (law, place): Case,
+) -> Result<(&'a Environment, &'a Mode), Stop> {
+    let environment = known.study.environments.iter().find(|e| place.fits(e));
+    let none = |what: &str| Stop::NotMeasured(format!("the study has no {what}"));
+    let environment = environment.ok_or_else(|| none(place_words(place)))?;
+    let mode = with_law(known.study, law).ok_or_else(|| none(law_words(law)))?;
+    Ok((environment, mode))
+}
+
+fn place_words(place: Place) -> &'static str {
+    match place {
+        Place::Spring => "environment with a spring and no wall",
+        Place::Wall => "environment with a wall",
+    }
+}
+
+fn law_words(law: ModeLaw) -> &'static str {
+    match law {
+        ModeLaw::Active => "mode with a motor alone",
+        ModeLaw::Passive => "mode with a brake alone",
+        ModeLaw::Hybrid => "mode in which a motor takes over from a brake",
+    }
+}
+
+/// The trials of a case in the table that the numbers are in.
+pub(crate) fn trials<'a>(
+    derived: &Derived<'a>,
+    case: Case,
+    from: From,
+) -> Result<Trials<'a>, Stop> {
+    let (environment, mode) = condition(derived.known, case)?;
+    let table = match from {
+        From::Metrics => derived.known.metrics,
+        From::Replays => derived.replays,
+    };
+    let none = || {
+        let of = [mode.label.to_lowercase(), environment.label.to_lowercase()].join(", ");
+        Stop::NotMeasured(format!("there is no trial of {of}"))
+    };
+    let trials = Trials::of(table.ok_or_else(none)?, Some(&environment.id), &mode.id)?;
+    let trials = match from {
+        From::Metrics => trials,
+        From::Replays => trials.with("causality", "force_driven")?,
+    };
+    if trials.len() == 0 { Err(none()) } else { Ok(trials) }
+}
+
+/// The values of a case.
+pub(crate) fn people(derived: &Derived, case: Case, quantity: Quantity) -> Result<People, Stop> {
+    Ok(trials(derived, case, quantity.from)?.people(quantity.column, quantity.less)?)
+}
+
+/// An estimate against a range, in the units in which people read it.
+pub(crate) fn judged(
+    quantity: Quantity,
+    estimated: &Estimated,
+    range: &Range,
+    coordinate: Coordinate,
+    shown: Shown,
+) -> Judged {
+    let (unit, factor) = match quantity.unit {
+        "1" => ("%".to_owned(), 100.0),
+        unit => shown_unit(unit, coordinate),
+    };
+    let (interval, remark) = match &estimated.spread {
+        Spread::Interval(ends) => (Some(ends.map(|end| factor * end)), String::new()),
+        Spread::Equal => (None, "no interval: all values are alike".to_owned()),
+        Spread::Unknown(why) => (None, format!("no interval: {why}")),
+    };
+    Judged {
+        evidence: Evidence {
+            metric: quantity.words.to_owned(),
+            value: Some(factor * estimated.value),
+            unit: unit.clone(),
+            remark,
+            verdict: range.judge(estimated.value, &estimated.spread),
+        },
+        asked: asked(range, &unit, factor),
+        interval,
+        n: Some(estimated.n),
+        over: estimated.over.clone(),
+        shown,
+    }
+}
+
+/// `above 2.5 °: why`, `3.7 to 4.35 N/rad: why`.
+fn asked(range: &Range, unit: &str, factor: f64) -> String {
+    let end = |v: f64| {
+        let text = number(factor * v, None);
+        let shorter = text.trim_end_matches('0').trim_end_matches('.').to_owned();
+        if text.contains('.') { shorter } else { text }
+    };
+    let ends = match (range.low.is_finite(), range.high.is_finite()) {
+        (true, true) => format!("{} to {}", end(range.low), end(range.high)),
+        (true, false) => format!("above {}", end(range.low)),
+        _ => format!("below {}", end(range.high)),
+    };
+    format!("{ends}\u{a0}{unit}: {}", range.why)
+}
+
+/// Some of all trials.
+pub(crate) fn counted(
+    metric: &str,
+    some: usize,
+    all: usize,
+    verdict: Verdict,
+    asked: &str,
+    trials: &Trials,
+) -> Result<Judged, Stop> {
+    let people = trials.participants()?;
+    let over = match people.first() {
+        Some(who) if people.len() == 1 => trials_of(who),
+        _ => format!("trials of {} participants", people.len()),
+    };
+    Ok(Judged {
+        evidence: Evidence {
+            metric: metric.to_owned(),
+            value: Some(100.0 * some as f64 / all as f64),
+            unit: "%".to_owned(),
+            remark: format!("{some} of {all} trials"),
+            verdict,
+        },
+        asked: asked.to_owned(),
+        interval: None,
+        n: Some(all),
+        over,
+        shown: Shown::Metrics,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_is_said_with_its_unit_and_why() {
+        let of = |low, high| asked(&Range { low, high, why: "so".to_owned() }, "°", 1.0);
+        assert_eq!(of(1.5, 20.0), "1.5 to 20\u{a0}°: so");
+        assert!(of(2.5, f64::INFINITY).starts_with("above 2.5"));
+        assert!(of(f64::NEG_INFINITY, 2.5).starts_with("below 2.5"));
+    }
+}
