@@ -75,7 +75,11 @@ pub(crate) struct Truth {
 }
 
 /// Everybody's trials.
-pub(crate) struct People(Vec<Vec<Trial>>);
+pub(crate) struct People {
+    trials: Vec<Vec<Trial>>,
+    /// How far each mode was from its copy, as simulated.
+    pub(crate) copied: BTreeMap<What, Truth>,
+}
 
 impl People {
     /// Those of a table of metrics.
@@ -116,22 +120,39 @@ impl People {
             });
         }
         ensure!(people.len() > PARTICIPANTS, "too few people to draw studies from");
-        Ok(Self(people.into_values().collect()))
+        let trials = people.into_values().collect();
+        Ok(Self { trials, copied: BTreeMap::new() }.with_exact_copies())
+    }
+
+    /// The same with every copy moved to its mode's mean: by chance the two differ over so many
+    /// people, and then there would be something to find in the population.
+    fn with_exact_copies(mut self) -> Self {
+        for what in What::all().filter(|what| what.is_null()) {
+            let Ok(truth) = self.truth(what, false) else { continue };
+            self.copied.insert(what, truth);
+            let here = |trial: &&mut Trial| {
+                trial.environment == what.environment && MODES[trial.mode] == COPY
+            };
+            for trial in self.trials.iter_mut().flatten().filter(here) {
+                let value = &mut trial.values[what.metric];
+                *value = value.map(|value| value + truth.mean);
+            }
+        }
+        self
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.0.len()
+        self.trials.len()
     }
 
     /// The trials of the people with these places as a table of metrics; of the first session alone
     /// if `first` says so.
     pub(crate) fn table(&self, chosen: &[usize], first: bool) -> anyhow::Result<Table> {
-        let all = chosen
-            .iter()
-            .enumerate()
-            .flat_map(|(number, person)| self.0[*person].iter().map(move |trial| (number, trial)));
+        let all = chosen.iter().enumerate().flat_map(|(number, person)| {
+            self.trials[*person].iter().map(move |trial| (number, trial))
+        });
         let sessions: BTreeSet<&String> =
-            self.0.iter().flatten().map(|trial| &trial.session).collect();
+            self.trials.iter().flatten().map(|trial| &trial.session).collect();
         let is_in = |session: &String| !first || sessions.first() == Some(&session);
         let rows: Vec<(usize, &Trial)> = all.filter(|(_, trial)| is_in(&trial.session)).collect();
         let text = |name, of: &dyn Fn(&(usize, &Trial)) -> String| {
@@ -161,7 +182,7 @@ impl People {
     /// weight: written here once more, apart from the code that is tried.
     pub(crate) fn truth(&self, what: What, first: bool) -> anyhow::Result<Truth> {
         let differences: Vec<f64> =
-            self.0.iter().filter_map(|trials| difference(trials, what, first)).collect();
+            self.trials.iter().filter_map(|trials| difference(trials, what, first)).collect();
         let n = differences.len() as f64;
         if differences.len() < 2 {
             bail!("{}: nobody has it", what.words());
@@ -178,10 +199,13 @@ impl People {
     /// plan rests on.
     pub(crate) fn spread(&self, what: What, modes: &[&str]) -> anyhow::Result<Spread> {
         let sessions: BTreeSet<&String> =
-            self.0.iter().flatten().map(|trial| &trial.session).collect();
+            self.trials.iter().flatten().map(|trial| &trial.session).collect();
         let (mut participant, mut mode, mut value) = (vec![], vec![], vec![]);
-        for (person, trial) in
-            self.0.iter().enumerate().flat_map(|(i, trials)| trials.iter().map(move |t| (i, t)))
+        for (person, trial) in self
+            .trials
+            .iter()
+            .enumerate()
+            .flat_map(|(i, trials)| trials.iter().map(move |t| (i, t)))
         {
             let side = modes.iter().position(|id| *id == MODES[trial.mode]);
             let here =
