@@ -4,11 +4,18 @@
 use crate::cells::{Cell, Cells, whole};
 use crate::measure::Measure;
 use crate::{CompareError, Parameters, columns};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_stats::agreement::{Agreement, BlandAltman, agreement, bland_altman};
+use zwidth_stats::incomplete::incomplete_agreement;
+use zwidth_stats::null::Sampling;
 use zwidth_stats::paired::{differences, mean_difference};
 use zwidth_stats::{Tested, Unestimable};
 use zwidth_tables::{Column, Table};
+
+/// Tables drawn for the agreement of sessions that some participants lack.
+const DRAWS: Sampling = Sampling { draws: 999, seed: 1 };
+/// From this many participants on those who lack a session are left out of the agreement.
+const MANY: usize = 100;
 
 /// Two sessions of one condition.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +32,8 @@ struct Row {
     limits: Option<BlandAltman>,
     /// Of the two sessions.
     agreement: Option<Agreement>,
+    /// Whether it takes in those who lack one of them.
+    is_incomplete: bool,
 }
 
 /// Each later session against the first one, in every condition, as a table.
@@ -37,9 +46,9 @@ pub(crate) fn table(
     for environment in 0..parameters.environments.len() {
         for mode in 0..parameters.modes.len() {
             for later in 1..cells.sessions.len() {
-                let pairs = pairs(cells, environment, mode, [later, 0]);
-                if !pairs.is_empty() {
-                    let row = row(pairs, parameters.level);
+                let means = means(cells, environment, mode, [later, 0]);
+                let row = row(&means, parameters.level);
+                if !row.pairs.is_empty() {
                     rows.push(Row { environment, mode, sessions: [0, later], ..row });
                 }
             }
@@ -48,28 +57,43 @@ pub(crate) fn table(
     as_table(&rows, cells, measure, parameters)
 }
 
-fn row(pairs: Vec<[f64; 2]>, level: f64) -> Row {
+fn row(means: &[[Option<f64>; 2]], level: f64) -> Row {
+    let pairs: Vec<[f64; 2]> =
+        means.iter().filter_map(|[later, earlier]| Some([(*later)?, (*earlier)?])).collect();
     let changes = differences(&pairs);
-    let by_participant: Vec<Vec<f64>> = pairs.iter().map(|pair| pair.to_vec()).collect();
+    let is_incomplete = pairs.len() < means.len() && means.len() < MANY;
+    let agreement = if is_incomplete {
+        let all: Vec<Vec<Option<f64>>> = means.iter().map(|pair| pair.to_vec()).collect();
+        incomplete_agreement(&all, level, DRAWS).map(|found| found.agreement)
+    } else {
+        agreement(&pairs.iter().map(|pair| pair.to_vec()).collect::<Vec<_>>(), level)
+    };
     Row {
         environment: 0,
         mode: 0,
         sessions: [0, 0],
         change: mean_difference(&changes, level),
         limits: bland_altman(&changes, level).ok(),
-        agreement: agreement(&by_participant, level).ok(),
+        agreement: agreement.ok(),
+        is_incomplete,
         pairs,
     }
 }
 
-/// Everybody's means in two sessions, in the order of participants.
-fn pairs(cells: &Cells, environment: usize, mode: usize, sessions: [usize; 2]) -> Vec<[f64; 2]> {
-    let of = |session| {
+/// The means in two sessions of everybody who has one of them, in the order of participants.
+fn means(
+    cells: &Cells,
+    environment: usize,
+    mode: usize,
+    sessions: [usize; 2],
+) -> Vec<[Option<f64>; 2]> {
+    let of = |session| -> BTreeMap<usize, f64> {
         let here = cells.of_condition(environment, mode).filter(move |c| c.session == session);
-        here.filter_map(|c: &Cell| Some((c.participant, c.mean?)))
+        here.filter_map(|c: &Cell| Some((c.participant, c.mean?))).collect()
     };
-    let earlier: BTreeMap<usize, f64> = of(sessions[1]).collect();
-    of(sessions[0]).filter_map(|(who, mean)| Some([mean, *earlier.get(&who)?])).collect()
+    let both = sessions.map(of);
+    let everybody: BTreeSet<usize> = both.iter().flat_map(|of| of.keys().copied()).collect();
+    everybody.into_iter().map(|who| [0, 1].map(|side| both[side].get(&who).copied())).collect()
 }
 
 fn as_table(
@@ -152,5 +176,9 @@ fn as_table(
         }),
     ]);
     let title = format!("Sessions compared: {}", measure.description);
-    Ok(Table::new(&format!("sessions_{}", measure.name), &title, all)?)
+    let table = Table::new(&format!("sessions_{}", measure.name), &title, all)?;
+    let note = "Agreement takes in those who lack a session, by a mixed model of everybody's means, \
+                with intervals by a parametric bootstrap (999); changes are of those who came to both.";
+    let is_incomplete = rows.iter().any(|row| row.is_incomplete);
+    Ok(if is_incomplete { table.with_note(note) } else { table })
 }

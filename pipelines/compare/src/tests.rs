@@ -1,6 +1,7 @@
 //! Comparisons of small tables, against numbers that R gives for the same data.
 
 use super::*;
+use zwidth_stats::null::Sampling;
 use zwidth_study::{Contrast, Families};
 use zwidth_tables::Column;
 
@@ -183,6 +184,34 @@ fn sessions_are_compared_person_by_person() {
     near(&floats(&sessions, "change_n"), &[0.2; 3]);
     assert_eq!(sessions.integers("n").unwrap(), [Some(3); 3]);
     assert_eq!(sessions.texts("sessions").unwrap()[0].as_deref(), Some("S02 − S01"));
+}
+
+/// P04 comes once: changes are of three, the agreement of the hybrid mode is of all four.
+#[test]
+fn who_lacks_a_session_counts_for_agreement_and_not_for_change() {
+    let mut trials = four();
+    let changes = [("P01", [0.1, -0.2]), ("P02", [0.3, 0.1]), ("P03", [-0.1, 0.2])];
+    for (who, by) in changes {
+        let later: Vec<Trial> = trials
+            .iter()
+            .filter(|t| t.0 == who && t.1 == "S01" && t.2 == "hybrid")
+            .map(|t| (t.0, "S02", t.2, t.3, t.4.map(|v| v + by[t.3 as usize - 1])))
+            .collect();
+        trials.extend(later);
+    }
+    let sessions = compare(&metrics(&trials), &parameters()).unwrap().sessions;
+    assert_eq!(sessions.integers("n").unwrap(), [Some(3)]);
+    assert!(sessions.notes()[0].contains("those who lack a session"), "{:?}", sessions.notes());
+    let all = [
+        vec![Some(1.45), Some(1.5)],
+        vec![Some(1.8), Some(1.6)],
+        vec![Some(1.95), Some(1.9)],
+        vec![None, Some(1.4)],
+    ];
+    let sampling = Sampling { draws: 999, seed: 1 };
+    let expected = zwidth_stats::incomplete::incomplete_agreement(&all, 0.95, sampling).unwrap();
+    near(&floats(&sessions, "icc_a1"), &[expected.agreement.a1.estimate]);
+    near(&floats(&sessions, "icc_a1_ci_low"), &[expected.agreement.a1.ci_low]);
 }
 
 #[test]
