@@ -11,8 +11,10 @@ def compared(zwidth, root, study, by):
     """The tables that `zwidth compare STUDY --by BY --json` prints, by name; each is what its Parquet file holds."""
     tables = {}
     for printed in json.loads(run(zwidth, "--root", root, "compare", study, "--by", by, "--json")):
-        name, frame = printed["table"], pd.DataFrame(printed["rows"])
+        name = printed["table"]
         stored = pd.read_parquet(root / "derived" / study / "compare" / f"{name}.parquet")
+        # Without a row nothing is printed of the columns.
+        frame = pd.DataFrame(printed["rows"], columns=None if printed["rows"] else list(stored))
         same = set(frame) == set(stored) and all(alike(frame[c], stored[c]) for c in stored)
         check(f"{study}: compare --by {by} --json prints what {name}.parquet holds", same, list(stored))
         tables[name] = Ledger(f"{study}, {name}", frame, printed["notes"])
