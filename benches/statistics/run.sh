@@ -32,7 +32,7 @@ load() { cut -d ' ' -f 1-3 /proc/loadavg 2>/dev/null || uptime; }
     echo
     echo "## A thousand people, two cores"
     echo
-    echo "The stage's own code on a simulated table of metrics: every metric that a study compares by default (nine tables each,"
+    echo "The stage's own code on a simulated table of metrics: every metric that a study compares by default (ten tables each,"
     echo "mixed models and 9,999 orders redrawn among them), then the answers. 1 % of the values are missing."
     echo
     RAYON_NUM_THREADS=2 "$statistics" thousand "$data"

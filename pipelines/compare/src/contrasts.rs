@@ -14,7 +14,7 @@ use zwidth_study::{Contrast, Families};
 use zwidth_tables::{Column, Table};
 
 /// Flips that are drawn where there are too many participants to count all.
-pub(crate) const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
+const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
 
 /// One contrast in one environment.
 #[derive(Debug, Clone, PartialEq)]
