@@ -96,7 +96,8 @@ fn figures_show_bars_with_counts_and_say_what_was_turned() {
         assert!(overview.iter().any(|l| l.contains(word)), "{word} is not in {overview:?}");
     }
     assert!(overview.iter().any(|l| l.contains("6 − a")), "{overview:?}");
-    assert_eq!(files(&real.report("figures"), "svg").len(), 6);
+    // Two of groups, four of items, and four of the items compared.
+    assert_eq!(files(&real.report("figures"), "svg").len(), 10);
 }
 
 #[test]
