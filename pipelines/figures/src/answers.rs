@@ -40,14 +40,16 @@ impl AnswersPage {
 }
 
 /// The pages of the answers compared: one panel per environment and question, under the name of the
-/// environment where that has one question, else under the question's wording.
+/// environment where that has one question, else under the question's wording. Answers to a reversed
+/// question are turned round, and its heading says so.
 pub fn answers_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<AnswersPage> {
     let panels: Vec<_> = asked
         .iter()
         .flat_map(|(environment, questions)| {
             questions.iter().map(|question| {
                 let title = if questions.len() == 1 { &environment.label } else { &question.text };
-                (title.clone(), environment.id.clone(), question.id.clone())
+                let turned = if question.reversed { " (turned round)" } else { "" };
+                (format!("{title}{turned}"), environment.id.clone(), question.id.clone())
             })
         })
         .collect();
