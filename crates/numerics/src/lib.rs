@@ -8,7 +8,6 @@ pub mod activity;
 pub mod cubic;
 mod error;
 pub mod expm;
-pub mod gauss_hermite;
 pub mod lsq;
 pub mod minimise;
 pub mod nonlinear;

@@ -1,9 +1,10 @@
 //! The plan that lies beside a study's data, and whether the analysis is the one that was planned.
 
 use serde_json::{Value, json};
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use zwidth_compare::Preregistered;
-use zwidth_store::{Layout, StudyData, hex_blake3};
+use zwidth_store::{Layout, StudyData, hex_blake3, read_regular};
 use zwidth_study::Study;
 
 /// Where a study keeps the plan that was deposited before its data were taken.
@@ -28,9 +29,19 @@ pub fn analysis(study: &Study) -> Value {
     })
 }
 
+/// The largest plan that is read, bytes.
+const MOST_BYTES: u64 = 1 << 20;
+
 /// What the study's plan says of its analysis; none without a plan.
 pub(crate) fn preregistered(data: &StudyData) -> Option<Preregistered> {
-    let bytes = std::fs::read(plan_file(&data.layout)).ok()?;
+    let bytes = match read_regular(&plan_file(&data.layout), MOST_BYTES) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == ErrorKind::NotFound => return None,
+        Err(error) => {
+            let deviations = vec![format!("the file cannot be read: {error}")];
+            return Some(Preregistered { deviations, ..Preregistered::default() });
+        }
+    };
     let plan: Value = serde_json::from_slice(&bytes).unwrap_or_default();
     let number = |key: &str| plan[key].as_u64();
     Some(Preregistered {

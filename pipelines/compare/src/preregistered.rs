@@ -4,9 +4,9 @@ use serde::Serialize;
 use zwidth_tables::NoteKind;
 
 /// What a plan says of the analysis that is made.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Preregistered {
-    /// BLAKE3 of the plan's file, hexadecimal.
+    /// BLAKE3 of the plan's file, hexadecimal; empty where it cannot be read.
     pub blake3: String,
     /// What is otherwise than planned, each in words.
     pub deviations: Vec<String>,
@@ -19,7 +19,8 @@ pub struct Preregistered {
 impl Preregistered {
     /// The plan and its deviations in words, where `took_part` participants took part.
     pub(crate) fn note(&self, took_part: usize) -> (NoteKind, String) {
-        let hash: String = self.blake3.chars().take(12).collect();
+        let start: String = self.blake3.chars().take(12).collect();
+        let hash = if start.is_empty() { start } else { format!(", BLAKE3 {start}…") };
         let sample = self
             .participants
             .map(|planned| format!(" Participants: {planned} planned, {took_part} with trials."));
@@ -27,10 +28,10 @@ impl Preregistered {
             format!(" The plan was written when {trials} trials were there already.")
         });
         let (kind, verdict) = match self.deviations.as_slice() {
-            [] => (NoteKind::General, format!("As planned (plan.json, BLAKE3 {hash}…).")),
+            [] => (NoteKind::General, format!("As planned (plan.json{hash}).")),
             all => {
                 let all = all.join("; ");
-                (NoteKind::Care, format!("Not as planned (plan.json, BLAKE3 {hash}…): {all}."))
+                (NoteKind::Care, format!("Not as planned (plan.json{hash}): {all}."))
             }
         };
         (kind, [Some(verdict), sample, late].into_iter().flatten().collect())

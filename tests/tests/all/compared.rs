@@ -64,21 +64,12 @@ fn one_participant_tells_no_spread_and_assumed_spreads_give_a_plan_that_is_not_w
     let root = shipped::finished();
     let difference = ["power", "thesis-twin", "--difference", "0.1"];
     zwidth(root.path(), &difference).exits(1).says(&["give --participant-mode-sd"]);
-    let plan = root.path().join("plan.json");
-    let plan = plan.to_str().unwrap();
-    let assumed = [
-        "--participant-mode-sd",
-        "0.1",
-        "--residual-sd",
-        "0.2",
-        "--studies",
-        "200",
-        "--plan",
-        plan,
-    ];
+    let plan = root.path().join("raw/thesis-twin/plan.json");
+    let assumed =
+        ["--participant-mode-sd", "0.1", "--residual-sd", "0.2", "--studies", "200", "--plan"];
     let arguments = [&difference[..], &assumed].concat();
     prints(&zwidth(root.path(), &arguments).exits(0), &["80 % power", "200 studies"]);
-    let written = fs::read(plan).unwrap();
+    let written = fs::read(&plan).unwrap();
     zwidth(root.path(), &arguments).exits(1).says(&["a plan is not written over another"]);
     assert_eq!(fs::read(plan).unwrap(), written);
 }
@@ -98,8 +89,12 @@ fn a_plan_beside_the_data_says_whether_the_analysis_is_the_planned_one() {
     fs::write(&path, format!("{text}\n[compare]\nalpha = 0.01\n")).unwrap();
     let ran = zwidth(root.path(), &compare).exits(0);
     prints(&ran, &["Not as planned (plan.json", "alpha was 0.05, is 0.01"]);
-    fs::write(root.path().join("raw/thesis-twin/plan.json"), "{").unwrap();
+    let plan = root.path().join("raw/thesis-twin/plan.json");
+    fs::write(&plan, "{").unwrap();
     prints(&zwidth(root.path(), &compare).exits(0), &["the file holds no plan"]);
+    fs::remove_file(&plan).unwrap();
+    std::process::Command::new("mkfifo").arg(&plan).status().unwrap();
+    prints(&zwidth(root.path(), &compare).exits(0), &["Not as planned", "the file cannot be read"]);
 }
 
 #[test]

@@ -111,7 +111,10 @@ fn only_the_commands_that_may_hold_a_handle_that_writes_below_raw() {
         found
     };
     assert_eq!(holders("Raw::mends("), ["import", "recover"]);
-    assert_eq!(holders("Raw::adds("), ["acquire", "characterise", "recover", "twin", "unseal"]);
+    assert_eq!(
+        holders("Raw::adds("),
+        ["acquire", "characterise", "power", "recover", "twin", "unseal"]
+    );
     assert_eq!(holders("Raw::new_study("), ["new", "twin"]);
     // The disk itself is handed to what only reads, to the two handles, and to `simulate`, which
     // has a folder of its own.

@@ -342,11 +342,10 @@ pub(crate) struct Power {
     /// Seed of the simulated studies
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Write the plan, to deposit before data are taken, to a file that must not be there yet
-    /// [default file: raw/STUDY/plan.json, where `compare` holds the analysis against it]
-    #[arg(long, value_name = "FILE")]
-    #[expect(clippy::option_option, reason = "the flag may come with a file or without")]
-    pub(crate) plan: Option<Option<PathBuf>>,
+    /// Write the plan to raw/STUDY/plan.json, to deposit before data are taken: `compare` then says
+    /// whether the analysis is that one
+    #[arg(long)]
+    pub(crate) plan: bool,
 }
 
 /// What can be compared.

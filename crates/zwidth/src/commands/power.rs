@@ -1,18 +1,17 @@
 //! `zwidth power`: how many participants a study needs to find a difference, by simulating studies and
 //! testing them as `compare` does; and a plan to deposit before data are taken.
 
+use super::recover::lock;
 use crate::args::Power;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
 use serde_json::Value;
-use std::fs::File;
-use std::io::Write as _;
 use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_stats::power::{self, Plan, PlannedTest, Simulation};
-use zwidth_store::{StudyData, hex_blake3};
+use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
 use zwidth_study::Source;
 use zwidth_tables::Table;
 
@@ -106,13 +105,13 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
         participants_needed: needed.map(|(participants, _)| participants),
         smallest_difference: power::smallest_difference(TARGET, &planned, &simulation)?,
     };
-    if let Some(path) = &asked.plan {
-        let path = path.clone().unwrap_or_else(|| plan::plan_file(&layout));
-        let plan = serde_json::to_vec_pretty(&result)?;
-        let written = File::create_new(&path).and_then(|mut file| file.write_all(&plan));
-        written.with_context(|| {
-            format!("{}: a plan is not written over another file", path.display())
-        })?;
+    if asked.plan {
+        let lock = lock(&layout, "zwidth power")?;
+        let raw = Raw::adds(&RealFiles, &layout, &lock);
+        let path = plan::plan_file(&layout);
+        write_new(&raw, &path, &serde_json::to_vec_pretty(&result)?)
+            .context("a plan is not written over another")?;
+        screen.say(format!("{}: deposit a copy before data are taken", path.display()));
     }
     if screen.json {
         screen.listing(&result)?;

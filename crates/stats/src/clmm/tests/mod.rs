@@ -1,5 +1,7 @@
 //! Gradients against differences, quadrature against a tensor rule, and simulated studies.
 
+mod gauss_hermite;
+
 use super::cell::Levels;
 use super::laplace::{Effects, laplace};
 use super::likelihood::Likelihood;
@@ -10,9 +12,9 @@ use super::*;
 use crate::Unestimable;
 use crate::answers::Answers;
 use crate::clm;
+use gauss_hermite::rule;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use zwidth_numerics::gauss_hermite::rule;
 
 /// A number in (0, 1).
 fn uniform(rng: &mut ChaCha8Rng) -> f64 {

@@ -5,11 +5,11 @@
 /// ∫ f(x) dx ≈ Σ wᵢ f(xᵢ) is exact where f(x) = e^(−x²) p(x) with a polynomial p of degree at most
 /// 2n − 1. The weights hold the factor exp(xᵢ²), so that large rules neither over- nor underflow.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rule {
+pub(super) struct Rule {
     /// xᵢ, the zeros of the Hermite polynomial of degree n; symmetric about 0.
-    pub nodes: Vec<f64>,
+    pub(super) nodes: Vec<f64>,
     /// wᵢ = exp(xᵢ²) times the weight of the classical rule.
-    pub weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
 }
 
 /// The Gauss–Hermite rule with `n` nodes.
@@ -19,7 +19,7 @@ pub struct Rule {
 /// (Wilkinson 1965, *The Algebraic Eigenvalue Problem*, §5.38). The weights are Christoffel's
 /// numbers 1 / Σ ψₖ(xᵢ)² over k < n with the orthonormal Hermite functions ψₖ: a sum of positive
 /// terms. Meant for n up to some hundreds; beyond 1400 the outermost functions underflow.
-pub fn rule(n: usize) -> Rule {
+pub(super) fn rule(n: usize) -> Rule {
     let mut nodes = vec![0.0; n];
     for i in 0..n / 2 {
         let root = positive_root(n, n - 1 - i);
@@ -74,7 +74,6 @@ fn squared_functions(n: usize, x: f64) -> f64 {
     sum
 }
 
-#[cfg(test)]
 mod tests {
     use super::*;
 
