@@ -22,18 +22,18 @@ pub(crate) fn table(all: &[(Kind, Vec<Judged>)]) -> String {
     let covering = |judged: &&Judged| judged.covered.of > 0;
     let heads = most.iter().filter(testing).map(|judged| format!("{} rejects", judged.test));
     let intervals = most.iter().filter(covering).map(|judged| format!("{} covers", judged.test));
-    let heads: Vec<String> = heads.chain(intervals).collect();
+    let studies = "studies of this kind".to_owned();
+    let heads: Vec<String> = std::iter::once(studies).chain(heads).chain(intervals).collect();
     let rows = all.iter().map(|(kind, judged)| {
         let of_test = |test: &str| judged.iter().find(|judged| judged.test == test);
         let tests = most.iter().filter(testing);
         let rejected = tests.map(|of| of_test(of.test).map_or("–".to_owned(), rejected));
         let covered = most.iter().filter(covering);
         let covered = covered.map(|of| of_test(of.test).map_or("–".to_owned(), covers));
-        line(&[vec![kind.name()], rejected.chain(covered).collect()].concat())
+        let of = judged[0].rejected.of.max(judged[0].covered.of);
+        line(&[vec![kind.name(), of.to_string()], rejected.chain(covered).collect()].concat())
     });
-    let of = most[0].rejected.of.max(most[0].covered.of);
-    let title = format!("{of} studies of each kind");
-    format!("{}{}", head(&title, &heads), rows.collect::<String>())
+    format!("{}{}", head("people, scatter of modes", &heads), rows.collect::<String>())
 }
 
 /// False positives: bold where they are too many beyond doubt.
