@@ -11,6 +11,9 @@ use crate::matrix::dot;
 /// A threshold or predictor farther out counts as if it were here: the odds are 10^±130, and the
 /// products of two of them finite. Only steps of a search that are taken back go there.
 const FARTHEST: f64 = 300.0;
+/// e^±[`FARTHEST`].
+const FARTHEST_ODDS: f64 = 1.942_426_395_241_255_8e130;
+const NEAREST_ODDS: f64 = 1.0 / FARTHEST_ODDS;
 
 /// The thresholds with their odds at η = 0.
 #[derive(Debug, Clone)]
@@ -44,10 +47,37 @@ impl Levels {
         Self { odds: theta.iter().map(|theta| libm::exp(-theta)).collect(), theta }
     }
 
+    pub(super) fn thresholds(&self) -> usize {
+        self.theta.len()
+    }
+
     /// F(θⱼ − η), threshold by threshold.
     pub(super) fn shares(&self, eta: f64) -> impl Iterator<Item = f64> {
         let lift = libm::exp(near(eta));
         self.odds.iter().map(move |odds| 1.0 / (1.0 + lift * odds))
+    }
+
+    /// P(answers) of one cell (without the widths of inner categories), of e^η: no logarithm and no
+    /// exponential, at the price that many answers leave the range of numbers and give 0. With
+    /// F = 1 / (1 + odds) it is Π Fⱼ^nⱼ (1 − Fⱼ)^(Nⱼ − nⱼ), where nⱼ of Nⱼ answers next to the
+    /// threshold lie below it. nⱼ − Nⱼ F is pushed per threshold, as by `slopes`.
+    pub(super) fn probability(
+        &self,
+        cells: &Cells,
+        cell: usize,
+        lift: f64,
+        residuals: &mut Vec<f64>,
+    ) -> f64 {
+        let lift = lift.clamp(NEAREST_ODDS, FARTHEST_ODDS);
+        let mut product = 1.0;
+        let counts = cells.below[cell].iter().zip(&cells.beside[cell]);
+        for (odds, (below, beside)) in self.odds.iter().zip(counts) {
+            let odds = lift * odds;
+            let share = 1.0 / (1.0 + odds);
+            product *= power(share, *below as u32) * power(odds * share, (beside - below) as u32);
+            residuals.push(below - beside * share);
+        }
+        product
     }
 
     /// The terms of one cell. Where they are asked for, nⱼ − Nⱼ F is pushed per threshold: the
@@ -80,7 +110,21 @@ impl Levels {
     }
 }
 
-fn near(logit: f64) -> f64 {
+/// xⁿ by squares: the same bits on any machine.
+fn power(mut x: f64, mut n: u32) -> f64 {
+    let mut product = 1.0;
+    while n > 0 {
+        if n & 1 == 1 {
+            product *= x;
+        }
+        x *= x;
+        n >>= 1;
+    }
+    product
+}
+
+/// A logit no farther out than counts.
+pub(super) fn near(logit: f64) -> f64 {
     logit.clamp(-FARTHEST, FARTHEST)
 }
 
@@ -123,6 +167,12 @@ mod tests {
                 let shares: Vec<f64> = Levels::new(&[*theta]).shares(eta).collect();
                 assert!((shares[0] - share).abs() < 1e-15);
             }
+            let mut again = Vec::new();
+            let levels = Levels::new(&theta);
+            let probability = levels.probability(&cells, 0, libm::exp(eta), &mut again);
+            let error = (libm::log(probability) - expect.value).abs();
+            assert!(error < 1e-13 * (1.0 + expect.value.abs()), "{error}");
+            assert!(again.iter().zip(&residuals).all(|(a, b)| (a - b).abs() < 1e-14));
             assert!((found.value - expect.value).abs() < 1e-13 * (1.0 + expect.value.abs()));
             assert!((found.slope - expect.slope).abs() < 1e-14);
             assert!((found.bend - expect.bend).abs() < 1e-14);
@@ -136,6 +186,9 @@ mod tests {
             let found = Levels::new(&[theta]).slopes(&cells, 0, eta, None);
             assert!(found.value.is_finite() && found.slope.is_finite() && found.bend >= 0.0);
             assert!(found.value <= 0.0, "{found:?}");
+            let lift = libm::exp(near(eta));
+            let probability = Levels::new(&[theta]).probability(&cells, 0, lift, &mut Vec::new());
+            assert!((0.0..=1.0).contains(&probability), "{probability}");
         }
     }
 }

@@ -13,7 +13,7 @@
 //! the gradient given is the derivative of the sum itself, so that a search is not misled far from
 //! the estimates either, where SDs are large and integrands nearly boxes.
 
-use super::cell::{Levels, fixed};
+use super::cell::{Levels, fixed, near};
 use super::laplace::{Effects, settle};
 use super::model::Cells;
 use super::point::Point;
@@ -39,6 +39,9 @@ const LARGEST_STEP: f64 = 0.5;
 const INFORMATION: f64 = 0.5;
 /// Nodes with less than this share of the integral are left out of its gradient.
 const NO_SHARE: f64 = 1e-18;
+/// Where even the largest product of probabilities is smaller, logarithms take its place: what is
+/// lost at 1e-308 is then no part of the integral.
+const LEAST_PRODUCT: f64 = 1e-200;
 
 /// The logarithm of the likelihood (without the inner categories' widths) and its gradient by the
 /// parameters. `effects` is where the search for the most likely ones begins, and where it ended.
@@ -119,6 +122,8 @@ struct Lattice {
     strides: [usize; 2],
     /// The sum of the effects in each slot.
     sums: Vec<f64>,
+    /// e^sum.
+    lifts: Vec<f64>,
 }
 
 impl Lattice {
@@ -142,7 +147,8 @@ impl Lattice {
                 sums[i * strides[0] + j * strides[1]] = u + w;
             }
         }
-        Self { outer, inner, strides, sums }
+        let lifts = sums.iter().map(|sum| libm::exp(near(*sum))).collect();
+        Self { outer, inner, strides, sums, lifts }
     }
 
     /// The slots of the sums of outer node i with each inner one.
@@ -176,15 +182,8 @@ struct Mode {
 
 impl Mode {
     fn new(cells: &Cells, m: usize, levels: &Levels, fixed: &[f64], lattice: &Lattice) -> Self {
-        let mut residuals = Vec::new();
-        let mut log_probability = |sum: &f64| -> f64 {
-            let of_cell =
-                |c: usize| levels.slopes(cells, c, fixed[c] + sum, Some(&mut residuals)).value;
-            cells.groups[m].clone().map(of_cell).sum()
-        };
-        let logarithms: Vec<f64> = lattice.sums.iter().map(&mut log_probability).collect();
-        let log_scale = logarithms.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x));
-        let shares: Vec<f64> = logarithms.iter().map(|x| libm::exp(x - log_scale)).collect();
+        let (shares, log_scale, residuals) = by_products(cells, m, levels, fixed, lattice)
+            .unwrap_or_else(|| by_logarithms(cells, m, levels, fixed, lattice));
         let weights = &lattice.inner.weights;
         let inner = |i| lattice.slots(i).zip(weights).map(|(slot, w)| w * shares[slot]).sum();
         let inner = (0..lattice.outer.places.len()).map(inner).collect();
@@ -218,6 +217,53 @@ impl Mode {
     }
 }
 
+/// P(answers of a mode) in each slot over the largest of them, the logarithm of the largest, and the
+/// residuals.
+type Shares = (Vec<f64>, f64, Vec<f64>);
+
+/// Nothing where the answers are too many for a product of their probabilities.
+fn by_products(
+    cells: &Cells,
+    m: usize,
+    levels: &Levels,
+    fixed: &[f64],
+    lattice: &Lattice,
+) -> Option<Shares> {
+    let lifts: Vec<f64> = fixed.iter().map(|fixed| libm::exp(near(*fixed))).collect();
+    let thresholds = levels.thresholds();
+    let mut residuals = Vec::with_capacity(lattice.lifts.len() * thresholds);
+    let mut probability = |lift: &f64| -> f64 {
+        let of_cell = |c: usize| levels.probability(cells, c, lift * lifts[c], &mut residuals);
+        cells.groups[m].clone().map(of_cell).product()
+    };
+    let mut shares: Vec<f64> = lattice.lifts.iter().map(&mut probability).collect();
+    let most = shares.iter().fold(0.0, |most: f64, share| most.max(*share));
+    if most < LEAST_PRODUCT {
+        return None;
+    }
+    shares.iter_mut().for_each(|share| *share /= most);
+    Some((shares, libm::log(most), residuals))
+}
+
+fn by_logarithms(
+    cells: &Cells,
+    m: usize,
+    levels: &Levels,
+    fixed: &[f64],
+    lattice: &Lattice,
+) -> Shares {
+    let mut residuals = Vec::new();
+    let mut log_probability = |sum: &f64| -> f64 {
+        let of_cell =
+            |c: usize| levels.slopes(cells, c, fixed[c] + sum, Some(&mut residuals)).value;
+        cells.groups[m].clone().map(of_cell).sum()
+    };
+    let logarithms: Vec<f64> = lattice.sums.iter().map(&mut log_probability).collect();
+    let log_scale = logarithms.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x));
+    let shares = logarithms.iter().map(|x| libm::exp(x - log_scale)).collect();
+    (shares, log_scale, residuals)
+}
+
 /// ln Σ eˣ and each term's share of the sum.
 fn log_sum(logarithms: Vec<f64>) -> (f64, Vec<f64>) {
     let most = logarithms.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x));
@@ -225,4 +271,34 @@ fn log_sum(logarithms: Vec<f64>) -> (f64, Vec<f64>) {
     let sum: f64 = shares.iter().sum();
     shares.iter_mut().for_each(|s| *s /= sum);
     (most + libm::log(sum), shares)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One mode of one participant, who answered so often below and beside three thresholds.
+    fn cells(times: f64) -> Cells {
+        let below = vec![vec![2.0 * times, times, 4.0 * times]];
+        let beside = vec![vec![3.0 * times, 5.0 * times, 7.0 * times]];
+        Cells { groups: std::iter::once(0..1).collect(), x: vec![vec![]], below, beside }
+    }
+
+    #[test]
+    fn products_are_what_logarithms_say_and_too_many_answers_are_left_to_those() {
+        let levels = Levels::new(&[-1.5, 0.25, 3.0]);
+        for (times, has_product) in [(1.0, true), (10.0, true), (1000.0, false)] {
+            let cells = cells(times);
+            let lattice = Lattice::new(&cells, [0.8, 0.6], &Effects::none(&cells));
+            let (shares, log_scale, residuals) =
+                by_logarithms(&cells, 0, &levels, &[0.3], &lattice);
+            let products = by_products(&cells, 0, &levels, &[0.3], &lattice);
+            assert_eq!(products.is_some(), has_product, "{times}");
+            if let Some((found, scale, left)) = products {
+                assert!((scale - log_scale).abs() < 1e-11 * times);
+                assert!(found.iter().zip(&shares).all(|(a, b)| (a - b).abs() < 1e-11 * times));
+                assert!(left.iter().zip(&residuals).all(|(a, b)| (a - b).abs() < 1e-12 * times));
+            }
+        }
+    }
 }
