@@ -22,7 +22,7 @@ const AIMS: [f64; 2] = [10.0, 60.0];
 /// What a study compares that does not say what: primary metric, then the others. With their units, and
 /// whether only a wall has them.
 const METRICS: [(&str, &str, bool); 7] = [
-    ("discrepancy_mean_n", "N", false),
+    ("discrepancy_user_mean_n", "N", false),
     ("wall_past_max_rad", "rad", true),
     ("stiffness_n_per_rad", "N/rad", false),
     ("loop_area_j", "J", false),

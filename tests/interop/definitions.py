@@ -56,9 +56,9 @@ def discrepancy(x, f, first, turn, last, points, lever):
     path = slice(first, last + 1)
     closed = np.append(x[path], x[first]), np.append(f[path], f[first])
     return {
-        "discrepancy_mean": interval(trapezoid(d, grid) / (high - low), error),
-        "discrepancy_max": (d.max(),),
-        "discrepancy_step": interval(step.params[0], step.bse[0]),
+        "discrepancy_user_mean": interval(trapezoid(d, grid) / (high - low), error),
+        "discrepancy_user_max": (d.max(),),
+        "discrepancy_user_step": interval(step.params[0], step.bse[0]),
         "loop_area": interval(lever * trapezoid(closed[1], closed[0]), lever * (high - low) * error),
     }
 

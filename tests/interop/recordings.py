@@ -161,9 +161,9 @@ def tsa(root, real):
 
 
 UNITS = {
-    "discrepancy_mean": "_n",
-    "discrepancy_max": "_n",
-    "discrepancy_step": "_n",
+    "discrepancy_user_mean": "_n",
+    "discrepancy_user_max": "_n",
+    "discrepancy_user_step": "_n",
     "loop_area": "_j",
     "stiffness": "_n_per_rad",
     "stiffness_std_error": "_n_per_rad",

@@ -46,6 +46,8 @@ def read(path, keys):
     table = pd.read_parquet(path)
     if "point" in keys:  # a profile's points have no name but their place
         table["point"] = table.groupby("parameter").cumcount()
+    if "model" in table and "causality" in table:  # the script replays the model by eye alone
+        table = table[table["model"] == "by_eye"]
     return table.set_index(keys)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 from scipy import stats
-from scipy.integrate import cumulative_trapezoid, trapezoid
+from scipy.integrate import trapezoid
 
 BRAKE_ON, MOTOR_ON = 128, 256
 
@@ -250,14 +250,13 @@ def trial_metrics(trial, meta, study):
         update_t[inside], update_f[inside])
     m["velocity_band_rms_rad_s"], m["velocity_band_dominant_hz"], m["velocity_band_top_hz"] = band(
         t[moving], velocity[moving])
-    m["passivity_energy_j"] = lever * cumulative_trapezoid(force, theta, initial=0).min()
     return m
 
 
 def discrepancy(theta, force, phases, points, lever, level):
     onset, reversal, end = phases
-    names = ["discrepancy_mean_n", "discrepancy_mean_ci_low_n", "discrepancy_mean_ci_high_n", "discrepancy_max_n",
-             "discrepancy_step_n", "discrepancy_step_ci_low_n", "discrepancy_step_ci_high_n", "loop_area_j",
+    names = ["discrepancy_user_mean_n", "discrepancy_user_mean_ci_low_n", "discrepancy_user_mean_ci_high_n", "discrepancy_user_max_n",
+             "discrepancy_user_step_n", "discrepancy_user_step_ci_low_n", "discrepancy_user_step_ci_high_n", "loop_area_j",
              "loop_area_ci_low_j", "loop_area_ci_high_j"]
     nothing = dict.fromkeys(names, np.nan)
 
@@ -353,8 +352,8 @@ def wall(t, theta, velocity, force, trial, wall_rad, lever, level):
     return m | dict(zip(names, values))
 
 
-SUMMARISED = ["duration_s", "theta_max_rad", "sparc_forward", "sparc_backward", "discrepancy_mean_n",
-              "discrepancy_step_n", "loop_area_j", "stiffness_n_per_rad", "saturation_force_n", "force_rms_error_n",
+SUMMARISED = ["duration_s", "theta_max_rad", "sparc_forward", "sparc_backward", "discrepancy_user_mean_n",
+              "discrepancy_user_step_n", "loop_area_j", "stiffness_n_per_rad", "saturation_force_n", "force_rms_error_n",
               "returned_energy_share", "wall_past_max_rad", "wall_dwell_s"]
 
 

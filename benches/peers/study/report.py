@@ -76,7 +76,7 @@ def pros_cons(metrics, masses, modes):
     past = np.degrees(of["active"].wall_past_max_rad.mean())
     claims = [("passive", "pro", "High force to energy consumption ratio", None, np.nan, ""),
               ("passive", "pro", "Lightweight", "mass of the brake", masses["brake_g"], "g"),
-              ("passive", "pro", "Safe", "lowest balance of the user's work", of["passive"].passivity_energy_j.min(), "J"),
+              ("passive", "pro", "Safe", None, np.nan, ""),
               ("passive", "con", "Only resistive forces", "returned share of the work", returned["passive"], "%"),
               ("passive", "con", "Can not render stiffness", "returned share of the work", returned["passive"], "%"),
               ("active", "pro", "Easy to control", "trials without fast swings", smooth, "%"),
@@ -98,8 +98,8 @@ def summary(study, tables, reports):
                 f"{study['environment'][row.environment]['stiffness_n_per_rad']:g} were asked for (mean of {row.n})")
         if row.saturation_force_n == row.saturation_force_n:
             text += f"; the force flattened at {row.saturation_force_n:.2f} N"
-        if row.discrepancy_step_n == row.discrepancy_step_n:
-            text += f"; the force fell by {row.discrepancy_step_n:.2f} N at the reversal"
+        if row.discrepancy_user_step_n == row.discrepancy_user_step_n:
+            text += f"; the user's force fell by {row.discrepancy_user_step_n:.2f} N at the reversal"
         lines.append(text + f"; {100 * row.returned_energy_share:.0f} % of the work put in came back.")
     wall = tables["conditions"].dropna(subset="wall_past_max_rad").sort_values("wall_past_max_rad")
     lines += ["- Past the wall the lever went " + ", ".join(

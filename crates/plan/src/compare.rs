@@ -114,7 +114,9 @@ fn wanted(study: &Study) -> Vec<String> {
 pub(crate) fn asked_in_vain(study: &Study) -> Vec<String> {
     let unknown = wanted(study).into_iter().filter(|metric| !zwidth_metrics::is_number(metric));
     let unknown = unknown.map(|metric| {
-        format!("[compare] of study.toml: there is no metric '{metric}' that is a number")
+        let now = zwidth_metrics::renamed(&metric).map(|now| format!(": it is '{now}' now"));
+        let now = now.unwrap_or_default();
+        format!("[compare] of study.toml: there is no metric '{metric}' that is a number{now}")
     });
     let commanded = |metric: &MetricId| {
         let scenes = study.environments.iter().map(|environment| &environment.scene);

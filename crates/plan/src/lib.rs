@@ -24,6 +24,7 @@ mod metrics;
 mod preregistered;
 mod replay;
 mod replay_figures;
+mod replayable;
 mod report;
 mod summary;
 mod tables;

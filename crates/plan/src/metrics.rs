@@ -1,8 +1,10 @@
 //! Stage `metrics`: a table a condition of a session, then one of the whole study. A changed trial
 //! leaves the tables of the other conditions as they are, and so the figures that take their onsets
-//! from there.
+//! from there. What rests on the identified plant is a second table a condition, for `identify`
+//! depends on every trial; the one of the study has both.
 
 use crate::conditions::{Repeats, repeats};
+use crate::identify::{known_plant, plant_with_spread};
 use crate::making::{derived, read_tables, split, write_tables};
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
@@ -12,13 +14,18 @@ use zwidth_metrics::Parameters;
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
 use zwidth_store::{Asked, Layout, Signal, StoreError, StudyData, Trial, check_samples};
 use zwidth_study::Condition;
-use zwidth_tables::NoteKind;
+use zwidth_tables::{NoteKind, Table};
 
 const STAGE: Stage = Stage { name: "metrics", version: zwidth_metrics::VERSION };
 
 /// The metrics of a condition, `metrics/P01.S01.spring.hybrid.parquet`.
 pub(crate) fn of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
     derived(layout, format!("metrics/{}.parquet", repeats.key))
+}
+
+/// Those that rest on the plant, `metrics/P01.S01.spring.hybrid.plant.parquet`.
+fn with_plant(layout: &Layout, repeats: &Repeats) -> PathBuf {
+    derived(layout, format!("metrics/{}.plant.parquet", repeats.key))
 }
 
 /// The metrics of every condition that has trials.
@@ -57,13 +64,47 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
             make_condition,
         )
     };
-    let whole = |conditions: Vec<PathBuf>| {
+    let plant = known_plant(data);
+    let of_plant = |repeats: &Repeats| {
+        Job::new(
+            STAGE,
+            format!("metrics {} with the plant", repeats.who),
+            OfTrials::new(
+                Parameters::of(study, repeats.environment, repeats.mode),
+                &repeats.trials,
+            ),
+            (files(&repeats.trials), plant.clone()),
+            vec![with_plant(&data.layout, repeats)],
+            make_with_plant,
+        )
+    };
+    let repeats = repeats(data);
+    let whole = || {
         let outputs = study_files(&data.layout).to_vec();
+        let plant = repeats.iter().map(|r| with_plant(&data.layout, r)).collect();
+        let conditions: (_, Vec<PathBuf>) = (of_conditions(data), plant);
         Job::new(STAGE, "metrics of the study", study.conditions(), conditions, outputs, make_study)
     };
-    let conditions = of_conditions(data);
-    let whole = (!conditions.is_empty()).then(|| whole(conditions));
-    repeats(data).iter().map(condition).chain(whole).collect()
+    let whole = (!repeats.is_empty()).then(whole);
+    repeats.iter().map(condition).chain(repeats.iter().map(of_plant)).chain(whole).collect()
+}
+
+/// Trials that cannot be read, or whose samples make no metrics, the job without the plant tells.
+fn make_with_plant(
+    of: &OfTrials<Parameters>,
+    (trials, plant): &(Vec<PathBuf>, Option<[PathBuf; 2]>),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let plant = match plant {
+        Some([estimates, covariances]) => {
+            plant_with_spread(&Table::from_parquet(estimates)?, &Table::from_parquet(covariances)?)?
+        }
+        None => None,
+    };
+    let (trials, _) = read_all(trials, &of.trials, Signal::all());
+    let one = |trial: &Trial| zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref()).ok();
+    let rows: Vec<_> = trials.par_iter().filter_map(one).collect();
+    write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
 }
 
 fn make_condition(
@@ -88,10 +129,14 @@ fn make_condition(
 
 fn make_study(
     conditions: &Vec<Condition>,
-    tables: &Vec<PathBuf>,
+    (plain, plant): &(Vec<PathBuf>, Vec<PathBuf>),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let all = zwidth_metrics::join_conditions(&read_tables(tables)?)?.ok_or("there is no trial")?;
+    let join = |tables: &[PathBuf]| -> Result<Table, JobError> {
+        let joined = zwidth_metrics::join_conditions(&read_tables(tables)?)?;
+        Ok(joined.ok_or("there is no trial")?)
+    };
+    let all = zwidth_metrics::join_plant(&join(plain)?, &join(plant)?)?;
     let conditions = zwidth_metrics::by_condition(&all, conditions)?;
     write_tables(&[all, conditions], making, Vec::new())
 }

@@ -1,22 +1,31 @@
-//! Stage `replay`: every trial that counts through the model, a table a condition of a session;
-//! then one of the whole study, and how far peaks and times agree.
+//! Stage `replay`: every trial that counts through the model by eye and, where one was fitted, through
+//! that too, a table each a condition of a session; then one of the whole study, and how far peaks
+//! and times agree.
 
-use crate::conditions::{Repeats, calibration, repeats};
+use crate::conditions::{Repeats, repeats};
+use crate::identify;
 use crate::making::{derived, read_tables, split, write_tables};
+use crate::replayable::rendering;
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
-use zwidth_replay::{Parameters, Rendering, TrialReplay};
+use zwidth_replay::{Parameters, Rendering, TrialReplay, Which};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
-use zwidth_study::{Analysis, Environment, Mode, Scene, TrialMeta};
+use zwidth_study::{Analysis, Scene};
+use zwidth_tables::Table;
 
 pub(crate) const STAGE: Stage = Stage { name: "replay", version: zwidth_replay::VERSION };
 
 /// The replays of a condition, `replay/P01.S01.spring.hybrid.parquet`.
 pub(crate) fn of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
     derived(layout, format!("replay/{}.parquet", repeats.key))
+}
+
+/// Those of the fitted model, `replay/P01.S01.spring.hybrid.fitted.parquet`.
+fn fitted_of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
+    derived(layout, format!("replay/{}.fitted.parquet", repeats.key))
 }
 
 /// The replays, and their agreement, if anything was rendered.
@@ -31,27 +40,6 @@ fn rendered(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
     repeats(data).into_iter().filter(|r| r.environment.scene != Scene::None)
 }
 
-/// Whether a trial has a spring, and everything that a run of the model driven by force needs.
-pub(crate) fn is_replayable(data: &StudyData, trial: &TrialEntry) -> bool {
-    let environment = data.study.environment(&trial.meta.environment);
-    let spring = environment.is_some_and(|e| e.scene.spring().is_some());
-    let recorded = [Signal::Theta, Signal::ForceEx].iter().all(|s| trial.signals.contains(s));
-    data.study.device.lever_m.is_some()
-        && spring
-        && recorded
-        && calibration(data, &trial.meta).is_some()
-}
-
-/// How a trial's condition was rendered in its session.
-pub(crate) fn rendering(
-    data: &StudyData,
-    meta: &TrialMeta,
-    environment: &Environment,
-    mode: &Mode,
-) -> Rendering {
-    Rendering::of(&data.study, environment, mode, calibration(data, meta).cloned())
-}
-
 /// What the replays of a condition depend on besides its trials.
 #[derive(Serialize)]
 struct Modelled {
@@ -62,46 +50,77 @@ struct Modelled {
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let analysis = data.study.analysis;
-    let condition = |repeats: &Repeats| {
+    let modelled = |repeats: &Repeats| {
         let of =
             |trial: &&TrialEntry| rendering(data, &trial.meta, repeats.environment, repeats.mode);
         let rendering = repeats.trials.first().map(of);
-        Job::new(
-            STAGE,
-            format!("replay {}", repeats.who),
-            OfTrials::new(
-                Modelled { rendering, analysis, plant: Parameters::BY_EYE },
-                &repeats.trials,
-            ),
-            files(&repeats.trials),
-            vec![of_condition(&data.layout, repeats)],
-            make_condition,
-        )
+        OfTrials::new(Modelled { rendering, analysis, plant: Parameters::BY_EYE }, &repeats.trials)
+    };
+    let by_eye = |repeats: &Repeats| {
+        let output = of_condition(&data.layout, repeats);
+        let name = format!("replay {}", repeats.who);
+        Job::new(STAGE, name, modelled(repeats), files(&repeats.trials), vec![output], make_by_eye)
+    };
+    let plant = identify::tables(data).into_iter().next();
+    let fitted = |repeats: &Repeats| {
+        let output = fitted_of_condition(&data.layout, repeats);
+        let inputs = (files(&repeats.trials), plant.clone()?);
+        let name = format!("replay {} fitted", repeats.who);
+        Some(Job::new(STAGE, name, modelled(repeats), inputs, vec![output], make_fitted))
     };
     let conditions: Vec<Repeats> = rendered(data).collect();
-    let tables: Vec<PathBuf> = conditions.iter().map(|r| of_condition(&data.layout, r)).collect();
+    let both = |repeats: &Repeats| {
+        let fitted = plant.as_ref().map(|_| fitted_of_condition(&data.layout, repeats));
+        [of_condition(&data.layout, repeats)].into_iter().chain(fitted).collect::<Vec<_>>()
+    };
+    let tables: Vec<PathBuf> = conditions.iter().flat_map(both).collect();
     let outputs = of_study(data);
     let level = analysis.confidence;
     let whole = || Job::new(STAGE, "replay of the study", level, tables, outputs, make_study);
     let whole = (!conditions.is_empty()).then(whole);
-    conditions.iter().map(condition).chain(whole).collect()
+    let each = conditions.iter().map(by_eye).chain(conditions.iter().filter_map(fitted));
+    each.chain(whole).collect()
 }
 
-fn make_condition(
+fn make_by_eye(
     of: &OfTrials<Modelled>,
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
+    let (rows, problems) = replays(of, files, Which::ByEye, &of.stage.plant)?;
+    write_tables(&[zwidth_replay::table(&rows)?], making, problems)
+}
+
+/// Without rows where nothing was fitted. Trials that cannot be replayed the job by eye tells.
+fn make_fitted(
+    of: &OfTrials<Modelled>,
+    (files, plant): &(Vec<PathBuf>, PathBuf),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let rows = match identify::fitted(&Table::from_parquet(plant)?)? {
+        Some(plant) => replays(of, files, Which::Fitted, &plant)?.0,
+        None => Vec::new(),
+    };
+    write_tables(&[zwidth_replay::table(&rows)?], making, Vec::new())
+}
+
+/// The trials of a condition through a model, and what is wrong with those that are left out.
+fn replays(
+    of: &OfTrials<Modelled>,
+    files: &[PathBuf],
+    which: Which,
+    plant: &Parameters,
+) -> Result<(Vec<TrialReplay>, Vec<String>), JobError> {
     let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
-    let Modelled { rendering, analysis, plant } = &of.stage;
+    let Modelled { rendering, analysis, .. } = &of.stage;
     let rendering = rendering.as_ref().ok_or("there is no trial")?;
     let rows = |trial: &Trial| -> Result<Vec<TrialReplay>, String> {
-        let rows = zwidth_replay::replay(trial, rendering, analysis, plant);
+        let rows = zwidth_replay::replay(trial, rendering, analysis, (which, plant));
         rows.map_err(|e| format!("{}: {e}", name(&trial.meta)))
     };
     let (rows, more) = split(trials.par_iter().map(rows).collect());
     problems.extend(more);
-    write_tables(&[zwidth_replay::table(&rows.concat())?], making, problems)
+    Ok((rows.concat(), problems))
 }
 
 fn make_study(level: &f64, tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {

@@ -18,7 +18,7 @@ use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 7 };
+const STAGE: Stage = Stage { name: "summary", version: 8 };
 
 /// The summary's file.
 pub fn file(data: &StudyData) -> PathBuf {

@@ -8,7 +8,7 @@ use zwidth_study::Coordinate;
 use zwidth_tables::{Format, Table};
 
 /// Its version is raised when a table would be written differently from the same data.
-const STAGE: Stage = Stage { name: "tables", version: 4 };
+const STAGE: Stage = Stage { name: "tables", version: 5 };
 
 /// The derived tables that are printed.
 pub fn printed(data: &StudyData) -> Vec<PathBuf> {

@@ -125,6 +125,7 @@ fn affects(key: &str) -> Affects {
         ["study", "title"]
         | ["coordinate", ..]
         | ["masses", ..]
+        | ["resistances", ..]
         | ["analysis", ..]
         | ["compare", ..]
         | ["figures", ..] => Affects::Nothing,
@@ -256,6 +257,7 @@ mod tests {
             ),
             ("motor_g = 88.0", "motor_g = 90.0", "masses.motor_g", "88.0", "90.0"),
             ("brake_g = 27.0", "brake_g = 28.0", "masses.brake_g", "27.0", "28.0"),
+            ("motor_ohm = 30.4", "motor_ohm = 31.0", "resistances.motor_ohm", "30.4", "31.0"),
             ("onset_deg_s = 10.0", "onset_deg_s = 12.0", "analysis.onset_deg_s", "10.0", "12.0"),
             ("offset_deg_s = 5.0", "offset_deg_s = 4.0", "analysis.offset_deg_s", "5.0", "4.0"),
             (

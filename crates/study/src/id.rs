@@ -151,9 +151,10 @@ ids! {
 }
 
 impl MetricId {
-    /// The metric that is primary where a study names none: the mean force discrepancy.
+    /// The metric that is primary where a study names none: the mean of the user's force
+    /// discrepancy.
     pub(crate) fn primary() -> Self {
-        Self("discrepancy_mean_n".to_owned())
+        Self("discrepancy_user_mean_n".to_owned())
     }
 }
 

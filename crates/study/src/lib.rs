@@ -41,7 +41,7 @@ pub use law::{ActuatorKind, ModeLaw};
 pub use locate::{line_of, toml_error};
 pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Masses, Mode, OrderScheme,
-    Question, Study,
+    Question, Resistances, Study,
 };
 pub use printable::{printable, printable_lines};
 pub use sample::{Extra, Flags, MOST_CHANNELS, Sample, Voltages};

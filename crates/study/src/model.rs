@@ -23,6 +23,8 @@ pub struct Study {
     pub control: Control,
     /// Actuator masses, for the weight calculation.
     pub masses: Option<Masses>,
+    /// Resistances of the actuators' windings, for the electrical energy of a trial.
+    pub resistances: Resistances,
     /// What is rendered, in the order of the file.
     pub environments: Vec<Environment>,
     /// How it is rendered, in the order of the file (figures give each its colour by this order).
@@ -128,6 +130,15 @@ pub struct Masses {
     pub motor_kg: f64,
     /// The brake's mass, kg.
     pub brake_kg: f64,
+}
+
+/// Resistances of the actuators' windings; `None` where they are not known.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Resistances {
+    /// The motor's, Ω.
+    pub motor_ohm: Option<f64>,
+    /// The brake's, Ω.
+    pub brake_ohm: Option<f64>,
 }
 
 /// One environment of the study.

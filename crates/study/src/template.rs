@@ -72,6 +72,12 @@ velocity_cutoff_hz = 40.0
 motor_g = 88.0
 brake_g = 27.0
 
+# Resistances of the actuators' windings, for what a trial takes from its supply at most. Leave out what is unknown.
+# The motor's is an estimate: a winding of its series, scaled from 12 V to 48 V.
+[resistances]
+motor_ohm = 30.4
+# brake_ohm = 20.0
+
 # Numbers of the analysis; these are the defaults, the table may be left out.
 [analysis]
 # Movement begins where |velocity| first exceeds onset, and ends where it last falls below offset.
@@ -94,7 +100,7 @@ alignment = "onset"
 # Pairs of modes, the one minus the other: the last mode against each other one.
 # contrasts = [["hybrid", "active"], ["hybrid", "passive"]]
 # The metric whose claims count; claims of every other one are exploratory. alpha is shared by its contrasts (Holm).
-# primary = "discrepancy_mean_n"
+# primary = "discrepancy_user_mean_n"
 # alpha = 0.05
 # Differences up to this size do not matter: a number in the metric's unit, or a Weber fraction of what is commanded.
 # [compare.bounds]

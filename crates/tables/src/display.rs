@@ -8,6 +8,9 @@ use zwidth_study::Coordinate;
 const SMALL_TORQUE_NM: f64 = 0.1;
 const TORQUE: &str = "N·m";
 
+/// The unit of a column whose every row has its own, named by the text column `unit`.
+pub const UNIT_OF_ROW: &str = "";
+
 /// The table as people read it: other units, and names that follow them; descriptions, title and
 /// notes stay.
 ///
@@ -19,6 +22,9 @@ const TORQUE: &str = "N·m";
 /// | N·s/rad, N·s²/rad | as they are | N·s/mm, N·s²/mm, ÷ 1000 L |
 /// | `torque_nm` N·m | mN·m if every torque of the table is below 0.1 N·m | likewise |
 ///
+/// A column whose rows have units of their own ([`UNIT_OF_ROW`]) is converted row by row, and what the
+/// column `unit` says with it.
+///
 /// Everything else is left alone: pure numbers, texts, yes and no, whole numbers, and all other
 /// units. The torques of a table are decided on together, so that an estimate and its standard
 /// error keep one unit.
@@ -26,11 +32,46 @@ const TORQUE: &str = "N·m";
 /// # Errors
 /// A lever length that makes a value infinite, or two columns that would get one name.
 pub fn for_people(table: &Table, coordinate: Coordinate) -> Result<Table, TableError> {
-    let columns = table.columns();
-    let torques_small = torques_are_small(columns);
+    let columns = rows_converted(table, coordinate);
+    let torques_small = torques_are_small(&columns);
     let columns = columns.iter().map(|c| converted(c.clone(), coordinate, torques_small)).collect();
     let shown = Table::new(table.name(), table.title(), columns)?;
     Ok(table.notes_by_kind().fold(shown, |t, (kind, note)| t.with_note_of(kind, note)))
+}
+
+/// Columns whose every row has its own unit, in the units for people: the column `unit` names them.
+fn rows_converted(table: &Table, coordinate: Coordinate) -> Vec<Column> {
+    let mut columns = table.columns().to_vec();
+    let is_of_rows =
+        |c: &Column| c.field.unit == UNIT_OF_ROW && matches!(c.values, Values::Float(_));
+    let Some(units) = table.texts("unit").ok().filter(|_| columns.iter().any(is_of_rows)) else {
+        return columns;
+    };
+    let known: Vec<Option<Conversion>> = units
+        .iter()
+        .map(|unit| unit.as_deref().and_then(|unit| unit::for_people(unit, coordinate)))
+        .collect();
+    for column in &mut columns {
+        let of_rows = is_of_rows(column);
+        match &mut column.values {
+            Values::Float(values) if of_rows => {
+                let rows = values.iter_mut().zip(&known);
+                rows.for_each(|(v, by)| {
+                    *v = v.map(|v| v * by.as_ref().map_or(1.0, |by| by.factor))
+                });
+            }
+            Values::Text(texts) if column.field.name == "unit" => {
+                let rows = texts.iter_mut().zip(&known);
+                rows.for_each(|(text, by)| {
+                    if let Some(by) = by {
+                        *text = Some(by.unit.to_string().into());
+                    }
+                });
+            }
+            _ => {}
+        }
+    }
+    columns
 }
 
 fn torques_are_small(columns: &[Column]) -> bool {
@@ -100,6 +141,32 @@ mod tests {
         let values = shown.floats(expect.0).unwrap();
         assert!((values[0].unwrap() - expect.2).abs() < 1e-12 * expect.2.abs(), "{values:?}");
         assert_eq!(values[1], None);
+    }
+
+    #[test]
+    fn rows_with_units_of_their_own_are_read_each_in_its_own() {
+        let texts = |name, values: [&str; 2]| {
+            Column::text(name, "", values.map(|value| Some(value.to_owned())))
+        };
+        let columns = vec![
+            texts("unit", ["rad", "N"]),
+            Column::float("bias", UNIT_OF_ROW, "", [Some(std::f64::consts::PI), Some(2.0)]),
+            Column::float("share", "1", "", [Some(0.5), None]),
+        ];
+        let table = Table::new("t", "", columns).unwrap();
+        let of = |coordinate| {
+            let shown = for_people(&table, coordinate).unwrap();
+            let units: Vec<_> = shown.texts("unit").unwrap().into_iter().flatten().collect();
+            assert_eq!(shown.floats("share").unwrap(), [Some(0.5), None]);
+            (units, shown.floats("bias").unwrap())
+        };
+        assert_eq!(
+            of(Coordinate::Rotational),
+            (vec!["°".to_owned(), "N".to_owned()], vec![Some(180.0), Some(2.0)])
+        );
+        let (units, values) = of(Coordinate::Linear { lever_m: 0.05 });
+        assert_eq!(units, ["mm", "N"]);
+        assert!((values[0].unwrap() - 50.0 * std::f64::consts::PI).abs() < 1e-12, "{values:?}");
     }
 
     #[test]

@@ -46,7 +46,7 @@ mod unit;
 mod width;
 
 pub use csv::csv;
-pub use display::for_people;
+pub use display::{UNIT_OF_ROW, for_people};
 pub use error::TableError;
 pub use format::Format;
 pub use heading::heading;

@@ -5,7 +5,7 @@ use zwidth_tables::{Column, Field, Table, TableError, Type, Values, split_unit};
 /// A metric.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Measure {
-    /// Its column in the table of metrics, the unit last: `discrepancy_mean_n`.
+    /// Its column in the table of metrics, the unit last: `discrepancy_user_mean_n`.
     pub name: String,
     /// The end of that name that is its unit, `_n`; empty for the unit `1`.
     suffix: String,
@@ -30,7 +30,7 @@ impl Measure {
         })
     }
 
-    /// A column in the metric's unit: `difference` of `discrepancy_mean_n` is `difference_n`.
+    /// A column in the metric's unit: `difference` of `discrepancy_user_mean_n` is `difference_n`.
     pub(crate) fn column(
         &self,
         stem: &str,

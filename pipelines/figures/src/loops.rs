@@ -1,5 +1,5 @@
-//! Force against position for every environment side by side: the force discrepancy at a glance
-//! (Fig. 31).
+//! The user's force against position for every environment side by side: the user's force
+//! discrepancy at a glance.
 
 use crate::data::{EnvironmentData, ModeData, aligned, repeats_averaged};
 use crate::panels::{axis, mean_loop, repeat_loop};
@@ -73,8 +73,14 @@ fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
     let has_dots = |l: &Layer| matches!(l, Layer::Line(line) if line.dotted.contains(&true));
     let dotted = panels.iter().flat_map(|p| &p.layers).any(has_dots);
     let dots = dotted.then(|| "Dotted: at the wall or past it.".to_owned());
-    means.into_iter().chain(dots).collect()
+    let force = scenes.iter().any(|scene| scene.load() == Signal::ForceEx);
+    let whose = force.then(|| WHOSE.to_owned());
+    means.into_iter().chain(dots).chain(whose).collect()
 }
+
+/// Whose force it is.
+const WHOSE: &str = "*F*: the user's force. What it differs by between the two ways has inertia, damping and friction \
+    of the device in it; what the actuators differ by stands in the table of metrics.";
 
 /// The mean loop, or every repeat's where there is no mean.
 fn one(

@@ -54,16 +54,8 @@ pub(crate) fn spread<const P: usize>(
 ) -> Option<Spread> {
     let all = sum(blocks);
     let inverse_all = inverse(&all.curvature, free)?;
-    let without = |g: usize| {
-        let others =
-            sum(blocks.iter().enumerate().filter(|(i, _)| *i != g).map(|(_, block)| block));
-        let inverse = inverse(&others.curvature, free)?;
-        Some(-(0..P).map(|k| inverse[j][k] * others.gradient[k]).sum::<f64>())
-    };
-    let moved: Vec<f64> = (0..blocks.len()).map(without).collect::<Option<_>>()?;
-    let n = moved.len() as f64;
-    let mean = moved.iter().sum::<f64>() / n;
-    let variance = (n - 1.0) / n * moved.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>();
+    let moved = moved(blocks, free)?;
+    let variance = jackknife(&moved, j, j);
     let share = |block: &Block<P>| {
         let row = |k: usize| (0..P).map(|l| block.curvature[k][l] * inverse_all[l][j]).sum::<f64>();
         (0..P).map(|k| inverse_all[j][k] * row(k)).sum::<f64>()
@@ -72,6 +64,37 @@ pub(crate) fn spread<const P: usize>(
         blocks.iter().map(share).fold((0.0, 0.0), |(s, q), h| (s + h, q + h * h));
     Some(Spread { std_error: variance.sqrt(), df: total * total / squares })
         .filter(|s| s.std_error.is_finite() && s.df > 0.0)
+}
+
+/// The covariance of all parameters by the same jackknife, V_jk = (G − 1)/G Σ_g (p_g − p̄)_j (p_g −
+/// p̄)_k; 0 for those that are not free. `None` where the trials do not determine the free ones, or
+/// not without one of them.
+pub(crate) fn covariance<const P: usize>(
+    blocks: &[Block<P>],
+    free: &[bool; P],
+) -> Option<[[f64; P]; P]> {
+    let moved = moved(blocks, free)?;
+    Some(core::array::from_fn(|j| core::array::from_fn(|k| jackknife(&moved, j, k))))
+}
+
+/// By how much the parameters move without each trial in turn, one Gauss–Newton step each.
+fn moved<const P: usize>(blocks: &[Block<P>], free: &[bool; P]) -> Option<Vec<[f64; P]>> {
+    let without = |g: usize| {
+        let others =
+            sum(blocks.iter().enumerate().filter(|(i, _)| *i != g).map(|(_, block)| block));
+        let inverse = inverse(&others.curvature, free)?;
+        let step = |j: usize| -(0..P).map(|k| inverse[j][k] * others.gradient[k]).sum::<f64>();
+        Some(core::array::from_fn(step))
+    };
+    (0..blocks.len()).map(without).collect()
+}
+
+/// (G − 1)/G times the sum of products of two parameters' departures from their means.
+fn jackknife<const P: usize>(moved: &[[f64; P]], j: usize, k: usize) -> f64 {
+    let n = moved.len() as f64;
+    let mean = |j: usize| moved.iter().map(|m| m[j]).sum::<f64>() / n;
+    let (mean_j, mean_k) = (mean(j), mean(k));
+    (n - 1.0) / n * moved.iter().map(|m| (m[j] - mean_j) * (m[k] - mean_k)).sum::<f64>()
 }
 
 /// Which parameters are free to move: those that are on no bound and that the recordings feel.

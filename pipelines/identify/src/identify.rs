@@ -1,7 +1,7 @@
 //! From recordings to parameters, and errors of trials that the fit has and has not seen.
 
 use crate::IdentifyError;
-use crate::estimate::{Estimate, estimates, free, stepped};
+use crate::estimate::{Estimate, covariance, estimates, free, stepped};
 use crate::fit::{Block, Problem, sum};
 use crate::slopes::Parameter;
 use rayon::prelude::*;
@@ -58,6 +58,10 @@ pub struct Identified {
     pub estimates: Vec<Estimate>,
     /// Errors, in the order of the recordings.
     pub trials: Vec<TrialErrors>,
+    /// Covariance of the parameters by leaving out each trial in turn, a row each, in the product of
+    /// their units; 0 for one on its bound. `None` where the trials do not determine them, or not
+    /// without one of them.
+    pub covariance: Option<Vec<Vec<f64>>>,
     /// Whether the fit met its stopping rule.
     pub converged: bool,
 }
@@ -104,6 +108,8 @@ pub fn identify<const P: usize>(
     Ok(Identified {
         estimates: estimates(&problem, &minimum, (&blocks, &slopes), task.level)?,
         trials: recordings.par_iter().enumerate().map(one).collect(),
+        covariance: covariance(&blocks, &free(parameters, &minimum.parameters, &sum(&blocks)))
+            .map(|rows| rows.iter().map(|row| row.to_vec()).collect()),
         converged: minimum.converged,
     })
 }
@@ -163,6 +169,16 @@ mod tests {
             let fitted = estimate.fitted;
             assert!((fitted / expect - 1.0).abs() < 1e-6, "{fitted} instead of {expect}");
             assert_eq!(estimate.verdict, Identifiability::Identifiable, "{estimate:?}");
+        }
+        let covariance = found.covariance.unwrap();
+        for (j, estimate) in found.estimates.iter().enumerate() {
+            let std_error = estimate.std_error.unwrap();
+            assert!((covariance[j][j].sqrt() / std_error - 1.0).abs() < 1e-12, "{covariance:?}");
+            for (k, row) in covariance.iter().enumerate() {
+                assert_eq!(covariance[j][k].to_bits(), row[j].to_bits());
+                let most = (covariance[j][j] * covariance[k][k]).sqrt();
+                assert!(covariance[j][k].abs() <= most * (1.0 + 1e-12), "{covariance:?}");
+            }
         }
         let held: Vec<_> = found.trials.iter().filter(|t| t.part == Part::HeldOut).collect();
         assert_eq!(held.len(), 4);

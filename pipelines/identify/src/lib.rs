@@ -37,8 +37,8 @@ pub use estimate::Estimate;
 pub use identify::{Identified, Part, Recording, Task, TrialErrors, identify};
 pub use profile::Point;
 pub use slopes::Parameter;
-pub use table::{against_eye, estimates, nothing_fitted, profiles, threshold, trials};
+pub use table::{against_eye, covariances, estimates, nothing_fitted, profiles, threshold, trials};
 pub use verdict::Identifiability;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;

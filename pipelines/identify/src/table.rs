@@ -51,6 +51,47 @@ fn parameters(rows: &[Estimate]) -> Result<Table, TableError> {
     Table::new("identify", "The plant, by eye and fitted", columns)
 }
 
+/// The covariance of the parameters, one row a pair, each pair once and each with itself; none
+/// where there is no covariance.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn covariances(found: Option<&Identified>) -> Result<Table, TableError> {
+    let known = found.and_then(|f| Some((&f.estimates, f.covariance.as_ref()?)));
+    let pairs: Vec<(&Estimate, &Estimate, f64, f64)> = known
+        .into_iter()
+        .flat_map(|(estimates, v)| {
+            let of = |j: usize, k: usize| {
+                let most = (v[j][j] * v[k][k]).sqrt();
+                (
+                    &estimates[j],
+                    &estimates[k],
+                    v[j][k],
+                    if most > 0.0 { v[j][k] / most } else { 0.0 },
+                )
+            };
+            (0..v.len()).flat_map(move |j| (j..v.len()).map(move |k| of(j, k)))
+        })
+        .collect();
+    let text = |name, about, get: fn(&(&Estimate, &Estimate, f64, f64)) -> String| {
+        Column::text(name, about, pairs.iter().map(move |pair| Some(get(pair))))
+    };
+    let number = |name, about, get: fn(&(&Estimate, &Estimate, f64, f64)) -> f64| {
+        Column::float(name, "1", about, pairs.iter().map(move |pair| Some(get(pair))))
+    };
+    let columns = vec![
+        text("parameter", "which parameter of the plant", |p| p.0.parameter.name.to_owned()),
+        text("other", "which other one, or the same", |p| p.1.parameter.name.to_owned()),
+        text("unit", "unit of the covariance", |p| {
+            format!("{} · {}", p.0.parameter.unit, p.1.parameter.unit)
+        }),
+        number("covariance", "by leaving out each trial in turn", |p| p.2),
+        number("correlation", "over the product of both standard errors", |p| p.3),
+    ];
+    let title = "Covariance of the plant's parameters";
+    Table::new("identify.covariance", title, columns)
+}
+
 /// The profiles, one row a point: what becomes of the error when a parameter is held at a value and
 /// the others are fitted anew.
 ///

@@ -1,77 +1,98 @@
 //! The columns of the metrics: name, unit, meaning, and where each stands in a row.
 
-use crate::{RecordedStability, TrialMetrics};
+use crate::{PlantMetrics, RecordedStability, TrialMetrics};
 use zwidth_numerics::spectrum::BandPower;
 use zwidth_store::Signal;
 use zwidth_study::Scene;
 
 /// Where a value stands in a row.
-pub(crate) enum Get {
-    Float(fn(&TrialMetrics) -> Option<f64>),
-    Count(fn(&TrialMetrics) -> Option<i64>),
-    Flag(fn(&TrialMetrics) -> Option<bool>),
-    Word(fn(&TrialMetrics) -> Option<&'static str>),
+pub(crate) enum Get<R> {
+    Float(fn(&R) -> Option<f64>),
+    Count(fn(&R) -> Option<i64>),
+    Flag(fn(&R) -> Option<bool>),
+    Word(fn(&R) -> Option<&'static str>),
 }
 
-/// A column.
-pub(crate) struct Spec {
+/// A column of rows `R`.
+pub(crate) struct Spec<R = TrialMetrics> {
     pub(crate) name: &'static str,
     pub(crate) unit: &'static str,
     pub(crate) description: &'static str,
-    pub(crate) get: Get,
+    pub(crate) get: Get<R>,
     /// Whether the table of conditions has its mean and its deviation.
     pub(crate) summarised: bool,
 }
 
-impl Spec {
-    /// The same, with mean and deviation in the table of conditions.
-    const fn summarised(self) -> Self {
-        Self { summarised: true, ..self }
-    }
-}
-
-const fn float(
+const fn float<R>(
     name: &'static str,
     unit: &'static str,
     description: &'static str,
-    get: fn(&TrialMetrics) -> Option<f64>,
-) -> Spec {
+    get: fn(&R) -> Option<f64>,
+) -> Spec<R> {
     Spec { name, unit, description, get: Get::Float(get), summarised: false }
 }
 
-const fn count(
+/// A number with mean and deviation in the table of conditions.
+const fn averaged<R>(
+    name: &'static str,
+    unit: &'static str,
+    description: &'static str,
+    get: fn(&R) -> Option<f64>,
+) -> Spec<R> {
+    Spec { name, unit, description, get: Get::Float(get), summarised: true }
+}
+
+const fn count<R>(
     name: &'static str,
     description: &'static str,
-    get: fn(&TrialMetrics) -> Option<i64>,
-) -> Spec {
+    get: fn(&R) -> Option<i64>,
+) -> Spec<R> {
     Spec { name, unit: "1", description, get: Get::Count(get), summarised: false }
 }
 
-const fn flag(
+const fn flag<R>(
     name: &'static str,
     description: &'static str,
-    get: fn(&TrialMetrics) -> Option<bool>,
-) -> Spec {
+    get: fn(&R) -> Option<bool>,
+) -> Spec<R> {
     Spec { name, unit: "1", description, get: Get::Flag(get), summarised: false }
 }
 
-const fn word(
+const fn word<R>(
     name: &'static str,
     description: &'static str,
-    get: fn(&TrialMetrics) -> Option<&'static str>,
-) -> Spec {
+    get: fn(&R) -> Option<&'static str>,
+) -> Spec<R> {
     Spec { name, unit: "1", description, get: Get::Word(get), summarised: false }
 }
 
 /// Every metric, in the order of the table; `docs/analysis.md` defines each by its name. Below, one
 /// line is one column.
-pub(crate) const GROUPS: [&[Spec]; 6] =
-    [MOVEMENT, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY];
+pub(crate) const GROUPS: [&[Spec]; 7] =
+    [MOVEMENT, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY, ELECTRICITY];
+
+/// Those that rest on the plant, likewise.
+pub(crate) const PLANT_GROUPS: [&[Spec<PlantMetrics>]; 2] = [ACTUATORS, ENERGY];
 
 /// Whether there is a metric of that name that is a number with a unit.
 pub fn is_number(metric: &str) -> bool {
-    let is_it = |spec: &Spec| spec.name == metric && matches!(spec.get, Get::Float(_));
-    GROUPS.into_iter().flatten().any(is_it)
+    numbers().any(|(name, _)| name == metric)
+}
+
+/// What a metric is called that had this name when force discrepancy meant the user's alone.
+pub fn renamed(metric: &str) -> Option<String> {
+    let rest = metric.strip_prefix("discrepancy_")?;
+    Some(format!("discrepancy_user_{rest}")).filter(|now| is_number(now))
+}
+
+/// The names of all metrics that are numbers with a unit, and whether each is summarised.
+pub(crate) fn numbers() -> impl Iterator<Item = (&'static str, bool)> {
+    let of_trial = GROUPS.into_iter().flatten().filter_map(number);
+    of_trial.chain(PLANT_GROUPS.into_iter().flatten().filter_map(number))
+}
+
+fn number<R>(spec: &Spec<R>) -> Option<(&'static str, bool)> {
+    matches!(spec.get, Get::Float(_)).then_some((spec.name, spec.summarised))
 }
 
 /// What the environment asks for where a metric measures how far it is rendered, in the metric's
@@ -84,8 +105,15 @@ pub fn commanded(metric: &str, scene: &Scene) -> Option<f64> {
 /// Whether trials in such a scene, recorded with such signals, can have that metric at all.
 pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal]) -> bool {
     let is_in = |group: &[Spec]| group.iter().any(|spec| spec.name == metric);
+    let rests_on = |group: &[Spec<PlantMetrics>]| group.iter().any(|spec| spec.name == metric);
     let has = |needed: &[Signal]| needed.iter().all(|signal| signals.contains(signal));
-    if is_in(DISCREPANCY) || is_in(SPRING) {
+    if rests_on(ACTUATORS) {
+        scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])
+    } else if rests_on(ENERGY) {
+        has(&[Signal::Theta, Signal::ForceEx])
+    } else if is_in(ELECTRICITY) {
+        has(&[Signal::VoltageMotor]) || has(&[Signal::VoltageBrake])
+    } else if is_in(DISCREPANCY) || is_in(SPRING) {
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])
     } else if is_in(WALL) {
         scene.wall_rad().is_some() && has(&[Signal::Theta])
@@ -99,14 +127,14 @@ const MOVEMENT: &[Spec] = &[
     float("onset_s", "s", "first time above the onset's velocity", |r| r.movement.onset_s),
     float("reversal_s", "s", "first time of the largest angle between onset and end", |r| r.movement.reversal_s),
     float("end_s", "s", "first time below the offset's velocity after the last above the onset's", |r| r.movement.end_s),
-    float("duration_s", "s", "end minus onset", |r| r.movement.duration_s).summarised(),
-    float("theta_max_rad", "rad", "largest angle", |r| r.movement.theta_max_rad).summarised(),
+    averaged("duration_s", "s", "end minus onset", |r| r.movement.duration_s),
+    averaged("theta_max_rad", "rad", "largest angle", |r| r.movement.theta_max_rad),
     float("velocity_forward_mean_rad_s", "rad/s", "mean speed, onset to reversal", |r| r.movement.velocity_forward_mean_rad_s),
     float("velocity_forward_peak_rad_s", "rad/s", "largest speed, onset to reversal", |r| r.movement.velocity_forward_peak_rad_s),
     float("velocity_backward_mean_rad_s", "rad/s", "mean speed, reversal to end", |r| r.movement.velocity_backward_mean_rad_s),
     float("velocity_backward_peak_rad_s", "rad/s", "largest speed, reversal to end", |r| r.movement.velocity_backward_peak_rad_s),
-    float("sparc_forward", "1", "smoothness (spectral arc length) of the speed, onset to reversal", |r| r.movement.sparc_forward).summarised(),
-    float("sparc_backward", "1", "smoothness (spectral arc length) of the speed, reversal to end", |r| r.movement.sparc_backward).summarised(),
+    averaged("sparc_forward", "1", "smoothness (spectral arc length) of the speed, onset to reversal", |r| r.movement.sparc_forward),
+    averaged("sparc_backward", "1", "smoothness (spectral arc length) of the speed, reversal to end", |r| r.movement.sparc_backward),
     count("work_space_hits_low", "arrivals at the work space's lower end", |r| r.movement.work_space_hits_low),
     count("work_space_hits_high", "arrivals at the work space's upper end", |r| r.movement.work_space_hits_high),
 ];
@@ -123,21 +151,21 @@ const COMPLIANCE: &[Spec] = &[
 
 #[rustfmt::skip]
 const DISCREPANCY: &[Spec] = &[
-    float("discrepancy_mean_n", "N", "compression minus decompression force, mean over the angle", |r| r.discrepancy.mean_n).summarised(),
-    float("discrepancy_mean_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.mean_ci_low_n),
-    float("discrepancy_mean_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.mean_ci_high_n),
-    float("discrepancy_max_n", "N", "compression minus decompression force, largest", |r| r.discrepancy.max_n),
-    float("discrepancy_step_n", "N", "compression minus decompression force at the reversal", |r| r.discrepancy.step_n).summarised(),
-    float("discrepancy_step_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.step_ci_low_n),
-    float("discrepancy_step_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.step_ci_high_n),
-    float("loop_area_j", "J", "energy left in the device from onset to end", |r| r.discrepancy.loop_area_j).summarised(),
+    averaged("discrepancy_user_mean_n", "N", "the user's force, compression minus decompression, mean over the angle", |r| r.discrepancy.mean_n),
+    float("discrepancy_user_mean_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.mean_ci_low_n),
+    float("discrepancy_user_mean_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.mean_ci_high_n),
+    float("discrepancy_user_max_n", "N", "the user's force, compression minus decompression, largest", |r| r.discrepancy.max_n),
+    averaged("discrepancy_user_step_n", "N", "the user's force, compression minus decompression, at the reversal", |r| r.discrepancy.step_n),
+    float("discrepancy_user_step_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.step_ci_low_n),
+    float("discrepancy_user_step_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.step_ci_high_n),
+    averaged("loop_area_j", "J", "energy left in the device from onset to end", |r| r.discrepancy.loop_area_j),
     float("loop_area_ci_low_j", "J", "lower end of its interval within this trial", |r| r.discrepancy.loop_area_ci_low_j),
     float("loop_area_ci_high_j", "J", "upper end of its interval within this trial", |r| r.discrepancy.loop_area_ci_high_j),
 ];
 
 #[rustfmt::skip]
 const SPRING: &[Spec] = &[
-    float("stiffness_n_per_rad", "N/rad", "rendered stiffness: slope of force on angle in compression, below saturation", |r| r.spring.stiffness_n_per_rad).summarised(),
+    averaged("stiffness_n_per_rad", "N/rad", "rendered stiffness: slope of force on angle in compression, below saturation", |r| r.spring.stiffness_n_per_rad),
     float("stiffness_std_error_n_per_rad", "N/rad", "its standard error (Newey-West, a tenth of the samples)", |r| r.spring.stiffness_std_error_n_per_rad),
     float("stiffness_ci_low_n_per_rad", "N/rad", "lower end of its interval within this trial", |r| r.spring.stiffness_ci_low_n_per_rad),
     float("stiffness_ci_high_n_per_rad", "N/rad", "upper end of its interval within this trial", |r| r.spring.stiffness_ci_high_n_per_rad),
@@ -145,31 +173,34 @@ const SPRING: &[Spec] = &[
     float("force_at_rest_n", "N", "the line's force at the spring's rest", |r| r.spring.force_at_rest_n),
     float("stiffness_r2", "1", "R² of the line", |r| r.spring.r2),
     count("stiffness_samples", "samples of the line", |r| r.spring.samples),
-    float("saturation_force_n", "N", "force at which the spring saturates", |r| r.spring.saturation.force_n).summarised(),
+    averaged("saturation_force_n", "N", "force at which the spring saturates", |r| r.spring.saturation.force_n),
     float("saturation_force_ci_low_n", "N", "lower end of its interval within this trial", |r| r.spring.saturation.force_ci_low_n),
     float("saturation_force_ci_high_n", "N", "upper end of its interval within this trial", |r| r.spring.saturation.force_ci_high_n),
     float("saturation_theta_rad", "rad", "angle from which on the spring saturates", |r| r.spring.saturation.theta_rad),
     float("saturation_theta_ci_low_rad", "rad", "lower end of its interval within this trial", |r| r.spring.saturation.theta_ci_low_rad),
     float("saturation_theta_ci_high_rad", "rad", "upper end of its interval within this trial", |r| r.spring.saturation.theta_ci_high_rad),
-    float("force_rms_error_n", "N", "RMS of user force minus commanded force in compression", |r| r.spring.force_rms_error_n).summarised(),
-    float("return_force_n", "N", "force where the lever begins to return", |r| r.spring.return_force_n).summarised(),
-    float("returned_energy_share", "1", "work given back over work put in", |r| r.spring.returned_energy_share).summarised(),
+    averaged("force_rms_error_n", "N", "RMS of user force minus commanded force in compression", |r| r.spring.force_rms_error_n),
+    averaged("return_force_n", "N", "force where the lever begins to return", |r| r.spring.return_force_n),
+    averaged("returned_energy_share", "1", "work given back over work put in", |r| r.spring.returned_energy_share),
 ];
 
 #[rustfmt::skip]
 const WALL: &[Spec] = &[
     flag("wall_reached", "whether the wall was passed", |r| r.wall.reached),
-    float("wall_past_max_rad", "rad", "largest angle past the wall", |r| r.wall.past_max_rad).summarised(),
+    averaged("wall_past_max_rad", "rad", "largest angle past the wall", |r| r.wall.past_max_rad),
     float("wall_depth_m", "m", "largest depth past the wall, at the lever", |r| r.wall.past_max_m),
-    float("wall_dwell_s", "s", "time past the wall", |r| r.wall.dwell_s).summarised(),
+    averaged("wall_dwell_s", "s", "time past the wall", |r| r.wall.dwell_s),
     float("wall_impulse_n_s", "N·s", "impulse of the user's force past the wall", |r| r.wall.impulse_n_s),
     float("wall_energy_j", "J", "energy the wall takes from the user", |r| r.wall.energy_j),
     float("wall_impact_velocity_rad_s", "rad/s", "velocity where the wall is first passed", |r| r.wall.impact_velocity_rad_s),
     count("wall_rebounds", "passings of the wall after a retreat from it", |r| r.wall.rebounds),
     count("wall_brake_releases", "times the brake goes off past the wall", |r| r.wall.brake_releases),
-    float("wall_still_s", "s", "longest time past the wall below the offset's velocity", |r| r.wall.still_s).summarised(),
+    averaged("wall_still_s", "s", "longest time past the wall below the offset's velocity", |r| r.wall.still_s),
     float("wall_force_max_n", "N", "largest force past the wall", |r| r.wall.force_max_n),
-    float("wall_force_rise_n", "N", "largest force past the wall less that where it is first passed", |r| r.wall.force_rise_n).summarised(),
+    averaged("wall_force_rise_n", "N", "largest force past the wall less that where it is first passed", |r| r.wall.force_rise_n),
+    averaged("wall_rigidity_n_per_rad", "N/rad", "growth of the force past the wall over what the lever moves past it", |r| r.wall.rigidity_n_per_rad),
+    flag("wall_rigidity_at_least", "whether that is a lower bound: the lever moved by no more than a step of its sensor", |r| r.wall.rigidity_at_least),
+    averaged("wall_hold_rigidity_min_n_per_rad", "N/rad", "at least: growth of the force while the lever is held past the wall over a step of its sensor", |r| r.wall.hold_rigidity_min_n_per_rad),
     float("wall_stiffness_n_per_rad", "N/rad", "slope of force on angle past the wall, on the way in", |r| r.wall.stiffness_n_per_rad),
     float("wall_stiffness_ci_low_n_per_rad", "N/rad", "lower end of its interval within this trial", |r| r.wall.stiffness_ci_low_n_per_rad),
     float("wall_stiffness_ci_high_n_per_rad", "N/rad", "upper end of its interval within this trial", |r| r.wall.stiffness_ci_high_n_per_rad),
@@ -193,7 +224,33 @@ const STABILITY: &[Spec] = &[
     float("velocity_band_rms_rad_s", "rad/s", "root of the velocity's power from 5 Hz to the top of its band", |r| rms(r.stability.velocity_band)),
     float("velocity_band_dominant_hz", "Hz", "where that power is highest", |r| r.stability.velocity_band?.dominant_hz),
     float("velocity_band_top_hz", "Hz", "top of the velocity's band: 50 Hz or below the Nyquist frequency of the samples", |r| top(r.stability.velocity_band)),
-    float("passivity_energy_j", "J", "lowest value of the user's work on the device since the start", |r| r.stability.passivity_energy_j),
+];
+
+#[rustfmt::skip]
+const ELECTRICITY: &[Spec] = &[
+    averaged("electrical_energy_max_j", "J", "electrical energy of the trial, at most: from voltages and resistances, for no current is recorded", |r| r.electricity.bound_j),
+    averaged("force_per_power_n_per_w", "N/W", "commanded force over time per electrical energy, at least", |r| r.electricity.force_per_power_n_per_w),
+];
+
+#[rustfmt::skip]
+const ACTUATORS: &[Spec<PlantMetrics>] = &[
+    averaged("discrepancy_actuator_mean_n", "N", "the actuators' force, compression minus decompression, mean over the angle", |r| r.discrepancy.mean_n),
+    float("discrepancy_actuator_mean_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.mean_ci_low_n),
+    float("discrepancy_actuator_mean_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.mean_ci_high_n),
+    float("discrepancy_actuator_max_n", "N", "the actuators' force, compression minus decompression, largest", |r| r.discrepancy.max_n),
+    averaged("discrepancy_actuator_step_n", "N", "the actuators' force, compression minus decompression, at the reversal", |r| r.discrepancy.step_n),
+    float("discrepancy_actuator_step_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.step_ci_low_n),
+    float("discrepancy_actuator_step_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.step_ci_high_n),
+];
+
+#[rustfmt::skip]
+const ENERGY: &[Spec<PlantMetrics>] = &[
+    count("wall_contacts", "contacts with the wall", |r| r.energy.wall_contacts),
+    count("wall_contacts_active", "of them those in which the wall gave more than it had got", |r| r.energy.wall_contacts_active),
+    averaged("wall_contact_energy_min_j", "J", "lowest energy observer of a contact: below 0 the wall has given", |r| r.energy.wall_contact_energy_min_j),
+    count("closed_loops", "closed loops of the angle", |r| r.energy.closed_loops),
+    count("closed_loops_active", "of them those over which the device gave more than it had got", |r| r.energy.closed_loops_active),
+    averaged("closed_loop_energy_min_j", "J", "lowest energy observer of a closed loop: below 0 the device has given", |r| r.energy.closed_loop_energy_min_j),
 ];
 
 fn rms(band: Option<BandPower>) -> Option<f64> {

@@ -37,7 +37,7 @@ pub(crate) fn compliance(signals: &Signals, parameters: &Parameters) -> Complian
     let ways = ways(signals);
     let one_movement = ways.as_deref().map(|ways| match ways {
         [true, false] => true,
-        [true] => parameters.brakes_only,
+        [true] => parameters.brakes_only(),
         _ => false,
     });
     let count = |up: bool| Some(ways.as_ref()?.iter().filter(|way| **way == up).count() as i64);
@@ -144,7 +144,7 @@ mod tests {
         let points = [forward, held].concat();
         let one = |change: fn(&mut Parameters)| compliance(&points, change).one_movement;
         assert_eq!(one(|_| ()), Some(false));
-        assert_eq!(one(|p| p.brakes_only = true), Some(true));
+        assert_eq!(one(|p| p.uses_motor = false), Some(true));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The metrics by condition: mean and standard deviation of the repeats, as a query.
 
-use crate::columns::GROUPS;
+use crate::columns::numbers;
 use std::borrow::Cow;
 use zwidth_frames::{Aggregate, Frame, FrameError, Statistic};
 use zwidth_study::Condition;
@@ -11,7 +11,7 @@ const GROUP: [&str; 4] = ["participant", "session", "environment", "mode"];
 
 /// The metrics that are summarised.
 fn summarised() -> impl Iterator<Item = &'static str> {
-    GROUPS.into_iter().flatten().filter(|spec| spec.summarised).map(|spec| spec.name)
+    numbers().filter(|(_, summarised)| *summarised).map(|(name, _)| name)
 }
 
 /// One row a participant, session and condition, sessions in the order of the trials and the

@@ -1,19 +1,17 @@
-//! The force discrepancy: compression against decompression (thesis, appendix B).
+//! The user's force discrepancy: compression against decompression (thesis §5.3.1).
 
 use crate::MetricsError;
 use crate::branch::{Branches, branches};
-use crate::estimates::estimates;
+use crate::gap::Gap;
 use crate::signals::Signals;
 use zwidth_numerics::phases::Phases;
-use zwidth_numerics::series::{loop_area, trapezoid};
+use zwidth_numerics::series::loop_area;
 use zwidth_stats::interval::{Estimate, t_interval};
 
-/// The step at the reversal is read from the last tenth of the common range of angles: wide enough
-/// for the force sensor's held values and the actuators' lag to average out, narrow against a
-/// spring's saturation.
-const STEP_WINDOW: usize = 10;
-
-/// Force discrepancy D(θ) = F_compression(θ) − F_decompression(θ) (thesis, appendix B, Fig. 31).
+/// The user's force discrepancy D(θ) = F_compression(θ) − F_decompression(θ), F the user's force
+/// (thesis §5.3.1: "the captured force is not the force exerted by the spring"). Inertia, damping
+/// and dry friction of the device are in it: what the actuators alone differ by (appendix B, Fig.
+/// 31) is [`ActuatorDiscrepancy`](crate::ActuatorDiscrepancy).
 ///
 /// Each branch is made single-valued by keeping only samples that lie farther along than any
 /// before, then interpolated linearly on `analysis.grid_points` even angles over the range both
@@ -78,25 +76,21 @@ pub(crate) fn discrepancy(
         return Ok(Discrepancy::default());
     };
     let area = loop_area(&theta[onset..=end], &force[onset..=end])?;
-    let d: Vec<f64> = forward.iter().zip(&backward).map(|(f, b)| f - b).collect();
-    let (low, high) = (grid[0], grid[grid.len() - 1]);
-    let range = high - low;
-    let mean = trapezoid(&grid, &d)? / range;
-    let line = line_at(&grid, &d, low + range / 2.0, level)?;
+    let d = forward.iter().zip(&backward).map(|(f, b)| f - b).collect();
+    let gap = Gap::new(grid, d, theta[reversal]);
+    let (mean, line) = (gap.mean()?, gap.line_in_the_middle(level)?);
     let mean_interval = around(mean, line, 1.0, level)?;
     let loop_area_j = signals.lever_m.map(|lever_m| lever_m * area);
     let area_interval = match signals.lever_m {
-        Some(lever_m) => around(lever_m * area, line, lever_m * range, level)?,
+        Some(lever_m) => around(lever_m * area, line, lever_m * gap.range_rad(), level)?,
         None => None,
     };
-    // by count: an angle that lies on the tenth's edge must not come and go with a rounding
-    let last = (grid.len() - 1) - (grid.len() - 1) / STEP_WINDOW;
-    let step = line_at(&grid[last..], &d[last..], theta[reversal], level)?;
+    let step = gap.step(level)?;
     Ok(Discrepancy {
         mean_n: Some(mean),
         mean_ci_low_n: mean_interval.map(|e| e.ci_low),
         mean_ci_high_n: mean_interval.map(|e| e.ci_high),
-        max_n: d.iter().copied().reduce(f64::max),
+        max_n: gap.largest(),
         step_n: step.map(|e| e.estimate),
         step_ci_low_n: step.map(|e| e.ci_low),
         step_ci_high_n: step.map(|e| e.ci_high),
@@ -115,18 +109,6 @@ fn around(
 ) -> Result<Option<Estimate>, MetricsError> {
     let interval = |line: Estimate| t_interval(centre, factor * line.std_error, line.df, level);
     Ok(line.map(interval).transpose()?)
-}
-
-/// The line through `d` over `grid`, at `at_rad`; `None` for too few points.
-fn line_at(
-    grid: &[f64],
-    d: &[f64],
-    at_rad: f64,
-    level: f64,
-) -> Result<Option<Estimate>, MetricsError> {
-    let from_there: Vec<f64> = grid.iter().map(|theta| theta - at_rad).collect();
-    let found = estimates(&[&vec![1.0; grid.len()], &from_there], d, level)?;
-    Ok(found.map(|(_, estimates)| estimates[0]))
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Stage: the metrics of a trial, one row a trial.
 //!
-//! [`trial_metrics`] turns one trial into a [`TrialMetrics`]; [`table`] puts rows together. Nothing here
+//! [`trial_metrics`] turns one trial into a [`TrialMetrics`], and [`plant_metrics`] into
+//! [`PlantMetrics`], once the plant is known; [`table`] and [`plant_table`] put rows together,
+//! [`join_plant`] both. Nothing here
 //! reads a file or a clock, and sums run in the order of the samples, so the same trial gives the
 //! same bits anywhere. Only trials that count may come in (`StudyData::counting`): the caller
 //! filters.
@@ -20,21 +22,28 @@
 //!   it is never 0 for want of data.
 //!
 //! The definitions stand at the fields of [`Movement`], [`Discrepancy`], [`SpringRendering`],
-//! [`WallContact`], [`Stability`] and [`Compliance`].
+//! [`WallContact`], [`Stability`], [`ElectricalEnergy`], [`Compliance`], [`ActuatorDiscrepancy`] and
+//! [`EnergyObserver`].
 
+mod actuator;
 mod branch;
 mod columns;
 mod compliance;
 mod conditions;
 mod discrepancy;
+mod electricity;
+mod energy;
 mod error;
 mod estimates;
+mod gap;
 mod movement;
 mod oscillation;
 mod parameters;
+mod plant;
 mod plateau;
 #[cfg(test)]
 mod real_data;
+mod resolution;
 mod signals;
 mod spring;
 mod stability;
@@ -43,17 +52,21 @@ mod table;
 mod testing;
 mod wall;
 
-pub use columns::{commanded, is_number, is_possible};
+pub use actuator::ActuatorDiscrepancy;
+pub use columns::{commanded, is_number, is_possible, renamed};
 pub use compliance::Compliance;
 pub use conditions::{by_condition, join_conditions};
 pub use discrepancy::Discrepancy;
+pub use electricity::ElectricalEnergy;
+pub use energy::EnergyObserver;
 pub use error::MetricsError;
 pub use movement::Movement;
 pub use oscillation::{RecordedStability, Swings};
-pub use parameters::Parameters;
+pub use parameters::{Parameters, Plant};
+pub use plant::{PlantMetrics, plant_metrics};
 pub use spring::{Saturation, SpringRendering};
 pub use stability::Stability;
-pub use table::table;
+pub use table::{join_plant, plant_table, table};
 pub use wall::WallContact;
 
 use signals::Signals;
@@ -61,7 +74,7 @@ use zwidth_store::Trial;
 use zwidth_study::TrialMeta;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,8 +83,8 @@ pub struct TrialMetrics {
     pub meta: TrialMeta,
     /// When and how fast it moved.
     pub movement: Movement,
-    /// How far compression and decompression differ in force; all null where the environment has
-    /// no spring.
+    /// How far compression and decompression differ in the user's force; all null where the
+    /// environment has no spring.
     pub discrepancy: Discrepancy,
     /// How the spring was rendered; all null where the environment has none.
     pub spring: SpringRendering,
@@ -79,6 +92,8 @@ pub struct TrialMetrics {
     pub wall: WallContact,
     /// How steadily the device behaved.
     pub stability: Stability,
+    /// What it took from the supply at most.
+    pub electricity: ElectricalEnergy,
     /// Whether the trial was what the protocol asks for.
     pub compliance: Compliance,
 }
@@ -103,6 +118,7 @@ pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<TrialMetr
         spring: rendering.transpose()?.unwrap_or_default(),
         wall: wall.transpose()?.unwrap_or_default(),
         stability: stability::stability(&signals, parameters.force_rate_hz)?,
+        electricity: electricity::electrical_energy(&signals, parameters),
         compliance: compliance::compliance(&signals, parameters),
     })
 }

@@ -1,7 +1,7 @@
 //! What the metrics of a trial depend on besides its samples.
 
 use serde::Serialize;
-use zwidth_study::{Analysis, Environment, Mode, Scene, Study};
+use zwidth_study::{Analysis, Environment, Mode, Resistances, Scene, Study};
 
 /// Everything that the metrics of a condition's trials depend on besides the trials.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -20,11 +20,20 @@ pub struct Parameters {
     pub force_rate_hz: Option<f64>,
     /// Longest a trial may take, s.
     pub trial_limit_s: f64,
-    /// Whether the mode has a brake and no motor.
-    pub brakes_only: bool,
+    /// Whether the mode uses a motor.
+    pub uses_motor: bool,
+    /// Whether the mode uses a brake.
+    pub uses_brake: bool,
+    /// Resistances of the actuators' windings.
+    pub resistances: Resistances,
 }
 
 impl Parameters {
+    /// Whether the mode has a brake and no motor.
+    pub(crate) fn brakes_only(&self) -> bool {
+        self.uses_brake && !self.uses_motor
+    }
+
     /// Those of a condition of a study.
     pub fn of(study: &Study, environment: &Environment, mode: &Mode) -> Self {
         let device = &study.device;
@@ -36,7 +45,25 @@ impl Parameters {
             theta_max_rad: device.theta_max_rad,
             force_rate_hz: device.force_rate_hz,
             trial_limit_s: study.design.trial_limit_s,
-            brakes_only: mode.brake_max_v.is_some() && mode.motor_max_v.is_none(),
+            uses_motor: mode.motor_max_v.is_some(),
+            uses_brake: mode.brake_max_v.is_some(),
+            resistances: study.resistances,
         }
     }
+}
+
+/// The plant as it was identified, M L θ̈ + B θ̇ + F_C sgn θ̇ at the lever's end, and how well it is
+/// known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Plant {
+    /// M: mass felt at the lever's end, kg.
+    pub mass_kg: f64,
+    /// B: viscous damping there, N·s/rad.
+    pub damping_ns_per_rad: f64,
+    /// F_C: dry friction there, in motion, N.
+    pub friction_n: f64,
+    /// Covariance of the three, in this order and in their units.
+    pub covariance: [[f64; 3]; 3],
+    /// Its degrees of freedom.
+    pub df: f64,
 }

@@ -25,6 +25,9 @@ pub(crate) struct Signals<'a> {
     /// The force at its sensor's own updates, where their age is recorded.
     pub(crate) force_updates: Option<Updates>,
     pub(crate) force_cmd: Option<&'a [f64]>,
+    /// Commanded voltages, V.
+    pub(crate) voltage_motor: Option<&'a [f64]>,
+    pub(crate) voltage_brake: Option<&'a [f64]>,
     /// Which samples have the brake on; `None` where the recording does not say.
     pub(crate) brake_on: Option<Vec<bool>>,
     /// Which samples have the motor on.
@@ -69,6 +72,8 @@ impl<'a> Signals<'a> {
             None => recorded.map(Cow::Borrowed),
         };
         let flags = column(Signal::StateBits)?;
+        let voltage_motor = column(Signal::VoltageMotor)?;
+        let voltage_brake = column(Signal::VoltageBrake)?;
         Ok(Self {
             t,
             theta,
@@ -76,8 +81,10 @@ impl<'a> Signals<'a> {
             force,
             force_updates,
             force_cmd: column(Signal::ForceCmd)?,
-            brake_on: on(column(Signal::VoltageBrake)?, flags, BRAKE_ON),
-            motor_on: on(column(Signal::VoltageMotor)?, flags, MOTOR_ON),
+            voltage_motor,
+            voltage_brake,
+            brake_on: on(voltage_brake, flags, BRAKE_ON),
+            motor_on: on(voltage_motor, flags, MOTOR_ON),
             lever_m: parameters.lever_m,
             activity: active,
             phases,

@@ -1,10 +1,9 @@
-//! How steadily the device behaved: switching, oscillation, energy.
+//! How steadily the device behaved: switching, oscillation.
 
 use crate::MetricsError;
 use crate::oscillation::{Swings, force_band, swings, velocity_band};
 use crate::signals::Signals;
 use zwidth_numerics::phases::Phases;
-use zwidth_numerics::series::cumulative_trapezoid;
 use zwidth_numerics::spectrum::BandPower;
 
 /// How steadily the device behaved between onset and end. All null without a movement.
@@ -37,11 +36,6 @@ pub struct Stability {
     pub force_band: Option<BandPower>,
     /// What θ̇ does from 5 to 50 Hz.
     pub velocity_band: Option<BandPower>,
-    /// Lowest value of the user's work on the device ∫F dx since the first sample, J, over the
-    /// whole recording; 0 for a device that never gives more than it has got until then
-    /// (passive, with nothing stored at the start), below 0 by what it gave beyond. Null
-    /// without a lever length.
-    pub passivity_energy_j: Option<f64>,
 }
 
 pub(crate) fn stability(
@@ -59,7 +53,6 @@ pub(crate) fn stability(
         swings: swings(signals),
         force_band: force_band(signals, force_rate_hz),
         velocity_band: velocity_band(signals),
-        passivity_energy_j: passivity_energy(signals)?,
     })
 }
 
@@ -74,19 +67,11 @@ fn actuator_switches(signals: &Signals, Phases { onset, end, .. }: Phases) -> Op
     (!known.is_empty()).then(|| changes(&(onset..=end).map(state).collect::<Vec<_>>()))
 }
 
-fn passivity_energy(signals: &Signals) -> Result<Option<f64>, MetricsError> {
-    let Some(((theta, force, _), lever_m)) = signals.force_over_angle().zip(signals.lever_m) else {
-        return Ok(None);
-    };
-    let work = cumulative_trapezoid(theta, force)?;
-    Ok(work.into_iter().reduce(f64::min).map(|lowest| lever_m * lowest))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::oscillation::RecordedStability;
-    use crate::testing::{LEVER_M, REST_RAD, in_spring, stroke, trial};
+    use crate::testing::{REST_RAD, in_spring, stroke, trial};
     use crate::trial_metrics;
     use core::f64::consts::TAU;
     use zwidth_store::{Signal, Trial};
@@ -189,16 +174,5 @@ mod tests {
         assert_eq!((found.motor_switches, found.brake_switches), (Some(1), Some(1)));
         assert_eq!(found.actuator_switches, Some(1));
         assert_eq!(of(&crate::testing::trial(&points, |_, _| 1.0)).actuator_switches, None);
-    }
-
-    /// F = −c on the way in and c on the way out: the device gives 2 c X in all; with an elastic
-    /// spring it gives nothing it has not got.
-    #[test]
-    fn a_device_that_gives_more_than_it_has_got_is_active_by_that_energy() {
-        let points = stroke(1.2, 2.0);
-        let found = of(&trial(&points, |_, v| if v > 0.0 { -0.5 } else { 0.5 }));
-        check(found.passivity_energy_j, -LEVER_M * 0.5 * 2.4, 1e-4);
-        let found = of(&trial(&points, |theta, _| 4.0 * (theta - REST_RAD)));
-        check(found.passivity_energy_j, 0.0, 1e-12);
     }
 }

@@ -1,8 +1,9 @@
 //! The rows as a table: SI units, one row a trial.
 
-use crate::TrialMetrics;
-use crate::columns::{GROUPS, Get, Spec};
-use zwidth_tables::{Column, Table, TableError, identity};
+use crate::columns::{GROUPS, Get, PLANT_GROUPS, Spec};
+use crate::{PlantMetrics, TrialMetrics};
+use std::collections::BTreeMap;
+use zwidth_tables::{Column, Table, TableError, Values, identity};
 
 /// One row a trial, in the order given: which trial it is, then every metric. SI units; null where
 /// a metric does not apply or the recording lacks what it needs. The columns' definitions stand at
@@ -16,7 +17,58 @@ pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
     Table::new("metrics", "Metrics, one row a trial", columns)
 }
 
-fn column(spec: &Spec, rows: &[TrialMetrics]) -> Column {
+/// One row a trial, in the order given: which trial it is, then every metric that rests on the
+/// plant.
+///
+/// # Errors
+/// A metric that is not finite.
+pub fn plant_table(rows: &[PlantMetrics]) -> Result<Table, TableError> {
+    let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
+    columns.extend(PLANT_GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
+    Table::new("metrics", "Metrics that rest on the plant, one row a trial", columns)
+}
+
+/// The table of metrics with those that rest on the plant beside them; null for a trial that has no
+/// row there.
+///
+/// # Errors
+/// Tables that are not of this stage.
+pub fn join_plant(metrics: &Table, plant: &Table) -> Result<Table, TableError> {
+    let places: BTreeMap<_, usize> = keys(plant)?.into_iter().zip(0..).collect();
+    let rows: Vec<Option<usize>> =
+        keys(metrics)?.iter().map(|key| places.get(key).copied()).collect();
+    let mut columns = metrics.columns().to_vec();
+    for spec in PLANT_GROUPS.into_iter().flatten() {
+        let column = plant.column(spec.name)?;
+        let values = picked(&column.values, &rows);
+        columns.push(Column { field: column.field.clone(), values });
+    }
+    let joined = Table::new(metrics.name(), metrics.title(), columns)?;
+    let notes = metrics.notes_by_kind();
+    Ok(notes.fold(joined, |table, (kind, note)| table.with_note_of(kind, note)))
+}
+
+type Key = (Option<String>, Option<String>, Option<i64>);
+
+fn keys(table: &Table) -> Result<Vec<Key>, TableError> {
+    let [people, sessions] = ["participant", "session"].map(|name| table.texts(name));
+    let pairs = people?.into_iter().zip(sessions?).zip(table.integers("trial")?);
+    Ok(pairs.map(|((person, session), trial)| (person, session, trial)).collect())
+}
+
+fn picked(values: &Values, rows: &[Option<usize>]) -> Values {
+    fn of<T: Clone>(values: &[Option<T>], rows: &[Option<usize>]) -> Vec<Option<T>> {
+        rows.iter().map(|row| row.and_then(|row| values[row].clone())).collect()
+    }
+    match values {
+        Values::Float(v) => Values::Float(of(v, rows)),
+        Values::Integer(v) => Values::Integer(of(v, rows)),
+        Values::Text(v) => Values::Text(of(v, rows)),
+        Values::Flag(v) => Values::Flag(of(v, rows)),
+    }
+}
+
+fn column<R>(spec: &Spec<R>, rows: &[R]) -> Column {
     let Spec { name, unit, description, get, .. } = spec;
     match get {
         Get::Float(get) => Column::float(name, unit, description, rows.iter().map(get)),
@@ -31,8 +83,8 @@ fn column(spec: &Spec, rows: &[TrialMetrics]) -> Column {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{REST_RAD, at_wall, stroke, trial};
-    use crate::trial_metrics;
+    use crate::testing::{REST_RAD, at_wall, in_spring, stroke, trial};
+    use crate::{plant_metrics, trial_metrics};
 
     #[test]
     fn a_column_ends_in_its_unit() {
@@ -46,25 +98,50 @@ mod tests {
             ("N·s", "_n_s"),
             ("N/rad", "_n_per_rad"),
             ("Hz", "_hz"),
+            ("N/W", "_n_per_w"),
         ];
-        let table = table(&[]).unwrap();
-        for field in table.fields().filter(|f| f.unit != "1") {
+        let tables = [table(&[]).unwrap(), plant_table(&[]).unwrap()];
+        for field in tables.iter().flat_map(Table::fields).filter(|f| f.unit != "1") {
             let (_, ending) = endings.iter().find(|(unit, _)| *unit == field.unit).unwrap();
             assert!(field.name.ends_with(ending), "{}: {}", field.name, field.unit);
         }
+    }
+
+    fn names() -> impl Iterator<Item = &'static str> {
+        let of_trial = GROUPS.into_iter().flatten().map(|spec| spec.name);
+        of_trial.chain(PLANT_GROUPS.into_iter().flatten().map(|spec| spec.name))
+    }
+
+    #[test]
+    fn metrics_of_the_plant_come_beside_those_of_their_own_trial_and_a_missing_one_is_null() {
+        let parameters = in_spring(4.0, REST_RAD);
+        let of = |number: u32, friction_n: f64| {
+            let force = |theta: f64, v: f64| 4.0 * (theta - REST_RAD) + friction_n * v.signum();
+            let mut made = trial(&stroke(1.0, 2.0), force);
+            made.meta.trial = number;
+            made
+        };
+        let trials = [of(3, 0.1), of(1, 0.2), of(2, 0.3)];
+        let rows: Vec<_> = trials.iter().map(|t| trial_metrics(t, &parameters).unwrap()).collect();
+        let with: Vec<_> =
+            trials[..2].iter().map(|t| plant_metrics(t, &parameters, None).unwrap()).collect();
+        let with = plant_table(&[with[1].clone(), with[0].clone()]).unwrap();
+        let joined = join_plant(&table(&rows).unwrap(), &with).unwrap();
+        let least = joined.floats("closed_loop_energy_min_j").unwrap();
+        let area = joined.floats("loop_area_j").unwrap();
+        assert!((least[0].unwrap() / area[0].unwrap() - 1.0).abs() < 0.02, "{least:?} {area:?}");
+        assert!((least[1].unwrap() / area[1].unwrap() - 1.0).abs() < 0.02, "{least:?} {area:?}");
+        assert_eq!(least[2], None);
+        assert_eq!(joined.floats("discrepancy_actuator_mean_n").unwrap(), [None; 3]);
     }
 
     /// `docs/analysis.md` is the page on which a reader looks a column up.
     #[test]
     fn every_column_is_defined_on_the_page_about_the_analysis() {
         let page = include_str!("../../../docs/analysis.md");
-        for spec in GROUPS.into_iter().flatten() {
-            let part = spec.name.contains("_ci_") || spec.name.contains("_std_error_");
-            assert!(
-                part || page.contains(&format!("`{}`", spec.name)),
-                "{} is not defined",
-                spec.name
-            );
+        for name in names() {
+            let part = name.contains("_ci_") || name.contains("_std_error_");
+            assert!(part || page.contains(&format!("`{name}`")), "{name} is not defined");
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::MetricsError;
 use crate::estimates::estimates;
+use crate::resolution::resolution_rad;
 use crate::signals::Signals;
 use zwidth_numerics::phases::first_passing;
 use zwidth_numerics::series::interpolate;
@@ -10,7 +11,10 @@ use zwidth_study::Analysis;
 
 /// A rebound is a retreat from the wall by more than this share of the angles travelled; less is
 /// taken for the angle sensor's jitter.
-const REBOUND_SHARE: f64 = 0.01;
+pub(crate) const REBOUND_SHARE: f64 = 0.01;
+
+/// Angles are one step apart, give or take their arithmetic, in steps.
+const SAME: f64 = 1.001;
 
 /// What happened at a wall that begins at θ_wall; over the whole recording. All null where the
 /// environment has none or θ is not recorded; all but `reached` null where θ never exceeds θ_wall.
@@ -50,9 +54,21 @@ pub struct WallContact {
     /// Largest F past the wall less F where θ first passes θ_wall, N: by how much the user's force
     /// grows against the wall. Null without force, or if the recording begins past the wall.
     pub force_rise_n: Option<f64>,
+    /// Rigidity: what F grows by from where θ first passes θ_wall to its largest value past the
+    /// wall, over how far the lever is moved past θ_wall until then, N/rad. It tells a wall that
+    /// holds, too, where no slope can be: one that moves the lever by no more than the smallest
+    /// step between recorded angles δ has ΔF / δ, a lower bound. Null where F does not grow,
+    /// without force, or if the recording begins past the wall.
+    pub rigidity_n_per_rad: Option<f64>,
+    /// Whether the rigidity is a lower bound: the lever moved by no more than δ. Null with it.
+    pub rigidity_at_least: Option<bool>,
+    /// Rigidity once the lever is held, at least, N/rad: what F grows by from where the lever is first
+    /// within δ of its farthest angle past the wall to the largest F after that, over δ: it moved by
+    /// no more. Null where F does not grow there, or without force.
+    pub hold_rigidity_min_n_per_rad: Option<f64>,
     /// Slope of F on θ past the wall, N/rad: the wall's rendered stiffness. Least squares over the
     /// samples with θ > θ_wall from the first of them to the largest θ. Null for fewer than
-    /// three samples or without force.
+    /// three samples, for one angle (see `rigidity_n_per_rad`), or without force.
     pub stiffness_n_per_rad: Option<f64>,
     /// Lower end of its interval, N/rad, as that of [`SpringRendering`](crate::SpringRendering).
     pub stiffness_ci_low_n_per_rad: Option<f64>,
@@ -82,6 +98,8 @@ pub(crate) fn wall_contact(
     let force_max_n = force.and_then(|f| largest_past(f, theta, wall_rad));
     let at_wall = first_passing(signals.t, theta, wall_rad);
     let when_passing = |y: Option<&[f64]>| interpolate(signals.t, y?, at_wall?);
+    let rigidity =
+        force.zip(when_passing(force)).and_then(|(f, f0)| rigidity(theta, f, wall_rad, f0));
     let stiffness = stiffness(theta, force, wall_rad, highest, analysis.confidence)?;
     Ok(WallContact {
         reached: Some(true),
@@ -102,6 +120,9 @@ pub(crate) fn wall_contact(
         }),
         force_max_n,
         force_rise_n: force_max_n.zip(when_passing(force)).map(|(most, first)| most - first),
+        rigidity_n_per_rad: rigidity.map(|r| r.0),
+        rigidity_at_least: rigidity.map(|r| r.1),
+        hold_rigidity_min_n_per_rad: force.and_then(|f| hold_rigidity(theta, f, wall_rad, highest)),
         stiffness_n_per_rad: stiffness.map(|s| s.estimate),
         stiffness_ci_low_n_per_rad: stiffness.map(|s| s.ci_low),
         stiffness_ci_high_n_per_rad: stiffness.map(|s| s.ci_high),
@@ -111,6 +132,27 @@ pub(crate) fn wall_contact(
 fn releases(on: &[bool], theta: &[f64], wall: f64) -> i64 {
     let past = theta.iter().map(|theta| *theta > wall);
     on.windows(2).zip(past).map(|(on, past)| i64::from(past && on[0] && !on[1])).sum()
+}
+
+/// The rigidity, and whether it is a bound; `first_n` is the force where the wall is passed.
+fn rigidity(theta: &[f64], force: &[f64], wall: f64, first_n: f64) -> Option<(f64, bool)> {
+    let past = (0..theta.len()).filter(|i| theta[*i] > wall);
+    let most = past.reduce(|most, i| if force[i] > force[most] { i } else { most })?;
+    let (grown_n, count_rad) = (force[most] - first_n, resolution_rad(theta));
+    let until = theta[..=most].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let moved_rad = (until - wall).max(count_rad);
+    (grown_n > 0.0 && moved_rad > 0.0).then(|| (grown_n / moved_rad, until - wall <= count_rad))
+}
+
+/// The least rigidity of a lever that is held at its farthest angle.
+fn hold_rigidity(theta: &[f64], force: &[f64], wall: f64, highest: f64) -> Option<f64> {
+    let count_rad = resolution_rad(theta);
+    let held = |theta: &f64| *theta > wall && highest - theta <= SAME * count_rad;
+    let first = theta.iter().position(held)?;
+    let while_held =
+        theta[first..].iter().zip(&force[first..]).take_while(|(theta, _)| held(theta));
+    let grown_n = while_held.map(|(_, f)| f - force[first]).fold(0.0, f64::max);
+    (grown_n > 0.0 && count_rad > 0.0).then(|| grown_n / count_rad)
 }
 
 /// The slope on the way in, up to the first sample at `highest`.
@@ -171,18 +213,35 @@ fn longest(t: &[f64], still: impl Fn(usize) -> bool) -> f64 {
 }
 
 fn rebounds(theta: &[f64], wall: f64) -> i64 {
+    contacts(theta, wall).len() as i64 - 1
+}
+
+/// Samples past the wall: the first and the last of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Contact {
+    pub(crate) first: usize,
+    pub(crate) last: usize,
+}
+
+/// The contacts with the wall: each lasts until the lever has retreated from it by more than 1 % of
+/// the angles travelled.
+pub(crate) fn contacts(theta: &[f64], wall: f64) -> Vec<Contact> {
     let lowest = theta.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let retreat = wall - REBOUND_SHARE * (highest - lowest);
-    let (mut past, mut entries) = (false, 0);
-    for &theta in theta {
-        if !past && theta > wall {
-            (past, entries) = (true, entries + 1);
+    let (mut touches, mut found) = (false, Vec::<Contact>::new());
+    for (i, &theta) in theta.iter().enumerate() {
+        if theta > wall {
+            match found.last_mut().filter(|_| touches) {
+                Some(contact) => contact.last = i,
+                None => found.push(Contact { first: i, last: i }),
+            }
+            touches = true;
         } else if theta < retreat {
-            past = false;
+            touches = false;
         }
     }
-    entries - 1
+    found
 }
 
 #[cfg(test)]
@@ -300,6 +359,35 @@ mod tests {
         let offset_rad_s = 5_f64.to_radians();
         let turn_s = 2.0 * libm::asin(2.0 * offset_rad_s / (stroke_rad * omega)) / omega;
         check(found.still_s, turn_s, 2e-3);
+    }
+
+    /// The lever stops 0.01 rad past the wall while the force grows from 5 to 13 N.
+    #[test]
+    fn a_wall_that_holds_has_the_rigidity_of_what_it_moves() {
+        let angle = |i: i32| (0.76_f64).min(0.01 * f64::from(i));
+        let points: Vec<_> = (0..200).map(|i| (f64::from(i) * 0.01, angle(i), 0.0)).collect();
+        let force = |t: f64| if t <= 0.75 { 5.0 } else { (5.0 + 20.0 * (t - 0.75)).min(13.0) };
+        let mut made = trial(&points, |_, _| 0.0);
+        made.samples.set(Signal::ForceEx, points.iter().map(|p| force(p.0)).collect());
+        let of = |wall| trial_metrics(&made, &at_wall(4.0, REST_RAD, wall)).unwrap().wall;
+        // two counts of 0.01 rad past it
+        let found = of(0.74);
+        check(found.rigidity_n_per_rad, 8.0 / 0.02, 1e-6);
+        assert_eq!(found.rigidity_at_least, Some(false));
+        // less than a count: at least the force over the count
+        let found = of(0.755);
+        check(found.rigidity_n_per_rad, (13.0 - force(0.755)) / 0.01, 1e-6);
+        assert_eq!((found.rigidity_at_least, found.stiffness_n_per_rad), (Some(true), None));
+        // it stands at 0.76 rad from 0.76 s on, and is within a count of it from 0.75 s on
+        let found = of(0.74);
+        check(found.hold_rigidity_min_n_per_rad, (13.0 - force(0.75)) / 0.01, 1e-6);
+    }
+
+    #[test]
+    fn a_wall_against_which_no_force_grows_has_no_rigidity() {
+        let found = contact(&stroke(1.4, 2.0), REST_RAD + 1.0, |_, _| 1.0);
+        assert_eq!((found.rigidity_n_per_rad, found.rigidity_at_least), (None, None));
+        assert_eq!(found.hold_rigidity_min_n_per_rad, None);
     }
 
     #[test]

@@ -4,54 +4,127 @@
 //! Methods Med. Res. 8:135.
 
 use crate::ReplayError;
+use crate::table::own_model;
+use core::f64::consts::PI;
 use zwidth_stats::interval::{Estimate, mean, t_interval};
-use zwidth_tables::{Column, Table};
+use zwidth_tables::{Column, Table, UNIT_OF_ROW};
 
 /// Standard deviations between bias and limits: 95 % of normal differences lie between the limits.
 const LIMIT_SDS: f64 = 1.96;
 
-/// Column of the differences, what they are of, their unit.
-const QUANTITIES: [(&str, &str, &str); 4] = [
-    ("peak_error_rad", "peak angle", "rad"),
-    ("peak_error_n", "peak force", "N"),
-    ("peak_time_error_s", "time of the peak", "s"),
-    ("reversal_error_s", "time of the reversal", "s"),
+/// Up to where a difference does not matter.
+#[derive(Clone, Copy)]
+enum Bound {
+    /// As large in every trial.
+    Given(f64),
+    /// A share of the mean of a recorded column.
+    ShareOf(&'static str, f64),
+}
+
+/// The smallest change of a finger joint's angle that can be told: 2.5° (Tan, Srinivasan, Eberman &
+/// Cheng 1994, ASME DSC 55-1:353), taken for the lever's angle.
+const ANGLE: Bound = Bound::Given(2.5 * PI / 180.0);
+/// The smallest change of a force that a finger can tell, between 2.5 and 10 N: 7 % (Pang, Tan &
+/// Durlach 1991, Percept. Psychophys. 49:531).
+const FORCE: Bound = Bound::ShareOf("peak_recorded_n", 0.07);
+/// A tenth of a second: assumed.
+const TIME: Bound = Bound::Given(0.1);
+
+/// Column of the differences, what they are of, their unit, and how large they may be.
+const QUANTITIES: [(&str, &str, &str, Bound); 4] = [
+    ("peak_error_rad", "peak angle", "rad", ANGLE),
+    ("peak_error_n", "peak force", "N", FORCE),
+    ("peak_time_error_s", "time of the peak", "s", TIME),
+    ("reversal_error_s", "time of the reversal", "s", TIME),
 ];
 
-/// One quantity in one causality and mode.
+const NOTES: [&str; 2] = [
+    "Trials are taken for independent; repeats of one person are not, so intervals are too narrow for people in general.",
+    "Verdict: alike, both limits within the bound; off, the bias beyond it; scattered, the bias within it and a limit \
+     beyond. Bounds: 2.5 degrees, the just noticeable difference of a finger joint's angle (Tan 1994), 7 % of the mean \
+     recorded peak force (Pang 1991), 0.1 s (assumed).",
+];
+
+/// Of closed loop.
+const OPEN: &str = "Closed loop: given force and voltages, nothing in the model brings an error of the angle back, so \
+    that what is wrong with its plant adds up along a trial.";
+
+/// Whether model and recording agree within a bound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Agree {
+    Alike,
+    Off,
+    Scattered,
+    TooFew,
+}
+
+impl Agree {
+    fn of([bias, low, high]: [Option<Estimate>; 3], bound: Option<f64>) -> Self {
+        let (Some(bias), Some(low), Some(high), Some(bound)) = (bias, low, high, bound) else {
+            return Self::TooFew;
+        };
+        let within = |value: Estimate| value.estimate.abs() <= bound;
+        match (within(bias), within(low) && within(high)) {
+            (true, true) => Self::Alike,
+            (false, _) => Self::Off,
+            (true, false) => Self::Scattered,
+        }
+    }
+
+    fn as_str(self) -> &'static str {
+        match self {
+            Self::Alike => "alike",
+            Self::Off => "off",
+            Self::Scattered => "scattered",
+            Self::TooFew => "too few",
+        }
+    }
+}
+
+/// One quantity of one model in one causality and mode.
 struct Agreement {
-    causality: String,
-    mode: String,
+    of: [String; 3],
     quantity: &'static str,
     unit: &'static str,
     n: usize,
+    bound: Option<f64>,
+    verdict: Agree,
     bias: Option<Estimate>,
     low: Option<Estimate>,
     high: Option<Estimate>,
 }
 
-/// For each causality, mode and quantity of the table of replays: n trials, the bias (mean of model
-/// less recording) and the limits of agreement (bias ± 1.96 SD) with their t intervals at `level`;
-/// null below two trials. Trials of one person are taken for independent, so with few people the
-/// intervals are too narrow.
+/// For each causality, mode, model and quantity of the table of replays: n trials, the bias (mean of
+/// model less recording), the limits of agreement (bias ± 1.96 SD) with their t intervals at
+/// `level`, and a verdict; null below two trials. Trials of one person are taken for independent,
+/// so with few people the intervals are too narrow. Numbers are in the unit of their row.
 ///
 /// # Errors
 /// A table that lacks a column, a level outside (0, 1).
 pub fn agreement(replays: &Table, level: f64) -> Result<Table, ReplayError> {
     let mut found = Vec::new();
-    for (causality, mode) in groups(replays)? {
-        for (column, quantity, unit) in QUANTITIES {
-            let differences = differences(replays, column, &causality, &mode)?;
+    for of in groups(replays)? {
+        for (column, quantity, unit, bound) in QUANTITIES {
+            let differences = values(replays, column, &of)?;
             if differences.is_empty() {
                 continue;
             }
-            let [bias, low, high] = limits(&differences, level)?;
-            let (causality, mode) = (causality.clone(), mode.clone());
-            let n = differences.len();
-            found.push(Agreement { causality, mode, quantity, unit, n, bias, low, high });
+            let all = limits(&differences, level)?;
+            let bound = match bound {
+                Bound::Given(bound) => Some(bound),
+                Bound::ShareOf(column, share) => {
+                    let values = values(replays, column, &of)?;
+                    mean(&values, level)?.estimate.map(|mean| share * mean.abs())
+                }
+            };
+            let ([bias, low, high], n, of) = (all, differences.len(), of.clone());
+            let verdict = Agree::of(all, bound);
+            found.push(Agreement { of, quantity, unit, n, bound, verdict, bias, low, high });
         }
     }
-    table(&found)
+    let open = found.iter().any(|row| row.of[0] == crate::Causality::ClosedLoop.as_str());
+    let notes = NOTES.into_iter().chain(open.then_some(OPEN)).map(str::to_owned);
+    Ok(notes.chain(own_model(replays)?).fold(table(&found)?, Table::with_note))
 }
 
 /// Bias, lower and upper limit. The variance of a limit is s² / n + z² s² / (2 (n − 1)).
@@ -64,31 +137,32 @@ fn limits(differences: &[f64], level: f64) -> Result<[Option<Estimate>; 3], Repl
     Ok([Some(bias), Some(limit(-LIMIT_SDS)?), Some(limit(LIMIT_SDS)?)])
 }
 
-/// Causality and mode of the rows, each pair once, in the order of the rows, by causality.
-fn groups(replays: &Table) -> Result<Vec<(String, String)>, ReplayError> {
-    let rows = replays.texts("causality")?.into_iter().zip(replays.texts("mode")?);
-    let mut groups: Vec<(String, String)> = Vec::new();
-    for group in rows.filter_map(|(causality, mode)| causality.zip(mode)) {
+/// What tells rows of the table apart.
+const GROUP: [&str; 3] = ["causality", "mode", "model"];
+
+/// Causality, mode and model of the rows, each once, in the order of the rows, by causality.
+fn groups(replays: &Table) -> Result<Vec<[String; 3]>, ReplayError> {
+    let [causalities, modes, models] = GROUP.map(|name| replays.texts(name));
+    let rows = causalities?.into_iter().zip(modes?).zip(models?);
+    let mut groups: Vec<[String; 3]> = Vec::new();
+    for group in rows.filter_map(|((a, b), c)| Some([a?, b?, c?])) {
         if !groups.contains(&group) {
             groups.push(group);
         }
     }
-    groups.sort_by_key(|(causality, _)| {
-        crate::Causality::ALL.iter().position(|c| c.as_str() == causality)
-    });
-    Ok(groups)
+    let place = |of: &[String; 3]| {
+        let modes = groups.iter().position(|group| group[1] == of[1]);
+        (crate::Causality::ALL.iter().position(|c| c.as_str() == of[0]), modes, of[2].clone())
+    };
+    let mut sorted = groups.clone();
+    sorted.sort_by_key(place);
+    Ok(sorted)
 }
 
-fn differences(
-    table: &Table,
-    column: &str,
-    causality: &str,
-    mode: &str,
-) -> Result<Vec<f64>, ReplayError> {
-    let (causalities, modes) = (table.texts("causality")?, table.texts("mode")?);
-    let mine = |i: &usize| {
-        causalities[*i].as_deref() == Some(causality) && modes[*i].as_deref() == Some(mode)
-    };
+/// A column's values in the rows of a group.
+fn values(table: &Table, column: &str, of: &[String; 3]) -> Result<Vec<f64>, ReplayError> {
+    let keys = [table.texts(GROUP[0])?, table.texts(GROUP[1])?, table.texts(GROUP[2])?];
+    let mine = |i: &usize| keys.iter().zip(of).all(|(key, of)| key[*i].as_ref() == Some(of));
     let values = table.floats(column)?;
     Ok((0..values.len()).filter(mine).filter_map(|i| values[i]).collect())
 }
@@ -98,16 +172,23 @@ fn table(rows: &[Agreement]) -> Result<Table, ReplayError> {
         Column::text(name, description, rows.iter().map(|r| Some(get(r).to_owned())))
     };
     let mut columns = vec![
-        text("causality", "what went into the model and what came out", |r| &r.causality),
-        text("mode", "how it was rendered", |r| &r.mode),
+        text("causality", "what went into the model and what came out", |r| &r.of[0]),
+        text("mode", "how it was rendered", |r| &r.of[1]),
+        text("model", "whose plant: by_eye, the thesis'; fitted, this study's", |r| &r.of[2]),
         text("quantity", "what is compared, one value a trial", |r| r.quantity),
         text("unit", "unit of the numbers in this row", |r| r.unit),
         Column::integer("n", "1", "trials", rows.iter().map(|r| Some(r.n as i64))),
     ];
     let number = |name, description, get: fn(&Agreement) -> Option<f64>| {
-        Column::float(name, "1", description, rows.iter().map(get))
+        Column::float(name, UNIT_OF_ROW, description, rows.iter().map(get))
     };
+    columns.push(Column::text(
+        "verdict",
+        "alike, off, scattered or too few: bias and limits against the bound",
+        rows.iter().map(|r| Some(r.verdict.as_str().to_owned())),
+    ));
     columns.extend([
+        number("bound", "up to here a difference does not matter", |r| r.bound),
         number("bias", "mean of model less recording", |r| r.bias.map(|e| e.estimate)),
         number("bias_ci_low", "lower end of its interval", |r| r.bias.map(|e| e.ci_low)),
         number("bias_ci_high", "upper end of its interval", |r| r.bias.map(|e| e.ci_high)),
@@ -123,9 +204,7 @@ fn table(rows: &[Agreement]) -> Result<Table, ReplayError> {
         number("limit_high_ci_high", "upper end of its interval", |r| r.high.map(|e| e.ci_high)),
     ]);
     let title = "Agreement of replay and recording (Bland and Altman), one value a trial";
-    let note = "Trials are taken for independent; repeats of one person are not, so intervals are too narrow \
-                for people in general.";
-    Ok(Table::new("replay.agreement", title, columns)?.with_note(note))
+    Ok(Table::new("replay.agreement", title, columns)?)
 }
 
 #[cfg(test)]
@@ -167,9 +246,12 @@ mod tests {
         let mut columns = vec![
             text("causality", ["closed_loop", "force_driven", "force_driven", "force_driven"]),
             text("mode", ["active"; 4]),
+            text("model", ["by_eye"; 4]),
+            text("source", ["recorded"; 4]),
         ];
         let values = [Some(1.0), Some(2.0), Some(4.0), None];
-        columns.extend(QUANTITIES.map(|(column, _, _)| Column::float(column, "", "", values)));
+        columns.extend(QUANTITIES.map(|(column, ..)| Column::float(column, "", "", values)));
+        columns.push(Column::float("peak_recorded_n", "", "", [Some(40.0); 4]));
         let table = agreement(&Table::new("replay", "", columns).unwrap(), 0.95).unwrap();
         assert_eq!(table.height(), 8);
         assert_eq!(table.texts("causality").unwrap()[0].as_deref(), Some("force_driven"));
@@ -178,5 +260,33 @@ mod tests {
             (table.floats("bias").unwrap()[0], table.floats("bias").unwrap()[4]),
             (Some(3.0), None)
         );
+    }
+
+    /// Differences of peak angles in degrees, and what is said of them.
+    #[test]
+    fn a_bias_or_a_scatter_beyond_what_can_be_told_is_said() {
+        let verdict = |degrees: [f64; 4], source: &str| {
+            let text = |name, value: &str| Column::text(name, "", vec![Some(value.to_owned()); 4]);
+            let columns = vec![
+                text("causality", "closed_loop"),
+                text("mode", "active"),
+                text("model", "fitted"),
+                text("source", source),
+                Column::float("peak_error_rad", "", "", degrees.map(|d| Some(d.to_radians()))),
+                Column::float("peak_error_n", "", "", [None; 4]),
+                Column::float("peak_time_error_s", "", "", [None; 4]),
+                Column::float("reversal_error_s", "", "", [None; 4]),
+                Column::float("peak_recorded_n", "", "", [None; 4]),
+            ];
+            let found = agreement(&Table::new("replay", "", columns).unwrap(), 0.95).unwrap();
+            let word = found.texts("verdict").unwrap().remove(0).unwrap();
+            (word, found.notes().join(" "))
+        };
+        assert_eq!(verdict([0.1, -0.1, 0.2, 0.0], "recorded").0, "alike");
+        assert_eq!(verdict([-59.0, -58.0, -60.0, -59.0], "recorded").0, "off");
+        assert_eq!(verdict([4.0, -4.0, 3.0, -3.0], "recorded").0, "scattered");
+        assert!(verdict([0.0; 4], "recorded").1.contains("adds up along a trial"));
+        assert!(!verdict([0.0; 4], "recorded").1.contains("Simulated"));
+        assert!(verdict([0.0; 4], "twin").1.contains("Simulated trials"));
     }
 }

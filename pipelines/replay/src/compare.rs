@@ -2,6 +2,41 @@
 
 use crate::ReplayError;
 use crate::lag::lag_s;
+use zwidth_numerics::local::derivatives;
+
+/// Velocities are those of parabolas through the angles of this time to either side, s, of recording
+/// and model alike: what a controller's filter delays is not the model's error.
+const HALF_S: f64 = 0.025;
+
+/// How far the model's θ̇ departs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VelocityError {
+    /// √mean (θ̇_model − θ̇)², rad/s.
+    pub rmse_rad_s: f64,
+    /// That over the recording's range, max θ̇ − min θ̇; `None` for a lever that never moves.
+    pub nrmse: Option<f64>,
+    /// Standard deviation of the model's θ̇ over that of the recorded one: above 1 the model's
+    /// velocity varies more (thesis §4.3). `None` for a lever that never moves.
+    pub sd_ratio: Option<f64>,
+}
+
+/// Compares the velocities of two courses of θ at times `t`; all three of one length.
+pub(crate) fn compare_velocities(
+    t: &[f64],
+    recorded: &[f64],
+    model: &[f64],
+) -> Result<VelocityError, ReplayError> {
+    let [recorded, model] = [derivatives(t, recorded, HALF_S)?, derivatives(t, model, HALF_S)?];
+    let (recorded, model) = (recorded.first, model.first);
+    let squares: f64 = model.iter().zip(&recorded).map(|(m, r)| (m - r) * (m - r)).sum();
+    let rmse_rad_s = (squares / t.len() as f64).sqrt();
+    let (range, spread) = (range(&recorded), variance(&recorded));
+    Ok(VelocityError {
+        rmse_rad_s,
+        nrmse: (range > 0.0).then(|| rmse_rad_s / range),
+        sd_ratio: (spread > 0.0).then(|| (variance(&model) / spread).sqrt()),
+    })
+}
 
 /// A model's signal y against the recorded one. Errors are model less recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,8 +71,7 @@ pub(crate) fn compare(
     let n = t.len() as f64;
     let errors: Vec<f64> = model.iter().zip(recorded).map(|(m, r)| m - r).collect();
     let rmse = (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
-    let range = recorded.iter().copied().fold(f64::MIN, f64::max)
-        - recorded.iter().copied().fold(f64::MAX, f64::min);
+    let range = range(recorded);
     let spread = variance(recorded);
     let (peak, model_peak) = (peak(recorded), peak(model));
     Ok(Comparison {
@@ -50,6 +84,10 @@ pub(crate) fn compare(
         peak_time_recorded_s: t[peak],
         peak_time_error_s: t[model_peak] - t[peak],
     })
+}
+
+fn range(y: &[f64]) -> f64 {
+    y.iter().copied().fold(f64::MIN, f64::max) - y.iter().copied().fold(f64::MAX, f64::min)
 }
 
 /// The first sample of the largest value.
@@ -91,6 +129,23 @@ mod tests {
     fn the_mean_accounts_for_nothing_and_half_of_a_signal_for_three_quarters() {
         assert_eq!(compare(&T, &Y, &[2.0; 4]).unwrap().vaf, Some(0.0));
         assert_eq!(compare(&T, &Y, &Y.map(|y| y / 2.0)).unwrap().vaf, Some(0.75));
+    }
+
+    /// θ = sin t against sin t + ¼ sin 2t: θ̇ is off by ½ cos 2t, and varies √(1 + ¼) as much.
+    #[test]
+    fn a_velocity_that_varies_more_has_a_ratio_above_one() {
+        let t: Vec<f64> =
+            (0..4000).map(|i| core::f64::consts::TAU * f64::from(i) / 4000.0).collect();
+        let recorded: Vec<f64> = t.iter().map(|t| libm::sin(*t)).collect();
+        let model: Vec<f64> = t.iter().map(|t| libm::sin(*t) + libm::sin(2.0 * t) / 4.0).collect();
+        let found = compare_velocities(&t, &recorded, &model).unwrap();
+        assert!((found.rmse_rad_s - 0.5 / 2_f64.sqrt()).abs() < 1e-3, "{found:?}");
+        assert!((found.nrmse.unwrap() - 0.25 / 2_f64.sqrt()).abs() < 1e-3, "{found:?}");
+        assert!((found.sd_ratio.unwrap() - 1.25_f64.sqrt()).abs() < 1e-3, "{found:?}");
+        let same = compare_velocities(&t, &recorded, &recorded).unwrap();
+        assert_eq!((same.rmse_rad_s, same.sd_ratio), (0.0, Some(1.0)));
+        let still = compare_velocities(&t, &vec![1.0; t.len()], &model).unwrap();
+        assert_eq!((still.nrmse, still.sd_ratio), (None, None));
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! What figures show of a replay: recorded trials and their models against time.
 
+use crate::table::OWN_MODEL;
 use crate::{Causality, Course, Drive, Parameters, Rendering, ReplayError};
 use zwidth_store::Trial;
-use zwidth_study::TrialMeta;
+use zwidth_study::{Source, TrialMeta};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Who follows a course: what was recorded, the model by eye, the model as fitted.
@@ -55,7 +56,13 @@ pub fn courses(
     let notes = [note("by eye", by_eye)]
         .into_iter()
         .chain(fitted.map(|plant| note("fitted", plant)))
-        .chain(["Of each mode the trial with the median error by eye.".to_owned()]);
+        .chain(["Of each mode the trial with the median error by eye.".to_owned()])
+        .chain(
+            trials
+                .iter()
+                .any(|(trial, _)| trial.meta.source == Source::Twin)
+                .then(|| OWN_MODEL.to_owned()),
+        );
     Ok(notes.fold(table(&rows)?, Table::with_note))
 }
 
@@ -121,7 +128,7 @@ fn note(how: &str, plant: &Parameters) -> String {
 mod tests {
     use super::*;
     use crate::testing::{rendering, simulated};
-    use crate::{replay, table as replays};
+    use crate::{Which, replay, table as replays};
     use zwidth_study::Analysis;
 
     #[test]
@@ -131,7 +138,8 @@ mod tests {
             let plant = Parameters { mass_kg, ..Parameters::BY_EYE };
             let mut made = simulated("hybrid", &plant);
             made.meta.trial = trial;
-            replay(&made, &rendering, &Analysis::default(), &Parameters::BY_EYE).unwrap()
+            replay(&made, &rendering, &Analysis::default(), (Which::ByEye, &Parameters::BY_EYE))
+                .unwrap()
         };
         // The further the plant's mass from that by eye, the larger the error.
         let trials = [of(4, 0.5), of(7, 0.1), of(9, 0.2), of(12, 0.9)];

@@ -84,10 +84,12 @@ impl Drive {
         causality: Causality,
         parameters: &Parameters,
     ) -> Result<Course, ReplayError> {
-        let scene = parameters.put(&self.scene);
         match causality {
-            Causality::ForceDriven => Ok(self.force_driven(scene)?),
-            Causality::PositionDriven => self.position_driven(scene),
+            Causality::ForceDriven => Ok(self.force_driven(parameters.put(&self.scene))?),
+            // what a lag holds is a state, and a prescribed motion has none
+            Causality::PositionDriven => {
+                self.position_driven(parameters.without_lags().put(&self.scene))
+            }
             Causality::ClosedLoop => self.closed_loop(parameters),
         }
     }

@@ -36,17 +36,19 @@ mod table;
 #[cfg(test)]
 mod testing;
 mod updates;
+mod which;
 
 pub use agreement::agreement;
 pub use balance::Balance;
 pub use causality::Causality;
-pub use compare::Comparison;
+pub use compare::{Comparison, VelocityError};
 pub use courses::{courses, typical};
 pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};
 pub use replay::{Outcome, TrialReplay, replay};
 pub use scene::{Parameters, Rendering};
 pub use table::{join_conditions, table};
+pub use which::Which;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;

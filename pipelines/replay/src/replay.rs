@@ -1,7 +1,9 @@
 //! One trial in three causalities.
 
-use crate::compare::compare;
-use crate::{Causality, Comparison, Course, Drive, Parameters, Rendering, ReplayError, WhyNot};
+use crate::compare::{VelocityError, compare, compare_velocities};
+use crate::{
+    Causality, Comparison, Course, Drive, Parameters, Rendering, ReplayError, Which, WhyNot,
+};
 use zwidth_dynamics::DynamicsError;
 use zwidth_numerics::activity::activity;
 use zwidth_numerics::phases::phases;
@@ -38,6 +40,8 @@ pub struct TrialReplay {
     pub meta: TrialMeta,
     /// What went in, and what came out.
     pub causality: Causality,
+    /// Whose plant the model has.
+    pub which: Which,
     /// The model's plant.
     pub parameters: Parameters,
     /// What came of it.
@@ -45,6 +49,8 @@ pub struct TrialReplay {
     /// The signal that came out, θ (rad) or F_ex (N), against the recorded one; `None` unless it
     /// was replayed. Times are the trial's.
     pub comparison: Option<Comparison>,
+    /// How far θ̇ departs; `None` where θ is given, or unless it was replayed.
+    pub velocity: Option<VelocityError>,
     /// First time of the recording's largest θ between onset and end, s; `None` without movement.
     pub reversal_recorded_s: Option<f64>,
     /// That of the model, less it; `None` where θ is given, or one of the two does not move.
@@ -63,7 +69,7 @@ pub fn replay(
     trial: &Trial,
     rendering: &Rendering,
     analysis: &Analysis,
-    parameters: &Parameters,
+    (which, parameters): (Which, &Parameters),
 ) -> Result<Vec<TrialReplay>, ReplayError> {
     let drive = match Drive::new(trial, rendering) {
         Err(ReplayError::WhyNot(why)) => Err(why),
@@ -73,9 +79,11 @@ pub fn replay(
         let empty = TrialReplay {
             meta: trial.meta.clone(),
             causality,
+            which,
             parameters: *parameters,
             outcome: Outcome::Diverged,
             comparison: None,
+            velocity: None,
             reversal_recorded_s: None,
             reversal_error_s: None,
         };
@@ -109,11 +117,16 @@ fn row(drive: &Drive, analysis: &Analysis, empty: TrialReplay) -> Result<TrialRe
     let found = compare(&recorded.t_s, &signal(recorded), &signal(&model))?;
     let comparison =
         Comparison { peak_time_recorded_s: found.peak_time_recorded_s + drive.began_s, ..found };
+    let velocity = match moves {
+        true => Some(compare_velocities(&recorded.t_s, &recorded.theta_rad, &model.theta_rad)?),
+        false => None,
+    };
     let turns = reversal_s(&model, analysis).zip(turned_s).filter(|_| moves);
     let reversal_error_s = turns.map(|(model, recorded)| model - recorded);
     Ok(TrialReplay {
         outcome: Outcome::Replayed,
         comparison: Some(comparison),
+        velocity,
         reversal_error_s,
         ..empty
     })
@@ -141,7 +154,8 @@ mod tests {
 
     fn rows(trial: &Trial) -> Vec<TrialReplay> {
         let rendering = rendering(trial.meta.mode.as_str());
-        replay(trial, &rendering, &Analysis::default(), &Parameters::BY_EYE).unwrap()
+        replay(trial, &rendering, &Analysis::default(), (Which::ByEye, &Parameters::BY_EYE))
+            .unwrap()
     }
 
     #[test]
@@ -153,6 +167,9 @@ mod tests {
             assert!(found.lag_s.unwrap().abs() < 1e-9, "{mode}: {found:?}");
             assert!(found.peak_error.abs() < 1e-9 && found.peak_time_error_s.abs() < 1e-9);
             assert!(row.reversal_error_s.unwrap().abs() < 1e-9);
+            let velocity = row.velocity.unwrap();
+            assert!(velocity.rmse_rad_s < 1e-9, "{mode}: {velocity:?}");
+            assert!((velocity.sd_ratio.unwrap() - 1.0).abs() < 1e-9, "{mode}: {velocity:?}");
         }
     }
 
@@ -171,7 +188,18 @@ mod tests {
         let row = &rows(&simulated("active", &Parameters::BY_EYE))[1];
         let found = row.comparison.unwrap();
         assert!(found.vaf.unwrap() > 0.999, "{found:?}");
-        assert_eq!(row.reversal_error_s, None);
+        assert_eq!((row.reversal_error_s, row.velocity), (None, None));
+    }
+
+    /// Given the motion, a motor that takes 53 µs gives what one without a lag gives.
+    #[test]
+    fn lags_do_not_take_the_actuators_out_of_the_force_that_a_motion_needs() {
+        let plant = Parameters { motor_lag_s: 53e-6, brake_on_s: 0.015, ..Parameters::BY_EYE };
+        let trial = simulated("active", &Parameters::BY_EYE);
+        let rendering = rendering("active");
+        let which = (Which::Fitted, &plant);
+        let row = &replay(&trial, &rendering, &Analysis::default(), which).unwrap()[1];
+        assert!(row.comparison.unwrap().vaf.unwrap() > 0.999, "{row:?}");
     }
 
     #[test]
@@ -201,7 +229,8 @@ mod tests {
         let whole = simulated("active", &Parameters::BY_EYE);
         let words = |trial: &Trial, rendering: &Rendering| {
             let analysis = Analysis::default();
-            let rows = replay(trial, rendering, &analysis, &Parameters::BY_EYE).unwrap();
+            let rows =
+                replay(trial, rendering, &analysis, (Which::ByEye, &Parameters::BY_EYE)).unwrap();
             rows.iter().map(|r| r.outcome.as_str()).collect::<Vec<_>>()
         };
         let calibrated = rendering("active");
@@ -220,7 +249,7 @@ mod tests {
         let free = Rendering { stops_rad, rendered, ..rendering("active") };
         let trial = simulated("active", &Parameters::BY_EYE);
         let light = Parameters { damping_ns_per_rad: 1e-3, ..Parameters::BY_EYE };
-        let rows = replay(&trial, &free, &Analysis::default(), &light).unwrap();
+        let rows = replay(&trial, &free, &Analysis::default(), (Which::ByEye, &light)).unwrap();
         assert_eq!((rows[0].outcome, rows[0].comparison), (Outcome::Diverged, None));
     }
 }

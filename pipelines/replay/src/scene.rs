@@ -41,6 +41,11 @@ impl Parameters {
         brake_off_s: 0.0,
     };
 
+    /// The same plant, whose actuators follow at once.
+    pub(crate) fn without_lags(&self) -> Self {
+        Self { motor_lag_s: 0.0, brake_on_s: 0.0, brake_off_s: 0.0, ..*self }
+    }
+
     /// Friction as the model has it.
     pub(crate) fn friction(&self) -> Friction {
         Friction {

@@ -1,7 +1,8 @@
 //! The replays as a table: SI units, one row a trial and causality.
 
-use crate::{Comparison, ReplayError, TrialReplay};
-use zwidth_tables::{Column, Table, identity, of_trials};
+use crate::{Comparison, ReplayError, TrialReplay, VelocityError};
+use zwidth_study::Source;
+use zwidth_tables::{Column, Table, TableError, identity, of_trials};
 
 const NAME: &str = "replay";
 const TITLE: &str = "Replay: recorded trials through the model";
@@ -35,6 +36,15 @@ const COLUMNS: [Spec; 11] = [
     ("peak_time_error_s", "s", "that of the model less it", Of::Any, |c| Some(c.peak_time_error_s)),
 ];
 
+type GetVelocity = fn(&VelocityError) -> Option<f64>;
+
+#[rustfmt::skip]
+const VELOCITIES: [(&str, &str, &str, GetVelocity); 3] = [
+    ("velocity_rmse_rad_s", "rad/s", "root mean square error of the velocity", |v| Some(v.rmse_rad_s)),
+    ("velocity_nrmse", "1", "that over the recorded velocity's range", |v| v.nrmse),
+    ("velocity_sd_ratio", "1", "SD of the model's velocity over that of the recorded one", |v| v.sd_ratio),
+];
+
 /// One row a trial and causality, in the order given: which trial, what went in, what came of it,
 /// the plant, and how far the model departs. Null where it does not apply, and for a model that
 /// diverged: the column `outcome` says which.
@@ -51,6 +61,9 @@ pub fn table(rows: &[TrialReplay]) -> Result<Table, ReplayError> {
     };
     columns.push(text("causality", "what went into the model and what came out", |r| {
         r.causality.as_str()
+    }));
+    columns.push(text("model", "whose plant: by_eye, the thesis'; fitted, this study's", |r| {
+        r.which.as_str()
     }));
     columns.push(text("outcome", "replayed, diverged, or why it does not apply", |r| {
         r.outcome.as_str()
@@ -71,6 +84,10 @@ pub fn table(rows: &[TrialReplay]) -> Result<Table, ReplayError> {
             |row: &TrialReplay| row.comparison.as_ref().filter(|_| applies(of, row)).and_then(get);
         columns.push(Column::float(name, unit, description, rows.iter().map(value)));
     }
+    for (name, unit, description, get) in VELOCITIES {
+        let value = |row: &TrialReplay| row.velocity.as_ref().and_then(get);
+        columns.push(Column::float(name, unit, description, rows.iter().map(value)));
+    }
     columns.extend([
         number(
             "reversal_recorded_s",
@@ -83,14 +100,30 @@ pub fn table(rows: &[TrialReplay]) -> Result<Table, ReplayError> {
     Ok(Table::new(NAME, TITLE, columns)?)
 }
 
-/// The replays of several conditions as one table in the order of participant, session and trial;
-/// `None` for none.
+/// The replays of several conditions as one table in the order of participant, session and trial, of a
+/// trial in that of the tables; `None` for none.
 ///
 /// # Errors
 /// Tables that are not of this stage.
 pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, ReplayError> {
-    Ok(of_trials(NAME, TITLE, conditions)?)
+    let Some(all) = of_trials(NAME, TITLE, conditions)? else { return Ok(None) };
+    Ok(Some(match own_model(&all)? {
+        Some(note) => all.with_note(note),
+        None => all,
+    }))
 }
+
+/// What is to be said of trials that a model of the same equations made.
+pub(crate) fn own_model(replays: &Table) -> Result<Option<String>, TableError> {
+    let sources = replays.texts("source")?;
+    let simulated = sources.iter().flatten().any(|source| source == Source::Twin.as_str());
+    Ok(simulated.then(|| OWN_MODEL.to_owned()))
+}
+
+/// Of simulated trials and this model.
+pub(crate) const OWN_MODEL: &str = "Simulated trials: the twin that made them and the model have the same \
+    equations for lever, friction, actuators and lags (the twin has a hand, ticks and sensors besides). A fitted \
+    model that lies on them says that identification works, not that the model is true to a prototype.";
 
 fn applies(of: Of, row: &TrialReplay) -> bool {
     let force = row.causality == crate::Causality::PositionDriven;
@@ -101,12 +134,18 @@ fn applies(of: Of, row: &TrialReplay) -> bool {
 mod tests {
     use super::*;
     use crate::testing::{rendering, simulated};
-    use crate::{Parameters, replay};
+    use crate::{Parameters, Which, replay};
     use zwidth_study::Analysis;
 
     fn rows() -> Vec<TrialReplay> {
         let trial = simulated("hybrid", &Parameters::BY_EYE);
-        replay(&trial, &rendering("hybrid"), &Analysis::default(), &Parameters::BY_EYE).unwrap()
+        replay(
+            &trial,
+            &rendering("hybrid"),
+            &Analysis::default(),
+            (Which::ByEye, &Parameters::BY_EYE),
+        )
+        .unwrap()
     }
 
     #[test]
@@ -119,6 +158,7 @@ mod tests {
         assert_eq!(there("rmse_rad"), [true, false, true]);
         assert_eq!(there("peak_error_n"), [false, true, false]);
         assert_eq!(there("vaf"), [true; 3]);
+        assert_eq!(there("velocity_rmse_rad_s"), [true, false, true]);
     }
 
     #[test]

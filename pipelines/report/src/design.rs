@@ -3,7 +3,7 @@
 use crate::Planned;
 use crate::actuation::{acting, force_n};
 use crate::facts::{self, Fact};
-use zwidth_study::{ActuatorKind, Calibration, Mode, VelocityFilter};
+use zwidth_study::{ActuatorKind, Calibration, Mode, Resistances, VelocityFilter};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Motor and brake as each mode uses them, one row a mode: highest voltages, what acts while
@@ -70,6 +70,11 @@ pub fn device_table(study: &Planned) -> Result<Table, TableError> {
         facts.push(Fact::new("motor, mass", Some(masses.motor_kg * 1e3), "g"));
         facts.push(Fact::new("brake, mass", Some(masses.brake_kg * 1e3), "g"));
     }
+    let Resistances { motor_ohm, brake_ohm } = study.resistances;
+    let ohms = [("motor, resistance", motor_ohm), ("brake, resistance", brake_ohm)];
+    facts.extend(
+        ohms.into_iter().filter(|o| o.1.is_some()).map(|(what, r)| Fact::new(what, r, "Ω")),
+    );
     facts::table("device", &format!("Device: {}", study.device.name), &facts)
 }
 

@@ -7,7 +7,7 @@ use crate::gallery::Shown;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
 use zwidth_study::{Environment, Mode};
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::{Table, TableError, number};
 
 /// One sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -79,8 +79,13 @@ fn rendered(
         ),
         None => "no flattening of the force was found".to_owned(),
     });
-    if let Some(step) = trials.mean("discrepancy_step_n")? {
-        parts.push(format!("the force fell by {:.2} N at the reversal", step.mean));
+    if let Some(step) = trials.mean("discrepancy_user_step_n")? {
+        let actuators = trials.mean("discrepancy_actuator_step_n")?;
+        let of_these = actuators
+            .map(|a| format!(", the actuators' by {} N", number(a.mean, Some(0.01))))
+            .unwrap_or_default();
+        parts
+            .push(format!("the user's force fell by {:.2} N at the reversal{of_these}", step.mean));
     }
     match trials.mean("returned_energy_share")?.map(|share| share.mean) {
         Some(share) if share <= NOTHING_RETURNED => {
@@ -101,22 +106,39 @@ fn wall_by_mode(
 ) -> Result<Option<String>, TableError> {
     let mut past = Vec::new();
     for (mode, trials) in tried {
-        let mean = trials.mean("wall_past_max_rad")?;
-        past.extend(
-            mean.map(|rad| (rad.mean, rad.trials, mode.label.to_lowercase(), trials.len())),
+        let Some(rad) = trials.mean("wall_past_max_rad")? else { continue };
+        let of = format!(
+            "{:.2}° with {} (reached in {} of {} trials{})",
+            rad.mean.to_degrees(),
+            mode.label.to_lowercase(),
+            rad.trials,
+            trials.len(),
+            rigidity(trials)?
         );
+        past.push((rad.mean, of));
     }
     past.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let of = |(rad, n, label, all): &(f64, usize, String, usize)| {
-        format!("{:.2}° with {label} (reached in {n} of {all} trials)", rad.to_degrees())
-    };
-    let list: Vec<String> = past.iter().map(of).collect();
+    let list: Vec<String> = past.into_iter().map(|(_, of)| of).collect();
     let text = format!(
         "{}: past the wall the lever went, on average, {}.",
         environment.label,
         list.join(", ")
     );
     Ok((!list.is_empty()).then_some(text))
+}
+
+/// `, rigidity 103 N/rad, ≥ 1270 N/rad once held`; a mean of lower bounds and values is a lower
+/// bound.
+fn rigidity(trials: &Trials) -> Result<String, TableError> {
+    let mut text = String::new();
+    if let Some(mean) = trials.mean("wall_rigidity_n_per_rad")? {
+        let sign = if trials.any("wall_rigidity_at_least")? { "≥ " } else { "" };
+        text += &format!(", rigidity {sign}{} N/rad", number(mean.mean, None));
+    }
+    if let Some(mean) = trials.mean("wall_hold_rigidity_min_n_per_rad")? {
+        text += &format!(", ≥ {} N/rad once held", number(mean.mean, None));
+    }
+    Ok(text)
 }
 
 /// Of the modes that gave work back, the one that let the lever least far past a wall: what the

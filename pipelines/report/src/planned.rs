@@ -3,7 +3,7 @@
 use serde::Serialize;
 use zwidth_study::{
     AnswerScale, Control, Coordinate, Device, Environment, Masses, Mode, Question, QuestionId,
-    Study,
+    Resistances, Study,
 };
 
 /// What was planned, as far as the report speaks of it.
@@ -17,6 +17,8 @@ pub struct Planned {
     pub control: Control,
     /// Actuator masses.
     pub masses: Option<Masses>,
+    /// Resistances of the actuators' windings.
+    pub resistances: Resistances,
     /// What is rendered.
     pub environments: Vec<Environment>,
     /// How it is rendered.
@@ -33,6 +35,7 @@ impl Planned {
             coordinate: study.coordinate,
             control: study.control,
             masses: study.masses,
+            resistances: study.resistances,
             environments: study.environments.clone(),
             modes: study.modes.clone(),
             questions: study.questions.clone(),

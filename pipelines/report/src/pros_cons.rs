@@ -4,26 +4,22 @@
 use crate::actuation::{active, passive};
 use crate::evidence::{Evidence, Known, NOTHING_RETURNED, Verdict, a_spring, a_wall, notes};
 use crate::trials::Trials;
-use zwidth_study::{Environment, Mode};
+use zwidth_study::{Environment, Mode, Resistances};
 use zwidth_tables::{Column, Table, TableError};
-
-/// Down to this balance of work, J, a device counts as one that gives nothing: the noise of the
-/// force sensor, 2 mN, over a stroke of 71 mm is 0.14 mJ.
-const NOTHING_GIVEN_J: f64 = -1e-3;
 
 /// How evidence for a claim is found.
 type Find = fn(&Known) -> Result<Option<Evidence>, TableError>;
 
 /// Actuation, side, claim (thesis Table 1), and where the study's evidence comes from.
 const CLAIMS: [(&str, &str, &str, Find); 11] = [
-    ("passive", "pro", "High force to energy consumption ratio", unknown),
+    ("passive", "pro", "High force to energy consumption ratio", brake_takes_little),
     ("passive", "pro", "Lightweight", brake_is_light),
     ("passive", "pro", "Safe", brake_never_gives),
     ("passive", "con", "Only resistive forces", brake_returns_nothing),
     ("passive", "con", "Can not render stiffness", brake_has_no_way_back),
     ("active", "pro", "Easy to control", motor_is_smooth),
     ("active", "pro", "Can resist and amplify", motor_returns),
-    ("active", "con", "Low force to energy consumption ratio", unknown),
+    ("active", "con", "Low force to energy consumption ratio", motor_takes_much),
     ("active", "con", "Heavy", motor_is_heavy),
     ("active", "con", "Unsafe/weak trade off", motor_is_weak),
     ("active", "con", "Can not render infinite stiffness", motor_passes_the_wall),
@@ -64,8 +60,79 @@ pub fn pros_cons_table(known: Known) -> Result<Table, TableError> {
     Ok(notes(known.metrics)?.into_iter().fold(table, Table::with_note))
 }
 
-fn unknown(_: &Known) -> Result<Option<Evidence>, TableError> {
-    Ok(None) // no current was recorded
+/// The largest force of brake and motor as used, over the power that they take at rest.
+struct Efficiency {
+    brake_n: f64,
+    brake_v: f64,
+    motor_n: f64,
+    motor_v: f64,
+}
+
+impl Efficiency {
+    fn of(known: &Known) -> Option<Self> {
+        let (motor_v, brake_v) =
+            (active(known.study)?.motor_max_v?, passive(known.study)?.brake_max_v?);
+        let motor_n = known.calibration.motor.force_n(motor_v);
+        let brake_n = known.calibration.brake.force_n(brake_v);
+        Some(Self { brake_n, brake_v, motor_n, motor_v })
+    }
+
+    /// N/W of the motor and of the brake, by U² / R; none where the resistance is not known.
+    fn force_per_power(&self, known: &Known) -> [Option<f64>; 2] {
+        let of =
+            |force_n: f64, volts: f64, ohm: Option<f64>| Some(force_n * ohm? / (volts * volts));
+        let Resistances { motor_ohm, brake_ohm } = known.study.resistances;
+        [of(self.motor_n, self.motor_v, motor_ohm), of(self.brake_n, self.brake_v, brake_ohm)]
+    }
+}
+
+fn brake_takes_little(known: &Known) -> Result<Option<Evidence>, TableError> {
+    efficiency(known, [1, 0])
+}
+
+fn motor_takes_much(known: &Known) -> Result<Option<Evidence>, TableError> {
+    efficiency(known, [0, 1])
+}
+
+/// Names of the actuators in their order in [`Efficiency::force_per_power`].
+const ACTUATORS: [&str; 2] = ["motor", "brake"];
+
+/// What one of the two actuators gives for its power beside the other. At rest U² / R is what a
+/// winding takes; what trials took, with their motion, is an upper bound, for no current is recorded.
+fn efficiency(known: &Known, [of, other]: [usize; 2]) -> Result<Option<Evidence>, TableError> {
+    let Some(found) = Efficiency::of(known) else { return Ok(None) };
+    let shares = found.force_per_power(known);
+    let Some(motor) = shares[0] else { return Ok(None) };
+    let words = "at rest, by voltage and resistance";
+    let Some(brake) = shares[1] else {
+        let even_ohm = motor * found.brake_v * found.brake_v / found.brake_n;
+        return Ok(Some(Evidence {
+            metric: "brake's resistance from which on it gives more for its power".to_owned(),
+            value: Some(even_ohm),
+            unit: "Ω".to_owned(),
+            remark: format!(
+                "{words}: the motor has {motor:.2} N/W; the brake's resistance is not known"
+            ),
+            verdict: Verdict::Undecided,
+        }));
+    };
+    let shares = [motor, brake];
+    let trials = took(known, of)?.map(|text| format!("; {text}")).unwrap_or_default();
+    Ok(Some(Evidence {
+        metric: format!("largest force over power, {}", ACTUATORS[of]),
+        value: Some(shares[of]),
+        unit: "N/W".to_owned(),
+        remark: format!("{words}; the {} has {:.2} N/W{trials}", ACTUATORS[other], shares[other]),
+        verdict: Verdict::of(brake > motor),
+    }))
+}
+
+/// What the trials with that actuator alone took.
+fn took(known: &Known, of: usize) -> Result<Option<String>, TableError> {
+    let mode = if of == 0 { active(known.study) } else { passive(known.study) };
+    let (Some(metrics), Some(mode)) = (known.metrics, mode) else { return Ok(None) };
+    let energy = Trials::of(metrics, None, &mode.id)?.mean("electrical_energy_max_j")?;
+    Ok(energy.map(|e| format!("its trials took at most {:.2} J ({})", e.mean, e.words())))
 }
 
 /// Mass of `one` against `other`, g.
@@ -107,20 +174,24 @@ fn trials<'a>(
     Ok((trials.len() > 0).then_some((environment, trials)))
 }
 
+/// Contacts with the wall and closed loops in which the brake gave more than it had got.
 fn brake_never_gives(known: &Known) -> Result<Option<Evidence>, TableError> {
     let (Some(metrics), Some(mode)) = (known.metrics, passive(known.study)) else {
         return Ok(None);
     };
-    let balances = Trials::of(metrics, None, &mode.id)?.floats("passivity_energy_j")?;
-    Ok(balances.iter().copied().reduce(f64::min).map(|least| Evidence {
-        metric: "lowest balance of the user's work on the device".to_owned(),
-        value: Some(least),
-        unit: "J".to_owned(),
-        remark: format!(
-            "over {} trials; below 0 it would have given more than it got",
-            balances.len()
-        ),
-        verdict: Verdict::of(least >= NOTHING_GIVEN_J),
+    let trials = Trials::of(metrics, None, &mode.id)?;
+    let total = |column: &str| -> Result<f64, TableError> {
+        let people = trials.people(column, None)?;
+        Ok(people.values().flat_map(|of| of.values()).flatten().sum())
+    };
+    let all = total("wall_contacts")? + total("closed_loops")?;
+    let gave = total("wall_contacts_active")? + total("closed_loops_active")?;
+    Ok((all > 0.0).then(|| Evidence {
+        metric: "wall contacts and closed loops that gave more than they got".to_owned(),
+        value: Some(gave),
+        unit: "1".to_owned(),
+        remark: format!("of {all:.0}, by energy observers"),
+        verdict: Verdict::of(gave == 0.0),
     }))
 }
 
@@ -239,11 +310,51 @@ mod tests {
     }
 
     #[test]
-    fn without_trials_only_masses_and_forces_are_known_and_energy_never_is() {
+    fn without_trials_only_masses_forces_and_resistances_are_known() {
         let found = verdicts(None);
         let known: Vec<usize> = (0..11).filter(|i| found[*i] != "not measured").collect();
-        assert_eq!(known, [1, 8, 9]);
-        assert!(verdicts(Some(&trials(0.2)))[0] == "not measured");
+        assert_eq!(known, [0, 1, 7, 8, 9]);
+        assert_eq!((found[0].as_str(), found[7].as_str()), ("undecided", "undecided"));
+    }
+
+    /// 4.16 N for 16² / 30.4 W; 13 N for 8² V² / R: the brake gives more above 2.43 Ω.
+    #[test]
+    fn the_brake_gives_more_for_its_power_where_its_resistance_is_high_enough() {
+        let of = |motor_ohm, brake_ohm| {
+            let resistances = Resistances { motor_ohm, brake_ohm };
+            let (study, calibration) = (Planned { resistances, ..study() }, Calibration::thesis());
+            let known = Known { study: &study, calibration: &calibration, metrics: None };
+            let table = pros_cons_table(known).unwrap();
+            let verdicts: Vec<_> = table.texts("verdict").unwrap().into_iter().flatten().collect();
+            let value = table.floats("value").unwrap()[7];
+            ([verdicts[0].clone(), verdicts[7].clone()], value)
+        };
+        assert_eq!(of(Some(30.4), Some(20.0)).0, ["supported", "supported"]);
+        assert_eq!(of(Some(30.4), Some(2.0)).0, ["contradicted", "contradicted"]);
+        assert_eq!(of(None, Some(20.0)).0, ["not measured", "not measured"]);
+        let (verdicts, even_ohm) = of(Some(30.4), None);
+        assert_eq!(verdicts, ["undecided", "undecided"]);
+        let calibration = Calibration::thesis();
+        let motor = calibration.motor.force_n(16.0) * 30.4 / 256.0;
+        let expect = motor * 64.0 / calibration.brake.force_n(8.0);
+        assert!((even_ohm.unwrap() - expect).abs() < 1e-12, "{even_ohm:?}");
+    }
+
+    #[test]
+    fn a_contact_in_which_the_brake_gave_contradicts_that_it_is_safe() {
+        let mut table = trials(0.2);
+        assert_eq!(verdicts(Some(&table))[2], "supported");
+        let columns = table.columns().iter().map(|column| {
+            let field = &column.field;
+            match field.name.as_ref() {
+                "wall_contacts_active" => {
+                    Column::integer("wall_contacts_active", "1", "", vec![Some(1); table.height()])
+                }
+                _ => column.clone(),
+            }
+        });
+        table = Table::new("metrics", "", columns.collect()).unwrap();
+        assert_eq!(verdicts(Some(&table))[2], "contradicted");
     }
 
     #[test]

@@ -78,6 +78,12 @@ impl<'a> Trials<'a> {
         Ok(self.rows.iter().filter_map(|row| values[*row]).collect())
     }
 
+    /// Whether any of those trials says yes.
+    pub(crate) fn any(&self, column: &str) -> Result<bool, TableError> {
+        let values = self.metrics.flags(column)?;
+        Ok(self.rows.iter().any(|row| values[*row] == Some(true)))
+    }
+
     /// The same trials, of them those with this word.
     pub(crate) fn with(self, column: &str, word: &str) -> Result<Self, TableError> {
         let values = self.metrics.texts(column)?;
@@ -165,6 +171,7 @@ pub(crate) mod testing {
         let float = |name, get: fn(&MetricsRow) -> Option<f64>| {
             Column::float(name, "1", "", rows.iter().map(get))
         };
+        let count = |name, n| Column::integer(name, "1", "", rows.iter().map(move |_| Some(n)));
         let columns = vec![
             text("participant", |r| r.participant),
             text("session", |_| "S01"),
@@ -176,8 +183,16 @@ pub(crate) mod testing {
             float("saturation_force_n", |r| r.saturation),
             float("returned_energy_share", |r| r.returned),
             float("wall_past_max_rad", |r| r.past_rad),
-            float("passivity_energy_j", |_| Some(0.0)),
-            float("discrepancy_step_n", |_| None),
+            float("discrepancy_user_step_n", |_| None),
+            float("discrepancy_actuator_step_n", |_| None),
+            float("electrical_energy_max_j", |_| Some(1.5)),
+            float("wall_rigidity_n_per_rad", |_| None),
+            float("wall_hold_rigidity_min_n_per_rad", |_| None),
+            Column::flag("wall_rigidity_at_least", "", rows.iter().map(|_| None)),
+            count("wall_contacts", 1),
+            count("wall_contacts_active", 0),
+            count("closed_loops", 0),
+            count("closed_loops_active", 0),
         ];
         Table::new("metrics", "", columns).unwrap()
     }

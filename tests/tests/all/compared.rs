@@ -32,7 +32,7 @@ fn compare_gives_machines_every_row_in_si_units() {
     let names: Vec<&str> =
         json.as_array().unwrap().iter().map(|t| t["table"].as_str().unwrap()).collect();
     let tables = ["means", "contrasts", "omnibus", "orders"];
-    assert_eq!(names, tables.map(|table| format!("{table}_discrepancy_mean_n")));
+    assert_eq!(names, tables.map(|table| format!("{table}_discrepancy_user_mean_n")));
     assert!(json[1]["rows"][0]["difference_n"].as_f64().unwrap().is_finite());
 }
 

@@ -85,12 +85,15 @@ fn tells_the_story(root: &Path, study: &str, twin: &TwinParameters, rate_hz: f64
         each(environment, "passive", "movements_backward", &|n| n == 0.0);
         each(environment, "passive", "returned_energy_share", &|share| share < 0.05);
         assert!(
-            metrics.of(environment, "passive", "discrepancy_step_n").iter().all(Option::is_none),
+            metrics
+                .of(environment, "passive", "discrepancy_user_step_n")
+                .iter()
+                .all(Option::is_none),
             "{what}"
         );
     }
     // Hybrid, spring: the weaker motor takes over at the reversal.
-    let step = |mode| metrics.mean("spring", mode, "discrepancy_step_n");
+    let step = |mode| metrics.mean("spring", mode, "discrepancy_user_step_n");
     assert!(
         step("hybrid") > step("active") + 1.0,
         "{what}: {} against {}",

@@ -43,9 +43,10 @@ fn tables() -> BTreeSet<String> {
     written("tables", "csv")
 }
 
-/// Jobs that make derived tables: characterise 3, metrics 7, average 6, replay 9 (two of courses), identify 1,
-/// likert 1, compare 8 (seven metrics and the answers), report 4.
-const DERIVED: usize = 39;
+/// Jobs that make derived tables: characterise 3, metrics 13 (six with the plant), average 6, replay 15 (six
+/// of the fitted model, two of courses), identify 1, likert 1, compare 8 (seven metrics and the answers),
+/// report 4.
+const DERIVED: usize = 51;
 
 /// Jobs of the study: a figure or a printed table is one each, and so is the summary.
 fn jobs() -> usize {
@@ -148,9 +149,10 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     )
     .unwrap();
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
-    // The plant rests on all trials, and so does every figure of it. No other condition's metrics,
-    // mean, replays and figures do, nor anything about the actuators. What is compared
-    // rests on the metrics of all.
+    // The plant rests on all trials, and so do every figure of it, the metrics with it and the
+    // replays of the fitted model. No other condition's metrics without it, mean, replays by eye
+    // and figures do, nor anything about the actuators. What is compared rests on the metrics of
+    // all.
     let mut expect = strings(&[
         "average P01 S01 spring hybrid",
         "courses P01 S01 spring",
@@ -171,6 +173,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "summary",
         "table conditions",
         "table identify",
+        "table identify.covariance",
         "table identify.held_out",
         "table identify.profile",
         "table identify.threshold",
@@ -183,6 +186,10 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "table thesis",
         "thesis' statements",
     ]);
+    for condition in CONDITIONS.map(|c| c.replace('.', " ")) {
+        expect.push(format!("metrics P01 S01 {condition} with the plant"));
+        expect.push(format!("replay P01 S01 {condition} fitted"));
+    }
     let compared = |name: &&String| {
         ["compare.", "learning.", "means_", "contrasts_", "learning_", "orders_", "answers_"]
             .iter()
@@ -247,7 +254,9 @@ fn only_makes_a_stage_a_figure_or_a_table_and_what_it_needs() {
     assert_eq!(only("likert tallies"), ["likert tallies"]);
     let mut expect =
         CONDITIONS.map(|c| format!("metrics P01 S01 {}", c.replace('.', " "))).to_vec();
-    expect.extend(strings(&["metrics of the study", "table conditions"]));
+    let with_plant: Vec<String> = expect.iter().map(|m| format!("{m} with the plant")).collect();
+    expect.extend(with_plant);
+    expect.extend(strings(&["identify", "metrics of the study", "table conditions"]));
     expect.sort();
     assert_eq!(only("conditions"), expect);
     assert_eq!(only("repeats.P01.S01.spring.active"), ["figure repeats.P01.S01.spring.active"]);

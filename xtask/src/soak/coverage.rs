@@ -35,10 +35,21 @@ struct Coverage {
     identifiable: bool,
 }
 
-/// What one seed gave: the parameters, and the threshold's bracket.
+/// What one seed gave: the parameters, the threshold's bracket, and the force discrepancies.
 struct Found {
     rows: Vec<Coverage>,
     bracket: [f64; 2],
+    discrepancies: Vec<Discrepancies>,
+}
+
+/// The force discrepancies of one trial: intervals of the mean, the actuators' and the user's, and of
+/// the actuators' step at the reversal, beside the step of Appendix B.
+struct Discrepancies {
+    mode: String,
+    actuators: [f64; 2],
+    user: [f64; 2],
+    step: [f64; 2],
+    step_of_appendix_b: f64,
 }
 
 pub(crate) fn coverage(program: &Path, folder: &Path, seeds: u32) -> anyhow::Result<()> {
@@ -85,7 +96,7 @@ fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
         RATE,
     ];
     run(program, root, &twin, &[0])?;
-    run(program, root, &["--quiet", "run", STUDY, "--only", "identify"], &[0])?;
+    run(program, root, &["--quiet", "run", STUDY, "--only", "metrics of the study"], &[0])?;
     let table = |name: &str| -> anyhow::Result<String> {
         let output = run(program, root, &["table", STUDY, name, "--format", "csv"], &[0])?;
         Ok(String::from_utf8(output.stdout)?)
@@ -108,7 +119,86 @@ fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
         };
     let rows =
         columns(&table("identify")?, names)?.into_iter().map(row).collect::<anyhow::Result<_>>()?;
-    Ok(Found { rows, bracket: [low.parse()?, high.parse()?] })
+    let discrepancies = discrepancies(&table("metrics")?)?;
+    Ok(Found { rows, bracket: [low.parse()?, high.parse()?], discrepancies })
+}
+
+/// The spring of the study, N/rad, where it rests, rad, and what motor and brake give at 8 V, N.
+const SPRING_N_PER_RAD: f64 = 4.0;
+const REST_RAD: f64 = -std::f64::consts::FRAC_PI_4;
+const MOTOR_N: f64 = 2.08;
+const BRAKE_N: f64 = 13.0;
+
+/// Of the trials in the spring without a wall that have a way back.
+fn discrepancies(metrics: &str) -> anyhow::Result<Vec<Discrepancies>> {
+    let names = [
+        "environment",
+        "mode",
+        "theta_max_rad",
+        "discrepancy_actuator_mean_ci_low_n",
+        "discrepancy_actuator_mean_ci_high_n",
+        "discrepancy_user_mean_ci_low_n",
+        "discrepancy_user_mean_ci_high_n",
+        "discrepancy_actuator_step_ci_low_n",
+        "discrepancy_actuator_step_ci_high_n",
+    ];
+    let mut found = Vec::new();
+    for [environment, mode, numbers @ ..] in columns(metrics, names)? {
+        let mut of = [0.0; 7];
+        let all = numbers.iter().map(|text| text.parse::<f64>());
+        if environment != "spring" || numbers.iter().any(String::is_empty) {
+            continue;
+        }
+        for (place, number) in of.iter_mut().zip(all) {
+            *place = number?;
+        }
+        let asked_n = SPRING_N_PER_RAD * (of[0] - REST_RAD);
+        found.push(Discrepancies {
+            mode,
+            actuators: [of[1], of[2]],
+            user: [of[3], of[4]],
+            step: [of[5], of[6]],
+            step_of_appendix_b: asked_n.min(BRAKE_N) - asked_n.min(MOTOR_N),
+        });
+    }
+    Ok(found)
+}
+
+/// Shares of trials whose interval must hold what it should: the actuators' of a motor alone 0, the
+/// hybrid's step that of Appendix B; and the most of the user's that may hold 0 with a motor alone.
+const HOLD: f64 = 0.9;
+const USER_HOLDS: f64 = 0.01;
+
+/// Prints how many intervals of the force discrepancies hold what they should.
+fn tell_discrepancies(found: &[Found], wrong: &mut Vec<String>) {
+    let of = |mode: &'static str| {
+        found.iter().flat_map(|f| &f.discrepancies).filter(move |d| d.mode == mode)
+    };
+    let holds = |[low, high]: [f64; 2], value: f64| low <= value && value <= high;
+    let share = |some: usize, all: usize| some as f64 / all.max(1) as f64;
+    let (motor, hybrid) = (of("active").count(), of("hybrid").count());
+    let none = of("active").filter(|d| holds(d.actuators, 0.0)).count();
+    let user = of("active").filter(|d| holds(d.user, 0.0)).count();
+    let steps = of("hybrid").filter(|d| holds(d.step, d.step_of_appendix_b)).count();
+    println!(
+        "motor alone: 0 in {none} intervals of {motor} of the actuators, in {user} of the user's"
+    );
+    println!("hybrid: the step of Appendix B in {steps} of {hybrid} of the actuators'");
+    let mean = |of: Vec<f64>| of.iter().sum::<f64>() / of.len().max(1) as f64;
+    let middles = |f: fn(&Discrepancies) -> [f64; 2]| {
+        mean(of("active").map(|d| f(d).iter().sum::<f64>() / 2.0).collect())
+    };
+    println!(
+        "motor alone, mean of the middles: actuators {:.4} N, user {:.4} N",
+        middles(|d| d.actuators),
+        middles(|d| d.user)
+    );
+    if share(none, motor) < HOLD || share(steps, hybrid) < HOLD {
+        wrong.push("the actuators' intervals hold too seldom what they should".to_owned());
+    }
+    if share(user, motor) > USER_HOLDS {
+        wrong.push(format!("{user} of the user's intervals hold 0"));
+    }
 }
 
 /// Some columns of a table in CSV, whose cells hold no commas.
@@ -184,6 +274,7 @@ fn tell(found: &[Found]) -> anyhow::Result<()> {
     let held = found.iter().filter(|f| f.bracket[0] < set_n && set_n <= f.bracket[1]).count();
     let width = found.iter().map(|f| f.bracket[1] - f.bracket[0]).sum::<f64>() / n as f64;
     println!("let-go threshold: {held} of {n} brackets hold it; mean width {width:.3} N");
+    tell_discrepancies(found, &mut wrong);
     ensure!(held == n, "a bracket does not hold the let-go threshold");
     ensure!(wrong.is_empty(), "{}", wrong.join("; "));
     Ok(())

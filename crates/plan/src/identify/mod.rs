@@ -3,12 +3,13 @@
 //! meet, because they do not know each other.
 
 use crate::making::{derived, split, write_tables};
-use crate::replay::{is_replayable, rendering};
+use crate::replayable::{is_replayable, rendering};
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_identify::{Bracket, IdentifyError, Parameter, Recording, Switching, Task};
+use zwidth_metrics::Plant;
 use zwidth_replay::{Balance, Drive, Judged, Parameters, Rendering, ReplayError};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
@@ -43,11 +44,18 @@ const fn parameter(
 const STARTS: [[f64; P]; 2] =
     [[0.05, 0.1, 0.1, 1e-4, 0.01, 0.01], [0.3, 0.3, 0.2, 1e-3, 0.05, 0.05]];
 
-const NAMES: [&str; 5] =
-    ["identify", "identify.profile", "identify.threshold", "identify.held_out", "identify.trials"];
+const NAMES: [&str; 6] = [
+    "identify",
+    "identify.profile",
+    "identify.threshold",
+    "identify.held_out",
+    "identify.trials",
+    "identify.covariance",
+];
 
 /// The parameters, their profiles, the threshold's bracket, by eye against fitted on trials held
-/// out, and the errors trial by trial; none where no trial can be replayed.
+/// out, the errors trial by trial, and the parameters' covariance; none where no trial can be
+/// replayed.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     let is_any = replayable(data).next().is_some();
     let names = NAMES.iter().filter(|_| is_any);
@@ -57,6 +65,42 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
 /// The parameters.
 pub(crate) fn plant_of(layout: &Layout) -> PathBuf {
     derived(layout, format!("{}.parquet", NAMES[0]))
+}
+
+/// The parameters and their covariance, where a trial can be replayed.
+pub(crate) fn known_plant(data: &StudyData) -> Option<[PathBuf; 2]> {
+    let file = |name: &str| derived(&data.layout, format!("{name}.parquet"));
+    replayable(data).next().map(|_| [file(NAMES[0]), file(NAMES[5])])
+}
+
+/// Mass, damping and friction of both tables, as metrics take them; `None` where nothing was fitted
+/// or a fit has no covariance.
+pub(crate) fn plant_with_spread(
+    estimates: &Table,
+    covariances: &Table,
+) -> Result<Option<Plant>, TableError> {
+    let Some(fitted) = fitted(estimates)? else { return Ok(None) };
+    let names = [0, 1, 2].map(|j| PLANT[j].name);
+    let (parameters, df) = (estimates.texts("parameter")?, estimates.floats("df")?);
+    let is = |text: &Option<String>, name: &str| text.as_deref() == Some(name);
+    let told = parameters.iter().zip(df).filter(|(p, _)| names.iter().any(|n| is(p, n)));
+    let Some(df) = told.filter_map(|(_, df)| df).reduce(f64::min) else { return Ok(None) };
+    let (of, other) = (covariances.texts("parameter")?, covariances.texts("other")?);
+    let values = covariances.floats("covariance")?;
+    let pair = |j: usize, k: usize| {
+        let [a, b] = [j.min(k), j.max(k)].map(|i| names[i]);
+        let row = (0..values.len()).find(|row| is(&of[*row], a) && is(&other[*row], b))?;
+        values[row]
+    };
+    let mut covariance = [[0.0; 3]; 3];
+    for (j, row) in covariance.iter_mut().enumerate() {
+        for (k, value) in row.iter_mut().enumerate() {
+            let Some(found) = pair(j, k) else { return Ok(None) };
+            *value = found;
+        }
+    }
+    let Parameters { mass_kg, damping_ns_per_rad, friction_n, .. } = fitted;
+    Ok(Some(Plant { mass_kg, damping_ns_per_rad, friction_n, covariance, df }))
 }
 
 /// The plant of a table of parameters; `None` where nothing was fitted.
@@ -179,12 +223,14 @@ fn tables_of(trials: &[Fitted], fit: &Fit) -> Result<Vec<Table>, JobError> {
             zwidth_identify::profiles(&found.estimates)?,
             zwidth_identify::against_eye(&found.trials)?,
             zwidth_identify::trials(&found.trials)?,
+            zwidth_identify::covariances(Some(&found))?,
         ]),
         Err(why @ IdentifyError::TooFew { .. }) => Ok(vec![
             zwidth_identify::nothing_fitted(&why.to_string())?,
             zwidth_identify::profiles(&[])?,
             zwidth_identify::against_eye(&[])?,
             zwidth_identify::trials(&[])?,
+            zwidth_identify::covariances(None)?,
         ]),
         Err(error) => Err(error.into()),
     }

@@ -116,4 +116,43 @@ fn without_noise_every_parameter_comes_back_to_a_millionth() {
         assert!((fitted / expect - 1.0).abs() < 1e-6, "{name}: {fitted} instead of {expect}");
         assert_eq!(estimate.verdict, Identifiability::Identifiable, "{name}");
     }
+    let tables = [
+        zwidth_identify::estimates(&found).unwrap(),
+        zwidth_identify::covariances(Some(&found)).unwrap(),
+    ];
+    let plant = plant_with_spread(&tables[0], &tables[1]).unwrap().unwrap();
+    let known = [plant.mass_kg, plant.damping_ns_per_rad, plant.friction_n];
+    assert!(known.iter().zip(expect).all(|(found, e)| (found / e - 1.0).abs() < 1e-6), "{plant:?}");
+    for (j, estimate) in found.estimates.iter().take(3).enumerate() {
+        let std_error = estimate.std_error.unwrap();
+        assert!((plant.covariance[j][j].sqrt() / std_error - 1.0).abs() < 1e-9, "{plant:?}");
+        let same = |k: usize| plant.covariance[j][k].to_bits() == plant.covariance[k][j].to_bits();
+        assert!((0..3).all(same), "{plant:?}");
+    }
+    actuators_of_the_twin(&study, &trials, &plant);
+}
+
+/// With the plant as found, motor alone: the actuators differ by no more than the controller is
+/// late, and the user by a multiple; hybrid: by what Appendix B says, at the reversal.
+fn actuators_of_the_twin(study: &Study, trials: &[Trial], plant: &Plant) {
+    for trial in trials {
+        let mode = study.mode(&trial.meta.mode).unwrap();
+        let parameters = zwidth_metrics::Parameters::of(study, &study.environments[0], mode);
+        let found = zwidth_metrics::plant_metrics(trial, &parameters, Some(plant)).unwrap();
+        let user = zwidth_metrics::trial_metrics(trial, &parameters).unwrap();
+        let (found, mode) = (found.discrepancy, trial.meta.mode.as_str());
+        match mode {
+            "active" => {
+                let (mean, felt) = (found.mean_n.unwrap(), user.discrepancy.mean_n.unwrap());
+                assert!(mean.abs() < 0.05 && felt > 0.4, "{mean} N, the user {felt} N");
+            }
+            "hybrid" => {
+                let theta = user.movement.theta_max_rad.unwrap();
+                let expect = 4.0 * (theta + std::f64::consts::FRAC_PI_4) - 2.08;
+                let step = found.step_n.unwrap();
+                assert!((step - expect).abs() < 0.15, "{step} N instead of {expect} N");
+            }
+            _ => assert_eq!(found.mean_n, None, "a brake has no way back"),
+        }
+    }
 }

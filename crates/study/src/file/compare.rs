@@ -160,7 +160,7 @@ mod tests {
         let study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
         assert_eq!(pairs(&study), [("hybrid", "active"), ("hybrid", "passive")]);
         let compare = &study.compare;
-        assert_eq!(compare.primary.as_str(), "discrepancy_mean_n");
+        assert_eq!(compare.primary.as_str(), "discrepancy_user_mean_n");
         assert_eq!((compare.metrics.as_ref(), compare.bounds.len()), (None, 0));
         assert_eq!(compare.alpha.to_bits(), 0.05_f64.to_bits());
         assert_eq!(compare.level.to_bits(), 0.95_f64.to_bits());
@@ -168,7 +168,7 @@ mod tests {
         assert!(!study.to_toml().unwrap().contains("compare"));
         assert_eq!(with("").unwrap(), study);
         let written = "contrasts = [[\"hybrid\", \"active\"], [\"hybrid\", \"passive\"]]\n\
-            primary = \"discrepancy_mean_n\"\nalpha = 0.05\nlevel = 0.95\nfamilies = \"metric\"";
+            primary = \"discrepancy_user_mean_n\"\nalpha = 0.05\nlevel = 0.95\nfamilies = \"metric\"";
         assert_eq!(with(written).unwrap(), study);
     }
 
@@ -187,14 +187,14 @@ mod tests {
     fn what_is_chosen_survives_a_round_trip() {
         let study = with(
             "contrasts = [[\"active\", \"passive\"]]\nprimary = \"wall_dwell_s\"\n\
-             metrics = [\"discrepancy_mean_n\", \"loop_area_j\"]\nalpha = 0.01\nlevel = 0.9\n\
-             families = \"environment\"\n[compare.bounds]\ndiscrepancy_mean_n = { weber = 0.1 }\n\
+             metrics = [\"discrepancy_user_mean_n\", \"loop_area_j\"]\nalpha = 0.01\nlevel = 0.9\n\
+             families = \"environment\"\n[compare.bounds]\ndiscrepancy_user_mean_n = { weber = 0.1 }\n\
              wall_dwell_s = 1",
         )
         .unwrap();
         assert_eq!(pairs(&study), [("active", "passive")]);
         let bounds = &study.compare.bounds;
-        assert_eq!(bounds[&metric("discrepancy_mean_n")], Bound::Weber(0.1));
+        assert_eq!(bounds[&metric("discrepancy_user_mean_n")], Bound::Weber(0.1));
         assert_eq!(bounds[&metric("wall_dwell_s")], Bound::Absolute(1.0));
         assert_eq!(study.compare.families, Families::Environment);
         assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
@@ -230,7 +230,11 @@ mod tests {
             ("contrasts = []", "compare.contrasts", "leave it out"),
             ("contrasts = [[\"hybrid\"]]", "contrasts", "invalid length 1"),
             ("primary = \"Force N\"", "primary", "not a valid metric id"),
-            ("metrics = [\"discrepancy_mean_n\"]", "compare.metrics[0]", "is the primary metric"),
+            (
+                "metrics = [\"discrepancy_user_mean_n\"]",
+                "compare.metrics[0]",
+                "is the primary metric",
+            ),
             ("metrics = [\"a_s\", \"a_s\"]", "compare.metrics[1]", "'a_s' stands twice"),
             ("alpha = 0.5", "compare.alpha", "0.5 must lie between 0 and 0.5"),
             ("alpha = nan", "compare.alpha", "must lie"),

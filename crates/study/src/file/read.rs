@@ -3,7 +3,9 @@
 use super::check::{Check, FARTHEST_DEG};
 use super::shape::*;
 use super::units::MILLI;
-use crate::model::{Analysis, Coordinate, Design, Device, Masses, Mode, Question, Study};
+use crate::model::{
+    Analysis, Coordinate, Design, Device, Masses, Mode, Question, Resistances, Study,
+};
 use crate::{ActuatorKind, Control, MOST_CHANNELS, Schema, StudyError, VelocityFilter, locate};
 use std::collections::BTreeSet;
 
@@ -167,6 +169,16 @@ impl Check<'_> {
                 motor_kg: self.positive("masses.motor_g", m.motor_g) * MILLI,
                 brake_kg: self.positive("masses.brake_g", m.brake_g) * MILLI,
             }),
+            resistances: Resistances {
+                motor_ohm: file
+                    .resistances
+                    .motor_ohm
+                    .map(|r| self.positive("resistances.motor_ohm", r)),
+                brake_ohm: file
+                    .resistances
+                    .brake_ohm
+                    .map(|r| self.positive("resistances.brake_ohm", r)),
+            },
             environments,
             modes,
             questions: file.questions.into_iter().map(question).collect(),

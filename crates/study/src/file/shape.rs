@@ -20,6 +20,8 @@ pub(super) struct File {
     pub(super) control: ControlTable,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) masses: Option<MassesTable>,
+    #[serde(default, skip_serializing_if = "ResistancesTable::is_empty")]
+    pub(super) resistances: ResistancesTable,
     #[serde(default)]
     pub(super) analysis: AnalysisTable,
     #[serde(default, skip_serializing_if = "CompareTable::is_default")]
@@ -124,6 +126,21 @@ impl Default for ControlTable {
         let mut table = Self::from(Control::default());
         table.velocity_cutoff_hz = None;
         table
+    }
+}
+
+#[derive(Serialize, Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ResistancesTable {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) motor_ohm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) brake_ohm: Option<f64>,
+}
+
+impl ResistancesTable {
+    fn is_empty(&self) -> bool {
+        self.motor_ohm.is_none() && self.brake_ohm.is_none()
     }
 }
 

@@ -51,6 +51,10 @@ impl From<&Study> for File {
                 motor_g: decimal(m.motor_kg / MILLI),
                 brake_g: decimal(m.brake_kg / MILLI),
             }),
+            resistances: ResistancesTable {
+                motor_ohm: s.resistances.motor_ohm,
+                brake_ohm: s.resistances.brake_ohm,
+            },
             analysis: analysis_table(&s.analysis, s.coordinate),
             compare: super::compare::table(s),
             figures: super::figures::table(&s.figures),

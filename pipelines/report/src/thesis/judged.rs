@@ -99,7 +99,7 @@ pub(crate) fn trials<'a>(
     let trials = Trials::of(table.ok_or_else(none)?, Some(&environment.id), &mode.id)?;
     let trials = match from {
         From::Metrics => trials,
-        From::Replays => trials.with("causality", "force_driven")?,
+        From::Replays => trials.with("causality", "force_driven")?.with("model", "by_eye")?,
     };
     if trials.len() == 0 { Err(none()) } else { Ok(trials) }
 }

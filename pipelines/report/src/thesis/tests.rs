@@ -14,11 +14,11 @@ type Trial<'a> = (&'a str, &'a str, &'a str, &'a [(&'static str, f64)]);
 /// So many numbers of a trial, by column.
 type Numbers<const N: usize> = [(&'static str, f64); N];
 
-const COLUMNS: [&str; 16] = [
+const COLUMNS: [&str; 20] = [
     "stiffness_n_per_rad",
     "saturation_force_n",
-    "discrepancy_mean_n",
-    "discrepancy_step_n",
+    "discrepancy_user_mean_n",
+    "discrepancy_user_step_n",
     "returned_energy_share",
     "return_force_n",
     "theta_max_rad",
@@ -31,6 +31,10 @@ const COLUMNS: [&str; 16] = [
     "wall_force_rise_n",
     "peak_error_rad",
     "peak_time_error_s",
+    "discrepancy_actuator_mean_n",
+    "discrepancy_actuator_step_n",
+    "velocity_sd_ratio",
+    "velocity_nrmse",
 ];
 
 fn text(name: &'static str, values: impl Iterator<Item = String>) -> Column {
@@ -46,6 +50,7 @@ fn trials(of: &[Trial], source: &str) -> Table {
         text("mode", of.iter().map(|t| t.2.to_owned())),
         text("source", of.iter().map(|_| source.to_owned())),
         text("causality", of.iter().map(|_| "force_driven".to_owned())),
+        text("model", of.iter().map(|_| "by_eye".to_owned())),
         text("recorded_stability", of.iter().map(|_| "smooth".to_owned())),
         Column::integer("wall_brake_releases", "1", "", of.iter().map(|_| Some(1))),
     ];

@@ -79,7 +79,8 @@ fn slope(path: &Path) -> f64 {
 #[ignore = "needs recordings made by others: set ZWIDTH_REAL_DATA, add --include-ignored"]
 fn pushing_is_positive_and_unloading_lies_below_loading() {
     let real = &*RUN;
-    for column in ["stiffness_n_per_rad", "discrepancy_mean_n", "discrepancy_max_n", "loop_area_j"]
+    for column in
+        ["stiffness_n_per_rad", "discrepancy_user_mean_n", "discrepancy_user_max_n", "loop_area_j"]
     {
         for (environment, value) in metric(real, column) {
             assert!(value > 0.0, "{column} of {environment}: {value}");

@@ -9,7 +9,8 @@ use zwidth_tables::{Column, Table};
 /// take more time and show no more.
 pub(crate) const REPEATS: u32 = 2;
 /// The primary metric (which the passive mode does not have), and two others that every condition has.
-pub(crate) const METRICS: [&str; 3] = ["discrepancy_mean_n", "stiffness_n_per_rad", "duration_s"];
+pub(crate) const METRICS: [&str; 3] =
+    ["discrepancy_user_mean_n", "stiffness_n_per_rad", "duration_s"];
 /// Participants of a study.
 pub(crate) const PARTICIPANTS: usize = 12;
 
@@ -58,7 +59,7 @@ impl What {
         CONTRASTS[self.contrast].contains(&COPY)
     }
 
-    /// `discrepancy_mean_n, spring, hybrid − active`.
+    /// `discrepancy_user_mean_n, spring, hybrid − active`.
     pub(crate) fn words(self) -> String {
         let [mode, against] = CONTRASTS[self.contrast];
         format!("{}, {}, {mode} − {against}", METRICS[self.metric], ENVIRONMENTS[self.environment])

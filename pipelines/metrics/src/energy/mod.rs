@@ -1,0 +1,251 @@
+//! Energy observers: does the device give more than it has got, at a wall or over a closed loop?
+
+use crate::MetricsError;
+use crate::compliance::range;
+use crate::resolution::resolution_rad;
+use crate::signals::Signals;
+use crate::wall::{Contact, REBOUND_SHARE, contacts};
+use zwidth_numerics::series::cumulative_trapezoid;
+use zwidth_numerics::zigzag::{Leg, zigzag};
+
+/// θ̇ and θ̈ are those of a parabola through the angles of this time to either side, s: long against
+/// the counts of the angle sensor, short against the movement of a hand.
+pub(crate) const HALF_S: f64 = 0.025;
+
+/// So much of the work exchanged may be a sensor's scale and the straight lines between samples.
+const WORK_SHARE: f64 = 0.01;
+/// And so much of the lever's energy of motion the error of its speed: a parabola through 50 ms of
+/// angles where the lever meets something.
+const MOTION_SHARE: f64 = 0.1;
+
+/// As fast as before: to this share of the square.
+const SAME_SPEED: f64 = 0.05;
+
+/// Energy observers (Hannaford & Ryu 2002, IEEE Trans. Robot. Autom. 18:1, between the user and the
+/// whole device): the user's work ∫F dx, x = L θ, plus what the lever brought in by its speed less
+/// what it takes out, ½ M L² (θ̇_from² − θ̇²), M the plant's mass. A passive device never has less
+/// than 0 of it, where nothing but the lever stores energy at the beginning that it has not at the
+/// end.
+///
+/// θ̇_from is the speed at the beginning, of a contact the largest within 25 ms before it: where a
+/// lever is stopped at once, a parabola has half of its speed. At the end of a contact it is that
+/// between the two samples there: a spring that goes on pushing outside is not the wall.
+///
+/// * A **contact** with the wall lasts from passing θ_wall to the last return before a retreat of
+///   more than 1 % of the angles travelled, or to an end of the recording. The lowest value of the
+///   observer from its first sample on counts: the spring under the wall and the wall itself push
+///   out, so that what they store is more than at the beginning.
+/// * A **closed loop** begins at a turn of θ (by more than 1 % of the angles travelled; the first
+///   sample counts as one) and ends where θ is first back at that angle; where the recording does
+///   not come back to its first angle, it is closed backwards from its end. Springs and walls
+///   have at its end what they had at its beginning.
+///
+/// One is **active** below −(1 % of ∫|F dx| + L δ (F_max − F_min) + 10 % of ½ M L² θ̇_from²), δ the
+/// smallest step between recorded angles. Without a known mass the observer is told only where the
+/// lever is as fast as at the beginning (to 5 % of the square) or faster: less speed could explain
+/// any energy given. All null without angle, force or lever length.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct EnergyObserver {
+    /// Contacts with the wall; null without a wall.
+    pub wall_contacts: Option<i64>,
+    /// Of them those that are active.
+    pub wall_contacts_active: Option<i64>,
+    /// Lowest value of the observer over all contacts, J; below 0 the wall has given. Null without
+    /// one.
+    pub wall_contact_energy_min_j: Option<f64>,
+    /// Closed loops of the recording.
+    pub closed_loops: Option<i64>,
+    /// Of them those that are active.
+    pub closed_loops_active: Option<i64>,
+    /// Lowest value of the observer over all loops, J; below 0 the device has given. Null without
+    /// one.
+    pub closed_loop_energy_min_j: Option<f64>,
+}
+
+pub(crate) fn energy_observer(
+    signals: &Signals,
+    theta_dot: &[f64],
+    wall_rad: Option<f64>,
+    mass_kg: Option<f64>,
+) -> Result<EnergyObserver, MetricsError> {
+    let (Some(theta), Some(force), Some(lever_m)) =
+        (signals.theta, signals.force.as_deref(), signals.lever_m)
+    else {
+        return Ok(EnergyObserver::default());
+    };
+    let work = cumulative_trapezoid(theta, force)?.into_iter().map(|w| lever_m * w).collect();
+    let count_m = lever_m * resolution_rad(theta);
+    let path = Path { t: signals.t, theta, force, theta_dot, work, lever_m, mass_kg, count_m };
+    let at_wall = wall_rad.map(|wall| told(contacts(theta, wall), |c| path.over_contact(c, wall)));
+    let closed = told(loops(theta, REBOUND_SHARE * range(theta)), |closed| path.over_loop(closed));
+    Ok(EnergyObserver {
+        wall_contacts: at_wall.map(|found| found.all),
+        wall_contacts_active: at_wall.map(|found| found.active),
+        wall_contact_energy_min_j: at_wall.and_then(|found| found.least_j),
+        closed_loops: Some(closed.all),
+        closed_loops_active: Some(closed.active),
+        closed_loop_energy_min_j: closed.least_j,
+    })
+}
+
+/// An observer's lowest value, and down to where it counts as nothing, J.
+struct Observed {
+    least_j: f64,
+    bound_j: f64,
+}
+
+/// What all contacts, or all loops, come to.
+#[derive(Debug, Clone, Copy)]
+struct Told {
+    all: i64,
+    active: i64,
+    least_j: Option<f64>,
+}
+
+fn told<T>(all: Vec<T>, observe: impl Fn(&T) -> Option<Observed>) -> Told {
+    let found: Vec<Observed> = all.iter().filter_map(observe).collect();
+    Told {
+        all: all.len() as i64,
+        active: found.iter().map(|o| i64::from(o.least_j < -o.bound_j)).sum(),
+        least_j: found.iter().map(|o| o.least_j).reduce(f64::min),
+    }
+}
+
+/// A place on the path: so far after a sample, as a share of the way to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Place {
+    i: usize,
+    share: f64,
+}
+
+impl Place {
+    fn sample(i: usize) -> Self {
+        Self { i, share: 0.0 }
+    }
+
+    fn of(self, values: &[f64]) -> f64 {
+        let next = values[(self.i + 1).min(values.len() - 1)];
+        values[self.i] + self.share * (next - values[self.i])
+    }
+}
+
+/// The trial as a path of θ with the user's force on it.
+struct Path<'a> {
+    t: &'a [f64],
+    theta: &'a [f64],
+    force: &'a [f64],
+    theta_dot: &'a [f64],
+    /// ∫F dx from the first sample to each, J.
+    work: Vec<f64>,
+    lever_m: f64,
+    mass_kg: Option<f64>,
+    /// A step between recorded angles, at the lever's end, m.
+    count_m: f64,
+}
+
+impl Path<'_> {
+    /// ∫F dx from the first sample to a place, F a straight line between samples, J.
+    fn work_j(&self, at: Place) -> f64 {
+        let way = at.of(self.theta) - self.theta[at.i];
+        self.work[at.i] + self.lever_m * way * (self.force[at.i] + at.of(self.force)) / 2.0
+    }
+
+    /// A place that is passed at the speed there.
+    fn passed(&self, at: Place) -> Passed {
+        Passed { at, speed_rad_s: at.of(self.theta_dot) }
+    }
+
+    /// The largest speed at some samples, rad/s.
+    fn fastest(&self, samples: impl Iterator<Item = usize>) -> f64 {
+        samples.map(|i| self.theta_dot[i].abs()).fold(0.0, f64::max)
+    }
+
+    /// The observer from one place to another, J; `None` where it cannot be told.
+    fn observer_j(&self, from: Passed, to: Passed) -> Option<f64> {
+        let [began, now] = [from, to].map(|of| of.speed_rad_s * of.speed_rad_s);
+        let brought_j = match self.mass_kg {
+            Some(mass_kg) => mass_kg * self.lever_m * self.lever_m * (began - now) / 2.0,
+            None if began - now <= SAME_SPEED * began => 0.0,
+            None => return None,
+        };
+        Some(self.work_j(to.at) - self.work_j(from.at) + brought_j)
+    }
+
+    /// Down to where energy given from a place to a sample counts as none, J.
+    fn bound_j(&self, from: Passed, to: usize) -> f64 {
+        let force = &self.force[from.at.i..=to];
+        let work = self.work[from.at.i..=to].windows(2);
+        let exchanged_j: f64 = work.map(|w| (w[1] - w[0]).abs()).sum();
+        let speed_m_s = self.lever_m * from.speed_rad_s;
+        let motion_j = self.mass_kg.unwrap_or(0.0) * speed_m_s * speed_m_s / 2.0;
+        WORK_SHARE * exchanged_j + self.count_m * range(force) + MOTION_SHARE * motion_j
+    }
+
+    fn over_contact(&self, contact: &Contact, wall: f64) -> Option<Observed> {
+        let last = self.theta.len() - 1;
+        let from = match contact.first.checked_sub(1) {
+            Some(before) => crossing(self.theta, before, wall),
+            None => Place::sample(0),
+        };
+        let (began_s, end) = (from.of(self.t), contact.last);
+        let before = (0..=from.i).rev().take_while(|i| self.t[*i] >= began_s - HALF_S);
+        let from = Passed { at: from, speed_rad_s: self.fastest(before) };
+        let left = (end < last).then(|| {
+            let at = crossing(self.theta, end, wall);
+            let way = self.theta[end + 1] - self.theta[end];
+            Passed { at, speed_rad_s: way.abs() / (self.t[end + 1] - self.t[end]) }
+        });
+        let within = (contact.first..=end).map(|i| self.passed(Place::sample(i))).chain(left);
+        let least_j = within.filter_map(|to| self.observer_j(from, to)).reduce(f64::min)?;
+        Some(Observed { least_j, bound_j: self.bound_j(from, (end + 1).min(last)) })
+    }
+
+    fn over_loop(&self, closed: &[Place; 2]) -> Option<Observed> {
+        let [from, to] = closed.map(|at| self.passed(at));
+        let last = (to.at.i + 1).min(self.theta.len() - 1);
+        let least_j = self.observer_j(from, to)?;
+        Some(Observed { least_j, bound_j: self.bound_j(from, last) })
+    }
+}
+
+/// A place on the path, and how fast the lever is there.
+#[derive(Debug, Clone, Copy)]
+struct Passed {
+    at: Place,
+    speed_rad_s: f64,
+}
+
+/// Where θ is at `level` between sample `i` and the next.
+fn crossing(theta: &[f64], i: usize, level: f64) -> Place {
+    let way = theta[i + 1] - theta[i];
+    let share = if way == 0.0 { 0.0 } else { ((level - theta[i]) / way).clamp(0.0, 1.0) };
+    Place { i, share }
+}
+
+/// The closed loops of a path: from each turn to where the angle is first met again, and backwards
+/// from the end where the whole does not close.
+fn loops(theta: &[f64], least: f64) -> Vec<[Place; 2]> {
+    let legs = zigzag(theta, least);
+    let closed: Vec<Option<[Place; 2]>> = legs.iter().map(|leg| closed(theta, *leg)).collect();
+    let open = closed.first().is_some_and(Option::is_none) && legs.len() > 1;
+    let backwards = legs.last().filter(|_| open).and_then(|last| closed_backwards(theta, *last));
+    closed.into_iter().flatten().chain(backwards).collect()
+}
+
+fn closed(theta: &[f64], leg: Leg) -> Option<[Place; 2]> {
+    let level = theta[leg.from];
+    let back = |i: &usize| if leg.up { theta[*i] <= level } else { theta[*i] >= level };
+    let met = (leg.to + 1..theta.len()).find(back)?;
+    Some([Place::sample(leg.from), crossing(theta, met - 1, level)])
+}
+
+fn closed_backwards(theta: &[f64], last: Leg) -> Option<[Place; 2]> {
+    let end = theta.len() - 1;
+    let before =
+        |i: &usize| if last.up { theta[*i] >= theta[end] } else { theta[*i] <= theta[end] };
+    let met = (0..last.from).rev().find(before)?;
+    Some([crossing(theta, met, theta[end]), Place::sample(end)])
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,51 @@
+//! What a trial says once the plant is known: the actuators' own force discrepancy, and what the
+//! device gave that it had not got.
+
+use crate::actuator::{ActuatorDiscrepancy, actuator_discrepancy};
+use crate::energy::{EnergyObserver, HALF_S, energy_observer};
+use crate::signals::Signals;
+use crate::{MetricsError, Parameters, Plant};
+use zwidth_numerics::local::derivatives;
+use zwidth_store::Trial;
+use zwidth_study::TrialMeta;
+
+/// What a trial says with the plant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlantMetrics {
+    /// Which trial.
+    pub meta: TrialMeta,
+    /// By how much the actuators differ; all null where the environment has no spring or the plant
+    /// is not known.
+    pub discrepancy: ActuatorDiscrepancy,
+    /// What contacts with the wall and closed loops give or take.
+    pub energy: EnergyObserver,
+}
+
+/// The metrics of `trial` that rest on the plant; `None` where it was not identified.
+///
+/// # Errors
+/// As [`trial_metrics`](crate::trial_metrics).
+pub fn plant_metrics(
+    trial: &Trial,
+    parameters: &Parameters,
+    plant: Option<&Plant>,
+) -> Result<PlantMetrics, MetricsError> {
+    let signals = Signals::of(trial, parameters)?;
+    let motion = match signals.theta {
+        Some(theta) => derivatives(signals.t, theta, HALF_S)?,
+        None => Default::default(),
+    };
+    let known = plant.filter(|_| parameters.scene.spring().is_some());
+    let discrepancy =
+        known.map(|plant| actuator_discrepancy(&signals, &motion, plant, &parameters.analysis));
+    Ok(PlantMetrics {
+        meta: trial.meta.clone(),
+        discrepancy: discrepancy.transpose()?.unwrap_or_default(),
+        energy: energy_observer(
+            &signals,
+            &motion.first,
+            parameters.scene.wall_rad(),
+            plant.map(|plant| plant.mass_kg),
+        )?,
+    })
+}
