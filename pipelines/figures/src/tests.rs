@@ -125,9 +125,12 @@ fn loops_say_what_their_dots_mean() {
         loops(&study.about, std::slice::from_ref(scene)).unwrap().footnotes
     };
     let means = "Lines: mean of the repeats (n = 1), aligned at movement onset.";
-    assert_eq!(notes(&scene), [means, "Dotted: at the wall or past it."]);
+    let dots = "Dotted: at the wall or past it.";
+    let whose = notes(&scene).last().cloned().unwrap();
+    assert!(whose.starts_with("*F*: the user's force."), "{whose}");
+    assert_eq!(notes(&scene), [means, dots, &whose]);
     scene.environment = &study.environments[0];
-    assert_eq!(notes(&scene), [means], "no wall, no dots");
+    assert_eq!(notes(&scene), [means, &whose], "no wall, no dots");
 }
 
 /// What the command line reads for a figure is less than there is.
