@@ -27,6 +27,7 @@ mod replay_figures;
 mod report;
 mod summary;
 mod tables;
+mod trade;
 mod trials;
 
 pub use compare::{By, answers, compared, comparison, spreads};
@@ -35,6 +36,7 @@ pub use preregistered::{analysis, plan_file};
 pub use report::built_in;
 pub use summary::file as summary_file;
 pub use tables::printed as printed_tables;
+pub use trade::scenes as trade_scenes;
 
 use zwidth_runner::Job;
 use zwidth_store::{Findings, StudyData};
@@ -52,6 +54,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     jobs.extend(courses::jobs(data));
     jobs.extend(likert::jobs(data));
     jobs.extend(compare::jobs(data));
+    jobs.extend(trade::jobs(data));
     jobs.extend(report::jobs(data, &figures));
     jobs.extend(tables::jobs(data));
     let summary = summary::job(data, found, &figures);
@@ -61,7 +64,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub const STAGES: [&str; 12] = [
+pub const STAGES: [&str; 13] = [
     "characterise",
     "metrics",
     "average",
@@ -70,6 +73,7 @@ pub const STAGES: [&str; 12] = [
     "identify",
     "likert",
     "compare",
+    "trade",
     "figures",
     "report",
     "tables",

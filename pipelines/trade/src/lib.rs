@@ -17,6 +17,8 @@
 
 mod cells;
 mod choice;
+mod condition;
+mod course;
 mod error;
 mod errors;
 mod perturb;
@@ -30,12 +32,14 @@ mod yardstick;
 
 pub use cells::{Cell, Gate};
 pub use choice::{Choice, WhyNot};
+pub use condition::condition_scene;
+pub use course::courses_table;
 pub use error::TradeError;
 pub use errors::{Errors, Size};
 pub use perturb::neighbour;
 pub use setting::{Fan, Fineness, Setting};
 pub use table::{model_words, recommended_scene, settings_table, summary_table};
-pub use trade::{Parameters, Trade, pareto_front, trade};
+pub use trade::{Parameters, Trade, models, pareto_front, trade};
 pub use yardstick::{Proof, Yardstick};
 pub use zwidth_dynamics::{DynamicsError, ModelScene};
 

@@ -7,7 +7,7 @@ use crate::setting::{Fan, Fineness, Setting};
 use crate::yardstick::{Proof, Yardstick};
 use rayon::prelude::*;
 use serde::Serialize;
-use zwidth_dynamics::{ModelScene, Reference};
+use zwidth_dynamics::{Finger, FingerLaw, ModelScene, Reference};
 use zwidth_study::Perception;
 
 /// What a trade is made of.
@@ -36,9 +36,9 @@ impl Parameters {
         Self { perception: perception.clone(), fan, neighbours: 0 }
     }
 
-    /// How many settings are run.
-    pub fn settings(&self) -> usize {
-        self.fan.settings().iter().map(Vec::len).sum()
+    /// How many settings are run on a scene.
+    pub fn settings(&self, scene: &ModelScene) -> usize {
+        self.fan.settings().iter().map(|settings| possible(scene, settings).len()).sum()
     }
 }
 
@@ -110,6 +110,21 @@ fn possible(scene: &ModelScene, settings: &[Setting]) -> Vec<Setting> {
         _ => true,
     };
     settings.iter().filter(|setting| fits(setting)).copied().collect()
+}
+
+/// The models that a scene can be run with: as it is, and where it has a finger without it and with
+/// the other law of it.
+pub fn models(scene: &ModelScene) -> Vec<ModelScene> {
+    let mut models = vec![scene.clone()];
+    if let Some(finger) = scene.finger {
+        let law = match finger.law {
+            FingerLaw::Thesis => FingerLaw::Consistent,
+            FingerLaw::Consistent => FingerLaw::Thesis,
+        };
+        models.push(ModelScene { finger: None, ..scene.clone() });
+        models.push(ModelScene { finger: Some(Finger { law, ..finger }), ..scene.clone() });
+    }
+    models
 }
 
 /// Of pairs of cost and error those that no other beats in both, the cheapest first; a pair that is
