@@ -1,18 +1,21 @@
 //! Stage `trade`: speed against accuracy of a study's conditions as scenes, in counts alone; what
 //! less of a recording does to its metrics; and their figures.
 
+use crate::conditions::{Repeats, repeats};
 use crate::drawing::{Drawing, write_figure};
-use crate::making::{derived, write_tables};
+use crate::making::{derived, read_tables, split, write_tables};
+use crate::trials::{OfTrials, files as trial_files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_figures::{FigureKind, WORK_PRECISION};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, StudyData};
+use zwidth_store::{Layout, Signal, StudyData, Trial};
 use zwidth_study::{Calibration, Perception};
 use zwidth_tables::Table;
 use zwidth_trade::{
-    ModelScene, Parameters, Trade, condition_scene, settings_table, summary_table, trade,
+    Less, ModelScene, Parameters, Trade, condition_scene, data_table, lessened, settings_table,
+    summary_table, trade,
 };
 
 const STAGE: Stage = Stage { name: "trade", version: zwidth_trade::VERSION };
@@ -35,7 +38,10 @@ fn files(layout: &Layout) -> [PathBuf; 2] {
 
 /// The derived tables, where there are scenes.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
-    if scenes(data).is_empty() { Vec::new() } else { files(&data.layout).to_vec() }
+    let scenes = if scenes(data).is_empty() { Vec::new() } else { files(&data.layout).to_vec() };
+    let has_trials = !repeats(data).is_empty();
+    let less = has_trials.then(|| derived(&data.layout, "trade_data.parquet"));
+    scenes.into_iter().chain(less).collect()
 }
 
 /// What the trade of a study depends on: no recording.
@@ -47,11 +53,69 @@ struct OfStudy {
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let of = OfStudy { scenes: scenes(data), perception: data.study.perception.clone() };
-    if of.scenes.is_empty() {
-        return Vec::new();
-    }
     let outputs = files(&data.layout).to_vec();
-    vec![Job::new(STAGE, "trade of the study's conditions", of, (), outputs, make)]
+    let scenes = (!of.scenes.is_empty())
+        .then(|| Job::new(STAGE, "trade of the study's conditions", of, (), outputs, make));
+    scenes.into_iter().chain(data_jobs(data)).collect()
+}
+
+/// What less of a condition's recordings does, and all of them joined.
+fn data_jobs(data: &StudyData) -> Vec<Job> {
+    let conditions = repeats(data);
+    let table = |r: &Repeats| derived(&data.layout, format!("trade/{}.parquet", r.key));
+    let one = |r: &Repeats| {
+        let metrics = zwidth_metrics::Parameters::of(&data.study, r.environment, r.mode);
+        let of = OfTrials::new(
+            OfData { condition: r.key.clone(), metrics, perception: data.study.perception.clone() },
+            &r.trials,
+        );
+        let name = format!("less of {}", r.who);
+        Job::new(STAGE, name, of, trial_files(&r.trials), vec![table(r)], make_data)
+    };
+    let mut jobs: Vec<Job> = conditions.iter().map(one).collect();
+    if !conditions.is_empty() {
+        let tables: Vec<PathBuf> = conditions.iter().map(table).collect();
+        let output = vec![derived(&data.layout, "trade_data.parquet")];
+        jobs.push(Job::new(STAGE, "less of the study's recordings", (), tables, output, join_data));
+    }
+    jobs
+}
+
+/// What the change of metrics depends on besides the trials.
+#[derive(Serialize)]
+struct OfData {
+    condition: String,
+    metrics: zwidth_metrics::Parameters,
+    perception: Perception,
+}
+
+fn make_data(
+    of: &OfTrials<OfData>,
+    files: &Vec<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
+    let OfData { condition, metrics, perception } = &of.stage;
+    let rows = |trial: &Trial| {
+        let of = |trial: &Trial| zwidth_metrics::trial_metrics(trial, metrics);
+        let less = Less::ALL.map(|less| of(&lessened(trial, less)));
+        let all = std::iter::once(of(trial)).chain(less).collect::<Result<Vec<_>, _>>();
+        all.map_err(|e| format!("{}: {e}", name(&trial.meta)))
+    };
+    let (rows, more) = split(trials.par_iter().map(rows).collect());
+    problems.extend(more);
+    let table = |k: usize| {
+        zwidth_metrics::table(&rows.iter().map(|row: &Vec<_>| row[k].clone()).collect::<Vec<_>>())
+    };
+    let whole = table(0)?;
+    let less = Less::ALL.into_iter().enumerate().map(|(k, less)| Ok((less, table(k + 1)?)));
+    let less = less.collect::<Result<Vec<_>, zwidth_tables::TableError>>()?;
+    write_tables(&[data_table(condition, &whole, &less, perception)?], making, problems)
+}
+
+fn join_data((): &(), tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    let joined = zwidth_trade::join_conditions(&read_tables(tables)?)?;
+    write_tables(&[joined.ok_or("there is no trial")?], making, Vec::new())
 }
 
 fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {

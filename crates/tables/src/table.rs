@@ -319,11 +319,7 @@ impl Table {
     ///
     /// # Errors
     /// Tables whose columns differ.
-    pub(crate) fn concat(
-        name: &str,
-        title: &str,
-        tables: &[Self],
-    ) -> Result<Option<Self>, TableError> {
+    pub fn concat(name: &str, title: &str, tables: &[Self]) -> Result<Option<Self>, TableError> {
         let Some((first, others)) = tables.split_first() else {
             return Ok(None);
         };

@@ -102,9 +102,8 @@ pub(super) fn felt(trade: &Trade, solver: &str) -> String {
             )
         }
         (false, false) => format!(
-            "At the end of a lever of {lever_mm} mm a person would feel the chattering at steps from {} on, and not at {} of the shorter ones.",
-            ms(least),
-            not.iter().filter(|step_s| **step_s < least).count()
+            "At the end of a lever of {lever_mm} mm a person would feel the chattering at steps of {} and more, and not at the shorter ones.",
+            ms(least)
         ),
     }
 }
