@@ -7,11 +7,12 @@ use crate::making::{derived, read_tables, split, write_tables};
 use crate::trials::{OfTrials, files as trial_files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_figures::{FigureKind, WORK_PRECISION};
+use zwidth_figures::{FigureKind, LESS, WORK_PRECISION};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData, Trial};
-use zwidth_study::{Calibration, Perception};
+use zwidth_study::{Calibration, Perception, Source};
 use zwidth_tables::Table;
 use zwidth_trade::{
     Less, ModelScene, Parameters, Trade, condition_scene, data_table, lessened, settings_table,
@@ -39,9 +40,12 @@ fn files(layout: &Layout) -> [PathBuf; 2] {
 /// The derived tables, where there are scenes.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     let scenes = if scenes(data).is_empty() { Vec::new() } else { files(&data.layout).to_vec() };
-    let has_trials = !repeats(data).is_empty();
-    let less = has_trials.then(|| derived(&data.layout, "trade_data.parquet"));
-    scenes.into_iter().chain(less).collect()
+    scenes.into_iter().chain(data_table_of(data)).collect()
+}
+
+/// What less of the recordings does, where there are any.
+fn data_table_of(data: &StudyData) -> Option<PathBuf> {
+    (!repeats(data).is_empty()).then(|| derived(&data.layout, "trade_data.parquet"))
 }
 
 /// What the trade of a study depends on: no recording.
@@ -136,7 +140,17 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
         let inputs = vec![settings.clone(), summary.clone()];
         Drawing::new(data, KIND, [scene.name.replace('.', "_")], scene.name, inputs, draw)
     };
-    scenes(data).into_iter().map(one).collect()
+    let scenes = scenes(data).into_iter().map(one);
+    let less = data_table_of(data).map(|table| {
+        let sources: BTreeSet<Source> = data.counting().map(|t| t.meta.source).collect();
+        let sources: Vec<Source> = sources.into_iter().collect();
+        Drawing::new(data, LESS, [""; 0], sources, table, draw_less).of(data.counting().count())
+    });
+    scenes.chain(less).collect()
+}
+
+fn draw_less(sources: &Vec<Source>, table: &PathBuf, making: &Making) -> Result<Made, JobError> {
+    write_figure(zwidth_figures::less(&Table::from_parquet(table)?, sources)?, Vec::new(), making)
 }
 
 fn draw(scene: &String, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {

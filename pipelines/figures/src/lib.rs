@@ -19,6 +19,7 @@
 //! | `bow_tie` | 31 | brake and motor of a lever whose motion is given |
 //! | `chattering` | – | swings of solvers against their step |
 //! | `work_precision` | – | error against work of every solver and step |
+//! | `less` | – | what less of the recordings does to metrics |
 //! | `finding` | – | that an oscillation is the method's, at a glance |
 
 mod about;
@@ -32,6 +33,7 @@ mod environment;
 mod export;
 mod finding;
 mod freemotion;
+mod less;
 mod likert;
 mod loaded;
 mod loops;
@@ -60,6 +62,7 @@ pub use environment::{ENVIRONMENT, Placement, environment};
 pub use export::data_table;
 pub use finding::{Felt, finding};
 pub use freemotion::{FREE_MOTION, free_motion};
+pub use less::{LESS, less};
 pub use likert::{LIKERT, LIKERT_ITEMS, LikertPage, likert, likert_items, likert_overview};
 pub use loaded::{Loaded, METRICS_COLUMNS};
 pub use loops::{LOOPS, loops};

@@ -12,6 +12,7 @@ const NOTE: &str = "Each trial is compared with itself; what is felt is known fo
 
 /// A metric with less of the recordings.
 struct Row {
+    kind: &'static str,
     less: String,
     metric: String,
     unit: String,
@@ -60,6 +61,11 @@ pub fn data_table(
             "participant, session, environment and mode",
             rows.iter().map(|_| Some(condition.to_owned())),
         ),
+        Column::text(
+            "kind",
+            "what that is a degree of",
+            rows.iter().map(|row| Some(row.kind.to_owned())),
+        ),
         text("less", "what is taken from the recordings", |row| &row.less),
         text("metric", "the metric", |row| &row.metric),
         text("unit", "the unit of mean, changes and bound", |row| &row.unit),
@@ -99,6 +105,7 @@ fn row(
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let all: Vec<f64> = pairs.iter().map(|pair| pair.0).collect();
     (!changes.is_empty()).then(|| Row {
+        kind: less.kind(),
         less: less.words(),
         metric: metric.to_owned(),
         unit: unit.to_owned(),

@@ -41,6 +41,16 @@ impl Less {
         Self::VelocityDifference,
     ];
 
+    /// What it is a degree of.
+    pub fn kind(self) -> &'static str {
+        match self {
+            Self::OneSampleOf(_) => "fewer samples",
+            Self::AngleBits(_) => "a coarser angle",
+            Self::ForceRateHz(_) => "a slower force",
+            Self::VelocityCutoffHz(_) | Self::VelocityDifference => "another filter",
+        }
+    }
+
     /// In words, for a recording's own rate.
     pub fn words(self) -> String {
         match self {

@@ -107,7 +107,8 @@ fn tell((outcome, lines): &Told, screen: &Screen) {
 fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Result<Done> {
     let key = source.key()?;
     let key_file = source.folder.join(format!("{}.trade.json", source.stem));
-    if !fresh && std::fs::read_to_string(&key_file).is_ok_and(|known| known == key) {
+    let is_there = source.folder.join(format!("{}.trade.png", source.stem)).exists();
+    if !fresh && is_there && std::fs::read_to_string(&key_file).is_ok_and(|known| known == key) {
         return Ok(Done { trade: None, files: Vec::new() });
     }
     let parameters = Parameters::full(&source.scene, &source.perception);
