@@ -143,7 +143,7 @@ fn rest(run: &Run) -> (f64, f64, f64) {
     let pairs = || run.t_s.iter().zip(&run.theta_deg);
     let mut near = pairs().filter(|(_, theta)| **theta > top_deg - NEAR_DEG).map(|(t, _)| *t);
     let first = near.next().unwrap_or(0.0);
-    let last = near.last().unwrap_or(first);
+    let last = near.next_back().unwrap_or(first);
     let room = ROOM * (last - first).max(SHORTEST_S);
     (top_deg, first - room, last + room)
 }

@@ -24,6 +24,17 @@ const FRAME_MM: f64 = 4.0;
 /// Changes below this share of what is felt are drawn at it.
 const LEAST: f64 = 1e-3;
 
+/// In the names of an interval's ends.
+const INTERVAL: &str = "_ci_";
+/// Units at the end of a metric's name, the longest first.
+const UNITS: [&str; 3] = ["_n_per_rad", "_rad", "_n"];
+
+/// A metric as it stands beside its row: `wall_past_max_rad` reads `wall past max`.
+fn row_words(metric: &str) -> String {
+    let bare = UNITS.iter().find_map(|unit| metric.strip_suffix(unit)).unwrap_or(metric);
+    plain(&bare.replace('_', " "))
+}
+
 /// A panel a kind of less, a row a metric whose unit has a change that is just felt, a point a degree
 /// of it: the largest over trials and conditions. `changes` is the stage `trade`'s table of data.
 ///
@@ -41,6 +52,9 @@ pub fn less(changes: &Table, sources: &[Source]) -> Result<Figure, TableError> {
         else {
             continue;
         };
+        if metric.contains(INTERVAL) {
+            continue; // the ends of an interval change with its metric
+        }
         if !names.contains(metric) {
             names.push(metric.clone());
         }
@@ -92,7 +106,7 @@ impl Rows {
             })
         }));
         let x = Axis { ticks: Ticks::Powers, ..Axis::new("change / felt", "") }.linked("share");
-        let y = Axis::categories(self.names.iter().map(|name| plain(name))).linked("metric");
+        let y = Axis::categories(self.names.iter().map(|name| row_words(name))).linked("metric");
         let panel = Panel::new(Cell::at(0, column), x, y, layers).titled(plain(kind));
         Panel { height_mm: Some(FRAME_MM + ROW_MM * self.names.len() as f64), ..panel }
     }
@@ -118,6 +132,7 @@ mod tests {
         assert_eq!(figure.panels.len(), 2);
         assert!(figure.mark.is_some() && zwidth_draw::draw(&figure).is_ok());
         let Layer::Points(points) = &figure.panels[0].layers[1] else { panic!() };
+        assert_eq!(row_words("wall_stiffness_n_per_rad"), "wall stiffness");
         assert!((points.x[0] - 1.0).abs() < 1e-12, "{:?}", points.x);
     }
 }

@@ -150,7 +150,7 @@ fn curves(table: &Table) -> Result<Vec<Curve>, TableError> {
     let shares: Vec<Vec<Option<f64>>> = shares.into_iter().collect::<Result<_, _>>()?;
     let most = |i: usize| {
         let known = shares.iter().filter_map(|share| share[i]);
-        known.fold(f64::NAN, f64::max)
+        known.fold(f64::NAN, |most, share| most.max(share).max(LEAST_SHARE))
     };
     let mut curves = Vec::new();
     for (number, named) in NAMED_SOLVERS.into_iter().enumerate() {
@@ -158,14 +158,14 @@ fn curves(table: &Table) -> Result<Vec<Curve>, TableError> {
         if rows.is_empty() {
             continue;
         }
-        let degrees = |i: &usize| error[*i].map_or(f64::NAN, f64::to_degrees).max(LEAST_DEG);
+        let degrees = |i: &usize| error[*i].map_or(f64::NAN, |rad| rad.to_degrees().max(LEAST_DEG));
         let colour = if number == 0 { style::INK } else { style::mode_colour(number - 1) };
         curves.push(Curve {
             name: named.label.to_owned(),
             stroke: style::single(colour),
             work: rows.iter().map(|i| work[*i]).collect(),
             error_deg: rows.iter().map(degrees).collect(),
-            felt: rows.iter().map(|i| most(*i).max(LEAST_SHARE)).collect(),
+            felt: rows.iter().map(|i| most(*i)).collect(),
             good: rows.iter().map(|i| gates[*i] == "passed").collect(),
         });
     }
@@ -182,7 +182,7 @@ fn front(table: &Table) -> Result<Layer, TableError> {
     let error = table.floats("theta_error_max_rad")?;
     let mut pairs: Vec<(f64, f64)> = (0..on.len())
         .filter(|i| on[*i] == Some(true))
-        .map(|i| (work[i], error[i].map_or(f64::NAN, f64::to_degrees).max(LEAST_DEG)))
+        .map(|i| (work[i], error[i].map_or(f64::NAN, |rad| rad.to_degrees().max(LEAST_DEG))))
         .collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (x, y): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
@@ -245,4 +245,50 @@ fn ring(
 /// What an axis of powers of ten takes; what is not above zero has no place on it.
 fn logarithms(values: &[f64]) -> Vec<f64> {
     values.iter().map(|&v| if v > 0.0 { libm::log10(v) } else { f64::NAN }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_tables::Column;
+
+    fn settings() -> Table {
+        let text =
+            |name, values: [&str; 3]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
+        let float = |name, values: [Option<f64>; 3]| Column::float(name, "", "", values);
+        let columns = vec![
+            text("scene", ["s", "s", "s"]),
+            text("solver", ["exact", "rk4_per_step", "rk4_per_step"]),
+            text("gate", ["passed", "verdict", "verdict"]),
+            float("theta_error_max_rad", [Some(0.0), Some(1e-2), None]),
+            float("felt_force_share", [Some(0.0), Some(3.0), None]),
+            float("felt_angle_share", [Some(0.0), Some(0.1), None]),
+            float("felt_vibration_share", [Some(0.8), None, None]),
+            Column::integer("work", "1", "", [Some(500), Some(2000), None]),
+            Column::flag("on_front", "", [Some(true), Some(false), Some(false)]),
+        ];
+        Table::new("trade", "Trade", columns).unwrap()
+    }
+
+    #[test]
+    fn a_failed_setting_has_no_point_and_the_largest_share_counts() {
+        let curves = curves(&settings()).unwrap();
+        let rk4 = &curves[1];
+        assert!((rk4.felt[0] - 3.0).abs() < 1e-12, "{:?}", rk4.felt);
+        assert!(rk4.felt[1].is_nan() && rk4.work[1].is_nan() && rk4.error_deg[1].is_nan());
+        assert!(
+            (curves[0].error_deg[0] - LEAST_DEG).abs() < 1e-20,
+            "rounding is drawn at the foot"
+        );
+    }
+
+    #[test]
+    fn what_is_recommended_has_a_ring_in_both_panels() {
+        let layers = |chosen| -> usize {
+            let figure = work_precision(&settings(), chosen, &[]).unwrap();
+            assert!(zwidth_draw::draw(&figure).is_ok());
+            figure.panels.iter().map(|panel| panel.layers.len()).sum()
+        };
+        assert_eq!(layers(Some(("exact", 500))), layers(None) + 2);
+    }
 }
