@@ -28,6 +28,7 @@ mod replayable;
 mod report;
 mod summary;
 mod tables;
+mod trade;
 mod trials;
 
 pub use compare::{By, answers, compared, comparison, spreads};
@@ -36,6 +37,7 @@ pub use preregistered::{analysis, plan_file};
 pub use report::built_in;
 pub use summary::file as summary_file;
 pub use tables::printed as printed_tables;
+pub use trade::scenes as trade_scenes;
 
 use zwidth_runner::Job;
 use zwidth_store::{Findings, StudyData};
@@ -53,6 +55,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     jobs.extend(courses::jobs(data));
     jobs.extend(likert::jobs(data));
     jobs.extend(compare::jobs(data));
+    jobs.extend(trade::jobs(data));
     jobs.extend(report::jobs(data, &figures));
     jobs.extend(tables::jobs(data));
     let summary = summary::job(data, found, &figures);
@@ -62,7 +65,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub const STAGES: [&str; 12] = [
+pub const STAGES: [&str; 13] = [
     "characterise",
     "metrics",
     "average",
@@ -71,6 +74,7 @@ pub const STAGES: [&str; 12] = [
     "identify",
     "likert",
     "compare",
+    "trade",
     "figures",
     "report",
     "tables",

@@ -1,6 +1,6 @@
 //! Stage `tables`: every derived table that people read, in every format.
 
-use crate::{characterise, compare, freemotion, identify, likert, metrics, replay, report};
+use crate::{characterise, compare, freemotion, identify, likert, metrics, replay, report, trade};
 use std::path::PathBuf;
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
@@ -23,6 +23,7 @@ pub fn printed(data: &StudyData) -> Vec<PathBuf> {
     tables.extend(identify::tables(data));
     tables.extend(likert::tally(data));
     tables.extend(compare::tables(data));
+    tables.extend(trade::tables(data));
     for (actuator, _) in characterise::actuators(data) {
         // Models and parameters; the curve is data of a figure.
         tables.extend(characterise::tables_of(&data.layout, actuator).into_iter().take(2));

@@ -128,6 +128,7 @@ fn affects(key: &str) -> Affects {
         | ["resistances", ..]
         | ["analysis", ..]
         | ["compare", ..]
+        | ["perception", ..]
         | ["figures", ..] => Affects::Nothing,
         ["environments" | "modes", _, "label"]
         | ["questions", _, "group" | "reversed"]

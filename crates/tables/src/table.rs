@@ -319,11 +319,7 @@ impl Table {
     ///
     /// # Errors
     /// Tables whose columns differ.
-    pub(crate) fn concat(
-        name: &str,
-        title: &str,
-        tables: &[Self],
-    ) -> Result<Option<Self>, TableError> {
+    pub fn concat(name: &str, title: &str, tables: &[Self]) -> Result<Option<Self>, TableError> {
         let Some((first, others)) = tables.split_first() else {
             return Ok(None);
         };
@@ -347,17 +343,23 @@ impl Table {
     /// The rows in the order of a key; rows of one key stay as they are.
     #[must_use]
     pub fn sorted<K: Ord>(&self, key: impl Fn(usize) -> K) -> Self {
-        fn of<T: Clone>(values: &[Option<T>], rows: &[usize]) -> Vec<Option<T>> {
-            rows.iter().map(|row| values[*row].clone()).collect()
-        }
         let mut rows: Vec<usize> = (0..self.height()).collect();
         rows.sort_by_cached_key(|row| key(*row));
+        self.rows(&rows)
+    }
+
+    /// Some of the rows, in this order. One that is not there is null.
+    #[must_use]
+    pub fn rows(&self, rows: &[usize]) -> Self {
+        fn of<T: Clone>(values: &[Option<T>], rows: &[usize]) -> Vec<Option<T>> {
+            rows.iter().map(|row| values.get(*row).cloned().flatten()).collect()
+        }
         let column = |c: &Column| {
             let values = match &c.values {
-                Values::Float(v) => Values::Float(of(v, &rows)),
-                Values::Integer(v) => Values::Integer(of(v, &rows)),
-                Values::Text(v) => Values::Text(of(v, &rows)),
-                Values::Flag(v) => Values::Flag(of(v, &rows)),
+                Values::Float(v) => Values::Float(of(v, rows)),
+                Values::Integer(v) => Values::Integer(of(v, rows)),
+                Values::Text(v) => Values::Text(of(v, rows)),
+                Values::Flag(v) => Values::Flag(of(v, rows)),
             };
             Column { field: c.field.clone(), values }
         };

@@ -18,6 +18,9 @@
 //! | `simulation` | 11, 12, 33–35; 8 | model runs: forces against angle and time, angle against time; their inputs |
 //! | `bow_tie` | 31 | brake and motor of a lever whose motion is given |
 //! | `chattering` | – | swings of solvers against their step |
+//! | `work_precision` | – | error against work of every solver and step |
+//! | `less` | – | what less of the recordings does to metrics |
+//! | `finding` | – | that an oscillation is the method's, at a glance |
 
 mod about;
 mod answers;
@@ -28,7 +31,9 @@ mod compared;
 mod data;
 mod environment;
 mod export;
+mod finding;
 mod freemotion;
+mod less;
 mod likert;
 mod loaded;
 mod loops;
@@ -41,6 +46,7 @@ mod simulation;
 #[cfg(test)]
 mod tests;
 mod words;
+mod work_precision;
 
 pub use about::{About, Caption, FigureKind};
 pub use answers::{ANSWERS_COMPARED, AnswersPage, answers_compared, answers_pages};
@@ -54,7 +60,9 @@ pub use compared::{
 pub use data::{EnvironmentData, ModeData, Repeat, SIGNALS, average_columns};
 pub use environment::{ENVIRONMENT, Placement, environment};
 pub use export::data_table;
+pub use finding::{Felt, finding};
 pub use freemotion::{FREE_MOTION, free_motion};
+pub use less::{LESS, less};
 pub use likert::{LIKERT, LIKERT_ITEMS, LikertPage, likert, likert_items, likert_overview};
 pub use loaded::{Loaded, METRICS_COLUMNS};
 pub use loops::{LOOPS, loops};
@@ -64,6 +72,7 @@ pub use repeats::{REPEATS, repeats};
 pub use replay::{REPLAY, replay};
 pub use simulation::{MOST_SIDE_BY_SIDE, inputs, simulation};
 pub use words::{Words, mark};
+pub use work_precision::{WORK_PRECISION, work_precision, work_precision_of};
 
 /// Version of the figures' form: raised when a figure would look different from the same data.
 pub const VERSION: u32 = 7;

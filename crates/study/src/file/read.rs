@@ -186,6 +186,7 @@ impl Check<'_> {
             channels: file.channels,
             analysis,
             compare,
+            perception: self.perception(file.perception),
             figures,
         }
     }

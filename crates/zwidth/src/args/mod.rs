@@ -73,6 +73,8 @@ pub(crate) enum Command {
     },
     /// Run a model of the device: figures and tables of scenes
     Simulate(Simulate),
+    /// Speed against accuracy: every solver and step on scenes, and the cheapest that is good enough
+    Trade(Trade),
     /// Modes, participants, sessions or repeats of a study compared, one metric at a time
     Compare(Compare),
     /// How many participants a study needs to find a difference; a plan to deposit
@@ -300,6 +302,22 @@ pub(crate) struct Simulate {
     /// Instead of pushing the lever, move it from stop to stop and back: force against angle
     #[arg(long, conflicts_with = "chattering")]
     pub(crate) bow_tie: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Trade {
+    /// Scenes [default: those of every study under raw/, one a condition]
+    #[arg(value_name = "SCENE.toml")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// Instead of scene files: the scenes of this study
+    #[arg(long, value_name = "STUDY", conflicts_with = "scenes")]
+    pub(crate) study: Vec<StudyId>,
+    /// Folder to write to [default: reports/trade; for a study reports/STUDY/timing]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Do everything again, whether it changed or not
+    #[arg(long)]
+    pub(crate) fresh: bool,
 }
 
 #[derive(Debug, clap::Args)]

@@ -1,21 +1,21 @@
 //! `zwidth simulate`: model runs of scenes, as figures and tables.
 
-mod output;
-mod scene_file;
+pub(super) mod scene_file;
 mod words;
 
+use super::output::Output;
 use crate::args::Simulate;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
-use output::Output;
 use scene_file::SceneFile;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::MOST_SIDE_BY_SIDE;
 use zwidth_simulate::{
-    CHATTERING_STEPS_S, SOLVERS, Summary, bow_tie_table, chattering_table, events_table,
-    simulate as run_scene, solver, trajectory_table,
+    CHATTERING_STEPS_S, ModelScene, SOLVERS, Summary, bow_tie_table, chattering_table,
+    events_table, simulate as run_scene, solver, trajectory_table,
 };
 use zwidth_tables::Table;
 
@@ -69,7 +69,7 @@ pub(crate) fn simulate(root: &Path, command: &Simulate, screen: &Screen) -> anyh
 }
 
 /// Two scenes of one name would write to the same files.
-fn check_stems(scenes: &[PathBuf]) -> anyhow::Result<()> {
+pub(super) fn check_stems(scenes: &[PathBuf]) -> anyhow::Result<()> {
     for (i, path) in scenes.iter().enumerate() {
         if let Some(other) = scenes[..i].iter().find(|other| stem(other) == stem(path)) {
             let (a, b) = (other.display(), path.display());
@@ -79,7 +79,7 @@ fn check_stems(scenes: &[PathBuf]) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn stem(path: &Path) -> String {
+pub(super) fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
@@ -90,7 +90,7 @@ fn one(path: &Path, folder: &Path, command: &Simulate) -> anyhow::Result<Done> {
         file.scene.step_s = step_s;
     }
     let stem = stem(path);
-    let mut output = Output::new(folder, command, Some(&file.scene))?;
+    let mut output = Output::new(folder, made_from(command, Some(&file.scene))?);
     if command.bow_tie {
         let table = bow_tie_table(&file.scene).map_err(|e| file.error(&e))?;
         output.figure(&format!("{stem}.bow_tie"), zwidth_figures::bow_tie(&table)?)?;
@@ -112,6 +112,21 @@ fn one(path: &Path, folder: &Path, command: &Simulate) -> anyhow::Result<Done> {
     Ok(Done { stem, run: Some((Summary::of(&run), trajectory)), files: output.files })
 }
 
+/// Which solver made the files, and of which scene, word for word.
+fn made_from(
+    command: &Simulate,
+    scene: Option<&ModelScene>,
+) -> anyhow::Result<BTreeMap<String, String>> {
+    let mut facts = BTreeMap::from([
+        ("solver".to_owned(), command.solver.clone()),
+        ("tolerance".to_owned(), command.tolerance.to_string()),
+    ]);
+    if let Some(scene) = scene {
+        facts.insert("scene".to_owned(), scene.to_toml()?);
+    }
+    Ok(facts)
+}
+
 /// The figures of several scenes: their inputs, and the runs side by side where the page is wide
 /// enough.
 fn shared(done: &[Done], folder: &Path, command: &Simulate) -> anyhow::Result<Vec<PathBuf>> {
@@ -125,7 +140,7 @@ fn shared(done: &[Done], folder: &Path, command: &Simulate) -> anyhow::Result<Ve
     if let Some(more @ 1..) = done.len().checked_sub(MOST_SIDE_BY_SIDE) {
         name.push_str(&format!("+{more}"));
     }
-    let mut output = Output::new(folder, command, None)?;
+    let mut output = Output::new(folder, made_from(command, None)?);
     output.figure(&format!("{name}.inputs"), zwidth_figures::inputs(&tables)?)?;
     if tables.len() <= MOST_SIDE_BY_SIDE {
         output.figure(&name, zwidth_figures::simulation(&tables)?)?;

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use zwidth_simulate::{DynamicsError, ModelScene, SimulateError};
 
 /// A scene with the text it came from.
-pub(super) struct SceneFile {
+pub(in super::super) struct SceneFile {
     path: PathBuf,
     text: String,
-    pub(super) scene: ModelScene,
+    pub(in super::super) scene: ModelScene,
 }
 
 impl SceneFile {
-    pub(super) fn read(path: &Path) -> anyhow::Result<Self> {
+    pub(in super::super) fn read(path: &Path) -> anyhow::Result<Self> {
         let text = crate::text::scene(path)?;
         let scene = ModelScene::from_toml(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
         Ok(Self { path: path.to_owned(), text, scene })

@@ -1,11 +1,9 @@
-//! Where the figures and tables of a simulation go.
+//! Where the figures and tables of model runs go.
 
-use crate::args::Simulate;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_draw::{DEFAULT_DPI, Figure, draw};
 use zwidth_runner::Provenance;
-use zwidth_simulate::ModelScene;
 use zwidth_store::{RealFiles, replace};
 use zwidth_tables::{Table, csv};
 
@@ -17,22 +15,13 @@ pub(super) struct Output<'a> {
 }
 
 impl<'a> Output<'a> {
-    /// Files that say which solver made them, and of which scene, word for word.
-    pub(super) fn new(
-        folder: &'a Path,
-        command: &Simulate,
-        scene: Option<&ModelScene>,
-    ) -> anyhow::Result<Self> {
-        let mut provenance = BTreeMap::from([
-            ("software".to_owned(), concat!("zwidth ", env!("CARGO_PKG_VERSION")).to_owned()),
-            ("source".to_owned(), "model run, not measured".to_owned()),
-            ("solver".to_owned(), command.solver.clone()),
-            ("tolerance".to_owned(), command.tolerance.to_string()),
-        ]);
-        if let Some(scene) = scene {
-            provenance.insert("scene".to_owned(), scene.to_toml()?);
-        }
-        Ok(Self { folder, provenance, files: Vec::new() })
+    /// Files that say with which software and from what they were made.
+    pub(super) fn new(folder: &'a Path, made_from: BTreeMap<String, String>) -> Self {
+        let mut provenance = made_from;
+        let software = concat!("zwidth ", env!("CARGO_PKG_VERSION")).to_owned();
+        provenance.insert("software".to_owned(), software);
+        provenance.insert("source".to_owned(), "model run, not measured".to_owned());
+        Self { folder, provenance, files: Vec::new() }
     }
 
     /// Writes a figure as SVG, PDF and PNG.
@@ -49,6 +38,11 @@ impl<'a> Output<'a> {
         let parquet = table.to_parquet(&self.provenance, &self.path(name, "parquet"))?;
         self.write(name, "parquet", &parquet)?;
         self.write(name, "csv", csv(table).as_bytes())
+    }
+
+    /// Writes a text as it is.
+    pub(super) fn text(&mut self, name: &str, extension: &str, text: &str) -> anyhow::Result<()> {
+        self.write(name, extension, text.as_bytes())
     }
 
     fn write(&mut self, name: &str, extension: &str, bytes: &[u8]) -> anyhow::Result<()> {

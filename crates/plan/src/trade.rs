@@ -1,0 +1,161 @@
+//! Stage `trade`: speed against accuracy of a study's conditions as scenes, in counts alone; what
+//! less of a recording does to its metrics; and their figures.
+
+use crate::conditions::{Repeats, repeats};
+use crate::drawing::{Drawing, write_figure};
+use crate::making::{derived, read_tables, split, write_tables};
+use crate::trials::{OfTrials, files as trial_files, name, read_all};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use zwidth_figures::{FigureKind, LESS, WORK_PRECISION};
+use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_store::{Layout, Signal, StudyData, Trial};
+use zwidth_study::{Calibration, Perception, Source};
+use zwidth_tables::Table;
+use zwidth_trade::{
+    Less, ModelScene, Parameters, Trade, condition_scene, data_table, lessened, settings_table,
+    summary_table, trade,
+};
+
+const STAGE: Stage = Stage { name: "trade", version: zwidth_trade::VERSION };
+
+/// Every condition of a study that a model can be made of, as a scene. Its forces are those of a
+/// session's calibration, or else the thesis'.
+pub fn scenes(data: &StudyData) -> Vec<ModelScene> {
+    let study = &data.study;
+    let of_session = data.sessions.iter().find_map(|s| s.record.calibration.clone());
+    let calibration = of_session.unwrap_or_else(Calibration::thesis);
+    let modes = |e| study.modes.iter().map(move |mode| (e, mode));
+    let conditions = study.environments.iter().flat_map(modes);
+    conditions.filter_map(|(e, m)| condition_scene(study, e, m, &calibration)).collect()
+}
+
+/// Every setting of every scene, and what is recommended.
+fn files(layout: &Layout) -> [PathBuf; 2] {
+    ["trade.parquet", "trade_summary.parquet"].map(|name| derived(layout, name))
+}
+
+/// The derived tables, where there are scenes.
+pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
+    let scenes = if scenes(data).is_empty() { Vec::new() } else { files(&data.layout).to_vec() };
+    scenes.into_iter().chain(data_table_of(data)).collect()
+}
+
+/// What less of the recordings does, where there are any.
+fn data_table_of(data: &StudyData) -> Option<PathBuf> {
+    (!repeats(data).is_empty()).then(|| derived(&data.layout, "trade_data.parquet"))
+}
+
+/// What the trade of a study depends on: no recording.
+#[derive(Serialize)]
+struct OfStudy {
+    scenes: Vec<ModelScene>,
+    perception: Perception,
+}
+
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let of = OfStudy { scenes: scenes(data), perception: data.study.perception.clone() };
+    let outputs = files(&data.layout).to_vec();
+    let scenes = (!of.scenes.is_empty())
+        .then(|| Job::new(STAGE, "trade of the study's conditions", of, (), outputs, make));
+    scenes.into_iter().chain(data_jobs(data)).collect()
+}
+
+/// What less of a condition's recordings does, and all of them joined.
+fn data_jobs(data: &StudyData) -> Vec<Job> {
+    let conditions = repeats(data);
+    let table = |r: &Repeats| derived(&data.layout, format!("trade/{}.parquet", r.key));
+    let one = |r: &Repeats| {
+        let metrics = zwidth_metrics::Parameters::of(&data.study, r.environment, r.mode);
+        let of = OfTrials::new(
+            OfData { condition: r.key.clone(), metrics, perception: data.study.perception.clone() },
+            &r.trials,
+        );
+        let name = format!("less of {}", r.who);
+        Job::new(STAGE, name, of, trial_files(&r.trials), vec![table(r)], make_data)
+    };
+    let mut jobs: Vec<Job> = conditions.iter().map(one).collect();
+    if !conditions.is_empty() {
+        let tables: Vec<PathBuf> = conditions.iter().map(table).collect();
+        let output = vec![derived(&data.layout, "trade_data.parquet")];
+        jobs.push(Job::new(STAGE, "less of the study's recordings", (), tables, output, join_data));
+    }
+    jobs
+}
+
+/// What the change of metrics depends on besides the trials.
+#[derive(Serialize)]
+struct OfData {
+    condition: String,
+    metrics: zwidth_metrics::Parameters,
+    perception: Perception,
+}
+
+fn make_data(
+    of: &OfTrials<OfData>,
+    files: &Vec<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
+    let OfData { condition, metrics, perception } = &of.stage;
+    let rows = |trial: &Trial| {
+        let of = |trial: &Trial| zwidth_metrics::trial_metrics(trial, metrics);
+        let less = Less::ALL.map(|less| of(&lessened(trial, less)));
+        let all = std::iter::once(of(trial)).chain(less).collect::<Result<Vec<_>, _>>();
+        all.map_err(|e| format!("{}: {e}", name(&trial.meta)))
+    };
+    let (rows, more) = split(trials.par_iter().map(rows).collect());
+    problems.extend(more);
+    let table = |k: usize| {
+        zwidth_metrics::table(&rows.iter().map(|row: &Vec<_>| row[k].clone()).collect::<Vec<_>>())
+    };
+    let whole = table(0)?;
+    let less = Less::ALL.into_iter().enumerate().map(|(k, less)| Ok((less, table(k + 1)?)));
+    let less = less.collect::<Result<Vec<_>, zwidth_tables::TableError>>()?;
+    write_tables(&[data_table(condition, &whole, &less, perception)?], making, problems)
+}
+
+fn join_data((): &(), tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    let joined = zwidth_trade::join_conditions(&read_tables(tables)?)?;
+    write_tables(&[joined.ok_or("there is no trial")?], making, Vec::new())
+}
+
+fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
+    let one =
+        |scene: &ModelScene| trade(scene, &Parameters::reduced(scene, &of.perception), &|| ());
+    let trades: Vec<Trade> = of.scenes.par_iter().map(one).collect::<Result<_, _>>()?;
+    let title = "Speed against accuracy";
+    let tables =
+        [settings_table("trade", title, &trades)?, summary_table("trade_summary", title, &trades)?];
+    write_tables(&tables, making, Vec::new())
+}
+
+/// A figure a scene.
+pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
+    const KIND: FigureKind = WORK_PRECISION;
+    let [settings, summary] = files(&data.layout);
+    let one = |scene: ModelScene| {
+        let inputs = vec![settings.clone(), summary.clone()];
+        Drawing::new(data, KIND, [scene.name.replace('.', "_")], scene.name, inputs, draw)
+    };
+    let scenes = scenes(data).into_iter().map(one);
+    let less = data_table_of(data).map(|table| {
+        let sources: BTreeSet<Source> = data.counting().map(|t| t.meta.source).collect();
+        let sources: Vec<Source> = sources.into_iter().collect();
+        Drawing::new(data, LESS, [""; 0], sources, table, draw_less).of(data.counting().count())
+    });
+    scenes.chain(less).collect()
+}
+
+fn draw_less(sources: &Vec<Source>, table: &PathBuf, making: &Making) -> Result<Made, JobError> {
+    write_figure(zwidth_figures::less(&Table::from_parquet(table)?, sources)?, Vec::new(), making)
+}
+
+fn draw(scene: &String, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    let [settings, summary] = files.as_slice() else { return Err("a trade has two tables".into()) };
+    let (settings, summary) = (Table::from_parquet(settings)?, Table::from_parquet(summary)?);
+    let figure = zwidth_figures::work_precision_of(scene, &settings, &summary)?;
+    write_figure(figure, Vec::new(), making)
+}

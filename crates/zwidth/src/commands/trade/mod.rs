@@ -1,0 +1,167 @@
+//! `zwidth trade`: every solver and step on scenes, and the cheapest that is good enough.
+
+mod source;
+mod timing;
+mod words;
+
+use super::output::Output;
+use crate::args::Trade as Command;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::bail;
+use serde::Serialize;
+use source::{Source, sources};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_figures::Felt;
+use zwidth_trade::{
+    Fineness, Parameters, Setting, Trade, courses_table, models, recommended_scene, settings_table,
+    summary_table, trade as trade_scene,
+};
+
+/// What `--json` prints of a scene.
+#[derive(Serialize)]
+struct Outcome {
+    scene: String,
+    yardstick: Option<&'static str>,
+    recommended: Option<String>,
+    up_to_date: bool,
+    files: Vec<PathBuf>,
+    error: Option<String>,
+}
+
+pub(crate) fn trade(root: &Path, command: &Command, screen: &Screen) -> anyhow::Result<Exit> {
+    let sources = sources(root, command, screen)?;
+    let mut outcomes = Vec::new();
+    let bar = screen.bar(sources.iter().map(Source::settings).sum());
+    for source in &sources {
+        bar.set_message(source.stem.clone());
+        let done = bar.position() + source.settings() as u64;
+        let result = one(source, command.fresh, &|| bar.inc(1));
+        bar.set_position(done);
+        let outcome = outcome(source, result);
+        if !screen.json {
+            bar.suspend(|| tell(&outcome, screen));
+        }
+        outcomes.push(outcome);
+    }
+    bar.finish_and_clear();
+    let failed = outcomes.iter().filter(|outcome| outcome.0.error.is_some()).count();
+    if failed == outcomes.len() {
+        bail!(
+            "{}",
+            outcomes.iter().filter_map(|o| o.0.error.clone()).collect::<Vec<_>>().join("\n       ")
+        );
+    }
+    if screen.json {
+        screen.listing(&outcomes.iter().map(|outcome| &outcome.0).collect::<Vec<_>>())?;
+    }
+    Ok(if failed == 0 { Exit::Fine } else { Exit::Partly })
+}
+
+/// What came of a scene, and what is said of it.
+type Told = (Outcome, Vec<String>);
+
+/// What one scene gave: its trade if it was made anew, and its files.
+struct Done {
+    trade: Option<Trade>,
+    files: Vec<PathBuf>,
+}
+
+fn outcome(source: &Source, result: anyhow::Result<Done>) -> Told {
+    let (done, error) = match result {
+        Ok(done) => (Some(done), None),
+        Err(error) => (None, Some(format!("{}: {error:#}", source.stem))),
+    };
+    let trade = done.as_ref().and_then(|done| done.trade.as_ref());
+    let outcome = Outcome {
+        scene: source.stem.clone(),
+        yardstick: trade.map(|trade| trade.proof.as_str()),
+        recommended: trade.and_then(|t| t.choice.as_ref()).map(|choice| choice.setting.words()),
+        up_to_date: error.is_none() && trade.is_none(),
+        error,
+        files: done.as_ref().map(|done| done.files.clone()).unwrap_or_default(),
+    };
+    (outcome, trade.map(words::of).unwrap_or_default())
+}
+
+fn tell((outcome, lines): &Told, screen: &Screen) {
+    match &outcome.error {
+        Some(error) => screen.warn(format!("skipped: {error}")),
+        None if outcome.up_to_date => {
+            screen.result(format!("{}: up to date", outcome.scene));
+        }
+        None => {
+            screen.result(format!("{}:", outcome.scene));
+            lines.iter().for_each(|line| screen.result(format!("  {line}")));
+            let pictures = outcome
+                .files
+                .iter()
+                .filter(|path| path.extension().is_some_and(|e| e == "png" || e == "toml"));
+            pictures.for_each(|path| screen.result(format!("  {}", path.display())));
+        }
+    }
+}
+
+/// Makes the trade of a scene, unless nothing changed since its files were written.
+fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Result<Done> {
+    let key = source.key()?;
+    let key_file = source.folder.join(format!("{}.trade.json", source.stem));
+    let is_there = source.folder.join(format!("{}.trade.png", source.stem)).exists();
+    if !fresh && is_there && std::fs::read_to_string(&key_file).is_ok_and(|known| known == key) {
+        return Ok(Done { trade: None, files: Vec::new() });
+    }
+    let parameters = Parameters::full(&source.scene, &source.perception);
+    let mut trades = Vec::new();
+    for (number, model) in models(&source.scene).iter().enumerate() {
+        // What is recommended is so for the model that was asked for.
+        let neighbours = if number == 0 { parameters.neighbours } else { 0 };
+        let parameters = Parameters { neighbours, ..parameters.clone() };
+        trades.push(trade_scene(model, &parameters, progress)?);
+    }
+    let made_from = BTreeMap::from([("scene".to_owned(), source.scene.to_toml()?)]);
+    let mut output = Output::new(&source.folder, made_from);
+    write(source, &trades, &mut output)?;
+    let timing = timing::table(&trades[0])?;
+    output.table(&format!("{}.timing", source.stem), &timing)?;
+    output.text(&format!("{}.trade", source.stem), "json", &key)?;
+    let trade = trades.into_iter().next();
+    Ok(Done { trade, files: output.files })
+}
+
+fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Result<()> {
+    let [trade, ..] = trades else { return Ok(()) };
+    let (stem, title) = (&source.stem, format!("{}: speed against accuracy", source.title));
+    let settings = settings_table("trade", &title, trades)?;
+    output.table(&format!("{stem}.trade"), &settings)?;
+    output.table(
+        &format!("{stem}.trade.summary"),
+        &summary_table("trade_summary", &title, trades)?,
+    )?;
+    let own = settings_table("trade", &title, std::slice::from_ref(trade))?;
+    let chosen = trade.choice.as_ref().map(|choice| (choice.setting.solver, choice.evaluations));
+    let notes = words::notes(trade);
+    let figure = zwidth_figures::work_precision(&own, chosen, &notes)?;
+    output.figure(&format!("{stem}.trade"), figure)?;
+    if let Some(scene) = recommended_scene(trade)? {
+        output.text(&format!("{stem}.recommended"), "toml", &scene)?;
+    }
+    if let Some(solver) = words::chatters(trade) {
+        let courses = courses_table("courses", &trade.scene, &shown(solver, trade.scene.step_s))?;
+        let felt = Felt { solver, sentence: words::felt(trade, solver) };
+        output.table(&format!("{stem}.courses"), &courses)?;
+        output.figure(
+            &format!("{stem}.chattering"),
+            zwidth_figures::finding(&courses, &own, &felt)?,
+        )?;
+    }
+    Ok(())
+}
+
+/// The scene's own step, a tenth of it, and events found.
+fn shown(solver: &'static str, step_s: f64) -> [Setting; 3] {
+    [Fineness::StepS(step_s), Fineness::StepS(0.1 * step_s), Fineness::None].map(|fineness| {
+        let solver = if fineness == Fineness::None { "exact" } else { solver };
+        Setting { solver, fineness }
+    })
+}

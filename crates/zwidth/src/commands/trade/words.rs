@@ -1,0 +1,109 @@
+//! What a trade comes to, in sentences.
+
+use zwidth_dynamics::RunVerdict;
+use zwidth_trade::{Cell, Trade, WhyNot};
+
+/// The thesis' method, with either time of switching; the one that chatters more comes first.
+const THESIS: [&str; 2] = ["rk4_per_step", "rk4_per_stage"];
+
+/// What a person wants to know of a trade.
+pub(super) fn of(trade: &Trade) -> Vec<String> {
+    let mut lines = notes(trade);
+    lines.extend(THESIS.iter().filter_map(|solver| thesis(trade, solver)));
+    lines.extend(chatters(trade).map(|solver| felt(trade, solver)));
+    lines
+}
+
+/// How far the yardstick is proven, and what is recommended.
+pub(super) fn notes(trade: &Trade) -> Vec<String> {
+    let apart = |value: Option<f64>, unit: &str| {
+        value.map_or("unknown".to_owned(), |value| format!("{value:.1e} {unit}"))
+    };
+    let mut lines = vec![format!(
+        "Yardstick {}: {} and {} differ by {} and {}.",
+        trade.proof.as_str(),
+        trade.solvers[0],
+        trade.solvers[1],
+        apart(trade.apart_rad, "rad"),
+        apart(trade.apart_s, "s"),
+    )];
+    let Some(choice) = &trade.choice else {
+        lines.push("Nothing is recommended.".to_owned());
+        return lines;
+    };
+    let (passed, all) = choice.confirmed;
+    lines.push(format!(
+        "Recommended: {}, {} evaluations; it passes on {passed} of {all} neighbours of the scene.",
+        choice.setting.words(),
+        choice.evaluations
+    ));
+    if let Some((setting, why)) = choice.next_cheaper {
+        lines.push(format!("Next cheaper: {}; {}.", setting.words(), WhyNot::words(why)));
+    }
+    lines
+}
+
+/// The thesis' method at the scene's own step.
+fn thesis(trade: &Trade, solver: &str) -> Option<String> {
+    let own = trade.scene.step_s;
+    let is_it = |cell: &&Cell| {
+        cell.setting.solver == solver
+            && cell.setting.step_s().is_some_and(|step_s| (step_s / own - 1.0).abs() < 1e-9)
+    };
+    let cell = trade.cells.iter().find(is_it)?;
+    let Some(errors) = cell.errors else {
+        return Some(format!("{}: failed.", cell.setting.words()));
+    };
+    let vibration = errors.felt.vibration_share.map_or("none to compare".to_owned(), |share| {
+        format!("{share:.2} times what is felt at {:.0} Hz", errors.felt.frequency_hz)
+    });
+    Some(format!(
+        "{}: {}; angle off by up to {:.3}° (its top by {:.3}°), slow force {:.2} times what is felt, vibration {vibration}.",
+        cell.setting.words(),
+        cell.judgement.verdict.as_str(),
+        errors.theta_rad.largest.to_degrees(),
+        errors.peak_rad.to_degrees(),
+        errors.felt.force_share,
+    ))
+}
+
+/// The thesis' method where it chatters at the scene's own step.
+pub(super) fn chatters(trade: &Trade) -> Option<&'static str> {
+    let chatters = |solver: &&&'static str| {
+        trade.cells.iter().any(|cell| {
+            cell.setting.solver == **solver
+                && cell.judgement.verdict == RunVerdict::NumericalChattering
+        })
+    };
+    THESIS.iter().find(chatters).copied()
+}
+
+/// Whether what a solver makes can be felt, by step.
+pub(super) fn felt(trade: &Trade, solver: &str) -> String {
+    let cells = trade.cells.iter().filter(|cell| cell.setting.solver == solver);
+    let chattering: Vec<&Cell> =
+        cells.filter(|c| c.judgement.verdict == RunVerdict::NumericalChattering).collect();
+    let is_felt = |cell: &&&Cell| cell.errors.is_some_and(|errors| errors.felt.is_felt());
+    let steps = |cells: &mut dyn Iterator<Item = &&Cell>| -> Vec<f64> {
+        cells.filter_map(|cell| cell.setting.step_s()).collect()
+    };
+    let felt = steps(&mut chattering.iter().filter(is_felt));
+    let not = steps(&mut chattering.iter().filter(|cell| !is_felt(cell)));
+    let least = felt.iter().copied().fold(f64::INFINITY, f64::min);
+    let ms = |step_s: f64| format!("{} ms", (step_s * 1e6).round() / 1e3);
+    let lever_mm = trade.scene.plant.lever_m * 1e3;
+    match (felt.is_empty(), not.is_empty()) {
+        (true, _) => format!(
+            "At the end of a lever of {lever_mm} mm nobody would feel the chattering, at any step."
+        ),
+        (false, true) => {
+            format!(
+                "At the end of a lever of {lever_mm} mm a person would feel the chattering at every step."
+            )
+        }
+        (false, false) => format!(
+            "At the end of a lever of {lever_mm} mm a person would feel the chattering at steps of {} and more, and not at the shorter ones.",
+            ms(least)
+        ),
+    }
+}

@@ -1,0 +1,207 @@
+//! Every setting on a scene: verdict, errors, work, and the first gate that it does not pass.
+
+use crate::TradeError;
+use crate::errors::{Errors, errors};
+use crate::setting::{EXACT, Fineness, Setting};
+use crate::yardstick::{SAMPLE_S, Yardstick};
+use zwidth_dynamics::{
+    ExistingSwings, Grid, Judgement, ModelScene, Reference, RunVerdict, Solver, System, Trajectory,
+    WorkCounts,
+};
+
+/// More samples are not kept.
+pub(crate) const MOST_SAMPLES: usize = 5_000_000;
+
+/// What keeps a setting from being recommended: the first that holds, in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gate {
+    /// Nothing: a person could not tell the run from the right one.
+    Passed,
+    /// The verdict: it failed, is unstable, chatters, or is not known; or it does not show what the
+    /// model does.
+    Verdict,
+    /// The slow part of the force.
+    Force,
+    /// The slow part of the angle.
+    Angle,
+    /// A vibration, or no stretch that is calm enough to compare it.
+    Vibration,
+}
+
+impl Gate {
+    /// Its word in tables.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Passed => "passed",
+            Self::Verdict => "verdict",
+            Self::Force => "force",
+            Self::Angle => "angle",
+            Self::Vibration => "vibration",
+        }
+    }
+
+    /// The first gate that a run does not pass.
+    pub(crate) fn of(judgement: &Judgement, errors: Option<&Errors>) -> Self {
+        let Some(felt) = errors.map(|errors| errors.felt).filter(|_| is_sound(judgement)) else {
+            return Self::Verdict;
+        };
+        let above = |share: f64| share > 1.0 || share.is_nan();
+        if above(felt.force_share) {
+            Self::Force
+        } else if above(felt.angle_share) {
+            Self::Angle
+        } else if felt.vibration_share.is_none_or(above) {
+            Self::Vibration
+        } else {
+            Self::Passed
+        }
+    }
+}
+
+fn is_sound(judgement: &Judgement) -> bool {
+    let unsound = [
+        RunVerdict::Failed,
+        RunVerdict::UnstableStep,
+        RunVerdict::NumericalChattering,
+        RunVerdict::DependsOnRestRule,
+        RunVerdict::CannotTell,
+    ];
+    !unsound.contains(&judgement.verdict) && judgement.shows_the_reference
+}
+
+/// A setting on a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// The setting.
+    pub setting: Setting,
+    /// What the run is worth.
+    pub judgement: Judgement,
+    /// How far it is from the right answer; none for a run that failed.
+    pub errors: Option<Errors>,
+    /// Work counts of the run, sampled as the scene asks.
+    pub work: WorkCounts,
+    /// The same as one number ([`WorkCounts::in_evaluations`]).
+    pub evaluations: u64,
+    /// Sign changes of θ̇ between samples.
+    pub reversals: usize,
+    /// The first gate that it does not pass.
+    pub gate: Gate,
+}
+
+/// The settings of one solver, from the finest to the coarsest.
+pub(crate) fn cells(
+    scene: &ModelScene,
+    yardstick: &Yardstick,
+    reference: &Reference,
+    settings: &[Setting],
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<Cell>, TradeError> {
+    let mut known: Vec<(f64, ExistingSwings)> = Vec::new();
+    let mut cells = Vec::new();
+    for setting in settings {
+        cells.push(cell(scene, yardstick, reference, *setting, &mut known)?);
+        progress();
+    }
+    Ok(cells)
+}
+
+/// A setting. `known` holds the swings of the runs with finer steps, to which this one's are added.
+pub(crate) fn cell(
+    scene: &ModelScene,
+    yardstick: &Yardstick,
+    reference: &Reference,
+    setting: Setting,
+    known: &mut Vec<(f64, ExistingSwings)>,
+) -> Result<Cell, TradeError> {
+    let (solver, system) = (setting.solver(), &yardstick.system);
+    let step_s = setting.step_s().unwrap_or(scene.step_s.min(SAMPLE_S));
+    let judged_s = setting.step_s().unwrap_or(scene.step_s);
+    let run = match solver.run(system, &grid(scene, step_s)?) {
+        Ok(run) => run,
+        Err(_) => return Ok(failed(setting, reference.judge(solver.as_ref(), judged_s))),
+    };
+    let own = reference.swings(&run);
+    let finer = finer(system, reference, setting, (&own, known), solver.as_ref());
+    let judgement = reference.judge_with(solver.as_ref(), step_s, &run, [&finer[0], &finer[1]]);
+    if let Some(step_s) = setting.step_s() {
+        known.push((step_s, own));
+    }
+    let mut errors = errors(yardstick, &run)?;
+    if setting.solver == EXACT && yardstick.by == EXACT {
+        // It would be compared with itself: what is known of it is how far another solver is.
+        let apart_rad = yardstick.apart_rad.unwrap_or(f64::INFINITY);
+        (errors.theta_rad.largest, errors.theta_rad.rms) = (apart_rad, apart_rad);
+        errors.event_s = yardstick.apart_s;
+    }
+    let work = work(setting, scene, system, &run, solver.as_ref());
+    Ok(Cell {
+        setting,
+        gate: Gate::of(&judgement, Some(&errors)),
+        judgement,
+        errors: Some(errors),
+        work,
+        evaluations: work.in_evaluations(&run.layout),
+        reversals: run.reversals(),
+    })
+}
+
+fn failed(setting: Setting, judgement: Judgement) -> Cell {
+    Cell {
+        setting,
+        judgement: Judgement { verdict: RunVerdict::Failed, ..judgement },
+        errors: None,
+        work: WorkCounts::default(),
+        evaluations: 0,
+        reversals: 0,
+        gate: Gate::Verdict,
+    }
+}
+
+/// The work of a run that is sampled as the scene asks; the exact solver's depends on it.
+fn work(
+    setting: Setting,
+    scene: &ModelScene,
+    system: &System,
+    run: &Trajectory,
+    solver: &dyn Solver,
+) -> WorkCounts {
+    let again = || solver.run(system, &Grid::filling(scene.duration_s, scene.step_s)).ok();
+    match setting.fineness {
+        Fineness::StepS(_) => run.work,
+        _ => again().map_or(run.work, |run| run.work),
+    }
+}
+
+/// The swings with half and a quarter of the step: of runs that were made, or made here. An
+/// adaptive solver's step is its own, so that halving the samples' changes nothing.
+fn finer(
+    system: &System,
+    reference: &Reference,
+    setting: Setting,
+    (own, known): (&ExistingSwings, &[(f64, ExistingSwings)]),
+    solver: &dyn Solver,
+) -> [ExistingSwings; 2] {
+    let Some(step_s) = setting.step_s() else { return [own.clone(), own.clone()] };
+    [0.5, 0.25].map(|share| {
+        let wanted = share * step_s;
+        let is_it = |(step, _): &&(f64, ExistingSwings)| (step / wanted - 1.0).abs() < 1e-9;
+        if let Some((_, swings)) = known.iter().find(is_it) {
+            return swings.clone();
+        }
+        // Below the finest step of the fan nothing is run: what it would show shows with this one.
+        let finest = known.first().is_none_or(|(finest, _)| wanted < *finest);
+        let run = (!finest || known.is_empty()).then(|| {
+            grid(system.scene(), wanted).ok().and_then(|grid| solver.run(system, &grid).ok())
+        });
+        run.flatten().map_or_else(|| own.clone(), |run| reference.swings(&run))
+    })
+}
+
+/// The grid that fills a scene, if it is not too long.
+pub(crate) fn grid(scene: &ModelScene, step_s: f64) -> Result<Grid, TradeError> {
+    let duration_s = scene.duration_s;
+    if duration_s / step_s >= MOST_SAMPLES as f64 {
+        return Err(TradeError::TooLong { duration_s, step_s, most: MOST_SAMPLES });
+    }
+    Ok(Grid::filling(duration_s, step_s))
+}

@@ -1,0 +1,92 @@
+//! How far a run is from the right answer.
+
+use crate::TradeError;
+use crate::story::Story;
+use crate::yardstick::Yardstick;
+use serde::Serialize;
+use zwidth_dynamics::{FeltDifference, FeltMotion, Trajectory};
+
+/// At most so many samples of a run are compared, evenly chosen.
+const MOST_COMPARED: usize = 8_000;
+
+/// The largest and the root mean square of a difference.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Size {
+    /// The largest, either way.
+    pub largest: f64,
+    /// The root mean square.
+    pub rms: f64,
+}
+
+impl Size {
+    /// Of differences.
+    fn of(differences: impl Iterator<Item = f64>) -> Self {
+        let (mut largest, mut sum, mut n) = (0.0_f64, 0.0, 0.0);
+        for x in differences {
+            largest = largest.max(x.abs());
+            sum += x * x;
+            n += 1.0;
+        }
+        Self { largest, rms: if n > 0.0 { libm::sqrt(sum / n) } else { 0.0 } }
+    }
+}
+
+/// The errors of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// Of θ, rad.
+    pub theta_rad: Size,
+    /// Of θ̇, rad/s.
+    pub theta_dot_rad_s: Size,
+    /// Of the device's force on the lever's end, N, more than 50 ms away from its jumps.
+    pub force_n: Size,
+    /// Of ∫ F dt over the run, N s.
+    pub impulse_ns: f64,
+    /// The largest of the times at which the lever changes its way of moving or passes an edge, s;
+    /// none where something else happens.
+    pub event_s: Option<f64>,
+    /// Of the largest θ of the samples, rad.
+    pub peak_rad: f64,
+    /// What a person has of it.
+    pub felt: FeltDifference,
+}
+
+/// The errors of a run, at its samples.
+pub(crate) fn errors(yardstick: &Yardstick, run: &Trajectory) -> Result<Errors, TradeError> {
+    let stride = run.len().div_ceil(MOST_COMPARED).max(1);
+    let places: Vec<usize> = (0..run.len()).step_by(stride).collect();
+    let right = yardstick.at(places.iter().map(|i| run.t_s[*i]).collect())?;
+    let system = &yardstick.system;
+    let apart = |of: fn(&Trajectory) -> Vec<f64>| {
+        let (found, right) = (of(run), of(&right));
+        Size::of(places.iter().zip(right).map(|(i, right)| found[*i] - right))
+    };
+    let calm = places.iter().copied().enumerate();
+    let calm = calm.filter(|(_, i)| !yardstick.felt.is_disturbed(run.t_s[*i]));
+    let force = |(k, i): (usize, usize)| {
+        run.forces(system, i).device_n() - right.forces(system, k).device_n()
+    };
+    let motion = FeltMotion::of(system, run);
+    let peak = |run: &Trajectory| run.theta_rad().fold(f64::NEG_INFINITY, f64::max);
+    Ok(Errors {
+        theta_rad: apart(|run| run.theta_rad().collect()),
+        theta_dot_rad_s: apart(|run| run.theta_dot_rad_s().collect()),
+        force_n: Size::of(calm.map(force)),
+        impulse_ns: (motion.impulse_ns() - yardstick.impulse_ns).abs(),
+        event_s: yardstick.story.apart_s(&Story::of(system, run)),
+        peak_rad: (peak(run) - peak(&yardstick.run)).abs(),
+        felt: yardstick.felt.compare(&motion),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_size_of_3_and_minus_4_is_4_and_their_root_mean_square() {
+        let size = Size::of([3.0, -4.0].into_iter());
+        assert!((size.largest - 4.0).abs() < 1e-15 && (size.rms - 12.5_f64.sqrt()).abs() < 1e-15);
+        assert!(Size::of(std::iter::empty()).rms.abs() < 1e-300);
+    }
+}

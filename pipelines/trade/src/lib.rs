@@ -1,0 +1,51 @@
+//! Stage: speed against accuracy.
+//!
+//! [`trade`] runs a scene with every solver at every step or tolerance of a [`Fan`], compares each
+//! run with the [`Yardstick`] and judges it, in this order:
+//!
+//! 1. **verdict** (`zwidth_dynamics::judge`): a run that chatters, is unstable or failed is out;
+//! 2. **error**: whether a person could tell it from the right one (`zwidth_dynamics::FeltReference`);
+//! 3. **cost**: work counts.
+//!
+//! Of each solver the coarsest setting counts for which every finer one that was tried passes too,
+//! since an error does not always fall with the step. The cheapest of these is recommended if it
+//! passes on neighbours of the scene as well. Nothing is recommended where the right answer is
+//! unproven. `docs/trade.md` has the definitions and their sources.
+//!
+//! Pure: a scene in memory, tables out. It reads no clock: how long runs take is measured by those
+//! who call it.
+
+mod cells;
+mod choice;
+mod condition;
+mod course;
+mod data;
+mod degrade;
+mod error;
+mod errors;
+mod perturb;
+mod setting;
+mod story;
+mod table;
+#[cfg(test)]
+mod tests;
+mod trade;
+mod yardstick;
+
+pub use cells::{Cell, Gate};
+pub use choice::{Choice, WhyNot};
+pub use condition::condition_scene;
+pub use course::courses_table;
+pub use data::{data_table, join_conditions};
+pub use degrade::{Less, lessened};
+pub use error::TradeError;
+pub use errors::{Errors, Size};
+pub use perturb::neighbour;
+pub use setting::{Fan, Fineness, Setting};
+pub use table::{model_words, recommended_scene, settings_table, summary_table};
+pub use trade::{Parameters, Trade, models, pareto_front, trade};
+pub use yardstick::{Proof, Yardstick};
+pub use zwidth_dynamics::{DynamicsError, ModelScene};
+
+/// Version of the algorithms and of the tables' form.
+pub const VERSION: u32 = 1;

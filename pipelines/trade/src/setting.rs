@@ -1,0 +1,153 @@
+//! What is chosen for a run: a solver and its step or tolerance.
+
+use serde::Serialize;
+use zwidth_dynamics::{NAMED_SOLVERS, NamedSolver, Solver};
+
+/// The solver that needs neither step nor tolerance.
+pub(crate) const EXACT: &str = "exact";
+/// Those that are given a tolerance.
+const ADAPTIVE: [&str; 2] = ["dormand_prince", "tr_bdf2"];
+/// For solvers that are given a step, which do not look at it.
+const UNUSED_TOLERANCE: f64 = 1e-9;
+
+/// What a solver is given.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fineness {
+    /// Nothing: events and samples come as they are.
+    None,
+    /// A step, s.
+    StepS(f64),
+    /// A relative error a step.
+    Tolerance(f64),
+}
+
+/// A solver with its step or tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Setting {
+    /// The solver's name.
+    pub solver: &'static str,
+    /// What it is given.
+    pub fineness: Fineness,
+}
+
+impl Setting {
+    /// The solver, ready to run.
+    pub fn solver(&self) -> Box<dyn Solver> {
+        let tolerance = match self.fineness {
+            Fineness::Tolerance(tolerance) => tolerance,
+            _ => UNUSED_TOLERANCE,
+        };
+        (named(self.solver).make)(tolerance)
+    }
+
+    /// The number: smaller is finer. 0 for none.
+    pub fn size(&self) -> f64 {
+        match self.fineness {
+            Fineness::None => 0.0,
+            Fineness::StepS(size) | Fineness::Tolerance(size) => size,
+        }
+    }
+
+    /// Its step, s, if it has one.
+    pub fn step_s(&self) -> Option<f64> {
+        if let Fineness::StepS(step_s) = self.fineness { Some(step_s) } else { None }
+    }
+
+    /// In words, for people: `RK4, switched per step, 8.3 ms`.
+    pub fn words(&self) -> String {
+        let label = named(self.solver).label;
+        match self.fineness {
+            Fineness::None => label.to_owned(),
+            Fineness::StepS(step_s) => format!("{label}, {}", step_words(step_s)),
+            Fineness::Tolerance(tolerance) => format!("{label}, tolerance {tolerance:e}"),
+        }
+    }
+}
+
+/// A step in milliseconds, without more digits than it has.
+pub(crate) fn step_words(step_s: f64) -> String {
+    let ms = (step_s * 1e3 * 1e6).round() / 1e6;
+    format!("{ms} ms")
+}
+
+fn named(name: &str) -> NamedSolver {
+    let [exact, ..] = NAMED_SOLVERS;
+    NAMED_SOLVERS.into_iter().find(|solver| solver.name == name).unwrap_or(exact)
+}
+
+/// The steps and tolerances that are tried.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fan {
+    /// Steps, s, each twice the one before, so that the runs with half and a quarter of a step are
+    /// there to judge by.
+    pub doubled_s: Vec<f64>,
+    /// Further steps, s.
+    pub further_s: Vec<f64>,
+    /// Tolerances.
+    pub tolerances: Vec<f64>,
+}
+
+impl Fan {
+    /// 1 µs to 100 ms, and the scene's own step; tolerances from 10⁻³ to 10⁻¹¹.
+    pub fn full(scene_step_s: f64) -> Self {
+        let doubled_s: Vec<f64> = (0..17).map(|k| 1e-6 * f64::from(1_u32 << k)).collect();
+        let tolerances = (3..=11).map(|k| libm::pow(10.0, -f64::from(k))).collect();
+        Self { doubled_s, further_s: own_and(scene_step_s, 0.1), tolerances }
+    }
+
+    /// 0.128 ms to 33 ms, the scene's own step, and three tolerances: for every run of a study.
+    pub fn reduced(scene_step_s: f64) -> Self {
+        let doubled_s: Vec<f64> = (7..16).map(|k| 1e-6 * f64::from(1_u32 << k)).collect();
+        Self { doubled_s, further_s: vec![scene_step_s], tolerances: vec![1e-3, 1e-6, 1e-9] }
+    }
+
+    /// The solvers, each with its settings from the finest to the coarsest.
+    pub fn settings(&self) -> Vec<Vec<Setting>> {
+        NAMED_SOLVERS.into_iter().map(|solver| self.of(solver.name)).collect()
+    }
+
+    fn of(&self, solver: &'static str) -> Vec<Setting> {
+        if solver == EXACT {
+            return vec![Setting { solver, fineness: Fineness::None }];
+        }
+        let mut list: Vec<Fineness> = if ADAPTIVE.contains(&solver) {
+            self.tolerances.iter().map(|t| Fineness::Tolerance(*t)).collect()
+        } else {
+            self.doubled_s.iter().chain(&self.further_s).map(|h| Fineness::StepS(*h)).collect()
+        };
+        let size = |fineness: Fineness| Setting { solver, fineness }.size();
+        list.sort_by(|a, b| size(*a).total_cmp(&size(*b)));
+        list.dedup_by(|a, b| size(*a).to_bits() == size(*b).to_bits());
+        list.into_iter().map(|fineness| Setting { solver, fineness }).collect()
+    }
+}
+
+fn own_and(scene_step_s: f64, other_s: f64) -> Vec<f64> {
+    vec![scene_step_s, other_s]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_fan_goes_from_a_microsecond_to_a_hundred_milliseconds_and_has_the_scene_s_own_step() {
+        let settings = Fan::full(8.3e-3).settings();
+        assert_eq!(settings.len(), NAMED_SOLVERS.len());
+        let rk4 = settings.iter().find(|list| list[0].solver == "rk4_per_step").unwrap();
+        assert!(rk4.windows(2).all(|pair| pair[0].size() < pair[1].size()));
+        assert!(
+            (rk4[0].size() - 1e-6).abs() < 1e-18 && (rk4[rk4.len() - 1].size() - 0.1).abs() < 1e-12
+        );
+        assert!(rk4.iter().any(|setting| (setting.size() - 8.3e-3).abs() < 1e-15));
+    }
+
+    #[test]
+    fn a_setting_says_what_it_is() {
+        let of = |solver, fineness| Setting { solver, fineness }.words();
+        assert_eq!(of("rk4_per_step", Fineness::StepS(8.3e-3)), "RK4, switched per step, 8.3 ms");
+        assert_eq!(of("tr_bdf2", Fineness::Tolerance(1e-6)), "TR-BDF2, tolerance 1e-6");
+        assert_eq!(of("exact", Fineness::None), "exact");
+    }
+}

@@ -1,0 +1,86 @@
+//! What happens in a run, and when: how the lever moves, and when it passes an edge of the
+//! environment. Of runs that look for events it is theirs; of others it is read off the samples.
+
+use zwidth_dynamics::{EventKind, Motion, System, Trajectory};
+
+/// Something that a person would tell of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum What {
+    /// From then on the lever moves so.
+    Moves(Motion),
+    /// It passes the edge of this zone.
+    Passes(usize),
+}
+
+/// What happened, in order of time, s.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Story(Vec<(f64, What)>);
+
+impl Story {
+    pub(crate) fn of(system: &System, run: &Trajectory) -> Self {
+        let mut moves = if run.events.is_empty() { sampled(run) } else { events(run) };
+        moves.dedup_by_key(|(_, motion)| *motion);
+        let moves = moves.into_iter().skip(1).map(|(t, motion)| (t, What::Moves(motion)));
+        let mut all: Vec<_> = moves.chain(passes(system, run)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self(all)
+    }
+
+    /// The largest difference of the times, s, if the same happens in the same order.
+    pub(crate) fn apart_s(&self, other: &Self) -> Option<f64> {
+        let same =
+            self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(|(a, b)| a.1 == b.1);
+        let apart = self.0.iter().zip(&other.0).map(|(a, b)| (a.0 - b.0).abs());
+        same.then(|| apart.fold(0.0, f64::max))
+    }
+
+    /// How often the lever changes its way of moving.
+    pub(crate) fn motion_changes(&self) -> usize {
+        self.0.iter().filter(|(_, what)| matches!(what, What::Moves(_))).count()
+    }
+}
+
+fn events(run: &Trajectory) -> Vec<(f64, Motion)> {
+    run.events.iter().map(|event| (event.t_s, event.region.motion)).collect()
+}
+
+/// Way of moving at the samples; the change from forward to backward lies where the straight line
+/// through the velocities passes zero.
+fn sampled(run: &Trajectory) -> Vec<(f64, Motion)> {
+    let motion = |i: usize| run.regions[usize::from(run.region[i])].motion;
+    let omega: Vec<f64> = run.theta_dot_rad_s().collect();
+    let at = |i: usize| {
+        let between = i > 0 && omega[i - 1] * omega[i] < 0.0;
+        let share = if between { omega[i] / (omega[i] - omega[i - 1]) } else { 0.0 };
+        run.t_s[i] - share * (run.t_s[i] - run.t_s[i.saturating_sub(1)])
+    };
+    (0..run.len()).map(|i| (at(i), motion(i))).collect()
+}
+
+/// When each edge of the environment is passed.
+fn passes(system: &System, run: &Trajectory) -> Vec<(f64, What)> {
+    let edges = system.scene().environment.zones.iter().map(|zone| zone.from_rad).enumerate();
+    let edges: Vec<(usize, f64)> = edges.skip(1).collect();
+    if !run.events.is_empty() {
+        let is_zone = |event: &&zwidth_dynamics::Event| event.kind == EventKind::Zone;
+        let nearest = |theta: f64| {
+            let near = |edge: &f64| (theta - edge).abs();
+            edges.iter().min_by(|a, b| near(&a.1).total_cmp(&near(&b.1))).map_or(0, |edge| edge.0)
+        };
+        let what =
+            |event: &zwidth_dynamics::Event| (event.t_s, What::Passes(nearest(event.theta_rad)));
+        return run.events.iter().filter(is_zone).map(what).collect();
+    }
+    let theta: Vec<f64> = run.theta_rad().collect();
+    let mut found = Vec::new();
+    for (i, pair) in theta.windows(2).enumerate() {
+        for (number, edge) in &edges {
+            if (pair[0] < *edge) != (pair[1] < *edge) {
+                let share = (edge - pair[0]) / (pair[1] - pair[0]);
+                let t = run.t_s[i] + share * (run.t_s[i + 1] - run.t_s[i]);
+                found.push((t, What::Passes(*number)));
+            }
+        }
+    }
+    found
+}

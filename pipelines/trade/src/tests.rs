@@ -1,0 +1,112 @@
+//! What the thesis' scene comes to.
+
+use crate::*;
+use zwidth_dynamics::{DriveMode, Environment, Gravity, Input, RunVerdict, table3};
+use zwidth_study::Perception;
+
+fn sticking() -> ModelScene {
+    table3::scene(DriveMode::Hybrid, Input::sine(2.15))
+}
+
+fn made(scene: &ModelScene, fan: Fan, neighbours: usize) -> Trade {
+    let parameters = Parameters { perception: Perception::default(), fan, neighbours };
+    trade(scene, &parameters, &|| ()).unwrap()
+}
+
+fn find<'a>(trade: &'a Trade, solver: &str, size: f64) -> &'a Cell {
+    let is_it = |cell: &&Cell| {
+        cell.setting.solver == solver && (cell.setting.size() - size).abs() <= 1e-9 * size
+    };
+    trade.cells.iter().find(is_it).unwrap()
+}
+
+/// 0.128 ms to 33 ms.
+fn reduced(scene: &ModelScene) -> Trade {
+    made(scene, Fan::reduced(scene.step_s), 0)
+}
+
+#[test]
+fn the_yardstick_of_the_sticking_scene_is_proven_and_has_three_motion_changes() {
+    let yardstick = Yardstick::of(&sticking(), &Perception::default()).unwrap();
+    assert_eq!(yardstick.proof, Proof::Proven, "{:?} {:?}", yardstick.apart_rad, yardstick.apart_s);
+    assert_eq!(yardstick.story.motion_changes(), 3, "forward, stick, backward, forward");
+}
+
+#[test]
+fn a_curved_scene_is_proven_by_two_adaptive_solvers() {
+    let mut scene = sticking();
+    scene.environment = Environment::spring(4.0, 1.0, -0.785);
+    scene.mode = DriveMode::Active;
+    scene.motor.max_n = 100.0;
+    scene.duration_s = 1.0;
+    scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.05 });
+    let yardstick = Yardstick::of(&scene, &Perception::default()).unwrap();
+    assert_eq!((yardstick.by, yardstick.against), ("dormand_prince", "tr_bdf2"));
+    assert!(yardstick.apart_rad.unwrap() < 1e-7, "{:?}", yardstick.apart_rad);
+}
+
+#[test]
+fn the_thesis_setting_chatters_by_0_76_and_3_53_degrees_and_is_felt_through_its_verdict() {
+    let trade = reduced(&sticking());
+    for (solver, degrees, reversals) in [("rk4_per_stage", 0.763, 2), ("rk4_per_step", 3.529, 38)] {
+        let cell = find(&trade, solver, 8.3e-3);
+        assert_eq!(cell.judgement.verdict, RunVerdict::NumericalChattering);
+        assert_eq!((cell.gate, cell.reversals), (Gate::Verdict, reversals));
+        let peak = cell.errors.unwrap().peak_rad.to_degrees();
+        assert!((peak - degrees).abs() < 2e-3, "{solver}: {peak}");
+    }
+}
+
+#[test]
+fn rk4_is_of_order_four_where_nothing_switches_and_euler_of_order_one() {
+    // A damped spring that a motor without limits renders, pushed by a sine, from rest at its rest.
+    let mut scene = sticking();
+    scene.mode = DriveMode::Active;
+    scene.motor.max_n = 1e6;
+    scene.plant = zwidth_dynamics::Plant { mass_kg: 0.1, lever_m: 1.0, stops_rad: None };
+    scene.environment = Environment::spring(40.0, 0.5, 0.0);
+    scene.start.theta_rad = 0.02;
+    let steps: Vec<f64> = (0..4).map(|k| 0.5e-3 * f64::from(1 << k)).collect();
+    let fan = Fan { doubled_s: steps, further_s: vec![], tolerances: vec![1e-6] };
+    let trade = made(&scene, fan, 0);
+    for (solver, order) in [("rk4_per_stage", 4.0), ("symplectic_euler", 1.0)] {
+        let error = |step: f64| find(&trade, solver, step).errors.unwrap().theta_rad.largest;
+        let found = (error(4e-3) / error(2e-3)).log2();
+        assert!((found - order).abs() < 0.15, "{solver}: order {found}");
+    }
+}
+
+#[test]
+fn what_is_recommended_passes_the_gates_on_its_neighbours_and_what_is_cheaper_does_not() {
+    let scene = sticking();
+    let trade = made(&scene, Fan::reduced(scene.step_s), 5);
+    let choice = trade.choice.as_ref().unwrap();
+    assert_eq!(choice.confirmed, (5, 5));
+    let chosen = find(&trade, choice.setting.solver, choice.setting.size());
+    assert!(chosen.is_good());
+    assert!(!choice.setting.solver.starts_with("rk4"), "{choice:?}: it chatters");
+    let text = recommended_scene(&trade).unwrap().unwrap();
+    let read = ModelScene::from_toml(&text).unwrap();
+    let step_s = choice.setting.step_s().unwrap_or(scene.step_s);
+    assert_eq!(read, ModelScene { step_s, ..scene });
+}
+
+#[test]
+fn tables_have_a_row_a_setting_and_a_row_a_scene() {
+    let trade = reduced(&sticking());
+    let settings = settings_table("trade", "Trade", std::slice::from_ref(&trade)).unwrap();
+    assert_eq!(settings.height(), trade.cells.len());
+    assert!(settings.flags("on_front").unwrap().contains(&Some(true)));
+    let summary = summary_table("trade.summary", "Trade", std::slice::from_ref(&trade)).unwrap();
+    assert_eq!(summary.texts("yardstick").unwrap(), [Some("proven".to_owned())]);
+}
+
+#[test]
+fn one_thread_and_many_give_the_same_table() {
+    let scene = ModelScene { duration_s: 1.5, ..sticking() };
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| reduced(&scene))
+    };
+    assert_eq!(on(1), on(3));
+}

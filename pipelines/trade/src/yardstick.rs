@@ -1,0 +1,168 @@
+//! The right answer, and how far it is proven.
+
+use crate::TradeError;
+use crate::story::Story;
+use zwidth_dynamics::{
+    DormandPrince, Exact, FeltMotion, FeltReference, Grid, ModelScene, Solver, System, Tolerances,
+    TrBdf2, Trajectory,
+};
+use zwidth_study::Perception;
+
+/// Time between the samples that a yardstick is compared with another solver at, s.
+pub(crate) const SAMPLE_S: f64 = 0.5e-3;
+/// Two solvers agree if no angle, rad, and no event, s, is further apart.
+const AGREE_RAD: f64 = 1e-9;
+const AGREE_S: f64 = 1e-9;
+/// Where a guard is grazed times are known to the root of that.
+const GRAZING_S: f64 = 3.2e-5;
+/// Tolerance of the solver that must agree with the exact one; with curved terms, where there is no
+/// exact one, of the better of two.
+const FINE: f64 = 1e-12;
+/// Tolerance of the other one of those two.
+const OTHER: f64 = 1e-10;
+
+/// How far the right answer is proven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Proof {
+    /// Two independent solvers agree to 1e-9 rad and 1e-9 s.
+    Proven,
+    /// They agree, but for times of events to 3.2e-5 s: something is grazed.
+    Grazing,
+    /// They do not: nothing is recommended.
+    Unproven,
+}
+
+impl Proof {
+    /// Its word in tables.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Proven => "proven",
+            Self::Grazing => "proven, times to 3.2e-5 s (grazing)",
+            Self::Unproven => "unproven",
+        }
+    }
+
+    fn of(theta_rad: f64, events_s: Option<f64>) -> Self {
+        match events_s {
+            _ if theta_rad > AGREE_RAD || theta_rad.is_nan() => Self::Unproven,
+            Some(apart_s) if apart_s <= AGREE_S => Self::Proven,
+            Some(apart_s) if apart_s <= GRAZING_S => Self::Grazing,
+            _ => Self::Unproven,
+        }
+    }
+}
+
+/// The right answer of a scene.
+pub struct Yardstick {
+    /// The scene, checked.
+    pub system: System,
+    /// How far it is proven.
+    pub proof: Proof,
+    /// The largest difference of the two solvers' angles, rad; none where one of them cannot run.
+    pub apart_rad: Option<f64>,
+    /// That of their events' times, s; none where their events differ.
+    pub apart_s: Option<f64>,
+    /// By which solver.
+    pub by: &'static str,
+    /// With which it was compared.
+    pub against: &'static str,
+    solver: Box<dyn Solver>,
+    pub(crate) run: Trajectory,
+    pub(crate) story: Story,
+    pub(crate) impulse_ns: f64,
+    pub(crate) felt: FeltReference,
+}
+
+impl Yardstick {
+    /// The right answer of a scene, by the exact solver or, with curved terms, by an adaptive one.
+    ///
+    /// # Errors
+    /// A scene that makes no sense, or that neither can run.
+    pub fn of(scene: &ModelScene, perception: &Perception) -> Result<Self, TradeError> {
+        let system = System::new(scene.clone())?;
+        let exact = Exact::default();
+        let is_curved = exact.prepare(&system, &grid(scene)).is_err();
+        if is_curved {
+            let fine = DormandPrince { tolerances: Tolerances::of(FINE) };
+            let other = TrBdf2 { tolerances: Tolerances::of(OTHER) };
+            return Self::by(
+                system,
+                Box::new(fine),
+                &other,
+                "dormand_prince",
+                "tr_bdf2",
+                perception,
+            );
+        }
+        let other = DormandPrince { tolerances: Tolerances::of(FINE) };
+        Self::by(system, Box::new(exact), &other, "exact", "dormand_prince", perception)
+    }
+
+    /// The same without a second solver, for many neighbours of a scene that is proven.
+    pub(crate) fn alone(scene: &ModelScene, perception: &Perception) -> Result<Self, TradeError> {
+        let system = System::new(scene.clone())?;
+        let exact = Exact::default();
+        if exact.prepare(&system, &grid(scene)).is_ok() {
+            let run = exact.run(&system, &grid(scene))?;
+            return Ok(Self::made(system, Box::new(exact), run, ["exact", ""], perception));
+        }
+        let fine = DormandPrince { tolerances: Tolerances::of(OTHER) };
+        let run = fine.run(&system, &grid(scene))?;
+        Ok(Self::made(system, Box::new(fine), run, ["dormand_prince", ""], perception))
+    }
+
+    fn by(
+        system: System,
+        solver: Box<dyn Solver>,
+        other: &dyn Solver,
+        by: &'static str,
+        against: &'static str,
+        perception: &Perception,
+    ) -> Result<Self, TradeError> {
+        let run = solver.run(&system, &grid(system.scene()))?;
+        let mut found = Self::made(system, solver, run, [by, against], perception);
+        if let Ok(second) = other.run(&found.system, &grid(found.system.scene())) {
+            let apart = found.run.theta_rad().zip(second.theta_rad()).map(|(a, b)| (a - b).abs());
+            let apart_rad = apart.fold(0.0, f64::max);
+            found.apart_rad = Some(apart_rad);
+            found.apart_s = found.story.apart_s(&Story::of(&found.system, &second));
+            found.proof = Proof::of(apart_rad, found.apart_s);
+        }
+        Ok(found)
+    }
+
+    fn made(
+        system: System,
+        solver: Box<dyn Solver>,
+        run: Trajectory,
+        [by, against]: [&'static str; 2],
+        perception: &Perception,
+    ) -> Self {
+        let motion = FeltMotion::of(&system, &run);
+        let felt = FeltReference::new(&motion, system.scene().plant.lever_m, perception);
+        let (story, impulse_ns) = (Story::of(&system, &run), motion.impulse_ns());
+        let (proof, apart_rad, apart_s) = (Proof::Unproven, None, None);
+        Self {
+            system,
+            proof,
+            apart_rad,
+            apart_s,
+            by,
+            against,
+            solver,
+            run,
+            story,
+            impulse_ns,
+            felt,
+        }
+    }
+
+    /// The right run at these times, s.
+    pub(crate) fn at(&self, times_s: Vec<f64>) -> Result<Trajectory, TradeError> {
+        Ok(self.solver.run(&self.system, &Grid::Times(times_s))?)
+    }
+}
+
+fn grid(scene: &ModelScene) -> Grid {
+    Grid::filling(scene.duration_s, SAMPLE_S)
+}
