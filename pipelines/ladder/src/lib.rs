@@ -1,0 +1,1 @@
+//! Stage: which terms of the model a scene needs.
