@@ -127,6 +127,7 @@ fn affects(key: &str) -> Affects {
         | ["masses", ..]
         | ["analysis", ..]
         | ["compare", ..]
+        | ["perception", ..]
         | ["figures", ..] => Affects::Nothing,
         ["environments" | "modes", _, "label"]
         | ["questions", _, "group" | "reversed"]

@@ -17,6 +17,7 @@ mod law;
 mod locate;
 mod model;
 pub mod order;
+mod perception;
 mod printable;
 mod sample;
 mod scale;
@@ -43,6 +44,7 @@ pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Masses, Mode, OrderScheme,
     Question, Study,
 };
+pub use perception::{Perception, VibrationCurve};
 pub use printable::{printable, printable_lines};
 pub use sample::{Extra, Flags, MOST_CHANNELS, Sample, Voltages};
 pub use scale::AnswerScale;

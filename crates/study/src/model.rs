@@ -2,7 +2,7 @@
 
 use crate::{
     ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Figures, ModeId, ModeLaw,
-    QuestionId, Scene, Schema, StudyId,
+    Perception, QuestionId, Scene, Schema, StudyId,
 };
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +33,8 @@ pub struct Study {
     pub analysis: Analysis,
     /// What is compared.
     pub compare: Compare,
+    /// What a person can feel.
+    pub perception: Perception,
     /// What figures show.
     pub figures: Figures,
     /// Version of the trial files' form.

@@ -100,6 +100,19 @@ alignment = "onset"
 # [compare.bounds]
 # stiffness_n_per_rad = { weber = 0.08 }
 
+# What a person can feel, for the trade of speed and accuracy (docs/trade.md has the sources); these are the defaults,
+# the table may be left out. Shares of a force, a compliance, a viscosity; the smallest force and angle that are told
+# apart; by how much a vibration must exceed the right one to be another.
+# [perception]
+# force = 0.07
+# force_floor_n = 0.05
+# compliance = 0.08
+# viscosity = 0.19
+# angle_deg = 2.0
+# excess = 0.2
+# Vibration that is just felt: "fingertip", "grasped" (strict), or pairs of Hz and um: [[10.0, 10.0], [200.0, 0.1]].
+# vibration = "fingertip"
+
 # What is rendered. kind = @KINDS@ (a questionnaire alone).
 [[environments]]
 id = "spring"

@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod environment;
 mod figures;
+mod perception;
 mod read;
 mod shape;
 mod units;

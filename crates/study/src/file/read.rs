@@ -174,6 +174,7 @@ impl Check<'_> {
             channels: file.channels,
             analysis,
             compare,
+            perception: self.perception(file.perception),
             figures,
         }
     }

@@ -1,6 +1,7 @@
 //! The shape of `study.toml`: what serde reads and writes, in the units people type.
 
 use super::environment::EnvironmentTable;
+use super::perception::PerceptionTable;
 use crate::model::{Analysis, OrderScheme};
 use crate::{AnswerScale, MetricId, ModeId, ModeLaw, QuestionId, StudyId};
 use crate::{Channel, Control, Families, VelocityFilter};
@@ -24,6 +25,8 @@ pub(super) struct File {
     pub(super) analysis: AnalysisTable,
     #[serde(default, skip_serializing_if = "CompareTable::is_default")]
     pub(super) compare: CompareTable,
+    #[serde(default, skip_serializing_if = "PerceptionTable::is_default")]
+    pub(super) perception: PerceptionTable,
     /// Tables within tables, read by hand (`figures.rs`): a key's name is the beginning of a
     /// figure's id.
     #[serde(default, skip_serializing_if = "toml::Table::is_empty")]

@@ -53,6 +53,7 @@ impl From<&Study> for File {
             }),
             analysis: analysis_table(&s.analysis, s.coordinate),
             compare: super::compare::table(s),
+            perception: super::perception::table(&s.perception),
             figures: super::figures::table(&s.figures),
             environments: s
                 .environments

@@ -1,0 +1,188 @@
+//! `[perception]` of a `study.toml`: its defaults, its checks, and the way back.
+
+use super::check::Check;
+use super::units::{decimal, degrees};
+use crate::{Perception, VibrationCurve};
+use serde::{Deserialize, Serialize};
+
+/// Micrometres are typed.
+const MICRO: f64 = 1e-6;
+/// No joint tells angles further apart than this from each other, degrees.
+const WIDEST_DEG: f64 = 90.0;
+
+#[derive(Serialize, Deserialize, Default, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct PerceptionTable {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    force: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    force_floor_n: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    compliance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    viscosity: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    angle_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    excess: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vibration: Option<CurveValue>,
+}
+
+impl PerceptionTable {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// The name of a curve, or Hz and µm.
+#[derive(Serialize, Deserialize, Clone, PartialEq)]
+#[serde(
+    untagged,
+    expecting = "a curve is \"fingertip\", \"grasped\", or pairs of Hz and µm: [[10.0, 10.0], [200.0, 0.1]]"
+)]
+enum CurveValue {
+    Named(String),
+    Points(Vec<[f64; 2]>),
+}
+
+impl Check<'_> {
+    pub(super) fn perception(&mut self, table: PerceptionTable) -> Perception {
+        let usual = Perception::default();
+        let mut share = |key: &str, given: Option<f64>, usual: f64| {
+            let value = given.unwrap_or(usual);
+            if !(value > 0.0 && value < 1.0) {
+                let problem = format!("{value} must be a share between 0 and 1, such as {usual}");
+                self.error(&format!("perception.{key}"), problem);
+            }
+            value
+        };
+        let force_share = share("force", table.force, usual.force_share);
+        let compliance_share = share("compliance", table.compliance, usual.compliance_share);
+        let viscosity_share = share("viscosity", table.viscosity, usual.viscosity_share);
+        let excess_share = share("excess", table.excess, usual.excess_share);
+        let angle = |deg| self.within("perception.angle_deg", deg, WIDEST_DEG).to_radians();
+        let angle_rad = table.angle_deg.map_or(usual.angle_rad, angle);
+        let floor = |n| self.positive("perception.force_floor_n", n);
+        let force_floor_n = table.force_floor_n.map_or(usual.force_floor_n, floor);
+        let vibration = table.vibration.map_or(usual.vibration, |curve| self.curve(curve));
+        Perception {
+            force_share,
+            force_floor_n,
+            compliance_share,
+            viscosity_share,
+            angle_rad,
+            excess_share,
+            vibration,
+        }
+    }
+
+    fn curve(&mut self, curve: CurveValue) -> VibrationCurve {
+        const KEY: &str = "perception.vibration";
+        let points = match curve {
+            CurveValue::Named(name) => {
+                let found = VibrationCurve::NAMED.into_iter().find(|c| c.name() == Some(&name));
+                return found.unwrap_or_else(|| {
+                    let problem = format!("there is no curve '{name}'; there are fingertip, grasped");
+                    self.error(KEY, problem);
+                    VibrationCurve::default()
+                });
+            }
+            CurveValue::Points(points) => points,
+        };
+        if points.is_empty() {
+            self.error(KEY, "the list is empty; leave it out for the fingertip's".to_owned());
+        }
+        self.at_most_listed(KEY, points.len());
+        for (i, [frequency_hz, amplitude_um]) in points.iter().enumerate() {
+            let key = format!("{KEY}[{i}]");
+            self.positive(&key, *frequency_hz);
+            self.positive(&key, *amplitude_um);
+            let before = i.checked_sub(1).map_or(0.0, |before| points[before][0]);
+            if *frequency_hz <= before {
+                let problem = format!("{frequency_hz} Hz must lie above {before} Hz before it");
+                self.error(&key, problem);
+            }
+        }
+        VibrationCurve::Points(points.into_iter().map(|[f, a]| [f, MICRO * a]).collect())
+    }
+}
+
+/// Back to the table of the file: what is not the default.
+pub(super) fn table(perception: &Perception) -> PerceptionTable {
+    let usual = Perception::default();
+    let differs =
+        |value: f64, default: f64| (value.to_bits() != default.to_bits()).then_some(value);
+    let curve = match &perception.vibration {
+        VibrationCurve::Points(points) => {
+            CurveValue::Points(points.iter().map(|[f, a]| [*f, decimal(a / MICRO)]).collect())
+        }
+        named => CurveValue::Named(named.name().unwrap_or_default().to_owned()),
+    };
+    PerceptionTable {
+        force: differs(perception.force_share, usual.force_share),
+        force_floor_n: differs(perception.force_floor_n, usual.force_floor_n),
+        compliance: differs(perception.compliance_share, usual.compliance_share),
+        viscosity: differs(perception.viscosity_share, usual.viscosity_share),
+        angle_deg: differs(perception.angle_rad, usual.angle_rad).map(degrees),
+        excess: differs(perception.excess_share, usual.excess_share),
+        vibration: (perception.vibration != usual.vibration).then_some(curve),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Perception, Study, StudyError, StudyId, VibrationCurve, template};
+
+    /// The template's study with `[perception]` and what stands under it.
+    fn with(perception: &str) -> Result<Study, Vec<StudyError>> {
+        let text = template(&StudyId::new("demo").unwrap());
+        Study::from_toml(&format!("{text}\n[perception]\n{perception}\n"))
+    }
+
+    #[test]
+    fn a_study_without_the_section_has_the_defaults_and_writes_none() {
+        let study = Study::from_toml(&template(&StudyId::new("demo").unwrap())).unwrap();
+        assert_eq!(study.perception, Perception::default());
+        assert!(!study.to_toml().unwrap().contains("perception"));
+    }
+
+    #[test]
+    fn degrees_and_micrometres_become_si_and_survive_a_round_trip() {
+        let study = with(
+            "force = 0.1\nforce_floor_n = 0.02\nangle_deg = 2.5\nvibration = [[10.0, 8.0], [200.0, 0.07]]",
+        )
+        .unwrap();
+        let perception = &study.perception;
+        assert!((perception.angle_rad.to_degrees() - 2.5).abs() < 1e-12);
+        assert!((perception.vibration.points()[1][1] - 0.07e-6).abs() < 1e-18);
+        assert!((perception.force_share - 0.1).abs() < 1e-15);
+        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        let strict = with("vibration = \"grasped\"").unwrap();
+        assert_eq!(strict.perception.vibration, VibrationCurve::Grasped);
+        assert_eq!(Study::from_toml(&strict.to_toml().unwrap()).unwrap(), strict);
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_one_error_that_names_its_key() {
+        for (text, key, words) in [
+            ("force = 7.0", "perception.force", "a share between 0 and 1"),
+            ("excess = nan", "perception.excess", "a share"),
+            ("force_floor_n = 0.0", "perception.force_floor_n", "above 0"),
+            ("angle_deg = 400.0", "perception.angle_deg", "at most 90"),
+            ("vibration = \"toe\"", "perception.vibration", "there are fingertip, grasped"),
+            ("vibration = []", "perception.vibration", "leave it out"),
+            (
+                "vibration = [[10.0, 1.0], [5.0, 1.0]]",
+                "perception.vibration[1]",
+                "must lie above 10 Hz",
+            ),
+            ("vibration = [[10.0, -1.0]]", "perception.vibration[0]", "above 0"),
+        ] {
+            let errors = with(text).unwrap_err();
+            assert_eq!(errors.len(), 1, "{errors:?}");
+            assert_eq!(errors[0].key, key);
+            assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
+        }
+    }
+}

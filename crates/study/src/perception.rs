@@ -1,0 +1,126 @@
+//! What a person can feel: bounds on errors of models and recordings.
+
+use serde::{Serialize, Serializer};
+
+/// `[perception]` of a study, with its defaults put in. What each rests on stands in
+/// `docs/trade.md`; what could not be confirmed is called assumed there and here.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Perception {
+    /// Difference of two forces that is just noticed, as a share of the force. 7 % from 2.5 to
+    /// 10 N: Pang, Tan & Durlach 1991.
+    pub force_share: f64,
+    /// Below this a difference of two forces is not noticed, however small they are, N. Assumed.
+    pub force_floor_n: f64,
+    /// Difference of two compliances that is just noticed, as a share. 8 % where force and work
+    /// tell of it too: Tan, Pang & Durlach 1992, as Tan et al. 1993 give it.
+    pub compliance_share: f64,
+    /// Difference of two viscosities that is just noticed, as a share. 19 %, at 4 to 512 N s/m:
+    /// Jones, Hunter & Lafontaine 1997.
+    pub viscosity_share: f64,
+    /// Difference of two angles that is just noticed, rad. 2.0°, the wrist's of Tan et al. 1994 as
+    /// others give it; that the lever's angle may stand for a joint's is assumed.
+    pub angle_rad: f64,
+    /// A vibration is another one if it exceeds the right one's level by this share. Assumed.
+    pub excess_share: f64,
+    /// Amplitudes of vibration that are just felt.
+    pub vibration: VibrationCurve,
+}
+
+impl Default for Perception {
+    fn default() -> Self {
+        Self {
+            force_share: 0.07,
+            force_floor_n: 0.05,
+            compliance_share: 0.08,
+            viscosity_share: 0.19,
+            angle_rad: 2_f64.to_radians(),
+            excess_share: 0.2,
+            vibration: VibrationCurve::Fingertip,
+        }
+    }
+}
+
+/// Vibration that is just felt, over frequency.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum VibrationCurve {
+    /// A median fingertip on a small contact. Its form is U, lowest at some 200 Hz; its numbers are
+    /// assumed.
+    #[default]
+    Fingertip,
+    /// A cylinder in the hand, the strict choice: some of 19 people felt less than 0.01 µm, most
+    /// sensitive between 150 and 200 Hz (Brisben, Hsiao & Johnson 1999). That is its lowest point;
+    /// its other numbers are assumed.
+    Grasped,
+    /// The study's own: frequency, Hz, and amplitude, m, zero to peak.
+    Points(Vec<[f64; 2]>),
+}
+
+/// Hz and m. See [`VibrationCurve::Fingertip`].
+const FINGERTIP: [[f64; 2]; 7] = [
+    [1.0, 40e-6],
+    [10.0, 10e-6],
+    [40.0, 1.4e-6],
+    [100.0, 0.3e-6],
+    [200.0, 0.1e-6],
+    [400.0, 0.3e-6],
+    [1000.0, 3e-6],
+];
+/// Hz and m. See [`VibrationCurve::Grasped`].
+const GRASPED: [[f64; 2]; 7] = [
+    [1.0, 40e-6],
+    [10.0, 10e-6],
+    [20.0, 3e-6],
+    [40.0, 0.45e-6],
+    [100.0, 0.03e-6],
+    [175.0, 0.01e-6],
+    [1000.0, 1e-6],
+];
+
+impl VibrationCurve {
+    /// The curves that have a name.
+    pub const NAMED: [Self; 2] = [Self::Fingertip, Self::Grasped];
+
+    /// Its name in `study.toml`; none for a study's own points.
+    pub fn name(&self) -> Option<&'static str> {
+        match self {
+            Self::Fingertip => Some("fingertip"),
+            Self::Grasped => Some("grasped"),
+            Self::Points(_) => None,
+        }
+    }
+
+    /// Frequency, Hz, increasing, and amplitude, m, zero to peak.
+    pub fn points(&self) -> &[[f64; 2]] {
+        match self {
+            Self::Fingertip => &FINGERTIP,
+            Self::Grasped => &GRASPED,
+            Self::Points(points) => points,
+        }
+    }
+}
+
+/// By its points, whatever it is called: what depends on it depends on these.
+impl Serialize for VibrationCurve {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.points().serialize(serializer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn named_curves_grow_in_frequency_and_the_grasped_one_is_nowhere_less_strict() {
+        let lowest = |curve: &VibrationCurve| {
+            curve.points().iter().map(|point| point[1]).fold(f64::INFINITY, f64::min)
+        };
+        for curve in VibrationCurve::NAMED {
+            let points = curve.points();
+            assert!(points.windows(2).all(|pair| pair[0][0] < pair[1][0]), "{curve:?}");
+            assert!(points.iter().flatten().all(|x| *x > 0.0));
+        }
+        assert!(lowest(&VibrationCurve::Grasped) < 0.2 * lowest(&VibrationCurve::Fingertip));
+        assert!((lowest(&VibrationCurve::Grasped) - 0.01e-6).abs() < 1e-15);
+    }
+}
