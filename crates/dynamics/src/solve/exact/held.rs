@@ -64,6 +64,11 @@ impl HeldScene {
         })
     }
 
+    /// Entries of the augmented state.
+    pub fn entries(&self) -> usize {
+        self.motor.layout.n
+    }
+
     /// What the scene's environment and mode ask for at an angle (rad) and a velocity (rad/s):
     /// clamped as the actuators are. `compressing` says which of the mode's actuators is in charge.
     pub fn asked(&self, theta_rad: f64, theta_dot_rad_s: f64, compressing: bool) -> HeldCommand {
