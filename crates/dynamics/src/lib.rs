@@ -60,6 +60,7 @@ pub use system::transition::EventKind;
 pub use system::{RestRule, System};
 pub use trajectory::{Event, Forces, Trajectory, WorkCounts};
 pub use verdict::{
-    Controller, Felt, Judgement, Model, Motions, Reference, RunVerdict, SampledLoop, Swings,
-    VibrationThreshold, felt, judge,
+    Controller, ExistingSwings, Felt, FeltDifference, FeltMotion, FeltReference, Judgement, Model,
+    Motions, Reference, RunVerdict, SampledLoop, Swings, VibrationThreshold, felt, force_bound_n,
+    judge,
 };

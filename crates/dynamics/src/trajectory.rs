@@ -27,6 +27,13 @@ pub struct Forces {
     pub stop_n: f64,
 }
 
+impl Forces {
+    /// What the device does to the lever's end: all but the user's share, N.
+    pub fn device_n(&self) -> f64 {
+        self.motor_n + self.brake_n + self.friction_n + self.terms_n + self.stop_n
+    }
+}
+
 /// Something that happened between samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Event {
@@ -51,6 +58,15 @@ pub struct WorkCounts {
     pub evaluations: u64,
     /// Matrix exponentials or factorisations.
     pub factorisations: u64,
+}
+
+impl WorkCounts {
+    /// One number to compare costs by, in evaluations: a factorisation or an exponential of an n × n
+    /// matrix is worth some n products of it with a state. It does not depend on the machine, and
+    /// is no time.
+    pub fn in_evaluations(&self, layout: &Layout) -> u64 {
+        self.evaluations + self.factorisations * layout.n as u64
+    }
 }
 
 /// A run. States are augmented (see [`Layout`]), one row of `layout.n` numbers a sample.

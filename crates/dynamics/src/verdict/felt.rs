@@ -1,5 +1,7 @@
 //! Whether a person can feel a swing. It stands beside a verdict and never changes it.
 
+use zwidth_study::VibrationCurve;
+
 use super::swings::Swings;
 
 /// Whether a swing can be felt.
@@ -22,6 +24,11 @@ pub struct VibrationThreshold {
 }
 
 impl VibrationThreshold {
+    /// The threshold of a study.
+    pub fn of(curve: &VibrationCurve) -> Self {
+        Self { points: curve.points().iter().map(|[f, a]| (*f, *a)).collect() }
+    }
+
     /// Amplitude that is just felt at a frequency, m; the nearest point's beyond the ends. Infinite
     /// without points: nothing is known to be felt.
     pub fn at_m(&self, frequency_hz: f64) -> f64 {

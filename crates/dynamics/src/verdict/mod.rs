@@ -22,9 +22,11 @@
 //!
 //! Whether a person feels it stands beside, in [`felt`].
 
+mod bands;
 mod felt;
 mod model;
 mod path;
+mod perceived;
 mod reference;
 mod run_verdict;
 mod sampled;
@@ -35,6 +37,7 @@ mod tests;
 
 pub use felt::{Felt, VibrationThreshold, felt};
 pub use model::Model;
+pub use perceived::{FeltDifference, FeltMotion, FeltReference, force_bound_n};
 pub use reference::Reference;
 pub use run_verdict::RunVerdict;
 pub use sampled::{Controller, SampledLoop};
@@ -85,6 +88,10 @@ pub struct Judgement {
     pub error: Option<DynamicsError>,
 }
 
+/// The swings of a run that exist, for [`Reference::judge_with`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ExistingSwings(Vec<Swing>);
+
 /// Runs a model with a step and judges the run. For several runs of a model make its [`Reference`]
 /// once.
 pub fn judge(solver: &dyn Solver, model: &dyn Model, step_s: f64) -> Judgement {
@@ -109,18 +116,45 @@ impl Reference<'_> {
         }
     }
 
+    /// The existing swings of a run of the model.
+    pub fn swings(&self, run: &Trajectory) -> ExistingSwings {
+        ExistingSwings(existing(run, self.bound_rad()))
+    }
+
+    /// Judges a run that was made with a step, by the swings of runs with half of it and a quarter
+    /// that were made too; empty ones stand for none.
+    pub fn judge_with(
+        &self,
+        solver: &dyn Solver,
+        step_s: f64,
+        run: &Trajectory,
+        finer: [&ExistingSwings; 2],
+    ) -> Judgement {
+        self.judge_swings(solver, step_s, run, finer.map(|swings| swings.0.clone()))
+    }
+
     fn bound_rad(&self) -> f64 {
         self.known.as_ref().map_or(0.0, |known| known.bound_rad)
     }
 
     fn judge_run(&self, solver: &dyn Solver, step_s: f64, run: &Trajectory) -> Judgement {
-        let h = self.model.method_step_s(step_s);
-        let growth = stability::worst(solver, self.model.plant(), run, h);
-        let finer = |share: f64| {
+        let finer = [0.5, 0.25].map(|share| {
             let run = self.model.run(solver, share * step_s);
             run.map_or_else(|_| Vec::new(), |run| existing(&run, self.bound_rad()))
-        };
-        let swings = [existing(run, self.bound_rad()), finer(0.5), finer(0.25)];
+        });
+        self.judge_swings(solver, step_s, run, finer)
+    }
+
+    fn judge_swings(
+        &self,
+        solver: &dyn Solver,
+        step_s: f64,
+        run: &Trajectory,
+        [half, quarter]: [Vec<Swing>; 2],
+    ) -> Judgement {
+        let h = self.model.method_step_s(step_s);
+        let growth = stability::worst(solver, self.model.plant(), run, h);
+        let swings = [existing(run, self.bound_rad()), half, quarter];
         let theirs = self.known.as_ref().map_or(0, |known| known.swings.len());
         Judgement {
             verdict: self.verdict(run, &swings, growth),

@@ -36,6 +36,11 @@ impl Path {
         a + s * (u + s * ((3.0 * rise - 2.0 * u - v) + s * (u + v - 2.0 * rise)))
     }
 
+    /// θ at increasing times within the run.
+    pub(super) fn along(&self, times_s: impl Iterator<Item = f64>) -> Vec<f64> {
+        times_s.map(|t| self.at(t)).collect()
+    }
+
     pub(super) fn largest_rad(&self) -> f64 {
         self.theta_rad.iter().map(|theta| theta.abs()).fold(0.0, f64::max)
     }

@@ -83,7 +83,8 @@ impl Check<'_> {
             CurveValue::Named(name) => {
                 let found = VibrationCurve::NAMED.into_iter().find(|c| c.name() == Some(&name));
                 return found.unwrap_or_else(|| {
-                    let problem = format!("there is no curve '{name}'; there are fingertip, grasped");
+                    let problem =
+                        format!("there is no curve '{name}'; there are fingertip, grasped");
                     self.error(KEY, problem);
                     VibrationCurve::default()
                 });
