@@ -3,7 +3,8 @@
 
 use crate::conditions::{Repeats, Session, sessions};
 use crate::making::{derived, read_tables, write_tables};
-use crate::replay::{STAGE, is_replayable, rendering};
+use crate::replay::STAGE;
+use crate::replayable::{is_replayable, rendering};
 use crate::trials::{OfTrials, files, read_all};
 use crate::{identify, replay};
 use serde::Serialize;

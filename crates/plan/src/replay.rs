@@ -1,8 +1,10 @@
 //! Stage `replay`: every trial that counts through the model, a table a condition of a session;
 //! then one of the whole study, and how far peaks and times agree.
 
-use crate::conditions::{Repeats, calibration, repeats};
+use crate::conditions::{Repeats, repeats};
+use crate::ladder::{self, Auto};
 use crate::making::{derived, read_tables, split, write_tables};
+use crate::replayable::rendering;
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -10,7 +12,8 @@ use std::path::PathBuf;
 use zwidth_replay::{Parameters, Rendering, TrialReplay};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
-use zwidth_study::{Analysis, Environment, Mode, Scene, TrialMeta};
+use zwidth_study::{Analysis, Scene};
+use zwidth_tables::Table;
 
 pub(crate) const STAGE: Stage = Stage { name: "replay", version: zwidth_replay::VERSION };
 
@@ -31,33 +34,15 @@ fn rendered(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
     repeats(data).into_iter().filter(|r| r.environment.scene != Scene::None)
 }
 
-/// Whether a trial has a spring, and everything that a run of the model driven by force needs.
-pub(crate) fn is_replayable(data: &StudyData, trial: &TrialEntry) -> bool {
-    let environment = data.study.environment(&trial.meta.environment);
-    let spring = environment.is_some_and(|e| e.scene.spring().is_some());
-    let recorded = [Signal::Theta, Signal::ForceEx].iter().all(|s| trial.signals.contains(s));
-    data.study.device.lever_m.is_some()
-        && spring
-        && recorded
-        && calibration(data, &trial.meta).is_some()
-}
-
-/// How a trial's condition was rendered in its session.
-pub(crate) fn rendering(
-    data: &StudyData,
-    meta: &TrialMeta,
-    environment: &Environment,
-    mode: &Mode,
-) -> Rendering {
-    Rendering::of(&data.study, environment, mode, calibration(data, meta).cloned())
-}
-
 /// What the replays of a condition depend on besides its trials.
 #[derive(Serialize)]
 struct Modelled {
     rendering: Option<Rendering>,
     analysis: Analysis,
     plant: Parameters,
+    /// The ladder's model, where the study asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    auto: Option<Auto>,
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
@@ -66,14 +51,14 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let of =
             |trial: &&TrialEntry| rendering(data, &trial.meta, repeats.environment, repeats.mode);
         let rendering = repeats.trials.first().map(of);
+        let model = ladder::of_replay(data, repeats);
+        let auto = model.as_ref().map(|_| Auto::of(&data.study));
+        let plant = Parameters::BY_EYE;
         Job::new(
             STAGE,
             format!("replay {}", repeats.who),
-            OfTrials::new(
-                Modelled { rendering, analysis, plant: Parameters::BY_EYE },
-                &repeats.trials,
-            ),
-            files(&repeats.trials),
+            OfTrials::new(Modelled { rendering, analysis, plant, auto }, &repeats.trials),
+            (files(&repeats.trials), model),
             vec![of_condition(&data.layout, repeats)],
             make_condition,
         )
@@ -89,14 +74,18 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 fn make_condition(
     of: &OfTrials<Modelled>,
-    files: &Vec<PathBuf>,
+    (files, model): &(Vec<PathBuf>, Option<PathBuf>),
     making: &Making,
 ) -> Result<Made, JobError> {
     let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
-    let Modelled { rendering, analysis, plant } = &of.stage;
+    let Modelled { rendering, analysis, plant, auto } = &of.stage;
+    let model = model.as_ref().map(|file| Table::from_parquet(file)).transpose()?;
     let rendering = rendering.as_ref().ok_or("there is no trial")?;
     let rows = |trial: &Trial| -> Result<Vec<TrialReplay>, String> {
-        let rows = zwidth_replay::replay(trial, rendering, analysis, plant);
+        let rows = match (auto, &model) {
+            (Some(auto), Some(model)) => auto.replay(trial, rendering, analysis, model),
+            _ => zwidth_replay::replay(trial, rendering, analysis, plant).map_err(JobError::from),
+        };
         rows.map_err(|e| format!("{}: {e}", name(&trial.meta)))
     };
     let (rows, more) = split(trials.par_iter().map(rows).collect());

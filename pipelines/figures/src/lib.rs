@@ -18,6 +18,7 @@
 //! | `simulation` | 11, 12, 33–35; 8 | model runs: forces against angle and time, angle against time; their inputs |
 //! | `bow_tie` | 31 | brake and motor of a lever whose motion is given |
 //! | `chattering` | – | swings of solvers against their step |
+//! | `ladder` | – | models of a scene: cost against error, and what each term does |
 
 mod about;
 mod answers;
@@ -29,6 +30,7 @@ mod data;
 mod environment;
 mod export;
 mod freemotion;
+mod ladder;
 mod likert;
 mod loaded;
 mod loops;
@@ -55,6 +57,7 @@ pub use data::{EnvironmentData, ModeData, Repeat, SIGNALS, average_columns};
 pub use environment::{ENVIRONMENT, Placement, environment};
 pub use export::data_table;
 pub use freemotion::{FREE_MOTION, free_motion};
+pub use ladder::{LADDER, ladder};
 pub use likert::{LIKERT, LIKERT_ITEMS, LikertPage, likert, likert_items, likert_overview};
 pub use loaded::{Loaded, METRICS_COLUMNS};
 pub use loops::{LOOPS, loops};

@@ -48,8 +48,8 @@ pub struct Quantity {
 pub struct Rung {
     /// The terms.
     pub set: TermSet,
-    /// Multiplications of a run, mean over the points.
-    pub multiplications: f64,
+    /// Evaluations of a run ([`Cost::in_evaluations`]), mean over the points.
+    pub evaluations: f64,
     /// Steps, products with a flow, exponentials and decisions of a run, mean over the points.
     pub counts: [f64; 4],
     /// Largest difference of each quantity over its bound, over the points; infinite where the model
@@ -99,7 +99,7 @@ impl Ladder {
     pub fn choice(&self) -> Option<&Rung> {
         let enough = self.rungs.iter().filter(|rung| rung.is_enough());
         enough.min_by(|a, b| {
-            let cost = a.multiplications.total_cmp(&b.multiplications);
+            let cost = a.evaluations.total_cmp(&b.evaluations);
             cost.then(a.set.len().cmp(&b.set.len()))
         })
     }
@@ -175,7 +175,7 @@ fn rung(set: TermSet, at: usize, found: &[AtPoint]) -> Rung {
     let worst = |q: usize| found.iter().map(|point| point.off[at][q]).fold(0.0, f64::max);
     Rung {
         set,
-        multiplications: mean(Cost::multiplications),
+        evaluations: mean(Cost::in_evaluations),
         counts: [
             mean(|c| c.work.steps),
             mean(|c| c.work.evaluations),

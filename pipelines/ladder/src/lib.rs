@@ -11,22 +11,30 @@
 //! threads.
 
 mod error;
+mod held_out;
 mod ladder;
 mod model;
 mod quantities;
 mod ranges;
+mod reason;
 mod run;
 mod sensors;
+mod table;
 mod terms;
 
 pub use error::LadderError;
+pub use held_out::{HeldOut, Knobs, Plant, Recorded, fit, held_out, plant, predict, rmse_rad};
 pub use ladder::{
     DEFAULT_POINTS, Ladder, MOST_PERIODS, MOST_POINTS, Quantity, Rung, Settings, ladder,
 };
 pub use model::Loop;
 pub use quantities::{Measured, own};
 pub use ranges::{Point, Range, ranges};
+pub use reason::{reason, told};
 pub use run::{Cost, Course};
+pub use table::{
+    chosen, effects, fitted, held_out_table, interactions, join_held_out, models, next_smaller,
+};
 pub use terms::{LadderTerm, TermSet};
 
 /// Version of the algorithms here: a change of any number they give raises it.

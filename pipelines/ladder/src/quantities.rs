@@ -2,6 +2,7 @@
 
 use crate::run::Course;
 use std::ops::Range;
+use zwidth_dynamics::force_bound_n;
 use zwidth_study::Perception;
 
 /// A number of a course: the study's own metrics, or [`own`].
@@ -80,10 +81,6 @@ pub(crate) fn off_number(
 /// A difference over its bound; no difference is none whatever the bound.
 fn over(difference: f64, bound: f64) -> f64 {
     if difference == 0.0 { 0.0 } else { difference / bound }
-}
-
-fn force_bound_n(force_n: f64, bounds: &Perception) -> f64 {
-    (bounds.force_share * force_n.abs()).max(bounds.force_floor_n)
 }
 
 /// The fullest model's course, made ready to be compared with.

@@ -12,8 +12,11 @@ use zwidth_dynamics::{
 
 /// Width of the chords of a weight, rad: 10°, which miss it by 0.4 % of its largest force.
 const CHORD_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// Ticks in a period where the controller is as good as continuous.
-pub(crate) const FINE: usize = 8;
+/// Ticks of about this length, s, make a controller as good as continuous: no hand tells a command
+/// that is held so long from one that follows.
+const FINE_S: f64 = 0.0005;
+/// At least and at most so many of them are in a period.
+const FINE: (f64, f64) = (2.0, 8.0);
 
 /// Motion and force of a run against time: all as long as `t_s`.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -44,13 +47,11 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Multiplications, about, which is what models are compared by: n² a product with a flow, 30 n³
-    /// an exponential with its ladder, 20 a decision.
-    pub fn multiplications(&self) -> u64 {
-        let n = self.entries;
-        self.work.evaluations * n * n
-            + self.work.factorisations * 30 * n * n * n
-            + 20 * self.decisions
+    /// One number to compare models by: evaluations, as [`WorkCounts::in_evaluations`] counts them
+    /// (an exponential of n entries is worth n products), and one a decision. It does not depend
+    /// on the machine, and is no time.
+    pub fn in_evaluations(&self) -> u64 {
+        self.work.evaluations + self.work.factorisations * self.entries + self.decisions
     }
 }
 
@@ -110,7 +111,7 @@ fn continuous(model: &Model, frame: &Frame) -> Result<(Course, Cost), DynamicsEr
 
 /// A controller asks at ticks.
 fn ticked(model: &Model, looped: &Loop, frame: &Frame) -> Result<(Course, Cost), DynamicsError> {
-    let fine = if model.set.has(LadderTerm::Sampling) { 1 } else { FINE };
+    let fine = if model.set.has(LadderTerm::Sampling) { 1 } else { fine(looped.period_s) };
     let tick_s = looped.period_s / fine as f64;
     // Half a fine tick is what the hold delays by itself.
     let own_s = if fine == 1 { 0.0 } else { 0.5 * tick_s };
@@ -140,6 +141,11 @@ fn ticked(model: &Model, looped: &Loop, frame: &Frame) -> Result<(Course, Cost),
     }
     let (decisions, entries) = (ticks as u64 + 1, scene.entries() as u64);
     Ok((course, Cost { work: run.work(), decisions, entries }))
+}
+
+/// Ticks in a period without sampling.
+fn fine(period_s: f64) -> usize {
+    (period_s / FINE_S).round().clamp(FINE.0, FINE.1) as usize
 }
 
 /// Holds the last command whose time has come.
@@ -189,7 +195,7 @@ impl Control {
         let truth = Seen {
             theta_rad: run.theta_rad(),
             theta_dot_rad_s: run.theta_dot_rad_s(),
-            force_n: run.forces().external_n,
+            force_n: run.force_ex_n(),
         };
         let seen = match &mut self.sensors {
             Some(sensors) => sensors.see(run.t_s(), truth),

@@ -97,7 +97,7 @@ impl TermSet {
 
     /// The set without a term.
     #[must_use]
-    pub fn without(self, term: LadderTerm) -> Self {
+    pub const fn without(self, term: LadderTerm) -> Self {
         Self(self.0 & !(1 << (term as u8)))
     }
 

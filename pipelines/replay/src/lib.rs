@@ -44,7 +44,7 @@ pub use compare::Comparison;
 pub use courses::{courses, typical};
 pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};
-pub use replay::{Outcome, TrialReplay, replay};
+pub use replay::{Outcome, TrialReplay, replay, replay_with};
 pub use scene::{Parameters, Rendering};
 pub use table::{join_conditions, table};
 

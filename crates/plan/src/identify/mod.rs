@@ -3,7 +3,7 @@
 //! meet, because they do not know each other.
 
 use crate::making::{derived, split, write_tables};
-use crate::replay::{is_replayable, rendering};
+use crate::replayable::{is_replayable, rendering};
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;

@@ -124,6 +124,11 @@ impl HeldRun<'_> {
         self.now().state()[OMEGA]
     }
 
+    /// F_ex, N.
+    pub fn force_ex_n(&self) -> f64 {
+        self.now().state()[self.system().layout.force]
+    }
+
     /// The forces by part.
     pub fn forces(&self) -> Forces {
         let stepped = self.now();
