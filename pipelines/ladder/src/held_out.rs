@@ -191,3 +191,52 @@ pub fn plant(set: TermSet, knobs: Knobs) -> Plant {
             .unwrap_or_default(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_device::Velocity;
+    use zwidth_dynamics::{DriveMode, Input, table3};
+    use zwidth_study::VelocityFilter;
+
+    const FRICTION: TermSet = TermSet::NONE.with(LadderTerm::Friction);
+
+    fn looped() -> Loop {
+        let velocity = Velocity::new(VelocityFilter::Difference).unwrap();
+        Loop { period_s: 0.0083, velocity }
+    }
+
+    /// What a lever of known numbers does under pushes of different sizes.
+    fn trials(knobs: Knobs) -> Vec<Recorded> {
+        let one = |magnitude: f64| {
+            let mut scene = table3::scene(DriveMode::Active, Input::sine(magnitude));
+            scene.plant.mass_kg = 0.0973;
+            scene.plant.lever_m = 0.045;
+            let course = predict(&scene, FRICTION, &looped(), knobs).unwrap();
+            Recorded { scene, t_s: course.t_s, theta_rad: course.theta_rad }
+        };
+        [0.8, 1.0, 1.2, 1.4].map(one).to_vec()
+    }
+
+    #[test]
+    fn a_fit_finds_the_friction_that_made_the_recordings_and_predicts_the_others() {
+        let truth = Knobs { dry: 2.0, ..Knobs::USUAL };
+        let found = held_out(&trials(truth), FRICTION, &looped()).unwrap();
+        assert!((found.knobs.dry - 2.0).abs() < 0.15, "{:?}", found.knobs);
+        assert!(found.held_out_rad < 2e-3, "{}", found.held_out_rad);
+    }
+
+    #[test]
+    fn a_model_that_lacks_the_term_predicts_worse_than_one_that_has_it() {
+        let trials = trials(Knobs { dry: 2.0, ..Knobs::USUAL });
+        let [with, without] =
+            [FRICTION, TermSet::NONE].map(|set| held_out(&trials, set, &looped()).unwrap());
+        assert!(without.held_out_rad > 5.0 * with.held_out_rad);
+        assert_eq!(without.knobs.dry, 1.0);
+    }
+
+    #[test]
+    fn one_trial_leaves_nothing_to_predict() {
+        assert_eq!(held_out(&trials(Knobs::USUAL)[..1], FRICTION, &looped()), None);
+    }
+}

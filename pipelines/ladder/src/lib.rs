@@ -21,6 +21,8 @@ mod run;
 mod sensors;
 mod table;
 mod terms;
+#[cfg(test)]
+mod tests;
 
 pub use error::LadderError;
 pub use held_out::{HeldOut, Knobs, Plant, Recorded, fit, held_out, plant, predict, rmse_rad};

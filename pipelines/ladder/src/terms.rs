@@ -91,7 +91,7 @@ impl TermSet {
 
     /// The set with a term.
     #[must_use]
-    pub fn with(self, term: LadderTerm) -> Self {
+    pub const fn with(self, term: LadderTerm) -> Self {
         Self(self.0 | 1 << (term as u8))
     }
 

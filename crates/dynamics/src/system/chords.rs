@@ -9,6 +9,7 @@ use super::{System, THETA};
 use crate::error::{DynamicsError, positive};
 use crate::scene::ModelScene;
 use crate::scene::environment::Zone;
+use crate::scene::terms::Term;
 
 impl System {
     /// The system with the curved parts of its terms replaced by chords, each at most `width_rad`
@@ -44,7 +45,7 @@ impl System {
     /// The line through the curved force at two angles.
     fn line(&self, low_rad: f64, high_rad: f64) -> Row {
         let force_n = |theta_rad: f64| {
-            let curve = |term: &dyn crate::Term| term.curve(&self.scene.plant, theta_rad, 0.0);
+            let curve = |term: &dyn Term| term.curve(&self.scene.plant, theta_rad, 0.0);
             self.scene.terms.iter().filter_map(curve).map(|c| c.force_n).sum::<f64>()
         };
         let (a, b) = (force_n(low_rad), force_n(high_rad));

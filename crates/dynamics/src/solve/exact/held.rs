@@ -242,3 +242,96 @@ impl<const N: usize, const G: usize> Stepped for Run<'_, N, G> {
         [self.pieces, self.compiled]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::input::Input;
+    use crate::scene::table3;
+    use crate::{Brake, Friction, Gravity, Grid, Solver};
+
+    fn scene(mode: DriveMode) -> ModelScene {
+        let mut scene = table3::scene(mode, Input::constant(1.0));
+        scene.environment = Environment::spring(4.0, 0.0, -0.785);
+        scene.plant.stops_rad = None;
+        scene
+    }
+
+    fn command(by_motor: bool, force_n: f64) -> HeldCommand {
+        HeldCommand { by_motor, force_n }
+    }
+
+    /// 1 N of the user and 0.4 N of the motor against it: θ = θ₀ + ½ (0.6/0.005) t².
+    #[test]
+    fn a_held_force_accelerates_a_free_lever_as_a_parabola() {
+        let held = HeldScene::new(&scene(DriveMode::Active), 0.1).unwrap();
+        let mut run = held.start(0.01).unwrap();
+        run.hold(command(true, 0.4)).unwrap();
+        run.advance(0.05).unwrap();
+        let expect = held.law.scene.start.theta_rad + 0.5 * (0.6 / 0.005) * 0.05 * 0.05;
+        assert!((run.theta_rad() - expect).abs() < 1e-13, "{}", run.theta_rad() - expect);
+        assert!((run.theta_dot_rad_s() - 120.0 * 0.05).abs() < 1e-12);
+        assert!((run.forces().motor_n + 0.4).abs() < 1e-15 && run.forces().external_n == 1.0);
+    }
+
+    #[test]
+    fn a_brake_that_is_held_above_the_push_stops_the_lever_and_below_it_slips() {
+        let held = HeldScene::new(&scene(DriveMode::Passive), 0.1).unwrap();
+        let mut run = held.start(0.01).unwrap();
+        run.advance(0.02).unwrap();
+        run.hold(command(false, 5.0)).unwrap();
+        run.advance(0.2).unwrap();
+        assert_eq!(run.theta_dot_rad_s(), 0.0);
+        assert!((run.forces().brake_n + 1.0).abs() < 1e-12);
+        let rest_rad = run.theta_rad();
+        run.hold(command(false, 0.5)).unwrap();
+        run.advance(0.25).unwrap();
+        assert!((run.theta_rad() - rest_rad - 0.5 * 100.0 * 0.05 * 0.05).abs() < 1e-12);
+    }
+
+    /// From the motor to the brake and back, with a lag: the motor's force decays by itself.
+    #[test]
+    fn a_lagging_motor_goes_on_while_the_brake_is_in_charge() {
+        let mut scene = scene(DriveMode::Hybrid);
+        scene.motor.lag_s = Some(0.02);
+        let held = HeldScene::new(&scene, 0.1).unwrap();
+        let mut run = held.start(0.01).unwrap();
+        run.hold(command(true, 2.0)).unwrap();
+        run.advance(0.01).unwrap();
+        let reached = -2.0 * (1.0 - (-0.5_f64).exp());
+        assert!((run.forces().motor_n - reached).abs() < 1e-12);
+        run.hold(command(false, 0.0)).unwrap();
+        run.advance(0.03).unwrap();
+        assert!((run.forces().motor_n - reached * (-1.0_f64).exp()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn commands_that_follow_the_law_often_enough_come_to_the_law_itself() {
+        let mut scene = scene(DriveMode::Active);
+        scene.friction = Some(Friction { static_n: 0.1, kinetic_n: 0.1, viscous_ns_per_rad: 0.2 });
+        scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.04 });
+        let chord_rad = 5_f64.to_radians();
+        let system = System::by_chords(scene.clone(), chord_rad).unwrap();
+        let truth = Exact::default().run(&system, &Grid::filling(1.0, 0.01)).unwrap();
+        let end_rad = truth.state(truth.len() - 1)[THETA];
+        let held = HeldScene::new(&scene, chord_rad).unwrap();
+        let off = |tick_s: f64| {
+            let mut run = held.start(tick_s).unwrap();
+            for k in 0..(1.0 / tick_s).round() as u32 {
+                run.hold(held.asked(run.theta_rad(), run.theta_dot_rad_s(), true)).unwrap();
+                run.advance(f64::from(k + 1) * tick_s).unwrap();
+            }
+            (run.theta_rad() - end_rad).abs()
+        };
+        let (coarse, fine) = (off(1e-3), off(1e-4));
+        assert!(fine < 0.2 * coarse + 1e-9 && coarse < 0.02, "{coarse} {fine}");
+    }
+
+    #[test]
+    fn the_thesis_brake_has_no_level_that_could_be_held() {
+        let mut scene = scene(DriveMode::Hybrid);
+        scene.brake = Brake { law: BrakeLaw::Thesis, ..scene.brake };
+        let error = HeldScene::new(&scene, 0.1).unwrap_err().to_string();
+        assert!(error.contains("brake.law"), "{error}");
+    }
+}

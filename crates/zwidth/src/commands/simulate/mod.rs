@@ -1,6 +1,6 @@
 //! `zwidth simulate`: model runs of scenes, as figures and tables.
 
-mod output;
+pub(super) mod output;
 mod scene_file;
 mod words;
 

@@ -1,4 +1,4 @@
-//! Where the figures and tables of a simulation go.
+//! Where the figures and tables of model runs go.
 
 use crate::args::Simulate;
 use std::collections::BTreeMap;
@@ -10,10 +10,10 @@ use zwidth_store::{RealFiles, replace};
 use zwidth_tables::{Table, csv};
 
 /// A folder, what made the files, and the files written so far.
-pub(super) struct Output<'a> {
+pub(in crate::commands) struct Output<'a> {
     folder: &'a Path,
     provenance: Provenance,
-    pub(super) files: Vec<PathBuf>,
+    pub(in crate::commands) files: Vec<PathBuf>,
 }
 
 impl<'a> Output<'a> {
@@ -32,11 +32,16 @@ impl<'a> Output<'a> {
         if let Some(scene) = scene {
             provenance.insert("scene".to_owned(), scene.to_toml()?);
         }
-        Ok(Self { folder, provenance, files: Vec::new() })
+        Ok(Self::made_of(folder, provenance))
+    }
+
+    /// Files that say what else they were made of.
+    pub(in crate::commands) fn made_of(folder: &'a Path, provenance: Provenance) -> Self {
+        Self { folder, provenance, files: Vec::new() }
     }
 
     /// Writes a figure as SVG, PDF and PNG.
-    pub(super) fn figure(&mut self, name: &str, figure: Figure) -> anyhow::Result<()> {
+    pub(in crate::commands) fn figure(&mut self, name: &str, figure: Figure) -> anyhow::Result<()> {
         let provenance = Some(serde_json::to_string(&self.provenance)?);
         let drawing = draw(&Figure { provenance, ..figure })?;
         self.write(name, "svg", drawing.svg()?.as_bytes())?;
@@ -45,7 +50,7 @@ impl<'a> Output<'a> {
     }
 
     /// Writes a table as Parquet and CSV, in SI units and radians.
-    pub(super) fn table(&mut self, name: &str, table: &Table) -> anyhow::Result<()> {
+    pub(in crate::commands) fn table(&mut self, name: &str, table: &Table) -> anyhow::Result<()> {
         let parquet = table.to_parquet(&self.provenance, &self.path(name, "parquet"))?;
         self.write(name, "parquet", &parquet)?;
         self.write(name, "csv", csv(table).as_bytes())

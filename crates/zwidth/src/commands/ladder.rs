@@ -1,17 +1,17 @@
 //! `zwidth ladder`: which terms of the model a scene, or a study's condition, needs.
 
-mod output;
-
+use super::simulate::output::Output;
 use super::study;
 use crate::args::Ladder as Asked;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
-use output::Output;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_device::Velocity;
 use zwidth_ladder::{Ladder, Loop, Settings, TermSet, ladder as climb, own, reason, told};
+use zwidth_runner::Provenance;
 use zwidth_simulate::ModelScene;
 use zwidth_store::StudyData;
 use zwidth_study::{Control, Perception, StudyId};
@@ -144,7 +144,7 @@ fn written(
     asked: &Asked,
     (name, ladder, synthetic): &Climbed,
 ) -> anyhow::Result<Outcome> {
-    let mut output = Output::new(folder, ladder, asked, *synthetic);
+    let mut output = Output::made_of(folder, origin(ladder, asked, *synthetic));
     let models = zwidth_ladder::models(ladder)?;
     let effects = zwidth_ladder::effects(ladder)?;
     output.figure(name, zwidth_figures::ladder(&models, &effects, *synthetic)?)?;
@@ -177,4 +177,23 @@ fn tell(outcome: &Outcome, screen: &Screen) {
     lines.for_each(|line| screen.result(format!("  {line}")));
     let pictures = outcome.files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
     pictures.for_each(|path| screen.result(format!("  {}", path.display())));
+}
+
+/// What the files of a ladder say of their making.
+fn origin(ladder: &Ladder, asked: &Asked, synthetic: bool) -> Provenance {
+    let source = match synthetic {
+        true => "SYNTHETIC: model runs under a simulated force, not measured",
+        false => "model runs, not measured",
+    };
+    let mut provenance = BTreeMap::from([
+        ("software".to_owned(), concat!("zwidth ", env!("CARGO_PKG_VERSION")).to_owned()),
+        ("source".to_owned(), source.to_owned()),
+        ("scene".to_owned(), ladder.scene.clone()),
+        ("points".to_owned(), ladder.points.to_string()),
+        ("version".to_owned(), zwidth_ladder::VERSION.to_string()),
+    ]);
+    if let Some(rate_hz) = asked.rate {
+        provenance.insert("rate_hz".to_owned(), rate_hz.to_string());
+    }
+    provenance
 }
