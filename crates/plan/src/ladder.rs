@@ -309,7 +309,7 @@ impl Auto {
         held_out: &Table,
     ) -> Result<Vec<zwidth_replay::TrialReplay>, JobError> {
         let Some((set, knobs)) = zwidth_ladder::fitted(held_out)? else {
-            return Err("fewer than two trials could be fitted, so there is no model".into());
+            return Err("no trial could be fitted, so there is no model: say [replay] model = \"by_eye\" in study.toml".into());
         };
         let looped = looped(&self.control)?;
         let twin = zwidth_ladder::plant(set, knobs);

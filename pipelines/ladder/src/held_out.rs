@@ -139,12 +139,12 @@ pub struct HeldOut {
     pub held_out_rad: f64,
 }
 
-/// Fits a model to every second trial, from the first on, and judges it on the others; `None` for
-/// fewer than two trials.
+/// Fits a model to every second trial, from the first on, and judges it on the others, where
+/// the error of none is infinite; `None` without trials.
 pub fn held_out(trials: &[Recorded], set: TermSet, looped: &Loop) -> Option<HeldOut> {
     let part = |rest: usize| trials.iter().skip(rest).step_by(2).collect::<Vec<_>>();
     let (own, others) = (part(0), part(1));
-    if others.is_empty() {
+    if own.is_empty() {
         return None;
     }
     let knobs = fit(&own, set, looped);
@@ -236,7 +236,9 @@ mod tests {
     }
 
     #[test]
-    fn one_trial_leaves_nothing_to_predict() {
-        assert_eq!(held_out(&trials(Knobs::USUAL)[..1], FRICTION, &looped()), None);
+    fn one_trial_leaves_nothing_to_predict_and_none_nothing_to_fit() {
+        let found = held_out(&trials(Knobs::USUAL)[..1], FRICTION, &looped()).unwrap();
+        assert!(found.held_out_rad.is_infinite() && found.fitted_rad < 1e-9);
+        assert_eq!(held_out(&[], FRICTION, &looped()), None);
     }
 }

@@ -172,7 +172,8 @@ fn rung(set: TermSet, at: usize, found: &[AtPoint]) -> Rung {
         ran.iter().map(|cost| of(cost) as f64).sum::<f64>() / ran.len().max(1) as f64
     };
     let quantities = found.first().map_or(0, |point| point.off[at].len());
-    let worst = |q: usize| found.iter().map(|point| point.off[at][q]).fold(0.0, f64::max);
+    let at_points = |q: usize| found.iter().filter_map(move |point| point.off[at].get(q).copied());
+    let worst = |q: usize| at_points(q).fold(0.0, f64::max);
     Rung {
         set,
         evaluations: mean(Cost::in_evaluations),
@@ -239,10 +240,11 @@ fn off(
     numbers: &[Measured],
     bounds: &Perception,
 ) -> Vec<f64> {
-    let of = |(found, full): (&Measured, &Measured)| {
-        off_number(found.value, full.value, &full.unit, course.lever_m, bounds).unwrap_or(0.0)
+    let of = |(i, full): (usize, &Measured)| {
+        let value = found.get(i).and_then(|found| found.value);
+        off_number(value, full.value, &full.unit, course.lever_m, bounds).unwrap_or(0.0)
     };
-    let numbers = found.iter().zip(numbers).map(of);
+    let numbers = numbers.iter().enumerate().map(of);
     off_course(course, full, bounds).into_iter().chain(numbers).collect()
 }
 
@@ -255,7 +257,8 @@ fn quantities(runs: &[Option<Ran>], numbers: &[Measured], offered: TermSet) -> V
     let number = |(i, measured): (usize, &Measured)| {
         let is_judged =
             off_number(None, None, &measured.unit, 1.0, &Perception::default()).is_some();
-        let values = runs.iter().map(|ran| ran.as_ref()?.1[i].value).collect::<Option<Vec<f64>>>();
+        let values =
+            runs.iter().map(|ran| ran.as_ref()?.1.get(i)?.value).collect::<Option<Vec<f64>>>();
         let mut variance = SwitchVariance::none(offered.len());
         if let Some(values) = values {
             variance.add(&values);
