@@ -110,7 +110,8 @@ fn slow(t_s: &[f64], force_n: &[f64]) -> Vec<f64> {
     windows(t_s).into_iter().map(mean).collect()
 }
 
-/// Whether a signal changes by more than its share within the window of each sample.
+/// Whether a signal changes by more than its share within the window of each sample, or of one within
+/// its window: a jump that comes late is averaged over one window more.
 fn jumps(t_s: &[f64], slow_n: &[f64]) -> Vec<bool> {
     let largest = slow_n.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
     let jumps = |window: Range<usize>| {
@@ -119,7 +120,9 @@ fn jumps(t_s: &[f64], slow_n: &[f64]) -> Vec<bool> {
             .fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
         high - low > JUMP * largest
     };
-    windows(t_s).into_iter().map(jumps).collect()
+    let windows = windows(t_s);
+    let jump: Vec<bool> = windows.iter().cloned().map(jumps).collect();
+    windows.into_iter().map(|window| jump[window].contains(&true)).collect()
 }
 
 /// The samples within 50 ms of each.

@@ -271,7 +271,8 @@ mod tests {
         let expect = held.law.scene.start.theta_rad + 0.5 * (0.6 / 0.005) * 0.05 * 0.05;
         assert!((run.theta_rad() - expect).abs() < 1e-13, "{}", run.theta_rad() - expect);
         assert!((run.theta_dot_rad_s() - 120.0 * 0.05).abs() < 1e-12);
-        assert!((run.forces().motor_n + 0.4).abs() < 1e-15 && run.forces().external_n == 1.0);
+        let forces = run.forces();
+        assert!((forces.motor_n + 0.4).abs() < 1e-15 && (forces.external_n - 1.0).abs() < 1e-15);
     }
 
     #[test]
