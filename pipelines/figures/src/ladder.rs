@@ -103,8 +103,43 @@ fn shares(effects: &Table) -> Result<Panel, TableError> {
         Layer::Points(Points { x, y, colour, diameter_pt: 5.0, name, ..Points::default() })
     };
     let layers = SIGNALS.iter().enumerate().map(signal).collect();
-    let x = Axis::new("total effect *S*ₜ", "").ranged(Range::Fixed(0.0, 1.0));
+    let x = Axis::new("total effect", "").ranged(Range::Fixed(0.0, 1.0));
     let y = Axis::categories(names.iter().map(|name| name.replace('_', " ")));
     let panel = Panel::new(Cell::at(0, 1), x, y, layers).titled("**b**  terms");
     Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_draw::draw;
+    use zwidth_tables::Column;
+
+    fn models() -> Table {
+        let columns = vec![
+            Column::float("evaluations", "1", "work", [500.0, 900.0, 3000.0].map(Some)),
+            Column::float("furthest_off", "1", "error", [None, Some(0.4), Some(0.0)]),
+            Column::flag("is_enough", "enough", [false, true, true].map(Some)),
+            Column::flag("is_chosen", "chosen", [false, true, false].map(Some)),
+        ];
+        Table::new("ladder.models", "sine: models", columns).unwrap()
+    }
+
+    fn effects() -> Table {
+        let columns = vec![
+            Column::text("quantity", "what", ["theta_rad", "theta_rad", "feedback_n"].map(Some)),
+            Column::text("term", "term", ["friction", "motor_lag", "friction"].map(Some)),
+            Column::float("total_effect", "1", "share", [Some(0.9), Some(0.1), None]),
+        ];
+        Table::new("ladder.effects", "sine: effects", columns).unwrap()
+    }
+
+    #[test]
+    fn it_is_drawn_with_every_letter_and_says_what_it_was_made_of() {
+        let figure = ladder(&models(), &effects(), false).unwrap();
+        assert!(figure.mark.as_deref().is_some_and(|mark| mark.starts_with("SIMULATION")));
+        draw(&figure).unwrap();
+        let synthetic = ladder(&models(), &effects(), true).unwrap();
+        assert!(synthetic.mark.is_some_and(|mark| mark.starts_with("SYNTHETIC")));
+    }
 }
