@@ -17,7 +17,7 @@ fn kept(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
             "{name} is kept because it makes a run cheaper: without it {more:.0} evaluations instead of {less:.0}"
         );
     }
-    format!("{name} is kept: without it {}", off(ladder, without))
+    format!("{name} is kept: a model without it {}", off(ladder, without))
 }
 
 fn left_out(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {

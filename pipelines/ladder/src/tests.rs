@@ -163,7 +163,7 @@ fn the_tables_say_the_choice_and_read_it_back() {
     let effects = effects(&found).unwrap();
     let reasons = effects.texts("reason").unwrap();
     let of = |i: usize| reasons[i].clone().unwrap();
-    assert!(of(0).starts_with("friction is kept: without it"), "{}", of(0));
+    assert!(of(0).starts_with("friction is kept: a model without it"), "{}", of(0));
     assert!(of(1).starts_with("motor lag is left out"), "{}", of(1));
 }
 
