@@ -69,5 +69,8 @@ pub use timing::{Histogram, Timing};
 pub use trial::{
     BatchSink, LiveRun, Sink, TrialEnd, TrialPlan, TrialRun, run_live, run_trial, watch,
 };
-pub use twin::{SweepPoint, Twin, TwinParameter, TwinParameters, brake_sweep, motor_sweep};
+pub use twin::{
+    COUNTS_PER_TURN, SHAFT_PER_LEVER, SweepPoint, Twin, TwinParameter, TwinParameters, brake_sweep,
+    motor_sweep,
+};
 pub use velocity::{Difference, Differentiator, Velocity};

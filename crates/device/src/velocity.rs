@@ -39,7 +39,7 @@ impl Velocity {
 
     /// The velocity at a new angle, rad/s; 0 at the first. An angle that is not newer than the last
     /// changes nothing.
-    pub(crate) fn step(&mut self, t_s: f64, theta_rad: f64) -> f64 {
+    pub fn step(&mut self, t_s: f64, theta_rad: f64) -> f64 {
         match self {
             Self::Differentiator(filter) => filter.step(t_s, theta_rad),
             Self::Difference(filter) => filter.step(t_s, theta_rad),

@@ -74,7 +74,7 @@ impl System {
             (forces.motor, lever),
             (brake, lever),
             (friction, lever),
-            (self.affine_terms(), lever),
+            (self.affine_terms().plus(forces.chords), lever),
             (finger.times(-damping), finger),
         ]
     }

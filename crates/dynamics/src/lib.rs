@@ -44,6 +44,7 @@ pub use scene::terms::{Affine, Curve, Parameter, Term, Terms};
 pub use scene::{ModelScene, table3, terms};
 pub use solve::adaptive::Tolerances;
 pub use solve::dormand_prince::DormandPrince;
+pub use solve::exact::held::{HeldCommand, HeldRun, HeldScene};
 pub use solve::exact::{Exact, Prepared};
 pub use solve::moreau_jean::MoreauJean;
 pub use solve::named::{NAMED_SOLVERS, NamedSolver};

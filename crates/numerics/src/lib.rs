@@ -16,6 +16,7 @@ pub mod phases;
 pub mod roots;
 pub mod series;
 pub mod smoothness;
+pub mod sobol;
 pub mod spectrum;
 pub mod tableau;
 pub mod updates;

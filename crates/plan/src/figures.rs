@@ -4,8 +4,8 @@ use crate::conditions::{Repeats, Session, sessions};
 use crate::drawing::{Drawing, STAGE, write_figure};
 use crate::trials::{Known, describe_trials, files, read_all};
 use crate::{
-    average, characterise, compare, design, freemotion, likert_figures, metrics, replay_figures,
-    trade,
+    average, characterise, compare, design, freemotion, ladder, likert_figures, metrics,
+    replay_figures, trade,
 };
 use serde::Serialize;
 use std::path::PathBuf;
@@ -42,6 +42,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
         Drawing::new(data, FREE_MOTION, [""; 0], About::of(&data.study), table, free_motion)
     }));
     drawings.extend(replay_figures::all(data));
+    drawings.extend(ladder::figures(data));
     drawings.extend(likert_figures::all(data));
     drawings.extend(compare::figures(data));
     drawings.extend(trade::figures(data));

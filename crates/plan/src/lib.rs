@@ -17,6 +17,7 @@ mod drawing;
 mod figures;
 mod freemotion;
 mod identify;
+mod ladder;
 mod likert;
 mod likert_figures;
 mod making;
@@ -33,6 +34,7 @@ mod trials;
 
 pub use compare::{By, answers, compared, comparison, spreads};
 pub use figures::chosen_in_vain;
+pub use ladder::ladders;
 pub use preregistered::{analysis, plan_file};
 pub use report::built_in;
 pub use summary::file as summary_file;
@@ -50,6 +52,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     jobs.extend(metrics::jobs(data));
     jobs.extend(average::jobs(data));
     jobs.extend(freemotion::jobs(data));
+    jobs.extend(ladder::jobs(data));
     jobs.extend(replay::jobs(data));
     jobs.extend(identify::jobs(data));
     jobs.extend(courses::jobs(data));
@@ -65,11 +68,12 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub const STAGES: [&str; 13] = [
+pub const STAGES: [&str; 14] = [
     "characterise",
     "metrics",
     "average",
     "freemotion",
+    "ladder",
     "replay",
     "identify",
     "likert",

@@ -4,9 +4,10 @@
 
 use crate::conditions::{Repeats, repeats};
 use crate::identify;
+use crate::ladder::{self, Auto};
 use crate::making::{derived, read_tables, split, write_tables};
 use crate::replayable::rendering;
-use crate::trials::{OfTrials, files, name, read_all};
+use crate::trials::{Known, OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -26,6 +27,11 @@ pub(crate) fn of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
 /// Those of the fitted model, `replay/P01.S01.spring.hybrid.fitted.parquet`.
 fn fitted_of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
     derived(layout, format!("replay/{}.fitted.parquet", repeats.key))
+}
+
+/// Those of the model that the ladder chose, `replay/P01.S01.spring.hybrid.auto.parquet`.
+fn auto_of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
+    derived(layout, format!("replay/{}.auto.parquet", repeats.key))
 }
 
 /// The replays, and their agreement, if anything was rendered.
@@ -48,6 +54,13 @@ struct Modelled {
     plant: Parameters,
 }
 
+/// What those depend on that are by the model which the ladder chose.
+#[derive(Serialize)]
+struct Chosen {
+    modelled: Modelled,
+    auto: Auto,
+}
+
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let analysis = data.study.analysis;
     let modelled = |repeats: &Repeats| {
@@ -68,18 +81,32 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let name = format!("replay {} fitted", repeats.who);
         Some(Job::new(STAGE, name, modelled(repeats), inputs, vec![output], make_fitted))
     };
-    let conditions: Vec<Repeats> = rendered(data).collect();
-    let both = |repeats: &Repeats| {
-        let fitted = plant.as_ref().map(|_| fitted_of_condition(&data.layout, repeats));
-        [of_condition(&data.layout, repeats)].into_iter().chain(fitted).collect::<Vec<_>>()
+    let auto = |repeats: &Repeats| {
+        let output = auto_of_condition(&data.layout, repeats);
+        let inputs = (files(&repeats.trials), ladder::of_replay(data, repeats)?);
+        let name = format!("replay {} auto", repeats.who);
+        let OfTrials { trials, stage: modelled } = modelled(repeats);
+        let of = OfTrials { trials, stage: Chosen { modelled, auto: Auto::of(&data.study) } };
+        Some(Job::new(STAGE, name, of, inputs, vec![output], make_auto))
     };
-    let tables: Vec<PathBuf> = conditions.iter().flat_map(both).collect();
+    let conditions: Vec<Repeats> = rendered(data).collect();
+    let all = |repeats: &Repeats| {
+        let fitted = plant.as_ref().map(|_| fitted_of_condition(&data.layout, repeats));
+        let auto =
+            ladder::of_replay(data, repeats).map(|_| auto_of_condition(&data.layout, repeats));
+        [of_condition(&data.layout, repeats)]
+            .into_iter()
+            .chain(fitted)
+            .chain(auto)
+            .collect::<Vec<_>>()
+    };
+    let tables: Vec<PathBuf> = conditions.iter().flat_map(all).collect();
     let outputs = of_study(data);
     let level = analysis.confidence;
     let whole = || Job::new(STAGE, "replay of the study", level, tables, outputs, make_study);
     let whole = (!conditions.is_empty()).then(whole);
     let each = conditions.iter().map(by_eye).chain(conditions.iter().filter_map(fitted));
-    each.chain(whole).collect()
+    each.chain(conditions.iter().filter_map(auto)).chain(whole).collect()
 }
 
 fn make_by_eye(
@@ -87,7 +114,10 @@ fn make_by_eye(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (rows, problems) = replays(of, files, Which::ByEye, &of.stage.plant)?;
+    let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
+        Ok(zwidth_replay::replay(trial, rendering, analysis, (Which::ByEye, &of.stage.plant))?)
+    };
+    let (rows, problems) = replays((&of.stage, &of.trials), files, &model)?;
     write_tables(&[zwidth_replay::table(&rows)?], making, problems)
 }
 
@@ -97,25 +127,47 @@ fn make_fitted(
     (files, plant): &(Vec<PathBuf>, PathBuf),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let rows = match identify::fitted(&Table::from_parquet(plant)?)? {
-        Some(plant) => replays(of, files, Which::Fitted, &plant)?.0,
+    let plant = identify::fitted(&Table::from_parquet(plant)?)?;
+    let rows = match plant {
+        Some(plant) => {
+            let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
+                Ok(zwidth_replay::replay(trial, rendering, analysis, (Which::Fitted, &plant))?)
+            };
+            replays((&of.stage, &of.trials), files, &model)?.0
+        }
         None => Vec::new(),
     };
     write_tables(&[zwidth_replay::table(&rows)?], making, Vec::new())
 }
 
+/// By the model that the ladder chose. Trials that cannot be replayed the job by eye tells.
+fn make_auto(
+    of: &OfTrials<Chosen>,
+    (files, chosen): &(Vec<PathBuf>, PathBuf),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let chosen = Table::from_parquet(chosen)?;
+    let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
+        of.stage.auto.replay(trial, rendering, analysis, &chosen)
+    };
+    let (rows, _) = replays((&of.stage.modelled, &of.trials), files, &model)?;
+    write_tables(&[zwidth_replay::table(&rows)?], making, Vec::new())
+}
+
+/// A model of a trial.
+type Model<'a> =
+    &'a (dyn Fn(&Trial, &Rendering, &Analysis) -> Result<Vec<TrialReplay>, JobError> + Sync);
+
 /// The trials of a condition through a model, and what is wrong with those that are left out.
 fn replays(
-    of: &OfTrials<Modelled>,
+    (modelled, known): (&Modelled, &[Known]),
     files: &[PathBuf],
-    which: Which,
-    plant: &Parameters,
+    model: Model,
 ) -> Result<(Vec<TrialReplay>, Vec<String>), JobError> {
-    let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
-    let Modelled { rendering, analysis, .. } = &of.stage;
-    let rendering = rendering.as_ref().ok_or("there is no trial")?;
+    let (trials, mut problems) = read_all(files, known, Signal::all());
+    let rendering = modelled.rendering.as_ref().ok_or("there is no trial")?;
     let rows = |trial: &Trial| -> Result<Vec<TrialReplay>, String> {
-        let rows = zwidth_replay::replay(trial, rendering, analysis, (which, plant));
+        let rows = model(trial, rendering, &modelled.analysis);
         rows.map_err(|e| format!("{}: {e}", name(&trial.meta)))
     };
     let (rows, more) = split(trials.par_iter().map(rows).collect());

@@ -1,6 +1,8 @@
 //! Stage `tables`: every derived table that people read, in every format.
 
-use crate::{characterise, compare, freemotion, identify, likert, metrics, replay, report, trade};
+use crate::{
+    characterise, compare, freemotion, identify, ladder, likert, metrics, replay, report, trade,
+};
 use std::path::PathBuf;
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
@@ -19,6 +21,7 @@ pub fn printed(data: &StudyData) -> Vec<PathBuf> {
     }
     tables.extend(freemotion::planes(data));
     tables.extend(freemotion::plants(data));
+    tables.extend(ladder::of_study(data));
     tables.extend(replay::of_study(data));
     tables.extend(identify::tables(data));
     tables.extend(likert::tally(data));

@@ -33,6 +33,7 @@ pub mod recording;
 mod reference;
 pub mod rm_anova;
 mod rounded;
+pub mod sensitivity;
 mod separation;
 pub mod sharp_null;
 pub mod sign_flip;

@@ -129,6 +129,7 @@ fn affects(key: &str) -> Affects {
         | ["analysis", ..]
         | ["compare", ..]
         | ["perception", ..]
+        | ["replay", ..]
         | ["figures", ..] => Affects::Nothing,
         ["environments" | "modes", _, "label"]
         | ["questions", _, "group" | "reversed"]

@@ -19,6 +19,7 @@ mod model;
 pub mod order;
 mod perception;
 mod printable;
+mod replay;
 mod sample;
 mod scale;
 mod scene;
@@ -46,6 +47,7 @@ pub use model::{
 };
 pub use perception::{Perception, VibrationCurve};
 pub use printable::{printable, printable_lines};
+pub use replay::ReplayModel;
 pub use sample::{Extra, Flags, MOST_CHANNELS, Sample, Voltages};
 pub use scale::AnswerScale;
 pub use scene::{ForceLaw, Scene, SceneKind, Spring};

@@ -2,7 +2,7 @@
 
 use crate::{
     ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Figures, ModeId, ModeLaw,
-    Perception, QuestionId, Scene, Schema, StudyId,
+    Perception, QuestionId, ReplayModel, Scene, Schema, StudyId,
 };
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +37,8 @@ pub struct Study {
     pub compare: Compare,
     /// What a person can feel.
     pub perception: Perception,
+    /// Which model recorded trials are replayed with.
+    pub replay: ReplayModel,
     /// What figures show.
     pub figures: Figures,
     /// Version of the trial files' form.

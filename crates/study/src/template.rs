@@ -106,6 +106,11 @@ alignment = "onset"
 # [compare.bounds]
 # stiffness_n_per_rad = { weber = 0.08 }
 
+# Which model recorded trials are replayed with: "by_eye", the thesis' mass and damping, or "auto", the cheapest that
+# nobody could tell from the fullest, which takes minutes a condition (docs/ladder.md).
+# [replay]
+# model = "by_eye"
+
 # What a person can feel, for the trade of speed and accuracy (docs/trade.md has the sources); these are the defaults,
 # the table may be left out. Shares of a force, a compliance, a viscosity; the smallest force and angle that are told
 # apart; by how much a vibration must exceed the right one to be another.

@@ -21,6 +21,7 @@
 //! | `work_precision` | – | error against work of every solver and step |
 //! | `less` | – | what less of the recordings does to metrics |
 //! | `finding` | – | that an oscillation is the method's, at a glance |
+//! | `ladder` | – | models of a scene: cost against error, and what each term does |
 
 mod about;
 mod answers;
@@ -33,6 +34,7 @@ mod environment;
 mod export;
 mod finding;
 mod freemotion;
+mod ladder;
 mod less;
 mod likert;
 mod loaded;
@@ -62,6 +64,7 @@ pub use environment::{ENVIRONMENT, Placement, environment};
 pub use export::data_table;
 pub use finding::{Felt, finding};
 pub use freemotion::{FREE_MOTION, free_motion};
+pub use ladder::{LADDER, ladder};
 pub use less::{LESS, less};
 pub use likert::{LIKERT, LIKERT_ITEMS, LikertPage, likert, likert_items, likert_overview};
 pub use loaded::{Loaded, METRICS_COLUMNS};

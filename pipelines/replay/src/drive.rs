@@ -69,6 +69,11 @@ impl Drive {
         Ok(Self { began_s, recorded, scene, held })
     }
 
+    /// The model's scene, with the thesis' plant.
+    pub fn scene(&self) -> &ModelScene {
+        &self.scene
+    }
+
     /// What was recorded; the force between its sensor's updates.
     pub fn recorded(&self) -> &Course {
         &self.recorded

@@ -45,7 +45,7 @@ pub use compare::{Comparison, VelocityError};
 pub use courses::{courses, typical};
 pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};
-pub use replay::{Outcome, TrialReplay, replay};
+pub use replay::{Outcome, TrialReplay, replay, replay_with};
 pub use scene::{Parameters, Rendering};
 pub use table::{join_conditions, table};
 pub use which::Which;

@@ -71,6 +71,22 @@ pub fn replay(
     analysis: &Analysis,
     (which, parameters): (Which, &Parameters),
 ) -> Result<Vec<TrialReplay>, ReplayError> {
+    let own = |drive: &Drive| drive.run(Causality::ForceDriven, parameters);
+    replay_with(trial, rendering, analysis, (which, parameters), &own)
+}
+
+/// The same with another model where the force is given: what it gives must be at the recording's
+/// times.
+///
+/// # Errors
+/// As [`replay`], and what the model says.
+pub fn replay_with(
+    trial: &Trial,
+    rendering: &Rendering,
+    analysis: &Analysis,
+    (which, parameters): (Which, &Parameters),
+    force_driven: &dyn Fn(&Drive) -> Result<Course, ReplayError>,
+) -> Result<Vec<TrialReplay>, ReplayError> {
     let drive = match Drive::new(trial, rendering) {
         Err(ReplayError::WhyNot(why)) => Err(why),
         other => Ok(other?),
@@ -89,17 +105,26 @@ pub fn replay(
         };
         match &drive {
             Err(why) => Ok(TrialReplay { outcome: Outcome::Not(*why), ..empty }),
-            Ok(drive) => row(drive, analysis, empty),
+            Ok(drive) => row(drive, analysis, empty, force_driven),
         }
     };
     Causality::ALL.into_iter().map(one).collect()
 }
 
-fn row(drive: &Drive, analysis: &Analysis, empty: TrialReplay) -> Result<TrialReplay, ReplayError> {
+fn row(
+    drive: &Drive,
+    analysis: &Analysis,
+    empty: TrialReplay,
+    force_driven: &dyn Fn(&Drive) -> Result<Course, ReplayError>,
+) -> Result<TrialReplay, ReplayError> {
     let recorded = drive.recorded();
     let turned_s = reversal_s(recorded, analysis);
     let empty = TrialReplay { reversal_recorded_s: turned_s.map(|t| t + drive.began_s), ..empty };
-    let model = match drive.run(empty.causality, &empty.parameters) {
+    let run = match empty.causality {
+        Causality::ForceDriven => force_driven(drive),
+        other => drive.run(other, &empty.parameters),
+    };
+    let model = match run {
         Ok(model) if has_diverged(&model) => return Ok(empty),
         Err(ReplayError::Dynamics(
             DynamicsError::NotFinite { .. } | DynamicsError::TooMuchWork { .. },

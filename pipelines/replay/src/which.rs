@@ -9,17 +9,20 @@ pub enum Which {
     ByEye,
     /// The study's, fitted to half of its trials.
     Fitted,
+    /// That of the terms which the condition needs, as the ladder found, fitted by it.
+    Auto,
 }
 
 impl Which {
-    /// Both, the thesis' first.
-    pub const ALL: [Self; 2] = [Self::ByEye, Self::Fitted];
+    /// All, the thesis' first.
+    pub const ALL: [Self; 3] = [Self::ByEye, Self::Fitted, Self::Auto];
 
     /// The word in tables.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::ByEye => "by_eye",
             Self::Fitted => "fitted",
+            Self::Auto => "auto",
         }
     }
 }

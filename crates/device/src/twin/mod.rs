@@ -24,4 +24,5 @@ mod trial;
 
 pub use board::Twin;
 pub use parameters::{TwinParameter, TwinParameters};
+pub use sensors::{COUNTS_PER_TURN, SHAFT_PER_LEVER};
 pub use sweep::{SweepPoint, brake_sweep, motor_sweep};

@@ -4,9 +4,9 @@ use crate::participant::draw::Draw;
 use std::f64::consts::TAU;
 
 /// Turns of the shaft in one turn of the lever: 75 mm on 11 mm (thesis §4.2).
-pub(crate) const SHAFT_PER_LEVER: f64 = 75.0 / 11.0;
+pub const SHAFT_PER_LEVER: f64 = 75.0 / 11.0;
 /// Counts of the AS5600 in one turn of the shaft: 12 bit.
-pub(crate) const COUNTS_PER_TURN: u32 = 4096;
+pub const COUNTS_PER_TURN: u32 = 4096;
 /// Values a second of the HX711 at its faster setting, Hz (thesis Table 4).
 pub(crate) const FORCE_RATE_HZ: f64 = 80.0;
 

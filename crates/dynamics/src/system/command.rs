@@ -68,6 +68,9 @@ impl System {
     pub(crate) fn command(&self, side: Side, zone: u16) -> Command {
         let scene = &self.scene;
         let actuator = actuator(scene.mode, scene.brake.law, side);
+        if let Some(at) = self.layout.held {
+            return Command { row: Row::entry(at, 1.0), ..self.fixed(actuator, 0.0) };
+        }
         let (low, high, dead_zone) = match actuator {
             Actuator::Nobody => (0.0, 0.0, 0.0),
             Actuator::Motor => (-scene.motor.max_n, scene.motor.max_n, 0.0),

@@ -73,7 +73,7 @@ impl System {
 
     /// Who acts on a side, and the clamped value it is asked for.
     #[inline]
-    fn commanded_value(&self, z: &[f64], side: Side) -> (Actuator, f64) {
+    pub(crate) fn commanded_value(&self, z: &[f64], side: Side) -> (Actuator, f64) {
         let scene = &self.scene;
         let actuator = super::command::actuator(scene.mode, scene.brake.law, side);
         let zone = self.zone(z[THETA], Side::Up);

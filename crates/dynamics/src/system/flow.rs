@@ -30,6 +30,8 @@ pub(crate) struct LeverForces {
     pub(crate) level: Row,
     /// Viscous friction.
     pub(crate) viscous: Row,
+    /// The terms' curved parts, where they are straight lines.
+    pub(crate) chords: Row,
 }
 
 impl System {
@@ -56,6 +58,7 @@ impl System {
             signed_brake: to(Actuator::SignedBrake, -1.0),
             level: lagged(self.layout.brake, to(Actuator::Brake, 1.0)),
             viscous: Row::entry(OMEGA, -viscous),
+            chords: self.chord(region, side),
         }
     }
 
@@ -72,7 +75,7 @@ impl System {
 
     /// The single-valued forces of a side together, but for the terms' curved part.
     pub(crate) fn single_valued<T: Number>(&self, forces: &LeverForces) -> Row<T> {
-        let own = [forces.tip, forces.motor, forces.signed_brake, forces.viscous];
+        let own = [forces.tip, forces.motor, forces.signed_brake, forces.viscous, forces.chords];
         own.iter().chain(&self.terms).fold(Row::zero(), |sum, row| sum.plus(row.lifted()))
     }
 

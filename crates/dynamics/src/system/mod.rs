@@ -5,6 +5,7 @@
 //! 1); entries in brackets exist only in scenes that ask for them. Inputs are part of it, so that a
 //! region's flow ż = A z is autonomous and its exponential is exact, for a sine too.
 
+mod chords;
 pub(crate) mod command;
 pub(crate) mod direct;
 pub(crate) mod flow;
@@ -16,7 +17,7 @@ pub(crate) mod row;
 mod terms;
 pub(crate) mod transition;
 
-use crate::error::DynamicsError;
+use crate::error::{DynamicsError, Result};
 use crate::scene::ModelScene;
 use crate::scene::actuators::BrakeLaw;
 use crate::scene::input::{Input, Span};
@@ -46,10 +47,12 @@ pub struct Layout {
     pub force: usize,
     /// d, the input of a term; its rate follows it.
     pub term: Option<usize>,
+    /// The command that a digital controller holds.
+    pub held: Option<usize>,
 }
 
 impl Layout {
-    fn of(scene: &ModelScene) -> Self {
+    fn of(scene: &ModelScene, is_held: bool) -> Self {
         let mut n = 2;
         let mut take = |wanted: bool, entries: usize| {
             let at = n;
@@ -63,8 +66,10 @@ impl Layout {
         let force = dynamic;
         n += 2;
         let term = scene.terms.input().map(|_| n);
-        n += if term.is_some() { 3 } else { 1 };
-        Self { n, dynamic, finger, motor, brake, force, term }
+        n += if term.is_some() { 2 } else { 0 };
+        let held = is_held.then_some(n);
+        n += if is_held { 2 } else { 1 };
+        Self { n, dynamic, finger, motor, brake, force, term, held }
     }
 
     /// Index of the entry that is always 1.
@@ -104,8 +109,11 @@ pub struct System {
     pub(crate) layout: Layout,
     /// The affine part of each term, in the scene's order.
     terms: Vec<Row>,
-    /// Whether any term has a curved part.
+    /// Whether any term has a curved part that is taken as it is.
     pub(crate) curved: bool,
+    /// The terms' curved parts as straight lines, one for each zone; none where they are taken as
+    /// they are.
+    chords: Vec<Row>,
     /// Which command holds while θ̇ = 0.
     pub(crate) rest_rule: RestRule,
 }
@@ -139,6 +147,11 @@ impl System {
     /// The first parameter that makes no sense, by name and value, or two parts that do not go
     /// together.
     pub fn new(scene: ModelScene) -> std::result::Result<Self, DynamicsError> {
+        Self::laid_out(scene, false)
+    }
+
+    /// The same; `is_held` if a command of a digital controller is part of the state.
+    pub(crate) fn laid_out(scene: ModelScene, is_held: bool) -> Result<Self> {
         scene.check()?;
         if scene.brake.law == BrakeLaw::Thesis && scene.brake.lag_on_off_s.is_some() {
             let what = "brake.lag_on_off_s needs the level of a set-valued brake";
@@ -147,11 +160,12 @@ impl System {
                 remedy: "set brake.law to \"coulomb\"",
             });
         }
-        let layout = Layout::of(&scene);
+        let layout = Layout::of(&scene, is_held);
         let terms =
             scene.terms.iter().map(|term| affine_row(term, &scene.plant, &layout)).collect();
         let rest_rule = RestRule::default();
-        let mut system = Self { scene, layout, terms, curved: false, rest_rule };
+        let mut system =
+            Self { scene, layout, terms, curved: false, chords: Vec::new(), rest_rule };
         system.curved = system.nonlinear_term().is_some();
         Ok(system)
     }

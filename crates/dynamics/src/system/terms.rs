@@ -28,6 +28,9 @@ impl System {
 
     /// The term that keeps the system from being piecewise affine, if there is one.
     pub(crate) fn nonlinear_term(&self) -> Option<&'static str> {
+        if !self.chords.is_empty() {
+            return None;
+        }
         let start = &self.scene.start;
         let curve = |term: &&dyn Term| {
             term.curve(&self.scene.plant, start.theta_rad, start.theta_dot_rad_s)

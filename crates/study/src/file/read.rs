@@ -187,6 +187,7 @@ impl Check<'_> {
             analysis,
             compare,
             perception: self.perception(file.perception),
+            replay: file.replay.model,
             figures,
         }
     }

@@ -4,7 +4,7 @@ use super::environment::EnvironmentTable;
 use super::perception::PerceptionTable;
 use crate::model::{Analysis, OrderScheme};
 use crate::{AnswerScale, MetricId, ModeId, ModeLaw, QuestionId, StudyId};
-use crate::{Channel, Control, Families, VelocityFilter};
+use crate::{Channel, Control, Families, ReplayModel, VelocityFilter};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -29,6 +29,8 @@ pub(super) struct File {
     pub(super) compare: CompareTable,
     #[serde(default, skip_serializing_if = "PerceptionTable::is_default")]
     pub(super) perception: PerceptionTable,
+    #[serde(default, skip_serializing_if = "ReplayTable::is_default")]
+    pub(super) replay: ReplayTable,
     /// Tables within tables, read by hand (`figures.rs`): a key's name is the beginning of a
     /// figure's id.
     #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
@@ -186,6 +188,18 @@ impl Default for AnalysisTable {
             grid_points,
             confidence,
         }
+    }
+}
+
+#[derive(Serialize, Deserialize, Default, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct ReplayTable {
+    pub(super) model: ReplayModel,
+}
+
+impl ReplayTable {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
     }
 }
 

@@ -58,6 +58,7 @@ impl From<&Study> for File {
             analysis: analysis_table(&s.analysis, s.coordinate),
             compare: super::compare::table(s),
             perception: super::perception::table(&s.perception),
+            replay: ReplayTable { model: s.replay },
             figures: super::figures::table(&s.figures),
             environments: s
                 .environments

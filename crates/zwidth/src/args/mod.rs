@@ -75,6 +75,8 @@ pub(crate) enum Command {
     Simulate(Simulate),
     /// Speed against accuracy: every solver and step on scenes, and the cheapest that is good enough
     Trade(Trade),
+    /// Which terms of the model a scene needs: all sets of eight against the fullest
+    Ladder(Ladder),
     /// Modes, participants, sessions or repeats of a study compared, one metric at a time
     Compare(Compare),
     /// How many participants a study needs to find a difference; a plan to deposit
@@ -318,6 +320,24 @@ pub(crate) struct Trade {
     /// Do everything again, whether it changed or not
     #[arg(long)]
     pub(crate) fresh: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Ladder {
+    /// Scenes, files that end in .toml, or studies, of which every condition with a recording is
+    /// one [default: all studies under raw/]
+    #[arg(value_name = "SCENE.toml|STUDY")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// Points of the simulated device's parameters
+    #[arg(long, value_name = "N", default_value_t = zwidth_ladder::DEFAULT_POINTS)]
+    pub(crate) points: usize,
+    /// Rate of the control loop in Hz [default: a scene's is the thesis' 120.5, one sample in 8.3
+    /// ms; a study's its own]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub(crate) rate: Option<f64>,
+    /// Folder to write to [default: reports/ladder]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
 }
 
 #[derive(Debug, clap::Args)]

@@ -6,6 +6,7 @@ pub(crate) mod check;
 pub(crate) mod compare;
 mod device;
 pub(crate) mod import;
+pub(crate) mod ladder;
 pub(crate) mod list;
 mod locate;
 mod near;

@@ -8,10 +8,10 @@ use zwidth_store::{RealFiles, replace};
 use zwidth_tables::{Table, csv};
 
 /// A folder, what made the files, and the files written so far.
-pub(super) struct Output<'a> {
+pub(in crate::commands) struct Output<'a> {
     folder: &'a Path,
     provenance: Provenance,
-    pub(super) files: Vec<PathBuf>,
+    pub(in crate::commands) files: Vec<PathBuf>,
 }
 
 impl<'a> Output<'a> {
@@ -20,12 +20,14 @@ impl<'a> Output<'a> {
         let mut provenance = made_from;
         let software = concat!("zwidth ", env!("CARGO_PKG_VERSION")).to_owned();
         provenance.insert("software".to_owned(), software);
-        provenance.insert("source".to_owned(), "model run, not measured".to_owned());
+        provenance
+            .entry("source".to_owned())
+            .or_insert_with(|| "model run, not measured".to_owned());
         Self { folder, provenance, files: Vec::new() }
     }
 
     /// Writes a figure as SVG, PDF and PNG.
-    pub(super) fn figure(&mut self, name: &str, figure: Figure) -> anyhow::Result<()> {
+    pub(in crate::commands) fn figure(&mut self, name: &str, figure: Figure) -> anyhow::Result<()> {
         let provenance = Some(serde_json::to_string(&self.provenance)?);
         let drawing = draw(&Figure { provenance, ..figure })?;
         self.write(name, "svg", drawing.svg()?.as_bytes())?;
@@ -34,7 +36,7 @@ impl<'a> Output<'a> {
     }
 
     /// Writes a table as Parquet and CSV, in SI units and radians.
-    pub(super) fn table(&mut self, name: &str, table: &Table) -> anyhow::Result<()> {
+    pub(in crate::commands) fn table(&mut self, name: &str, table: &Table) -> anyhow::Result<()> {
         let parquet = table.to_parquet(&self.provenance, &self.path(name, "parquet"))?;
         self.write(name, "parquet", &parquet)?;
         self.write(name, "csv", csv(table).as_bytes())

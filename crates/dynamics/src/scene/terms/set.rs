@@ -31,6 +31,11 @@ impl Terms {
         }
     }
 
+    /// Takes out the term of a name, if there is one.
+    pub fn remove(&mut self, name: &str) {
+        self.0.retain(|term| term.name() != name);
+    }
+
     /// The terms, in order of their names.
     pub fn iter(&self) -> impl Iterator<Item = &dyn Term> {
         self.0.iter().map(|term| &**term as &dyn Term)

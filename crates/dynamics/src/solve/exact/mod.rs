@@ -6,6 +6,7 @@
 
 mod block;
 mod compiled;
+pub(crate) mod held;
 mod method;
 mod run;
 mod uneven;

@@ -7,7 +7,8 @@ use super::{Exact, Prepared};
 use crate::energy::EnergyBalance;
 use crate::error::{DynamicsError, Result, in_bounds};
 use crate::solve::{Grid, shorten};
-use crate::system::region::Region;
+use crate::system::region::{Contact, Region};
+use crate::system::row::MOST;
 use crate::system::transition::EventKind;
 use crate::system::{Cursor, System, THETA};
 use crate::trajectory::{Event, Trajectory, WorkCounts};
@@ -20,7 +21,7 @@ pub(super) struct Run<'a, const N: usize, const G: usize> {
     regions: Vec<Compiled<N, G>>,
     current: usize,
     cursor: Cursor,
-    z: [f64; N],
+    pub(super) z: [f64; N],
     rate: [f64; N],
     guards: [f64; G],
     /// The state so many even steps ago (fewer than a block), from which the next ones are taken
@@ -28,8 +29,8 @@ pub(super) struct Run<'a, const N: usize, const G: usize> {
     base: [f64; N],
     steps: usize,
     events: Vec<Event>,
-    pieces: u64,
-    compiled: u64,
+    pub(super) pieces: u64,
+    pub(super) compiled: u64,
     sums: Sums,
     impacts_j: f64,
 }
@@ -122,6 +123,32 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         self.enter(&region, t)?;
         self.note(t, EventKind::Input);
         Ok(())
+    }
+
+    /// Goes on from a state at a moment not before the last one, with the finger in a contact.
+    pub(super) fn resume(&mut self, t: f64, z: &[f64], contact: Contact) -> Result<()> {
+        let mut full = [0.0; MOST];
+        full[..N].copy_from_slice(&z[..N]);
+        self.system.pass(&mut self.cursor, t, &mut full);
+        let region = self.system.settle(&full, contact, None);
+        self.z = shorten(&full);
+        self.enter(&region, t)
+    }
+
+    /// From one moment to another, not further than the reach.
+    pub(super) fn go_on(&mut self, from: f64, to: f64) -> Result<()> {
+        self.events.clear();
+        if self.cursor.end_s >= to {
+            self.cross(from, to - from, false)?;
+        } else {
+            self.cross_spans(from, to)?;
+        }
+        if self.cursor.end_s <= to { self.pass_input(to) } else { Ok(()) }
+    }
+
+    /// The region that holds.
+    pub(super) fn region_now(&self) -> &Region {
+        &self.regions[self.current].region
     }
 
     fn along(&mut self, grid: &Grid, out: &mut impl Record<N>) -> Result<()> {

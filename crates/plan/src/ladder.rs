@@ -1,0 +1,352 @@
+//! Stage `ladder`: which terms of the model each condition of a study needs, and whether its
+//! recordings bear that out. Planned where `[replay] model = "auto"`; `zwidth ladder` asks for one
+//! condition at a time. Here stages meet, because they do not know each other: the scene is the
+//! replay's, the numbers that are compared are the metrics'.
+
+use crate::conditions::{Repeats, repeats};
+use crate::drawing::{Drawing, write_figure};
+use crate::making::{derived, read_tables, write_tables};
+use crate::replayable::{is_replayable, rendering};
+use crate::trials::{OfTrials, files, name, read_all};
+use serde::Serialize;
+use std::path::PathBuf;
+use zwidth_device::{TwinParameters, Velocity};
+use zwidth_figures::LADDER;
+use zwidth_ladder::{
+    Course, HeldOut, Ladder, LadderTerm, Loop, Measured, Recorded, Settings, TermSet,
+};
+use zwidth_replay::{Drive, Rendering, Which};
+use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_store::{Samples, Signal, StudyData, Trial, TrialEntry};
+use zwidth_study::{Analysis, Control, Environment, Mode, Perception, ReplayModel, Source, Study};
+use zwidth_tables::{Column, Table, Values};
+
+pub(crate) const STAGE: Stage = Stage { name: "ladder", version: zwidth_ladder::VERSION };
+
+/// Trials of a condition that are fitted or predicted, at most: a fit runs each of them hundreds of
+/// times.
+const MOST_TRIALS: usize = 12;
+
+/// What the ladder of a condition depends on besides its trials.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Laddered {
+    name: String,
+    renderings: Vec<Rendering>,
+    metrics: zwidth_metrics::Parameters,
+    metrics_version: u32,
+    control: Control,
+    perception: Perception,
+    points: usize,
+    synthetic: bool,
+}
+
+/// A condition of a study, all sessions together.
+struct Condition<'a> {
+    environment: &'a Environment,
+    mode: &'a Mode,
+    trials: Vec<&'a TrialEntry>,
+}
+
+impl Condition<'_> {
+    fn key(&self) -> String {
+        format!("{}.{}", self.environment.id, self.mode.id)
+    }
+
+    fn laddered(&self, data: &StudyData, points: usize) -> Laddered {
+        let study = &data.study;
+        let how = |t: &&TrialEntry| rendering(data, &t.meta, self.environment, self.mode);
+        Laddered {
+            name: format!("{} {}", self.environment.id, self.mode.id),
+            renderings: self.trials.iter().map(how).collect(),
+            metrics: zwidth_metrics::Parameters::of(study, self.environment, self.mode),
+            metrics_version: zwidth_metrics::VERSION,
+            control: study.control,
+            perception: study.perception.clone(),
+            points,
+            synthetic: self.trials.iter().any(|t| t.meta.source == Source::Twin),
+        }
+    }
+}
+
+/// The conditions with a trial that can be replayed, in the order of the study.
+fn conditions(data: &StudyData) -> Vec<Condition<'_>> {
+    let all = repeats(data);
+    let mut found: Vec<Condition> = Vec::new();
+    for environment in &data.study.environments {
+        for mode in &data.study.modes {
+            let of = |r: &&Repeats| r.environment.id == environment.id && r.mode.id == mode.id;
+            let trials = all.iter().filter(of).flat_map(|r| r.trials.iter().copied());
+            let trials: Vec<_> =
+                trials.filter(|t| is_replayable(data, t)).take(MOST_TRIALS).collect();
+            if !trials.is_empty() {
+                found.push(Condition { environment, mode, trials });
+            }
+        }
+    }
+    found
+}
+
+/// Whether a study asks for it.
+fn is_asked(study: &Study) -> bool {
+    study.replay == ReplayModel::Auto
+}
+
+fn tables_of(data: &StudyData, condition: &Condition) -> Vec<PathBuf> {
+    let file =
+        |what: &str| derived(&data.layout, format!("ladder/{}.{what}.parquet", condition.key()));
+    ["models", "effects", "interactions"].map(file).to_vec()
+}
+
+fn held_out_of(data: &StudyData, environment: &Environment, mode: &Mode) -> PathBuf {
+    derived(&data.layout, format!("ladder/{}.{}.held_out.parquet", environment.id, mode.id))
+}
+
+/// The table that says with which model a condition is replayed; none where a study replays by eye,
+/// or no trial of the condition can be.
+pub(crate) fn of_replay(data: &StudyData, of: &Repeats) -> Option<PathBuf> {
+    let is_any = of.trials.iter().any(|t| is_replayable(data, t));
+    (is_asked(&data.study) && is_any).then(|| held_out_of(data, of.environment, of.mode))
+}
+
+/// The choices of all conditions in one table, where a study asks for them.
+pub(crate) fn of_study(data: &StudyData) -> Option<PathBuf> {
+    (is_asked(&data.study) && !conditions(data).is_empty())
+        .then(|| derived(&data.layout, "ladder.parquet"))
+}
+
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let Some(whole) = of_study(data) else { return Vec::new() };
+    let conditions = conditions(data);
+    let mut jobs = Vec::new();
+    for condition in &conditions {
+        let laddered = condition.laddered(data, zwidth_ladder::DEFAULT_POINTS);
+        let tables = tables_of(data, condition);
+        let (key, trials) = (condition.key(), &condition.trials);
+        let first = &trials[..1];
+        let of = OfTrials::new(laddered.clone(), first);
+        jobs.push(Job::new(STAGE, format!("ladder {key}"), of, files(first), tables.clone(), make));
+        let outputs = vec![held_out_of(data, condition.environment, condition.mode)];
+        let inputs = (files(trials), tables);
+        let of = OfTrials::new(laddered, trials);
+        jobs.push(Job::new(
+            STAGE,
+            format!("ladder held out {key}"),
+            of,
+            inputs,
+            outputs,
+            make_held_out,
+        ));
+    }
+    let of = |c: &Condition| held_out_of(data, c.environment, c.mode);
+    let held_out = conditions.iter().map(of).collect::<Vec<_>>();
+    jobs.push(Job::new(STAGE, "ladder of the study", (), held_out, vec![whole], make_study));
+    jobs
+}
+
+pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
+    let all = if is_asked(&data.study) { conditions(data) } else { Vec::new() };
+    let one = |condition: &Condition| {
+        let subject = [condition.environment.id.to_string(), condition.mode.id.to_string()];
+        let synthetic = condition.trials.iter().any(|t| t.meta.source == Source::Twin);
+        Drawing::new(data, LADDER, subject, synthetic, tables_of(data, condition), draw).of(1)
+    };
+    all.iter().map(one).collect()
+}
+
+fn draw(synthetic: &bool, tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    let tables = read_tables(tables)?;
+    let [models, effects, _] = &tables[..] else { return Err("a ladder has three tables".into()) };
+    write_figure(zwidth_figures::ladder(models, effects, *synthetic)?, Vec::new(), making)
+}
+
+/// Models, effects and interactions of each condition of a study that has a recording, with so many
+/// points: what `zwidth ladder STUDY` prints. `told` hears of each condition before it is made.
+///
+/// # Errors
+/// A condition of which no model can be made.
+pub fn ladders(
+    data: &StudyData,
+    points: usize,
+    rate_hz: Option<f64>,
+    told: &dyn Fn(&str),
+) -> Result<Vec<(String, Ladder, bool)>, JobError> {
+    let mut found = Vec::new();
+    for condition in conditions(data) {
+        told(&format!("{} {}", data.layout.study(), condition.key()));
+        let mut laddered = condition.laddered(data, points);
+        laddered.control.rate_hz = rate_hz.unwrap_or(laddered.control.rate_hz);
+        let of = OfTrials::new(laddered, &condition.trials[..1]);
+        let (trials, problems) =
+            read_all(&files(&condition.trials[..1]), &of.trials, Signal::all());
+        let trial = trials.into_iter().next().ok_or_else(|| problems.join("; "))?;
+        found.push((condition.key(), ladder_of(&of.stage, &trial)?, of.stage.synthetic));
+    }
+    Ok(found)
+}
+
+/// What a recording's force is measured at: the finger is on its far side, so it is not offered.
+const OFFERED: TermSet = TermSet::ALL.without(LadderTerm::Finger);
+
+fn looped(control: &Control) -> Result<Loop, JobError> {
+    Ok(Loop { period_s: 1.0 / control.rate_hz, velocity: Velocity::new(control.velocity)? })
+}
+
+/// The scene of a recorded trial, with the twin's plant in place of the thesis'.
+fn recorded(of: &Laddered, trial: &Trial, rendering: &Rendering) -> Result<Recorded, JobError> {
+    let drive = Drive::new(trial, rendering)?;
+    let mut scene = drive.scene().clone();
+    scene.name.clone_from(&of.name);
+    let twin = TwinParameters::default().plant(None);
+    scene.plant.mass_kg = twin.inertia_kg_m2 / (twin.lever_m * twin.lever_m);
+    let seen = drive.recorded();
+    Ok(Recorded { scene, t_s: seen.t_s.clone(), theta_rad: seen.theta_rad.clone() })
+}
+
+fn ladder_of(of: &Laddered, trial: &Trial) -> Result<Ladder, JobError> {
+    let rendering = of.renderings.first().ok_or("there is no trial")?;
+    let scene = recorded(of, trial, rendering)?.scene;
+    let settings = Settings {
+        looped: looped(&of.control)?,
+        points: of.points,
+        bounds: of.perception.clone(),
+        offered: OFFERED,
+    };
+    let measure = |course: &Course| measured(course, trial, &of.metrics);
+    Ok(zwidth_ladder::ladder(&scene, &settings, &measure)?)
+}
+
+/// The study's own metrics of a course, those that are numbers; none where they cannot be computed.
+fn measured(
+    course: &Course,
+    trial: &Trial,
+    parameters: &zwidth_metrics::Parameters,
+) -> Vec<Measured> {
+    let mut samples = Samples::default();
+    samples.set(Signal::Time, course.t_s.clone());
+    samples.set(Signal::Theta, course.theta_rad.clone());
+    samples.set(Signal::ThetaDot, course.theta_dot_rad_s.clone());
+    samples.set(Signal::ForceEx, course.force_ex_n.clone());
+    samples.set(Signal::ForceCmd, course.feedback_n.clone());
+    let trial = Trial { meta: trial.meta.clone(), file: trial.file.clone(), samples };
+    let parameters = zwidth_metrics::Parameters { lever_m: Some(course.lever_m), ..*parameters };
+    let row = zwidth_metrics::trial_metrics(&trial, &parameters);
+    let table = row.ok().and_then(|row| zwidth_metrics::table(&[row]).ok());
+    table.map_or_else(Vec::new, |table| table.columns().iter().filter_map(number).collect())
+}
+
+fn number(column: &Column) -> Option<Measured> {
+    let Values::Float(values) = &column.values else { return None };
+    let (name, unit) = (column.field.name.to_string(), column.field.unit.to_string());
+    Some(Measured { name, unit, value: values.first().copied().flatten() })
+}
+
+fn make(of: &OfTrials<Laddered>, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    let (trials, problems) = read_all(files, &of.trials, Signal::all());
+    let trial = trials.first().ok_or_else(|| problems.join("; "))?;
+    let ladder = ladder_of(&of.stage, trial)?;
+    let tables = [
+        zwidth_ladder::models(&ladder)?,
+        zwidth_ladder::effects(&ladder)?,
+        zwidth_ladder::interactions(&ladder)?,
+    ];
+    write_tables(&tables, making, problems)
+}
+
+fn make_held_out(
+    of: &OfTrials<Laddered>,
+    (files, tables): &(Vec<PathBuf>, Vec<PathBuf>),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let models = Table::from_parquet(tables.first().ok_or("there is no ladder")?)?;
+    let choice = zwidth_ladder::chosen(&models)?.ok_or("the ladder has no choice")?;
+    let looped = looped(&of.stage.control)?;
+    let (mut recordings, mut problems) = (Vec::new(), Vec::new());
+    for (i, rendering) in of.stage.renderings.iter().enumerate().take(files.len()) {
+        let (trial, more) = read_all(&files[i..=i], &of.trials[i..=i], Signal::all());
+        problems.extend(more);
+        for trial in &trial {
+            match recorded(&of.stage, trial, rendering) {
+                Ok(found) => recordings.push(found),
+                Err(error) => problems.push(format!("{}: {error}", name(&trial.meta))),
+            }
+        }
+    }
+    let smaller = zwidth_ladder::next_smaller(&models, choice)?;
+    let roles = [("choice", Some(choice)), ("next_smaller", smaller), ("fullest", Some(OFFERED))];
+    let fitted = |(role, set): (&'static str, Option<TermSet>)| {
+        Some((role, zwidth_ladder::held_out(&recordings, set?, &looped)?))
+    };
+    let rows: Vec<(&str, HeldOut)> = roles.into_iter().filter_map(fitted).collect();
+    write_tables(
+        &[zwidth_ladder::held_out_table(&of.stage.name, &rows, recordings.len())?],
+        making,
+        problems,
+    )
+}
+
+fn make_study(_: &(), tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    write_tables(&[zwidth_ladder::join_held_out(&read_tables(tables)?)?], making, Vec::new())
+}
+
+/// The model of a condition's replays: its terms, and what was fitted.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Auto {
+    control: Control,
+    version: u32,
+}
+
+impl Auto {
+    pub(crate) fn of(study: &Study) -> Self {
+        Self { control: study.control, version: zwidth_ladder::VERSION }
+    }
+
+    /// A recorded trial by the model that a table of held-out errors names as the choice.
+    pub(crate) fn replay(
+        &self,
+        trial: &Trial,
+        rendering: &Rendering,
+        analysis: &Analysis,
+        held_out: &Table,
+    ) -> Result<Vec<zwidth_replay::TrialReplay>, JobError> {
+        let Some((set, knobs)) = zwidth_ladder::fitted(held_out)? else {
+            return Err("no trial could be fitted, so there is no model: say [replay] model = \"by_eye\" in study.toml".into());
+        };
+        let looped = looped(&self.control)?;
+        let twin = zwidth_ladder::plant(set, knobs);
+        let parameters = zwidth_replay::Parameters {
+            mass_kg: twin.mass_kg,
+            damping_ns_per_rad: twin.viscous_ns_per_rad,
+            friction_n: twin.dry_n,
+            motor_lag_s: twin.motor_lag_s,
+            brake_on_s: twin.brake_lag_s[0],
+            brake_off_s: twin.brake_lag_s[1],
+        };
+        let force_driven = |drive: &Drive| -> Result<zwidth_replay::Course, _> {
+            let mut scene = drive.scene().clone();
+            scene.plant.mass_kg =
+                zwidth_ladder::plant(TermSet::NONE, zwidth_ladder::Knobs::USUAL).mass_kg;
+            let course = zwidth_ladder::predict(&scene, set, &looped, knobs)?;
+            Ok(at(course, drive.recorded()))
+        };
+        let which = (Which::Auto, &parameters);
+        Ok(zwidth_replay::replay_with(trial, rendering, analysis, which, &force_driven)?)
+    }
+}
+
+/// A course at the recording's times.
+fn at(course: Course, recorded: &zwidth_replay::Course) -> zwidth_replay::Course {
+    let t_s = &recorded.t_s;
+    let of = |values: &[f64]| -> Vec<f64> {
+        let last = values.last().copied().unwrap_or(f64::NAN);
+        let one =
+            |t: &f64| zwidth_numerics::series::interpolate(&course.t_s, values, *t).unwrap_or(last);
+        t_s.iter().map(one).collect()
+    };
+    zwidth_replay::Course {
+        theta_rad: of(&course.theta_rad),
+        theta_dot_rad_s: of(&course.theta_dot_rad_s),
+        feedback_n: Some(of(&course.feedback_n)),
+        force_ex_n: recorded.force_ex_n.clone(),
+        t_s: t_s.clone(),
+    }
+}

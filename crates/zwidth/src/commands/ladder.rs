@@ -1,0 +1,198 @@
+//! `zwidth ladder`: which terms of the model a scene, or a study's condition, needs.
+
+use super::output::Output;
+use super::study;
+use crate::args::Ladder as Asked;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::{Context as _, anyhow, bail};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_device::Velocity;
+use zwidth_ladder::{Ladder, Loop, Settings, TermSet, ladder as climb, own, reason, told};
+use zwidth_runner::Provenance;
+use zwidth_simulate::ModelScene;
+use zwidth_store::StudyData;
+use zwidth_study::{Control, Perception, StudyId};
+
+/// The loop of a scene that no study names: the thesis' h, s (Table 3).
+const THESIS_PERIOD_S: f64 = 0.0083;
+
+/// What came of a scene.
+#[derive(Serialize)]
+struct Outcome {
+    scene: String,
+    /// The words of the terms that it needs; none if it could not be climbed.
+    terms: Option<Vec<String>>,
+    /// The choice in a sentence, and why each term is in it or not.
+    told: Vec<String>,
+    files: Vec<PathBuf>,
+    error: Option<String>,
+}
+
+/// A ladder, what its files are called, and whether its force was simulated.
+type Climbed = (String, Ladder, bool);
+
+pub(crate) fn ladder(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
+    let folder = asked.out.clone().unwrap_or_else(|| root.join("reports").join("ladder"));
+    let mut outcomes = Vec::new();
+    for name in named(root, asked)? {
+        match climbed(root, &name, asked, screen) {
+            Ok(ladders) => {
+                for ladder in ladders {
+                    outcomes.push(written(&folder, asked, &ladder)?);
+                }
+            }
+            Err(error) => outcomes.push(Outcome {
+                scene: name.display().to_string(),
+                terms: None,
+                told: Vec::new(),
+                files: Vec::new(),
+                error: Some(format!("{error:#}")),
+            }),
+        }
+    }
+    let failed = outcomes.iter().filter(|outcome| outcome.error.is_some()).count();
+    if failed == outcomes.len() {
+        let errors = outcomes.into_iter().filter_map(|outcome| outcome.error);
+        bail!("{}", errors.collect::<Vec<_>>().join("\n       "));
+    }
+    if screen.json {
+        screen.listing(&outcomes)?;
+    } else {
+        outcomes.iter().for_each(|outcome| tell(outcome, screen));
+    }
+    Ok(if failed == 0 { Exit::Fine } else { Exit::Partly })
+}
+
+/// What is asked for, each once; all studies by default.
+fn named(root: &Path, asked: &Asked) -> anyhow::Result<Vec<PathBuf>> {
+    let mut named = if asked.scenes.is_empty() {
+        let all = super::studies(root, Vec::new())?;
+        all.iter().map(|layout| PathBuf::from(layout.study().as_str())).collect()
+    } else {
+        asked.scenes.clone()
+    };
+    let mut seen: Vec<PathBuf> = Vec::new();
+    named.retain(|name| {
+        !seen.contains(name) && {
+            seen.push(name.clone());
+            true
+        }
+    });
+    for (i, name) in named.iter().enumerate() {
+        if let Some(other) = named[..i].iter().find(|other| stem(other) == stem(name)) {
+            let (a, b) = (other.display(), name.display());
+            bail!("{a} and {b} would write to the same files; ask for them apart, or rename one");
+        }
+    }
+    Ok(named)
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn climbed(
+    root: &Path,
+    name: &Path,
+    asked: &Asked,
+    screen: &Screen,
+) -> anyhow::Result<Vec<Climbed>> {
+    if name.extension().is_some_and(|extension| extension == "toml") {
+        return Ok(vec![of_scene(name, asked, screen)?]);
+    }
+    let id = name.to_str().ok_or_else(|| anyhow!("{} is no study", name.display()))?;
+    let id = StudyId::new(id).with_context(|| {
+        format!("{id} is neither a scene, which is a file that ends in .toml, nor a study")
+    })?;
+    let layout = study(root, id)?;
+    let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
+    let begun = |condition: &str| screen.say(format!("{condition}: {} points", asked.points));
+    let ladders = zwidth_plan::ladders(&data, asked.points, asked.rate, &begun)
+        .map_err(|error| anyhow!("{}: {error}", layout.study()))?;
+    if ladders.is_empty() {
+        bail!(
+            "{} has no recorded trial in a spring whose force could be replayed; name a scene, or record one",
+            layout.study()
+        );
+    }
+    let named = |(key, ladder, synthetic)| (format!("{}.{key}", layout.study()), ladder, synthetic);
+    Ok(ladders.into_iter().map(named).collect())
+}
+
+/// The ladder of a scene's file, over all eight terms.
+fn of_scene(path: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Climbed> {
+    let text = crate::text::scene(path)?;
+    let at = || path.display().to_string();
+    let scene = ModelScene::from_toml(&text).with_context(at)?;
+    let velocity = Velocity::new(Control::default().velocity)?;
+    let settings = Settings {
+        looped: Loop { period_s: asked.rate.map_or(THESIS_PERIOD_S, |hz| 1.0 / hz), velocity },
+        points: asked.points,
+        bounds: Perception::default(),
+        offered: TermSet::ALL,
+    };
+    screen.say(format!("{}: {} models at {} points", at(), TermSet::COUNT, asked.points));
+    let ladder = climb(&scene, &settings, &own).with_context(at)?;
+    Ok((stem(path), ladder, false))
+}
+
+fn written(
+    folder: &Path,
+    asked: &Asked,
+    (name, ladder, synthetic): &Climbed,
+) -> anyhow::Result<Outcome> {
+    let mut output = Output::new(folder, origin(ladder, asked, *synthetic));
+    let models = zwidth_ladder::models(ladder)?;
+    let effects = zwidth_ladder::effects(ladder)?;
+    output.figure(name, zwidth_figures::ladder(&models, &effects, *synthetic)?)?;
+    output.table(&format!("{name}.models"), &models)?;
+    output.table(&format!("{name}.effects"), &effects)?;
+    output.table(&format!("{name}.interactions"), &zwidth_ladder::interactions(ladder)?)?;
+    let choice = ladder.choice();
+    let why = choice
+        .iter()
+        .flat_map(|choice| ladder.offered.terms().map(|term| reason(ladder, choice, term)));
+    let told = choice.iter().map(|choice| told(ladder, choice)).chain(why).collect();
+    let words = |term: zwidth_ladder::LadderTerm| term.as_str().to_owned();
+    Ok(Outcome {
+        scene: name.clone(),
+        terms: choice.map(|choice| choice.set.terms().map(words).collect()),
+        told,
+        files: output.files,
+        error: None,
+    })
+}
+
+fn tell(outcome: &Outcome, screen: &Screen) {
+    if let Some(error) = &outcome.error {
+        screen.warn(format!("skipped: {error}"));
+    }
+    let mut lines = outcome.told.iter();
+    if let Some(first) = lines.next() {
+        screen.result(format!("{}: {first}", outcome.scene));
+    }
+    lines.for_each(|line| screen.result(format!("  {line}")));
+    let pictures = outcome.files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
+    pictures.for_each(|path| screen.result(format!("  {}", path.display())));
+}
+
+/// What the files of a ladder say of their making.
+fn origin(ladder: &Ladder, asked: &Asked, synthetic: bool) -> Provenance {
+    let source = match synthetic {
+        true => "SYNTHETIC: model runs under a simulated force, not measured",
+        false => "model runs, not measured",
+    };
+    let mut provenance = BTreeMap::from([
+        ("source".to_owned(), source.to_owned()),
+        ("scene".to_owned(), ladder.scene.clone()),
+        ("points".to_owned(), ladder.points.to_string()),
+        ("version".to_owned(), zwidth_ladder::VERSION.to_string()),
+    ]);
+    if let Some(rate_hz) = asked.rate {
+        provenance.insert("rate_hz".to_owned(), rate_hz.to_string());
+    }
+    provenance
+}

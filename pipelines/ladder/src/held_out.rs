@@ -1,0 +1,244 @@
+//! Whether recordings bear a choice out: a model is fitted to some repeats and predicts the others.
+
+use crate::model::{Loop, model};
+use crate::ranges::Point;
+use crate::run::{Course, Frame, run};
+use crate::terms::{LadderTerm, TermSet};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use zwidth_dynamics::{DynamicsError, ModelScene};
+use zwidth_numerics::series::interpolate;
+
+/// A recorded trial: its scene with the recorded force as input, and the angle that was seen.
+#[derive(Debug, Clone)]
+pub struct Recorded {
+    /// The scene.
+    pub scene: ModelScene,
+    /// Times, s, from 0 on.
+    pub t_s: Vec<f64>,
+    /// θ, rad.
+    pub theta_rad: Vec<f64>,
+}
+
+/// What a fit may change, each as a factor of the twin's default: what the lever weighs, friction at
+/// rest and in motion, viscous friction, both lags of the brake.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Knobs {
+    /// Of the moment of inertia.
+    pub inertia: f64,
+    /// Of dry friction.
+    pub dry: f64,
+    /// Of viscous friction.
+    pub viscous: f64,
+    /// Of the brake's lags.
+    pub brake_lag: f64,
+}
+
+impl Knobs {
+    /// The twin's defaults.
+    pub const USUAL: Self = Self { inertia: 1.0, dry: 1.0, viscous: 1.0, brake_lag: 1.0 };
+
+    fn of([inertia, dry, viscous, brake_lag]: [f64; 4]) -> Self {
+        Self { inertia, dry, viscous, brake_lag }
+    }
+
+    /// Those that a model with these terms has.
+    fn used(set: TermSet) -> [bool; 4] {
+        let friction = set.has(LadderTerm::Friction);
+        [true, friction, friction, set.has(LadderTerm::BrakeLag)]
+    }
+
+    fn point(self) -> Point {
+        let mut point = Point::usual();
+        let twin = &mut point.twin;
+        twin.rotor_kg_m2 *= self.inertia;
+        twin.lever_kg_m2 *= self.inertia;
+        twin.brake_kg_m2 *= self.inertia;
+        twin.friction_static_n *= self.dry;
+        twin.friction_viscous_ns_per_rad *= self.viscous;
+        twin.brake_on_s *= self.brake_lag;
+        twin.brake_off_s *= self.brake_lag;
+        point
+    }
+}
+
+/// A model's course of a scene with given numbers, at the recording's times up to where the loop's
+/// whole periods end.
+///
+/// # Errors
+/// A model that does not run.
+pub fn predict(
+    scene: &ModelScene,
+    set: TermSet,
+    looped: &Loop,
+    knobs: Knobs,
+) -> Result<Course, DynamicsError> {
+    let model = model(scene, set, &knobs.point(), looped.period_s);
+    let frame = Frame::of(scene.duration_s, looped.period_s);
+    run(&model, looped, &frame).map(|(course, _)| course)
+}
+
+/// Root mean square error of θ over some trials, rad; infinite where a model does not run.
+pub fn rmse_rad(trials: &[&Recorded], set: TermSet, looped: &Loop, knobs: Knobs) -> f64 {
+    let squares = |trial: &&Recorded| {
+        let Ok(course) = predict(&trial.scene, set, looped, knobs) else {
+            return (f64::INFINITY, 1);
+        };
+        let seen = course.t_s.iter().map(|t| interpolate(&trial.t_s, &trial.theta_rad, *t));
+        let pairs = course.theta_rad.iter().zip(seen).filter_map(|(a, b)| Some(a - b?));
+        pairs.fold((0.0, 0), |(sum, n), off| (sum + off * off, n + 1))
+    };
+    let all: Vec<(f64, usize)> = trials.par_iter().map(squares).collect();
+    let (sum, n) = all.iter().fold((0.0, 0), |(sum, n), (s, m)| (sum + s, n + m));
+    if n > 0 { (sum / n as f64).sqrt() } else { f64::INFINITY }
+}
+
+/// The numbers that fit trials best, within an eighth and eight times the twin's: a pattern search
+/// along each number's logarithm (R. Hooke & T. A. Jeeves, J. ACM 8 (1961) 212–229). What the
+/// model has no term for stays.
+pub fn fit(trials: &[&Recorded], set: TermSet, looped: &Loop) -> Knobs {
+    /// First and last step, powers of two.
+    const STEPS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
+    const MOST: f64 = 3.0;
+    let cost = |x: &[f64; 4]| rmse_rad(trials, set, looped, Knobs::of(x.map(libm::exp2)));
+    let mut best = [0.0; 4];
+    let mut least = cost(&best);
+    for step in STEPS {
+        // A pass that finds nothing better ends a step; ten are more than a valley needs.
+        for _ in 0..10 {
+            let before = least;
+            for i in (0..4).filter(|i| Knobs::used(set)[*i]) {
+                for way in [step, -step] {
+                    let mut next = best;
+                    next[i] = (next[i] + way).clamp(-MOST, MOST);
+                    let found = cost(&next);
+                    if found < least {
+                        (best, least) = (next, found);
+                        break;
+                    }
+                }
+            }
+            if least >= before {
+                break;
+            }
+        }
+    }
+    Knobs::of(best.map(libm::exp2))
+}
+
+/// A model fitted to some trials and judged on others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldOut {
+    /// Its terms.
+    pub set: TermSet,
+    /// What was fitted.
+    pub knobs: Knobs,
+    /// Error on the trials it was fitted to, rad.
+    pub fitted_rad: f64,
+    /// Error on the others, rad.
+    pub held_out_rad: f64,
+}
+
+/// Fits a model to every second trial, from the first on, and judges it on the others, where
+/// the error of none is infinite; `None` without trials.
+pub fn held_out(trials: &[Recorded], set: TermSet, looped: &Loop) -> Option<HeldOut> {
+    let part = |rest: usize| trials.iter().skip(rest).step_by(2).collect::<Vec<_>>();
+    let (own, others) = (part(0), part(1));
+    if own.is_empty() {
+        return None;
+    }
+    let knobs = fit(&own, set, looped);
+    Some(HeldOut {
+        set,
+        knobs,
+        fitted_rad: rmse_rad(&own, set, looped, knobs),
+        held_out_rad: rmse_rad(&others, set, looped, knobs),
+    })
+}
+
+/// The numbers of a fitted model as a replay's table has them; what it has no term for is 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plant {
+    /// Mass at the lever's end, kg, with the twin's lever.
+    pub mass_kg: f64,
+    /// Viscous friction there, N s/rad.
+    pub viscous_ns_per_rad: f64,
+    /// Dry friction there in motion, N.
+    pub dry_n: f64,
+    /// The motor's lag, s.
+    pub motor_lag_s: f64,
+    /// The brake's lags, s.
+    pub brake_lag_s: [f64; 2],
+}
+
+/// The plant that fitted factors stand for.
+pub fn plant(set: TermSet, knobs: Knobs) -> Plant {
+    let twin = knobs.point().twin;
+    let driven = twin.plant(None);
+    let friction = driven.friction.filter(|_| set.has(LadderTerm::Friction));
+    let winding = driven.back_emf_ns_per_rad.unwrap_or(0.0);
+    Plant {
+        mass_kg: driven.inertia_kg_m2 / (driven.lever_m * driven.lever_m),
+        viscous_ns_per_rad: friction.map_or(0.0, |f| f.viscous_ns_per_rad + winding),
+        dry_n: friction.map_or(0.0, |f| f.kinetic_n),
+        motor_lag_s: driven
+            .motor_lag_s
+            .filter(|_| set.has(LadderTerm::MotorLag))
+            .unwrap_or_default(),
+        brake_lag_s: driven
+            .brake_lag_on_off_s
+            .filter(|_| set.has(LadderTerm::BrakeLag))
+            .unwrap_or_default(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_device::Velocity;
+    use zwidth_dynamics::{DriveMode, Input, table3};
+    use zwidth_study::VelocityFilter;
+
+    const FRICTION: TermSet = TermSet::NONE.with(LadderTerm::Friction);
+
+    fn looped() -> Loop {
+        let velocity = Velocity::new(VelocityFilter::Difference).unwrap();
+        Loop { period_s: 0.0083, velocity }
+    }
+
+    /// What a lever of known numbers does under pushes of different sizes.
+    fn trials(knobs: Knobs) -> Vec<Recorded> {
+        let one = |magnitude: f64| {
+            let mut scene = table3::scene(DriveMode::Active, Input::sine(magnitude));
+            scene.plant.mass_kg = 0.0973;
+            scene.plant.lever_m = 0.045;
+            let course = predict(&scene, FRICTION, &looped(), knobs).unwrap();
+            Recorded { scene, t_s: course.t_s, theta_rad: course.theta_rad }
+        };
+        [0.8, 1.0, 1.2, 1.4].map(one).to_vec()
+    }
+
+    #[test]
+    fn a_fit_finds_the_friction_that_made_the_recordings_and_predicts_the_others() {
+        let truth = Knobs { dry: 2.0, ..Knobs::USUAL };
+        let found = held_out(&trials(truth), FRICTION, &looped()).unwrap();
+        assert!((found.knobs.dry - 2.0).abs() < 0.15, "{:?}", found.knobs);
+        assert!(found.held_out_rad < 2e-3, "{}", found.held_out_rad);
+    }
+
+    #[test]
+    fn a_model_that_lacks_the_term_predicts_worse_than_one_that_has_it() {
+        let trials = trials(Knobs { dry: 2.0, ..Knobs::USUAL });
+        let [with, without] =
+            [FRICTION, TermSet::NONE].map(|set| held_out(&trials, set, &looped()).unwrap());
+        assert!(without.held_out_rad > 5.0 * with.held_out_rad);
+        assert!((without.knobs.dry - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn one_trial_leaves_nothing_to_predict_and_none_nothing_to_fit() {
+        let found = held_out(&trials(Knobs::USUAL)[..1], FRICTION, &looped()).unwrap();
+        assert!(found.held_out_rad.is_infinite() && found.fitted_rad < 1e-9);
+        assert_eq!(held_out(&[], FRICTION, &looped()), None);
+    }
+}

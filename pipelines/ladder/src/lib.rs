@@ -1,0 +1,43 @@
+//! Stage: which terms of the model a scene needs ("model only what a scene requires").
+//!
+//! [`ladder`] runs a scene with every set of eight terms ([`LadderTerm`]: 2⁸ models) at points of
+//! Sobol's sequence over the ranges of the twin's parameters, and holds each against the fullest
+//! model at the same point. [`Ladder::choice`] is the cheapest set whose difference nobody could
+//! feel at any point; total effects and interactions say how much each term does. Proper
+//! modelling: B. H. Wilson & J. L. Stein, ASME Winter Annual Meeting, DSC 41 (1992) 47–58; T. Ersal
+//! et al., J. Dyn. Syst. Meas. Control 130 (2008) 061008.
+//!
+//! Pure: scenes in memory, tables out; the same scene gives the same bits on any number of
+//! threads.
+
+mod error;
+mod held_out;
+mod ladder;
+mod model;
+mod quantities;
+mod ranges;
+mod reason;
+mod run;
+mod sensors;
+mod table;
+mod terms;
+#[cfg(test)]
+mod tests;
+
+pub use error::LadderError;
+pub use held_out::{HeldOut, Knobs, Plant, Recorded, fit, held_out, plant, predict, rmse_rad};
+pub use ladder::{
+    DEFAULT_POINTS, Ladder, MOST_PERIODS, MOST_POINTS, Quantity, Rung, Settings, ladder,
+};
+pub use model::Loop;
+pub use quantities::{Measured, own};
+pub use ranges::{Point, Range, ranges};
+pub use reason::{reason, told};
+pub use run::{Cost, Course};
+pub use table::{
+    chosen, effects, fitted, held_out_table, interactions, join_held_out, models, next_smaller,
+};
+pub use terms::{LadderTerm, TermSet};
+
+/// Version of the algorithms here: a change of any number they give raises it.
+pub const VERSION: u32 = 1;

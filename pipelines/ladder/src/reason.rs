@@ -1,0 +1,64 @@
+//! Why a term is in the model or not, in words.
+
+use crate::ladder::{Ladder, Rung};
+use crate::terms::{LadderTerm, TermSet};
+
+/// Whether a term is in the choice, and why: one sentence.
+pub fn reason(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
+    if choice.set.has(term) { kept(ladder, choice, term) } else { left_out(ladder, choice, term) }
+}
+
+fn kept(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
+    let Some(without) = ladder.rung(choice.set.without(term)) else { return String::new() };
+    let name = term.title();
+    if without.is_enough() {
+        let (more, less) = (without.evaluations, choice.evaluations);
+        return format!(
+            "{name} is kept because it makes a run cheaper: without it {more:.0} evaluations instead of {less:.0}"
+        );
+    }
+    format!("{name} is kept: a model without it {}", off(ladder, without))
+}
+
+fn left_out(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
+    let name = term.title();
+    match ladder.rung(ladder.offered.without(term)) {
+        Some(alone) if alone.is_enough() => {
+            format!("{name} is left out: the fullest model without it {}", off(ladder, alone))
+        }
+        _ => format!(
+            "{name} is left out, together with the others: the model {}",
+            off(ladder, choice)
+        ),
+    }
+}
+
+/// How far a model is off, at the quantity that is furthest off.
+fn off(ladder: &Ladder, rung: &Rung) -> String {
+    match rung.furthest() {
+        Some((_, off)) if off.is_infinite() => {
+            "does not run, or lacks a number that the fullest model has".to_owned()
+        }
+        Some((at, off)) => {
+            let name = ladder.quantities.get(at).map_or("", |q| q.name.as_str());
+            format!("is off by {off:.2} of what can be felt at most ({name})")
+        }
+        None => "is not compared by anything".to_owned(),
+    }
+}
+
+/// The choice in a sentence.
+pub fn told(ladder: &Ladder, choice: &Rung) -> String {
+    let full = ladder.rung(ladder.offered).map_or(0.0, |rung| rung.evaluations);
+    let share = if full > 0.0 { 100.0 * choice.evaluations / full } else { 100.0 };
+    let needs = match choice.set {
+        TermSet::NONE => "none of the terms".to_owned(),
+        set => set.terms().map(LadderTerm::title).collect::<Vec<_>>().join(", "),
+    };
+    format!(
+        "{}: of {} terms it needs {needs}; {:.0} evaluations a run, {share:.0} % of the fullest model's",
+        ladder.scene,
+        ladder.offered.len(),
+        choice.evaluations
+    )
+}
