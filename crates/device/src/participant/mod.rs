@@ -24,14 +24,16 @@
 //! posture, and any knowledge that was measured on the thesis' participant, of whom there is none.
 
 mod answer;
+mod course;
 pub(crate) mod draw;
 mod felt;
 pub(crate) mod intent;
 mod person;
 mod reaction;
 
+pub(crate) use course::Course;
 pub use felt::Felt;
-pub use intent::{Intent, Task};
+pub use intent::{Goal, Intent, Task};
 pub use person::{HAND_RANGES, Person};
 pub(crate) use reaction::Reaction;
 
