@@ -15,8 +15,9 @@ use zwidth_tables::Table;
 
 const PAGE: &str = "docs/twin.md";
 const CHORE: &str = "cargo xtask soak thesis";
-/// Seeds of a whole run.
+/// Seeds of a whole run, and how many the page takes at least.
 pub(crate) const SEEDS: u32 = 200;
+const LEAST: u32 = 50;
 /// At this rate as the study that comes along, Hz.
 const RATE: &str = "120";
 /// The one number that stands in the study's own file.
@@ -28,8 +29,66 @@ const HOLDS: f64 = 0.9;
 /// Of fewer seeds it may be supported by as many as 90 % would leave in one of a thousand runs.
 const RARE: f64 = 0.001;
 
-/// Statements that the twin does not tell, and why.
-const NOT_TOLD: &[(&str, &str)] = &[];
+/// Why a statement may be told less often than that. One without a reason must be told.
+const WHY: &[(&str, &str)] = &[
+    (
+        "active_renders",
+        "back-EMF and bearings drag by up to 0.25 N s/rad in the assumed ranges; the user's force falls as the lever \
+         slows, and where no plateau is found the line goes through it",
+    ),
+    (
+        "active_flattens",
+        "friction of up to 0.4 N and that drag stand between the motor's 4.16 N and the user's force, which is then \
+         above 4.5 N, or slopes so much that no plateau is found",
+    ),
+    ("active_to_some_extent", "it rests on the two above"),
+    (
+        "passive_stops",
+        "on the way in the brake alone and the hybrid are one device, and who does not know the mode turns at one angle \
+         in both; it was taken from motor and hybrid, 32°",
+    ),
+    (
+        "hybrid_like_active",
+        "soft hands swing past their angle with the motor, and six trials of each say a difference to within about \
+         1.5° only, so that most of the others are undecided",
+    ),
+    (
+        "hybrid_earlier_reversal",
+        "the motor gives way above 4.16 N, so that the angle is reached sooner; the thesis itself puts it down to the \
+         user's control rather than to mechanics",
+    ),
+    (
+        "active_never_settles",
+        "at the turn the lever stands while the user's force falls by twice the friction, which takes a tenth of a \
+         second and more where there is much of it",
+    ),
+    (
+        "active_as_without",
+        "who likes to turn before the wall goes further where there is one to feel; and six trials say a difference \
+         to within about 1.5° only",
+    ),
+    ("mechanics_against_perception", "it rests on the hybrid's displacement, see above"),
+    ("spooling_up", "no study's tables tell"),
+    ("model_misses_velocity", "no study's tables tell"),
+    ("model_needs_its_device", "no study's tables tell"),
+    (
+        "model_true_active",
+        "the model's damping of 1 N s/rad was chosen by eye on the thesis' hybrid (§4.3); the twin's is 0.02 to \
+         0.25 N s/rad, so that the model stays behind where the motor gives way",
+    ),
+    ("model_true_passive", "the same damping, and the lengths of lever in which it is felt"),
+    ("model_true_hybrid", "the same damping, and the lengths of lever in which it is felt"),
+    ("model_in_time", "the same damping: the model creeps on while the lever stands"),
+    ("wall_lets_go", "the thesis calls it a defect of its code, which the twin's control has not"),
+    (
+        "brake_lets_go_again",
+        "the thesis calls it a defect of its code, which the twin's control has not",
+    ),
+    (
+        "short_of_wall",
+        "a participant who is comfortable below 8 N puts 6 to 7 N on the wall, which 12 N would hold",
+    ),
+];
 
 /// One statement in one study.
 struct Row {
@@ -79,16 +138,17 @@ pub(crate) fn thesis(program: &Path, folder: &Path, seeds: u32) -> anyhow::Resul
     let mut studies: Vec<(u32, Vec<Row>)> = parts.into_iter().flatten().collect();
     studies.sort_by_key(|(seed, _)| *seed);
     let (keys, counted) = count(studies.into_iter().flat_map(|(_, rows)| rows))?;
+    std::fs::remove_dir_all(folder)?;
     let table = written(&keys, &counted, seeds);
     println!("{table}{seeds} studies in {:.0} s", began.elapsed().as_secs_f64());
-    if seeds >= SEEDS {
+    if seeds >= LEAST {
         put(seeds, &table)?;
     } else {
-        println!("{PAGE} takes the table of {SEEDS} or more alone");
+        println!("{PAGE} takes the table of {LEAST} or more alone");
     }
     judge(&keys, &counted, seeds as usize)?;
-    let what = "studies of the simulated device over its ranges: the thesis' statements that hold \
-                in 90 % of them do";
+    let what = "studies of the simulated device over its ranges: nine of ten support each thesis' \
+                statement but those with a reason";
     held(what, format!("{CHORE} {seeds}"), seeds.into(), began)
 }
 
@@ -156,30 +216,40 @@ fn count(
     Ok((keys, counted))
 }
 
-/// The tables: what holds, and what does not and why.
+/// The table, and why what is not told is not.
 fn written(keys: &[String], counted: &BTreeMap<String, Counted>, seeds: u32) -> String {
+    let of = |key: &String| Some((key.clone(), counted.get(key)?));
+    let all: Vec<(String, &Counted)> = keys.iter().filter_map(of).collect();
+    let told = all.iter().filter(|(_, of)| of.is_told(seeds)).count();
     let mut text = format!(
-        "Written by `{CHORE} {seeds}`: {seeds} studies, one session of one person each.\n\n\
+        "Written by `{CHORE} {seeds}`: {seeds} studies, one session of one person each. {told} of {} statements are told.\n\n\
          | statement | source | supported | contradicted | undecided | not measured | value: median (5 to 95 %) |\n\
-         |---|---|---|---|---|---|---|\n"
+         |---|---|---|---|---|---|---|\n",
+        all.len()
     );
-    for (key, of) in keys.iter().filter_map(|key| Some((key, counted.get(key)?))) {
+    for (_, of) in &all {
         let [a, b, c, d] = of.verdicts;
-        let not = if is_told(key) { "" } else { " (not told)" };
+        let (words, source) = (&of.text, &of.source);
+        let words = if of.is_told(seeds) { words.clone() } else { format!("*{words}*") };
         let value = spread(&of.values, &of.unit);
-        text +=
-            &format!("| {}{not} | {} | {a} | {b} | {c} | {d} | {value} |\n", of.text, of.source);
+        text += &format!("| {words} | {source} | {a} | {b} | {c} | {d} | {value} |\n");
     }
-    text += "\nNot told by this twin:\n\n";
-    for (key, why) in NOT_TOLD {
-        let words = counted.get(*key).map_or(*key, |of| of.text.as_str());
-        text += &format!("* {words}: {why}.\n");
+    text += "\nNot told, and why:\n\n";
+    for (key, of) in all.iter().filter(|(_, of)| !of.is_told(seeds)) {
+        text += &format!("* {}: {}.\n", of.text, why(key).unwrap_or("unknown"));
     }
     text
 }
 
-fn is_told(key: &str) -> bool {
-    NOT_TOLD.iter().all(|(not, _)| *not != key)
+impl Counted {
+    /// Whether nine of ten studies support it.
+    fn is_told(&self, seeds: u32) -> bool {
+        self.verdicts[0] as f64 >= HOLDS * f64::from(seeds)
+    }
+}
+
+fn why(key: &str) -> Option<&'static str> {
+    WHY.iter().find(|(of, _)| *of == key).map(|(_, why)| *why)
 }
 
 /// Median, and the values between which nine of ten lie.
@@ -203,21 +273,18 @@ fn put(seeds: u32, table: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Fails where a statement is told too seldom, or one that is told is said not to be.
+/// Fails where a statement is told too seldom without a reason.
 fn judge(keys: &[String], counted: &BTreeMap<String, Counted>, seeds: usize) -> anyhow::Result<()> {
     let least = least(seeds);
-    let mut wrong = Vec::new();
-    for (key, of) in keys.iter().filter_map(|key| Some((key, counted.get(key)?))) {
-        let supported = of.verdicts[0];
-        if is_told(key) && supported < least {
-            wrong.push(format!("{key}: supported by {supported} of {seeds}, {least} at least"));
-        }
-        if !is_told(key) && seeds >= SEEDS as usize && supported as f64 >= HOLDS * seeds as f64 {
-            wrong
-                .push(format!("{key} is said not to be told, and holds in {supported} of {seeds}"));
-        }
-    }
-    let unknown = NOT_TOLD.iter().filter(|(key, _)| !counted.contains_key(*key));
+    let too_seldom = |key: &&String| {
+        why(key).is_none() && counted.get(*key).is_some_and(|of| of.verdicts[0] < least)
+    };
+    let mut wrong: Vec<String> = keys
+        .iter()
+        .filter(too_seldom)
+        .map(|key| format!("{key}: supported by fewer than {least} of {seeds}"))
+        .collect();
+    let unknown = WHY.iter().filter(|(key, _)| !counted.contains_key(*key));
     wrong.extend(unknown.map(|(key, _)| format!("{key} is no statement")));
     ensure!(wrong.is_empty(), "{}", wrong.join("\n"));
     Ok(())

@@ -59,8 +59,8 @@ const ROOM_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 const LEAST_TRAVEL_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0;
 /// Standard deviation of the meant angle from repeat to repeat, rad: 1°.
 const REACH_SD_RAD: f64 = std::f64::consts::PI / 180.0;
-/// How far past a wall everybody means to go who is to feel one, rad: 4.5°.
-const PRESS_RAD: f64 = 4.5 * std::f64::consts::PI / 180.0;
+/// How far past a wall everybody means to go who is to feel one, rad: 4°.
+const PRESS_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
 /// Standard deviation of how hard it means to press, from repeat to repeat, as a share.
 const PRESS_SD: f64 = 0.15;
 /// How much slower the very first trial of all is, and how much more it varies, as shares.
@@ -69,9 +69,9 @@ const FIRST_VARIES: f64 = 0.5;
 /// Trials after which half of that is learned.
 const HALF_LEARNED: f64 = 6.0;
 /// What a participant leaves of a trial's time, s.
-const SPARE_S: f64 = 0.4;
-/// Greatest speed of a movement of least jerk over its mean.
-const LEAST_JERK_PEAK: f64 = 1.875;
+const SPARE_S: f64 = 0.3;
+/// How fast it lets go at most, as a share of the lever's mean speed on the way in.
+const SLACK_MOST: f64 = 1.5;
 /// How far a trial goes that somebody gives up, as a share of what was meant.
 const GIVEN_UP: f64 = 0.35;
 
@@ -121,10 +121,10 @@ impl Intent {
         self.onset_s + self.forward_s + self.wait_s
     }
 
-    /// How fast it draws back to let go of a force, m/s: in its own time, but no faster than the
-    /// lever was meant to go in at its fastest.
+    /// How fast it draws back to let go of a force, m/s: in its own time, but hardly faster than
+    /// the lever was meant to go in.
     pub(crate) fn slack_m_s(&self, person: &Person, lever_m: f64, force_n: f64) -> f64 {
-        let fastest_m_s = LEAST_JERK_PEAK * lever_m * self.travel_rad / self.forward_s;
+        let fastest_m_s = SLACK_MOST * lever_m * self.travel_rad / self.forward_s;
         (force_n * person.compliance_m_per_n() / self.let_go_s).min(fastest_m_s)
     }
 
@@ -151,9 +151,8 @@ fn goal(person: &Person, task: &Task, off: [f64; 2]) -> Goal {
 /// presses the hand back (an internal model of the object; Shadmehr & Mussa-Ivaldi 1994). A wall
 /// is left to stop it.
 fn amplitude_m(person: &Person, task: &Task, angle_rad: f64) -> f64 {
-    let scene_n = before_wall_n(&task.scene, angle_rad);
-    let soft = person.compliance_m_per_n();
-    task.lever_m * (angle_rad - task.start_rad) + soft * (scene_n + task.resistance_n)
+    let at_goal_n = before_wall_n(&task.scene, angle_rad) + task.resistance_n;
+    task.lever_m * (angle_rad - task.start_rad) + person.compliance_m_per_n() * at_goal_n
 }
 
 /// The force of a scene at an angle as if it had no wall, N. Where it turns back the hand stands:

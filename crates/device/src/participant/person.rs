@@ -28,8 +28,8 @@ const ONSET_S: Spread = Spread { mean: 0.3, sd: 0.076, days: 0.84 };
 /// the greatest speed.
 const PACE: Spread = Spread { mean: 1.0, sd: 0.08, days: 0.8 };
 /// Angle at which it turns back, rad. Mean: 32°, where the thesis' participant turned with motor and
-/// hybrid (§5.3.1.3); SD assumed, 2°; between days as the pace.
-const REACH_RAD: Spread = Spread { mean: 32.0 * DEGREE_RAD, sd: 2.0 * DEGREE_RAD, days: PACE.days };
+/// hybrid (§5.3.1.3); SD assumed, 1.7°; between days as the pace.
+const REACH_RAD: Spread = Spread { mean: 32.0 * DEGREE_RAD, sd: 1.7 * DEGREE_RAD, days: PACE.days };
 /// How much higher it answers than others, points of five. SD assumed; between days what the kappas
 /// of rating scales asked twice, 6 to 24 days apart, are: 0.50 to 0.64 (Tourangeau et al. 2019, Tob.
 /// Control 28:663, Table 7).
@@ -38,9 +38,9 @@ const BIAS: Spread = Spread { mean: 0.0, sd: 0.35, days: 0.6 };
 const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
 /// Usual durations, s, of a pace of 1: forward, waiting for the goal, letting go, and back.
-const FORWARD_S: f64 = 1.2;
+const FORWARD_S: f64 = 1.35;
 const WAIT_S: f64 = 0.2;
-const LET_GO_S: f64 = 0.6;
+const LET_GO_S: f64 = 0.5;
 const BACK_S: f64 = 1.1;
 
 /// A participant in a session. Numbers without a source are assumed.

@@ -1,15 +1,16 @@
 //! The story of thesis §5.3, told by the twin over the whole range of what is assumed: the real
 //! loop, controller and guard, judged by the plant's true state.
 
+mod days;
 mod rehearsal;
 
 use super::{Twin, TwinParameters};
 use crate::participant::intent::tests::task;
 use crate::participant::{Course, STEP_S};
-use crate::{Intent, Person};
+use crate::{Intent, Person, Task};
 use rehearsal::*;
 use std::f64::consts::FRAC_PI_4;
-use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters};
+use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, DrivenState};
 use zwidth_study::{ModeLaw, Scene};
 
 /// Devices and participants: drawn from the whole range, and each number at either end of its
@@ -213,14 +214,15 @@ fn in_free_space_the_velocity_has_one_peak_each_way() {
     assert_eq!(peaks(&[0.0, 1.0, 0.8, 1.0, 0.0], 0.1), 2);
     for seed in 0..40 {
         let person = Person::draw(seed).in_session(seed, 0);
-        let hand = alone(&person, Intent::draw(&person, 2, &task(Scene::Free)));
+        let nothing = Task { resistance_n: 0.0, ..task(Scene::Free) };
+        let hand = alone(&person, Intent::draw(&person, 2, &nothing));
         let ways =
             [1.0, -1.0].map(|way| hand.iter().map(|v| (way * v).max(0.0)).collect::<Vec<f64>>());
         assert_eq!(ways.map(|velocity| peaks(&velocity, 0.05)), [1, 1], "{seed}");
     }
 }
 
-/// Velocity of a hand that touches nothing.
+/// Velocity of a hand that touches nothing; a lever without mass or friction goes along with it.
 fn alone(person: &Person, intent: Intent) -> Vec<f64> {
     let hand = Some(person.hand);
     let parameters = DrivenParameters { stops_rad: None, ..TwinParameters::default().plant(hand) };
@@ -236,8 +238,10 @@ fn alone(person: &Person, intent: Intent) -> Vec<f64> {
         .map(|t| {
             let aims = [at(&course, t), at(&course, t + STEP_S)];
             plant.advance(STEP_S, Command::default(), aims).unwrap();
-            course.step(person, 0.045, t + STEP_S, &plant.state());
-            plant.state().hand_m_s
+            let state = plant.state();
+            let theta_rad = (state.hand_m + 1.0) / 0.045 - FRAC_PI_4;
+            course.step(person, 0.045, t + STEP_S, &DrivenState { theta_rad, ..state });
+            state.hand_m_s
         })
         .collect()
 }
