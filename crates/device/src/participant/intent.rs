@@ -94,7 +94,9 @@ impl Intent {
             goal: goal(person, task, [(); 2].map(|()| spread * draw.moderate())),
         };
         let angle_rad = intent.goal.angle_rad;
-        let share = if person.gives_up(trial) { GIVEN_UP } else { 1.0 };
+        let (share, wait_s) =
+            if person.gives_up(trial) { (GIVEN_UP, 0.0) } else { (1.0, intent.wait_s) };
+        let intent = Self { wait_s, ..intent };
         Self {
             amplitude_m: share * amplitude_m(person, task, angle_rad),
             travel_rad: angle_rad - task.start_rad,
@@ -284,11 +286,14 @@ pub(crate) mod tests {
     #[test]
     fn a_trial_that_is_given_up_goes_a_third_of_the_way() {
         let untidy = Person { gives_up: 0.5, ..Person::typical(1) };
-        let far = |person: &Person, k| Intent::draw(person, k, &task(Scene::Free)).amplitude_m;
+        let of = |person: &Person, k| Intent::draw(person, k, &task(Scene::Free));
+        let far = |person: &Person, k| of(person, k).amplitude_m;
+        let waits = (1..100).filter(|k| of(&untidy, *k).wait_s > 0.0).count();
         let shares: Vec<f64> =
             (1..100).map(|k| far(&untidy, k) / far(&Person::typical(1), k)).collect();
         let given_up = shares.iter().filter(|share| (**share - GIVEN_UP).abs() < 1e-12).count();
         assert!((30..70).contains(&given_up), "{given_up}");
+        assert_eq!(given_up + waits, shares.len());
         assert!(shares.iter().all(|s| (s - 1.0).abs() < 1e-12 || (s - GIVEN_UP).abs() < 1e-12));
     }
 }
