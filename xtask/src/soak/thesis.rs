@@ -100,6 +100,9 @@ struct Row {
     unit: String,
 }
 
+/// What the studies of some seeds gave.
+type Found = Vec<(u32, Vec<Row>)>;
+
 /// A statement over all studies.
 #[derive(Default)]
 struct Counted {
@@ -115,7 +118,7 @@ const VERDICTS: [&str; 4] = ["supported", "contradicted", "undecided", "not meas
 
 pub(crate) fn thesis(program: &Path, folder: &Path, seeds: u32) -> anyhow::Result<()> {
     let (next, began) = (AtomicU32::new(1), Instant::now());
-    let work = || -> anyhow::Result<Vec<(u32, Vec<Row>)>> {
+    let work = || -> anyhow::Result<Found> {
         let mut found = Vec::new();
         loop {
             let seed = next.fetch_add(1, Ordering::Relaxed);
@@ -128,14 +131,14 @@ pub(crate) fn thesis(program: &Path, folder: &Path, seeds: u32) -> anyhow::Resul
             std::fs::remove_dir_all(&root)?;
         }
     };
-    let parts: Vec<Vec<(u32, Vec<Row>)>> = std::thread::scope(|scope| {
+    let parts: Vec<Found> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
-        let join = |thread: ScopedJoinHandle<'_, anyhow::Result<Vec<(u32, Vec<Row>)>>>| {
+        let join = |thread: ScopedJoinHandle<'_, anyhow::Result<Found>>| {
             thread.join().unwrap_or_else(|_| bail!("a thread panicked"))
         };
         threads.into_iter().map(join).collect::<anyhow::Result<_>>()
     })?;
-    let mut studies: Vec<(u32, Vec<Row>)> = parts.into_iter().flatten().collect();
+    let mut studies: Found = parts.into_iter().flatten().collect();
     studies.sort_by_key(|(seed, _)| *seed);
     let (keys, counted) = count(studies.into_iter().flat_map(|(_, rows)| rows))?;
     std::fs::remove_dir_all(folder)?;

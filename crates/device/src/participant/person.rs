@@ -206,8 +206,10 @@ mod tests {
         assert!((Person::typical(1).compliance_m_per_n() - expected).abs() < 1e-15);
     }
 
+    type Number = fn(&Person) -> f64;
+
     /// Pearson's correlation of a number on two days of many people.
-    fn between_days(number: fn(&Person) -> f64) -> f64 {
+    fn between_days(number: Number) -> f64 {
         let pairs: Vec<[f64; 2]> = (0..4000)
             .map(|seed| [1, 2].map(|day| number(&Person::draw(seed).in_session(2 * seed + day, 0))))
             .collect();
@@ -221,7 +223,7 @@ mod tests {
 
     #[test]
     fn two_days_of_a_person_are_as_alike_as_the_source_says_and_no_more() {
-        let expected: [(fn(&Person) -> f64, f64); 4] = [
+        let expected: [(Number, f64); 4] = [
             (|person| person.onset_s, 0.84),
             (|person| person.forward_s, 0.8),
             (|person| person.reach_rad, 0.8),
