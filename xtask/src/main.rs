@@ -23,6 +23,7 @@ cargo xtask bits --without-origin      only their content, without what files sa
 cargo xtask bits renew                 writes that content down
 cargo xtask stale                      each field of study.toml, a session and each stage's parameters changed: no stale result
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
+cargo xtask soak thesis [SEEDS]        how often the thesis' statements hold for the twin over its ranges; writes docs/twin.md [200]
 cargo xtask soak compared [SEEDS [PEOPLE|FILE]] how often comparisons of studies drawn from simulated people (or from their metrics in FILE) are right [1000, of 1000]
 cargo xtask soak simulate [SEEDS [FIRST]] whole sessions in memory with faults drawn from a seed each [100000, from 0]
 cargo xtask soak simulate-twin [SEEDS [FIRST]] the same with the simulated device and participant [1000, from 0]
@@ -65,6 +66,11 @@ fn main() -> anyhow::Result<()> {
             &soak::program()?,
             &scratch("coverage"),
             number(rest.first(), 400)?,
+        ),
+        ["soak", "thesis", rest @ ..] => soak::thesis::thesis(
+            &soak::program()?,
+            &scratch("thesis"),
+            number(rest.first(), soak::thesis::SEEDS)?,
         ),
         ["soak", "compared", rest @ ..] => {
             let from = match rest.get(1) {

@@ -2,6 +2,7 @@
 //! screen.
 
 mod auto;
+mod careful;
 mod error;
 pub mod flow;
 mod folder;
@@ -20,6 +21,7 @@ pub mod vault;
 mod view;
 
 pub use auto::{Auto, Nobody};
+pub use careful::Careful;
 pub use error::AcquireError;
 pub use flow::Input;
 pub use front::Front;

@@ -4,6 +4,7 @@ use anyhow::{Context as _, anyhow};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use zwidth_acquire::number;
 use zwidth_device::check::Step;
 use zwidth_device::{Device, Person, Playback, Twin, TwinParameters};
 use zwidth_store::{Samples, Signal, hex_blake3, read_trial};
@@ -52,13 +53,15 @@ pub(crate) struct Occasion<'a> {
     pub(crate) seed: u64,
     pub(crate) participant: &'a ParticipantId,
     pub(crate) session: &'a SessionId,
+    /// Trials of a session.
+    pub(crate) trials: u32,
 }
 
 /// The device, and who is at it where it is the simulated one.
 pub(crate) fn open(spec: &DeviceSpec, occasion: &Occasion) -> anyhow::Result<Box<dyn Device>> {
-    let Occasion { twin: parameters, theta_min_rad, seed, participant, session } = *occasion;
+    let theta_min_rad = occasion.theta_min_rad;
     match spec {
-        DeviceSpec::Twin => Ok(Box::new(twin(parameters, seed, participant, session)?)),
+        DeviceSpec::Twin => Ok(Box::new(twin(occasion, false)?)),
         DeviceSpec::Playback(path) => {
             let trial = read_trial(path, Signal::all())?;
             let stop_rad = theta_min_rad.context("study.toml: device.theta_min_deg is missing")?;
@@ -67,17 +70,21 @@ pub(crate) fn open(spec: &DeviceSpec, occasion: &Occasion) -> anyhow::Result<Box
     }
 }
 
-/// The simulated device with a participant. One seed: one device, the same person in each session,
-/// other noise.
-pub(crate) fn twin(
-    parameters: &TwinParameters,
-    seed: u64,
-    participant: &ParticipantId,
-    session: &SessionId,
-) -> anyhow::Result<Twin> {
-    let person = Person::draw(mixed(seed, &["person", participant.as_str()]));
-    let board = mixed(seed, &["board", participant.as_str(), session.as_str()]);
-    Ok(Twin::new(parameters.clone(), person, board)?)
+/// The simulated device with a participant. One seed: one device, the same person in each session
+/// with what a day brings, other noise. An untidy person gives trials up and leaves questions open.
+pub(crate) fn twin(occasion: &Occasion, untidy: bool) -> anyhow::Result<Twin> {
+    let Occasion { twin: parameters, seed, participant, session, .. } = *occasion;
+    let of = |purpose: &str| mixed(seed, &[purpose, participant.as_str(), session.as_str()]);
+    let lasting = Person::draw(mixed(seed, &["person", participant.as_str()]));
+    let person = lasting.in_session(of("day"), practised(session, occasion.trials));
+    let person = if untidy { person.untidy() } else { person };
+    Ok(Twin::new(parameters.clone(), person, of("board"))?)
+}
+
+/// Trials that somebody went through before a session, if the sessions before it were whole: none
+/// before one without a number.
+fn practised(session: &SessionId, trials: u32) -> u32 {
+    number(session.as_str()).unwrap_or(1).saturating_sub(1).saturating_mul(trials)
 }
 
 /// A seed from a seed and what it is for.

@@ -77,9 +77,13 @@ fn tells_the_story(root: &Path, study: &str, twin: &TwinParameters, rate_hz: f64
         }
     }
     // Active, spring: the user feels the motor's 4.16 N, and friction and damping on top while
-    // going in.
+    // going in, which may fall too fast with the velocity to leave a plateau.
     let drag_n = twin.friction_static_n + 1.0;
-    each("spring", "active", "saturation_force_n", &|n| n > MOTOR_N - 0.02 && n < MOTOR_N + drag_n);
+    let is_motors = |n: &f64| *n > MOTOR_N - 0.02 && *n < MOTOR_N + drag_n;
+    let felt = largest(root, study, "spring", "active", Signal::ForceEx);
+    assert!(felt.iter().all(is_motors), "{what}: {felt:?}");
+    let plateaus = metrics.of("spring", "active", "saturation_force_n");
+    assert!(plateaus.iter().flatten().all(is_motors), "{what}: {plateaus:?}");
     // Passive: no way back, and hence nothing to compare; the work stays in the device.
     for environment in ["spring", "spring_wall"] {
         each(environment, "passive", "movements_backward", &|n| n == 0.0);
@@ -116,18 +120,18 @@ fn tells_the_story(root: &Path, study: &str, twin: &TwinParameters, rate_hz: f64
     }
 }
 
-/// The largest commanded force of every trial of a condition, N.
-fn commanded(root: &Path, study: &str, environment: &str, mode: &str) -> Vec<f64> {
+/// The largest value of a signal in every trial of a condition.
+fn largest(root: &Path, study: &str, environment: &str, mode: &str, signal: Signal) -> Vec<f64> {
     let layout = Layout::new(root, StudyId::new(study).unwrap());
     let data = StudyData::load(&layout).unwrap();
     let mine = data
         .counting()
         .filter(|t| t.meta.environment.as_str() == environment && t.meta.mode.as_str() == mode);
-    let largest = |path: &Path| {
-        let trial = read_trial(path, [Signal::ForceCmd]).unwrap();
-        trial.samples.get(Signal::ForceCmd).unwrap().iter().copied().fold(0.0, f64::max)
+    let of = |path: &Path| {
+        let trial = read_trial(path, [signal]).unwrap();
+        trial.samples.get(signal).unwrap().iter().copied().fold(0.0, f64::max)
     };
-    mine.map(|t| largest(&t.path)).collect()
+    mine.map(|t| of(&t.path)).collect()
 }
 
 #[test]
@@ -135,7 +139,7 @@ fn the_study_that_comes_along_tells_the_thesis_story() {
     let root = shipped::folder();
     tells_the_story(root, "thesis-twin", &TwinParameters::default(), 120.0, "as it is");
     // Exactly: what the voltages stand for is the calibration's last knot.
-    let saturated = commanded(root, "thesis-twin", "spring", "active");
+    let saturated = largest(root, "thesis-twin", "spring", "active", Signal::ForceCmd);
     assert!(saturated.iter().all(|n| n.to_bits() == MOTOR_N.to_bits()), "{saturated:?}");
     assert_eq!(saturated.len(), 6);
     let hybrid = Metrics::read(root, "thesis-twin");

@@ -8,6 +8,7 @@ pub(crate) mod live;
 pub(crate) mod properties;
 pub(crate) mod simulate;
 pub(crate) mod statistics;
+pub(crate) mod thesis;
 pub(crate) mod watchdog;
 
 use anyhow::{Context as _, bail};

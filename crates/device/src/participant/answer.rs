@@ -5,11 +5,11 @@
 //!
 //! | environment | quality |
 //! |---|---|
-//! | spring | line · (0.3 + 0.7 · returned) · (1 − discrepancy / 6 N) |
-//! | spring and wall | √(spring's quality · hardness), hardness = 1 − (degrees past the wall) / 8°, 0 if not reached |
+//! | spring | line · (0.3 + 0.7 · returned) · (1 − (discrepancy − 0.6 N) / 4 N) |
+//! | spring and wall | √(spring's quality · hardness), hardness = 1 − (degrees past the wall) / 5°, 0 if not reached |
 //! | free, or nothing rendered | 1 − greatest force / 2 N |
 //!
-//! line = (R² − 0.5) / 0.5 of force over angle while going in; each term held to 0…1. The weights
+//! line = (R² − 0.5) / 0.4 of force over angle while going in; each term held to 0…1. The weights
 //! were chosen so that the modes rank as in thesis Fig. 30; they are no measurement.
 
 use super::draw::{Draw, Purpose};
@@ -18,12 +18,16 @@ use zwidth_study::{AnswerScale, Scene};
 
 /// R² at which force over angle no longer seems a line at all.
 const NO_LINE: f64 = 0.5;
+/// R² from which on it is one.
+const LINE: f64 = 0.9;
 /// What is left of a spring that does not come back.
 const ONE_WAY: f64 = 0.3;
-/// Mean difference of both ways at which a spring is no spring, N.
-const NO_SPRING_N: f64 = 6.0;
-/// How far a wall may be passed until it is none, rad: 8°.
-const NO_WALL_RAD: f64 = 8.0 * std::f64::consts::PI / 180.0;
+/// Mean difference of both ways that is taken for the lever's own, N, and what more of it makes a
+/// spring no spring.
+const OWN_N: f64 = 0.6;
+const NO_SPRING_N: f64 = 4.0;
+/// How far a wall may be passed until it is none, rad: 5°.
+const NO_WALL_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Greatest force at which free space is not free, N.
 const NOT_FREE_N: f64 = 2.0;
 /// Standard deviation of an answer's noise, points of a five-point scale.
@@ -43,9 +47,9 @@ fn quality(felt: &Felt, scene: &Scene) -> f64 {
 }
 
 fn spring(felt: &Felt) -> f64 {
-    let line = part((felt.linearity() - NO_LINE) / (1.0 - NO_LINE));
+    let line = part((felt.linearity() - NO_LINE) / (LINE - NO_LINE));
     let back = ONE_WAY + (1.0 - ONE_WAY) * part(felt.returned());
-    line * back * part(1.0 - felt.discrepancy_n() / NO_SPRING_N)
+    line * back * part(1.0 - (felt.discrepancy_n() - OWN_N).max(0.0) / NO_SPRING_N)
 }
 
 fn part(x: f64) -> f64 {
@@ -94,7 +98,7 @@ mod tests {
         for top_rad in [0.44, 0.62] {
             assert!(quality(&walk(top_rad, false, ideal, ideal), &WALL) < 1e-12);
         }
-        let soft = quality(&walk(0.464 + 0.07, false, ideal, ideal), &WALL);
+        let soft = quality(&walk(0.464 + 0.05, false, ideal, ideal), &WALL);
         assert!((0.6..0.8).contains(&soft), "{soft}");
     }
 

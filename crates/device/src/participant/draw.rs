@@ -70,6 +70,12 @@ pub(crate) enum Purpose {
     Board,
     /// A sweep.
     Sweep,
+    /// What a participant is like on one day.
+    Day,
+    /// Trials that are given up.
+    GivingUp,
+    /// Questions that stay open.
+    Silence,
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
-//! What the hand means to do in a trial: forward, a moment, and back.
+//! What the hand means to do in a trial: forward to a goal, and back.
 
 use super::Person;
 use super::draw::{Draw, Purpose};
-use zwidth_dynamics::Aim;
 use zwidth_study::Scene;
 
 /// What a participant knows before a trial: the environment and the lever. Not the mode.
@@ -19,97 +18,149 @@ pub struct Task {
     /// What the lever itself resists with when nothing is rendered, N: felt during
     /// familiarisation.
     pub resistance_n: f64,
+    /// How long the trial may take, s.
+    pub limit_s: f64,
 }
 
-/// A forward and a backward movement of least jerk.
+/// Where a movement is to turn back: as soon as either is reached.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Goal {
+    /// Angle of the lever, rad.
+    pub angle_rad: f64,
+    /// Force of the finger, N: how hard it means to press on what does not give way.
+    pub force_n: f64,
+}
+
+/// A forward movement of least jerk to a goal, and how it is to come back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Intent {
     /// When it begins, s after the trial's start.
     pub onset_s: f64,
     /// How long it goes forward, s.
     pub forward_s: f64,
-    /// How long it stays, s.
-    pub dwell_s: f64,
+    /// How long it goes on after that while the goal is not reached, s.
+    pub wait_s: f64,
+    /// In how much time it lets go of its force before it turns back, s.
+    pub let_go_s: f64,
     /// How long it goes back, s.
     pub back_s: f64,
     /// How far along the lever's arc the hand means to go, m: further than the lever, by what the
-    /// force will press the hand back.
+    /// force at the goal will press the hand back.
     pub amplitude_m: f64,
+    /// How far the lever is to go, rad.
+    pub travel_rad: f64,
+    /// Where it turns.
+    pub goal: Goal,
 }
 
-/// A participant leaves room at the far end: a device weaker by this force would not carry the hand
-/// into the stop, N.
-const ROOM_N: f64 = 1.0;
-/// Angle between the stop and where it wants to stay, rad: 3°.
-const ROOM_RAD: f64 = 3.0 * std::f64::consts::PI / 180.0;
+/// A participant leaves room at the far end, rad: 5°.
+const ROOM_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Least compression anybody means to reach, rad of lever: 60°, well into a spring.
 const LEAST_TRAVEL_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0;
 /// Standard deviation of the meant angle from repeat to repeat, rad: 1°.
 const REACH_SD_RAD: f64 = std::f64::consts::PI / 180.0;
-/// How far into a wall anybody means to press, rad of lever: 6°, and how much that varies, as a
-/// share.
-const PRESS_RAD: f64 = 6.0 * std::f64::consts::PI / 180.0;
+/// How far past a wall everybody means to go who is to feel one, rad: 4°.
+const PRESS_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
+/// Standard deviation of how hard it means to press, from repeat to repeat, as a share.
 const PRESS_SD: f64 = 0.15;
-/// How much slower the very first trial is, and how much more it varies, as shares.
+/// How much slower the very first trial of all is, and how much more it varies, as shares.
 const FIRST_SLOWER: f64 = 0.1;
 const FIRST_VARIES: f64 = 0.5;
 /// Trials after which half of that is learned.
 const HALF_LEARNED: f64 = 6.0;
+/// What a participant leaves of a trial's time, s.
+const SPARE_S: f64 = 0.3;
+/// How fast it lets go at most, as a share of the lever's mean speed on the way in.
+const SLACK_MOST: f64 = 1.5;
+/// How far a trial goes that somebody gives up, as a share of what was meant.
+const GIVEN_UP: f64 = 0.35;
 
 impl Intent {
     pub(crate) fn draw(person: &Person, trial: u32, task: &Task) -> Self {
         let mut draw = Draw::new(person.seed, Purpose::Intent, u64::from(trial));
-        let new = libm::exp2(-f64::from(trial.saturating_sub(1)) / HALF_LEARNED);
+        let before = f64::from(person.practised) + f64::from(trial.saturating_sub(1));
+        let new = libm::exp2(-before / HALF_LEARNED);
         let spread = 1.0 + FIRST_VARIES * new;
         let mut vary = |usual: f64| usual * (1.0 + person.spread * spread * draw.moderate());
         let slower = 1.0 + FIRST_SLOWER * new;
-        Self {
+        let intent = Self {
             onset_s: vary(person.onset_s),
             forward_s: vary(person.forward_s) * slower,
-            dwell_s: vary(person.dwell_s),
+            wait_s: vary(person.wait_s),
+            let_go_s: vary(person.let_go_s),
             back_s: vary(person.back_s) * slower,
-            amplitude_m: plan(person, task, spread * draw.moderate()),
+            amplitude_m: 0.0,
+            travel_rad: 0.0,
+            goal: goal(person, task, [(); 2].map(|()| spread * draw.moderate())),
+        };
+        let angle_rad = intent.goal.angle_rad;
+        let (share, wait_s) =
+            if person.gives_up(trial) { (GIVEN_UP, 0.0) } else { (1.0, intent.wait_s) };
+        let intent = Self { wait_s, ..intent };
+        Self {
+            amplitude_m: share * amplitude_m(person, task, angle_rad),
+            travel_rad: angle_rad - task.start_rad,
+            ..intent.within(task.limit_s - SPARE_S)
         }
     }
 
-    /// When it is over, s after the trial's start.
-    #[cfg(test)]
-    pub(crate) fn end_s(&self) -> f64 {
-        self.onset_s + self.forward_s + self.dwell_s + self.back_s
+    /// The same, quicker where it would take longer; twice as quick at most.
+    fn within(self, limit_s: f64) -> Self {
+        let Self { onset_s, forward_s, wait_s, let_go_s, back_s, .. } = self;
+        let usual_s = forward_s + wait_s + let_go_s + back_s;
+        let share = ((limit_s - onset_s) / usual_s).clamp(0.5, 1.0);
+        Self {
+            forward_s: share * forward_s,
+            wait_s: share * wait_s,
+            let_go_s: share * let_go_s,
+            back_s: share * back_s,
+            ..self
+        }
     }
 
-    /// Where the hand means to be, from where it started, and how fast.
-    pub(crate) fn aim(&self, t_s: f64) -> Aim {
-        let there = least_jerk(t_s - self.onset_s, self.forward_s);
-        let back = least_jerk(t_s - self.onset_s - self.forward_s - self.dwell_s, self.back_s);
-        Aim {
-            position_m: self.amplitude_m * (there[0] - back[0]),
-            velocity_m_s: self.amplitude_m * (there[1] - back[1]),
-        }
+    /// When it turns back at the latest, s after the trial's start.
+    pub(crate) fn latest_turn_s(&self) -> f64 {
+        self.onset_s + self.forward_s + self.wait_s
+    }
+
+    /// How fast it draws back to let go of a force, m/s: in its own time, but hardly faster than
+    /// the lever was meant to go in.
+    pub(crate) fn slack_m_s(&self, person: &Person, lever_m: f64, force_n: f64) -> f64 {
+        let fastest_m_s = SLACK_MOST * lever_m * self.travel_rad / self.forward_s;
+        (force_n * person.compliance_m_per_n() / self.let_go_s).min(fastest_m_s)
+    }
+
+    /// Where the hand means to be on its way forward, from where it started, m, and how fast, m/s.
+    pub(crate) fn forward(&self, t_s: f64) -> [f64; 2] {
+        least_jerk(t_s - self.onset_s, self.forward_s).map(|x| self.amplitude_m * x)
     }
 }
 
-/// How far the hand means to go, m: the lever's arc to the meant angle, and what the force expected
-/// there presses the hand back. A wall is pressed into; without one, how far it goes depends on how
-/// soft the hand is. `off` is how many standard deviations this repeat is off the usual.
-fn plan(person: &Person, task: &Task, off: f64) -> f64 {
-    let soft = person.compliance_m_per_n();
-    let (angle_rad, press_m) = match task.scene.wall_rad() {
-        Some(wall_rad) => {
-            let usual_m = (soft * person.press_n).min(task.lever_m * PRESS_RAD);
-            (wall_rad, usual_m * (1.0 + PRESS_SD * off))
-        }
-        None => (reach_rad(person, task) + REACH_SD_RAD * off, 0.0),
-    };
-    // Where it turns back the hand stands: what resists by velocity presses nothing.
-    let scene_n = task.scene.law().map_or(0.0, |law| law.force_n(angle_rad, 0.0));
-    task.lever_m * (angle_rad - task.start_rad) + soft * (scene_n + task.resistance_n) + press_m
+/// Where a movement turns: the angle that the person likes, whatever is rendered, or the force that
+/// presses on a wall, of which nobody stays short. `off`: how many standard deviations this repeat
+/// is off the usual, in both.
+fn goal(person: &Person, task: &Task, off: [f64; 2]) -> Goal {
+    let (room_rad, wall_rad) = (task.end_rad - ROOM_RAD, task.scene.wall_rad());
+    let usual_rad = person.reach_rad.max(task.start_rad + LEAST_TRAVEL_RAD);
+    let angle_rad = usual_rad + REACH_SD_RAD * off[0];
+    let angle_rad = wall_rad.map_or(angle_rad, |wall_rad| angle_rad.max(wall_rad + PRESS_RAD));
+    let press_n = person.press_n * (1.0 + PRESS_SD * off[1]);
+    let wall_n = wall_rad.map(|wall_rad| before_wall_n(&task.scene, wall_rad) + press_n);
+    Goal { angle_rad: angle_rad.min(room_rad), force_n: wall_n.unwrap_or(person.comfort_n) }
 }
 
-/// How far into an object without a wall: as far as the person likes, and leaves room.
-fn reach_rad(person: &Person, task: &Task) -> f64 {
-    let room_rad = task.end_rad - ROOM_RAD - ROOM_N * person.compliance_m_per_n() / task.lever_m;
-    person.reach_rad.min(room_rad).max(task.start_rad + LEAST_TRAVEL_RAD)
+/// How far the hand means to go, m: the lever's arc to the angle, and what the force expected there
+/// presses the hand back (an internal model of the object; Shadmehr & Mussa-Ivaldi 1994). A wall
+/// is left to stop it.
+fn amplitude_m(person: &Person, task: &Task, angle_rad: f64) -> f64 {
+    let at_goal_n = before_wall_n(&task.scene, angle_rad) + task.resistance_n;
+    task.lever_m * (angle_rad - task.start_rad) + person.compliance_m_per_n() * at_goal_n
+}
+
+/// The force of a scene at an angle as if it had no wall, N. Where it turns back the hand stands:
+/// what resists by velocity presses nothing.
+fn before_wall_n(scene: &Scene, angle_rad: f64) -> f64 {
+    scene.law().map_or(0.0, |law| law.force_n(angle_rad, 0.0))
 }
 
 /// Share of the way, and its rate (1/s), of a movement of least jerk: 10 s³ − 15 s⁴ + 6 s⁵ with s =
@@ -130,7 +181,14 @@ pub(crate) mod tests {
     pub(crate) const SPRING: Spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 };
 
     pub(crate) fn task(scene: Scene) -> Task {
-        Task { scene, lever_m: 0.045, start_rad: -FRAC_PI_4, end_rad: FRAC_PI_4, resistance_n: 0.1 }
+        Task {
+            scene,
+            lever_m: 0.045,
+            start_rad: -FRAC_PI_4,
+            end_rad: FRAC_PI_4,
+            resistance_n: 0.1,
+            limit_s: 4.0,
+        }
     }
 
     #[test]
@@ -147,51 +205,98 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_hand_goes_forward_and_comes_back_to_where_it_was() {
+    fn the_hand_goes_forward_as_far_as_it_means_to() {
         let intent = Intent::draw(&Person::typical(1), 1, &task(Scene::Spring(SPRING)));
-        assert_eq!(intent.aim(0.0), Aim::default());
-        assert_eq!(intent.aim(intent.end_s() + 1.0), Aim::default());
-        let top = intent.aim(intent.onset_s + intent.forward_s + 0.5 * intent.dwell_s);
-        assert_eq!(top, Aim { position_m: intent.amplitude_m, velocity_m_s: 0.0 });
+        let is = |t_s: f64, position_m: f64| {
+            let [x, v] = intent.forward(t_s);
+            (x - position_m).abs() < 1e-15 && v.abs() < 1e-15
+        };
+        assert!(is(0.0, 0.0) && is(intent.latest_turn_s(), intent.amplitude_m));
     }
 
     #[test]
-    fn it_is_over_within_the_time_limit_of_a_trial() {
+    fn a_plan_is_the_arc_and_what_the_force_presses_back() {
+        let person = Person::typical(1);
+        let travel = 75.0_f64.to_radians();
+        let at = travel - FRAC_PI_4;
+        let soft = 1.0 / 290.0 + 1.0 / 584.6;
+        let expected = 0.045 * travel + (4.0 * travel + 0.1) * soft;
+        assert!((amplitude_m(&person, &task(Scene::Spring(SPRING)), at) - expected).abs() < 1e-12);
+        let free = 0.045 * travel + 0.1 * soft;
+        assert!((amplitude_m(&person, &task(Scene::Free), at) - free).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_goal_is_an_angle_and_at_a_wall_a_force_too() {
+        let person = Person { reach_rad: 0.55, press_n: 1.5, ..Person::typical(1) };
+        let wall = Scene::SpringWall { spring: SPRING, wall_rad: 0.464 };
+        let of = |scene| goal(&person, &task(scene), [0.0, 0.0]);
+        let (free, walled) = (of(Scene::Free), of(wall));
+        assert_eq!(free, Goal { angle_rad: 0.55, force_n: person.comfort_n });
+        assert_eq!(of(Scene::Spring(SPRING)), free);
+        assert!((walled.angle_rad - 0.55).abs() < 1e-12);
+        assert!((walled.force_n - 4.0 * (0.464 + FRAC_PI_4) - 1.5).abs() < 1e-12);
+        let short = Person { reach_rad: 0.4, ..person };
+        let past = goal(&short, &task(wall), [0.0, 0.0]).angle_rad - 0.464;
+        assert!((past - PRESS_RAD).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_movement_is_meant_to_end_within_the_time_of_a_trial() {
         for seed in 0..300 {
-            let person = Person::draw(seed);
+            let person = Person::draw(seed).in_session(seed, 0);
             for trial in 1..40 {
-                let end_s = Intent::draw(&person, trial, &task(Scene::Free)).end_s();
-                assert!((2.0..3.9).contains(&end_s), "{end_s}");
+                let meant = Intent::draw(&person, trial, &task(Scene::Free));
+                let end_s = meant.latest_turn_s() + meant.let_go_s + meant.back_s;
+                assert!((1.8..4.0 - SPARE_S + 1e-9).contains(&end_s), "{end_s}");
             }
         }
     }
 
     #[test]
-    fn a_plan_is_the_arc_and_what_the_force_presses_back() {
-        let person = Person { reach_rad: 30.0_f64.to_radians(), ..Person::typical(1) };
-        let travel = 75.0_f64.to_radians();
-        let expected = 0.045 * travel + (4.0 * travel + 0.1) * (1.0 / 290.0 + 1.0 / 584.6);
-        assert!((plan(&person, &task(Scene::Spring(SPRING)), 0.0) - expected).abs() < 1e-12);
-        let free = 0.045 * travel + 0.1 * (1.0 / 290.0 + 1.0 / 584.6);
-        assert!((plan(&person, &task(Scene::Free), 0.0) - free).abs() < 1e-12);
+    fn nobody_means_to_push_against_the_end_of_the_work_space() {
+        let far = Person { reach_rad: 2.0, ..Person::typical(1) };
+        let angle_rad =
+            |trial| Intent::draw(&far, trial, &task(Scene::Spring(SPRING))).goal.angle_rad;
+        assert!((1..200).all(|trial| angle_rad(trial) <= FRAC_PI_4 - ROOM_RAD));
+    }
+
+    /// Means and variances of how long it goes forward, over people of such trials.
+    fn durations(practised: u32, trials: std::ops::Range<u32>) -> (f64, f64) {
+        let of = |seed| {
+            let person = Person { practised, ..Person::typical(seed) };
+            trials.clone().map(move |k| Intent::draw(&person, k, &task(Scene::Free)).forward_s)
+        };
+        let x: Vec<f64> = (0..200).flat_map(of).collect();
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        (mean, x.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / x.len() as f64)
     }
 
     #[test]
     fn repeats_differ_and_later_ones_are_quicker_and_more_alike() {
-        let durations = |trials: std::ops::Range<u32>| -> Vec<f64> {
-            let of = |seed| {
-                trials.clone().map(move |k| {
-                    Intent::draw(&Person::typical(seed), k, &task(Scene::Free)).forward_s
-                })
-            };
-            (0..200).flat_map(of).collect()
-        };
-        let stats = |x: &[f64]| {
-            let mean = x.iter().sum::<f64>() / x.len() as f64;
-            (mean, x.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / x.len() as f64)
-        };
-        let ((early, varied), (late, steady)) =
-            (stats(&durations(1..6)), stats(&durations(31..36)));
+        let ((early, varied), (late, steady)) = (durations(0, 1..6), durations(0, 31..36));
         assert!(early > 1.04 * late && varied > 1.3 * steady && steady > 1e-4);
+    }
+
+    #[test]
+    fn what_was_learned_in_earlier_sessions_stays() {
+        let ((first, _), (second, steady)) = (durations(0, 1..6), durations(36, 1..6));
+        let (end, at_the_end) = durations(0, 37..42);
+        assert!(first > 1.04 * second && (second / end - 1.0).abs() < 0.01);
+        assert!((steady / at_the_end - 1.0).abs() < 0.3);
+    }
+
+    #[test]
+    fn a_trial_that_is_given_up_goes_a_third_of_the_way() {
+        let untidy = Person { gives_up: 0.5, ..Person::typical(1) };
+        let of = |person: &Person, k| Intent::draw(person, k, &task(Scene::Free));
+        let far = |person: &Person, k| of(person, k).amplitude_m;
+        let waits = (1..100).filter(|k| of(&untidy, *k).wait_s > 0.0).count();
+        let shares: Vec<f64> =
+            (1..100).map(|k| far(&untidy, k) / far(&Person::typical(1), k)).collect();
+        let given_up = shares.iter().filter(|share| (**share - GIVEN_UP).abs() < 1e-12).count();
+        assert!((30..70).contains(&given_up), "{given_up}");
+        assert_eq!(given_up + waits, shares.len());
+        assert!(shares.iter().all(|s| (s - 1.0).abs() < 1e-12 || (s - GIVEN_UP).abs() < 1e-12));
     }
 }

@@ -242,6 +242,9 @@ pub(crate) struct Twin {
     /// So many times the repeats of the design, in a study that is made: for data of any size
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_SCALE))]
     pub(crate) scale: u32,
+    /// Participants now and then give a trial up, which is then done again, or leave a question open
+    #[arg(long)]
+    pub(crate) untidy: bool,
     #[command(flatten)]
     pub(crate) keys: Keys,
 }

@@ -41,6 +41,13 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
 }
 
 impl Bench {
+    /// Trials of a session.
+    fn trials(&self) -> u32 {
+        let conditions = u32::try_from(self.study.conditions().len()).unwrap_or(u32::MAX);
+        let counted = conditions.saturating_mul(self.study.design.repeats);
+        counted.saturating_add(self.study.design.familiarisation)
+    }
+
     /// What a device of this study is opened for.
     pub(super) fn occasion<'a>(
         &'a self,
@@ -49,7 +56,8 @@ impl Bench {
         session: &'a SessionId,
     ) -> Occasion<'a> {
         let theta_min_rad = self.study.device.theta_min_rad;
-        Occasion { twin: &self.twin, theta_min_rad, seed, participant, session }
+        let trials = self.trials();
+        Occasion { twin: &self.twin, theta_min_rad, seed, participant, session, trials }
     }
 
     /// The same for a session that goes on by the study it began with, at the rate asked for.

@@ -12,7 +12,9 @@ use anyhow::{Context as _, bail};
 use jiff::{SignedDuration, Timestamp};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-use zwidth_acquire::{Auto, Nobody, Options, Outcome, Parts, Plan, Session, Unsynced, number, run};
+use zwidth_acquire::{
+    Auto, Careful, Front, Nobody, Options, Outcome, Parts, Plan, Session, Unsynced, number, run,
+};
 use zwidth_device::{Device as _, SimulatedClock};
 use zwidth_store::{
     Files as _, Layout, Raw, RealFiles, check_study_id, hex_blake3, log_sweeps, write_new,
@@ -21,9 +23,9 @@ use zwidth_study::{ParticipantId, SessionId, template};
 
 /// Version of what this command makes of a seed. Another version gives other bytes, and another
 /// software in the files.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// The software, as records, trials and sweeps of a simulated study name it.
-const SOFTWARE: &str = "zwidth twin 1";
+const SOFTWARE: &str = "zwidth twin 2";
 /// Sweeps of each actuator (thesis App. D).
 const SWEEPS: [(Actuator, u32); 2] = [(Actuator::Motor, 15), (Actuator::Brake, 30)];
 /// When the calendar of a simulated study begins, s since 1970: 1 January 2026, 09:00 UTC. Session
@@ -47,7 +49,7 @@ pub(crate) fn twin(root: &Path, command: &Twin, screen: &Screen) -> anyhow::Resu
     let outcomes: Vec<anyhow::Result<Outcome>> = sessions
         .par_iter()
         .map(|(participant, session)| {
-            let outcome = one(&bench, &raw, command.seed, participant, session, &keys);
+            let outcome = one(&bench, &raw, command, participant, session, &keys);
             bar.inc(1);
             outcome.with_context(|| format!("{participant} {session}"))
         })
@@ -114,12 +116,13 @@ fn refuse_what_is_there(
 fn one(
     bench: &Bench,
     raw: &Raw,
-    seed: u64,
+    command: &Twin,
     participant: &ParticipantId,
     session: &SessionId,
     keys: &Path,
 ) -> anyhow::Result<Outcome> {
-    let mut device = device(&bench.twin, seed, participant, session)?;
+    let seed = command.seed;
+    let mut device = device(&bench.occasion(seed, participant, session), command.untidy)?;
     let plan = Plan {
         layout: bench.layout.clone(),
         study: bench.study.clone(),
@@ -147,9 +150,9 @@ fn one(
         SimulatedClock::new(mixed(seed, &["clock", participant.as_str(), session.as_str()]));
     let begin = begin(participant, session)?;
     let utc = |now_s: f64| later(begin, now_s);
-    let mut front = Auto::new(Nobody);
-    let parts =
-        Parts { device: &mut device, clock: &mut clock, files: raw, front: &mut front, utc: &utc };
+    let (mut auto, mut careful) = (Auto::new(Nobody), Careful::new(Nobody));
+    let front: &mut dyn Front = if command.untidy { &mut careful } else { &mut auto };
+    let parts = Parts { device: &mut device, clock: &mut clock, files: raw, front, utc: &utc };
     Ok(run(&plan, laid, &options, parts)?)
 }
 

@@ -10,7 +10,7 @@ use zwidth_dynamics::{Command, Driven};
 use zwidth_study::{AnswerScale, Channel, ChannelId, Extra, Source, Voltages};
 
 /// Version of the simulation: another one makes other numbers of the same seed.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Without a write for this long the board goes to 0 V, s.
 const WATCHDOG_S: f64 = 0.05;
 /// Rate at which it is asked by default, Hz.
@@ -90,7 +90,7 @@ impl Twin {
     /// What the participant means to do in the current trial.
     #[cfg(test)]
     pub(crate) fn intent(&self) -> &crate::Intent {
-        &self.trial.intent
+        self.trial.course.intent()
     }
 
     /// Puts the lever at rest at an angle with the hand waiting just before it.

@@ -1,14 +1,16 @@
 //! The story of thesis §5.3, told by the twin over the whole range of what is assumed: the real
 //! loop, controller and guard, judged by the plant's true state.
 
+mod days;
 mod rehearsal;
 
 use super::{Twin, TwinParameters};
 use crate::participant::intent::tests::task;
-use crate::{Intent, Person};
+use crate::participant::{Course, STEP_S};
+use crate::{Intent, Person, Task};
 use rehearsal::*;
 use std::f64::consts::FRAC_PI_4;
-use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, Hand};
+use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, DrivenState};
 use zwidth_study::{ModeLaw, Scene};
 
 /// Devices and participants: drawn from the whole range, and each number at either end of its
@@ -186,8 +188,8 @@ fn one_intent_gives_three_trajectories_in_three_modes() {
     let mut twin = Twin::new(device, person, 5).unwrap();
     let trials = LAWS.map(|mode| rehearse(&mut twin, mode, &spring(), 1000.0, 7));
     assert!(trials.iter().all(|trial| trial.intent == trials[0].intent));
-    let tops = trials.each_ref().map(Rehearsal::top_rad);
-    assert!(tops[0] > tops[1] + 0.02);
+    let peaks = trials.each_ref().map(Rehearsal::peak_n);
+    assert!(peaks[1] > peaks[0] + 0.5, "{peaks:?}");
     let ends = trials.each_ref().map(|trial| trial.last().theta_rad);
     assert!(ends[1] > ends[0] + 0.5 && ends[1] > ends[2] + 0.5);
 }
@@ -211,30 +213,35 @@ fn peaks(curve: &[f64], share: f64) -> usize {
 fn in_free_space_the_velocity_has_one_peak_each_way() {
     assert_eq!(peaks(&[0.0, 1.0, 0.8, 1.0, 0.0], 0.1), 2);
     for seed in 0..40 {
-        let person = Person::draw(seed);
-        let intent = Intent::draw(&person, 2, &task(Scene::Free));
-        let hand = alone(person.hand, &intent);
+        let person = Person::draw(seed).in_session(seed, 0);
+        let nothing = Task { resistance_n: 0.0, ..task(Scene::Free) };
+        let hand = alone(&person, Intent::draw(&person, 2, &nothing));
         let ways =
             [1.0, -1.0].map(|way| hand.iter().map(|v| (way * v).max(0.0)).collect::<Vec<f64>>());
         assert_eq!(ways.map(|velocity| peaks(&velocity, 0.05)), [1, 1], "{seed}");
     }
 }
 
-/// Velocity of a hand that touches nothing.
-fn alone(hand: Hand, intent: &Intent) -> Vec<f64> {
-    let parameters =
-        DrivenParameters { stops_rad: None, ..TwinParameters::default().plant(Some(hand)) };
+/// Velocity of a hand that touches nothing; a lever without mass or friction goes along with it.
+fn alone(person: &Person, intent: Intent) -> Vec<f64> {
+    let hand = Some(person.hand);
+    let parameters = DrivenParameters { stops_rad: None, ..TwinParameters::default().plant(hand) };
     let mut plant = Driven::new(parameters).unwrap();
     plant.place(0.0, 1.0).unwrap();
-    let at = |t: f64| {
-        let aim = intent.aim(t);
+    let mut course = Course::new(intent, -FRAC_PI_4 * 0.045);
+    let at = |course: &Course, t: f64| {
+        let aim = course.aim(t);
         Aim { position_m: aim.position_m - 1.0, ..aim }
     };
-    let steps = (0..1600).map(|i| 2.5e-3 * f64::from(i));
+    let steps = (0..1600).map(|i| STEP_S * f64::from(i));
     steps
         .map(|t| {
-            plant.advance(2.5e-3, Command::default(), [at(t), at(t + 2.5e-3)]).unwrap();
-            plant.state().hand_m_s
+            let aims = [at(&course, t), at(&course, t + STEP_S)];
+            plant.advance(STEP_S, Command::default(), aims).unwrap();
+            let state = plant.state();
+            let theta_rad = (state.hand_m + 1.0) / 0.045 - FRAC_PI_4;
+            course.step(person, 0.045, t + STEP_S, &DrivenState { theta_rad, ..state });
+            state.hand_m_s
         })
         .collect()
 }
