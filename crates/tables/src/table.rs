@@ -272,8 +272,9 @@ impl Table {
     /// # Errors
     /// A column that is not there.
     pub fn column_of(&self, stem: &str) -> Result<&Column, TableError> {
-        let is_of = |c: &&Column| split_unit(&c.field.name, &c.field.unit).0 == stem;
-        self.columns.iter().find(is_of).map_or_else(|| self.column(stem), Ok)
+        let mut columns = self.columns.iter();
+        let found = columns.find(|c| split_unit(&c.field.name, &c.field.unit).0 == stem);
+        found.map_or_else(|| self.column(stem), Ok)
     }
 
     /// Number of rows.
@@ -352,16 +353,16 @@ impl Table {
         }
         let mut rows: Vec<usize> = (0..self.height()).collect();
         rows.sort_by_cached_key(|row| key(*row));
-        let column = |c: &Column| {
-            let values = match &c.values {
+        let mut sorted = self.clone();
+        for column in &mut sorted.columns {
+            column.values = match &column.values {
                 Values::Float(v) => Values::Float(of(v, &rows)),
                 Values::Integer(v) => Values::Integer(of(v, &rows)),
                 Values::Text(v) => Values::Text(of(v, &rows)),
                 Values::Flag(v) => Values::Flag(of(v, &rows)),
             };
-            Column { field: c.field.clone(), values }
-        };
-        Self { columns: self.columns.iter().map(column).collect(), ..self.clone() }
+        }
+        sorted
     }
 
     /// The columns' names, for a message.
