@@ -81,13 +81,13 @@ impl Batch {
         let below = |folder: PathBuf| {
             self.outputs.iter().filter(|(path, _)| path.starts_with(&folder)).count()
         };
-        let is_answer = |e: &&Event| matches!(e, Event::Answer { .. });
+        let events = self.logs.iter().flat_map(|(_, events)| events);
         Report {
             study: layout.study().clone(),
             trials: below(layout.trials()),
             sweeps: below(layout.sweeps()),
             sessions: self.logs.len(),
-            answers: self.logs.iter().flat_map(|(_, events)| events).filter(is_answer).count(),
+            answers: events.filter(|event| matches!(event, Event::Answer { .. })).count(),
             files: self.files,
         }
     }
@@ -108,19 +108,30 @@ impl Batch {
             .chain(&logs)
             .map(|(path, bytes)| (path.as_path(), bytes.as_slice()))
             .collect();
+        // Before the first is written: what is taken back must be the import's own.
         if let Some((path, _)) = files.iter().find(|(path, _)| disk.kind(path).is_some()) {
             let what = "it exists already; nothing was imported";
             return Err(StoreError::new(path, what, "finished files never change").into());
         }
         let started = Started::of(disk, layout, &files);
-        let write = || {
-            started.begin(disk, layout)?;
-            files.iter().try_for_each(|(path, bytes)| write_new(disk, path, bytes))?;
-            // Last, because it is the one file of theirs that others have lines in.
-            log_sweeps(disk, layout, utc, &self.sweeps)?;
-            end(disk, layout)
-        };
-        write().map_err(|error| undone(&started, disk, layout, error))
+        let written = self.write_files(disk, layout, utc, &started, &files);
+        written.map_err(|error| undone(&started, disk, layout, error))
+    }
+
+    /// Writes the list, each file, and what the log of the sweeps is to say; then the list goes.
+    fn write_files(
+        &self,
+        disk: &dyn Files,
+        layout: &Layout,
+        utc: &str,
+        started: &Started,
+        files: &[(&Path, &[u8])],
+    ) -> Result<(), StoreError> {
+        started.begin(disk, layout)?;
+        files.iter().try_for_each(|(path, bytes)| write_new(disk, path, bytes))?;
+        // Last, because it is the one file of theirs that others have lines in.
+        log_sweeps(disk, layout, utc, &self.sweeps)?;
+        end(disk, layout)
     }
 }
 

@@ -16,6 +16,7 @@ use zwidth_study::{QuestionId, StudyError, line_of, toml_error};
 pub(super) fn check(text: &str, path: &Path) -> Result<Mapping, Vec<StudyError>> {
     let shape = toml::from_str::<Shape>(text).map_err(|e| vec![toml_error(text, &e)])?;
     let mut check = Check { text, errors: Vec::new() };
+    // A mapping may come out although something is wrong with it.
     match check.mapping(shape, path) {
         Some(mapping) if check.errors.is_empty() => Ok(mapping),
         _ => Err(check.errors),
@@ -30,6 +31,7 @@ pub(super) struct Check<'a> {
 
 impl Check<'_> {
     pub(super) fn error(&mut self, key: &str, problem: impl Into<String>) {
+        // Each reads the text again for its line: a file of many mistakes would take for ever.
         if self.errors.len() == MOST_ERRORS {
             return;
         }
@@ -150,6 +152,7 @@ impl Check<'_> {
 
     fn who(&mut self, shape: Option<TrialShape>, groups: &[&str]) -> Option<Who> {
         let shape = self.required("trial", shape)?;
+        // All labels before the first `?`, so that every problem is told at once.
         let participant = self.label("trial.participant", shape.participant, groups);
         let session = self.label("trial.session", shape.session, groups);
         let environment = self.label("trial.environment", shape.environment, groups);

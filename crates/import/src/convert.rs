@@ -47,15 +47,14 @@ impl Linear {
 pub(super) fn derivative(t: &[f64], x: &[f64]) -> Vec<f64> {
     let n = x.len();
     let step = |i: usize| (x[i + 1] - x[i]) / (t[i + 1] - t[i]);
-    let central = |i: usize| {
-        let (h, k) = (t[i] - t[i - 1], t[i + 1] - t[i]);
-        (h * h * x[i + 1] + (k * k - h * h) * x[i] - k * k * x[i - 1]) / (h * k * (h + k))
-    };
     (0..n)
         .map(|i| match i {
             0 => step(0),
             _ if i == n - 1 => step(n - 2),
-            _ => central(i),
+            _ => {
+                let (h, k) = (t[i] - t[i - 1], t[i + 1] - t[i]);
+                (h * h * x[i + 1] + (k * k - h * h) * x[i] - k * k * x[i - 1]) / (h * k * (h + k))
+            }
         })
         .collect()
 }

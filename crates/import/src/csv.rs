@@ -45,8 +45,10 @@ pub(super) fn read(
         false => None,
     };
     check_names(path, names.as_deref().unwrap_or_default())?;
-    let name = |place: usize| names.as_ref().and_then(|names| names.get(place)).map(String::as_str);
-    let builder = |place: usize| take.wants(place, name(place)).then(LargeStringBuilder::new);
+    let builder = |place: usize| {
+        let name = names.as_ref().and_then(|names| names.get(place));
+        take.wants(place, name.map(String::as_str)).then(LargeStringBuilder::new)
+    };
     let mut columns: Vec<Option<LargeStringBuilder>> =
         (0..names.as_ref().map_or(0, Vec::len)).map(builder).collect();
     let mut lines = Vec::new();
@@ -60,6 +62,7 @@ pub(super) fn read(
         if lines.len() == MOST_ROWS {
             return Err(too_many_rows(path, &format!("more than {MOST_ROWS}")));
         }
+        // Row by row: how many will come is known at the end alone.
         if !take.budget.cells(columns.iter().flatten().count()) {
             return Err(too_much(path));
         }
@@ -70,10 +73,7 @@ pub(super) fn read(
         }
         lines.push(counter.line_of(record.position()));
     }
-    let cells = |column: Option<LargeStringBuilder>| {
-        column.map_or(Cells::Unread, |mut column| Cells::Text(column.finish()))
-    };
-    Ok(Table { columns: columns.into_iter().map(cells).collect(), names, lines })
+    Ok(Table { columns: columns.into_iter().map(Cells::of_text).collect(), names, lines })
 }
 
 fn after_lines<'a>(path: &Path, text: &'a str, skip: usize) -> Result<&'a str, StoreError> {
@@ -163,6 +163,7 @@ struct Lines<'a> {
 impl Lines<'_> {
     /// The line (from 1) of the record that the reader says begins at `position` or after it.
     fn line_of(&mut self, position: Option<&::csv::Position>) -> u64 {
+        // On from where the last one was found: records come in the order of the text.
         let target = position.map_or(0, ::csv::Position::byte);
         while let Some((line, rest)) = self.rest.split_once('\n') {
             let passed_by =

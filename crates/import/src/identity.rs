@@ -74,20 +74,20 @@ pub(super) fn id<T: std::str::FromStr<Err = IdError>>(text: &str) -> Result<T, S
 
 fn environment(study: &Study, text: &str) -> Result<EnvironmentId, String> {
     let id: EnvironmentId = id(text)?;
-    let known = || study.environments.iter().map(|e| e.id.as_str()).collect::<Vec<_>>().join(", ");
-    study
-        .environment(&id)
-        .ok_or_else(|| format!("environment '{id}' is not in study.toml, which has {}", known()))?;
-    Ok(id)
+    if study.environment(&id).is_some() {
+        return Ok(id);
+    }
+    let known: Vec<&str> = study.environments.iter().map(|e| e.id.as_str()).collect();
+    Err(format!("environment '{id}' is not in study.toml, which has {}", known.join(", ")))
 }
 
 fn mode(study: &Study, text: &str) -> Result<ModeId, String> {
     let id: ModeId = id(text)?;
-    let known = || study.modes.iter().map(|m| m.id.as_str()).collect::<Vec<_>>().join(", ");
-    study
-        .mode(&id)
-        .ok_or_else(|| format!("mode '{id}' is not in study.toml, which has {}", known()))?;
-    Ok(id)
+    if study.mode(&id).is_some() {
+        return Ok(id);
+    }
+    let known: Vec<&str> = study.modes.iter().map(|m| m.id.as_str()).collect();
+    Err(format!("mode '{id}' is not in study.toml, which has {}", known.join(", ")))
 }
 
 fn kind(text: &str) -> Result<Kind, String> {
@@ -152,6 +152,7 @@ pub(super) fn number_trials(
 pub(super) fn next<K: Ord>(last: &mut BTreeMap<K, u32>, key: K, given: Option<u32>) -> u32 {
     let last = last.entry(key).or_insert(0);
     let number = given.unwrap_or(*last + 1);
+    // Those given may come in any order.
     *last = number.max(*last);
     number
 }

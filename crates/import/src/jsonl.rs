@@ -16,12 +16,12 @@ use zwidth_store::{MOST_ROWS, StoreError};
 /// `null` and a missing key are empty cells.
 pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, StoreError> {
     let text = decode(path, bytes)?;
+    // All keys before any value: the last object may have one that no other has.
     let (names, lines) = keys(path, text)?;
-    let builder = |(place, name): (usize, &String)| {
-        take.wants(place, Some(name)).then(LargeStringBuilder::new)
-    };
-    let mut columns: Vec<Option<LargeStringBuilder>> =
-        names.iter().enumerate().map(builder).collect();
+    let numbered = names.iter().enumerate();
+    let mut columns: Vec<Option<LargeStringBuilder>> = numbered
+        .map(|(place, name)| take.wants(place, Some(name)).then(LargeStringBuilder::new))
+        .collect();
     if !take.budget.cells(lines.len().saturating_mul(columns.iter().flatten().count())) {
         return Err(too_much(path));
     }
@@ -35,14 +35,13 @@ pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, Stor
             Ok(())
         };
         walk(line, &mut cell).map_err(|e| no_object(path, number, &e))?;
+        // A key that this object lacks.
         for column in columns.iter_mut().flatten().filter(|column| column.len() == row) {
             column.append_null();
         }
     }
-    let cells = |column: Option<LargeStringBuilder>| {
-        column.map_or(Cells::Unread, |mut column| Cells::Text(column.finish()))
-    };
-    Ok(Table { columns: columns.into_iter().map(cells).collect(), names: Some(names), lines })
+    let columns = columns.into_iter().map(Cells::of_text).collect();
+    Ok(Table { columns, names: Some(names), lines })
 }
 
 /// The lines that are not blank, with their numbers.
@@ -66,11 +65,11 @@ fn keys(path: &Path, text: &str) -> Result<(Vec<String>, Vec<u64>), StoreError> 
         if lines.len() == MOST_ROWS {
             return Err(too_many_rows(path, &format!("more than {MOST_ROWS}")));
         }
-        let mut add = |key: String, _: &RawValue| {
+        let walked = walk(line, &mut |key, _| {
             names.insert(key);
             Ok(())
-        };
-        walk(line, &mut add).map_err(|e| no_object(path, number, &e))?;
+        });
+        walked.map_err(|e| no_object(path, number, &e))?;
         check_columns(path, names.len())?;
         lines.push(number);
     }

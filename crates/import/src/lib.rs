@@ -75,6 +75,7 @@ pub fn import(
     software: &str,
     disk: &dyn Files,
 ) -> Result<Report, Vec<StoreError>> {
+    // What the last import left would stand in the way of what this one writes.
     let made = all(settle(disk, layout)).and_then(|_| {
         let read = disk.read(&layout.study_toml(), MOST_STUDY);
         let study_toml = read.map_err(|e| StoreError::io(&layout.study_toml(), "read", &e))?;
@@ -180,6 +181,7 @@ impl Context<'_> {
         let mut found = Vec::new();
         for group in self.groups(files) {
             found.extend(group.par_iter().map(one).collect::<Vec<_>>());
+            // Before more is read than can be kept.
             take.budget.held(files)?;
         }
         let converted = all(found)?;
@@ -199,6 +201,7 @@ impl Context<'_> {
         let (mut groups, mut from, mut together) = (Vec::new(), 0, 0);
         for (i, path) in files.iter().enumerate() {
             let bytes = bytes(path).min(MOST_FILE);
+            // A group has one file at least, however large that is.
             if i > from && together + bytes > MOST_FILE {
                 groups.push(&files[from..i]);
                 (from, together) = (i, 0);
@@ -238,14 +241,14 @@ impl Context<'_> {
     ) -> Result<FileReport, StoreError> {
         let names: Vec<_> =
             (0..recording.table.columns.len()).map(|i| recording.table.full_name(i)).collect();
-        let stray = |name: &&String| {
-            !names.iter().enumerate().any(|(i, n)| *n == name.as_str() && !used.contains(&i))
-        };
-        if let Some(name) = self.mapping.drop.keys().find(stray) {
+        let unused = names.iter().enumerate().filter(|(i, _)| !used.contains(i));
+        let mut dropped_by_name = self.mapping.drop.keys();
+        if let Some(name) =
+            dropped_by_name.find(|name| !unused.clone().any(|(_, of)| *of == name.as_str()))
+        {
             let what = "the column is named in [drop], but it is missing or used";
             return Err(recording.error(what, "remove it from [drop]").column(name));
         }
-        let unused = names.iter().enumerate().filter(|(i, _)| !used.contains(i));
         let why = |name: &str| {
             self.mapping.drop.get(name).cloned().unwrap_or_else(|| "not mapped".to_owned())
         };

@@ -43,13 +43,15 @@ pub(super) fn likert(
     let identities: Vec<Identity> = rows.iter().map(|r| r.identity.clone()).collect();
     let planned = number_trials(context, &identities, false)?;
     once::answers(context, &converted)?;
-    let events = |(row, number): (&Answered, &PlannedTrial)| {
-        let event = |(question, value)| Event::Answer { trial: number.trial, question, value };
-        row.answers.iter().cloned().map(event).collect()
-    };
-    let events = rows.into_iter().zip(&planned).map(events).collect();
+    let events = rows.into_iter().zip(&planned).map(|(row, number)| events(row, number)).collect();
     batch.add_sessions(context, &identities, &planned, events, &sources)?;
     Ok(batch)
+}
+
+/// The answers of a row as events of its trial.
+fn events(row: &Answered, PlannedTrial { trial, .. }: &PlannedTrial) -> Vec<Event> {
+    let answers = row.answers.iter().cloned();
+    answers.map(|(question, value)| Event::Answer { trial: *trial, question, value }).collect()
 }
 
 /// The column of every question: as listed in the mapping, or the one whose header is its text.
@@ -84,10 +86,9 @@ fn question_columns(
 }
 
 fn repeated_text(study: &Study) -> Option<&QuestionId> {
-    let is_second = |(i, q): &(usize, &zwidth_study::Question)| {
-        study.questions[..*i].iter().any(|p| p.text == q.text)
-    };
-    study.questions.iter().enumerate().find(is_second).map(|(_, q)| &q.id)
+    let mut questions = study.questions.iter().enumerate();
+    let second = questions.find(|(i, q)| study.questions[..*i].iter().any(|p| p.text == q.text));
+    second.map(|(_, q)| &q.id)
 }
 
 fn convert(
@@ -101,7 +102,7 @@ fn convert(
     let columns = all(questions.iter().map(|(_, column)| recording.find(column)))?;
     let rows = recording.rows(&context.mapping.file, &[], &labels)?;
     budget.trials(&recording.path, rows.kept.len())?;
-    let read = |row: &usize| {
+    let read = rows.kept.iter().map(|row| {
         let identity = identity(who, recording, *row, context.study)?;
         let answers = questions.iter().zip(&columns).map(|((id, _), column)| {
             let scale = context.study.question(id).map(|q| q.scale).unwrap_or_default();
@@ -112,8 +113,8 @@ fn convert(
             identity,
             answers: all(answers)?.into_iter().flatten().collect(),
         })
-    };
-    let found: Vec<Answered> = all(rows.kept.iter().map(read))?;
+    });
+    let found: Vec<Answered> = all(read)?;
     let mut report = context.file_report(recording, &rows, &[labels, columns].concat())?;
     let answers: usize = found.iter().map(|r| r.answers.len()).sum();
     report.converted.push(format!("answers, as given, of {} questions", questions.len()));

@@ -100,10 +100,10 @@ impl Budget {
 }
 
 fn spend(spent: &AtomicUsize, n: usize, most: usize) -> bool {
-    let add = |spent: usize| Some(spent.saturating_add(n));
-    let before =
-        spent.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).unwrap_or(usize::MAX);
-    before.saturating_add(n) <= most
+    // Saturating, for a file may claim so much that a sum would begin at 0 again.
+    let before = spent
+        .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |spent| Some(spent.saturating_add(n)));
+    before.unwrap_or(usize::MAX).saturating_add(n) <= most
 }
 
 /// Stands for the error of [`Budget::held`], which takes its place.
@@ -174,11 +174,7 @@ pub(super) struct Take<'a> {
 impl Take<'_> {
     /// Whether the column at `place` (from 0) is taken; `name` is its name where it has one.
     pub(super) fn wants(&self, place: usize, name: Option<&str>) -> bool {
-        let is_it = |column: &&ColumnRef| match column {
-            ColumnRef::Position(n) => *n == place + 1,
-            ColumnRef::Name(wanted) => name == Some(wanted),
-        };
-        self.columns.iter().any(is_it)
+        self.columns.iter().any(|column| column.means(place, name))
             || name.is_some_and(|name| self.pattern.is_some_and(|pattern| pattern.is_match(name)))
     }
 }

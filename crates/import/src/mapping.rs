@@ -15,7 +15,7 @@ use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Quantity, Signal, StoreError, read_named};
-use zwidth_study::{ChannelId, QuestionId, StudyError};
+use zwidth_study::{ChannelId, QuestionId};
 
 /// A mapping file, checked.
 #[derive(Debug, Clone)]
@@ -59,17 +59,15 @@ impl FileForm {
     pub(super) fn format_of(&self, path: &Path) -> Result<Format, StoreError> {
         let extension =
             path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-        self.format.map_or_else(
-            || {
-                let is_its = |format: &Format| format.extensions().contains(&extension.as_str());
-                Format::ALL.into_iter().find(is_its).ok_or_else(|| {
-                    let what = format!("the extension '{extension}' names no known format");
-                    let words = Format::ALL.map(Format::word).join(", ");
-                    StoreError::new(path, what, format!("set format in [file] to one of {words}"))
-                })
-            },
-            Ok,
-        )
+        let mut all = Format::ALL.into_iter();
+        let known = self
+            .format
+            .or_else(|| all.find(|format| format.extensions().contains(&extension.as_str())));
+        known.ok_or_else(|| {
+            let what = format!("the extension '{extension}' names no known format");
+            let words = Format::ALL.map(Format::word).join(", ");
+            StoreError::new(path, what, format!("set format in [file] to one of {words}"))
+        })
     }
 
     /// How delimited text of `format` is written. Where no delimiter is named: tabs in TSV; in CSV
@@ -207,10 +205,12 @@ impl Mapping {
     /// Every problem found, each with its line and key: text that is not TOML, an unknown key, an
     /// unknown column of ours, a unit that does not fit, a pattern that is no regular expression, …
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, Vec<StoreError>> {
+        // Some editors put a byte-order mark first.
         let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
         let remedy = "mend the line; docs/import.md explains the keys";
-        let error = |e: &StudyError| StoreError::new(path, e.to_string(), remedy);
-        check(plain, path).map_err(|errors| errors.iter().map(error).collect())
+        check(plain, path).map_err(|errors| {
+            errors.iter().map(|e| StoreError::new(path, e.to_string(), remedy)).collect()
+        })
     }
 }
 

@@ -9,8 +9,7 @@ use zwidth_store::{StoreError, files_below, readable_records, sweep_sources, tri
 /// Whether no recording is there twice, under whatever names.
 pub(super) fn given_once<T>(files: &[Converted<T>]) -> Result<(), Errors> {
     let mut seen = BTreeMap::new();
-    let once = |place: usize| {
-        let file = &files[place];
+    let checked = files.iter().enumerate().map(|(place, file)| {
         let first = *seen.entry(&file.blake3).or_insert(place);
         if first == place {
             return Ok(());
@@ -18,8 +17,8 @@ pub(super) fn given_once<T>(files: &[Converted<T>]) -> Result<(), Errors> {
         let first = files[first].path.display();
         let what = format!("the recording is given twice: {first} has the same content");
         Err(StoreError::new(&file.path, what, "give every recording once"))
-    };
-    all((0..files.len()).map(once).collect::<Vec<_>>()).map(|_| ())
+    });
+    all(checked).map(drop)
 }
 
 /// Whether no trial of the study was imported from one of these recordings.
@@ -43,18 +42,15 @@ pub(super) fn answers<T>(context: &Context, files: &[Converted<T>]) -> Result<()
 }
 
 fn new_here<T>(files: &[Converted<T>], known: BTreeMap<String, String>) -> Result<(), Errors> {
-    let once = |file: &Converted<T>| match known.get(&file.blake3) {
+    let checked = files.iter().map(|file| match known.get(&file.blake3) {
         None => Ok(()),
         Some(first) => {
             let what = format!("this recording was imported before, as {first}");
-            Err(StoreError::new(
-                &file.path,
-                what,
-                "leave the file out; a recording must not count twice",
-            ))
+            let remedy = "leave the file out; a recording must not count twice";
+            Err(StoreError::new(&file.path, what, remedy))
         }
-    };
-    all(files.iter().map(once).collect::<Vec<_>>()).map(|_| ())
+    });
+    all(checked).map(drop)
 }
 
 /// The actuators that have sweeps.

@@ -37,22 +37,23 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>, take: &Take) -> Result<Table, St
     let fields: Vec<FieldRef> = metadata.schema().fields().iter().cloned().collect();
     let rows = rows(path, &metadata, fields.len())?;
     let kinds: Vec<Option<Kind>> = (0..fields.len()).map(|root| kind(&metadata, root)).collect();
-    let wanted = |root: &usize| take.wants(*root, Some(fields[*root].name()));
+    let usable = (0..fields.len()).filter(|root| kinds[*root].is_some());
     let roots: Vec<usize> =
-        (0..fields.len()).filter(|r| kinds[*r].is_some()).filter(wanted).collect();
+        usable.filter(|root| take.wants(*root, Some(fields[*root].name()))).collect();
     if !take.budget.cells(rows.saturating_mul(roots.len())) {
         return Err(too_much(path));
     }
     let mut found = columns(path, &bytes, &metadata, &kinds, &roots)?;
-    let cells = |(root, field): (usize, &FieldRef)| match roots.binary_search(&root) {
+    // The roots rise, as they were counted up.
+    let columns = fields.iter().enumerate().map(|(root, field)| match roots.binary_search(&root) {
         Ok(place) => std::mem::replace(&mut found[place], Cells::Unread),
         Err(_) if kinds[root].is_some() => Cells::Unread,
         Err(_) => {
             let name = field.data_type().to_string();
             Cells::Other(format!("its type {} is neither number nor text", shown(&name)))
         }
-    };
-    let columns = fields.iter().enumerate().map(cells).collect();
+    });
+    let columns = columns.collect();
     let names = fields.iter().map(|f| f.name().clone()).collect();
     Ok(Table { names: Some(names), columns, lines: Vec::new() })
 }
@@ -83,9 +84,10 @@ fn columns(
     roots: &[usize],
 ) -> Result<Vec<Cells>, StoreError> {
     let schema = metadata.metadata().file_metadata().schema_descr();
-    let is_used = |leaf: usize| roots.contains(&schema.get_column_root_idx(leaf));
-    let unpacked =
-        check_pages(bytes, metadata.metadata(), is_used).map_err(|why| unreadable(path, &why))?;
+    let unpacked = check_pages(bytes, metadata.metadata(), |leaf| {
+        roots.contains(&schema.get_column_root_idx(leaf))
+    });
+    let unpacked = unpacked.map_err(|why| unreadable(path, &why))?;
     if unpacked > MOST_UNPACKED {
         let what = format!(
             "the mapped columns unpack to {unpacked} bytes, and at most {MOST_UNPACKED} are read"
@@ -100,11 +102,11 @@ fn columns(
     }
     guarded(path, REMEDY, || {
         // Text as a dictionary: a long word that every row repeats stays one word.
-        let typed = |(root, field): (usize, &FieldRef)| match kinds[root] {
+        let typed = metadata.schema().fields().iter().zip(kinds).map(|(field, kind)| match kind {
             Some(Kind::Text) => field.as_ref().clone().with_data_type(word()).into(),
             _ => field.clone(),
-        };
-        let fields: Fields = metadata.schema().fields().iter().enumerate().map(typed).collect();
+        });
+        let fields: Fields = typed.collect();
         let options = ArrowReaderOptions::default().with_schema(Arc::new(Schema::new(fields)));
         let metadata = ArrowReaderMetadata::try_new(metadata.metadata().clone(), options)?;
         let mask = ProjectionMask::roots(schema, roots.iter().copied());

@@ -60,7 +60,7 @@ pub(super) fn plan<'a>(
             plan.take(context, Signal::Time, from, (unit, unit_text), *line)?;
         }
     }
-    let add = |SignalFrom { to, origin }: &'a SignalFrom| match origin {
+    let added = columns.iter().map(|SignalFrom { to, origin }| match origin {
         Origin::Column { from, unit, unit_text, line } => {
             plan.take(context, target(*to, columns, context.study), from, (unit, unit_text), *line)
         }
@@ -69,8 +69,8 @@ pub(super) fn plan<'a>(
             plan.derived.push((*to, *rule));
             Ok(())
         }
-    };
-    all(columns.iter().map(add))?;
+    });
+    all(added)?;
     Ok(plan)
 }
 

@@ -1,5 +1,6 @@
 //! One file of other people's, read but not yet converted.
 
+use super::convert::Linear;
 use super::format::FormatOptions;
 use super::limits::{MOST_FILE, Take, shown, too_many_rows};
 use super::mapping::{FileForm, Missing};
@@ -105,7 +106,7 @@ impl Recording {
 
     /// The numbers of a column in the rows given; the error names the first cell that is none.
     pub(super) fn numbers(&self, column: usize, rows: &[usize]) -> Result<Vec<f64>, StoreError> {
-        let at = |row: &usize| match self.number(column, *row) {
+        let numbers = rows.iter().map(|row| match self.number(column, *row) {
             Ok(Some(value)) => Ok(value),
             Ok(None) => Err(self.missing(column, *row)),
             Err(what) => Err(self.cell_error(
@@ -114,8 +115,21 @@ impl Recording {
                 &what,
                 "mend the cell, or set delimiter and decimal in [file]",
             )),
-        };
-        rows.iter().map(at).collect()
+        });
+        numbers.collect()
+    }
+
+    /// These numbers as ours, by a line and the factor of their unit.
+    pub(super) fn converted(
+        &self,
+        column: usize,
+        rows: &[usize],
+        line: &Linear,
+        factor: f64,
+    ) -> Result<Vec<f64>, StoreError> {
+        let mut values = self.numbers(column, rows)?;
+        line.apply(&mut values, factor);
+        Ok(values)
     }
 
     fn missing(&self, column: usize, row: usize) -> StoreError {
@@ -149,15 +163,9 @@ impl Recording {
             return Err(too_many_rows(&self.path, &read.to_string()));
         }
         let limit = form.rows.unwrap_or(read).min(read);
-        let empty =
-            |row: usize, column: &usize| self.table.columns[*column].cell(row) == Cell::Empty;
-        let lacks = |row: &usize| {
-            text.iter().any(|c| empty(*row, c))
-                || numeric.iter().any(|c| self.number(*c, *row) == Ok(None))
-        };
         let kept: Vec<usize> = match form.missing {
             Missing::Error => (0..limit).collect(),
-            Missing::Drop => (0..limit).filter(|row| !lacks(row)).collect(),
+            Missing::Drop => (0..limit).filter(|row| self.is_full(*row, numeric, text)).collect(),
         };
         if kept.is_empty() {
             let what =
@@ -165,6 +173,13 @@ impl Recording {
             return Err(self.error(what, "leave the file out of the import"));
         }
         Ok(Rows { read, missing: limit - kept.len(), past_limit: read - limit, kept })
+    }
+
+    /// Whether a row has a value in all of these columns. What is no number is one, and an error
+    /// of whoever reads it.
+    fn is_full(&self, row: usize, numeric: &[usize], text: &[usize]) -> bool {
+        text.iter().all(|column| self.table.columns[*column].cell(row) != Cell::Empty)
+            && numeric.iter().all(|column| self.number(*column, row) != Ok(None))
     }
 
     /// `rows` in stretches of equal labels: each is one trial or one sweep.
@@ -200,6 +215,7 @@ impl Recording {
 }
 
 fn groups(path: &Path, pattern: &Regex) -> Result<BTreeMap<String, String>, StoreError> {
+    // So that one pattern does on every system.
     let text = path.to_string_lossy().replace('\\', "/");
     let captures = pattern.captures(&text).ok_or_else(|| {
         StoreError::new(
@@ -208,8 +224,11 @@ fn groups(path: &Path, pattern: &Regex) -> Result<BTreeMap<String, String>, Stor
             "mend the pattern in [name], or leave the file out",
         )
     })?;
-    let group = |name: &str| Some((name.to_owned(), captures.name(name)?.as_str().to_owned()));
-    Ok(pattern.capture_names().flatten().filter_map(group).collect())
+    let groups = pattern
+        .capture_names()
+        .flatten()
+        .filter_map(|name| Some((name.to_owned(), captures.name(name)?.as_str().to_owned())));
+    Ok(groups.collect())
 }
 
 /// The number that `text` spells, `None` where it spells a missing value.
@@ -217,6 +236,7 @@ fn number(text: &str, decimal_comma: bool) -> Result<Option<f64>, String> {
     if text.eq_ignore_ascii_case("nan") {
         return Ok(None);
     }
+    // The other sign may part thousands, or stand before decimals after all: nobody knows.
     let value: Option<f64> = match (decimal_comma, text.contains('.'), text.contains(',')) {
         (true, true, _) | (false, _, true) => None,
         (true, false, _) => text.replace(',', ".").parse().ok(),

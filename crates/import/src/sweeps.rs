@@ -1,7 +1,6 @@
 //! Files of characterisation sweeps → sweeps.
 
 use super::batch::Batch;
-use super::convert::Linear;
 use super::label::Label;
 use super::limits::{Budget, Take, check_time};
 use super::mapping::{QuantityFrom, SweepForm, SweepLabels, Time};
@@ -141,34 +140,10 @@ fn pairs(
     let numeric = all(form.columns().into_iter().map(|c| recording.find(c)))?;
     let label_columns = all(labels.columns().map(|c| recording.find(c)))?;
     let rows = recording.rows(&context.mapping.file, &numeric, &label_columns)?;
-    let piece = |rows: &[usize]| {
-        let (actuator, number) = labels.of(recording, rows[0])?;
-        let column = |i: usize, line: &Linear, factor: f64| {
-            let mut values = recording.numbers(numeric[i], rows)?;
-            line.apply(&mut values, factor);
-            Ok::<_, StoreError>(values)
-        };
-        let t_s = match &form.time {
-            None => None,
-            Some(Time::Rate { rate_hz }) => Some(rate_times(*rate_hz, rows)),
-            Some(Time::Column { unit, line, .. }) => {
-                let t = column(2, line, unit.to_si)?;
-                check_time(&t).map_err(|(i, what)| {
-                    recording.cell_error(numeric[2], rows[i], &what, "check the unit of the time")
-                })?;
-                runs_forward(&t).map_err(|i| {
-                    let what = "time runs backwards or stands still";
-                    recording.cell_error(numeric[2], rows[i], what, "sort or mend the recording")
-                })?;
-                Some(t)
-            }
-        };
-        let command = column(0, &form.command.1.line, 1.0)?;
-        let response = column(1, &form.response.1.line, 1.0)?;
-        Ok::<_, StoreError>(Piece { actuator, number, t_s, command, response })
-    };
+    // Counted before anything is made of them.
     budget.trials(&recording.path, recording.pieces(&rows.kept, &label_columns).count())?;
-    let pieces = all(recording.pieces(&rows.kept, &label_columns).map(piece))?;
+    let stretches = recording.pieces(&rows.kept, &label_columns);
+    let pieces = all(stretches.map(|rows| piece(labels, form, recording, &numeric, rows)))?;
     let mut report =
         context.file_report(recording, &rows, &[numeric.as_slice(), &label_columns].concat())?;
     match form.time {
@@ -182,6 +157,36 @@ fn pairs(
         note(&mut report, side, &from.to_string(), q);
     }
     Ok((pieces, report))
+}
+
+/// The sweep in these rows; `numeric` are the places of command, response and, where it has one,
+/// time.
+fn piece(
+    labels: &SweepLabels,
+    form: &Pairs,
+    recording: &Recording,
+    numeric: &[usize],
+    rows: &[usize],
+) -> Result<Piece, StoreError> {
+    let (actuator, number) = labels.of(recording, rows[0])?;
+    let t_s = match &form.time {
+        None => None,
+        Some(Time::Rate { rate_hz }) => Some(rate_times(*rate_hz, rows)),
+        Some(Time::Column { unit, line, .. }) => {
+            let t = recording.converted(numeric[2], rows, line, unit.to_si)?;
+            check_time(&t).map_err(|(i, what)| {
+                recording.cell_error(numeric[2], rows[i], &what, "check the unit of the time")
+            })?;
+            runs_forward(&t).map_err(|i| {
+                let what = "time runs backwards or stands still";
+                recording.cell_error(numeric[2], rows[i], what, "sort or mend the recording")
+            })?;
+            Some(t)
+        }
+    };
+    let command = recording.converted(numeric[0], rows, &form.command.1.line, 1.0)?;
+    let response = recording.converted(numeric[1], rows, &form.response.1.line, 1.0)?;
+    Ok(Piece { actuator, number, t_s, command, response })
 }
 
 /// Whether every time is later than the one before; `Err` is the first that is not.

@@ -1,7 +1,7 @@
 //! What every format becomes: a table of text or number columns, not yet interpreted.
 
 use super::limits::shown;
-use arrow::array::{Array, Float64Array, LargeStringArray};
+use arrow::array::{Array, Float64Array, LargeStringArray, LargeStringBuilder};
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::fmt;
@@ -54,7 +54,22 @@ impl fmt::Display for Cell<'_> {
     }
 }
 
+impl ColumnRef {
+    /// Whether it is the column at `place` (from 0), which has this name if it has one.
+    pub(super) fn means(&self, place: usize, name: Option<&str>) -> bool {
+        match self {
+            Self::Position(n) => *n == place + 1,
+            Self::Name(wanted) => name == Some(wanted),
+        }
+    }
+}
+
 impl Cells {
+    /// The cells of a column of text, if one was built.
+    pub(super) fn of_text(built: Option<LargeStringBuilder>) -> Self {
+        built.map_or(Self::Unread, |mut built| Self::Text(built.finish()))
+    }
+
     /// How many cells.
     pub(super) fn len(&self) -> usize {
         match self {

@@ -28,6 +28,7 @@ pub(super) fn trials(
     (who, time, columns, channels): (&Who, &Time, &[SignalFrom], &[ChannelFrom]),
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
+    // Before any file is read: whatever is in them, the study takes no trial of another form.
     check_form(context.files, context.layout, context.study)?;
     let plan = plan(context, time, columns, channels)?;
     let budget = Budget::default();
@@ -49,16 +50,17 @@ pub(super) fn trials(
         }
         batch.files.push(report);
     }
-    let encode = |(piece, number, blake3): (Piece, &PlannedTrial, String)| {
-        encode(context, &plan, piece, number, blake3)
-    };
-    batch.outputs = all(made.into_par_iter().map(encode).collect::<Vec<_>>())?;
-    let events =
-        |((number, (_, bytes)), identity): ((&PlannedTrial, &(PathBuf, Vec<u8>)), &Identity)| {
-            let recorded = Event::Recorded { trial: number.trial, blake3: hex_blake3(bytes) };
-            std::iter::once(recorded).chain(answer(context.study, identity, number.trial)).collect()
-        };
-    let events = planned.iter().zip(&batch.outputs).zip(&identities).map(events).collect();
+    let encoded: Vec<_> = made
+        .into_par_iter()
+        .map(|(piece, number, blake3)| encode(context, &plan, piece, number, blake3))
+        .collect();
+    batch.outputs = all(encoded)?;
+    let mut events = Vec::new();
+    for ((number, (_, bytes)), identity) in planned.iter().zip(&batch.outputs).zip(&identities) {
+        let recorded = Event::Recorded { trial: number.trial, blake3: hex_blake3(bytes) };
+        let answer = answer(context.study, identity, number.trial);
+        events.push(std::iter::once(recorded).chain(answer).collect());
+    }
     // The trials' own footers say what they were imported from.
     batch.add_sessions(context, &identities, &planned, events, &[])?;
     Ok(batch)
@@ -92,12 +94,12 @@ fn convert(
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let rows = recording.rows(&context.mapping.file, &numeric, &labels)?;
-    let piece = |rows: &[usize]| {
+    // Counted before anything is made of them.
+    budget.trials(&recording.path, recording.pieces(&rows.kept, &labels).count())?;
+    let pieces = all(recording.pieces(&rows.kept, &labels).map(|rows| {
         let identity = identity(who, recording, rows[0], context.study)?;
         Ok::<_, Errors>(Piece { identity, samples: samples(plan, recording, &numeric, rows)? })
-    };
-    budget.trials(&recording.path, recording.pieces(&rows.kept, &labels).count())?;
-    let pieces = all(recording.pieces(&rows.kept, &labels).map(piece))?;
+    }))?;
     let made: Vec<Signal> =
         Signal::all().filter(|s| pieces.iter().any(|p| p.samples.get(*s).is_some())).collect();
     let report = FileReport {
@@ -116,23 +118,17 @@ fn samples(
     numeric: &[usize],
     rows: &[usize],
 ) -> Result<Samples, Errors> {
-    let column = |(taken, place): (&Taken, &usize)| {
-        let mut values = recording.numbers(*place, rows)?;
-        taken.line.apply(&mut values, taken.factor);
-        Ok::<_, StoreError>((taken.to, values))
-    };
     let mut samples = Samples::default();
-    for (signal, values) in all(plan.taken.iter().zip(numeric).map(column))? {
-        samples.set(signal, values);
+    let (signals, channels) = numeric.split_at(plan.taken.len());
+    let taken = plan.taken.iter().zip(signals);
+    let taken = all(taken.map(|(t, place)| recording.converted(*place, rows, &t.line, t.factor)))?;
+    for (Taken { to, .. }, values) in plan.taken.iter().zip(taken) {
+        samples.set(*to, values);
     }
-    let places = numeric.iter().skip(plan.taken.len());
-    let channel = |(channel, place): (&ChannelFrom, &usize)| {
-        let mut values = recording.numbers(*place, rows)?;
-        channel.line.apply(&mut values, 1.0);
-        Ok::<_, StoreError>((channel.to.clone(), values))
-    };
-    for (id, values) in all(plan.channels.iter().zip(places).map(channel))? {
-        samples.set_channel(id, values);
+    let own = plan.channels.iter().zip(channels);
+    let own = all(own.map(|(c, place)| recording.converted(*place, rows, &c.line, 1.0)))?;
+    for (ChannelFrom { to, .. }, values) in plan.channels.iter().zip(own) {
+        samples.set_channel(to.clone(), values);
     }
     if let Some(rate_hz) = plan.rate_hz {
         samples.set(Signal::Time, rate_times(rate_hz, rows));
@@ -142,6 +138,7 @@ fn samples(
             samples.check(&recording.path).and_then(|()| check_sizes(&recording.path, samples));
         checked.map_err(|e| in_their_words(e, plan, recording, numeric, rows))
     };
+    // Before, because a derivative needs times that run forward; and once more with what it gave.
     check(&samples)?;
     for (to, rule) in &plan.derived {
         samples.set(*to, derive(*rule, &samples, recording)?);
@@ -175,6 +172,7 @@ fn in_their_words(
     let mut ours = plan.taken.iter().map(|t| t.to.name()).chain(channels);
     match (ours.position(|name| Some(name) == error.column.as_deref()), error.row) {
         (Some(i), Some(row)) => {
+            // An error counts rows from 1.
             recording.cell_error(numeric[i], rows[row - 1], &error.what, &error.remedy)
         }
         _ => error,

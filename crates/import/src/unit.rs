@@ -73,6 +73,7 @@ const OUNCES: f64 = 16.0;
 /// Seconds in a minute.
 const MINUTE: f64 = 60.0;
 
+// Two letters look like µ, the sign of micro and the Greek letter: both are typed.
 const UNITS: [Unit; 43] = [
     unit(&["s"], Time, 1.0),
     unit(&["ms"], Time, 1e-3),

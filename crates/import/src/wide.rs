@@ -35,13 +35,12 @@ pub(super) fn wide(
     let places: Vec<usize> = columns.iter().map(|(place, _)| *place).collect();
     let label_columns = all(labels.columns().map(|c| recording.find(c)))?;
     let rows = recording.rows(&context.mapping.file, &places, &label_columns)?;
-    let samples = |(place, value): &(usize, f64)| {
+    let samples = all(columns.iter().map(|(place, value)| {
         let cells = recording.numbers(*place, &rows.kept)?;
         let cells = if form.reduce == Some(Reduce::Mean) { vec![mean(&cells)] } else { cells };
         Ok::<_, StoreError>(cells.into_iter().map(|cell| (*value, cell)).collect::<Vec<_>>())
-    };
-    let (headers, cells): (Vec<f64>, Vec<f64>) =
-        all(columns.iter().map(samples))?.into_iter().flatten().unzip();
+    }))?;
+    let (headers, cells): (Vec<f64>, Vec<f64>) = samples.into_iter().flatten().unzip();
     let mut report = context.file_report(recording, &rows, &[places, label_columns].concat())?;
     report.null.push("t_s".to_owned());
     let (cells_are, mut command, mut response) = match form.header {
@@ -68,7 +67,8 @@ pub(super) fn wide(
 fn header_values(pattern: &Regex, recording: &Recording) -> Result<Vec<(usize, f64)>, StoreError> {
     let names = recording.table.names.as_deref().unwrap_or_default();
     let mut seen = BTreeSet::new();
-    let mut value = |(place, name): (usize, &str)| {
+    let numbered = names.iter().map(String::as_str).enumerate();
+    let values = numbered.filter_map(|(place, name)| {
         let text = pattern.captures(name)?.name("value")?.as_str();
         if !seen.insert(name.to_owned()) {
             let what = "two columns have this header, and both match the pattern";
@@ -79,13 +79,8 @@ fn header_values(pattern: &Regex, recording: &Recording) -> Result<Vec<(usize, f
             let what = format!("'{text}' in the header is not a number");
             recording.error(what, "mend the pattern in [wide]").column(shown(name))
         }))
-    };
-    let found = names
-        .iter()
-        .map(String::as_str)
-        .enumerate()
-        .filter_map(&mut value)
-        .collect::<Result<Vec<_>, _>>()?;
+    });
+    let found = values.collect::<Result<Vec<_>, _>>()?;
     if found.is_empty() {
         let what = format!("no header matches the pattern '{pattern}'");
         return Err(recording.error(what, "mend the pattern in [wide], or header in [file]"));

@@ -12,11 +12,13 @@ pub fn value(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let last = t.len().min(y.len()).checked_sub(SAMPLES)?;
     let first = t.partition_point(|t| *t < at).saturating_sub(2).min(last);
     let (t, y) = (&t[first..first + SAMPLES], &y[first..first + SAMPLES]);
-    let weight = |i: usize| {
-        let others = (0..SAMPLES).filter(|j| *j != i);
-        others.map(|j| (at - t[j]) / (t[i] - t[j])).product::<f64>()
-    };
-    Some((0..SAMPLES).map(|i| weight(i) * y[i]).sum())
+    Some((0..SAMPLES).map(|i| weight(t, i, at) * y[i]).sum())
+}
+
+/// What the value at tᵢ counts at `at`: ∏ⱼ≠ᵢ (at − tⱼ) / (tᵢ − tⱼ).
+fn weight(t: &[f64], i: usize, at: f64) -> f64 {
+    let others = (0..SAMPLES).filter(|j| *j != i);
+    others.map(|j| (at - t[j]) / (t[i] - t[j])).product()
 }
 
 /// ∫ y dt over each interval between samples: the trapezoid less h³/12 times the mean of the second
@@ -31,11 +33,13 @@ pub fn integrals(t: &[f64], y: &[f64]) -> Vec<f64> {
         }
         2.0 * (slope(i) - slope(i - 1)) / (t[i + 1] - t[i - 1])
     };
-    let over = |i: usize| {
-        let h = t[i + 1] - t[i];
-        h * (y[i] + y[i + 1]) / 2.0 - h * h * h / 12.0 * (bend(i) + bend(i + 1)) / 2.0
-    };
-    (0..t.len().saturating_sub(1)).map(over).collect()
+    let intervals = 0..t.len().saturating_sub(1);
+    intervals
+        .map(|i| {
+            let h = t[i + 1] - t[i];
+            h * (y[i] + y[i + 1]) / 2.0 - h * h * h / 12.0 * (bend(i) + bend(i + 1)) / 2.0
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -88,6 +88,7 @@ fn triangularise(columns: &mut [Vec<f64>], y: &mut [f64]) -> Result<Vec<Vec<f64>
     for j in 0..p {
         let (done, rest) = columns.split_at_mut(j + 1);
         let column = &mut done[j];
+        // Reflections keep lengths: this is still the length of the column as it was given.
         let whole = dot(column, column).sqrt();
         let tail = dot(&column[j..], &column[j..]).sqrt();
         if tail <= RANK_TOLERANCE * whole {
@@ -96,6 +97,7 @@ fn triangularise(columns: &mut [Vec<f64>], y: &mut [f64]) -> Result<Vec<Vec<f64>
         for (i, row) in r.iter_mut().enumerate().take(j) {
             row[j] = column[i];
         }
+        // Of the two signs the one with which nothing cancels in the next line.
         r[j][j] = if column[j] > 0.0 { -tail } else { tail };
         column[j] -= r[j][j];
         let v = &column[j..];

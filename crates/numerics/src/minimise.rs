@@ -138,6 +138,7 @@ fn step(
         let point: Vec<f64> =
             here.point.iter().zip(direction).map(|(x, d)| x + length * d).collect();
         if point == here.point {
+            // The step is below the spacing of the numbers.
             return None;
         }
         let there = look(point);

@@ -138,6 +138,7 @@ fn step<const P: usize>(
     let free: [bool; P] = core::array::from_fn(|j| {
         sums.hessian[j][j] > 0.0 && !bounds.holds(parameters, &sums.gradient, j)
     });
+    // One that is held has a row of the identity: the matrix stays regular, and its step is 0.
     let matrix: [[f64; P]; P] = core::array::from_fn(|j| {
         core::array::from_fn(|k| match (free[j] && free[k], j == k) {
             (true, true) => sums.hessian[j][j] * (1.0 + damping),
@@ -170,8 +171,11 @@ fn solve_symmetric<const P: usize>(mut a: [[f64; P]; P], mut b: [f64; P]) -> [f6
 /// Fall of Σ r² that the linearised residuals promise: −2 δᵀJᵀr − δᵀJᵀJ δ.
 fn predicted_reduction<const P: usize>(from: &[f64; P], to: &[f64; P], sums: &Sums<P>) -> f64 {
     let delta: [f64; P] = core::array::from_fn(|j| to[j] - from[j]);
-    let curvature = |j: usize| (0..P).map(|k| sums.hessian[j][k] * delta[k]).sum::<f64>();
-    (0..P).map(|j| -delta[j] * (2.0 * sums.gradient[j] + curvature(j))).sum()
+    let terms = (0..P).map(|j| {
+        let curvature: f64 = (0..P).map(|k| sums.hessian[j][k] * delta[k]).sum();
+        -delta[j] * (2.0 * sums.gradient[j] + curvature)
+    });
+    terms.sum()
 }
 
 fn nearly_equal<const P: usize>(a: &[f64; P], b: &[f64; P]) -> bool {

@@ -98,6 +98,7 @@ pub fn bracketed(mut f: impl FnMut(f64) -> f64, left: f64, right: f64, resolutio
         let new = [secant, f(secant)];
         let settled = (new[0] - b[0]).abs() <= resolution || new[1].abs() <= f64::MIN_POSITIVE;
         if (new[1] > 0.0) == (b[1] > 0.0) {
+            // The far end stays: unless it counts for less and less, the secants only creep.
             a[1] *= 0.5;
         } else {
             a = b;

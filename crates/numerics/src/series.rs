@@ -11,6 +11,7 @@ pub fn interpolate(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let after = t.partition_point(|&t| t < at);
     let (&t1, &y1) = (t.get(after)?, y.get(after)?);
     if t1 <= at {
+        // A sample's own time: arithmetic would blur its value.
         return Some(y1);
     }
     let before = after.checked_sub(1)?;

@@ -37,6 +37,7 @@ pub fn spectral_arc_length(t: &[f64], speed: &[f64]) -> Option<f64> {
     let count = (CUTOFF_HZ / step_hz) as usize + 1;
     let power = squared_fourier(t, speed, step_hz, 0, count);
     let share: Vec<f64> = power.iter().map(|p| (p / power[0]).sqrt()).collect();
+    // Without any speed the shares are NaN, which is at or above nothing: `None`.
     let last = share.iter().rposition(|share| *share >= AMPLITUDE).filter(|last| *last > 0)?;
     let width = (last as f64).recip();
     let arc: f64 = share[..=last]

@@ -22,6 +22,7 @@ pub fn squared_fourier(t: &[f64], y: &[f64], step_hz: f64, first: usize, count: 
     let mut sums = vec![[[0.0; LANES]; 2]; count];
     let weights = trapezoidal_weights(t);
     let weighted: Vec<f64> = weights.iter().zip(y).map(|(weight, y)| weight * y).collect();
+    // |Y|² does not depend on where time begins, and small angles keep their digits.
     let start = t.first().copied().unwrap_or(0.0);
     for (t, y) in t.chunks(LANES).zip(weighted.chunks(LANES)) {
         let (mut now, mut turn) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2]);
@@ -97,6 +98,7 @@ pub fn band_power(
     high_hz: usize,
 ) -> Option<BandPower> {
     let top = (low_hz..=high_hz).rfind(|f| (*f as f64) < nyquist_hz)?;
+    // A bin more at either side, so that a peak at the band's edge has two neighbours.
     let (below, bins) = (low_hz.checked_sub(1)?, top + 3 - low_hz);
     let power = mean_periodogram(t, y, below, bins)?;
     let in_band = &power[1..bins - 1];
@@ -139,8 +141,12 @@ fn windowed(t: &[f64], y: &[f64], from: f64) -> Vec<f64> {
     let centred = || t.iter().zip(y).map(|(t, y)| (t - t_mean, y - y_mean));
     let (tt, ty) = centred().fold((0.0, 0.0), |(tt, ty), (t, y)| (tt + t * t, ty + t * y));
     let slope = if tt > 0.0 { ty / tt } else { 0.0 };
-    let window = |t: f64| 0.5 - 0.5 * libm::cos(TAU * (t - from) / SEGMENT_S);
-    centred().zip(t).map(|((t0, y0), &t)| (y0 - slope * t0) * window(t)).collect()
+    centred().zip(t).map(|((t0, y0), &t)| (y0 - slope * t0) * hann(t - from)).collect()
+}
+
+/// The Hann window of a segment, `after_s` its beginning: 0 at both ends, 1 in the middle.
+fn hann(after_s: f64) -> f64 {
+    0.5 - 0.5 * libm::cos(TAU * after_s / SEGMENT_S)
 }
 
 /// How far a tone lies from its highest bin `k`, in bins: with r the amplitude of the higher

@@ -15,21 +15,25 @@ pub struct Updates {
 /// value comes. A value of age a at time t was taken at t − a. All three are equally long; times in
 /// s.
 pub fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Updates {
-    let is_new = |i: &usize| match i.checked_sub(1) {
-        // half of the interval: the age is stored in single precision
-        Some(before) => age[*i] < age[before] + (t[*i] - t[before]) / 2.0,
-        None => true,
-    };
-    let new: Vec<usize> = (0..t.len()).filter(is_new).collect();
     let mut found = Updates { t: Vec::new(), values: Vec::new() };
-    for i in new {
+    for i in (0..t.len()).filter(|i| is_new(t, age, *i)) {
         let taken = t[i] - age[i];
+        // Rounded ages can put a value before the last one, and interpolation needs rising times.
         if found.t.last().is_none_or(|last| taken > *last) {
             found.t.push(taken);
             found.values.push(values[i]);
         }
     }
     found
+}
+
+/// Whether a new value came with sample `i`: the age did not grow as the clock did.
+fn is_new(t: &[f64], age: &[f64], i: usize) -> bool {
+    match i.checked_sub(1) {
+        // half of the interval: the age is stored in single precision
+        Some(before) => age[i] < age[before] + (t[i] - t[before]) / 2.0,
+        None => true,
+    }
 }
 
 impl Updates {

@@ -157,6 +157,7 @@ fn of_what_goes_in(before: &Record, now: &Record) -> Vec<Change> {
         fields.push(Field { name: "stage".to_owned(), recorded, now });
     }
     if before.parameters != now.parameters {
+        // Whoever can write a record can write anything there: what is no JSON is a text.
         let value = |text: &str| serde_json::from_str(text).unwrap_or_else(|_| json!(text));
         let (recorded, now) = (value(&before.parameters), value(&now.parameters));
         compare("", Some(&recorded), Some(&now), &mut fields);

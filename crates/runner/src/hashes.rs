@@ -26,6 +26,7 @@ impl Hashes {
         if let Some(hash) = self.lock().get(path) {
             return hash.clone();
         }
+        // Not locked meanwhile: others go on, and at worst two threads find the same hash.
         let hash = file_blake3(path).unwrap_or_default();
         self.lock().insert(path.to_owned(), hash.clone());
         hash

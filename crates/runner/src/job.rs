@@ -142,6 +142,7 @@ impl Job {
         files.sort();
         files.dedup();
         let written = canonical(&parameters);
+        // Told when the job is made: it fails alone, and the others are planned and run.
         let failed = written.as_ref().err().cloned();
         let make = move |making: &Making| match &failed {
             Some(why) => Err(format!("its parameters cannot be written: {why}").into()),
@@ -179,8 +180,8 @@ impl Job {
     /// Whether a person who says `name` means this job: its stage, its name, or the file stem of an
     /// output.
     pub fn is_called(&self, name: &str) -> bool {
-        let has_stem = |o: &PathBuf| o.file_stem().is_some_and(|stem| stem == name);
-        self.stage.name == name || self.name == name || self.outputs.iter().any(has_stem)
+        let mut stems = self.outputs.iter().filter_map(|output| output.file_stem());
+        self.stage.name == name || self.name == name || stems.any(|stem| stem == name)
     }
 }
 

@@ -8,14 +8,14 @@ use std::path::PathBuf;
 pub(crate) fn needs(jobs: &[Job]) -> Vec<BTreeSet<usize>> {
     let maker: HashMap<&PathBuf, usize> =
         jobs.iter().enumerate().flat_map(|(i, j)| j.outputs.iter().map(move |o| (o, i))).collect();
-    let of = |(i, job): (usize, &Job)| {
-        job.inputs
-            .iter()
-            .filter_map(|file| maker.get(file).copied())
-            .filter(|maker| *maker != i)
-            .collect()
-    };
-    jobs.iter().enumerate().map(of).collect()
+    let numbered = jobs.iter().enumerate();
+    numbered
+        .map(|(i, job)| {
+            let makers = job.inputs.iter().filter_map(|file| maker.get(file).copied());
+            // A job that reads its own output would wait for itself for ever.
+            makers.filter(|maker| *maker != i).collect()
+        })
+        .collect()
 }
 
 /// Groups of job indices: a group needs only outputs of earlier groups. Jobs that need each other

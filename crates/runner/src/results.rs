@@ -120,10 +120,12 @@ impl<'a> Results<'a> {
             }
         }
         let held = File::open(&folder).ok()?;
+        // Alone: what lies here unfinished is nobody's work.
         if held.try_lock().is_ok() {
             self.sweep();
             held.unlock().ok()?;
         }
+        // Nothing is written before this: a run that sweeps in between takes nothing from this one.
         held.lock_shared().ok()?;
         Some(held)
     }
@@ -155,6 +157,7 @@ impl<'a> Results<'a> {
             at.push(part);
             match self.files.kind(&at) {
                 Some(Entry::Folder) => {}
+                // Below what is not there nothing can be a link.
                 None => break,
                 Some(kind) => return Err(in_the_way(&at, kind)),
             }
@@ -182,12 +185,11 @@ fn in_the_way(folder: &Path, kind: Entry) -> StoreError {
 /// # Errors
 /// Why not, in words.
 pub(crate) fn relative(path: &str) -> Result<(), String> {
-    let elsewhere = |part: &str| part.is_empty() || part == "." || part == "..";
-    if path.split('/').any(elsewhere) {
+    if path.split('/').any(|part| matches!(part, "" | "." | "..")) {
         return Err("it does not lead down from the data folder".to_owned());
     }
-    let foreign = |c: char| c == '\\' || c == ':' || c.is_control();
-    if path.contains(foreign) {
+    // On Windows a backslash parts folders, and a colon names a drive.
+    if path.contains(|c: char| c == '\\' || c == ':' || c.is_control()) {
         return Err("it has a sign in it that no path of ours has".to_owned());
     }
     Ok(())

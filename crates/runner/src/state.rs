@@ -32,13 +32,17 @@ pub struct State<'j> {
 impl State<'_> {
     /// Whether a run would make the job again.
     pub fn again(&self) -> Again {
-        let waits = |c: &Change| matches!(c, Change::Input(file) if file.how == How::ToBeMade);
         match self.changes.as_slice() {
             [] => Again::No,
-            all if all.iter().all(waits) => Again::IfInputsDiffer,
+            all if all.iter().all(is_open) => Again::IfInputsDiffer,
             _ => Again::Yes,
         }
     }
+}
+
+/// Whether only the making of an input will show if there is a change at all.
+fn is_open(change: &Change) -> bool {
+    matches!(change, Change::Input(file) if file.how == How::ToBeMade)
 }
 
 /// The chosen jobs, and those whose outputs they need, however far back, as a run would find them:

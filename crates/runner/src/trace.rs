@@ -38,10 +38,9 @@ pub struct Trace<'r> {
 
 /// Everything behind the outputs of the job of that name; `None` if there is no record of it.
 pub fn trace<'r>(records: &'r Records, job: &str) -> Option<Trace<'r>> {
-    let of = |(job, record): (&'r str, &'r Record)| {
-        record.outputs.keys().map(move |path| (path, Step { job, record }))
-    };
-    let makers: BTreeMap<&String, Step> = records.iter().flat_map(of).collect();
+    let all = records.iter().map(|(job, record)| Step { job, record });
+    let makers: BTreeMap<&String, Step> =
+        all.flat_map(|step| step.record.outputs.keys().map(move |path| (path, step))).collect();
     let (first, record) = records.iter().find(|(name, _)| *name == job)?;
     let mut waiting = VecDeque::from([Step { job: first, record }]);
     let mut seen = BTreeSet::from([first]);

@@ -112,6 +112,7 @@ pub(crate) const ROUNDING: f64 = 1e-24;
 /// Decomposes a checked table.
 pub(crate) fn two_way(table: &[Vec<f64>]) -> TwoWay {
     let (n, k) = (table.len(), table[0].len());
+    // Far from zero the squares would lose the digits in which values differ.
     let origin = table[0][0];
     let of_row: Vec<f64> =
         table.iter().map(|row| row.iter().map(|v| v - origin).sum::<f64>() / k as f64).collect();

@@ -85,6 +85,7 @@ impl Answers {
                 needed: all.len() + 1,
             });
         }
+        // Whatever is fitted: what is asked for is the rank of the columns.
         match lsq::fit(&all, &ones) {
             Err(NumericsError::RankDeficient { column }) => {
                 let what = match column {
@@ -103,9 +104,9 @@ impl Answers {
         /// A component below this share of the largest is rounding.
         const ROUNDING: f64 = 1e-6;
         let largest = direction.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
-        let moved = |(_, d): &(&Column, &f64)| d.abs() > ROUNDING * largest;
-        let pairs = self.columns.iter().zip(direction).filter(moved);
-        pairs.map(|(column, _)| column.name.as_str()).collect::<Vec<_>>().join(" and ")
+        let pairs = self.columns.iter().zip(direction);
+        let moved = pairs.filter(|(_, d)| d.abs() > ROUNDING * largest);
+        moved.map(|(column, _)| column.name.as_str()).collect::<Vec<_>>().join(" and ")
     }
 
     /// The answers of some rows, counted by their values of the columns, in the order in which

@@ -6,8 +6,10 @@
 pub fn lag1(segments: &[&[f64]]) -> Option<f64> {
     let n: usize = segments.iter().map(|s| s.len()).sum();
     let mean = segments.iter().copied().flatten().sum::<f64>() / n as f64;
-    let pairs = |s: &[f64]| s.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum::<f64>();
-    let products: f64 = segments.iter().map(|s| pairs(s)).sum();
+    let products: f64 = segments
+        .iter()
+        .map(|s| s.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum::<f64>())
+        .sum();
     let squares: f64 = segments.iter().copied().flatten().map(|e| (e - mean) * (e - mean)).sum();
     (n > 1 && squares > 0.0).then(|| products / squares)
 }

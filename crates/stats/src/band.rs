@@ -49,8 +49,12 @@ pub fn band(rows: &[Vec<Option<f64>>], level: f64) -> Result<Band, StatsError> {
 /// t(level, n − 1) / √n for n = 0 … `most`; `None` below two values.
 fn critical_values(most: usize, level: f64) -> Result<Vec<Option<f64>>, StatsError> {
     check_level(level)?;
-    let factor = |n: usize| Ok(critical_value(level, (n - 1) as f64)? / (n as f64).sqrt());
-    (0..=most).map(|n| if n < 2 { Ok(None) } else { factor(n).map(Some) }).collect()
+    (0..=most)
+        .map(|n| match n {
+            0 | 1 => Ok(None),
+            _ => Ok(Some(critical_value(level, (n - 1) as f64)? / (n as f64).sqrt())),
+        })
+        .collect()
 }
 
 fn push(band: &mut Band, here: &[f64], repeats: usize, critical: &[Option<f64>]) {

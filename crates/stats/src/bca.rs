@@ -78,11 +78,12 @@ pub fn interval<B: Sync>(
     if all.len() < 2 {
         return Err(Unestimable::TooFew { units: "blocks", found: all.len(), needed: 2 });
     }
-    let without = |left_out: usize| {
-        let rest = all.iter().enumerate().filter(|(i, _)| *i != left_out);
-        statistic(&rest.map(|(_, block)| *block).collect::<Vec<&B>>())
-    };
-    let jackknife: Vec<f64> = (0..all.len()).map(without).collect();
+    let jackknife: Vec<f64> = (0..all.len())
+        .map(|left_out| {
+            let rest = all.iter().enumerate().filter(|(i, _)| *i != left_out);
+            statistic(&rest.map(|(_, block)| *block).collect::<Vec<&B>>())
+        })
+        .collect();
     let resampled = resample(blocks, blocks.len(), resamples, seed, &statistic);
     of_resamples(statistic(&all), &resampled, &jackknife, level)
 }
@@ -149,6 +150,7 @@ fn acceleration(jackknife: &[f64]) -> Result<f64, Uncorrected> {
     if unit <= ROUNDING * largest(jackknife) {
         return Err(Uncorrected::NoVariance);
     }
+    // In units of the largest: a power of a tiny distance would be 0.
     let sum = |power| distances.iter().map(|u| (u / unit).powi(power)).sum::<f64>();
     let squares = sum(2);
     Ok(sum(3) / (6.0 * squares * squares.sqrt()))

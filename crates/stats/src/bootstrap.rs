@@ -32,13 +32,15 @@ pub fn resample<B: Sync, T: Send>(
     if blocks.is_empty() {
         return Vec::new();
     }
-    let one = |number: usize| {
-        let mut rng = stream(seed, number as u64);
-        let drawn: Vec<&B> =
-            (0..draws).map(|_| &blocks[index_below(&mut rng, blocks.len())]).collect();
-        statistic(&drawn)
-    };
-    (0..resamples).into_par_iter().map(one).collect()
+    let numbers = (0..resamples).into_par_iter();
+    numbers
+        .map(|number| {
+            let mut rng = stream(seed, number as u64);
+            let drawn: Vec<&B> =
+                (0..draws).map(|_| &blocks[index_below(&mut rng, blocks.len())]).collect();
+            statistic(&drawn)
+        })
+        .collect()
 }
 
 /// The percentile interval of resampled `values`: their (1 ∓ level)/2 quantiles, interpolated as
@@ -96,6 +98,7 @@ pub(crate) fn index_below(rng: &mut ChaCha8Rng, n: usize) -> usize {
 
 /// A number in (0, 1), from the upper 53 bits.
 pub(crate) fn uniform(rng: &mut ChaCha8Rng) -> f64 {
+    // Half a step off: 0 has no logarithm.
     ((rng.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
 }
 

@@ -23,6 +23,7 @@ pub fn pairs_needed(contrasts: usize, alpha: f64) -> Result<usize, StatsError> {
         return Err(StatsError::Alpha { alpha });
     }
     let mut pairs = 1;
+    // This ends: with each pair more p is halved.
     while reachable_p(pairs, contrasts) >= alpha {
         pairs += 1;
     }

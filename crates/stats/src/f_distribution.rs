@@ -31,6 +31,7 @@ pub fn quantile(level: f64, df_num: f64, df_den: f64) -> Result<f64, StatsError>
     check_df(df_den)?;
     let above = |f: f64| Ok::<_, StatsError>(tail(f, df_num, df_den)? > 1.0 - level);
     let mut high = 1.0;
+    // For few degrees of freedom the quantile may lie beyond all numbers.
     while above(high)? && high < f64::MAX / 2.0 {
         high *= 2.0;
     }

@@ -54,8 +54,8 @@ pub fn test(rows: &[&[f64]], sampling: Sampling) -> Result<Friedman, Unestimable
     let (p_value, null) = match exact_p(&ranks, centre, observed) {
         Some(p) => (p, Null::Exact),
         None => {
-            let extreme = |rng: &mut ChaCha8Rng| spread(&drawn(&ranks, rng), centre) >= observed;
-            (sampled_p(sampling, extreme), Null::Sampled { draws: sampling.draws })
+            let p = sampled_p(sampling, |rng| spread(&drawn(&ranks, rng), centre) >= observed);
+            (p, Null::Sampled { draws: sampling.draws })
         }
     };
     let statistic = (rows.len() * (modes - 1)) as f64 * concordance;

@@ -64,8 +64,12 @@ fn lagged_product(a: &[f64], b: &[f64], lag: usize) -> f64 {
 }
 
 fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let entry = |row: &[f64], k: usize| row.iter().zip(b).map(|(x, b_row)| x * b_row[k]).sum();
-    a.iter().map(|row| (0..b.len()).map(|k| entry(row, k)).collect()).collect()
+    a.iter().map(|row| (0..b.len()).map(|k| times_column(row, b, k)).collect()).collect()
+}
+
+/// A row times column `k` of a square matrix.
+fn times_column(row: &[f64], matrix: &[Vec<f64>], k: usize) -> f64 {
+    row.iter().zip(matrix).map(|(x, other)| x * other[k]).sum()
 }
 
 #[cfg(test)]

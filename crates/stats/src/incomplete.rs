@@ -70,12 +70,15 @@ pub fn incomplete_agreement(
     let study = Study::new(table)?;
     let fit = study.fit()?;
     let truth = fit.possible();
-    let one = |number: usize| {
+    let found = (0..sampling.draws).into_par_iter().map(|number| {
         let mut rng = stream(sampling.seed, number as u64);
         study.drawn(&truth, &mut rng).fit().map(|fit| fit.correlations())
-    };
-    let drawn: Vec<[f64; 2]> =
-        (0..sampling.draws).into_par_iter().map(one).filter_map(Result::ok).collect();
+    });
+    let drawn: Vec<[f64; 2]> = found.filter_map(Result::ok).collect();
+    if drawn.is_empty() {
+        let what = "intervals of the correlations";
+        return Err(Unestimable::NotConverged { what, slope: f64::INFINITY });
+    }
     let k = study.sessions as f64;
     let interval = |which: usize| {
         let drawn = drawn.iter().map(|rho| rho[which]).collect();
@@ -104,19 +107,27 @@ pub fn incomplete_agreement(
 /// The interval of a correlation whose estimate is `estimate`, from those `drawn` where it is
 /// `truth`.
 fn basic(estimate: f64, truth: f64, drawn: Vec<f64>, k: f64, level: f64) -> Correlation {
-    let log_ratio = |rho: f64| libm::log((1.0 + (k - 1.0) * rho) / (1.0 - rho));
-    let back = |t: f64| {
-        let ratio = libm::exp(t);
-        (ratio - 1.0) / (ratio + k - 1.0)
-    };
-    let mut drawn: Vec<f64> = drawn.into_iter().map(log_ratio).collect();
+    let mut drawn: Vec<f64> = drawn.into_iter().map(|rho| log_ratio(rho, k)).collect();
     drawn.sort_unstable_by(f64::total_cmp);
-    let quantile = |share: f64| {
+    let end = |share: f64| {
         let place = (share * (drawn.len() + 1) as f64).round() as usize;
-        drawn[place.clamp(1, drawn.len()) - 1]
+        let quantile = drawn[place.clamp(1, drawn.len()) - 1];
+        from_log_ratio(log_ratio(estimate, k) - (quantile - log_ratio(truth, k)), k)
     };
-    let end = |share: f64| back(log_ratio(estimate) - (quantile(share) - log_ratio(truth)));
+    // What lies above the estimate in the draws is taken from it: the upper quantile makes the
+    // lower end.
     Correlation { estimate, ci_low: end((1.0 + level) / 2.0), ci_high: end((1.0 - level) / 2.0) }
+}
+
+/// T(ρ) of [`incomplete_agreement`].
+fn log_ratio(rho: f64, k: f64) -> f64 {
+    libm::log((1.0 + (k - 1.0) * rho) / (1.0 - rho))
+}
+
+/// The ρ of a T(ρ).
+fn from_log_ratio(t: f64, k: f64) -> f64 {
+    let ratio = libm::exp(t);
+    (ratio - 1.0) / (ratio + k - 1.0)
 }
 
 /// A value with the places of its participant and its session.
@@ -212,11 +223,11 @@ impl Study {
         let mut normal = |variance: f64| variance.sqrt() * crate::bootstrap::normal(rng);
         let people: Vec<f64> = (0..self.participants).map(|_| normal(truth.participant)).collect();
         let times: Vec<f64> = (0..self.sessions).map(|_| normal(truth.session)).collect();
-        let value = |old: &Value| {
+        let values = self.values.iter().map(|old| {
             let y = people[old.participant] + times[old.session] + normal(truth.error);
             Value { y, ..*old }
-        };
-        let values = self.values.iter().map(value).collect();
+        });
+        let values = values.collect();
         Self { values, participants: self.participants, sessions: self.sessions }
     }
 
@@ -225,6 +236,7 @@ impl Study {
         // As far below zero as a variance ratio may be: −1 / the most values of one.
         let floors = [&totals.of_participant, &totals.of_session]
             .map(|counts| -1.0 / counts.iter().fold(1.0, |most: f64, n| most.max(*n)));
+        // As logarithms above their floors they have no bound that a search would have to watch.
         let ratios = |x: &[f64]| [libm::exp(x[0]) + floors[0], libm::exp(x[1]) + floors[1]];
         let cost = |x: &[f64]| {
             let (value, slopes, _) = totals.criterion(ratios(x));

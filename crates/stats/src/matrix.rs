@@ -186,6 +186,7 @@ impl Matrix {
 /// One rotation that makes entry (p, q) zero.
 fn rotate(a: &mut Matrix, vectors: &mut Matrix, p: usize, q: usize) {
     let tau = (a[(q, q)] - a[(p, p)]) / (2.0 * a[(p, q)]);
+    // The sign of 0 is 1: equal diagonal entries are turned by 45°.
     let t = tau.signum() / (tau.abs() + (1.0 + tau * tau).sqrt());
     let c = 1.0 / (1.0 + t * t).sqrt();
     let s = t * c;

@@ -39,8 +39,8 @@ pub(crate) fn sampled_p(
     sampling: Sampling,
     extreme: impl Fn(&mut ChaCha8Rng) -> bool + Sync,
 ) -> f64 {
-    let one = |number| extreme(&mut stream(sampling.seed, number));
-    let found = (0..sampling.draws as u64).into_par_iter().filter(|number| one(*number)).count();
+    let draws = (0..sampling.draws as u64).into_par_iter();
+    let found = draws.filter(|number| extreme(&mut stream(sampling.seed, *number))).count();
     (1 + found) as f64 / (1 + sampling.draws) as f64
 }
 
@@ -53,6 +53,7 @@ pub(crate) fn doubled_midranks(values: &[f64]) -> Vec<u64> {
     order.sort_by(|i, j| values[*i].total_cmp(&values[*j]));
     let mut ranks = vec![0; values.len()];
     let mut first = 0;
+    // Neighbour by neighbour: the first and the last of many near ones may lie further apart.
     for group in order.chunk_by(|i, j| values[*j] - values[*i] <= SAME * scale) {
         // places first + 1 … first + len: their mean, twice
         let doubled = (2 * first + group.len() + 1) as u64;

@@ -226,6 +226,7 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
     /// 2⁻⁵³, so that 53 bits make a number in [0, 1).
     const UNIT: f64 = 1.0 / (1_u64 << 53) as f64;
     let mut uniform = || (rng.next_u64() >> 11) as f64 * UNIT;
+    // 1 − u, for u may be 0, which has no logarithm.
     let radius = (-2.0 * libm::log(1.0 - uniform())).sqrt();
     radius * libm::cos(2.0 * core::f64::consts::PI * uniform())
 }
@@ -241,9 +242,10 @@ fn p_value(plan: &Plan, test: PlannedTest, values: &[f64]) -> Result<f64, Unesti
 fn paired_t(plan: &Plan, values: &[f64]) -> Result<f64, Unestimable> {
     let mean = |cell: &[f64]| cell.iter().sum::<f64>() / plan.repeats as f64;
     let size = plan.modes * plan.repeats;
-    let difference =
-        |person: &[f64]| mean(&person[size - plan.repeats..]) - mean(&person[..plan.repeats]);
-    let differences: Vec<f64> = values.chunks(size).map(difference).collect();
+    let people = values.chunks(size);
+    let differences: Vec<f64> = people
+        .map(|person| mean(&person[size - plan.repeats..]) - mean(&person[..plan.repeats]))
+        .collect();
     let n = differences.len() as f64;
     match mean_and_sd(&differences) {
         (mean, Some(sd)) if sd > 0.0 => Ok(two_sided_p(mean / (sd / n.sqrt()), n - 1.0)?),

@@ -42,9 +42,11 @@ pub fn recording_fit(
 ) -> Result<RecordingFit, StatsError> {
     let lags = fit.residuals.len() / SHARE_OF_RECORDING;
     let covariance = newey_west(columns, fit, lags)?;
-    let estimate =
-        |(j, &b): (usize, &f64)| t_interval(b, covariance[j][j].max(0.0).sqrt(), DF, level);
-    let estimates = fit.coefficients.iter().enumerate().map(estimate).collect::<Result<_, _>>()?;
+    let mut estimates = Vec::with_capacity(fit.coefficients.len());
+    for (j, b) in fit.coefficients.iter().enumerate() {
+        // Rounding may leave the variance of an all but perfect fit below 0.
+        estimates.push(t_interval(*b, covariance[j][j].max(0.0).sqrt(), DF, level)?);
+    }
     Ok(RecordingFit { estimates, lags })
 }
 

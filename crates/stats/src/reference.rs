@@ -33,6 +33,7 @@ pub(crate) fn f_tail(f: f64, num: f64, den: f64) -> Result<f64, StatsError> {
 /// The z with P(|Z| < z) = `level`.
 pub(crate) fn normal_critical(level: f64) -> Result<f64, StatsError> {
     check_level(level)?;
+    // By the lower tail: next to 1 the upper one has lost its digits.
     Ok(rounded(-Normal::standard().inverse_cdf((1.0 - level) / 2.0)))
 }
 

@@ -57,10 +57,12 @@ fn greenhouse_geisser(table: &[Vec<f64>]) -> f64 {
     let (n, k) = (table.len(), table[0].len());
     let origin = &table[0];
     // rows without their participant's level, columns without their mode's
-    let level = |row: &[f64]| row.iter().zip(origin).map(|(v, o)| v - o).sum::<f64>() / k as f64;
     let centred: Vec<Vec<f64>> = table
         .iter()
-        .map(|row| row.iter().zip(origin).map(|(v, o)| v - o - level(row)).collect())
+        .map(|row| {
+            let level = row.iter().zip(origin).map(|(v, o)| v - o).sum::<f64>() / k as f64;
+            row.iter().zip(origin).map(|(v, o)| v - o - level).collect()
+        })
         .collect();
     let mean: Vec<f64> =
         (0..k).map(|j| centred.iter().map(|row| row[j]).sum::<f64>() / n as f64).collect();

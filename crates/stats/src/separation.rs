@@ -114,21 +114,20 @@ fn settle(rows: &[Vec<f64>], y: &mut [f64], free: &mut Vec<usize>) -> bool {
         let held: Vec<f64> =
             (0..y.len()).map(|i| if free.contains(&i) { 0.0 } else { y[i] }).collect();
         let rest = combination(rows, &held);
-        let products =
-            |i: &usize| free.iter().map(|j| dot(&rows[*i], &rows[*j])).collect::<Vec<_>>();
-        let Some(l) = cholesky(&free.iter().map(products).collect::<Vec<_>>()) else {
-            return false;
-        };
+        let products: Vec<Vec<f64>> =
+            free.iter().map(|&i| free.iter().map(|&j| dot(&rows[i], &rows[j])).collect()).collect();
+        let Some(l) = cholesky(&products) else { return false };
         let target = solve(&l, &free.iter().map(|&i| -dot(&rows[i], &rest)).collect::<Vec<_>>());
-        let share = |(&i, &to): (&usize, &f64)| (y[i] - 1.0) / (y[i] - to);
         let falling = free.iter().zip(&target).filter(|(_, to)| **to < 1.0);
-        let step = falling.map(share).fold(1.0_f64, f64::min);
+        let shares = falling.map(|(&i, to)| (y[i] - 1.0) / (y[i] - to));
+        let step = shares.fold(1.0_f64, f64::min);
         for (&i, to) in free.iter().zip(&target) {
             y[i] += step * (to - y[i]);
         }
         if step >= 1.0 {
             return true;
         }
+        // One that stands at its bound but for rounding would end the next step at its beginning.
         free.retain(|&i| y[i] > 1.0 + ROUNDING);
         (0..y.len()).filter(|i| !free.contains(i)).for_each(|i| y[i] = 1.0);
     }

@@ -75,17 +75,18 @@ fn sum(values: &[f64]) -> f64 {
 
 /// The sum of `values`, each with a sign at random.
 fn flipped(values: &[f64], rng: &mut ChaCha8Rng) -> f64 {
-    let word = |chunk: &[f64]| {
+    let sums = values.chunks(u64::BITS as usize).map(|chunk| {
         let bits = rng.next_u64();
-        let signed = |(i, v): (usize, &f64)| if bits >> i & 1 == 1 { -v } else { *v };
-        chunk.iter().enumerate().map(signed).sum::<f64>()
-    };
-    values.chunks(u64::BITS as usize).map(word).sum()
+        let numbered = chunk.iter().enumerate();
+        numbered.map(|(i, v)| if bits >> i & 1 == 1 { -v } else { *v }).sum::<f64>()
+    });
+    sums.sum()
 }
 
 /// The share of all flips whose sum is `threshold` or more, or −`threshold` or less.
 fn exact_p(values: &[f64], threshold: f64) -> f64 {
     if threshold <= 0.0 {
+        // Every flip is as extreme, and sums on both sides of 0 would be counted twice.
         return 1.0;
     }
     let (left, right) = values.split_at(values.len() / 2);
@@ -93,6 +94,7 @@ fn exact_p(values: &[f64], threshold: f64) -> f64 {
     // Flips come in pairs of opposite sums: those of at least the threshold are half of all.
     let mut enough = right.len();
     let mut count: u64 = 0;
+    // As the left sums rise, ever more of the right ones are enough: none is looked at twice.
     for sum in &left {
         while enough > 0 && sum + right[enough - 1] >= threshold {
             enough -= 1;

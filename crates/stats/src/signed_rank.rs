@@ -76,6 +76,7 @@ fn exact_p(ranks: &[u64], smaller: u64) -> f64 {
     let mut counts = vec![0_u64; smaller as usize + 1];
     counts[0] = 1;
     for rank in ranks.iter().map(|rank| *rank as usize) {
+        // From above, so that no sum has this rank in it twice.
         for sum in (rank..counts.len()).rev() {
             counts[sum] += counts[sum - rank];
         }

@@ -40,8 +40,13 @@ pub(crate) fn solve(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
 
 /// (L Lᵀ)⁻¹, row by row.
 pub(crate) fn inverse(l: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let unit = |i: usize| (0..l.len()).map(|j| f64::from(u8::from(i == j))).collect::<Vec<_>>();
-    (0..l.len()).map(|i| solve(l, &unit(i))).collect()
+    let size = l.len();
+    (0..size)
+        .map(|i| {
+            let unit: Vec<f64> = (0..size).map(|j| f64::from(u8::from(i == j))).collect();
+            solve(l, &unit)
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -28,8 +28,8 @@ pub struct Group {
 /// (0, 1).
 pub fn difference(strata: &[[Group; 2]], level: f64) -> Result<Tested, Unestimable> {
     let weight = 1.0 / strata.len().max(1) as f64;
-    let terms = |[a, b]: &[Group; 2]| [(weight, *a), (-weight, *b)];
-    combined(&strata.iter().flat_map(terms).collect::<Vec<_>>(), level)
+    let terms: Vec<_> = strata.iter().flat_map(|[a, b]| [(weight, *a), (-weight, *b)]).collect();
+    combined(&terms, level)
 }
 
 /// The mean over strata of their means, each with the same weight, as [`difference`] has it. Its
@@ -57,8 +57,8 @@ fn combined(terms: &[(f64, Group)], level: f64) -> Result<Tested, Unestimable> {
     if variance <= 0.0 {
         return Err(Unestimable::Constant { units: "repeats of a condition" });
     }
-    let spent = |term: &(f64, Group)| share(term) * share(term) / (term.1.n - 1) as f64;
-    let df = variance * variance / terms.iter().map(spent).sum::<f64>();
+    let spent = terms.iter().map(|term| share(term) * share(term) / (term.1.n - 1) as f64);
+    let df = variance * variance / spent.sum::<f64>();
     Ok(tested(estimate, variance.sqrt(), df, level)?)
 }
 

@@ -29,8 +29,9 @@ pub fn accept_study(
             let of_it = problems
                 .into_iter()
                 .find(|problem| problem.path.with_extension("") == path.with_extension(""));
-            let none = || StoreError::new(&path, "there is no such session", "see `zwidth list`");
-            return Err(vec![of_it.unwrap_or_else(none)]);
+            return Err(vec![of_it.unwrap_or_else(|| {
+                StoreError::new(&path, "there is no such session", "see `zwidth list`")
+            })]);
         }
     }
     let mut accepted = Vec::new();
@@ -52,14 +53,14 @@ pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
     let Ok((study, hash)) = read_study_from(files, layout) else { return Vec::new() };
     let (sessions, _) = read_sessions(files, layout, &mut Vec::new());
     let accepted = sessions.iter().filter(|log| log.studies().any(|known| known == hash));
-    let note = |log: &crate::SessionLog| {
+    let notes = accepted.filter_map(|log| {
         let (participant, session) = (&log.record.participant, &log.record.session);
         let changes = matters(log, &study, &hash)?;
         Some(format!(
             "study.toml is another than when {participant} {session} was laid down, and was accepted: {changes}"
         ))
-    };
-    accepted.filter_map(note).collect()
+    });
+    notes.collect()
 }
 
 #[cfg(test)]

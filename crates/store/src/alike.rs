@@ -43,23 +43,14 @@ pub fn check_session_ids(
 /// # Errors
 /// A study below the same root whose id differs from it only by case.
 pub fn check_study_id(files: &dyn Files, layout: &Layout) -> Result<(), StoreError> {
-    let here = layout.raw();
-    let beside = files.list(&layout.root().join("raw")).unwrap_or_default();
-    let is_alike = |path: &Path| {
-        path.file_name()
-            .and_then(|name| name.to_str())
-            .is_some_and(|name| alike(name, layout.study().as_str()))
-    };
-    match beside.into_iter().find(|(path, kind)| *kind == Entry::Folder && is_alike(path)) {
-        None => Ok(()),
-        Some((path, _)) => {
-            let other = path
-                .file_name()
-                .map(|name| name.to_string_lossy().into_owned())
-                .unwrap_or_default();
-            Err(clash(&here, "study", layout.study().as_str(), &other))
+    let (id, beside) = (layout.study().as_str(), files.list(&layout.root().join("raw")));
+    for (path, kind) in beside.unwrap_or_default() {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        if kind == Entry::Folder && alike(name, id) {
+            return Err(clash(&layout.raw(), "study", id, name));
         }
     }
+    Ok(())
 }
 
 /// Those of the sessions whose ids nothing is like, and a finding each for the others.
@@ -120,6 +111,7 @@ fn perhaps_alike(
     session: &SessionId,
 ) -> Option<(ParticipantId, SessionId)> {
     let stem = path.file_name()?.to_str()?.strip_suffix(".json")?;
+    // By `get`: where this text ends, another's name may be in the middle of a letter.
     let starts =
         |with: &str| stem.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
     let (of_participant, whole) = (format!("{participant}_"), format!("{participant}_{session}"));

@@ -76,6 +76,7 @@ pub struct RealFiles;
 impl Files for RealFiles {
     fn create_folder(&self, path: &Path) -> io::Result<()> {
         match fs::create_dir(path) {
+            // Another process may have made it in between.
             Err(_) if path.is_dir() => Ok(()),
             made => made,
         }

@@ -56,8 +56,6 @@ pub fn encoded_column(
     samples.set(signal, values.to_vec());
     let (field, array) = signal_column(signal.column(), zwidth_study::Schema::Two, &samples);
     let name = signal.name();
-    let defect =
-        |e: ParquetError| StoreError::new(Path::new(name), e.to_string(), "try another encoding");
     (|| {
         let batch = RecordBatch::try_new(Arc::new(Schema::new(vec![field])), vec![array])?;
         let compression = Compression::ZSTD(ZstdLevel::try_new(zstd)?);
@@ -69,20 +67,22 @@ pub fn encoded_column(
         writer.close()?;
         Ok(bytes)
     })()
-    .map_err(defect)
+    .map_err(|e| unmeasured(name, &e))
+}
+
+/// What keeps an encoding from being measured.
+fn unmeasured(name: &str, error: &ParquetError) -> StoreError {
+    StoreError::new(Path::new(name), error.to_string(), "try another encoding")
 }
 
 /// Rows decoded from the bytes of a Parquet file, to measure an encoding.
 pub fn decoded_rows(bytes: &[u8]) -> Result<usize, StoreError> {
-    let defect = |e: ParquetError| {
-        StoreError::new(Path::new("(memory)"), e.to_string(), "try another encoding")
-    };
     (|| {
         let reader =
             ParquetRecordBatchReaderBuilder::try_new(Bytes::copy_from_slice(bytes))?.build()?;
         reader.map(|batch| Ok(batch?.num_rows())).sum::<Result<usize, ParquetError>>()
     })()
-    .map_err(defect)
+    .map_err(|e| unmeasured("(memory)", &e))
 }
 
 /// Writer settings of a recording: what is kept for ever is made small.
@@ -106,11 +106,10 @@ fn encoding(field: &Field) -> Encoding {
 
 /// Writer settings of a derived table: what can be made again is made quickly.
 pub(crate) fn derived(schema: &Schema, footer: Vec<KeyValue>) -> WriterProperties {
-    let encoding = |f: &Field| match f.data_type() {
-        DataType::Float64 => Encoding::ByteStreamSplit,
-        _ => Encoding::Dictionary,
-    };
-    let columns = schema.fields().iter().map(|f| (f.name().as_str(), encoding(f)));
+    let columns = schema.fields().iter().map(|field| match field.data_type() {
+        DataType::Float64 => (field.name().as_str(), Encoding::ByteStreamSplit),
+        _ => (field.name().as_str(), Encoding::Dictionary),
+    });
     properties(columns, footer, Compression::SNAPPY).build()
 }
 

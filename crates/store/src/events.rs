@@ -51,6 +51,7 @@ pub fn append_events(
         .and_then(|()| files.open_append(path)?.append_synced(text.as_bytes()))
         .and_then(|()| files.sync_folder(folder))
         .map_err(|e| StoreError::io(path, "append to", &e))?;
+    // Last: it must never count a line that is not on the disk.
     write_head(files, path, &digests)
 }
 
@@ -107,7 +108,6 @@ pub(crate) fn take_back_events(
     let digests: Vec<String> = lines.iter().map(|line| line.blake3.clone()).collect();
     standing(files, path, &digests)?;
     let stay = lines.len() - lines.iter().rev().take_while(|line| undone(&line.event)).count();
-    let cannot = |e: std::io::Error| StoreError::io(path, "take lines back from", &e);
     if stay == lines.len() && stay > 0 {
         return Ok(());
     }
@@ -121,7 +121,7 @@ pub(crate) fn take_back_events(
             files
                 .remove(&file)
                 .and_then(|()| files.sync_folder(folder_of(&file)))
-                .map_err(cannot)?;
+                .map_err(|e| StoreError::io(path, "take lines back from", &e))?;
         }
     }
     Ok(())

@@ -235,9 +235,12 @@ fn mend(span: &[u8], chain: Chain) -> Option<(Frame, Chain)> {
         Some((frame, expected))
     };
     let as_long = [&u32::try_from(length).ok()?.to_le_bytes(), &body[HEAD - 1..]].concat();
-    let of_kind = |kind: u8| [&as_long[..HEAD - 1], &[kind], &as_long[HEAD..]].concat();
-    let mended = [1, 2, 3, 4, 5].iter().find_map(|kind| is_right(&of_kind(*kind)));
+    let mended = [1, 2, 3, 4, 5]
+        .into_iter()
+        .find_map(|kind| is_right(&[&as_long[..HEAD - 1], &[kind], &as_long[HEAD..]].concat()));
     let is_short = length.saturating_mul(length) * BITS <= MOST_TRIED;
+    // Where the head is wrong as well, one flipped bit is not all; and zeros are no digest, but
+    // what was never synced.
     if mended.is_some() || as_long != body || !is_short || *found == Chain::default() {
         return mended;
     }

@@ -66,6 +66,7 @@ impl Journal {
             broken: false,
         };
         journal.write(&header, MAGIC)?;
+        // A file is no safer than its name.
         files.sync_folder(folder).map_err(|e| StoreError::io(folder, "sync the folder", &e))?;
         Ok(journal)
     }
@@ -82,6 +83,7 @@ impl Journal {
             return Ok(());
         }
         let problem = self.check(rows).err();
+        // An error counts rows from 1.
         let good = problem.as_ref().and_then(|p| p.row).map_or(rows.len(), |row| row - 1);
         for rows in rows[..good].chunks(MOST_ROWS) {
             self.write(&Frame::Rows(rows.to_vec()), &[])?;
@@ -103,11 +105,14 @@ impl Journal {
     }
 
     fn check_channels(&self, rows: &[Sample]) -> Result<(), StoreError> {
-        let is_bad = |row: &Sample| row.extra.values().iter().any(|value| !value.is_finite());
-        rows.iter().position(is_bad).map_or(Ok(()), |row| {
-            let what = "a channel of the device is not a number";
-            Err(StoreError::new(&self.path, what, "look at the device").row0(row))
-        })
+        let mut channels = rows.iter().map(|row| row.extra.values());
+        match channels.position(|values| values.iter().any(|value| !value.is_finite())) {
+            None => Ok(()),
+            Some(row) => {
+                let what = "a channel of the device is not a number";
+                Err(StoreError::new(&self.path, what, "look at the device").row0(row))
+            }
+        }
     }
 
     /// The trial has run to its end. Without it, [`Journal::finish`] and [`crate::recover`] make it
@@ -138,10 +143,10 @@ impl Journal {
         let Self { path, file, .. } = self;
         drop(file); // before the file is removed: not every system removes an open one
         let read = read_journal(files, &path)?;
-        let record = |(trial, protocol): (Trial, Protocol)| {
-            record_trial(files, layout, utc, &trial, &protocol)
+        let written = match read.trial() {
+            None => None,
+            Some((trial, protocol)) => Some(record_trial(files, layout, utc, &trial, &protocol)?),
         };
-        let written = read.trial().map(record).transpose()?;
         clear(files, &path, &read)?;
         Ok(written)
     }

@@ -87,13 +87,13 @@ impl Memory {
     /// Every file below a folder, with its content.
     pub fn below(&self, folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
         let state = self.state();
-        let file = |(path, node): (&PathBuf, &Node)| match node {
+        let files = state.live.iter().filter_map(|(path, node)| match node {
             Node::File(number) if path.starts_with(folder) => {
                 Some((path.clone(), state.contents[*number].live.clone()))
             }
             _ => None,
-        };
-        state.live.iter().filter_map(file).collect()
+        });
+        files.collect()
     }
 
     /// Steps taken so far.
@@ -193,11 +193,10 @@ impl State {
             self.live = self.durable.clone();
         }
         // A name whose folder is gone leads nowhere.
-        let is_reached = |path: &PathBuf, live: &BTreeMap<PathBuf, Node>| {
-            path.ancestors().skip(1).all(|folder| live.get(folder) == Some(&Node::Folder))
-        };
         let live = self.live.clone();
-        self.live.retain(|path, _| is_reached(path, &live));
+        self.live.retain(|path, _| {
+            path.ancestors().skip(1).all(|folder| live.get(folder) == Some(&Node::Folder))
+        });
         for content in &mut self.contents {
             let written = content.live.len();
             let synced = content.durable.len().min(written);
@@ -235,8 +234,11 @@ impl Files for Memory {
         let inside =
             state.live.range(folder.to_owned()..).take_while(|(path, _)| path.starts_with(folder));
         let inside = inside.filter(|(path, _)| path.parent() == Some(folder));
-        let entry = |node: &Node| if *node == Node::Folder { Entry::Folder } else { Entry::File };
-        Ok(inside.map(|(path, node)| (path.clone(), entry(node))).collect())
+        let entries = inside.map(|(path, node)| match node {
+            Node::Folder => (path.clone(), Entry::Folder),
+            Node::File(_) => (path.clone(), Entry::File),
+        });
+        Ok(entries.collect())
     }
 
     fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
@@ -319,9 +321,9 @@ impl Files for Memory {
     fn remove_folder(&self, path: &Path) -> io::Result<()> {
         let mut state = self.state();
         state.step(true)?;
-        let is_inside = |p: &PathBuf| p.parent() == Some(path);
+        let is_empty = state.live.keys().all(|inside| inside.parent() != Some(path));
         match state.live.get(path) {
-            Some(Node::Folder) if !state.live.keys().any(is_inside) => {
+            Some(Node::Folder) if is_empty => {
                 state.live.remove(path);
                 Ok(())
             }

@@ -122,6 +122,7 @@ impl Files for Raw<'_> {
     }
 
     fn create_folder(&self, path: &Path) -> io::Result<()> {
+        // The folders above these have to be made as well, and nothing is recorded in them.
         let above = |folder: &Path| folder.starts_with(path);
         if above(&self.raw) || self.vault.as_deref().is_some_and(above) {
             return self.files.create_folder(path);

@@ -60,10 +60,11 @@ pub(crate) fn read_footer_from(files: &dyn Files, path: &Path) -> Result<TrialFo
     let opened = ParquetFile::open_recording(files, path)?;
     let form = form_of(path, &opened.footer)?;
     let (meta, file) = meta_from(path, opened.footer.clone(), &form)?;
-    let is_recorded = |s: &Signal| {
-        opened.footer.contains_key(&format!("{DIGEST}{}", s.column().name_in(form.schema)))
-    };
-    let signals = Signal::all().filter(is_recorded).collect();
+    // A column that is null throughout has no digest.
+    let signals = Signal::all().filter(|signal| {
+        opened.footer.contains_key(&format!("{DIGEST}{}", signal.column().name_in(form.schema)))
+    });
+    let signals = signals.collect();
     let (rows, blake3) = (opened.rows, hex_blake3(&opened.bytes));
     Ok(TrialFooter { meta, file, form, signals, rows, blake3 })
 }
@@ -84,8 +85,7 @@ pub fn read_trial(
 /// # Errors
 /// Those of [`read_trial`].
 pub fn read_channels(path: &Path, wanted: &[ChannelId]) -> Result<Trial, StoreError> {
-    let is_wanted = |channel: &Channel| wanted.contains(&channel.id);
-    read_some(&RealFiles, path, vec![Signal::Time], &is_wanted)
+    read_some(&RealFiles, path, vec![Signal::Time], &|channel| wanted.contains(&channel.id))
 }
 
 /// Reads a trial with all that its file has.
@@ -194,6 +194,7 @@ impl ParquetFile {
             .into_iter()
             .flatten()
             .map(|kv| (kv.key.clone(), kv.value.clone().unwrap_or_default()))
+            // The writer of Arrow adds it by itself; our digest is without it.
             .filter(|(key, _)| key != "ARROW:schema")
             .collect();
         check_size(path, &metadata, DAMAGED)?;
@@ -273,6 +274,7 @@ fn version(path: &Path, footer: &BTreeMap<String, String>) -> Result<Schema, Sto
         .get(VERSION)
         .ok_or_else(|| error("not a zwidth file: no schema version in its footer".to_owned()))?;
     let known = said.parse().ok().and_then(Schema::from_number);
+    // `+1` and `01` are numbers too, and nothing that we write.
     known
         .filter(|schema| schema.number().to_string() == *said)
         .ok_or_else(|| error(format!("schema version {said} is unknown")))
@@ -348,6 +350,7 @@ fn column_values(
         return Err(StoreError::new(path, "the column is missing", DAMAGED).column(name));
     };
     let digest = footer.get(&format!("{DIGEST}{name}"));
+    // With a digest it had values once.
     if array.null_count() == array.len() && digest.is_none() {
         return Ok(None);
     }

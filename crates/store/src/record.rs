@@ -36,6 +36,7 @@ pub fn record_trial(
     } else {
         write_new(files, &path, &trial_bytes(trial, form, &path)?)?;
     }
+    // Before the log speaks of it: the name of the file must not go in a power cut.
     settle(files, layout, &path)?;
     let log = layout.events(&m.participant, &m.session);
     let blake3 = blake3_of(files, &path)?;
@@ -106,11 +107,11 @@ fn as_stored(samples: &Samples) -> Samples {
 
 /// Whether the log calls the trial recorded, with this hash.
 fn is_recorded(events: &[Event], log: &Path, number: u32, hash: &str) -> Result<bool, StoreError> {
-    let of = |e: &Event| match e {
-        Event::Recorded { trial, blake3 } if *trial == number => Some(blake3.clone()),
+    let recorded = events.iter().find_map(|event| match event {
+        Event::Recorded { trial, blake3 } if *trial == number => Some(blake3),
         _ => None,
-    };
-    match events.iter().find_map(of) {
+    });
+    match recorded {
         None => Ok(false),
         Some(recorded) if recorded == hash => Ok(true),
         Some(_) => {

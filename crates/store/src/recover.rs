@@ -109,6 +109,7 @@ pub fn recover(
 ) -> Vec<Result<Recovered, StoreError>> {
     let mut found = sweep_unfinished(files, layout);
     found.extend(take_back_listed(files, layout));
+    // Logs before journals: a trial is called recorded in a log that is whole.
     for path in logs(files, layout) {
         let mended = mend_log(files, &path);
         found.extend(
@@ -175,18 +176,25 @@ fn journal(
     path: &Path,
     utc: &str,
 ) -> Vec<Result<Recovered, StoreError>> {
-    let attempt = || {
-        // What is made of the journal must not outlive it.
-        sync_file(files, path).map_err(|e| StoreError::io(path, "sync", &e))?;
-        let read = read_journal(files, path)?;
-        let recovered = trial(files, layout, path, &read, utc)?;
-        Ok((recovered, clear(files, path, &read)))
-    };
-    match attempt() {
+    match take_out(files, layout, path, utc) {
         Err(error) => vec![Err(error)],
         Ok((recovered, Ok(()))) => vec![Ok(recovered.unwrap_or_else(|| empty(path)))],
         Ok((recovered, Err(aside))) => recovered.map(Ok).into_iter().chain([Err(aside)]).collect(),
     }
+}
+
+/// Makes a trial of a journal, if it has any row; and whether the journal could then be removed.
+fn take_out(
+    files: &dyn Files,
+    layout: &Layout,
+    path: &Path,
+    utc: &str,
+) -> Result<(Option<Recovered>, Result<(), StoreError>), StoreError> {
+    // What is made of the journal must not outlive it.
+    sync_file(files, path).map_err(|e| StoreError::io(path, "sync", &e))?;
+    let read = read_journal(files, path)?;
+    let recovered = trial(files, layout, path, &read, utc)?;
+    Ok((recovered, clear(files, path, &read)))
 }
 
 fn empty(path: &Path) -> Recovered {

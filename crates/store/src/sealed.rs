@@ -26,10 +26,10 @@ pub(crate) fn known(record: &SessionRecord, events: &[Event], events_path: &Path
             }
         }
     }
+    // Once the modes are open: a trial that was done again has the mode of the one it replaces.
     for event in events {
         let Event::Superseded { trial, by } = event else { continue };
-        let is = |number: u32| move |t: &&PlannedTrial| t.trial == number;
-        let again = known.trials.iter().find(is(*trial)).cloned();
+        let again = known.trials.iter().find(|t| t.trial == *trial).cloned();
         if let Some(again) = again.filter(|_| !known.trials.iter().any(|t| t.trial == *by)) {
             known.trials.push(PlannedTrial { trial: *by, ..again });
         }

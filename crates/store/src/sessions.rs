@@ -32,11 +32,8 @@ pub(crate) fn read_sessions(
         problems.push(error);
         Vec::new()
     });
-    let name = |path: &PathBuf| {
-        let name = path.file_name()?.to_str()?;
-        name.strip_suffix(".events.jsonl").or(name.strip_suffix(".json")).map(str::to_owned)
-    };
-    let names: BTreeSet<String> = found.iter().filter_map(name).collect();
+    // By logs too: one whose record is gone is a finding.
+    let names: BTreeSet<String> = found.iter().filter_map(|path| name_in(path)).collect();
     for name in names {
         match read_session(files, layout, &name, problems) {
             Ok(session) => sessions.push(session),
@@ -48,10 +45,16 @@ pub(crate) fn read_sessions(
     }
     let (sessions, clashing) = apart(sessions);
     for (session, finding) in clashing {
-        unreadable.insert(self::name(&session));
+        unreadable.insert(name(&session));
         problems.push(finding);
     }
     (sessions, unreadable)
+}
+
+/// A session's name in that of its record or its log.
+fn name_in(path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_str()?;
+    name.strip_suffix(".events.jsonl").or(name.strip_suffix(".json")).map(str::to_owned)
 }
 
 /// One session by the name of its files, `<participant>_<session>`.
@@ -99,8 +102,7 @@ pub fn read_records(
 ) -> Result<Vec<SessionRecord>, StoreError> {
     let mut paths = files_below(files, &layout.sessions())?;
     paths.retain(|path| path.extension().is_some_and(|e| e == "json") && wanted(path));
-    let read = |path: &PathBuf| record_from(path, &text(files, path, MOST_RECORD)?);
-    paths.iter().map(read).collect()
+    paths.iter().map(|path| record_from(path, &text(files, path, MOST_RECORD)?)).collect()
 }
 
 /// The version alone: read first, because another version may have other fields.
@@ -137,8 +139,7 @@ pub(crate) fn join(
     sessions: &[SessionLog],
     unreadable: &BTreeSet<String>,
 ) -> Vec<StoreError> {
-    let named = |s| (name(s), s);
-    let logs: BTreeMap<String, &SessionLog> = sessions.iter().map(named).collect();
+    let logs: BTreeMap<String, &SessionLog> = sessions.iter().map(|log| (name(log), log)).collect();
     let mut silent: BTreeMap<PathBuf, Vec<String>> = BTreeMap::new();
     let mut changed = Vec::new();
     for trial in trials {
@@ -249,8 +250,8 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
 
 /// Whether the events leave a trial out.
 pub(crate) fn left_out(events: &[Event], trial: u32) -> bool {
-    let leaves_out = |e: &Event| matches!(e, Event::Superseded { .. } | Event::Excluded { .. });
-    events.iter().any(|e| leaves_out(e) && e.trial() == Some(trial))
+    let mut of_it = events.iter().filter(|event| event.trial() == Some(trial));
+    of_it.any(|event| matches!(event, Event::Superseded { .. } | Event::Excluded { .. }))
 }
 
 /// Trials of a session, by its record or its log, that were not left out and whose files are gone.
@@ -267,12 +268,14 @@ pub(crate) fn lost(
     let imported = record.source == Source::Imported;
     let planned = record.trials.iter().filter(|t| imported && t.samples).map(|t| t.trial);
     let trials: BTreeSet<u32> = recorded.chain(planned).collect();
-    let gone = |trial: u32| {
+    let mut lost = Vec::new();
+    for trial in trials {
         let path = layout.trial(&record.participant, &record.session, trial);
-        let what = "the trial belongs to the session, but its file is missing";
-        let error =
-            || StoreError::new(&path, what, "restore the file from a copy, or exclude the trial");
-        (files.kind(&path) != Some(Entry::File) && !left_out(events, trial)).then(error)
-    };
-    trials.into_iter().filter_map(gone).collect()
+        if files.kind(&path) != Some(Entry::File) && !left_out(events, trial) {
+            let what = "the trial belongs to the session, but its file is missing";
+            let remedy = "restore the file from a copy, or exclude the trial";
+            lost.push(StoreError::new(&path, what, remedy));
+        }
+    }
+    lost
 }

@@ -147,6 +147,7 @@ impl Signal {
 
     /// The signal's row of the schema.
     pub fn column(self) -> &'static Column {
+        // A test holds the table to the order of the signals.
         &COLUMNS[self as usize]
     }
 

@@ -8,7 +8,7 @@ use crate::walk::files_below;
 use crate::{Files, Layout, StoreError};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use zwidth_study::SessionRecord;
 
 /// Footer key of the hash of the recording that a file was made from.
@@ -52,8 +52,10 @@ pub fn readable_records(
 ) -> Result<Vec<SessionRecord>, StoreError> {
     let mut paths = files_below(files, &layout.sessions())?;
     paths.retain(|path| path.extension().is_some_and(|e| e == "json"));
-    let read = |path: &PathBuf| record_from(path, &text(files, path, MOST_RECORD).ok()?).ok();
-    Ok(paths.iter().filter_map(read).collect())
+    let records = paths
+        .iter()
+        .filter_map(|path| record_from(path, &text(files, path, MOST_RECORD).ok()?).ok());
+    Ok(records.collect())
 }
 
 /// The source of each file below a folder, with the name of the last file that was made of it.

@@ -14,6 +14,7 @@ use crate::regular::text;
 use crate::sessions::{MOST_RECORD, record_from};
 use crate::{Entry, Files, Layout, StoreError, hex_blake3, replace};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 use zwidth_study::{Event, Source};
 
@@ -55,19 +56,14 @@ impl Started {
             let below = path.strip_prefix(&raw).unwrap_or(path);
             below.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/")
         };
-        let missing = |(path, _): &(&Path, &[u8])| -> Vec<PathBuf> {
-            let parents = path.ancestors().skip(1).take_while(|p| p.starts_with(&raw));
-            parents.filter(|p| disk.kind(p).is_none()).map(Path::to_owned).collect()
-        };
-        let mut folders: Vec<PathBuf> = files.iter().flat_map(missing).collect();
-        folders.sort();
-        folders.dedup();
-        let new =
-            |(path, bytes): &(&Path, &[u8])| New { path: shown(path), blake3: hex_blake3(bytes) };
-        Self {
-            files: files.iter().map(new).collect(),
-            folders: folders.iter().map(|folder| shown(folder)).collect(),
+        let mut folders = BTreeSet::new();
+        for (path, _) in files {
+            let parents = path.ancestors().skip(1).take_while(|parent| parent.starts_with(&raw));
+            folders.extend(parents.filter(|parent| disk.kind(parent).is_none()));
         }
+        let files =
+            files.iter().map(|(path, bytes)| New { path: shown(path), blake3: hex_blake3(bytes) });
+        Self { files: files.collect(), folders: folders.into_iter().map(shown).collect() }
     }
 
     /// Writes the list.
@@ -168,11 +164,7 @@ fn below(layout: &Layout, listed: &str) -> Option<PathBuf> {
 /// to remove.
 fn is_imported(disk: &dyn Files, path: &Path) -> bool {
     if path.extension().is_some_and(|e| e == "parquet") {
-        let word =
-            |file: ParquetFile| file.footer.get("source").and_then(|word| Source::from_word(word));
-        let of_sweep = || ParquetFile::open(disk, path).ok().and_then(word);
-        let source = read_footer_from(disk, path).map(|f| f.meta.source).ok().or_else(of_sweep);
-        return source == Some(Source::Imported);
+        return source_of(disk, path) == Some(Source::Imported);
     }
     // `P01_S01.json`, `.study.toml`, `.events.jsonl`, `.events.head`: the record tells for all of
     // them. Log and head are written after it and removed before it; the copy of study.toml may
@@ -185,6 +177,15 @@ fn is_imported(disk: &dyn Files, path: &Path) -> bool {
     }
     let record = text(disk, &record, MOST_RECORD).and_then(|text| record_from(&record, &text));
     record.is_ok_and(|record| record.source == Source::Imported)
+}
+
+/// Where a recording comes from, a trial or else a sweep.
+fn source_of(disk: &dyn Files, path: &Path) -> Option<Source> {
+    if let Ok(trial) = read_footer_from(disk, path) {
+        return Some(trial.meta.source);
+    }
+    let sweep = ParquetFile::open(disk, path).ok()?;
+    Source::from_word(sweep.footer.get("source")?)
 }
 
 /// Ends an import in order: its files are whole, and the list goes.

@@ -201,10 +201,11 @@ impl StudyData {
             Err(findings) => return Err([findings, problems].concat()),
         };
         problems.extend(trials.iter_mut().filter_map(|trial| unfit(&study, trial)));
-        let warning = |log: &SessionLog| study_warning(layout, log, &study, &study_blake3);
+        let changed =
+            sessions.iter().filter_map(|log| study_warning(layout, log, &study, &study_blake3));
         let beside = check_study_id(files, layout).err();
         let forms = other_forms(layout, &study, &trials);
-        let warnings = sessions.iter().filter_map(warning).chain(beside).chain(forms).collect();
+        let warnings = changed.chain(beside).chain(forms).collect();
         Ok(Self { layout: layout.clone(), study, trials, sweeps, sessions, problems, warnings })
     }
 
@@ -227,6 +228,8 @@ impl StudyData {
                 answers.insert((who, question), answer);
             }
         }
+        // Behind the files, each log in its order: what is put in later takes the place of an
+        // earlier answer.
         for log in &self.sessions {
             let conditions = self.counting_conditions(log);
             for event in &log.events {
@@ -243,9 +246,6 @@ impl StudyData {
     /// The conditions of a session's trials that count, with or without samples. Those of a sealed
     /// session are codes, which no study knows, and drop out.
     fn counting_conditions(&self, log: &SessionLog) -> BTreeMap<u32, Condition> {
-        let of_session = |t: &&TrialEntry| {
-            t.meta.participant == log.record.participant && t.meta.session == log.record.session
-        };
         let mut conditions: BTreeMap<u32, Condition> = log
             .trials
             .iter()
@@ -257,8 +257,11 @@ impl StudyData {
         conditions.retain(|_, c| {
             self.study.environment(&c.environment).is_some() && self.study.mode(&c.mode).is_some()
         });
-        conditions
-            .extend(self.counting().filter(of_session).map(|t| (t.meta.trial, t.meta.condition())));
+        let SessionRecord { participant, session, .. } = &log.record;
+        let of_session = self
+            .counting()
+            .filter(|t| t.meta.participant == *participant && t.meta.session == *session);
+        conditions.extend(of_session.map(|t| (t.meta.trial, t.meta.condition())));
         conditions
     }
 }

@@ -18,12 +18,10 @@ pub fn log_sweeps(
     utc: &str,
     sweeps: &[(ActuatorId, u32, String)],
 ) -> Result<(), StoreError> {
-    let event = |(actuator, sweep, blake3): &(ActuatorId, u32, String)| Event::SweepRecorded {
-        actuator: actuator.clone(),
-        sweep: *sweep,
-        blake3: blake3.clone(),
-    };
-    let events: Vec<Event> = sweeps.iter().map(event).collect();
+    let events = sweeps.iter().cloned();
+    let events: Vec<Event> = events
+        .map(|(actuator, sweep, blake3)| Event::SweepRecorded { actuator, sweep, blake3 })
+        .collect();
     if events.is_empty() {
         Ok(())
     } else {
@@ -33,13 +31,13 @@ pub fn log_sweeps(
 
 /// The hash of each sweep that the log calls recorded, by its file.
 fn logged(files: &dyn Files, layout: &Layout) -> Result<BTreeMap<PathBuf, String>, StoreError> {
-    let path = |event: Event| match event {
-        Event::SweepRecorded { actuator, sweep, blake3 } => {
-            Some((layout.sweep(&actuator, sweep), blake3))
+    let mut logged = BTreeMap::new();
+    for event in read_events_from(files, &layout.sweep_events())? {
+        if let Event::SweepRecorded { actuator, sweep, blake3 } = event {
+            logged.insert(layout.sweep(&actuator, sweep), blake3);
         }
-        _ => None,
-    };
-    Ok(read_events_from(files, &layout.sweep_events())?.into_iter().filter_map(path).collect())
+    }
+    Ok(logged)
 }
 
 /// The sweeps that are, by the log, the ones that were recorded; and what does not fit.

@@ -30,10 +30,13 @@ impl Samples {
     /// alone whose channel is one of `form`'s.
     #[must_use]
     pub fn with_channels(mut self, rows: &[Sample], given: &[Channel], form: &TrialForm) -> Self {
-        let is_known = |c: &Channel| form.channels.iter().any(|known| known.id == c.id);
-        for (place, channel) in given.iter().enumerate().filter(|(_, c)| is_known(c)) {
-            let value = |row: &Sample| row.extra.values().get(place).copied();
-            if let Some(values) = rows.iter().map(value).collect() {
+        for (place, channel) in given.iter().enumerate() {
+            if form.channels.iter().all(|known| known.id != channel.id) {
+                continue;
+            }
+            // One row that lacks the value leaves the channel out: a column is whole, or null.
+            let values = rows.iter().map(|row| row.extra.values().get(place).copied());
+            if let Some(values) = values.collect() {
                 self.set_channel(channel.id.clone(), values);
             }
         }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use zwidth_study::{Event, PlannedTrial, Question, Study};
+use zwidth_study::{Event, Question, Study};
 
 /// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit
 /// at which the safety layer cuts the voltage).
@@ -36,6 +36,7 @@ pub fn verify_from(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
                 data.sweeps.par_iter().filter_map(|s| read_sweep_from(files, &s.path).err());
             [left_out, with_care, trials, sweeps.collect()].concat()
         }
+        // Behind a link nothing is looked at.
         Err(findings) if check_folders(files, layout).is_err() => findings,
         Err(findings) => {
             let Findings { left_out, with_care } = strays(files, layout);
@@ -182,15 +183,13 @@ fn record(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
     if record.rate_hz.is_some_and(|rate| !(rate.is_finite() && rate > 0.0)) {
         finding("rate_hz must be a number above 0".to_owned(), "restore the record from a copy");
     }
-    let unlike = |hex: &String| hex.len() != 64 || !hex.bytes().all(|b| b.is_ascii_hexdigit());
-    if record.commitment.as_ref().is_some_and(unlike) {
+    if record.commitment.as_ref().is_some_and(|commitment| !is_digest(commitment)) {
         let what =
             "the commitment is not 64 hexadecimal digits, so that nothing can unseal the session";
         finding(what.to_owned(), "restore the record from a copy");
     }
-    let names_a_mode = |t: &&PlannedTrial| data.study.mode(&t.mode).is_some();
-    if let Some(t) = record.trials.iter().filter(|_| record.commitment.is_some()).find(names_a_mode)
-    {
+    let mut trials = record.trials.iter().filter(|_| record.commitment.is_some());
+    if let Some(t) = trials.find(|t| data.study.mode(&t.mode).is_some()) {
         let what =
             format!("the session is sealed, but its record names the mode of trial {}", t.trial);
         finding(what, "the session was not blind: say so where it is reported");
@@ -200,6 +199,11 @@ fn record(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
         finding(what.to_owned(), "the session was not blind: say so where it is reported");
     }
     findings
+}
+
+/// Whether a text can be a digest: 64 hexadecimal digits.
+fn is_digest(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit())
 }
 
 fn event_finding(

@@ -15,7 +15,7 @@ use parquet::file::properties::WriterProperties;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_study::{AnswerScale, Channel, ChannelId, Schema, TrialForm};
+use zwidth_study::{AnswerScale, Channel, Schema, TrialForm};
 
 /// Prefix of the footer keys that carry a column's digest.
 pub(crate) const DIGEST: &str = "blake3:";
@@ -38,8 +38,8 @@ const UNITS: &str = "units";
 /// that the form has not. `path` only names the file in errors.
 pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u8>, StoreError> {
     trial.samples.check(path)?;
-    let is_known = |id: &ChannelId| form.channels.iter().any(|channel| channel.id == *id);
-    if let Some((id, _)) = trial.samples.channels().find(|(id, _)| !is_known(id)) {
+    let mut unknown = trial.samples.channels();
+    if let Some((id, _)) = unknown.find(|(id, _)| form.channels.iter().all(|c| c.id != **id)) {
         let what = "the study's trial files have no such channel";
         return Err(StoreError::new(path, what, "leave it out").column(id.as_str()));
     }
@@ -87,6 +87,7 @@ pub fn write_table(
 fn entries(batch: &RecordBatch, mut footer: BTreeMap<String, String>) -> Vec<KeyValue> {
     footer.entry(VERSION.to_owned()).or_insert_with(|| TABLE_VERSION.to_string());
     footer.insert(UNITS.to_owned(), units(batch));
+    // Last, for it is of all the others.
     footer.insert(FOOTER_DIGEST.to_owned(), footer_digest(&footer));
     footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect()
 }
@@ -172,6 +173,7 @@ fn constant_columns(trial: &Trial, form: &TrialForm) -> Vec<(Field, ArrayRef)> {
     let meta = &trial.meta;
     let integer = |name: &str, value: Option<i32>, about: &str| {
         let array: ArrayRef = Arc::new(Int32Array::from(vec![value; n]));
+        // An answer is given in one file and not in the next, and both open as one data set.
         (described(name, DataType::Int32, value.is_none() || name == "likert", "1", about), array)
     };
     let word = |name: &str, value: &str, about: &str| {

@@ -46,6 +46,7 @@ impl Characteristic {
     /// zone for the smallest; the last knot's voltage for more than the actuator can give.
     pub fn voltage_v(&self, force_n: f64) -> f64 {
         if force_n == 0.0 {
+            // And not the voltage at which force begins.
             0.0
         } else {
             along(&self.force_n, &self.voltage_v, force_n.abs()).copysign(force_n)
@@ -58,6 +59,7 @@ impl Characteristic {
         if self.voltage_v.len() < 2 || self.voltage_v.len() != self.force_n.len() {
             return error("voltage_v and force_n need the same number of values, at least 2");
         }
+        // A NaN is not at most anything.
         if !self.voltage_v.iter().chain(&self.force_n).all(|x| x.abs() <= LARGEST) {
             return error("a value is not a finite number of at most 1e6");
         }

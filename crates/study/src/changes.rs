@@ -80,6 +80,7 @@ fn differences(
         of.get(key).cloned().unwrap_or_else(|| StudyChange::ABSENT.to_owned())
     };
     let both = before.keys().chain(after.keys().filter(|key| !before.contains_key(*key)));
+    // Orders stand apart: an element that came or went would change them, too.
     let mut changes: Vec<StudyChange> = both
         .filter(|key| !key.ends_with(ORDER) && before.get(*key) != after.get(*key))
         .map(|key| change(key, value(before, key), value(after, key)))
@@ -101,8 +102,8 @@ fn reordered(
     let key = format!("{list}{ORDER}");
     let ids = |of: &BTreeMap<String, String>, other: &BTreeMap<String, String>| {
         let all = of.get(&key).map(String::as_str).unwrap_or_default();
-        let in_both = |id: &&str| other.contains_key(&format!("{list}.{id}"));
-        all.split(", ").filter(in_both).collect::<Vec<_>>().join(", ")
+        let both = all.split(", ").filter(|id| other.contains_key(&format!("{list}.{id}")));
+        both.collect::<Vec<_>>().join(", ")
     };
     let (then, now) = (ids(before, after), ids(after, before));
     (then != now).then(|| change(list, then, now))

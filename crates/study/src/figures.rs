@@ -48,6 +48,7 @@ impl Figures {
         let cuts = id.match_indices('.').map(|(at, _)| &id[..at]);
         let chosen =
             std::iter::once("").chain(cuts).chain([id]).filter_map(|part| self.alignment.get(part));
+        // Cuts rise along the id: the last is the longest.
         chosen.copied().last().unwrap_or_default()
     }
 

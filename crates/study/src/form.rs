@@ -45,9 +45,9 @@ impl TryFrom<u32> for Schema {
     type Error = String;
 
     fn try_from(number: u32) -> Result<Self, String> {
-        let unknown =
-            || format!("version {number} is unknown; this software reads versions 1 and 2");
-        Self::from_number(number).ok_or_else(unknown)
+        Self::from_number(number).ok_or_else(|| {
+            format!("version {number} is unknown; this software reads versions 1 and 2")
+        })
     }
 }
 

@@ -28,13 +28,16 @@ fn refused(text: &str) -> Option<&'static str> {
 
 /// Why a text is no id of which files and folders are named.
 fn refused_as_name(text: &str) -> Option<&'static str> {
-    let is_device = || {
-        let text = text.to_ascii_uppercase();
-        let port = text.strip_prefix("COM").or(text.strip_prefix("LPT")).map(str::as_bytes);
-        ["CON", "PRN", "AUX", "NUL"].contains(&text.as_str()) || matches!(port, Some([b'1'..=b'9']))
-    };
-    refused(text)
-        .or_else(|| is_device().then_some("Windows keeps this name for a device; choose another"))
+    refused(text).or_else(|| {
+        is_device(text).then_some("Windows keeps this name for a device; choose another")
+    })
+}
+
+/// Whether Windows keeps the name for a device, with whatever extension.
+fn is_device(text: &str) -> bool {
+    let text = text.to_ascii_uppercase();
+    let port = text.strip_prefix("COM").or(text.strip_prefix("LPT")).map(str::as_bytes);
+    ["CON", "PRN", "AUX", "NUL"].contains(&text.as_str()) || matches!(port, Some([b'1'..=b'9']))
 }
 
 /// Columns that trial files have anyhow, or had, and folders they lie in.
@@ -103,6 +106,7 @@ macro_rules! ids {
 
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                // Not `write_str`, which passes over the width that a table asks for.
                 f.pad(&self.0)
             }
         }

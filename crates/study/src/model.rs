@@ -65,9 +65,8 @@ impl Study {
 
     /// Every condition of the study, environments first, in the order of the file.
     pub fn conditions(&self) -> Vec<Condition> {
-        let of =
-            |e: &Environment, m: &Mode| Condition { environment: e.id.clone(), mode: m.id.clone() };
-        self.environments.iter().flat_map(|e| self.modes.iter().map(move |m| of(e, m))).collect()
+        let pairs = self.environments.iter().flat_map(|e| self.modes.iter().map(move |m| (e, m)));
+        pairs.map(|(e, m)| Condition { environment: e.id.clone(), mode: m.id.clone() }).collect()
     }
 }
 
@@ -187,8 +186,12 @@ impl Mode {
     /// Its law: the one named, else the first that uses the actuators that have a voltage; none
     /// without any.
     pub fn law(&self) -> Option<ModeLaw> {
-        let fits = |law: &ModeLaw| ActuatorKind::ALL.iter().all(|d| law.uses(*d) == self.has(*d));
-        self.law.or_else(|| ModeLaw::ALL.into_iter().find(fits))
+        self.law.or_else(|| ModeLaw::ALL.into_iter().find(|law| self.suits(*law)))
+    }
+
+    /// Whether a law uses the actuators that have a voltage, and no other.
+    fn suits(&self, law: ModeLaw) -> bool {
+        ActuatorKind::ALL.iter().all(|drive| law.uses(*drive) == self.has(*drive))
     }
 }
 

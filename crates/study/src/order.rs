@@ -27,14 +27,18 @@ const IN_A_ROW: usize = 2;
 /// The first row is 0, 1, n − 1, 2, n − 2, …; the next adds 1 (mod n) to each entry; an odd n takes
 /// the mirror image of each row besides (Williams 1949).
 pub fn williams(n: usize) -> Vec<Vec<usize>> {
-    let zigzag = |i: usize| if i % 2 == 1 { i.div_ceil(2) } else { n - i / 2 };
-    let row = |add: usize| (0..n).map(|i| (zigzag(i) + add) % n).collect::<Vec<_>>();
-    let mut rows: Vec<Vec<usize>> = (0..n).map(row).collect();
+    let mut rows: Vec<Vec<usize>> =
+        (0..n).map(|add| (0..n).map(|i| (zigzag(n, i) + add) % n).collect()).collect();
     if n % 2 == 1 && n > 1 {
         let mirrored: Vec<_> = rows.iter().map(|row| row.iter().rev().copied().collect()).collect();
         rows.extend(mirrored);
     }
     rows
+}
+
+/// Entry `i` of the first row: n, which is 0 (mod n), then 1, n − 1, 2, n − 2, ….
+fn zigzag(n: usize, i: usize) -> usize {
+    if i % 2 == 1 { i.div_ceil(2) } else { n - i / 2 }
 }
 
 /// All that the order of a session is drawn by, besides the seed.
@@ -137,31 +141,33 @@ pub fn draw(
 pub fn draw_modes(rules: &Rules, seed: u64) -> Order {
     let Rules { scheme, repeats, environments, modes, participant_number, session_number } = *rules;
     let person = participant_number as usize;
+    // What is drawn after what decides the order: a seed must give the same one for ever.
     let mut shared = stream(seed, Stream::Study, 0);
     let places = squares(&mut shared, environments);
     let turn = (person + session_number as usize) % places.len().max(1);
     let mut of_session = stream(seed, Stream::Session, session_number.into());
     let rows: Vec<_> = (0..environments).map(|_| squares(&mut of_session, modes)).collect();
+    // Side by side in one number, so that no two persons or sessions share a stream.
     let own = u64::from(participant_number) << u32::BITS | u64::from(session_number);
     let mut own = stream(seed, Stream::Person, own);
     let mut practice: Vec<usize> = (0..modes).collect();
     shuffle(&mut own, &mut practice);
-    let block = |environment: &usize| Block {
-        environment: *environment,
+    let in_turn = places.get(turn).into_iter().flatten().copied();
+    let blocks = in_turn.map(|environment| Block {
+        environment,
         modes: match scheme {
-            OrderScheme::Williams => by_rows(&rows[*environment], person, repeats),
+            OrderScheme::Williams => by_rows(&rows[environment], person, repeats),
             OrderScheme::Constrained => constrained(&mut own, modes, repeats as usize),
         },
-    };
-    let blocks = places.get(turn).into_iter().flatten().map(block).collect();
-    Order { practice, blocks }
+    });
+    Order { practice, blocks: blocks.collect() }
 }
 
 /// Whether [`draw_modes`] can draw these modes of an environment's trials, by some seed.
 pub fn can_draw(rules: &Rules, modes: &[usize]) -> bool {
-    let count = |mode: usize| modes.iter().filter(|m| **m == mode).count();
+    let mut counts = (0..rules.modes).map(|mode| modes.iter().filter(|m| **m == mode).count());
     let is_whole = modes.len() == rules.trials_per_block()
-        && (0..rules.modes).all(|mode| count(mode) == rules.repeats as usize);
+        && counts.all(|count| count == rules.repeats as usize);
     let is_free_of_runs =
         || rules.modes == 1 || !modes.windows(IN_A_ROW + 1).any(|w| w.iter().all(|m| *m == w[0]));
     is_whole
@@ -177,17 +183,21 @@ fn are_rows(n: usize, modes: &[usize]) -> bool {
     let square = williams(n);
     let rows: Vec<&[usize]> = modes.chunks(n.max(1)).collect();
     let Some(first) = rows.first() else { return true };
-    let named = |row: &Vec<usize>, as_first: &Vec<usize>| -> Vec<usize> {
-        let place = |entry: &usize| as_first.iter().position(|e| e == entry).unwrap_or(0);
-        row.iter().map(|entry| first[place(entry)]).collect()
-    };
     let in_turn = (0..rows.len())
         .all(|i| (0..i).all(|j| (rows[i] == rows[j]) == ((i - j).is_multiple_of(square.len()))));
-    let is_square = |as_first: &Vec<usize>| {
-        let named: Vec<Vec<usize>> = square.iter().map(|row| named(row, as_first)).collect();
-        rows.iter().all(|row| named.iter().any(|of| of == row))
-    };
-    in_turn && square.iter().any(is_square)
+    let mut firsts = square.iter();
+    in_turn
+        && firsts.any(|as_first| {
+            let named: Vec<_> = square.iter().map(|row| renamed(row, as_first, first)).collect();
+            rows.iter().all(|row| named.iter().any(|of| of == row))
+        })
+}
+
+/// A row of the square where the conditions of its row `as_first` are called as in `first`.
+fn renamed(row: &[usize], as_first: &[usize], first: &[usize]) -> Vec<usize> {
+    let places =
+        row.iter().map(|entry| as_first.iter().position(|e| e == entry).unwrap_or_default());
+    places.map(|place| first[place]).collect()
 }
 
 /// Practice trials: (environment, mode) with modes in an order of the participant's own.
@@ -196,11 +206,9 @@ fn familiarisation(order: &Order, trials: u32) -> Vec<(Kind, usize, usize)> {
     // Both indices run in step until they meet again at their least common multiple; then the modes
     // shift by one.
     let period = blocks.len() * modes.len() / gcd(blocks.len(), modes.len());
-    let trial = |i: usize| {
-        let environment = blocks[i % blocks.len()].environment;
-        (Kind::Familiarisation, environment, modes[(i + i / period) % modes.len()])
-    };
-    (0..trials as usize).map(trial).collect()
+    let pairs = (0..trials as usize)
+        .map(|i| (&blocks[i % blocks.len()], modes[(i + i / period) % modes.len()]));
+    pairs.map(|(block, mode)| (Kind::Familiarisation, block.environment, mode)).collect()
 }
 
 fn gcd(a: usize, b: usize) -> usize {
@@ -219,8 +227,9 @@ fn squares(rng: &mut ChaCha8Rng, n: usize) -> Vec<Vec<usize>> {
 
 /// A block by rows: each repeat is one row, and the participant says where to begin.
 fn by_rows(rows: &[Vec<usize>], person: usize, repeats: u32) -> Vec<usize> {
-    let row = |repeat: usize| rows.get((person + repeat) % rows.len().max(1)).cloned();
-    (0..repeats as usize).filter_map(row).flatten().collect()
+    // Without modes there are no rows, and no remainder by their number.
+    let turns = (0..repeats as usize).map(|repeat| (person + repeat) % rows.len().max(1));
+    turns.filter_map(|turn| rows.get(turn)).flatten().copied().collect()
 }
 
 /// Each mode `repeats` times, none more than [`IN_A_ROW`] times in a row.
@@ -228,9 +237,12 @@ fn constrained(rng: &mut ChaCha8Rng, modes: usize, repeats: usize) -> Vec<usize>
     let mut left = vec![repeats; modes];
     let mut order: Vec<usize> = Vec::new();
     for _ in 0..modes * repeats {
-        let may = |mode: usize| left[mode] > 0 && (modes == 1 || can_follow(&order, &left, mode));
-        let weights: Vec<usize> =
-            (0..modes).map(|mode| if may(mode) { left[mode] } else { 0 }).collect();
+        let weights: Vec<usize> = (0..modes)
+            .map(|mode| match left[mode] {
+                n if n > 0 && (modes == 1 || can_follow(&order, &left, mode)) => n,
+                _ => 0,
+            })
+            .collect();
         let mut place = below(rng, weights.iter().sum());
         let chosen = weights.iter().position(|w| {
             let here = place < *w;
@@ -250,32 +262,32 @@ fn can_follow(order: &[usize], left: &[usize], mode: usize) -> bool {
     let run = 1 + order.iter().rev().take_while(|m| **m == mode).count();
     let remaining = |m: usize| left[m] - usize::from(m == mode);
     let total: usize = (0..left.len()).map(remaining).sum();
-    let fits = |m: usize| {
-        let gaps = total - remaining(m);
-        let here = if m == mode { IN_A_ROW.saturating_sub(run) } else { IN_A_ROW };
-        remaining(m) <= here + IN_A_ROW * gaps
-    };
-    run <= IN_A_ROW && (0..left.len()).all(fits)
+    run <= IN_A_ROW
+        && (0..left.len()).all(|m| {
+            let gaps = total - remaining(m);
+            let here = if m == mode { IN_A_ROW.saturating_sub(run) } else { IN_A_ROW };
+            remaining(m) <= here + IN_A_ROW * gaps
+        })
 }
 
 /// Trials with their numbers and repeats.
 fn numbered(study: &Study, plan: &[(Kind, usize, usize)]) -> Vec<PlannedTrial> {
     let mut repeats: BTreeMap<_, u32> = BTreeMap::new();
-    let trial = |(number, what): (u32, &(Kind, usize, usize))| {
+    let trials = (1..).zip(plan).map(|(trial, what)| {
         let repeat = repeats.entry(*what).or_default();
         *repeat += 1;
         let (kind, environment, mode) = *what;
         let environment = &study.environments[environment];
         PlannedTrial {
-            trial: number,
+            trial,
             repeat: *repeat,
             kind,
             environment: environment.id.clone(),
             mode: study.modes[mode].id.clone(),
             samples: environment.scene != Scene::None,
         }
-    };
-    (1..).zip(plan).map(trial).collect()
+    });
+    trials.collect()
 }
 
 /// What random numbers are for: each use has a key of its own.
@@ -292,6 +304,7 @@ const KEY_BYTES: usize = 32;
 fn stream(seed: u64, of: Stream, number: u64) -> ChaCha8Rng {
     let mut key = [0; KEY_BYTES];
     key[..8].copy_from_slice(&seed.to_le_bytes());
+    // By their order in the list: another order of it would draw other sessions.
     key[8] = of as u8;
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(number);

@@ -67,6 +67,7 @@ impl Seal {
     /// Seals the modes of `trials`.
     pub fn new(nonce: [u8; 32], trials: &[PlannedTrial]) -> Self {
         let mut order: Vec<_> = trials.iter().map(|t| (t.trial, t.mode.clone())).collect();
+        // By number: the commitment is of one text, however the trials were listed.
         order.sort();
         Self { nonce, order }
     }
@@ -109,12 +110,12 @@ impl Seal {
     #[must_use]
     pub fn masked(&self, trials: &[PlannedTrial]) -> Vec<PlannedTrial> {
         let mut places = Counter::default();
-        let mask = |t: &PlannedTrial| PlannedTrial {
+        let masked = trials.iter().map(|t| PlannedTrial {
             mode: self.code(t.trial),
             repeat: places.next((t.kind, t.environment.clone(), None)),
             ..t.clone()
-        };
-        trials.iter().map(mask).collect()
+        });
+        masked.collect()
     }
 
     /// The trials of a sealed session with their modes and repeats: undoes [`Seal::masked`].
@@ -126,14 +127,16 @@ impl Seal {
         let modes: BTreeMap<u32, &ModeId> =
             self.order.iter().map(|(trial, mode)| (*trial, mode)).collect();
         let mut repeats = Counter::default();
-        let open = |t: &PlannedTrial| {
-            let mode = modes.get(&t.trial).filter(|_| t.mode == self.code(t.trial));
-            let other = || SealError::OtherTrial { trial: t.trial, code: t.mode.clone() };
-            let mode = (*mode.ok_or_else(other)?).clone();
+        let mut opened = Vec::with_capacity(trials.len());
+        for t in trials {
+            let Some(mode) = modes.get(&t.trial).filter(|_| t.mode == self.code(t.trial)) else {
+                return Err(SealError::OtherTrial { trial: t.trial, code: t.mode.clone() });
+            };
+            let mode = (*mode).clone();
             let repeat = repeats.next((t.kind, t.environment.clone(), Some(mode.clone())));
-            Ok(PlannedTrial { mode, repeat, ..t.clone() })
-        };
-        trials.iter().map(open).collect()
+            opened.push(PlannedTrial { mode, repeat, ..t.clone() });
+        }
+        Ok(opened)
     }
 
     /// The event that opens the seal.
@@ -174,12 +177,8 @@ impl Seal {
 
 impl From<&Seal> for File {
     fn from(seal: &Seal) -> Self {
-        let sealed =
-            |(trial, mode): &(u32, ModeId)| SealedTrial { trial: *trial, mode: mode.clone() };
-        Self {
-            nonce: blake3::Hash::from(seal.nonce).to_hex().to_string(),
-            order: seal.order.iter().map(sealed).collect(),
-        }
+        let sealed = seal.order.iter().cloned().map(|(trial, mode)| SealedTrial { trial, mode });
+        Self { nonce: blake3::Hash::from(seal.nonce).to_hex().to_string(), order: sealed.collect() }
     }
 }
 

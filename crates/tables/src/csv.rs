@@ -15,14 +15,14 @@ use std::borrow::Cow;
 pub fn csv(table: &Table) -> String {
     let columns = table.columns();
     let names = columns.iter().map(|c| quoted(&c.field.name)).collect();
-    let row = |i| columns.iter().map(|c| field(c, i)).collect();
-    let lines: Vec<Vec<String>> =
-        std::iter::once(names).chain((0..table.height()).map(row)).collect();
+    let rows = (0..table.height()).map(|i| columns.iter().map(|c| field(c, i)).collect());
+    let lines: Vec<Vec<String>> = std::iter::once(names).chain(rows).collect();
     lines.iter().map(|line| line.join(",") + "\r\n").collect()
 }
 
 fn field(column: &Column, row: usize) -> String {
     let text = match &column.values {
+        // Shortest digits either way, but `Display` would write 1e300 with all its zeros.
         Values::Float(v) => v[row].map(|v| format!("{:?}", v + 0.0)), // -0 + 0 is 0
         Values::Integer(v) => v[row].map(|v| v.to_string()),
         Values::Text(v) => v[row].as_deref().map(|text| quoted(&inert(text))),
@@ -42,6 +42,7 @@ fn inert(text: &str) -> Cow<'_, str> {
 }
 
 fn quoted(text: &str) -> String {
+    // Some readers cut the spaces at the ends of a field without quotes.
     let plain = !text.is_empty() && text.trim() == text && !text.contains([',', '"', '\r', '\n']);
     if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }

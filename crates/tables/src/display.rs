@@ -101,6 +101,7 @@ fn renamed(field: Field, conversion: Conversion) -> Field {
     let (stem, suffix) = unit::stem(&field.name, &field.unit);
     let linear = field.unit.starts_with("rad") && conversion.unit.starts_with("mm");
     let stem = if linear { theta_to_x(stem) } else { stem.to_owned() };
+    // The lists of both units are made alike: `_per_s` stays `_per_s`, and does not become `_s`.
     let suffix =
         suffix.map(|i| unit::suffixes(&conversion.unit).swap_remove(i)).unwrap_or_default();
     Field { name: (stem + &suffix).into(), unit: conversion.unit.into(), ..field }

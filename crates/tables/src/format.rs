@@ -91,21 +91,30 @@ impl Table {
         coordinate: Coordinate,
         provenance: &BTreeMap<String, String>,
     ) -> Result<Vec<Vec<u8>>, TableError> {
-        let one = |seen: &Seen, format: Format, path: &Path| {
-            let text = match format {
-                Format::Csv => csv(self),
-                Format::Markdown => markdown(seen),
-                Format::Latex => latex(seen),
-                Format::Typst => typst(seen),
-                Format::Html => html(seen),
-                Format::Parquet => return self.to_parquet(provenance, path),
-            };
-            let comment = provenance.get("origin").and_then(|origin| format.comment(origin));
-            Ok((text + &comment.unwrap_or_default()).into_bytes())
+        Seen::of(&for_people(self, coordinate)?, |seen| {
+            let all = files.iter();
+            all.map(|(format, path)| self.in_format(*format, seen, provenance, path)).collect()
+        })
+    }
+
+    /// The bytes of one file, of the table itself or of it as people see it.
+    fn in_format(
+        &self,
+        format: Format,
+        seen: &Seen,
+        provenance: &BTreeMap<String, String>,
+        path: &Path,
+    ) -> Result<Vec<u8>, TableError> {
+        let text = match format {
+            Format::Csv => csv(self),
+            Format::Markdown => markdown(seen),
+            Format::Latex => latex(seen),
+            Format::Typst => typst(seen),
+            Format::Html => html(seen),
+            Format::Parquet => return self.to_parquet(provenance, path),
         };
-        let all =
-            |seen: &Seen| files.iter().map(|(format, path)| one(seen, *format, path)).collect();
-        Seen::of(&for_people(self, coordinate)?, all)
+        let comment = provenance.get("origin").and_then(|origin| format.comment(origin));
+        Ok((text + &comment.unwrap_or_default()).into_bytes())
     }
 }
 

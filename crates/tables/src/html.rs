@@ -6,9 +6,8 @@ use crate::shown::{Cell, Seen, Shown, one_line, rows};
 /// in the footer. Rounded for people; cells of numbers have the class `number`.
 pub(crate) fn html(&Seen { table, columns, .. }: &Seen) -> String {
     let headings: String = columns.iter().map(heading).collect();
-    let set = |k: usize, cell: &Cell| format!("<td{}>{}</td>", class(&columns[k]), content(cell));
-    let row = |cells: Vec<String>| format!("<tr>{}</tr>\n", cells.concat());
-    let body: String = rows(columns, set).into_iter().map(row).collect();
+    let rows = rows(columns, |k, cell| format!("<td{}>{}</td>", class(&columns[k]), content(cell)));
+    let body: String = rows.iter().map(|cells| format!("<tr>{}</tr>\n", cells.concat())).collect();
     let notes: String = table.notes().iter().map(|n| note(n, columns.len())).collect();
     let footer = if notes.is_empty() { notes } else { format!("<tfoot>\n{notes}</tfoot>\n") };
     format!(

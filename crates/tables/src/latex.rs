@@ -32,15 +32,8 @@ pub(crate) fn latex(&Seen { table, layout, .. }: &Seen) -> String {
 
 /// One float, with one `tabular` below the other.
 fn floating(table: &Table, layout: &Layout, notes: &str) -> String {
-    let tabular = |group: &Vec<Placed>| {
-        format!(
-            "  \\begin{{tabular}}{{{}}}\n    \\toprule\n{}    \\midrule\n{}    \\bottomrule\n  \\end{{tabular}}\n",
-            column_types(group),
-            head(group),
-            body(group, &layout.sections)
-        )
-    };
-    let tabulars: Vec<String> = layout.groups.iter().map(tabular).collect();
+    let tabulars: Vec<String> =
+        layout.groups.iter().map(|group| tabular(group, &layout.sections)).collect();
     let size = if layout.dense { format!("  {DENSE}\n") } else { String::new() };
     format!(
         "\\begin{{table}}\n  \\centering\n  {CAPTION}\n  \\caption{{{}}}\n  \\label{{tab:{}}}\n{size}{}{notes}\\end{{table}}\n",
@@ -50,30 +43,45 @@ fn floating(table: &Table, layout: &Layout, notes: &str) -> String {
     )
 }
 
+/// One table of a float.
+fn tabular(group: &[Placed], sections: &Sections) -> String {
+    format!(
+        "  \\begin{{tabular}}{{{}}}\n    \\toprule\n{}    \\midrule\n{}    \\bottomrule\n  \\end{{tabular}}\n",
+        column_types(group),
+        head(group),
+        body(group, sections)
+    )
+}
+
 /// A `longtable` after the other under one number: the first has the caption, the others and all
 /// further pages say that they continue it.
 fn long(table: &Table, layout: &Layout, notes: &str) -> String {
     let label = label(table.name());
     let caption = format!("  \\caption{{{}}}\\label{{tab:{label}}}\\\\\n", escape(table.title()));
-    let longtable = |(i, group): (usize, &Vec<Placed>)| {
-        let (types, head, width) = (column_types(group), head(group), group.len());
-        let again = format!(
-            "  \\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\tablename~\\ref{{tab:{label}}}, continued}}\\\\\n"
-        );
-        let (first, before) =
-            if i == 0 { (&caption, String::new()) } else { (&again, go_on(group)) };
-        let headed = |above: &str| format!("{above}    \\toprule\n{head}    \\midrule\n");
-        format!(
-            "{before}\\begin{{longtable}}{{{types}}}\n{}  \\endfirsthead\n{}  \\endhead\n    \\bottomrule\n  \
-             \\endfoot\n{}\\end{{longtable}}\n",
-            headed(first),
-            headed(&again),
-            body(group, &layout.sections)
-        )
-    };
-    let tables: Vec<String> = layout.groups.iter().enumerate().map(longtable).collect();
+    let mut tables = String::new();
+    for (i, group) in layout.groups.iter().enumerate() {
+        let caption = (i == 0).then_some(caption.as_str());
+        tables += &longtable(&label, caption, group, &layout.sections);
+    }
     let size = if layout.dense { DENSE } else { "" };
-    format!("\\begingroup{size}\n{}{notes}\\endgroup\n", tables.concat())
+    format!("\\begingroup{size}\n{tables}{notes}\\endgroup\n")
+}
+
+/// One of the tables under a number: the first has the caption, any other goes on.
+fn longtable(label: &str, caption: Option<&str>, group: &[Placed], sections: &Sections) -> String {
+    let (types, head, width) = (column_types(group), head(group), group.len());
+    let again = format!(
+        "  \\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\tablename~\\ref{{tab:{label}}}, continued}}\\\\\n"
+    );
+    let before = if caption.is_some() { String::new() } else { go_on(group) };
+    let headed = |above: &str| format!("{above}    \\toprule\n{head}    \\midrule\n");
+    format!(
+        "{before}\\begin{{longtable}}{{{types}}}\n{}  \\endfirsthead\n{}  \\endhead\n    \\bottomrule\n  \
+         \\endfoot\n{}\\end{{longtable}}\n",
+        headed(caption.unwrap_or(&again)),
+        headed(&again),
+        body(group, sections)
+    )
 }
 
 /// Before a table that goes on under the same number: a new page, if it has room there and not on
@@ -115,13 +123,15 @@ fn heading(placed: &Placed) -> String {
 fn body(group: &[Placed], sections: &Sections) -> String {
     let wraps = group.iter().any(|c| c.share.is_some());
     let end = if wraps { r"\\ \addlinespace[2pt]" } else { r"\\" };
-    let row = |(i, cells): (usize, Vec<String>)| {
-        let above =
-            sections.get(&i).map(|title| section(title, i > 0, group.len())).unwrap_or_default();
-        format!("{above}    {} {end}\n", cells.join(" & "))
-    };
+    let mut body = String::new();
     let rows = rows(group.iter().map(|p| p.column), |k, cell| set(&group[k], cell));
-    rows.into_iter().enumerate().map(row).collect()
+    for (i, cells) in rows.iter().enumerate() {
+        if let Some(title) = sections.get(&i) {
+            body += &section(title, i > 0, group.len());
+        }
+        body += &format!("    {} {end}\n", cells.join(" & "));
+    }
+    body
 }
 
 /// A heading among the rows; no page ends below it.
@@ -147,6 +157,7 @@ fn set(placed: &Placed, cell: &Cell) -> String {
 /// power.
 fn column_type(placed: &Placed) -> String {
     if let Some(share) = placed.share {
+        // Rounded down, so that the shares do not come to more than the line.
         return format!(
             r">{{\raggedright\arraybackslash}}p{{{:.3}\linewidth}}",
             (share * 1e3).floor() / 1e3

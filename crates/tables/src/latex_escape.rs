@@ -101,11 +101,12 @@ const LEVEL: &str = "0123456789-+";
 ///
 /// What a symbol has below the line (`M_O`) is set there.
 pub(crate) fn escape(text: &str) -> String {
-    let piece = |piece| match piece {
+    let line = one_line(text);
+    let set = pieces(&line).into_iter().map(|piece| match piece {
         Piece::Plain(text) => plain(text),
         Piece::Below(text) => format!(r"\textsubscript{{{}}}", plain(text)),
-    };
-    pieces(&one_line(text)).into_iter().map(piece).collect()
+    });
+    set.collect()
 }
 
 fn plain(text: &str) -> String {
@@ -119,6 +120,7 @@ fn plain(text: &str) -> String {
             }
             None => escaped += &sign(letter),
         }
+        // Two of these in a row are one sign to TeX: a dash, a closing or a low quote.
         if matches!(letter, '-' | '\'' | ',') && letters.peek() == Some(&letter) {
             escaped += "{}";
         }

@@ -103,6 +103,7 @@ fn placed_in(column: &Shown, lines: usize) -> Placed<'_> {
     let tokens: Vec<&str> = column.words.split(' ').chain(column.unit.as_deref()).collect();
     let mut room = tokens.iter().map(|t| width(t)).fold(column.widest, f64::max);
     let mut head = broken(&tokens, room);
+    // This ends: where the whole heading has room it is one line.
     while head.len() > lines {
         room += 1.0;
         head = broken(&tokens, room);
@@ -175,6 +176,7 @@ fn squeezed<'a>(
 /// these rows.
 fn sectioned<'a>(all: &[&'a Shown]) -> Option<Layout<'a>> {
     let texts = all.iter().take_while(|c| !c.numeric).count();
+    // As many as can be: each that goes leaves more room for the others.
     let (first, sections) =
         (1..=texts).rev().find_map(|first| Some((first, sections(&all[..first])?)))?;
     let rest = all[first..].iter().map(|c| place_column(c)).collect();
@@ -187,11 +189,15 @@ fn sectioned<'a>(all: &[&'a Shown]) -> Option<Layout<'a>> {
 /// The rows at which one of the columns changes, if one does, at most at every other row, and
 /// nothing comes back.
 fn sections(columns: &[&Shown]) -> Option<Sections> {
-    let title = |row| columns.iter().map(|c| said(c, row)).collect::<Vec<_>>().join(", ");
-    let titles: Vec<String> = (0..columns[0].cells.len()).map(title).collect();
-    let begins = |row: &usize| *row == 0 || titles[*row] != titles[row - 1];
-    let sections: Sections =
-        (0..titles.len()).filter(begins).map(|row| (row, titles[row].clone())).collect();
+    let titles: Vec<String> = (0..columns[0].cells.len())
+        .map(|row| columns.iter().map(|c| said(c, row)).collect::<Vec<_>>().join(", "))
+        .collect();
+    let mut sections = Sections::new();
+    for (row, title) in titles.iter().enumerate() {
+        if row == 0 || *title != titles[row - 1] {
+            sections.insert(row, title.clone());
+        }
+    }
     let distinct: BTreeSet<&String> = titles.iter().collect();
     let several = sections.len() > 1 && 2 * sections.len() <= titles.len();
     (several && distinct.len() == sections.len()).then_some(sections)
@@ -200,12 +206,14 @@ fn sections(columns: &[&Shown]) -> Option<Sections> {
 /// Several tables: what is the same in every row is said once, the columns that say what a row is
 /// about stand in each.
 fn several<'a>(all: &[&'a Shown]) -> Layout<'a> {
+    // If every column is, all stay: a table needs something to show.
     let one_row = all.iter().all(|c| is_same(c));
     let (same, varying): (Vec<&Shown>, Vec<&Shown>) =
         all.iter().partition(|c| is_same(c) && !one_row);
     let keys = keys(&varying);
-    let is_key = |column: &Shown| keys.iter().any(|key| std::ptr::eq(*key, column));
-    let others: Vec<&Shown> = varying.iter().copied().filter(|c| !is_key(c)).collect();
+    let mut others = varying;
+    // By their place in memory: two columns may well be alike.
+    others.retain(|column| !keys.iter().any(|key| std::ptr::eq(*key, *column)));
     let with_keys =
         |group: &[&'a Shown]| keys.iter().chain(group).map(|c| place_column(c)).collect::<Vec<_>>();
     let packed =
@@ -232,9 +240,11 @@ fn packed<'a>(columns: &[&'a Shown], fits: impl Fn(&[&'a Shown]) -> bool) -> Vec
 
 /// Whether the columns fit into a width when long texts are wrapped.
 fn capped_fits(columns: &[Placed], digits: f64) -> bool {
-    let capped =
-        |c: &Placed| if c.column.numeric { natural(c) } else { least(c, WIDEST_TEXT_DIGITS) };
-    columns.iter().map(capped).sum::<f64>() + gaps(columns.len(), &DENSE) <= digits
+    let widths = columns.iter().map(|c| match c.column.numeric {
+        true => natural(c),
+        false => least(c, WIDEST_TEXT_DIGITS),
+    });
+    widths.sum::<f64>() + gaps(columns.len(), &DENSE) <= digits
 }
 
 /// Whether each of several rows has the same in this column.
@@ -248,19 +258,22 @@ fn keys<'a>(columns: &[&'a Shown]) -> Vec<&'a Shown> {
     let front = columns.iter().take_while(|c| !c.fractional).count();
     let to_last_text = columns[..front].iter().rposition(|c| !c.numeric).map_or(0, |last| last + 1);
     let mut keys = columns[..to_last_text].to_vec();
-    let room = |keys: &[&Shown]| {
-        keys.iter().map(|c| natural(&place_column(c)) + DENSE.gap_digits).sum::<f64>()
-    };
     let mut at = keys.len();
     while room(&keys) > KEYS_SHARE * DENSE.digits && at > 0 {
         at -= 1;
         let fewer: Vec<&Shown> =
             keys.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, c)| *c).collect();
+        // One goes without which rows are told apart as well, or are not told apart anyhow.
         if tell_apart(&fewer) || !tell_apart(&keys) {
             keys = fewer;
         }
     }
     keys
+}
+
+/// Width of columns set small, each with a gap.
+fn room(columns: &[&Shown]) -> f64 {
+    columns.iter().map(|c| natural(&place_column(c)) + DENSE.gap_digits).sum()
 }
 
 fn tell_apart(columns: &[&Shown]) -> bool {
@@ -276,9 +289,10 @@ fn tell_apart(columns: &[&Shown]) -> bool {
 fn blocks<'a>(columns: &[&'a Shown]) -> Vec<Vec<&'a Shown>> {
     let mut blocks: Vec<Vec<&Shown>> = Vec::new();
     for column in columns {
-        let belongs =
-            |block: &&mut Vec<&Shown>| column.words.starts_with(&format!("{} ", block[0].words));
-        match blocks.last_mut().filter(belongs) {
+        let block = blocks
+            .last_mut()
+            .filter(|block| column.words.starts_with(&format!("{} ", block[0].words)));
+        match block {
             Some(block) => block.push(column),
             None => blocks.push(vec![column]),
         }
@@ -328,13 +342,17 @@ pub(crate) fn has_page(columns: &[Placed]) -> bool {
 pub(crate) fn lines(columns: &[Placed]) -> usize {
     let head = columns.iter().map(|c| c.head.len()).max().unwrap_or(0);
     let height = columns.first().map_or(0, |c| c.column.cells.len());
-    let wrapped = |c: &Placed, row: usize| {
-        c.share.map_or(1, |share| {
-            (width(&c.column.cells[row].typeset()) / (share * DENSE.digits)).ceil() as usize
-        })
-    };
-    let row = |row| columns.iter().map(|c| wrapped(c, row)).max().unwrap_or(1).max(1);
-    FRAME_LINES + head + (0..height).map(row).sum::<usize>()
+    // An empty cell has no line, but its row has one.
+    let rows =
+        (0..height).map(|row| columns.iter().map(|c| cell_lines(c, row)).max().unwrap_or(1).max(1));
+    FRAME_LINES + head + rows.sum::<usize>()
+}
+
+/// Lines that a cell takes.
+fn cell_lines(placed: &Placed, row: usize) -> usize {
+    placed.share.map_or(1, |share| {
+        (width(&placed.column.cells[row].typeset()) / (share * DENSE.digits)).ceil() as usize
+    })
 }
 
 #[cfg(test)]

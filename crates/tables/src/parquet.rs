@@ -95,6 +95,7 @@ impl Table {
 fn notes(footer: &BTreeMap<String, String>) -> impl Iterator<Item = (NoteKind, String)> {
     let lines = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default().lines();
     let kinds = lines(KINDS).map(|word| NoteKind::from_word(word).unwrap_or_default());
+    // No kinds are written where all notes are general.
     let kinds = kinds.chain(std::iter::repeat(NoteKind::General));
     lines(NOTES).map(str::to_owned).zip(kinds).map(|(note, kind)| (kind, note))
 }

@@ -23,6 +23,7 @@ pub(crate) struct Decimal {
 
 impl Decimal {
     fn new(mantissa: String, exponent: Option<i32>) -> Self {
+        // What is rounded to nothing has no sign any more.
         let zero = !mantissa.contains(|c| matches!(c, '1'..='9'));
         let mantissa = if zero { mantissa.trim_start_matches('-').to_owned() } else { mantissa };
         Self { mantissa, exponent }
@@ -54,8 +55,8 @@ pub fn number(value: f64, uncertainty: Option<f64>) -> String {
 
 fn raised(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    let raise = |c: char| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize]);
-    exponent.to_string().chars().map(raise).collect()
+    let letters = exponent.to_string();
+    letters.chars().map(|c| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize])).collect()
 }
 
 /// `value` to the digits its `uncertainty` allows (same unit), or to four where that is not known
@@ -70,6 +71,7 @@ pub(crate) fn rounded(value: f64, uncertainty: Option<f64>) -> Decimal {
 fn without_uncertainty(value: f64) -> Decimal {
     let place = last_place(value, PLAIN_DIGITS);
     let whole = leading_power(value, PLAIN_DIGITS) < LARGE;
+    // Below a million no digit before the point is rounded away.
     let shown = at_place(value, if whole { place.min(0) } else { place });
     let is_exact = shown.ascii().parse::<f64>().is_ok_and(|v| v.total_cmp(&(value + 0.0)).is_eq());
     if is_exact && shown.mantissa.contains('.') {
@@ -96,6 +98,7 @@ fn power_of(scientific: &str) -> i32 {
 /// `value` rounded to a multiple of 10^place (ties of the exact binary value to even).
 fn at_place(value: f64, place: i32) -> Decimal {
     let digits = usize::try_from(floor_power(value) - place + 1).unwrap_or(0);
+    // Rounding may carry: 9.96 to a tenth is 10.0, and has a digit more.
     let power = if digits == 0 { place } else { leading_power(value, digits) };
     if place >= SMALL && power < LARGE {
         return Decimal::new(plain(value, place), None);

@@ -135,11 +135,11 @@ fn cells<T>(values: &[Option<T>], cell: impl Fn(&T) -> Cell) -> Vec<Cell> {
 }
 
 fn numbers(values: &[Option<f64>], uncertainties: &[Option<f64>]) -> Vec<Cell> {
-    let number = |(i, v): (usize, &Option<f64>)| {
+    let cells = values.iter().enumerate().map(|(i, v)| {
         let uncertainty = uncertainties.get(i).copied().flatten();
         v.map_or(Cell::Missing, |v| Cell::Number(rounded(v, uncertainty)))
-    };
-    values.iter().enumerate().map(number).collect()
+    });
+    cells.collect()
 }
 
 /// Row by row, the uncertainty of the quantity that `field` is part of: its standard error, or else
@@ -150,11 +150,11 @@ fn uncertainties(field: &Field, all: &[Column]) -> Vec<Option<f64>> {
     let (low, high) = (part(Part::CiLow), part(Part::CiHigh));
     let height = std_errors.len().max(low.len());
     let at = |values: &[Option<f64>], row: usize| values.get(row).copied().flatten();
-    let uncertainty = |row| {
-        let half = || Some((at(high, row)? - at(low, row)?).abs() / 2.0);
-        at(std_errors, row).filter(|u| *u > 0.0).or_else(half)
-    };
-    (0..height).map(uncertainty).collect()
+    let uncertainties = (0..height).map(|row| {
+        let std_error = at(std_errors, row).filter(|u| *u > 0.0);
+        std_error.or_else(|| Some((at(high, row)? - at(low, row)?).abs() / 2.0))
+    });
+    uncertainties.collect()
 }
 
 /// The column that plays `part` in the quantity of `field`; empty where there is none.

@@ -272,8 +272,9 @@ impl Table {
     /// # Errors
     /// A column that is not there.
     pub fn column_of(&self, stem: &str) -> Result<&Column, TableError> {
-        let is_of = |c: &&Column| split_unit(&c.field.name, &c.field.unit).0 == stem;
-        self.columns.iter().find(is_of).map_or_else(|| self.column(stem), Ok)
+        let mut columns = self.columns.iter();
+        let found = columns.find(|c| split_unit(&c.field.name, &c.field.unit).0 == stem);
+        found.map_or_else(|| self.column(stem), Ok)
     }
 
     /// Number of rows.
@@ -354,16 +355,16 @@ impl Table {
         fn of<T: Clone>(values: &[Option<T>], rows: &[usize]) -> Vec<Option<T>> {
             rows.iter().map(|row| values.get(*row).cloned().flatten()).collect()
         }
-        let column = |c: &Column| {
-            let values = match &c.values {
+        let mut some = self.clone();
+        for column in &mut some.columns {
+            column.values = match &column.values {
                 Values::Float(v) => Values::Float(of(v, rows)),
                 Values::Integer(v) => Values::Integer(of(v, rows)),
                 Values::Text(v) => Values::Text(of(v, rows)),
                 Values::Flag(v) => Values::Flag(of(v, rows)),
             };
-            Column { field: c.field.clone(), values }
-        };
-        Self { columns: self.columns.iter().map(column).collect(), ..self.clone() }
+        }
+        some
     }
 
     /// The columns' names, for a message.

@@ -66,18 +66,18 @@ fn kept(group: &[Placed], sections: &Sections) -> String {
 }
 
 fn one(group: &[Placed], sections: &Sections) -> String {
-    let width = |c: &Placed| {
-        c.share.map_or("auto".to_owned(), |s| format!("{:.1}%", (s * 1e3).floor() / 10.0))
-    };
     let widths: Vec<String> = group.iter().map(width).collect();
     let alignment: Vec<&str> = group.iter().map(align).collect();
     let headings: Vec<String> = group.iter().map(heading).collect();
-    let section = |i| sections.get(&i).map(|title| section(title, group.len())).unwrap_or_default();
     let hidden: Vec<Vec<String>> = group.iter().map(|p| hidden(p.column.room)).collect();
     let rows = rows(group.iter().map(|p| p.column), |k, cell| set(&group[k], &hidden[k], cell));
-    let row =
-        |(i, cells): (usize, Vec<String>)| section(i) + &format!("      {},\n", cells.join(", "));
-    let body: String = rows.into_iter().enumerate().map(row).collect();
+    let mut body = String::new();
+    for (i, cells) in rows.iter().enumerate() {
+        if let Some(title) = sections.get(&i) {
+            body += &section(title, group.len());
+        }
+        body += &format!("      {},\n", cells.join(", "));
+    }
     format!(
         "table(
       columns: ({},),
@@ -92,6 +92,12 @@ fn one(group: &[Placed], sections: &Sections) -> String {
         alignment.join(", "),
         headings.join(", "),
     )
+}
+
+/// A column's width: its share of the page, rounded down so that all shares have room, or what its
+/// cells need.
+fn width(placed: &Placed) -> String {
+    placed.share.map_or("auto".to_owned(), |s| format!("{:.1}%", (s * 1e3).floor() / 10.0))
 }
 
 /// Line by line; what stands on one line stays there.
@@ -146,6 +152,7 @@ fn unseen(decimals: usize, room: Room) -> String {
 fn grouped(mantissa: &str) -> String {
     let (whole, decimals) = mantissa.split_once('.').unwrap_or((mantissa, ""));
     let (sign, whole) = whole.strip_prefix('-').map_or(("", whole), |digits| ("-", digits));
+    // Groups are counted from the point, so the whole part is turned round and back.
     let from_point: String = whole.chars().rev().collect();
     let whole: String = in_groups(&from_point).chars().rev().collect();
     let point = if decimals.is_empty() { "" } else { "." };
@@ -156,8 +163,14 @@ fn in_groups(digits: &str) -> String {
     if digits.len() <= UNGROUPED {
         return digits.to_owned();
     }
-    let gap = |(i, digit)| [(i > 0 && i % GROUP == 0).then_some(GAP), Some(digit)];
-    digits.chars().enumerate().flat_map(gap).flatten().collect()
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && i % GROUP == 0 {
+            text.push(GAP);
+        }
+        text.push(digit);
+    }
+    text
 }
 
 fn note(note: &str) -> String {
@@ -170,11 +183,13 @@ fn align(placed: &Placed) -> &'static str {
 
 /// `text` as an expression: strings; what stands below a symbol is set there.
 fn expression(text: &str) -> String {
-    let piece = |piece| match piece {
-        Piece::Plain(text) => dotted(text),
-        Piece::Below(text) => format!("sub({})", dotted(text)),
-    };
-    let parts: Vec<String> = pieces(&one_line(text)).into_iter().map(piece).collect();
+    let mut parts = Vec::new();
+    for piece in pieces(&one_line(text)) {
+        parts.push(match piece {
+            Piece::Plain(text) => dotted(text),
+            Piece::Below(text) => format!("sub({})", dotted(text)),
+        });
+    }
     if parts.is_empty() { literal("") } else { parts.join(" + ") }
 }
 
@@ -193,9 +208,9 @@ fn dotted(text: &str) -> String {
         plain.clear();
     }
     parts.push(literal(&plain));
-    let is_empty = |part: &String| part == "\"\"";
+    // Empty strings add nothing, but one has to stay where there is nothing else.
     if parts.len() > 1 {
-        parts.retain(|part| !is_empty(part));
+        parts.retain(|part| part != "\"\"");
     }
     parts.join(" + ")
 }

@@ -59,8 +59,10 @@ pub(crate) fn suffixes(unit: &str) -> Vec<String> {
     if unit == "1" || unit.is_empty() {
         return Vec::new();
     }
-    let product = |solidus| ["_", ""].map(|dot| format!("_{}", slug(unit, solidus, dot)));
-    let mut suffixes: Vec<String> = ["_per_", "_"].into_iter().flat_map(product).collect();
+    let mut suffixes: Vec<String> = Vec::new();
+    for solidus in ["_per_", "_"] {
+        suffixes.extend(["_", ""].map(|dot| format!("_{}", slug(unit, solidus, dot))));
+    }
     // Newton metres are one word in every compound.
     let metres: Vec<String> = suffixes.iter().map(|s| s.replace("_n_m", "_nm")).collect();
     suffixes.extend(metres);

@@ -86,10 +86,11 @@ pub(crate) struct Room {
 impl Room {
     /// The room for the numbers of a column's cells.
     pub(crate) fn of(cells: &[Cell]) -> Self {
-        let number = |cell: &Cell| {
-            if let Cell::Number(number) = cell { Some(Self::number(number)) } else { None }
-        };
-        cells.iter().filter_map(number).fold(Self::default(), Self::both)
+        let numbers = cells.iter().filter_map(|cell| match cell {
+            Cell::Number(number) => Some(Self::number(number)),
+            Cell::Missing | Cell::Text(_) => None,
+        });
+        numbers.fold(Self::default(), Self::both)
     }
 
     fn number(number: &Decimal) -> Self {

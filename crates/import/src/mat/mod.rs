@@ -70,6 +70,7 @@ pub(super) fn read(
     };
     let (mut names, mut found) = (Vec::new(), None);
     variables(bytes, &mut |head, data| {
+        // The first of the name: nothing keeps a file from having two.
         if head.name == matrix && found.is_none() {
             found = Some(columns(head, data, take)?);
         }
@@ -124,6 +125,7 @@ fn vector(head: &Head, values: Values, take: &Take) -> Result<Cells, String> {
         if fits && Some(n) == head.count() {
             cells = Cells::Numbers(Float64Array::from(numbers.values(0, n)?));
         }
+        // Nothing means damage; what does not fit is told below.
         (!fits || matches!(cells, Cells::Numbers(_))).then_some(())
     })?;
     if fits { Ok(cells) } else { Err(TOO_MUCH.to_owned()) }
@@ -177,6 +179,7 @@ fn variables(
             );
         }
     };
+    // The high byte of 0x0100, of 0x0200 in version 7.3; each order has it at another place.
     let version = header[if big { HEADER - 4 } else { HEADER - 3 }];
     if version != 1 {
         return Err("it is a version 7.3 (HDF5) file; save it with -v7".to_owned());
@@ -246,6 +249,7 @@ impl<'a> Elements<'a> {
     /// The next element's type and data; `None` where it is cut off.
     fn next(&mut self) -> Option<(u32, &'a [u8])> {
         let first = word(self.bytes.get(..4)?.try_into().ok()?, self.big);
+        // A small element has its length in the upper half of the word that holds its type.
         let (small, kind) = ((first >> 16) as usize, first & 0xffff);
         if small > 0 {
             let data = self.bytes.get(4..2 * SMALL)?.get(..small)?;

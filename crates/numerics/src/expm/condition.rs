@@ -17,6 +17,7 @@ pub fn condition<const N: usize>(a: &Matrix<N>) -> f64 {
     /// Relative change at which the estimate is good enough.
     const SETTLED: f64 = 1e-4;
     let Some(halved) = Halved::new(a) else { return f64::INFINITY };
+    // The adjoint of L(A, ·) is L(Aᵀ, ·).
     let adjoint = halved.transposed();
     let (mut direction, mut norm) = (Matrix::from_fn(|_, _| 1.0 / N as f64), 0.0);
     for _ in 0..MOST_ROUNDS {

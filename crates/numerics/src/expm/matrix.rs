@@ -86,6 +86,7 @@ impl<const N: usize> Matrix<N> {
         let mut inverse: [[f64; N]; N] =
             std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
         for k in 0..N {
+            // In this order a NaN is the largest: it becomes the pivot, and is refused below.
             let pivot = (k..N).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
             rows.swap(k, pivot);
             inverse.swap(k, pivot);
@@ -119,7 +120,7 @@ impl<const N: usize> Matrix<N> {
         self.columns
             .iter()
             .flatten()
-            .fold(0.0, |m: f64, x| if x.is_nan() { *x } else { m.max(x.abs()) })
+            .fold(0.0, |m: f64, x| if m.is_nan() || x.is_nan() { f64::NAN } else { m.max(x.abs()) })
     }
 }
 

@@ -43,6 +43,7 @@ fn power_root<const N: usize>(matrix: &Matrix<N>, doublings: i32) -> f64 {
         if size <= 0.0 || !size.is_finite() {
             return size;
         }
+        // Powers of a fast matrix overflow. A power of two as scale costs no digit.
         let exponent = libm::ilogb(size);
         let scale = libm::ldexp(1.0, -exponent);
         power = power.map(|x| x * scale);
@@ -177,6 +178,7 @@ impl<const N: usize> Ladder<N> {
     fn refine(&mut self) {
         let flows = precise::doublings(&self.a, &self.rest, self.rungs[0].span, self.rungs.len());
         for (rung, flow) in self.rungs.iter_mut().zip(flows) {
+            // Splitting a number in halves overflows a little before the number itself does.
             if flow.is_finite() {
                 rung.flow = flow;
             }
@@ -205,6 +207,7 @@ impl<const N: usize> Ladder<N> {
                 rest -= rung.span;
             }
         }
+        // What is left is shorter than the lowest rung, where the series converges at once.
         if rest > 0.0 { evaluate(&taylor(&self.a, &z), rest) } else { z }
     }
 
@@ -220,12 +223,16 @@ impl<const N: usize> Ladder<N> {
         let long = self.is_long(M as f64 * t);
         let precise: Option<[Matrix<N>; M]> =
             long.then(|| precise_flows(&self.a, &self.rest, t)).flatten();
-        let identity = Matrix::<N>::identity();
-        let plain = |t| Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) };
         std::array::from_fn(|k| {
             let precise = precise.map(|flows| flows[k]).filter(Matrix::is_finite);
-            precise.unwrap_or_else(|| plain((k + 1) as f64 * t))
+            precise.unwrap_or_else(|| self.plain_flow((k + 1) as f64 * t))
         })
+    }
+
+    /// `exp(A t)` in the working precision: each unit vector advanced along the ladder.
+    fn plain_flow(&self, t: f64) -> Matrix<N> {
+        let identity = Matrix::<N>::identity();
+        Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) }
     }
 
     /// Index of the shortest rung whose span is at least `t` (the longest if none is).

@@ -56,8 +56,8 @@ pub(super) fn multiples<const N: usize, const M: usize>(
 
 /// `exp((A + rest) t) - 1` over a short span.
 fn short<const N: usize>(a: &Matrix<N>, rest: &Matrix<N>, t: f64) -> Pairs<N> {
-    let entry = |i, j| Pair { high: a.at(i, j), low: rest.at(i, j) };
-    series(&Pairs::of(|i, j| entry(i, j) * Pair::from(t)))
+    let whole = Pairs { high: *a, low: *rest };
+    series(&Pairs::of(|i, j| whole.at(i, j) * Pair::from(t)))
 }
 
 /// `exp(X) - 1` by Horner's rule.

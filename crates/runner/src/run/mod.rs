@@ -178,6 +178,11 @@ impl Board<'_> {
         found
     }
 
+    /// The first of a job's inputs that could not be made.
+    fn first_failed(&self, inputs: &[PathBuf]) -> Option<PathBuf> {
+        inputs.iter().find(|input| self.failed.contains(input)).cloned()
+    }
+
     /// Jobs that waited for this one alone, from now on begun.
     fn freed_by(&mut self, i: usize) -> Vec<usize> {
         if self.disk.is_some() {
@@ -218,6 +223,7 @@ impl<'j> Run<'j> {
     fn spawn<'s>(&'s self, scope: &rayon::ScopeFifo<'s>, i: usize) {
         scope.spawn_fifo(move |scope| {
             let result = self.one(&self.jobs[i]);
+            // Before the board is locked: whoever listens may take long.
             if let Ok((report, _)) = &result {
                 (self.done)(report);
             }
@@ -275,21 +281,21 @@ impl<'j> Run<'j> {
         let without = |verdict| report(verdict, Vec::new(), Vec::new());
         let root = self.results.root();
         let before = self.before.get(&job.name);
-        let failed = |board: &Board| job.inputs.iter().find(|i| board.failed.contains(i)).cloned();
-        if let Some(input) = failed(&self.board()).filter(|_| !job.tolerant) {
+        let failed = self.board().first_failed(&job.inputs);
+        if let Some(input) = failed.filter(|_| !job.tolerant) {
             let why = format!("it needs {}, which could not be made", show_path(root, &input));
             return Ok((without(JobEnd::Blocked(why)), None));
         }
         let now = Record::now(job, root, &self.hashes);
-        let outputs = || self.hashes.of(root, &job.outputs);
         let reason = match before {
             _ if self.options.fresh => Some(Change::Asked),
             None => Some(Change::NeverMade),
-            Some(before) => first_change(before, &now, outputs),
+            Some(before) => first_change(before, &now, || self.hashes.of(root, &job.outputs)),
         };
         let Some(why) = reason.map(|change| change.to_string()) else {
             let before = before.cloned().unwrap_or_default();
             let report = report(JobEnd::UpToDate, before.problems.clone(), before.care.clone());
+            // No reason to make it again, but who asks later is told of the files of this run.
             let moved = before.origins != now.origins;
             return Ok((report, moved.then_some(Record { origins: now.origins, ..before })));
         };
@@ -363,13 +369,15 @@ fn remove_unplanned(
     record: &Record,
     results: &Results,
 ) -> Vec<StoreError> {
-    let remove = |(path, hash): (&String, &String)| {
+    let stayed = record.outputs.iter().filter_map(|(path, hash)| {
         // Every record was held against this when it was read.
-        let path =
-            Results::named(results.layout(), path).ok().filter(|path| !planned.contains(path))?;
+        let path = Results::named(results.layout(), path).ok()?;
+        if planned.contains(&path) {
+            return None;
+        }
         results.remove_made(&path, hash).err()
-    };
-    record.outputs.iter().filter_map(remove).collect()
+    });
+    stayed.collect()
 }
 
 #[cfg(test)]

@@ -84,8 +84,9 @@ impl Model {
     /// The logits of the cumulated shares: the thresholds without effects of the columns.
     pub(crate) fn cumulated_logits(&self) -> Vec<f64> {
         let all = self.answers.codes.len() as f64;
-        let up_to = |k: usize| self.answers.codes.iter().filter(|&&c| c <= k).count() as f64;
-        (0..self.thresholds()).map(|k| logit(up_to(k) / all)).collect()
+        let counts =
+            (0..self.thresholds()).map(|k| self.answers.codes.iter().filter(|&&c| c <= k).count());
+        counts.map(|up_to| logit(up_to as f64 / all)).collect()
     }
 
     fn start(&self) -> Vec<f64> {
@@ -188,6 +189,7 @@ fn maximise(
         let mut share = 1.0;
         loop {
             let trial: Vec<f64> = point.iter().zip(&step).map(|(p, s)| p + share * s).collect();
+            // Where thresholds cross there is no likelihood.
             let there = ascending(model, &trial).then(|| surface(model, &trial));
             if let Some(there) = there.filter(|s| promise < TRUSTED || s.value > here.value) {
                 (point, here) = (trial, there);

@@ -4,7 +4,7 @@ use super::design::Design;
 use crate::error::StatsError;
 use crate::f_distribution::upper_p;
 use crate::interval::t_interval;
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, dot};
 use crate::student_t::two_sided_p;
 use crate::tested::{FTest, Tested, Unestimable};
 use zwidth_numerics::NumericsError;
@@ -32,10 +32,9 @@ pub(super) fn contrasts(
         }
         crate::error::all_finite(row)?;
     }
-    let estimate = |row: &&[f64]| row.iter().zip(coefficients).map(|(w, b)| w * b).sum::<f64>();
     let rows = Matrix::from_fn(weights.len(), expected, |i, j| weights[i][j]);
     Ok(Contrasts {
-        estimates: weights.iter().map(estimate).collect(),
+        estimates: weights.iter().map(|row| dot(row, coefficients)).collect(),
         l: rows.times(&design.r_inverse),
     })
 }

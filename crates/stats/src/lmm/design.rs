@@ -164,8 +164,9 @@ fn project_out(q: &[Vec<f64>], v: &mut [f64]) -> Vec<f64> {
 }
 
 fn root_mean_squares(term: &RandomTerm) -> Vec<f64> {
-    let root = |column: &Vec<f64>| (dot(column, column) / column.len() as f64).sqrt();
-    term.columns.iter().map(root).map(|scale| if scale > 0.0 { scale } else { 1.0 }).collect()
+    let squares = term.columns.iter().map(|column| dot(column, column) / column.len() as f64);
+    // A column of zeros is divided by 1: it is refused later, in words.
+    squares.map(f64::sqrt).map(|scale| if scale > 0.0 { scale } else { 1.0 }).collect()
 }
 
 /// One row of a group: the level of each term, the columns of Z and X, and y.
@@ -220,7 +221,7 @@ fn rows_of_group(
             rows.iter().map(|row| levels.partition_point(|l| *l < term.level[*row])).collect()
         })
         .collect();
-    let row = |(place, row): (usize, &usize)| Row {
+    let numbered_rows = rows.iter().enumerate().map(|(place, row)| Row {
         level: numbered.iter().map(|levels| levels[place]).collect(),
         z: model
             .random
@@ -232,8 +233,8 @@ fn rows_of_group(
             .collect(),
         x: fixed.q.iter().map(|column| column[*row]).collect(),
         y: fixed.residuals[*row],
-    };
-    rows.iter().enumerate().map(row).collect()
+    });
+    numbered_rows.collect()
 }
 
 /// The pattern of a group with `rows`, without any response.

@@ -131,14 +131,15 @@ fn evaluate(design: &Design, reml: bool, theta: &[f64]) -> Result<Profile, Unest
 
 /// σ² T Tᵀ of each term, in units of its columns.
 fn terms(design: &Design, theta: &[f64], variance: f64) -> Vec<TermCovariance> {
-    let term = |((name, scales), t): ((&String, &Vec<f64>), Matrix)| {
+    let all = design.names.iter().zip(&design.scales).zip(factors(design, theta));
+    let terms = all.map(|((name, scales), t)| {
         let product = Matrix::from_fn(t.rows, t.rows, |a, b| dot(t.row(a), t.row(b)));
         TermCovariance {
             name: name.clone(),
             covariance: scaled_rows(&product, |a, b| variance / (scales[a] * scales[b])),
         }
-    };
-    design.names.iter().zip(&design.scales).zip(factors(design, theta)).map(term).collect()
+    });
+    terms.collect()
 }
 
 fn scaled_rows(m: &Matrix, scale: impl Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {

@@ -165,11 +165,11 @@ pub(super) fn observed(design: &Design, reml: bool, at: &Profile, known: &Inform
     let quadratic = Matrix::from_fn(size, size, |r, s| {
         (quadratic[(r, s)] - dot(&w[r], &lost[s])) / at.variance
     });
-    let slope = |r: usize| {
+    let slopes = (0..size).map(|r| {
         let restriction = if reml { at.a_inverse.dot(&known.p[r]) } else { 0.0 };
         trace[r] + restriction - form[r] / at.variance
-    };
-    Observed { slopes: (0..size).map(slope).collect(), quadratic }
+    });
+    Observed { slopes: slopes.collect(), quadratic }
 }
 
 /// Refuses what the design cannot tell apart: at V = I, the information on the variances must have
@@ -177,8 +177,8 @@ pub(super) fn observed(design: &Design, reml: bool, at: &Profile, known: &Inform
 pub(super) fn check_identified(design: &Design, at_zero: &Profile) -> Result<(), Unestimable> {
     let found = information(design, at_zero);
     let size = found.full.rows;
-    let left = |r: usize| found.expected[(r, r)] > ALIASED * found.full[(r, r)];
-    if let Some(gone) = (0..size).find(|r| !left(*r)) {
+    let mut are_left = (0..size).map(|r| found.expected[(r, r)] > ALIASED * found.full[(r, r)]);
+    if let Some(gone) = are_left.position(|is_left| !is_left) {
         let what = format!("{} from the fixed effects", name(design, gone));
         return Err(Unestimable::Confounded { what });
     }

@@ -112,7 +112,8 @@ impl Adjusted {
 }
 
 fn inverse(m: &Matrix) -> Result<Matrix, Unestimable> {
-    let found = m.inverse_and_log_det();
-    let what = || Unestimable::Confounded { what: "the contrasts".to_owned() };
-    found.map(|(inverse, _)| inverse).ok_or_else(what)
+    match m.inverse_and_log_det() {
+        Some((inverse, _)) => Ok(inverse),
+        None => Err(Unestimable::Confounded { what: "the contrasts".to_owned() }),
+    }
 }

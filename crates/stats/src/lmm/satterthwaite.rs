@@ -50,19 +50,15 @@ pub(super) fn approximate(
     // ∂ Φ / ∂ γᵣ = −Φ Pᵣ Φ
     let in_gamma: Vec<Matrix> =
         known.p.iter().map(|p| at.a_inverse.times(&p.times(&at.a_inverse))).collect();
-    let slope = |k: usize| {
+    let slopes = (0..size).map(|k| {
         let mut slope = Matrix::zeros(at.a_inverse.rows, at.a_inverse.rows);
         let parts = in_gamma.iter().enumerate();
         parts.for_each(|(r, part)| slope.add(-at.variance * jacobian[(r, k)], part));
         slope
-    };
+    });
     let mut covariance = Matrix::zeros(at.a_inverse.rows, at.a_inverse.rows);
     covariance.add(at.variance, &at.a_inverse);
-    Approximated {
-        covariance,
-        slopes: (0..size).map(slope).collect(),
-        uncertainty: twice_inverse(&hessian),
-    }
+    Approximated { covariance, slopes: slopes.collect(), uncertainty: twice_inverse(&hessian) }
 }
 
 /// ∂ γᵣ / ∂ ηₖ at σ = 1: γ of entry (a, b) is σ² Σ_c T_ac T_bc, that of the residual σ².

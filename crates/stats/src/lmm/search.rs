@@ -42,6 +42,7 @@ pub(super) fn search(design: &Design, reml: bool) -> Result<Optimum, Unestimable
         descend(design, reml, &diagonal.collect::<Vec<f64>>(), &all)
     });
     let mut best = starts.into_iter().flatten().min_by(|a, b| a.deviance.total_cmp(&b.deviance));
+    // Each round holds one column more, so there are no more rounds than columns.
     while let Some(found) = &best {
         let Some(lower) = with_a_zero(design, reml, found) else { break };
         let iterations = found.iterations + lower.iterations;
@@ -104,9 +105,9 @@ fn with_a_zero(design: &Design, reml: bool, from: &Descent) -> Option<Descent> {
     let columns: Vec<(usize, usize)> =
         design.entries.iter().filter(|e| e.a == e.b).map(|e| (e.term, e.b)).collect();
     let held = columns.into_iter().filter_map(|(term, b)| {
-        let inside = |at: usize| design.entries[at].term == term && design.entries[at].b == b;
+        let inside = design.entries.iter().map(|entry| entry.term == term && entry.b == b);
         let free: Vec<bool> =
-            from.free.iter().enumerate().map(|(at, free)| *free && !inside(at)).collect();
+            from.free.iter().zip(inside).map(|(free, inside)| *free && !inside).collect();
         (free != from.free).then(|| descend(design, reml, &from.theta, &free)).flatten()
     });
     let lowest = held.min_by(|a, b| a.deviance.total_cmp(&b.deviance))?;

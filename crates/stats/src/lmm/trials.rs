@@ -154,8 +154,11 @@ fn level(trials: Trials<'_>, term: Term) -> Vec<usize> {
     let number = |values: &[usize], varies: bool| -> (Vec<usize>, usize) {
         let sorted: Vec<usize> =
             values.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
-        let at = |value: &usize| if varies { sorted.partition_point(|s| s < value) } else { 0 };
-        (values.iter().map(at).collect(), sorted.len())
+        let places = values.iter().map(|value| match varies {
+            true => sorted.partition_point(|s| s < value),
+            false => 0,
+        });
+        (places.collect(), sorted.len())
     };
     let (modes, count) = number(trials.mode, by_mode);
     let (sessions, _) = number(trials.session, by_session);
@@ -163,20 +166,18 @@ fn level(trials: Trials<'_>, term: Term) -> Vec<usize> {
 }
 
 fn model(trials: Trials<'_>, cells: &[(usize, usize)], structure: &[Term]) -> Model {
-    let column = |(session, mode): &(usize, usize)| {
-        let inside = trials.session.iter().zip(trials.mode);
-        let value = |(s, m): (&usize, &usize)| if (s, m) == (session, mode) { 1.0 } else { 0.0 };
-        Column {
-            name: format!("session {session}, mode {mode}"),
-            values: inside.map(value).collect(),
-        }
-    };
-    let random = |term: &Term| RandomTerm::intercept(term.name(), level(trials, *term));
+    let fixed = cells.iter().map(|(session, mode)| {
+        let of_trials = trials.session.iter().zip(trials.mode);
+        let values = of_trials.map(|cell| if cell == (session, mode) { 1.0 } else { 0.0 });
+        Column { name: format!("session {session}, mode {mode}"), values: values.collect() }
+    });
+    let random =
+        structure.iter().map(|term| RandomTerm::intercept(term.name(), level(trials, *term)));
     Model {
         response: trials.value.to_vec(),
-        fixed: cells.iter().map(column).collect(),
+        fixed: fixed.collect(),
         group: trials.participant.to_vec(),
-        random: structure.iter().map(random).collect(),
+        random: random.collect(),
     }
 }
 
@@ -195,12 +196,12 @@ impl TrialFit {
             return Err(Unestimable::Confounded { what });
         }
         let share = 1.0 / sessions.len() as f64;
-        let weight = |(session, mode): &(usize, usize)| match sessions.contains(session) {
+        let weights = self.cells.iter().map(|(session, mode)| match sessions.contains(session) {
             true if *mode == a => share,
             true if *mode == b => -share,
             _ => 0.0,
-        };
-        Ok(self.cells.iter().map(weight).collect())
+        });
+        Ok(weights.collect())
     }
 
     /// Weights per coefficient of the mean in a mode, averaged equally over its sessions.
@@ -212,8 +213,8 @@ impl TrialFit {
         if sessions == 0 {
             return Err(Unestimable::TooFew { units: "trials of the mode", found: 0, needed: 1 });
         }
-        let weight = |(_, m): &(usize, usize)| if *m == mode { 1.0 / sessions as f64 } else { 0.0 };
-        Ok(self.cells.iter().map(weight).collect())
+        let share = 1.0 / sessions as f64;
+        Ok(self.cells.iter().map(|(_, m)| if *m == mode { share } else { 0.0 }).collect())
     }
 
     /// Contrasts of each mode with the first: together they are zero if no modes differ.

@@ -155,13 +155,13 @@ impl Trials {
         let observed: Vec<_> = statistics.iter().map(|of| self.observed(*of)).collect();
         let draws = if observed.iter().any(Result::is_ok) { sampling.draws } else { 0 };
         let drawn = self.measure_drawn(statistics, Sampling { draws, ..sampling }, redraw);
-        let one = |(place, observed): (usize, Result<f64, Unestimable>)| {
+        let tests = observed.into_iter().enumerate().map(|(place, observed)| {
             let observed = observed?;
             let drawn = drawn.as_ref().map_err(Clone::clone)?;
             let drawn: Vec<f64> = drawn.iter().map(|found| found[place]).collect();
             Ok(self.sampled(statistics[place], observed, &drawn))
-        };
-        observed.into_iter().enumerate().map(one).collect()
+        });
+        tests.collect()
     }
 
     /// The statistics of each order drawn.
@@ -171,12 +171,12 @@ impl Trials {
         sampling: Sampling,
         redraw: impl Fn(u64) -> Vec<usize> + Sync,
     ) -> Result<Vec<Vec<f64>>, StatsError> {
-        let one = |number| {
+        let measured = (0..sampling.draws as u64).into_par_iter().map(|number| {
             let order = redraw(stream(sampling.seed, number).next_u64());
             check_order(&order, self.together.len(), self.modes)?;
             Ok(statistics.iter().map(|of| self.measure(*of, &order)).collect())
-        };
-        (0..sampling.draws as u64).into_par_iter().map(one).collect()
+        });
+        measured.collect()
     }
 
     fn sampled(&self, statistic: Statistic, observed: f64, drawn: &[f64]) -> Randomised {
@@ -220,11 +220,11 @@ impl Trials {
     /// what a test of this one pair may shuffle when the other modes may differ from it.
     pub fn that_move_only(&self, a: usize, b: usize, orders: &[Vec<usize>]) -> Vec<Vec<usize>> {
         let moved = |mode: &usize| *mode == a || *mode == b;
-        let holds = |order: &&Vec<usize>| {
+        let that_hold = orders.iter().filter(|order| {
             order.len() == self.actual.len()
                 && order.iter().zip(&self.actual).all(|(x, y)| x == y || moved(x) && moved(y))
-        };
-        orders.iter().filter(holds).cloned().collect()
+        });
+        that_hold.cloned().collect()
     }
 
     /// The statistic of the actual order.

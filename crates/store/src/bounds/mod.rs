@@ -42,6 +42,7 @@ pub fn check_footer(bytes: &[u8]) -> Result<(), String> {
         ));
     }
     let mut claims = Claims::default();
+    // In `FileMetaData` field 2 is the schema, and 4 the row groups.
     Walk { bytes: footer, at: 0 }
         .fields(0, &mut |walk, field, kind| match (field, kind) {
             (2, LIST) => walk.list(&mut |walk, _| walk.schema_element(&mut claims.children)),
@@ -111,6 +112,7 @@ pub fn check_pages(
         {
             let name = column.column_path().string();
             let damaged = || format!("the pages of column {name} are damaged");
+            // A dictionary, where there is one, lies before the data.
             let first =
                 column.dictionary_page_offset().unwrap_or(i64::MAX).min(column.data_page_offset());
             let from = usize::try_from(first).map_err(|_| damaged())?;
@@ -135,6 +137,7 @@ fn unpacked_length(pages: &[u8]) -> Option<u64> {
     while !rest.is_empty() {
         let (mut packed, mut unpacked) = (0, 0);
         let mut walk = Walk { bytes: rest, at: 0 };
+        // In `PageHeader` field 2 is the size unpacked, and 3 the one in the file.
         walk.fields(0, &mut |walk, field, kind| match (field, kind) {
             (2, I32) => walk.zigzag().map(|size| unpacked = size),
             (3, I32) => walk.zigzag().map(|size| packed = size),
@@ -296,6 +299,7 @@ impl Walk<'_> {
     /// Walks an element of the schema and notes its number of children.
     fn schema_element(&mut self, children: &mut Vec<usize>) -> Option<()> {
         let mut n = 0;
+        // In `SchemaElement` field 5 is the number of children; a column has none.
         self.fields(1, &mut |walk, field, kind| match (field, kind) {
             (5, I32) => {
                 walk.zigzag().and_then(|count| usize::try_from(count).ok()).map(|count| n = count)

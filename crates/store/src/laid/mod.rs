@@ -12,7 +12,7 @@ use crate::{
     write_new,
 };
 use std::path::Path;
-use zwidth_study::{Affects, Event, SessionRecord, Source, Study, StudyChange, study_changes};
+use zwidth_study::{Affects, Event, SessionRecord, Source, Study, study_changes};
 
 /// Lays a session down. `study_toml` is the text of the `study.toml` in force. What an earlier
 /// attempt that was killed has done is done again.
@@ -27,6 +27,8 @@ pub fn lay_down(
     record: &SessionRecord,
     study_toml: &[u8],
 ) -> Result<(), StoreError> {
+    // Copy, record, log: each names the one before it, so that a kill leaves none that names what
+    // is not there.
     check_session_ids(files, layout, &record.participant, &record.session)?;
     let path = layout.session(&record.participant, &record.session);
     let json = record_bytes(&path, record)?;
@@ -118,11 +120,13 @@ pub(crate) fn read_copy(
     }
     let text = text(files, &path, MOST_STUDY)?;
     is_copy(&path, text.as_bytes(), record)?;
-    let first = |errors: Vec<zwidth_study::StudyError>| {
-        let what = errors.first().map_or_else(String::new, ToString::to_string);
-        StoreError::new(&path, what, RESTORE)
-    };
-    Study::from_toml(&text).map(Some).map_err(first)
+    match Study::from_toml(&text) {
+        Ok(study) => Ok(Some(study)),
+        Err(errors) => {
+            let what = errors.first().map_or_else(String::new, ToString::to_string);
+            Err(StoreError::new(&path, what, RESTORE))
+        }
+    }
 }
 
 /// Whether these bytes are the `study.toml` of a record.
@@ -146,6 +150,7 @@ pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<Stri
             .then(|| format!("its {what} is '{footer}' and '{record}' in its session's record"))
     };
     let footer = |key: &str| trial.file.get(key).map(String::as_str);
+    // What one of the two does not say contradicts nothing.
     let both =
         |what: &str, key: &str, of_record: Option<&str>| differs(what, footer(key)?, of_record?);
     // A trial that was done again, or sealed, stands in the session's trials as they are known now.
@@ -180,9 +185,9 @@ pub(crate) fn matters(log: &SessionLog, study: &Study, hash: &str) -> Option<Str
     let Some(then) = &log.study else {
         return Some("what changed is not known, because the session has no copy of it".to_owned());
     };
-    let matters = |change: &StudyChange| change.affects == Affects::Recording;
-    let told: Vec<String> =
-        study_changes(then, study).iter().filter(|c| matters(c)).map(ToString::to_string).collect();
+    let mut changes = study_changes(then, study);
+    changes.retain(|change| change.affects == Affects::Recording);
+    let told: Vec<String> = changes.iter().map(ToString::to_string).collect();
     (!told.is_empty()).then(|| told.join("; "))
 }
 

@@ -25,6 +25,7 @@ impl<'a> Check<'a> {
     }
 
     pub(super) fn error(&mut self, key: &str, problem: String) {
+        // Each reads the text again for its line: a file of a million mistakes would take for ever.
         if self.errors.len() >= MOST_ERRORS {
             return;
         }
@@ -33,6 +34,7 @@ impl<'a> Check<'a> {
     }
 
     pub(super) fn positive(&mut self, key: &str, value: f64) -> f64 {
+        // Here and below it is said what is allowed, so that a NaN is not.
         if !(value > 0.0 && (1.0 / LARGEST..=LARGEST).contains(&value)) {
             self.error(
                 key,
@@ -96,6 +98,7 @@ impl<'a> Check<'a> {
         if value.is_none() {
             self.error(key, "is missing; this kind of environment needs it".to_owned());
         }
+        // Any number will do: with a problem noted no study comes out.
         value.unwrap_or(0.0)
     }
 }

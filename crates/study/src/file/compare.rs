@@ -105,24 +105,28 @@ impl Check<'_> {
 /// The last of `modes` against each other one, in their order.
 fn default_contrasts(modes: &[Mode]) -> Vec<Contrast> {
     let Some((last, others)) = modes.split_last() else { return Vec::new() };
-    let contrast = |m: &Mode| Contrast { mode: last.id.clone(), against: m.id.clone() };
-    others.iter().map(contrast).collect()
+    let pairs = others.iter().map(|other| (last.id.clone(), other.id.clone()));
+    pairs.map(|(mode, against)| Contrast { mode, against }).collect()
+}
+
+/// A bound as the file has it.
+fn bound_table(bound: Bound) -> BoundTable {
+    match bound {
+        Bound::Absolute(bound) => BoundTable::Absolute(bound),
+        Bound::Weber(weber) => BoundTable::Weber { weber },
+    }
 }
 
 /// Back to the table of the file: what is not the default.
 pub(super) fn table(study: &Study) -> CompareTable {
     let compare = &study.compare;
-    let pair = |c: &Contrast| [c.mode.clone(), c.against.clone()];
     let contrasts = &compare.contrasts;
+    // To the last bit: what is left out is read back as the default.
     let differs =
         |value: f64, default: f64| (value.to_bits() != default.to_bits()).then_some(value);
-    let bound = |bound: &Bound| match *bound {
-        Bound::Absolute(bound) => BoundTable::Absolute(bound),
-        Bound::Weber(weber) => BoundTable::Weber { weber },
-    };
     CompareTable {
         contrasts: (*contrasts != default_contrasts(&study.modes))
-            .then(|| contrasts.iter().map(pair).collect()),
+            .then(|| contrasts.iter().map(|c| [c.mode.clone(), c.against.clone()]).collect()),
         primary: (compare.primary != MetricId::primary()).then(|| compare.primary.clone()),
         metrics: compare.metrics.clone(),
         alpha: differs(compare.alpha, Compare::ALPHA),
@@ -131,7 +135,7 @@ pub(super) fn table(study: &Study) -> CompareTable {
         bounds: compare
             .bounds
             .iter()
-            .map(|(m, b)| (m.clone(), bound(b)))
+            .map(|(m, b)| (m.clone(), bound_table(*b)))
             .collect::<BTreeMap<_, _>>(),
     }
 }

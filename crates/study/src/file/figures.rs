@@ -77,6 +77,7 @@ pub(super) fn table(figures: &Figures) -> Table {
         let mut here = &mut all;
         for part in id.split('.').filter(|part| !part.is_empty()) {
             let inner = here.entry(part).or_insert_with(|| Value::Table(Table::new()));
+            // Never: no file gives a choice and a table the same name.
             let Value::Table(inner) = inner else { return all };
             here = inner;
         }

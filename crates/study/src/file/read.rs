@@ -36,6 +36,7 @@ impl Study {
     /// Reads and checks a `study.toml`. Every problem found is in the error, each with its key and
     /// line.
     pub fn from_toml(text: &str) -> Result<Self, Vec<StudyError>> {
+        // Some editors put a byte-order mark first.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let file: File = toml::from_str(text).map_err(|e| vec![locate::toml_error(text, &e)])?;
         let mut check = Check::new(text);
@@ -47,9 +48,6 @@ impl Study {
 impl Check<'_> {
     /// A text that people will read: on one line, and not without end.
     fn line(&mut self, key: &str, text: &str) {
-        let steers = |c: char| {
-            c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-        };
         if let Some(c) = text.chars().find(|c| steers(*c)) {
             let problem = format!(
                 "holds {}, which starts a line or turns one; leave it out",
@@ -87,6 +85,7 @@ impl Check<'_> {
         let conditions = file.environments.len().saturating_mul(file.modes.len()) as u64;
         let trials =
             conditions.saturating_mul(repeats.into()).saturating_add(familiarisation.into());
+        // What is too large by itself is told by `design`, and not twice.
         if repeats <= MOST_TRIALS && trials > MOST_TRIALS.into() {
             let problem = format!(
                 "{trials} trials in a session must be at most {MOST_TRIALS}: fewer repeats"
@@ -197,6 +196,7 @@ impl Check<'_> {
         let mut count = 0;
         for (i, id) in ids.enumerate() {
             count = i + 1;
+            // Some stand in names of files, and not every disk knows case.
             if !seen.insert(id.to_ascii_lowercase()) {
                 let what = format!("'{id}' stands twice; ids must differ, and by more than case");
                 self.error(&format!("{list}[{i}].id"), what);
@@ -219,8 +219,11 @@ impl Check<'_> {
     /// What is pooled must be answered on one scale.
     fn groups(&mut self, questions: &[QuestionTable]) {
         for (i, question) in questions.iter().enumerate() {
-            let pooled = |q: &&QuestionTable| q.group.is_some() && q.group == question.group;
-            let Some(first) = questions.iter().find(pooled) else { continue };
+            if question.group.is_none() {
+                continue;
+            }
+            // The first of the group, which may be the question itself.
+            let first = questions.iter().find(|q| q.group == question.group).unwrap_or(question);
             if first.scale != question.scale {
                 let what = format!(
                     "differs from that of '{}', which is of the same group: answers on different \
@@ -247,6 +250,7 @@ impl Check<'_> {
             repeats: d.repeats,
             familiarisation: d.familiarisation,
             trial_limit_s: self.within("design.trial_limit_s", d.trial_limit_s, LONGEST_S),
+            // No pause is fine, and `within` takes nothing but numbers above 0.
             pause_s: if d.pause_s == 0.0 {
                 0.0
             } else {
@@ -407,6 +411,11 @@ impl Check<'_> {
         }
         analysis
     }
+}
+
+/// Whether a character starts a line, or turns the direction of what follows.
+fn steers(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 fn question(q: QuestionTable) -> Question {
