@@ -18,7 +18,9 @@ use zwidth_ladder::{
 use zwidth_replay::{Drive, Rendering, Which};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Samples, Signal, StudyData, Trial, TrialEntry};
-use zwidth_study::{Analysis, Control, Environment, Mode, Perception, ReplayModel, Source, Study};
+use zwidth_study::{
+    Analysis, Control, Environment, Mode, Perception, ReplayModel, Source, Study, is_felt,
+};
 use zwidth_tables::{Column, Table, Values};
 
 pub(crate) const STAGE: Stage = Stage { name: "ladder", version: zwidth_ladder::VERSION };
@@ -237,6 +239,9 @@ fn measured(
 fn number(column: &Column) -> Option<Measured> {
     let Values::Float(values) = &column.values else { return None };
     let (name, unit) = (column.field.name.to_string(), column.field.unit.to_string());
+    if !is_felt(&name) {
+        return None;
+    }
     Some(Measured { name, unit, value: values.first().copied().flatten() })
 }
 

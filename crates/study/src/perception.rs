@@ -40,6 +40,14 @@ impl Default for Perception {
     }
 }
 
+/// Whether a metric says what somebody could feel: nobody feels how well a number is known, a bound
+/// that the resolution of a sensor sets, or by how much a stiffness misses what was asked for.
+pub fn is_felt(metric: &str) -> bool {
+    const KNOWLEDGE: [&str; 5] =
+        ["std_error", "ci_low", "ci_high", "hold_rigidity_min", "stiffness_error"];
+    !KNOWLEDGE.iter().any(|part| metric.contains(part))
+}
+
 /// Vibration that is just felt, over frequency.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum VibrationCurve {
@@ -109,6 +117,13 @@ impl Serialize for VibrationCurve {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stiffness_is_felt_and_how_well_it_is_known_is_not() {
+        assert!(is_felt("stiffness_n_per_rad") && is_felt("wall_rigidity_n_per_rad"));
+        assert!(!is_felt("stiffness_std_error_n_per_rad"));
+        assert!(!is_felt("wall_stiffness_ci_high_n_per_rad"));
+    }
 
     #[test]
     fn named_curves_grow_in_frequency_and_the_grasped_one_is_nowhere_less_strict() {

@@ -121,6 +121,7 @@ mod tests {
         assert_eq!((values[0], values[1]), (None, Some(-45.0)));
         assert_eq!(values[4], Some(1.0), "1 kHz, the default");
         study.masses = None;
+        study.resistances = Resistances::default();
         assert_eq!(device_table(&study).unwrap().height(), 8);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{Less, TradeError};
 use zwidth_dynamics::force_bound_n;
-use zwidth_study::Perception;
+use zwidth_study::{Perception, is_felt};
 use zwidth_tables::{Column, Table};
 
 /// The table's name, title and note.
@@ -114,14 +114,8 @@ fn row(
         mean: mean(&all),
         change: mean(&changes),
         largest: changes.iter().map(|x| x.abs()).fold(0.0, f64::max),
-        bound: bound(unit, mean(&all), perception).filter(|_| is_of_the_device(metric)),
+        bound: bound(unit, mean(&all), perception).filter(|_| is_felt(metric)),
     })
-}
-
-/// Whether a metric says what the device renders: nobody feels how well a slope is known, or by how
-/// much it misses what was asked for.
-fn is_of_the_device(metric: &str) -> bool {
-    !["std_error", "stiffness_error"].iter().any(|part| metric.contains(part))
 }
 
 /// The change of a metric that is just felt, by its unit.

@@ -79,6 +79,7 @@ const WHY: &[(&str, &str)] = &[
     ("model_true_passive", "the same damping, and the lengths of lever in which it is felt"),
     ("model_true_hybrid", "the same damping, and the lengths of lever in which it is felt"),
     ("model_in_time", "the same damping: the model creeps on while the lever stands"),
+    ("model_velocity_varies", "the same damping: it smooths the model's velocity"),
     ("wall_lets_go", "the thesis calls it a defect of its code, which the twin's control has not"),
     (
         "brake_lets_go_again",
