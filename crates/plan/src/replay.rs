@@ -42,7 +42,7 @@ pub(crate) fn of_study(data: &StudyData) -> Vec<PathBuf> {
 }
 
 /// Conditions whose environment is more than a questionnaire.
-fn rendered(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
+pub(crate) fn rendered(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
     repeats(data).into_iter().filter(|r| r.environment.scene != Scene::None)
 }
 

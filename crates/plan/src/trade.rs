@@ -1,9 +1,10 @@
 //! Stage `trade`: speed against accuracy of a study's conditions as scenes, in counts alone; what
 //! less of a recording does to its metrics; and their figures.
 
-use crate::conditions::{Repeats, repeats};
+use crate::conditions::Repeats;
 use crate::drawing::{Drawing, write_figure};
 use crate::making::{derived, read_tables, split, write_tables};
+use crate::replay::rendered;
 use crate::trials::{OfTrials, files as trial_files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -45,7 +46,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
 
 /// What less of the recordings does, where there are any.
 fn data_table_of(data: &StudyData) -> Option<PathBuf> {
-    (!repeats(data).is_empty()).then(|| derived(&data.layout, "trade_data.parquet"))
+    rendered(data).next().is_some().then(|| derived(&data.layout, "trade_data.parquet"))
 }
 
 /// What the trade of a study depends on: no recording.
@@ -65,7 +66,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 /// What less of a condition's recordings does, and all of them joined.
 fn data_jobs(data: &StudyData) -> Vec<Job> {
-    let conditions = repeats(data);
+    let conditions: Vec<Repeats> = rendered(data).collect();
     let table = |r: &Repeats| derived(&data.layout, format!("trade/{}.parquet", r.key));
     let one = |r: &Repeats| {
         let metrics = zwidth_metrics::Parameters::of(&data.study, r.environment, r.mode);
