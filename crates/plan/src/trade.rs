@@ -38,10 +38,10 @@ fn files(layout: &Layout) -> [PathBuf; 2] {
     ["trade.parquet", "trade_summary.parquet"].map(|name| derived(layout, name))
 }
 
-/// The derived tables, where there are scenes.
+/// The derived tables, where there are scenes. What less of the recordings does has thousands of rows:
+/// it is drawn, and read from its Parquet file.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
-    let scenes = if scenes(data).is_empty() { Vec::new() } else { files(&data.layout).to_vec() };
-    scenes.into_iter().chain(data_table_of(data)).collect()
+    if scenes(data).is_empty() { Vec::new() } else { files(&data.layout).to_vec() }
 }
 
 /// What less of the recordings does, where there are any.
