@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_figures::{FigureKind, LESS, WORK_PRECISION};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, Signal, StudyData, Trial};
+use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{Calibration, Perception, Source};
 use zwidth_tables::Table;
 use zwidth_trade::{
@@ -44,9 +44,18 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     if scenes(data).is_empty() { Vec::new() } else { files(&data.layout).to_vec() }
 }
 
+/// The conditions that were rendered and recorded with angle and force: others have no metric of which
+/// anything is known to be felt.
+fn measured(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
+    let has = |t: &TrialEntry| {
+        [Signal::Theta, Signal::ForceEx].iter().all(|signal| t.signals.contains(signal))
+    };
+    rendered(data).filter(move |repeats| repeats.trials.iter().any(|t| has(t)))
+}
+
 /// What less of the recordings does, where there are any.
 fn data_table_of(data: &StudyData) -> Option<PathBuf> {
-    rendered(data).next().is_some().then(|| derived(&data.layout, "trade_data.parquet"))
+    measured(data).next().is_some().then(|| derived(&data.layout, "trade_data.parquet"))
 }
 
 /// What the trade of a study depends on: no recording.
@@ -66,7 +75,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 /// What less of a condition's recordings does, and all of them joined.
 fn data_jobs(data: &StudyData) -> Vec<Job> {
-    let conditions: Vec<Repeats> = rendered(data).collect();
+    let conditions: Vec<Repeats> = measured(data).collect();
     let table = |r: &Repeats| derived(&data.layout, format!("trade/{}.parquet", r.key));
     let one = |r: &Repeats| {
         let metrics = zwidth_metrics::Parameters::of(&data.study, r.environment, r.mode);

@@ -46,7 +46,9 @@ fn a_pipe_gets_plain_lines_one_a_stage_and_quiet_people_none() {
     assert!(!run.err.contains('\u{1b}') && !run.err.contains('\r'), "{run:#?}");
     let stages: Vec<&str> =
         run.err.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(stages, ["metrics", "average", "replay", "figures", "report", "tables", "summary"]);
+    let expect =
+        ["metrics", "average", "replay", "trade", "figures", "report", "tables", "summary"];
+    assert_eq!(stages, expect);
     let quiet = zwidth(study.root(), &["--quiet", "run", "--fresh"]).exits(0);
     assert_eq!((quiet.err.as_str(), quiet.out.lines().count()), ("", 2), "{quiet:#?}");
 }
