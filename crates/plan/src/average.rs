@@ -33,17 +33,19 @@ pub(crate) fn parameters(data: &StudyData, repeats: &Repeats) -> Parameters {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let job = |repeats: &Repeats| {
-        Job::new(
-            STAGE,
-            format!("average {}", repeats.who),
-            OfTrials::new(parameters(data, repeats), &repeats.trials),
-            files(&repeats.trials),
-            Alignment::ALL.map(|alignment| aligned(&data.layout, repeats, alignment)).to_vec(),
-            make,
-        )
-    };
-    repeats(data).iter().map(job).collect()
+    repeats(data).iter().map(|repeats| job(data, repeats)).collect()
+}
+
+/// The averages of one condition, by each alignment.
+fn job(data: &StudyData, repeats: &Repeats) -> Job {
+    Job::new(
+        STAGE,
+        format!("average {}", repeats.who),
+        OfTrials::new(parameters(data, repeats), &repeats.trials),
+        files(&repeats.trials),
+        Alignment::ALL.map(|alignment| aligned(&data.layout, repeats, alignment)).to_vec(),
+        make,
+    )
 }
 
 fn make(

@@ -28,10 +28,12 @@ pub(crate) fn tables_of(layout: &Layout, actuator: &ActuatorId) -> [PathBuf; 3] 
 /// Every actuator or sensor with sweeps, and their files.
 pub(crate) fn actuators(data: &StudyData) -> Vec<(&ActuatorId, Vec<PathBuf>)> {
     let ids: BTreeSet<&ActuatorId> = data.sweeps.iter().map(|s| &s.actuator).collect();
-    let files = |id: &ActuatorId| {
-        data.sweeps.iter().filter(|s| s.actuator == *id).map(|s| s.path.clone()).collect::<Vec<_>>()
-    };
-    ids.into_iter().map(|id| (id, files(id))).collect()
+    ids.into_iter().map(|id| (id, files_of(data, id))).collect()
+}
+
+/// The sweeps of one actuator or sensor.
+fn files_of(data: &StudyData, id: &ActuatorId) -> Vec<PathBuf> {
+    data.sweeps.iter().filter(|s| s.actuator == *id).map(|s| s.path.clone()).collect()
 }
 
 /// Reads sweeps; one of other quantities than the first is left out and told.

@@ -9,11 +9,11 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_compare::{AnswerParameters, DrawnOrder, Parameters, SessionOrder};
 use zwidth_figures::{
-    ANSWERS_COMPARED, About, AnswersPage, ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED,
-    REPEATS_COMPARED, SESSIONS_COMPARED,
+    ANSWERS_COMPARED, About, AnswersPage, ComparedTables, FigureKind, MODES_COMPARED,
+    PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED,
 };
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Answer, Layout, SessionLog, StudyData, TrialEntry};
+use zwidth_store::{Layout, SessionLog, StudyData};
 use zwidth_study::order::Rules;
 use zwidth_study::{Bound, Environment, Event, MetricId, Source, Study};
 use zwidth_tables::Table;
@@ -80,18 +80,19 @@ pub fn spreads(layout: &Layout, metric: &str) -> [PathBuf; 2] {
 /// The metrics that are compared: those that trials of this study can have, the primary one first.
 /// None in a study with one mode.
 pub fn compared(data: &StudyData) -> Vec<String> {
-    let study = &data.study;
-    let possible = |metric: &String| {
-        data.counting().any(|trial| {
-            let environment = study.environment(&trial.meta.environment);
-            environment.is_some_and(|environment| {
-                zwidth_metrics::is_possible(metric, &environment.scene, &trial.signals)
-            })
-        })
-    };
     let tried: BTreeSet<_> = data.counting().map(|trial| &trial.meta.mode).collect();
-    let several = tried.len() > 1;
-    wanted(study).into_iter().filter(|_| several).filter(possible).collect()
+    if tried.len() < 2 {
+        return Vec::new();
+    }
+    wanted(&data.study).into_iter().filter(|metric| is_possible(data, metric)).collect()
+}
+
+/// Whether some trial of the study can have a metric.
+fn is_possible(data: &StudyData, metric: &str) -> bool {
+    data.counting().any(|trial| {
+        let environment = data.study.environment(&trial.meta.environment);
+        environment.is_some_and(|e| zwidth_metrics::is_possible(metric, &e.scene, &trial.signals))
+    })
 }
 
 /// The metrics that a study asks for, the primary one first, each once.
@@ -118,20 +119,21 @@ pub(crate) fn asked_in_vain(study: &Study) -> Vec<String> {
         let now = now.unwrap_or_default();
         format!("[compare] of study.toml: there is no metric '{metric}' that is a number{now}")
     });
-    let commanded = |metric: &MetricId| {
-        let scenes = study.environments.iter().map(|environment| &environment.scene);
-        scenes.filter_map(|scene| zwidth_metrics::commanded(metric.as_str(), scene)).next()
-    };
-    let weber = |(metric, bound): (&MetricId, &Bound)| {
-        let vain = matches!(bound, Bound::Weber(_)) && commanded(metric).is_none();
-        vain.then(|| {
-            format!(
-                "the bound of '{metric}' in study.toml is a Weber fraction, but no environment \
-                 commands a value of it: give a number in its unit"
-            )
-        })
-    };
-    unknown.chain(study.compare.bounds.iter().filter_map(weber)).collect()
+    let fractions = study.compare.bounds.iter().filter(|(_, b)| matches!(b, Bound::Weber(_)));
+    let of_nothing = fractions.filter(|(metric, _)| !is_commanded(study, metric));
+    let of_nothing = of_nothing.map(|(metric, _)| {
+        format!(
+            "the bound of '{metric}' in study.toml is a Weber fraction, but no environment \
+             commands a value of it: give a number in its unit"
+        )
+    });
+    unknown.chain(of_nothing).collect()
+}
+
+/// Whether some environment commands a value of a metric.
+fn is_commanded(study: &Study, metric: &MetricId) -> bool {
+    let mut scenes = study.environments.iter().map(|environment| &environment.scene);
+    scenes.any(|scene| zwidth_metrics::commanded(metric.as_str(), scene).is_some())
 }
 
 /// A table of a metric.
@@ -146,8 +148,8 @@ pub(crate) fn summarised(layout: &Layout, metric: &str) -> [PathBuf; 2] {
 
 /// Whether several people took part, and whether somebody came again.
 fn who(data: &StudyData) -> (bool, bool) {
-    let ids = |trial: &TrialEntry| (trial.meta.participant.clone(), trial.meta.session.clone());
-    let sessions: BTreeSet<_> = data.counting().map(ids).collect();
+    let metas = data.counting().map(|trial| &trial.meta);
+    let sessions: BTreeSet<_> = metas.map(|meta| (&meta.participant, &meta.session)).collect();
     let people: BTreeSet<_> = sessions.iter().map(|(participant, _)| participant).collect();
     (people.len() > 1, sessions.len() > people.len())
 }
@@ -156,17 +158,19 @@ fn who(data: &StudyData) -> (bool, bool) {
 /// participants and sessions where there are several.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     let (several, again) = who(data);
-    let is_read = |table: &&str| match *table {
+    let mut names = TABLES.to_vec();
+    names.retain(|table| match *table {
         "omnibus" | "models" | "participants" => several,
         "sessions" => several && again,
         "cells" | "repeats" => false,
         _ => true,
-    };
-    let names: Vec<&str> = TABLES.into_iter().filter(is_read).collect();
-    let of = |metric: &String| {
-        names.iter().map(|table| table_of(&data.layout, table, metric)).collect::<Vec<_>>()
-    };
-    compared(data).iter().flat_map(of).chain(answers(data)).collect()
+    });
+    let mut tables = Vec::new();
+    for metric in compared(data) {
+        tables.extend(names.iter().map(|table| table_of(&data.layout, table, &metric)));
+    }
+    tables.extend(answers(data));
+    tables
 }
 
 /// The answers compared, if there are some after several modes.
@@ -250,12 +254,19 @@ fn repeated(events: &[Event]) -> Vec<[u32; 2]> {
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let answers = answers(data).map(|_| answers_job(data));
     let Some(metrics) = metrics::of_study(data) else { return answers.into_iter().collect() };
-    let job = |metric: &String| {
-        let outputs = TABLES.map(|table| table_of(&data.layout, table, metric)).to_vec();
-        let parameters = parameters(data, metric);
-        Job::new(STAGE, format!("compare {metric}"), parameters, metrics.clone(), outputs, make)
-    };
-    compared(data).iter().map(job).chain(answers).collect()
+    compared(data).iter().map(|metric| job(data, metric, metrics.clone())).chain(answers).collect()
+}
+
+/// The comparison of one metric, from the metrics of all trials.
+fn job(data: &StudyData, metric: &str, metrics: PathBuf) -> Job {
+    let parameters = parameters(data, metric);
+    let outputs = tables_of(&data.layout, metric);
+    Job::new(STAGE, format!("compare {metric}"), parameters, metrics, outputs, make)
+}
+
+/// All tables of a metric.
+fn tables_of(layout: &Layout, metric: &str) -> Vec<PathBuf> {
+    TABLES.map(|table| table_of(layout, table, metric)).to_vec()
 }
 
 fn answers_job(data: &StudyData) -> Job {
@@ -323,21 +334,23 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
         environments: data.study.environments.clone(),
         sources: data.counting().map(|trial| trial.meta.source).collect(),
     };
-    let of_metric = |metric: &String| {
-        let files = TABLES.map(|table| table_of(&data.layout, table, metric)).to_vec();
-        let drawing = |kind, draw: Draw| {
-            Drawing::new(data, kind, [metric.as_str()], of.clone(), files.clone(), draw).of(trials)
-        };
-        let people = || drawing(PARTICIPANTS_COMPARED, draw_participants);
-        let modes = drawing(MODES_COMPARED, draw_modes);
-        // One repeat shows no learning.
-        let repeated = data.study.design.repeats > 1;
-        let repeats = || drawing(REPEATS_COMPARED, draw_repeats);
-        let sessions = || drawing(SESSIONS_COMPARED, draw_sessions);
-        let beside = [several.then(people), (several && again).then(sessions)];
-        [modes].into_iter().chain(beside.into_iter().flatten()).chain(repeated.then(repeats))
-    };
-    compared(data).iter().flat_map(of_metric).chain(answers_figures(data)).collect()
+    // One repeat shows no learning.
+    let repeated = data.study.design.repeats > 1;
+    let kinds: [(bool, FigureKind, Draw); 4] = [
+        (true, MODES_COMPARED, draw_modes),
+        (several, PARTICIPANTS_COMPARED, draw_participants),
+        (several && again, SESSIONS_COMPARED, draw_sessions),
+        (repeated, REPEATS_COMPARED, draw_repeats),
+    ];
+    let mut drawings = Vec::new();
+    for metric in compared(data) {
+        for (_, kind, draw) in kinds.into_iter().filter(|(is_shown, ..)| *is_shown) {
+            let (subject, files) = ([metric.as_str()], tables_of(&data.layout, &metric));
+            drawings.push(Drawing::new(data, kind, subject, of.clone(), files, draw).of(trials));
+        }
+    }
+    drawings.extend(answers_figures(data));
+    drawings
 }
 
 /// What a page of answers compared depends on besides the tables.
@@ -355,19 +368,22 @@ fn answers_figures(data: &StudyData) -> Vec<Drawing> {
         return Vec::new();
     }
     let pages = zwidth_figures::answers_pages(&likert_figures::list_asked(data));
-    let one = |(i, page): (usize, &AnswersPage)| {
-        let shown = |a: &&Answer| page.shows(&a.condition.environment, &a.question);
-        let n = data.answers().iter().filter(shown).count();
-        let of = AnswersDrawn {
-            about: About::of(&data.study),
-            page: page.clone(),
-            sources: data.sessions.iter().map(|s| s.record.source).collect(),
-        };
-        let number = (pages.len() > 1).then(|| (i + 1).to_string());
-        let files = answers_files(&data.layout).to_vec();
-        Drawing::new(data, ANSWERS_COMPARED, number, of, files, draw_answers).of(n)
-    };
-    pages.iter().enumerate().map(one).collect()
+    let numbers = likert_figures::number_pages(pages.len());
+    pages
+        .into_iter()
+        .zip(numbers)
+        .map(|(page, number)| answers_figure(data, page, number))
+        .collect()
+}
+
+/// One page of answers compared.
+fn answers_figure(data: &StudyData, page: AnswersPage, number: Option<String>) -> Drawing {
+    let mut answers = data.answers();
+    answers.retain(|a| page.shows(&a.condition.environment, &a.question));
+    let sources = data.sessions.iter().map(|s| s.record.source).collect();
+    let of = AnswersDrawn { about: About::of(&data.study), page, sources };
+    let files = answers_files(&data.layout).to_vec();
+    Drawing::new(data, ANSWERS_COMPARED, number, of, files, draw_answers).of(answers.len())
 }
 
 fn draw_answers(

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 use zwidth_store::{StudyData, TrialEntry};
-use zwidth_study::{
-    Calibration, Environment, Mode, ParticipantId, SessionId, SessionRecord, TrialMeta,
-};
+use zwidth_study::{Calibration, Environment, Mode, ParticipantId, SessionId, TrialMeta};
 
 /// One session's trials that count.
 pub(crate) struct Session<'a> {
@@ -80,8 +78,9 @@ pub(crate) fn repeats(data: &StudyData) -> Vec<Repeats<'_>> {
 
 /// The calibration in force in a trial's session.
 pub(crate) fn calibration<'a>(data: &'a StudyData, meta: &TrialMeta) -> Option<&'a Calibration> {
-    let is_of = |record: &&SessionRecord| {
-        record.participant == meta.participant && record.session == meta.session
-    };
-    data.sessions.iter().map(|s| &s.record).find(is_of)?.calibration.as_ref()
+    let mut records = data.sessions.iter().map(|session| &session.record);
+    records
+        .find(|r| r.participant == meta.participant && r.session == meta.session)?
+        .calibration
+        .as_ref()
 }

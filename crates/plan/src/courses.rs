@@ -44,11 +44,11 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
             let Some(output) = file(data, &session, environment) else { continue };
             let mut trials = session.of(environment);
             trials.retain(|t| is_replayable(data, t));
-            let rendered = |r: &Repeats| {
+            let rendered = conditions.iter().filter_map(|r| {
                 let meta = &r.trials.first()?.meta;
                 Some((r.mode.id.clone(), rendering(data, meta, environment, r.mode)))
-            };
-            let modes = conditions.iter().filter_map(rendered).collect();
+            });
+            let modes = rendered.collect();
             let typical = Typical { modes, plant: Parameters::BY_EYE };
             let replays: Vec<PathBuf> =
                 conditions.iter().map(|r| replay::of_condition(&data.layout, r)).collect();

@@ -13,7 +13,7 @@ use zwidth_figures::{
     About, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, LOOPS, Loaded, MODES, REPEATS,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making};
-use zwidth_store::{StudyData, Trial, TrialEntry};
+use zwidth_store::{StudyData, TrialEntry};
 use zwidth_study::{Alignment, Environment, ModeId, Study};
 use zwidth_tables::Table;
 
@@ -55,17 +55,19 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
 pub fn chosen_in_vain(study: &Study, planned: &[Job]) -> Vec<String> {
     let names: Vec<&str> =
         planned.iter().filter(|j| j.stage == STAGE).filter_map(Job::stem).collect();
-    let is_of = |name: &str, id: &str| {
-        name.strip_prefix(id).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-    };
     let vain = study
         .figures
         .choices()
-        .filter(|(id, _)| id.contains('.') && !names.iter().any(|n| is_of(n, id)));
+        .filter(|(id, _)| id.contains('.') && !names.iter().any(|name| is_of(name, id)));
     let vain = vain.map(|(id, _)| {
         format!("the choice figures.{id} of study.toml: the study has no such figure")
     });
     vain.chain(compare::asked_in_vain(study)).collect()
+}
+
+/// Whether a figure is the one of an id, or one of those whose id begins with it.
+fn is_of(name: &str, id: &str) -> bool {
+    name.strip_prefix(id).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
 /// What a figure of one environment of one session depends on besides files.
@@ -108,7 +110,7 @@ fn recorded(
     conditions: &[Repeats],
 ) -> (Recorded, Files) {
     let alignment = data.study.figures.alignment(&caption.stem());
-    let average = |r: &Repeats| average::aligned(&data.layout, r, alignment);
+    let averages = conditions.iter().map(|r| average::aligned(&data.layout, r, alignment));
     let parameters =
         zwidth_average::Parameters { analysis: data.study.analysis, scene: environment.scene };
     let recorded = Recorded {
@@ -123,7 +125,7 @@ fn recorded(
     let files = Files {
         trials: files(trials),
         metrics: conditions.iter().map(|r| metrics::of_condition(&data.layout, r)).collect(),
-        averages: conditions.iter().map(average).collect(),
+        averages: averages.collect(),
     };
     (recorded, files)
 }
@@ -143,25 +145,18 @@ fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<(Loaded<'r>, Vec<St
     let (trials, problems) = read_all(&files.trials, &recorded.trials, signals);
     let columns = zwidth_figures::average_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-    let metrics =
-        |path: &PathBuf| Table::columns_from_parquet(path, &zwidth_figures::METRICS_COLUMNS);
-    let average = |(mode, path): (&ModeId, &PathBuf)| {
-        Table::columns_from_parquet(path, &columns).map(|table| (mode.clone(), table))
-    };
+    let (mut metrics, mut averages) = (Vec::new(), Vec::new());
+    for path in &files.metrics {
+        metrics.push(Table::columns_from_parquet(path, &zwidth_figures::METRICS_COLUMNS)?);
+    }
+    for (mode, path) in recorded.averaged.iter().zip(&files.averages) {
+        averages.push((mode.clone(), Table::columns_from_parquet(path, &columns)?));
+    }
     let Recorded { about, environment, who, alignment, average: (parameters, _), .. } = recorded;
-    let warp = |trials: &[Trial]| zwidth_average::times_s(trials, parameters, *alignment).ok();
-    let loaded = Loaded::new(
-        (about, environment, who, *alignment),
-        trials,
-        &files.metrics.iter().map(metrics).collect::<Result<Vec<_>, _>>()?,
-        recorded
-            .averaged
-            .iter()
-            .zip(&files.averages)
-            .map(average)
-            .collect::<Result<Vec<_>, _>>()?,
-        warp,
-    )?;
+    let about = (about, environment, who.as_str(), *alignment);
+    let loaded = Loaded::new(about, trials, &metrics, averages, |trials| {
+        zwidth_average::times_s(trials, parameters, *alignment).ok()
+    })?;
     Ok((loaded, problems))
 }
 
@@ -184,29 +179,36 @@ fn repeats<'a>(
     session: &Session<'a>,
     environment: &'a Environment,
 ) -> Vec<Drawing> {
+    let mut conditions = conditions(data, session, environment);
     // One recording is whole in the figure of the modes.
-    let several = |r: &Repeats| r.trials.len() > 1;
-    let one = |r: Repeats<'a>| {
-        let [participant, session_id] = session.ids();
-        let subject = [participant, session_id, environment.id.to_string(), r.mode.id.to_string()];
-        let caption = Caption::new(REPEATS, subject.clone());
-        let only = std::slice::from_ref(&r);
-        let (recorded, files) = recorded(data, session, environment, &caption, &r.trials, only);
-        // Every repeat at its own time: no mean.
-        let (recorded, files) = (
-            Recorded { averaged: Vec::new(), ..recorded },
-            Files { averages: Vec::new(), ..files },
-        );
-        Drawing::new(data, REPEATS, subject, recorded, files, draw_repeats).of(r.trials.len())
-    };
-    conditions(data, session, environment).into_iter().filter(several).map(one).collect()
+    conditions.retain(|repeats| repeats.trials.len() > 1);
+    conditions.into_iter().map(|r| repeats_of(data, session, environment, r)).collect()
+}
+
+fn repeats_of<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environment: &'a Environment,
+    repeats: Repeats<'a>,
+) -> Drawing {
+    let [participant, session_id] = session.ids();
+    let mode = repeats.mode.id.to_string();
+    let subject = [participant, session_id, environment.id.to_string(), mode];
+    let (caption, trials) = (Caption::new(REPEATS, subject.clone()), &repeats.trials);
+    let only = std::slice::from_ref(&repeats);
+    let (recorded, files) = recorded(data, session, environment, &caption, trials, only);
+    // Every repeat at its own time: no mean.
+    let recorded = Recorded { averaged: Vec::new(), ..recorded };
+    let files = Files { averages: Vec::new(), ..files };
+    Drawing::new(data, REPEATS, subject, recorded, files, draw_repeats).of(trials.len())
 }
 
 fn draw_repeats(recorded: &Recorded, files: &Files, making: &Making) -> Result<Made, JobError> {
     let (loaded, problems) = load(recorded, files)?;
     let scene = loaded.scene();
-    let none = || format!("no trial could be read: {}", problems.join("; "));
-    let first = scene.modes.first().ok_or_else(none)?;
+    let Some(first) = scene.modes.first() else {
+        return Err(format!("no trial could be read: {}", problems.join("; ")).into());
+    };
     write_figure(zwidth_figures::repeats(&scene, first), problems, making)
 }
 
@@ -216,12 +218,12 @@ fn loops<'a>(
     environments: &[&'a Environment],
 ) -> Drawing {
     let caption = Caption::new(LOOPS, session.ids());
-    let one = |environment: &&'a Environment| {
+    let of_environments = environments.iter().map(|environment| {
         let (trials, conditions) =
             (session.of(environment), conditions(data, session, environment));
         recorded(data, session, environment, &caption, &trials, &conditions)
-    };
-    let (recorded, files): (Vec<_>, Vec<_>) = environments.iter().map(one).unzip();
+    });
+    let (recorded, files): (Vec<_>, Vec<_>) = of_environments.unzip();
     let n = recorded.iter().map(|of: &Recorded| of.trials.len()).sum();
     Drawing::new(data, LOOPS, session.ids(), recorded, files, draw_loops).of(n)
 }

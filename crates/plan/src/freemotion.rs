@@ -24,12 +24,15 @@ pub(crate) fn plants(data: &StudyData) -> Option<PathBuf> {
 
 /// Trials of free motion that count: those for a plant, and those for a plane fit.
 fn trials(data: &StudyData) -> (Vec<&TrialEntry>, Vec<&TrialEntry>) {
-    let free = |t: &&TrialEntry| {
-        data.study.environment(&t.meta.environment).is_some_and(|e| matches!(e.scene, Scene::Free))
-    };
-    let has = |t: &TrialEntry, signal: Signal| t.signals.contains(&signal);
-    let angle_alone = |t: &&TrialEntry| has(t, Signal::Theta) && !has(t, Signal::ThetaDdot);
-    data.counting().filter(free).partition(angle_alone)
+    data.counting().filter(|trial| is_free(data, trial)).partition(|trial| {
+        trial.signals.contains(&Signal::Theta) && !trial.signals.contains(&Signal::ThetaDdot)
+    })
+}
+
+/// Whether nothing was rendered in a trial.
+fn is_free(data: &StudyData, trial: &TrialEntry) -> bool {
+    let environment = data.study.environment(&trial.meta.environment);
+    environment.is_some_and(|e| matches!(e.scene, Scene::Free))
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
@@ -71,8 +74,10 @@ fn fit_all<F: Send>(
     fit: fn(&Trial, &Parameters) -> Result<F, FreeMotionError>,
 ) -> (Vec<F>, Vec<String>) {
     let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
-    let one = |t: &Trial| fit(t, &of.stage).map_err(|e| format!("{}: {e}", name(&t.meta)));
-    let (fits, more) = split(trials.par_iter().map(one).collect());
+    let fits = trials
+        .par_iter()
+        .map(|trial| fit(trial, &of.stage).map_err(|e| format!("{}: {e}", name(&trial.meta))));
+    let (fits, more) = split(fits.collect());
     problems.extend(more);
     (fits, problems)
 }

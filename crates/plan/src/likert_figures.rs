@@ -3,10 +3,11 @@
 use crate::drawing::{Drawing, write_figure};
 use crate::likert::tally;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_figures::{About, FigureKind, LIKERT, LIKERT_ITEMS, LikertPage};
 use zwidth_runner::{JobError, Made, Making};
-use zwidth_store::{Answer, StudyData};
+use zwidth_store::StudyData;
 use zwidth_study::{Environment, Question, Source};
 use zwidth_tables::Table;
 
@@ -20,39 +21,54 @@ struct Page {
 
 pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     let Some(tally) = tally(data) else { return Vec::new() };
-    let (answers, asked) = (data.answers(), list_asked(data));
-    let overview = zwidth_figures::likert_overview(&asked);
-    let items = zwidth_figures::likert_items(&asked);
-    let pages = |kind: FigureKind, pages: Vec<LikertPage>| -> Vec<Drawing> {
-        let number = |i: usize| (pages.len() > 1).then(|| (i + 1).to_string());
-        let one = |(i, page): (usize, &LikertPage)| {
-            let sources = data.sessions.iter().map(|s| s.record.source).collect();
-            let page = Page { about: About::of(&data.study), page: page.clone(), sources };
-            let is_shown = |answer: &&Answer| {
-                let question = data.study.question(&answer.question);
-                question.is_some_and(|q| page.page.shows(&answer.condition.environment, q))
-            };
-            let n = answers.iter().filter(is_shown).count();
-            Drawing::new(data, kind, number(i), page, tally.clone(), draw).of(n)
-        };
-        pages.iter().enumerate().map(one).collect()
-    };
-    let mut drawings = pages(LIKERT, overview);
-    drawings.extend(pages(LIKERT_ITEMS, items));
+    let asked = list_asked(data);
+    let overview = (LIKERT, zwidth_figures::likert_overview(&asked));
+    let items = (LIKERT_ITEMS, zwidth_figures::likert_items(&asked));
+    let mut drawings = Vec::new();
+    for (kind, pages) in [overview, items] {
+        for (number, page) in number_pages(pages.len()).into_iter().zip(pages) {
+            drawings.push(draw_page(data, kind, number, page, tally.clone()));
+        }
+    }
     drawings
+}
+
+/// The numbers of pages, from 1 on; a single one has none.
+pub(crate) fn number_pages(pages: usize) -> Vec<Option<String>> {
+    (1..=pages).map(|number| (pages > 1).then(|| number.to_string())).collect()
+}
+
+fn draw_page(
+    data: &StudyData,
+    kind: FigureKind,
+    number: Option<String>,
+    page: LikertPage,
+    tally: PathBuf,
+) -> Drawing {
+    let mut answers = data.answers();
+    answers.retain(|answer| {
+        let question = data.study.question(&answer.question);
+        question.is_some_and(|q| page.shows(&answer.condition.environment, q))
+    });
+    let sources = data.sessions.iter().map(|s| s.record.source).collect();
+    let page = Page { about: About::of(&data.study), page, sources };
+    Drawing::new(data, kind, number, page, tally, draw).of(answers.len())
 }
 
 /// The questions answered in each environment, in the study's order.
 pub(crate) fn list_asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)> {
     let answers = data.answers();
-    let given = |e: &Environment, q: &Question| {
-        answers.iter().any(|a| a.condition.environment == e.id && a.question == q.id)
-    };
-    let questions = |e: &Environment| -> Vec<&Question> {
-        data.study.questions.iter().filter(|q| given(e, q)).collect()
-    };
-    let asked = data.study.environments.iter().map(|e| (e, questions(e)));
-    asked.filter(|(_, questions)| !questions.is_empty()).collect()
+    let given: BTreeSet<_> =
+        answers.iter().map(|a| (&a.condition.environment, &a.question)).collect();
+    let mut asked = Vec::new();
+    for environment in &data.study.environments {
+        let mut questions: Vec<&Question> = data.study.questions.iter().collect();
+        questions.retain(|question| given.contains(&(&environment.id, &question.id)));
+        if !questions.is_empty() {
+            asked.push((environment, questions));
+        }
+    }
+    asked
 }
 
 fn draw(page: &Page, tally: &PathBuf, making: &Making) -> Result<Made, JobError> {

@@ -12,9 +12,10 @@ pub(crate) fn write_tables(
     making: &Making,
     problems: Vec<String>,
 ) -> Result<Made, JobError> {
-    let bytes = |(t, path): (&Table, &PathBuf)| t.to_parquet(making.from, path);
-    let outputs =
-        tables.iter().zip(making.outputs).map(bytes).collect::<Result<_, TableError>>()?;
+    let files = tables.iter().zip(making.outputs);
+    let outputs = files
+        .map(|(table, path)| table.to_parquet(making.from, path))
+        .collect::<Result<_, TableError>>()?;
     Ok(Made { outputs, problems, ..Made::default() })
 }
 

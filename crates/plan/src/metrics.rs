@@ -52,41 +52,48 @@ struct OfCondition {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let study = &data.study;
-    let condition = |repeats: &Repeats| {
-        let metrics = Parameters::of(study, repeats.environment, repeats.mode);
-        Job::new(
-            STAGE,
-            format!("metrics {}", repeats.who),
-            OfTrials::new(OfCondition { metrics, asked: Asked::of(study) }, &repeats.trials),
-            files(&repeats.trials),
-            vec![of_condition(&data.layout, repeats)],
-            make_condition,
-        )
-    };
-    let plant = known_plant(data);
-    let of_plant = |repeats: &Repeats| {
-        Job::new(
-            STAGE,
-            format!("metrics {} with the plant", repeats.who),
-            OfTrials::new(
-                Parameters::of(study, repeats.environment, repeats.mode),
-                &repeats.trials,
-            ),
-            (files(&repeats.trials), plant.clone()),
-            vec![with_plant(&data.layout, repeats)],
-            make_with_plant,
-        )
-    };
     let repeats = repeats(data);
-    let whole = || {
-        let outputs = study_files(&data.layout).to_vec();
-        let plant = repeats.iter().map(|r| with_plant(&data.layout, r)).collect();
-        let conditions: (_, Vec<PathBuf>) = (of_conditions(data), plant);
-        Job::new(STAGE, "metrics of the study", study.conditions(), conditions, outputs, make_study)
-    };
-    let whole = (!repeats.is_empty()).then(whole);
-    repeats.iter().map(condition).chain(repeats.iter().map(of_plant)).chain(whole).collect()
+    if repeats.is_empty() {
+        return Vec::new();
+    }
+    let mut jobs: Vec<Job> = repeats.iter().map(|r| condition_job(data, r)).collect();
+    let plant = known_plant(data);
+    jobs.extend(repeats.iter().map(|r| plant_job(data, r, plant.clone())));
+    jobs.push(study_job(data, &repeats));
+    jobs
+}
+
+/// The metrics of a condition's trials that need nothing but the trials.
+fn condition_job(data: &StudyData, repeats: &Repeats) -> Job {
+    let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
+    Job::new(
+        STAGE,
+        format!("metrics {}", repeats.who),
+        OfTrials::new(OfCondition { metrics, asked: Asked::of(&data.study) }, &repeats.trials),
+        files(&repeats.trials),
+        vec![of_condition(&data.layout, repeats)],
+        make_condition,
+    )
+}
+
+/// The metrics of a condition's trials that need the identified plant.
+fn plant_job(data: &StudyData, repeats: &Repeats, plant: Option<[PathBuf; 2]>) -> Job {
+    let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
+    Job::new(
+        STAGE,
+        format!("metrics {} with the plant", repeats.who),
+        OfTrials::new(metrics, &repeats.trials),
+        (files(&repeats.trials), plant),
+        vec![with_plant(&data.layout, repeats)],
+        make_with_plant,
+    )
+}
+
+/// The metrics of all conditions in one table, and by condition.
+fn study_job(data: &StudyData, repeats: &[Repeats]) -> Job {
+    let plant: Vec<PathBuf> = repeats.iter().map(|r| with_plant(&data.layout, r)).collect();
+    let (tables, outputs) = ((of_conditions(data), plant), study_files(&data.layout).to_vec());
+    Job::new(STAGE, "metrics of the study", data.study.conditions(), tables, outputs, make_study)
 }
 
 /// Trials that cannot be read, or whose samples make no metrics, the job without the plant tells.
@@ -102,8 +109,10 @@ fn make_with_plant(
         None => None,
     };
     let (trials, _) = read_all(trials, &of.trials, Signal::all());
-    let one = |trial: &Trial| zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref()).ok();
-    let rows: Vec<_> = trials.par_iter().filter_map(one).collect();
+    let rows: Vec<_> = trials
+        .par_iter()
+        .filter_map(|trial| zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref()).ok())
+        .collect();
     write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
 }
 
@@ -113,11 +122,11 @@ fn make_condition(
     making: &Making,
 ) -> Result<Made, JobError> {
     let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
-    let one = |t| {
-        let row = zwidth_metrics::trial_metrics(t, &of.stage.metrics);
-        row.map_err(|e| format!("{}: {e}", name(&t.meta)))
-    };
-    let (rows, more) = split(trials.par_iter().map(one).collect());
+    let rows = trials.par_iter().map(|trial| {
+        let row = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
+        row.map_err(|e| format!("{}: {e}", name(&trial.meta)))
+    });
+    let (rows, more) = split(rows.collect());
     problems.extend(more);
     let care: Vec<String> = trials.iter().flat_map(|t| with_care(&of.stage.asked, t)).collect();
     let left_out = problems.iter().map(|p| (NoteKind::LeftOut, strip_root(making.root, p)));
@@ -144,10 +153,11 @@ fn make_study(
 /// What `verify` finds in a trial's samples, which count all the same.
 fn with_care(asked: &Asked, trial: &Trial) -> Vec<String> {
     let found = check_samples(asked, Path::new(""), &trial.samples);
-    let words = |f: StoreError| {
-        let column = f.column.map(|column| format!(", {column}")).unwrap_or_default();
-        let row = f.row.map(|row| format!(", row {row}")).unwrap_or_default();
-        format!("{}{column}{row}: {}", name(&trial.meta), f.what)
-    };
-    found.into_iter().map(words).collect()
+    found.into_iter().map(|finding| describe(trial, finding)).collect()
+}
+
+fn describe(trial: &Trial, finding: StoreError) -> String {
+    let column = finding.column.map(|column| format!(", {column}")).unwrap_or_default();
+    let row = finding.row.map(|row| format!(", row {row}")).unwrap_or_default();
+    format!("{}{column}{row}: {}", name(&trial.meta), finding.what)
 }

@@ -58,11 +58,11 @@ fn deviations(planned: &Value, actual: &Value) -> Vec<String> {
         return vec!["the file holds no plan as `zwidth power --plan` writes it".to_owned()];
     };
     let actual = actual.as_object().into_iter().flatten();
-    let differs = |(key, now): (&String, &Value)| {
-        let then = planned.get(key).unwrap_or(&Value::Null);
-        (then != now).then(|| format!("{key} was {then}, is {now}"))
-    };
-    actual.filter_map(differs).collect()
+    actual
+        .map(|(key, now)| (key, planned.get(key).unwrap_or(&Value::Null), now))
+        .filter(|(_, then, now)| then != now)
+        .map(|(key, then, now)| format!("{key} was {then}, is {now}"))
+        .collect()
 }
 
 #[cfg(test)]

@@ -48,10 +48,12 @@ pub(crate) fn statements(data: &StudyData) -> Option<PathBuf> {
 
 /// The tables that a study with actuators has.
 fn of_actuators(data: &StudyData) -> Vec<PathBuf> {
-    let names = ["pros_cons", "modes", "model", "device", "weight"].into_iter();
-    let is_made = |name: &&str| *name != "weight" || is_weighed(data);
-    let names = names.filter(|_| has_actuators(data)).filter(is_made);
-    names.map(|name| table_of(&data.layout, name)).collect()
+    if !has_actuators(data) {
+        return Vec::new();
+    }
+    let mut names = vec!["pros_cons", "modes", "model", "device", "weight"];
+    names.retain(|name| *name != "weight" || is_weighed(data));
+    names.into_iter().map(|name| table_of(&data.layout, name)).collect()
 }
 
 /// Whether masses and modes allow a table of weights.

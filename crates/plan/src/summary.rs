@@ -39,6 +39,16 @@ struct Page {
     gallery: Gallery,
 }
 
+impl Page {
+    /// The figure of a finding, or the table of conditions where it was not made or would be one of
+    /// many sessions.
+    fn shown_by(&self, shown: &Shown, made: &Summary) -> String {
+        let of_session = matches!(shown, Shown::Modes(_)) && self.gallery.only_session.is_none();
+        let file = self.gallery.file(shown);
+        if is_made(made, &file) && !of_session { file } else { CONDITIONS.to_owned() }
+    }
+}
+
 /// The files that the page speaks of, where they are there.
 struct Files {
     /// Averages and fits, whose notes are limits of the study.
@@ -141,18 +151,10 @@ fn list_findings(
     let (Some(metrics), tally) = (read(&files.metrics)?, read(&files.tally)?) else {
         return Ok(Vec::new());
     };
-    let path = |shown: Shown| {
-        let of_session = matches!(shown, Shown::Modes(_)) && page.gallery.only_session.is_none();
-        let file = page.gallery.file(&shown);
-        if is_made(made, &file) && !of_session { file } else { CONDITIONS.to_owned() }
-    };
     let compared = zwidth_report::contrasts(&page.planned, compared)?;
     let found = findings(&page.planned, &metrics, tally.as_ref())?;
-    Ok(compared
-        .into_iter()
-        .chain(found)
-        .map(|f| Listed { path: path(f.shown), caption: f.text })
-        .collect())
+    let all = compared.into_iter().chain(found);
+    Ok(all.map(|f| Listed { path: page.shown_by(&f.shown, made), caption: f.text }).collect())
 }
 
 /// How the thesis' statements stand, and the judged ones with what shows them.
@@ -217,10 +219,12 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
     for sweep in &data.sweeps {
         *sources.entry(sweep.source).or_default() += 1;
     }
-    let moves = |c: &TrialEntry| {
-        data.study.environment(&c.meta.environment).is_some_and(|e| !matches!(e.scene, Scene::None))
-    };
-    let no_lever = data.study.device.lever_m.is_none() && counting.iter().any(|t| moves(t));
+    let scenes = counting
+        .iter()
+        .filter_map(|t| data.study.environment(&t.meta.environment))
+        .map(|e| e.scene);
+    let no_lever =
+        data.study.device.lever_m.is_none() && scenes.into_iter().any(|s| s != Scene::None);
     let limit = "No lever length is known (device.lever_m), so torque stays torque: N·m on axes and in tables.";
     Summary {
         title: data.study.title.clone(),
@@ -289,16 +293,16 @@ fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
         ("velocity", &[Signal::ThetaDot], "there is no onset, and so no average over time"),
         ("force and no torque", &force, "there is no force panel"),
     ];
-    let lacks = |signals: &[Signal]| {
-        counting.iter().filter(|t| !signals.iter().any(|s| t.signals.contains(s))).count()
-    };
-    let sentence = |(what, signals, so): (&str, &[Signal], &str)| {
-        let n = lacks(signals);
-        (n > 0).then(|| {
-            format!("No {what} was recorded in {n} of {} trials: for them {so}.", counting.len())
-        })
-    };
-    needed.into_iter().filter_map(sentence).collect()
+    let mut sentences = Vec::new();
+    for (what, signals, so) in needed {
+        let without = counting.iter().filter(|t| !signals.iter().any(|s| t.signals.contains(s)));
+        let (n, all) = (without.count(), counting.len());
+        if n > 0 {
+            sentences
+                .push(format!("No {what} was recorded in {n} of {all} trials: for them {so}."));
+        }
+    }
+    sentences
 }
 
 /// The notes of these kinds below tables, each once, in order.

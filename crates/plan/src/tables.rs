@@ -3,7 +3,7 @@
 use crate::{
     characterise, compare, freemotion, identify, ladder, likert, metrics, replay, report, trade,
 };
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
 use zwidth_study::Coordinate;
@@ -42,11 +42,14 @@ fn printed_as(layout: &Layout, stem: &str, format: Format) -> PathBuf {
 
 /// The printed tables, as Parquet.
 pub(crate) fn files(data: &StudyData) -> Vec<PathBuf> {
-    let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     printed(data)
         .iter()
         .map(|path| printed_as(&data.layout, &stem(path), Format::Parquet))
         .collect()
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
@@ -54,7 +57,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 }
 
 fn job(data: &StudyData, input: PathBuf) -> Job {
-    let stem = input.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = stem(&input);
     let outputs = Format::ALL.iter().map(|f| printed_as(&data.layout, &stem, *f)).collect();
     Job::new(STAGE, format!("table {stem}"), data.study.coordinate, input, outputs, make)
 }

@@ -32,12 +32,13 @@ impl<P> OfTrials<P> {
 
 /// What is known of trials.
 pub(crate) fn describe_trials(trials: &[&TrialEntry]) -> Vec<Known> {
-    let of = |meta: &TrialMeta| Known {
-        trial: meta.trial,
-        mode: meta.mode.clone(),
-        repeat: meta.repeat,
-    };
-    trials.iter().map(|t| of(&t.meta)).collect()
+    trials.iter().map(|trial| Known::of(&trial.meta)).collect()
+}
+
+impl Known {
+    fn of(meta: &TrialMeta) -> Self {
+        Self { trial: meta.trial, mode: meta.mode.clone(), repeat: meta.repeat }
+    }
 }
 
 /// The files of trials.
@@ -51,8 +52,8 @@ pub(crate) fn read_all(
     known: &[Known],
     signals: impl Iterator<Item = Signal> + Clone + Sync,
 ) -> (Vec<Trial>, Vec<String>) {
-    let one = |(file, known): (&PathBuf, &Known)| read_one(file, known, signals.clone());
-    split(files.par_iter().zip(known).map(one).collect())
+    let trials = files.par_iter().zip(known);
+    split(trials.map(|(file, known)| read_one(file, known, signals.clone())).collect())
 }
 
 fn read_one(

@@ -139,6 +139,7 @@ fn of_environment<'a>(
     parameters: &'a AnswerParameters,
 ) -> Vec<Row<'a>> {
     let place = |mode: &ModeId| parameters.modes.iter().position(|m| m == mode);
+    let none = Unestimable::Confounded { what: "the modes".to_owned() };
     let mut models: BTreeMap<usize, Result<ModeComparison, Unestimable>> = BTreeMap::new();
     let mut rows = Vec::new();
     for contrast in &parameters.contrasts {
@@ -151,9 +152,8 @@ fn of_environment<'a>(
         let model =
             models.entry(mode).or_insert_with(|| model(answers, question, mode, parameters));
         let ratio = model.as_ref().map_err(Clone::clone).and_then(|comparison| {
-            let is_it = |ratio: &&OddsRatio| ratio.mode == against;
-            let none = || Unestimable::Confounded { what: "the modes".to_owned() };
-            comparison.odds_ratios.iter().find(is_it).cloned().ok_or_else(none)
+            let mut ratios = comparison.odds_ratios.iter();
+            ratios.find(|ratio| ratio.mode == against).cloned().ok_or_else(|| none.clone())
         });
         let (people, effect) = effect(answers, [mode, against], parameters.level);
         rows.push(Row {

@@ -4,6 +4,7 @@ use crate::measure::Measure;
 use crate::{CompareError, Parameters};
 use std::collections::BTreeSet;
 use zwidth_frames::{Aggregate, Frame, Statistic};
+use zwidth_stats::welch::Group;
 use zwidth_tables::{Column, Field, Table, Type};
 
 /// What a cell is one of.
@@ -41,6 +42,13 @@ pub(crate) struct Cells {
     pub(crate) cells: Vec<Cell>,
 }
 
+impl Cell {
+    /// Its count, mean and standard deviation; 0 where it has none.
+    pub(crate) fn group(&self) -> Group {
+        Group { n: self.n, mean: self.mean.unwrap_or(0.0), sd: self.sd.unwrap_or(0.0) }
+    }
+}
+
 impl Cells {
     /// The cells of a metric. `metrics` has one row a trial. Conditions that the study does not
     /// have are left out.
@@ -57,23 +65,21 @@ impl Cells {
         let (mean, sd) =
             (grouped.floats(&measure.named("mean"))?, grouped.floats(&measure.named("sd"))?);
         let (participants, sessions) = (sorted(&participant), sorted(&session));
-        let place = |names: &[String], name: &String| names.binary_search(name).ok();
-        let cell = |row: usize| {
-            Some(Cell {
-                participant: place(&participants, &participant[row])?,
-                session: place(&sessions, &session[row])?,
-                environment: parameters
-                    .environments
-                    .iter()
-                    .position(|e| e.as_str() == environment[row])?,
-                mode: parameters.modes.iter().position(|m| m.as_str() == mode[row])?,
+        let mut cells = Vec::new();
+        for row in 0..grouped.height() {
+            let condition = parameters.condition(&environment[row], &mode[row]);
+            let Some([environment, mode]) = condition else { continue };
+            cells.push(Cell {
+                participant: place(&participants, &participant[row]),
+                session: place(&sessions, &session[row]),
+                environment,
+                mode,
                 trials: counted(trials[row]),
                 n: counted(n[row]),
                 mean: mean[row],
                 sd: sd[row],
-            })
-        };
-        let mut cells: Vec<Cell> = (0..grouped.height()).filter_map(cell).collect();
+            });
+        }
         cells.sort_by_key(|c| (c.participant, c.session, c.environment, c.mode));
         Ok(Self { participants, sessions, cells })
     }
@@ -162,6 +168,11 @@ fn known(texts: Vec<Option<String>>) -> Vec<String> {
 
 fn sorted(names: &[String]) -> Vec<String> {
     names.iter().collect::<BTreeSet<_>>().into_iter().cloned().collect()
+}
+
+/// The place of a name among sorted ones that have it.
+fn place(names: &[String], name: &String) -> usize {
+    names.partition_point(|before| before < name)
 }
 
 fn counted(n: Option<i64>) -> usize {

@@ -72,20 +72,44 @@ impl Row {
 
     /// What the tests show, in words; why there is none.
     fn verdict_in_words(&self, unit: &Unit, alpha: f64) -> Option<String> {
-        let reached =
-            |p: f64| format!(": the design's orders reach an adjusted p of {p:.4} at best");
-        let words = |verdict: Verdict| match verdict {
-            Verdict::Undecided => {
-                let reached = self.out_of_reach(alpha).map(reached).unwrap_or_default();
-                format!("{}{reached}", verdict.words())
-            }
-            shown => shown.words().to_owned(),
-        };
+        if let Some(verdict) = self.verdict {
+            let smallest = self.out_of_reach(alpha).filter(|_| verdict == Verdict::Undecided);
+            let reached = smallest
+                .map(|p| format!(": the design's orders reach an adjusted p of {p:.4} at best"));
+            return Some(format!("{}{}", verdict.words(), reached.unwrap_or_default()));
+        }
         let why = match unit {
             Unit::Participants => self.tested.as_ref().err().map(ToString::to_string),
             Unit::Trials { .. } => self.sharp_null.as_ref().err().map(ToString::to_string),
         };
-        self.verdict.map(words).or_else(|| why.map(|why| format!("no test: {why}")))
+        why.map(|why| format!("no test: {why}"))
+    }
+
+    /// The mean difference over participants.
+    fn estimate(&self) -> f64 {
+        let all = self.differences.iter().map(|d| d.estimate);
+        all.sum::<f64>() / self.differences.len() as f64
+    }
+
+    /// The mean over participants in the one mode (0) or in the other (1).
+    fn mean(&self, side: usize) -> f64 {
+        let all = self.differences.iter().map(|d| d.means[side]);
+        all.sum::<f64>() / self.differences.len() as f64
+    }
+
+    /// Everybody's means in the two modes.
+    fn pairs(&self) -> Vec<[f64; 2]> {
+        self.differences.iter().map(|d| d.means).collect()
+    }
+
+    fn p_sign_flip(&self) -> Option<f64> {
+        let differences = paired::differences(&self.pairs());
+        sign_flip::test(&differences, SAMPLING).ok().map(|test| test.p_value)
+    }
+
+    fn p_signed_rank(&self) -> Option<f64> {
+        let differences = paired::differences(&self.pairs());
+        signed_rank::test(&differences).ok().map(|test| test.p_value)
     }
 }
 
@@ -100,21 +124,16 @@ pub(crate) fn rows(
     let mut rows = Vec::new();
     for (environment, orders) in orders.iter().enumerate() {
         for (contrast, sharp_null) in parameters.contrasts.iter().zip(&orders.contrasts) {
-            let place = |mode| parameters.modes.iter().position(|m| m == mode);
-            let modes = place(&contrast.mode).zip(place(&contrast.against));
-            let Some((mode, with)) = modes else { continue };
-            let differences = of_everybody(cells, environment, [mode, with], parameters.level);
+            let Some(modes) = parameters.modes_of(contrast) else { continue };
+            let differences = of_everybody(cells, environment, modes, parameters.level);
             if !differences.is_empty() {
                 let test = sharp_null.clone();
                 rows.push(row(environment, contrast, differences, test, unit, parameters)?);
             }
         }
     }
-    let together = |a: &Row, b: &Row| match parameters.families {
-        Families::Metric => true,
-        Families::Environment => a.environment == b.environment,
-    };
-    for family in rows.chunk_by_mut(together) {
+    let whole = parameters.families == Families::Metric;
+    for family in rows.chunk_by_mut(|a, b| whole || a.environment == b.environment) {
         adjust(family, unit, parameters.alpha)?;
     }
     Ok(rows)
@@ -177,34 +196,13 @@ pub(crate) fn table(
     measure: &Measure,
     parameters: &Parameters,
 ) -> Result<Table, CompareError> {
-    let over = |row: &Row, side: usize| {
-        let means: Vec<f64> = row.differences.iter().map(|d| d.means[side]).collect();
-        Some(means.iter().sum::<f64>() / means.len() as f64)
-    };
-    let estimate = |row: &Row| {
-        let all = row.differences.iter().map(|d| d.estimate);
-        Some(all.sum::<f64>() / row.differences.len() as f64)
-    };
     let tested = |of: fn(&Tested) -> f64| {
         rows.iter().map(move |row| row.tested.as_ref().ok().map(of)).collect::<Vec<_>>()
     };
-    let pairs = |row: &Row| row.differences.iter().map(|d| d.means).collect::<Vec<_>>();
-    let d_av = |row: &Row| paired::d_av(&pairs(row)).ok();
-    let sign_flip = |row: &Row| {
-        let differences = paired::differences(&pairs(row));
-        sign_flip::test(&differences, SAMPLING).ok().map(|test| test.p_value)
-    };
-    let signed_rank = |row: &Row| {
-        let differences = paired::differences(&pairs(row));
-        signed_rank::test(&differences).ok().map(|test| test.p_value)
-    };
-    let with_sessions =
-        |row: &Row| row.differences.iter().map(|d| d.sessions).max().and_then(whole);
+    let sessions = rows.iter().map(|row| row.differences.iter().map(|d| d.sessions).max());
     let number =
         |name, description, values: Vec<Option<f64>>| Column::float(name, "1", description, values);
-    let texts = |name, description, of: &dyn Fn(&Row) -> Option<String>| {
-        Column::text(name, description, rows.iter().map(of))
-    };
+
     let mut all = vec![
         columns::environments(parameters, rows.iter().map(|row| row.environment)),
         columns::contrasts(rows.iter().map(|row| &row.contrast)),
@@ -214,11 +212,19 @@ pub(crate) fn table(
             "sessions",
             "1",
             "sessions per participant, at most",
-            rows.iter().map(with_sessions),
+            sessions.map(|sessions| sessions.and_then(whole)),
         ),
-        measure.column("mean", "mean in the one mode", rows.iter().map(|row| over(row, 0))),
-        measure.column("mean_with", "mean in the other mode", rows.iter().map(|row| over(row, 1))),
-        measure.column("difference", "mean difference", rows.iter().map(estimate)),
+        measure.column("mean", "mean in the one mode", rows.iter().map(|row| Some(row.mean(0)))),
+        measure.column(
+            "mean_with",
+            "mean in the other mode",
+            rows.iter().map(|row| Some(row.mean(1))),
+        ),
+        measure.column(
+            "difference",
+            "mean difference",
+            rows.iter().map(|row| Some(row.estimate())),
+        ),
         measure.column("difference_std_error", "its standard error", tested(|t| t.std_error)),
         measure.column("difference_ci_low", "lower end of its interval", tested(|t| t.ci_low)),
         measure.column("difference_ci_high", "upper end of its interval", tested(|t| t.ci_high)),
@@ -248,17 +254,17 @@ pub(crate) fn table(
         all.push(number(
             "d_av",
             "difference over the root mean of the modes' variances between participants",
-            rows.iter().map(d_av).collect(),
+            rows.iter().map(|row| paired::d_av(&row.pairs()).ok()).collect(),
         ));
         all.push(number(
             "p_sign_flip",
             "p value of the sign-flip test, not adjusted",
-            rows.iter().map(sign_flip).collect(),
+            rows.iter().map(Row::p_sign_flip).collect(),
         ));
         all.push(number(
             "p_signed_rank",
             "p value of the signed-rank test, not adjusted",
-            rows.iter().map(signed_rank).collect(),
+            rows.iter().map(Row::p_signed_rank).collect(),
         ));
         all.push(sharp_null);
     }
@@ -274,9 +280,8 @@ pub(crate) fn table(
             rows.iter().map(|row| row.p_not_equivalent).collect(),
         ));
     }
-    all.push(texts("verdict", "what the tests show", &|row| {
-        row.verdict_in_words(unit, parameters.alpha)
-    }));
+    let verdicts = rows.iter().map(|row| row.verdict_in_words(unit, parameters.alpha));
+    all.push(Column::text("verdict", "what the tests show", verdicts));
     let title = format!("Modes compared: {}", measure.description);
     Ok(Table::new(&format!("contrasts_{}", measure.name), &title, all)?)
 }

@@ -47,11 +47,9 @@ pub(crate) fn of_everybody(
 
 /// The difference of one participant, who has these sessions; at least one.
 fn difference(pairs: &[[&Cell; 2]], level: f64) -> Difference {
-    let sum = |of: fn(&Cell) -> f64, side: usize| pairs.iter().map(|p| of(p[side])).sum::<f64>();
-    let mean = |side| sum(|c| c.mean.unwrap_or(0.0), side) / pairs.len() as f64;
-    let means = [mean(0), mean(1)];
-    let group = |c: &Cell| Group { n: c.n, mean: c.mean.unwrap_or(0.0), sd: c.sd.unwrap_or(0.0) };
-    let strata: Vec<[Group; 2]> = pairs.iter().map(|pair| pair.map(group)).collect();
+    let strata: Vec<[Group; 2]> = pairs.iter().map(|pair| pair.map(Cell::group)).collect();
+    let means =
+        [0, 1].map(|side| strata.iter().map(|s| s[side].mean).sum::<f64>() / pairs.len() as f64);
     Difference {
         participant: pairs[0][0].participant,
         sessions: pairs.len(),

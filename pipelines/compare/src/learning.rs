@@ -62,7 +62,6 @@ fn by_condition(metrics: &Table, measure: &Measure) -> Result<ByCondition, Compa
 
 fn row(people: &BTreeMap<String, Sessions>, unit: &Unit, level: f64) -> Row {
     let lists = |sessions: &Sessions| sessions.values().cloned().collect::<Vec<_>>();
-    let of = |sessions: &Sessions| line::common_slope(&lists(sessions), level);
     match unit {
         Unit::Participants => {
             let slopes: Vec<f64> =
@@ -77,7 +76,8 @@ fn row(people: &BTreeMap<String, Sessions>, unit: &Unit, level: f64) -> Row {
         Unit::Trials { .. } => {
             let trials = people.values().flat_map(BTreeMap::values).map(Vec::len).sum();
             let none = Unestimable::TooFew { units: "trials", found: 0, needed: 3 };
-            let change = people.values().next().map_or(Err(none), of);
+            let sessions = people.values().next();
+            let change = sessions.map_or(Err(none), |of| line::common_slope(&lists(of), level));
             Row { environment: 0, mode: 0, n: trials, change }
         }
     }
@@ -89,9 +89,7 @@ fn as_table(
     measure: &Measure,
     parameters: &Parameters,
 ) -> Result<Table, CompareError> {
-    let texts = |name, description, of: &dyn Fn(&Row) -> Option<String>| {
-        Column::text(name, description, rows.iter().map(of))
-    };
+    let remarks = rows.iter().map(|row| row.change.as_ref().err().map(ToString::to_string));
     let tested = |of: fn(&Tested) -> f64| {
         rows.iter().map(move |row| row.change.as_ref().ok().map(of)).collect::<Vec<_>>()
     };
@@ -111,9 +109,7 @@ fn as_table(
     all.extend([
         Column::float("df", "1", "degrees of freedom", tested(|t| t.df)),
         Column::float("p_value", "1", "p value of no change, not adjusted", tested(|t| t.p_value)),
-        texts("remark", "why there is no test", &|row| {
-            row.change.as_ref().err().map(ToString::to_string)
-        }),
+        Column::text("remark", "why there is no test", remarks),
     ]);
     let title = format!("Learning per repeat: {}", measure.description);
     let table = Table::new(&format!("learning_{}", measure.name), &title, all)?;

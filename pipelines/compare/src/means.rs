@@ -52,11 +52,10 @@ pub(crate) fn rows(
 
 /// Over participants, each the mean of their sessions.
 fn over_people(with: &[&Cell], level: f64) -> Result<Row, CompareError> {
-    let of_one = |sessions: &[&Cell]| {
+    let people = with.chunk_by(|a, b| a.participant == b.participant).map(|sessions| {
         sessions.iter().filter_map(|c| c.mean).sum::<f64>() / sessions.len() as f64
-    };
-    let people = with.chunk_by(|a, b| a.participant == b.participant);
-    let mean = interval::mean(&people.map(of_one).collect::<Vec<_>>(), level)?;
+    });
+    let mean = interval::mean(&people.collect::<Vec<_>>(), level)?;
     Ok(Row {
         n: mean.n,
         mean: mean.estimate.unwrap_or_default(),
@@ -68,12 +67,7 @@ fn over_people(with: &[&Cell], level: f64) -> Result<Row, CompareError> {
 
 /// Over one participant's trials, sessions with equal weight.
 fn within_one(with: &[&Cell], level: f64) -> Row {
-    let group = |c: &&Cell| Group {
-        n: c.n,
-        mean: c.mean.unwrap_or_default(),
-        sd: c.sd.unwrap_or_default(),
-    };
-    let groups: Vec<Group> = with.iter().map(group).collect();
+    let groups: Vec<Group> = with.iter().map(|cell| cell.group()).collect();
     let squares: f64 = groups.iter().map(|g| (g.n - 1) as f64 * g.sd * g.sd).sum();
     let spare: usize = groups.iter().map(|g| g.n - 1).sum();
     Row {

@@ -3,6 +3,7 @@
 use crate::cells::Cells;
 use crate::unit::Unit;
 use crate::{Parameters, columns, contrasts, means};
+use std::collections::BTreeSet;
 use zwidth_stats::design_guard;
 use zwidth_study::Families;
 use zwidth_tables::{NoteKind, Table};
@@ -106,13 +107,13 @@ fn reached(rows: &[contrasts::Row], alpha: f64) -> Vec<(NoteKind, String)> {
 /// Environments without a test of the sharp null, and why.
 fn not_randomised(rows: &[contrasts::Row], parameters: &Parameters) -> Vec<(NoteKind, String)> {
     let of_environment = rows.chunk_by(|a, b| a.environment == b.environment);
-    let words = |rows: &[contrasts::Row]| {
-        let row = rows.first()?;
-        let why = row.sharp_null.as_ref().err()?;
-        let environment = &parameters.environments[row.environment];
-        Some((NoteKind::Care, format!("{environment}: no test of the sharp null: {why}.")))
-    };
-    of_environment.filter_map(words).collect()
+    of_environment.filter_map(|rows| why_not_randomised(rows.first()?, parameters)).collect()
+}
+
+fn why_not_randomised(row: &contrasts::Row, parameters: &Parameters) -> Option<(NoteKind, String)> {
+    let why = row.sharp_null.as_ref().err()?;
+    let environment = &parameters.environments[row.environment];
+    Some((NoteKind::Care, format!("{environment}: no test of the sharp null: {why}.")))
 }
 
 /// Who took part and has not both modes of a contrast.
@@ -121,11 +122,10 @@ fn left_out(
     cells: &Cells,
     parameters: &Parameters,
 ) -> Option<(NoteKind, String)> {
-    let has = |who: usize| row.differences.iter().any(|one| one.participant == who);
-    let missing: Vec<&str> = (0..cells.participants.len())
-        .filter(|who| !has(*who))
-        .map(|who| cells.participants[who].as_str())
-        .collect();
+    let mut missing: Vec<&str> = cells.participants.iter().map(String::as_str).collect();
+    let compared = row.differences.iter().map(|one| cells.participants[one.participant].as_str());
+    let compared: BTreeSet<&str> = compared.collect();
+    missing.retain(|who| !compared.contains(who));
     let environment = &parameters.environments[row.environment];
     (!missing.is_empty()).then(|| {
         let text = format!(

@@ -37,11 +37,10 @@ impl Row {
         let modes = (0..parameters.modes.len())
             .filter(|mode| people.values().any(|of| of.contains_key(mode)))
             .count();
-        let mean = |sessions: &Vec<f64>| sessions.iter().sum::<f64>() / sessions.len() as f64;
         let complete: Vec<Vec<f64>> = people
             .values()
             .filter(|of| of.len() == modes)
-            .map(|of| of.values().map(mean).collect())
+            .map(|of| of.values().map(|s| s.iter().sum::<f64>() / s.len() as f64).collect())
             .collect();
         let rows: Vec<&[f64]> = complete.iter().map(Vec::as_slice).collect();
         (modes > 1 && people.len() > 1).then(|| Self {

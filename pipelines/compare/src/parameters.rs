@@ -33,3 +33,17 @@ pub struct Parameters {
     /// How the orders of the sessions came about.
     pub orders: Vec<SessionOrder>,
 }
+
+impl Parameters {
+    /// The places of an environment and a mode, where the study has them.
+    pub(crate) fn condition(&self, environment: &str, mode: &str) -> Option<[usize; 2]> {
+        let environment = self.environments.iter().position(|e| e.as_str() == environment)?;
+        Some([environment, self.modes.iter().position(|m| m.as_str() == mode)?])
+    }
+
+    /// The places of the two modes of a contrast.
+    pub(crate) fn modes_of(&self, contrast: &Contrast) -> Option<[usize; 2]> {
+        let mode = self.modes.iter().position(|m| *m == contrast.mode)?;
+        Some([mode, self.modes.iter().position(|m| *m == contrast.against)?])
+    }
+}

@@ -21,8 +21,8 @@ pub(crate) fn table(
 ) -> Result<Table, CompareError> {
     let mut rows: Vec<([usize; 2], i64, Mean)> = Vec::new();
     for ((condition, repeat), people) in by_repeat(metrics, measure, parameters)? {
-        let own = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
-        let over = mean(&people.values().map(own).collect::<Vec<_>>(), parameters.level)?;
+        let own = people.values().map(|values| values.iter().sum::<f64>() / values.len() as f64);
+        let over = mean(&own.collect::<Vec<_>>(), parameters.level)?;
         rows.push((condition, repeat, over));
     }
     let end = |of: fn(&zwidth_stats::interval::Estimate) -> f64| {
@@ -70,11 +70,12 @@ fn by_repeat(
     for row in 0..metrics.height() {
         let text = |column: &[Option<String>]| column[row].clone().unwrap_or_default();
         let (environment, mode) = (text(&environments), text(&modes));
-        let environment = parameters.environments.iter().position(|e| e.as_str() == environment);
-        let mode = parameters.modes.iter().position(|m| m.as_str() == mode);
-        let (Some(environment), Some(mode)) = (environment, mode) else { continue };
-        let (Some(repeat), Some(value)) = (repeats[row], values[row]) else { continue };
-        let people = found.entry(([environment, mode], repeat)).or_default();
+        let condition = parameters.condition(&environment, &mode);
+        let (Some(condition), Some(repeat), Some(value)) = (condition, repeats[row], values[row])
+        else {
+            continue;
+        };
+        let people = found.entry((condition, repeat)).or_default();
         people.entry(text(&participants)).or_default().push(value);
     }
     Ok(found)

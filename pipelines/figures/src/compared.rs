@@ -3,7 +3,7 @@
 
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::style::{self, Marker, Stroke};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, dodge,
@@ -176,8 +176,8 @@ pub fn modes_compared(
 
 /// Whether the metric is the primary one.
 fn last_note(contrasts: &Table) -> Option<String> {
-    let is_family = |note: &&String| note.starts_with("Primary") || note.starts_with("Exploratory");
-    let note = contrasts.notes().iter().find(is_family)?;
+    let mut notes = contrasts.notes().iter();
+    let note = notes.find(|n| n.starts_with("Primary") || n.starts_with("Exploratory"))?;
     let first = note.split_once(". ").map_or(note.as_str(), |(first, _)| first);
     Some(plain(&format!("{}.", first.trim_end_matches('.'))))
 }
@@ -346,8 +346,8 @@ fn with_contrasts<'e>(
     tables: ComparedTables,
 ) -> Result<Vec<&'e Environment>, TableError> {
     let found = tables.contrasts.texts("environment")?;
-    let has = |e: &&Environment| found.iter().any(|id| id.as_deref() == Some(e.id.as_str()));
-    Ok(environments.iter().filter(has).collect())
+    let found: BTreeSet<&str> = found.iter().flatten().map(String::as_str).collect();
+    Ok(environments.iter().filter(|e| found.contains(e.id.as_str())).collect())
 }
 
 /// One contrast, everybody in the order of their difference.

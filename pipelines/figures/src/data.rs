@@ -155,11 +155,12 @@ pub const SIGNALS: [Signal; 5] =
 
 /// What figures read of a table of the stage `average`.
 pub fn average_columns() -> Vec<String> {
-    let of = |signal: Signal| {
-        ["mean", "ci_low", "ci_high"]
-            .map(|what| format!("{}_{what}_{}", signal.stem(), signal.suffix()))
-    };
-    ["t_s", "n"].map(str::to_owned).into_iter().chain(SIGNALS.into_iter().flat_map(of)).collect()
+    let mut columns = vec!["t_s".to_owned(), "n".to_owned()];
+    for signal in SIGNALS {
+        let (stem, suffix) = (signal.stem(), signal.suffix());
+        columns.extend(["mean", "ci_low", "ci_high"].map(|what| format!("{stem}_{what}_{suffix}")));
+    }
+    columns
 }
 
 /// The mean of a signal and its band; `None` where the average has none.

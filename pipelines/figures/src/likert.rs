@@ -205,8 +205,9 @@ fn count_rows(modes: &[Mode], tally: &Table, wanted: &Wanted) -> Result<Counted,
 
 /// The wording where a panel is named after its environment, and what was reversed.
 fn footnotes(wanted: &[Wanted]) -> Vec<String> {
-    let worded = |w: &Wanted| Some(format!("{}: “{}”", w.title, w.wording.as_ref()?));
-    let mut notes: Vec<String> = wanted.iter().filter_map(worded).collect();
+    let worded = wanted.iter().filter_map(|w| Some((&w.title, w.wording.as_ref()?)));
+    let mut notes: Vec<String> =
+        worded.map(|(title, wording)| format!("{title}: “{wording}”")).collect();
     if wanted.iter().any(|w| w.reversed) {
         notes.push(format!(
             "Answers to reversed questions are turned round ({} − a), so that right is favourable.",

@@ -64,14 +64,14 @@ pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableE
 /// Which means the loops are, and of how many repeats, where there is one; what dots mean, where
 /// there are any.
 fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
-    let several = |m: &&ModeData| m.repeats.len() > 1;
-    let averaged = repeats_averaged(scenes.iter().flat_map(|s| &s.modes).filter(several));
+    let modes = scenes.iter().flat_map(|scene| &scene.modes);
+    let averaged = repeats_averaged(modes.filter(|mode| mode.repeats.len() > 1));
     let means = scenes.first().zip(averaged);
     let means = means.map(|(scene, n)| {
         format!("Lines: mean of the repeats ({n}), {}.", aligned(scene.alignment))
     });
-    let has_dots = |l: &Layer| matches!(l, Layer::Line(line) if line.dotted.contains(&true));
-    let dotted = panels.iter().flat_map(|p| &p.layers).any(has_dots);
+    let mut layers = panels.iter().flat_map(|panel| &panel.layers);
+    let dotted = layers.any(|l| matches!(l, Layer::Line(line) if line.dotted.contains(&true)));
     let dots = dotted.then(|| "Dotted: at the wall or past it.".to_owned());
     let force = scenes.iter().any(|scene| scene.load() == Signal::ForceEx);
     let whose = force.then(|| WHOSE.to_owned());

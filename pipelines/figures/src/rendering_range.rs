@@ -95,17 +95,16 @@ pub fn rendering_range(
 
 /// What acts, and what it can.
 fn acting<'a>(mode: &Mode, way: Way, calibration: &'a Calibration) -> Option<Acting<'a>> {
-    let motor = |max_v| Acting { curve: &calibration.motor, max_v, shares: (-1.0, 1.0) };
-    let brake = |max_v| Acting {
-        curve: &calibration.brake,
-        max_v,
-        shares: if way == Way::Compression { (0.0, 1.0) } else { (-1.0, 0.0) },
-    };
     let [compressing, releasing] = mode.law()?.drives();
-    match if way == Way::Compression { compressing } else { releasing } {
-        ActuatorKind::Motor => mode.motor_max_v.map(motor),
-        ActuatorKind::Brake => mode.brake_max_v.map(brake),
-    }
+    let (drive, of_brake) = match way {
+        Way::Compression => (compressing, (0.0, 1.0)),
+        Way::Decompression => (releasing, (-1.0, 0.0)),
+    };
+    let (curve, max_v, shares) = match drive {
+        ActuatorKind::Motor => (&calibration.motor, mode.motor_max_v, (-1.0, 1.0)),
+        ActuatorKind::Brake => (&calibration.brake, mode.brake_max_v, of_brake),
+    };
+    Some(Acting { curve, max_v: max_v?, shares })
 }
 
 fn panel(

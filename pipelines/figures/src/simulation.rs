@@ -166,13 +166,19 @@ fn parts(run: &Table) -> Vec<Part<'_>> {
 fn acting<'a>(run: &Table, parts: &[Part<'a>]) -> Result<Vec<Part<'a>>, TableError> {
     let mut acting = Vec::new();
     for part in parts {
-        let there = run.fields().any(|field| field.name == part.0);
-        let acts = |force: &Option<f64>| force.is_some_and(|force| force.abs() > 0.0);
-        if part.0 == EXTERNAL.0 || there && run.floats(part.0)?.iter().any(acts) {
+        if part.0 == EXTERNAL.0 || ever_acts(run, part.0)? {
             acting.push(*part);
         }
     }
     Ok(acting)
+}
+
+/// Whether a run has a force that is not 0 all the time.
+fn ever_acts(run: &Table, column: &str) -> Result<bool, TableError> {
+    if !run.fields().any(|field| field.name == column) {
+        return Ok(false);
+    }
+    Ok(run.floats(column)?.into_iter().flatten().any(|force| force.abs() > 0.0))
 }
 
 fn over_time(run: &Table, part: &Part) -> Result<Line, TableError> {

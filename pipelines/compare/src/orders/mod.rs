@@ -7,7 +7,7 @@
 
 use crate::cells::{KEYS, whole};
 use crate::measure::Measure;
-use crate::{CompareError, Parameters, SessionOrder, columns};
+use crate::{CompareError, Parameters, columns};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_stats::Unestimable;
 use zwidth_stats::null::Sampling;
@@ -124,9 +124,7 @@ fn by_session(
     for row in 0..metrics.height() {
         let text = |column: &[Option<String>]| column[row].clone().unwrap_or_default();
         let (environment, mode) = (text(&environments), text(&modes));
-        let environment = parameters.environments.iter().position(|e| e.as_str() == environment);
-        let mode = parameters.modes.iter().position(|m| m.as_str() == mode);
-        let (Some(environment), Some(mode)) = (environment, mode) else { continue };
+        let Some([environment, mode]) = parameters.condition(&environment, &mode) else { continue };
         let trial = trials[row].and_then(|trial| u32::try_from(trial).ok()).unwrap_or(0);
         let session = [text(&participants), text(&sessions)];
         found.entry((environment, session)).or_default().push((trial, mode, values[row]));
@@ -145,18 +143,13 @@ fn sharp_null(
         .map(|(session, places)| redrawn(environment, session, places, parameters))
         .collect();
     let found = redrawn.and_then(|sessions| tests(&sessions, parameters, sampling));
-    let has = |places: &Places| places.iter().filter(|(_, _, value)| value.is_some()).count();
+    let values = sessions.iter().flat_map(|(_, places)| places.iter().map(|(_, _, value)| value));
     let each = parameters.contrasts.len();
     let (any_effect, contrasts) = match found {
         Ok(found) => found,
         Err(why) => (Err(why.clone()), vec![Err(why); each]),
     };
-    SharpNull {
-        sessions: sessions.len(),
-        trials: sessions.iter().map(|(_, places)| has(places)).sum(),
-        any_effect,
-        contrasts,
-    }
+    SharpNull { sessions: sessions.len(), trials: values.flatten().count(), any_effect, contrasts }
 }
 
 type Tests = (Result<Randomised, NoTest>, Vec<Result<Randomised, NoTest>>);
@@ -167,11 +160,11 @@ fn tests(
     parameters: &Parameters,
     sampling: Sampling,
 ) -> Result<Tests, NoTest> {
-    let place = |mode| parameters.modes.iter().position(|m| m == mode).unwrap_or(usize::MAX);
-    let pairs = parameters
-        .contrasts
-        .iter()
-        .map(|contrast| Statistic::Difference(place(&contrast.mode), place(&contrast.against)));
+    let pairs = parameters.contrasts.iter().map(|contrast| {
+        // No trial has a mode that the study lacks.
+        let [mode, against] = parameters.modes_of(contrast).unwrap_or([usize::MAX; 2]);
+        Statistic::Difference(mode, against)
+    });
     let statistics: Vec<Statistic> = [Statistic::BetweenModes].into_iter().chain(pairs).collect();
     // Each with the place of its first trial among those of all.
     let mut sources: Vec<(&Source, usize)> = Vec::new();
@@ -194,14 +187,13 @@ fn tests(
     let trials = Trials::new(&values, &block, &actual, parameters.modes.len())?;
     let trials = trials.moving_together(&group)?;
     let groups: BTreeSet<usize> = group.into_iter().collect();
-    let redraw = |seed| {
+    let found = trials.each_against_drawn(&statistics, sampling, |seed| {
         let all: Vec<usize> = sources.iter().flat_map(|(source, _)| source.redraw(seed)).collect();
         groups.iter().filter_map(|group| all.get(*group).copied()).collect()
-    };
-    let found = trials.each_against_drawn(&statistics, sampling, redraw);
+    });
     let mut found = found.into_iter().map(|test| test.map_err(NoTest::from));
-    let none = || Err(Unestimable::TooFew { units: "trials", found: 0, needed: 1 }.into());
-    Ok((found.next().unwrap_or_else(none), found.collect()))
+    let none = Unestimable::TooFew { units: "trials", found: 0, needed: 1 };
+    Ok((found.next().unwrap_or_else(|| Err(none.into())), found.collect()))
 }
 
 /// A session's trials in one environment, if they are a whole order of its design.
@@ -212,10 +204,10 @@ fn redrawn(
     parameters: &Parameters,
 ) -> Result<Redrawn, NoTest> {
     let name = || format!("{participant} {session}");
-    let is_it = |order: &&SessionOrder| {
-        (order.participant.as_str(), order.session.as_str()) == (participant, session)
-    };
-    let order = parameters.orders.iter().find(is_it).and_then(|order| order.drawn.as_ref());
+    let mut orders = parameters.orders.iter();
+    let order = orders
+        .find(|o| (o.participant.as_str(), o.session.as_str()) == (participant, session))
+        .and_then(|order| order.drawn.as_ref());
     let order = order.ok_or_else(|| NoTest::NotDrawn { session: name() })?;
     let planned = order.rules.trials_per_block();
     if places.len() != planned {
@@ -223,8 +215,8 @@ fn redrawn(
     }
     let environment = &parameters.environments[environment];
     let environment = order.environments.iter().position(|e| e == environment);
-    let place = |mode| parameters.modes.iter().position(|m| m == mode);
-    let modes: Option<Vec<usize>> = order.modes.iter().map(place).collect();
+    let modes = order.modes.iter().map(|mode| parameters.modes.iter().position(|m| m == mode));
+    let modes: Option<Vec<usize>> = modes.collect();
     let other = || NoTest::OtherOrder { session: name() };
     let (environment, modes) = environment.zip(modes).ok_or_else(other)?;
     let mut places: Places =
@@ -273,16 +265,15 @@ pub(crate) fn table(
     measure: &Measure,
     parameters: &Parameters,
 ) -> Result<Table, CompareError> {
-    let names = || {
-        [ANY_EFFECT.to_owned()].into_iter().chain(parameters.contrasts.iter().map(columns::name))
-    };
-    let all: Vec<(usize, String, &Result<Randomised, NoTest>)> = tests
+    let mut names = vec![ANY_EFFECT.to_owned()];
+    names.extend(parameters.contrasts.iter().map(columns::name));
+    let all: Vec<(usize, &str, &Result<Randomised, NoTest>)> = tests
         .iter()
         .enumerate()
         .filter(|(_, of)| of.trials > 0)
         .flat_map(|(environment, of)| {
             let found = [&of.any_effect].into_iter().chain(&of.contrasts);
-            names().zip(found).map(move |(name, test)| (environment, name, test))
+            names.iter().zip(found).map(move |(name, test)| (environment, name.as_str(), test))
         })
         .collect();
     let number = |name, description, of: fn(&Randomised) -> f64| {
@@ -298,7 +289,7 @@ pub(crate) fn table(
         Column::text(
             "effect",
             "the effect to which the test is sensitive",
-            all.iter().map(|(_, name, _)| Some(name.as_str())),
+            all.iter().map(|(_, name, _)| Some(*name)),
         ),
         count("sessions", "sessions whose orders are redrawn", |of| of.sessions),
         count("trials", "trials that have the metric", |of| of.trials),

@@ -7,8 +7,9 @@ use zwidth_tables::{Table, TableError};
 /// Name of the chosen model; empty without one.
 pub(super) fn chosen(models: &Table) -> Result<String, TableError> {
     let (names, verdicts) = (models.texts("model")?, models.texts("verdict")?);
-    let is_chosen = |v: &Option<String>| v.as_deref().is_some_and(|v| v.starts_with("chosen"));
-    let row = verdicts.iter().position(is_chosen);
+    let row = verdicts
+        .iter()
+        .position(|verdict| verdict.as_deref().is_some_and(|v| v.starts_with("chosen")));
     Ok(row.and_then(|row| names[row].clone()).unwrap_or_default())
 }
 
