@@ -34,9 +34,24 @@ fn table_of(layout: &Layout, name: &str) -> PathBuf {
     derived(layout, format!("report/{name}.parquet"))
 }
 
-/// Every table of the stage that the study has, the thesis' statements and Table 1 in front.
-pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
-    statements(data).into_iter().chain(of_actuators(data)).collect()
+/// The tables that say what the data show: the thesis' statements and Table 1.
+pub(crate) fn of_data(data: &StudyData) -> Vec<PathBuf> {
+    let actuators = of_actuators(data, &["pros_cons"]);
+    statements(data).into_iter().chain(actuators).collect()
+}
+
+/// The tables that say what the study is made of.
+pub(crate) fn of_design(data: &StudyData) -> Vec<PathBuf> {
+    let names: &[&str] = match is_weighed(data) {
+        true => &["modes", "model", "device", "weight"],
+        false => &["modes", "model", "device"],
+    };
+    of_actuators(data, names)
+}
+
+/// Whether masses and modes allow a table of weights.
+fn is_weighed(data: &StudyData) -> bool {
+    zwidth_report::is_weighed(&Planned::of(&data.study))
 }
 
 /// The table of the thesis' statements, where there is a trial, an answer or an actuator.
@@ -46,19 +61,10 @@ pub(crate) fn statements(data: &StudyData) -> Option<PathBuf> {
     any.then(|| table_of(&data.layout, "thesis"))
 }
 
-/// The tables that a study with actuators has.
-fn of_actuators(data: &StudyData) -> Vec<PathBuf> {
-    if !has_actuators(data) {
-        return Vec::new();
-    }
-    let mut names = vec!["pros_cons", "modes", "model", "device", "weight"];
-    names.retain(|name| *name != "weight" || is_weighed(data));
-    names.into_iter().map(|name| table_of(&data.layout, name)).collect()
-}
-
-/// Whether masses and modes allow a table of weights.
-fn is_weighed(data: &StudyData) -> bool {
-    zwidth_report::is_weighed(&Planned::of(&data.study))
+/// Tables that a study with actuators has, by their names.
+fn of_actuators(data: &StudyData, names: &[&str]) -> Vec<PathBuf> {
+    let names = names.iter().filter(|_| has_actuators(data));
+    names.map(|name| table_of(&data.layout, name)).collect()
 }
 
 /// What was planned, and where its forces come from.

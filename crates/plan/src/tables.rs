@@ -3,17 +3,44 @@
 use crate::{
     characterise, compare, freemotion, identify, ladder, likert, metrics, replay, report, trade,
 };
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
-use zwidth_study::Coordinate;
+use zwidth_study::{Coordinate, Source};
 use zwidth_tables::{Format, Table};
 
 /// Its version is raised when a table would be written differently from the same data.
-const STAGE: Stage = Stage { name: "tables", version: 5 };
+const STAGE: Stage = Stage { name: "tables", version: 6 };
 
 /// The derived tables that are printed.
 pub fn printed(data: &StudyData) -> Vec<PathBuf> {
+    with_marks(data).into_iter().map(|(table, _)| table).collect()
+}
+
+/// The same, each with whether simulated data go into it. The trade runs models, and what modes and
+/// device are is written in study.toml.
+fn with_marks(data: &StudyData) -> Vec<(PathBuf, bool)> {
+    let trials = data.counting().any(|trial| trial.meta.source == Source::Twin);
+    let answers = data.sessions.iter().any(|session| session.record.source == Source::Twin);
+    let sweeps = data.sweeps.iter().any(|sweep| sweep.source == Source::Twin);
+    let any = trials || answers || sweeps;
+    let kinds = [
+        (of_trials(data), trials),
+        (likert::tally(data).into_iter().collect(), answers),
+        // The answers' are marked by themselves.
+        (compare::tables(data), trials),
+        (trade::tables(data), false),
+        (of_sweeps(data), sweeps),
+        (report::of_data(data), any),
+        (report::of_design(data), false),
+    ];
+    let kinds = kinds.into_iter();
+    kinds.flat_map(|(tables, mark)| tables.into_iter().map(move |table| (table, mark))).collect()
+}
+
+/// What is made of the trials' samples.
+fn of_trials(data: &StudyData) -> Vec<PathBuf> {
     let mut tables = Vec::new();
     if metrics::of_study(data).is_some() {
         let [trials, conditions] = metrics::study_files(&data.layout);
@@ -24,15 +51,15 @@ pub fn printed(data: &StudyData) -> Vec<PathBuf> {
     tables.extend(ladder::of_study(data));
     tables.extend(replay::of_study(data));
     tables.extend(identify::tables(data));
-    tables.extend(likert::tally(data));
-    tables.extend(compare::tables(data));
-    tables.extend(trade::tables(data));
-    for (actuator, _) in characterise::actuators(data) {
-        // Models and parameters; the curve is data of a figure.
-        tables.extend(characterise::tables_of(&data.layout, actuator).into_iter().take(2));
-    }
-    tables.extend(report::tables(data));
     tables
+}
+
+/// What is made of the sweeps: models and parameters. The curve is data of a figure.
+fn of_sweeps(data: &StudyData) -> Vec<PathBuf> {
+    let actuators = characterise::actuators(data).into_iter();
+    actuators
+        .flat_map(|(id, _)| characterise::tables_of(&data.layout, id).into_iter().take(2))
+        .collect()
 }
 
 /// Where a printed table lies in a format.
@@ -53,18 +80,27 @@ fn stem(path: &Path) -> String {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    printed(data).into_iter().map(|path| job(data, path)).collect()
+    with_marks(data).into_iter().map(|(path, mark)| job(data, path, mark)).collect()
 }
 
-fn job(data: &StudyData, input: PathBuf) -> Job {
+/// How a table is printed.
+#[derive(Serialize)]
+struct Printed {
+    coordinate: Coordinate,
+    /// Whether simulated data go into it.
+    simulated: bool,
+}
+
+fn job(data: &StudyData, input: PathBuf, simulated: bool) -> Job {
     let stem = stem(&input);
     let outputs = Format::ALL.iter().map(|f| printed_as(&data.layout, &stem, *f)).collect();
-    Job::new(STAGE, format!("table {stem}"), data.study.coordinate, input, outputs, make)
+    let how = Printed { coordinate: data.study.coordinate, simulated };
+    Job::new(STAGE, format!("table {stem}"), how, input, outputs, make)
 }
 
-fn make(coordinate: &Coordinate, input: &PathBuf, making: &Making) -> Result<Made, JobError> {
-    let table = Table::from_parquet(input)?;
+fn make(how: &Printed, input: &PathBuf, making: &Making) -> Result<Made, JobError> {
+    let table = Table::from_parquet(input)?.with_mark(how.simulated);
     let files = Format::ALL.into_iter().zip(making.outputs.iter().map(PathBuf::as_path));
     let files: Vec<_> = files.collect();
-    Ok(Made { outputs: table.to_bytes(&files, *coordinate, making.from)?, ..Made::default() })
+    Ok(Made { outputs: table.to_bytes(&files, how.coordinate, making.from)?, ..Made::default() })
 }

@@ -53,5 +53,5 @@ pub use heading::heading;
 pub use identity::{identity, of_trials};
 pub use markdown::escape as escape_markdown;
 pub use rounding::number;
-pub use table::{Column, Field, NoteKind, Table, Type, Values};
+pub use table::{Column, Field, NoteKind, SYNTHETIC, Table, Type, Values};
 pub use unit::{shown_unit, split_unit};

@@ -140,6 +140,9 @@ impl Column {
     }
 }
 
+/// Stands below every table that simulated data went into, as on every such figure.
+pub const SYNTHETIC: &str = "SYNTHETIC: simulated, not measured.";
+
 /// What a note below a table is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NoteKind {
@@ -222,6 +225,15 @@ impl Table {
         self.notes.push(note.into());
         self.kinds.push(kind);
         self
+    }
+
+    /// The same table, where `simulated` with the note that says so; once.
+    #[must_use]
+    pub fn with_mark(self, simulated: bool) -> Self {
+        match simulated && !self.notes.iter().any(|note| note == SYNTHETIC) {
+            true => self.with_note_of(NoteKind::Care, SYNTHETIC),
+            false => self,
+        }
     }
 
     /// Short name: a file's stem.

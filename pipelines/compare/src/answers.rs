@@ -5,7 +5,7 @@
 //! participant and participant × mode, the odds ratio for one person beside.
 
 use crate::cells::whole;
-use crate::{CompareError, columns, notes};
+use crate::{CompareError, columns};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_stats::clmm::{ModeComparison, ModeStudy, OddsRatio, compare_modes};
@@ -90,8 +90,8 @@ pub fn compare_answers(
         adjust(&mut rows[first..])?;
     }
     Ok(AnswersCompared {
-        contrasts: notes::mark(as_table(&rows)?, parameters.simulated),
-        participants: notes::mark(of_participants(&rows, &names)?, parameters.simulated),
+        contrasts: as_table(&rows)?.with_mark(parameters.simulated),
+        participants: of_participants(&rows, &names)?.with_mark(parameters.simulated),
     })
 }
 

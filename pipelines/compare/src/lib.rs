@@ -52,7 +52,7 @@ use unit::Unit;
 use zwidth_tables::{NoteKind, Table};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// The columns of the metrics that a comparison reads besides the metric.
 pub const COLUMNS: [&str; 6] = ["participant", "session", "trial", "environment", "mode", "repeat"];
@@ -96,7 +96,7 @@ pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, Com
     let noted = |table: Table, notes: Vec<(NoteKind, String)>| {
         notes.into_iter().fold(table, |table, (kind, note)| table.with_note_of(kind, note))
     };
-    let marked = |table: Table| notes::mark(table, parameters.simulated);
+    let marked = |table: Table| table.with_mark(parameters.simulated);
     Ok(Compared {
         cells: marked(cells.table(measure, parameters)?),
         means: marked(noted(

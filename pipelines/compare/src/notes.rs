@@ -6,13 +6,7 @@ use crate::{Parameters, columns, contrasts, means};
 use std::collections::BTreeSet;
 use zwidth_stats::design_guard;
 use zwidth_study::Families;
-use zwidth_tables::{NoteKind, Table};
-
-/// Says below a table that what it is made from was simulated, where any of it was.
-pub(crate) fn mark(table: Table, simulated: bool) -> Table {
-    let note = "SYNTHETIC: made from simulated data, nothing of those was measured.";
-    if simulated { table.with_note_of(NoteKind::Care, note) } else { table }
-}
+use zwidth_tables::NoteKind;
 
 /// Notes on means.
 pub(crate) fn means(

@@ -350,6 +350,21 @@ fn every_figure_of_simulated_data_says_so_on_its_face() {
 }
 
 #[test]
+fn every_table_of_simulated_data_says_so_below_it() {
+    // What is written in study.toml, and runs of models.
+    const HOLD_NONE: [&str; 6] = ["device", "model", "modes", "trade", "trade_summary", "weight"];
+    let folder = shipped::folder().join("reports/thesis-twin/tables");
+    for extension in ["md", "html", "tex", "typ"] {
+        for table in files(&folder, extension) {
+            let name = table.file_stem().unwrap().to_str().unwrap();
+            let marks = fs::read_to_string(&table).unwrap().matches("SYNTHETIC").count();
+            let expected = usize::from(!HOLD_NONE.contains(&name));
+            assert_eq!(marks, expected, "{}", table.display());
+        }
+    }
+}
+
+#[test]
 fn a_figure_is_marked_exactly_where_it_holds_simulated_data() {
     let study = small::Study::new("mixed");
     let answered =
