@@ -1,6 +1,7 @@
 //! Studies drawn by the design itself, with and without an effect.
 
 use super::*;
+use crate::SessionOrder;
 use crate::{Compared, DrawnOrder, compare};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
