@@ -6,6 +6,7 @@ use flate2::write::ZlibEncoder;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
+use zwidth_link::message::{Drive, FromBoard, Seen, ToBoard};
 use zwidth_store::{
     Journal, Layout, Memory, Protocol, Quantity, Samples, Sweep, Trial, TrialFile, append_events,
     hostile, record_bytes, sweep_bytes, trial_bytes,
@@ -106,6 +107,24 @@ pub fn write() -> Result<(), Any> {
     let sweep = sweep_bytes(&sweep, Path::new("sweep-001.parquet"))?;
     put("sweep", "three_rows", &sweep)?;
     put("parquet", "sweep", &sweep)?;
+
+    let seen = FromBoard::Seen(Seen {
+        t_us: 8300,
+        counts: 2048,
+        angle_age_us: 0,
+        force: 8123,
+        force_age_us: 4000,
+        status: 0,
+        drive: Drive { motor: 8192, brake: 0 },
+    });
+    for (name, frame) in [
+        ("poll", ToBoard::Poll.frame(1)),
+        ("hello", ToBoard::Hello.frame(2)),
+        ("seen", seen.frame(1)),
+    ] {
+        let (bytes, length) = frame.encode();
+        put("wire", name, &bytes[..length])?;
+    }
 
     put("csv", "plain", b"# made by hand\nt,angle,force\n0,0.1,1e-3\n0.01,\"0,2\",-2\n")?;
     put("csv", "crlf", b"\xef\xbb\xbft;\"a \"\"b\"\"\"\r\n1;2\r\n")?;

@@ -5,6 +5,8 @@ use zwidth_device::TwinParameters;
 use zwidth_dynamics::{ModelScene, System};
 use zwidth_import::Mapping;
 use zwidth_import::readers::readers;
+use zwidth_link::frame::Frames;
+use zwidth_link::message::{FromBoard, ToBoard};
 use zwidth_runner::{Records, Results};
 use zwidth_store::{Layout, Memory, hostile};
 use zwidth_study::{Calibration, Study, StudyId, study_changes};
@@ -13,7 +15,7 @@ use zwidth_study::{Calibration, Study, StudyId, study_changes};
 pub type Target = Box<dyn Fn(&[u8]) + Send + Sync>;
 
 /// Every target of our own files by its name, which is the folder of its seeds.
-const OURS: [(&str, fn(&[u8])); 13] = [
+const OURS: [(&str, fn(&[u8])); 14] = [
     ("journal", journal),
     ("events", events),
     ("head", head),
@@ -27,6 +29,7 @@ const OURS: [(&str, fn(&[u8])); 13] = [
     ("trial", trial),
     ("sweep", sweep),
     ("whole", whole),
+    ("wire", wire),
 ];
 
 pub fn named(name: &str) -> Option<Target> {
@@ -70,6 +73,19 @@ fn head(bytes: &[u8]) {
     let (disk, path) = disk(bytes.get(at + 1..).unwrap_or_default());
     disk.put(&hostile::head_of(&path), &bytes[..at]);
     let _ = hostile::events(&disk, &path);
+}
+
+/// Bytes of either end: what is read of them is written as it was read.
+fn wire(bytes: &[u8]) {
+    let mut frames = Frames::default();
+    for frame in bytes.iter().filter_map(|byte| frames.push(*byte)) {
+        if let Some(message) = ToBoard::read(&frame) {
+            assert_eq!(ToBoard::read(&message.frame(frame.sequence)), Some(message));
+        }
+        if let Some(message) = FromBoard::read(&frame) {
+            assert_eq!(FromBoard::read(&message.frame(frame.sequence)), Some(message));
+        }
+    }
 }
 
 fn record(bytes: &[u8]) {

@@ -45,6 +45,7 @@ fn kinds() -> Vec<Kind> {
         ("trial", "a trial's Parquet file", BINARY, 16_384),
         ("sweep", "a sweep's Parquet file", BINARY, 16_384),
         ("whole", "any text file of a study, and what verify says of it", BINARY, 4096),
+        ("wire", "what a board and its host send", TEXT, 1024),
     ];
     let ours = ours.map(|(name, about, runs, longest)| {
         let about = about.to_owned();

@@ -4,7 +4,8 @@ use crate::{AcquireError, Front, Input, Phase, View};
 use std::time::Duration;
 
 /// Another front end, and somebody who starts each trial, skips a question that the device's own
-/// participant did not answer, and ends the session when it is done or stopped.
+/// participant did not answer, and ends the session when it is done or stopped. Nobody holds the
+/// lever against its stop: it is for devices whose lever gets there by itself.
 #[derive(Debug)]
 pub struct Auto<F> {
     front: F,
@@ -26,7 +27,7 @@ impl<F: Front> Front for Auto<F> {
 
     fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError> {
         let own = match self.phase {
-            Phase::Ready => Some(Input::Start),
+            Phase::Ready | Phase::AtStop => Some(Input::Start),
             Phase::Question { .. } => Some(Input::Skip),
             Phase::Stopped { .. } | Phase::Done => Some(Input::Quit),
             _ => None,

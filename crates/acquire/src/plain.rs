@@ -155,6 +155,7 @@ fn still(phase: &Phase) -> Phase {
 fn line(view: &View) -> String {
     match &view.phase {
         Phase::Check => format!("check {}", view.device),
+        Phase::AtStop => "hold the lever against its lower stop, then say start".to_owned(),
         Phase::Homing => "homing: lever against its lower stop".to_owned(),
         Phase::Ready => format!("ready {}", trial(view)),
         Phase::Trial { limit_s, .. } => format!("trial {}, at most {limit_s} s", trial(view)),

@@ -61,6 +61,8 @@ pub enum Phase {
     /// The device is being checked.
     #[default]
     Check,
+    /// Somebody is to hold the lever against its stop, and to say so.
+    AtStop,
     /// The lever is brought to its stop, actuators off.
     Homing,
     /// The next trial waits for its start.

@@ -7,17 +7,20 @@ use std::str::FromStr;
 use zwidth_acquire::number;
 use zwidth_device::check::Step;
 use zwidth_device::{Device, Person, Playback, Twin, TwinParameters};
+use zwidth_link::{Rig, Serial, Settings};
 use zwidth_store::{Samples, Signal, hex_blake3, read_trial};
-use zwidth_study::{Flags, ParticipantId, Sample, SessionId, Voltages};
+use zwidth_study::{Environment, Flags, ParticipantId, Sample, SessionId, Voltages};
 
 /// How devices are written on the command line.
-pub(crate) const DEVICES: &str = "twin|playback:FILE";
+pub(crate) const DEVICES: &str = "twin|rig[:PORT]|playback:FILE";
 
 /// A device by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum DeviceSpec {
     /// The simulated device.
     Twin,
+    /// A board at a serial port: the one named, else that of `rig.toml`.
+    Rig(Option<PathBuf>),
     /// A recorded trial.
     Playback(PathBuf),
 }
@@ -26,6 +29,8 @@ impl fmt::Display for DeviceSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Twin => f.write_str("twin"),
+            Self::Rig(None) => f.write_str("rig"),
+            Self::Rig(Some(port)) => write!(f, "rig:{}", port.display()),
             Self::Playback(file) => write!(f, "playback:{}", file.display()),
         }
     }
@@ -37,6 +42,8 @@ impl FromStr for DeviceSpec {
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once(':') {
             None if text == "twin" => Ok(Self::Twin),
+            None if text == "rig" => Ok(Self::Rig(None)),
+            Some(("rig", port)) if !port.is_empty() => Ok(Self::Rig(Some(port.into()))),
             Some(("playback", file)) if !file.is_empty() => Ok(Self::Playback(file.into())),
             _ => Err(format!("it must be {DEVICES}")),
         }
@@ -47,6 +54,10 @@ impl FromStr for DeviceSpec {
 pub(crate) struct Occasion<'a> {
     /// The simulated device's parameters.
     pub(crate) twin: &'a TwinParameters,
+    /// What `rig.toml` says, where it is there.
+    pub(crate) rig: Option<&'a Settings>,
+    /// The study's environments.
+    pub(crate) environments: &'a [Environment],
     /// The lower end of the work space, rad.
     pub(crate) theta_min_rad: Option<f64>,
     /// What the simulated device's participant and noise are drawn from.
@@ -62,12 +73,32 @@ pub(crate) fn open(spec: &DeviceSpec, occasion: &Occasion) -> anyhow::Result<Box
     let theta_min_rad = occasion.theta_min_rad;
     match spec {
         DeviceSpec::Twin => Ok(Box::new(twin(occasion, false)?)),
+        DeviceSpec::Rig(port) => Ok(Box::new(rig(port.as_deref(), occasion)?)),
         DeviceSpec::Playback(path) => {
             let trial = read_trial(path, Signal::all())?;
             let stop_rad = theta_min_rad.context("study.toml: device.theta_min_deg is missing")?;
             Ok(Box::new(Playback::new(rows(path, &trial.samples)?, stop_rad)?))
         }
     }
+}
+
+/// The board at a port.
+fn rig(port: Option<&Path>, occasion: &Occasion) -> anyhow::Result<Rig<Serial>> {
+    let settings = occasion.rig.context(
+        "a rig needs its load cell's scale: write newtons_per_count = … into rig.toml beside study.toml (docs/rig.md)",
+    )?;
+    settings.check()?;
+    let port = port.or(settings.port.as_deref());
+    let port =
+        port.context("which port is the board at? --device rig:PORT, or port in rig.toml")?;
+    let environments = occasion.environments.iter().map(|e| e.id.clone()).collect();
+    let wire = Serial::open(port, settings.baud)?;
+    Ok(Rig::connect(wire, settings.clone(), environments)?)
+}
+
+/// Whether a device's lever needs a hand to get to its stop.
+pub(crate) fn is_homed_by_hand(spec: &DeviceSpec) -> bool {
+    matches!(spec, DeviceSpec::Rig(_))
 }
 
 /// The simulated device with a participant. One seed: one device, the same person in each session
@@ -100,6 +131,8 @@ pub(crate) fn mixed(seed: u64, purpose: &[&str]) -> u64 {
 pub(crate) fn checks_itself(spec: &DeviceSpec) -> fn(Step) -> bool {
     match spec {
         DeviceSpec::Twin => |step| !matches!(step, Step::Load(_)),
+        // At rest there is nothing for a hand to do.
+        DeviceSpec::Rig(_) => |step| step == Step::Rest,
         DeviceSpec::Playback(_) => |_| false,
     }
 }
@@ -139,7 +172,9 @@ mod tests {
     fn a_device_is_named_by_its_kind_and_what_belongs_to_it() {
         assert_eq!("twin".parse(), Ok(DeviceSpec::Twin));
         assert_eq!("playback:a:b".parse(), Ok(DeviceSpec::Playback("a:b".into())));
-        for bad in ["", "twin:1", "playback", "playback:", "rig:/dev/x,/dev/y", "Twin"] {
+        assert_eq!("rig".parse(), Ok(DeviceSpec::Rig(None)));
+        assert_eq!("rig:/dev/x".parse(), Ok(DeviceSpec::Rig(Some("/dev/x".into()))));
+        for bad in ["", "twin:1", "playback", "playback:", "rig:", "rigs", "Twin"] {
             assert!(bad.parse::<DeviceSpec>().unwrap_err().contains("playback:FILE"), "{bad}");
         }
     }

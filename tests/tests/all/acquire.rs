@@ -27,7 +27,7 @@ impl Desk {
 
     /// For real time on any machine, however busy: safety stops a loop that is late for three
     /// periods.
-    fn slow() -> Self {
+    pub(crate) fn slow() -> Self {
         Self::at(30.0, false)
     }
 
@@ -107,15 +107,15 @@ impl Desk {
 }
 
 /// A session in real time, one line at a time.
-struct Live {
-    child: Child,
+pub(crate) struct Live {
+    pub(crate) child: Child,
     says: BufReader<ChildStdout>,
     /// Held open: its end is `quit`.
     hears: ChildStdin,
 }
 
 impl Live {
-    fn new(desk: &Desk, more: &[&str]) -> Self {
+    pub(crate) fn new(desk: &Desk, more: &[&str]) -> Self {
         let mut child = desk.command(more).spawn().unwrap();
         let says = BufReader::new(child.stdout.take().unwrap());
         let hears = child.stdin.take().unwrap();
@@ -124,7 +124,7 @@ impl Live {
 
     /// Reads on to the line that begins so.
     #[track_caller]
-    fn until(&mut self, start: &str) -> String {
+    pub(crate) fn until(&mut self, start: &str) -> String {
         let mut all = String::new();
         loop {
             let mut line = String::new();
@@ -137,7 +137,7 @@ impl Live {
         }
     }
 
-    fn say(&mut self, line: &str) {
+    pub(crate) fn say(&mut self, line: &str) {
         writeln!(self.hears, "{line}").unwrap();
     }
 }

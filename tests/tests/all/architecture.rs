@@ -12,7 +12,7 @@ const FLOORS: [(u8, &[&str]); 8] = [
     (0, &["crates/study", "crates/numerics", "crates/arrow"]),
     (1, &["crates/dynamics", "crates/store", "crates/stats", "crates/testing"]),
     (2, &["crates/device", "crates/draw", "crates/tables", "crates/import"]),
-    (3, &["crates/frames"]),
+    (3, &["crates/frames", "crates/link"]),
     (4, &["crates/runner", "pipelines/*"]),
     (5, &["crates/plan", "crates/acquire"]),
     (6, &["crates/zwidth"]),
@@ -32,7 +32,7 @@ const CONFINED: [(&str, &[&str]); 10] = [
     ("polars", &["crates/frames"]),
     ("csv", &["crates/import"]),
     ("plotters", &["crates/draw"]),
-    ("serialport", &["crates/device"]),
+    ("serialport", &["crates/link"]),
     ("clap", &["crates/zwidth"]),
     ("anyhow", &["crates/zwidth"]),
 ];

@@ -25,6 +25,8 @@ mod provenance;
 mod real;
 mod records;
 mod resuming;
+#[cfg(unix)]
+mod rig;
 mod running;
 mod schema;
 mod shipped;

@@ -31,6 +31,14 @@ impl Flow {
             return Vec::new();
         }
         self.checked = true;
+        if self.by_hand {
+            self.phase = Phase::AtStop;
+            return Vec::new();
+        }
+        self.home()
+    }
+
+    fn home(&mut self) -> Vec<Action> {
         self.phase = Phase::Homing;
         vec![Action::Home]
     }
@@ -85,10 +93,8 @@ impl Flow {
                 self.phase = Phase::Trial { halted: None };
                 vec![Action::Run(self.places[place].trial.clone())]
             }
-            (Phase::Stopped { .. }, _) if self.checked => {
-                self.phase = Phase::Homing;
-                vec![Action::Home]
-            }
+            (Phase::AtStop, _) => self.home(),
+            (Phase::Stopped { .. }, _) if self.checked => self.home(),
             (Phase::Stopped { .. }, _) => {
                 self.phase = Phase::Check;
                 vec![Action::Check]

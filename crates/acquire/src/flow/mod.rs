@@ -1,9 +1,9 @@
 //! A session as a pure state machine: inputs in, actions out. No clock, no device, no file.
 //!
 //! ```text
-//! Check → Homing → Ready → Trial → Question → Pause → Ready → … → Done
-//!            ↑                                                       (Stop, Failed, a cut trial)
-//!            └──────────────── Start ─────────────── Stopped ←──── from every phase
+//! Check → (AtStop →) Homing → Ready → Trial → Question → Pause → Ready → … → Done
+//!                        ↑                                                       (Stop, Failed, a cut trial)
+//!                        └──────────────── Start ─────────────── Stopped ←──── from every phase
 //! ```
 //!
 //! The order is a row of *places*; each holds one trial. A trial that is repeated, or that was cut
@@ -97,6 +97,8 @@ pub enum Action {
 pub enum Phase {
     /// The device is being checked.
     Check,
+    /// Somebody is to hold the lever against its stop; a start says that they do.
+    AtStop,
     /// The lever goes to its stop.
     Homing,
     /// The next trial waits for its start.
@@ -173,9 +175,16 @@ pub struct Flow {
     rest_s: f64,
     /// Whether the device passed its check.
     checked: bool,
+    /// Whether the lever needs a hand to get to its stop.
+    by_hand: bool,
 }
 
 impl Flow {
+    /// The same session on a device whose lever needs a hand to get to its stop.
+    pub(crate) fn homed_by_hand(self, by_hand: bool) -> Self {
+        Self { by_hand, ..self }
+    }
+
     /// Where the session stands.
     pub(crate) fn phase(&self) -> &Phase {
         &self.phase

@@ -44,6 +44,7 @@ impl Flow {
             pause_s,
             rest_s: if files.is_empty() { 0.0 } else { pause_s },
             checked: false,
+            by_hand: false,
         };
         let mut actions = flow.replace_cut_trials(&files);
         flow.unanswered = flow.last.is_some_and(|i| flow.is_fresh(i, &files));

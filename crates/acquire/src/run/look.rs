@@ -68,6 +68,7 @@ fn current(place: usize, flow: &Flow, plan: &Plan, session: &Session) -> Current
 fn phase(flow: &Flow, plan: &Plan, view: &View) -> Phase {
     match flow.phase() {
         flow::Phase::Check => Phase::Check,
+        flow::Phase::AtStop => Phase::AtStop,
         flow::Phase::Homing => Phase::Homing,
         flow::Phase::Ready => Phase::Ready,
         flow::Phase::Trial { .. } => {

@@ -57,6 +57,8 @@ pub struct Options {
     pub live: bool,
     /// The device's own participant answers the questions.
     pub answers: bool,
+    /// The lever needs a hand to get to its stop.
+    pub by_hand: bool,
     /// The steps of the device check that this device can go through by itself.
     pub check: fn(Step) -> bool,
     /// The motor of a device without a watchdog may be used; each trial is marked.
@@ -132,6 +134,7 @@ pub fn run<'a>(
         &session.recorded,
         &session.events,
     );
+    let flow = flow.homed_by_hand(options.by_hand);
     let view = look::view(plan, &session, &capabilities);
     let station = Station::new(device, clock, guard, rate_hz);
     let attended = |mut attendant: Attendant<'a>| {

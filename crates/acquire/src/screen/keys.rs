@@ -118,6 +118,7 @@ pub(super) fn commands(phase: &Phase) -> Vec<(Cow<'static, str>, &'static str)> 
     const QUIT: (&str, &str) = ("q", "quit");
     let fixed: &[(&str, &str)] = match phase {
         Phase::Check | Phase::Homing => &[NOTE, QUIT],
+        Phase::AtStop => &[("Enter", "it is there"), NOTE, QUIT],
         Phase::Ready => &[("Enter", "start"), NOTE, EXCLUDE, REPEAT, QUIT],
         Phase::Trial { .. } | Phase::Left => &[],
         Phase::Question { .. } => &[("s", "skip"), NOTE, EXCLUDE, REPEAT, QUIT],

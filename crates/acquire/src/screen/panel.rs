@@ -13,7 +13,7 @@ const LEAVES_ROOM: usize = 12;
 pub(super) fn name(phase: &Phase) -> &'static str {
     match phase {
         Phase::Check => "DEVICE CHECK",
-        Phase::Homing => "HOMING",
+        Phase::AtStop | Phase::Homing => "HOMING",
         Phase::Ready => "READY",
         Phase::Trial { .. } => "TRIAL",
         Phase::Question { .. } => "QUESTION",
@@ -65,6 +65,7 @@ pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>>
     match &view.phase {
         Phase::Check if view.checks.is_empty() => plain(CHECK),
         Phase::Check => checks(&view.checks, look, limit),
+        Phase::AtStop => [plain(AT_STOP), after_gap(checks(&view.checks, look, limit))].concat(),
         Phase::Homing => [plain(HOMING), after_gap(checks(&view.checks, look, limit))].concat(),
         // Before the first trial there is no trace to look at, but a device.
         Phase::Ready if view.trace.is_empty() && !view.checks.is_empty() => {
@@ -87,6 +88,9 @@ pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>>
 const CHECK: &str = "The device is being checked; the actuators are switched on for a moment.";
 
 const READY: &str = "Finger on the lever. Enter starts the trial.";
+
+const AT_STOP: &str = "Hold the lever still against its lower stop. Enter says that it is there; \
+    both actuators are off.";
 
 const HOMING: &str = "The lever must rest against its lower stop; both actuators are off. \
     Without this the angle is unknown, and nothing is switched on.";

@@ -4,10 +4,11 @@ use super::device::{Bench, bench, clock, keys, raised_by_signals, secret};
 use super::recover::{lock, put_in_order_and_tell};
 use super::resume::resume;
 use crate::args::Acquire;
-use crate::devices::{checks_itself, mixed, open};
+use crate::devices::{checks_itself, is_homed_by_hand, mixed, open};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use crate::text::read_beside;
+use anyhow::bail;
 use std::io::{BufReader, stdin, stdout};
 use std::path::Path;
 use std::sync::Arc;
@@ -17,7 +18,7 @@ use zwidth_acquire::{
     own_study, run, seed_of,
 };
 use zwidth_store::{Raw, RealFiles, from_json};
-use zwidth_study::SessionRecord;
+use zwidth_study::{SessionRecord, Source};
 
 /// The software, as every record and trial names it.
 pub(super) const SOFTWARE: &str = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
@@ -32,7 +33,14 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         bench = bench.by(own, command.rate)?;
     }
     let seed = device_seed(&bench, command);
+    let by_hand = is_homed_by_hand(&command.device);
+    if by_hand && command.fast {
+        bail!("--fast: a rig runs in real time; leave it out");
+    }
     let mut device = open(&command.device, &bench.occasion(seed, participant, session))?;
+    if by_hand && command.auto && device.capabilities().source != Source::Twin {
+        bail!("--auto: nobody would hold the lever against its stop; leave it out");
+    }
     let keys = keys(&command.keys, bench.study.design.blinded)?;
     let plan = Plan {
         rate_hz: bench.study.control.rate_hz.min(device.capabilities().rate_hz),
@@ -53,6 +61,7 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
     let options = Options {
         live: !command.fast,
         answers: command.auto,
+        by_hand,
         check: checks_itself(&command.device),
         no_watchdog: command.no_watchdog,
         stop: raised_by_signals()?,

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use zwidth_device::{Clock, RealClock, SimulatedClock, TwinParameters, stop_on_signals};
+use zwidth_link::Settings;
 use zwidth_store::{Layout, MOST_BYTES, read_regular, read_study};
 use zwidth_study::{Calibration, Control, ParticipantId, SessionId, Study, StudyId};
 
@@ -19,11 +20,12 @@ pub(super) struct Bench {
     pub(super) study_toml: Vec<u8>,
     pub(super) calibration: Calibration,
     pub(super) twin: TwinParameters,
+    pub(super) rig: Option<Settings>,
 }
 
 /// The study, with the rate asked for, and what two files beside its `study.toml` say where they
-/// are there: `calibration.toml` (else the prototype's nominal one) and `twin.toml`, the simulated
-/// device's parameters.
+/// are there: `calibration.toml` (else the prototype's nominal one), `twin.toml`, the simulated
+/// device's parameters, and `rig.toml`, what a host must be told of a rig.
 pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::Result<Bench> {
     let layout = study(root, id)?;
     let mut study = read_study(&layout).map_err(|findings| join_findings(&findings))?;
@@ -37,7 +39,18 @@ pub(super) fn bench(root: &Path, id: StudyId, rate_hz: Option<f64>) -> anyhow::R
     };
     let study_toml = read_regular(&layout.study_toml(), MOST_BYTES)?;
     let twin = twin_parameters(&layout, study.device.lever_m)?;
-    Ok(Bench { layout, study, study_toml, calibration, twin })
+    let rig = rig_settings(&layout)?;
+    Ok(Bench { layout, study, study_toml, calibration, twin, rig })
+}
+
+/// What `raw/<study>/rig.toml` says, where it is there.
+fn rig_settings(layout: &Layout) -> anyhow::Result<Option<Settings>> {
+    let path = layout.raw().join("rig.toml");
+    let Some(text) = read_beside(&path)? else { return Ok(None) };
+    let settings: Settings =
+        toml::from_str(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
+    settings.check().with_context(|| path.display().to_string())?;
+    Ok(Some(settings))
 }
 
 impl Bench {
@@ -57,7 +70,9 @@ impl Bench {
     ) -> Occasion<'a> {
         let theta_min_rad = self.study.device.theta_min_rad;
         let trials = self.trials();
-        Occasion { twin: &self.twin, theta_min_rad, seed, participant, session, trials }
+        let (rig, environments) = (self.rig.as_ref(), self.study.environments.as_slice());
+        let twin = &self.twin;
+        Occasion { twin, rig, environments, theta_min_rad, seed, participant, session, trials }
     }
 
     /// The same for a session that goes on by the study it began with, at the rate asked for.

@@ -140,6 +140,7 @@ fn one(
     let options = Options {
         live: false,
         answers: true,
+        by_hand: false,
         check: checks_itself(&DeviceSpec::Twin),
         no_watchdog: false,
         stop: Default::default(),

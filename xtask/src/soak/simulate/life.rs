@@ -144,6 +144,7 @@ impl Desk {
         let options = Options {
             live: false,
             answers: self.with == With::Twin,
+            by_hand: false,
             check: |_| false,
             no_watchdog: false,
             stop: Arc::default(),

@@ -60,6 +60,7 @@ impl Desk {
         let options = Options {
             live: false,
             answers: false,
+            by_hand: false,
             check: |_| false,
             no_watchdog: false,
             stop: Arc::default(),

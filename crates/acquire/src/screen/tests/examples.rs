@@ -22,6 +22,7 @@ pub(super) fn asked() -> Phase {
 pub(crate) fn phases() -> Vec<Phase> {
     vec![
         Phase::Check,
+        Phase::AtStop,
         Phase::Homing,
         Phase::Ready,
         Phase::Trial { t_s: 1.6, limit_s: 4.0 },
@@ -52,7 +53,7 @@ fn course(end_s: f64) -> Vec<Point> {
 pub(super) fn view(phase: Phase, blinded: bool) -> View {
     let end_s = match phase {
         Phase::Trial { t_s, .. } => t_s,
-        Phase::Check | Phase::Homing | Phase::Left => 0.0,
+        Phase::Check | Phase::AtStop | Phase::Homing | Phase::Left => 0.0,
         _ => 3.8,
     };
     let check =

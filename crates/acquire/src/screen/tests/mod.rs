@@ -67,7 +67,10 @@ fn a_blinded_screen_shows_neither_mode_nor_voltage_even_if_the_view_held_them() 
         let open = words(&leaky, None);
         assert_eq!(
             open.contains("Hybrid"),
-            !matches!(phase, Phase::Check | Phase::Homing | Phase::Done | Phase::Left)
+            !matches!(
+                phase,
+                Phase::Check | Phase::AtStop | Phase::Homing | Phase::Done | Phase::Left
+            )
         );
         leaky.blinded = true;
         assert_eq!(words(&leaky, None), words(&view(phase, true), None));

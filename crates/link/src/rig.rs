@@ -1,0 +1,388 @@
+//! A board as a device: one question a reading, one write a command.
+
+use crate::frame::{Frames, MOST_WIRE};
+use crate::message::{Description, Drive, FromBoard, PROTOCOL, Seen, ToBoard, mark, status};
+use crate::{Settings, Turning, Wire};
+use std::io;
+use std::time::{Duration, Instant};
+use zwidth_device::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
+use zwidth_study::{EnvironmentId, Extra, Source, Voltages};
+
+/// A board may take so long to begin after its port was opened: many reset themselves then.
+const BEGIN: Duration = Duration::from_secs(4);
+/// So often it is asked who it is meanwhile.
+const HELLO_EVERY: Duration = Duration::from_millis(200);
+/// An answer that does not come within this share of a tick is waited for no longer: the reading
+/// before it stands, with its age.
+const PATIENCE_SHARE: f64 = 0.4;
+/// A lever is at rest at its stop where its count moves by no more than this, turns of the shaft.
+const STILL_TURNS: f64 = 0.01;
+/// At homing the board is asked for so long.
+const HOMING: Duration = Duration::from_millis(250);
+/// A stop is where it was at the last homing to within this, turns of the shaft: 2.6° of the
+/// prototype's lever.
+const SAME_STOP_TURNS: f64 = 0.05;
+/// The questions whose time is kept. One unanswered so long ago is answered no more.
+const KEPT: usize = 16;
+/// Bits of a byte on a serial line: a start, eight, a stop.
+const BITS: f64 = 10.0;
+
+/// A board behind a wire.
+pub struct Rig<W> {
+    wire: W,
+    settings: Settings,
+    capabilities: Capabilities,
+    /// Full scale, V.
+    full: Voltages,
+    counts_per_turn: u16,
+    /// The study's environments: a marker tells a place among them.
+    environments: Vec<EnvironmentId>,
+    /// What has come and is not looked at yet: of so many bytes those from the one place to the
+    /// other.
+    bytes: [u8; MOST_WIRE],
+    taken: usize,
+    came: usize,
+    frames: Frames,
+    sequence: u16,
+    /// When the last questions were asked, host time, s, by their number.
+    asked: [(u16, f64); KEPT],
+    last: Option<Known>,
+    /// The count at the stop, from the first homing on.
+    stop_counts: Option<u16>,
+    /// What was commanded last.
+    drive: Drive,
+    /// The board has begun anew since the last homing.
+    reset: bool,
+    /// Questions that were not answered in time.
+    late: u64,
+}
+
+/// The newest answer.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    seen: Seen,
+    /// When it was asked for, host time, s.
+    asked_s: f64,
+    /// The board's clock without its turning over, µs.
+    t_us: u64,
+}
+
+impl<W: Wire> Rig<W> {
+    /// Asks the board at the other end who it is. `environments`: the study's, in its order.
+    ///
+    /// # Errors
+    /// Settings that make no sense; no answer; a board of another protocol, or one that says
+    /// something impossible of itself.
+    pub fn connect(
+        wire: W,
+        settings: Settings,
+        environments: Vec<EnvironmentId>,
+    ) -> Result<Self, DeviceError> {
+        settings.check()?;
+        let mut rig = Self {
+            wire,
+            capabilities: unknown(),
+            full: Voltages::OFF,
+            counts_per_turn: 1,
+            environments,
+            bytes: [0; MOST_WIRE],
+            taken: 0,
+            came: 0,
+            frames: Frames::default(),
+            sequence: 0,
+            asked: [(0, 0.0); KEPT],
+            last: None,
+            stop_counts: None,
+            drive: Drive::default(),
+            reset: false,
+            late: 0,
+            settings,
+        };
+        let board = rig.introduce()?;
+        rig.full = Voltages { motor_v: volts(board.motor_mv), brake_v: volts(board.brake_mv) };
+        rig.counts_per_turn = board.counts_per_turn;
+        rig.capabilities = capabilities(&board, &rig.settings)?;
+        rig.reset = false;
+        Ok(rig)
+    }
+
+    /// Questions that were not answered in time, and pieces on the wire that were no message.
+    pub fn faults(&self) -> [u64; 2] {
+        [self.late, self.frames.damaged()]
+    }
+
+    /// As if the stop had been at another count at the first homing.
+    #[cfg(test)]
+    pub(crate) fn forget_stop(&mut self, counts: u16) {
+        self.stop_counts = Some(counts);
+    }
+
+    /// Asks until the board says who it is.
+    fn introduce(&mut self) -> Result<Description, DeviceError> {
+        let began = Instant::now();
+        while began.elapsed() < BEGIN {
+            self.send(&ToBoard::Hello)?;
+            let until = Instant::now() + HELLO_EVERY;
+            while let Some(wait) = until.checked_duration_since(Instant::now()) {
+                if let Some(FromBoard::Description(board)) = self.receive(wait)? {
+                    return Ok(board);
+                }
+            }
+        }
+        let what = format!("nothing answers at {} baud", self.settings.baud);
+        let remedy = "check port and baud in rig.toml, and that the board runs the framed firmware (docs/rig.md)";
+        Err(self.unable(what, remedy))
+    }
+
+    fn send(&mut self, message: &ToBoard) -> Result<(), DeviceError> {
+        self.sequence = self.sequence.wrapping_add(1);
+        let (bytes, length) = message.frame(self.sequence).encode();
+        self.wire.send(&bytes[..length]).map_err(|e| self.lost(&e.to_string()))
+    }
+
+    /// The next message that is in what has come, or that comes within `wait`.
+    fn receive(&mut self, wait: Duration) -> Result<Option<FromBoard>, DeviceError> {
+        let until = Instant::now() + wait;
+        for _ in 0..MOST_BYTES {
+            let Some(byte) = self.byte(until)? else { return Ok(None) };
+            let Some(frame) = self.frames.push(byte) else { continue };
+            match FromBoard::read(&frame) {
+                Some(FromBoard::Seen(seen)) => self.know(frame.sequence, seen),
+                Some(FromBoard::Description(_)) => self.reset = true,
+                None => continue,
+            }
+            return Ok(FromBoard::read(&frame));
+        }
+        Err(self.lost("it sends without an end and nothing of it is a message"))
+    }
+
+    /// The next byte; none that comes before `until`.
+    fn byte(&mut self, until: Instant) -> Result<Option<u8>, DeviceError> {
+        if self.taken == self.came {
+            let left = until.saturating_duration_since(Instant::now());
+            let came = self.wire.receive(&mut self.bytes, left);
+            (self.taken, self.came) = (0, came.map_err(|e| self.lost(&e.to_string()))?);
+        }
+        let byte = self.bytes[..self.came].get(self.taken).copied();
+        self.taken += usize::from(byte.is_some());
+        Ok(byte)
+    }
+
+    /// Takes an answer, if its question is known and nothing newer came.
+    fn know(&mut self, sequence: u16, seen: Seen) {
+        let (asked, asked_s) = self.asked[usize::from(sequence) % KEPT];
+        if asked != sequence || self.last.is_some_and(|last| last.asked_s > asked_s) {
+            return;
+        }
+        let passed_us = self.last.map_or(0, |last| seen.t_us.wrapping_sub(last.seen.t_us));
+        let t_us = self.last.map_or(u64::from(seen.t_us), |last| last.t_us + u64::from(passed_us));
+        self.last = Some(Known { seen, asked_s, t_us });
+    }
+
+    /// Asks what the board sees, and waits for the answer for so long.
+    fn poll(&mut self, now_s: f64, wait: Duration) -> Result<(), DeviceError> {
+        let next = self.sequence.wrapping_add(1);
+        self.asked[usize::from(next) % KEPT] = (next, now_s);
+        self.send(&ToBoard::Poll)?;
+        let until = Instant::now() + wait;
+        while self.last.is_none_or(|last| last.asked_s < now_s) {
+            let left = until.saturating_duration_since(Instant::now());
+            if self.receive(left)?.is_none() {
+                self.late += 1;
+                return Ok(());
+            }
+            if self.reset {
+                return Err(self.lost("the board has begun anew"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The newest answer as a reading.
+    fn reading(&self, now_s: f64) -> Result<Reading, DeviceError> {
+        let Some(Known { seen, asked_s, t_us }) = self.last else {
+            return Err(self.lost("it does not answer"));
+        };
+        if seen.status & status::NO_MAGNET != 0 {
+            return Err(self.lost("its angle sensor does not see the magnet"));
+        }
+        if seen.status & status::WATCHDOG != 0 && self.drive != Drive::default() {
+            return Err(self.lost("its watchdog took the voltages away"));
+        }
+        let since_s = (now_s - asked_s).max(0.0);
+        let force = f64::from(seen.force) - self.settings.zero_counts;
+        Ok(Reading {
+            t_device_s: Some(t_us as f64 * 1e-6),
+            angle: Angle::Counts(self.upwards(seen.counts)),
+            angle_age_s: since_s + f64::from(seen.angle_age_us) * 1e-6,
+            force_n: force * self.settings.newtons_per_count,
+            force_age_s: Some(since_s + f64::from(seen.force_age_us) * 1e-6),
+            extra: Extra::default(),
+        })
+    }
+
+    /// A count as of a sensor that counts up with +θ.
+    fn upwards(&self, counts: u16) -> u16 {
+        match self.settings.turning {
+            Turning::Up => counts,
+            Turning::Down => {
+                (self.counts_per_turn - counts % self.counts_per_turn) % self.counts_per_turn
+            }
+        }
+    }
+
+    /// Turns of the shaft from one count to another, the shorter way.
+    fn turns(&self, from: u16, to: u16) -> f64 {
+        let share = (f64::from(to) - f64::from(from)) / f64::from(self.counts_per_turn);
+        share - share.round()
+    }
+
+    fn patience(&self) -> Duration {
+        Duration::from_secs_f64(PATIENCE_SHARE / self.capabilities.rate_hz)
+    }
+
+    fn lost(&self, what: &str) -> DeviceError {
+        DeviceError::Lost { device: self.capabilities.name.clone(), what: what.to_owned() }
+    }
+
+    fn unable(&self, what: String, remedy: &str) -> DeviceError {
+        let device = self.capabilities.name.clone();
+        DeviceError::Unable { device, what, remedy: remedy.to_owned() }
+    }
+}
+
+/// A reading is not looked for in more bytes than this: no wire brings them in a tick.
+const MOST_BYTES: usize = 64 * MOST_WIRE;
+
+impl<W: Wire> Device for Rig<W> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        (self.last, self.reset) = (None, false);
+        self.send(&ToBoard::Mark { code: mark::HOMING, number: 0 })?;
+        let (began, mut first) = (Instant::now(), None);
+        while began.elapsed() < HOMING {
+            self.poll(now_s + began.elapsed().as_secs_f64(), HELLO_EVERY)?;
+            let counts = self.last.ok_or_else(|| self.lost("it does not answer"))?.seen.counts;
+            let turns = self.turns(*first.get_or_insert(counts), counts);
+            if turns.abs() > STILL_TURNS {
+                let what =
+                    format!("the lever moves by {:.1} % of a shaft's turn", 100.0 * turns.abs());
+                return Err(
+                    self.unable(what, "hold it still against its lower stop, then home again")
+                );
+            }
+        }
+        let counts = first.unwrap_or_default();
+        let stop = *self.stop_counts.get_or_insert(counts);
+        if self.turns(stop, counts).abs() > SAME_STOP_TURNS {
+            let what = "the lever is not where its stop was before".to_owned();
+            return Err(self.unable(what, "hold it against its lower stop, then home again"));
+        }
+        let now_s = self.last.map_or(now_s, |last| last.asked_s);
+        self.reading(now_s)
+    }
+
+    fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        self.poll(now_s, self.patience())?;
+        self.reading(now_s)
+    }
+
+    fn write(&mut self, _now_s: f64, voltages: Voltages) -> Result<(), DeviceError> {
+        self.drive = Drive {
+            motor: share(voltages.motor_v, self.full.motor_v),
+            brake: share(voltages.brake_v, self.full.brake_v).max(0),
+        };
+        self.send(&ToBoard::Write(self.drive))
+    }
+
+    fn begin(&mut self, _now_s: f64, cue: &Cue<'_>) {
+        let place = self.environments.iter().position(|id| *id == cue.environment.id);
+        let environment = place.and_then(|place| u16::try_from(place).ok()).unwrap_or(u16::MAX);
+        let number = u16::try_from(cue.trial).unwrap_or(u16::MAX);
+        // A marker that does not arrive harms nothing; the next reading tells of a lost wire.
+        let _ = self.send(&ToBoard::Mark { code: mark::ENVIRONMENT, number: environment });
+        let _ = self.send(&ToBoard::Mark { code: mark::TRIAL, number });
+    }
+}
+
+/// A voltage as a share of the full scale, rounded towards 0: never more than was asked for.
+fn share(volts: f64, full_v: f64) -> i16 {
+    if full_v > 0.0 { (volts / full_v * f64::from(i16::MAX)) as i16 } else { 0 }
+}
+
+fn volts(millivolts: u32) -> f64 {
+    f64::from(millivolts) * 1e-3
+}
+
+/// Before a board has said who it is.
+fn unknown() -> Capabilities {
+    Capabilities {
+        name: "rig".to_owned(),
+        rate_hz: 1.0,
+        force_rate_hz: 1.0,
+        counts_per_turn: None,
+        shaft_per_lever: 1.0,
+        motor_max_v: 0.0,
+        brake_max_v: 0.0,
+        watchdog_s: None,
+        source: Source::Recorded,
+        channels: Vec::new(),
+    }
+}
+
+/// What a board can do behind its wire.
+fn capabilities(board: &Description, settings: &Settings) -> Result<Capabilities, DeviceError> {
+    let unable = |what: String, remedy: &str| {
+        let (device, remedy) = (board.name.clone(), remedy.to_owned());
+        Err(DeviceError::Unable { device, what, remedy })
+    };
+    if board.protocol != PROTOCOL {
+        let what = format!("it speaks version {} of the protocol, not {PROTOCOL}", board.protocol);
+        return unable(what, "put the firmware of this zwidth on it");
+    }
+    if board.period_us == 0 || board.force_period_us == 0 || board.counts_per_turn < 2 {
+        let what = "it gives no rate, or no counts in a turn".to_owned();
+        return unable(what, "put the firmware of this zwidth on it");
+    }
+    Ok(Capabilities {
+        name: board.name.clone(),
+        rate_hz: (1e6 / f64::from(board.period_us)).min(wire_rate_hz(settings.baud)),
+        force_rate_hz: 1e6 / f64::from(board.force_period_us),
+        counts_per_turn: Some(u32::from(board.counts_per_turn)),
+        shaft_per_lever: settings.shaft_per_lever,
+        motor_max_v: volts(board.motor_mv),
+        brake_max_v: volts(board.brake_mv),
+        watchdog_s: (board.watchdog_ms > 0).then(|| f64::from(board.watchdog_ms) * 1e-3),
+        source: if board.simulated { Source::Twin } else { Source::Recorded },
+        channels: Vec::new(),
+    })
+}
+
+/// Ticks a second that a serial line carries: its longer way has one answer in each, Hz.
+pub(crate) fn wire_rate_hz(baud: u32) -> f64 {
+    let seen = FromBoard::Seen(Seen {
+        t_us: 0,
+        counts: 0,
+        angle_age_us: 0,
+        force: 0,
+        force_age_us: 0,
+        status: 0,
+        drive: Drive::default(),
+    });
+    let (_, length) = seen.frame(0).encode();
+    f64::from(baud) / BITS / length as f64
+}
+
+/// A wire that a caller keeps.
+impl<W: Wire + ?Sized> Wire for Box<W> {
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
+        (**self).receive(into, wait)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        (**self).send(bytes)
+    }
+}

@@ -1,0 +1,176 @@
+//! Sessions over a serial line: the program at one end, at the other a board with the twin behind
+//! it, which remembers what it saw.
+
+use crate::acquire::{Desk, Live};
+use crate::folders::files;
+use std::fs;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+use zwidth_device::{
+    Capabilities, Cue, Device, DeviceError, Person, Reading, Twin, TwinParameters,
+};
+use zwidth_link::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
+use zwidth_link::{Board, Pair, Wire as _};
+use zwidth_store::{Signal, read_trial};
+use zwidth_study::{Study, Voltages};
+
+/// The twin, and every reading that was asked of it.
+struct Remembering {
+    twin: Twin,
+    seen: Arc<Mutex<Vec<Reading>>>,
+}
+
+impl Device for Remembering {
+    fn capabilities(&self) -> &Capabilities {
+        self.twin.capabilities()
+    }
+
+    fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        self.twin.home(now_s)
+    }
+
+    fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        let reading = self.twin.read(now_s)?;
+        self.seen.lock().unwrap().push(reading);
+        Ok(reading)
+    }
+
+    fn write(&mut self, now_s: f64, voltages: Voltages) -> Result<(), DeviceError> {
+        self.twin.write(now_s, voltages)
+    }
+
+    fn begin(&mut self, now_s: f64, cue: &Cue<'_>) {
+        self.twin.begin(now_s, cue);
+    }
+}
+
+/// A board at the end of a line, until it is dropped or its cable is pulled.
+struct OnDesk {
+    port: String,
+    seen: Arc<Mutex<Vec<Reading>>>,
+    pulled: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl OnDesk {
+    fn new(desk: &Desk) -> Self {
+        let text = fs::read_to_string(desk.root().join("raw/small/study.toml")).unwrap();
+        let environments = Study::from_toml(&text).unwrap().environments;
+        let (line, seen) = (Pair::open().unwrap(), Arc::<Mutex<Vec<Reading>>>::default());
+        let twin = Twin::new(TwinParameters::default(), Person::draw(3), 5).unwrap();
+        let mut board = Board::new(Remembering { twin, seen: Arc::clone(&seen) }, environments);
+        let (port, pulled) = (line.port().to_string_lossy().into_owned(), Arc::default());
+        let gone: Arc<AtomicBool> = Arc::clone(&pulled);
+        let mut line = line;
+        let run = move || {
+            let began = Instant::now();
+            while !gone.load(Ordering::Relaxed) {
+                let (mut bytes, mut out) = ([0; 64], Vec::new());
+                let came = line.receive(&mut bytes, Duration::from_millis(1)).unwrap();
+                board.take(began.elapsed().as_secs_f64(), &bytes[..came], &mut out).unwrap();
+                line.send(&out).unwrap();
+            }
+        };
+        let scale =
+            format!("newtons_per_count = {NEWTONS_PER_COUNT:?}\nzero_counts = {ZERO_COUNTS:?}\n");
+        fs::write(desk.root().join("raw/small/rig.toml"), scale).unwrap();
+        Self { port, seen, pulled, thread: Some(thread::spawn(run)) }
+    }
+
+    fn pull(&mut self) {
+        self.pulled.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
+        }
+    }
+}
+
+impl Drop for OnDesk {
+    fn drop(&mut self) {
+        self.pulled.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Up to the first trial.
+fn ready(desk: &Desk, board: &OnDesk) -> Live {
+    let mut live = Live::new(desk, &["--device", &format!("rig:{}", board.port)]);
+    live.until("hold the lever against its lower stop");
+    live.say("start");
+    live.until("ready 1 ");
+    live
+}
+
+#[test]
+fn every_sample_of_a_trial_over_a_serial_line_is_what_the_board_saw() {
+    let desk = Desk::slow();
+    let board = OnDesk::new(&desk);
+    let mut live = ready(&desk, &board);
+    live.say("start");
+    live.until("trial 1 ");
+    live.until("question ");
+    live.say("4");
+    live.until("pause ");
+    live.say("quit");
+    assert_eq!(live.child.wait().unwrap().code(), Some(3));
+    desk.verify();
+    let trials = files(&desk.root().join("raw/small/trials"), "parquet");
+    assert_eq!(trials.len(), 1);
+    let trial = read_trial(&trials[0], Signal::all()).unwrap();
+    assert_eq!(trial.meta.source.as_str(), "twin", "a simulated board's data are simulated");
+    let times = trial.samples.get(Signal::DeviceTime).unwrap();
+    let forces = trial.samples.get(Signal::ForceEx).unwrap();
+    let seen = board.seen.lock().unwrap();
+    let micros = |s: f64| (s * 1e6).round() as i64;
+    let place = |s: f64| {
+        seen.iter().position(|reading| micros(reading.t_device_s.unwrap()) == micros(s)).unwrap()
+    };
+    assert!(times.len() > 20, "{} samples", times.len());
+    let places: Vec<usize> = times.iter().map(|t_s| place(*t_s)).collect();
+    for (place, force_n) in places.iter().zip(forces) {
+        assert!((force_n - seen[*place].force_n).abs() <= 0.51 * NEWTONS_PER_COUNT, "{place}");
+    }
+    // Where an answer is late on a busy machine, the one before stands; nothing comes out of turn.
+    assert!(places.is_sorted(), "{places:?}");
+    assert!(places[places.len() - 1] - places[0] >= places.len() / 2, "{places:?}");
+}
+
+#[test]
+fn a_pulled_cable_stops_the_session_and_what_was_finished_stays() {
+    let desk = Desk::slow();
+    let mut board = OnDesk::new(&desk);
+    let mut live = ready(&desk, &board);
+    live.say("start");
+    live.until("trial 1 ");
+    board.pull();
+    let stopped = live.until("stopped ");
+    assert!(stopped.contains("cable") && stopped.contains("home again"), "{stopped}");
+    live.say("quit");
+    assert_eq!(live.child.wait().unwrap().code(), Some(1));
+    desk.verify();
+}
+
+#[test]
+fn a_rig_that_cannot_be_used_is_refused_before_anything_is_written() {
+    let desk = Desk::slow();
+    let refused = |more: &[&str], says: &[&str]| {
+        let ran = desk.acquire("", more).exits(1).one_error();
+        ran.says(says);
+    };
+    refused(&["--device", "rig:/dev/no-such-port"], &["--fast"]);
+    let live = |more: &[&str], says: &str| {
+        let mut live = Live::new(&desk, more);
+        let status = live.child.wait().unwrap();
+        let mut told = String::new();
+        std::io::Read::read_to_string(live.child.stderr.as_mut().unwrap(), &mut told).unwrap();
+        assert!(status.code() == Some(1) && told.contains(says), "{told}");
+    };
+    live(&["--device", "rig:/dev/no-such-port"], "newtons_per_count");
+    fs::write(desk.root().join("raw/small/rig.toml"), "newtons_per_count = 1e-4").unwrap();
+    live(&["--device", "rig:/dev/no-such-port"], "/dev/no-such-port");
+    live(&["--device", "rig"], "--device rig:PORT");
+    fs::write(desk.root().join("raw/small/rig.toml"), "newtons_per_count = 0.0").unwrap();
+    live(&["--device", "rig"], "newtons_per_count is 0");
+    assert!(!desk.root().join("raw/small/sessions").exists());
+}
