@@ -85,7 +85,8 @@ pub fn compared(data: &StudyData) -> Vec<String> {
         data.counting().any(|trial| {
             let environment = study.environment(&trial.meta.environment);
             environment.is_some_and(|environment| {
-                zwidth_metrics::is_possible(metric, &environment.scene, &trial.signals)
+                let (scene, channels) = (&environment.scene, &study.channels);
+                zwidth_metrics::is_possible(metric, scene, &trial.signals, channels)
             })
         })
     };

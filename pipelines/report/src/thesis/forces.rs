@@ -139,7 +139,9 @@ fn wall_below_brake(derived: &Derived) -> Result<Judged, Stop> {
 
 fn weight(derived: &Derived) -> Result<Judged, Stop> {
     let Some([hybrid, motor]) = masses_g(derived.known.study) else {
-        return not_measured("masses, or a mode of motor and brake, are not known");
+        return not_measured(
+            "the study gives no masses of motor and brake, or has no mode with both",
+        );
     };
     let asked = format!("below {motor:.0}\u{a0}g: the motor's");
     let words = "mass of the brake and a motor of the size that is used";

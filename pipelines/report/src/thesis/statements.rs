@@ -143,7 +143,7 @@ pub(crate) const ALL: &[Statement] = &[
     of(Active, Wall, "motor_force", "§5.3.2.1", "At 16 V the motor gives 4.16 N", Rule::Forces(Force::OfMotor)),
     of(Active, Wall, "active_never_settles", "§5.3.2.1", "With the motor the velocity never settles at the wall", Rule::Mean(STILL, Bound::Given(f64::NEG_INFINITY, STANDS_S, NOT_STANDING))),
     of(Active, Wall, "active_as_without", "§5.3.2.1", "With the motor the displacement is as it is without the wall", Rule::Difference(LARGEST_ANGLE, ACTIVE_SPRING, WITHIN_JND)),
-    whole("spooling_up", "§5.3.2.1", "A strong enough motor would not feel like a wall either, for it must spool up", Rule::Untold("no motor strong enough was used")),
+    whole("spooling_up", "§5.3.2.1", "A strong enough motor would not feel like a wall either, for it must spool up", Rule::Untold("no motor strong enough to hold the wall was used")),
     of(Passive, Wall, "passive_stands", "§5.3.2.2", "With the brake the lever stands at the wall", Rule::Mean(STILL, STANDS)),
     of(Passive, Wall, "passive_force_rises", "§5.3.2.2", "With the brake the force rises at the wall", Rule::Mean(RISE, Bound::ForceAtWall)),
     of(Passive, Wall, "passive_holds", "§5.3.2.2", "With the brake the lever does not move on at the wall", Rule::Mean(PAST, Bound::Given(f64::NEG_INFINITY, ANGLE_JND_RAD, JND))),
