@@ -110,7 +110,7 @@ fn below_wall(derived: &Derived) -> Result<Judged, Stop> {
     let Some(estimated) = mean(&people(derived, HELD, WALL_FORCE)?, derived.level) else {
         return not_measured("no trial has a force past the wall");
     };
-    let why = "the motor's at 48 V, by the voltage; less than that it would hold".to_owned();
+    let why = "what the motor would give at 48 V; up to that it would hold".to_owned();
     let range = Range { low, high: f64::INFINITY, why };
     let shown = Shown::Modes(environment.id.clone());
     Ok(judged(WALL_FORCE, &estimated, &range, derived.known.study.coordinate, shown))

@@ -167,7 +167,12 @@ fn some(quantity: Quantity, above: f64, case: Case, derived: &Derived) -> Result
     let verdict = if some > 0 { Verdict::Supported } else { Verdict::Undecided };
     let judged = counted(quantity.words, some, all, verdict, "at least one trial", &trials)?;
     let share = clopper_pearson(some, all, derived.level).ok().filter(|_| people.len() == 1);
-    Ok(Judged { interval: share.map(|(low, high)| [100.0 * low, 100.0 * high]), ..judged })
+    let shown = match quantity.from {
+        From::Metrics => judged.shown,
+        From::Replays => Shown::Replays(condition(derived.known, case)?.0.id.clone()),
+    };
+    let interval = share.map(|(low, high)| [100.0 * low, 100.0 * high]);
+    Ok(Judged { interval, shown, ..judged })
 }
 
 /// P(A > B) + ½ P(A = B) of the answers in two modes.
@@ -273,13 +278,13 @@ fn all_of(parts: &[&str], before: &BTreeMap<&str, Verdict>) -> Result<Judged, St
     }
     Ok(Judged {
         evidence: Evidence {
-            metric: "other statements".to_owned(),
+            metric: "the statements it rests on".to_owned(),
             value: None,
             unit: String::new(),
             remark,
             verdict,
         },
-        asked: "all of them".to_owned(),
+        asked: "all of them supported".to_owned(),
         interval: None,
         n: None,
         over: String::new(),
