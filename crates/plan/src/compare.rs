@@ -91,7 +91,10 @@ pub fn compared(data: &StudyData) -> Vec<String> {
 fn is_possible(data: &StudyData, metric: &str) -> bool {
     data.counting().any(|trial| {
         let environment = data.study.environment(&trial.meta.environment);
-        environment.is_some_and(|e| zwidth_metrics::is_possible(metric, &e.scene, &trial.signals))
+        let channels = &data.study.channels;
+        environment.is_some_and(|e| {
+            zwidth_metrics::is_possible(metric, &e.scene, &trial.signals, channels)
+        })
     })
 }
 

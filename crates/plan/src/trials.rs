@@ -4,8 +4,8 @@ use crate::making::split;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use zwidth_store::{Signal, Trial, TrialEntry, read_trial};
-use zwidth_study::{ModeId, TrialMeta};
+use zwidth_store::{Signal, Trial, TrialEntry, read_trial_and_channels};
+use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, ModeId, TrialMeta};
 
 /// What the session knows of a trial beside its file: of an unsealed one, whose file has a code,
 /// the mode and the repeat.
@@ -53,15 +53,26 @@ pub(crate) fn read_all(
     signals: impl Iterator<Item = Signal> + Clone + Sync,
 ) -> (Vec<Trial>, Vec<String>) {
     let trials = files.par_iter().zip(known);
-    split(trials.map(|(file, known)| read_one(file, known, signals.clone())).collect())
+    split(trials.map(|(file, known)| read_one(file, known, signals.clone(), &[])).collect())
+}
+
+/// The same with every signal, and the actuators' currents where the files have them.
+pub(crate) fn read_with_currents(files: &[PathBuf], known: &[Known]) -> (Vec<Trial>, Vec<String>) {
+    let names = [CURRENT_MOTOR, CURRENT_BRAKE];
+    let currents: Vec<ChannelId> =
+        names.into_iter().filter_map(|name| ChannelId::new(name).ok()).collect();
+    let trials = files.par_iter().zip(known);
+    let read = trials.map(|(file, known)| read_one(file, known, Signal::all(), &currents));
+    split(read.collect())
 }
 
 fn read_one(
     file: &Path,
     known: &Known,
     signals: impl Iterator<Item = Signal>,
+    channels: &[ChannelId],
 ) -> Result<Trial, zwidth_store::StoreError> {
-    let trial = read_trial(file, signals)?;
+    let trial = read_trial_and_channels(file, signals, channels)?;
     let meta = TrialMeta { mode: known.mode.clone(), repeat: known.repeat, ..trial.meta };
     Ok(Trial { meta, ..trial })
 }

@@ -278,8 +278,8 @@ mod tests {
         let words =
             |values: &[f64], n, level| interval(values, n, 1, level, mean).unwrap_err().to_string();
         assert_eq!(words(&[], 100, 0.95), "0 blocks, 2 are needed");
-        assert_eq!(words(&[1.0], 100, 0.95), "1 blocks, 2 are needed");
-        assert_eq!(words(&VALUES, 0, 0.95), "0 resamples, 1 are needed");
+        assert_eq!(words(&[1.0], 100, 0.95), "1 block, 2 are needed");
+        assert_eq!(words(&VALUES, 0, 0.95), "0 resamples, 1 is needed");
         assert!(words(&[2.0; 5], 100, 0.95).starts_with("all resampled statistics are equal"));
         assert!(words(&VALUES, 100, 95.0).contains("level of 95"));
         assert!(words(&[1.0, f64::NAN], 100, 0.95).contains("NaN"));

@@ -277,8 +277,8 @@ mod tests {
     #[test]
     fn data_without_an_answer_say_why() {
         let words = |rows: &[&[f64]]| test(rows, SAMPLING).unwrap_err().to_string();
-        assert_eq!(words(&[]), "0 participants, 1 are needed");
-        assert_eq!(words(&[&[1.0]]), "1 modes, 2 are needed");
+        assert_eq!(words(&[]), "0 participants, 1 is needed");
+        assert_eq!(words(&[&[1.0]]), "1 mode, 2 are needed");
         assert_eq!(words(&[&[]]), "0 modes, 2 are needed");
         assert!(words(&[&[1.0, 1.0], &[0.3, 0.1 + 0.2]]).contains("within each participant"));
         assert!(words(&[&[1.0, f64::NAN]]).contains("NaN"));

@@ -527,10 +527,10 @@ mod tests {
         assert_eq!(of(&table), of(&table));
         assert_eq!(of(&table).unwrap().values, 15);
         let words = |table: &[Vec<Option<f64>>]| of(table).unwrap_err().to_string();
-        assert_eq!(words(&table[2..3]), "1 participants, 2 are needed");
+        assert_eq!(words(&table[2..3]), "1 participant, 2 are needed");
         assert_eq!(
             words(&[vec![Some(1.0), None], vec![Some(2.0), None]]),
-            "1 sessions, 2 are needed"
+            "1 session, 2 are needed"
         );
         let apart = [vec![Some(1.0), None, Some(1.5)], vec![Some(2.0), Some(1.0), None]];
         assert!(words(&apart).contains("cannot tell participants' differences"));

@@ -285,7 +285,7 @@ mod tests {
     fn data_without_an_answer_say_why() {
         let words = |values: &[f64]| mean_difference(values, 0.95).unwrap_err().to_string();
         assert_eq!(words(&[]), "0 participants, 2 are needed");
-        assert_eq!(words(&[1.0]), "1 participants, 2 are needed");
+        assert_eq!(words(&[1.0]), "1 participant, 2 are needed");
         let equal = Unestimable::Constant { units: "differences" };
         for constant in [&[0.0; 5][..], &[0.1; 7], &[1e-300; 3], &[0.3, 0.1 + 0.2]] {
             assert_eq!(mean_difference(constant, 0.95), Err(equal.clone()));

@@ -201,8 +201,8 @@ mod tests {
     #[test]
     fn data_without_an_answer_say_why() {
         let words = |values: &[f64]| test(values, SAMPLING).unwrap_err().to_string();
-        assert_eq!(words(&[]), "0 participants, 1 are needed");
-        assert_eq!(words(&[0.0; 4]), "0 differences other than zero, 1 are needed");
+        assert_eq!(words(&[]), "0 participants, 1 is needed");
+        assert_eq!(words(&[0.0; 4]), "0 differences other than zero, 1 is needed");
         assert!(words(&[f64::NAN]).contains("NaN"));
         assert!(test(&[f64::MAX; 3], SAMPLING).is_err());
     }

@@ -195,8 +195,8 @@ mod tests {
     #[test]
     fn data_without_an_answer_say_why() {
         let words = |values: &[f64]| test(values).unwrap_err().to_string();
-        assert_eq!(words(&[]), "0 participants, 1 are needed");
-        assert_eq!(words(&[0.0; 4]), "0 differences other than zero, 1 are needed");
+        assert_eq!(words(&[]), "0 participants, 1 is needed");
+        assert_eq!(words(&[0.0; 4]), "0 differences other than zero, 1 is needed");
         assert!(words(&[1.0, f64::INFINITY]).contains("value 1"));
         assert!((test(&[0.7]).unwrap().p_value - 1.0).abs() < 1e-15);
     }

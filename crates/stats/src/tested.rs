@@ -1,6 +1,7 @@
 //! Words that all tests share: an estimate with its test, and why there may be none.
 
 use crate::error::StatsError;
+use zwidth_study::counted;
 
 /// An estimate, its interval and its test against zero. Units as the estimated quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,12 +35,17 @@ pub struct FTest {
     pub p_value: f64,
 }
 
+/// `1 is needed`, `2 are needed`.
+fn needed_words(needed: usize) -> String {
+    format!("{needed} {} needed", if needed == 1 { "is" } else { "are" })
+}
+
 /// Why data that are as they should be have no such statistic. Each is an answer for a table, in
 /// words, where another program would print NaN.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unestimable {
     /// Fewer units than the statistic takes.
-    #[error("{found} {units}, {needed} are needed")]
+    #[error("{}, {}", counted(*found, units), needed_words(*needed))]
     TooFew {
         /// What is counted, in the plural: `participants`, `pairs`.
         units: &'static str,

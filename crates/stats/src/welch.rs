@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn a_single_repeat_and_repeats_that_are_all_alike_have_no_test() {
         let alone = difference(&[[group(&A), group(&B[..1])]], 0.95).unwrap_err();
-        assert_eq!(alone.to_string(), "1 repeats of a condition, 2 are needed");
+        assert_eq!(alone.to_string(), "1 repeat of a condition, 2 are needed");
         let alike = difference(&[[group(&[1.0, 1.0]), group(&[2.0, 2.0])]], 0.95).unwrap_err();
         assert_eq!(alike, Unestimable::Constant { units: "repeats of a condition" });
         assert!(difference(&[], 0.95).is_err());

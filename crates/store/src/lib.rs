@@ -73,7 +73,7 @@ pub use memory::{Fault, Memory, Survives};
 pub use raw::Raw;
 pub use read::{
     TrialFooter, read_channels, read_entries, read_footer, read_parquet, read_parquet_columns,
-    read_trial,
+    read_trial, read_trial_and_channels,
 };
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover, unfinished_below};

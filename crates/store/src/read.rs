@@ -85,7 +85,20 @@ pub fn read_trial(
 /// # Errors
 /// Those of [`read_trial`].
 pub fn read_channels(path: &Path, wanted: &[ChannelId]) -> Result<Trial, StoreError> {
-    read_some(&RealFiles, path, vec![Signal::Time], &|channel| wanted.contains(&channel.id))
+    read_trial_and_channels(path, [], wanted)
+}
+
+/// Reads a trial with the `signals` asked for, and of the study's own channels those of these names
+/// that its file has. Checks are those of [`read_trial`].
+///
+/// # Errors
+/// Those of [`read_trial`].
+pub fn read_trial_and_channels(
+    path: &Path,
+    signals: impl IntoIterator<Item = Signal>,
+    wanted: &[ChannelId],
+) -> Result<Trial, StoreError> {
+    read_some(&RealFiles, path, with_time(signals), &|channel| wanted.contains(&channel.id))
 }
 
 /// Reads a trial with all that its file has.
@@ -98,10 +111,15 @@ pub(crate) fn read_trial_from(
     path: &Path,
     signals: impl IntoIterator<Item = Signal>,
 ) -> Result<Trial, StoreError> {
+    read_some(files, path, with_time(signals), &|_| false)
+}
+
+/// These signals and time, each once and in order.
+fn with_time(signals: impl IntoIterator<Item = Signal>) -> Vec<Signal> {
     let mut wanted: Vec<Signal> = signals.into_iter().chain([Signal::Time]).collect();
     wanted.sort();
     wanted.dedup();
-    read_some(files, path, wanted, &|_| false)
+    wanted
 }
 
 fn read_some(

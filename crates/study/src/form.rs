@@ -63,6 +63,14 @@ pub struct Channel {
     pub description: String,
 }
 
+/// The channel of the current in the motor's winding, above 0 where it flows as a voltage above 0 drives
+/// it: the power U I that the motor takes from its supply is then above 0.
+pub const CURRENT_MOTOR: &str = "current_motor_a";
+/// The same of the brake's coil.
+pub const CURRENT_BRAKE: &str = "current_brake_a";
+/// The channels that a stage reads, and the unit that they must have.
+pub(crate) const READ_CHANNELS: [(&str, &str); 2] = [(CURRENT_MOTOR, "A"), (CURRENT_BRAKE, "A")];
+
 /// The form of a study's trial files.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -139,6 +147,11 @@ mod tests {
         assert!(refused(with("grip_n", "t_s")).contains("a column of every trial file"));
         assert!(refused(with("grip_n", "Grip")).contains("lower case"));
         assert!(refused(with("\"N\"", "\"\"")).contains("channels[0].unit"));
+        let current = refused(with("\"grip_n\"", "\"current_motor_a\""));
+        assert!(
+            current.contains("channels[0].unit") && current.contains("unit = \"A\""),
+            "{current}"
+        );
         assert!(refused(format!("{text}\n{GRIP}\n{GRIP}")).contains("stands twice"));
         assert!(refused(with("x", "x").replace("schema = 2", "schema = 1")).contains("schema = 2"));
         let many: String = (0..9).map(|i| GRIP.replace("grip_n", &format!("g{i}"))).collect();

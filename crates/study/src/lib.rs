@@ -8,6 +8,7 @@ mod calibration;
 mod changes;
 mod compare;
 mod control;
+mod counted;
 mod event;
 mod figures;
 mod file;
@@ -32,9 +33,10 @@ pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{Bound, Compare, Contrast, Families};
 pub use control::{Control, VelocityFilter};
+pub use counted::counted;
 pub use event::{Event, SealedTrial};
 pub use figures::{Alignment, Figures};
-pub use form::{Channel, Schema, TrialForm};
+pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, Schema, TrialForm};
 pub use id::{
     ActuatorId, ChannelId, EnvironmentId, IdError, MetricId, ModeId, ParticipantId, QuestionId,
     SessionId, StudyId,

@@ -10,24 +10,32 @@ pub fn reason(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
 
 fn kept(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
     let Some(without) = ladder.rung(choice.set.without(term)) else { return String::new() };
-    let name = term.title();
+    let (name, [be, it, make]) = (term.title(), words(term));
     if without.is_enough() {
         let (more, less) = (without.evaluations, choice.evaluations);
         return format!(
-            "{name} is kept because it makes a run cheaper: without it {more:.0} evaluations instead of {less:.0}"
+            "{name} {be} kept because {make} a run cheaper: without {it} {more:.0} evaluations instead of {less:.0}"
         );
     }
-    format!("{name} is kept: a model without it {}", off(ladder, without))
+    format!("{name} {be} kept: a model without {it} {}", off(ladder, without))
+}
+
+/// How one speaks of a term: of sensors in the plural.
+fn words(term: LadderTerm) -> [&'static str; 3] {
+    match term {
+        LadderTerm::Sensors => ["are", "them", "they make"],
+        _ => ["is", "it", "it makes"],
+    }
 }
 
 fn left_out(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
-    let name = term.title();
+    let (name, [be, it, _]) = (term.title(), words(term));
     match ladder.rung(ladder.offered.without(term)) {
         Some(alone) if alone.is_enough() => {
-            format!("{name} is left out: the fullest model without it {}", off(ladder, alone))
+            format!("{name} {be} left out: the fullest model without {it} {}", off(ladder, alone))
         }
         _ => format!(
-            "{name} is left out, together with the others: the model {}",
+            "{name} {be} left out, together with the others: the model {}",
             off(ladder, choice)
         ),
     }

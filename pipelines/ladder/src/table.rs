@@ -4,6 +4,7 @@ use crate::held_out::{HeldOut, Knobs};
 use crate::ladder::{Ladder, Quantity, Rung};
 use crate::reason::{reason, told};
 use crate::terms::{LadderTerm, TermSet};
+use zwidth_study::counted;
 use zwidth_tables::{Column, Table, TableError};
 
 /// Every model: its terms, what it costs, and how far it is off. The choice is marked.
@@ -192,10 +193,10 @@ fn strongest(ladder: &Ladder, q: &Quantity, term: LadderTerm) -> Option<(LadderT
 
 fn note(ladder: &Ladder) -> String {
     format!(
-        "Model runs, not measurements: {} models at {} points of Sobol's sequence over the ranges of the \
+        "Model runs, not measurements: {} at {} of Sobol's sequence over the ranges of the \
          simulated device's parameters, each against the fullest model at the same point.",
-        ladder.rungs.len(),
-        ladder.points
+        counted(ladder.rungs.len(), "models"),
+        counted(ladder.points, "points")
     )
 }
 

@@ -18,13 +18,16 @@ pub(crate) struct Branches {
 
 /// The samples at which the lever is farther along than ever before on its way: they make F a
 /// function of θ. A lever that jitters or turns back for a moment adds nothing until it is past its
-/// farthest point again.
-fn advancing(theta: &[f64], force: &[f64], direction: f64) -> Branch {
+/// farthest point again. Where the way begins at an angle that is another's (`left`), so does a lever that
+/// still stands there: its force is that of what holds it, not yet that of the way.
+fn advancing(theta: &[f64], force: &[f64], left: Option<f64>, direction: f64) -> Branch {
     let mut branch = Branch { theta: Vec::new(), force: Vec::new() };
+    let mut farthest = left;
     for (&theta, &force) in theta.iter().zip(force) {
-        if branch.theta.last().is_none_or(|&farthest| direction * theta > direction * farthest) {
+        if farthest.is_none_or(|farthest| direction * theta > direction * farthest) {
             branch.theta.push(theta);
             branch.force.push(force);
+            farthest = Some(theta);
         }
     }
     if direction < 0.0 {
@@ -39,8 +42,8 @@ fn advancing(theta: &[f64], force: &[f64], direction: f64) -> Branch {
 const LEAST_SHARE: f64 = 0.1;
 
 /// Both branches by linear interpolation on `points` angles over the range that both cover; `None`
-/// where that is less than a tenth of the compression's. The sample of the reversal itself belongs
-/// to the compression alone.
+/// where that is less than a tenth of the compression's. The angle of the reversal belongs to the
+/// compression alone: a lever that a brake holds there has the force of neither way until it has left.
 pub(crate) fn branches(
     theta: &[f64],
     force: &[f64],
@@ -48,8 +51,9 @@ pub(crate) fn branches(
     points: usize,
 ) -> Option<Branches> {
     let Phases { onset, reversal, end } = phases;
-    let forward = advancing(&theta[onset..=reversal], &force[onset..=reversal], 1.0);
-    let backward = advancing(&theta[reversal + 1..=end], &force[reversal + 1..=end], -1.0);
+    let (turned, way, back) = (theta[reversal], onset..=reversal, reversal + 1..=end);
+    let forward = advancing(&theta[way.clone()], &force[way], None, 1.0);
+    let backward = advancing(&theta[back.clone()], &force[back], Some(turned), -1.0);
     let low = forward.theta.first()?.max(*backward.theta.first()?);
     let high = forward.theta.last()?.min(*backward.theta.last()?);
     let least = LEAST_SHARE * (forward.theta.last()? - forward.theta.first()?);
@@ -85,6 +89,21 @@ mod tests {
         assert_eq!(found.forward, [0.0, 0.5, 1.0, 1.5]);
         let expect = [-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0];
         assert!(found.backward.iter().zip(expect).all(|(f, e)| (f - e).abs() < 1e-15));
+    }
+
+    /// Held at its reversal with 5 N, which it leaves at 2 N: the way back has 2 N up to its first angle.
+    #[test]
+    fn what_holds_a_lever_at_its_reversal_is_not_the_force_of_the_way_back() {
+        let theta = [0.0, 1.0, 2.0, 2.0, 2.0, 1.9, 1.0, 0.0];
+        let force = [1.0, 3.0, 5.0, 5.0, 4.0, 2.0, 2.0, 2.0];
+        let phases = Phases { onset: 0, reversal: 2, end: 7 };
+        let found = branches(&theta, &force, phases, 20).unwrap();
+        assert_eq!(found.theta.last(), Some(&1.9));
+        assert!(
+            found.backward.iter().all(|force| (force - 2.0).abs() < 1e-12),
+            "{:?}",
+            found.backward
+        );
     }
 
     #[test]

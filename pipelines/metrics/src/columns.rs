@@ -3,7 +3,7 @@
 use crate::{PlantMetrics, RecordedStability, TrialMetrics};
 use zwidth_numerics::spectrum::BandPower;
 use zwidth_store::Signal;
-use zwidth_study::Scene;
+use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, Scene};
 
 /// Where a value stands in a row.
 pub(crate) enum Get<R> {
@@ -102,8 +102,12 @@ pub fn commanded(metric: &str, scene: &Scene) -> Option<f64> {
     Some(spring.stiffness_n_per_rad)
 }
 
-/// Whether trials in such a scene, recorded with such signals, can have that metric at all.
-pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal]) -> bool {
+/// The metrics that rest on recorded currents.
+const OF_CURRENTS: [&str; 2] = ["electrical_energy_j", "force_per_power_recorded_n_per_w"];
+
+/// Whether trials in such a scene, recorded with such signals and channels, can have that metric at
+/// all.
+pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal], channels: &[Channel]) -> bool {
     let is_in = |group: &[Spec]| group.iter().any(|spec| spec.name == metric);
     let rests_on = |group: &[Spec<PlantMetrics>]| group.iter().any(|spec| spec.name == metric);
     let has = |needed: &[Signal]| needed.iter().all(|signal| signals.contains(signal));
@@ -112,7 +116,10 @@ pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal]) -> bool {
     } else if rests_on(ENERGY) {
         has(&[Signal::Theta, Signal::ForceEx])
     } else if is_in(ELECTRICITY) {
-        has(&[Signal::VoltageMotor]) || has(&[Signal::VoltageBrake])
+        let currents = [CURRENT_MOTOR, CURRENT_BRAKE];
+        let current = channels.iter().any(|channel| currents.contains(&channel.id.as_str()));
+        let voltage = has(&[Signal::VoltageMotor]) || has(&[Signal::VoltageBrake]);
+        voltage && (current || !OF_CURRENTS.contains(&metric))
     } else if is_in(DISCREPANCY) || is_in(SPRING) {
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])
     } else if is_in(WALL) {
@@ -228,7 +235,9 @@ const STABILITY: &[Spec] = &[
 
 #[rustfmt::skip]
 const ELECTRICITY: &[Spec] = &[
-    averaged("electrical_energy_max_j", "J", "electrical energy of the trial, at most: from voltages and resistances, for no current is recorded", |r| r.electricity.bound_j),
+    averaged("electrical_energy_j", "J", "electrical energy of the trial, from recorded currents", |r| r.electricity.taken_j),
+    averaged("electrical_energy_max_j", "J", "electrical energy of the trial, at most: from voltages, resistances and motion", |r| r.electricity.bound_j),
+    averaged("force_per_power_recorded_n_per_w", "N/W", "commanded force over time per electrical energy, from recorded currents", |r| r.electricity.force_per_power_recorded_n_per_w),
     averaged("force_per_power_n_per_w", "N/W", "commanded force over time per electrical energy, at least", |r| r.electricity.force_per_power_n_per_w),
 ];
 

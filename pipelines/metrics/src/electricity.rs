@@ -5,42 +5,82 @@ use crate::signals::Signals;
 use serde::Serialize;
 use zwidth_study::Resistances;
 
-/// What a trial takes from its supply, at most: no current is recorded, so the energy is bounded by
-/// voltages and resistances.
+/// What a trial takes from its supply.
 ///
-/// A winding with resistance R at voltage U has the current (U − e) / R, e the voltage that its
-/// motion makes. At rest U² / R is its power exactly; driven along it takes less. Driven against
-/// its force, as a spring is pressed, it takes more, by |U e| / R, which is the mechanical power
-/// F L |θ̇| of the force F that U stands for at rest. So E ≤ ∫ (U_m² / R_m + U_b² / R_b + [U_m ≠ 0]
-/// |F_cmd| L |θ̇|) dt over the recording, voltages held from sample to sample. What drivers and
-/// computers take is not in it.
+/// **Recorded**: E = ∫ (U_m I_m + U_b I_b) dt over the recording, U the commanded voltage, held from
+/// sample to sample, I the current recorded beside it ([`CURRENT_MOTOR`](zwidth_study::CURRENT_MOTOR),
+/// [`CURRENT_BRAKE`](zwidth_study::CURRENT_BRAKE)), with straight lines between samples. U I > 0
+/// is taken from the supply, U I < 0 given back to it: a motor that is moved along its force faster than
+/// its voltage alone would drive it. A current that follows its voltage within one sample is taken to rise
+/// over that whole sample, which leaves out about ½ Σ (ΔU)² Δt / 2 R.
+///
+/// **At most**, where no current is recorded: a winding with resistance R at voltage U has the current
+/// (U − e) / R, e the voltage that its motion makes, and takes U² / R − U e / R. U² / R alone is a bound at rest
+/// and for a motor that is moved along its force, which takes less. It is none for a motor that is moved against
+/// its force, as where a spring is pressed: that one takes |U e| / R more, which is the mechanical
+/// power F L |θ̇| of the force F that U stands for at rest. So E ≤ ∫ (U_m² / R_m + U_b² / R_b + [U_m ≠ 0]
+/// |F_cmd| L |θ̇|) dt, voltages held from sample to sample, whatever the motion. It supposes that no
+/// current flows at the beginning (an inductance then takes no more: the current is the voltage's
+/// through a low-pass filter, and ∫ U I dt ≤ ∫ U² / R dt), that R is no less than study.toml says (a warm
+/// winding has more), that the calibration's force is the motor's, and that one actuator is
+/// commanded at a time, so that F_cmd is the motor's where it is on.
+///
+/// What drivers and computers take is in neither.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct ElectricalEnergy {
+    /// E, J, from recorded currents. Null where an actuator that the mode uses lacks its current or
+    /// its voltage.
+    pub taken_j: Option<f64>,
     /// The bound, J. Null where an actuator that the mode uses has no resistance in study.toml or
     /// no voltage recorded, and for a motor without commanded force, angle or lever length.
     pub bound_j: Option<f64>,
-    /// ∫|F_cmd| dt over that bound, N·s/J: how much force an energy buys, at least. Null where
-    /// nothing was commanded.
+    /// ∫|F_cmd| dt over E, N·s/J: how much force an energy buys. Null where nothing was commanded,
+    /// or no energy taken.
+    pub force_per_power_recorded_n_per_w: Option<f64>,
+    /// ∫|F_cmd| dt over the bound: at least so much.
     pub force_per_power_n_per_w: Option<f64>,
 }
 
 pub(crate) fn electrical_energy(signals: &Signals, parameters: &Parameters) -> ElectricalEnergy {
+    if !(parameters.uses_motor || parameters.uses_brake) {
+        return ElectricalEnergy::default();
+    }
+    let (taken_j, bound_j) = (taken_j(signals, parameters), bound_j(signals, parameters));
+    let commanded = signals.force_cmd.map(|f| held(signals.t, |i| f[i].abs()));
+    let share = |energy_j: Option<f64>| {
+        let both = commanded.zip(energy_j).filter(|(force, energy)| *force > 0.0 && *energy > 0.0);
+        both.map(|(force, energy)| force / energy)
+    };
+    ElectricalEnergy {
+        taken_j,
+        bound_j,
+        force_per_power_recorded_n_per_w: share(taken_j),
+        force_per_power_n_per_w: share(bound_j),
+    }
+}
+
+/// ∫ (U_m I_m + U_b I_b) dt.
+fn taken_j(signals: &Signals, parameters: &Parameters) -> Option<f64> {
+    let Signals { t, voltage_motor, voltage_brake, current_motor, current_brake, .. } = *signals;
+    let taken = |used: bool, voltage: Option<&[f64]>, current: Option<&[f64]>| match used {
+        false => Some(0.0),
+        true => voltage.zip(current).map(|(v, a)| held(t, |i| v[i] * (a[i] + a[i + 1]) / 2.0)),
+    };
+    let motor_j = taken(parameters.uses_motor, voltage_motor, current_motor)?;
+    Some(motor_j + taken(parameters.uses_brake, voltage_brake, current_brake)?)
+}
+
+/// ∫ (U_m² / R_m + U_b² / R_b + [U_m ≠ 0] |F_cmd| L |θ̇|) dt.
+fn bound_j(signals: &Signals, parameters: &Parameters) -> Option<f64> {
     let Resistances { motor_ohm, brake_ohm } = parameters.resistances;
     let heat = |used: bool, voltage: Option<&[f64]>, ohm: Option<f64>| match used {
         false => Some(0.0),
         true => voltage.zip(ohm).map(|(v, ohm)| held(signals.t, |i| v[i] * v[i] / ohm)),
     };
-    let motor_j = heat(parameters.uses_motor, signals.voltage_motor, motor_ohm);
-    let brake_j = heat(parameters.uses_brake, signals.voltage_brake, brake_ohm);
-    let driven_j = if parameters.uses_motor { driven_j(signals) } else { Some(0.0) };
-    let bound_j = motor_j.zip(brake_j).zip(driven_j).map(|((m, b), d)| m + b + d);
-    let bound_j = bound_j.filter(|_| parameters.uses_motor || parameters.uses_brake);
-    let commanded = signals.force_cmd.map(|f| held(signals.t, |i| f[i].abs()));
-    let share = commanded.zip(bound_j).filter(|(force, energy)| *force > 0.0 && *energy > 0.0);
-    ElectricalEnergy {
-        bound_j,
-        force_per_power_n_per_w: share.map(|(force, energy)| force / energy),
-    }
+    let motor_j = heat(parameters.uses_motor, signals.voltage_motor, motor_ohm)?;
+    let brake_j = heat(parameters.uses_brake, signals.voltage_brake, brake_ohm)?;
+    let driven_j = if parameters.uses_motor { driven_j(signals)? } else { 0.0 };
+    Some(motor_j + brake_j + driven_j)
 }
 
 /// Σ of a power that is held from each sample to the next, times that time.
@@ -63,6 +103,7 @@ mod tests {
     use crate::testing::{LEVER_M, REST_RAD, in_spring, stroke, trial};
     use crate::trial_metrics;
     use zwidth_store::{Signal, Trial};
+    use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR};
 
     /// 2 s there and back over 1 rad, and a second of rest; motor at 10 V and 2.6 N throughout, brake
     /// at 4 V for the half of it.
@@ -90,6 +131,77 @@ mod tests {
         assert!((bound - expect).abs() < 1e-6, "{bound} instead of {expect}");
         let share = found.force_per_power_n_per_w.unwrap();
         assert!((share - 2.6 * 3.0 / expect).abs() < 1e-6, "{share}");
+    }
+
+    /// Samples every ms for 3 s; a voltage and a current, each by its time, and who is in use.
+    fn recorded(uses: [bool; 2], channels: &[(&str, &dyn Fn(f64) -> f64)]) -> ElectricalEnergy {
+        let mut made = driven();
+        let t = made.samples.get(Signal::Time).unwrap().to_vec();
+        for (name, of) in channels {
+            made.samples.set_channel(name.parse().unwrap(), t.iter().map(|t| of(*t)).collect());
+        }
+        let [uses_motor, uses_brake] = uses;
+        let parameters = Parameters { uses_motor, uses_brake, ..with(Some(20.0), Some(8.0)) };
+        trial_metrics(&made, &parameters).unwrap().electricity
+    }
+
+    #[test]
+    fn a_constant_voltage_and_current_take_their_product_for_the_time() {
+        let motor: (&str, &dyn Fn(f64) -> f64) = (CURRENT_MOTOR, &|_| 0.4);
+        let brake: (&str, &dyn Fn(f64) -> f64) = (CURRENT_BRAKE, &|_| 0.25);
+        let found = recorded([true, true], &[motor, brake]);
+        let expect = 10.0 * 0.4 * 3.0 + 4.0 * 0.25 * 1.5;
+        assert!((found.taken_j.unwrap() - expect).abs() < 1e-9, "{found:?}");
+        let share = found.force_per_power_recorded_n_per_w.unwrap();
+        assert!((share - 2.6 * 3.0 / expect).abs() < 1e-9, "{found:?}");
+        let bound = recorded([true, true], &[]).bound_j;
+        assert!(bound.is_some() && found.bound_j == bound, "the bound stays what it was");
+        let alone = recorded([true, false], &[motor]).taken_j.unwrap();
+        assert!((alone - 12.0).abs() < 1e-9, "{alone}");
+    }
+
+    /// A winding of R and L at U from t = 0 on: I = U / R (1 − exp(−t R / L)), and ∫ U I dt = U² / R
+    /// (T − τ (1 − exp(−T / τ))), τ = L / R. Straight lines between samples of h leave U² h² / 12 R τ of it out, 8 µJ.
+    #[test]
+    fn a_winding_that_is_switched_on_takes_what_its_current_says_and_less_than_the_bound() {
+        let (ohm, tau_s) = (20.0, 0.05);
+        let current = move |t: f64| 10.0 / ohm * (1.0 - libm::exp(-t / tau_s));
+        let found = recorded([true, false], &[(CURRENT_MOTOR, &current)]);
+        let expect = 100.0 / ohm * (3.0 - tau_s * (1.0 - libm::exp(-3.0 / tau_s)));
+        let taken = found.taken_j.unwrap();
+        assert!((taken - expect).abs() < 1e-5, "{taken} instead of {expect}");
+        assert!(taken < found.bound_j.unwrap());
+    }
+
+    /// At a constant voltage, moved against its force and then along it: the first takes U² / R and more, the
+    /// second less, and fast enough it gives back.
+    #[test]
+    fn a_motor_takes_more_than_its_heat_at_rest_where_it_is_moved_against_its_force() {
+        let back_emf = |e: f64| move |_: f64| (10.0 - e) / 20.0;
+        let of =
+            |e: f64| recorded([true, false], &[(CURRENT_MOTOR, &back_emf(e))]).taken_j.unwrap();
+        let at_rest = 100.0 / 20.0 * 3.0;
+        assert!((of(0.0) - at_rest).abs() < 1e-9);
+        assert!(of(-2.0) > at_rest && of(2.0) < at_rest && of(12.0) < 0.0);
+        let given = recorded([true, false], &[(CURRENT_MOTOR, &back_emf(12.0))]);
+        assert_eq!(given.force_per_power_recorded_n_per_w, None, "no energy was taken");
+    }
+
+    #[test]
+    fn without_the_current_of_every_actuator_in_use_no_energy_is_told() {
+        let motor: (&str, &dyn Fn(f64) -> f64) = (CURRENT_MOTOR, &|_| 0.4);
+        assert_eq!(recorded([true, true], &[motor]).taken_j, None);
+        assert_eq!(recorded([false, true], &[motor]).taken_j, None);
+        assert_eq!(recorded([true, true], &[]).taken_j, None);
+        assert_eq!(recorded([false, false], &[motor]), ElectricalEnergy::default());
+    }
+
+    #[test]
+    fn a_current_of_another_length_is_refused_by_its_name() {
+        let mut made = driven();
+        made.samples.set_channel(CURRENT_MOTOR.parse().unwrap(), vec![1.0]);
+        let error = trial_metrics(&made, &with(None, None)).unwrap_err().to_string();
+        assert!(error.contains("current_motor_a"), "{error}");
     }
 
     #[test]

@@ -74,7 +74,7 @@ use zwidth_store::Trial;
 use zwidth_study::TrialMeta;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,7 +92,7 @@ pub struct TrialMetrics {
     pub wall: WallContact,
     /// How steadily the device behaved.
     pub stability: Stability,
-    /// What it took from the supply at most.
+    /// What it took from the supply, where currents were recorded, and at most.
     pub electricity: ElectricalEnergy,
     /// Whether the trial was what the protocol asks for.
     pub compliance: Compliance,

@@ -7,7 +7,7 @@ use zwidth_numerics::activity::{Activity, activity};
 use zwidth_numerics::phases::{Phases, phases};
 use zwidth_numerics::updates::{Updates, updates};
 use zwidth_store::{Signal, Trial};
-use zwidth_study::Analysis;
+use zwidth_study::{Analysis, CURRENT_BRAKE, CURRENT_MOTOR};
 
 /// `flags`: the brake is on.
 const BRAKE_ON: u16 = 128;
@@ -28,6 +28,9 @@ pub(crate) struct Signals<'a> {
     /// Commanded voltages, V.
     pub(crate) voltage_motor: Option<&'a [f64]>,
     pub(crate) voltage_brake: Option<&'a [f64]>,
+    /// Currents in the windings, A, where a study records them.
+    pub(crate) current_motor: Option<&'a [f64]>,
+    pub(crate) current_brake: Option<&'a [f64]>,
     /// Which samples have the brake on; `None` where the recording does not say.
     pub(crate) brake_on: Option<Vec<bool>>,
     /// Which samples have the motor on.
@@ -83,6 +86,8 @@ impl<'a> Signals<'a> {
             force_cmd: column(Signal::ForceCmd)?,
             voltage_motor,
             voltage_brake,
+            current_motor: channel(trial, CURRENT_MOTOR, t.len())?,
+            current_brake: channel(trial, CURRENT_BRAKE, t.len())?,
             brake_on: on(voltage_brake, flags, BRAKE_ON),
             motor_on: on(voltage_motor, flags, MOTOR_ON),
             lever_m: parameters.lever_m,
@@ -94,6 +99,21 @@ impl<'a> Signals<'a> {
     /// θ, F and the phases, where all three are there.
     pub(crate) fn force_over_angle(&self) -> Option<(&'a [f64], &[f64], Phases)> {
         Some((self.theta?, self.force.as_deref()?, self.phases?))
+    }
+}
+
+/// A channel of the study's own, where the recording has it.
+fn channel<'a>(
+    trial: &'a Trial,
+    name: &'static str,
+    expected: usize,
+) -> Result<Option<&'a [f64]>, MetricsError> {
+    let found = trial.samples.channels().find(|(id, _)| id.as_str() == name);
+    match found.map(|(_, values)| values) {
+        Some(values) if values.len() != expected => {
+            Err(MetricsError::Ragged { column: name, expected, found: values.len() })
+        }
+        values => Ok(values),
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::actuation::{active, passive};
 use crate::evidence::{Evidence, Known, NOTHING_RETURNED, Verdict, a_spring, a_wall, notes};
-use crate::trials::Trials;
+use crate::trials::{Mean, Trials};
 use zwidth_study::{Environment, Mode, Resistances};
 use zwidth_tables::{Column, Table, TableError};
 
@@ -97,13 +97,53 @@ fn motor_takes_much(known: &Known) -> Result<Option<Evidence>, TableError> {
 /// Names of the actuators in their order in [`Efficiency::force_per_power`].
 const ACTUATORS: [&str; 2] = ["motor", "brake"];
 
-/// What one of the two actuators gives for its power beside the other. At rest U² / R is what a
-/// winding takes; what trials took, with their motion, is an upper bound, for no current is recorded.
-fn efficiency(known: &Known, [of, other]: [usize; 2]) -> Result<Option<Evidence>, TableError> {
+/// What one of the two actuators gives for its power beside the other: in the trials with it alone, where
+/// those of both have recorded currents; else at rest, where U² / R is what a winding takes.
+fn efficiency(known: &Known, pair: [usize; 2]) -> Result<Option<Evidence>, TableError> {
+    let at_rest = at_rest(known, pair)?;
+    match in_trials(known, pair, at_rest.as_ref())? {
+        Some(found) => Ok(Some(found)),
+        None => Ok(at_rest),
+    }
+}
+
+/// Commanded force over the power that trials took by their recorded currents.
+fn in_trials(
+    known: &Known,
+    [of, other]: [usize; 2],
+    at_rest: Option<&Evidence>,
+) -> Result<Option<Evidence>, TableError> {
+    let column = "force_per_power_recorded_n_per_w";
+    let (Some(mine), Some(beside)) = (alone(known, of, column)?, alone(known, other, column)?)
+    else {
+        return Ok(None);
+    };
+    let shares = if of == 0 { [mine.mean, beside.mean] } else { [beside.mean, mine.mean] };
+    let took = took(known, of)?.map(|text| format!("; {text}")).unwrap_or_default();
+    let rest = at_rest.filter(|e| e.unit == "N/W").and_then(|e| e.value);
+    let rest = rest.map(|share| format!("; {AT_REST} {share:.2} N/W")).unwrap_or_default();
+    Ok(Some(Evidence {
+        metric: format!("commanded force over power, {} alone", ACTUATORS[of]),
+        value: Some(mine.mean),
+        unit: "N/W".to_owned(),
+        remark: format!(
+            "by recorded currents ({}); the {} has {:.2} N/W{took}{rest}",
+            mine.words(),
+            ACTUATORS[other],
+            beside.mean
+        ),
+        verdict: Verdict::of(shares[1] > shares[0]),
+    }))
+}
+
+/// How what is said of an actuator at rest begins.
+const AT_REST: &str = "at rest, by voltage and resistance:";
+
+/// The largest force over U² / R.
+fn at_rest(known: &Known, [of, other]: [usize; 2]) -> Result<Option<Evidence>, TableError> {
     let Some(found) = Efficiency::of(known) else { return Ok(None) };
     let shares = found.force_per_power(known);
     let Some(motor) = shares[0] else { return Ok(None) };
-    let words = "at rest, by voltage and resistance";
     let Some(brake) = shares[1] else {
         let even_ohm = motor * found.brake_v * found.brake_v / found.brake_n;
         return Ok(Some(Evidence {
@@ -111,7 +151,7 @@ fn efficiency(known: &Known, [of, other]: [usize; 2]) -> Result<Option<Evidence>
             value: Some(even_ohm),
             unit: "Ω".to_owned(),
             remark: format!(
-                "{words}: the motor has {motor:.2} N/W; the brake's resistance is not known"
+                "{AT_REST} the motor has {motor:.2} N/W; the brake's resistance is not known"
             ),
             verdict: Verdict::Undecided,
         }));
@@ -122,17 +162,25 @@ fn efficiency(known: &Known, [of, other]: [usize; 2]) -> Result<Option<Evidence>
         metric: format!("largest force over power, {}", ACTUATORS[of]),
         value: Some(shares[of]),
         unit: "N/W".to_owned(),
-        remark: format!("{words}; the {} has {:.2} N/W{trials}", ACTUATORS[other], shares[other]),
+        remark: format!("{AT_REST} the {} has {:.2} N/W{trials}", ACTUATORS[other], shares[other]),
         verdict: Verdict::of(brake > motor),
     }))
 }
 
-/// What the trials with that actuator alone took.
-fn took(known: &Known, of: usize) -> Result<Option<String>, TableError> {
+/// The mean of a metric over the trials with that actuator alone.
+fn alone(known: &Known, of: usize, column: &str) -> Result<Option<Mean>, TableError> {
     let mode = if of == 0 { active(known.study) } else { passive(known.study) };
     let (Some(metrics), Some(mode)) = (known.metrics, mode) else { return Ok(None) };
-    let energy = Trials::of(metrics, None, &mode.id)?.mean("electrical_energy_max_j")?;
-    Ok(energy.map(|e| format!("its trials took at most {:.2} J ({})", e.mean, e.words())))
+    Trials::of(metrics, None, &mode.id)?.mean(column)
+}
+
+/// What the trials with that actuator alone took: by their recorded currents, else at most.
+fn took(known: &Known, of: usize) -> Result<Option<String>, TableError> {
+    if let Some(e) = alone(known, of, "electrical_energy_j")? {
+        return Ok(Some(format!("a trial took {:.2} J by its current ({})", e.mean, e.words())));
+    }
+    let most = alone(known, of, "electrical_energy_max_j")?;
+    Ok(most.map(|e| format!("a trial took at most {:.2} J ({})", e.mean, e.words())))
 }
 
 /// Mass of `one` against `other`, g.
@@ -338,6 +386,46 @@ mod tests {
         let motor = calibration.motor.force_n(16.0) * 30.4 / 256.0;
         let expect = motor * 64.0 / calibration.brake.force_n(8.0);
         assert!((even_ohm.unwrap() - expect).abs() < 1e-12, "{even_ohm:?}");
+    }
+
+    /// The efficiency rows of brake and motor: value, verdict, remark.
+    fn efficiencies(
+        motor: Option<[f64; 2]>,
+        brake: Option<[f64; 2]>,
+    ) -> Vec<(f64, String, String)> {
+        let metrics = metrics(&[
+            MetricsRow { recorded: motor, ..row("spring", "active") },
+            MetricsRow { recorded: brake, ..row("spring", "passive") },
+        ]);
+        let resistances = Resistances { motor_ohm: Some(30.4), brake_ohm: Some(20.0) };
+        let (study, calibration) = (Planned { resistances, ..study() }, Calibration::thesis());
+        let known = Known { study: &study, calibration: &calibration, metrics: Some(&metrics) };
+        let table = pros_cons_table(known).unwrap();
+        let text = |name: &str, i: usize| table.texts(name).unwrap()[i].clone().unwrap();
+        let value = |i: usize| table.floats("value").unwrap()[i].unwrap();
+        [0, 7].map(|i| (value(i), text("verdict", i), text("remark", i))).to_vec()
+    }
+
+    #[test]
+    fn recorded_currents_judge_efficiency_where_both_actuators_have_them() {
+        let of = efficiencies(Some([2.0, 0.7]), Some([0.5, 4.0]));
+        assert_eq!((of[0].0, of[0].1.as_str()), (4.0, "supported"));
+        assert_eq!((of[1].0, of[1].1.as_str()), (0.7, "supported"));
+        assert!(
+            of[1].2.contains("the brake has 4.00 N/W; a trial took 2.00 J by its current"),
+            "{of:?}"
+        );
+        let worse = efficiencies(Some([2.0, 0.7]), Some([0.5, 0.3]));
+        assert_eq!(worse[0].1, "contradicted");
+    }
+
+    #[test]
+    fn where_one_actuator_has_no_recorded_current_both_are_judged_at_rest() {
+        let of = efficiencies(Some([2.0, 0.7]), None);
+        assert_eq!(of[1].1, "supported");
+        assert!(of[1].2.starts_with("at rest, by voltage and resistance: the brake has"), "{of:?}");
+        assert!(of[1].2.contains("a trial took 2.00 J by its current (one trial)"), "{of:?}");
+        assert!(of[0].2.contains("a trial took at most 1.50 J (one trial)"), "{of:?}");
     }
 
     #[test]

@@ -64,6 +64,82 @@ fn a_channel_that_the_device_gives_is_recorded_by_its_name_and_another_is_null()
     zwidth(root.path(), &acquire).exits(1).one_error().says(&["keeps the form it began with"]);
 }
 
+const CURRENT: &str = "
+[[channels]]
+id = \"current_motor_a\"
+unit = \"A\"
+description = \"current in the winding\"
+";
+
+/// The twin's winding, recorded: of the motor alone there is an energy, below the bound that needs no current; of
+/// what uses the brake, whose current nobody knows, there is the bound or nothing.
+#[test]
+fn a_recorded_current_gives_trials_their_electrical_energy_and_others_keep_none() {
+    let root = tempfile::tempdir().unwrap();
+    let layout = study(root.path(), "# brake_ohm = 20.0", "brake_ohm = 20.0", CURRENT);
+    zwidth(root.path(), &TWIN).exits(0);
+    zwidth(root.path(), &["run", "own", "--only", "metrics of the study"]).exits(0);
+    let table = zwidth_tables::Table::from_parquet(&layout.derived().join("metrics.parquet"));
+    let table = table.unwrap();
+    let modes = table.texts("mode").unwrap();
+    let taken = table.floats("electrical_energy_j").unwrap();
+    let bound = table.floats("electrical_energy_max_j").unwrap();
+    for ((mode, taken), bound) in modes.iter().zip(taken).zip(bound) {
+        let bound = bound.unwrap();
+        match mode.as_deref() {
+            Some("active") => {
+                let taken = taken.unwrap();
+                assert!(0.5 * bound < taken && taken < bound, "{taken} J, at most {bound} J");
+            }
+            _ => assert_eq!(taken, None, "{mode:?}"),
+        }
+    }
+}
+
+const MAP: &str = r#"
+kind = "trials"
+[trial]
+participant = "P01"
+session = "S01"
+environment = "spring"
+mode = "active"
+[time]
+from = "t"
+unit = "s"
+[[column]]
+to = "theta_rad"
+from = "angle"
+unit = "deg"
+[[column]]
+to = "voltage_motor_v"
+from = "u"
+unit = "V"
+[[channel]]
+to = "current_motor_a"
+from = "i_ma"
+unit = "A"
+scale = 0.001
+"#;
+
+/// 10 V and 400 mA for a second are 4 J.
+#[test]
+fn an_imported_current_gives_a_trial_its_electrical_energy() {
+    let root = tempfile::tempdir().unwrap();
+    let layout = study(root.path(), "schema = 2", "schema = 2", CURRENT);
+    let row =
+        |i: u32| format!("{},{},-10,-400\n", f64::from(i) / 100.0, f64::from(i) / 10.0 - 45.0);
+    let rows: String = (0..=100).map(row).collect();
+    let [map, csv] = ["map.toml", "one.csv"].map(|name| root.path().join(name));
+    fs::write(&map, MAP).unwrap();
+    fs::write(&csv, format!("t,angle,u,i_ma\n{rows}")).unwrap();
+    let [map, csv] = [&map, &csv].map(|path| path.to_str().unwrap());
+    zwidth(root.path(), &["import", "own", "--map", map, csv]).exits(0);
+    zwidth(root.path(), &["run", "own", "--only", "metrics of the study"]);
+    let table = zwidth_tables::Table::from_parquet(&layout.derived().join("metrics.parquet"));
+    let taken = table.unwrap().floats("electrical_energy_j").unwrap();
+    assert!((taken[0].unwrap() - 4.0).abs() < 1e-9, "{taken:?}");
+}
+
 #[test]
 fn a_channel_in_another_unit_than_the_devices_is_refused() {
     let root = tempfile::tempdir().unwrap();

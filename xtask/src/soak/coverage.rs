@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread::ScopedJoinHandle;
 use zwidth_device::TwinParameters;
+use zwidth_stats::power::clopper_pearson;
 use zwidth_study::Control;
 
 /// At this rate as the study that comes along, Hz.
@@ -40,6 +41,9 @@ struct Found {
     rows: Vec<Coverage>,
     bracket: [f64; 2],
     discrepancies: Vec<Discrepancies>,
+    /// What the energy observers looked at, and of it what they called active: contacts with the
+    /// wall, and closed loops.
+    observed: [[usize; 2]; 2],
 }
 
 /// The force discrepancies of one trial: intervals of the mean, the actuators' and the user's, and of
@@ -119,8 +123,9 @@ fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
         };
     let rows =
         columns(&table("identify")?, names)?.into_iter().map(row).collect::<anyhow::Result<_>>()?;
-    let discrepancies = discrepancies(&table("metrics")?)?;
-    Ok(Found { rows, bracket: [low.parse()?, high.parse()?], discrepancies })
+    let metrics = table("metrics")?;
+    let (discrepancies, observed) = (discrepancies(&metrics)?, observed(&metrics)?);
+    Ok(Found { rows, bracket: [low.parse()?, high.parse()?], discrepancies, observed })
 }
 
 /// The spring of the study, N/rad, where it rests, rad, and what motor and brake give at 8 V, N.
@@ -201,6 +206,43 @@ fn tell_discrepancies(found: &[Found], wrong: &mut Vec<String>) {
     }
 }
 
+/// What the energy observers of all trials looked at, and called active.
+fn observed(metrics: &str) -> anyhow::Result<[[usize; 2]; 2]> {
+    let names = ["wall_contacts", "wall_contacts_active", "closed_loops", "closed_loops_active"];
+    let mut sums = [[0; 2]; 2];
+    for counts in columns(metrics, names)? {
+        for (place, count) in counts.iter().enumerate().filter(|(_, count)| !count.is_empty()) {
+            sums[place / 2][place % 2] += count.parse::<usize>()?;
+        }
+    }
+    Ok(sums)
+}
+
+/// The simulated device is passive, so that what an observer finds there is a false alarm. Of so many
+/// there may be one, at most: a count fails that this rate gives in less than one of a thousand runs.
+const FALSE_ALARMS: f64 = 0.002;
+/// The level of the exact interval of which the lower end must then lie below that rate.
+const SURE: f64 = 0.998;
+
+/// Prints how often the energy observers are wrong, with 95 % intervals (Clopper and Pearson).
+fn tell_observed(found: &[Found], wrong: &mut Vec<String>) -> anyhow::Result<()> {
+    for (kind, what) in ["wall contacts", "closed loops"].into_iter().enumerate() {
+        let sum = |i: usize| found.iter().map(|f| f.observed[kind][i]).sum::<usize>();
+        let (all, active) = (sum(0), sum(1));
+        let (low, high) = clopper_pearson(active, all, NOMINAL)?;
+        println!(
+            "energy observer: {active} of {all} {what} called active, {:.2} % ({:.2} to {:.2} %)",
+            100.0 * active as f64 / all as f64,
+            100.0 * low,
+            100.0 * high
+        );
+        if clopper_pearson(active, all, SURE)?.0 > FALSE_ALARMS {
+            wrong.push(format!("{active} of {all} {what} are called active"));
+        }
+    }
+    Ok(())
+}
+
 /// Some columns of a table in CSV, whose cells hold no commas.
 fn columns<const N: usize>(csv: &str, names: [&str; N]) -> anyhow::Result<Vec<[String; N]>> {
     let mut lines = csv.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
@@ -275,6 +317,7 @@ fn tell(found: &[Found]) -> anyhow::Result<()> {
     let width = found.iter().map(|f| f.bracket[1] - f.bracket[0]).sum::<f64>() / n as f64;
     println!("let-go threshold: {held} of {n} brackets hold it; mean width {width:.3} N");
     tell_discrepancies(found, &mut wrong);
+    tell_observed(found, &mut wrong)?;
     ensure!(held == n, "a bracket does not hold the let-go threshold");
     ensure!(wrong.is_empty(), "{}", wrong.join("; "));
     Ok(())
@@ -315,6 +358,13 @@ mod tests {
         assert_eq!(allowed(40), [32, 40]);
         assert_eq!(allowed(200), [179, 198]);
         assert_eq!(allowed(400), [368, 392]);
+    }
+
+    #[test]
+    fn what_observers_looked_at_is_summed_over_the_trials() {
+        let csv = "closed_loops_active,wall_contacts,wall_contacts_active,closed_loops\n\
+                   0,,,1\n1,2,1,3\n,1,0,\n";
+        assert_eq!(observed(csv).unwrap(), [[3, 1], [4, 1]]);
     }
 
     #[test]

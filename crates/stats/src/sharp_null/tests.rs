@@ -199,9 +199,9 @@ fn data_without_an_answer_say_why() {
         let trials = Trials::new(values, &vec![0; values.len()], actual, 2);
         trials.and_then(|trials| trials.against_all(PAIR, &orders)).unwrap_err().to_string()
     };
-    assert_eq!(words(&[], &[]), "0 trials, 1 are needed");
+    assert_eq!(words(&[], &[]), "0 trials, 1 is needed");
     assert!(words(&[0.1, 0.1], &[0, 1]).contains("all trials of each participant are equal"));
-    assert_eq!(words(&[1.0, 2.0], &[0, 0]), "0 trials of a mode, 1 are needed");
+    assert_eq!(words(&[1.0, 2.0], &[0, 0]), "0 trials of a mode, 1 is needed");
     assert!(words(&[1.0, f64::NAN], &[0, 1]).contains("NaN"));
     assert!(words(&[1.0, 2.0], &[0, 2]).contains("mode 2"));
     assert!(words(&[1.0, 2.0], &[0]).contains("1 values where 2"));

@@ -3,10 +3,13 @@
 use super::check::{Check, FARTHEST_DEG};
 use super::shape::*;
 use super::units::MILLI;
+use crate::form::READ_CHANNELS;
 use crate::model::{
     Analysis, Coordinate, Design, Device, Masses, Mode, Question, Resistances, Study,
 };
-use crate::{ActuatorKind, Control, MOST_CHANNELS, Schema, StudyError, VelocityFilter, locate};
+use crate::{
+    ActuatorKind, Channel, Control, MOST_CHANNELS, Schema, StudyError, VelocityFilter, locate,
+};
 use std::collections::BTreeSet;
 
 /// Movement begins above this velocity: well above a held sensor's jitter, well below a slow push.
@@ -129,8 +132,22 @@ impl Check<'_> {
                     self.error(&key, "is empty; a unit of a pure number is \"1\"".to_owned());
                 }
             }
+            self.unit_of_channel(i, channel);
         }
         schema
+    }
+
+    /// A channel that a stage reads has the unit in which it is read.
+    fn unit_of_channel(&mut self, i: usize, channel: &Channel) {
+        let (id, found) = (channel.id.as_str(), &channel.unit);
+        let read = READ_CHANNELS.iter().find(|(name, _)| *name == id);
+        if let Some((_, unit)) = read.filter(|(_, unit)| unit != found) {
+            let problem = format!(
+                "'{found}' is not the unit of {id}, which is read in {unit}; write unit = \"{unit}\" and \
+                 convert, or give the channel another id"
+            );
+            self.error(&format!("channels[{i}].unit"), problem);
+        }
     }
 
     fn study(&mut self, file: File) -> Study {

@@ -14,7 +14,7 @@ use zwidth_ladder::{Ladder, Loop, Settings, TermSet, ladder as climb, own, reaso
 use zwidth_runner::Provenance;
 use zwidth_simulate::ModelScene;
 use zwidth_store::StudyData;
-use zwidth_study::{Control, Perception, StudyId};
+use zwidth_study::{Control, Perception, StudyId, counted};
 
 /// The loop of a scene that no study names: the thesis' h, s (Table 3).
 const THESIS_PERIOD_S: f64 = 0.0083;
@@ -109,7 +109,8 @@ fn climbed(
     })?;
     let layout = study(root, id)?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
-    let begun = |condition: &str| screen.say(format!("{condition}: {} points", asked.points));
+    let begun =
+        |condition: &str| screen.say(format!("{condition}: {}", counted(asked.points, "points")));
     let ladders = zwidth_plan::ladders(&data, asked.points, asked.rate, &begun)
         .map_err(|error| anyhow!("{}: {error}", layout.study()))?;
     if ladders.is_empty() {
@@ -134,7 +135,8 @@ fn of_scene(path: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Climb
         bounds: Perception::default(),
         offered: TermSet::ALL,
     };
-    screen.say(format!("{}: {} models at {} points", at(), TermSet::COUNT, asked.points));
+    let points = counted(asked.points, "points");
+    screen.say(format!("{}: {} models at {points}", at(), TermSet::COUNT));
     let ladder = climb(&scene, &settings, &own).with_context(at)?;
     Ok((stem(path), ladder, false))
 }

@@ -110,7 +110,7 @@ fn below_wall(derived: &Derived) -> Result<Judged, Stop> {
     let Some(estimated) = mean(&people(derived, HELD, WALL_FORCE)?, derived.level) else {
         return not_measured("no trial has a force past the wall");
     };
-    let why = "the motor's at 48 V, by the voltage; less than that it would hold".to_owned();
+    let why = "what the motor would give at 48 V; up to that it would hold".to_owned();
     let range = Range { low, high: f64::INFINITY, why };
     let shown = Shown::Modes(environment.id.clone());
     Ok(judged(WALL_FORCE, &estimated, &range, derived.known.study.coordinate, shown))
@@ -139,7 +139,9 @@ fn wall_below_brake(derived: &Derived) -> Result<Judged, Stop> {
 
 fn weight(derived: &Derived) -> Result<Judged, Stop> {
     let Some([hybrid, motor]) = masses_g(derived.known.study) else {
-        return not_measured("masses, or a mode of motor and brake, are not known");
+        return not_measured(
+            "the study gives no masses of motor and brake, or has no mode with both",
+        );
     };
     let asked = format!("below {motor:.0}\u{a0}g: the motor's");
     let words = "mass of the brake and a motor of the size that is used";

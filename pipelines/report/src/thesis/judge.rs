@@ -7,6 +7,7 @@ use crate::thesis::estimate::{Estimated, difference, mean};
 use crate::thesis::forces;
 use crate::thesis::judged::{Derived, Judged, Stop, condition, counted, judged, people, trials};
 use crate::thesis::rule::{Bound, Case, From, Quantity, Rule, Statement, is_as_in_the_thesis};
+use crate::thesis::statements;
 use std::collections::BTreeMap;
 use zwidth_stats::power::clopper_pearson;
 use zwidth_stats::superiority::{Repeats, superiority};
@@ -166,7 +167,12 @@ fn some(quantity: Quantity, above: f64, case: Case, derived: &Derived) -> Result
     let verdict = if some > 0 { Verdict::Supported } else { Verdict::Undecided };
     let judged = counted(quantity.words, some, all, verdict, "at least one trial", &trials)?;
     let share = clopper_pearson(some, all, derived.level).ok().filter(|_| people.len() == 1);
-    Ok(Judged { interval: share.map(|(low, high)| [100.0 * low, 100.0 * high]), ..judged })
+    let shown = match quantity.from {
+        From::Metrics => judged.shown,
+        From::Replays => Shown::Replays(condition(derived.known, case)?.0.id.clone()),
+    };
+    let interval = share.map(|(low, high)| [100.0 * low, 100.0 * high]);
+    Ok(Judged { interval, shown, ..judged })
 }
 
 /// P(A > B) + ½ P(A = B) of the answers in two modes.
@@ -266,25 +272,40 @@ fn all_of(parts: &[&str], before: &BTreeMap<&str, Verdict>) -> Result<Judged, St
     let any = |verdict| verdicts.iter().any(|(_, found)| *found == verdict);
     let by = [Verdict::Contradicted, Verdict::NotMeasured, Verdict::Undecided];
     let verdict = by.into_iter().find(|verdict| any(*verdict)).unwrap_or(Verdict::Supported);
-    let list: Vec<String> =
-        verdicts.iter().map(|(part, verdict)| format!("{part} {}", verdict.as_str())).collect();
+    let remark = rests_on(&verdicts, verdict);
     if verdict == Verdict::NotMeasured {
-        return Err(Stop::NotMeasured(list.join(", ")));
+        return Err(Stop::NotMeasured(remark));
     }
     Ok(Judged {
         evidence: Evidence {
-            metric: "other statements".to_owned(),
+            metric: "the statements it rests on".to_owned(),
             value: None,
             unit: String::new(),
-            remark: list.join(", "),
+            remark,
             verdict,
         },
-        asked: "all of them".to_owned(),
+        asked: "all of them supported".to_owned(),
         interval: None,
         n: None,
         over: String::new(),
         shown: Shown::Statements,
     })
+}
+
+/// The statements of others that another one has its verdict from, in their own words.
+fn rests_on(parts: &[(&str, Verdict)], verdict: Verdict) -> String {
+    let all = parts.len();
+    if verdict == Verdict::Supported {
+        return format!("it rests on {all} other statements, all of them supported");
+    }
+    let text = |key: &str| {
+        let statement = statements::ALL.iter().find(|statement| statement.key == key);
+        statement.map_or_else(|| key.to_owned(), |statement| format!("“{}”", statement.text))
+    };
+    let its = parts.iter().filter(|(_, found)| *found == verdict).map(|(key, _)| text(key));
+    let list: Vec<String> = its.collect();
+    let (word, some) = (verdict.as_str(), list.len());
+    format!("it rests on {all} other statements, {some} of them {word}: {}", list.join(", "))
 }
 
 #[cfg(test)]

@@ -68,7 +68,7 @@ pub(crate) fn condition<'a>(
 
 fn place_words(place: Place) -> &'static str {
     match place {
-        Place::Spring => "environment with a spring and no wall",
+        Place::Spring => "environment with a spring and without a wall",
         Place::Wall => "environment with a wall",
     }
 }

@@ -22,7 +22,7 @@ const VELOCITY_MISSED: f64 = 0.1;
 const JND: &str = "just noticeable difference of a finger joint's angle (Tan 1994)";
 const DIGITS: &str = "the digits that the thesis gives";
 const ANGLES: &str = "as read off the thesis' figure, to ±5°";
-const ABOVE_NOTHING: &str = "more than nothing";
+const ABOVE_NOTHING: &str = "any difference that way round";
 const STANDING: &str = "longer than a turn takes (assumed)";
 const NOT_STANDING: &str = "no longer than a turn takes (assumed)";
 const RETURNED_NOTHING: &str = "a released lever moves on a little";
@@ -87,7 +87,7 @@ const UNFELT: Bound = Bound::Given(
     "7 % of 2.5 N, the smallest force for which that is the just noticeable difference (Pang 1991)",
 );
 const POSITIVE: Bound = Bound::Given(0.0, f64::INFINITY, ABOVE_NOTHING);
-const NEGATIVE: Bound = Bound::Given(f64::NEG_INFINITY, 0.0, "less than nothing");
+const NEGATIVE: Bound = Bound::Given(f64::NEG_INFINITY, 0.0, "any difference that way round");
 const NOTHING: Bound = Bound::Given(f64::NEG_INFINITY, 0.01, RETURNED_NOTHING);
 const SOMETHING: Bound = Bound::Given(0.01, f64::INFINITY, RETURNED_NOTHING);
 const STANDS: Bound = Bound::Given(STANDS_S, f64::INFINITY, STANDING);
@@ -143,7 +143,7 @@ pub(crate) const ALL: &[Statement] = &[
     of(Active, Wall, "motor_force", "§5.3.2.1", "At 16 V the motor gives 4.16 N", Rule::Forces(Force::OfMotor)),
     of(Active, Wall, "active_never_settles", "§5.3.2.1", "With the motor the velocity never settles at the wall", Rule::Mean(STILL, Bound::Given(f64::NEG_INFINITY, STANDS_S, NOT_STANDING))),
     of(Active, Wall, "active_as_without", "§5.3.2.1", "With the motor the displacement is as it is without the wall", Rule::Difference(LARGEST_ANGLE, ACTIVE_SPRING, WITHIN_JND)),
-    whole("spooling_up", "§5.3.2.1", "A strong enough motor would not feel like a wall either, for it must spool up", Rule::Untold("no motor strong enough was used")),
+    whole("spooling_up", "§5.3.2.1", "A strong enough motor would not feel like a wall either, for it must spool up", Rule::Untold("no motor strong enough to hold the wall was used")),
     of(Passive, Wall, "passive_stands", "§5.3.2.2", "With the brake the lever stands at the wall", Rule::Mean(STILL, STANDS)),
     of(Passive, Wall, "passive_force_rises", "§5.3.2.2", "With the brake the force rises at the wall", Rule::Mean(RISE, Bound::ForceAtWall)),
     of(Passive, Wall, "passive_holds", "§5.3.2.2", "With the brake the lever does not move on at the wall", Rule::Mean(PAST, Bound::Given(f64::NEG_INFINITY, ANGLE_JND_RAD, JND))),
@@ -176,7 +176,7 @@ pub(crate) const ALL: &[Statement] = &[
     of(Passive, Spring, "model_true_passive", "§6.1", "Given the recorded force, the model is mostly true to life (brake)", Rule::Mean(PEAK_ERROR, WITHIN_JND)),
     of(Hybrid, Spring, "model_true_hybrid", "§6.1", "Given the recorded force, the model is mostly true to life (hybrid)", Rule::Mean(PEAK_ERROR, WITHIN_JND)),
     of(Hybrid, Spring, "model_in_time", "Fig. 24", "The model reaches its largest angle at a similar time", Rule::Mean(PEAK_TIME_ERROR, Bound::Given(-0.1, 0.1, "a tenth of a second: assumed"))),
-    of(Hybrid, Spring, "model_velocity_varies", "Fig. 24", "The model's velocity varies more than the recorded one", Rule::Mean(VELOCITY_SD, Bound::Given(1.0, f64::INFINITY, "more than as much"))),
+    of(Hybrid, Spring, "model_velocity_varies", "Fig. 24", "The model's velocity varies more than the recorded one", Rule::Mean(VELOCITY_SD, Bound::Given(1.0, f64::INFINITY, "more than the recording's"))),
     of(Hybrid, Spring, "model_misses_velocity", "§4.3, Abstract", "The model at times misses the velocity", Rule::Some(Quantity { words: "trials whose velocity is off by more than a tenth of its range", ..VELOCITY_ERROR }, VELOCITY_MISSED)),
     whole("model_needs_its_device", "§6.1", "Given other data than the device's, the model may be wrong", Rule::Untold("the model is given this study's own forces alone")),
     of(Hybrid, Wall, "wall_lets_go", "§6.2.1", "Sometimes the brake lets go at the wall and the lever goes on", Rule::Some(Quantity { words: "trials that go further past the wall than can be felt", ..PAST }, ANGLE_JND_RAD)),

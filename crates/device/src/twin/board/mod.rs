@@ -7,7 +7,7 @@ use crate::participant::draw::{Draw, Purpose};
 use crate::participant::{Person, STEP_S};
 use crate::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
 use zwidth_dynamics::{Command, Driven};
-use zwidth_study::{AnswerScale, Channel, ChannelId, Extra, Source, Voltages};
+use zwidth_study::{AnswerScale, CURRENT_MOTOR, Channel, ChannelId, Extra, Source, Voltages};
 
 /// Version of the simulation: another one makes other numbers of the same seed.
 const VERSION: u32 = 2;
@@ -166,14 +166,16 @@ impl Twin {
     }
 
     fn reading(&mut self) -> Reading {
-        self.angle.take(self.now_s, self.plant.state().theta_rad);
+        let state = self.plant.state();
+        let current_a = self.parameters.motor_current_a(state.motor_n, state.theta_dot_rad_s);
+        self.angle.take(self.now_s, state.theta_rad);
         Reading {
             t_device_s: Some(self.clock_offset_s + self.clock_rate * self.now_s),
             angle: Angle::Counts(self.angle.counts),
             angle_age_s: self.now_s - self.angle.taken_s,
             force_n: self.force.value_n,
             force_age_s: Some(self.now_s - self.force.taken_s),
-            extra: Extra::new(&[self.plant.state().theta_rad]),
+            extra: Extra::new(&[state.theta_rad, current_a]),
         }
     }
 }
@@ -235,14 +237,18 @@ fn capabilities(parameters: &TwinParameters) -> Capabilities {
     }
 }
 
-/// What no sensor of the prototype sees: the lever's angle as it is.
+/// What no sensor of the prototype sees, in the order of a reading's: the lever's angle as it is,
+/// and the current in the motor's winding.
 fn channels() -> Vec<Channel> {
-    let channel = |id: ChannelId| Channel {
-        id,
-        unit: "rad".to_owned(),
-        description: "lever angle of the simulated plant, without its sensor".to_owned(),
+    let all = [
+        ("theta_true_rad", "rad", "lever angle of the simulated plant, without its sensor"),
+        (CURRENT_MOTOR, "A", "current in the simulated motor's winding"),
+    ];
+    let channel = |(id, unit, description): (&str, &str, &str)| {
+        let id = ChannelId::new(id).ok()?;
+        Some(Channel { id, unit: unit.to_owned(), description: description.to_owned() })
     };
-    ChannelId::new("theta_true_rad").map(channel).into_iter().collect()
+    all.into_iter().filter_map(channel).collect()
 }
 
 #[cfg(test)]

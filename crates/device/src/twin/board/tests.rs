@@ -48,6 +48,22 @@ fn voltages_act_and_the_watchdog_takes_them_away() {
     assert!(twin.truth().motor_n.abs() < 1e-9 && twin.truth().brake_n < 1e-3);
 }
 
+/// At the stop nothing moves: I = U / R after some τ = 53 µs. Moving, the winding's voltage is taken off.
+#[test]
+fn the_winding_s_current_is_that_of_its_voltage_less_that_of_its_motion() {
+    let mut twin = twin();
+    twin.home(100.0).unwrap();
+    twin.write(100.0, Voltages { motor_v: -8.0, brake_v: 0.0 }).unwrap();
+    let reading = twin.read(100.01).unwrap();
+    assert_eq!(twin.capabilities().channels[1].id.as_str(), "current_motor_a");
+    assert!((reading.extra.values()[1] + 8.0 / 30.4).abs() < 1e-9, "{reading:?}");
+    let parameters = TwinParameters::default();
+    let emf_v = 75.0 / 11.0 * 0.0536 * 2.0;
+    let of = |motor_n| parameters.motor_current_a(motor_n, 2.0);
+    assert!((of(2.08) - (8.0 - emf_v) / 30.4).abs() < 1e-12);
+    assert!((of(-2.08) + (8.0 + emf_v) / 30.4).abs() < 1e-12);
+}
+
 #[test]
 fn homing_puts_the_lever_at_its_stop_with_everything_off() {
     let mut twin = twin();

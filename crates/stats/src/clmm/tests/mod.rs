@@ -526,7 +526,7 @@ fn studies_without_estimates_are_named_by_their_reason() {
         assert_eq!(found.unwrap_err().to_string(), expect);
     };
     let one = study(14, 1, 6, [0.5, 0.5]);
-    check(&one, Terms::Participant, "1 participants, 2 are needed");
+    check(&one, Terms::Participant, "1 participant, 2 are needed");
     let mut split = study(15, 6, 4, [0.5, 0.5]);
     split.modes.clone_from(&split.participants);
     check(
