@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use zwidth_device::{TwinParameters, Velocity};
 use zwidth_figures::LADDER;
 use zwidth_ladder::{
-    Course, HeldOut, Ladder, LadderTerm, Loop, Measured, Recorded, Settings, TermSet,
+    Course, Ladder, LadderTerm, Loop, Measured, Recorded, Settings, TermSet,
 };
 use zwidth_replay::{Drive, Rendering, Which};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
@@ -276,17 +276,10 @@ fn make_held_out(
             }
         }
     }
-    let smaller = zwidth_ladder::next_smaller(&models, choice)?;
-    let roles = [("choice", Some(choice)), ("next_smaller", smaller), ("fullest", Some(OFFERED))];
-    let fitted = |(role, set): (&'static str, Option<TermSet>)| {
-        Some((role, zwidth_ladder::held_out(&recordings, set?, &looped)?))
-    };
-    let rows: Vec<(&str, HeldOut)> = roles.into_iter().filter_map(fitted).collect();
-    write_tables(
-        &[zwidth_ladder::held_out_table(&of.stage.name, &rows, recordings.len())?],
-        making,
-        problems,
-    )
+    let tried = zwidth_ladder::tried(&recordings, choice, OFFERED, &looped);
+    let Laddered { name, perception, .. } = &of.stage;
+    let table = zwidth_ladder::held_out_table(name, &tried, recordings.len(), perception)?;
+    write_tables(&[table], making, problems)
 }
 
 fn make_study(_: &(), tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
