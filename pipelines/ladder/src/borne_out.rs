@@ -63,9 +63,7 @@ pub fn held_out_table(
             "error of the angle on the trials it was fitted to; null where it does not run",
             &|r| r.fitted_rad,
         ),
-        number("held_out_rmse_rad", "rad", "error of the angle on the others", &|r| {
-            r.held_out_rad
-        }),
+        number("held_out_rmse_rad", "rad", "error of the angle on the others", &|r| r.held_out_rad),
         number("felt_share", "1", "that over the angle that is just felt", &|r| {
             r.held_out_rad / bounds.angle_rad
         }),
@@ -109,7 +107,9 @@ pub fn join_held_out(tables: &[Table]) -> Result<Table, TableError> {
             c.choice.fitted_rad
         }),
         number("held_out_rmse_rad", "rad", "its error on the others", &|c| c.choice.held_out_rad),
-        number("felt_share", "1", "that over the angle that is just felt", &|c| c.choice.felt_share),
+        number("felt_share", "1", "that over the angle that is just felt", &|c| {
+            c.choice.felt_share
+        }),
         number("fullest_rmse_rad", "rad", "the fullest model's error on them", &|c| {
             error(c.fullest.as_ref())
         }),
@@ -257,10 +257,7 @@ mod tests {
     #[test]
     fn a_term_that_the_recordings_do_not_want_is_named_before_the_fullest() {
         let verdict = |errors| joined(errors, "recordings");
-        assert_eq!(
-            verdict([0.02, 0.09, 0.01, 0.01]).as_deref(),
-            Some("better without brake lag")
-        );
+        assert_eq!(verdict([0.02, 0.09, 0.01, 0.01]).as_deref(), Some("better without brake lag"));
         assert_eq!(verdict([0.02, 0.09, 0.03, 0.01]).as_deref(), Some("the fullest is better"));
         assert_eq!(verdict([f64::INFINITY; 4]), None);
     }

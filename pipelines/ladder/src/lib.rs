@@ -34,7 +34,7 @@ pub use ladder::{
     DEFAULT_POINTS, Ladder, MOST_PERIODS, MOST_POINTS, Quantity, Rung, Settings, ladder,
 };
 pub use model::Loop;
-pub use quantities::{Measured, own};
+pub use quantities::own;
 pub use ranges::{Point, Range, ranges};
 pub use reason::{reason, told};
 pub use run::{Cost, Course};
