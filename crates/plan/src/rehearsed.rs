@@ -196,7 +196,8 @@ mod tests {
         let mut asked: Vec<String> =
             Setup::others(&data().study).into_iter().map(Setup::words).collect();
         let mut found = setups.clone();
-        (asked.sort(), found.sort());
+        asked.sort();
+        found.sort();
         assert_eq!(found, asked);
         let at = setups.iter().position(|setup| setup == "force at 10 Hz").unwrap();
         assert_eq!(short.integers("stopped").unwrap()[at], Some(2), "the loop switches on it");
