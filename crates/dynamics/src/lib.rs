@@ -61,6 +61,5 @@ pub use system::{RestRule, System};
 pub use trajectory::{Event, Forces, Trajectory, WorkCounts};
 pub use verdict::{
     Controller, ExistingSwings, Felt, FeltDifference, FeltMotion, FeltReference, Judgement, Model,
-    Motions, Reference, RunVerdict, SampledLoop, Swings, VibrationThreshold, felt, force_bound_n,
-    judge,
+    Motions, Reference, RunVerdict, SampledLoop, Swings, VibrationThreshold, felt, judge,
 };

@@ -6,22 +6,21 @@
 use crate::conditions::{Repeats, repeats};
 use crate::drawing::{Drawing, write_figure};
 use crate::making::{derived, read_tables, write_tables};
+use crate::measured::model_trial;
 use crate::replayable::{is_replayable, rendering};
 use crate::trials::{OfTrials, files, name, read_all};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_device::{TwinParameters, Velocity};
 use zwidth_figures::LADDER;
-use zwidth_ladder::{
-    Course, HeldOut, Ladder, LadderTerm, Loop, Measured, Recorded, Settings, TermSet,
-};
+use zwidth_ladder::{Course, Ladder, LadderTerm, Loop, Recorded, Settings, TermSet};
 use zwidth_replay::{Drive, Rendering, Which};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Samples, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{
-    Analysis, Control, Environment, Mode, Perception, ReplayModel, Source, Study, is_felt,
+    Analysis, Control, Environment, Measured, Mode, Perception, ReplayModel, Source, Study,
 };
-use zwidth_tables::{Column, Table, Values};
+use zwidth_tables::Table;
 
 pub(crate) const STAGE: Stage = Stage { name: "ladder", version: zwidth_ladder::VERSION };
 
@@ -217,7 +216,7 @@ fn ladder_of(of: &Laddered, trial: &Trial) -> Result<Ladder, JobError> {
     Ok(zwidth_ladder::ladder(&scene, &settings, &measure)?)
 }
 
-/// The study's own metrics of a course, those that are numbers; none where they cannot be computed.
+/// The study's own metrics of a course.
 fn measured(
     course: &Course,
     trial: &Trial,
@@ -229,20 +228,8 @@ fn measured(
     samples.set(Signal::ThetaDot, course.theta_dot_rad_s.clone());
     samples.set(Signal::ForceEx, course.force_ex_n.clone());
     samples.set(Signal::ForceCmd, course.feedback_n.clone());
-    let trial = Trial { meta: trial.meta.clone(), file: trial.file.clone(), samples };
     let parameters = zwidth_metrics::Parameters { lever_m: Some(course.lever_m), ..*parameters };
-    let row = zwidth_metrics::trial_metrics(&trial, &parameters);
-    let table = row.ok().and_then(|row| zwidth_metrics::table(&[row]).ok());
-    table.map_or_else(Vec::new, |table| table.columns().iter().filter_map(number).collect())
-}
-
-fn number(column: &Column) -> Option<Measured> {
-    let Values::Float(values) = &column.values else { return None };
-    let (name, unit) = (column.field.name.to_string(), column.field.unit.to_string());
-    if !is_felt(&name) {
-        return None;
-    }
-    Some(Measured { name, unit, value: values.first().copied().flatten() })
+    crate::measured::measured(&model_trial(samples, trial), &parameters)
 }
 
 fn make(of: &OfTrials<Laddered>, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
@@ -276,17 +263,10 @@ fn make_held_out(
             }
         }
     }
-    let smaller = zwidth_ladder::next_smaller(&models, choice)?;
-    let roles = [("choice", Some(choice)), ("next_smaller", smaller), ("fullest", Some(OFFERED))];
-    let fitted = |(role, set): (&'static str, Option<TermSet>)| {
-        Some((role, zwidth_ladder::held_out(&recordings, set?, &looped)?))
-    };
-    let rows: Vec<(&str, HeldOut)> = roles.into_iter().filter_map(fitted).collect();
-    write_tables(
-        &[zwidth_ladder::held_out_table(&of.stage.name, &rows, recordings.len())?],
-        making,
-        problems,
-    )
+    let tried = zwidth_ladder::tried(&recordings, choice, OFFERED, &looped);
+    let Laddered { name, perception, .. } = &of.stage;
+    let table = zwidth_ladder::held_out_table(name, &tried, recordings.len(), perception)?;
+    write_tables(&[table], making, problems)
 }
 
 fn make_study(_: &(), tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {

@@ -4,6 +4,7 @@
 use crate::conditions::Repeats;
 use crate::drawing::{Drawing, write_figure};
 use crate::making::{derived, read_tables, split, write_tables};
+use crate::measured::measured;
 use crate::replay::rendered;
 use crate::trials::{OfTrials, files as trial_files, name, read_all};
 use rayon::prelude::*;
@@ -12,25 +13,91 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_figures::{FigureKind, LESS, WORK_PRECISION};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
-use zwidth_study::{Calibration, Perception, Source};
+use zwidth_store::{Layout, Samples, Signal, StudyData, Trial, TrialEntry, TrialFile};
+use zwidth_study::{Calibration, Kind, Measured, Perception, Source, Status, TrialMeta};
 use zwidth_tables::Table;
 use zwidth_trade::{
-    Less, ModelScene, Parameters, Trade, condition_scene, data_table, lessened, settings_table,
-    summary_table, trade,
+    Bounds, Course, Less, Metrics, ModelScene, Parameters, Trade, TradeError, condition_scene,
+    data_table, lessened, settings_table, summary_table, trade,
 };
 
 const STAGE: Stage = Stage { name: "trade", version: zwidth_trade::VERSION };
 
-/// Every condition of a study that a model can be made of, as a scene. Its forces are those of a
-/// session's calibration, or else the thesis'.
-pub fn scenes(data: &StudyData) -> Vec<ModelScene> {
-    let study = &data.study;
+/// A condition of a study as a scene, and what its metrics depend on.
+#[derive(Debug, Clone, Serialize)]
+pub struct Traded {
+    /// The scene.
+    pub scene: ModelScene,
+    metrics: zwidth_metrics::Parameters,
+    metrics_version: u32,
+}
+
+impl Traded {
+    /// The study's own metrics of a run, as if it had been recorded; none where they cannot be
+    /// computed.
+    pub fn measure(&self, course: &Course) -> Vec<Measured> {
+        let mut samples = Samples::default();
+        samples.set(Signal::Time, course.t_s.clone());
+        samples.set(Signal::Theta, course.theta_rad.clone());
+        samples.set(Signal::ThetaDot, course.theta_dot_rad_s.clone());
+        samples.set(Signal::ForceEx, course.force_ex_n.clone());
+        samples.set(Signal::ForceCmd, course.feedback_n.clone());
+        let trial = nobody().map(|meta| Trial { meta, file: TrialFile::new(), samples });
+        trial.map_or_else(Vec::new, |trial| measured(&trial, &self.metrics))
+    }
+
+    /// The trade of its scene, with its metrics.
+    ///
+    /// # Errors
+    /// As [`trade`].
+    pub fn trade(
+        &self,
+        scene: &ModelScene,
+        parameters: &Parameters,
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<Trade, TradeError> {
+        let measure = |course: &Course| self.measure(course);
+        let metrics = Metrics { measure: &measure, bounds: &parameters.perception };
+        trade(scene, parameters, Some(&metrics), progress)
+    }
+}
+
+/// Who "recorded" a model run: metrics carry it along and do not look at it.
+fn nobody() -> Option<TrialMeta> {
+    Some(TrialMeta {
+        participant: "model".parse().ok()?,
+        session: "model".parse().ok()?,
+        trial: 1,
+        repeat: 1,
+        kind: Kind::Trial,
+        status: Status::Complete,
+        environment: "model".parse().ok()?,
+        mode: "model".parse().ok()?,
+        likert: None,
+        source: Source::Twin,
+    })
+}
+
+/// The forces of a study's scenes: those of a session's calibration, or else the thesis'.
+pub(crate) fn scenes_calibration(data: &StudyData) -> Calibration {
     let of_session = data.sessions.iter().find_map(|s| s.record.calibration.clone());
-    let calibration = of_session.unwrap_or_else(Calibration::thesis);
+    of_session.unwrap_or_else(Calibration::thesis)
+}
+
+/// Every condition of a study that a model can be made of, as a scene.
+pub fn scenes(data: &StudyData) -> Vec<Traded> {
+    let study = &data.study;
+    let calibration = scenes_calibration(data);
     let modes = |e| study.modes.iter().map(move |mode| (e, mode));
     let conditions = study.environments.iter().flat_map(modes);
-    conditions.filter_map(|(e, m)| condition_scene(study, e, m, &calibration)).collect()
+    let traded = |(e, m)| {
+        Some(Traded {
+            scene: condition_scene(study, e, m, &calibration)?,
+            metrics: zwidth_metrics::Parameters::of(study, e, m),
+            metrics_version: zwidth_metrics::VERSION,
+        })
+    };
+    conditions.filter_map(traded).collect()
 }
 
 /// Every setting of every scene, and what is recommended.
@@ -46,7 +113,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
 
 /// The conditions that were rendered and recorded with angle and force: others have no metric of which
 /// anything is known to be felt.
-fn measured(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
+pub(crate) fn measured_conditions(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
     let has = |t: &TrialEntry| {
         [Signal::Theta, Signal::ForceEx].iter().all(|signal| t.signals.contains(signal))
     };
@@ -55,13 +122,13 @@ fn measured(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
 
 /// What less of the recordings does, where there are any.
 fn data_table_of(data: &StudyData) -> Option<PathBuf> {
-    measured(data).next().is_some().then(|| derived(&data.layout, "trade_data.parquet"))
+    measured_conditions(data).next().is_some().then(|| derived(&data.layout, "trade_data.parquet"))
 }
 
 /// What the trade of a study depends on: no recording.
 #[derive(Serialize)]
 struct OfStudy {
-    scenes: Vec<ModelScene>,
+    scenes: Vec<Traded>,
     perception: Perception,
 }
 
@@ -75,7 +142,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 /// What less of a condition's recordings does, and all of them joined.
 fn data_jobs(data: &StudyData) -> Vec<Job> {
-    let conditions: Vec<Repeats> = measured(data).collect();
+    let conditions: Vec<Repeats> = measured_conditions(data).collect();
     let table = |r: &Repeats| derived(&data.layout, format!("trade/{}.parquet", r.key));
     let one = |r: &Repeats| {
         let metrics = zwidth_metrics::Parameters::of(&data.study, r.environment, r.mode);
@@ -124,7 +191,8 @@ fn make_data(
     let whole = table(0)?;
     let less = Less::ALL.into_iter().enumerate().map(|(k, less)| Ok((less, table(k + 1)?)));
     let less = less.collect::<Result<Vec<_>, zwidth_tables::TableError>>()?;
-    write_tables(&[data_table(condition, &whole, &less, perception)?], making, problems)
+    let bounds = Bounds { perception, lever_m: metrics.lever_m.unwrap_or(0.0) };
+    write_tables(&[data_table(condition, &whole, &less, &bounds)?], making, problems)
 }
 
 fn join_data((): &(), tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
@@ -133,8 +201,10 @@ fn join_data((): &(), tables: &Vec<PathBuf>, making: &Making) -> Result<Made, Jo
 }
 
 fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
-    let one =
-        |scene: &ModelScene| trade(scene, &Parameters::reduced(scene, &of.perception), &|| ());
+    let one = |traded: &Traded| {
+        let scene = &traded.scene;
+        traded.trade(scene, &Parameters::reduced(scene, &of.perception), &|| ())
+    };
     let trades: Vec<Trade> = of.scenes.par_iter().map(one).collect::<Result<_, _>>()?;
     let title = "Speed against accuracy";
     let tables =
@@ -146,7 +216,7 @@ fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     const KIND: FigureKind = WORK_PRECISION;
     let [settings, summary] = files(&data.layout);
-    let one = |scene: ModelScene| {
+    let one = |Traded { scene, .. }: Traded| {
         let inputs = vec![settings.clone(), summary.clone()];
         Drawing::new(data, KIND, [scene.name.replace('.', "_")], scene.name, inputs, draw)
     };

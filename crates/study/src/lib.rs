@@ -47,7 +47,7 @@ pub use model::{
     Analysis, Condition, Coordinate, Design, Device, Environment, Masses, Mode, OrderScheme,
     Question, Resistances, Study,
 };
-pub use perception::{Perception, VibrationCurve, is_felt};
+pub use perception::{Measured, Perception, VibrationCurve, is_felt};
 pub use printable::{printable, printable_lines};
 pub use replay::ReplayModel;
 pub use sample::{Extra, Flags, MOST_CHANNELS, Sample, Voltages};

@@ -40,6 +40,63 @@ impl Default for Perception {
     }
 }
 
+impl Perception {
+    /// The difference of two forces that is just noticed at a force, N.
+    pub fn force_bound_n(&self, force_n: f64) -> f64 {
+        (self.force_share * force_n.abs()).max(self.force_floor_n)
+    }
+
+    /// The difference of two numbers in `unit` that is just noticed at one of them, for a lever of
+    /// `lever_m`; `None` where none is known for that unit. A way is the angle's on the lever's arc;
+    /// work is force along a way: the force's share of it, and no less than the smallest force along
+    /// the smallest way.
+    pub fn bound(&self, value: f64, unit: &str, lever_m: f64) -> Option<f64> {
+        match unit {
+            "rad" => Some(self.angle_rad),
+            "m" => Some(lever_m * self.angle_rad),
+            "N" => Some(self.force_bound_n(value)),
+            "J" => Some(
+                (self.force_share * value.abs()).max(self.force_floor_n * lever_m * self.angle_rad),
+            ),
+            "N/rad" => Some(self.compliance_share * value.abs()),
+            "N·s/rad" => Some(self.viscosity_share * value.abs()),
+            _ => None,
+        }
+    }
+
+    /// How far a number is off the right one, over the difference that is just noticed; `None` where
+    /// that is not known for the unit. Where one of the two is missing it is off without limit, and
+    /// where both are, not at all.
+    pub fn off(
+        &self,
+        value: Option<f64>,
+        right: Option<f64>,
+        unit: &str,
+        lever_m: f64,
+    ) -> Option<f64> {
+        let bound = self.bound(right.unwrap_or(0.0), unit, lever_m)?;
+        Some(match (value, right) {
+            (None, None) => 0.0,
+            (Some(value), Some(right)) => {
+                let apart = (value - right).abs();
+                if apart > 0.0 { apart / bound } else { 0.0 } // nothing is nothing, whatever the bound
+            }
+            _ => f64::INFINITY,
+        })
+    }
+}
+
+/// A number of a course or a recording, as a study's metrics have it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Its name, which ends in its unit.
+    pub name: String,
+    /// Its unit as tables have it.
+    pub unit: String,
+    /// Null where it does not apply.
+    pub value: Option<f64>,
+}
+
 /// Whether a metric says what somebody could feel: nobody feels how well a number is known, a bound
 /// that the resolution of a sensor sets, or by how much a stiffness misses what was asked for.
 pub fn is_felt(metric: &str) -> bool {
@@ -123,6 +180,24 @@ mod tests {
         assert!(is_felt("stiffness_n_per_rad") && is_felt("wall_rigidity_n_per_rad"));
         assert!(!is_felt("stiffness_std_error_n_per_rad"));
         assert!(!is_felt("wall_stiffness_ci_high_n_per_rad"));
+    }
+
+    #[test]
+    fn a_number_is_off_by_its_difference_over_what_is_just_noticed_in_its_unit() {
+        let felt = Perception::default();
+        let off = |value, right, unit| felt.off(Some(value), Some(right), unit, 0.05).unwrap();
+        assert!((off(4.4, 4.0, "N/rad") - 0.1 / 0.08).abs() < 1e-9);
+        assert!(
+            (off(0.1, 0.0, "N") - 2.0).abs() < 1e-12 && (off(10.7, 10.0, "N") - 1.0).abs() < 1e-9
+        );
+        let floor_j = 0.05 * 0.05 * 2_f64.to_radians();
+        assert!((off(floor_j, 0.0, "J") - 1.0).abs() < 1e-12);
+        assert!(off(1.0, 1.0, "N/rad").abs() < 1e-300 && off(0.1, 0.0, "N/rad").is_infinite());
+        assert_eq!(felt.off(None, Some(1.0), "rad", 0.05), Some(f64::INFINITY));
+        assert_eq!(
+            (felt.off(None, None, "m", 0.05), felt.bound(1.0, "s", 0.05)),
+            (Some(0.0), None)
+        );
     }
 
     #[test]

@@ -32,8 +32,10 @@ const SIGNALS: [(&str, &str); 2] = [("theta_rad", "*θ*"), ("feedback_n", "force
 /// # Errors
 /// A table that lacks a column.
 pub fn ladder(models: &Table, effects: &Table, synthetic: bool) -> Result<Figure, TableError> {
+    let scene = models.title().strip_suffix(": models").unwrap_or(models.title());
+    let title = format!("{scene}: which terms of the model are needed");
     Ok(Figure {
-        title: Some(plain(models.title())),
+        title: Some(plain(&title)),
         description: format!(
             "{}. On the left each point is a model with some of the terms: its work in evaluations against how far \
              it is off the fullest model, over what a person can feel, both on logarithmic axes; the choice is the \
@@ -99,7 +101,7 @@ fn shares(effects: &Table) -> Result<Panel, TableError> {
                 y.push(place as f64 + 0.24 * k as f64 - 0.12);
             }
         }
-        let (colour, name) = (style::mode_colour(k), Some((*words).to_owned()));
+        let (colour, name) = (style::mode_colour(k + 2), Some((*words).to_owned()));
         Layer::Points(Points { x, y, colour, diameter_pt: 5.0, name, ..Points::default() })
     };
     let layers = SIGNALS.iter().enumerate().map(signal).collect();

@@ -1,12 +1,12 @@
-//! What less of a recording does to its metrics: the largest change of each, over what a person just
-//! feels.
+//! What less of a recording, or another setup of the simulated device, does to the metrics: the change
+//! of each in the median trial and up to the 90th percentile, over what a person just feels.
 
 use crate::about::FigureKind;
 use crate::words::plain;
 use std::collections::BTreeMap;
-use zwidth_draw::style;
+use zwidth_draw::style::{self, Colour, Marker};
 use zwidth_draw::{
-    Axis, Cell, Direction, Figure, Layer, Panel, Points, Reference, TWO_COLUMNS_MM, Ticks,
+    Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Reference, TWO_COLUMNS_MM, Ticks, dodge,
 };
 use zwidth_study::Source;
 use zwidth_tables::{Table, TableError};
@@ -14,20 +14,23 @@ use zwidth_tables::{Table, TableError};
 /// What less of the recordings does.
 pub const LESS: FigureKind = FigureKind {
     stem: "trade_data",
-    shows: "less of the recordings: the largest change of each metric, over what is just felt",
+    shows: "less of the recordings: the change of each metric, over what is just felt",
     drawn_from: "trial",
 };
 
 /// Height of a row, mm, and of a panel without rows.
-const ROW_MM: f64 = 4.2;
+const ROW_MM: f64 = 5.4;
 const FRAME_MM: f64 = 4.0;
 /// Changes below this share of what is felt are drawn at it.
 const LEAST: f64 = 1e-3;
+/// What a mark is.
+const LEGEND: &str = "Marker: the median trial. Line: to the 90th percentile of the trials. Both of the condition whose median \
+     trial changes most. Dashed: just felt. At the left edge: a thousandth of that or less. A row without a mark: not there, or lost.";
 
 /// In the names of an interval's ends.
 const INTERVAL: &str = "_ci_";
 /// Units at the end of a metric's name, the longest first.
-const UNITS: [&str; 3] = ["_n_per_rad", "_rad", "_n"];
+const UNITS: [&str; 5] = ["_n_per_rad", "_rad", "_n", "_j", "_m"];
 
 /// A metric as it stands beside its row: `wall_past_max_rad` reads `wall past max`.
 fn row_words(metric: &str) -> String {
@@ -35,74 +38,97 @@ fn row_words(metric: &str) -> String {
     plain(&bare.replace('_', " "))
 }
 
-/// A panel a kind of less, a row a metric whose unit has a change that is just felt, a point a degree
-/// of it: the largest over trials and conditions. `changes` is the stage `trade`'s table of data.
+/// A panel a kind of less, a row a metric whose unit has a change that is just felt, a marker a degree
+/// of it. `changes` is a table of the stage `trade`: of recordings, or of the simulated device.
 ///
 /// # Errors
 /// A table that lacks a column.
 pub fn less(changes: &Table, sources: &[Source]) -> Result<Figure, TableError> {
-    let (kinds, words) = (changes.texts("kind")?, changes.texts("less")?);
-    let (metrics, shares) = (changes.texts("metric")?, changes.floats("felt_share")?);
-    let mut names: Vec<String> = Vec::new();
+    let (kinds, words, metrics) =
+        (changes.texts("kind")?, changes.texts("less")?, changes.texts("metric")?);
+    let (median, p90) = (changes.floats("median_share")?, changes.floats("p90_share")?);
+    let mut rows = Rows::default();
     let mut panels: Vec<(String, Vec<String>)> = Vec::new();
-    let mut most: BTreeMap<(String, String), f64> = BTreeMap::new();
     for i in 0..changes.height() {
-        let (Some(kind), Some(less), Some(metric), Some(share)) =
-            (&kinds[i], &words[i], &metrics[i], shares[i])
+        let (Some(kind), Some(less), Some(metric), Some(median), Some(p90)) =
+            (&kinds[i], &words[i], &metrics[i], median[i], p90[i])
         else {
             continue;
         };
         if metric.contains(INTERVAL) {
             continue; // the ends of an interval change with its metric
         }
-        if !names.contains(metric) {
-            names.push(metric.clone());
-        }
         match panels.iter_mut().find(|panel| panel.0 == *kind) {
             Some(panel) if panel.1.contains(less) => {}
             Some(panel) => panel.1.push(less.clone()),
             None => panels.push((kind.clone(), vec![less.clone()])),
         }
-        let largest = most.entry((less.clone(), metric.clone())).or_insert(0.0);
-        *largest = largest.max(share);
+        rows.add(less, metric, [median, p90]);
     }
-    let rows = Rows { names, most };
-    let panels = panels.iter().enumerate().map(|(i, (kind, less))| rows.panel(i, kind, less));
+    let mut before = 0;
+    let panels = panels.iter().enumerate().map(|(column, (kind, less))| {
+        let panel = rows.panel(column, before, kind, less);
+        before += less.len();
+        panel
+    });
     Ok(Figure {
         title: Some(plain(changes.title())),
         description: format!(
-            "{}: for each kind of less a panel, for each metric a row: its largest change over what is just felt.",
+            "{}: for each kind a panel, for each metric a row: its change over what is just felt, in the median trial \
+             and up to the 90th percentile of the trials.",
             changes.title()
         ),
         width_mm: TWO_COLUMNS_MM,
         panels: panels.collect(),
-        footnotes: changes.notes().iter().map(|note| plain(note)).collect(),
+        footnotes: std::iter::once(LEGEND.to_owned())
+            .chain(changes.notes().iter().map(|note| plain(note)))
+            .collect(),
         mark: crate::mark(sources.iter().copied()),
         ..Figure::default()
     })
 }
 
+/// Of each degree and metric, the change of the condition whose median trial changes most.
+#[derive(Default)]
 struct Rows {
     names: Vec<String>,
-    /// By what is taken and metric.
-    most: BTreeMap<(String, String), f64>,
+    /// Median and 90th percentile, by degree and metric.
+    most: BTreeMap<(String, String), [f64; 2]>,
 }
 
 impl Rows {
-    fn panel(&self, column: usize, kind: &str, less: &[String]) -> Panel {
+    fn add(&mut self, less: &str, metric: &str, share: [f64; 2]) {
+        if !self.names.iter().any(|name| name == metric) {
+            self.names.push(metric.to_owned());
+        }
+        let most = self.most.entry((less.to_owned(), metric.to_owned())).or_insert(share);
+        if share[0] > most[0] {
+            *most = share;
+        }
+    }
+
+    /// `before` degrees stand in the panels to the left.
+    fn panel(&self, column: usize, before: usize, kind: &str, less: &[String]) -> Panel {
         let (direction, stroke) = (Direction::Vertical, style::reference());
         let felt = Reference { direction, at: 0.0, label: None, stroke, name: None };
         let mut layers = vec![Layer::Reference(felt)];
+        let degrees = less.len();
         layers.extend(less.iter().enumerate().map(|(number, less)| {
-            let share = |metric: &String| self.most.get(&(less.clone(), metric.clone())).copied();
-            let log = |share: f64| libm::log10(share.max(LEAST));
-            Layer::Points(Points {
-                x: self.names.iter().map(|m| share(m).map_or(f64::NAN, log)).collect(),
-                y: (0..self.names.len()).map(|row| row as f64).collect(),
-                colour: style::mode_colour(3 * (column % 2) + number),
-                diameter_pt: style::MARKER_PT,
+            let place = |row: usize| row as f64 + dodge(number, degrees);
+            let share = |metric: &String, which: usize| {
+                let shares = self.most.get(&(less.clone(), metric.clone()));
+                shares.map_or(f64::NAN, |shares| libm::log10(shares[which].max(LEAST)))
+            };
+            let shares = |which| self.names.iter().map(|metric| share(metric, which)).collect();
+            Layer::Intervals(Intervals {
+                direction: Direction::Horizontal,
+                at: (0..self.names.len()).map(place).collect(),
+                estimate: shares(0),
+                low: shares(0),
+                high: shares(1),
+                colour: colour(before + number),
+                marker: MARKERS[number % MARKERS.len()],
                 name: Some(plain(less)),
-                ..Points::default()
             })
         }));
         let x = Axis { ticks: Ticks::Powers, ..Axis::new("change / felt", "") }.linked("share");
@@ -112,27 +138,71 @@ impl Rows {
     }
 }
 
+/// Shapes of the degrees of one kind.
+const MARKERS: [Marker; 3] = [Marker::Disc, Marker::Square, Marker::Diamond];
+
+/// Another colour for each degree of a figure, up to thirteen.
+fn colour(number: usize) -> Colour {
+    /// Colours of modes.
+    const MODES: usize = 6;
+    if number < MODES {
+        style::mode_colour(number)
+    } else {
+        style::environment_colour(number - MODES)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use zwidth_tables::Column;
 
-    #[test]
-    fn a_panel_a_kind_a_row_a_metric_and_the_largest_of_the_conditions() {
+    /// Two kinds, the first with two degrees of which the first has two conditions.
+    fn table() -> Table {
         let text =
-            |name, values: [&str; 4]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
+            |name, values: [&str; 5]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
+        let share = |name, values| Column::float(name, "1", "", values);
         let columns = vec![
-            text("kind", ["fewer samples", "fewer samples", "angle", "angle"]),
-            text("less", ["one sample of 2", "one sample of 2", "10 bits", "10 bits"]),
-            text("metric", ["peak_n", "peak_n", "peak_n", "theta_max_rad"]),
-            Column::float("felt_share", "1", "", [Some(0.1), Some(10.0), Some(1.0), None]),
+            text("kind", ["fewer samples", "fewer samples", "fewer samples", "angle", "angle"]),
+            text("less", ["1 of 2", "1 of 2", "1 of 4", "10 bits", "10 bits"]),
+            text("metric", ["peak_n", "peak_n", "peak_n", "peak_n", "theta_max_rad"]),
+            share("median_share", [Some(0.1), Some(10.0), Some(2.0), Some(1.0), None]),
+            share("p90_share", [Some(50.0), Some(20.0), Some(3.0), Some(1.0), None]),
         ];
-        let table = Table::new("trade_data", "Less", columns).unwrap();
-        let figure = less(&table, &[Source::Twin]).unwrap();
+        Table::new("trade_data", "Less", columns).unwrap()
+    }
+
+    fn intervals(figure: &Figure) -> Vec<&Intervals> {
+        let layers = figure.panels.iter().flat_map(|panel| &panel.layers);
+        layers
+            .filter_map(
+                |layer| {
+                    if let Layer::Intervals(found) = layer { Some(found) } else { None }
+                },
+            )
+            .collect()
+    }
+
+    #[test]
+    fn a_panel_a_kind_a_row_a_metric_and_the_condition_that_changes_most() {
+        let figure = less(&table(), &[Source::Twin]).unwrap();
         assert_eq!(figure.panels.len(), 2);
         assert!(figure.mark.is_some() && zwidth_draw::draw(&figure).is_ok());
-        let Layer::Points(points) = &figure.panels[0].layers[1] else { panic!() };
+        let first = intervals(&figure)[0];
+        assert!((first.estimate[0] - 1.0).abs() < 1e-12, "{:?}", first.estimate);
+        assert!((first.high[0] - 20_f64.log10()).abs() < 1e-12, "{:?}", first.high);
         assert_eq!(row_words("wall_stiffness_n_per_rad"), "wall stiffness");
-        assert!((points.x[0] - 1.0).abs() < 1e-12, "{:?}", points.x);
+    }
+
+    #[test]
+    fn no_two_degrees_of_a_figure_look_alike() {
+        let figure = less(&table(), &[]).unwrap();
+        let mut colours: Vec<Colour> = intervals(&figure).iter().map(|i| i.colour).collect();
+        colours.dedup();
+        assert_eq!(colours.len(), 3);
+        let mut all: Vec<Colour> = (0..13).map(colour).collect();
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), 13);
     }
 }

@@ -20,8 +20,9 @@ pub struct Recorded {
     pub theta_rad: Vec<f64>,
 }
 
-/// What a fit may change, each as a factor of the twin's default: what the lever weighs, friction at
-/// rest and in motion, viscous friction, both lags of the brake.
+/// What a fit may change, each as a factor of the twin's default or, where it has none, of the middle
+/// of the range: inertia, friction at rest and in motion, viscous friction, both lags of the brake,
+/// what the lever weighs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Knobs {
     /// Of the moment of inertia.
@@ -32,20 +33,27 @@ pub struct Knobs {
     pub viscous: f64,
     /// Of the brake's lags.
     pub brake_lag: f64,
+    /// Of the lever's weight.
+    pub weight: f64,
 }
+
+/// How many numbers are fitted.
+const KNOBS: usize = 5;
 
 impl Knobs {
     /// The twin's defaults.
-    pub const USUAL: Self = Self { inertia: 1.0, dry: 1.0, viscous: 1.0, brake_lag: 1.0 };
+    pub const USUAL: Self =
+        Self { inertia: 1.0, dry: 1.0, viscous: 1.0, brake_lag: 1.0, weight: 1.0 };
 
-    fn of([inertia, dry, viscous, brake_lag]: [f64; 4]) -> Self {
-        Self { inertia, dry, viscous, brake_lag }
+    fn of([inertia, dry, viscous, brake_lag, weight]: [f64; KNOBS]) -> Self {
+        Self { inertia, dry, viscous, brake_lag, weight }
     }
 
     /// Those that a model with these terms has.
-    fn used(set: TermSet) -> [bool; 4] {
+    fn used(set: TermSet) -> [bool; KNOBS] {
         let friction = set.has(LadderTerm::Friction);
-        [true, friction, friction, set.has(LadderTerm::BrakeLag)]
+        let (lag, weight) = (set.has(LadderTerm::BrakeLag), set.has(LadderTerm::Gravity));
+        [true, friction, friction, lag, weight]
     }
 
     fn point(self) -> Point {
@@ -58,6 +66,7 @@ impl Knobs {
         twin.friction_viscous_ns_per_rad *= self.viscous;
         twin.brake_on_s *= self.brake_lag;
         twin.brake_off_s *= self.brake_lag;
+        point.weight_kg *= self.weight;
         point
     }
 }
@@ -100,14 +109,14 @@ pub fn fit(trials: &[&Recorded], set: TermSet, looped: &Loop) -> Knobs {
     /// First and last step, powers of two.
     const STEPS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
     const MOST: f64 = 3.0;
-    let cost = |x: &[f64; 4]| rmse_rad(trials, set, looped, Knobs::of(x.map(libm::exp2)));
-    let mut best = [0.0; 4];
+    let cost = |x: &[f64; KNOBS]| rmse_rad(trials, set, looped, Knobs::of(x.map(libm::exp2)));
+    let mut best = [0.0; KNOBS];
     let mut least = cost(&best);
     for step in STEPS {
         // A pass that finds nothing better ends a step; ten are more than a valley needs.
         for _ in 0..10 {
             let before = least;
-            for i in (0..4).filter(|i| Knobs::used(set)[*i]) {
+            for i in (0..KNOBS).filter(|i| Knobs::used(set)[*i]) {
                 for way in [step, -step] {
                     let mut next = best;
                     next[i] = (next[i] + way).clamp(-MOST, MOST);
@@ -154,6 +163,49 @@ pub fn held_out(trials: &[Recorded], set: TermSet, looped: &Loop) -> Option<Held
         fitted_rad: rmse_rad(&own, set, looped, knobs),
         held_out_rad: rmse_rad(&others, set, looped, knobs),
     })
+}
+
+/// A model that was held against recordings, and what it is to the choice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tried {
+    /// What it is.
+    pub role: Role,
+    /// How well it predicts.
+    pub held_out: HeldOut,
+}
+
+/// What a model that is held against recordings is to the choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The choice itself.
+    Choice,
+    /// The choice without one of its terms.
+    Without(LadderTerm),
+    /// The fullest model.
+    Fullest,
+}
+
+impl Role {
+    /// Its word in tables.
+    pub(crate) fn words(self) -> String {
+        match self {
+            Self::Choice => "choice".to_owned(),
+            Self::Without(term) => format!("without {}", term.as_str()),
+            Self::Fullest => "fullest".to_owned(),
+        }
+    }
+}
+
+/// The choice, the choice without each of its terms in turn, and the fullest model, each fitted anew
+/// and judged on the other trials; nothing without trials.
+pub fn tried(trials: &[Recorded], choice: TermSet, fullest: TermSet, looped: &Loop) -> Vec<Tried> {
+    let less = choice.terms().map(|term| (Role::Without(term), choice.without(term)));
+    let sets = std::iter::once((Role::Choice, choice)).chain(less);
+    let sets: Vec<(Role, TermSet)> = sets.chain([(Role::Fullest, fullest)]).collect();
+    let one = |(role, set): &(Role, TermSet)| {
+        Some(Tried { role: *role, held_out: held_out(trials, *set, looped)? })
+    };
+    sets.par_iter().filter_map(one).collect()
 }
 
 /// The numbers of a fitted model as a replay's table has them; what it has no term for is 0.
@@ -233,6 +285,17 @@ mod tests {
             [FRICTION, TermSet::NONE].map(|set| held_out(&trials, set, &looped()).unwrap());
         assert!(without.held_out_rad > 5.0 * with.held_out_rad);
         assert!((without.knobs.dry - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_weight_that_the_recordings_do_not_have_is_fitted_away_and_not_missed() {
+        let choice = FRICTION.with(LadderTerm::Gravity);
+        let rows = tried(&trials(Knobs::USUAL), choice, choice, &looped());
+        let roles: Vec<String> = rows.iter().map(|row| row.role.words()).collect();
+        assert_eq!(roles, ["choice", "without gravity", "without friction", "fullest"]);
+        let rmse = |i: usize| rows[i].held_out.held_out_rad;
+        assert!(rows[0].held_out.knobs.weight < 0.13, "{:?}", rows[0].held_out.knobs);
+        assert!(rmse(1) < rmse(0) && rmse(2) > 5.0 * rmse(0), "{rows:?}");
     }
 
     #[test]

@@ -2,14 +2,14 @@
 
 use crate::error::LadderError;
 use crate::model::{Loop, model};
-use crate::quantities::{Full, Measured, off_course, off_number};
+use crate::quantities::{Full, off_course};
 use crate::ranges::Point;
 use crate::run::{Cost, Course, Frame, run};
 use crate::terms::{LadderTerm, TermSet};
 use rayon::prelude::*;
 use zwidth_dynamics::ModelScene;
 use zwidth_stats::sensitivity::SwitchVariance;
-use zwidth_study::Perception;
+use zwidth_study::{Measured, Perception};
 
 /// Most points of a ladder.
 pub const MOST_POINTS: usize = 4096;
@@ -242,7 +242,7 @@ fn off(
 ) -> Vec<f64> {
     let of = |(i, full): (usize, &Measured)| {
         let value = found.get(i).and_then(|found| found.value);
-        off_number(value, full.value, &full.unit, course.lever_m, bounds).unwrap_or(0.0)
+        bounds.off(value, full.value, &full.unit, course.lever_m).unwrap_or(0.0)
     };
     let numbers = numbers.iter().enumerate().map(of);
     off_course(course, full, bounds).into_iter().chain(numbers).collect()
@@ -255,8 +255,7 @@ fn quantities(runs: &[Option<Ran>], numbers: &[Measured], offered: TermSet) -> V
         variance: over_time(runs, of, offered),
     };
     let number = |(i, measured): (usize, &Measured)| {
-        let is_judged =
-            off_number(None, None, &measured.unit, 1.0, &Perception::default()).is_some();
+        let is_judged = Perception::default().bound(0.0, &measured.unit, 1.0).is_some();
         let values =
             runs.iter().map(|ran| ran.as_ref()?.1.get(i)?.value).collect::<Option<Vec<f64>>>();
         let mut variance = SwitchVariance::none(offered.len());

@@ -10,6 +10,7 @@
 //! Pure: scenes in memory, tables out; the same scene gives the same bits on any number of
 //! threads.
 
+mod borne_out;
 mod error;
 mod held_out;
 mod ladder;
@@ -24,19 +25,20 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
+pub use borne_out::{fitted, held_out_table, join_held_out};
 pub use error::LadderError;
-pub use held_out::{HeldOut, Knobs, Plant, Recorded, fit, held_out, plant, predict, rmse_rad};
+pub use held_out::{
+    HeldOut, Knobs, Plant, Recorded, Role, Tried, fit, held_out, plant, predict, rmse_rad, tried,
+};
 pub use ladder::{
     DEFAULT_POINTS, Ladder, MOST_PERIODS, MOST_POINTS, Quantity, Rung, Settings, ladder,
 };
 pub use model::Loop;
-pub use quantities::{Measured, own};
+pub use quantities::own;
 pub use ranges::{Point, Range, ranges};
 pub use reason::{reason, told};
 pub use run::{Cost, Course};
-pub use table::{
-    chosen, effects, fitted, held_out_table, interactions, join_held_out, models, next_smaller,
-};
+pub use table::{chosen, effects, interactions, models};
 pub use terms::{LadderTerm, TermSet};
 
 /// Version of the algorithms here: a change of any number they give raises it.

@@ -2,19 +2,7 @@
 
 use crate::run::Course;
 use std::ops::Range;
-use zwidth_dynamics::force_bound_n;
-use zwidth_study::Perception;
-
-/// A number of a course: the study's own metrics, or [`own`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
-    /// Its name, which ends in its unit.
-    pub name: String,
-    /// Its unit as tables have it.
-    pub unit: String,
-    /// Null where it does not apply.
-    pub value: Option<f64>,
-}
+use zwidth_study::{Measured, Perception};
 
 /// Half of the window over which a force counts, s: what is quicker is vibration.
 const HALF_WINDOW_S: f64 = 0.05;
@@ -45,42 +33,8 @@ pub(crate) fn off_course(course: &Course, full: &Full, bounds: &Perception) -> [
     let angle = angle.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / bounds.angle_rad;
     let slow = slow(&course.t_s, &course.feedback_n);
     let force = slow.iter().zip(&full.slow_n).zip(&full.jumps).filter(|(_, jumps)| !**jumps);
-    let force = force.map(|((a, b), _)| (a - b).abs() / force_bound_n(*b, bounds));
+    let force = force.map(|((a, b), _)| (a - b).abs() / bounds.force_bound_n(*b));
     [angle, force.fold(0.0, f64::max)]
-}
-
-/// How far a number is off that of the fullest model, over its bound; `None` where none is known
-/// for its unit. A number that one of them lacks is off without limit.
-pub(crate) fn off_number(
-    value: Option<f64>,
-    full: Option<f64>,
-    unit: &str,
-    lever_m: f64,
-    bounds: &Perception,
-) -> Option<f64> {
-    let of = |full: f64| match unit {
-        "rad" => Some(bounds.angle_rad),
-        "m" => Some(lever_m * bounds.angle_rad),
-        "N" => Some(force_bound_n(full, bounds)),
-        // Work is force along the way: the same share, and the floor over one noticed angle.
-        "J" => Some(
-            (bounds.force_share * full.abs())
-                .max(bounds.force_floor_n * lever_m * bounds.angle_rad),
-        ),
-        "N/rad" => Some(bounds.compliance_share * full.abs()),
-        "N·s/rad" => Some(bounds.viscosity_share * full.abs()),
-        _ => None,
-    };
-    match (value, full) {
-        (None, None) => of(0.0).map(|_| 0.0),
-        (Some(value), Some(full)) => of(full).map(|bound| over((value - full).abs(), bound)),
-        _ => of(0.0).map(|_| f64::INFINITY),
-    }
-}
-
-/// A difference over its bound; no difference is none whatever the bound.
-fn over(difference: f64, bound: f64) -> f64 {
-    if difference == 0.0 { 0.0 } else { difference / bound }
 }
 
 /// The fullest model's course, made ready to be compared with.
@@ -175,15 +129,5 @@ mod tests {
         let jump = |at: f64| move |t: f64| if t < at { 4.0 } else { 1.0 };
         assert!(off(jump(2.02), jump(2.0)) < 1.0);
         assert!(off(jump(2.5), jump(2.0)) > 1.0);
-    }
-
-    #[test]
-    fn a_number_that_one_model_lacks_is_off_and_a_unit_without_a_bound_judges_nothing() {
-        let bounds = Perception::default();
-        let off = |a, b, unit| off_number(a, b, unit, 0.045, &bounds);
-        assert_eq!(off(Some(1.0), None, "N"), Some(f64::INFINITY));
-        assert_eq!(off(None, None, "rad"), Some(0.0));
-        assert_eq!(off(Some(1.0), Some(2.0), "Hz"), None);
-        assert!((off(Some(4.32), Some(4.0), "N/rad").unwrap() - 1.0).abs() < 1e-9);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::TradeError;
 use crate::errors::{Errors, errors};
+use crate::measured::{MetricChange, Metrics, changes};
 use crate::setting::{EXACT, Fineness, Setting};
 use crate::yardstick::{SAMPLE_S, Yardstick};
 use zwidth_dynamics::{
@@ -86,6 +87,17 @@ pub struct Cell {
     pub reversals: usize,
     /// The first gate that it does not pass.
     pub gate: Gate,
+    /// The study's own metrics beside those of the right run; none for a run that failed, where there
+    /// is no study, or for the exact solver beside itself. They judge nothing.
+    pub metrics: Vec<MetricChange>,
+}
+
+impl Cell {
+    /// The metric that changes most, over what is just felt.
+    pub fn furthest_metric(&self) -> Option<(&MetricChange, f64)> {
+        let shares = self.metrics.iter().filter_map(|metric| Some((metric, metric.felt_share?)));
+        shares.reduce(|most, next| if next.1 > most.1 { next } else { most })
+    }
 }
 
 /// The settings of one solver, from the finest to the coarsest.
@@ -94,12 +106,13 @@ pub(crate) fn cells(
     yardstick: &Yardstick,
     reference: &Reference,
     settings: &[Setting],
+    metrics: Option<&Metrics<'_>>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<Cell>, TradeError> {
     let mut known: Vec<(f64, ExistingSwings)> = Vec::new();
     let mut cells = Vec::new();
     for setting in settings {
-        cells.push(cell(scene, yardstick, reference, *setting, &mut known)?);
+        cells.push(cell(scene, yardstick, reference, *setting, metrics, &mut known)?);
         progress();
     }
     Ok(cells)
@@ -111,6 +124,7 @@ pub(crate) fn cell(
     yardstick: &Yardstick,
     reference: &Reference,
     setting: Setting,
+    metrics: Option<&Metrics<'_>>,
     known: &mut Vec<(f64, ExistingSwings)>,
 ) -> Result<Cell, TradeError> {
     let (solver, system) = (setting.solver(), &yardstick.system);
@@ -127,12 +141,15 @@ pub(crate) fn cell(
         known.push((step_s, own));
     }
     let mut errors = errors(yardstick, &run)?;
-    if setting.solver == EXACT && yardstick.by == EXACT {
+    let is_yardstick = setting.solver == EXACT && yardstick.by == EXACT;
+    if is_yardstick {
         // It would be compared with itself: what is known of it is how far another solver is.
         let apart_rad = yardstick.apart_rad.unwrap_or(f64::INFINITY);
         (errors.theta_rad.largest, errors.theta_rad.rms) = (apart_rad, apart_rad);
         errors.event_s = yardstick.apart_s;
     }
+    let metrics = metrics.filter(|_| !is_yardstick);
+    let metrics = metrics.map(|metrics| changes(yardstick, &run, metrics)).transpose()?;
     let work = work(setting, scene, system, &run, solver.as_ref());
     Ok(Cell {
         setting,
@@ -142,6 +159,7 @@ pub(crate) fn cell(
         work,
         evaluations: work.in_evaluations(&run.layout),
         reversals: run.reversals(),
+        metrics: metrics.unwrap_or_default(),
     })
 }
 
@@ -154,6 +172,7 @@ fn failed(setting: Setting, judgement: Judgement) -> Cell {
         evaluations: 0,
         reversals: 0,
         gate: Gate::Verdict,
+        metrics: Vec::new(),
     }
 }
 

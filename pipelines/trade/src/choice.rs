@@ -96,7 +96,7 @@ fn passed_neighbours(
         let near = neighbour(scene, number);
         let Ok(yardstick) = Yardstick::alone(&near, perception) else { return false };
         let reference = Reference::of(&yardstick.system);
-        let cell = cell(&near, &yardstick, &reference, setting, &mut Vec::new());
+        let cell = cell(&near, &yardstick, &reference, setting, None, &mut Vec::new());
         cell.is_ok_and(|cell| cell.gate == Gate::Passed)
     };
     (0..neighbours as u64).into_par_iter().filter(|number| passes(*number)).count()

@@ -51,10 +51,14 @@ pub struct Errors {
     pub felt: FeltDifference,
 }
 
+/// At most so many of a run's samples, evenly chosen.
+pub(crate) fn places(run: &Trajectory, most: usize) -> Vec<usize> {
+    (0..run.len()).step_by(run.len().div_ceil(most).max(1)).collect()
+}
+
 /// The errors of a run, at its samples.
 pub(crate) fn errors(yardstick: &Yardstick, run: &Trajectory) -> Result<Errors, TradeError> {
-    let stride = run.len().div_ceil(MOST_COMPARED).max(1);
-    let places: Vec<usize> = (0..run.len()).step_by(stride).collect();
+    let places = places(run, MOST_COMPARED);
     let right = yardstick.at(places.iter().map(|i| run.t_s[*i]).collect())?;
     let system = &yardstick.system;
     let apart = |of: fn(&Trajectory) -> Vec<f64>| {

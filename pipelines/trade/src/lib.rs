@@ -23,8 +23,12 @@ mod data;
 mod degrade;
 mod error;
 mod errors;
+mod measured;
+mod metric_table;
 mod perturb;
 mod setting;
+mod setup;
+mod short;
 mod story;
 mod table;
 #[cfg(test)]
@@ -36,16 +40,20 @@ pub use cells::{Cell, Gate};
 pub use choice::{Choice, WhyNot};
 pub use condition::condition_scene;
 pub use course::courses_table;
-pub use data::{data_table, join_conditions};
+pub use data::{Bounds, data_table, join_conditions, join_twin, twin_table};
 pub use degrade::{Less, lessened};
 pub use error::TradeError;
 pub use errors::{Errors, Size};
+pub use measured::{Course, Measure, MetricChange, Metrics};
+pub use metric_table::metrics_table;
 pub use perturb::neighbour;
 pub use setting::{Fan, Fineness, Setting};
+pub use setup::{Rehearsed, Setup, Stopped, rehearse};
+pub use short::{Stops, twin_summary};
 pub use table::{model_words, recommended_scene, settings_table, summary_table};
 pub use trade::{Parameters, Trade, models, pareto_front, trade};
 pub use yardstick::{Proof, Yardstick};
 pub use zwidth_dynamics::{DynamicsError, ModelScene};
 
 /// Version of the algorithms and of the tables' form.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;

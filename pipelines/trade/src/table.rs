@@ -2,6 +2,7 @@
 
 use crate::cells::{Cell, Gate};
 use crate::errors::Errors;
+use crate::metric_table::metric_columns;
 use crate::trade::{Trade, pareto_front};
 use crate::{TradeError, WhyNot};
 use zwidth_dynamics::{FingerLaw, ModelScene};
@@ -54,7 +55,7 @@ fn columns(rows: &[Row]) -> Vec<Column> {
         Column::integer(name, "1", about, rows.iter().map(value))
     };
     let tolerance = |row: &Row| row.1.setting.step_s().is_none().then(|| row.1.setting.size());
-    vec![
+    let mut columns = vec![
         text("scene", "the scene", &|row| row.0.scene.name.clone()),
         text("mode", "which actuators render", &|row| row.0.scene.mode.as_str().to_owned()),
         text("model", "what stands between the user's force and the lever", &|row| {
@@ -124,7 +125,12 @@ fn columns(rows: &[Row]) -> Vec<Column> {
             "no other setting has less work and less error of the angle",
             rows.iter().map(|row| Some(row.2)),
         ),
-    ]
+    ];
+    // Scenes without a study have no metrics.
+    if rows.iter().any(|row| !row.1.metrics.is_empty()) {
+        columns.extend(metric_columns(&rows.iter().map(|row| row.1).collect::<Vec<_>>()));
+    }
+    columns
 }
 
 /// The finger of a scene, which the models of the thesis differ by.

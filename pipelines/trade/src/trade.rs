@@ -3,6 +3,7 @@
 use crate::TradeError;
 use crate::cells::{Cell, cells};
 use crate::choice::{Choice, choose};
+use crate::measured::Metrics;
 use crate::setting::{Fan, Fineness, Setting};
 use crate::yardstick::{Proof, Yardstick};
 use rayon::prelude::*;
@@ -63,8 +64,8 @@ pub struct Trade {
     pub choice: Option<Choice>,
 }
 
-/// Runs every setting on a scene; `progress` is called after each. The same bits on any number of
-/// threads.
+/// Runs every setting on a scene; `progress` is called after each. With `metrics` each run's are held
+/// against the right one's. The same bits on any number of threads.
 ///
 /// # Errors
 /// A scene that makes no sense or is too long, or that neither the exact solver nor an adaptive one
@@ -72,11 +73,13 @@ pub struct Trade {
 pub fn trade(
     scene: &ModelScene,
     parameters: &Parameters,
+    metrics: Option<&Metrics<'_>>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Trade, TradeError> {
     let yardstick = Yardstick::of(scene, &parameters.perception)?;
     let reference = Reference::of(&yardstick.system);
-    let of = |settings: &Vec<Setting>| cells(scene, &yardstick, &reference, settings, progress);
+    let of =
+        |settings: &Vec<Setting>| cells(scene, &yardstick, &reference, settings, metrics, progress);
     let solvers: Vec<Vec<Cell>> = parameters
         .fan
         .settings()

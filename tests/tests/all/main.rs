@@ -10,6 +10,7 @@
 
 mod acquire;
 mod architecture;
+mod auto;
 mod bad_disk;
 mod bad_files;
 mod bad_import;

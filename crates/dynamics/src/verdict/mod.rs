@@ -37,7 +37,7 @@ mod tests;
 
 pub use felt::{Felt, VibrationThreshold, felt};
 pub use model::Model;
-pub use perceived::{FeltDifference, FeltMotion, FeltReference, force_bound_n};
+pub use perceived::{FeltDifference, FeltMotion, FeltReference};
 pub use reference::Reference;
 pub use run_verdict::RunVerdict;
 pub use sampled::{Controller, SampledLoop};

@@ -72,18 +72,13 @@ impl FeltMotion {
         };
         for (i, pair) in self.force_n.windows(JUMP_STEPS + 1).enumerate() {
             let (before, after) = (pair[0], pair[JUMP_STEPS]);
-            if (after - before).abs() > force_bound_n(before.abs().min(after.abs()), perception) {
+            if (after - before).abs() > perception.force_bound_n(before.abs().min(after.abs())) {
                 leave_out(i + 1);
             }
         }
         self.jumps_s.iter().for_each(|t| leave_out((t / STEP_S) as usize));
         spans(&free)
     }
-}
-
-/// The force difference that is just noticed at a force, N.
-pub fn force_bound_n(force_n: f64, perception: &Perception) -> f64 {
-    (perception.force_share * force_n.abs()).max(perception.force_floor_n)
 }
 
 /// Where a run of `true` begins and ends.
@@ -251,7 +246,7 @@ impl FeltReference {
                 continue;
             };
             let apart_n = (force_n - right.force_n[i]).abs();
-            let share = apart_n / force_bound_n(right.force_n[i], &self.perception);
+            let share = apart_n / self.perception.force_bound_n(right.force_n[i]);
             if share > worst.force_share {
                 (worst.force_share, worst.force_n) = (share, apart_n);
             }
@@ -351,8 +346,8 @@ mod tests {
             assert!((found.force_n - more_n).abs() < 1e-9);
         }
         let perception = Perception::default();
-        assert!((force_bound_n(0.1, &perception) - 0.05).abs() < 1e-15);
-        assert!((force_bound_n(-10.0, &perception) - 0.7).abs() < 1e-12);
+        assert!((perception.force_bound_n(0.1) - 0.05).abs() < 1e-15);
+        assert!((perception.force_bound_n(-10.0) - 0.7).abs() < 1e-12);
     }
 
     #[test]

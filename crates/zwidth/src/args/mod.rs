@@ -311,11 +311,12 @@ pub(crate) struct Simulate {
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Trade {
-    /// Scenes [default: those of every study under raw/, one a condition]
-    #[arg(value_name = "SCENE.toml")]
+    /// Scenes, files that end in .toml, or studies, of which every condition is one, and whose trials
+    /// are simulated with another loop and other sensors [default: all studies under raw/]
+    #[arg(value_name = "SCENE.toml|STUDY")]
     pub(crate) scenes: Vec<PathBuf>,
-    /// Instead of scene files: the scenes of this study
-    #[arg(long, value_name = "STUDY", conflicts_with = "scenes")]
+    /// A study, as above
+    #[arg(long, value_name = "STUDY")]
     pub(crate) study: Vec<StudyId>,
     /// Folder to write to [default: reports/trade; for a study reports/STUDY/timing]
     #[arg(long, value_name = "DIR")]

@@ -1,5 +1,6 @@
 //! `zwidth trade`: every solver and step on scenes, and the cheapest that is good enough.
 
+mod setups;
 mod source;
 mod timing;
 mod words;
@@ -10,13 +11,14 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
 use serde::Serialize;
-use source::{Source, sources};
+use setups::{Made, Study, setups};
+use source::{Asked, Source, asked};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::Felt;
 use zwidth_trade::{
-    Fineness, Parameters, Setting, Trade, courses_table, models, recommended_scene, settings_table,
-    summary_table, trade as trade_scene,
+    Fineness, Parameters, Setting, Trade, courses_table, metrics_table, models, recommended_scene,
+    settings_table, summary_table, trade as trade_scene,
 };
 
 /// What `--json` prints of a scene.
@@ -31,19 +33,32 @@ struct Outcome {
 }
 
 pub(crate) fn trade(root: &Path, command: &Command, screen: &Screen) -> anyhow::Result<Exit> {
-    let sources = sources(root, command, screen)?;
+    let Asked { scenes, studies } = asked(root, command, screen)?;
     let mut outcomes = Vec::new();
-    let bar = screen.bar(sources.iter().map(Source::settings).sum());
-    for source in &sources {
-        bar.set_message(source.stem.clone());
-        let done = bar.position() + source.settings() as u64;
-        let result = one(source, command.fresh, &|| bar.inc(1));
-        bar.set_position(done);
-        let outcome = outcome(source, result);
-        if !screen.json {
-            bar.suspend(|| tell(&outcome, screen));
+    let settings: usize = scenes.iter().map(Source::settings).sum();
+    let bar = screen.bar(settings + studies.iter().map(Study::trials).sum::<usize>());
+    let mut done = |message: &str, steps: usize, make: &dyn Fn() -> Option<Told>| {
+        bar.set_message(message.to_owned());
+        let after = bar.position() + steps as u64;
+        let made = make();
+        bar.set_position(after);
+        if let Some(made) = made {
+            if !screen.json {
+                bar.suspend(|| tell(&made, screen));
+            }
+            outcomes.push(made);
         }
-        outcomes.push(outcome);
+    };
+    let step = || bar.inc(1);
+    for source in &scenes {
+        done(&source.stem, source.settings(), &|| {
+            Some(outcome(source, one(source, command.fresh, &step)))
+        });
+    }
+    for study in &studies {
+        done(setups::STEM, study.trials(), &|| {
+            of_study(study, setups(root, study, command.fresh, &step))
+        });
     }
     bar.finish_and_clear();
     let failed = outcomes.iter().filter(|outcome| outcome.0.error.is_some()).count();
@@ -57,6 +72,23 @@ pub(crate) fn trade(root: &Path, command: &Command, screen: &Screen) -> anyhow::
         screen.listing(&outcomes.iter().map(|outcome| &outcome.0).collect::<Vec<_>>())?;
     }
     Ok(if failed == 0 { Exit::Fine } else { Exit::Partly })
+}
+
+/// What came of a study's setups; none where it has no trial to simulate.
+fn of_study(study: &Study, result: anyhow::Result<Option<Made>>) -> Option<Told> {
+    let (files, lines, error) = match result {
+        Ok(made) => made.map(|made| (made.files, made.lines, None))?,
+        Err(error) => (Vec::new(), Vec::new(), Some(format!("{}: {error:#}", setups::STEM))),
+    };
+    let outcome = Outcome {
+        scene: format!("{} on the simulated device", study.name),
+        yardstick: None,
+        recommended: None,
+        up_to_date: error.is_none() && files.is_empty(),
+        files,
+        error,
+    };
+    Some((outcome, lines))
 }
 
 /// What came of a scene, and what is said of it.
@@ -117,7 +149,10 @@ fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Re
         // What is recommended is so for the model that was asked for.
         let neighbours = if number == 0 { parameters.neighbours } else { 0 };
         let parameters = Parameters { neighbours, ..parameters.clone() };
-        trades.push(trade_scene(model, &parameters, progress)?);
+        trades.push(match &source.traded {
+            Some(traded) => traded.trade(model, &parameters, progress)?,
+            None => trade_scene(model, &parameters, None, progress)?,
+        });
     }
     let made_from = BTreeMap::from([("scene".to_owned(), source.scene.to_toml()?)]);
     let mut output = Output::new(&source.folder, made_from);
@@ -138,6 +173,10 @@ fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Resu
         &format!("{stem}.trade.summary"),
         &summary_table("trade_summary", &title, trades)?,
     )?;
+    if source.traded.is_some() {
+        let metrics = metrics_table("trade_metrics", &title, trades)?;
+        output.table(&format!("{stem}.trade.metrics"), &metrics)?;
+    }
     let own = settings_table("trade", &title, std::slice::from_ref(trade))?;
     let chosen = trade.choice.as_ref().map(|choice| (choice.setting.solver, choice.evaluations));
     let notes = words::notes(trade);

@@ -3,12 +3,14 @@
 use super::super::simulate::scene_file::SceneFile;
 use super::super::simulate::{check_stems, stem};
 use super::super::{join_findings, studies};
+use super::setups::Study;
 use crate::args::Trade as Command;
 use crate::screen::Screen;
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use std::path::{Path, PathBuf};
-use zwidth_store::StudyData;
-use zwidth_study::Perception;
+use zwidth_plan::Traded;
+use zwidth_store::{Layout, StudyData};
+use zwidth_study::{Perception, StudyId};
 use zwidth_trade::{ModelScene, Parameters, VERSION, models};
 
 /// A scene, what a person can feel of it, and where its results go.
@@ -16,6 +18,8 @@ pub(super) struct Source {
     pub(super) stem: String,
     pub(super) title: String,
     pub(super) scene: ModelScene,
+    /// What is measured of it, where it is a study's condition.
+    pub(super) traded: Option<Traded>,
     pub(super) perception: Perception,
     pub(super) folder: PathBuf,
 }
@@ -34,47 +38,78 @@ impl Source {
             "version": [VERSION, zwidth_figures::VERSION],
             "software": env!("CARGO_PKG_VERSION"),
             "scene": self.scene.to_toml()?,
+            "metrics": self.traded,
             "parameters": parameters,
         });
         Ok(format!("{key:#}\n"))
     }
 }
 
-/// The scenes that a command names.
-pub(super) fn sources(
-    root: &Path,
-    command: &Command,
-    screen: &Screen,
-) -> anyhow::Result<Vec<Source>> {
-    if !command.scenes.is_empty() {
-        check_stems(&command.scenes)?;
-        let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("trade"));
-        return command.scenes.iter().map(|path| of_file(path, &folder)).collect();
+/// What a command asks for.
+pub(super) struct Asked {
+    pub(super) scenes: Vec<Source>,
+    pub(super) studies: Vec<Study>,
+}
+
+/// The scenes and studies that a command names; all studies where it names none.
+pub(super) fn asked(root: &Path, command: &Command, screen: &Screen) -> anyhow::Result<Asked> {
+    let is_scene = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "toml");
+    let files: Vec<PathBuf> = command.scenes.iter().filter(is_scene).cloned().collect();
+    let mut named = command.study.clone();
+    for name in command.scenes.iter().filter(|path| !is_scene(path)) {
+        named.push(study_id(name)?);
     }
-    let mut found = Vec::new();
-    for layout in studies(root, command.study.clone())? {
-        let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
-        let folder = command.out.clone().unwrap_or_else(|| layout.reports().join("timing"));
-        let scenes = zwidth_plan::trade_scenes(&data);
-        if scenes.is_empty() {
-            let id = layout.study();
-            screen.warn(format!(
-                "{id} has no condition that a model can be made of (a lever length, a spring, an actuator and the \
-                 work space): nothing to trade"
-            ));
+    check_stems(&files)?;
+    let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("trade"));
+    let mut found = Asked {
+        scenes: files.iter().map(|path| of_file(path, &folder)).collect::<anyhow::Result<_>>()?,
+        studies: Vec::new(),
+    };
+    if files.is_empty() || !named.is_empty() {
+        for layout in studies(root, named)? {
+            of_study(&layout, command, screen, &mut found)?;
         }
-        found.extend(scenes.into_iter().map(|scene| Source {
-            stem: scene.name.clone(),
-            title: scene.name.clone(),
-            scene,
-            perception: data.study.perception.clone(),
-            folder: folder.clone(),
-        }));
     }
-    if found.is_empty() {
+    if found.scenes.is_empty() {
         bail!("there is no scene to trade; name one, for instance scenes/sine.toml");
     }
     Ok(found)
+}
+
+fn study_id(name: &Path) -> anyhow::Result<StudyId> {
+    let text = name.to_str().with_context(|| format!("{} is no study", name.display()))?;
+    StudyId::new(text).with_context(|| {
+        format!("{text} is neither a scene, which is a file that ends in .toml, nor a study")
+    })
+}
+
+/// The conditions of a study, and its trials.
+fn of_study(
+    layout: &Layout,
+    command: &Command,
+    screen: &Screen,
+    found: &mut Asked,
+) -> anyhow::Result<()> {
+    let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
+    let folder = command.out.clone().unwrap_or_else(|| layout.reports().join("timing"));
+    let scenes = zwidth_plan::trade_scenes(&data);
+    let name = layout.study().to_string();
+    if scenes.is_empty() {
+        screen.warn(format!(
+            "{name} has no condition that a model can be made of (a lever length, a spring, an actuator and the \
+             work space): nothing to trade"
+        ));
+    }
+    found.scenes.extend(scenes.into_iter().map(|traded| Source {
+        stem: traded.scene.name.clone(),
+        title: traded.scene.name.clone(),
+        scene: traded.scene.clone(),
+        traded: Some(traded),
+        perception: data.study.perception.clone(),
+        folder: folder.clone(),
+    }));
+    found.studies.push(Study { data, folder, name });
+    Ok(())
 }
 
 fn of_file(path: &Path, folder: &Path) -> anyhow::Result<Source> {
@@ -83,6 +118,7 @@ fn of_file(path: &Path, folder: &Path) -> anyhow::Result<Source> {
         stem: stem(path),
         title: file.scene.name.clone(),
         scene: file.scene,
+        traded: None,
         perception: Perception::default(),
         folder: folder.to_owned(),
     })

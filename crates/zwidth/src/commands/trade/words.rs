@@ -57,8 +57,14 @@ fn thesis(trade: &Trade, solver: &str) -> Option<String> {
     let vibration = errors.felt.vibration_share.map_or("none to compare".to_owned(), |share| {
         format!("{share:.2} times what is felt at {:.0} Hz", errors.felt.frequency_hz)
     });
+    let metric = cell.furthest_metric().map_or(String::new(), |(metric, share)| {
+        format!(
+            " Of the study's metrics it changes {} most, by {share:.2} times what is felt.",
+            metric.name
+        )
+    });
     Some(format!(
-        "{}: {}; angle off by up to {:.3}° (its top by {:.3}°), slow force {:.2} times what is felt, vibration {vibration}.",
+        "{}: {}; angle off by up to {:.3}° (its top by {:.3}°), slow force {:.2} times what is felt, vibration {vibration}.{metric}",
         cell.setting.words(),
         cell.judgement.verdict.as_str(),
         errors.theta_rad.largest.to_degrees(),

@@ -1,0 +1,218 @@
+//! What another loop or other sensors do to a study's metrics, from its trials on the simulated device:
+//! `zwidth trade` asks for it, a run does not. Here stages meet: what is simulated is the trade's, what
+//! is computed from it the metrics'.
+
+use crate::conditions::Repeats;
+use crate::trade::{measured_conditions, scenes_calibration};
+use rayon::prelude::*;
+use serde::Serialize;
+use zwidth_device::Twin;
+use zwidth_metrics::{Parameters, TrialMetrics};
+use zwidth_runner::JobError;
+use zwidth_store::{Samples, StudyData, Trial, TrialEntry};
+use zwidth_study::{Calibration, ParticipantId, SessionId, Source, Study, TrialMeta};
+use zwidth_tables::Table;
+use zwidth_trade::{
+    Bounds, Rehearsed, Setup, Stops, join_twin, rehearse, twin_summary, twin_table,
+};
+
+/// At most so many trials are simulated again: each a dozen times.
+const MOST_TRIALS: usize = 600;
+
+/// The simulated device with the person of a session at it.
+pub type TwinOf<'a> = dyn Fn(&ParticipantId, &SessionId) -> Result<Twin, JobError> + Sync + 'a;
+
+/// What the trade of setups depends on, besides the twins.
+#[derive(Debug, Serialize)]
+pub struct Rehearsal {
+    /// Participant, session, environment, mode and number of each trial.
+    trials: Vec<[String; 5]>,
+    setups: Vec<Setup>,
+    metrics_version: u32,
+}
+
+/// The conditions that are simulated: from the first on, until there are enough trials.
+fn conditions(data: &StudyData) -> Vec<Repeats<'_>> {
+    let mut trials = 0;
+    let is_room = |repeats: &Repeats| {
+        let before = trials;
+        trials += repeats.trials.len();
+        before < MOST_TRIALS
+    };
+    measured_conditions(data).take_while(is_room).collect()
+}
+
+/// What a study's trade of setups would be made of; none where no condition has angle and force.
+pub fn rehearsal(data: &StudyData) -> Option<Rehearsal> {
+    let of = |t: &&TrialEntry| {
+        let TrialMeta { participant, session, environment, mode, trial, .. } = &t.meta;
+        let words = [participant.as_str(), session.as_str(), environment.as_str(), mode.as_str()];
+        let [a, b, c, d] = words.map(str::to_owned);
+        [a, b, c, d, trial.to_string()]
+    };
+    let trials: Vec<_> =
+        conditions(data).iter().flat_map(|r| r.trials.iter().map(of).collect::<Vec<_>>()).collect();
+    (!trials.is_empty()).then(|| Rehearsal {
+        trials,
+        setups: Setup::others(&data.study),
+        metrics_version: zwidth_metrics::VERSION,
+    })
+}
+
+/// How many trials are simulated, at all setups together.
+pub fn rehearsed_trials(data: &StudyData) -> usize {
+    let trials: usize = conditions(data).iter().map(|r| r.trials.len()).sum();
+    trials * (1 + Setup::others(&data.study).len())
+}
+
+/// Every metric at every setup, a row each by condition, and the same in short. The same bits on any number of threads.
+///
+/// # Errors
+/// A twin that makes no sense; metrics that are no numbers.
+pub fn rehearsed(
+    data: &StudyData,
+    twin_of: &TwinOf<'_>,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Option<[Table; 2]>, JobError> {
+    let calibration = scenes_calibration(data);
+    let (mut tables, mut stops) = (Vec::new(), Vec::new());
+    for repeats in conditions(data) {
+        let made = condition(data, &repeats, &calibration, twin_of, progress)?;
+        tables.push(made.0);
+        stops.extend(made.1);
+    }
+    let Some(all) = join_twin(&tables)? else { return Ok(None) };
+    let short = twin_summary(&all, &stops)?;
+    Ok(Some([all, short]))
+}
+
+/// A condition of a session at every setup.
+fn condition(
+    data: &StudyData,
+    repeats: &Repeats<'_>,
+    calibration: &Calibration,
+    twin_of: &TwinOf<'_>,
+    progress: &(dyn Fn() + Sync),
+) -> Result<(Table, Vec<Stops>), JobError> {
+    let Some(first) = repeats.trials.first() else { return Err("a condition has trials".into()) };
+    let twin = twin_of(&first.meta.participant, &first.meta.session)?;
+    let at = |setup: Setup| -> Vec<Result<TrialMetrics, String>> {
+        let study = setup.of(&data.study);
+        let one = |entry: &&TrialEntry| {
+            let row = trial(entry, &twin, setup, (&data.study, &study), repeats, calibration);
+            progress();
+            row
+        };
+        repeats.trials.par_iter().map(one).collect()
+    };
+    let own = at(Setup::Own);
+    let (mut rehearsals, mut stops) = (Vec::new(), Vec::new());
+    for setup in Setup::others(&data.study) {
+        let changed = at(setup);
+        let both = own.iter().zip(&changed);
+        let pairs =
+            both.filter_map(|(a, b)| Some((a.as_ref().ok()?.clone(), b.as_ref().ok()?.clone())));
+        let (own, changed_rows): (Vec<_>, Vec<_>) = pairs.unzip();
+        let reasons: Vec<&String> = changed.iter().filter_map(|row| row.as_ref().err()).collect();
+        if let Some(why) = reasons.first() {
+            let (trials, of) = (reasons.len(), changed.len());
+            let why = format!("{}, {}: {trials} of {of} trials: {why}", repeats.who, setup.words());
+            stops.push(Stops { setup, trials, why });
+        }
+        rehearsals.push(Rehearsed {
+            setup,
+            own: zwidth_metrics::table(&own)?,
+            changed: zwidth_metrics::table(&changed_rows)?,
+        });
+    }
+    let lever_m = data.study.device.lever_m.unwrap_or(0.0);
+    let bounds = Bounds { perception: &data.study.perception, lever_m };
+    Ok((twin_table(&repeats.key, &rehearsals, &bounds)?, stops))
+}
+
+/// The metrics of a trial at a setup; in words why there are none.
+fn trial(
+    entry: &TrialEntry,
+    twin: &Twin,
+    setup: Setup,
+    (own, with_setup): (&Study, &Study),
+    Repeats { environment, mode, .. }: &Repeats<'_>,
+    calibration: &Calibration,
+) -> Result<TrialMetrics, String> {
+    let what = (*environment, *mode, entry.meta.trial);
+    let samples: Samples =
+        rehearse(twin.clone(), setup, own, what, calibration).map_err(|e| e.to_string())?;
+    let meta = TrialMeta { source: Source::Twin, ..entry.meta.clone() };
+    let trial = Trial { meta, file: entry.file.clone(), samples };
+    let parameters = Parameters::of(with_setup, environment, mode);
+    zwidth_metrics::trial_metrics(&trial, &parameters).map_err(|e| e.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::{Path, PathBuf};
+    use zwidth_device::{Person, TwinParameters};
+    use zwidth_store::{Layout, Signal, TrialFile};
+
+    /// Two trials of the template's spring in its hybrid mode, of which no sample is needed.
+    fn data() -> StudyData {
+        let mut study = zwidth_testing::study();
+        study.control.rate_hz = 120.0;
+        let entry = |trial: u32| TrialEntry {
+            path: PathBuf::new(),
+            meta: zwidth_testing::meta(trial, "hybrid"),
+            file: TrialFile::new(),
+            form: study.trial_form(),
+            signals: vec![Signal::Time, Signal::Theta, Signal::ForceEx],
+            rows: 0,
+            blake3: String::new(),
+            superseded_by: None,
+            excluded: None,
+            sealed: None,
+        };
+        StudyData {
+            layout: Layout::new(Path::new("."), "demo".parse().unwrap()),
+            trials: vec![entry(1), entry(2)],
+            study,
+            sweeps: Vec::new(),
+            sessions: Vec::new(),
+            problems: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    fn made() -> [Table; 2] {
+        let of = |_: &ParticipantId, _: &SessionId| -> Result<Twin, JobError> {
+            Ok(Twin::new(TwinParameters::default(), Person::typical(7), 3)?)
+        };
+        rehearsed(&data(), &of, &|| ()).unwrap().unwrap()
+    }
+
+    #[test]
+    fn every_setup_has_a_row_and_a_mode_that_safety_refuses_is_counted_and_told() {
+        let [all, short] = made();
+        let setups: Vec<String> = short.texts("setup").unwrap().into_iter().flatten().collect();
+        let mut asked: Vec<String> =
+            Setup::others(&data().study).into_iter().map(Setup::words).collect();
+        let mut found = setups.clone();
+        asked.sort();
+        found.sort();
+        assert_eq!(found, asked);
+        let at = setups.iter().position(|setup| setup == "force at 10 Hz").unwrap();
+        assert_eq!(short.integers("stopped").unwrap()[at], Some(2), "the loop switches on it");
+        assert!(short.notes().iter().any(|note| note.contains("2 of 2 trials")), "{short:?}");
+        let metrics = all.texts("metric").unwrap();
+        assert!(metrics.contains(&Some("theta_max_rad".to_owned())));
+        let again = format!("{:?}", made());
+        assert_eq!(again, format!("{:?}", [all, short]), "the same every time");
+    }
+
+    #[test]
+    fn a_study_says_how_many_trials_are_simulated_and_what_they_depend_on() {
+        let data = data();
+        assert_eq!(rehearsed_trials(&data), 2 * (1 + Setup::others(&data.study).len()));
+        assert_eq!(rehearsal(&data).unwrap().trials[1], ["P01", "S01", "spring", "hybrid", "2"]);
+        assert!(rehearsal(&StudyData { trials: Vec::new(), ..data }).is_none());
+    }
+}

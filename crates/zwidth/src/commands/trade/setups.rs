@@ -1,0 +1,135 @@
+//! The trade of a study's setup: its trials on the simulated device with another loop or other sensors.
+
+use super::super::device::{Bench, bench};
+use super::super::output::Output;
+use crate::devices::twin;
+use anyhow::anyhow;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use zwidth_device::{Device as _, Twin};
+use zwidth_plan::{Rehearsal, rehearsal, rehearsed, rehearsed_trials};
+use zwidth_runner::JobError;
+use zwidth_store::StudyData;
+use zwidth_study::{ParticipantId, SessionId, Source};
+use zwidth_tables::Table;
+use zwidth_trade::VERSION;
+
+/// What the files are called.
+pub(super) const STEM: &str = "trade_twin";
+/// What simulated people are drawn from where no session says what its own were.
+const SEED: u64 = 1;
+
+/// A study whose trials are simulated again.
+pub(super) struct Study {
+    pub(super) data: StudyData,
+    pub(super) folder: PathBuf,
+    /// Its name, for messages.
+    pub(super) name: String,
+}
+
+impl Study {
+    /// How many trials are simulated.
+    pub(super) fn trials(&self) -> usize {
+        rehearsed_trials(&self.data)
+    }
+
+    /// The seed of a session's simulated person: its own, where it was simulated, so that the intents
+    /// are those of its recordings.
+    fn seed(&self, participant: &ParticipantId, session: &SessionId) -> u64 {
+        let records = self.data.sessions.iter().map(|session| &session.record);
+        let mut own = records.filter(|r| r.participant == *participant && r.session == *session);
+        own.next().and_then(|record| record.seed).unwrap_or(SEED)
+    }
+}
+
+/// The files that were written, none where nothing changed, and what they say in sentences.
+#[derive(Default)]
+pub(super) struct Made {
+    pub(super) files: Vec<PathBuf>,
+    pub(super) lines: Vec<String>,
+}
+
+/// Simulates a study's trials at every setup, unless nothing changed since; none where no condition has
+/// an angle and a force.
+pub(super) fn setups(
+    root: &Path,
+    study: &Study,
+    fresh: bool,
+    progress: &(dyn Fn() + Sync),
+) -> anyhow::Result<Option<Made>> {
+    let Some(asked) = rehearsal(&study.data) else { return Ok(None) };
+    let bench = bench(root, study.data.layout.study().clone(), None)?;
+    let of = |participant: &ParticipantId, session: &SessionId| -> Result<Twin, JobError> {
+        let seed = study.seed(participant, session);
+        Ok(twin(&bench.occasion(seed, participant, session), false)?)
+    };
+    let key = key(study, &asked, &bench, &of)?;
+    let key_file = study.folder.join(format!("{STEM}.json"));
+    let is_there = study.folder.join(format!("{STEM}.png")).exists();
+    if !fresh && is_there && std::fs::read_to_string(&key_file).is_ok_and(|known| known == key) {
+        return Ok(Some(Made::default()));
+    }
+    let made = rehearsed(&study.data, &of, progress).map_err(|e| anyhow!("{}: {e}", study.name))?;
+    let Some([all, short]) = made else { return Ok(None) };
+    let made_from = BTreeMap::from([
+        ("study".to_owned(), study.name.clone()),
+        ("source".to_owned(), "twin, not measured".to_owned()),
+    ]);
+    let mut output = Output::new(&study.folder, made_from);
+    output.table(STEM, &all)?;
+    output.table(&format!("{STEM}.summary"), &short)?;
+    output.figure(STEM, zwidth_figures::less(&all, &[Source::Twin])?)?;
+    output.text(STEM, "json", &key)?;
+    Ok(Some(Made { files: output.files, lines: words(&short)? }))
+}
+
+/// All that its files depend on, as text.
+fn key(
+    study: &Study,
+    asked: &Rehearsal,
+    bench: &Bench,
+    twin_of: &dyn Fn(&ParticipantId, &SessionId) -> Result<Twin, JobError>,
+) -> anyhow::Result<String> {
+    let sessions = study.data.sessions.iter().map(|session| &session.record);
+    let seeds: BTreeSet<String> = sessions
+        .clone()
+        .map(|r| {
+            format!("{} {} {}", r.participant, r.session, study.seed(&r.participant, &r.session))
+        })
+        .collect();
+    let device = sessions.take(1).find_map(|r| twin_of(&r.participant, &r.session).ok());
+    let key = serde_json::json!({
+        "version": [VERSION, zwidth_figures::VERSION],
+        "software": env!("CARGO_PKG_VERSION"),
+        "device": device.map(|twin| twin.capabilities().name.clone()),
+        "twin": bench.twin,
+        "study": String::from_utf8_lossy(&bench.study_toml),
+        "calibrations": study.data.sessions.iter().map(|s| &s.record.calibration).collect::<Vec<_>>(),
+        "seeds": seeds,
+        "asked": asked,
+    });
+    Ok(format!("{key:#}\n"))
+}
+
+/// A line a setup: what it changes most.
+fn words(short: &Table) -> anyhow::Result<Vec<String>> {
+    let (setups, metrics) = (short.texts("setup")?, short.texts("metric")?);
+    let (felt, of) = (short.integers("felt")?, short.integers("metrics")?);
+    let (median, stopped) = (short.floats("median_share")?, short.integers("stopped")?);
+    let line = |i: usize| {
+        let most = metrics[i].as_ref().zip(median[i]).map_or(String::new(), |(metric, share)| {
+            format!("; {metric} most, by {share:.1} times what is just felt in the median trial")
+        });
+        let stopped = stopped[i].filter(|n| *n > 0);
+        let stopped = stopped.map_or(String::new(), |n| format!("; safety stops {n} trials"));
+        format!(
+            "{}: {} of {} metrics change by more than is just felt{most}{stopped}.",
+            setups[i].as_deref().unwrap_or_default(),
+            felt[i].unwrap_or(0),
+            of[i].unwrap_or(0),
+        )
+    };
+    let cares = short.notes_by_kind().filter(|(kind, _)| *kind == zwidth_tables::NoteKind::Care);
+    let cares = cares.map(|(_, note)| note.to_owned());
+    Ok((0..short.height()).map(line).chain(cares).collect())
+}
