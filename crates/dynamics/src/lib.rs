@@ -28,6 +28,7 @@ mod sweep;
 mod system;
 mod trajectory;
 mod verdict;
+mod wall;
 
 pub use driven::{Aim, Command, Driven, DrivenParameters, DrivenState, Hand, Tissue};
 pub use energy::EnergyBalance;
@@ -64,3 +65,4 @@ pub use verdict::{
     Motions, Reference, RunVerdict, SampledLoop, Swings, VibrationThreshold, felt, force_bound_n,
     judge,
 };
+pub use wall::{DryLimits, RidingFinger, SampledWall, Textbook};
