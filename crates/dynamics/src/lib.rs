@@ -65,4 +65,4 @@ pub use verdict::{
     Motions, Reference, RunVerdict, SampledLoop, Swings, VibrationThreshold, felt, force_bound_n,
     judge,
 };
-pub use wall::{DryLimits, RidingFinger, SampledWall, Textbook};
+pub use wall::{DryLimits, Pushed, PushedWall, RidingFinger, SampledWall, Textbook};

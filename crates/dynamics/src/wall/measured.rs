@@ -29,15 +29,26 @@ impl SampledWall {
         ticks: usize,
         share: f64,
     ) -> std::result::Result<Option<f64>, DynamicsError> {
-        self.check()?;
-        let scene = HeldScene::new(&self.scene(), 1.0)?;
-        scene.start(self.period_s)?;
+        self.simulated_growth(1)?;
         // A run that fails does so because it grew beyond all bounds.
-        Ok(stiffest(*self, share, |wall| wall.swings(&scene, ticks).is_ok_and(|size| size <= 1.0)))
+        Ok(stiffest(*self, share, |wall| {
+            wall.simulated_growth(ticks).is_ok_and(|growth| growth <= 1.0)
+        }))
+    }
+
+    /// What the simulated loop's swings are at the end of so many ticks, over those of its middle:
+    /// the largest |x| of the last sixth over that of the sixth that ends with the first half. A run
+    /// that is far out is broken off.
+    ///
+    /// # Errors
+    /// A parameter that makes no sense, or a run that fails.
+    pub fn simulated_growth(&self, ticks: usize) -> std::result::Result<f64, DynamicsError> {
+        self.check()?;
+        self.swings(&HeldScene::new(&self.scene(), 1.0)?, ticks)
     }
 
     /// The lever alone, its finger and the motor's lag; nothing commanded.
-    fn scene(&self) -> ModelScene {
+    pub(super) fn scene(&self) -> ModelScene {
         const ENDLESS: f64 = 1e30;
         let friction =
             Friction { static_n: 0.0, kinetic_n: 0.0, viscous_ns_per_rad: self.damping_ns_per_m };
@@ -74,7 +85,7 @@ impl SampledWall {
     fn swings(&self, scene: &HeldScene, ticks: usize) -> Result<f64, DynamicsError> {
         const FAR: f64 = 1e6;
         let mut run = scene.start(self.period_s)?;
-        let mut loops = Loop::new(self);
+        let mut loops = Loop::new(self, START_M);
         let (mut middle, mut last) = (0.0_f64, 0.0_f64);
         for k in 0..ticks {
             let x = run.theta_rad();
@@ -93,34 +104,42 @@ impl SampledWall {
 }
 
 /// The controller, and the commands that have not acted yet.
-struct Loop<'a> {
+pub(super) struct Loop<'a> {
     wall: &'a SampledWall,
     before_m: f64,
-    filtered_m_s: f64,
-    waiting: VecDeque<f64>,
+    pub(super) filtered_m_s: f64,
+    pub(super) later: VecDeque<HeldCommand>,
 }
 
 impl<'a> Loop<'a> {
-    fn new(wall: &'a SampledWall) -> Self {
-        let waiting = VecDeque::from(vec![0.0; wall.delay().0]);
-        Self { wall, before_m: START_M, filtered_m_s: 0.0, waiting }
+    /// A controller that has seen a lever at rest.
+    pub(super) fn new(wall: &'a SampledWall, x_m: f64) -> Self {
+        let nothing = HeldCommand { by_motor: true, force_n: 0.0 };
+        let later = VecDeque::from(vec![nothing; wall.delay().0]);
+        Self { wall, before_m: x_m, filtered_m_s: 0.0, later }
     }
 
     /// Measures and asks, holds what is due, and moves the lever by a period.
     fn tick(&mut self, run: &mut HeldRun<'_>, k: usize) -> Result<(), DynamicsError> {
+        let force_n = self.ask(run.theta_rad());
+        self.later.push_back(HeldCommand { by_motor: true, force_n });
+        self.go_on(run, k)
+    }
+
+    /// Holds what is due in tick `k` when it is, and moves the lever to the tick's end.
+    pub(super) fn go_on(&mut self, run: &mut HeldRun<'_>, k: usize) -> Result<(), DynamicsError> {
         let (period_s, rest_s) = (self.wall.period_s, self.wall.delay().1);
-        let asked = self.ask(run.theta_rad());
-        self.waiting.push_back(asked);
         if rest_s > 0.0 {
             run.advance(k as f64 * period_s + rest_s)?;
         }
-        if let Some(force_n) = self.waiting.pop_front() {
-            run.hold(HeldCommand { by_motor: true, force_n })?;
+        if let Some(command) = self.later.pop_front() {
+            run.hold(command)?;
         }
         run.advance((k + 1) as f64 * period_s)
     }
 
-    fn ask(&mut self, x_m: f64) -> f64 {
+    /// u = K x + B ẋ of a position that was measured.
+    pub(super) fn ask(&mut self, x_m: f64) -> f64 {
         let (wall, alpha) = (self.wall, self.wall.filter());
         let rate = (x_m - self.before_m) / wall.period_s;
         self.before_m = x_m;

@@ -11,17 +11,19 @@
 //! * [`Textbook`]: closed forms, which are approximations.
 //!
 //! [`SampledWall::stiffest_measured`] simulates the loop ([`crate::HeldScene`]) and looks at what
-//! grows; it shares no code with the map. Lengths are those of the lever's end: x = L θ.
+//! grows; it shares no code with the map. [`PushedWall`] has friction, counts and limits too. Lengths are those of the lever's end: x = L θ.
 
 mod lifted;
 mod measured;
 mod passivity;
 mod plant;
+mod pushed;
 mod step;
 #[cfg(test)]
 mod tests;
 mod textbook;
 
+pub use pushed::{Pushed, PushedWall};
 pub use textbook::{DryLimits, Textbook};
 
 use crate::error::{DynamicsError, Result, finite, not_negative, positive};

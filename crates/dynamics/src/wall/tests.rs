@@ -2,6 +2,7 @@
 //! from this code.
 
 use super::*;
+use crate::scene::actuators::DriveMode;
 use crate::solve::named::NAMED_SOLVERS;
 
 /// The simulated device without friction: 0.0972 kg, 2.6 N s/m, 8.3 ms.
@@ -131,4 +132,42 @@ fn a_wall_that_makes_no_sense_is_named() {
     assert!(error.contains("delay_s is 1") && error.contains("25 periods"), "{error}");
     let none = SampledWall { mass_kg: f64::NAN, ..twin() };
     assert!(none.stiffest_stable().unwrap_err().to_string().contains("mass_kg is NaN"));
+}
+
+/// The simulated device with its friction, an endless motor and an angle that is not counted.
+fn pushed(push_m: f64) -> PushedWall {
+    PushedWall {
+        wall: SampledWall::bare(0.0972, 2.6, 8.3e-3),
+        static_n: 0.2,
+        kinetic_n: 0.15,
+        motor_n: 1e6,
+        brake_n: 13.0,
+        mode: DriveMode::Active,
+        count_m: 0.0,
+        count_zero: 0.0,
+        push_m,
+    }
+}
+
+/// Found apart from this code, piece by piece in closed form between ticks.
+#[test]
+fn a_small_push_bears_a_stiffer_wall_and_a_large_one_that_of_the_lifted_map() {
+    for (push_m, expect) in
+        [(0.5e-3, 1542.2), (1e-3, 1148.4), (2e-3, 921.9), (5e-3, 767.7), (20e-3, 681.4)]
+    {
+        let found = pushed(push_m).stiffest(1500, 1e-4).unwrap().unwrap();
+        assert!((found / expect - 1.0).abs() < 2e-3, "{push_m}: {found}, not {expect}");
+        let formula = pushed(push_m).by_describing_function();
+        assert!((formula / found - 1.0).abs() < 0.15, "{push_m}: {formula}, not {found}");
+    }
+}
+
+#[test]
+fn a_brake_alone_never_swings_and_a_motor_that_saturates_says_so() {
+    let passive = PushedWall { mode: DriveMode::Passive, ..pushed(5e-3) }.with_stiffness(1e5);
+    assert!(!passive.push(400).unwrap().goes_on);
+    let weak = PushedWall { motor_n: 4.16, ..pushed(5e-3) };
+    let run = weak.with_stiffness(900.0).push(400).unwrap();
+    assert!(run.saturates && run.goes_on && run.swing_m < 0.1, "{run:?}");
+    assert!(!weak.with_stiffness(700.0).push(400).unwrap().saturates);
 }
