@@ -119,7 +119,7 @@ fn label(limit: &str) -> Option<&'static str> {
         "measured" => Some("simulated loop"),
         "rk4_per_step" => Some("RK4's step stable below"),
         "symplectic_euler" => Some("symplectic Euler's"),
-        "delay" => Some("Hulin"),
+        "hulin" => Some("Hulin"),
         "abbott_okamura" => Some("Abbott–Okamura"),
         "diolaiti" => Some("Diolaiti"),
         _ => None,

@@ -21,6 +21,11 @@ pub struct Curve {
     pub pieces: Vec<Vec<[f64; 2]>>,
 }
 
+/// A formula's word in this stage's tables, where a quantity is called `delay` already.
+pub(crate) fn word(formula: Textbook) -> &'static str {
+    if formula == Textbook::Delay { "hulin" } else { formula.as_str() }
+}
+
 /// What a limit is called: its word, its kind, its label.
 pub(crate) fn names() -> [(&'static str, &'static str, String); 8] {
     let method = |i: usize| {
@@ -32,11 +37,11 @@ pub(crate) fn names() -> [(&'static str, &'static str, String); 8] {
     let book = |formula: Textbook| {
         let label = match formula {
             Textbook::ColgateSchenkel => "Colgate–Schenkel",
-            Textbook::Delay => "(*b* + *B*)/(*T*/2 + delay)",
+            Textbook::Delay => "Hulin",
             Textbook::AbbottOkamura => "Abbott–Okamura",
             Textbook::Diolaiti => "Diolaiti",
         };
-        (formula.as_str(), "textbook", label.to_owned())
+        (word(formula), "textbook", label.to_owned())
     };
     let [a, b, c, d] = Textbook::ALL.map(book);
     let exact = ("lifted_map", "exact", "stable".to_owned());

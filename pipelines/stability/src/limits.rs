@@ -1,5 +1,6 @@
 //! The stiffest wall by every limit at one point.
 
+use crate::curves::word;
 use crate::error::StabilityError;
 use crate::measured::TICKS;
 use crate::quantity::Point;
@@ -71,7 +72,7 @@ pub fn limits(point: &Point) -> Result<Vec<Limit>, StabilityError> {
     ];
     limits.extend(Textbook::ALL.map(|formula| {
         let stiffest = formula.stiffest(wall, point.dry);
-        of(formula.as_str(), "textbook", formula.formula(), formula.citation(), stiffest)
+        of(word(formula), "textbook", formula.formula(), formula.citation(), stiffest)
     }));
     Ok(limits)
 }
