@@ -30,6 +30,7 @@ cargo xtask soak compared [SEEDS [PEOPLE|FILE]] how often comparisons of studies
 cargo xtask soak simulate [SEEDS [FIRST]] whole sessions in memory with faults drawn from a seed each [100000, from 0]
 cargo xtask soak simulate-twin [SEEDS [FIRST]] the same with the simulated device and participant [1000, from 0]
 cargo xtask soak properties [CASES [SEED]] fresh cases for every random property [1000000, a new seed]
+cargo xtask soak extremes [SCENES]      scenes at the extremes; writes docs/extremes.md [1000000]
 cargo xtask soak r [SETS [SEED]]       statistics against R, SciPy and statsmodels on so many random data sets [1000]
 cargo xtask soak null [STUDIES]        tests, intervals and power on studies without an effect [40000]
 cargo xtask fuzz TARGET|all|seeds [RUNS] any bytes for a reader, or for all of them; or the files they begin from, anew [10000000 or 1000000]
@@ -96,6 +97,9 @@ fn main() -> anyhow::Result<()> {
                 number(rest.first(), 1_000_000)?,
                 number(rest.get(1), fresh)?,
             )
+        }
+        ["soak", "extremes", rest @ ..] => {
+            soak::extremes::extremes(number(rest.first(), soak::extremes::SCENES)?)
         }
         ["soak", "r", rest @ ..] => {
             let seed = rest.get(1).map(|seed| number(Some(seed), 0)).transpose()?;

@@ -28,6 +28,7 @@ mod sweep;
 mod system;
 mod trajectory;
 mod verdict;
+mod wall;
 
 pub use driven::{Aim, Command, Driven, DrivenParameters, DrivenState, Hand, Tissue};
 pub use energy::EnergyBalance;
@@ -63,3 +64,4 @@ pub use verdict::{
     Controller, ExistingSwings, Felt, FeltDifference, FeltMotion, FeltReference, Judgement, Model,
     Motions, Reference, RunVerdict, SampledLoop, Swings, VibrationThreshold, felt, judge,
 };
+pub use wall::{DryLimits, Pushed, PushedWall, RidingFinger, SampledWall, Textbook};

@@ -9,6 +9,7 @@ use zwidth_characterise::{
     Settings, Subject, calibrated, chosen_from, curve_table, models_table, parameters_table,
 };
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_stability::impedance::ACTUATOR;
 use zwidth_store::{Layout, StudyData, Sweep, read_sweep};
 use zwidth_study::{ActuatorId, Calibration, Characteristic};
 use zwidth_tables::Table;
@@ -27,7 +28,8 @@ pub(crate) fn tables_of(layout: &Layout, actuator: &ActuatorId) -> [PathBuf; 3] 
 
 /// Every actuator or sensor with sweeps, and their files.
 pub(crate) fn actuators(data: &StudyData) -> Vec<(&ActuatorId, Vec<PathBuf>)> {
-    let ids: BTreeSet<&ActuatorId> = data.sweeps.iter().map(|s| &s.actuator).collect();
+    let swept = data.sweeps.iter().map(|s| &s.actuator);
+    let ids: BTreeSet<&ActuatorId> = swept.filter(|id| id.as_str() != ACTUATOR).collect();
     ids.into_iter().map(|id| (id, files_of(data, id))).collect()
 }
 

@@ -1,6 +1,8 @@
 //! What numbers on the command line can be: none of them decides without a limit how much memory or
 //! time is taken.
 
+use zwidth_stability::Quantity;
+
 /// Threads at most: more than any machine that is known to run this has cores.
 pub(crate) const MOST_THREADS: i64 = 1024;
 /// Sweeps at most that one command records.
@@ -10,11 +12,16 @@ pub(crate) const MOST_SWEEPS: i64 = 1000;
 pub(crate) const MOST_PARTICIPANTS: i64 = 1000;
 pub(crate) const MOST_SESSIONS: i64 = 100;
 pub(crate) const MOST_SCALE: i64 = 10_000;
+/// Cells at most of a side of a map: four million of them take some minutes.
+pub(crate) const MOST_CELLS: i64 = 2000;
 /// Rates of the control loop, Hz: a tick a second at least, and no more than study.toml can have.
 const RATES_HZ: [f64; 2] = [1.0, 100_000.0];
 /// Relative errors a step that a solver can aim for: below, it would halve its steps until rounding
 /// stops it.
 const TOLERANCES: [f64; 2] = [1e-14, 1.0];
+
+/// Quantities of a sampled wall, SI.
+const QUANTITIES: [f64; 2] = [0.0, 1e12];
 
 /// A number from one to the other.
 fn within(text: &str, [least, most]: [f64; 2]) -> Result<f64, String> {
@@ -31,6 +38,26 @@ pub(crate) fn rate(text: &str) -> Result<f64, String> {
 /// A relative error a step.
 pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     within(text, TOLERANCES)
+}
+
+/// A quantity of the sampled wall, by its word.
+fn quantity(word: &str) -> Result<Quantity, String> {
+    let words = Quantity::ALL.map(Quantity::as_str);
+    let found = Quantity::ALL.into_iter().find(|quantity| quantity.as_str() == word);
+    found.ok_or_else(|| format!("{word:?} is no quantity; take one of {}", words.join(", ")))
+}
+
+/// A quantity with its value: `delay=0.0083`.
+pub(crate) fn setting(text: &str) -> Result<(Quantity, f64), String> {
+    let (word, value) = text.split_once('=').ok_or("write QUANTITY=VALUE, as delay=0.0083")?;
+    Ok((quantity(word)?, within(value, QUANTITIES)?))
+}
+
+/// A quantity with the ends of an axis, or without: `stiffness=10..2000`, `stiffness`.
+pub(crate) fn span(text: &str) -> Result<(Quantity, Option<[f64; 2]>), String> {
+    let Some((word, ends)) = text.split_once('=') else { return Ok((quantity(text)?, None)) };
+    let (from, to) = ends.split_once("..").ok_or("write QUANTITY=FROM..TO, as delay=0..0.05")?;
+    Ok((quantity(word)?, Some([within(from, QUANTITIES)?, within(to, QUANTITIES)?])))
 }
 
 /// A number above zero.
@@ -58,6 +85,10 @@ mod tests {
             (&["characterise", "s", "motor", "--sweeps", "4000000000"], "1..=1000"),
             (&["twin", "s", "--participants", "4000000000"], "1..=1000"),
             (&["twin", "s", "--sessions", "4000000000"], "1..=100"),
+            (&["stability", "--cells", "1000000"], "2..=2000"),
+            (&["stability", "--at", "delay=-1"], "0.0 to 1000000000000.0"),
+            (&["stability", "--at", "speed=1"], "take one of step, mass"),
+            (&["stability", "--y", "mass", "--x", "delay=1"], "FROM..TO"),
             (&["twin", "s", "--scale", "4000000000"], "1..=10000"),
             (&["twin", "s", "--rate", "1e300"], "from 1.0 to 100000.0"),
             (

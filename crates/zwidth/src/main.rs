@@ -56,6 +56,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::Simulate(command) => commands::simulate::simulate(root, &command, screen),
         Command::Trade(command) => commands::trade::trade(root, &command, screen),
         Command::Ladder(command) => commands::ladder::ladder(root, &command, screen),
+        Command::Stability(command) => commands::stability::stability(root, &command, screen),
         Command::Compare(command) => commands::compare::compare(root, &command, screen),
         Command::Power(command) => commands::power::power(root, &command, screen),
         Command::Table(command) => commands::table::table(root, &command, screen),

@@ -21,6 +21,8 @@
 //! | `work_precision` | – | error against work of every solver and step |
 //! | `less` | – | what less of the recordings does to metrics |
 //! | `finding` | – | that an oscillation is the method's, at a glance |
+//! | `impedance` | – | the Z-width of a device: the stiffest wall against its damping |
+//! | `stability` | – | which walls a sampled device bears: each limit a line with its name |
 //! | `ladder` | – | models of a scene: cost against error, and what each term does |
 
 mod about;
@@ -34,6 +36,7 @@ mod environment;
 mod export;
 mod finding;
 mod freemotion;
+mod impedance;
 mod ladder;
 mod less;
 mod likert;
@@ -45,6 +48,7 @@ mod rendering_range;
 mod repeats;
 mod replay;
 mod simulation;
+mod stability;
 #[cfg(test)]
 mod tests;
 mod words;
@@ -64,6 +68,7 @@ pub use environment::{ENVIRONMENT, Placement, environment};
 pub use export::data_table;
 pub use finding::{Felt, finding};
 pub use freemotion::{FREE_MOTION, free_motion};
+pub use impedance::impedance;
 pub use ladder::{LADDER, ladder};
 pub use less::{LESS, less};
 pub use likert::{LIKERT, LIKERT_ITEMS, LikertPage, likert, likert_items, likert_overview};
@@ -74,6 +79,7 @@ pub use rendering_range::{RENDERING_RANGE, rendering_range};
 pub use repeats::{REPEATS, repeats};
 pub use replay::{REPLAY, replay};
 pub use simulation::{MOST_SIDE_BY_SIDE, inputs, simulation};
+pub use stability::{BoundaryOf, Side, StabilityPanel, boundaries, stability};
 pub use words::{Words, mark};
 pub use work_precision::{WORK_PRECISION, work_precision, work_precision_of};
 

@@ -45,7 +45,7 @@ pub use swings::Swings;
 
 use path::Path;
 use reference::Known;
-use stability::Growth;
+pub(crate) use stability::Growth;
 use swings::{FEW, Swing, existing, has_its_own};
 
 use crate::error::DynamicsError;

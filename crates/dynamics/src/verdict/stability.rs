@@ -15,20 +15,20 @@ const ONE: f64 = 1.0 + 1e-6;
 /// Growth of a linear system over one step: spectral radii of the method's map and of the exact
 /// flow.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Growth {
+pub(crate) struct Growth {
     method: f64,
     exact: f64,
 }
 
 impl Growth {
     /// `None` for methods without a limit.
-    pub(super) fn of(solver: &dyn Solver, a: &LinearPart, h: f64) -> Option<Self> {
+    pub(crate) fn of(solver: &dyn Solver, a: &LinearPart, h: f64) -> Option<Self> {
         let method = spectral_radius(&solver.amplification(a, h)?);
         Some(Self { method, exact: spectral_radius(&Ladder::new(a.a, h).flow(h)) })
     }
 
     /// The method's growth beyond that of the exact flow.
-    pub(super) fn excess(self) -> f64 {
+    pub(crate) fn excess(self) -> f64 {
         self.method / self.exact.max(1.0)
     }
 

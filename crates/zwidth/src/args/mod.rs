@@ -2,13 +2,14 @@
 
 use crate::devices::{DEVICES, DeviceSpec};
 use crate::limits::{
-    MOST_PARTICIPANTS, MOST_SCALE, MOST_SESSIONS, MOST_SWEEPS, MOST_THREADS, positive, rate,
-    tolerance,
+    MOST_CELLS, MOST_PARTICIPANTS, MOST_SCALE, MOST_SESSIONS, MOST_SWEEPS, MOST_THREADS, positive,
+    rate, setting, span, tolerance,
 };
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
+use zwidth_stability::Quantity;
 use zwidth_study::{ParticipantId, SessionId, StudyId};
 use zwidth_tables::Format;
 
@@ -51,7 +52,7 @@ pub(crate) enum Command {
     Acquire(Acquire),
     /// The device check before a session
     Check(Check),
-    /// Record characterisation sweeps of an actuator
+    /// Record characterisation sweeps of an actuator, or the Z-width of the device
     Characterise(Characterise),
     /// A whole study on the simulated device, at once
     Twin(Twin),
@@ -77,6 +78,8 @@ pub(crate) enum Command {
     Trade(Trade),
     /// Which terms of the model a scene needs: all sets of eight against the fullest
     Ladder(Ladder),
+    /// Which virtual walls a device bears: limits of a sampled wall, kept apart, over pairs of quantities
+    Stability(Stability),
     /// Modes, participants, sessions or repeats of a study compared, one metric at a time
     Compare(Compare),
     /// How many participants a study needs to find a difference; a plan to deposit
@@ -201,8 +204,8 @@ pub(crate) struct Check {
 pub(crate) struct Characterise {
     /// The study
     pub(crate) study: StudyId,
-    /// The actuator
-    pub(crate) actuator: Actuator,
+    /// The actuator, or the impedance of the whole device
+    pub(crate) actuator: Subject,
     /// The device
     #[arg(long, default_value = "twin", value_name = DEVICES)]
     pub(crate) device: DeviceSpec,
@@ -214,12 +217,24 @@ pub(crate) struct Characterise {
     pub(crate) seed: u64,
 }
 
-/// An actuator that can be characterised.
+/// What can be characterised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Actuator {
+pub(crate) enum Subject {
     /// The motor, at a held lever
     Motor,
     /// The brake, at a lever that is driven
+    Brake,
+    /// The Z-width: which stiffness and damping of a virtual wall the device renders; goes on where it
+    /// was left
+    Impedance,
+}
+
+/// An actuator that can be swept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Actuator {
+    /// The motor.
+    Motor,
+    /// The brake.
     Brake,
 }
 
@@ -324,6 +339,33 @@ pub(crate) struct Trade {
     /// Do everything again, whether it changed or not
     #[arg(long)]
     pub(crate) fresh: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Stability {
+    /// A scene, whose device, spring and step are taken [default: the simulated device of
+    /// docs/twin.md]
+    #[arg(value_name = "SCENE.toml")]
+    pub(crate) scene: Option<PathBuf>,
+    /// Another value of a quantity, in SI units: delay=0.0083, wall_damping=2; each may be given.
+    /// Quantities: step, mass, damping, wall_damping, stiffness, lever, finger, delay, rate
+    #[arg(long, value_name = "QUANTITY=VALUE", value_parser = setting)]
+    pub(crate) at: Vec<(Quantity, f64)>,
+    /// What runs along x, with its ends in SI units; with --y one map in place of six
+    #[arg(long, value_name = "QUANTITY[=FROM..TO]", value_parser = span, requires = "y")]
+    pub(crate) x: Option<(Quantity, Option<[f64; 2]>)>,
+    /// What runs along y
+    #[arg(long, value_name = "QUANTITY[=FROM..TO]", value_parser = span, requires = "x")]
+    pub(crate) y: Option<(Quantity, Option<[f64; 2]>)>,
+    /// Cells a side of a map
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=MOST_CELLS))]
+    pub(crate) cells: u32,
+    /// Boundaries that others measured, drawn too: files with the columns K and B
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) beside: Vec<PathBuf>,
+    /// Folder to write to [default: reports/stability]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
 }
 
 #[derive(Debug, clap::Args)]

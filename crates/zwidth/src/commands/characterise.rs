@@ -1,8 +1,9 @@
-//! `zwidth characterise`: sweeps of an actuator.
+//! `zwidth characterise`: sweeps of an actuator, or the Z-width of the device.
 
 use super::device::{Bench, bench};
+use super::impedance::impedance;
 use super::recover::{lock, now};
-use crate::args::{Actuator, Characterise};
+use crate::args::{Actuator, Characterise, Subject};
 use crate::devices::DeviceSpec;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -26,10 +27,18 @@ pub(crate) fn characterise(
         bail!("a recording cannot be characterised; use --device twin");
     }
     let raw = Raw::adds(&RealFiles, &bench.layout, &lock);
-    let first = free_number(&bench.layout, command.actuator)?;
+    let actuator = match command.actuator {
+        Subject::Motor => Actuator::Motor,
+        Subject::Brake => Actuator::Brake,
+        Subject::Impedance => {
+            impedance(root, &bench, &raw, command.seed, screen)?;
+            return Ok(Exit::Fine);
+        }
+    };
+    let first = free_number(&bench.layout, actuator)?;
     for number in first..first.saturating_add(command.sweeps) {
         let software = super::acquire::SOFTWARE;
-        let (path, sweep) = record(&bench, &raw, command.actuator, command.seed, number, software)?;
+        let (path, sweep) = record(&bench, &raw, actuator, command.seed, number, software)?;
         log_sweeps(&raw, &bench.layout, &now(), &[sweep])?;
         screen.result(path.display().to_string());
     }

@@ -1,0 +1,181 @@
+//! The lifted map: everything that is remembered at a tick, taken to the next.
+//!
+//! x_{k+1} = A x_k on (x, ẋ, x2, ẋ2, motor force; x before, filtered velocity; the commands that
+//! have not acted yet). With d whole periods of delay and a rest δ, the plant feels u_{k−d−1} for δ
+//! and u_{k−d} for T − δ. Stable if ρ(A) < 1 (Colgate & Schenkel 1997 lift the same loop).
+
+use super::plant::{ENTRIES, U, X, flow};
+use super::{MOST_DELAY, SampledWall};
+use crate::error::{DynamicsError, LARGEST};
+use zwidth_numerics::expm::{Matrix, spectral_radius};
+
+/// Most entries of a lifted state: the plant's five, two of the velocity, the commands on their way.
+const MOST: usize = 5 + 2 + MOST_DELAY + 1;
+
+/// A lifted map of as many entries as are needed.
+struct Lifted {
+    rows: Vec<Vec<f64>>,
+}
+
+/// Where each part of a lifted state begins.
+struct Places {
+    plant: Vec<usize>,
+    before: usize,
+    filtered: usize,
+    waiting: usize,
+    entries: usize,
+}
+
+impl Places {
+    fn of(wall: &SampledWall) -> Self {
+        let ((whole, rest_s), plant) = (wall.delay(), wall.entries());
+        let before = plant.len();
+        let differs = wall.wall_damping_ns_per_m.abs() > 0.0;
+        let filtered = before + usize::from(differs);
+        let waiting = filtered + usize::from(differs && wall.velocity_lag_s.is_some());
+        let entries = waiting + whole + usize::from(rest_s > 0.0);
+        Self { plant, before, filtered, waiting, entries }
+    }
+}
+
+impl SampledWall {
+    /// ρ(A) of the lifted map, to about 1e-9 of itself; stable if below 1. The wall must have been
+    /// checked.
+    pub fn spectral_radius(&self) -> f64 {
+        Lifted::of(self).radius()
+    }
+
+    /// The stiffness K, N/m, up to which from 0 on the loop is stable, to 1e-10 of itself; 0 if it
+    /// is not stable with the softest wall either, none if it is with the stiffest, 1e30.
+    ///
+    /// # Errors
+    /// A parameter that makes no sense.
+    pub fn stiffest_stable(&self) -> std::result::Result<Option<f64>, DynamicsError> {
+        self.check()?;
+        Ok(stiffest(*self, 1e-10, |wall| wall.spectral_radius() < 1.0))
+    }
+
+    /// What the controller commands as a row over the lifted state.
+    fn command(&self, places: &Places) -> Vec<f64> {
+        let (mut row, alpha) = (vec![0.0; places.entries], self.filter());
+        row[0] = self.stiffness_n_per_m;
+        if places.filtered > places.before {
+            let now = self.wall_damping_ns_per_m * (1.0 - alpha) / self.period_s;
+            row[0] += now;
+            row[places.before] = -now;
+        }
+        if places.waiting > places.filtered {
+            row[places.filtered] = self.wall_damping_ns_per_m * alpha;
+        }
+        row
+    }
+}
+
+impl Lifted {
+    fn of(wall: &SampledWall) -> Self {
+        let places = Places::of(wall);
+        let command = wall.command(&places);
+        let (whole, rest_s) = wall.delay();
+        let (plant, n) = (wall.plant(), places.entries);
+        let (late, early) = (flow(plant, wall.period_s - rest_s), flow(plant, rest_s));
+        let whole_flow = late.product(&early);
+        let mut rows = vec![vec![0.0; n]; n];
+        let mut feel = |gains: &dyn Fn(usize) -> f64, back: usize| {
+            for (i, entry) in places.plant.iter().enumerate() {
+                let gain = gains(*entry);
+                match back {
+                    0 => rows[i].iter_mut().zip(&command).for_each(|(x, c)| *x += gain * c),
+                    _ => rows[i][places.waiting + back - 1] += gain,
+                }
+            }
+        };
+        feel(&|i| late.at(i, U), whole);
+        if rest_s > 0.0 {
+            feel(&|i| carried(&late, &early, i), whole + 1);
+        }
+        for (i, row) in places.plant.iter().enumerate() {
+            for (j, column) in places.plant.iter().enumerate() {
+                rows[i][j] += whole_flow.at(*row, *column);
+            }
+        }
+        remember(&mut rows, wall, &places, &command);
+        Self { rows }
+    }
+
+    fn radius(&self) -> f64 {
+        match self.rows.len() {
+            0..=3 => self.radius_of::<3>(),
+            4 => self.radius_of::<4>(),
+            5..=6 => self.radius_of::<6>(),
+            7..=8 => self.radius_of::<8>(),
+            9..=14 => self.radius_of::<14>(),
+            _ => self.radius_of::<MOST>(),
+        }
+    }
+
+    fn radius_of<const N: usize>(&self) -> f64 {
+        let at = |i: usize, j: usize| self.rows.get(i).and_then(|row| row.get(j));
+        spectral_radius(&Matrix::<N>::from_fn(|i, j| at(i, j).copied().unwrap_or(0.0)))
+    }
+}
+
+/// What a command that is held during the early part does to entry `i` by the end of the late one,
+/// during which another is.
+fn carried(late: &Matrix<ENTRIES>, early: &Matrix<ENTRIES>, i: usize) -> f64 {
+    (0..U).map(|j| late.at(i, j) * early.at(j, U)).sum()
+}
+
+/// What the controller takes along to the next tick.
+fn remember(rows: &mut [Vec<f64>], wall: &SampledWall, places: &Places, command: &[f64]) {
+    let alpha = wall.filter();
+    if places.filtered > places.before {
+        rows[places.before][X] = 1.0;
+    }
+    if places.waiting > places.filtered {
+        let now = (1.0 - alpha) / wall.period_s;
+        (rows[places.filtered][X], rows[places.filtered][places.before]) = (now, -now);
+        rows[places.filtered][places.filtered] = alpha;
+    }
+    if places.entries > places.waiting {
+        rows[places.waiting].copy_from_slice(command);
+    }
+    for i in places.waiting + 1..places.entries {
+        rows[i][i - 1] = 1.0;
+    }
+}
+
+/// The stiffness up to which from 0 on something holds, to a share of itself: raised from a soft wall
+/// until it no longer holds, then bisected.
+pub(super) fn stiffest(
+    wall: SampledWall,
+    share: f64,
+    holds: impl Fn(&SampledWall) -> bool,
+) -> Option<f64> {
+    /// The softest wall tried, as a share of (b + m/T)/T: slower than any tick, and stiff enough
+    /// that a radius can be told from 1.
+    const SOFT: f64 = 1e-5;
+    /// From one stiffness to the next on the way up.
+    const RAISE: f64 = 1.5;
+    let holds_at = |stiffness| holds(&wall.with_stiffness(stiffness));
+    let speed = wall.damping_ns_per_m + wall.mass_kg / wall.period_s;
+    let mut low = SOFT * speed / wall.period_s;
+    if !holds_at(low) {
+        return Some(0.0);
+    }
+    let mut high = RAISE * low;
+    while holds_at(high) {
+        if high > LARGEST {
+            return None;
+        }
+        (low, high) = (high, RAISE * high);
+    }
+    while high - low > share * high {
+        let middle = 0.5 * (low + high);
+        if holds_at(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
+}

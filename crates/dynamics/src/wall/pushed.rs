@@ -1,0 +1,170 @@
+//! The wall of a real device: dry friction, a motor that saturates, an angle that is counted, a brake
+//! beside the motor. What it bears depends on the push.
+//!
+//! The lever is let go of at rest, a push deep in the bilateral wall. Below the boundary its swings
+//! end in friction's cone; above they go on. For a large push the boundary is that of the lifted map;
+//! for a small one friction holds more: about (b + 4 F_c/(π ω A))/(T/2) by the describing function of
+//! Coulomb friction, ω² = K/m.
+
+use super::SampledWall;
+use super::lifted::stiffest;
+use super::measured::Loop;
+use crate::error::{DynamicsError, finite, not_negative, positive};
+use crate::scene::ModelScene;
+use crate::scene::actuators::DriveMode;
+use crate::scene::friction::Friction;
+use crate::scene::plant::Start;
+use crate::solve::exact::held::{HeldCommand, HeldScene};
+use std::f64::consts::PI;
+
+/// A device with a wall, and a push against it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PushedWall {
+    /// Lever, controller and wall.
+    pub wall: SampledWall,
+    /// F_s: dry friction at rest, N; not below that in motion.
+    pub static_n: f64,
+    /// F_c: dry friction in motion, N.
+    pub kinetic_n: f64,
+    /// Largest force of the motor, N.
+    pub motor_n: f64,
+    /// Largest force of the brake, N.
+    pub brake_n: f64,
+    /// Which actuators render: `hybrid` brakes while the lever goes deeper and drives it back.
+    pub mode: DriveMode,
+    /// Δ: one count of the position, m; 0 for an angle that is not counted.
+    pub count_m: f64,
+    /// Where the counts begin, as a share of one: from 0 to below 1.
+    pub count_zero: f64,
+    /// A: how deep in the wall the lever is let go of, m.
+    pub push_m: f64,
+}
+
+/// What a push came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pushed {
+    /// Half of the peak-to-peak motion in the run's last sixth, m.
+    pub swing_m: f64,
+    /// Whether it goes on: more than a tenth of the push, and more than a count.
+    pub goes_on: bool,
+    /// Whether an actuator was asked for more than it has.
+    pub saturates: bool,
+}
+
+impl PushedWall {
+    /// The same device with another stiffness, N/m.
+    #[must_use]
+    pub fn with_stiffness(self, stiffness_n_per_m: f64) -> Self {
+        Self { wall: self.wall.with_stiffness(stiffness_n_per_m), ..self }
+    }
+
+    /// Every parameter checked.
+    ///
+    /// # Errors
+    /// The first that makes no sense, by name and value.
+    pub fn check(&self) -> std::result::Result<(), DynamicsError> {
+        self.wall.check()?;
+        not_negative("kinetic_n", self.kinetic_n)?;
+        not_negative("static_n", self.static_n)?;
+        not_negative("motor_n", self.motor_n)?;
+        not_negative("brake_n", self.brake_n)?;
+        not_negative("count_m", self.count_m)?;
+        finite("count_zero", self.count_zero)?;
+        positive("push_m", self.push_m)
+    }
+
+    /// One push, followed for so many ticks, exactly from tick to tick.
+    ///
+    /// # Errors
+    /// A parameter that makes no sense, or a run that fails.
+    pub fn push(&self, ticks: usize) -> std::result::Result<Pushed, DynamicsError> {
+        self.check()?;
+        let scene = HeldScene::new(&self.scene(), 1.0)?;
+        let mut run = scene.start(self.wall.period_s)?;
+        let mut loops = Loop::new(&self.wall, self.seen_m(self.push_m));
+        let (mut low, mut high, mut saturates) = (f64::INFINITY, f64::NEG_INFINITY, false);
+        for k in 0..ticks {
+            let x = run.theta_rad();
+            if 6 * k >= 5 * ticks {
+                (low, high) = (low.min(x), high.max(x));
+            }
+            let asked = loops.ask(self.seen_m(x));
+            let command = self.command(asked, loops.filtered_m_s);
+            saturates |= self.limit_n(command) < asked.abs();
+            loops.later.push_back(command);
+            loops.go_on(&mut run, k)?;
+        }
+        let swing_m = 0.5 * (high - low).max(0.0);
+        let goes_on = swing_m > 0.1 * self.push_m && swing_m > self.count_m;
+        Ok(Pushed { swing_m, goes_on, saturates })
+    }
+
+    /// The stiffness K, N/m, up to which from 0 on a push ends at rest, to a share of itself; 0 and
+    /// none as [`SampledWall::stiffest_stable`].
+    ///
+    /// # Errors
+    /// A parameter that makes no sense.
+    pub fn stiffest(
+        &self,
+        ticks: usize,
+        share: f64,
+    ) -> std::result::Result<Option<f64>, DynamicsError> {
+        self.check()?;
+        let ends = |wall: &SampledWall| {
+            Self { wall: *wall, ..*self }.push(ticks).is_ok_and(|pushed| !pushed.goes_on)
+        };
+        Ok(stiffest(self.wall, share, ends))
+    }
+
+    /// The same by the describing function of friction: K T/2 = b + 4 F_c/(π ω A), ω² = K/m, for a
+    /// spring (B = 0) without delay; good to some tenths.
+    pub fn by_describing_function(&self) -> f64 {
+        const ROUNDS: u32 = 200;
+        let (wall, half_s) = (&self.wall, 0.5 * self.wall.period_s);
+        let next = |k: f64| {
+            let omega = (k / wall.mass_kg).sqrt();
+            (wall.damping_ns_per_m + 4.0 * self.kinetic_n / (PI * omega * self.push_m)) / half_s
+        };
+        // The right side falls as K rises: the mean of both sides closes in.
+        (0..ROUNDS).fold(1.0 / half_s, |k, _| 0.5 * (k + next(k)))
+    }
+
+    /// What the angle's counts say of a position.
+    fn seen_m(&self, x_m: f64) -> f64 {
+        if self.count_m <= 0.0 {
+            return x_m;
+        }
+        ((x_m / self.count_m + self.count_zero).floor() + 0.5 - self.count_zero) * self.count_m
+    }
+
+    fn limit_n(&self, command: HeldCommand) -> f64 {
+        if command.by_motor { self.motor_n } else { self.brake_n }
+    }
+
+    /// Who gives what of a force that is asked for, while the lever moves at a velocity.
+    fn command(&self, asked_n: f64, rate_m_s: f64) -> HeldCommand {
+        let deeper = asked_n * rate_m_s > 0.0;
+        let braked = || HeldCommand { by_motor: false, force_n: asked_n.abs().min(self.brake_n) };
+        match self.mode {
+            DriveMode::Passive if deeper => braked(),
+            DriveMode::Passive => HeldCommand { by_motor: false, force_n: 0.0 },
+            DriveMode::Hybrid if deeper => braked(),
+            _ => {
+                let force_n = asked_n.clamp(-self.motor_n, self.motor_n);
+                HeldCommand { by_motor: true, force_n }
+            }
+        }
+    }
+
+    fn scene(&self) -> ModelScene {
+        let mut scene = self.wall.scene();
+        scene.start = Start { theta_rad: self.push_m, theta_dot_rad_s: 0.0 };
+        scene.friction = Some(Friction {
+            static_n: self.static_n,
+            kinetic_n: self.kinetic_n,
+            viscous_ns_per_rad: self.wall.damping_ns_per_m,
+        });
+        scene.brake.max_n = self.brake_n;
+        scene
+    }
+}

@@ -1,0 +1,272 @@
+//! `zwidth characterise STUDY impedance`: which stiffness and damping of a wall the device renders.
+//!
+//! Each search is a sweep of its own, written when it ends, so that a test that was cut short goes on
+//! where it was left; figure and tables are made of all that lie there.
+
+use super::device::Bench;
+use super::output::Output;
+use super::recover::now;
+use crate::screen::Screen;
+use anyhow::{Context as _, anyhow, bail};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::path::Path;
+use zwidth_device::{COUNTS_PER_TURN, SHAFT_PER_LEVER, TwinParameters};
+use zwidth_dynamics::{DriveMode, PushedWall, SampledWall};
+use zwidth_stability::impedance::{
+    ACTUATOR, Bound, Ending, Found, Probe, Region, Tried, bounds_table, probes, regions,
+    regions_table, search,
+};
+use zwidth_store::{
+    Quantity, Raw, Sweep, hex_blake3, log_sweeps, read_sweep, sweep_bytes, write_new,
+};
+use zwidth_study::{ActuatorId, ActuatorKind, Mode, Source, Study};
+
+/// Pushes, m.
+const PUSHES_M: [f64; 2] = [5e-3, 1e-3];
+/// Dampings of the wall, N s/m.
+const DAMPINGS: [f64; 8] = [0.0, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0];
+/// Searches of each.
+const REPEATS: u32 = 3;
+/// How long a push is followed, s.
+const FOLLOWED_S: f64 = 3.3;
+/// How far a release misses the push that is asked for, as a share of it.
+const MISSES: f64 = 0.01;
+const MODES: [DriveMode; 3] = [DriveMode::Active, DriveMode::Hybrid, DriveMode::Passive];
+
+/// Makes what searches are still to be made, and figure and tables of all.
+pub(super) fn impedance(
+    root: &Path,
+    bench: &Bench,
+    raw: &Raw,
+    seed: u64,
+    screen: &Screen,
+) -> anyhow::Result<()> {
+    let id: ActuatorId = ACTUATOR.parse()?;
+    let has = |mode: &DriveMode| voltages(&bench.study, *mode).is_some();
+    let modes: Vec<DriveMode> = MODES.into_iter().filter(has).collect();
+    if modes.is_empty() {
+        bail!("no mode of the study has an actuator; give one motor_max_v or brake_max_v");
+    }
+    let probes = probes(&modes, &PUSHES_M, &DAMPINGS, REPEATS);
+    let bar = screen.bar(probes.len());
+    let mut searches = Vec::new();
+    let mut before = 0;
+    for (number, probe) in (1..).zip(probes) {
+        let path = bench.layout.sweep(&id, number);
+        bar.set_message(words(&probe));
+        if path.exists() {
+            let sweep = read_sweep(&path).map_err(|e| anyhow!("{e}"))?;
+            searches.push(recorded(&sweep).with_context(|| path.display().to_string())?);
+            before += 1;
+        } else {
+            let found = made(bench, &probe, seed, number)?;
+            let sweep = sweep(bench, id.clone(), number, &probe, &found, seed);
+            let bytes = sweep_bytes(&sweep, &path)?;
+            write_new(raw, &path, &bytes)?;
+            log_sweeps(raw, &bench.layout, &now(), &[(id.clone(), number, hex_blake3(&bytes))])?;
+            searches.push((probe, found));
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if before > 0 {
+        screen.say(format!("{before} of {} searches were there", searches.len()));
+    }
+    written(root, bench, &regions(&searches), screen)
+}
+
+fn words(probe: &Probe) -> String {
+    let (mode, push_mm) = (probe.mode.as_str(), 1e3 * probe.push_m);
+    format!("{mode}, push {push_mm} mm, B {} N s/m, {}", probe.damping_ns_per_m, probe.repeat)
+}
+
+/// One search on the simulated device, whose counts begin anywhere and whose pushes miss a little.
+fn made(bench: &Bench, probe: &Probe, seed: u64, number: u32) -> anyhow::Result<Found> {
+    let draw = |what: u64| share(seed, u64::from(number), what);
+    let device = device(bench, probe, draw(1));
+    let push_m = probe.push_m * (1.0 + MISSES * (2.0 * draw(2) - 1.0));
+    let device = PushedWall { push_m, ..device };
+    let ticks = (FOLLOWED_S / device.wall.period_s) as usize;
+    search(|stiffness| device.with_stiffness(stiffness).push(ticks)).with_context(|| words(probe))
+}
+
+/// A share of 1 that follows from three numbers (SplitMix64's mixing).
+fn share(seed: u64, number: u64, what: u64) -> f64 {
+    let mut z = seed ^ (number << 8 | what).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// The simulated device against a wall.
+fn device(bench: &Bench, probe: &Probe, count_zero: f64) -> PushedWall {
+    let (twin, lever_m) = (&bench.twin, bench.twin.lever_m);
+    let wall = bare(twin, 1.0 / bench.study.control.rate_hz);
+    let kinetic_n = twin.friction_static_n * twin.friction_kinetic_share;
+    let [motor_v, brake_v] = voltages(&bench.study, probe.mode).unwrap_or_default();
+    PushedWall {
+        wall: SampledWall { wall_damping_ns_per_m: probe.damping_ns_per_m, ..wall },
+        static_n: twin.friction_static_n,
+        kinetic_n,
+        motor_n: twin.actuators.motor.force_n(motor_v).abs(),
+        brake_n: twin.actuators.brake.force_n(brake_v).abs(),
+        mode: probe.mode,
+        count_m: TAU / f64::from(COUNTS_PER_TURN) / SHAFT_PER_LEVER * lever_m,
+        count_zero,
+        push_m: probe.push_m,
+    }
+}
+
+/// Highest voltages of motor and brake, V, of the study's mode that uses the same actuators; none if
+/// it has none.
+fn voltages(study: &Study, mode: DriveMode) -> Option<[f64; 2]> {
+    let uses = |own: &&Mode| {
+        let [motor, brake] = [ActuatorKind::Motor, ActuatorKind::Brake].map(|kind| own.has(kind));
+        motor == (mode != DriveMode::Passive) && brake == (mode != DriveMode::Active)
+    };
+    let own = study.modes.iter().find(uses)?;
+    Some([own.motor_max_v, own.brake_max_v].map(|volts| volts.unwrap_or(0.0)))
+}
+
+/// The device alone, without friction.
+fn bare(twin: &TwinParameters, period_s: f64) -> SampledWall {
+    let (plant, lever_m) = (twin.plant(None), twin.lever_m);
+    let viscous = twin.friction_viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap_or(0.0);
+    SampledWall::bare(plant.inertia_kg_m2 / (lever_m * lever_m), viscous / lever_m, period_s)
+}
+
+/// A search as a sweep: stiffness commanded, swing in response.
+fn sweep(
+    bench: &Bench,
+    actuator: ActuatorId,
+    number: u32,
+    probe: &Probe,
+    found: &Found,
+    seed: u64,
+) -> Sweep {
+    let quantity =
+        |name: &str, unit: &str| Quantity { name: name.to_owned(), unit: unit.to_owned() };
+    let mut file = vec![
+        ("study_blake3", hex_blake3(&bench.study_toml)),
+        ("device", "twin".to_owned()),
+        ("software", super::acquire::SOFTWARE.to_owned()),
+        ("mode", probe.mode.as_str().to_owned()),
+        ("push_m", probe.push_m.to_string()),
+        ("wall_damping_ns_per_m", probe.damping_ns_per_m.to_string()),
+        ("repeat", probe.repeat.to_string()),
+        ("ending", found.ending.as_str().to_owned()),
+        ("went_on", found.tried.iter().map(|t| if t.goes_on { '1' } else { '0' }).collect()),
+    ];
+    // The orders of a blinded study may be drawn with the same seed.
+    if !bench.study.design.blinded {
+        file.push(("seed", seed.to_string()));
+    }
+    Sweep {
+        actuator,
+        sweep: number,
+        source: Source::Twin,
+        command: quantity("wall stiffness", "N/m"),
+        response: quantity("swing that goes on", "m"),
+        t_s: None,
+        command_values: found.tried.iter().map(|t| t.stiffness_n_per_m).collect(),
+        response_values: found.tried.iter().map(|t| t.swing_m).collect(),
+        file: file.into_iter().map(|(key, value)| (key.to_owned(), value)).collect(),
+    }
+}
+
+/// The search that a sweep holds.
+fn recorded(sweep: &Sweep) -> anyhow::Result<(Probe, Found)> {
+    let key = |name: &str| {
+        sweep.file.get(name).with_context(|| format!("the footer key {name:?} is missing"))
+    };
+    let number = |name: &str| -> anyhow::Result<f64> {
+        key(name)?.parse().with_context(|| format!("the footer key {name:?} is no number"))
+    };
+    let mode = MODES.into_iter().find(|mode| key("mode").is_ok_and(|word| word == mode.as_str()));
+    let ending =
+        Ending::ALL.into_iter().find(|e| key("ending").is_ok_and(|word| word == e.as_str()));
+    let probe = Probe {
+        mode: mode.context("the footer key \"mode\" is no mode")?,
+        push_m: number("push_m")?,
+        damping_ns_per_m: number("wall_damping_ns_per_m")?,
+        repeat: key("repeat")?.parse().context("the footer key \"repeat\" is no count")?,
+    };
+    let went_on = key("went_on")?;
+    if went_on.len() != sweep.command_values.len() {
+        bail!("the footer key \"went_on\" is not as long as the sweep");
+    }
+    let values = sweep.command_values.iter().zip(&sweep.response_values).zip(went_on.chars());
+    let tried = values.map(|((stiffness_n_per_m, swing_m), on)| Tried {
+        stiffness_n_per_m: *stiffness_n_per_m,
+        swing_m: *swing_m,
+        goes_on: on == '1',
+    });
+    let ending = ending.context("the footer key \"ending\" is none of its words")?;
+    Ok((probe, Found { tried: tried.collect(), ending }))
+}
+
+fn written(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> anyhow::Result<()> {
+    let study = bench.layout.study();
+    let folder = root.join("reports").join(study.as_str()).join("impedance");
+    let source = "SYNTHETIC: the simulated device, not measured".to_owned();
+    let made_from = BTreeMap::from([
+        ("source".to_owned(), source),
+        ("study".to_owned(), study.to_string()),
+        ("version".to_owned(), zwidth_stability::VERSION.to_string()),
+    ]);
+    let mut output = Output::new(&folder, made_from);
+    let bounds = bounds_table("impedance", regions)?;
+    let notes = [
+        "Lever let go of at rest, a push deep in a bilateral wall; a wall is rendered if the swings end. Bars: repeats. \
+         ≥: an actuator saturated first, or no wall of up to 50 kN/m swung."
+            .to_owned(),
+    ];
+    let linear = linear(bench)?;
+    output.figure("impedance", zwidth_figures::impedance(&bounds, &linear, &notes, true)?)?;
+    output.table("impedance", &bounds)?;
+    output.table("zwidth", &regions_table("zwidth", regions)?)?;
+    if screen.json {
+        return screen.listing(&regions.iter().map(told).collect::<Vec<_>>());
+    }
+    regions.iter().for_each(|region| screen.result(told(region)));
+    let pictures = output.files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
+    pictures.for_each(|path| screen.result(path.display().to_string()));
+    Ok(())
+}
+
+/// The boundary of the lifted map, (B, K): the limit of large pushes.
+fn linear(bench: &Bench) -> anyhow::Result<Vec<[f64; 2]>> {
+    /// Points between two dampings.
+    const FINE: usize = 8;
+    let wall = bare(&bench.twin, 1.0 / bench.study.control.rate_hz);
+    let end = DAMPINGS[DAMPINGS.len() - 1];
+    let count = FINE * (DAMPINGS.len() - 1);
+    let at = |i: usize| end * i as f64 / count as f64;
+    let one = |b: f64| -> anyhow::Result<[f64; 2]> {
+        let wall = SampledWall { wall_damping_ns_per_m: b, ..wall };
+        Ok([b, wall.stiffest_stable()?.unwrap_or(f64::NAN)])
+    };
+    (0..=count).map(|i| one(at(i))).collect()
+}
+
+fn told(region: &Region) -> String {
+    let [area, low, high] = region.area();
+    let least = if region.is_censored() { "≥ " } else { "" };
+    let stiffness = |bound: Option<&Bound>| {
+        bound.map_or("none".to_owned(), |bound| {
+            let least = if bound.is_censored { "≥ " } else { "" };
+            format!("{least}{:.0}", bound.stiffness_n_per_m)
+        })
+    };
+    format!(
+        "{}, push {} mm: K(0) {} N/m, largest K {} N/m at B = {} N s/m, area {least}{area:.0} ({low:.0} to {high:.0}) N²·s/m² \
+         over B from 0 to {}",
+        region.mode.as_str(),
+        1e3 * region.push_m,
+        stiffness(region.undamped()),
+        stiffness(region.stiffest()),
+        region.stiffest().map_or(0.0, |bound| bound.damping_ns_per_m),
+        region.end_ns_per_m(),
+    )
+}

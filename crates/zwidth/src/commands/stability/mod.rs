@@ -1,0 +1,196 @@
+//! `zwidth stability`: which virtual walls a device bears, each limit by itself.
+
+mod point;
+mod words;
+
+use super::output::Output;
+use crate::args::Stability as Command;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::{Context as _, bail};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_figures::{BoundaryOf, Side, StabilityPanel};
+use zwidth_stability::{
+    Boundary, Extent, Limit, Map, Point, Quantity, Span, VERSION, cells_table, curves,
+    curves_table, extents_table, limits, limits_table, map, measured,
+};
+
+/// What runs along x where nothing is asked for; the stiffness runs along y.
+const USUAL: [Quantity; 6] = [
+    Quantity::WallDamping,
+    Quantity::Delay,
+    Quantity::Rate,
+    Quantity::Mass,
+    Quantity::Finger,
+    Quantity::Step,
+];
+
+/// What `--json` prints of a limit.
+#[derive(Serialize)]
+struct LimitOut {
+    limit: String,
+    kind: &'static str,
+    stiffness_n_per_m: Option<f64>,
+    error_share: Option<f64>,
+    is_unsafe: Option<bool>,
+}
+
+/// And of all.
+#[derive(Serialize)]
+struct Outcome {
+    name: String,
+    maps: Vec<String>,
+    limits: Vec<LimitOut>,
+    told: Vec<String>,
+    files: Vec<PathBuf>,
+}
+
+pub(crate) fn stability(root: &Path, command: &Command, screen: &Screen) -> anyhow::Result<Exit> {
+    let (name, point) = point::of(command)?;
+    let boundaries = boundaries(&command.beside)?;
+    let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("stability"));
+    let mut output = Output::new(&folder, made_from(command, &point));
+    let limits = limits(&point)?;
+    let spans = spans(command);
+    let bar = screen.bar(spans.len());
+    let mut maps = Vec::new();
+    for [x, y] in spans {
+        bar.set_message(format!("{} against {}", y.quantity.as_str(), x.quantity.as_str()));
+        maps.push(map(&point, x, y)?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let told = words::of(&point, &limits);
+    write(&name, &point, &maps, &limits, &mut output)?;
+    write_boundaries(&boundaries, &mut output)?;
+    let outcome = Outcome {
+        name,
+        maps: maps.iter().map(pair).collect(),
+        limits: limits.iter().map(out).collect(),
+        told: told.into_iter().chain(boundaries.iter().map(words::extent)).collect(),
+        files: output.files,
+    };
+    if screen.json {
+        screen.listing(&[outcome])?;
+    } else {
+        tell(&outcome, screen);
+    }
+    Ok(Exit::Fine)
+}
+
+/// The pairs of axes that are asked for, or the usual ones.
+fn spans(command: &Command) -> Vec<[Span; 2]> {
+    let span = |quantity, ends: Option<[f64; 2]>| {
+        let usual = Span::usual(quantity, command.cells as usize);
+        Span { ends: ends.unwrap_or(usual.ends), ..usual }
+    };
+    match (command.x, command.y) {
+        (Some((x, x_ends)), Some((y, y_ends))) => vec![[span(x, x_ends), span(y, y_ends)]],
+        _ => USUAL.map(|x| [span(x, None), span(Quantity::Stiffness, None)]).to_vec(),
+    }
+}
+
+fn write(
+    name: &str,
+    point: &Point,
+    maps: &[Map],
+    limits: &[Limit],
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let with_curves: Vec<_> = maps
+        .iter()
+        .map(|map| (map, curves(map).into_iter().chain(measured(map)).collect()))
+        .collect();
+    let curves = curves_table("stability", &with_curves)?;
+    let panels: Vec<StabilityPanel> =
+        maps.iter().map(|map| StabilityPanel { x: side(map.x), y: side(map.y) }).collect();
+    let notes = words::notes(point);
+    output.figure(name, zwidth_figures::stability(&curves, &panels, &notes)?)?;
+    output.table(&format!("{name}.curves"), &curves)?;
+    output.table(&format!("{name}.limits"), &limits_table("limits", limits)?)?;
+    for map in maps {
+        let table = cells_table("cells", map)?;
+        output.table(&format!("{name}.{}", pair(map)), &table)?;
+    }
+    Ok(())
+}
+
+fn pair(map: &Map) -> String {
+    format!("{}_{}", map.x.quantity.as_str(), map.y.quantity.as_str())
+}
+
+fn side(span: Span) -> Side {
+    let quantity = span.quantity;
+    Side {
+        quantity: quantity.as_str(),
+        label: quantity.label(),
+        unit: quantity.unit(),
+        per_si: quantity.per_si(),
+        ends: span.ends,
+        is_logarithmic: quantity.is_logarithmic(),
+    }
+}
+
+/// The boundaries that others measured, by the stems of their files.
+fn boundaries(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, Boundary)>> {
+    let read = |path: &PathBuf| {
+        let text = crate::text::scene(path)?;
+        let boundary =
+            Boundary::from_csv(&text).with_context(|| format!("cannot use {}", path.display()))?;
+        Ok((super::simulate::stem(path), boundary))
+    };
+    let read: Vec<(String, Boundary)> = paths.iter().map(read).collect::<anyhow::Result<_>>()?;
+    if let Some(i) = (1..read.len()).find(|i| read[..*i].iter().any(|other| other.0 == read[*i].0))
+    {
+        bail!("two boundaries are called {}; rename one of the files", read[i].0);
+    }
+    Ok(read)
+}
+
+fn write_boundaries(boundaries: &[(String, Boundary)], output: &mut Output) -> anyhow::Result<()> {
+    if boundaries.is_empty() {
+        return Ok(());
+    }
+    let drawn: Vec<BoundaryOf> =
+        boundaries.iter().map(|(name, b)| (name.clone(), b.points.clone())).collect();
+    let notes = [
+        "Measured by others, without oscillation that goes on; their files state no units, so that these stand on axes \
+         of their own."
+            .to_owned(),
+    ];
+    output.figure("measured_by_others", zwidth_figures::boundaries(&drawn, &notes))?;
+    let extents: Vec<(String, Extent)> =
+        boundaries.iter().map(|(name, b)| (name.clone(), b.extent())).collect();
+    output.table("measured_by_others", &extents_table("measured_by_others", &extents)?)
+}
+
+fn out(limit: &Limit) -> LimitOut {
+    LimitOut {
+        limit: limit.limit.clone(),
+        kind: limit.kind,
+        stiffness_n_per_m: limit.stiffness_n_per_m,
+        error_share: limit.error_share,
+        is_unsafe: limit.is_unsafe(),
+    }
+}
+
+fn tell(outcome: &Outcome, screen: &Screen) {
+    outcome.told.iter().for_each(|line| screen.result(line));
+    let pictures = outcome.files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
+    pictures.for_each(|path| screen.result(path.display().to_string()));
+}
+
+/// What the files say of their making.
+fn made_from(command: &Command, point: &Point) -> BTreeMap<String, String> {
+    let scene = command
+        .scene
+        .as_ref()
+        .map_or("the simulated device".to_owned(), |path| path.display().to_string());
+    BTreeMap::from([
+        ("of".to_owned(), scene),
+        ("point".to_owned(), format!("{point:?}")),
+        ("version".to_owned(), VERSION.to_string()),
+    ])
+}

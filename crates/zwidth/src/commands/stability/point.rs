@@ -1,0 +1,46 @@
+//! The device and the wall that a command asks for.
+
+use crate::args::Stability as Command;
+use anyhow::Context as _;
+use std::f64::consts::TAU;
+use zwidth_device::{COUNTS_PER_TURN, SHAFT_PER_LEVER, TwinParameters};
+use zwidth_dynamics::{DryLimits, ModelScene, SampledWall};
+use zwidth_stability::{Point, of_scene};
+
+/// T: the thesis' controller, s (Table 3).
+const PERIOD_S: f64 = 0.0083;
+
+/// Its name in files, and the point.
+pub(super) fn of(command: &Command) -> anyhow::Result<(String, Point)> {
+    let (name, point) = match &command.scene {
+        Some(path) => {
+            let text = crate::text::scene(path)?;
+            let scene = ModelScene::from_toml(&text).with_context(|| path.display().to_string())?;
+            (super::super::simulate::stem(path), of_scene(&scene, PERIOD_S))
+        }
+        None => ("twin".to_owned(), twin()),
+    };
+    let put = |point: Point, (quantity, value): &(zwidth_stability::Quantity, f64)| {
+        quantity.put(&point, *value)
+    };
+    Ok((name, command.at.iter().fold(point, put)))
+}
+
+/// The simulated device, whose closed winding damps; its friction and its counts for the formulas
+/// that ask for them.
+fn twin() -> Point {
+    let twin = TwinParameters::default();
+    let (plant, lever_m) = (twin.plant(None), twin.lever_m);
+    let viscous = twin.friction_viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap_or(0.0);
+    let mass_kg = plant.inertia_kg_m2 / (lever_m * lever_m);
+    let dry = DryLimits {
+        friction_n: twin.friction_static_n * twin.friction_kinetic_share,
+        count_m: TAU / f64::from(COUNTS_PER_TURN) / SHAFT_PER_LEVER * lever_m,
+    };
+    Point {
+        wall: SampledWall::bare(mass_kg, viscous / lever_m, PERIOD_S),
+        lever_m,
+        step_s: PERIOD_S,
+        dry: Some(dry),
+    }
+}

@@ -1,0 +1,59 @@
+//! What limits come to, in sentences.
+
+use zwidth_stability::{Boundary, Limit, Point};
+
+/// The point, and a line a limit.
+pub(super) fn of(point: &Point, limits: &[Limit]) -> Vec<String> {
+    let mut lines = vec![format!("Stiffest wall of a device of {}:", device(point))];
+    lines.extend(limits.iter().map(line));
+    lines
+}
+
+/// What stands under the figure.
+pub(super) fn notes(point: &Point) -> Vec<String> {
+    vec![
+        format!("A device of {}, but for what runs along the axes.", device(point)),
+        "Black: bilateral linear wall, exact. Points: the same found by simulating the loop. Blue: passive with any hand. \
+         Dashed: textbook formulas, approximations. Thin: above it a solver's step is unstable on the wall."
+            .to_owned(),
+    ]
+}
+
+fn device(point: &Point) -> String {
+    let wall = &point.wall;
+    let mut parts = vec![
+        format!("{:.4} kg", wall.mass_kg),
+        format!("b {:.3} N s/m", wall.damping_ns_per_m),
+        format!("T {:.3} ms", 1e3 * wall.period_s),
+        format!("delay {:.3} ms", 1e3 * wall.delay_s),
+        format!("B {:.3} N s/m", wall.wall_damping_ns_per_m),
+        format!("h {:.3} ms", 1e3 * point.step_s),
+    ];
+    parts.extend(wall.motor_lag_s.map(|lag| format!("motor lag {:.3} ms", 1e3 * lag)));
+    parts.extend(wall.finger.map(|finger| format!("finger {:.1} N/m", finger.stiffness_n_per_m)));
+    parts.join(", ")
+}
+
+fn line(limit: &Limit) -> String {
+    let Some(stiffness) = limit.stiffness_n_per_m else {
+        return format!("  {:<17} says nothing here", limit.limit);
+    };
+    let error = limit.error_share.filter(|_| limit.kind != "exact");
+    let error = error.map_or(String::new(), |error| format!("  {:+.1} %", 100.0 * error));
+    let warning = if limit.is_unsafe() == Some(true) && limit.kind == "textbook" {
+        "  UNSAFE: it allows unstable walls"
+    } else {
+        ""
+    };
+    format!("  {:<17} {stiffness:8.1} N/m{error}{warning}  ({})", limit.limit, limit.equation)
+}
+
+/// The extent of a boundary that others measured.
+pub(super) fn extent((name, boundary): &(String, Boundary)) -> String {
+    let extent = boundary.extent();
+    let undamped = extent.undamped.map_or(String::new(), |k| format!("K(0) {k}, "));
+    format!(
+        "{name}, measured by others: {undamped}largest K {} at B = {}, area {:.4} over B from {} to {} (their units)",
+        extent.largest, extent.largest_at, extent.area, extent.damping[0], extent.damping[1]
+    )
+}

@@ -1,0 +1,51 @@
+//! What can keep a wall from being mapped.
+
+use zwidth_dynamics::DynamicsError;
+use zwidth_tables::TableError;
+
+/// Every error of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum StabilityError {
+    /// Two axes of one quantity.
+    #[error("both axes are {quantity}; choose two quantities")]
+    SameQuantity {
+        /// The quantity's word.
+        quantity: &'static str,
+    },
+    /// An axis without extent, or without a logarithm where it has one.
+    #[error(
+        "{quantity} from {from} to {to} is no axis; give two numbers above 0, the smaller first"
+    )]
+    Span {
+        /// The quantity's word.
+        quantity: &'static str,
+        /// One end, in SI units.
+        from: f64,
+        /// The other.
+        to: f64,
+    },
+    /// Too few or too many cells.
+    #[error("{cells} cells a side are no map; take 2 to {most}")]
+    Cells {
+        /// Cells asked for.
+        cells: usize,
+        /// Most cells.
+        most: usize,
+    },
+    /// A line of a file of stiffness and damping that is none.
+    #[error(
+        "line {line} of the boundary: {what}; give the columns K and B with a number in each, not below 0"
+    )]
+    Boundary {
+        /// The line, from 1.
+        line: usize,
+        /// What stands there.
+        what: String,
+    },
+    /// A wall that makes no sense.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+    /// A table could not be made.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}

@@ -1,0 +1,135 @@
+//! One search for a boundary, push by push.
+
+use zwidth_dynamics::{DriveMode, DynamicsError, Pushed};
+
+/// What is searched: the stiffest wall of a damping that a mode renders after a push.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Probe {
+    /// Which actuators render.
+    pub mode: DriveMode,
+    /// How deep in the wall the lever is let go of, m.
+    pub push_m: f64,
+    /// B, N s/m.
+    pub damping_ns_per_m: f64,
+    /// Number of the repeat, from 1.
+    pub repeat: u32,
+}
+
+/// One stiffness that was tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tried {
+    /// K, N/m.
+    pub stiffness_n_per_m: f64,
+    /// Half of the motion that went on, m.
+    pub swing_m: f64,
+    /// Whether it went on.
+    pub goes_on: bool,
+}
+
+/// Why a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// The boundary lies between two stiffnesses that were tried.
+    Boundary,
+    /// An actuator saturated, or the guard stopped the push, before it oscillated: at least so stiff.
+    Saturated,
+    /// The stiffest wall that is tried did not oscillate either.
+    Stiffest,
+}
+
+impl Ending {
+    /// Every ending.
+    pub const ALL: [Self; 3] = [Self::Boundary, Self::Saturated, Self::Stiffest];
+
+    /// Its word in files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Boundary => "boundary",
+            Self::Saturated => "saturated",
+            Self::Stiffest => "stiffest",
+        }
+    }
+}
+
+/// What a search found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// What was tried, in order.
+    pub tried: Vec<Tried>,
+    /// Why it ended.
+    pub ending: Ending,
+}
+
+impl Found {
+    /// The stiffest wall that came to rest below every one that did not, and the softest that did
+    /// not, N/m; none where no wall swung.
+    pub fn bracket(&self) -> (f64, Option<f64>) {
+        let stiffness = |t: &Tried| t.stiffness_n_per_m;
+        let high = self.tried.iter().filter(|t| t.goes_on).map(stiffness).reduce(f64::min);
+        let below = |t: &&Tried| high.is_none_or(|high| t.stiffness_n_per_m < high);
+        let low = self.tried.iter().filter(below).map(stiffness).fold(0.0, f64::max);
+        (low, high)
+    }
+}
+
+/// The probes of a test in the order in which they are made: mode by mode, push by push, damping by
+/// damping.
+pub fn probes(modes: &[DriveMode], pushes_m: &[f64], dampings: &[f64], repeats: u32) -> Vec<Probe> {
+    let mut probes = Vec::new();
+    for mode in modes {
+        for push_m in pushes_m {
+            for damping in dampings {
+                probes.extend((1..=repeats).map(|repeat| Probe {
+                    mode: *mode,
+                    push_m: *push_m,
+                    damping_ns_per_m: *damping,
+                    repeat,
+                }));
+            }
+        }
+    }
+    probes
+}
+
+/// Searches: from a soft wall on each is stiffer by a third until a push goes on, an actuator
+/// saturates, or the stiffest is reached; then bisection to 2 %. `push` makes one push.
+///
+/// # Errors
+/// A push that fails.
+pub fn search(
+    mut push: impl FnMut(f64) -> Result<Pushed, DynamicsError>,
+) -> Result<Found, DynamicsError> {
+    /// From, to, N/m.
+    const STIFFNESS: [f64; 2] = [20.0, 50_000.0];
+    const RAISE: f64 = 4.0 / 3.0;
+    /// Width of the bracket, as a share of it.
+    const CLOSE: f64 = 0.02;
+    let mut tried = Vec::new();
+    let mut attempt = |stiffness_n_per_m: f64, tried: &mut Vec<Tried>| {
+        let pushed = push(stiffness_n_per_m)?;
+        let Pushed { swing_m, goes_on, saturates } = pushed;
+        tried.push(Tried { stiffness_n_per_m, swing_m, goes_on });
+        Ok((goes_on, saturates))
+    };
+    let (mut low, mut high) = (0.0, STIFFNESS[0]);
+    loop {
+        let (goes_on, saturates) = attempt(high, &mut tried)?;
+        if goes_on {
+            break;
+        }
+        if saturates || high >= STIFFNESS[1] {
+            let ending = if saturates { Ending::Saturated } else { Ending::Stiffest };
+            return Ok(Found { tried, ending });
+        }
+        (low, high) = (high, (RAISE * high).min(STIFFNESS[1]));
+    }
+    while high - low > CLOSE * high {
+        let middle = 0.5 * (low + high);
+        if attempt(middle, &mut tried)?.0 {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Ok(Found { tried, ending: Ending::Boundary })
+}

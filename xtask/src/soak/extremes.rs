@@ -1,0 +1,34 @@
+//! Scenes at the extremes, more of them than a test has time for; the page of what became of them.
+
+use crate::tried::held;
+use anyhow::bail;
+use std::process::Command;
+use std::time::Instant;
+
+/// Scenes of a full turn.
+pub(crate) const SCENES: u64 = 1_000_000;
+
+/// Runs the suite, which writes docs/extremes.md. A scene that ends as none may fails it by its
+/// number.
+pub(crate) fn extremes(scenes: u64) -> anyhow::Result<()> {
+    println!("{scenes} scenes");
+    let began = Instant::now();
+    let status = Command::new(env!("CARGO"))
+        .args([
+            "test",
+            "--release",
+            "--locked",
+            "--package",
+            "zwidth-dynamics",
+            "--test",
+            "extremes",
+        ])
+        .args(["--", "--ignored"])
+        .env("ZWIDTH_EXTREMES", scenes.to_string())
+        .status()?;
+    if !status.success() {
+        bail!("a scene at the extremes ends as none may: keep it as a test with a name");
+    }
+    let what = "scenes at the extremes, which end in numbers or in errors that say what is wrong";
+    held(what, format!("cargo xtask soak extremes {scenes}"), scenes, began)
+}
