@@ -7,7 +7,7 @@ use zwidth_dynamics::{
 
 /// How far from usual a scene's numbers are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// Within a factor of ten.
     Near,
     /// Within nine powers of ten either way.
@@ -24,11 +24,11 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 6] =
+    pub(crate) const ALL: [Self; 6] =
         [Self::Near, Self::Far, Self::Single, Self::Hostile, Self::Tiny, Self::Huge];
 
     /// Its words in tables.
-    pub fn as_str(self) -> &'static str {
+    pub(crate) fn as_str(self) -> &'static str {
         match self {
             Self::Near => "within a factor of ten",
             Self::Far => "1e-9 … 1e9 of usual",
@@ -59,11 +59,11 @@ const HOSTILE: [f64; 14] = [
 ];
 
 /// SplitMix64 (Steele, Lea & Flood 2014).
-pub struct Draw(u64);
+pub(crate) struct Draw(u64);
 
 impl Draw {
     /// The stream of a scene.
-    pub fn of(seed: u64, number: u64) -> Self {
+    pub(crate) fn of(seed: u64, number: u64) -> Self {
         let mut draw = Self(seed ^ number.wrapping_mul(0xd134_2543_de82_ef95));
         draw.bits();
         draw
@@ -83,7 +83,7 @@ impl Draw {
     }
 
     /// One of so many.
-    pub fn below(&mut self, count: usize) -> usize {
+    pub(crate) fn below(&mut self, count: usize) -> usize {
         (self.bits() % count as u64) as usize
     }
 
@@ -109,7 +109,7 @@ impl Draw {
 }
 
 /// Scene `number` of a seed, and its kind.
-pub fn scene(seed: u64, number: u64) -> (Kind, ModelScene) {
+pub(crate) fn scene(seed: u64, number: u64) -> (Kind, ModelScene) {
     let mut draw = Draw::of(seed, number);
     let kind = Kind::ALL[draw.below(Kind::ALL.len())];
     let mode = [DriveMode::Active, DriveMode::Passive, DriveMode::Hybrid][draw.below(3)];
