@@ -1,10 +1,8 @@
-//! Which walls a sampled device bears: each limit a line, with its name at it.
+//! Which walls a sampled device bears: each limit a line of its own.
 
 use crate::words::{model_mark, plain};
-use zwidth_draw::style::{self, Colour, Dash, Stroke};
-use zwidth_draw::{
-    Axis, Cell, Figure, Layer, LegendPlace, Line, Panel, Points, Range, Text, TextPlace, Ticks,
-};
+use zwidth_draw::style::{self, Dash, Stroke};
+use zwidth_draw::{Axis, Cell, Figure, Layer, Line, Panel, Points, Range, Ticks};
 use zwidth_tables::{Table, TableError};
 
 /// Height of a panel, mm.
@@ -48,18 +46,12 @@ impl Side {
         let ticks = if self.is_logarithmic { Ticks::Powers } else { Ticks::Numbers };
         Axis { ticks, ..Axis::new(self.label, self.unit) }.ranged(Range::Fixed(from, to))
     }
-
-    /// A place as a share of the axis.
-    fn share(&self, place: f64) -> f64 {
-        let [from, to] = self.ends.map(|end| self.place(end));
-        (place - from) / (to - from)
-    }
 }
 
-/// One limit of a panel, or several that are one line.
+/// One limit of a panel.
 struct Limit {
     kind: String,
-    labels: Vec<&'static str>,
+    label: &'static str,
     x: Vec<f64>,
     y: Vec<f64>,
 }
@@ -81,7 +73,6 @@ pub fn stability(
                       which are approximations. Thin: where the step of a solver becomes unstable."
             .to_owned(),
         panels: drawn.collect::<Result<_, _>>()?,
-        legend: LegendPlace::Hidden,
         footnotes: notes.iter().map(|note| plain(note)).collect(),
         mark: model_mark(),
         ..Figure::default()
@@ -95,8 +86,7 @@ fn panel(
     count: usize,
 ) -> Result<Panel, TableError> {
     let limits = limits(curves, sides)?;
-    let mut layers: Vec<Layer> = limits.iter().map(layer).collect();
-    layers.extend(labels(&limits, sides));
+    let layers: Vec<Layer> = limits.iter().map(layer).collect();
     let (x, y) = (sides.x.axis(), sides.y.axis());
     let cell = Cell::at(number / 2, number % 2);
     let letter = char::from(b'a' + (number % 26) as u8);
@@ -110,18 +100,22 @@ fn panel(
     Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
 }
 
-/// What stands at a limit; none for one that another draws: the passive walls of Colgate &
+const SYMPLECTIC_EULER: &str = "a step of symplectic Euler is stable below";
+const ABBOTT_OKAMURA: &str = "Abbott–Okamura";
+const DIOLAITI: &str = "Diolaiti";
+
+/// What a limit is called; none for one that another draws: the passive walls of Colgate &
 /// Schenkel's closed form are those of the maximum over frequency.
 fn label(limit: &str) -> Option<&'static str> {
     match limit {
-        "lifted_map" => Some("**stable below** (exact)"),
-        "passivity" => Some("**passive below**"),
-        "measured" => Some("simulated loop"),
-        "rk4_per_step" => Some("RK4's step stable below"),
-        "symplectic_euler" => Some("symplectic Euler's"),
+        "lifted_map" => Some("stable below (exact)"),
+        "passivity" => Some("passive below"),
+        "measured" => Some("the same, the loop simulated"),
+        "rk4_per_step" => Some("a step of RK4 is stable below"),
+        "symplectic_euler" => Some(SYMPLECTIC_EULER),
         "hulin" => Some("Hulin"),
-        "abbott_okamura" => Some("Abbott–Okamura"),
-        "diolaiti" => Some("Diolaiti"),
+        "abbott_okamura" => Some(ABBOTT_OKAMURA),
+        "diolaiti" => Some(DIOLAITI),
         _ => None,
     }
 }
@@ -143,8 +137,7 @@ fn limits(curves: &Table, sides: &StabilityPanel) -> Result<Vec<Limit>, TableErr
         };
         let Some(label) = label(word) else { continue };
         if limits.last().is_none_or(|last| last.0 != *word) {
-            let labels = vec![label];
-            let limit = Limit { kind: kind.clone(), labels, x: Vec::new(), y: Vec::new() };
+            let limit = Limit { kind: kind.clone(), label, x: Vec::new(), y: Vec::new() };
             limits.push((word.clone(), pieces[i], limit));
         }
         let Some((_, piece, limit)) = limits.last_mut() else { continue };
@@ -156,106 +149,29 @@ fn limits(curves: &Table, sides: &StabilityPanel) -> Result<Vec<Limit>, TableErr
         limit.x.push(sides.x.place(x));
         limit.y.push(sides.y.place(y));
     }
-    Ok(merged(limits.into_iter().map(|(_, _, limit)| limit), sides))
-}
-
-/// Limits that are one line are drawn once, with all their names.
-fn merged(limits: impl Iterator<Item = Limit>, sides: &StabilityPanel) -> Vec<Limit> {
-    let mut kept: Vec<Limit> = Vec::new();
-    for limit in limits {
-        match kept.iter_mut().find(|other| are_one(other, &limit, sides)) {
-            Some(other) => other.labels.extend(limit.labels),
-            None => kept.push(limit),
-        }
-    }
-    kept
-}
-
-/// Whether two lines are nowhere further apart than the eye sees; points are no line.
-fn are_one(a: &Limit, b: &Limit, sides: &StabilityPanel) -> bool {
-    /// Distance that nobody sees, as a share of a panel.
-    const UNSEEN: f64 = 3e-3;
-    let near = |i: usize| {
-        let apart = |side: &Side, a: f64, b: f64| (side.share(a) - side.share(b)).abs();
-        let far = apart(&sides.x, a.x[i], b.x[i]).max(apart(&sides.y, a.y[i], b.y[i]));
-        far < UNSEEN || (a.x[i].is_nan() && b.x[i].is_nan())
-    };
-    let lines = a.kind != "measured" && b.kind != "measured";
-    lines && a.x.len() == b.x.len() && (0..a.x.len()).all(near)
+    Ok(limits.into_iter().map(|(_, _, limit)| limit).collect())
 }
 
 fn layer(limit: &Limit) -> Layer {
-    let (x, y) = (limit.x.clone(), limit.y.clone());
+    let (x, y, name) = (limit.x.clone(), limit.y.clone(), Some(limit.label.to_owned()));
     if limit.kind == "measured" {
-        return Layer::Points(Points { x, y, diameter_pt: 4.0, ..Points::default() });
+        return Layer::Points(Points { x, y, name, diameter_pt: 4.0, ..Points::default() });
     }
-    Layer::Line(Line { x, y, stroke: stroke(limit), ..Line::default() })
+    Layer::Line(Line { x, y, name, stroke: stroke(limit), ..Line::default() })
 }
 
 fn stroke(limit: &Limit) -> Stroke {
     let book = |index: usize| style::single(style::mode_colour(index)).dashed(Dash::Dashed);
-    match (limit.kind.as_str(), limit.labels[0]) {
+    let method = style::single(style::mode_colour(4));
+    match (limit.kind.as_str(), limit.label) {
         ("exact", _) => style::mean(style::INK),
         ("passivity", _) => style::mean(style::mode_colour(0)),
-        ("method", "symplectic Euler's") => style::faint(colour_of_methods()),
-        ("method", _) => style::single(colour_of_methods()),
-        (_, "Abbott–Okamura") => book(2),
-        (_, "Diolaiti") => book(3),
+        ("method", SYMPLECTIC_EULER) => method.dashed(Dash::Dotted),
+        ("method", _) => method,
+        (_, ABBOTT_OKAMURA) => book(2),
+        (_, DIOLAITI) => book(3),
         _ => book(1),
     }
-}
-
-fn colour_of_methods() -> Colour {
-    style::mode_colour(4)
-}
-
-/// The names, each over the point of its line that is furthest from other lines and names.
-fn labels(limits: &[Limit], sides: &StabilityPanel) -> Vec<Layer> {
-    let share = |limit: &Limit, i: usize| [sides.x.share(limit.x[i]), sides.y.share(limit.y[i])];
-    let mut taken: Vec<[f64; 2]> = Vec::new();
-    let mut layers = Vec::new();
-    for (number, limit) in limits.iter().enumerate() {
-        let others = limits.iter().enumerate().filter(|(other, _)| *other != number);
-        let around: Vec<[f64; 2]> = others
-            .flat_map(|(_, other)| (0..other.x.len()).map(move |i| share(other, i)))
-            .filter(|at| at.iter().all(|x| x.is_finite()))
-            .collect();
-        let best = (0..limit.x.len())
-            .map(|i| (i, share(limit, i)))
-            .filter(|(_, at)| (0.24..=0.76).contains(&at[0]) && (0.02..=0.92).contains(&at[1]))
-            .map(|(i, at)| (i, room(at, &around).min(room_of_words(at, &taken))))
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((i, _)) = best else { continue };
-        taken.push(share(limit, i));
-        layers.push(Layer::Text(Text {
-            lines: words(&limit.labels),
-            place: TextPlace::Over(limit.x[i], limit.y[i]),
-        }));
-    }
-    layers
-}
-
-/// The first name, and in a second line the others that are the same.
-fn words(labels: &[&'static str]) -> Vec<String> {
-    let (first, others) = (labels[0].to_owned(), labels[1..].join(" = "));
-    if others.is_empty() { vec![first] } else { vec![first, format!("= {others}")] }
-}
-
-/// How far the words over a place are from points: words are wide and stand above.
-fn room(at: [f64; 2], points: &[[f64; 2]]) -> f64 {
-    /// Half the width of words, and how high their middle stands, as shares of a panel.
-    const WORDS: (f64, f64) = (0.2, 0.05);
-    let far = |p: &[f64; 2]| {
-        let x = ((p[0] - at[0]).abs() - WORDS.0).max(0.0);
-        libm::hypot(x, p[1] - at[1] - WORDS.1)
-    };
-    points.iter().map(far).fold(0.3, f64::min)
-}
-
-/// The same from other words, which are wide too.
-fn room_of_words(at: [f64; 2], words: &[[f64; 2]]) -> f64 {
-    let far = |p: &[f64; 2]| libm::hypot(((p[0] - at[0]).abs() - 0.42).max(0.0), p[1] - at[1]);
-    words.iter().map(far).fold(0.3, f64::min)
 }
 
 /// A boundary of stiffness over damping: its name, points (B, K).
@@ -323,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn every_limit_has_its_name_at_its_line_and_pieces_are_apart() {
+    fn every_limit_has_its_name_and_pieces_are_apart() {
         let sides = StabilityPanel { x: side("damping", false), y: side("stiffness", true) };
         let figure = stability(&curves(), &[sides], &[]).unwrap();
         draw(&figure).unwrap();
@@ -333,8 +249,13 @@ mod tests {
             _ => None,
         });
         assert!(lines.is_some_and(|x| x.len() == 4 && x[2].is_nan()));
-        let words = layers.iter().filter(|layer| matches!(layer, Layer::Text(_))).count();
-        assert_eq!(words, 2);
+        let name = |layer: &Layer| match layer {
+            Layer::Line(line) => line.name.clone(),
+            Layer::Points(points) => points.name.clone(),
+            _ => None,
+        };
+        let names: Vec<String> = layers.iter().filter_map(name).collect();
+        assert_eq!(names, ["stable below (exact)", "the same, the loop simulated"]);
     }
 
     #[test]

@@ -303,7 +303,7 @@ fn a_session_refuses_what_is_not_what_it_began_with() {
 fn a_bad_device_and_a_screen_without_a_terminal_are_one_clear_error_each() {
     let desk = Desk::new(false);
     let live = |more: &[&str]| ran(&desk.command(more).output().unwrap());
-    live(&["--device", "robot"]).exits(2).says(&["twin|playback:FILE"]);
+    live(&["--device", "robot"]).exits(2).says(&["twin|rig[:PORT]|playback:FILE"]);
     zwidth(desk.root(), &["acquire", "small", "-p", "P/1", "-s", "S01"])
         .exits(2)
         .says(&["participant id"]);
