@@ -125,12 +125,18 @@ impl Live {
     /// Reads on to the line that begins so.
     #[track_caller]
     pub(crate) fn until(&mut self, start: &str) -> String {
+        self.until_any(&[start])
+    }
+
+    /// Reads on to the line that begins in one of these ways.
+    #[track_caller]
+    pub(crate) fn until_any(&mut self, starts: &[&str]) -> String {
         let mut all = String::new();
         loop {
             let mut line = String::new();
             let read = self.says.read_line(&mut line).unwrap();
-            assert!(read > 0, "'{start}' never came: {all}");
-            if line.starts_with(start) {
+            assert!(read > 0, "none of {starts:?} came: {all}");
+            if starts.iter().any(|start| line.starts_with(start)) {
                 return line;
             }
             all += &line;
