@@ -37,16 +37,16 @@ def phases(x, v, onset, offset):
     return first, first + int(np.argmax(x[first : last + 1])), last
 
 
-def farthest(x, f):
-    """Of a way towards larger x, the samples that lie farther along than any before."""
-    before = np.concatenate([[-np.inf], np.maximum.accumulate(x)[:-1]])
+def farthest(x, f, beyond=-np.inf):
+    """Of a way towards larger x, the samples that lie farther along than any before, and than where it begins."""
+    before = np.concatenate([[beyond], np.maximum(beyond, np.maximum.accumulate(x)[:-1])])
     return x[x > before], f[x > before]
 
 
 def discrepancy(x, f, first, turn, last, points, lever):
     """Mean, largest, step and loop area, with the intervals of those that have one."""
     way_in = farthest(x[first : turn + 1], f[first : turn + 1])
-    way_out = farthest(-x[turn + 1 : last + 1], f[turn + 1 : last + 1])
+    way_out = farthest(-x[turn + 1 : last + 1], f[turn + 1 : last + 1], beyond=-x[turn])
     low, high = max(way_in[0][0], -way_out[0][-1]), min(way_in[0][-1], -way_out[0][0])
     grid = np.linspace(low, high, points)
     d = np.interp(grid, *way_in) - np.interp(grid, -way_out[0][::-1], way_out[1][::-1])

@@ -13,14 +13,9 @@ use zwidth_tables::{Format, Table};
 /// Its version is raised when a table would be written differently from the same data.
 const STAGE: Stage = Stage { name: "tables", version: 6 };
 
-/// The derived tables that are printed.
-pub fn printed(data: &StudyData) -> Vec<PathBuf> {
-    with_marks(data).into_iter().map(|(table, _)| table).collect()
-}
-
-/// The same, each with whether simulated data go into it. The trade runs models, and what modes and
-/// device are is written in study.toml.
-fn with_marks(data: &StudyData) -> Vec<(PathBuf, bool)> {
+/// The derived tables that are printed, each with whether simulated data go into it. The trade runs
+/// models, and what modes and device are is written in study.toml.
+pub fn printed(data: &StudyData) -> Vec<(PathBuf, bool)> {
     let trials = data.counting().any(|trial| trial.meta.source == Source::Twin);
     let answers = data.sessions.iter().any(|session| session.record.source == Source::Twin);
     let sweeps = data.sweeps.iter().any(|sweep| sweep.source == Source::Twin);
@@ -71,7 +66,7 @@ fn printed_as(layout: &Layout, stem: &str, format: Format) -> PathBuf {
 pub(crate) fn files(data: &StudyData) -> Vec<PathBuf> {
     printed(data)
         .iter()
-        .map(|path| printed_as(&data.layout, &stem(path), Format::Parquet))
+        .map(|(path, _)| printed_as(&data.layout, &stem(path), Format::Parquet))
         .collect()
 }
 
@@ -80,7 +75,7 @@ fn stem(path: &Path) -> String {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    with_marks(data).into_iter().map(|(path, mark)| job(data, path, mark)).collect()
+    printed(data).into_iter().map(|(path, mark)| job(data, path, mark)).collect()
 }
 
 /// How a table is printed.

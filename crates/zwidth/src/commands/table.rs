@@ -21,14 +21,15 @@ struct Entry {
 pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
-    let files: Vec<_> = plan::printed_tables(&data).into_iter().filter(|f| f.exists()).collect();
+    let files: Vec<_> =
+        plan::printed_tables(&data).into_iter().filter(|(f, _)| f.exists()).collect();
     if files.is_empty() {
         bail!("{} has no tables yet; make them with `zwidth run {}`", asked.study, asked.study);
     }
     let (mut tables, mut unread) = (Vec::new(), Vec::new());
-    for file in &files {
+    for (file, simulated) in &files {
         match Table::from_parquet(file) {
-            Ok(table) => tables.push((file, table)),
+            Ok(table) => tables.push((file, table.with_mark(*simulated))),
             Err(error) => unread.push(error),
         }
     }
