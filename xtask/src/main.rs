@@ -23,7 +23,7 @@ cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage
 cargo xtask bits                       the main job's bytes: one thread, many, other processors (qemu-user), as written down
 cargo xtask bits --without-origin      only their content, without what files say of their making, against what is written down
 cargo xtask bits renew                 writes that content down
-cargo xtask stale                      each field of study.toml, a session and each stage's parameters changed: no stale result
+cargo xtask stale [ONE_IN]             each field of study.toml (or one in so many), a session and each stage's parameters changed: no stale result
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
 cargo xtask soak thesis [SEEDS]        how often the thesis' statements hold for the twin over its ranges; writes docs/twin.md [200]
 cargo xtask soak compared [SEEDS [PEOPLE|FILE]] how often comparisons of studies drawn from simulated people (or from their metrics in FILE) are right [1000, of 1000]
@@ -65,7 +65,8 @@ fn main() -> anyhow::Result<()> {
             };
             bits::compare(&soak::program()?, &scratch("bits"), how)
         }
-        ["stale"] => stale::stale(&soak::program()?, &scratch("stale")),
+        ["stale"] => stale::stale(&soak::program()?, &scratch("stale"), 1),
+        ["stale", one_in] => stale::stale(&soak::program()?, &scratch("stale"), one_in.parse()?),
         ["soak", "coverage", rest @ ..] => soak::coverage::coverage(
             &soak::program()?,
             &scratch("coverage"),

@@ -106,17 +106,25 @@ fn cut_off(
         return Ok(None); // safety ended the trial, as it does where a machine has no time for the loop; or it was over
     }
     let cut_s = board.turn()?;
-    match cut {
-        Cut::Kill => host.kill()?,
-        Cut::Cable => board.unplug(),
-    }
+    // A process under SIGKILL still runs, and commands, until the kernel has ended it.
+    let silent_s = match cut {
+        Cut::Kill => {
+            host.kill()?;
+            until(&mut board, UP_S, |_, _| gone(host))?.context("the host outlives SIGKILL")?;
+            board.turn()? // hears the last of it
+        }
+        Cut::Cable => {
+            board.unplug();
+            cut_s
+        }
+    };
     let (off_s, away_s) =
         until(&mut board, UP_S, |board, _| !board.is_on())?.context("there still is voltage")?;
     let watchdog_s = twin()?.capabilities().watchdog_s.context("the board has no watchdog")?;
-    let outlived_s = off_s - cut_s;
     ensure!(
-        outlived_s <= watchdog_s + away_s,
-        "0 V came {outlived_s} s after the cut; the watchdog has {watchdog_s} s, and this machine was away for {away_s} s"
+        off_s - silent_s <= watchdog_s + away_s,
+        "0 V came {} s after the host's end; the watchdog has {watchdog_s} s, and this machine was away for {away_s} s",
+        off_s - silent_s
     );
     ensure!(
         until(&mut board, QUIET_S, |board, _| board.is_on())?.is_none(),
@@ -126,7 +134,7 @@ fn cut_off(
         let noticed = until(&mut board, UP_S, |_, _| gone(host))?;
         ensure!(noticed.is_some(), "the host does not notice that the cable is out");
     }
-    Ok(Some(outlived_s))
+    Ok(Some(off_s - cut_s))
 }
 
 /// Lets the board run until something holds: when that was, and the longest time between two looks
