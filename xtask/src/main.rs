@@ -32,7 +32,7 @@ cargo xtask soak simulate-twin [SEEDS [FIRST]] the same with the simulated devic
 cargo xtask soak properties [CASES [SEED]] fresh cases for every random property [1000000, a new seed]
 cargo xtask soak extremes [SCENES]      scenes at the extremes; writes docs/extremes.md [1000000]
 cargo xtask soak r [SETS [SEED]]       statistics against R, SciPy and statsmodels on so many random data sets [1000]
-cargo xtask soak null [STUDIES]        tests, intervals and power on studies without an effect [40000]
+cargo xtask soak null [STUDIES [PART]] tests, intervals and power on studies without an effect, or those tests of null_studies whose names have PART [40000, all]
 cargo xtask fuzz TARGET|all|seeds [RUNS] any bytes for a reader, or for all of them; or the files they begin from, anew [10000000 or 1000000]
 cargo xtask reliability                write what was tried into docs/reliability.md
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
@@ -113,6 +113,7 @@ fn main() -> anyhow::Result<()> {
         ["soak", "null", rest @ ..] => soak::statistics::null(
             &scratch("null"),
             number(rest.first(), soak::statistics::STUDIES)?,
+            rest.get(1).copied(),
         ),
         ["fuzz", which, rest @ ..] => {
             let runs = rest.first().map(|runs| number(Some(runs), 0)).transpose()?;

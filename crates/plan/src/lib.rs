@@ -23,6 +23,7 @@ mod likert_figures;
 mod making;
 mod measured;
 mod metrics;
+mod page;
 mod preregistered;
 mod rehearsed;
 mod replay;
@@ -37,10 +38,10 @@ mod trials;
 pub use compare::{By, answers, compared, comparison, spreads};
 pub use figures::chosen_in_vain;
 pub use ladder::ladders;
+pub use page::{JOB as PAGE, file as page_file};
 pub use preregistered::{analysis, plan_file};
 pub use rehearsed::{Rehearsal, TwinOf, rehearsal, rehearsed, rehearsed_trials};
 pub use report::built_in;
-pub use summary::file as summary_file;
 pub use tables::printed as printed_tables;
 pub use trade::{Traded, scenes as trade_scenes};
 
@@ -65,13 +66,15 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     jobs.extend(report::jobs(data, &figures));
     jobs.extend(tables::jobs(data));
     let summary = summary::job(data, found, &figures);
+    let page = page::jobs(data, found, &figures);
     jobs.extend(figures.into_iter().map(|figure| figure.job));
     jobs.push(summary);
+    jobs.extend(page);
     jobs
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub const STAGES: [&str; 14] = [
+pub const STAGES: [&str; 15] = [
     "characterise",
     "metrics",
     "average",
@@ -86,4 +89,5 @@ pub const STAGES: [&str; 14] = [
     "report",
     "tables",
     "summary",
+    "page",
 ];

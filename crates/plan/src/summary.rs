@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
-    ComparedMetric, Gallery, Made as Listed, Planned, Remark, Shown, Summary, findings,
+    ComparedMetric, Gallery, Made as Listed, Planned, Remark, Shown, Summary, Told, findings,
     summary_markdown,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
@@ -21,15 +21,15 @@ use zwidth_tables::{Format, NoteKind, Table, TableError};
 const STAGE: Stage = Stage { name: "summary", version: 8 };
 
 /// The summary's file.
-pub fn file(data: &StudyData) -> PathBuf {
+fn file(data: &StudyData) -> PathBuf {
     data.layout.reports().join("summary.md")
 }
 
 /// What the page depends on besides files.
 #[derive(Serialize)]
-struct Page {
+pub(crate) struct Page {
     facts: Summary,
-    planned: Planned,
+    pub(crate) planned: Planned,
     /// The figures' captions, in the order of their files.
     captions: Vec<Caption>,
     /// The metrics that are compared, in the order of their files.
@@ -40,6 +40,17 @@ struct Page {
 }
 
 impl Page {
+    /// The metrics that are compared, with their tables.
+    pub(crate) fn compared<'a>(&'a self, tables: &'a [[Table; 2]]) -> Vec<ComparedMetric<'a>> {
+        let named = self.compared.iter().zip(tables);
+        named
+            .map(|(name, [means, contrasts])| {
+                let primary = *name == self.primary;
+                ComparedMetric { name, primary, means, contrasts }
+            })
+            .collect()
+    }
+
     /// The figure of a finding, or the table of conditions where it was not made or would be one of
     /// many sessions.
     fn shown_by(&self, shown: &Shown, made: &Summary) -> String {
@@ -50,14 +61,14 @@ impl Page {
 }
 
 /// The files that the page speaks of, where they are there.
-struct Files {
+pub(crate) struct Files {
     /// Averages and fits, whose notes are limits of the study.
     noted: Vec<PathBuf>,
     /// Metrics by condition, whose notes are of trials.
     conditions: Vec<PathBuf>,
     figures: Vec<PathBuf>,
     tables: Vec<PathBuf>,
-    metrics: Option<PathBuf>,
+    pub(crate) metrics: Option<PathBuf>,
     tally: Option<PathBuf>,
     /// The thesis' statements, as judged.
     statements: Option<PathBuf>,
@@ -77,6 +88,12 @@ impl Inputs for Files {
 }
 
 pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
+    let (page, files) = asked(data, found, figures);
+    Job::new(STAGE, "summary", page, files, vec![file(data)], make).tolerant()
+}
+
+/// What the summary depends on.
+pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> (Page, Files) {
     let compared = compare::compared(data);
     let fits = freemotion::planes(data).into_iter().chain(freemotion::plants(data));
     let files = Files {
@@ -97,10 +114,22 @@ pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Jo
         primary: data.study.compare.primary.to_string(),
         gallery: report::gallery(data, figures),
     };
-    Job::new(STAGE, "summary", page, files, vec![file(data)], make).tolerant()
+    (page, files)
 }
 
 fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
+    let (summary, _) = gather(page, files, making)?;
+    let origin = making.from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
+    let text = summary_markdown(&summary) + &origin.unwrap_or_default();
+    Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
+}
+
+/// The summary, and the tables of the metrics that are compared in it.
+pub(crate) fn gather(
+    page: &Page,
+    files: &Files,
+    making: &Making,
+) -> Result<(Summary, Vec<[Table; 2]>), JobError> {
     let folder = making.outputs.first().and_then(|page| page.parent()).unwrap_or(making.root);
     let mut summary = page.facts.clone();
     summary.limits.extend(notes(&files.noted, |kind| kind != NoteKind::Extent)?);
@@ -120,24 +149,14 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
     summary.left_out.extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
     summary.tables = tables.into_iter().map(|(listed, _)| listed).collect();
     let compared = read_compared(files)?;
-    let metrics: Vec<ComparedMetric> = page
-        .compared
-        .iter()
-        .zip(&compared)
-        .map(|(name, [means, contrasts])| {
-            let primary = *name == page.primary;
-            ComparedMetric { name, primary, means, contrasts }
-        })
-        .collect();
+    let metrics = page.compared(&compared);
     summary.matrix = zwidth_report::matrix(&page.planned, &metrics)?;
     summary.limits.extend(notes(&contrasts_of(files), |kind| kind == NoteKind::Limit)?);
     summary.shown = list_findings(page, files, &metrics, &summary)?;
     (summary.statements, summary.judged) = list_statements(files, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
-    let origin = making.from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
-    let text = summary_markdown(&summary) + &origin.unwrap_or_default();
-    Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
+    Ok((summary, compared))
 }
 
 /// What the trials show, each sentence with the figure or table that holds its numbers: metrics of
@@ -158,18 +177,18 @@ fn list_findings(
 }
 
 /// How the thesis' statements stand, and the judged ones with what shows them.
-fn list_statements(files: &Files, made: &Summary) -> Result<(String, Vec<Listed>), TableError> {
+fn list_statements(files: &Files, made: &Summary) -> Result<(String, Vec<Told>), TableError> {
     let Some(table) = read(&files.statements)? else { return Ok(Default::default()) };
     let (counts, told) = zwidth_report::told(&table)?;
     let listed = told.into_iter().map(|told| {
-        let path = Some(told.path).filter(|path| is_made(made, path));
-        Listed { path: path.unwrap_or_else(|| STATEMENTS.to_owned()), caption: told.text }
+        let is_there = is_made(made, &told.path);
+        Told { path: if is_there { told.path } else { STATEMENTS.to_owned() }, ..told }
     });
     Ok((counts, listed.collect()))
 }
 
 /// A table, where there is one and it could be made.
-fn read(file: &Option<PathBuf>) -> Result<Option<Table>, TableError> {
+pub(crate) fn read(file: &Option<PathBuf>) -> Result<Option<Table>, TableError> {
     file.as_deref().filter(|f| f.exists()).map(Table::from_parquet).transpose()
 }
 

@@ -4,6 +4,7 @@ use crate::findings::Finding;
 use crate::gallery::Shown;
 use crate::planned::Planned;
 use serde::Serialize;
+use zwidth_study::{EnvironmentId, ModeId};
 use zwidth_tables::{Table, TableError, Values, for_people, number};
 
 /// A metric's tables of the stage `compare`.
@@ -23,12 +24,25 @@ pub struct ComparedMetric<'a> {
 /// Means by metric, environment and mode.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Matrix {
-    /// The modes.
-    pub head: Vec<String>,
-    /// Metric with its unit, environment, and a cell per mode: `1.617 ± 0.029 (6)`.
-    pub rows: Vec<Vec<String>>,
+    /// The modes and their labels.
+    pub modes: Vec<(ModeId, String)>,
+    /// A row a metric and environment.
+    pub rows: Vec<MatrixRow>,
     /// What stands in the cells, a sentence.
     pub caption: String,
+}
+
+/// A metric in one environment.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct MatrixRow {
+    /// The metric in words, with its unit.
+    pub metric: String,
+    /// The environment.
+    pub environment: EnvironmentId,
+    /// Its label.
+    pub label: String,
+    /// A cell a mode, where it has a mean: `1.617 ± 0.029 (6)`.
+    pub cells: Vec<Option<String>>,
 }
 
 fn floats(table: &Table, stem: &str) -> Result<Vec<Option<f64>>, TableError> {
@@ -39,7 +53,7 @@ fn floats(table: &Table, stem: &str) -> Result<Vec<Option<f64>>, TableError> {
 }
 
 /// The metric in words, from the title of one of its tables.
-fn words(table: &Table) -> &str {
+pub(crate) fn words(table: &Table) -> &str {
     table.title().split_once(": ").map_or(table.title(), |(_, words)| words)
 }
 
@@ -49,7 +63,7 @@ fn words(table: &Table) -> &str {
 /// Tables that are not of the stage `compare`.
 pub fn matrix(study: &Planned, metrics: &[ComparedMetric]) -> Result<Matrix, TableError> {
     let mut matrix = Matrix {
-        head: study.modes.iter().map(|mode| mode.label.clone()).collect(),
+        modes: study.modes.iter().map(|mode| (mode.id.clone(), mode.label.clone())).collect(),
         ..Matrix::default()
     };
     for metric in metrics {
@@ -72,9 +86,12 @@ pub fn matrix(study: &Planned, metrics: &[ComparedMetric]) -> Result<Matrix, Tab
             let cells: Vec<Option<String>> =
                 study.modes.iter().map(|mode| of_mode(mode.id.as_str())).collect();
             if cells.iter().any(Option::is_some) {
-                let cells = cells.into_iter().map(|cell| cell.unwrap_or_else(|| "–".to_owned()));
-                let first = [format!("{}{unit}", words(&means)), environment.label.clone()];
-                matrix.rows.push(first.into_iter().chain(cells).collect());
+                matrix.rows.push(MatrixRow {
+                    metric: format!("{}{unit}", words(&means)),
+                    environment: environment.id.clone(),
+                    label: environment.label.clone(),
+                    cells,
+                });
             }
         }
         if matrix.caption.is_empty() && means.height() > 0 {
@@ -264,8 +281,15 @@ mod tests {
         let metric =
             ComparedMetric { name: "past", primary: true, means: &means, contrasts: &contrasts };
         let matrix = matrix(&study(), &[metric]).unwrap();
-        let row = ["angle past the wall (°)", "Spring", "11.46 ± 0.69 (6)", "–", "5.7 ± 1.4 (5)"];
-        assert_eq!(matrix.rows, [row.map(str::to_owned).to_vec()]);
+        let row = MatrixRow {
+            metric: "angle past the wall (°)".to_owned(),
+            environment: "spring".parse().unwrap(),
+            label: "Spring".to_owned(),
+            cells: [Some("11.46 ± 0.69 (6)"), None, Some("5.7 ± 1.4 (5)")]
+                .map(|cell| cell.map(str::to_owned))
+                .to_vec(),
+        };
+        assert_eq!(matrix.rows, [row]);
         assert!(matrix.caption.contains("over participants"), "{}", matrix.caption);
     }
 

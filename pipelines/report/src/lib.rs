@@ -4,8 +4,8 @@
 //! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of
 //! [`findings`]. Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`] (2),
 //! [`model_table`] (3), [`device_table`] (4), [`weight_table`] (Appendix A), and its statements,
-//! [`thesis_table`]. No files and no clock:
-//! data in, text and tables out.
+//! [`thesis_table`]. [`page_html`] is the summary as a page with the trials in it. No files and no
+//! clock: data in, text and tables out.
 
 mod actuation;
 mod answers;
@@ -16,6 +16,7 @@ mod facts;
 mod findings;
 mod gallery;
 mod model;
+mod page;
 mod people;
 mod planned;
 mod pros_cons;
@@ -23,12 +24,15 @@ mod thesis;
 mod trials;
 mod weight;
 
-pub use compared::{ComparedMetric, Matrix, contrasts, matrix};
+pub use compared::{ComparedMetric, Matrix, MatrixRow, contrasts, matrix};
 pub use design::{device_table, modes_table};
 pub use evidence::Known;
 pub use findings::{Finding, findings};
 pub use gallery::{Gallery, Shown};
 pub use model::model_table;
+pub use page::{
+    Columns, Contents, Course, Event, Page, condition_script, edges, page_html, single_file,
+};
 pub use planned::Planned;
 pub use pros_cons::pros_cons_table;
 pub use thesis::{Derived, Told, thesis_table, told};
@@ -42,6 +46,9 @@ use zwidth_tables::escape_markdown as escape;
 
 /// Version of the tables' form: raised when a table would be another from the same data.
 pub const VERSION: u32 = 5;
+
+/// Stands in a cell of the matrix without a mean.
+pub(crate) const NO_MEAN: &str = "–";
 
 /// What the summary speaks of.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
@@ -66,8 +73,8 @@ pub struct Summary {
     pub shown: Vec<Made>,
     /// How the thesis' statements stand, a sentence; empty where none was judged.
     pub statements: String,
-    /// Those that are judged, each a sentence with where it can be seen.
-    pub judged: Vec<Made>,
+    /// Those that are judged.
+    pub judged: Vec<Told>,
     /// The figures, the one to look at first in front.
     pub figures: Vec<Made>,
     /// The tables, likewise.
@@ -105,8 +112,12 @@ pub struct Remark {
 /// Simulated data are called so before anything else is said. With one participant, the text says
 /// that it speaks of nobody else. All texts given are escaped: they are set as they stand.
 pub fn summary_markdown(summary: &Summary) -> String {
-    let facts =
-        [sources(&summary.sources), Some(what_it_is(summary)), participants(summary.participants)];
+    let origins = sources(&summary.sources).map(|told| {
+        let mark = told.mark.map(|mark| format!("**{mark}** ")).unwrap_or_default();
+        (mark + &told.text).trim_end().to_owned()
+    });
+    let what = escape(&what_it_is(summary));
+    let facts = [origins, Some(what), participants(summary.participants)];
     let mut parts = vec![format!("# {}", escape(&summary.title))];
     parts.extend(facts.into_iter().flatten());
     if !summary.matrix.rows.is_empty() {
@@ -117,7 +128,7 @@ pub fn summary_markdown(summary: &Summary) -> String {
     }
     if !summary.statements.is_empty() {
         let sentence = escape(&summary.statements);
-        let lines = section("The thesis' statements", &summary.judged, tell, "");
+        let lines = section("The thesis' statements", &summary.judged, tell_judged, "");
         parts.push(lines.replacen("\n\n", &format!("\n\n{sentence}\n\n"), 1).trim_end().to_owned());
     }
     parts.extend([
@@ -154,8 +165,7 @@ fn what_it_is(summary: &Summary) -> String {
     } else {
         counted.join(", ")
     };
-    let device =
-        (!summary.device.is_empty()).then(|| format!("Device: {}. ", escape(&summary.device)));
+    let device = (!summary.device.is_empty()).then(|| format!("Device: {}. ", summary.device));
     format!("{}Data: {counted}.", device.unwrap_or_default())
 }
 
@@ -163,9 +173,13 @@ fn what_it_is(summary: &Summary) -> String {
 fn grid(matrix: &Matrix) -> String {
     let line = |cells: Vec<String>| format!("| {} |", cells.join(" | "));
     let head = ["metric", "environment"].map(str::to_owned).into_iter();
-    let head: Vec<String> = head.chain(matrix.head.iter().map(|mode| escape(mode))).collect();
+    let head: Vec<String> =
+        head.chain(matrix.modes.iter().map(|(_, label)| escape(label))).collect();
     let rule = vec!["---".to_owned(); head.len()];
-    let rows = matrix.rows.iter().map(|row| row.iter().map(|cell| escape(cell)).collect());
+    let rows = matrix.rows.iter().map(|row| {
+        let cells = row.cells.iter().map(|cell| cell.as_deref().unwrap_or(NO_MEAN));
+        [row.metric.as_str(), &row.label].into_iter().chain(cells).map(escape).collect()
+    });
     let lines: Vec<String> = [head, rule].into_iter().chain(rows).map(line).collect();
     format!("{}\n\n{}", lines.join("\n"), escape(&matrix.caption))
 }
@@ -182,8 +196,16 @@ fn link_to(made: &Made) -> String {
 
 /// A sentence, and a link to where it is seen.
 fn tell(made: &Made) -> String {
-    let what = if made.path.starts_with("figures/") { "figure" } else { "table" };
-    format!("{} ([{what}]({}))", escape(&made.caption), made.path)
+    linked(&made.caption, &made.path)
+}
+
+fn tell_judged(told: &Told) -> String {
+    linked(&told.text(), &told.path)
+}
+
+fn linked(text: &str, path: &str) -> String {
+    let what = if path.starts_with("figures/") { "figure" } else { "table" };
+    format!("{} ([{what}]({path}))", escape(text))
 }
 
 fn remark(remark: &Remark) -> String {
@@ -220,9 +242,12 @@ mod tests {
                 caption: "In none of 142 trials did the lever swing fast.".to_owned(),
             }],
             statements: "Of 2 statements, 1 is supported.".to_owned(),
-            judged: vec![Made {
+            judged: vec![Told {
+                statement: "The lever moves".to_owned(),
+                source: "§5.3".to_owned(),
+                verdict: "supported".to_owned(),
+                evidence: "Largest angle: 30°.".to_owned(),
                 path: "figures/spring.svg".to_owned(),
-                caption: "The lever moves: supported.".to_owned(),
             }],
             figures: vec![Made {
                 path: "figures/spring.svg".to_owned(),
@@ -258,7 +283,7 @@ Device: lever\\_2. Data: 2 participants, 4 sessions, 142 trials that count.
 
 Of 2 statements, 1 is supported.
 
-- The lever moves: supported. ([figure](figures/spring.svg))
+- The lever moves (§5.3): supported. Largest angle: 30°. ([figure](figures/spring.svg))
 
 ## Figures
 

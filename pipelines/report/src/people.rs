@@ -18,16 +18,28 @@ pub(crate) fn participants(n: usize) -> Option<String> {
     (n == 1).then(|| "Every number here describes this one participant and nobody else.".to_owned())
 }
 
-/// Where the data come from; simulated data stand out.
-pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<String> {
+/// Where the data come from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Origins {
+    /// What must stand out: that all or some of them are simulated.
+    pub(crate) mark: Option<&'static str>,
+    /// The rest.
+    pub(crate) text: String,
+}
+
+/// Where the data come from; none where there are none.
+pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<Origins> {
     let present: Vec<(Source, usize)> =
         sources.iter().map(|(s, n)| (*s, *n)).filter(|(_, n)| *n > 0).collect();
     match present.as_slice() {
         [] => None,
         [(Source::Twin, _)] => {
-            Some("**All data are simulated: nothing here was measured.**".to_owned())
+            let mark = Some("All data are simulated: nothing here was measured.");
+            Some(Origins { mark, text: String::new() })
         }
-        [(source, _)] => Some(format!("All data were {}.", origin(*source))),
+        [(source, _)] => {
+            Some(Origins { mark: None, text: format!("All data were {}.", origin(*source)) })
+        }
         several => Some(mixed(several)),
     }
 }
@@ -37,12 +49,12 @@ pub(crate) fn simulated(metrics: &Table) -> Result<bool, TableError> {
     Ok(metrics.texts("source")?.iter().any(|s| s.as_deref() == Some(Source::Twin.as_str())))
 }
 
-fn mixed(several: &[(Source, usize)]) -> String {
+fn mixed(several: &[(Source, usize)]) -> Origins {
     let total: usize = several.iter().map(|(_, n)| n).sum();
     let parts: Vec<String> = several.iter().map(|(s, n)| format!("{n} {}", origin(*s))).collect();
     let text = format!("Of {total} trials and sweeps: {}.", parts.join(", "));
     let simulated = several.iter().any(|(s, _)| *s == Source::Twin);
-    if simulated { format!("**Some data are simulated.** {text}") } else { text }
+    Origins { mark: simulated.then_some("Some data are simulated."), text }
 }
 
 fn origin(source: Source) -> &'static str {
@@ -67,16 +79,15 @@ mod tests {
 
     #[test]
     fn the_sources_of_mixed_data_are_counted() {
-        let text = sources(&BTreeMap::from([
+        let told = sources(&BTreeMap::from([
             (Source::Recorded, 30),
             (Source::Twin, 10),
             (Source::Imported, 0),
         ]));
-        let expect = "**Some data are simulated.** Of 40 trials and sweeps: 30 recorded on the device, 10 simulated.";
-        assert_eq!(text.as_deref(), Some(expect));
-        assert_eq!(
-            sources(&BTreeMap::from([(Source::Imported, 3)])).as_deref(),
-            Some("All data were measured by others and imported.")
-        );
+        let text = "Of 40 trials and sweeps: 30 recorded on the device, 10 simulated.".to_owned();
+        assert_eq!(told, Some(Origins { mark: Some("Some data are simulated."), text }));
+        let text = "All data were measured by others and imported.".to_owned();
+        let told = sources(&BTreeMap::from([(Source::Imported, 3)]));
+        assert_eq!(told, Some(Origins { mark: None, text }));
     }
 }

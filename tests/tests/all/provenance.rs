@@ -129,6 +129,8 @@ fn a_copy_anywhere_is_traced_by_what_it_says_or_else_by_its_content() {
         ("tables/conditions.html", "origin", "table conditions"),
         ("tables/conditions.csv", "content", "table conditions"),
         ("summary.md", "origin", "summary"),
+        ("index.html", "origin", "page"),
+        ("report-data/P01.S01.spring.hybrid.js", "origin", "samples P01 S01 spring hybrid"),
     ] {
         let copy = thesis
             .path()

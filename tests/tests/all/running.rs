@@ -47,7 +47,7 @@ fn a_pipe_gets_plain_lines_one_a_stage_and_quiet_people_none() {
     let stages: Vec<&str> =
         run.err.lines().filter_map(|line| line.split_whitespace().next()).collect();
     let expect =
-        ["metrics", "average", "replay", "trade", "figures", "report", "tables", "summary"];
+        ["metrics", "average", "replay", "trade", "figures", "report", "tables", "summary", "page"];
     assert_eq!(stages, expect);
     let quiet = zwidth(study.root(), &["--quiet", "run", "--fresh"]).exits(0);
     assert_eq!((quiet.err.as_str(), quiet.out.lines().count()), ("", 2), "{quiet:#?}");
@@ -104,8 +104,8 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
     assert_eq!(
         ran.made(),
-        ["figure modes.P01.S01.spring", "summary"],
-        "only that figure, and the page that shows it"
+        ["figure modes.P01.S01.spring", "page", "summary"],
+        "only that figure, and the pages that show it"
     );
     let svg = fs::read_to_string(root.path().join(FIGURE)).unwrap();
     assert!(svg.contains("by landmarks") && svg.contains("spring.hybrid.landmarks.parquet"));

@@ -50,7 +50,8 @@ const DERIVED: usize = 59;
 
 /// Jobs of the study: a figure or a printed table is one each, and so is the summary.
 fn jobs() -> usize {
-    DERIVED + figures().len() + tables().len() + 1
+    // Besides: the summary, the page, and its samples.
+    DERIVED + figures().len() + tables().len() + 2 + CONDITIONS.len()
 }
 
 /// The stems of the files with this extension.
@@ -173,6 +174,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "pros and cons",
         "replay P01 S01 spring hybrid",
         "replay of the study",
+        "page",
         "summary",
         "table conditions",
         "table identify",
@@ -192,6 +194,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     for condition in CONDITIONS.map(|c| c.replace('.', " ")) {
         expect.push(format!("metrics P01 S01 {condition} with the plant"));
         expect.push(format!("replay P01 S01 {condition} fitted"));
+        expect.push(format!("samples P01 S01 {condition}")); // with the models' runs
     }
     let compared = |name: &&String| {
         ["compare.", "learning.", "means_", "contrasts_", "learning_", "orders_", "answers_"]
@@ -223,6 +226,7 @@ fn a_changed_sweep_remakes_its_own_characteristic_and_what_rests_on_its_forces_a
         "figure characteristic.motor",
         "figure rendering_range",
         "modes and weights",
+        "page",
         "pros and cons",
         "summary",
         "table characteristic.motor",

@@ -3,7 +3,7 @@
 //! stands in `docs/statistics-tried.md`.
 
 use crate::tried::{END, held, parts};
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, bail, ensure};
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
@@ -36,19 +36,25 @@ pub(crate) fn against_r(scratch: &Path, sets: u32, seed: Option<u32>) -> anyhow:
     let tests = ["--test", "r", "--test", "ordinal", "--test", "exact"];
     // Each says what it counted; what is asked for by a name alone is not random.
     let tables = tables_of(scratch, &tests, &["--ignored", "--nocapture"], &settings)?;
-    put("cargo xtask soak r", [sets, SETS], &tables)?;
+    put("cargo xtask soak r", [sets, SETS], None, &tables)?;
     let what =
         "random data sets of each kind: models and tests as R, SciPy and statsmodels have them";
     held(what, format!("cargo xtask soak r {sets}"), sets.into(), began)
 }
 
 /// Puts all tests, models and intervals to so many studies of each kind in which there is nothing to
-/// find, and compares power with its prediction.
-pub(crate) fn null(scratch: &Path, studies: u32) -> anyhow::Result<()> {
+/// find, and compares power with its prediction; or, as all of it takes hours, to `part`, the tests whose
+/// names have it.
+pub(crate) fn null(scratch: &Path, studies: u32, part: Option<&str>) -> anyhow::Result<()> {
     let began = Instant::now();
     let settings = [("ZWIDTH_NULL_STUDIES", &studies.to_string())];
-    let tables = tables_of(scratch, &["--test", "null_studies"], &["--nocapture"], &settings)?;
-    put("cargo xtask soak null", [studies, STUDIES], &tables)?;
+    let how: Vec<&str> = ["--nocapture"].into_iter().chain(part).collect();
+    let tables = tables_of(scratch, &["--test", "null_studies"], &how, &settings)?;
+    ensure!(!tables.is_empty(), "no test of null_studies is called {}", part.unwrap_or_default());
+    put("cargo xtask soak null", [studies, STUDIES], part, &tables)?;
+    if part.is_some() {
+        return Ok(());
+    }
     let what =
         "studies of each kind without an effect: no default test finds more than it promises";
     held(what, format!("cargo xtask soak null {studies}"), studies.into(), began)
@@ -84,15 +90,44 @@ fn tables_of(
     Ok(tables)
 }
 
-/// Writes the tables of a whole run into the page, between the marks of its chore.
-fn put(chore: &str, [times, whole]: [u32; 2], tables: &[String]) -> anyhow::Result<()> {
+/// Writes the tables of a whole run into the page, between the marks of its chore; those of a part in
+/// the place of the tables that have their titles.
+fn put(
+    chore: &str,
+    [times, whole]: [u32; 2],
+    part: Option<&str>,
+    tables: &[String],
+) -> anyhow::Result<()> {
     if times < whole {
         println!("{PAGE} takes the tables of {whole} or more alone");
         return Ok(());
     }
     let text = std::fs::read_to_string(PAGE)?;
-    std::fs::write(PAGE, replaced(&text, chore, times, tables)?)?;
+    let text = match part {
+        Some(part) => replaced_part(&text, chore, &format!("{chore} {times} {part}"), tables)?,
+        None => replaced(&text, chore, times, tables)?,
+    };
+    std::fs::write(PAGE, text)?;
     Ok(())
+}
+
+/// How a table's title begins.
+const TITLE: &str = "### ";
+
+/// The page with these tables in the place of those that have their titles; each says what wrote it.
+fn replaced_part(text: &str, chore: &str, by: &str, tables: &[String]) -> anyhow::Result<String> {
+    let begin = format!("<!-- begin: {chore} -->\n");
+    let [before, between, after] = parts(text, &begin)?;
+    let mut sections: Vec<String> = between.split(TITLE).map(str::to_owned).collect();
+    for table in tables {
+        let (title, rest) = table.trim_start_matches(TITLE).split_once('\n').context("no title")?;
+        let titled = |section: &String| section.lines().next() == Some(title);
+        let place = sections.iter().position(titled);
+        let place = place.with_context(|| format!("{PAGE} has no table '{title}'"))?;
+        let end = if place + 1 < sections.len() { "\n" } else { "" };
+        sections[place] = format!("{title}\n\nWritten by `{by}`.\n{rest}{end}");
+    }
+    Ok(format!("{before}{begin}{}{END}{after}", sections.join(TITLE)))
 }
 
 fn replaced(text: &str, chore: &str, times: u32, tables: &[String]) -> anyhow::Result<String> {
@@ -140,5 +175,21 @@ mod tests {
         assert_eq!(made, format!("# Title\n{begin}{between}{END}rest\n"));
         assert_eq!(replaced(&made, chore, 1000, &tables).unwrap(), made);
         assert!(replaced("no marks", chore, 1, &tables).is_err());
+    }
+
+    #[test]
+    fn the_table_of_a_part_takes_the_place_of_the_one_of_its_title_alone() {
+        let chore = "cargo xtask soak null";
+        let begin = format!("<!-- begin: {chore} -->\n");
+        let page = format!("{begin}Prose.\n\n### A\n\n| 1 |\n\n### B\n\n| 2 |\n{END}rest\n");
+        let table = |title: &str| format!("### {title}\n\n| 3 |\n");
+        let by = "cargo xtask soak null 7 a";
+        let first = replaced_part(&page, chore, by, &[table("A")]).unwrap();
+        let of_a = "### A\n\nWritten by `cargo xtask soak null 7 a`.\n\n| 3 |\n\n### B\n\n| 2 |\n";
+        assert_eq!(first, format!("{begin}Prose.\n\n{of_a}{END}rest\n"));
+        assert_eq!(replaced_part(&first, chore, by, &[table("A")]).unwrap(), first);
+        let last = replaced_part(&page, chore, by, &[table("B")]).unwrap();
+        assert!(last.ends_with(&format!("a`.\n\n| 3 |\n{END}rest\n")), "{last}");
+        assert!(replaced_part(&page, chore, by, &[table("C")]).is_err());
     }
 }

@@ -84,6 +84,8 @@ pub(crate) enum Command {
     Compare(Compare),
     /// How many participants a study needs to find a difference; a plan to deposit
     Power(Power),
+    /// Show a study's page in the browser, or write it as one file
+    Open(Open),
     /// Print a table of a study, or list its tables
     Table(Table),
     /// What a result was last made from, and why a run would make it again
@@ -115,6 +117,16 @@ pub(crate) struct Run {
     /// Files say nothing of their making, so that two programs' bytes can be compared
     #[arg(long, hide = true)]
     pub(crate) without_origin: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Open {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Write the page with its figures and samples into this one file, to send or to keep, and open
+    /// nothing
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) single_file: Option<PathBuf>,
 }
 
 #[derive(Debug, clap::Args)]

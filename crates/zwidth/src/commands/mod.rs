@@ -12,6 +12,7 @@ pub(crate) mod list;
 mod locate;
 mod near;
 pub(crate) mod new;
+pub(crate) mod open;
 mod output;
 pub(crate) mod power;
 pub(crate) mod recover;

@@ -193,11 +193,15 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
         outcome.up_to_date,
         outcome.seconds
     ));
+    let page = plan::page_file(layout);
     let is_there = |r: &Report| {
-        r.stage == "summary" && matches!(r.verdict, JobEnd::Made(_) | JobEnd::UpToDate)
+        r.name == plan::PAGE && matches!(r.verdict, JobEnd::Made(_) | JobEnd::UpToDate)
     };
     if !command.dry_run && reports.iter().any(is_there) {
-        screen
-            .result(format!("Look first at {}", layout.shown(&plan::summary_file(data)).display()));
+        screen.result(format!(
+            "Look first at {} (`zwidth open {}`)",
+            layout.shown(&page).display(),
+            layout.study()
+        ));
     }
 }

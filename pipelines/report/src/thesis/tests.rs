@@ -291,9 +291,9 @@ fn each_judged_statement_is_told_with_its_number_its_interval_its_n_and_where_it
     let (counts, judged) = told(&table).unwrap();
     assert!(counts.starts_with("Of ") && counts.contains("simulated"), "{counts}");
     assert!(counts.contains("within the one participant P01"), "{counts}");
-    let found = judged.iter().find(|t| t.text.contains("40°")).unwrap();
+    let found = judged.iter().find(|t| t.text().contains("40°")).unwrap();
     assert_eq!(
-        found.text,
+        found.text(),
         "With the brake the lever stops at about 40° (§5.3.1.2): supported. Largest angle: 40.0\u{a0}° \
          (interval 37.5 to 42.5; n = 3 trials of P01); asked: 35 to 45\u{a0}°: as read off the thesis' \
          figure, to ±5°."

@@ -1,15 +1,29 @@
 //! The table of the thesis' statements in sentences.
 
 use crate::evidence::Verdict;
+use serde::Serialize;
 use zwidth_tables::{Table, TableError, number};
 
-/// A judged statement as a sentence, and the file that shows it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A judged statement in words, and the file that shows it. All texts are plain.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Told {
-    /// Plain text.
-    pub text: String,
-    /// From the summary's folder on, with `/`.
+    /// What the thesis says.
+    pub statement: String,
+    /// Where: `§5.3.1.1`.
+    pub source: String,
+    /// `supported`, `contradicted` or `undecided`.
+    pub verdict: String,
+    /// What was measured and what was asked for, sentences.
+    pub evidence: String,
+    /// The file, from the summary's folder on, with `/`.
     pub path: String,
+}
+
+impl Told {
+    /// All of it as a sentence.
+    pub(crate) fn text(&self) -> String {
+        format!("{} ({}): {}. {}", self.statement, self.source, self.verdict, self.evidence)
+    }
 }
 
 /// How many statements have which verdict, with the table's notes where any is judged, and then each that is judged, in
@@ -46,16 +60,19 @@ pub fn told(table: &Table) -> Result<(String, Vec<Told>), TableError> {
         let known: Vec<String> = [interval, counted, remark].into_iter().flatten().collect();
         let known =
             if known.is_empty() { known.concat() } else { format!(" ({})", known.join("; ")) };
-        let text = format!(
-            "{} ({}): {}. {}{}{known}; asked: {}.",
-            statements[row],
-            sources[row],
-            verdicts[row],
+        let evidence = format!(
+            "{}{}{known}; asked: {}.",
             capital(&metrics[row]),
             amount.unwrap_or_default(),
             asked[row],
         );
-        told.push(Told { text, path: paths[row].clone() });
+        told.push(Told {
+            statement: statements[row].clone(),
+            source: sources[row].clone(),
+            verdict: verdicts[row].clone(),
+            evidence,
+            path: paths[row].clone(),
+        });
     }
     let notes = table.notes().iter().filter(|_| !told.is_empty()).cloned();
     let said: Vec<String> = [counts(&verdicts)].into_iter().chain(notes).collect();

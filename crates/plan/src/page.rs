@@ -1,0 +1,247 @@
+//! Stage `page`: the summary for a browser, `index.html`, and a script of samples a condition beside
+//! it, which the page loads when somebody asks for those trials.
+
+use crate::conditions::{Repeats, sessions};
+use crate::drawing::Drawing;
+use crate::trials::{OfTrials, files as trial_files, read_all};
+use crate::{average, courses, likert, metrics, summary};
+use serde::Serialize;
+use std::path::PathBuf;
+use zwidth_average::Alignment;
+use zwidth_report::{Columns, Contents, Course, Event, Page, condition_script, edges, page_html};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage};
+use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
+use zwidth_study::{Flags, ModeId};
+use zwidth_tables::{Table, TableError};
+
+/// Its version is raised when the page would be written differently from the same data.
+const STAGE: Stage = Stage { name: "page", version: 1 };
+
+/// The job that makes the page itself.
+pub const JOB: &str = "page";
+
+/// What the page shows of a trial.
+const SIGNALS: [Signal; 7] = [
+    Signal::Time,
+    Signal::Theta,
+    Signal::ThetaDot,
+    Signal::ForceEx,
+    Signal::TorqueEx,
+    Signal::ForceCmd,
+    Signal::StateBits,
+];
+
+/// The page's file.
+pub fn file(layout: &Layout) -> PathBuf {
+    layout.reports().join("index.html")
+}
+
+pub(crate) fn jobs(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Vec<Job> {
+    let mut jobs = Vec::new();
+    for session in sessions(data) {
+        for environment in &data.study.environments {
+            let courses = courses::file(data, &session, environment);
+            let conditions =
+                data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode));
+            jobs.extend(conditions.map(|repeats| of_condition(data, &repeats, courses.clone())));
+        }
+    }
+    jobs.push(index(data, found, figures));
+    jobs
+}
+
+/// What the script of a condition depends on besides files.
+#[derive(Serialize)]
+struct Condition {
+    key: String,
+    mode: ModeId,
+}
+
+/// The files of one condition.
+struct Files {
+    trials: Vec<PathBuf>,
+    metrics: PathBuf,
+    averages: Vec<PathBuf>,
+    /// The models' runs of a typical trial of each mode, where one could be replayed.
+    courses: Option<PathBuf>,
+}
+
+impl Inputs for Files {
+    fn files(&self) -> Vec<PathBuf> {
+        let one = [self.metrics.clone()].into_iter().chain(self.courses.clone());
+        self.trials.iter().chain(&self.averages).cloned().chain(one).collect()
+    }
+}
+
+fn of_condition(data: &StudyData, repeats: &Repeats, courses: Option<PathBuf>) -> Job {
+    let files = Files {
+        trials: trial_files(&repeats.trials),
+        metrics: metrics::of_condition(&data.layout, repeats),
+        averages: Alignment::ALL.map(|a| average::aligned(&data.layout, repeats, a)).to_vec(),
+        courses,
+    };
+    let condition = Condition { key: repeats.key.clone(), mode: repeats.mode.id.clone() };
+    let of = OfTrials::new(condition, &repeats.trials);
+    let output = data.layout.reports().join(format!("report-data/{}.js", repeats.key));
+    Job::new(STAGE, format!("samples {}", repeats.who), of, files, vec![output], make_condition)
+        .tolerant()
+}
+
+fn make_condition(
+    of: &OfTrials<Condition>,
+    files: &Files,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (trials, problems) = read_all(&files.trials, &of.trials, SIGNALS.into_iter());
+    let metrics = summary::read(&Some(files.metrics.clone()))?;
+    let courses: Vec<Course> =
+        trials.iter().map(|trial| course(trial, metrics.as_ref())).collect::<Result<_, _>>()?;
+    let mut means = Vec::new();
+    for (name, file) in ["onset", "landmarks"].into_iter().zip(&files.averages) {
+        let table = summary::read(&Some(file.clone()))?;
+        means.extend(table.filter(|t| t.height() > 0).map(|t| (name, mean_columns(&t))));
+    }
+    let replays = summary::read(&files.courses)?.map(|table| replays(&table, &of.stage.mode));
+    let replays = replays.transpose()?.unwrap_or_default();
+    let script = condition_script(&of.stage.key, &courses, &means, &replays)?;
+    let origin = making.from.get(ORIGIN).map(|origin| format!("// {origin}\n"));
+    let text = script + &origin.unwrap_or_default();
+    Ok(Made { outputs: vec![text.into_bytes()], problems, ..Made::default() })
+}
+
+/// A trial's samples and what happened in it.
+fn course(trial: &Trial, metrics: Option<&Table>) -> Result<Course, TableError> {
+    let samples = &trial.samples;
+    let columns = SIGNALS
+        .into_iter()
+        .filter_map(|signal| Some((name(signal)?, samples.get(signal)?.to_vec())))
+        .collect();
+    let at =
+        |kind: &'static str, times: Vec<f64>| times.into_iter().map(move |t_s| Event { kind, t_s });
+    let mut events = Vec::new();
+    if let (Some(t_s), Some(bits)) = (samples.get(Signal::Time), samples.get(Signal::StateBits)) {
+        events.extend(at("contact", edges(t_s, bits, Flags::PAST_WALL.0, false)));
+        events.extend(at("let_go", edges(t_s, bits, Flags::BRAKE_ON.0, true)));
+    }
+    if let Some(table) = metrics {
+        let row =
+            table.integers("trial")?.iter().position(|n| *n == Some(i64::from(trial.meta.trial)));
+        for (kind, column) in [("onset", "onset_s"), ("reversal", "reversal_s"), ("end", "end_s")] {
+            let time = row.map(|row| table.floats(column).map(|times| times[row])).transpose()?;
+            events.extend(at(kind, time.flatten().into_iter().collect()));
+        }
+    }
+    events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+    Ok(Course { trial: trial.meta.trial, repeat: trial.meta.repeat, columns, events })
+}
+
+/// What the page calls a signal.
+fn name(signal: Signal) -> Option<&'static str> {
+    Some(match signal {
+        Signal::Time => "t_s",
+        Signal::Theta => "theta_rad",
+        Signal::ThetaDot => "theta_dot_rad_s",
+        Signal::ForceEx => "force_ex_n",
+        Signal::TorqueEx => "torque_ex_nm",
+        Signal::ForceCmd => "force_cmd_n",
+        Signal::StateBits => "state_bits",
+        _ => return None,
+    })
+}
+
+/// The columns of a table by the page's names; what is null is no number.
+fn columns(table: &Table, named: &[(&'static str, &str)], rows: &[usize]) -> Columns {
+    let column = |(name, column): &(&'static str, &str)| {
+        let values = table.floats(column).ok()?;
+        Some((*name, rows.iter().map(|row| values[*row].unwrap_or(f64::NAN)).collect()))
+    };
+    named.iter().filter_map(column).collect()
+}
+
+fn mean_columns(table: &Table) -> Columns {
+    let named = [
+        ("t_s", "t_s"),
+        ("theta_rad", "theta_mean_rad"),
+        ("theta_dot_rad_s", "theta_dot_mean_rad_s"),
+        ("force_ex_n", "force_ex_mean_n"),
+        ("torque_ex_nm", "torque_ex_mean_nm"),
+        ("force_cmd_n", "force_cmd_mean_n"),
+    ];
+    columns(table, &named, &(0..table.height()).collect::<Vec<_>>())
+}
+
+/// The models' runs of the mode's typical trial, and which trial that is.
+fn replays(table: &Table, mode: &ModeId) -> Result<Vec<(&'static str, u32, Columns)>, TableError> {
+    let named = [
+        ("t_s", "t_s"),
+        ("theta_rad", "theta_rad"),
+        ("theta_dot_rad_s", "theta_dot_rad_s"),
+        ("force_ex_n", "force_ex_n"),
+        ("force_cmd_n", "feedback_n"),
+    ];
+    let (modes, series, trials) =
+        (table.texts("mode")?, table.texts("series")?, table.integers("trial")?);
+    let mut found = Vec::new();
+    for (name, said) in [("by_eye", "by eye"), ("fitted", "fitted")] {
+        let is = |row: &usize| {
+            modes[*row].as_deref() == Some(mode.as_str()) && series[*row].as_deref() == Some(said)
+        };
+        let rows: Vec<usize> = (0..table.height()).filter(is).collect();
+        let trial = rows.first().and_then(|row| trials[*row]).and_then(|n| u32::try_from(n).ok());
+        found.extend(trial.map(|trial| (name, trial, columns(table, &named, &rows))));
+    }
+    Ok(found)
+}
+
+/// What the page depends on besides files.
+#[derive(Serialize)]
+struct Index {
+    #[serde(flatten)]
+    summary: summary::Page,
+    study: String,
+    version: &'static str,
+}
+
+fn index(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
+    let (summary, files) = summary::asked(data, found, figures);
+    let study = data.layout.study().to_string();
+    let of = Index { summary, study, version: env!("CARGO_PKG_VERSION") };
+    let files = IndexFiles { summary: files, answers: likert::long(data) };
+    Job::new(STAGE, JOB, of, files, vec![file(&data.layout)], make_index).tolerant()
+}
+
+/// The files of the page.
+struct IndexFiles {
+    summary: summary::Files,
+    answers: Option<PathBuf>,
+}
+
+impl Inputs for IndexFiles {
+    fn files(&self) -> Vec<PathBuf> {
+        let mut files = self.summary.files();
+        files.extend(self.answers.clone());
+        files
+    }
+}
+
+fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, JobError> {
+    let (summary, compared) = summary::gather(&of.summary, &files.summary, making)?;
+    let (metrics, answers) =
+        (summary::read(&files.summary.metrics)?, summary::read(&files.answers)?);
+    let planned = &of.summary.planned;
+    let contents = metrics.map(|metrics| {
+        let (study, compared) =
+            ((of.study.as_str(), summary.title.as_str()), of.summary.compared(&compared));
+        Contents::of(study, planned, &metrics, &compared, answers.as_ref())
+    });
+    let contents = contents.transpose()?;
+    let html = page_html(&Page {
+        summary: &summary,
+        planned,
+        study: &of.study,
+        contents: contents.as_ref(),
+        origin: making.from.get(ORIGIN).map(String::as_str),
+        version: of.version,
+    })?;
+    Ok(Made { outputs: vec![html.into_bytes()], ..Made::default() })
+}

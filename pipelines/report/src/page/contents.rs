@@ -1,0 +1,222 @@
+//! What the page's script knows of a study before it loads any sample: its conditions, its metrics
+//! and each trial's row.
+
+use crate::Planned;
+use crate::compared::{ComparedMetric, words};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use zwidth_study::Coordinate;
+use zwidth_tables::{Column, Table, TableError, Values, shown_unit};
+
+/// A study, as the page's script knows it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Contents {
+    study: String,
+    title: String,
+    simulated: bool,
+    angle_unit: String,
+    /// What an angle in rad is multiplied by to be in its unit for people.
+    angle_scale: f64,
+    force_unit: &'static str,
+    environments: Vec<EnvironmentOf>,
+    modes: Vec<Labelled>,
+    metrics: Vec<MetricOf>,
+    questions: Vec<QuestionOf>,
+    trials: Vec<TrialOf>,
+    single_file: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct EnvironmentOf {
+    id: String,
+    label: String,
+    wall_rad: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Labelled {
+    id: String,
+    label: String,
+}
+
+/// A metric. Its values are in SI; `scale` makes them what people read.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct MetricOf {
+    name: String,
+    label: String,
+    unit: String,
+    scale: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct QuestionOf {
+    id: String,
+    label: String,
+    lowest: u8,
+    highest: u8,
+    reversed: bool,
+    labels: &'static [&'static str],
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct TrialOf {
+    pub(super) participant: String,
+    pub(super) session: String,
+    pub(super) environment: String,
+    pub(super) mode: String,
+    pub(super) repeat: i64,
+    pub(super) trial: i64,
+    /// The script that holds its samples.
+    data: String,
+    metrics: Vec<Option<f64>>,
+    answers: Vec<Option<i64>>,
+}
+
+impl Contents {
+    /// What is known of a study. `metrics` has one row a trial, `compared` names those to show;
+    /// `answers` has one row an answer.
+    ///
+    /// # Errors
+    /// A table that lacks a column.
+    pub fn of(
+        (study, title): (&str, &str),
+        planned: &Planned,
+        metrics: &Table,
+        compared: &[ComparedMetric],
+        answers: Option<&Table>,
+    ) -> Result<Self, TableError> {
+        let coordinate = planned.coordinate;
+        let (angle_unit, angle_scale) = shown_unit("rad", coordinate);
+        let columns: Vec<(&ComparedMetric, &Column)> =
+            compared.iter().filter_map(|m| Some((m, metrics.column(m.name).ok()?))).collect();
+        Ok(Self {
+            study: study.to_owned(),
+            title: title.to_owned(),
+            simulated: crate::people::simulated(metrics)?,
+            angle_unit,
+            angle_scale,
+            force_unit: if planned.device.lever_m.is_some() { "N" } else { "N·m" },
+            environments: planned.environments.iter().map(EnvironmentOf::of).collect(),
+            modes: planned.modes.iter().map(Labelled::of).collect(),
+            metrics: columns
+                .iter()
+                .map(|(m, column)| MetricOf::of(m, column, coordinate))
+                .collect(),
+            questions: planned.questions.iter().map(QuestionOf::of).collect(),
+            trials: trials(metrics, &columns, &answered(planned, answers)?)?,
+            single_file: false,
+        })
+    }
+
+    /// Every trial.
+    pub(super) fn trials(&self) -> &[TrialOf] {
+        &self.trials
+    }
+}
+
+impl EnvironmentOf {
+    fn of(environment: &zwidth_study::Environment) -> Self {
+        Self {
+            id: environment.id.to_string(),
+            label: environment.label.clone(),
+            wall_rad: environment.scene.wall_rad(),
+        }
+    }
+}
+
+impl Labelled {
+    fn of(mode: &zwidth_study::Mode) -> Self {
+        Self { id: mode.id.to_string(), label: mode.label.clone() }
+    }
+}
+
+impl MetricOf {
+    fn of(metric: &ComparedMetric, column: &Column, coordinate: Coordinate) -> Self {
+        let (unit, scale) = shown_unit(&column.field.unit, coordinate);
+        let label = words(metric.means).to_owned();
+        let unit = if unit == "1" { String::new() } else { unit };
+        Self { name: metric.name.to_owned(), label, unit, scale }
+    }
+}
+
+impl QuestionOf {
+    fn of(question: &zwidth_study::Question) -> Self {
+        Self {
+            id: question.id.to_string(),
+            label: question.text.clone(),
+            lowest: 1,
+            highest: question.scale.points(),
+            reversed: question.reversed,
+            labels: question.scale.words(),
+        }
+    }
+}
+
+/// Participant, session, trial.
+type Key = (String, String, i64);
+
+/// Each trial's answers, in the order of the questions.
+fn answered(
+    planned: &Planned,
+    answers: Option<&Table>,
+) -> Result<BTreeMap<Key, Vec<Option<i64>>>, TableError> {
+    let mut found: BTreeMap<Key, Vec<Option<i64>>> = BTreeMap::new();
+    let Some(table) = answers else { return Ok(found) };
+    let (asked, given) = (table.texts("question")?, table.integers("answer")?);
+    for (row, key) in keys(table)?.into_iter().enumerate() {
+        let Some(key) = key else { continue };
+        let place =
+            planned.questions.iter().position(|q| asked[row].as_deref() == Some(q.id.as_str()));
+        let answers = found.entry(key).or_insert_with(|| vec![None; planned.questions.len()]);
+        if let Some(place) = place {
+            answers[place] = given[row];
+        }
+    }
+    Ok(found)
+}
+
+/// Whose trial each row is.
+fn keys(table: &Table) -> Result<Vec<Option<Key>>, TableError> {
+    let (participants, sessions) = (table.texts("participant")?, table.texts("session")?);
+    let rows = participants.into_iter().zip(sessions).zip(table.integers("trial")?);
+    Ok(rows.map(|((participant, session), trial)| Some((participant?, session?, trial?))).collect())
+}
+
+fn trials(
+    metrics: &Table,
+    columns: &[(&ComparedMetric, &Column)],
+    answers: &BTreeMap<Key, Vec<Option<i64>>>,
+) -> Result<Vec<TrialOf>, TableError> {
+    let (environments, modes) = (metrics.texts("environment")?, metrics.texts("mode")?);
+    let repeats = metrics.integers("repeat")?;
+    let mut trials = Vec::new();
+    for (row, key) in keys(metrics)?.into_iter().enumerate() {
+        let (Some(key), Some(environment), Some(mode)) =
+            (key, environments[row].clone(), modes[row].clone())
+        else {
+            continue;
+        };
+        let answers = answers.get(&key).cloned().unwrap_or_default();
+        let (participant, session, trial) = key;
+        trials.push(TrialOf {
+            data: [participant.as_str(), &session, &environment, &mode].join("."),
+            repeat: repeats[row].unwrap_or_default(),
+            metrics: columns.iter().map(|(_, column)| number(column, row)).collect(),
+            participant,
+            session,
+            environment,
+            mode,
+            trial,
+            answers,
+        });
+    }
+    Ok(trials)
+}
+
+fn number(column: &Column, row: usize) -> Option<f64> {
+    match &column.values {
+        Values::Float(values) => values[row],
+        Values::Integer(values) => values[row].map(|n| n as f64),
+        Values::Text(_) | Values::Flag(_) => None,
+    }
+}

@@ -1,0 +1,181 @@
+//! The samples of a condition's trials as a script that the page loads when somebody asks for them,
+//! bit for bit.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::Write as _;
+
+/// Columns of samples by their names, all of one length.
+pub type Columns = Vec<(&'static str, Vec<f64>)>;
+
+/// Something that happened in a trial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Event {
+    /// `onset`, `reversal`, `end`, `contact` with the wall, `let_go` of the brake.
+    pub kind: &'static str,
+    /// When, s since the trial's start.
+    pub t_s: f64,
+}
+
+/// One trial.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    /// Its number.
+    pub trial: u32,
+    /// Its repeat.
+    pub repeat: u32,
+    /// Its samples.
+    pub columns: Columns,
+    /// What happened in it, in order.
+    pub events: Vec<Event>,
+}
+
+/// Columns as the script has them.
+#[derive(Serialize)]
+struct Packed {
+    n: usize,
+    columns: BTreeMap<&'static str, String>,
+}
+
+#[derive(Serialize)]
+struct PackedCourse<'a> {
+    trial: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    repeat: Option<u32>,
+    #[serde(flatten)]
+    samples: Packed,
+    #[serde(skip_serializing_if = "<[Event]>::is_empty")]
+    events: &'a [Event],
+}
+
+#[derive(Serialize)]
+struct Condition<'a> {
+    trials: Vec<PackedCourse<'a>>,
+    means: BTreeMap<&'static str, Packed>,
+    replay: BTreeMap<&'static str, PackedCourse<'a>>,
+}
+
+/// The script of one condition: one call that gives `key` its trials, their means by alignment and
+/// the models' runs of one of them.
+///
+/// # Errors
+/// None that the memory does not make.
+pub fn condition_script(
+    key: &str,
+    trials: &[Course],
+    means: &[(&'static str, Columns)],
+    replays: &[(&'static str, u32, Columns)],
+) -> std::io::Result<String> {
+    let mut condition =
+        Condition { trials: Vec::new(), means: BTreeMap::new(), replay: BTreeMap::new() };
+    for Course { trial, repeat, columns, events } in trials {
+        let (samples, repeat) = (packed(columns)?, Some(*repeat));
+        condition.trials.push(PackedCourse { trial: *trial, repeat, samples, events });
+    }
+    for (alignment, columns) in means {
+        condition.means.insert(alignment, packed(columns)?);
+    }
+    for (model, trial, columns) in replays {
+        let samples = packed(columns)?;
+        let course = PackedCourse { trial: *trial, repeat: None, samples, events: &[] };
+        condition.replay.insert(model, course);
+    }
+    let json = serde_json::to_string(&condition)?;
+    Ok(format!("zwidthData({}, {json});\n", serde_json::to_string(key)?))
+}
+
+fn packed(columns: &Columns) -> std::io::Result<Packed> {
+    let n = columns.first().map_or(0, |(_, values)| values.len());
+    let columns = columns.iter().map(|(name, values)| Ok((*name, pack(values)?)));
+    Ok(Packed { n, columns: columns.collect::<std::io::Result<_>>()? })
+}
+
+/// Numbers as text, without loss: each number's bits XOR those of the number before, the bytes of
+/// one place in the number together, deflate, base 64. What hardly changes from sample to sample
+/// becomes runs of zeros.
+fn pack(values: &[f64]) -> std::io::Result<String> {
+    let mut before = 0;
+    let changes: Vec<[u8; 8]> = values
+        .iter()
+        .map(|value| {
+            (value.to_bits() ^ std::mem::replace(&mut before, value.to_bits())).to_le_bytes()
+        })
+        .collect();
+    let shuffled: Vec<u8> =
+        (0..8).flat_map(|place| changes.iter().map(move |bytes| bytes[place])).collect();
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(&shuffled)?;
+    Ok(STANDARD.encode(encoder.finish()?))
+}
+
+/// The times at which a bit of the samples' states is set, or, with `falling`, no longer set.
+pub fn edges(t_s: &[f64], state_bits: &[f64], bit: u16, falling: bool) -> Vec<f64> {
+    let set = |state: f64| (state as u16) & bit != 0;
+    let pairs = t_s.iter().skip(1).zip(state_bits.windows(2));
+    let changed = pairs.filter(|(_, pair)| set(pair[0]) == falling && set(pair[1]) != falling);
+    changed.map(|(t, _)| *t).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flate2::read::DeflateDecoder;
+    use std::io::Read as _;
+
+    fn unpack(text: &str) -> Vec<f64> {
+        let mut bytes = Vec::new();
+        DeflateDecoder::new(&STANDARD.decode(text).unwrap()[..]).read_to_end(&mut bytes).unwrap();
+        let n = bytes.len() / 8;
+        let mut before = 0;
+        let number = |i: usize| {
+            let change: [u8; 8] = std::array::from_fn(|place| bytes[place * n + i]);
+            before ^= u64::from_le_bytes(change);
+            f64::from_bits(before)
+        };
+        (0..n).map(number).collect()
+    }
+
+    #[test]
+    fn what_is_packed_comes_back_bit_for_bit() {
+        let values = [0.0, -0.0, 1e-310, f64::NAN, f64::MAX, 0.1, 0.1, -45.0_f64.to_radians()];
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&unpack(&pack(&values).unwrap())), bits(&values));
+        assert!(unpack(&pack(&[]).unwrap()).is_empty());
+    }
+
+    #[test]
+    fn a_slow_motion_takes_less_than_half_of_its_bytes() {
+        let values: Vec<f64> = (0..4000).map(|i| f64::from(i / 8) * 0.25).collect();
+        assert!(pack(&values).unwrap().len() < 4000 * 4);
+    }
+
+    #[test]
+    fn a_script_is_one_call_with_the_condition_and_what_it_has() {
+        let columns = vec![("t_s", vec![0.0, 0.5])];
+        let events = vec![Event { kind: "onset", t_s: 0.5 }];
+        let course = Course { trial: 4, repeat: 1, columns: columns.clone(), events };
+        let text =
+            condition_script("P01.S01.spring", &[course], &[("onset", columns)], &[]).unwrap();
+        let json = text.strip_prefix("zwidthData(\"P01.S01.spring\", ").unwrap();
+        let said: serde_json::Value =
+            serde_json::from_str(json.trim_end().strip_suffix(");").unwrap()).unwrap();
+        let trial = &said["trials"][0];
+        assert_eq!((trial["trial"].as_u64(), trial["n"].as_u64()), (Some(4), Some(2)));
+        assert_eq!(unpack(trial["columns"]["t_s"].as_str().unwrap()), [0.0, 0.5]);
+        assert_eq!(trial["events"][0]["kind"], "onset");
+        assert_eq!(said["means"]["onset"]["n"], 2);
+        assert_eq!(said["replay"], serde_json::json!({}));
+    }
+
+    #[test]
+    fn edges_are_where_a_bit_comes_and_where_it_goes() {
+        let (t, bits) = ([0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 33.0, 32.0, 1.0, 32.0]);
+        assert_eq!(edges(&t, &bits, 32, false), [1.0, 4.0]);
+        assert_eq!(edges(&t, &bits, 32, true), [3.0]);
+        assert_eq!(edges(&t, &[], 32, true), [0.0; 0]);
+    }
+}

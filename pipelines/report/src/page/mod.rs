@@ -1,0 +1,94 @@
+//! The page: the summary for a browser, with every trial to look at.
+//!
+//! All that is text stands in the page as it is, so that it reads and prints without its script;
+//! the script (`page.js`, ours, no library) adds the browser of trials and what can be clicked.
+//! Nothing leaves the page: style and script stand in it, samples in scripts beside it
+//! ([`condition_script`]) that are loaded when somebody asks for them.
+
+mod contents;
+mod course;
+mod parts;
+mod quality;
+mod single;
+
+pub use contents::Contents;
+pub use course::{Columns, Course, Event, condition_script, edges};
+pub use single::single_file;
+
+use crate::{Planned, Summary};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use parts::Part;
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// What the page shows.
+#[derive(Debug, Clone, Copy)]
+pub struct Page<'a> {
+    /// The summary.
+    pub summary: &'a Summary,
+    /// What was planned.
+    pub planned: &'a Planned,
+    /// The study's id.
+    pub study: &'a str,
+    /// The trials, where there are any.
+    pub contents: Option<&'a Contents>,
+    /// The page's origin, where it is told.
+    pub origin: Option<&'a str>,
+    /// The version of the program.
+    pub version: &'a str,
+}
+
+/// The page in HTML. Texts are shown as they stand, whatever is in them.
+///
+/// # Errors
+/// None that the memory does not make.
+pub fn page_html(page: &Page) -> Result<String, serde_json::Error> {
+    let parts: Vec<Part> = parts::all(page);
+    let contents = page.contents.map(serde_json::to_string).transpose()?;
+    let title = format!("{}: {}", page.summary.title, page.study);
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="referrer" content="no-referrer";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                a.skip href="#main" { "Skip to the results" }
+                (parts::banner(page.summary))
+                (parts::header(page))
+                nav #contents aria-label="Contents" {
+                    ul { @for part in &parts { li { a href={ "#" (part.id) } { (part.title) } } } }
+                }
+                main #main {
+                    @for part in &parts {
+                        section id=(part.id) aria-labelledby={ (part.id) "-title" } {
+                            h2 id={ (part.id) "-title" } { (part.title) }
+                            (part.body)
+                        }
+                    }
+                }
+                @if let Some(contents) = contents { (data_block(&contents)) }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    let origin = page
+        .origin
+        .map(|o| format!("<!-- {o} (`zwidth trace FILE` tells what it was made from) -->\n"));
+    Ok(markup.into_string() + "\n" + &origin.unwrap_or_default())
+}
+
+/// JSON that no text in it can end: `<` as an escape.
+fn data_block(json: &str) -> Markup {
+    let json = json.replace('<', "\\u003c");
+    html! { script #study-data type="application/json" { (PreEscaped(json)) } }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,247 @@
+//! The parts of the page, in their order.
+
+use super::{Page, quality};
+use crate::people::{participants, sources};
+use crate::{Made, NO_MEAN, Summary, what_it_is};
+use maud::{Markup, html};
+
+/// More figures than this stand in groups that are closed at first.
+const MOST_OPEN: usize = 60;
+
+/// A part of the page.
+pub(super) struct Part {
+    /// Its anchor.
+    pub(super) id: &'static str,
+    pub(super) title: &'static str,
+    pub(super) body: Markup,
+}
+
+/// The parts that have something in them.
+pub(super) fn all(page: &Page) -> Vec<Part> {
+    let Page { summary, .. } = page;
+    let (trials, asked) = (page.contents.is_some(), !page.planned.questions.is_empty());
+    let part = |id, title, is_there: bool, body: fn(&Page) -> Markup| {
+        is_there.then(|| Part { id, title, body: body(page) })
+    };
+    let parts = [
+        part("matrix", "The modes compared", !summary.matrix.rows.is_empty(), matrix),
+        part("findings", "What the trials show", !summary.shown.is_empty(), findings),
+        part("trials", "Every trial", trials, trial_browser),
+        part("dots", "Trials, participants, means", trials, dots),
+        part("answers", "Answers beside a metric", trials && asked, answers),
+        part("statements", "The thesis’ statements", !summary.statements.is_empty(), statements),
+        part("quality", "Quality of the data", true, |page| quality::body(page)),
+        part("figures", "Figures", !summary.figures.is_empty(), figures),
+        part("tables", "Tables", !summary.tables.is_empty(), tables),
+        part("provenance", "Where this comes from", true, provenance),
+    ];
+    parts.into_iter().flatten().collect()
+}
+
+/// Stays in sight where data are simulated.
+pub(super) fn banner(summary: &Summary) -> Markup {
+    let mark = sources(&summary.sources).and_then(|told| told.mark);
+    html! { @if let Some(mark) = mark { p.synthetic role="note" { strong { "SYNTHETIC" } " " (mark) } } }
+}
+
+pub(super) fn header(page: &Page) -> Markup {
+    let summary = page.summary;
+    let origins = sources(&summary.sources).map(|told| told.text).filter(|text| !text.is_empty());
+    html! {
+        header #top {
+            h1 { (summary.title) }
+            p.study { (page.study) }
+            @if let Some(answer) = summary.shown.first() { p.answer { (answer.caption) } }
+            p.facts {
+                (what_it_is(summary))
+                @for more in [origins, participants(summary.participants)].into_iter().flatten() { " " (more) }
+            }
+        }
+    }
+}
+
+fn matrix(page: &Page) -> Markup {
+    let matrix = &page.summary.matrix;
+    // A cell leads to its trials where there is a browser of them.
+    let link = |environment: &str, mode: &str, cell: &str| {
+        html! {
+            @if page.contents.is_some() {
+                a href="#trials" data-environment=(environment) data-mode=(mode) { (cell) }
+            } @else { (cell) }
+        }
+    };
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="The modes compared" {
+            table.matrix {
+                thead {
+                    tr {
+                        th scope="col" { "metric" }
+                        th scope="col" { "environment" }
+                        @for (_, label) in &matrix.modes { th scope="col" { (label) } }
+                    }
+                }
+                tbody {
+                    @for rows in matrix.rows.chunk_by(|a, b| a.metric == b.metric) {
+                        @for (place, row) in rows.iter().enumerate() {
+                        tr {
+                            @if place == 0 { th scope="rowgroup" rowspan=(rows.len()) { (row.metric) } }
+                            th scope="row" { (row.label) }
+                            @for ((mode, _), cell) in matrix.modes.iter().zip(&row.cells) {
+                                td.number {
+                                    @match cell {
+                                        Some(cell) => (link(row.environment.as_str(), mode.as_str(), cell)),
+                                        None => (NO_MEAN),
+                                    }
+                                }
+                            }
+                        }
+                        }
+                    }
+                }
+            }
+        }
+        p.caption { (matrix.caption) @if page.contents.is_some() { " Each number opens its trials." } }
+    }
+}
+
+/// A sentence and a link to where it is seen, within the page where that is a figure of it.
+fn sentence(text: &str, path: &str) -> Markup {
+    let (words, target) = match path.starts_with("figures/") {
+        true => ("figure", format!("#{}", anchor(path))),
+        false => ("table", with_extension(path, "html")),
+    };
+    html! { (text) " (" a href=(target) { (words) } ")" }
+}
+
+fn findings(page: &Page) -> Markup {
+    html! { ol { @for made in &page.summary.shown { li { (sentence(&made.caption, &made.path)) } } } }
+}
+
+fn statements(page: &Page) -> Markup {
+    html! {
+        p { (page.summary.statements) }
+        @if !page.summary.judged.is_empty() {
+            details {
+                summary { "All that were judged " span.count { (page.summary.judged.len()) } }
+                ul.statements {
+                    @for told in &page.summary.judged {
+                        li {
+                            span.verdict data-verdict=(told.verdict) { (told.verdict) } " "
+                            strong { (told.statement) } " " span.source { "(" (told.source) ")" }
+                            br;
+                            (sentence(&told.evidence, &told.path))
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+const NEEDS_SCRIPT: &str =
+    "This part needs JavaScript. Figures and tables below show the same data.";
+
+fn trial_browser(_: &Page) -> Markup {
+    html! {
+        p { "Every sample as it was recorded. Drag over time to mark a span; the same span is marked on the loop." }
+        div #browser { noscript { p { (NEEDS_SCRIPT) } } }
+    }
+}
+
+fn dots(_: &Page) -> Markup {
+    html! { div #dot-plot { noscript { p { (NEEDS_SCRIPT) } } } }
+}
+
+fn answers(_: &Page) -> Markup {
+    html! { div #answer-plot { noscript { p { (NEEDS_SCRIPT) } } } }
+}
+
+/// The groups of figures: kind and those of it, in their order.
+fn groups(figures: &[Made]) -> Vec<(&str, Vec<&Made>)> {
+    let mut groups: Vec<(&str, Vec<&Made>)> = Vec::new();
+    for made in figures {
+        let kind = made.caption.split(" (").next().unwrap_or_default();
+        match groups.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, group)) => group.push(made),
+            None => groups.push((kind, vec![made])),
+        }
+    }
+    groups
+}
+
+fn figures(page: &Page) -> Markup {
+    let open = page.summary.figures.len() <= MOST_OPEN;
+    html! {
+        @for (kind, group) in groups(&page.summary.figures) {
+            details open[open] {
+                summary { (kind) " " span.count { (group.len()) } }
+                @for made in group {
+                    figure id=(anchor(&made.path)) {
+                        a href=(with_extension(&made.path, "pdf")) {
+                            img src=(with_extension(&made.path, "svg")) alt=(made.caption) loading="lazy";
+                        }
+                        figcaption {
+                            (made.caption) ". "
+                            @for kind in ["svg", "pdf", "png", "parquet"] {
+                                a href=(with_extension(&made.path, kind)) { (kind.to_uppercase()) } " "
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn tables(page: &Page) -> Markup {
+    html! {
+        details {
+        summary { "All tables " span.count { (page.summary.tables.len()) } }
+        ul.tables {
+            @for made in &page.summary.tables {
+                li {
+                    a href=(with_extension(&made.path, "html")) { (made.caption) } " "
+                    span.forms {
+                        @for kind in ["csv", "tex", "typ", "md", "parquet"] {
+                            a href=(with_extension(&made.path, kind)) aria-label={ (made.caption) " as " (kind) } { (kind) } " "
+                        }
+                    }
+                }
+            }
+        }
+        }
+    }
+}
+
+fn provenance(page: &Page) -> Markup {
+    let simulated = sources(&page.summary.sources).and_then(|told| told.mark);
+    html! {
+        p {
+            "Made by " code { "zwidth " (page.version) } " from " code { "raw/" (page.study) } " alone. "
+            code { "zwidth verify " (page.study) } " checks the recordings, "
+            code { "zwidth trace reports/" (page.study) "/index.html" } " names every file and parameter behind this page."
+        }
+        @if let Some(origin) = page.origin { p { "Origin: " code.origin { (origin) } } }
+        h3 { "Cite this" }
+        p #cite {
+            (page.summary.title) " (study " (page.study) "). " (what_it_is(page.summary)) " "
+            @if let Some(mark) = simulated { (mark) " " }
+            "Analysed with zwidth " (page.version) "."
+            @if let Some(origin) = page.origin { " Origin " (origin) "." }
+        }
+        button.copy type="button" data-copy="cite" { "Copy" }
+    }
+}
+
+/// The same file in another form.
+fn with_extension(path: &str, extension: &str) -> String {
+    let stem = path.rsplit_once('.').map_or(path, |(stem, _)| stem);
+    format!("{stem}.{extension}")
+}
+
+/// The anchor of a figure in the page.
+fn anchor(path: &str) -> String {
+    let name = path.rsplit_once('/').map_or(path, |(_, name)| name);
+    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    format!("figure-{stem}")
+}

@@ -1,0 +1,93 @@
+//! What is to be known of the data before they are believed: what is missing, what is to be read
+//! with care, in which order conditions came.
+
+use super::Page;
+use super::contents::TrialOf;
+use crate::{Remark, nothing};
+use maud::{Markup, html};
+use std::collections::BTreeMap;
+
+/// Orders of more sessions than this would fill pages.
+const MOST_SESSIONS: usize = 60;
+
+pub(super) fn body(page: &Page) -> Markup {
+    let summary = page.summary;
+    html! {
+        h3 { "Left out" }
+        @if summary.left_out.is_empty() { p { (nothing(summary)) } }
+        (remarks(&summary.left_out))
+        @if !summary.care.is_empty() { h3 { "Read with care" } }
+        (remarks(&summary.care))
+        @if !summary.limits.is_empty() {
+            h3 { "What these data cannot show" }
+            ul { @for limit in &summary.limits { li { (limit) } } }
+        }
+        (order(page))
+    }
+}
+
+fn remarks(remarks: &[Remark]) -> Markup {
+    html! {
+        @if !remarks.is_empty() {
+            ul { @for Remark { what, why } in remarks { li { strong { (what) } ": " (why) } } }
+        }
+    }
+}
+
+/// The order of conditions, a row a session.
+fn order(page: &Page) -> Markup {
+    let Some(contents) = page.contents else { return html! {} };
+    let mut sessions: BTreeMap<String, Vec<&TrialOf>> = BTreeMap::new();
+    for trial in contents.trials() {
+        let who = format!("{} {}", trial.participant, trial.session);
+        sessions.entry(who).or_default().push(trial);
+    }
+    sessions.values_mut().for_each(|trials| trials.sort_by_key(|trial| trial.trial));
+    let n = sessions.len();
+    html! {
+        h3 { "Order of conditions" }
+        @if n > MOST_SESSIONS {
+            p { "The orders of " (n) " sessions are in the table of metrics." }
+        } @else {
+            div.scroll tabindex="0" role="region" aria-label="Order of conditions" {
+                table.order { tbody { @for (who, trials) in &sessions { (session(page, who, trials)) } } }
+            }
+            p.caption {
+                "Trials that count, in the order in which they came. Number: "
+                @for (place, environment) in page.planned.environments.iter().enumerate() {
+                    (place + 1) " " (environment.label) ", "
+                }
+                "colour and letter: "
+                @for (place, mode) in page.planned.modes.iter().enumerate() {
+                    @if place > 0 { ", " }
+                    span class={ "mode-" (place) } { (letter(place)) } " " (mode.label)
+                }
+                "."
+            }
+        }
+    }
+}
+
+fn session(page: &Page, who: &str, trials: &[&TrialOf]) -> Markup {
+    let environment = |trial: &TrialOf| {
+        page.planned.environments.iter().position(|e| e.id.as_str() == trial.environment)
+    };
+    let mode =
+        |trial: &TrialOf| page.planned.modes.iter().position(|m| m.id.as_str() == trial.mode);
+    html! {
+        tr {
+            th scope="row" { (who) }
+            @for trial in trials {
+                @let (environment, mode) = (environment(trial).unwrap_or(0), mode(trial).unwrap_or(0));
+                td class={ "mode-" (mode) } title={
+                    "trial " (trial.trial) ": " (trial.environment) " " (trial.mode) " " (trial.repeat)
+                } { (environment + 1) (letter(mode)) }
+            }
+        }
+    }
+}
+
+/// A letter for each mode, so that colour is not all.
+fn letter(place: usize) -> char {
+    char::from(b'a' + (place % 26) as u8)
+}

@@ -1,0 +1,60 @@
+//! The page as one file: pictures and samples in it.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use std::collections::BTreeSet;
+use std::io;
+
+/// Where the page says that samples lie beside it, and what one file says instead.
+const BESIDE: [&str; 2] = ["\"single_file\":false", "\"single_file\":true"];
+/// How the page names a picture.
+const PICTURE: &str = "src=\"figures/";
+/// What samples are brought in before.
+const DATA: &str = "<script id=\"study-data\"";
+/// How a trial names the script that holds its samples.
+const KEY: &str = "\"data\":\"";
+
+/// The page with everything in it that it shows: `read` gives the files beside it, by their paths
+/// from its folder on. Links to tables and other forms of a figure stay links.
+///
+/// # Errors
+/// Those of `read`; a script of samples that is not one of ours.
+pub fn single_file(
+    html: &str,
+    mut read: impl FnMut(&str) -> io::Result<Vec<u8>>,
+) -> io::Result<String> {
+    let (mut shown, data) = html.split_once(DATA).unwrap_or((html, ""));
+    let mut one = String::with_capacity(2 * html.len());
+    while let Some((before, rest)) = shown.split_once(PICTURE) {
+        let (name, after) = rest.split_once('"').unwrap_or((rest, ""));
+        let picture = STANDARD.encode(read(&format!("figures/{name}"))?);
+        one += &format!("{before}src=\"data:image/svg+xml;base64,{picture}\"");
+        shown = after;
+    }
+    one += shown;
+    if data.is_empty() {
+        return Ok(one);
+    }
+    let keys: BTreeSet<&str> =
+        data.split(KEY).skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    for key in keys {
+        let script = read(&format!("report-data/{key}.js"))?;
+        let samples = samples(&String::from_utf8_lossy(&script), key)?;
+        one += &format!(
+            "<script type=\"text/plain\" class=\"trial-data\" data-key=\"{key}\">{samples}</script>"
+        );
+    }
+    Ok(one + DATA + &data.replacen(BESIDE[0], BESIDE[1], 1))
+}
+
+/// What a script of samples calls with.
+fn samples(script: &str, key: &str) -> io::Result<String> {
+    let call = script.lines().next().unwrap_or_default();
+    let given = call.strip_prefix(&format!("zwidthData(\"{key}\", "));
+    let given = given.and_then(|rest| rest.strip_suffix(");"));
+    given.map(str::to_owned).ok_or_else(|| {
+        io::Error::other(format!(
+            "report-data/{key}.js is not what `zwidth run` writes; run it again"
+        ))
+    })
+}

@@ -1,0 +1,229 @@
+use super::*;
+use crate::{ComparedMetric, Made, Matrix, MatrixRow, Remark, Told};
+use std::collections::BTreeMap;
+use zwidth_study::Source;
+use zwidth_tables::{Column, Table};
+
+/// What nobody should be able to put into a page.
+const HOSTILE: &str = "</script><script>alert('x')</script>\"'&\u{7}\\ {{}} <!-- %";
+
+fn planned() -> Planned {
+    Planned::of(&zwidth_testing::study())
+}
+
+fn made(path: &str, caption: &str) -> Made {
+    Made { path: path.to_owned(), caption: caption.to_owned() }
+}
+
+fn summary() -> Summary {
+    Summary {
+        title: "A spring".to_owned(),
+        device: "lever".to_owned(),
+        participants: 1,
+        sessions: 1,
+        trials: 2,
+        sources: BTreeMap::from([(Source::Twin, 2)]),
+        matrix: Matrix {
+            modes: vec![("active".parse().unwrap(), "Active".to_owned())],
+            rows: vec![MatrixRow {
+                metric: "largest angle (°)".to_owned(),
+                environment: "spring".parse().unwrap(),
+                label: "Spring".to_owned(),
+                cells: vec![Some("30 ± 1 (2)".to_owned())],
+            }],
+            caption: "Mean ± standard deviation.".to_owned(),
+        },
+        shown: vec![
+            made("figures/modes.P01.png", "The modes differ."),
+            made("tables/metrics.md", "It was smooth."),
+        ],
+        figures: vec![made("figures/modes.P01.png", "modes (P01)")],
+        tables: vec![made("tables/metrics.md", "Metrics")],
+        left_out: vec![Remark { what: "trial 7".to_owned(), why: "excluded".to_owned() }],
+        ..Summary::default()
+    }
+}
+
+fn texts(name: &'static str, values: [&str; 2]) -> Column {
+    Column::text(name, "what", values.map(|v| Some(v.to_owned())))
+}
+
+/// Two trials, the first with a metric and an answer.
+fn metrics() -> Table {
+    let columns = vec![
+        texts("participant", ["P01", "P01"]),
+        texts("session", ["S01", "S01"]),
+        Column::integer("trial", "1", "number", [Some(4), Some(3)]),
+        Column::integer("repeat", "1", "repeat", [Some(1), Some(2)]),
+        texts("environment", ["spring", "spring"]),
+        texts("mode", ["active", "active"]),
+        texts("source", ["twin", "twin"]),
+        Column::float("theta_max_rad", "rad", "largest angle", [Some(0.5), None]),
+    ];
+    Table::new("metrics", "Metrics", columns).unwrap()
+}
+
+fn contents(planned: &Planned, title: &str) -> Contents {
+    let means = Table::new("means", "Means by condition: largest angle", Vec::new()).unwrap();
+    let compared =
+        ComparedMetric { name: "theta_max_rad", primary: true, means: &means, contrasts: &means };
+    let answers = Table::new(
+        "answers",
+        "Answers",
+        vec![
+            Column::text("participant", "who", [Some("P01".to_owned())]),
+            Column::text("session", "when", [Some("S01".to_owned())]),
+            Column::integer("trial", "1", "number", [Some(4)]),
+            Column::text("question", "what", [Some(planned.questions[0].id.to_string())]),
+            Column::integer("answer", "1", "answer", [Some(5)]),
+        ],
+    )
+    .unwrap();
+    Contents::of(("s", title), planned, &metrics(), &[compared], Some(&answers)).unwrap()
+}
+
+fn page(summary: &Summary) -> String {
+    let planned = planned();
+    let contents = contents(&planned, &summary.title);
+    page_html(&Page {
+        summary,
+        planned: &planned,
+        study: "s",
+        contents: Some(&contents),
+        origin: Some("zwidth:page:1:00"),
+        version: "0.1.0",
+    })
+    .unwrap()
+}
+
+/// The JSON that the script reads.
+fn data_of(html: &str) -> serde_json::Value {
+    let (_, rest) = html.split_once("id=\"study-data\" type=\"application/json\">").unwrap();
+    serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+}
+
+#[test]
+fn the_parts_stand_in_their_order_and_the_simulated_are_marked() {
+    let html = page(&summary());
+    let ids = [
+        "class=\"synthetic\"",
+        "id=\"top\"",
+        "id=\"matrix\"",
+        "id=\"findings\"",
+        "id=\"trials\"",
+        "id=\"dots\"",
+        "id=\"answers\"",
+        "id=\"quality\"",
+        "id=\"figures\"",
+        "id=\"tables\"",
+        "id=\"provenance\"",
+        "id=\"study-data\"",
+        "zwidth:page:1:00 (",
+    ];
+    let places: Vec<usize> = ids.map(|id| html.find(id).expect(id)).to_vec();
+    assert!(places.is_sorted(), "{places:?}");
+    assert!(!html.contains("id=\"statements\""), "nothing was judged");
+}
+
+#[test]
+fn a_cell_opens_its_trials_and_a_sentence_leads_to_its_figure() {
+    let html = page(&summary());
+    let cell =
+        "<a href=\"#trials\" data-environment=\"spring\" data-mode=\"active\">30 ± 1 (2)</a>";
+    assert!(html.contains(cell), "{html}");
+    assert!(html.contains("The modes differ. (<a href=\"#figure-modes.P01\">figure</a>)"));
+    assert!(
+        html.contains("id=\"figure-modes.P01\"") && html.contains("src=\"figures/modes.P01.svg\"")
+    );
+    assert!(html.contains("It was smooth. (<a href=\"tables/metrics.html\">table</a>)"));
+}
+
+#[test]
+fn the_script_knows_each_trial_with_its_metrics_and_answers() {
+    let data = data_of(&page(&summary()));
+    let expect = serde_json::json!([
+        {"participant": "P01", "session": "S01", "environment": "spring", "mode": "active", "repeat": 1, "trial": 4,
+         "data": "P01.S01.spring.active", "metrics": [0.5], "answers": data["trials"][0]["answers"]},
+        {"participant": "P01", "session": "S01", "environment": "spring", "mode": "active", "repeat": 2, "trial": 3,
+         "data": "P01.S01.spring.active", "metrics": [null], "answers": []},
+    ]);
+    assert_eq!(data["trials"], expect);
+    assert_eq!(data["trials"][0]["answers"][0], 5);
+    let metric = &data["metrics"][0];
+    assert_eq!(
+        (metric["label"].as_str(), metric["unit"].as_str()),
+        (Some("largest angle"), Some("°"))
+    );
+    assert_eq!(metric["scale"].as_f64(), Some(1_f64.to_degrees()));
+}
+
+#[test]
+fn any_text_is_text() {
+    let hostile = |made: &Made| Made { caption: HOSTILE.to_owned(), ..made.clone() };
+    let plain = summary();
+    let remark = Remark { what: HOSTILE.to_owned(), why: HOSTILE.to_owned() };
+    let all = Summary {
+        title: HOSTILE.to_owned(),
+        device: HOSTILE.to_owned(),
+        shown: plain.shown.iter().map(hostile).collect(),
+        figures: plain.figures.iter().map(hostile).collect(),
+        tables: plain.tables.iter().map(hostile).collect(),
+        statements: HOSTILE.to_owned(),
+        judged: vec![Told {
+            statement: HOSTILE.to_owned(),
+            source: HOSTILE.to_owned(),
+            verdict: HOSTILE.to_owned(),
+            evidence: HOSTILE.to_owned(),
+            path: "figures/modes.P01.png".to_owned(),
+        }],
+        left_out: vec![remark.clone()],
+        care: vec![remark],
+        limits: vec![HOSTILE.to_owned()],
+        ..plain.clone()
+    };
+    let (html, without) = (page(&all), page(&plain));
+    let scripts = |html: &str| html.matches("<script").count();
+    assert_eq!(scripts(&html), scripts(&without));
+    assert!(!html.contains("<script>alert"), "{html}");
+    assert_eq!(data_of(&html)["title"], HOSTILE);
+}
+
+#[test]
+fn a_study_without_trials_has_no_browser_and_a_page_still() {
+    let html = page_html(&Page {
+        summary: &Summary { title: "Empty".to_owned(), ..Summary::default() },
+        planned: &planned(),
+        study: "s",
+        contents: None,
+        origin: None,
+        version: "0.1.0",
+    })
+    .unwrap();
+    assert!(!html.contains("id=\"trials\"") && !html.contains("study-data\" type"));
+    assert!(html.contains("There is no trial that counts"), "{html}");
+}
+
+#[test]
+fn one_file_holds_pictures_and_samples_and_is_else_the_same() {
+    let html = page(&summary());
+    let course = |key: &str| condition_script(key, &[], &[], &[]).unwrap() + "// origin\n";
+    let one = single_file(&html, |path| match path {
+        "figures/modes.P01.svg" => Ok(b"<svg/>".to_vec()),
+        "report-data/P01.S01.spring.active.js" => Ok(course("P01.S01.spring.active").into_bytes()),
+        other => panic!("{other}"),
+    })
+    .unwrap();
+    assert!(
+        one.contains("src=\"data:image/svg+xml;base64,PHN2Zy8+\"")
+            && !one.contains("src=\"figures/")
+    );
+    let data =
+        "data-key=\"P01.S01.spring.active\">{\"trials\":[],\"means\":{},\"replay\":{}}</script>";
+    assert!(one.contains(data), "{one}");
+    assert_eq!(
+        (data_of(&html)["single_file"].as_bool(), data_of(&one)["single_file"].as_bool()),
+        (Some(false), Some(true))
+    );
+    let other = single_file(&html, |_| Ok(b"something else".to_vec())).unwrap_err();
+    assert!(other.to_string().contains("run it again"), "{other}");
+}
