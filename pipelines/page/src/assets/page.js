@@ -329,8 +329,8 @@
   function readHash() {
     if (!location.hash.startsWith("#trials?")) return false;
     const query = new URLSearchParams(location.hash.slice("#trials?".length));
-    Object.assign(view, { p: query.get("p"), s: query.get("s"), e: query.get("e"), m: (query.get("m") ?? "").split(","), r: Number(query.get("r")) || "all", a: query.get("a") in ALIGN ? query.get("a") : "onset" });
-    if (query.has("show")) view.show = new Set(query.get("show").split(",").filter((name) => name in SHOW));
+    Object.assign(view, { p: query.get("p"), s: query.get("s"), e: query.get("e"), m: (query.get("m") ?? "").split(","), r: Number(query.get("r")) || "all", a: Object.hasOwn(ALIGN, query.get("a")) ? query.get("a") : "onset" });
+    if (query.has("show")) view.show = new Set(query.get("show").split(",").filter((name) => Object.hasOwn(SHOW, name)));
     Object.assign(view, { zoom: span(query.get("t")), wall: query.get("wall") === "1", brush: span(query.get("b")) ?? [null, null] });
     settle();
     return true;
@@ -388,9 +388,9 @@
 
   const SYMBOL = LINEAR ? "x" : "θ";
   const PANELS = [
-    { id: "theta", x: "t", y: "theta", name: LINEAR ? "Position" : "Angle", title: `${SYMBOL} (${study.angle_unit})`, height: 190 },
-    { id: "velocity", x: "t", y: "velocity", name: "Velocity", title: `${SYMBOL}\u0307 (${study.angle_unit}/s)`, height: 170 },
-    { id: "force", x: "t", y: "force", name: FORCE === "N" ? "Force" : "Torque", title: `${FORCE === "N" ? "F" : "τ"} of the user (${FORCE})`, height: 190 },
+    { id: "theta", x: "t", y: "theta", name: LINEAR ? "Position" : "Angle", title: `${SYMBOL} (${study.angle_unit})`, height: 205 },
+    { id: "velocity", x: "t", y: "velocity", name: "Velocity", title: `${SYMBOL}\u0307 (${study.angle_unit}/s)`, height: 180 },
+    { id: "force", x: "t", y: "force", name: FORCE === "N" ? "Force" : "Torque", title: `${FORCE === "N" ? "F" : "τ"} of the user (${FORCE})`, height: 205 },
     { id: "states", x: "t", y: null, name: "Actuators", title: "motor and brake on; darker: in more of the repeats", height: 0 },
     { id: "loop", x: "theta", y: "force", name: LINEAR ? "Force over position" : "Force over angle", title: `${FORCE === "N" ? "F" : "τ"} of the user (${FORCE})`, height: 0 },
   ];
@@ -516,7 +516,7 @@
     if (panel.y === "velocity" || curve.kind !== "trial") return;
     for (const { kind, t_s: time } of curve.events) {
       const i = nearestIndex(curve.stored.t_s, time);
-      if (EVENTS[kind]) pen.text(EVENTS[kind][0], sx.k * curve.y[panel.x][i] + sx.c, sy.k * curve.y[panel.y][i] + sy.c, { colour: theme.ink, halo: theme.paper, size: 13, align: "center" });
+      if (Object.hasOwn(EVENTS, kind)) pen.text(EVENTS[kind][0], sx.k * curve.y[panel.x][i] + sx.c, sy.k * curve.y[panel.y][i] + sy.c, { colour: theme.ink, halo: theme.paper, size: 13, align: "center" });
     }
   }
 
@@ -1201,7 +1201,7 @@
     pickWho.replaceChildren(...(people.length > 1 ? [option("", "all", people.length <= MANY)] : []), ...people.map((id, i) => option(id, id, people.length > MANY && i === 0)));
     pickWhat.replaceChildren(...asked.map((q) => option(q, study.questions[q].label, false)));
     pickMetric.replaceChildren(...usable.map((i) => option(i, metricTitle(study.metrics[i]), false)));
-    const legend = make("ul", { class: "legend" }, ...study.modes.map((mode, m) => make("li", {}, makeSvg("svg", { width: 16, height: 16, viewBox: "-8 -8 16 16", "aria-hidden": "true" }, makeSvg("path", { d: SHAPES[m % SHAPES.length](5), class: "point", style: `--own: var(--mode-${m % 6})` })), short(mode.label, 40))));
+    const legend = make("ul", { class: "legend" }, ...study.modes.map((mode, m) => make("li", {}, makeSvg("svg", { width: 16, height: 16, viewBox: "-8 -8 16 16", "aria-hidden": "true" }, makeSvg("path", { d: SHAPES[m % SHAPES.length](5), style: `--own: var(--mode-${m % 6})` })), short(mode.label, 40))));
     const question = make("p", { class: "question" }), charts = make("div", { class: "charts one" }), tip = make("p", { class: "tip" });
     const tell = (words) => { tip.textContent = words; };
     host.replaceChildren(make("div", { class: "controls" }, who, what, which), question, legend, charts, tip);
