@@ -1,0 +1,419 @@
+"""Does a study's page do in a browser what it promises, and show what was recorded?
+
+    python page.py --report reports/thesis-twin --raw raw/thesis-twin --out FOLDER [--axe axe.min.js] [--chromium PROGRAM]
+
+Drives Chromium without a window and without a network, by mouse and by keyboard alone. Values that the page shows are
+compared with the Parquet files of raw/ bit for bit. Screenshots, the printed page and the saved plots are written to --out, for
+people to look at. Times are printed, not judged. One line a check; the exit code is 1 where one failed.
+"""
+
+import argparse
+import csv
+import io
+import json
+import shutil
+import struct
+import tempfile
+from pathlib import Path
+
+import pyarrow.parquet as parquet
+from playwright.sync_api import sync_playwright
+
+import checks
+
+# Parts that every page has; the others only where the study has something to put there.
+PARTS = ["top", "contents", "matrix", "findings", "trials", "dots", "figures", "tables", "provenance"]
+COLUMNS = ["t_s", "theta_rad", "theta_dot_rad_s", "force_ex_n", "torque_ex_nm", "force_cmd_n", "state_bits"]
+DRAWN = "Number(document.querySelector('#surface')?.dataset.drawn ?? 0)"
+
+
+def bits(value):
+    """The 64 bits of a number; every missing value is alike."""
+    return "missing" if value is None or value != value else struct.pack("<d", value)
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--report", type=Path, required=True, help="folder with index.html")
+    arguments.add_argument("--raw", type=Path, help="raw/<study>, to compare values with")
+    arguments.add_argument("--out", type=Path, required=True, help="where screenshots and saved plots go")
+    arguments.add_argument("--axe", type=Path, help="axe.min.js of axe-core")
+    arguments.add_argument("--chromium", default="/usr/bin/chromium", help="the browser [default: /usr/bin/chromium]")
+    given = arguments.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
+    with sync_playwright() as playwright:
+        flags = ["--no-sandbox", "--host-resolver-rules=MAP * ~NOTFOUND"]
+        browser = playwright.chromium.launch(executable_path=given.chromium, args=flags)
+        visit = Visit(browser, given.report.resolve())
+        readable_without_script(browser, visit.report)
+        every_part(visit)
+        by_mouse(visit, given.raw)
+        by_keyboard(visit, given.raw)
+        every_sample(visit, given.raw)
+        brush_and_zoom(visit)
+        cells_and_dots_open_trials(visit)
+        address_keeps_the_view(visit)
+        saved_plots(visit, given.out)
+        printed(visit, given.out)
+        screens(browser, visit.report, given)
+        says_what_is_missing(browser, visit.report)
+        nothing_left_the_page(visit)
+        browser.close()
+    checks.end()
+
+
+class Visit:
+    """One page in one browser, with a log of its requests and complaints."""
+
+    def __init__(self, browser, report, **context):
+        self.report, self.requests, self.errors = report, [], []
+        self.context = browser.new_context(**{"viewport": {"width": 1440, "height": 900}, "accept_downloads": True, "reduced_motion": "reduce", **context})
+        self.context.set_offline(True)
+        self.page = self.context.new_page()
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.on("console", lambda message: message.type in ("error", "warning") and self.errors.append(message.text))
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.goto((report / "index.html").as_uri())
+        self.study = json.loads(self.page.locator("#study-data").text_content())
+
+    def ready(self):
+        self.page.wait_for_function(f"{DRAWN} > 0")
+        return self
+
+    def after(self, act):
+        """Does something, and waits until the plots were drawn anew; milliseconds it took as the page's clock has them."""
+        before = self.page.evaluate(DRAWN)
+        self.page.evaluate("window.began = performance.now()")
+        act()
+        self.page.wait_for_function(f"{DRAWN} > {before}", polling="raf")
+        return self.page.evaluate("performance.now() - window.began")
+
+    def readout(self):
+        """What the cursor is on, and the stored numbers there."""
+        return self.page.evaluate("""() => { const out = document.getElementById('readout');
+            return { ...out.dataset, values: Object.fromEntries([...out.querySelectorAll('[data-column]')].map((e) => [e.dataset.column, e.dataset.value])) }; }""")
+
+    def complaints(self):
+        found, self.errors = self.errors, []
+        return found
+
+
+def trial_file(raw, participant, session, trial):
+    path = raw / "trials" / f"participant={participant}" / f"session={session}" / f"trial-{int(trial):03}.parquet"
+    return parquet.ParquetFile(path).read().to_pydict()
+
+
+def comparable(visit):
+    """Columns that stand in the page as in the file: a linear study's positions are metres there, angles here."""
+    linear = visit.study["angle_unit"] == "mm"
+    return [name for name in COLUMNS if not (linear and name.startswith("theta"))]
+
+
+def same_as_recorded(visit, raw, shown):
+    """Differences between the readout and the trial's file, as text."""
+    table = trial_file(raw, shown["participant"], shown["session"], shown["trial"])
+    index = int(shown["index"])
+    wrong = []
+    for column in comparable(visit):
+        if column in shown["values"]:
+            recorded = table[column][index]
+            if bits(float(shown["values"][column])) != bits(None if recorded is None else float(recorded)):
+                wrong.append(f"trial {shown['trial']} sample {index} {column}: {shown['values'][column]} is not {recorded!r}")
+    return wrong
+
+
+def readable_without_script(browser, report):
+    context = browser.new_context(java_script_enabled=False)
+    page = context.new_page()
+    page.goto((report / "index.html").as_uri())
+    checks.check("without scripts the matrix and the findings are there", page.locator("table.matrix td").count() > 0 and page.locator("#findings li").count() > 0)
+    checks.check("without scripts the trial browser says what to look at instead", len(page.locator("#browser noscript").inner_text()) > 20 if page.locator("#browser").count() else True)
+    context.close()
+
+
+def every_part(visit):
+    visit.ready()
+    page = visit.page
+    for part in PARTS:
+        checks.equal(f"#{part} is there once", page.locator(f"#{part}").count(), 1)
+    wanted = [link.get_attribute("href") for link in page.locator("#contents a").all()]
+    checks.equal("each entry of the contents leads to a part", [href for href in wanted if page.locator(href).count() != 1], [])
+    simulated = visit.study["simulated"]
+    checks.equal("simulated data are marked", page.locator(".synthetic").count() > 0, simulated)
+    scroll_through(page)
+    checks.check("dots are drawn", page.locator("#dot-plot .point").count() > 0)
+    if page.locator("#answer-plot").count():
+        checks.check("answers are drawn", page.locator("#answer-plot .point").count() > 0)
+    broken = page.evaluate("[...document.images].filter((image) => image.complete && !image.naturalWidth).map((image) => image.src)")
+    checks.equal("each figure that was loaded can be shown", broken, [])
+    checks.equal("no complaint while it was read", visit.complaints(), [])
+    paint = page.evaluate("performance.getEntriesByName('first-contentful-paint')[0]?.startTime")
+    print(f"      first paint after {paint:.0f} ms, plots drawn in {page.get_attribute('#surface', 'data-draw-ms')} ms")
+
+
+def scroll_through(page):
+    height = page.evaluate("document.body.scrollHeight")
+    for top in range(0, height, 600):
+        page.evaluate(f"scrollTo({{ top: {top}, behavior: 'instant' }})")
+        page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def pick(visit, name, value):
+    return visit.after(lambda: visit.page.locator(f"#pick-{name}").select_option(value))
+
+
+def only(visit, fieldset, values):
+    """Sets the boxes of a fieldset to exactly these."""
+    boxes = visit.page.locator(f"#pick-{fieldset} input")
+    wanted = [box.get_attribute("value") for box in boxes.all()]
+    for value in sorted(wanted, key=lambda value: value not in values):
+        box = visit.page.locator(f'#pick-{fieldset} input[value="{value}"]')
+        if box.is_enabled() and box.is_checked() != (value in values):
+            visit.after(lambda: box.set_checked(value in values))
+
+
+def by_mouse(visit, raw):
+    page = visit.page
+    only(visit, "show", ["repeats"])
+    wrong, seen = [], set()
+    for environment in visit.study["environments"]:
+        pick(visit, "environment", environment["id"])
+        for panel in ("theta", "velocity", "force", "loop"):
+            plot = page.locator(f'.plot[data-panel="{panel}"]')
+            if not plot.count():
+                continue
+            plot.scroll_into_view_if_needed()
+            box = plot.bounding_box()
+            for step in range(1, 12):
+                page.mouse.move(box["x"] + 46 + (box["width"] - 58) * step / 12, box["y"] + box["height"] * (0.25 + 0.05 * step))
+                shown = page.wait_for_function("document.getElementById('readout').dataset.index !== undefined") and visit.readout()
+                seen.add((shown["trial"], shown["index"]))
+                if raw:
+                    wrong += same_as_recorded(visit, raw, shown)
+    checks.check("the mouse reaches different samples of different trials", len(seen) > 20 and len({trial for trial, _ in seen}) > 2, f"{len(seen)} samples")
+    if raw:
+        checks.equal(f"by mouse, {len(seen)} samples are bit for bit as recorded", wrong[:3], [])
+    checks.equal("no complaint by mouse", visit.complaints(), [])
+
+
+def tab_to(page, selector, most=400):
+    """Presses Tab until the element has the focus."""
+    for _ in range(most):
+        page.keyboard.press("Tab")
+        if page.evaluate(f"document.activeElement?.matches({json.dumps(selector)})"):
+            return True
+    return False
+
+
+def by_keyboard(visit, raw):
+    page = visit.page
+    page.evaluate("document.activeElement.blur(); getSelection().removeAllRanges(); scrollTo({ top: 0, behavior: 'instant' })")
+    page.locator("h1").first.click()
+    checks.check("Tab reaches the choice of the environment", tab_to(page, "#pick-environment"))
+    checks.check("Tab goes on to the modes", tab_to(page, "#pick-modes input:not(:disabled)"))
+    visit.after(lambda: page.keyboard.press("Space"))
+    checks.check("a box keeps the focus after it was switched", page.evaluate("document.activeElement.matches('#pick-modes input')"))
+    checks.check("Tab goes on to the plots", tab_to(page, "#surface"))
+    wrong = []
+    for keys, expect in ((["Home"], 0), (["ArrowRight"], 1), (["ArrowRight"] * 3, 4), (["ArrowLeft"], 3), (["PageDown"], 13), (["PageDown"] * 5, 63), (["PageUp"], 53)):
+        for key in keys:
+            page.keyboard.press(key)
+        shown = visit.readout()
+        checks.equal(f"{len(keys)} × {keys[0]} leads to sample {expect}", int(shown["index"]), expect)
+        if raw:
+            wrong += same_as_recorded(visit, raw, shown)
+    page.keyboard.press("End")
+    last = visit.readout()
+    first = last["trial"]
+    if raw:
+        wrong += same_as_recorded(visit, raw, last)
+        checks.equal("End leads to the last sample", int(last["index"]) + 1, len(trial_file(raw, last["participant"], last["session"], last["trial"])["t_s"]))
+        checks.equal("by keyboard, samples are bit for bit as recorded", wrong, [])
+    page.keyboard.press("ArrowDown")
+    checks.check("arrow down leads to another curve", visit.readout()["trial"] != first)
+    page.wait_for_function("document.getElementById('live').textContent.includes('t ')")
+    checks.check("the live region speaks after a pause", "Curve" in page.locator("#live").text_content())
+    page.keyboard.press("Home")
+    page.keyboard.press("PageDown")
+    page.keyboard.press("[")
+    for _ in range(4):
+        page.keyboard.press("PageDown")
+    visit.after(lambda: page.keyboard.press("]"))
+    checks.check("[ and ] mark a span", "b=" in page.url, page.url)
+    visit.after(lambda: page.keyboard.press("z"))
+    checks.check("Z zooms to it", "t=" in page.url and "b=" not in page.url, page.url)
+    visit.after(lambda: page.keyboard.press("Escape"))
+    checks.check("Escape shows all again", "t=" not in page.url, page.url)
+    checks.check("Tab leaves the plots", tab_to(page, "#trial-table summary", 3))
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#trial-table tbody tr")
+    checks.check("the table of samples is made when it is opened", page.locator("#trial-table tbody tr").count() > 10)
+    checks.equal("no complaint by keyboard", visit.complaints(), [])
+
+
+def downloaded(visit, export):
+    """The bytes that a button of `Save plots and samples` gives."""
+    page = visit.page
+    if not page.locator("#saves").get_attribute("open") == "":
+        page.locator("#saves > summary").click()
+    with page.expect_download() as waiting:
+        page.locator(f'[data-export="{export}"]').click()
+    return Path(waiting.value.path()).read_bytes(), waiting.value.suggested_filename
+
+
+def every_sample(visit, raw):
+    """Each sample of each trial of the first participant, as the page gives it for download."""
+    if not raw:
+        return
+    compared, wrong = 0, []
+    only(visit, "modes", [mode["id"] for mode in visit.study["modes"]])
+    for environment in visit.study["environments"]:
+        pick(visit, "environment", environment["id"])
+        text, _ = downloaded(visit, "csv")
+        rows = {}
+        for row in csv.DictReader(io.StringIO(text.decode())):
+            rows.setdefault((row["participant"], row["session"], row["trial"]), []).append(row)
+        for (participant, session, trial), lines in rows.items():
+            table = trial_file(raw, participant, session, trial)
+            for column in comparable(visit):
+                if column in lines[0]:
+                    shown = [bits(float(line[column]) if line[column] else None) for line in lines]
+                    recorded = [bits(None if value is None else float(value)) for value in table[column]]
+                    compared += len(recorded)
+                    if shown != recorded:
+                        wrong.append(f"trial {trial}, {column}")
+    checks.equal(f"{compared} downloaded values are bit for bit as recorded", wrong, [])
+    checks.check("trials were compared at all", compared > 1000)
+
+
+def brush_and_zoom(visit):
+    page = visit.page
+    plot = page.locator('.plot[data-panel="theta"]')
+    plot.scroll_into_view_if_needed()
+    box = plot.bounding_box()
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 60)
+    page.mouse.down()
+    visit.after(lambda: page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 70, steps=5))
+    page.mouse.up()
+    checks.check("dragging over time marks a span", "b=" in page.url, page.url)
+    visit.after(lambda: page.locator("#zoom-span").click())
+    checks.check("a button zooms to the span", "t=" in page.url, page.url)
+    walls = [environment["id"] for environment in visit.study["environments"] if environment["wall_rad"] is not None]
+    if walls:
+        pick(visit, "environment", walls[0])
+        visit.after(lambda: page.locator("#zoom-wall").click())
+        checks.equal("the wall's button is pressed", page.locator("#zoom-wall").get_attribute("aria-pressed"), "true")
+    visit.after(lambda: page.locator("#zoom-reset").click())
+    checks.equal("no complaint while zooming", visit.complaints(), [])
+
+
+def cells_and_dots_open_trials(visit):
+    page = visit.page
+    cell = page.locator(".matrix td a").last
+    environment, mode = cell.get_attribute("data-environment"), cell.get_attribute("data-mode")
+    print(f"      a cell's trials drawn {visit.after(cell.click):.0f} ms after the click")
+    checks.equal("a cell opens its environment", page.locator("#pick-environment").input_value(), environment)
+    checked = page.evaluate("[...document.querySelectorAll('#pick-modes input:checked')].map((box) => box.value)")
+    checks.equal("a cell opens its mode", checked, [mode])
+    checks.check("a cell takes the focus to the plots", page.evaluate("document.activeElement.id === 'surface'"))
+    scroll_through(page)
+    dot = page.locator("#dot-plot .point").first
+    words = dot.get_attribute("aria-label")
+    print(f"      a dot's trial drawn {visit.after(dot.click):.0f} ms after the click")
+    repeat = page.locator("#pick-repeat").input_value()
+    checks.check("a dot opens its trial", words.startswith(page.locator("#pick-participant").input_value()) and (f"repeat {repeat}" in words or repeat == "all"), f"{words}, repeat {repeat}")
+    checks.check("a dot takes the focus to the plots", page.evaluate("document.activeElement.id === 'surface'"))
+    points = page.locator("#dot-plot svg").first.locator(".point")
+    points.first.focus()
+    page.keyboard.press("ArrowRight")
+    checks.equal("arrows go from dot to dot", page.evaluate("document.activeElement.getAttribute('aria-label')"), points.nth(1).get_attribute("aria-label"))
+    visit.after(lambda: page.keyboard.press("Enter"))
+    checks.check("Enter opens the dot's trial", page.evaluate("document.activeElement.id === 'surface'"))
+    if page.locator("#answer-plot .point").count():
+        visit.after(lambda: page.locator("#answer-plot .point").first.click())
+    checks.equal("no complaint while opening", visit.complaints(), [])
+
+
+def address_keeps_the_view(visit):
+    page = visit.page
+    only(visit, "show", ["mean", "events"])
+    address = page.url
+    checks.check("the view stands in the address", "#trials?" in address and "events" in address, address)
+    page.goto("about:blank")
+    page.goto(address)
+    visit.ready()
+    checked = page.evaluate("[...document.querySelectorAll('#pick-show input:checked')].map((box) => box.value)")
+    checks.equal("an address opens its view", checked, ["mean", "events"])
+    page.goto("about:blank")
+    page.goto(f"{address.split('#')[0]}#trials?p=nobody&s=&e=%3Cscript%3E&m=,,&r=1e9&a=x&t=9,1&b=NaN,2&show=toString")
+    visit.ready()
+    checks.check("an address that makes no sense opens something", page.locator("#pick-participant").input_value() != "")
+    checks.equal("no complaint about addresses", visit.complaints(), [])
+
+
+def saved_plots(visit, out):
+    only(visit, "show", ["repeats", "mean", "states"])
+    for export in [button.get_attribute("data-export") for button in visit.page.locator("[data-export]").all()]:
+        if export == "csv":
+            continue
+        content, name = downloaded(visit, export)
+        (out / f"saved.{export}").write_bytes(content)
+        good = content.startswith(b"\x89PNG") if export.endswith("png") else content.startswith(b"<svg") and b"NaN" not in content
+        checks.check(f"{export} is saved", good and name.endswith(export) and len(content) > 1000, f"{name}, {len(content)} bytes")
+        if export.endswith("svg") and visit.study["simulated"]:
+            checks.check(f"{export} is marked as simulated", b"SYNTHETIC" in content)
+
+
+def printed(visit, out):
+    content = visit.page.pdf(path=str(out / "printed.pdf"), format="A4", print_background=True)
+    checks.check("the page prints", content.startswith(b"%PDF") and len(content) > 20_000, f"{len(content)} bytes")
+    checks.equal("no complaint while printing", visit.complaints(), [])
+
+
+def screens(browser, report, given):
+    for width in (360, 1440):
+        for scheme in ("light", "dark"):
+            visit = Visit(browser, report, viewport={"width": width, "height": 800}, color_scheme=scheme).ready()
+            scroll_through(visit.page)
+            visit.page.evaluate("scrollTo({ top: 0, behavior: 'instant' })")
+            visit.page.screenshot(path=str(given.out / f"{width}.{scheme}.png"), full_page=True)
+            wide = visit.page.evaluate("document.documentElement.scrollWidth")
+            checks.check(f"{width} px, {scheme}: nothing is wider than the screen", wide <= width, f"{wide} px")
+            if given.axe:
+                accessible(visit, given.axe, f"{width} px, {scheme}")
+            checks.equal(f"{width} px, {scheme}: no complaint", visit.complaints(), [])
+            visit.context.close()
+
+
+def accessible(visit, axe, name):
+    """What axe-core finds serious or critical, everything opened."""
+    visit.page.evaluate("for (const details of document.querySelectorAll('details')) details.open = true")
+    visit.page.add_script_tag(content=axe.read_text())
+    found = visit.page.evaluate("axe.run(document, { resultTypes: ['violations'] }).then((result) => result.violations.map(({ id, impact, nodes }) => ({ id, impact, nodes: nodes.slice(0, 3).map(({ target, failureSummary }) => [target, failureSummary]) })))")
+    checks.equal(f"{name}: axe finds nothing serious", [one for one in found if one["impact"] in ("serious", "critical")], [])
+    lesser = [one["id"] for one in found if one["impact"] not in ("serious", "critical")]
+    if lesser:
+        print(f"      axe, {name}, lesser: {', '.join(lesser)}")
+
+
+def says_what_is_missing(browser, report):
+    """A page without its data beside it says what to do."""
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copy(report / "index.html", folder)
+        visit = Visit(browser, Path(folder))
+        if visit.study["single_file"]:
+            checks.check("one file holds its data", visit.ready() is visit)
+        else:
+            visit.page.wait_for_selector(".status.bad")
+            text = visit.page.locator(".status").text_content()
+            checks.check("missing data are named, with what to do", "report-data" in text, text)
+        visit.context.close()
+
+
+def nothing_left_the_page(visit):
+    inside = visit.report.as_uri()
+    outside = [url for url in visit.requests if not url.startswith((inside, "blob:", "data:", "about:"))]
+    checks.equal(f"none of {len(visit.requests)} requests left the folder", outside, [])
+
+
+main()
