@@ -16,6 +16,7 @@ import struct
 import tempfile
 from pathlib import Path
 
+import axe_playwright_python
 import pyarrow.parquet as parquet
 from playwright.sync_api import sync_playwright
 
@@ -37,7 +38,7 @@ def main():
     arguments.add_argument("--report", type=Path, required=True, help="folder with index.html")
     arguments.add_argument("--raw", type=Path, help="raw/<study>, to compare values with")
     arguments.add_argument("--out", type=Path, required=True, help="where screenshots and saved plots go")
-    arguments.add_argument("--axe", type=Path, help="axe.min.js of axe-core")
+    arguments.add_argument("--axe", type=Path, default=Path(axe_playwright_python.__file__).parent / "axe.min.js", help="axe.min.js of axe-core")
     arguments.add_argument("--chromium", default="/usr/bin/chromium", help="the browser [default: /usr/bin/chromium]")
     given = arguments.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)

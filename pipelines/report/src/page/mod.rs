@@ -46,7 +46,6 @@ pub struct Page<'a> {
 pub fn page_html(page: &Page) -> Result<String, serde_json::Error> {
     let parts: Vec<Part> = parts::all(page);
     let contents = page.contents.map(serde_json::to_string).transpose()?;
-    let title = format!("{}: {}", page.summary.title, page.study);
     let markup = html! {
         (DOCTYPE)
         html lang="en" {
@@ -55,12 +54,10 @@ pub fn page_html(page: &Page) -> Result<String, serde_json::Error> {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 meta name="referrer" content="no-referrer";
-                title { (title) }
+                title { (page.summary.title) }
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                a.skip href="#main" { "Skip to the results" }
-                (parts::banner(page.summary))
                 (parts::header(page))
                 nav #contents aria-label="Contents" {
                     ul { @for part in &parts { li { a href={ "#" (part.id) } { (part.title) } } } }

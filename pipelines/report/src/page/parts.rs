@@ -39,7 +39,7 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
 }
 
 /// Stays in sight where data are simulated.
-pub(super) fn banner(summary: &Summary) -> Markup {
+fn banner(summary: &Summary) -> Markup {
     let mark = sources(&summary.sources).and_then(|told| told.mark);
     html! { @if let Some(mark) = mark { p.synthetic role="note" { strong { "SYNTHETIC" } " " (mark) } } }
 }
@@ -49,8 +49,10 @@ pub(super) fn header(page: &Page) -> Markup {
     let origins = sources(&summary.sources).map(|told| told.text).filter(|text| !text.is_empty());
     html! {
         header #top {
+            a.skip href="#main" { "Skip to the results" }
+            (banner(summary))
             h1 { (summary.title) }
-            p.study { (page.study) }
+            @if !summary.title.contains(page.study) { p.study { (page.study) } }
             @if let Some(answer) = summary.shown.first() { p.answer { (answer.caption) } }
             p.facts {
                 (what_it_is(summary))
@@ -71,7 +73,7 @@ fn matrix(page: &Page) -> Markup {
         }
     };
     html! {
-        div.scroll tabindex="0" role="region" aria-label="The modes compared" {
+        div.scroll tabindex="0" role="region" aria-label="Table of the modes compared" {
             table.matrix {
                 thead {
                     tr {

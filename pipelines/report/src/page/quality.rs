@@ -49,7 +49,7 @@ fn order(page: &Page) -> Markup {
         @if n > MOST_SESSIONS {
             p { "The orders of " (n) " sessions are in the table of metrics." }
         } @else {
-            div.scroll tabindex="0" role="region" aria-label="Order of conditions" {
+            div.scroll tabindex="0" role="region" aria-label="Table of the order of conditions" {
                 table.order { tbody { @for (who, trials) in &sessions { (session(page, who, trials)) } } }
             }
             p.caption {
@@ -60,7 +60,7 @@ fn order(page: &Page) -> Markup {
                 "colour and letter: "
                 @for (place, mode) in page.planned.modes.iter().enumerate() {
                     @if place > 0 { ", " }
-                    span class={ "mode-" (place) } { (letter(place)) } " " (mode.label)
+                    span class={ "key mode-" (place) } { (letter(place)) " " (mode.label) }
                 }
                 "."
             }

@@ -106,8 +106,8 @@ fn data_of(html: &str) -> serde_json::Value {
 fn the_parts_stand_in_their_order_and_the_simulated_are_marked() {
     let html = page(&summary());
     let ids = [
-        "class=\"synthetic\"",
         "id=\"top\"",
+        "class=\"synthetic\"",
         "id=\"matrix\"",
         "id=\"findings\"",
         "id=\"trials\"",
