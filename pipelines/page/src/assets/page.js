@@ -227,6 +227,8 @@
     return [low - margin, high + margin];
   }
 
+  let fineness = 1; // columns of dots per CSS pixel: the screen's own, more for paper
+
   /** Points of y over a rising t, at most four per pixel column (first, least, largest, last), so that no peak is lost. */
   function thinOverTime(t, y, from, to, sx, sy) {
     const points = [];
@@ -241,7 +243,7 @@
     for (let i = from; i < to; i++) {
       const py = sy.k * y[i] + sy.c, px = sx.k * t[i] + sx.c;
       if (py !== py || px !== px) { flush(); points.push(NaN, NaN); column = NaN; continue; }
-      const at = Math.round(px * 2);
+      const at = Math.round(px * fineness);
       if (at !== column) { flush(); column = at; x = px; first = low = high = py; lowFirst = true; }
       if (py < low) { low = py; lowFirst = false; }
       if (py > high) { high = py; lowFirst = true; }
@@ -420,28 +422,44 @@
     return rows;
   }
 
+  const known = new WeakMap(); // least and largest value of whole columns, which most drawings need
+  function extremes(values) {
+    if (!known.has(values)) known.set(values, extremesOf(values, () => true, 0, values.length));
+    return known.get(values);
+  }
+
+  function extremesOf(values, counts, from, to) {
+    let low = Infinity, high = -Infinity;
+    for (let i = from; i < to; i++) {
+      if (values[i] < low && counts(i)) low = values[i];
+      if (values[i] > high && counts(i)) high = values[i];
+    }
+    return [low, high];
+  }
+
   /** Range of what is shown: t, θ, θ̇, F in stored units; zoom in time and at the wall narrow each other's view. */
   function ranges() {
     const wall = view.wall ? wallOf(browser.of.e) : null;
     const reach = 2 / ANGLE_SCALE; // ±2° (or mm)
     const near = wall === null ? null : [wall - reach, wall + reach];
     const range = { t: [Infinity, -Infinity], theta: [Infinity, -Infinity], velocity: [Infinity, -Infinity], force: [Infinity, -Infinity] };
-    const widen = (name, value) => {
-      if (value < range[name][0]) range[name][0] = value;
-      if (value > range[name][1]) range[name][1] = value;
-    };
+    const widen = (name, [low, high]) => { range[name] = [Math.min(range[name][0], low), Math.max(range[name][1], high)]; };
+    let commanded = [Infinity, -Infinity];
     for (const curve of browser.curves) {
       const { t, theta, velocity, force, command } = curve.y;
-      for (let i = 0; i < curve.n; i++) {
-        if (view.zoom && curve.overTime && (t[i] < view.zoom[0] || t[i] > view.zoom[1])) continue;
-        if (near && theta && !(theta[i] >= near[0] && theta[i] <= near[1])) continue;
-        if (curve.overTime) widen("t", t[i]);
-        if (theta) widen("theta", theta[i]);
-        if (velocity && curve.overTime) widen("velocity", velocity[i]);
-        if (force) widen("force", force[i]);
-        if (command && view.show.has("command")) widen("force", command[i]);
-      }
+      const zoomed = view.zoom && curve.overTime;
+      const inView = (i) => !near || !theta || (theta[i] >= near[0] && theta[i] <= near[1]);
+      const of = (values) => (zoomed || near ? extremesOf(values, inView, zoomed ? lowerBound(t, view.zoom[0]) : 0, zoomed ? lowerBound(t, view.zoom[1]) : curve.n) : extremes(values));
+      if (curve.overTime) widen("t", of(t));
+      if (theta) widen("theta", of(theta));
+      if (velocity && curve.overTime) widen("velocity", of(velocity));
+      if (force) widen("force", of(force));
+      if (command && view.show.has("command")) commanded = [Math.min(commanded[0], of(command)[0]), Math.max(commanded[1], of(command)[1])];
     }
+    // A brake at the wall is commanded far more than anybody feels; that must not squeeze what was felt.
+    const beyond = 0.3 * (range.force[1] - range.force[0]);
+    if (beyond >= 0) widen("force", [Math.max(commanded[0], range.force[0] - beyond), Math.min(commanded[1], range.force[1] + beyond)]);
+    else widen("force", commanded);
     const within = Object.fromEntries(Object.entries(range).map(([name, [low, high]]) => [name, padded(low, high, name === "t" ? 0.01 : 0.05)]));
     if (view.zoom) within.t = view.zoom;
     if (near) within.theta = near;
@@ -456,13 +474,14 @@
     if (panel.y === null) return drawStates(pen, panel, box, sx, theme, range);
     const sy = scale(range[panel.y], box.y + box.height, box.y);
     drawAxes(pen, panel, box, range, theme, exported, height - box.y - box.height > 30);
+    let taken = []; // places of labels
     pen.within(box, () => {
-      drawWall(pen, panel, box, sx, sy, theme);
+      taken = drawWall(pen, panel, box, sx, sy, theme);
       drawBrush(pen, panel, box, sx, theme);
       for (const curve of drawnIn(panel)) drawCurve(pen, panel, curve, sx, sy, theme);
       if (view.show.has("events")) for (const curve of drawnIn(panel)) drawEvents(pen, panel, curve, sx, sy, theme);
     });
-    drawLabels(pen, panel, box, sx, sy, theme);
+    drawLabels(pen, panel, box, sx, sy, theme, taken);
     return { box, sx, sy };
   }
 
@@ -489,18 +508,20 @@
 
   function drawWall(pen, panel, box, sx, sy, theme) {
     const wall = wallOf(browser.of.e);
-    if (wall === null || (panel.x !== "theta" && panel.y !== "theta")) return;
+    if (wall === null || (panel.x !== "theta" && panel.y !== "theta")) return [];
     const style = { colour: theme.quiet, width: 1.25, dash: [5, 4] };
     const label = `wall ${significant(wall * ANGLE_SCALE)}${LINEAR ? " mm" : "°"}`;
     if (panel.y === "theta") {
       const y = sy.k * wall + sy.c;
       pen.line([box.x, y, box.x + box.width, y], style);
-      pen.text(label, box.x + 5, y - 9, { colour: theme.quiet, halo: theme.paper });
-    } else {
-      const x = sx.k * wall + sx.c;
-      pen.line([x, box.y, x, box.y + box.height], style);
-      pen.text(label, x - 5, box.y + box.height - 10, { colour: theme.quiet, halo: theme.paper, align: "end" });
+      const beside = y - 9 < box.y + 8 ? y + 10 : y - 9;
+      pen.text(label, box.x + 5, beside, { colour: theme.quiet, halo: theme.paper });
+      return [{ x: box.x + 35, y: beside }];
     }
+    const x = sx.k * wall + sx.c;
+    pen.line([x, box.y, x, box.y + box.height], style);
+    pen.text(label, x - 5, box.y + box.height - 10, { colour: theme.quiet, halo: theme.paper, align: "end" });
+    return [{ x: x - 35, y: box.y + box.height - 10 }];
   }
 
   function drawBrush(pen, panel, box, sx, theme) {
@@ -531,21 +552,23 @@
   }
 
   /** Names on the curves themselves: for each mode the place farthest from all curves and other names, if there is room. */
-  function drawLabels(pen, panel, box, sx, sy, theme) {
+  function drawLabels(pen, panel, box, sx, sy, theme, taken) {
     const drawn = drawnIn(panel);
     const chosen = study.modes.flatMap(({ id }) => {
       const mine = drawn.filter((curve) => curve.mode === id);
       const strongest = mine.find((curve) => curve.kind === "mean") ?? mine.find((curve) => curve.kind === "trial");
       return [...(strongest ? [{ curve: strongest, text: short(labelOf(study.modes, id), 16) }] : []), ...mine.filter((curve) => curve.kind === "replay").map((curve) => ({ curve, text: `replay, ${curve.label.includes("fitted") ? "fitted" : "by eye"}` }))];
     });
-    const crowd = chosen.flatMap(({ curve }) => pixels(curve, panel, box, sx, sy, 200));
-    const placed = [];
-    for (const { curve, text } of chosen) {
-      const place = roomiest(pixels(curve, panel, box, sx, sy, 60), 3.4 * text.length, box, crowd, placed);
-      if (!place) continue;
+    const traces = chosen.map(({ curve }) => pixels(curve, panel, box, sx, sy, 200));
+    const crowd = traces.flat();
+    const placed = [...taken];
+    chosen.forEach(({ curve, text }, c) => {
+      const others = traces.filter((_, other) => other !== c).flat();
+      const place = roomiest(pixels(curve, panel, box, sx, sy, 60), 3.4 * text.length, box, crowd, others, placed);
+      if (!place) return;
       placed.push(place);
       pen.text(text, place.x, place.y, { colour: curve.kind === "replay" ? theme.ink : theme.modes[modeIndex(curve.mode)], halo: theme.paper, align: "center", bold: true });
-    }
+    });
   }
 
   /** About `count` points of a curve that lie within the box: x, y, x, y, … */
@@ -559,26 +582,29 @@
     return points;
   }
 
-  /** Beside which of the points a label of this half width has most room. */
-  function roomiest(points, half, box, crowd, placed) {
+  /** Beside which of a curve's points a label of this half width has most room, best where the curve is far from others. */
+  function roomiest(points, half, box, crowd, others, placed) {
     let best = null;
-    const consider = (x, y) => {
+    const consider = (x, y, alone) => {
       if (x - half < box.x || x + half > box.x + box.width || y < box.y + 8 || y > box.y + box.height - 8) return;
       let apart = 24, room = 22;
       for (const other of placed) apart = Math.min(apart, Math.abs(other.x - x) / 3 + Math.abs(other.y - y));
       if (apart < 14) return;
-      const least = Math.max(5, best ? best.score - apart : 0);
+      const least = Math.max(5, best ? best.score - apart - alone : 0);
       for (let i = 0; i < crowd.length && room > least; i += 2) {
         const distance = Math.max(0, Math.abs(crowd[i] - x) - half) + Math.abs(crowd[i + 1] - y);
         if (distance < room) room = distance;
       }
-      if (room > least) best = { x, y, score: room + apart };
+      if (room > least) best = { x, y, score: room + apart + alone };
     };
     for (let i = 0; i < points.length; i += 2) {
-      consider(points[i], points[i + 1] - 14);
-      consider(points[i] + half + 8, points[i + 1]);
-      consider(points[i] - half - 8, points[i + 1]);
-      consider(points[i], points[i + 1] + 14);
+      const x = points[i], y = points[i + 1];
+      let alone = 40;
+      for (let k = 0; k < others.length; k += 2) alone = Math.min(alone, Math.abs(others[k] - x) + Math.abs(others[k + 1] - y));
+      consider(x, y - 14, alone);
+      consider(x + half + 8, y, alone);
+      consider(x - half - 8, y, alone);
+      consider(x, y + 14, alone);
     }
     return best;
   }
@@ -742,7 +768,7 @@
     if (view.show.has("mean") && view.a === "onset" && browser.curves.some((curve) => curve.kind === "mean" && !curve.overTime)) notes.push("Thick: mean of the repeats, over time from their onsets, over the angle by landmarks (start, contact, reversal and end meet).");
     else if (browser.curves.some((curve) => curve.kind === "mean")) notes.push(`Thick: mean of the repeats, ${view.a === "landmarks" ? "by landmarks" : "from their onsets"}.`);
     if (view.a === "none" && view.show.has("mean")) notes.push("A mean needs a time from onset or by landmarks.");
-    if (view.show.has("command")) notes.push("Fine dots: commanded force.");
+    if (view.show.has("command")) notes.push("Fine dots: commanded force, cut off where it goes far beyond the measured one.");
     if (view.show.has("replay")) notes.push(browser.curves.some((curve) => curve.kind === "replay") ? "Replay: the model, given the recorded force." : "No replay of these trials is stored.");
     if (view.show.has("events")) notes.push(`${Object.values(EVENTS).map(([sign, name]) => `${sign} ${name}`).join("  ")}.`);
     parts.note.textContent = notes.join(" ");
@@ -761,6 +787,7 @@
 
   function drawAll() {
     const began = performance.now();
+    fineness = window.devicePixelRatio || 1;
     screen.theme = readTheme();
     screen.range = ranges();
     const states = view.show.has("states") ? browser.rows.length : 0;
@@ -915,7 +942,7 @@
     if (active.shift) rows.push(entry("since onset", `${rounded(active.y.t[i], 4)} s`));
     for (const [column, [name, factor, digits, suffix]] of Object.entries(unit)) {
       const values = active.stored[column];
-      if (values) rows.push(entry(name, `${rounded(values[i] * factor, digits)} ${suffix}`, column, values[i]));
+      if (values) rows.push(entry(name, `${rounded(values[i] * factor, digits)}${suffix === "°" ? "" : " "}${suffix}`, column, values[i]));
     }
     if (active.bits) rows.push(entry("state", Object.entries(BITS).filter(([bit]) => active.bits[i] & bit).map(([, name]) => name).join(", ") || "none", "state_bits", active.bits[i]));
     parts.readout.replaceChildren(...rows);
@@ -980,6 +1007,7 @@
   function drawExport(pen, id, width, height) {
     const { panel } = screen.plots.get(id);
     const theme = readTheme(true);
+    fineness = 3;
     pen.rect(0, 0, width, height, { colour: theme.paper });
     const shifted = { ...pen };
     drawPanel(shifted, panel, width, height - 34, theme, screen.range, true);
@@ -1304,6 +1332,7 @@
 
   /** The panels as drawings of lines, which paper shows sharper than pixels, at the width of a page. */
   function paperPanels() {
+    fineness = 3;
     const theme = readTheme(true);
     for (const { panel, plot, height } of screen.plots.values()) {
       if (plot.hidden || !height) continue;
