@@ -25,6 +25,8 @@ import checks
 # Parts that every page has; the others only where the study has something to put there.
 PARTS = ["top", "contents", "matrix", "findings", "trials", "dots", "figures", "tables", "provenance"]
 COLUMNS = ["t_s", "theta_rad", "theta_dot_rad_s", "force_ex_n", "torque_ex_nm", "force_cmd_n", "state_bits"]
+# A screenshot that is taller takes a browser's memory and shows a reader nothing.
+TALLEST = 16_000
 DRAWN = "Number(document.querySelector('#surface')?.dataset.drawn ?? 0)"
 
 
@@ -74,8 +76,14 @@ class Visit:
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("console", lambda message: message.type in ("error", "warning") and self.errors.append(message.text))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("dialog", self.refuse)
         self.page.goto((report / "index.html").as_uri())
         self.study = json.loads(self.page.locator("#study-data").text_content())
+
+    def refuse(self, dialog):
+        """A text of the study that opens a dialog was run, not shown."""
+        self.errors.append(f"a dialog: {dialog.message}")
+        dialog.dismiss()
 
     def ready(self):
         self.page.wait_for_function(f"{DRAWN} > 0")
@@ -377,7 +385,8 @@ def screens(browser, report, given):
             visit = Visit(browser, report, viewport={"width": width, "height": 800}, color_scheme=scheme).ready()
             scroll_through(visit.page)
             visit.page.evaluate("scrollTo({ top: 0, behavior: 'instant' })")
-            visit.page.screenshot(path=str(given.out / f"{width}.{scheme}.png"), full_page=True)
+            tall = min(visit.page.evaluate("document.documentElement.scrollHeight"), TALLEST)
+            visit.page.screenshot(path=str(given.out / f"{width}.{scheme}.png"), full_page=True, clip={"x": 0, "y": 0, "width": width, "height": tall})
             wide = visit.page.evaluate("document.documentElement.scrollWidth")
             checks.check(f"{width} px, {scheme}: nothing is wider than the screen", wide <= width, f"{wide} px")
             if given.axe:

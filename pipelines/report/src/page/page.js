@@ -154,10 +154,10 @@
     };
   }
 
-  function svgPen(width, height) {
+  function svgPen(width, height, name) {
     const parts = [];
     const clips = [];
-    const escape = (text) => String(text).replace(/[&<>"]/g, (character) => `&#${character.charCodeAt(0)};`).replace(/[\u0000-\u0008\u000b\u000c\u000e-\u001f]/g, "\ufffd");
+    const escape = (text) => (String(text).toWellFormed?.() ?? String(text)).replace(/[&<>"]/g, (character) => `&#${character.charCodeAt(0)};`).replace(/[\u0000-\u0008\u000b\u000c\u000e-\u001f]/g, "\ufffd");
     const n = (value) => String(Math.round(value * 100) / 100);
     return {
       line(points, { colour, width: stroke = 1, dash = [], opacity = 1 }) {
@@ -177,14 +177,18 @@
         parts.push(`<text x="${n(x)}" y="${n(y + 0.35 * size)}" font-size="${size}" text-anchor="${anchor}" fill="${colour}"${bold ? ' font-weight="600"' : ""}${halo ? ` stroke="${halo}" stroke-width="4" stroke-linejoin="round" paint-order="stroke"` : ""}>${escape(text)}</text>`);
       },
       within(box, draw) {
-        clips.push(`<clipPath id="clip${clips.length}"><rect x="${box.x}" y="${box.y}" width="${box.width}" height="${box.height}"/></clipPath>`);
-        parts.push(`<g clip-path="url(#clip${clips.length - 1})">`);
+        clips.push(`<clipPath id="${name}-clip${clips.length}"><rect x="${box.x}" y="${box.y}" width="${box.width}" height="${box.height}"/></clipPath>`);
+        parts.push(`<g clip-path="url(#${name}-clip${clips.length - 1})">`);
         draw();
         parts.push("</g>");
       },
       finish: () => `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="${FONT}"><defs>${clips.join("")}</defs>${parts.join("")}</svg>\n`,
     };
   }
+
+  const PAPER = 690; // width of a printed page, in CSS pixels
+  let printing = false;
+  const redraws = new Set(); // what is drawn anew for paper
 
   /** Colours from the style sheet; `light` for paper, whatever the screen shows. */
   function readTheme(light = false) {
@@ -223,6 +227,8 @@
     return [low - margin, high + margin];
   }
 
+  let fineness = 1; // columns of dots per CSS pixel: the screen's own, more for paper
+
   /** Points of y over a rising t, at most four per pixel column (first, least, largest, last), so that no peak is lost. */
   function thinOverTime(t, y, from, to, sx, sy) {
     const points = [];
@@ -237,7 +243,7 @@
     for (let i = from; i < to; i++) {
       const py = sy.k * y[i] + sy.c, px = sx.k * t[i] + sx.c;
       if (py !== py || px !== px) { flush(); points.push(NaN, NaN); column = NaN; continue; }
-      const at = Math.round(px * 2);
+      const at = Math.round(px * fineness);
       if (at !== column) { flush(); column = at; x = px; first = low = high = py; lowFirst = true; }
       if (py < low) { low = py; lowFirst = false; }
       if (py > high) { high = py; lowFirst = true; }
@@ -338,9 +344,15 @@
 
   // ---- Curves: what is drawn ------------------------------------------------------------------------------------------------
 
+  function shifted(times, shift) {
+    const moved = new Float64Array(times.length);
+    for (let i = 0; i < times.length; i++) moved[i] = times[i] - shift;
+    return moved;
+  }
+
   function curveOf(table, mode, key, kind, label, shift, { overTime = true, overAngle = true } = {}) {
     const c = table.columns;
-    const times = shift ? c.t_s.map((t) => t - shift) : c.t_s;
+    const times = shift ? shifted(c.t_s, shift) : c.t_s;
     const y = { t: times, theta: c.theta_rad, velocity: c.theta_dot_rad_s, force: c.force_ex_n ?? c.torque_ex_nm, command: c.force_cmd_n ?? c.torque_cmd_nm };
     return { y, stored: c, n: table.n, mode, key, kind, label, shift, overTime, overAngle, trial: table.trial ?? null, repeat: table.repeat ?? null, bits: c.state_bits, events: table.events ?? [] };
   }
@@ -396,13 +408,13 @@
   ];
   const UNIT_SCALE = { t: 1, theta: ANGLE_SCALE, velocity: ANGLE_SCALE, force: 1 };
   const MARGIN = { left: 46, right: 12, top: 26, bottom: 38 };
-  const browser = { curves: [], active: 0, index: null, ready: 0 };
+  const browser = { of: {}, curves: [], rows: [], active: 0, index: null, ready: 0 };
   const timeTitle = () => ({ onset: "time since onset (s)", landmarks: "time by landmarks (s)", none: "time (s)" })[view.a];
 
   /** Rows of the panel of actuator states: mode × actuator, where any curve ever has it on. */
-  function stateRows() {
+  function findStateRows() {
     const rows = [];
-    for (const mode of view.m)
+    for (const mode of browser.of.m)
       for (const [bit, name] of [[256, "motor"], [128, "brake"]]) {
         const curves = browser.curves.filter((curve) => curve.mode === mode && curve.kind === "trial" && curve.overTime && curve.bits);
         if (curves.some((curve) => curve.bits.some((bits) => bits & bit))) rows.push({ mode, bit, name, curves });
@@ -410,28 +422,44 @@
     return rows;
   }
 
+  const known = new WeakMap(); // least and largest value of whole columns, which most drawings need
+  function extremes(values) {
+    if (!known.has(values)) known.set(values, extremesOf(values, () => true, 0, values.length));
+    return known.get(values);
+  }
+
+  function extremesOf(values, counts, from, to) {
+    let low = Infinity, high = -Infinity;
+    for (let i = from; i < to; i++) {
+      if (values[i] < low && counts(i)) low = values[i];
+      if (values[i] > high && counts(i)) high = values[i];
+    }
+    return [low, high];
+  }
+
   /** Range of what is shown: t, θ, θ̇, F in stored units; zoom in time and at the wall narrow each other's view. */
   function ranges() {
-    const wall = view.wall ? wallOf(view.e) : null;
+    const wall = view.wall ? wallOf(browser.of.e) : null;
     const reach = 2 / ANGLE_SCALE; // ±2° (or mm)
     const near = wall === null ? null : [wall - reach, wall + reach];
     const range = { t: [Infinity, -Infinity], theta: [Infinity, -Infinity], velocity: [Infinity, -Infinity], force: [Infinity, -Infinity] };
-    const widen = (name, value) => {
-      if (value < range[name][0]) range[name][0] = value;
-      if (value > range[name][1]) range[name][1] = value;
-    };
+    const widen = (name, [low, high]) => { range[name] = [Math.min(range[name][0], low), Math.max(range[name][1], high)]; };
+    let commanded = [Infinity, -Infinity];
     for (const curve of browser.curves) {
       const { t, theta, velocity, force, command } = curve.y;
-      for (let i = 0; i < curve.n; i++) {
-        if (view.zoom && curve.overTime && (t[i] < view.zoom[0] || t[i] > view.zoom[1])) continue;
-        if (near && theta && !(theta[i] >= near[0] && theta[i] <= near[1])) continue;
-        if (curve.overTime) widen("t", t[i]);
-        if (theta) widen("theta", theta[i]);
-        if (velocity && curve.overTime) widen("velocity", velocity[i]);
-        if (force) widen("force", force[i]);
-        if (command && view.show.has("command")) widen("force", command[i]);
-      }
+      const zoomed = view.zoom && curve.overTime;
+      const inView = (i) => !near || !theta || (theta[i] >= near[0] && theta[i] <= near[1]);
+      const of = (values) => (zoomed || near ? extremesOf(values, inView, zoomed ? lowerBound(t, view.zoom[0]) : 0, zoomed ? lowerBound(t, view.zoom[1]) : curve.n) : extremes(values));
+      if (curve.overTime) widen("t", of(t));
+      if (theta) widen("theta", of(theta));
+      if (velocity && curve.overTime) widen("velocity", of(velocity));
+      if (force) widen("force", of(force));
+      if (command && view.show.has("command")) commanded = [Math.min(commanded[0], of(command)[0]), Math.max(commanded[1], of(command)[1])];
     }
+    // A brake at the wall is commanded far more than anybody feels; that must not squeeze what was felt.
+    const beyond = 0.3 * (range.force[1] - range.force[0]);
+    if (beyond >= 0) widen("force", [Math.max(commanded[0], range.force[0] - beyond), Math.min(commanded[1], range.force[1] + beyond)]);
+    else widen("force", commanded);
     const within = Object.fromEntries(Object.entries(range).map(([name, [low, high]]) => [name, padded(low, high, name === "t" ? 0.01 : 0.05)]));
     if (view.zoom) within.t = view.zoom;
     if (near) within.theta = near;
@@ -446,13 +474,14 @@
     if (panel.y === null) return drawStates(pen, panel, box, sx, theme, range);
     const sy = scale(range[panel.y], box.y + box.height, box.y);
     drawAxes(pen, panel, box, range, theme, exported, height - box.y - box.height > 30);
+    let taken = []; // places of labels
     pen.within(box, () => {
-      drawWall(pen, panel, box, sx, sy, theme);
+      taken = drawWall(pen, panel, box, sx, sy, theme);
       drawBrush(pen, panel, box, sx, theme);
       for (const curve of drawnIn(panel)) drawCurve(pen, panel, curve, sx, sy, theme);
       if (view.show.has("events")) for (const curve of drawnIn(panel)) drawEvents(pen, panel, curve, sx, sy, theme);
     });
-    drawLabels(pen, panel, box, sx, sy, theme);
+    drawLabels(pen, panel, box, sx, sy, theme, taken);
     return { box, sx, sy };
   }
 
@@ -478,19 +507,21 @@
   }
 
   function drawWall(pen, panel, box, sx, sy, theme) {
-    const wall = wallOf(view.e);
-    if (wall === null || (panel.x !== "theta" && panel.y !== "theta")) return;
+    const wall = wallOf(browser.of.e);
+    if (wall === null || (panel.x !== "theta" && panel.y !== "theta")) return [];
     const style = { colour: theme.quiet, width: 1.25, dash: [5, 4] };
     const label = `wall ${significant(wall * ANGLE_SCALE)}${LINEAR ? " mm" : "°"}`;
     if (panel.y === "theta") {
       const y = sy.k * wall + sy.c;
       pen.line([box.x, y, box.x + box.width, y], style);
-      pen.text(label, box.x + box.width - 4, y - 9, { colour: theme.quiet, halo: theme.paper, align: "end" });
-    } else {
-      const x = sx.k * wall + sx.c;
-      pen.line([x, box.y, x, box.y + box.height], style);
-      pen.text(label, x - 5, box.y + box.height - 10, { colour: theme.quiet, halo: theme.paper, align: "end" });
+      const beside = y - 9 < box.y + 8 ? y + 10 : y - 9;
+      pen.text(label, box.x + 5, beside, { colour: theme.quiet, halo: theme.paper });
+      return [{ x: box.x + 35, y: beside }];
     }
+    const x = sx.k * wall + sx.c;
+    pen.line([x, box.y, x, box.y + box.height], style);
+    pen.text(label, x - 5, box.y + box.height - 10, { colour: theme.quiet, halo: theme.paper, align: "end" });
+    return [{ x: x - 35, y: box.y + box.height - 10 }];
   }
 
   function drawBrush(pen, panel, box, sx, theme) {
@@ -520,42 +551,66 @@
     }
   }
 
-  /** Names on the curves themselves: for each mode the place farthest from other modes' curves and labels, if there is room. */
-  function drawLabels(pen, panel, box, sx, sy, theme) {
+  /** Names on the curves themselves: for each mode the place farthest from all curves and other names, if there is room. */
+  function drawLabels(pen, panel, box, sx, sy, theme, taken) {
+    const drawn = drawnIn(panel);
     const chosen = study.modes.flatMap(({ id }) => {
-      const mine = drawnIn(panel).filter((curve) => curve.mode === id);
+      const mine = drawn.filter((curve) => curve.mode === id);
       const strongest = mine.find((curve) => curve.kind === "mean") ?? mine.find((curve) => curve.kind === "trial");
       return [...(strongest ? [{ curve: strongest, text: short(labelOf(study.modes, id), 16) }] : []), ...mine.filter((curve) => curve.kind === "replay").map((curve) => ({ curve, text: `replay, ${curve.label.includes("fitted") ? "fitted" : "by eye"}` }))];
     });
-    const sample = ({ y, n }, count) => Array.from({ length: Math.min(n, count) }, (_, k) => {
-      const i = Math.floor((k * n) / Math.min(n, count));
-      return [sx.k * y[panel.x][i] + sx.c, sy.k * y[panel.y][i] + sy.c];
-    }).filter(([x, at]) => x > box.x && x < box.x + box.width && at > box.y && at < box.y + box.height);
-    const samples = chosen.map(({ curve }) => sample(curve, 60));
-    const placed = [];
+    const traces = chosen.map(({ curve }) => pixels(curve, panel, box, sx, sy, 200));
+    const crowd = traces.flat();
+    const placed = [...taken];
     chosen.forEach(({ curve, text }, c) => {
-      const crowd = samples.flat();
-      const half = 3.4 * text.length;
-      let best = null;
-      for (const [x, at] of samples[c]) {
-        for (const [cx, cy] of [[x, at - 12], [x + half + 6, at], [x - half - 6, at], [x, at + 12]]) {
-          if (cx - half < box.x || cx + half > box.x + box.width || cy < box.y + 8 || cy > box.y + box.height - 8) continue;
-          const apart = placed.reduce((least, [ox, oy]) => Math.min(least, Math.abs(ox - cx) / 3 + Math.abs(oy - cy)), 30);
-          if (apart < 14) continue;
-          let room = 22;
-          for (const [ox, oy] of crowd) room = Math.min(room, Math.max(0, Math.abs(ox - cx) - half) + Math.abs(oy - cy));
-          const score = room + Math.min(apart, 24);
-          if (room > 5 && (!best || score > best.score)) best = { score, cx, cy };
-        }
-      }
-      if (!best) return;
-      placed.push([best.cx, best.cy]);
-      pen.text(text, best.cx, best.cy, { colour: curve.kind === "replay" ? theme.ink : theme.modes[modeIndex(curve.mode)], halo: theme.paper, align: "center", bold: true });
+      const others = traces.filter((_, other) => other !== c).flat();
+      const place = roomiest(pixels(curve, panel, box, sx, sy, 60), 3.4 * text.length, box, crowd, others, placed);
+      if (!place) return;
+      placed.push(place);
+      pen.text(text, place.x, place.y, { colour: curve.kind === "replay" ? theme.ink : theme.modes[modeIndex(curve.mode)], halo: theme.paper, align: "center", bold: true });
     });
   }
 
+  /** About `count` points of a curve that lie within the box: x, y, x, y, … */
+  function pixels({ y, n }, panel, box, sx, sy, count) {
+    const xs = y[panel.x], ys = y[panel.y], points = [];
+    for (let k = 0; k < Math.min(n, count); k++) {
+      const i = n <= count ? k : Math.floor((k * n) / count);
+      const px = sx.k * xs[i] + sx.c, py = sy.k * ys[i] + sy.c;
+      if (px > box.x && px < box.x + box.width && py > box.y && py < box.y + box.height) points.push(px, py);
+    }
+    return points;
+  }
+
+  /** Beside which of a curve's points a label of this half width has most room, best where the curve is far from others. */
+  function roomiest(points, half, box, crowd, others, placed) {
+    let best = null;
+    const consider = (x, y, alone) => {
+      if (x - half < box.x || x + half > box.x + box.width || y < box.y + 8 || y > box.y + box.height - 8) return;
+      let apart = 24, room = 22;
+      for (const other of placed) apart = Math.min(apart, Math.abs(other.x - x) / 3 + Math.abs(other.y - y));
+      if (apart < 14) return;
+      const least = Math.max(5, best ? best.score - apart - alone : 0);
+      for (let i = 0; i < crowd.length && room > least; i += 2) {
+        const distance = Math.max(0, Math.abs(crowd[i] - x) - half) + Math.abs(crowd[i + 1] - y);
+        if (distance < room) room = distance;
+      }
+      if (room > least) best = { x, y, score: room + apart + alone };
+    };
+    for (let i = 0; i < points.length; i += 2) {
+      const x = points[i], y = points[i + 1];
+      let alone = 40;
+      for (let k = 0; k < others.length; k += 2) alone = Math.min(alone, Math.abs(others[k] - x) + Math.abs(others[k + 1] - y));
+      consider(x, y - 14, alone);
+      consider(x + half + 8, y, alone);
+      consider(x - half - 8, y, alone);
+      consider(x, y + 14, alone);
+    }
+    return best;
+  }
+
   function drawStates(pen, panel, box, sx, theme, range) {
-    const rows = stateRows();
+    const rows = browser.rows;
     const foot = MARGIN.top + 16 * rows.length;
     pen.text(panel.title, 6, 12, { colour: theme.quiet });
     rows.forEach(({ mode, bit, name, curves }, row) => {
@@ -691,10 +746,12 @@
     const lost = found.filter((one) => one.status === "rejected").map((one) => one.reason.message);
     say(distinct(lost).join(". "), lost.length > 0);
     const active = browser.curves[browser.active];
+    browser.of = { p: view.p, s: view.s, e: view.e, m: [...view.m], r: view.r };
     browser.curves = found.flatMap((one, i) => (one.status === "fulfilled" ? curvesOfMode(wanted[i].mode, wanted[i].key, one.value) : []));
     browser.active = Math.max(0, browser.curves.findIndex((curve) => active && curve.label === active.label));
     if (!browser.curves[browser.active]?.overTime) browser.active = Math.max(0, browser.curves.findIndex((curve) => curve.overTime));
     browser.index = browser.curves.length && browser.index !== null ? Math.min(browser.index, browser.curves[browser.active].n - 1) : null;
+    browser.rows = findStateRows();
     keepHash();
     writeNote();
     drawAll();
@@ -711,7 +768,7 @@
     if (view.show.has("mean") && view.a === "onset" && browser.curves.some((curve) => curve.kind === "mean" && !curve.overTime)) notes.push("Thick: mean of the repeats, over time from their onsets, over the angle by landmarks (start, contact, reversal and end meet).");
     else if (browser.curves.some((curve) => curve.kind === "mean")) notes.push(`Thick: mean of the repeats, ${view.a === "landmarks" ? "by landmarks" : "from their onsets"}.`);
     if (view.a === "none" && view.show.has("mean")) notes.push("A mean needs a time from onset or by landmarks.");
-    if (view.show.has("command")) notes.push("Fine dots: commanded force.");
+    if (view.show.has("command")) notes.push("Fine dots: commanded force, cut off where it goes far beyond the measured one.");
     if (view.show.has("replay")) notes.push(browser.curves.some((curve) => curve.kind === "replay") ? "Replay: the model, given the recorded force." : "No replay of these trials is stored.");
     if (view.show.has("events")) notes.push(`${Object.values(EVENTS).map(([sign, name]) => `${sign} ${name}`).join("  ")}.`);
     parts.note.textContent = notes.join(" ");
@@ -728,12 +785,12 @@
     return context;
   }
 
-  let printing = false;
   function drawAll() {
     const began = performance.now();
-    screen.theme = readTheme(printing);
+    fineness = window.devicePixelRatio || 1;
+    screen.theme = readTheme();
     screen.range = ranges();
-    const states = view.show.has("states") ? stateRows().length : 0;
+    const states = view.show.has("states") ? browser.rows.length : 0;
     screen.plots.get("states").plot.hidden = states === 0;
     const stacked = matchMedia("(max-width: 720px)").matches;
     const tall = PANELS.slice(0, 3).reduce((sum, panel) => sum + panel.height, 0) + (states ? MARGIN.top + 16 * states + 34 : 0);
@@ -878,14 +935,14 @@
       return;
     }
     const i = browser.index;
-    Object.assign(parts.readout.dataset, { kind: active.kind, participant: view.p, session: view.s, key: active.key, trial: active.trial ?? "", index: i });
+    Object.assign(parts.readout.dataset, { kind: active.kind, participant: browser.of.p, session: browser.of.s, key: active.key, trial: active.trial ?? "", index: i });
     const unit = { theta_rad: [SYMBOL, ANGLE_SCALE, 2, study.angle_unit], theta_dot_rad_s: [`${SYMBOL}\u0307`, ANGLE_SCALE, 1, `${study.angle_unit}/s`], force_ex_n: ["F of the user", 1, 3, "N"], torque_ex_nm: ["τ of the user", 1, 4, "N·m"], force_cmd_n: ["F commanded", 1, 3, "N"], torque_cmd_nm: ["τ commanded", 1, 4, "N·m"] };
     const entry = (name, text, column, value) => make("div", {}, make("dt", {}, name), make("dd", column ? { "data-column": column, "data-value": exact(value), title: `stored: ${exact(value)}` } : {}, text));
     const rows = [entry("Curve", active.label), entry("t", `${rounded(active.stored.t_s[i], 4)} s`, "t_s", active.stored.t_s[i])];
     if (active.shift) rows.push(entry("since onset", `${rounded(active.y.t[i], 4)} s`));
     for (const [column, [name, factor, digits, suffix]] of Object.entries(unit)) {
       const values = active.stored[column];
-      if (values) rows.push(entry(name, `${rounded(values[i] * factor, digits)} ${suffix}`, column, values[i]));
+      if (values) rows.push(entry(name, `${rounded(values[i] * factor, digits)}${suffix === "°" ? "" : " "}${suffix}`, column, values[i]));
     }
     if (active.bits) rows.push(entry("state", Object.entries(BITS).filter(([bit]) => active.bits[i] & bit).map(([, name]) => name).join(", ") || "none", "state_bits", active.bits[i]));
     parts.readout.replaceChildren(...rows);
@@ -932,7 +989,7 @@
     setTimeout(() => URL.revokeObjectURL(address), 60000);
   }
 
-  const fileName = (name) => [study.study, view.p, view.s, view.e, view.m.join("-"), name].join(".").replace(/[^A-Za-z0-9_.-]/g, "_").slice(0, 150);
+  const fileName = (name) => [study.study, browser.of.p, browser.of.s, browser.of.e, browser.of.m.join("-"), name].join(".").replace(/[^A-Za-z0-9_.-]/g, "_").slice(0, 150);
   const quoted = (value) => (/[",\r\n]/.test(value) ? `"${String(value).replaceAll('"', '""')}"` : String(value));
 
   /** Every shown curve, every sample, as stored; `origin` marks simulated data in each row. */
@@ -940,7 +997,7 @@
     const columns = distinct(browser.curves.flatMap((curve) => Object.keys(curve.stored)));
     const lines = [["participant", "session", "environment", "mode", "curve", "trial", "repeat", "origin", ...columns].join(",")];
     for (const curve of browser.curves) {
-      const head = [view.p, view.s, view.e, curve.mode, curve.kind === "trial" ? "trial" : curve.label, curve.trial ?? "", curve.repeat ?? "", study.simulated ? "simulated" : "recorded"].map(quoted).join(",");
+      const head = [browser.of.p, browser.of.s, browser.of.e, curve.mode, curve.kind === "trial" ? "trial" : curve.label, curve.trial ?? "", curve.repeat ?? "", study.simulated ? "simulated" : "recorded"].map(quoted).join(",");
       for (let i = 0; i < curve.n; i++) lines.push(`${head},${columns.map((column) => (Number.isFinite(curve.stored[column]?.[i]) ? exact(curve.stored[column][i]) : "")).join(",")}`);
     }
     return `${lines.join("\n")}\n`;
@@ -950,17 +1007,18 @@
   function drawExport(pen, id, width, height) {
     const { panel } = screen.plots.get(id);
     const theme = readTheme(true);
+    fineness = 3;
     pen.rect(0, 0, width, height, { colour: theme.paper });
     const shifted = { ...pen };
     drawPanel(shifted, panel, width, height - 34, theme, screen.range, true);
-    pen.text(short(`${study.study}, ${labelOf(study.environments, view.e)}, ${view.p} ${view.s}${view.r === "all" ? "" : `, repeat ${view.r}`}`, 70), 8, height - 24, { colour: theme.quiet, size: 11 });
+    pen.text(short(`${study.study}, ${labelOf(study.environments, browser.of.e)}, ${browser.of.p} ${browser.of.s}${browser.of.r === "all" ? "" : `, repeat ${browser.of.r}`}`, 70), 8, height - 24, { colour: theme.quiet, size: 11 });
     if (study.simulated) pen.text("SYNTHETIC: simulated, not measured", 8, height - 10, { colour: theme.mark, size: 11, bold: true });
   }
 
   function exportPlot(id, format) {
     const width = 720, height = id === "loop" ? 560 : id === "states" ? screen.plots.get(id).height + 40 : 360;
     if (format === "svg") {
-      const pen = svgPen(width, height);
+      const pen = svgPen(width, height, id);
       drawExport(pen, id, width, height);
       return download(`${fileName(id)}.svg`, "image/svg+xml", pen.finish());
     }
@@ -1066,7 +1124,7 @@
     const place = (g, i) => centre(g) - Math.min(0.12 * step, 20) + spread(i) * Math.min(0.45 * step, 72);
     if (zero) svg.append(makeSvg("line", { x1: box.left, x2: box.right, y1: sy.c, y2: sy.c, class: "zero" }));
     const path = lines.map((line) => line.filter(({ y }) => Number.isFinite(y)).map(({ g, i, y }, k) => `${k ? "L" : "M"}${place(g, i).toFixed(1)} ${(sy.k * y + sy.c).toFixed(1)}`).join("")).join("");
-    if (path) svg.append(makeSvg("path", { d: path, class: "pairs" }));
+    if (path) svg.append(makeSvg("path", { d: path, class: "pairs", opacity: Math.min(0.5, Math.max(0.03, 12 / lines.length)) }));
     groups.forEach((group, g) => {
       const crowd = group.points.length > 200;
       group.points.forEach((one, i) => svg.append(point(place(g, i), sy.k * one.value + sy.c, { ...one, mode: group.mode }, crowd ? 2 : 4.5, tell)));
@@ -1154,7 +1212,7 @@
       const index = Number(select.value), metric = study.metrics[index], many = participants > MANY, single = participants === 1;
       const facets = study.environments.map((environment) => ({ environment, groups: dotGroups(environment, index, many), differences: differenceGroups(environment, index, single) })).filter(({ groups }) => groups.length);
       const range = rangeOfGroups(facets.flatMap(({ groups }) => groups)), apart = rangeOfGroups(facets.flatMap(({ differences }) => differences), true);
-      const columns = charts.clientWidth >= 640 ? 2 : 1, width = Math.max(260, charts.clientWidth / columns - (columns - 1) * 12);
+      const room = printing ? PAPER : charts.clientWidth, columns = room >= 640 ? 2 : 1, width = Math.max(260, room / columns - (columns - 1) * 12);
       charts.replaceChildren(...facets.flatMap(({ environment, groups, differences }) => [
         groupChart({ title: `${short(environment.label, 30)}${metric.unit ? ` (${metric.unit})` : ""}`, width, groups, lines: single ? [] : linesOf(groups), yRange: range, tell }),
         differences.length ? groupChart({ title: `${short(environment.label, 24)}: differences${metric.unit ? ` (${metric.unit})` : ""}`, width, groups: differences, lines: [], yRange: apart, zero: true, tell }) : make("div"),
@@ -1181,6 +1239,7 @@
   /** Draws again when the width changes (not the height, which drawing itself changes). */
   function onWidth(element, draw) {
     let width = element.clientWidth;
+    redraws.add(draw);
     new ResizeObserver(() => {
       if (element.clientWidth === width || printing) return;
       width = element.clientWidth;
@@ -1210,7 +1269,7 @@
       const trials = study.trials.filter((trial) => (!pickWho.value || trial.participant === pickWho.value) && Number.isFinite(answered(trial, q)) && Number.isFinite(measured(trial, index)));
       question.textContent = `“${short(asks.label, 400)}”${asks.reversed ? " (agreement speaks against)" : ""}`;
       tip.textContent = trials.length ? "Point at a mark for its trial; Enter or a click opens it." : "No trial has both an answer to this question and this metric.";
-      charts.replaceChildren(answerChart(trials, q, index, asks, metric, Math.max(280, charts.clientWidth), tell));
+      charts.replaceChildren(answerChart(trials, q, index, asks, metric, printing ? PAPER : Math.max(280, charts.clientWidth), tell));
       rove(charts.firstChild);
     }
     draw();
@@ -1256,17 +1315,33 @@
   function preparePrint() {
     const opened = [];
     addEventListener("beforeprint", () => {
-      for (const build of unbuilt) build();
       printing = true;
+      for (const build of unbuilt) build();
+      for (const redraw of redraws) redraw();
       for (const image of document.querySelectorAll("img[loading=lazy]")) image.loading = "eager";
       for (const details of document.querySelectorAll("#figures details, #statements details, #tables details, #quality details")) if (!details.open) { details.open = true; opened.push(details); }
-      if (parts.surface) drawAll();
+      if (parts.surface) paperPanels();
     });
     addEventListener("afterprint", () => {
       printing = false;
       for (const details of opened.splice(0)) details.open = false;
-      if (parts.surface) drawAll();
+      for (const redraw of redraws) redraw();
+      for (const drawing of document.querySelectorAll(".plot > svg")) drawing.remove();
     });
+  }
+
+  /** The panels as drawings of lines, which paper shows sharper than pixels, at the width of a page. */
+  function paperPanels() {
+    fineness = 3;
+    const theme = readTheme(true);
+    for (const { panel, plot, height } of screen.plots.values()) {
+      if (plot.hidden || !height) continue;
+      const width = panel.id === "loop" ? PAPER * 0.46 : PAPER * 0.54;
+      const pen = svgPen(width, height, `paper-${panel.id}`);
+      drawPanel(pen, panel, width, height, theme, screen.range, false);
+      const drawing = new DOMParser().parseFromString(pen.finish(), "image/svg+xml").documentElement;
+      if (drawing.nodeName === "svg") plot.append(document.importNode(drawing, true));
+    }
   }
 
   /** Marks in the contents the section that is being read. */
@@ -1302,6 +1377,7 @@
     host.addEventListener("change", () => { touched = true; }, true);
     addEventListener("hashchange", () => { if (readHash()) { writeControls(); refresh(); byId("trials").scrollIntoView(); } });
     onWidth(parts.surface, drawAll);
+    redraws.delete(drawAll);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
     linkMatrix();
   }
