@@ -22,6 +22,7 @@ mod findings;
 mod folders;
 mod hostile_import;
 mod logs;
+mod page;
 mod provenance;
 mod real;
 mod records;
