@@ -30,7 +30,7 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
         part("dots", "Trials, participants, means", trials, dots),
         part("answers", "Answers beside a metric", trials && asked, answers),
         part("statements", "The thesis’ statements", !summary.statements.is_empty(), statements),
-        part("quality", "Quality of the data", true, |page| quality::body(page)),
+        part("quality", "Quality of the data", true, quality::body),
         part("figures", "Figures", !summary.figures.is_empty(), figures),
         part("tables", "Tables", !summary.tables.is_empty(), tables),
         part("provenance", "Where this comes from", true, provenance),
