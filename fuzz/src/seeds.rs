@@ -128,6 +128,12 @@ pub fn write() -> Result<(), Any> {
 
     put("csv", "plain", b"# made by hand\nt,angle,force\n0,0.1,1e-3\n0.01,\"0,2\",-2\n")?;
     put("csv", "crlf", b"\xef\xbb\xbft;\"a \"\"b\"\"\"\r\n1;2\r\n")?;
+    put("txt", "blanks", b"# made by hand\n t   \"F in N\"\n 0.0\t 1\n 0.5  2\n")?;
+    put(
+        "txt",
+        "labchart",
+        b"Interval=\t0.001 s\nChannelTitle=\tF\tx\nRange=\t10 V\t1 V\n0\t1\t2\n0.001\t3\t4\t#* begin\n",
+    )?;
     put(
         "jsonl",
         "plain",

@@ -4,7 +4,9 @@
 use super::label::{Label, LabelShape};
 use super::limits::MOST_ERRORS;
 use super::mapping::{Content, FileForm, Mapping, Who};
-use super::shape::{ChannelShape, ColumnShape, FileShape, KindShape, Shape, TimeShape, TrialShape};
+use super::shape::{
+    ChannelShape, ColumnShape, FileShape, KindShape, Shape, Split, TimeShape, TrialShape,
+};
 use super::table::ColumnRef;
 use regex::Regex;
 use std::collections::BTreeMap;
@@ -54,6 +56,10 @@ impl Check<'_> {
     fn mapping(&mut self, shape: Shape, path: &Path) -> Option<Mapping> {
         self.refuse_unused(&shape);
         let file = self.file(&shape.file);
+        let has_time = shape.time.as_ref().is_some_and(|time| time.from.is_some());
+        if file.splits_at_time && (shape.kind != KindShape::Trials || !has_time) {
+            self.error("file.split", "needs trials with a column of time: `from` in [time]");
+        }
         let name = shape.name.and_then(|n| self.regex("name.pattern", &n.pattern));
         let groups: Vec<&str> = name.iter().flat_map(Regex::capture_names).flatten().collect();
         let content = match shape.kind {
@@ -129,6 +135,9 @@ impl Check<'_> {
             rows: f.rows,
             missing: f.missing,
             matrix: f.matrix.clone(),
+            encoding: f.encoding,
+            bad_lines: f.bad_lines,
+            splits_at_time: f.split == Some(Split::Time),
         }
     }
 

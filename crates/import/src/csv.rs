@@ -1,8 +1,9 @@
 //! Delimited text: CSV, TSV and their relatives.
 
 use super::limits::{MOST_COLUMNS, MOST_LINE, Take, check_name, shown, too_many_rows, too_much};
+use super::plain::{is_labchart, labchart, spaced};
 use super::table::{Cells, Table};
-use super::text::decode;
+use super::text::{Encoding, decode};
 use arrow::array::LargeStringBuilder;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,7 +19,14 @@ pub(super) struct Dialect {
     pub(super) comment: Option<u8>,
     /// Lines before the header that are passed by.
     pub(super) skip: usize,
+    /// How its bytes spell characters.
+    pub(super) encoding: Encoding,
+    /// How many lines of another number of cells are passed by.
+    pub(super) bad_lines: usize,
 }
+
+/// The delimiter that stands for any white space.
+pub(super) const WHITE_SPACE: u8 = b' ';
 
 /// Reads delimited text; every cell stays text, trimmed, and null where empty.
 pub(super) fn read(
@@ -27,7 +35,10 @@ pub(super) fn read(
     dialect: Dialect,
     take: &Take,
 ) -> Result<Table, StoreError> {
-    let text = after_lines(path, decode(path, bytes)?, dialect.skip)?;
+    let decoded = decode(path, bytes, dialect.encoding)?;
+    let text = after_lines(path, &decoded, dialect.skip)?;
+    let (written, dialect, mut told) = as_delimited(text, dialect);
+    let text = written.as_deref().unwrap_or(text);
     check_records(path, text, dialect)?;
     let mut counter =
         Lines { rest: text, byte: 0, line: 1 + dialect.skip as u64, comment: dialect.comment };
@@ -36,8 +47,9 @@ pub(super) fn read(
         .has_headers(dialect.header)
         .comment(dialect.comment)
         .trim(::csv::Trim::All)
+        .flexible(true)
         .from_reader(text.as_bytes());
-    let names: Option<Vec<String>> = match dialect.header {
+    let mut names: Option<Vec<String>> = match dialect.header {
         true => {
             let header = reader.headers().map_err(|e| fault(path, &mut counter, &e))?;
             Some(header.iter().map(str::to_owned).collect())
@@ -45,19 +57,28 @@ pub(super) fn read(
         false => None,
     };
     check_names(path, names.as_deref().unwrap_or_default())?;
+    let mut record = ::csv::StringRecord::new();
+    let mut more = reader.read_record(&mut record).map_err(|e| fault(path, &mut counter, &e))?;
+    if let Some(names) = names.as_mut().filter(|_| more) {
+        told.extend(one_cell_short(names, &record));
+    }
+    // Without a header the first record says how many columns there are.
+    let width = names.as_ref().map_or(record.len(), Vec::len);
     let builder = |place: usize| {
         let name = names.as_ref().and_then(|names| names.get(place));
         take.wants(place, name.map(String::as_str)).then(LargeStringBuilder::new)
     };
-    let mut columns: Vec<Option<LargeStringBuilder>> =
-        (0..names.as_ref().map_or(0, Vec::len)).map(builder).collect();
-    let mut lines = Vec::new();
-    let mut record = ::csv::StringRecord::new();
-    while reader.read_record(&mut record).map_err(|e| fault(path, &mut counter, &e))? {
-        if names.is_none() && columns.is_empty() {
-            // Without a header the first record says how many columns there are; the reader holds
-            // all to it.
-            columns = (0..record.len()).map(builder).collect();
+    let mut columns: Vec<Option<LargeStringBuilder>> = (0..width).map(builder).collect();
+    let (mut lines, mut bad) = (Vec::new(), Vec::new());
+    while more {
+        let line = counter.line_of(record.position());
+        if record.len() != width {
+            let what = format!("line {line} has {} cells where {width} belong", record.len());
+            if bad.len() == dialect.bad_lines {
+                return Err(unequal(path, what, dialect.bad_lines));
+            }
+            bad.push((lines.len(), what));
+            record = ::csv::StringRecord::from(vec![""; width]);
         }
         if lines.len() == MOST_ROWS {
             return Err(too_many_rows(path, &format!("more than {MOST_ROWS}")));
@@ -71,9 +92,53 @@ pub(super) fn read(
                 column.append_option(Some(cell).filter(|c| !c.is_empty()));
             }
         }
-        lines.push(counter.line_of(record.position()));
+        lines.push(line);
+        more = reader.read_record(&mut record).map_err(|e| fault(path, &mut counter, &e))?;
     }
-    Ok(Table { columns: columns.into_iter().map(Cells::of_text).collect(), names, lines })
+    let columns = columns.into_iter().map(Cells::of_text).collect();
+    Ok(Table { columns, names, lines, told, bad })
+}
+
+/// What a text that is a table in another way looks like with tabs, the dialect it then has, and what is to be told of it.
+fn as_delimited(text: &str, dialect: Dialect) -> (Option<String>, Dialect, Vec<String>) {
+    let tabs = Dialect { delimiter: b'\t', ..dialect };
+    if is_labchart(text) {
+        let told =
+            "read as a LabChart export: the channels' titles are the header, `Time` before them"
+                .to_owned();
+        return (Some(labchart(text)), Dialect { header: true, ..tabs }, vec![told]);
+    }
+    if dialect.delimiter != WHITE_SPACE {
+        return (None, dialect, Vec::new());
+    }
+    let is_data = |line: &&str| !line.trim().is_empty() && line.bytes().next() != dialect.comment;
+    if text.lines().find(is_data).is_some_and(|line| line.contains('\t')) {
+        return (None, tabs, vec!["cells are taken to stand between tabs".to_owned()]);
+    }
+    let told = "cells are taken to stand between any blanks".to_owned();
+    (Some(spaced(text, dialect.comment)), tabs, vec![told])
+}
+
+/// Mends a header that is one cell short of the first record: as R writes names of rows, or because each line ends in a
+/// delimiter. Says what it was taken for.
+fn one_cell_short(names: &mut Vec<String>, record: &::csv::StringRecord) -> Option<String> {
+    if record.len() != names.len() + 1 {
+        return None;
+    }
+    if record.iter().next_back().is_some_and(str::is_empty) {
+        names.push(String::new());
+        return Some("the header is one cell short: lines end in a delimiter".to_owned());
+    }
+    names.insert(0, String::new());
+    Some("the header is one cell short: the first column is taken for one without a name, as R writes row names".to_owned())
+}
+
+fn unequal(path: &Path, what: String, bad_lines: usize) -> StoreError {
+    let more =
+        if bad_lines > 0 { format!(", after {bad_lines} other bad lines") } else { String::new() };
+    let remedy = "the file may be cut off or its delimiter another; mend the line, set delimiter in [file], or pass a few such \
+                  lines by with bad_lines";
+    StoreError::new(path, format!("{what}{more}"), remedy)
 }
 
 fn after_lines<'a>(path: &Path, text: &'a str, skip: usize) -> Result<&'a str, StoreError> {
@@ -181,11 +246,9 @@ impl Lines<'_> {
 
 fn fault(path: &Path, lines: &mut Lines, error: &::csv::Error) -> StoreError {
     match error.kind() {
-        ::csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
-            let line = lines.line_of(pos.as_ref());
-            let what = format!("line {line} has {len} cells where {expected_len} belong");
-            let remedy = "the file may be cut off or its delimiter another; mend the line, or set delimiter in [file]";
-            StoreError::new(path, what, remedy)
+        ::csv::ErrorKind::Utf8 { pos, .. } => {
+            let what = format!("line {} is not UTF-8 text", lines.line_of(pos.as_ref()));
+            StoreError::new(path, what, "set encoding in [file]")
         }
         _ => StoreError::new(path, error.to_string(), "check the delimiter in [file]"),
     }
@@ -201,7 +264,14 @@ mod tests {
         everything(|take| super::read(path, bytes, dialect, take))
     }
 
-    const COMMA: Dialect = Dialect { delimiter: b',', header: true, comment: None, skip: 0 };
+    const COMMA: Dialect = Dialect {
+        delimiter: b',',
+        header: true,
+        comment: None,
+        skip: 0,
+        encoding: Encoding::Utf8,
+        bad_lines: 0,
+    };
 
     fn cells(text: &str, dialect: Dialect) -> Vec<Vec<String>> {
         let table = read(Path::new("a.csv"), text.as_bytes(), dialect).unwrap();
@@ -243,6 +313,40 @@ mod tests {
     fn a_row_of_another_length_is_refused_with_its_line() {
         let error = read(Path::new("a.csv"), b"a,b\n1,2\n3\n", COMMA).unwrap_err();
         assert!(error.what.contains("line 3 has 1 cells where 2 belong"), "{error}");
+    }
+
+    #[test]
+    fn white_space_of_any_kind_stands_between_cells_where_it_is_the_delimiter() {
+        let blank = Dialect { delimiter: WHITE_SPACE, ..COMMA };
+        assert_eq!(cells("t   f\n 0.0  1\n 0.5\t2\n", blank), [["0.0", "0.5"], ["1", "2"]]);
+        assert_eq!(cells("time (s)\tF\n0\t1\n", blank), [["0"], ["1"]]);
+    }
+
+    #[test]
+    fn a_header_one_cell_short_is_mended_and_told() {
+        let table = |text: &str| read(Path::new("a.csv"), text.as_bytes(), COMMA).unwrap();
+        let named = table("t,f\n1,0.0,5\n2,0.5,6\n");
+        assert_eq!(named.names.as_deref(), Some(["", "t", "f"].map(str::to_owned).as_slice()));
+        assert!(named.told[0].contains("row names"), "{:?}", named.told);
+        let ended = table("t,f\n0.0,5,\n0.5,6,\n");
+        assert_eq!(ended.names.as_deref(), Some(["t", "f", ""].map(str::to_owned).as_slice()));
+        assert!(table("t,f\n0,1\n").told.is_empty());
+    }
+
+    #[test]
+    fn as_many_bad_lines_as_allowed_are_marked_and_one_more_is_refused() {
+        let text = "t,f\n0,1\n1\n2,3\n3,4,5\n4,5\n";
+        let table =
+            read(Path::new("a.csv"), text.as_bytes(), Dialect { bad_lines: 2, ..COMMA }).unwrap();
+        assert_eq!(table.lines, [2, 3, 4, 5, 6]);
+        let expect =
+            [(1, "line 3 has 1 cells where 2 belong"), (3, "line 5 has 3 cells where 2 belong")];
+        assert_eq!(table.bad, expect.map(|(row, what)| (row, what.to_owned())));
+        let error = refused(text, Dialect { bad_lines: 1, ..COMMA });
+        assert!(
+            error.contains("line 5 has 3 cells where 2 belong, after 1 other bad lines"),
+            "{error}"
+        );
     }
 
     fn refused(text: &str, dialect: Dialect) -> String {

@@ -14,6 +14,7 @@ use zwidth_store::StoreError;
 pub(super) enum Format {
     Csv,
     Tsv,
+    Txt,
     Jsonl,
     Parquet,
     Mat,
@@ -30,13 +31,15 @@ pub(super) struct FormatOptions<'a> {
 
 impl Format {
     /// Every format.
-    pub(super) const ALL: [Self; 5] = [Self::Csv, Self::Tsv, Self::Jsonl, Self::Parquet, Self::Mat];
+    pub(super) const ALL: [Self; 6] =
+        [Self::Csv, Self::Tsv, Self::Txt, Self::Jsonl, Self::Parquet, Self::Mat];
 
     /// The extensions of its files, in small letters; the first is its word in a mapping file.
     pub(super) fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Csv => &["csv"],
             Self::Tsv => &["tsv"],
+            Self::Txt => &["txt", "dat", "asc"],
             Self::Jsonl => &["jsonl", "ndjson"],
             Self::Parquet => &["parquet"],
             Self::Mat => &["mat"],
@@ -53,6 +56,7 @@ impl Format {
         match self {
             Self::Csv => "a CSV",
             Self::Tsv => "a TSV",
+            Self::Txt => "columns of text",
             Self::Jsonl => "JSON lines",
             Self::Parquet => "a Parquet file",
             Self::Mat => "a MAT file",
@@ -76,8 +80,8 @@ impl Format {
         take: &Take,
     ) -> Result<Table, StoreError> {
         match self {
-            Self::Csv | Self::Tsv => csv::read(path, &bytes, options.dialect, take),
-            Self::Jsonl => jsonl::read(path, &bytes, take),
+            Self::Csv | Self::Tsv | Self::Txt => csv::read(path, &bytes, options.dialect, take),
+            Self::Jsonl => jsonl::read(path, &bytes, options.dialect.encoding, take),
             Self::Parquet => parquet::read(path, bytes, take),
             Self::Mat => mat::read(path, &bytes, options.matrix, take),
         }

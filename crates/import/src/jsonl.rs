@@ -2,7 +2,7 @@
 
 use super::limits::{MOST_LINE, Take, check_columns, check_name, shown, too_many_rows, too_much};
 use super::table::{Cells, Table};
-use super::text::decode;
+use super::text::{Encoding, decode};
 use arrow::array::{ArrayBuilder as _, LargeStringBuilder};
 use serde::Deserializer as _;
 use serde::de::{MapAccess, Visitor};
@@ -14,8 +14,14 @@ use zwidth_store::{MOST_ROWS, StoreError};
 
 /// Reads JSON lines. Numbers keep the text they were written with, strings lose their quotes,
 /// `null` and a missing key are empty cells.
-pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, StoreError> {
-    let text = decode(path, bytes)?;
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    encoding: Encoding,
+    take: &Take,
+) -> Result<Table, StoreError> {
+    let text = decode(path, bytes, encoding)?;
+    let text = text.as_ref();
     // All keys before any value: the last object may have one that no other has.
     let (names, lines) = keys(path, text)?;
     let numbered = names.iter().enumerate();
@@ -41,7 +47,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, Stor
         }
     }
     let columns = columns.into_iter().map(Cells::of_text).collect();
-    Ok(Table { columns, names: Some(names), lines })
+    Ok(Table { columns, names: Some(names), lines, ..Table::default() })
 }
 
 /// The lines that are not blank, with their numbers.
@@ -131,7 +137,7 @@ mod tests {
     use super::*;
 
     fn read(path: &Path, bytes: &[u8]) -> Result<Table, StoreError> {
-        everything(|take| super::read(path, bytes, take))
+        everything(|take| super::read(path, bytes, Encoding::Utf8, take))
     }
 
     #[test]
@@ -191,7 +197,8 @@ mod tests {
         let t = ColumnRef::Name("t".to_owned());
         let budget = Budget::default();
         let take = Take { columns: vec![&t], pattern: None, budget: &budget };
-        let table = super::read(Path::new("a.jsonl"), deep.as_bytes(), &take).unwrap();
+        let table =
+            super::read(Path::new("a.jsonl"), deep.as_bytes(), Encoding::Utf8, &take).unwrap();
         assert_eq!(table.columns[0].cell(0), Cell::Text("1"));
         assert!(matches!(table.columns[1], Cells::Unread));
     }

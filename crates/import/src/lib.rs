@@ -14,6 +14,7 @@ mod check_sweeps;
 mod convert;
 mod csv;
 mod format;
+mod guess;
 mod identity;
 mod jsonl;
 #[cfg(test)]
@@ -25,6 +26,7 @@ mod mapping;
 mod mat;
 mod once;
 mod parquet;
+mod plain;
 mod plan;
 pub mod readers;
 #[cfg(test)]
@@ -41,6 +43,7 @@ mod wide;
 #[cfg(test)]
 mod world;
 
+pub use guess::guess;
 pub use mapping::Mapping;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped};
 
@@ -257,12 +260,14 @@ impl Context<'_> {
             (rows.missing, "a mapped cell is empty or NaN (missing = \"drop\")".to_owned()),
             (rows.past_limit, format!("after the first {limit} (rows = {limit})")),
         ];
+        let bad = rows.bad.iter().map(|why| (1, format!("{why} (bad_lines)")));
         Ok(FileReport {
             file: printable(&recording.path.to_string_lossy()).into_owned(),
             rows_read: rows.read,
             rows_kept: rows.kept.len(),
             rows_dropped: dropped
                 .into_iter()
+                .chain(bad)
                 .filter(|d| d.0 > 0)
                 .map(|(rows, why)| RowsDropped { rows, why })
                 .collect(),
@@ -276,6 +281,8 @@ impl Context<'_> {
             computed: Vec::new(),
             null: Vec::new(),
             made: Vec::new(),
+            care: Vec::new(),
+            told: recording.table.told.clone(),
         })
     }
 }

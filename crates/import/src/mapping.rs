@@ -2,13 +2,14 @@
 
 use super::check::check;
 use super::convert::Linear;
-use super::csv::Dialect;
+use super::csv::{Dialect, WHITE_SPACE};
 use super::format::Format;
 use super::label::Label;
 use super::limits::MOST_MAPPING;
 pub(super) use super::shape::{Missing, Reduce, Side};
 use super::sweeps::Pairs;
 use super::table::ColumnRef;
+use super::text::Encoding;
 use super::unit::Unit;
 use super::wide::Wide;
 use regex::Regex;
@@ -52,6 +53,11 @@ pub(super) struct FileForm {
     pub(super) rows: Option<usize>,
     pub(super) missing: Missing,
     pub(super) matrix: Option<String>,
+    pub(super) encoding: Encoding,
+    /// How many rows that cannot be read are passed by.
+    pub(super) bad_lines: usize,
+    /// Whether a time that starts over begins another trial.
+    pub(super) splits_at_time: bool,
 }
 
 impl FileForm {
@@ -71,15 +77,23 @@ impl FileForm {
     }
 
     /// How delimited text of `format` is written. Where no delimiter is named: tabs in TSV; in CSV
-    /// commas, or semicolons where the comma stands before decimals.
+    /// commas, or semicolons where the comma stands before decimals; elsewhere any white space.
     pub(super) fn dialect(&self, format: Format) -> Dialect {
         let usual = match (format, self.decimal_comma) {
             (Format::Tsv, _) => b'\t',
+            (Format::Txt, _) => WHITE_SPACE,
             (_, true) => b';',
             (_, false) => b',',
         };
         let delimiter = self.delimiter.unwrap_or(usual);
-        Dialect { delimiter, header: self.header, comment: self.comment, skip: self.skip }
+        Dialect {
+            delimiter,
+            header: self.header,
+            comment: self.comment,
+            skip: self.skip,
+            encoding: self.encoding,
+            bad_lines: self.bad_lines,
+        }
     }
 }
 

@@ -55,7 +55,7 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>, take: &Take) -> Result<Table, St
     });
     let columns = columns.collect();
     let names = fields.iter().map(|f| f.name().clone()).collect();
-    Ok(Table { names: Some(names), columns, lines: Vec::new() })
+    Ok(Table { names: Some(names), columns, ..Table::default() })
 }
 
 /// The number of rows, where it and that of the columns are ones that are read.

@@ -1,9 +1,10 @@
 //! The readers of other people's formats as functions of bytes, with the first columns taken.
 
-use super::csv::Dialect;
+use super::csv::{Dialect, WHITE_SPACE};
 use super::format::{Format, FormatOptions};
 use super::limits::{Budget, Take};
 use super::table::ColumnRef;
+use super::text::Encoding;
 use std::path::Path;
 use zwidth_store::StoreError;
 
@@ -43,7 +44,14 @@ impl FormatReader {
     /// Why it cannot be read.
     pub fn read(self, bytes: &[u8]) -> Result<usize, StoreError> {
         let columns: Vec<ColumnRef> = (1..=TAKEN).map(ColumnRef::Position).collect();
-        let dialect = Dialect { delimiter: b',', header: true, comment: Some(b'#'), skip: 0 };
+        let dialect = Dialect {
+            delimiter: if self.0 == Format::Txt { WHITE_SPACE } else { b',' },
+            header: true,
+            comment: Some(b'#'),
+            skip: 0,
+            encoding: Encoding::Utf8,
+            bad_lines: 1,
+        };
         let read = |matrix| {
             let budget = Budget::default();
             let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };

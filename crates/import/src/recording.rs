@@ -32,6 +32,8 @@ pub(super) struct Rows {
     pub(super) missing: usize,
     /// Rows left out because they come after the limit.
     pub(super) past_limit: usize,
+    /// Why each row that cannot be read was left out.
+    pub(super) bad: Vec<String>,
 }
 
 impl Recording {
@@ -163,16 +165,53 @@ impl Recording {
             return Err(too_many_rows(&self.path, &read.to_string()));
         }
         let limit = form.rows.unwrap_or(read).min(read);
+        let bad = self.bad_rows(limit, numeric, form.bad_lines);
+        let readable = (0..limit).filter(|row| !bad.contains_key(row));
         let kept: Vec<usize> = match form.missing {
-            Missing::Error => (0..limit).collect(),
-            Missing::Drop => (0..limit).filter(|row| self.is_full(*row, numeric, text)).collect(),
+            Missing::Error => readable.collect(),
+            Missing::Drop => readable.filter(|row| self.is_full(*row, numeric, text)).collect(),
         };
         if kept.is_empty() {
             let what =
                 if read == 0 { "the file has 0 rows" } else { "no row has all mapped values" };
             return Err(self.error(what, "leave the file out of the import"));
         }
-        Ok(Rows { read, missing: limit - kept.len(), past_limit: read - limit, kept })
+        let missing = limit - kept.len() - bad.len();
+        Ok(Rows { read, missing, past_limit: read - limit, kept, bad: bad.into_values().collect() })
+    }
+
+    /// Rows up to `limit` that cannot be read, at most as many as are allowed: what more there are is an error of whoever reads
+    /// them.
+    fn bad_rows(&self, limit: usize, numeric: &[usize], allowed: usize) -> BTreeMap<usize, String> {
+        let mut bad: BTreeMap<usize, String> =
+            self.table.bad.iter().filter(|(row, _)| *row < limit).cloned().collect();
+        for row in 0..limit {
+            if bad.len() >= allowed {
+                break;
+            }
+            let why = numeric.iter().find_map(|column| {
+                let what = self.number(*column, row).err()?;
+                Some(self.cell_error(*column, row, &what, "").what)
+            });
+            if let Some(why) = why.filter(|_| !bad.contains_key(&row)) {
+                bad.insert(row, why);
+            }
+        }
+        bad
+    }
+
+    /// `rows` in stretches in which the number of `column` does not fall. What is no number parts nothing, and is an error of
+    /// whoever reads it.
+    pub(super) fn restarts<'a>(
+        &self,
+        rows: &'a [usize],
+        column: usize,
+    ) -> impl Iterator<Item = &'a [usize]> {
+        let falls = move |a: &usize, b: &usize| {
+            let [a, b] = [a, b].map(|row| self.number(column, *row).ok().flatten());
+            a.zip(b).is_some_and(|(a, b)| b < a)
+        };
+        rows.chunk_by(move |a, b| !falls(a, b))
     }
 
     /// Whether a row has a value in all of these columns. What is no number is one, and an error
@@ -232,7 +271,7 @@ fn groups(path: &Path, pattern: &Regex) -> Result<BTreeMap<String, String>, Stor
 }
 
 /// The number that `text` spells, `None` where it spells a missing value.
-fn number(text: &str, decimal_comma: bool) -> Result<Option<f64>, String> {
+pub(super) fn number(text: &str, decimal_comma: bool) -> Result<Option<f64>, String> {
     if text.eq_ignore_ascii_case("nan") {
         return Ok(None);
     }
@@ -391,7 +430,7 @@ mod tests {
         let files = [
             world.file("a.csv", "t,f\nx,y\n"),
             world.file("b.csv", "t\n0\n"),
-            world.file("c.txt", "t,f\n"),
+            world.file("c.xyz", "t,f\n"),
         ];
         let errors = world.import(&trials_map(&[ONE, FORCE]), &files).unwrap_err();
         assert_eq!(errors.len(), 4, "{errors:?}");

@@ -44,6 +44,10 @@ pub struct FileReport {
     pub null: Vec<String>,
     /// What was made of the file.
     pub made: Vec<String>,
+    /// What was taken for granted in reading it.
+    pub told: Vec<String>,
+    /// What its trials say against their units, signs, clock and sensors: they were imported, and are to be read with care.
+    pub care: Vec<String>,
 }
 
 /// Rows left out.
@@ -109,6 +113,7 @@ impl FileReport {
         let dropped =
             |d: &RowsDropped| format!("  dropped   {}: {}", count_of(d.rows, "row"), d.why);
         lines.extend(self.rows_dropped.iter().map(dropped));
+        lines.extend(self.told.iter().map(|line| format!("  noted     {line}")));
         // Forty questionnaire columns with one reason are one line.
         for why in self.columns_dropped.iter().map(|c| &c.why).collect::<BTreeSet<_>>() {
             let same =
@@ -122,6 +127,7 @@ impl FileReport {
         {
             lines.extend(what.iter().map(|line| format!("  {head:<9} {line}")));
         }
+        lines.extend(self.care.iter().map(|line| format!("  read with care: {line}")));
         lines.extend(
             (!self.null.is_empty()).then(|| format!("  null      {}", self.null.join(", "))),
         );
@@ -149,6 +155,8 @@ mod tests {
             computed: vec![],
             null: vec!["flags".to_owned()],
             made: vec!["trial 1".to_owned()],
+            told: vec!["cells stand between tabs".to_owned()],
+            care: vec!["column t_s: it jumps; mend it".to_owned()],
         };
         let study = StudyId::new("demo").unwrap();
         let report =
@@ -156,9 +164,11 @@ mod tests {
         let expect = "\
 K_1.csv: 10 rows read, 9 kept
   dropped   1 row: a mapped cell is empty
+  noted     cells stand between tabs
   dropped   columns a, b: not mapped
   converted theta_rad ← x (mm)
   made      trial 1
+  read with care: column t_s: it jumps; mend it
   null      flags
 
 1 file imported into study demo: 1 trial, 1 session";

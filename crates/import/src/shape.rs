@@ -3,6 +3,7 @@
 use super::format::Format;
 use super::label::LabelShape;
 use super::table::ColumnRef;
+use super::text::Encoding;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -57,6 +58,17 @@ pub(super) struct FileShape {
     pub(super) rows: Option<usize>,
     pub(super) missing: Missing,
     pub(super) matrix: Option<String>,
+    pub(super) encoding: Encoding,
+    pub(super) bad_lines: usize,
+    pub(super) split: Option<Split>,
+}
+
+/// Where one file's rows are parted into trials besides by their labels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Split {
+    /// Where the time starts over.
+    Time,
 }
 
 impl Default for FileShape {
@@ -71,6 +83,9 @@ impl Default for FileShape {
             rows: None,
             missing: Missing::Error,
             matrix: None,
+            encoding: Encoding::Utf8,
+            bad_lines: 0,
+            split: None,
         }
     }
 }

@@ -98,6 +98,10 @@ pub(super) struct Table {
     pub(super) columns: Vec<Cells>,
     /// For text files the line (from 1) of every row.
     pub(super) lines: Vec<u64>,
+    /// What was taken for granted in reading it.
+    pub(super) told: Vec<String>,
+    /// Rows (from 0) that could not be read, and why: their cells are empty.
+    pub(super) bad: Vec<(usize, String)>,
 }
 
 /// How many names an error lists before it stops.
@@ -163,7 +167,7 @@ mod tests {
         let cells = || Cells::Numbers(Float64Array::from(vec![Some(1.0), None]));
         let columns = vec![cells(), cells(), Cells::Other("a struct".to_owned())];
         let names = names.map(|n| n.iter().map(|s| (*s).to_owned()).collect());
-        Table { names, columns, lines: Vec::new() }
+        Table { names, columns, ..Table::default() }
     }
 
     #[test]

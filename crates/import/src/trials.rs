@@ -10,9 +10,10 @@ use super::recording::Recording;
 use super::report::{FileReport, null_columns};
 use super::{Context, Converted, Errors, all, once};
 use rayon::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use zwidth_store::{
-    Samples, Signal, StoreError, Trial, TrialFile, check_form, hex_blake3, trial_bytes,
+    Asked, Samples, Signal, StoreError, Trial, TrialFile, check_form, check_samples, hex_blake3,
+    trial_bytes,
 };
 use zwidth_study::{Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
 
@@ -46,6 +47,7 @@ pub(super) fn trials(
     for Converted { blake3, made: (pieces, mut report), .. } in converted {
         for (piece, number) in pieces.into_iter().zip(&mut numbers) {
             report.made.push(words(&piece, number));
+            report.care.extend(with_care(context.study, &piece, number));
             made.push((piece, number, blake3.clone()));
         }
         batch.files.push(report);
@@ -83,6 +85,19 @@ fn words(piece: &Piece, number: &PlannedTrial) -> String {
     )
 }
 
+/// What the samples of a trial say against it, as `verify` and a run will say too.
+fn with_care(study: &Study, piece: &Piece, number: &PlannedTrial) -> Vec<String> {
+    let asked = Asked::of(study, &number.environment);
+    let found = check_samples(&asked, Path::new(""), &piece.samples);
+    let place = |error: &StoreError| {
+        let row = error.row.map(|row| format!(", row {row}")).unwrap_or_default();
+        format!("{}{row}", error.column.as_deref().unwrap_or_default())
+    };
+    let line =
+        |e: &StoreError| format!("trial {}, {}: {}; {}", number.trial, place(e), e.what, e.remedy);
+    found.iter().map(line).collect()
+}
+
 /// One file's trials: consecutive rows with equal labels are one trial.
 fn convert(
     context: &Context,
@@ -94,9 +109,17 @@ fn convert(
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let rows = recording.rows(&context.mapping.file, &numeric, &labels)?;
+    let time = numeric.first().copied().filter(|_| context.mapping.file.splits_at_time);
+    let pieces = || {
+        let labelled = recording.pieces(&rows.kept, &labels);
+        labelled.flat_map(|rows| match time {
+            Some(time) => recording.restarts(rows, time).collect(),
+            None => vec![rows],
+        })
+    };
     // Counted before anything is made of them.
-    budget.trials(&recording.path, recording.pieces(&rows.kept, &labels).count())?;
-    let pieces = all(recording.pieces(&rows.kept, &labels).map(|rows| {
+    budget.trials(&recording.path, pieces().count())?;
+    let pieces = all(pieces().map(|rows| {
         let identity = identity(who, recording, rows[0], context.study)?;
         Ok::<_, Errors>(Piece { identity, samples: samples(plan, recording, &numeric, rows)? })
     }))?;
@@ -211,6 +234,75 @@ mod tests {
     use super::super::world::{COLUMNS, FORCE, ONE, World, close, trials_map};
     use zwidth_store::{Signal, file_blake3, read_channels};
     use zwidth_study::{Event, Kind};
+
+    #[test]
+    fn a_time_that_starts_over_begins_another_trial_where_the_mapping_says_so() {
+        let world = World::new();
+        let file = world.file("a.csv", "t,f\n0,1\n1,2\n0,3\n1,4\n2,5\n");
+        let map = trials_map(&["[file]\nsplit = \"time\"\n", ONE, FORCE]);
+        assert_eq!(world.import(&map, &[file]).unwrap().trials, 2);
+        assert_eq!(world.column(2, Signal::ForceEx), [3.0, 4.0, 5.0]);
+        let other = World::new();
+        let file = other.file("a.csv", "t,f\n0,1\n1,2\n0,3\n");
+        other.refuses(&trials_map(&[ONE, FORCE]), &file, "time runs backwards", None);
+    }
+
+    #[test]
+    fn bad_lines_are_passed_by_and_each_is_reported() {
+        let world = World::new();
+        let file = world.file("a.csv", "t,f\n0,1\n1\n2,x\n3,4\n");
+        let bad = |n: u32| trials_map(&[&format!("[file]\nbad_lines = {n}\n"), ONE, FORCE]);
+        world.refuses(&bad(1), &file, "'x' is not a number", Some(("f", 3)));
+        let report = world.import(&bad(2), &[file]).unwrap();
+        let why: Vec<&str> = report.files[0].rows_dropped.iter().map(|d| d.why.as_str()).collect();
+        let expect = [
+            "line 3 has 1 cells where 2 belong (bad_lines)",
+            "'x' is not a number (line 4) (bad_lines)",
+        ];
+        assert_eq!(why, expect);
+        assert_eq!(world.column(1, Signal::Time), [0.0, 3.0]);
+    }
+
+    #[test]
+    fn a_labchart_export_is_read_block_by_block() {
+        let world = World::new();
+        let text = "Interval=\t0.5 s\r\nChannelTitle=\tf\tx\r\nRange=\t1 N\t1 V\r\n0\t1\t0\r\n0.5\t2\t0\t#* go\r\n\
+                    Interval=\t0.5 s\r\nChannelTitle=\tf\tx\r\n0\t3\t0\r\n0.5\t4\t0\r\n";
+        let file = world.file("a.txt", text);
+        let force = FORCE.replace("from = \"t\"", "from = \"Time\"");
+        let map = trials_map(&["[file]\nsplit = \"time\"\n", ONE, &force]);
+        let report = world.import(&map, &[file]).unwrap();
+        assert_eq!(report.trials, 2);
+        assert!(report.files[0].told[0].contains("LabChart"), "{:?}", report.files[0].told);
+        assert_eq!(world.column(2, Signal::ForceEx), [3.0, 4.0]);
+    }
+
+    #[test]
+    fn a_velocity_in_degrees_taken_for_radians_is_imported_and_said() {
+        let world = World::new();
+        let row = |i: i32| {
+            let t = f64::from(i) * 0.005;
+            let (sin, cos) = libm::sincos(3.0 * t);
+            format!("{t},{},{}\n", 0.4 * sin, (1.2 * cos).to_degrees())
+        };
+        let rows: String = (0..200).map(row).collect();
+        let column = |to: &str, from: &str, unit: &str| {
+            format!("[[column]]\nto = \"{to}\"\nfrom = \"{from}\"\nunit = \"{unit}\"\n")
+        };
+        let columns = column("theta_rad", "x", "rad") + &column("theta_dot_rad_s", "v", "rad/s");
+        let map = trials_map(&[ONE, "[time]\nfrom = \"t\"\nunit = \"s\"\n", &columns]);
+        let report = world.import(&map, &[world.file("a.csv", format!("t,x,v\n{rows}"))]).unwrap();
+        let care = &report.files[0].care;
+        assert_eq!(care.len(), 1, "{care:?}");
+        assert!(
+            care[0].starts_with("trial 1, theta_dot_rad_s: the velocity is 57.3 times"),
+            "{care:?}"
+        );
+        let mended = map.replace("unit = \"rad/s\"", "unit = \"deg/s\"");
+        let other = World::new();
+        let file = other.file("a.csv", format!("t,x,v\n{rows}"));
+        assert!(other.import(&mended, &[file]).unwrap().files[0].care.is_empty());
+    }
 
     #[test]
     fn a_file_becomes_a_trial_a_session_and_an_event_with_the_files_hash() {

@@ -8,6 +8,7 @@ pub mod activity;
 pub mod cubic;
 mod error;
 pub mod expm;
+pub mod fourier;
 pub mod local;
 pub mod lsq;
 pub mod minimise;

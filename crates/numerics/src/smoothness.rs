@@ -1,6 +1,6 @@
 //! How smooth a movement is, from the spectrum of its speed.
 
-use crate::spectrum::squared_fourier;
+use crate::fourier::squared_fourier_from_zero;
 
 /// Nothing of a hand's movement is sought above this, Hz (Balasubramanian 2015: ω_c,max = 20π
 /// rad/s).
@@ -19,7 +19,7 @@ const LEAST_SAMPLES: usize = 3;
 ///
 /// Balasubramanian, Melendez-Calderon, Roby-Brami & Burdet (2015), J. NeuroEng. Rehabil. 12:112.
 /// The arc is that of the polyline through V̂ at steps of rate / (16 · 2^⌈log₂ n⌉), as in the
-/// authors' own program.
+/// authors' own program. V by the trapezoidal rule at the recorded times; n log n.
 ///
 /// `t` in s, increasing, as long as `speed` (≥ 0, in any unit). `None` for fewer than 3 samples,
 /// for samples that come slower than 20 a second (10 Hz is then beyond them), and for a speed that
@@ -35,7 +35,12 @@ pub fn spectral_arc_length(t: &[f64], speed: &[f64]) -> Option<f64> {
     }
     let step_hz = rate_hz / (PADDING * n.next_power_of_two()) as f64;
     let count = (CUTOFF_HZ / step_hz) as usize + 1;
-    let power = squared_fourier(t, speed, step_hz, 0, count);
+    let power = squared_fourier_from_zero(t, speed, step_hz, count);
+    arc_length(&power).map(|arc| -arc)
+}
+
+/// Length of the arc below the share of 0 Hz, up to the last frequency that counts; `None` where there is none above 0 Hz.
+fn arc_length(power: &[f64]) -> Option<f64> {
     let share: Vec<f64> = power.iter().map(|p| (p / power[0]).sqrt()).collect();
     // Without any speed the shares are NaN, which is at or above nothing: `None`.
     let last = share.iter().rposition(|share| *share >= AMPLITUDE).filter(|last| *last > 0)?;
@@ -44,12 +49,13 @@ pub fn spectral_arc_length(t: &[f64], speed: &[f64]) -> Option<f64> {
         .windows(2)
         .map(|w| (width * width + (w[1] - w[0]) * (w[1] - w[0])).sqrt())
         .sum();
-    Some(-arc)
+    Some(arc)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spectrum::squared_fourier;
     use core::f64::consts::TAU;
 
     /// Speed of a minimum-jerk way from 0 to 1 in unit time.
@@ -96,6 +102,27 @@ mod tests {
         };
         assert!((of(1.0, 1.0) - of(7.0, 1.0)).abs() < 1e-12);
         assert!((of(1.0, 1.0) - of(1.0, 2.0)).abs() < 5e-3);
+    }
+
+    /// V by the sum itself, term by term.
+    fn term_by_term(t: &[f64], speed: &[f64]) -> f64 {
+        let n = t.len();
+        let step_hz = (n - 1) as f64 / (t[n - 1] - t[0]) / (PADDING * n.next_power_of_two()) as f64;
+        let power = squared_fourier(t, speed, step_hz, 0, (CUTOFF_HZ / step_hz) as usize + 1);
+        -arc_length(&power).unwrap()
+    }
+
+    #[test]
+    fn long_uneven_recordings_have_the_arc_length_of_the_sum_term_by_term() {
+        for n in [64_u32, 1000, 3000, 20_000] {
+            let t: Vec<f64> =
+                (0..n).map(|i| f64::from(i) * 5e-3 + 1e-3 * f64::from(i * 7 % 5)).collect();
+            let speed: Vec<f64> =
+                t.iter().map(|t| (libm::sin(*t) + 0.3 * libm::sin(31.0 * t)).abs()).collect();
+            let (found, expect) =
+                (spectral_arc_length(&t, &speed).unwrap(), term_by_term(&t, &speed));
+            assert!((found / expect - 1.0).abs() < 1e-9, "{n}: {found} against {expect}");
+        }
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Spectra of sampled signals whose samples need not be even, by the Fourier integral itself.
 //!
-//! ∫ y e^(−2πift) dt by the trapezoidal rule at the recorded times: no resampling. The lengths here
-//! (seconds at up to some kilohertz) need no fast transform, and a plain loop gives the same bits
-//! on every processor.
+//! ∫ y e^(−2πift) dt by the trapezoidal rule at the recorded times: no resampling. The few frequencies of a
+//! band need no fast transform, and a plain loop gives the same bits on every processor. For many frequencies of a long signal
+//! there is [`crate::fourier`].
 
 use core::f64::consts::TAU;
 
@@ -59,7 +59,7 @@ fn square(x: f64) -> f64 {
 }
 
 /// What each sample counts in ∫ y dt: half of the interval to either side.
-fn trapezoidal_weights(t: &[f64]) -> Vec<f64> {
+pub(crate) fn trapezoidal_weights(t: &[f64]) -> Vec<f64> {
     let last = t.len().saturating_sub(1);
     (0..t.len()).map(|i| (t[(i + 1).min(last)] - t[i.saturating_sub(1)]) / 2.0).collect()
 }

@@ -69,7 +69,10 @@ fn condition_job(data: &StudyData, repeats: &Repeats) -> Job {
     Job::new(
         STAGE,
         format!("metrics {}", repeats.who),
-        OfTrials::new(OfCondition { metrics, asked: Asked::of(&data.study) }, &repeats.trials),
+        OfTrials::new(
+            OfCondition { metrics, asked: Asked::of(&data.study, &repeats.environment.id) },
+            &repeats.trials,
+        ),
         files(&repeats.trials),
         vec![of_condition(&data.layout, repeats)],
         make_condition,
@@ -159,5 +162,5 @@ fn with_care(asked: &Asked, trial: &Trial) -> Vec<String> {
 fn describe(trial: &Trial, finding: StoreError) -> String {
     let column = finding.column.map(|column| format!(", {column}")).unwrap_or_default();
     let row = finding.row.map(|row| format!(", row {row}")).unwrap_or_default();
-    format!("{}{column}{row}: {}", name(&trial.meta), finding.what)
+    format!("{}{column}{row}: {}; {}", name(&trial.meta), finding.what, finding.remedy)
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
     ComparedMetric, Gallery, Made as Listed, Planned, Remark, Shown, Summary, Told, findings,
-    summary_markdown,
+    summary_markdown, survey,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
@@ -18,7 +18,7 @@ use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 8 };
+const STAGE: Stage = Stage { name: "summary", version: 9 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -167,11 +167,13 @@ fn list_findings(
     compared: &[ComparedMetric],
     made: &Summary,
 ) -> Result<Vec<Listed>, TableError> {
-    let (Some(metrics), tally) = (read(&files.metrics)?, read(&files.tally)?) else {
-        return Ok(Vec::new());
-    };
+    let (metrics, tally) = (read(&files.metrics)?, read(&files.tally)?);
     let compared = zwidth_report::contrasts(&page.planned, compared)?;
-    let found = findings(&page.planned, &metrics, tally.as_ref())?;
+    let found = match (&metrics, &tally) {
+        (Some(metrics), tally) => findings(&page.planned, metrics, tally.as_ref())?,
+        (None, Some(tally)) => survey(&page.planned, tally)?,
+        (None, None) => Vec::new(),
+    };
     let all = compared.into_iter().chain(found);
     Ok(all.map(|f| Listed { path: page.shown_by(&f.shown, made), caption: f.text }).collect())
 }

@@ -39,28 +39,26 @@ fn check_columns(columns: &[&[f64]], fit: &LinearFit) -> Result<(), NumericsErro
     columns.iter().try_for_each(|c| expect("a column", fit.residuals.len(), c.len()))
 }
 
-/// S: the Bartlett-weighted sum of the scores' autocovariances.
+/// S as Σᵢ Wᵢ Wᵢᵀ / (L + 1), Wᵢ the sum of the scores from i − L to i, those before and after the recording being 0: a pair of
+/// scores l apart is in L + 1 − l of these windows, which is Bartlett's weight. As many sums as samples, whatever L; and none of
+/// a variance that is below 0.
 fn long_run_sum(scores: &[Vec<f64>], lags: usize) -> Vec<Vec<f64>> {
-    let p = scores.len();
-    let mut sum = vec![vec![0.0; p]; p];
-    for lag in 0..=lags {
-        let weight = 1.0 - lag as f64 / (lags as f64 + 1.0);
-        for j in 0..p {
-            for k in 0..p {
-                let gamma = lagged_product(&scores[j], &scores[k], lag);
-                sum[j][k] += weight * gamma;
-                if lag > 0 {
-                    sum[k][j] += weight * gamma;
-                }
-            }
-        }
-    }
-    sum
+    let windows: Vec<Vec<f64>> = scores.iter().map(|s| window_sums(s, lags)).collect();
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let length = lags as f64 + 1.0;
+    windows.iter().map(|a| windows.iter().map(|b| product(a, b) / length).collect()).collect()
 }
 
-/// Σᵢ aᵢ bᵢ₋ₗ.
-fn lagged_product(a: &[f64], b: &[f64], lag: usize) -> f64 {
-    a.iter().skip(lag).zip(b).map(|(a, b)| a * b).sum()
+/// Σ of `score` from i − `lags` to i, for each i at which that holds a sample.
+fn window_sums(score: &[f64], lags: usize) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut until = vec![0.0];
+    until.extend(score.iter().map(|s| {
+        sum += s;
+        sum
+    }));
+    let window = |i: usize| until[(i + 1).min(score.len())] - until[i.saturating_sub(lags)];
+    (0..score.len() + lags).map(window).collect()
 }
 
 fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
@@ -152,6 +150,31 @@ mod tests {
                 assert!((found / expected - 1.0).abs() < 1e-10, "{lags} lags: {found} {expected}");
             }
             assert!((c[0][2] - c[2][0]).abs() < 1e-15);
+        }
+    }
+
+    /// S lag by lag, as Newey & West write it.
+    fn lag_by_lag(scores: &[Vec<f64>], lags: usize) -> Vec<Vec<f64>> {
+        let gamma = |a: &[f64], b: &[f64], lag: usize| {
+            a.iter().skip(lag).zip(b).map(|(a, b)| a * b).sum::<f64>()
+        };
+        let weight = |lag: usize| 1.0 - lag as f64 / (lags as f64 + 1.0);
+        let entry = |a: &[f64], b: &[f64]| {
+            let lagged = |lag| weight(lag) * (gamma(a, b, lag) + gamma(b, a, lag));
+            gamma(a, b, 0) + (1..=lags).map(lagged).sum::<f64>()
+        };
+        scores.iter().map(|a| scores.iter().map(|b| entry(a, b)).collect()).collect()
+    }
+
+    #[test]
+    fn sums_over_windows_are_the_sums_lag_by_lag_beyond_the_recording_too() {
+        let (columns, y) = design();
+        let scores = [columns[1].clone(), columns[2].clone(), y];
+        for lags in [0, 1, 5, 23, 24, 100] {
+            let (found, expect) = (long_run_sum(&scores, lags), lag_by_lag(&scores, lags));
+            for (found, expect) in found.iter().flatten().zip(expect.iter().flatten()) {
+                assert!((found / expect - 1.0).abs() < 1e-12, "{lags} lags: {found} {expect}");
+            }
         }
     }
 

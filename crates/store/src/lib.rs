@@ -29,6 +29,7 @@ mod laid;
 mod layout;
 mod lock;
 mod memory;
+mod plausible;
 mod raw;
 mod read;
 mod record;
@@ -70,6 +71,7 @@ pub use laid::{laid_down, lay_down, record_bytes};
 pub use layout::Layout;
 pub use lock::{StudyLock, owner};
 pub use memory::{Fault, Memory, Survives};
+pub use plausible::Asked;
 pub use raw::Raw;
 pub use read::{
     TrialFooter, read_channels, read_entries, read_footer, read_parquet, read_parquet_columns,
@@ -85,7 +87,7 @@ pub use study::{Answer, MOST_STUDY, SessionLog, StudyData, SweepEntry, TrialEntr
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::log_sweeps;
 pub use trial::{Samples, Trial, TrialFile};
-pub use verify::{Asked, Findings, check_samples, findings, verify, verify_from};
+pub use verify::{Findings, check_samples, findings, verify, verify_from};
 pub use walk::files_below;
 pub use whole::{WholeSession, check_session, read_session, session_study};
 pub use write::{described, trial_bytes, write_parquet, write_table};

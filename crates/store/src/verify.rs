@@ -1,6 +1,7 @@
 //! `verify`: every finding in a study, not only the first.
 
 use crate::journal::DAMAGED;
+use crate::plausible::{Asked, implausible};
 use crate::read::read_whole_trial;
 use crate::recover::unfinished;
 use crate::study::check_folders;
@@ -10,10 +11,9 @@ use crate::{
     Files, Layout, RealFiles, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry,
 };
 use rayon::prelude::*;
-use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use zwidth_study::{Event, Question, Study};
+use zwidth_study::{Coordinate, Event, Question, Study};
 
 /// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit
 /// at which the safety layer cuts the voltage).
@@ -73,7 +73,8 @@ fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry) -> Vec<StoreEr
     // Whether it fits study.toml and its session's log was told when the study was loaded.
     match read_whole_trial(files, &entry.path) {
         Ok(trial) => {
-            let samples = check_samples(&Asked::of(&data.study), &entry.path, &trial.samples);
+            let asked = Asked::of(&data.study, &entry.meta.environment);
+            let samples = check_samples(&asked, &entry.path, &trial.samples);
             samples.into_iter().chain(off_scale(&data.study, entry)).collect()
         }
         Err(error) => vec![error],
@@ -90,31 +91,13 @@ fn off_scale(study: &Study, entry: &TrialEntry) -> Option<StoreError> {
     Some(StoreError::new(&entry.path, what, remedy).column("likert"))
 }
 
-/// What a study asks of a trial's samples.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Asked {
-    /// Work space, lower end, rad.
-    pub theta_min_rad: Option<f64>,
-    /// Work space, upper end, rad.
-    pub theta_max_rad: Option<f64>,
-    /// Longest a trial may take, s.
-    pub trial_limit_s: f64,
-}
-
-impl Asked {
-    /// What this study does.
-    pub fn of(study: &Study) -> Self {
-        let zwidth_study::Device { theta_min_rad, theta_max_rad, .. } = study.device;
-        Self { theta_min_rad, theta_max_rad, trial_limit_s: study.design.trial_limit_s }
-    }
-}
-
 /// What the samples of a trial, which are whole, say against it: it counts, and is to be read with
 /// care.
 pub fn check_samples(asked: &Asked, path: &Path, samples: &Samples) -> Vec<StoreError> {
     [work_space(asked, path, samples), too_long(asked, path, samples)]
         .into_iter()
         .flatten()
+        .chain(implausible(asked, path, samples))
         .collect()
 }
 
@@ -155,8 +138,14 @@ fn work_space(asked: &Asked, path: &Path, samples: &Samples) -> Option<StoreErro
     let low = asked.theta_min_rad.unwrap_or(f64::NEG_INFINITY) - WORK_SPACE_SLACK_RAD;
     let high = asked.theta_max_rad.unwrap_or(f64::INFINITY) + WORK_SPACE_SLACK_RAD;
     let row = theta.iter().position(|v| !(low..=high).contains(v))?;
-    let what =
-        format!("{:.2}° lies more than 2° outside of the work space", theta[row].to_degrees());
+    let what = format!(
+        "{} lies more than {} outside of the work space",
+        asked.place(theta[row]),
+        match asked.coordinate {
+            Coordinate::Rotational => "2°".to_owned(),
+            Coordinate::Linear { .. } => asked.place(WORK_SPACE_SLACK_RAD),
+        }
+    );
     let remedy = "exclude the trial if the angle was lost, or mend theta_min_deg and theta_max_deg in study.toml";
     Some(StoreError::new(path, what, remedy).column(Signal::Theta.name()).row0(row))
 }

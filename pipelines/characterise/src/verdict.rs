@@ -146,8 +146,9 @@ fn words(candidate: &Candidate, winner: &Candidate, unit: &str) -> String {
         CandidateVerdict::Chosen => format!("chosen: {}{}", residuals(&q, unit), warning(&q)),
         CandidateVerdict::NotNeeded if !is_law(candidate) && is_law(winner) => {
             format!(
-                "not needed: {} is a law and leaves the noise alone (RMS on data left out {})",
+                "not needed: {} is a law and {} (RMS on data left out {})",
                 winner.name,
+                if lacks_fit(&best) { "fits as well" } else { "leaves the noise alone" },
                 against()
             )
         }

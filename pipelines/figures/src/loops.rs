@@ -68,7 +68,12 @@ fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
     let averaged = repeats_averaged(modes.filter(|mode| mode.repeats.len() > 1));
     let means = scenes.first().zip(averaged);
     let means = means.map(|(scene, n)| {
-        format!("Lines: mean of the repeats ({n}), {}.", aligned(scene.alignment))
+        let what = if n == "n = 1" {
+            "the one repeat that could be placed"
+        } else {
+            "mean of the repeats"
+        };
+        format!("Lines: {what} ({n}), {}.", aligned(scene.alignment))
     });
     let mut layers = panels.iter().flat_map(|panel| &panel.layers);
     let dotted = layers.any(|l| matches!(l, Layer::Line(line) if line.dotted.contains(&true)));

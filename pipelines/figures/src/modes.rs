@@ -2,8 +2,10 @@
 //! of each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall.
 
 use crate::FigureKind;
-use crate::data::{EnvironmentData, aligned};
-use crate::panels::{axis, mean_loop, mean_over_time, repeat_loop, repeat_over_time, wall_line};
+use crate::data::{EnvironmentData, ModeData, aligned};
+use crate::panels::{
+    axis, mean_loop, mean_over_time, recorded_word, repeat_loop, repeat_over_time, wall_line,
+};
 use crate::words::{Words, keep_together, mark, plain, time_axis};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, style};
 use zwidth_store::Signal;
@@ -53,23 +55,32 @@ fn describe(scene: &EnvironmentData, words: Words) -> String {
         .map(|m| format!("{} {}", m.repeats.len(), m.label.to_lowercase()))
         .collect();
     format!(
-        "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}. Thick: mean of \
-         the repeats, {}, with its pointwise {} band; thin: every repeat.",
+        "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}. Thick: {}, \
+         {}, with its pointwise {} band; thin: every repeat.",
         scene.who,
         scene.environment.label,
         words.position_word(),
         words.position_word(),
         counts.join(", "),
+        thick(scene),
         aligned(scene.alignment),
         scene.level(),
     )
+}
+
+/// What a thick line is: a mean, or the only repeat there is to draw one of.
+fn thick(scene: &EnvironmentData) -> &'static str {
+    match scene.modes.iter().filter_map(ModeData::averaged).max() {
+        Some(1) => "the one repeat of each mode that could be placed",
+        _ => "mean of the repeats",
+    }
 }
 
 /// What the pens mean, and what is to be said of the means.
 fn footnotes(scene: &EnvironmentData) -> Vec<String> {
     let mut legend = String::new();
     if scene.modes.iter().any(|m| m.average.is_some()) {
-        legend += &format!("Thick: mean of the repeats, {}", aligned(scene.alignment));
+        legend += &format!("Thick: {}, {}", thick(scene), aligned(scene.alignment));
         if scene.modes.iter().any(|m| m.average.is_some() && m.repeats.len() > 1) {
             legend += &format!(", with its pointwise {} band", scene.level());
         }
@@ -147,13 +158,4 @@ fn loop_panel(scene: &EnvironmentData, words: Words, load: Signal) -> Result<Pan
         );
     }
     Ok(Panel::new(cell, x, y, layers))
-}
-
-fn recorded_word(words: Words, signal: Signal) -> &'static str {
-    match signal {
-        Signal::Theta => words.position_word(),
-        Signal::ThetaDot => "velocity",
-        Signal::TorqueEx => "torque",
-        _ => "force",
-    }
 }

@@ -133,3 +133,13 @@ pub(crate) fn wall_line(
         name: None,
     }))
 }
+
+/// What a signal is called where it is missing.
+pub(crate) fn recorded_word(words: Words, signal: Signal) -> &'static str {
+    match signal {
+        Signal::Theta => words.position_word(),
+        Signal::ThetaDot => "velocity",
+        Signal::TorqueEx => "torque",
+        _ => "force",
+    }
+}

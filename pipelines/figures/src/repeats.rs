@@ -2,7 +2,7 @@
 
 use crate::FigureKind;
 use crate::data::{EnvironmentData, ModeData, Repeat};
-use crate::panels::{axis, on_axis, repeat_loop, repeat_over_time, wall_line};
+use crate::panels::{axis, on_axis, recorded_word, repeat_loop, repeat_over_time, wall_line};
 use crate::words::{Words, keep_together, mark, plain, time_axis};
 use zwidth_draw::{Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, style};
 use zwidth_store::Signal;
@@ -66,7 +66,8 @@ fn force_panel(scene: &EnvironmentData, words: Words, mode: &ModeData, load: Sig
         }
     }
     layers.extend(commanded(words, mode));
-    finished(Panel::new(Cell::at(0, 0), x, y, layers), words)
+    let missing = if scene.has(Signal::Theta) { load } else { Signal::Theta };
+    finished(Panel::new(Cell::at(0, 0), x, y, layers), words, missing)
 }
 
 /// The commanded force of the repeat that goes furthest: before it turns it is every repeat's. Of
@@ -98,8 +99,16 @@ fn once(theta: &[f64], force: &[f64]) -> Vec<f64> {
     const SAME: f64 = 0.01;
     let turn = (0..theta.len()).max_by(|a, b| theta[*a].total_cmp(&theta[*b])).unwrap_or(0);
     let same_n = SAME * force.iter().copied().fold(0.0, f64::max);
+    let mut highest = f64::NEG_INFINITY;
+    let reached: Vec<f64> = theta[..(turn + 1).min(theta.len())]
+        .iter()
+        .map(|t| {
+            highest = highest.max(*t);
+            highest
+        })
+        .collect();
     let before = |at: f64| {
-        let next = theta[..=turn].iter().position(|t| *t >= at)?;
+        let next = Some(reached.partition_point(|t| *t < at)).filter(|i| *i < reached.len())?;
         let (from, to) = (next.saturating_sub(1), next);
         let share = if to > from { (at - theta[from]) / (theta[to] - theta[from]) } else { 0.0 };
         Some(force[from] + share * (force[to] - force[from]))
@@ -124,13 +133,14 @@ fn time_panel(
     let at_wall =
         (signal == Signal::Theta).then(|| wall_line(scene, words, Direction::Horizontal)).flatten();
     let layers = at_wall.into_iter().chain(lines).collect();
-    finished(Panel::new(cell, time_axis(scene.time_label()), axis(words, signal), layers), words)
+    let panel = Panel::new(cell, time_axis(scene.time_label()), axis(words, signal), layers);
+    finished(panel, words, signal)
 }
 
-/// A panel without data says so.
-fn finished(panel: Panel, words: Words) -> Panel {
+/// A panel without data says which signal is missing.
+fn finished(panel: Panel, words: Words, missing: Signal) -> Panel {
     let note = panel.layers.iter().all(|l| matches!(l, Layer::Reference(_)));
-    let note = note.then(|| format!("no {} was recorded", words.position_word()));
+    let note = note.then(|| format!("no {} was recorded", recorded_word(words, missing)));
     Panel { height_mm: Some(PANEL_MM), note, ..panel }
 }
 

@@ -124,7 +124,7 @@ fn loops_say_what_their_dots_mean() {
     let notes = |scene: &EnvironmentData| {
         loops(&study.about, std::slice::from_ref(scene)).unwrap().footnotes
     };
-    let means = "Lines: mean of the repeats (n = 1), aligned at movement onset.";
+    let means = "Lines: the one repeat that could be placed (n = 1), aligned at movement onset.";
     let dots = "Dotted: at the wall or past it.";
     let whose = notes(&scene).last().cloned().unwrap();
     assert!(whose.starts_with("*F*: the user's force."), "{whose}");
@@ -220,7 +220,10 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
             lines(&figure, 0).into_iter().filter_map(|l| l.name.as_deref()).collect();
         assert_eq!(names, ["Active (n = 1 of 2)"]);
         let loops = loops(&study.about, std::slice::from_ref(&scene)).unwrap();
-        assert_eq!(loops.footnotes[0], format!("Lines: mean of the repeats (n = 1), {words}."));
+        assert_eq!(
+            loops.footnotes[0],
+            format!("Lines: the one repeat that could be placed (n = 1), {words}.")
+        );
     }
     let without =
         modes(&EnvironmentData { alignment: Alignment::Landmarks, ..scene(&study, &trial, None) })

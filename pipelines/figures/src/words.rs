@@ -2,6 +2,7 @@
 
 use zwidth_draw::{Axis, markup};
 use zwidth_study::{Coordinate, Source};
+use zwidth_tables::{shown_unit, with_unit};
 
 /// The stamp of a figure made from simulated data; none otherwise.
 pub fn mark(sources: impl IntoIterator<Item = Source>) -> Option<String> {
@@ -66,10 +67,7 @@ impl Words {
     /// A place as text, as at a wall line: `26.6°`, `12 mm`.
     pub(crate) fn place(self, theta_rad: f64) -> String {
         let value = (self.position(theta_rad) * 10.0).round() / 10.0;
-        match self.coordinate {
-            Coordinate::Rotational => format!("{value}°"),
-            Coordinate::Linear { .. } => format!("{value} mm"),
-        }
+        with_unit(&value.to_string(), &shown_unit("rad", self.coordinate).0)
     }
 }
 
@@ -104,7 +102,7 @@ mod tests {
         assert!((lever.position(std::f64::consts::PI) - 180.0).abs() < 1e-12);
         assert!((slide.position(0.02) - 10.0).abs() < 1e-12);
         assert_eq!(lever.place(26.6_f64.to_radians()), "26.6°");
-        assert_eq!(slide.place(0.02), "10 mm");
+        assert_eq!(slide.place(0.02), "10\u{a0}mm");
     }
 
     #[test]

@@ -6,7 +6,8 @@ use zwidth_stats::StatsError;
 use zwidth_stats::interval::Estimate;
 use zwidth_stats::recording::recording_fit;
 use zwidth_store::{Samples, Signal, Trial};
-use zwidth_study::{Analysis, Study, TrialMeta};
+use zwidth_study::{Analysis, Coordinate, Study, TrialMeta};
+use zwidth_tables::given;
 
 /// Why a trial has no plane fit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -26,18 +27,30 @@ pub enum FreeMotionError {
     },
     /// The device never moves on for as long as the fit needs.
     #[error(
-        "no stretch of {needed_s} s in which the speed stays above {least_rad_s} rad/s (analysis.onset): nothing \
-         slips for long enough to tell friction from inertia"
+        "no stretch of {needed_s} s in which the speed stays above {least} ({key}): nothing slips for long enough to tell \
+         friction from inertia"
     )]
     NoSlip {
         /// Length of a stretch, s.
         needed_s: f64,
-        /// Least speed, rad/s.
-        least_rad_s: f64,
+        /// Least speed, as the study's people read it.
+        least: String,
+        /// The key of `study.toml` that says so.
+        key: &'static str,
     },
-    /// The fit was refused: too few samples, or motion too plain to tell inertia from damping.
+    /// The motion does not tell two of the terms apart.
+    #[error(
+        "the motion cannot tell {term} from the terms before it{because}: record a motion that does, or leave the trial out"
+    )]
+    Alike {
+        /// The term.
+        term: &'static str,
+        /// What such a motion is like, in words; nothing where it is not known.
+        because: &'static str,
+    },
+    /// The fit was refused: too few samples.
     #[error(transparent)]
-    Numerics(#[from] NumericsError),
+    Numerics(NumericsError),
     /// A statistic was refused.
     #[error(transparent)]
     Stats(#[from] StatsError),
@@ -87,13 +100,41 @@ pub struct Parameters {
     pub onset_rad_s: f64,
     /// Level of every interval, as a fraction.
     pub confidence: f64,
+    /// In which units people read angles.
+    pub coordinate: Coordinate,
 }
 
 impl Parameters {
     /// Those of a study.
     pub fn of(study: &Study) -> Self {
         let Analysis { onset_rad_s, confidence, .. } = study.analysis;
-        Self { lever_m: study.device.lever_m, onset_rad_s, confidence }
+        let (lever_m, coordinate) = (study.device.lever_m, study.coordinate);
+        Self { lever_m, onset_rad_s, confidence, coordinate }
+    }
+}
+
+impl FreeMotionError {
+    /// There is no movement above the study's onset.
+    pub(crate) fn no_slip(needed_s: f64, parameters: &Parameters) -> Self {
+        let key = match parameters.coordinate {
+            Coordinate::Rotational => "analysis.onset_deg_s",
+            Coordinate::Linear { .. } => "analysis.onset_mm_s",
+        };
+        let least = given(parameters.onset_rad_s, "rad/s", parameters.coordinate);
+        Self::NoSlip { needed_s, least, key }
+    }
+
+    /// What a fit of these terms was refused for: a column that is a combination of those before it is said in their words.
+    pub(crate) fn of_terms(error: NumericsError, terms: &[&'static str]) -> Self {
+        match error {
+            NumericsError::RankDeficient { column } if column < terms.len() => {
+                let term = terms[column];
+                let because =
+                    if term == "friction" { ", because it goes one way only" } else { "" };
+                Self::Alike { term, because }
+            }
+            other => Self::Numerics(other),
+        }
     }
 }
 
@@ -108,7 +149,8 @@ pub fn plane_fit(trial: &Trial, parameters: &Parameters) -> Result<PlaneFit, Fre
     let torque = torque(&trial.samples, parameters.lever_m)?;
     let ones = vec![1.0; torque.len()];
     let columns = [&ones[..], column(Signal::ThetaDdot)?, column(Signal::ThetaDot)?];
-    let fit = lsq::fit(&columns, &torque)?;
+    let fit = lsq::fit(&columns, &torque)
+        .map_err(|e| FreeMotionError::of_terms(e, &["the offset", "inertia", "damping"]))?;
     let intervals = recording_fit(&columns, &fit, parameters.confidence)?;
     Ok(PlaneFit {
         meta: trial.meta.clone(),
@@ -224,6 +266,10 @@ pub(crate) mod tests {
             (Signal::ThetaDot, vel.clone()),
             (Signal::TorqueEx, vel),
         ]);
-        assert!(matches!(plane_fit(&still, &parameters()), Err(FreeMotionError::Numerics(_))));
+        let error = plane_fit(&still, &parameters()).unwrap_err().to_string();
+        assert!(
+            error.starts_with("the motion cannot tell inertia from the terms before it"),
+            "{error}"
+        );
     }
 }

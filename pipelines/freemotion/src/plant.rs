@@ -63,7 +63,7 @@ pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, Fre
         .filter_map(|centre| row(&stretch(t, centre)?, [theta, velocity, &torque], least_rad_s))
         .collect();
     if rows.is_empty() {
-        return Err(FreeMotionError::NoSlip { needed_s: 2.0 * HALF_S, least_rad_s });
+        return Err(FreeMotionError::no_slip(2.0 * HALF_S, parameters));
     }
     let of = |get: fn(&StretchMeans) -> f64| rows.iter().map(get).collect::<Vec<f64>>();
     let columns = [
@@ -74,7 +74,8 @@ pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, Fre
         of(|r| r.angle),
     ];
     let columns: [&[f64]; 5] = columns.each_ref().map(Vec::as_slice);
-    let fit = lsq::fit(&columns, &of(|r| r.torque))?;
+    let fit =
+        lsq::fit(&columns, &of(|r| r.torque)).map_err(|e| FreeMotionError::of_terms(e, &TERMS))?;
     let intervals = recording_fit(&columns, &fit, parameters.confidence)?;
     Ok(PlantFit {
         meta: trial.meta.clone(),
@@ -90,6 +91,9 @@ pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, Fre
         bandwidth_s: intervals.lags as f64 * sample_interval_s(t),
     })
 }
+
+/// The terms of the fit, in the order of its columns.
+const TERMS: [&str; 5] = ["the offset", "inertia", "damping", "friction", "stiffness"];
 
 /// The averages over one stretch.
 struct StretchMeans {
@@ -191,7 +195,16 @@ mod tests {
         let mut still = recording(0.0);
         still.samples.set(Signal::ThetaDot, vec![0.01; 4000]);
         let error = plant_fit(&still, &parameters()).unwrap_err().to_string();
-        assert!(error.contains("no stretch of 0.2 s"), "{error}");
+        let expect =
+            "no stretch of 0.2 s in which the speed stays above 10\u{a0}°/s (analysis.onset_deg_s)";
+        assert!(error.starts_with(expect), "{error}");
+        let mut one_way = recording(0.0);
+        let there = one_way.samples.get(Signal::ThetaDot).unwrap().iter().map(|v| v.abs());
+        let there = there.collect();
+        one_way.samples.set(Signal::ThetaDot, there);
+        let error = plant_fit(&one_way, &parameters()).unwrap_err().to_string();
+        assert!(error.starts_with("the motion cannot tell friction from"), "{error}");
+        assert!(error.contains("because it goes one way only"), "{error}");
     }
 
     #[test]

@@ -86,7 +86,10 @@ pub fn plant_table(fits: &[PlantFit]) -> Result<Table, TableError> {
         bandwidth(fits.iter().map(|f| f.bandwidth_s)),
     ]);
     let title = "The plant in free motion: torque = c + I·acceleration + b·velocity + friction·direction + stiffness·angle";
-    Ok(unseen(fits).into_iter().fold(Table::new("plant", title, columns)?, Table::with_note))
+    Ok(unseen(fits)
+        .into_iter()
+        .chain(impossible(fits))
+        .fold(Table::new("plant", title, columns)?, Table::with_note))
 }
 
 fn coefficients<'a, F>(
@@ -103,17 +106,56 @@ fn coefficients<'a, F>(
     })
 }
 
-/// What no body can have: an inertia below zero says that the recorded signals do not go together.
-fn doubts(fits: &[PlaneFit]) -> Option<String> {
-    let negative = fits.iter().filter(|f| f.inertia_kg_m2.ci_high < 0.0).count();
-    (negative > 0).then(|| {
+/// A fit that explains less of the torque than this share is none.
+const LEAST_R2: f64 = 0.1;
+
+/// What no body can have, and fits that explain nothing: the signals do not go together.
+fn doubts(fits: &[PlaneFit]) -> Vec<String> {
+    let signals = "sign, delay or filter of the recorded acceleration and torque do not go together. Compare the coefficients; \
+                   do not read them as";
+    let negative = |what: &str, get: fn(&PlaneFit) -> Estimate, read_as: &str| {
+        let count = fits.iter().filter(|f| get(f).ci_high < 0.0).count();
+        (count > 0).then(|| {
+            format!(
+                "The {what} is negative in {count} of {} fits, which no mechanism has: {signals} {read_as}.",
+                fits.len()
+            )
+        })
+    };
+    let inertia = negative("inertia", |f| f.inertia_kg_m2, "masses");
+    let damping = negative("damping", |f| f.damping_nm_s_per_rad, "friction");
+    [inertia, damping, unexplained(fits.iter().map(|f| f.r2))].into_iter().flatten().collect()
+}
+
+/// Fits that explain next to nothing of the torque.
+fn unexplained(r2: impl ExactSizeIterator<Item = Option<f64>>) -> Option<String> {
+    let all = r2.len();
+    let count = r2.flatten().filter(|r2| *r2 < LEAST_R2).count();
+    (count > 0).then(|| {
         format!(
-            "The inertia is negative in {negative} of {} fits, which no mechanism has: sign, delay or filter of the \
-             recorded acceleration and torque do not go together. Compare the coefficients; do not read them as \
-             masses.",
-            fits.len()
+            "R² is below {LEAST_R2} in {count} of {all} fits: the motion explains next to nothing of the torque there. Check \
+             the columns and units of torque and angle; no coefficient of such a fit means anything."
         )
     })
+}
+
+/// The same of plants, whose inertia and damping no body has below 0.
+fn impossible(fits: &[PlantFit]) -> Vec<String> {
+    let negative = |what: &str, get: fn(&PlantFit) -> Estimate| {
+        let count = fits.iter().filter(|f| get(f).ci_high < 0.0).count();
+        (count > 0).then(|| {
+            format!(
+                "The {what} is negative in {count} of {} fits, which no mechanism has: check the signs of torque and angle.",
+                fits.len()
+            )
+        })
+    };
+    let found = [
+        negative("inertia", |f| f.inertia_kg_m2),
+        negative("damping", |f| f.damping_nm_s_per_rad),
+        unexplained(fits.iter().map(|f| f.r2)),
+    ];
+    found.into_iter().flatten().collect()
 }
 
 /// The coefficients whose interval holds 0: the movements do not show them.

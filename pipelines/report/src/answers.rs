@@ -2,7 +2,7 @@
 
 use crate::Planned;
 use std::collections::BTreeMap;
-use zwidth_study::{AnswerScale, Environment, Mode};
+use zwidth_study::{AnswerScale, Environment, Mode, QuestionId};
 use zwidth_tables::{Table, TableError};
 
 /// The median of a mode's answers.
@@ -36,7 +36,17 @@ pub(crate) fn median(
     mode: &Mode,
 ) -> Result<Option<Median>, TableError> {
     let Some(question) = &environment.question else { return Ok(None) };
-    let of = [environment.id.as_str(), mode.id.as_str(), question.as_str()];
+    median_of(study, tally, [environment.id.as_str(), mode.id.as_str()], question)
+}
+
+/// The median answer to any question in an environment and a mode; none without an answer.
+pub(crate) fn median_of(
+    study: &Planned,
+    tally: &Table,
+    [environment, mode]: [&str; 2],
+    question: &QuestionId,
+) -> Result<Option<Median>, TableError> {
+    let of = [environment, mode, question.as_str()];
     let Some(row) = rows(tally, of)?.into_iter().next() else { return Ok(None) };
     let [low, high] = ["median_low", "median_high"].map(|name| tally.integers(name));
     let [answers, participants] = ["n", "participants"].map(|name| tally.integers(name));

@@ -5,7 +5,7 @@ use crate::gallery::Shown;
 use crate::planned::Planned;
 use serde::Serialize;
 use zwidth_study::{EnvironmentId, ModeId};
-use zwidth_tables::{Table, TableError, Values, for_people, number};
+use zwidth_tables::{Table, TableError, Values, for_people, number, with_unit};
 
 /// A metric's tables of the stage `compare`.
 #[derive(Debug, Clone, Copy)]
@@ -182,7 +182,6 @@ fn smallest_p(table: &Table) -> Option<f64> {
 /// Each contrast in a sentence.
 fn sentences(study: &Planned, table: &Table) -> Result<Vec<String>, TableError> {
     let unit = table.column_of("difference")?.field.unit.to_string();
-    let unit = if unit == "1" { String::new() } else { format!("\u{a0}{unit}") };
     let (environments, contrasts) = (table.texts("environment")?, table.texts("contrast")?);
     let verdicts = table.texts("verdict")?;
     let n = table.integers("n")?;
@@ -201,7 +200,7 @@ fn sentences(study: &Planned, table: &Table) -> Result<Vec<String>, TableError> 
             continue;
         };
         let Some(estimate) = difference[row] else { continue };
-        let amount = format!("{}{unit}", number(estimate, error[row]));
+        let amount = with_unit(&number(estimate, error[row]), &unit);
         let ends = low[row].zip(high[row]).map(|(low, high)| {
             let [low, high] = [low, high].map(|end| number(end, error[row]));
             format!("interval {low} to {high}, ")
@@ -300,7 +299,7 @@ mod tests {
         assert_eq!(found[0], answer);
         assert_eq!(
             found[1],
-            "Spring, hybrid − active: angle past the wall differs by −5.7\u{a0}° (interval −8.6 to −2.9, \
+            "Spring, hybrid − active: angle past the wall differs by −5.7° (interval −8.6 to −2.9, \
              n = 6 participants, adjusted p = 0.0123): different."
         );
     }

@@ -3,8 +3,8 @@
 use crate::Planned;
 use crate::actuation::{acting, force_n};
 use crate::facts::{self, Fact};
-use zwidth_study::{ActuatorKind, Calibration, Mode, Resistances, VelocityFilter};
-use zwidth_tables::{Column, Table, TableError};
+use zwidth_study::{ActuatorKind, Calibration, Coordinate, Mode, Resistances, VelocityFilter};
+use zwidth_tables::{Column, Table, TableError, shown_unit};
 
 /// Motor and brake as each mode uses them, one row a mode: highest voltages, what acts while
 /// compressing and while decompressing, and its largest force by `calibration`. `footnote` says
@@ -55,11 +55,16 @@ fn on_way(drive: ActuatorKind, way: usize) -> &'static str {
 /// A number that is not finite.
 pub fn device_table(study: &Planned) -> Result<Table, TableError> {
     let (device, control) = (&study.device, &study.control);
-    let degrees = |angle: Option<f64>| angle.map(f64::to_degrees);
+    let factor = shown_unit("rad", study.coordinate).1;
+    let unit = match study.coordinate {
+        Coordinate::Rotational => "°",
+        Coordinate::Linear { .. } => "mm",
+    };
+    let end = |what, angle: Option<f64>| Fact::new(what, angle.map(|angle| factor * angle), unit);
     let mut facts = vec![
         Fact::new("lever length, axis to finger", device.lever_m.map(|m| m * 1e3), "mm"),
-        Fact::new("work space, lower end", degrees(device.theta_min_rad), "°"),
-        Fact::new("work space, upper end", degrees(device.theta_max_rad), "°"),
+        end("work space, lower end", device.theta_min_rad),
+        end("work space, upper end", device.theta_max_rad),
         Fact::new("new values of the force sensor", device.force_rate_hz, "Hz"),
         Fact::new("tick of the control loop", Some(1e3 / control.rate_hz), "ms"),
         Fact::new("user force below which the brake lets go", Some(control.let_go_n), "N"),

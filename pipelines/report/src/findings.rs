@@ -6,8 +6,8 @@ use crate::evidence::NOTHING_RETURNED;
 use crate::gallery::Shown;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
-use zwidth_study::{Environment, Mode};
-use zwidth_tables::{Table, TableError, number};
+use zwidth_study::{Coordinate, Environment, Mode};
+use zwidth_tables::{Table, TableError, given, quantity};
 
 /// One sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,10 +41,13 @@ pub fn findings(
         }
         let shown = Shown::Modes(environment.id.clone());
         for (mode, trials) in &tried {
-            let text = rendered(environment, mode, trials)?;
+            let text = rendered(environment, mode, trials, study.coordinate)?;
             found.extend(text.map(|text| Finding { text, shown: shown.clone() }));
         }
-        found.extend(wall_by_mode(environment, &tried)?.map(|text| Finding { text, shown }));
+        found.extend(
+            wall_by_mode(environment, &tried, study.coordinate)?
+                .map(|text| Finding { text, shown }),
+        );
     }
     found.extend(both(study, metrics)?);
     found.extend(steadiness(study, metrics)?);
@@ -59,21 +62,23 @@ fn rendered(
     environment: &Environment,
     mode: &Mode,
     trials: &Trials,
+    coordinate: Coordinate,
 ) -> Result<Option<String>, TableError> {
     let Some(spring) = environment.scene.spring() else { return Ok(None) };
     let mut parts = Vec::new();
     if let Some(stiffness) = trials.mean("stiffness_n_per_rad")? {
-        let asked = spring.stiffness_n_per_rad;
+        let unit = "N/rad";
         parts.push(format!(
-            "compressing gave {:.2} N/rad where {asked} N/rad were asked for ({})",
-            stiffness.mean,
+            "compressing gave {} where {} were asked for ({})",
+            quantity(stiffness.mean, unit, coordinate),
+            given(spring.stiffness_n_per_rad, unit, coordinate),
             stiffness.words()
         ));
     }
     parts.push(match trials.mean("saturation_force_n")? {
         Some(force) => format!(
-            "the force flattened at {:.2} N in {} of {} trials",
-            force.mean,
+            "the force flattened at {} in {} of {} trials",
+            quantity(force.mean, "N", coordinate),
             force.trials,
             trials.len()
         ),
@@ -82,10 +87,10 @@ fn rendered(
     if let Some(step) = trials.mean("discrepancy_user_step_n")? {
         let actuators = trials.mean("discrepancy_actuator_step_n")?;
         let of_these = actuators
-            .map(|a| format!(", the actuators' by {} N", number(a.mean, Some(0.01))))
+            .map(|a| format!(", the actuators' by {}", quantity(a.mean, "N", coordinate)))
             .unwrap_or_default();
-        parts
-            .push(format!("the user's force fell by {:.2} N at the reversal{of_these}", step.mean));
+        let step = quantity(step.mean, "N", coordinate);
+        parts.push(format!("the user's force fell by {step} at the reversal{of_these}"));
     }
     match trials.mean("returned_energy_share")?.map(|share| share.mean) {
         Some(share) if share <= NOTHING_RETURNED => {
@@ -103,17 +108,18 @@ fn rendered(
 fn wall_by_mode(
     environment: &Environment,
     tried: &[(&Mode, Trials)],
+    coordinate: Coordinate,
 ) -> Result<Option<String>, TableError> {
     let mut past = Vec::new();
     for (mode, trials) in tried {
         let Some(rad) = trials.mean("wall_past_max_rad")? else { continue };
         let of = format!(
-            "{:.2}° with {} (reached in {} of {} trials{})",
-            rad.mean.to_degrees(),
+            "{} with {} (reached in {} of {} trials{})",
+            quantity(rad.mean, "rad", coordinate),
             mode.label.to_lowercase(),
             rad.trials,
             trials.len(),
-            rigidity(trials)?
+            rigidity(trials, coordinate)?
         );
         past.push((rad.mean, of));
     }
@@ -129,14 +135,14 @@ fn wall_by_mode(
 
 /// `, rigidity 103 N/rad, ≥ 1270 N/rad once held`; a mean of lower bounds and values is a lower
 /// bound.
-fn rigidity(trials: &Trials) -> Result<String, TableError> {
+fn rigidity(trials: &Trials, coordinate: Coordinate) -> Result<String, TableError> {
     let mut text = String::new();
     if let Some(mean) = trials.mean("wall_rigidity_n_per_rad")? {
         let sign = if trials.any("wall_rigidity_at_least")? { "≥ " } else { "" };
-        text += &format!(", rigidity {sign}{} N/rad", number(mean.mean, None));
+        text += &format!(", rigidity {sign}{}", given(mean.mean, "N/rad", coordinate));
     }
     if let Some(mean) = trials.mean("wall_hold_rigidity_min_n_per_rad")? {
-        text += &format!(", ≥ {} N/rad once held", number(mean.mean, None));
+        text += &format!(", ≥ {} once held", given(mean.mean, "N/rad", coordinate));
     }
     Ok(text)
 }
@@ -160,9 +166,9 @@ fn both(study: &Planned, metrics: &Table) -> Result<Option<Finding>, TableError>
     let best = past.iter().find(|(.., returned)| *returned).filter(|_| past.len() > 1);
     Ok(best.map(|(rad, label, _)| Finding {
         text: format!(
-            "Work came back with {}; of these, {label} let the lever least far past the wall, {:.2}°.",
+            "Work came back with {}; of these, {label} let the lever least far past the wall, {}.",
             gave.join(", "),
-            rad.to_degrees()
+            quantity(*rad, "rad", study.coordinate)
         ),
         shown: Shown::Conditions,
     }))
@@ -245,11 +251,23 @@ mod tests {
         let found = texts(&[active(), active(), row("spring", "passive")], None);
         assert_eq!(
             found[0],
-            "Spring, active: compressing gave 4.05 N/rad where 4 N/rad were asked for (mean of 2 trials); the force \
-             flattened at 4.43 N in 2 of 2 trials; 79 % of the work put in came back."
+            "Spring, active: compressing gave 4.05\u{a0}N/rad where 4\u{a0}N/rad were asked for (mean of 2 trials); the force \
+             flattened at 4.43\u{a0}N in 2 of 2 trials; 79 % of the work put in came back."
         );
         assert!(found[1].ends_with("no spring on the way back."), "{}", found[1]);
         assert_eq!(found[2], "In none of 3 trials did the lever swing fast; all 3 were smooth.");
+    }
+
+    /// 292.75 N/rad on a slide whose L is 1 m are 0.293 N/mm.
+    #[test]
+    fn a_slide_is_told_in_newtons_per_millimetre() {
+        let mut study = study();
+        study.coordinate = Coordinate::Linear { lever_m: 1.0 };
+        let rows = [MetricsRow { stiffness: Some(292.75), ..row("spring", "active") }];
+        let found = findings(&study, &metrics(&rows), None).unwrap();
+        let start =
+            "Spring, active: compressing gave 0.293\u{a0}N/mm where 0.004\u{a0}N/mm were asked for";
+        assert!(found[0].text.starts_with(start), "{}", found[0].text);
     }
 
     #[test]
@@ -260,7 +278,7 @@ mod tests {
         };
         let rows = [past("active", 16.0), past("passive", 0.25), row("spring_wall", "passive")];
         let found = texts(&rows, None);
-        let expect = "past the wall the lever went, on average, 0.25° with passive (reached in 1 of 2 trials), 16.00° \
+        let expect = "past the wall the lever went, on average, 0.250° with passive (reached in 1 of 2 trials), 16.0° \
                       with active (reached in 1 of 1 trials).";
         assert!(found[2].ends_with(expect), "{}", found[2]);
     }
@@ -276,7 +294,7 @@ mod tests {
             &[of("active", 0.8, 16.0), of("passive", 0.0, 0.25), of("hybrid", 0.4, 0.3)],
             None,
         );
-        let expect = "Work came back with active, hybrid; of these, hybrid let the lever least far past the wall, 0.30°.";
+        let expect = "Work came back with active, hybrid; of these, hybrid let the lever least far past the wall, 0.300°.";
         assert!(found.iter().any(|f| f == expect), "{found:?}");
         let none = texts(&[of("passive", 0.0, 0.25), of("active", 0.0, 1.0)], None);
         assert!(!none.iter().any(|f| f.starts_with("Work came back")), "{none:?}");

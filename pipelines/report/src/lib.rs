@@ -20,6 +20,7 @@ mod page;
 mod people;
 mod planned;
 mod pros_cons;
+mod survey;
 mod thesis;
 mod trials;
 mod weight;
@@ -35,6 +36,7 @@ pub use page::{
 };
 pub use planned::Planned;
 pub use pros_cons::pros_cons_table;
+pub use survey::survey;
 pub use thesis::{Derived, Told, thesis_table, told};
 pub use weight::{is_weighed, weight_table};
 
@@ -45,7 +47,7 @@ use zwidth_study::Source;
 use zwidth_tables::escape_markdown as escape;
 
 /// Version of the tables' form: raised when a table would be another from the same data.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 /// Stands in a cell of the matrix without a mean.
 pub(crate) const NO_MEAN: &str = "–";
@@ -132,8 +134,8 @@ pub fn summary_markdown(summary: &Summary) -> String {
         parts.push(lines.replacen("\n\n", &format!("\n\n{sentence}\n\n"), 1).trim_end().to_owned());
     }
     parts.extend([
-        section("Figures", &summary.figures, link_to, "No figure was made."),
-        section("Tables", &summary.tables, link_to, "No table was made."),
+        listed("Figures", &summary.figures, "No figure was made."),
+        listed("Tables", &summary.tables, "No table was made."),
         section("Left out", &summary.left_out, remark, nothing(summary)),
     ]);
     if !summary.care.is_empty() {
@@ -188,6 +190,41 @@ fn section<T>(title: &str, items: &[T], line: impl Fn(&T) -> String, none: &str)
     let lines: Vec<String> = items.iter().map(|item| format!("- {}", line(item))).collect();
     let body = if lines.is_empty() { none.to_owned() } else { lines.join("\n") };
     format!("## {title}\n\n{body}")
+}
+
+/// More files than these are told by kind, not one by one.
+const MOST_LISTED: usize = 100;
+
+/// Figures or tables; where they are many, those of a kind in one line: how many, the first and the last.
+fn listed(title: &str, made: &[Made], none: &str) -> String {
+    if made.len() <= MOST_LISTED {
+        return section(title, made, link_to, none);
+    }
+    let mut kinds: Vec<(&str, Vec<&Made>)> = Vec::new();
+    for one in made {
+        match kinds.iter_mut().find(|(kind, _)| *kind == kind_of(&one.path)) {
+            Some((_, of_kind)) => of_kind.push(one),
+            None => kinds.push((kind_of(&one.path), vec![one])),
+        }
+    }
+    let lines = kinds.iter().map(|(kind, of_kind)| match of_kind.as_slice() {
+        [first, .., last] => format!(
+            "- {} files {} from {} to {}",
+            of_kind.len(),
+            escape(kind),
+            link_to(first),
+            link_to(last)
+        ),
+        few => few.iter().map(|one| format!("- {}", link_to(one))).collect(),
+    });
+    let lines: Vec<String> = lines.collect();
+    format!("## {title}\n\n{} files of {} kinds.\n\n{}", made.len(), kinds.len(), lines.join("\n"))
+}
+
+/// `modes` of `figures/modes.P01.S01.spring.svg`.
+fn kind_of(path: &str) -> &str {
+    let name = path.rsplit('/').next().unwrap_or(path);
+    name.split('.').next().unwrap_or(name)
 }
 
 fn link_to(made: &Made) -> String {
@@ -302,6 +339,26 @@ Of 2 statements, 1 is supported.
 - Two participants cannot show an effect after Holm.
 ";
         assert_eq!(summary_markdown(&sample()), expect);
+    }
+
+    #[test]
+    fn many_figures_are_counted_by_kind_with_the_first_and_the_last() {
+        let figure = |i: usize| Made {
+            path: format!("figures/modes.P{i:03}.S01.spring.svg"),
+            caption: format!("P{i:03} in the spring"),
+        };
+        let likert = Made { path: "figures/likert.svg".to_owned(), caption: "answers".to_owned() };
+        let figures: Vec<Made> = (1..=150).map(figure).chain([likert]).collect();
+        let text = summary_markdown(&Summary { figures, ..sample() });
+        assert!(
+            text.contains("## Figures\n\n151 files of 2 kinds.\n\n- 150 files modes from [P001 in"),
+            "{text}"
+        );
+        assert!(
+            text.contains(" to [P150 in the spring](figures/modes.P150.S01.spring.svg)\n"),
+            "{text}"
+        );
+        assert!(text.contains("\n- [answers](figures/likert.svg)\n"), "{text}");
     }
 
     #[test]

@@ -4,8 +4,8 @@
 use crate::actuation::{active, passive};
 use crate::evidence::{Evidence, Known, NOTHING_RETURNED, Verdict, a_spring, a_wall, notes};
 use crate::trials::{Mean, Trials};
-use zwidth_study::{Environment, Mode, Resistances};
-use zwidth_tables::{Column, Table, TableError};
+use zwidth_study::{Coordinate, Environment, Mode, Resistances};
+use zwidth_tables::{Column, Table, TableError, given, quantity, shown_unit};
 
 /// How evidence for a claim is found.
 type Find = fn(&Known) -> Result<Option<Evidence>, TableError>;
@@ -271,7 +271,11 @@ fn brake_has_no_way_back(known: &Known) -> Result<Option<Evidence>, TableError> 
     let found = returned(known, passive(known.study), |share| share <= NOTHING_RETURNED)?;
     Ok(found.map(|(evidence, stiffness)| match stiffness.is_finite() {
         true => Evidence {
-            remark: format!("{}; compressing alone it does: {stiffness:.2} N/rad", evidence.remark),
+            remark: format!(
+                "{}; compressing alone it does: {}",
+                evidence.remark,
+                quantity(stiffness, "N/rad", known.study.coordinate)
+            ),
             ..evidence
         },
         false => evidence,
@@ -303,13 +307,15 @@ fn motor_is_weak(known: &Known) -> Result<Option<Evidence>, TableError> {
     let (Some(motor_v), Some(brake_v)) = (motor_v, brake_v) else { return Ok(None) };
     let motor_n = known.calibration.motor.force_n(motor_v);
     let brake_n = known.calibration.brake.force_n(brake_v);
+    let coordinate = known.study.coordinate;
     Ok(Some(Evidence {
         metric: "largest motor force as used".to_owned(),
         value: Some(motor_n),
         unit: "N".to_owned(),
         remark: format!(
-            "the brake has {brake_n:.1} N; a finger's limit is {:.0} N",
-            known.study.control.force_limit_n
+            "the brake has {}; a finger's limit is {}",
+            quantity(brake_n, "N", coordinate),
+            given(known.study.control.force_limit_n, "N", coordinate)
         ),
         verdict: Verdict::of(motor_n < brake_n),
     }))
@@ -322,11 +328,20 @@ fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> 
     };
     let (motor, brake) = (past(active(known.study))?, past(passive(known.study))?);
     let (Some(motor), Some(brake)) = (motor, brake) else { return Ok(None) };
+    let coordinate = known.study.coordinate;
+    let (unit, factor) = shown_unit("rad", coordinate);
     Ok(Some(Evidence {
-        metric: "angle past the wall".to_owned(),
-        value: Some(motor.mean.to_degrees()),
-        unit: "°".to_owned(),
-        remark: format!("{}; {:.2}° with the brake", motor.words(), brake.mean.to_degrees()),
+        metric: match coordinate {
+            Coordinate::Rotational => "angle past the wall".to_owned(),
+            Coordinate::Linear { .. } => "way past the wall".to_owned(),
+        },
+        value: Some(factor * motor.mean),
+        unit,
+        remark: format!(
+            "{}; {} with the brake",
+            motor.words(),
+            quantity(brake.mean, "rad", coordinate)
+        ),
         verdict: Verdict::of(motor.mean > brake.mean),
     }))
 }

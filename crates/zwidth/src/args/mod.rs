@@ -296,13 +296,17 @@ pub(crate) struct Unseal {
 #[derive(Debug, clap::Args)]
 pub(crate) struct Import {
     /// The study the recordings belong to; its study.toml must exist
-    pub(crate) study: StudyId,
-    /// The mapping file: their columns to ours
-    #[arg(long, value_name = "MAP.toml")]
-    pub(crate) map: PathBuf,
+    #[arg(required_unless_present = "guess")]
+    pub(crate) study: Option<StudyId>,
+    /// The mapping file: their columns to ours; with --guess, where the guess is written
+    #[arg(long, value_name = "MAP.toml", required_unless_present = "guess")]
+    pub(crate) map: Option<PathBuf>,
     /// The recordings
-    #[arg(required = true)]
+    #[arg(required_unless_present = "guess")]
     pub(crate) files: Vec<PathBuf>,
+    /// Guess a mapping file from a recording and print it, to be edited; nothing is imported
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["study", "files"])]
+    pub(crate) guess: Option<PathBuf>,
 }
 
 /// What --tolerance is unless told otherwise: [`zwidth_simulate::DEFAULT_TOLERANCE`] as people

@@ -5,15 +5,39 @@ use super::{join_findings, study};
 use crate::args::Import;
 use crate::exit::Exit;
 use crate::screen::Screen;
-use anyhow::anyhow;
+use anyhow::{Context as _, anyhow, bail};
+use std::io::Write as _;
 use std::path::Path;
-use zwidth_import::{Mapping, import as import_files};
+use zwidth_import::{Mapping, guess, import as import_files};
 use zwidth_store::started::settle;
 use zwidth_store::{Raw, RealFiles, read_study};
 
+/// Prints a guessed mapping, or writes it where no file is yet.
+fn guessed(file: &Path, map: Option<&Path>, screen: &Screen) -> anyhow::Result<Exit> {
+    let text = guess(file)?;
+    let Some(map) = map else {
+        screen.result(text.trim_end());
+        return Ok(Exit::Fine);
+    };
+    let mut new = std::fs::File::create_new(map)
+        .with_context(|| format!("{}: a guess is written to a new file only", map.display()))?;
+    new.write_all(text.as_bytes()).with_context(|| format!("cannot write {}", map.display()))?;
+    screen.result(format!(
+        "{}: guessed; edit what stands at TODO, then import with it",
+        map.display()
+    ));
+    Ok(Exit::Fine)
+}
+
 pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::Result<Exit> {
-    let layout = study(root, command.study.clone())?;
-    let mapping = Mapping::read(&command.map).map_err(|findings| join_findings(&findings))?;
+    if let Some(file) = &command.guess {
+        return guessed(file, command.map.as_deref(), screen);
+    }
+    let (Some(id), Some(map)) = (&command.study, &command.map) else {
+        bail!("name the study, the mapping file (--map) and the recordings");
+    };
+    let layout = study(root, id.clone())?;
+    let mapping = Mapping::read(map).map_err(|findings| join_findings(&findings))?;
     let lock = lock(&layout, "zwidth import").map_err(|e| anyhow!("{e}; nothing was imported"))?;
     let study = read_study(&layout).map_err(|findings| join_findings(&findings))?;
     let raw = Raw::mends(&RealFiles, &layout, &lock);

@@ -124,11 +124,19 @@ fn check_only(jobs: &[Job], command: &Run) -> anyhow::Result<()> {
         jobs.iter().filter(|j| j.stage.name == stage).filter_map(Job::stem).collect()
     };
     let (figures, tables) = (named("figures"), named("tables"));
-    let names = plan::STAGES.into_iter().chain(figures.iter().chain(&tables).copied());
+    let has = |stage: &&str| jobs.iter().any(|job| job.stage.name == *stage);
+    let stages: Vec<&str> = plan::STAGES.into_iter().filter(has).collect();
+    if plan::STAGES.contains(&only.as_str()) {
+        anyhow::bail!(
+            "--only {only}: this study has nothing for that stage to make; those that have are {}",
+            stages.join(", ")
+        );
+    }
+    let names = stages.iter().copied().chain(figures.iter().chain(&tables).copied());
     anyhow::bail!(
         "--only {only}: there is no such stage, figure or table{} (stages: {}; figures: {}; tables: {})",
         did_you_mean(only, names),
-        plan::STAGES.join(", "),
+        stages.join(", "),
         figures.join(", "),
         tables.join(", ")
     )

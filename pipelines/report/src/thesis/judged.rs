@@ -7,7 +7,7 @@ use crate::thesis::estimate::{Estimated, Spread, trials_of};
 use crate::thesis::rule::{Case, From, Place, Quantity, Range};
 use crate::trials::{People, Trials};
 use zwidth_study::{Basis, Coordinate, Environment, Mode, ModeLaw};
-use zwidth_tables::{Table, TableError, number, shown_unit};
+use zwidth_tables::{Table, TableError, number, shown_unit, with_unit};
 
 /// The tables of a study by which the thesis' statements are judged.
 #[derive(Debug, Clone, Copy)]
@@ -142,7 +142,7 @@ pub(crate) fn judged(
     }
 }
 
-/// `above 2.5 °: why`, `3.7 to 4.35 N/rad: why`.
+/// `above 2.5°: why`, `3.7 to 4.35 N/rad: why`.
 fn asked(range: &Range, unit: &str, factor: f64) -> String {
     let end = |v: f64| {
         let text = number(factor * v, None);
@@ -150,11 +150,11 @@ fn asked(range: &Range, unit: &str, factor: f64) -> String {
         if text.contains('.') { shorter } else { text }
     };
     let ends = match (range.low.is_finite(), range.high.is_finite()) {
-        (true, true) => format!("{} to {}", end(range.low), end(range.high)),
-        (true, false) => format!("above {}", end(range.low)),
-        _ => format!("below {}", end(range.high)),
+        (true, true) => format!("{} to {}", end(range.low), with_unit(&end(range.high), unit)),
+        (true, false) => format!("above {}", with_unit(&end(range.low), unit)),
+        _ => format!("below {}", with_unit(&end(range.high), unit)),
     };
-    format!("{ends}\u{a0}{unit}: {}", range.why)
+    format!("{ends}: {}", range.why)
 }
 
 /// Some of all trials.
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn a_range_is_said_with_its_unit_and_why() {
         let of = |low, high| asked(&Range { low, high, why: "so".to_owned() }, "°", 1.0);
-        assert_eq!(of(1.5, 20.0), "1.5 to 20\u{a0}°: so");
+        assert_eq!(of(1.5, 20.0), "1.5 to 20°: so");
         assert!(of(2.5, f64::INFINITY).starts_with("above 2.5"));
         assert!(of(f64::NEG_INFINITY, 2.5).starts_with("below 2.5"));
     }

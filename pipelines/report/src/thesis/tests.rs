@@ -294,8 +294,8 @@ fn each_judged_statement_is_told_with_its_number_its_interval_its_n_and_where_it
     let found = judged.iter().find(|t| t.text().contains("40°")).unwrap();
     assert_eq!(
         found.text(),
-        "With the brake the lever stops at about 40° (§5.3.1.2): supported. Largest angle: 40.0\u{a0}° \
-         (interval 37.5 to 42.5; n = 3 trials of P01); asked: 35 to 45\u{a0}°: as read off the thesis' \
+        "With the brake the lever stops at about 40° (§5.3.1.2): supported. Largest angle: 40.0° \
+         (interval 37.5 to 42.5; n = 3 trials of P01); asked: 35 to 45°: as read off the thesis' \
          figure, to ±5°."
     );
     assert_eq!(found.path, "figures/modes.P01.S01.spring.png");

@@ -2,7 +2,7 @@
 
 use crate::evidence::Verdict;
 use serde::Serialize;
-use zwidth_tables::{Table, TableError, number};
+use zwidth_tables::{Table, TableError, number, with_unit};
 
 /// A judged statement in words, and the file that shows it. All texts are plain.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -47,11 +47,8 @@ pub fn told(table: &Table) -> Result<(String, Vec<Told>), TableError> {
         }
         let ends = low[row].zip(high[row]);
         let error = ends.map(|(low, high)| (high - low) / 4.0);
-        let unit = match units[row].as_str() {
-            "" | "1" => String::new(),
-            unit => format!("\u{a0}{unit}"),
-        };
-        let amount = value[row].map(|value| format!(": {}{unit}", number(value, error)));
+        let amount =
+            value[row].map(|value| format!(": {}", with_unit(&number(value, error), &units[row])));
         let interval = ends.map(|(low, high)| {
             format!("interval {} to {}", number(low, error), number(high, error))
         });

@@ -1,0 +1,392 @@
+//! A mapping file to edit, guessed from a recording: how its text is written, and what its columns may be.
+//!
+//! Nothing is imported by a guess: the mapping is a text that a person reads, mends and names in `--map`. What could not be told
+//! stands in it as a line to fill in.
+
+use super::csv::{Dialect, WHITE_SPACE};
+use super::format::{Format, FormatOptions};
+use super::limits::{Budget, MOST_FILE, Take};
+use super::plain::is_labchart;
+use super::recording::number;
+use super::table::{Cell, Cells, ColumnRef, Table};
+use super::text::{Encoding, decode};
+use super::unit::{find, may_become};
+use std::fmt::Write as _;
+use std::path::Path;
+use zwidth_store::{Signal, StoreError, read_named};
+
+/// Columns that are looked at: more are not one recording's.
+const MOST_GUESSED: usize = 64;
+/// Lines and rows that are looked at.
+const LOOKED_AT: usize = 200;
+/// Lines before the header, at most.
+const MOST_PREAMBLE: usize = 50;
+/// What stands between cells, the likeliest first.
+const DELIMITERS: [u8; 5] = [b'\t', b';', b',', b'|', WHITE_SPACE];
+
+/// What columns are called, and what they then are. The words stand in small letters, the first that fits wins.
+const NAMES: [(Signal, &[&str]); 8] = [
+    (
+        Signal::Time,
+        &["t", "time", "zeit", "timestamp", "elapsed", "seconds", "millis", "temps", "tiempo"],
+    ),
+    (Signal::ThetaDdot, &["accel", "acceleration", "beschleunigung", "thetaddot", "theta_ddot"]),
+    (
+        Signal::ThetaDot,
+        &["v", "vel", "velocity", "speed", "geschwindigkeit", "omega", "thetadot", "theta_dot"],
+    ),
+    (Signal::ForceEx, &["f", "fx", "force", "kraft", "fex", "f_ex", "load", "f_n"]),
+    (Signal::TorqueEx, &["torque", "tau", "moment", "drehmoment"]),
+    (
+        Signal::Theta,
+        &[
+            "theta",
+            "angle",
+            "winkel",
+            "pos",
+            "position",
+            "x",
+            "phi",
+            "encoder",
+            "displacement",
+            "weg",
+        ],
+    ),
+    (Signal::VoltageMotor, &["voltage", "u", "motor", "spannung", "u_motor"]),
+    (Signal::VoltageBrake, &["brake", "bremse", "u_brake"]),
+];
+
+/// How a text is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Written {
+    encoding: Encoding,
+    delimiter: u8,
+    decimal_comma: bool,
+    header: bool,
+    skip: usize,
+}
+
+/// A mapping for `path`, guessed.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn guess(path: &Path) -> Result<String, StoreError> {
+    let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
+    let extension =
+        path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let named = Format::ALL.into_iter().find(|f| f.extensions().contains(&extension.as_str()));
+    let format = named.unwrap_or(Format::Txt);
+    let is_delimited = matches!(format, Format::Csv | Format::Tsv | Format::Txt);
+    let encoding = encoding(&bytes);
+    let written = match is_delimited {
+        true => written(&decode(path, &bytes, encoding)?, encoding),
+        false => Written { encoding, delimiter: b',', decimal_comma: false, header: true, skip: 0 },
+    };
+    let dialect = Dialect {
+        delimiter: written.delimiter,
+        header: written.header,
+        comment: None,
+        skip: written.skip,
+        encoding,
+        bad_lines: usize::MAX,
+    };
+    let columns: Vec<ColumnRef> = (1..=MOST_GUESSED).map(ColumnRef::Position).collect();
+    let budget = Budget::default();
+    let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
+    let table = format.read(path, bytes, FormatOptions { dialect, matrix: None }, &take)?;
+    Ok(mapping(path, &table, (named.is_none()).then_some(format), is_delimited.then_some(written)))
+}
+
+/// UTF-8 where the bytes are, and else Latin-1, in which any bytes are text.
+fn encoding(bytes: &[u8]) -> Encoding {
+    let marked = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    // Half of the bytes of plain letters are 0 in UTF-16.
+    let zeros = bytes.iter().take(LOOKED_AT).filter(|b| **b == 0).count();
+    if !marked && 4 * zeros > bytes.len().min(LOOKED_AT) {
+        return Encoding::Utf16;
+    }
+    if marked || std::str::from_utf8(bytes).is_ok() { Encoding::Utf8 } else { Encoding::Latin1 }
+}
+
+/// How a delimited text is written: the delimiter that parts most lines into the same number of cells, the most of them.
+fn written(text: &str, encoding: Encoding) -> Written {
+    let lines: Vec<&str> =
+        text.lines().filter(|line| !line.trim().is_empty()).take(LOOKED_AT).collect();
+    let of = |delimiter: u8| {
+        let counts: Vec<usize> = lines.iter().map(|line| cells(line, delimiter).len()).collect();
+        let usual = counts.last().copied().unwrap_or(1);
+        (counts.iter().filter(|n| **n == usual && usual > 1).count(), delimiter)
+    };
+    let best = DELIMITERS
+        .into_iter()
+        .map(of)
+        .fold((0, b','), |best, next| if next.0 > best.0 { next } else { best });
+    let (delimiter, last) = (best.1, lines.last().copied().unwrap_or_default());
+    let width = cells(last, delimiter).len();
+    // A comma that is no delimiter and stands between digits is one before decimals.
+    let has_comma = |cell: &&str| number(cell, false).is_err() && number(cell, true).is_ok();
+    let decimal_comma = delimiter != b',' && cells(last, delimiter).iter().any(has_comma);
+    let mut all = text.lines();
+    let fits = |line: &str| !line.trim().is_empty() && cells(line, delimiter).len() + 1 >= width;
+    let skip = all.position(fits).filter(|skip| *skip <= MOST_PREAMBLE).unwrap_or(0);
+    let first = text.lines().nth(skip).unwrap_or_default();
+    let is_number = |cell: &&str| matches!(number(cell, decimal_comma), Ok(Some(_)));
+    let header = is_labchart(text) || !cells(first, delimiter).iter().any(is_number);
+    let skip = if is_labchart(text) { 0 } else { skip };
+    Written { encoding, delimiter, decimal_comma, header, skip }
+}
+
+fn cells(line: &str, delimiter: u8) -> Vec<&str> {
+    match delimiter {
+        WHITE_SPACE => line.split_whitespace().collect(),
+        _ => line.split(char::from(delimiter)).map(str::trim).collect(),
+    }
+}
+
+/// The mapping's text.
+fn mapping(path: &Path, table: &Table, format: Option<Format>, written: Option<Written>) -> String {
+    let mut text = format!(
+        "# Guessed from {}: check every line, fill in what stands at `TODO`, then\n# zwidth import STUDY --map THIS FILES…\n\
+         kind = \"trials\"\n\n[file]\n",
+        path.file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, " ")
+    );
+    if let Some(format) = format {
+        let _ = writeln!(text, "format = \"{}\"", format.word());
+    }
+    let comma = written.is_some_and(|written| written.decimal_comma);
+    if let Some(written) = written {
+        write_form(&mut text, written);
+    }
+    let columns = described(table, comma);
+    let time = columns.iter().find(|c| c.to == Some(Signal::Time));
+    if time.is_some_and(|c| starts_over(&table.columns[c.place], comma)) {
+        text.push_str(
+            "split = \"time\"          # the time starts over: several trials in one file\n",
+        );
+    }
+    for told in &table.told {
+        let _ = writeln!(text, "# {told}");
+    }
+    if let Some((row, why)) = table.bad.first() {
+        let _ = writeln!(
+            text,
+            "bad_lines = {}           # the first: row {}: {why}",
+            table.bad.len(),
+            row + 1
+        );
+    }
+    text.push_str(
+        "\n[trial]\nparticipant = \"TODO\"     # a code; or { column = \"…\" }, or { name = \"…\" } with a pattern in [name]\n\
+         session = \"S01\"\nenvironment = \"TODO\"     # as in study.toml\nmode = \"TODO\"            # as in study.toml\n\n",
+    );
+    match time {
+        Some(column) => {
+            let _ = writeln!(
+                text,
+                "[time]\nfrom = {}\nunit = {}",
+                column.from,
+                column.unit_line("s, ms or µs?")
+            );
+        }
+        None => text.push_str(
+            "[time]\nrate_hz = \"TODO\"        # no column of time was found: samples a second\n",
+        ),
+    }
+    for column in &columns {
+        column.write(&mut text);
+    }
+    text
+}
+
+fn write_form(text: &mut String, written: Written) {
+    let delimiter = match written.delimiter {
+        b'\t' => "\\t".to_owned(),
+        other => char::from(other).to_string(),
+    };
+    let _ = writeln!(text, "delimiter = \"{delimiter}\"");
+    let _ = writeln!(text, "decimal = \"{}\"", if written.decimal_comma { ',' } else { '.' });
+    let _ = writeln!(text, "header = {}", written.header);
+    if written.skip > 0 {
+        let _ = writeln!(text, "skip = {}", written.skip);
+    }
+    match written.encoding {
+        Encoding::Utf8 => {}
+        Encoding::Utf16 => text.push_str("encoding = \"utf-16\"\n"),
+        Encoding::Latin1 => text.push_str("encoding = \"latin-1\"\n"),
+    }
+}
+
+/// A column of theirs, and what it may be.
+struct Guessed {
+    place: usize,
+    /// As `from` names it: a text in quotes, or a position.
+    from: String,
+    to: Option<Signal>,
+    unit: Option<String>,
+    is_number: bool,
+}
+
+impl Guessed {
+    fn unit_line(&self, which: &str) -> String {
+        self.unit
+            .as_ref()
+            .map_or_else(|| format!("\"TODO\"            # {which}"), |unit| format!("\"{unit}\""))
+    }
+
+    fn write(&self, text: &mut String) {
+        let Self { from, .. } = self;
+        let _ = match self.to {
+            Some(Signal::Time) => Ok(()),
+            Some(to) => {
+                let unit = self.unit_line("which?");
+                writeln!(text, "\n[[column]]\nto = \"{}\"\nfrom = {from}\nunit = {unit}", to.name())
+            }
+            None if self.is_number => {
+                writeln!(text, "\n# not recognised: {from}, a column of numbers")
+            }
+            None => writeln!(
+                text,
+                "\n# not recognised: {from}, a column of texts: a label of the trial, perhaps"
+            ),
+        };
+    }
+}
+
+/// Every column, each of ours at most once.
+fn described(table: &Table, decimal_comma: bool) -> Vec<Guessed> {
+    let mut taken = Vec::new();
+    let one = |place: usize| {
+        let name =
+            table.names.as_ref().and_then(|names| names.get(place)).filter(|n| !n.is_empty());
+        let is_number = is_number(&table.columns[place], decimal_comma);
+        let (stem, unit) = name.map_or((String::new(), None), |name| stem_and_unit(name));
+        let known = NAMES.iter().find(|(_, words)| words.contains(&stem.as_str())).map(|n| n.0);
+        let to = known.filter(|to| is_number && !taken.contains(to));
+        taken.extend(to);
+        let fits =
+            |unit: &String| to.zip(find(unit)).is_some_and(|(to, unit)| may_become(unit, to));
+        let from = name.map_or_else(|| (place + 1).to_string(), |name| quoted(name));
+        Guessed { place, from, to, unit: unit.filter(fits), is_number }
+    };
+    (0..table.columns.len().min(MOST_GUESSED)).map(one).collect()
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for letter in text.chars() {
+        match letter {
+            '"' | '\\' => quoted.extend(['\\', letter]),
+            letter if letter.is_control() => {
+                let _ = write!(quoted, "\\u{:04X}", u32::from(letter));
+            }
+            letter => quoted.push(letter),
+        }
+    }
+    quoted + "\""
+}
+
+/// A name in small letters without its unit, and the unit: `Force (mN)` → `force`, `mN`; `angle_deg` → `angle`, `deg`.
+fn stem_and_unit(name: &str) -> (String, Option<String>) {
+    let bracketed = name
+        .split_once(['(', '['])
+        .map(|(stem, unit)| (stem, unit.trim_end_matches([')', ']', ' '])));
+    let (stem, unit) = match bracketed {
+        Some((stem, unit)) => (stem, Some(unit.trim())),
+        None => match name.trim().rsplit_once(['_', ' ']) {
+            Some((stem, unit)) if find(unit).is_some() => (stem, Some(unit)),
+            _ => (name, None),
+        },
+    };
+    let stem = stem.trim().trim_end_matches(['_', '-', '.']).to_lowercase();
+    (stem.replace(' ', "_"), unit.map(str::to_owned))
+}
+
+fn first_numbers(cells: &Cells, decimal_comma: bool) -> Vec<Option<f64>> {
+    let value = |row: usize| match cells.cell(row) {
+        Cell::Number(value) => Some(value),
+        Cell::Text(text) => number(text, decimal_comma).ok().flatten(),
+        Cell::Empty => None,
+    };
+    (0..cells.len()).map(value).collect()
+}
+
+/// Whether most of a column's first cells are numbers.
+fn is_number(cells: &Cells, decimal_comma: bool) -> bool {
+    let looked_at = first_numbers(cells, decimal_comma);
+    let looked_at = &looked_at[..looked_at.len().min(LOOKED_AT)];
+    2 * looked_at.iter().flatten().count() > looked_at.len()
+}
+
+fn starts_over(cells: &Cells, decimal_comma: bool) -> bool {
+    let times: Vec<f64> = first_numbers(cells, decimal_comma).into_iter().flatten().collect();
+    times.windows(2).any(|t| t[1] < t[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::World;
+    use super::*;
+
+    fn check(name: &str, content: &[u8], expect: &[&str]) -> String {
+        let world = World::new();
+        let text = guess(&world.file(name, content)).unwrap();
+        for words in expect {
+            assert!(text.contains(words), "'{words}' is not in\n{text}");
+        }
+        text
+    }
+
+    #[test]
+    fn delimiter_decimal_mark_header_and_units_are_guessed() {
+        check(
+            "a.csv",
+            b"rig 2\n\ntime_ms;angle (deg);F [mN];note\n0;-45,0;0,02;ok\n1;-44,9;-0,05;ok\n",
+            &[
+                "delimiter = \";\"\ndecimal = \",\"\nheader = true\nskip = 2\n",
+                "[time]\nfrom = \"time_ms\"\nunit = \"ms\"\n",
+                "to = \"theta_rad\"\nfrom = \"angle (deg)\"\nunit = \"deg\"\n",
+                "to = \"force_ex_n\"\nfrom = \"F [mN]\"\nunit = \"mN\"\n",
+                "# not recognised: \"note\", a column of texts",
+            ],
+        );
+        check(
+            "a.dat",
+            b"0.0  1.5\n0.1  2.5\n0.2  3.5\n",
+            &[
+                "delimiter = \" \"\n",
+                "header = false\n",
+                "rate_hz = \"TODO\"",
+                "# not recognised: 1, a column of numbers",
+            ],
+        );
+        check(
+            "a.log",
+            b"t|\xfcber\n0|1\n1|2\n0|3\n",
+            &["format = \"txt\"\ndelimiter = \"|\"", "encoding = \"latin-1\"", "split = \"time\""],
+        );
+    }
+
+    /// What is guessed imports, once what only a person knows is filled in.
+    #[test]
+    fn a_guess_with_its_blanks_filled_in_imports() {
+        let world = World::new();
+        let file = world.file("a.csv", "Time (s)\tForce (N)\r\n0\t1,5\r\n0,5\t2,5\r\n");
+        let text = guess(&file).unwrap();
+        let filled = text
+            .replacen("\"TODO\"     # a code", "\"P01\"     # a code", 1)
+            .replace("environment = \"TODO\"", "environment = \"spring\"")
+            .replace("mode = \"TODO\"", "mode = \"hybrid\"");
+        world.import(&filled, &[file]).unwrap_or_else(|e| panic!("{e:#?}\n{filled}"));
+        assert_eq!(world.column(1, Signal::ForceEx), [1.5, 2.5]);
+    }
+
+    #[test]
+    fn a_recording_without_text_is_described_by_its_columns() {
+        check(
+            "a.jsonl",
+            b"{\"t\":0,\"force\":1}\n{\"t\":1,\"force\":2}\n",
+            &["[time]\nfrom = \"t\"\n", "to = \"force_ex_n\"\nfrom = \"force\"\nunit = \"TODO\""],
+        );
+    }
+}

@@ -1,0 +1,36 @@
+//! A finding of one trial's samples, and what several of them ask.
+
+use crate::{Signal, StoreError};
+use std::path::Path;
+
+/// Fewest samples that show a habit.
+pub(super) const LEAST_SAMPLES: usize = 50;
+
+/// A finding before it has its file.
+pub(super) struct Doubt {
+    pub(super) signal: Signal,
+    pub(super) row: Option<usize>,
+    pub(super) what: String,
+    pub(super) remedy: &'static str,
+}
+
+impl Doubt {
+    pub(super) fn new(signal: Signal, what: String, remedy: &'static str) -> Self {
+        Self { signal, row: None, what, remedy }
+    }
+
+    pub(super) fn at(self, path: &Path) -> StoreError {
+        let error = StoreError::new(path, self.what, self.remedy).column(self.signal.name());
+        match self.row {
+            Some(row) => error.row0(row),
+            None => error,
+        }
+    }
+}
+
+/// Largest less smallest value.
+pub(super) fn range(values: &[f64]) -> f64 {
+    let ends = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    (high - low).max(0.0)
+}

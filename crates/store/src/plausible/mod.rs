@@ -1,0 +1,24 @@
+//! Whether a recording can be what it says: what a wrong unit, a lost sensor or a stopped clock leaves in single columns.
+//!
+//! It lies in the store because `verify`, import and a run ask the same question of the same samples, and no other crate is
+//! below all three. Thresholds lie far from what devices and hands do, so that a finding is worth reading: a wrong unit is off
+//! by ten times and more, a sensor that is read well differs from sample to sample.
+
+mod asked;
+mod columns;
+mod doubt;
+mod relations;
+#[cfg(test)]
+mod tests;
+
+pub use asked::Asked;
+
+use crate::{Samples, StoreError};
+use std::path::Path;
+
+/// What the samples of a trial say against its units, signs, clock and sensors: one finding a cause, with its remedy.
+pub(crate) fn implausible(asked: &Asked, path: &Path, samples: &Samples) -> Vec<StoreError> {
+    let doubts =
+        columns::doubts(asked, samples).into_iter().chain(relations::doubts(asked, samples));
+    doubts.map(|doubt| doubt.at(path)).collect()
+}

@@ -1,0 +1,170 @@
+//! Whether the signals of a trial fit each other: velocity and angle, force and motion, force and the spring asked for.
+
+use super::asked::Asked;
+use super::doubt::{Doubt, LEAST_SAMPLES, range};
+use crate::{Samples, Signal};
+use core::f64::consts::TAU;
+
+/// A trial is looked at in this many stretches, each long against noise and delay of a velocity.
+const STRETCHES: usize = 200;
+/// Samples of a stretch, at least.
+const LEAST_STRETCH: usize = 5;
+/// From this correlation on two signals tell of one movement, and their ratio means something.
+const ALIKE: f64 = 0.9;
+/// A ratio within this factor of 1 is a filter's or a calibration's.
+const NEAR: f64 = 2.0;
+/// A ratio within this share of a known one is that one.
+const CLOSE: f64 = 0.2;
+/// Least movement, rad (1°): below, noise is all there is.
+const LEAST_MOVED_RAD: f64 = 0.017_453_292_519_943_295;
+/// The user's work on the way out is of the wrong sign where it is below −this share of ∫ |F dθ|.
+const AGAINST: f64 = 0.5;
+
+pub(super) fn doubts(asked: &Asked, samples: &Samples) -> Vec<Doubt> {
+    [velocity(samples), sign_of_force(asked, samples), size_of_force(asked, samples)]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+/// Ratios of a velocity to the angle's derivative that a wrong unit makes.
+const VELOCITIES: [(f64, &str); 8] = [
+    (360.0 / TAU, "deg/s taken for rad/s, or an angle in rad taken for degrees"),
+    (TAU / 360.0, "rad/s taken for deg/s, or an angle in degrees taken for rad"),
+    (1e3, "a time in ms taken for s, or a velocity in mm/s for m/s"),
+    (1e-3, "a time in s taken for ms, or a velocity in m/s for mm/s"),
+    (60.0 / TAU, "rpm taken for rad/s"),
+    (TAU / 60.0, "rad/s taken for rpm"),
+    (TAU, "rad/s taken for turns a second"),
+    (1.0 / TAU, "turns a second taken for rad/s"),
+];
+
+/// θ̇ against θ: how far the one says that the lever went, in each stretch, over how far the other does.
+fn velocity(samples: &Samples) -> Option<Doubt> {
+    let [t, theta, theta_dot] =
+        [Signal::Time, Signal::Theta, Signal::ThetaDot].map(|signal| samples.get(signal));
+    let (t, theta, theta_dot) = (t?, theta?, theta_dot?);
+    if t.len() < LEAST_SAMPLES {
+        return None;
+    }
+    let length = (t.len() / STRETCHES).max(LEAST_STRETCH);
+    let moved = ends(t.len(), length).map(|(from, to)| theta[to] - theta[from]);
+    let said =
+        ends(t.len(), length).map(|(from, to)| integral(&t[from..=to], &theta_dot[from..=to]));
+    let (ratio, correlation) = ratio(moved, said)?;
+    if correlation < ALIKE || (1.0 / NEAR..NEAR).contains(&ratio) {
+        return None;
+    }
+    let why = named(&VELOCITIES, ratio.abs()).map(|why| format!(": {why}?")).unwrap_or_default();
+    let sign = if ratio < 0.0 { ", with the opposite sign" } else { "" };
+    let what =
+        format!("the velocity is {} times the angle's derivative{sign}{why}", digits(ratio.abs()));
+    let remedy = "mend unit or sign of angle, velocity or time in the mapping, or derive the velocity from the angle";
+    Some(Doubt::new(Signal::ThetaDot, what, remedy))
+}
+
+/// First and last sample of each whole stretch of `length` samples.
+fn ends(samples: usize, length: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..samples.saturating_sub(1) / length).map(move |i| (i * length, (i + 1) * length))
+}
+
+/// ∫ y dt by the trapezoidal rule.
+fn integral(t: &[f64], y: &[f64]) -> f64 {
+    t.windows(2).zip(y.windows(2)).map(|(t, y)| (t[1] - t[0]) * (y[0] + y[1]) / 2.0).sum()
+}
+
+/// b over a by least squares through 0, and how alike they are (|correlation|); `None` where one of them is 0 throughout.
+fn ratio(a: impl Iterator<Item = f64>, b: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let add =
+        |(aa, bb, ab): (f64, f64, f64), (a, b): (f64, f64)| (aa + a * a, bb + b * b, ab + a * b);
+    let (aa, bb, ab) = a.zip(b).fold((0.0, 0.0, 0.0), add);
+    (aa > 0.0 && bb > 0.0).then(|| (ab / aa, ab.abs() / (aa.sqrt() * bb.sqrt())))
+}
+
+/// What a known ratio comes of.
+fn named(known: &[(f64, &'static str)], ratio: f64) -> Option<&'static str> {
+    let is_close = |of: f64| (ratio / of - 1.0).abs() < CLOSE;
+    known.iter().find(|(of, _)| is_close(*of)).map(|(_, why)| *why)
+}
+
+/// Three digits, whatever the size.
+fn digits(ratio: f64) -> String {
+    let exact = format!("{ratio:.2e}").parse().unwrap_or(ratio);
+    format!("{exact}")
+}
+
+/// The way out: from the first sample to that farthest from it. With angle and force; `None` without much of a movement.
+fn way_out(samples: &Samples, force: Signal) -> Option<(&[f64], &[f64])> {
+    let (theta, force) = (samples.get(Signal::Theta)?, samples.get(force)?);
+    let first = *theta.first()?;
+    let farther =
+        |best: usize, i: usize| match (theta[i] - first).abs() > (theta[best] - first).abs() {
+            true => i,
+            false => best,
+        };
+    let turn = (0..theta.len()).fold(0, farther);
+    let moved = range(&theta[..=turn]) > LEAST_MOVED_RAD && turn >= LEAST_STRETCH;
+    (moved && theta.len() >= LEAST_SAMPLES).then(|| (&theta[..=turn], &force[..=turn]))
+}
+
+/// A hand that moves a spring away from rest works on it: ∫ F dθ > 0 on the way out.
+fn sign_of_force(asked: &Asked, samples: &Samples) -> Option<Doubt> {
+    asked.scene.spring()?;
+    let signal = recorded(samples)?;
+    let (theta, force) = way_out(samples, signal)?;
+    let steps =
+        || theta.windows(2).zip(force.windows(2)).map(|(x, f)| (x[1] - x[0]) * (f[0] + f[1]) / 2.0);
+    let (work, all) = (steps().sum::<f64>(), steps().map(f64::abs).sum::<f64>());
+    let what = format!(
+        "the force points against the motion on the way out ({:.0} % of its work is negative): a user's force is positive \
+         where it pushes into the object",
+        50.0 * (1.0 - work / all)
+    );
+    let remedy = "set sign = -1 for the force, or for angle and velocity, in the mapping";
+    (work < -AGAINST * all).then(|| Doubt::new(signal, what, remedy))
+}
+
+fn recorded(samples: &Samples) -> Option<Signal> {
+    [Signal::ForceEx, Signal::TorqueEx].into_iter().find(|signal| samples.get(*signal).is_some())
+}
+
+/// The stiffness that the way out shows, over the one asked for: a unit that is wrong is off by a known factor.
+fn size_of_force(asked: &Asked, samples: &Samples) -> Option<Doubt> {
+    let spring = asked.scene.spring()?;
+    let (theta, force) = way_out(samples, Signal::ForceEx)?;
+    // The slope alone: where the angle's 0 lies may be wrong too.
+    let asked_for = from_mean(theta).map(|x| x * spring.stiffness_n_per_rad);
+    let (ratio, correlation) = ratio(asked_for, from_mean(force))?;
+    if correlation < ALIKE || ratio <= 0.0 {
+        return None;
+    }
+    let why = asked.lever_m.and_then(|lever_m| named(&torques(lever_m), ratio));
+    let why = why.or_else(|| named(&FORCES, ratio))?;
+    let what =
+        format!("the force grows by {} times what the spring asks for: {why}?", digits(ratio));
+    let remedy = "mend unit and scale of force and angle in the mapping, or stiffness and device.lever_m in study.toml";
+    Some(Doubt::new(Signal::ForceEx, what, remedy))
+}
+
+/// Values less their mean.
+fn from_mean(values: &[f64]) -> impl Iterator<Item = f64> {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter().map(move |value| value - mean)
+}
+
+/// What a torque makes of a force; nothing for a lever about 1 m long, which hardly changes the number.
+fn torques(lever_m: f64) -> Vec<(f64, &'static str)> {
+    let known = [
+        (lever_m, "a torque in N·m taken for a force in N"),
+        (1.0 / lever_m, "a force in N taken for a torque in N·m"),
+    ];
+    known.into_iter().filter(|(of, _)| !(0.2..5.0).contains(of)).collect()
+}
+
+/// Ratios of a force to the one asked for that a wrong unit makes.
+const FORCES: [(f64, &str); 4] = [
+    (1e3, "mN taken for N, or an angle or length a thousand times too small"),
+    (1e-3, "kN taken for N, or an angle or length a thousand times too large"),
+    (360.0 / TAU, "an angle in rad taken for degrees"),
+    (TAU / 360.0, "an angle in degrees taken for rad"),
+];

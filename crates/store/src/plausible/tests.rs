@@ -1,0 +1,178 @@
+//! Recordings spoilt on purpose.
+
+use super::{Asked, implausible};
+use crate::{Samples, Signal};
+use core::f64::consts::TAU;
+use std::path::Path;
+use zwidth_study::{Coordinate, Scene, Spring};
+
+/// A spring of 4 N/rad at rest at −45°, on a lever of 75 mm.
+fn asked() -> Asked {
+    let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -core::f64::consts::FRAC_PI_4 };
+    Asked {
+        theta_min_rad: None,
+        theta_max_rad: None,
+        trial_limit_s: 60.0,
+        coordinate: Coordinate::Rotational,
+        lever_m: Some(0.075),
+        scene: Scene::Spring(spring),
+    }
+}
+
+/// There and back in 2 s over 77° on that spring, 500 samples a second, with noise of the force.
+fn recording() -> Samples {
+    let t: Vec<f64> = (0..1000u32).map(|i| f64::from(i) * 2e-3).collect();
+    let (size, omega) = (77_f64.to_radians(), core::f64::consts::PI);
+    let noise = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 20) * 1e-5;
+    let theta: Vec<f64> = t
+        .iter()
+        .map(|t| -core::f64::consts::FRAC_PI_4 + size * (1.0 - libm::cos(omega * t)) / 2.0)
+        .collect();
+    let mut samples = Samples::default();
+    let force = (0..).zip(&theta);
+    let force = force.map(|(i, x)| 4.0 * (x + core::f64::consts::FRAC_PI_4) + noise(i));
+    samples.set(Signal::ForceEx, force.collect());
+    let velocity = t.iter().map(|t| size * omega * libm::sin(omega * t) / 2.0).collect();
+    samples.set(Signal::ThetaDot, velocity);
+    samples.set(Signal::Theta, theta);
+    samples.set(Signal::Time, t);
+    samples
+}
+
+/// What is said of the recording with one signal changed, sample by sample: columns and words.
+#[track_caller]
+fn check(signal: Signal, change: impl Fn(usize, f64) -> f64, expect: &[(Signal, &str)]) {
+    let mut samples = recording();
+    let changed = samples.get(signal).unwrap().iter().enumerate();
+    let changed = changed.map(|(i, v)| change(i, *v)).collect();
+    samples.set(signal, changed);
+    let found = implausible(&asked(), Path::new("a"), &samples);
+    assert_eq!(found.len(), expect.len(), "{found:#?}");
+    for (found, (signal, words)) in found.iter().zip(expect) {
+        assert_eq!(found.column.as_deref(), Some(signal.name()), "{found}");
+        assert!(found.to_string().contains(words), "{found} without '{words}'");
+    }
+}
+
+#[test]
+fn a_recording_that_fits_itself_has_no_finding() {
+    check(Signal::Theta, |_, v| v, &[]);
+}
+
+#[test]
+fn a_clock_that_jumps_is_found_where_it_does() {
+    let later = |i, t| if i >= 700 { t + 5.0 } else { t };
+    let mut samples = recording();
+    samples.set(
+        Signal::Time,
+        samples.get(Signal::Time).unwrap().iter().enumerate().map(|(i, t)| later(i, *t)).collect(),
+    );
+    let found = implausible(&asked(), Path::new("a"), &samples);
+    assert_eq!(found[0].row, Some(701));
+    assert!(found[0].what.starts_with("the clock jumps by 5.002 s"), "{}", found[0]);
+}
+
+#[test]
+fn milliseconds_taken_for_seconds_and_the_other_way_round_are_named() {
+    let both = |signal, words: &'static str| (signal, words);
+    check(
+        Signal::Time,
+        |_, t| 1e3 * t,
+        &[
+            both(Signal::Time, "milliseconds taken for seconds"),
+            both(Signal::ThetaDot, "1000 times"),
+        ],
+    );
+    check(
+        Signal::Time,
+        |_, t| 1e-3 * t,
+        &[
+            both(Signal::Time, "seconds taken for milliseconds"),
+            both(Signal::ThetaDot, "0.001 times"),
+        ],
+    );
+}
+
+#[test]
+fn two_clocks_that_differ_are_named() {
+    let mut samples = recording();
+    let device = samples.get(Signal::Time).unwrap().iter().map(|t| 1e3 * t).collect();
+    samples.set(Signal::DeviceTime, device);
+    let found = implausible(&asked(), Path::new("a"), &samples);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].what.contains("another unit"), "{}", found[0]);
+}
+
+#[test]
+fn an_angle_of_a_thousand_degrees_is_none() {
+    check(
+        Signal::Theta,
+        |_, v| v.to_degrees(),
+        &[
+            (Signal::Theta, "degrees taken for radians"),
+            (Signal::ThetaDot, "0.0175 times"),
+            (Signal::ForceEx, "angle"),
+        ],
+    );
+}
+
+#[test]
+fn a_signal_that_stops_is_found_and_no_force_in_free_motion_is_none() {
+    check(Signal::ForceEx, |_, _| 0.0, &[(Signal::ForceEx, "it is 0 throughout, while theta_rad")]);
+    check(
+        Signal::ForceEx,
+        |i, v| if i >= 300 { 3.25 } else { v },
+        &[(Signal::ForceEx, "it holds 3.25 for 1.40 s")],
+    );
+    let mut samples = recording();
+    samples.set(Signal::ForceEx, vec![0.0; 1000]);
+    let free = Asked { scene: Scene::Free, ..asked() };
+    assert!(implausible(&free, Path::new("a"), &samples).is_empty());
+}
+
+#[test]
+fn a_force_at_the_end_of_its_sensors_range_is_found() {
+    check(
+        Signal::ForceEx,
+        |_, v| v.min(4.5),
+        &[(Signal::ForceEx, "it stands at its largest value")],
+    );
+    let held = |i: usize, _| 4.0 * f64::from(u32::try_from(i / 60).unwrap() % 5 + 1);
+    let mut samples = recording();
+    samples.set(Signal::ForceEx, (0..1000).map(|i| held(i, 0.0)).collect());
+    let found = implausible(&asked(), Path::new("a"), &samples);
+    assert!(found.iter().all(|f| !f.what.contains("largest")), "a slow sensor: {found:#?}");
+}
+
+#[test]
+fn a_velocity_in_another_unit_or_with_another_sign_is_named() {
+    check(
+        Signal::ThetaDot,
+        |_, v| v.to_degrees(),
+        &[(Signal::ThetaDot, "57.3 times the angle's derivative: deg/s taken for rad/s")],
+    );
+    check(
+        Signal::ThetaDot,
+        |_, v| -v,
+        &[(Signal::ThetaDot, "1 times the angle's derivative, with the opposite sign")],
+    );
+    check(Signal::ThetaDot, |_, v| v * 60.0 / TAU, &[(Signal::ThetaDot, "rpm taken for rad/s")]);
+    check(Signal::ThetaDot, |_, v| v * 1.5, &[]);
+}
+
+#[test]
+fn a_force_against_the_motion_has_the_wrong_sign() {
+    check(Signal::ForceEx, |_, v| -v, &[(Signal::ForceEx, "set sign = -1")]);
+}
+
+#[test]
+fn a_torque_taken_for_a_force_is_a_lever_too_small() {
+    check(Signal::ForceEx, |_, v| 0.075 * v, &[(Signal::ForceEx, "a torque in N·m taken")]);
+    check(
+        Signal::ForceEx,
+        |_, v| v / 0.075,
+        &[(Signal::ForceEx, "a force in N taken for a torque")],
+    );
+    check(Signal::ForceEx, |_, v| 1e3 * v, &[(Signal::ForceEx, "mN taken for N")]);
+    check(Signal::ForceEx, |_, v| 0.5 * v, &[]);
+}

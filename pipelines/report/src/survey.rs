@@ -1,0 +1,126 @@
+//! A questionnaire without recordings in sentences.
+
+use crate::Planned;
+use crate::answers::{Median, median_of};
+use crate::findings::Finding;
+use crate::gallery::Shown;
+use crate::people::count;
+use zwidth_study::{Environment, Mode, Question};
+use zwidth_tables::{Table, TableError};
+
+/// Questions that are told one by one, those whose medians lie farthest apart.
+const TOLD: usize = 3;
+
+/// What the answers of a study show that recorded no trial, an environment after another: how many there are, then the questions
+/// in which the modes' medians lie farthest apart. Descriptive: no sentence says that a difference was shown.
+///
+/// # Errors
+/// A table that is not a tally.
+pub fn survey(study: &Planned, tally: &Table) -> Result<Vec<Finding>, TableError> {
+    let mut found = Vec::new();
+    for environment in &study.environments {
+        let mut asked = Vec::new();
+        for question in &study.questions {
+            let medians = medians(study, tally, environment, question)?;
+            if !medians.is_empty() {
+                asked.push((question, medians));
+            }
+        }
+        let all = asked.iter().flat_map(|(_, medians)| medians);
+        let answers: i64 = all.clone().map(|(_, median)| median.answers).sum();
+        let Some(people) = all.map(|(_, median)| median.participants).max() else { continue };
+        let counted = |n: i64, what: &str| count(usize::try_from(n).unwrap_or_default(), what);
+        let text = format!(
+            "{}: {} to {} by {}.",
+            environment.label,
+            counted(answers, "answer"),
+            count(asked.len(), "question"),
+            counted(people, "participant")
+        );
+        found.push(Finding { text, shown: Shown::Answers });
+        // stable: questions that are equally far apart stay in the study's order
+        asked.sort_by(|a, b| spread(&b.1).total_cmp(&spread(&a.1)));
+        let apart = asked.iter().filter(|(_, medians)| spread(medians) > 0.0).take(TOLD);
+        found.extend(apart.map(|(question, medians)| sentence(environment, question, medians)));
+    }
+    Ok(found)
+}
+
+type Medians<'a> = Vec<(&'a Mode, Median)>;
+
+/// The medians of the modes that have answers.
+fn medians<'a>(
+    study: &'a Planned,
+    tally: &Table,
+    environment: &Environment,
+    question: &Question,
+) -> Result<Medians<'a>, TableError> {
+    let mut medians = Vec::new();
+    for mode in &study.modes {
+        let median =
+            median_of(study, tally, [environment.id.as_str(), mode.id.as_str()], &question.id)?;
+        medians.extend(median.map(|median| (mode, median)));
+    }
+    Ok(medians)
+}
+
+/// How far apart the modes' medians lie, in points.
+fn spread(medians: &Medians) -> f64 {
+    let middle = |(_, median): &(&Mode, Median)| (median.low + median.high) as f64 / 2.0;
+    let ends = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
+    let start = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = medians.iter().map(middle).fold(start, ends);
+    high - low
+}
+
+fn sentence(environment: &Environment, question: &Question, medians: &Medians) -> Finding {
+    let list: Vec<String> = medians
+        .iter()
+        .map(|(mode, median)| format!("{} with {}", median.words(), mode.label))
+        .collect();
+    let turned =
+        if question.reversed { " (turned, because it counts the other way round)" } else { "" };
+    let text = format!(
+        "{}, “{}”{turned}: the median answer was {}.",
+        environment.label,
+        question.text,
+        list.join(", ")
+    );
+    Finding { text, shown: Shown::Answers }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_tables::Column;
+
+    #[test]
+    fn a_survey_is_told_by_its_size_and_by_where_the_modes_lie_apart() {
+        let study = Planned::of(&zwidth_testing::study());
+        let question = study.questions[0].clone();
+        let text = |name, values: [&str; 2]| {
+            Column::text(name, "", values.map(|value| Some(value.to_owned())))
+        };
+        let number = |name, values: [i64; 2]| Column::integer(name, "1", "", values.map(Some));
+        let columns = vec![
+            text("environment", ["spring", "spring"]),
+            text("mode", ["active", "passive"]),
+            text("question", [question.id.as_str(), question.id.as_str()]),
+            number("n", [20, 19]),
+            number("participants", [20, 19]),
+            number("median_low", [4, 2]),
+            number("median_high", [4, 2]),
+        ];
+        let tally = Table::new("likert", "", columns).unwrap();
+        let found: Vec<String> =
+            survey(&study, &tally).unwrap().into_iter().map(|f| f.text).collect();
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert_eq!(found[0], "Spring: 39 answers to 1 question by 20 participants.");
+        assert!(
+            found[1].ends_with(
+                "the median answer was 4 (agree) with Active, 2 (disagree) with Passive."
+            ),
+            "{found:?}"
+        );
+    }
+}
