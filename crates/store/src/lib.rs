@@ -87,7 +87,7 @@ pub use study::{Answer, MOST_STUDY, SessionLog, StudyData, SweepEntry, TrialEntr
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::log_sweeps;
 pub use trial::{Samples, Trial, TrialFile};
-pub use verify::{Findings, check_samples, findings, verify, verify_from};
+pub use verify::{Findings, check_samples, findings, verify, verify_from, verify_kept};
 pub use walk::files_below;
 pub use whole::{WholeSession, check_session, read_session, session_study};
 pub use write::{described, trial_bytes, write_parquet, write_table};

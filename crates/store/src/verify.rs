@@ -27,11 +27,24 @@ pub fn verify(layout: &Layout) -> Vec<StoreError> {
 
 /// [`verify`] on any file layer.
 pub fn verify_from(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
+    verify_by(files, layout, check_samples)
+}
+
+/// [`verify_from`] without whether a recording can be what it says: what is left was not kept as it was
+/// recorded.
+pub fn verify_kept(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
+    verify_by(files, layout, within_limits)
+}
+
+/// What samples say against their trial, of which it is known what was asked for.
+type Check = fn(&Asked, &Path, &Samples) -> Vec<StoreError>;
+
+fn verify_by(files: &dyn Files, layout: &Layout, check: Check) -> Vec<StoreError> {
     let mut all = match StudyData::load_from(files, layout) {
         Ok(data) => {
             let Findings { left_out, with_care } = findings(files, &data);
             let trials: Vec<_> =
-                data.trials.par_iter().flat_map_iter(|t| trial(files, &data, t)).collect();
+                data.trials.par_iter().flat_map_iter(|t| trial(files, &data, t, check)).collect();
             let sweeps =
                 data.sweeps.par_iter().filter_map(|s| read_sweep_from(files, &s.path).err());
             [left_out, with_care, trials, sweeps.collect()].concat()
@@ -69,12 +82,12 @@ pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
     found
 }
 
-fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry) -> Vec<StoreError> {
+fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry, check: Check) -> Vec<StoreError> {
     // Whether it fits study.toml and its session's log was told when the study was loaded.
     match read_whole_trial(files, &entry.path) {
         Ok(trial) => {
             let asked = Asked::of(&data.study, &entry.meta.environment);
-            let samples = check_samples(&asked, &entry.path, &trial.samples);
+            let samples = check(&asked, &entry.path, &trial.samples);
             samples.into_iter().chain(off_scale(&data.study, entry)).collect()
         }
         Err(error) => vec![error],
@@ -94,11 +107,13 @@ fn off_scale(study: &Study, entry: &TrialEntry) -> Option<StoreError> {
 /// What the samples of a trial, which are whole, say against it: it counts, and is to be read with
 /// care.
 pub fn check_samples(asked: &Asked, path: &Path, samples: &Samples) -> Vec<StoreError> {
-    [work_space(asked, path, samples), too_long(asked, path, samples)]
-        .into_iter()
-        .flatten()
-        .chain(implausible(asked, path, samples))
-        .collect()
+    [within_limits(asked, path, samples), implausible(asked, path, samples)].concat()
+}
+
+/// Whether samples keep to what study.toml plans.
+fn within_limits(asked: &Asked, path: &Path, samples: &Samples) -> Vec<StoreError> {
+    let found = [work_space(asked, path, samples), too_long(asked, path, samples)];
+    found.into_iter().flatten().collect()
 }
 
 /// A trial longer than the design allows: usually milliseconds taken for seconds.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use zwidth_acquire::{Options, Outcome, Parts, Session, run};
 use zwidth_device::mock::{Fault as DeviceFault, Mock};
 use zwidth_device::{Device, Person as Hand, Twin, TwinParameters};
-use zwidth_store::{Memory, StudyData, Survives, TrialEntry, hex_blake3, recover, verify_from};
+use zwidth_store::{Memory, StudyData, Survives, TrialEntry, hex_blake3, recover, verify_kept};
 use zwidth_study::{Status, Voltages};
 
 /// Lives that go wrong, at most, before the one that ends the session.
@@ -162,7 +162,7 @@ impl Desk {
         for found in recover(&self.disk, &layout, BEGIN) {
             found.map_err(|why| format!("recover: {why}"))?;
         }
-        let findings = verify_from(&self.disk, &layout);
+        let findings = verify_kept(&self.disk, &layout);
         if let Some(finding) = findings.first() {
             return Err(format!("verify finds {} after recover, first: {finding}", findings.len()));
         }

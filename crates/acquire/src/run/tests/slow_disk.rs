@@ -4,6 +4,7 @@ use super::*;
 use std::sync::Condvar;
 use zwidth_device::mock::SharedClock;
 use zwidth_device::{Capabilities, Cue, DeviceError, Reading};
+use zwidth_store::verify_kept;
 
 /// A lever that somebody swings all the time, whatever else goes on: its shaft turns 1.6 times a
 /// second at most.
@@ -186,7 +187,7 @@ fn the_turn_stays_known_and_nothing_is_driven_while_the_disk_stands_still_for_se
         assert_eq!(span, None, "{voltages:?} at {at_s}");
     }
     assert!(log.writes.iter().any(|(_, v)| *v != Voltages::OFF));
-    assert_eq!(verify(&desk.plan.layout), []);
+    assert_eq!(verify_kept(&RealFiles, &desk.plan.layout), []);
 }
 
 #[test]
@@ -215,7 +216,7 @@ fn a_disk_that_stands_still_for_seconds_within_a_trial_costs_no_sample() {
         assert_eq!(trial.meta.status, Status::Complete);
         assert!(trial.rows.abs_diff(expect) <= 2, "{} of {expect} samples", trial.rows);
     }
-    assert_eq!(verify(&desk.plan.layout), []);
+    assert_eq!(verify_kept(&RealFiles, &desk.plan.layout), []);
 }
 
 #[test]
