@@ -163,6 +163,10 @@ fn list_findings(
 fn list_statements(files: &Files, made: &Summary) -> Result<(String, Vec<Listed>), TableError> {
     let Some(table) = read(&files.statements)? else { return Ok(Default::default()) };
     let (counts, told) = zwidth_report::told(&table)?;
+    // A study that measured nothing of the thesis is of another kind.
+    if told.is_empty() {
+        return Ok(Default::default());
+    }
     let listed = told.into_iter().map(|told| {
         let path = Some(told.path).filter(|path| is_made(made, path));
         Listed { path: path.unwrap_or_else(|| STATEMENTS.to_owned()), caption: told.text }
@@ -195,6 +199,8 @@ fn contrasts_of(files: &Files) -> Vec<PathBuf> {
     files.compared.iter().map(|[_, contrasts]| contrasts.clone()).collect()
 }
 
+/// The participant of recordings in which nobody took part, as of a device driven by its own motor.
+const NOBODY: &str = "none";
 /// The table of the metrics by condition, from the summary's folder on.
 const CONDITIONS: &str = "tables/conditions.md";
 /// The table of the thesis' statements.
@@ -208,7 +214,8 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
     let with_answers = asked.iter().map(|a| (a.participant.clone(), a.session.clone(), a.trial));
     let trials: BTreeSet<_> = with_samples.chain(with_answers).collect();
     let sessions: BTreeSet<_> = trials.iter().map(|(p, s, _)| (p, s)).collect();
-    let people: BTreeSet<_> = trials.iter().map(|(p, _, _)| p).collect();
+    let people: BTreeSet<_> =
+        trials.iter().map(|(p, _, _)| p).filter(|p| p.as_str() != NOBODY).collect();
     let mut sources = BTreeMap::new();
     // By the footers, wherever there is one.
     for trial in &data.trials {
