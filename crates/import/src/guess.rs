@@ -24,36 +24,18 @@ const MOST_PREAMBLE: usize = 50;
 /// What stands between cells, the likeliest first.
 const DELIMITERS: [u8; 5] = [b'\t', b';', b',', b'|', WHITE_SPACE];
 
-/// What columns are called, and what they then are. The words stand in small letters, the first that fits wins.
-const NAMES: [(Signal, &[&str]); 8] = [
-    (
-        Signal::Time,
-        &["t", "time", "zeit", "timestamp", "elapsed", "seconds", "millis", "temps", "tiempo"],
-    ),
-    (Signal::ThetaDdot, &["accel", "acceleration", "beschleunigung", "thetaddot", "theta_ddot"]),
+/// What columns are called, and what they then are. The words stand in small letters, the first line that has one of a name's words wins.
+const NAMES: [(Signal, &[&str]); 7] = [
+    (Signal::Time, &["t", "time", "zeit", "timestamp", "elapsed", "seconds", "millis", "temps"]),
+    (Signal::ThetaDdot, &["accel", "acceleration", "beschleunigung", "thetaddot", "ddot"]),
     (
         Signal::ThetaDot,
-        &["v", "vel", "velocity", "speed", "geschwindigkeit", "omega", "thetadot", "theta_dot"],
+        &["v", "vel", "velocity", "speed", "geschwindigkeit", "omega", "thetadot", "dot"],
     ),
-    (Signal::ForceEx, &["f", "fx", "force", "kraft", "fex", "f_ex", "load", "f_n"]),
+    (Signal::ForceEx, &["f", "fx", "force", "kraft", "fex", "load"]),
     (Signal::TorqueEx, &["torque", "tau", "moment", "drehmoment"]),
-    (
-        Signal::Theta,
-        &[
-            "theta",
-            "angle",
-            "winkel",
-            "pos",
-            "position",
-            "x",
-            "phi",
-            "encoder",
-            "displacement",
-            "weg",
-        ],
-    ),
-    (Signal::VoltageMotor, &["voltage", "u", "motor", "spannung", "u_motor"]),
-    (Signal::VoltageBrake, &["brake", "bremse", "u_brake"]),
+    (Signal::Theta, &["theta", "angle", "winkel", "pos", "position", "x", "phi", "encoder", "weg"]),
+    (Signal::VoltageMotor, &["voltage", "spannung"]),
 ];
 
 /// How a text is written.
@@ -259,9 +241,8 @@ fn described(table: &Table, decimal_comma: bool) -> Vec<Guessed> {
         let name =
             table.names.as_ref().and_then(|names| names.get(place)).filter(|n| !n.is_empty());
         let is_number = is_number(&table.columns[place], decimal_comma);
-        let (stem, unit) = name.map_or((String::new(), None), |name| stem_and_unit(name));
-        let known = NAMES.iter().find(|(_, words)| words.contains(&stem.as_str())).map(|n| n.0);
-        let to = known.filter(|to| is_number && !taken.contains(to));
+        let (words, unit) = name.map_or((Vec::new(), None), |name| words_and_unit(name));
+        let to = signal_of(&words).filter(|to| is_number && !taken.contains(to));
         taken.extend(to);
         let fits =
             |unit: &String| to.zip(find(unit)).is_some_and(|(to, unit)| may_become(unit, to));
@@ -286,20 +267,29 @@ fn quoted(text: &str) -> String {
     quoted + "\""
 }
 
-/// A name in small letters without its unit, and the unit: `Force (mN)` → `force`, `mN`; `angle_deg` → `angle`, `deg`.
-fn stem_and_unit(name: &str) -> (String, Option<String>) {
-    let bracketed = name
-        .split_once(['(', '['])
-        .map(|(stem, unit)| (stem, unit.trim_end_matches([')', ']', ' '])));
-    let (stem, unit) = match bracketed {
-        Some((stem, unit)) => (stem, Some(unit.trim())),
-        None => match name.trim().rsplit_once(['_', ' ']) {
-            Some((stem, unit)) if find(unit).is_some() => (stem, Some(unit)),
-            _ => (name, None),
-        },
-    };
-    let stem = stem.trim().trim_end_matches(['_', '-', '.']).to_lowercase();
-    (stem.replace(' ', "_"), unit.map(str::to_owned))
+/// Words of a column that was asked for, not measured.
+const COMMANDED: [&str; 8] =
+    ["desired", "commanded", "cmd", "command", "target", "set", "reference", "soll"];
+
+/// The words of a name in small letters, and the last of them that is a unit: `Force (mN)` → `force`, `mN`; `angle_deg` → `angle`,
+/// `deg`.
+fn words_and_unit(name: &str) -> (Vec<String>, Option<String>) {
+    let parts = name.split([' ', '_', '(', ')', '[', ']', ',', ':']);
+    let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
+    let unit = (1..parts.len()).rev().find(|i| find(parts[*i]).is_some());
+    let words = parts.iter().enumerate().filter(|(i, _)| Some(*i) != unit);
+    (words.map(|(_, part)| part.to_lowercase()).collect(), unit.map(|i| parts[i].to_owned()))
+}
+
+/// What a column of these words is.
+fn signal_of(words: &[String]) -> Option<Signal> {
+    let is_called = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
+    let signal = NAMES.iter().find(|(_, known)| is_called(known))?.0;
+    match (is_called(&COMMANDED), signal) {
+        (false, signal) => Some(signal),
+        (true, Signal::ForceEx) => Some(Signal::ForceCmd),
+        (true, _) => None,
+    }
 }
 
 fn first_numbers(cells: &Cells, decimal_comma: bool) -> Vec<Option<f64>> {
@@ -364,6 +354,22 @@ mod tests {
             "a.log",
             b"t|\xfcber\n0|1\n1|2\n0|3\n",
             &["format = \"txt\"\ndelimiter = \"|\"", "encoding = \"latin-1\"", "split = \"time\""],
+        );
+    }
+
+    #[test]
+    fn a_name_of_several_words_says_what_it_is_and_whether_it_was_only_asked_for() {
+        check(
+            "a.csv",
+            b"t_s_inferred,x_desired_mm,x_measured_mm,force_desired_N,force_measured_N,theta_dot\n0,1,2,3,4,5\n1,1,2,3,5,6\n",
+            &[
+                "[time]\nfrom = \"t_s_inferred\"\nunit = \"s\"\n",
+                "# not recognised: \"x_desired_mm\"",
+                "to = \"theta_rad\"\nfrom = \"x_measured_mm\"\nunit = \"mm\"\n",
+                "to = \"force_cmd_n\"\nfrom = \"force_desired_N\"\nunit = \"N\"\n",
+                "to = \"force_ex_n\"\nfrom = \"force_measured_N\"\nunit = \"N\"\n",
+                "to = \"theta_dot_rad_s\"\nfrom = \"theta_dot\"\nunit = \"TODO\"",
+            ],
         );
     }
 

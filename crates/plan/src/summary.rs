@@ -182,6 +182,10 @@ fn list_findings(
 fn list_statements(files: &Files, made: &Summary) -> Result<(String, Vec<Told>), TableError> {
     let Some(table) = read(&files.statements)? else { return Ok(Default::default()) };
     let (counts, told) = zwidth_report::told(&table)?;
+    // A study that measured nothing of the thesis is of another kind.
+    if told.is_empty() {
+        return Ok(Default::default());
+    }
     let listed = told.into_iter().map(|told| {
         let is_there = is_made(made, &told.path);
         Told { path: if is_there { told.path } else { STATEMENTS.to_owned() }, ..told }
@@ -214,6 +218,8 @@ fn contrasts_of(files: &Files) -> Vec<PathBuf> {
     files.compared.iter().map(|[_, contrasts]| contrasts.clone()).collect()
 }
 
+/// The participant of recordings in which nobody took part, as of a device driven by its own motor.
+const NOBODY: &str = "none";
 /// The table of the metrics by condition, from the summary's folder on.
 const CONDITIONS: &str = "tables/conditions.md";
 /// The table of the thesis' statements.
@@ -227,7 +233,8 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
     let with_answers = asked.iter().map(|a| (a.participant.clone(), a.session.clone(), a.trial));
     let trials: BTreeSet<_> = with_samples.chain(with_answers).collect();
     let sessions: BTreeSet<_> = trials.iter().map(|(p, s, _)| (p, s)).collect();
-    let people: BTreeSet<_> = trials.iter().map(|(p, _, _)| p).collect();
+    let people: BTreeSet<_> =
+        trials.iter().map(|(p, _, _)| p).filter(|p| p.as_str() != NOBODY).collect();
     let mut sources = BTreeMap::new();
     // By the footers, wherever there is one.
     for trial in &data.trials {

@@ -59,9 +59,18 @@ fn medians<'a>(
     for mode in &study.modes {
         let median =
             median_of(study, tally, [environment.id.as_str(), mode.id.as_str()], &question.id)?;
-        medians.extend(median.map(|median| (mode, median)));
+        medians.extend(median.map(|median| (mode, as_given(median, question))));
     }
     Ok(medians)
+}
+
+/// The median of the answers as they were given: the tally turns those to a question that counts the other way round.
+fn as_given(median: Median, question: &Question) -> Median {
+    let turned = i64::from(median.scale.points()) + 1;
+    match question.reversed {
+        true => Median { low: turned - median.high, high: turned - median.low, ..median },
+        false => median,
+    }
 }
 
 /// How far apart the modes' medians lie, in points.
@@ -78,10 +87,8 @@ fn sentence(environment: &Environment, question: &Question, medians: &Medians) -
         .iter()
         .map(|(mode, median)| format!("{} with {}", median.words(), mode.label))
         .collect();
-    let turned =
-        if question.reversed { " (turned, because it counts the other way round)" } else { "" };
     let text = format!(
-        "{}, “{}”{turned}: the median answer was {}.",
+        "{}, “{}”: the median answer was {}.",
         environment.label,
         question.text,
         list.join(", ")
@@ -98,6 +105,8 @@ mod tests {
     fn a_survey_is_told_by_its_size_and_by_where_the_modes_lie_apart() {
         let study = Planned::of(&zwidth_testing::study());
         let question = study.questions[0].clone();
+        let mut turned = study.clone();
+        turned.questions[0].reversed = true;
         let text = |name, values: [&str; 2]| {
             Column::text(name, "", values.map(|value| Some(value.to_owned())))
         };
@@ -112,8 +121,10 @@ mod tests {
             number("median_high", [4, 2]),
         ];
         let tally = Table::new("likert", "", columns).unwrap();
-        let found: Vec<String> =
-            survey(&study, &tally).unwrap().into_iter().map(|f| f.text).collect();
+        let texts = |study: &Planned| -> Vec<String> {
+            survey(study, &tally).unwrap().into_iter().map(|f| f.text).collect()
+        };
+        let found = texts(&study);
         assert_eq!(found.len(), 2, "{found:?}");
         assert_eq!(found[0], "Spring: 39 answers to 1 question by 20 participants.");
         assert!(
@@ -121,6 +132,11 @@ mod tests {
                 "the median answer was 4 (agree) with Active, 2 (disagree) with Passive."
             ),
             "{found:?}"
+        );
+        let as_given = &texts(&turned)[1];
+        assert!(
+            as_given.ends_with("was 2 (disagree) with Active, 4 (agree) with Passive."),
+            "{as_given}"
         );
     }
 }
