@@ -27,6 +27,14 @@ fn a_page_as_one_file_needs_nothing_beside_it_and_a_study_without_a_page_says_ho
         .exits(1)
         .one_error()
         .says(&["no/such", "is not there"]);
+    for (file, says) in [("raw/thesis-twin/one.html", "recordings"), ("one.txt", ".html")] {
+        let path = root.path().join(file);
+        zwidth(root.path(), &["open", "thesis-twin", "--single-file", path.to_str().unwrap()])
+            .exits(1)
+            .one_error()
+            .says(&[file, says]);
+        assert!(!path.exists());
+    }
     fs::remove_file(root.path().join("reports/thesis-twin/index.html")).unwrap();
     zwidth(root.path(), &["open", "thesis-twin"])
         .exits(1)

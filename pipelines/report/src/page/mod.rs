@@ -7,37 +7,21 @@
 
 mod contents;
 mod course;
+mod given;
 mod parts;
 mod quality;
 mod single;
 
 pub use contents::Contents;
 pub use course::{Columns, Course, Event, condition_script, edges};
+pub use given::Page;
 pub use single::single_file;
 
-use crate::{Planned, Summary};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use parts::Part;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
-
-/// What the page shows.
-#[derive(Debug, Clone, Copy)]
-pub struct Page<'a> {
-    /// The summary.
-    pub summary: &'a Summary,
-    /// What was planned.
-    pub planned: &'a Planned,
-    /// The study's id.
-    pub study: &'a str,
-    /// The trials, where there are any.
-    pub contents: Option<&'a Contents>,
-    /// The page's origin, where it is told.
-    pub origin: Option<&'a str>,
-    /// The version of the program.
-    pub version: &'a str,
-}
 
 /// The page in HTML. Texts are shown as they stand, whatever is in them.
 ///

@@ -1,6 +1,7 @@
 //! The parts of the page, in their order.
 
-use super::{Page, quality};
+use super::given::Page;
+use super::quality;
 use crate::people::{participants, sources};
 use crate::{Made, NO_MEAN, Summary, what_it_is};
 use maud::{Markup, html};

@@ -1,8 +1,8 @@
 //! What is to be known of the data before they are believed: what is missing, what is to be read
 //! with care, in which order conditions came.
 
-use super::Page;
 use super::contents::TrialOf;
+use super::given::Page;
 use crate::{Remark, nothing};
 use maud::{Markup, html};
 use std::collections::BTreeMap;

@@ -1,5 +1,6 @@
 use super::*;
 use crate::{ComparedMetric, Made, Matrix, MatrixRow, Remark, Told};
+use crate::{Planned, Summary};
 use std::collections::BTreeMap;
 use zwidth_study::Source;
 use zwidth_tables::{Column, Table};

@@ -1,0 +1,21 @@
+//! What a page is made from.
+
+use super::contents::Contents;
+use crate::{Planned, Summary};
+
+/// What the page shows.
+#[derive(Debug, Clone, Copy)]
+pub struct Page<'a> {
+    /// The summary.
+    pub summary: &'a Summary,
+    /// What was planned.
+    pub planned: &'a Planned,
+    /// The study's id.
+    pub study: &'a str,
+    /// The trials, where there are any.
+    pub contents: Option<&'a Contents>,
+    /// The page's origin, where it is told.
+    pub origin: Option<&'a str>,
+    /// The version of the program.
+    pub version: &'a str,
+}
