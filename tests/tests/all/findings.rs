@@ -7,6 +7,7 @@ use crate::folders::truncate;
 use crate::small::{Draft, Study, draft, repeats};
 use std::fs;
 use std::path::Path;
+use zwidth_study::{Event, Status};
 
 /// Three trials of one condition, and a sweep.
 fn study() -> Study {
@@ -148,6 +149,28 @@ fn what_counts_all_the_same_is_to_be_read_with_care_in_run_and_summary() {
     let short = study();
     edit(&short.layout().study_toml(), "trial_limit_s = ", "trial_limit_s = 1.0 # ");
     check(&short, "Read with care", &["longer than design.trial_limit_s = 1 s"]);
+}
+
+#[test]
+fn whether_a_recording_can_be_is_asked_of_trials_that_count() {
+    let held = |status, events| Draft {
+        status,
+        events,
+        force_n: Some(3.0),
+        ..draft(1, "spring", "hybrid")
+    };
+    let kept = |draft| {
+        let study = Study::new("found");
+        study.session("P01", &[draft]);
+        study
+    };
+    let complete = kept(held(Status::Complete, Vec::new()));
+    check(&complete, "Read with care", &["it is 3 throughout, while theta_rad changes"]);
+
+    let excluded = Event::Excluded { trial: 1, reason: "a loose plug".to_owned() };
+    for (status, events) in [(Status::Incomplete, Vec::new()), (Status::Complete, vec![excluded])] {
+        zwidth(kept(held(status, events)).root(), &["verify"]).exits(0);
+    }
 }
 
 #[test]
