@@ -55,6 +55,7 @@ def main():
         every_sample(visit, given.raw)
         brush_and_zoom(visit)
         cells_and_dots_open_trials(visit)
+        dots_have_the_tables_intervals(visit)
         address_keeps_the_view(visit)
         saved_plots(visit, given.out)
         printed(visit, given.out)
@@ -351,6 +352,29 @@ def cells_and_dots_open_trials(visit):
     if page.locator("#answer-plot .point").count():
         visit.after(lambda: page.locator("#answer-plot .point").first.click())
     checks.equal("no complaint while opening", visit.complaints(), [])
+
+
+def dots_have_the_tables_intervals(visit):
+    """Means and differences that the script draws are those of the tables, bit for bit."""
+    drawn, wrong = 0, []
+    for metric in visit.study["metrics"]:
+        given = [("means", "mode", "mean", ""), ("contrasts", "contrast", "difference", "difference_")]
+        for table, of, value, prefix in given:
+            path = visit.report / "tables" / f"{table}_{metric['name']}.parquet"
+            if not path.exists():
+                continue
+            rows = parquet.read_table(path)
+            column = {stem: next(name for name in rows.column_names if name.startswith(stem)) for stem in (f"{value}_", f"{prefix}ci_low", f"{prefix}ci_high") if any(name.startswith(stem) for name in rows.column_names)}
+            middle = column.get(f"{value}_", value)
+            wanted = {(row["environment"], row[of]): tuple(bits(row[name]) for name in (middle, column[f"{prefix}ci_low"], column[f"{prefix}ci_high"])) for row in rows.to_pylist() if row[middle] is not None}
+            estimates = metric["means" if table == "means" else "differences"]
+            found = {(one["environment"], one["of"]): tuple(bits(one[end]) for end in ("value", "low", "high")) for one in estimates}
+            drawn += len(found)
+            wrong += [] if found == wanted else [path.name]
+    checks.equal("means and differences are those of the tables", wrong, [])
+    checks.check(f"{drawn} means and differences were compared", drawn > 0)
+    whiskers = visit.page.locator("#dot-plot .whisker").count()
+    checks.check("intervals are drawn, and said to be the tables'", whiskers > 0 and "as in the tables" in visit.page.locator("#dot-plot").inner_text())
 
 
 def address_keeps_the_view(visit):

@@ -45,7 +45,8 @@ pub struct MatrixRow {
     pub cells: Vec<Option<String>>,
 }
 
-fn floats(table: &Table, stem: &str) -> Result<Vec<Option<f64>>, TableError> {
+/// The numbers of a column by its name without the unit.
+pub(crate) fn floats(table: &Table, stem: &str) -> Result<Vec<Option<f64>>, TableError> {
     match &table.column_of(stem)?.values {
         Values::Float(values) => Ok(values.clone()),
         _ => table.floats(stem),

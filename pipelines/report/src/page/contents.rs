@@ -1,6 +1,7 @@
 //! What the page's script knows of a study before it loads any sample: its conditions, its metrics
 //! and each trial's row.
 
+use super::estimates::{Estimate, differences, means};
 use crate::Planned;
 use crate::compared::{ComparedMetric, words};
 use serde::Serialize;
@@ -46,6 +47,8 @@ struct MetricOf {
     label: String,
     unit: String,
     scale: f64,
+    means: Vec<Estimate>,
+    differences: Vec<Estimate>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -101,7 +104,7 @@ impl Contents {
             metrics: columns
                 .iter()
                 .map(|(m, column)| MetricOf::of(m, column, coordinate))
-                .collect(),
+                .collect::<Result<_, _>>()?,
             questions: planned.questions.iter().map(QuestionOf::of).collect(),
             trials: trials(metrics, &columns, &answered(planned, answers)?)?,
             single_file: false,
@@ -131,11 +134,16 @@ impl Labelled {
 }
 
 impl MetricOf {
-    fn of(metric: &ComparedMetric, column: &Column, coordinate: Coordinate) -> Self {
+    fn of(
+        metric: &ComparedMetric,
+        column: &Column,
+        coordinate: Coordinate,
+    ) -> Result<Self, TableError> {
         let (unit, scale) = shown_unit(&column.field.unit, coordinate);
         let label = words(metric.means).to_owned();
         let unit = if unit == "1" { String::new() } else { unit };
-        Self { name: metric.name.to_owned(), label, unit, scale }
+        let (means, differences) = (means(metric.means)?, differences(metric.contrasts)?);
+        Ok(Self { name: metric.name.to_owned(), label, unit, scale, means, differences })
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod contents;
 mod course;
+mod estimates;
 mod given;
 mod parts;
 mod quality;

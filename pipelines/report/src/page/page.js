@@ -1138,10 +1138,13 @@
     return svg;
   }
 
-  /** Mean and interval as the study gives them for this metric and condition, else of the drawn dots, and which it is. */
-  function summaryOf(metric, environment, mode, values) {
-    const given = (metric.means ?? []).find((one) => one.environment === environment && one.mode === mode);
-    if (given) return { mean: given.mean * metric.scale, low: (given.low ?? NaN) * metric.scale, high: (given.high ?? NaN) * metric.scale, given: true };
+  /** Mean or difference with its interval as the tables have it, else of the drawn dots with their SD; and which it is. */
+  function summaryOf(metric, estimates, environment, of, values) {
+    const given = estimates.find((one) => one.environment === environment && one.of === of);
+    if (given) {
+      const [middle, low, high] = [given.value, given.low, given.high].map((value) => (value ?? NaN) * metric.scale);
+      return { mean: middle, low, high, given: true };
+    }
     const middle = values.length ? mean(values) : NaN, sd = deviation(values);
     return { mean: middle, low: middle - sd, high: middle + sd, given: false };
   }
@@ -1170,7 +1173,7 @@
         ? [...groupBy(trials, (trial) => trial.participant)].map(([p, mine]) => ({ value: mean(mine.map((trial) => measured(trial, index))), of: p, words: `${p}, ${short(mode.label)}, mean of ${mine.length} trials`, open: () => openTrials({ p, s: mine[0].session, e: environment.id, m: [mode.id] }) }))
         : trials.map((trial) => ({ value: measured(trial, index), of: trial.participant, words: trialWords(trial), open: () => openTrial(trial) }));
       for (const one of points) one.words += `: ${significant(one.value)} ${metric.unit}`;
-      return { label: mode.label, mode: m, points, summary: summaryOf(metric, environment.id, mode.id, points.map((one) => one.value)) };
+      return { label: mode.label, mode: m, points, summary: summaryOf(metric, metric.means, environment.id, mode.id, points.map((one) => one.value)) };
     }).filter((group) => group.points.length);
   }
 
@@ -1180,7 +1183,9 @@
     const mine = study.trials.filter((trial) => trial.environment === environment.id && Number.isFinite(measured(trial, index)));
     const units = groupBy(mine, (trial) => (single ? `${trial.session}, repeat ${trial.repeat}` : trial.participant));
     const pairs = study.modes.flatMap((from, i) => study.modes.slice(i + 1).map((to) => [from, to]));
-    return pairs.map(([from, to]) => {
+    // A contrast is drawn the way round in which the tables have it.
+    const asked = ([from, to]) => (metric.differences.some((one) => one.of === `${from.id} − ${to.id}`) ? [to, from] : [from, to]);
+    return pairs.map(asked).map(([from, to]) => {
       const points = [...units].flatMap(([unit, trials]) => {
         const of = ({ id }) => trials.filter((trial) => trial.mode === id).map((trial) => measured(trial, index));
         if (!of(from).length || !of(to).length) return [];
@@ -1188,8 +1193,8 @@
         const [{ participant: p, session: s, repeat }] = trials;
         return [{ value, words: `${unit}, ${short(to.label)} minus ${short(from.label)}: ${significant(value)} ${metric.unit}`, open: () => openTrials({ p, s, e: environment.id, m: [from.id, to.id], r: single ? repeat : "all" }) }];
       });
-      const values = points.map((one) => one.value), sd = deviation(values);
-      return { label: `${short(to.label, 12)} − ${short(from.label, 12)}`, mode: study.modes.indexOf(to), points, summary: { mean: values.length ? mean(values) : NaN, low: mean(values) - sd, high: mean(values) + sd } };
+      const summary = summaryOf(metric, metric.differences, environment.id, `${to.id} − ${from.id}`, points.map((one) => one.value));
+      return { label: `${short(to.label, 12)} − ${short(from.label, 12)}`, mode: study.modes.indexOf(to), points, summary };
     }).filter((group) => group.points.length);
   }
 
@@ -1218,9 +1223,10 @@
         differences.length ? groupChart({ title: `${short(environment.label, 24)}: differences${metric.unit ? ` (${metric.unit})` : ""}`, width, groups: differences, lines: [], yRange: apart, zero: true, tell }) : make("div"),
       ]));
       charts.querySelectorAll("svg").forEach(rove);
-      const given = facets.some(({ groups }) => groups.some(({ summary }) => summary.given));
+      const all = facets.flatMap(({ groups, differences }) => [...groups, ...differences]);
+      const bars = all.every(({ summary }) => summary.given) ? "Bars: mean and interval as in the tables." : all.some(({ summary }) => summary.given) ? "Bars: mean and interval as in the tables, else mean ± SD of the dots drawn." : "Bars: mean ± SD of the dots drawn.";
       tip.textContent = "Point at a dot for its trial; Enter or a click opens it.";
-      note.textContent = [`${many ? "Dots: means of participants." : "Dots: trials."}`, given ? "Bars: mean and 95 % interval as in the tables." : "Bars: mean ± SD of the dots drawn.", single ? `Differences: by repeat, within ${[...sessionsOf.keys()][0]}, mean ± SD; nothing is said of anybody else.` : "Differences: by participant, from each one's means, mean ± SD."].join(" ");
+      note.textContent = [`${many ? "Dots: means of participants." : "Dots: trials."}`, bars, single ? `Dots of differences: by repeat, within ${[...sessionsOf.keys()][0]}; nothing is said of anybody else.` : "Dots of differences: by participant, from each one's means."].join(" ");
     }
     draw();
     onWidth(charts, draw);

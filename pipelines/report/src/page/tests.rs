@@ -64,10 +64,31 @@ fn metrics() -> Table {
     Table::new("metrics", "Metrics", columns).unwrap()
 }
 
+/// A table of the stage `compare` with one row, of which the upper end of the interval is not known.
+fn estimated(of: &'static str, which: &str, [value, low, high]: [&'static str; 3]) -> Table {
+    let text = |name, text: &str| Column::text(name, name, [Some(text.to_owned())]);
+    let columns = vec![
+        text("environment", "spring"),
+        text(of, which),
+        text("unit_of_analysis", "trials of P01"),
+        Column::integer("n", "1", "units", [Some(6)]),
+        Column::float(value, "rad", value, [Some(0.5)]),
+        Column::float(low, "rad", low, [Some(0.25)]),
+        Column::float(high, "rad", high, [None]),
+    ];
+    Table::new("means", "Means by condition: largest angle", columns).unwrap()
+}
+
 fn contents(planned: &Planned, title: &str) -> Contents {
-    let means = Table::new("means", "Means by condition: largest angle", Vec::new()).unwrap();
-    let compared =
-        ComparedMetric { name: "theta_max_rad", primary: true, means: &means, contrasts: &means };
+    let means = estimated("mode", "active", ["mean_rad", "ci_low_rad", "ci_high_rad"]);
+    let columns = ["difference_rad", "difference_ci_low_rad", "difference_ci_high_rad"];
+    let contrasts = estimated("contrast", "hybrid − active", columns);
+    let compared = ComparedMetric {
+        name: "theta_max_rad",
+        primary: true,
+        means: &means,
+        contrasts: &contrasts,
+    };
     let answers = Table::new(
         "answers",
         "Answers",
@@ -227,4 +248,17 @@ fn one_file_holds_pictures_and_samples_and_is_else_the_same() {
     );
     let other = single_file(&html, |_| Ok(b"something else".to_vec())).unwrap_err();
     assert!(other.to_string().contains("run it again"), "{other}");
+}
+
+#[test]
+fn the_script_gets_means_and_differences_with_their_intervals_as_the_tables_have_them() {
+    let data = data_of(&page(&summary()));
+    let expected = |of: &str| {
+        serde_json::json!([{
+            "environment": "spring", "of": of, "value": 0.5, "low": 0.25, "high": null,
+            "n": 6, "unit_of_analysis": "trials of P01",
+        }])
+    };
+    assert_eq!(data["metrics"][0]["means"], expected("active"));
+    assert_eq!(data["metrics"][0]["differences"], expected("hybrid − active"));
 }
