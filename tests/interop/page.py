@@ -364,9 +364,8 @@ def dots_have_the_tables_intervals(visit):
             if not path.exists():
                 continue
             rows = parquet.read_table(path)
-            column = {stem: next(name for name in rows.column_names if name.startswith(stem)) for stem in (f"{value}_", f"{prefix}ci_low", f"{prefix}ci_high") if any(name.startswith(stem) for name in rows.column_names)}
-            middle = column.get(f"{value}_", value)
-            wanted = {(row["environment"], row[of]): tuple(bits(row[name]) for name in (middle, column[f"{prefix}ci_low"], column[f"{prefix}ci_high"])) for row in rows.to_pylist() if row[middle] is not None}
+            ends = [with_its_unit(rows.column_names, stem) for stem in (value, f"{prefix}ci_low", f"{prefix}ci_high")]
+            wanted = {(row["environment"], row[of]): tuple(bits(row[end]) for end in ends) for row in rows.to_pylist() if row[ends[0]] is not None}
             estimates = metric["means" if table == "means" else "differences"]
             found = {(one["environment"], one["of"]): tuple(bits(one[end]) for end in ("value", "low", "high")) for one in estimates}
             drawn += len(found)
@@ -375,6 +374,11 @@ def dots_have_the_tables_intervals(visit):
     checks.check(f"{drawn} means and differences were compared", drawn > 0)
     whiskers = visit.page.locator("#dot-plot .whisker").count()
     checks.check("intervals are drawn, and said to be the tables'", whiskers > 0 and "as in the tables" in visit.page.locator("#dot-plot").inner_text())
+
+
+def with_its_unit(names, stem):
+    """The column of a name without its unit: of those that begin so the shortest, `difference` before `difference_ci_low`."""
+    return min((name for name in names if name == stem or name.startswith(f"{stem}_")), key=len)
 
 
 def address_keeps_the_view(visit):

@@ -15,7 +15,7 @@ use zwidth_study::{Flags, ModeId};
 use zwidth_tables::{Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 1 };
+const STAGE: Stage = Stage { name: "page", version: 2 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";

@@ -2,7 +2,7 @@
 
 use crate::drawing::Drawing;
 use crate::trials::name;
-use crate::{average, compare, freemotion, likert, metrics, report, tables};
+use crate::{average, compare, freemotion, ladder, likert, metrics, report, tables, trade};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
     ComparedMetric, Gallery, Made as Listed, Planned, Remark, Shown, Summary, Told, findings,
-    summary_markdown, survey,
+    laddered, summary_markdown, survey, traded,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
@@ -18,7 +18,7 @@ use zwidth_study::{Kind, Scene};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 9 };
+const STAGE: Stage = Stage { name: "summary", version: 10 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -72,14 +72,18 @@ pub(crate) struct Files {
     tally: Option<PathBuf>,
     /// The thesis' statements, as judged.
     statements: Option<PathBuf>,
+    /// What is recommended for each scene of the study, and which terms it requires.
+    trade: Option<PathBuf>,
+    ladder: Option<PathBuf>,
     /// Means and contrasts of each metric that is compared, the primary one first.
     compared: Vec<[PathBuf; 2]>,
 }
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let numbers: Vec<PathBuf> =
-            [&self.metrics, &self.tally, &self.statements].into_iter().flatten().cloned().collect();
+        let tables =
+            [&self.metrics, &self.tally, &self.statements, &self.trade, &self.ladder].into_iter();
+        let numbers: Vec<PathBuf> = tables.flatten().cloned().collect();
         let compared: Vec<PathBuf> = self.compared.iter().flatten().cloned().collect();
         [&self.noted, &self.conditions, &self.figures, &self.tables, &numbers, &compared]
             .map(Clone::clone)
@@ -104,6 +108,8 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
         metrics: metrics::of_study(data),
         tally: likert::tally(data),
         statements: report::statements(data),
+        trade: trade::recommended(data),
+        ladder: ladder::of_study(data),
         compared: compared.iter().map(|metric| compare::summarised(&data.layout, metric)).collect(),
     };
     let page = Page {
@@ -154,6 +160,7 @@ pub(crate) fn gather(
     summary.limits.extend(notes(&contrasts_of(files), |kind| kind == NoteKind::Limit)?);
     summary.shown = list_findings(page, files, &metrics, &summary)?;
     (summary.statements, summary.judged) = list_statements(files, &summary)?;
+    summary.runs = list_runs(page, files, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
     Ok((summary, compared))
@@ -176,6 +183,24 @@ fn list_findings(
     };
     let all = compared.into_iter().chain(found);
     Ok(all.map(|f| Listed { path: page.shown_by(&f.shown, made), caption: f.text }).collect())
+}
+
+/// What runs of the model show: the cheapest that could not be told from the right one, and the terms
+/// that each condition requires.
+fn list_runs(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, TableError> {
+    let mut found = Vec::new();
+    if let Some(table) = read(&files.trade)? {
+        found.extend(traded(&page.planned, &table)?);
+    }
+    if let Some(table) = read(&files.ladder)? {
+        found.extend(laddered(&page.planned, &table)?);
+    }
+    let listed = |finding: zwidth_report::Finding| {
+        let file = page.gallery.file(&finding.shown);
+        let path = if is_made(made, &file) { file } else { finding.shown.table().to_owned() };
+        Listed { path, caption: finding.text }
+    };
+    Ok(found.into_iter().map(listed).collect())
 }
 
 /// How the thesis' statements stand, and the judged ones with what shows them.

@@ -111,6 +111,11 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     if scenes(data).is_empty() { Vec::new() } else { files(&data.layout).to_vec() }
 }
 
+/// What is recommended for each scene, where there are any.
+pub(crate) fn recommended(data: &StudyData) -> Option<PathBuf> {
+    tables(data).pop()
+}
+
 /// The conditions that were rendered and recorded with angle and force: others have no metric of which
 /// anything is known to be felt.
 pub(crate) fn measured_conditions(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {

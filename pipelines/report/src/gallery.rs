@@ -25,6 +25,10 @@ pub enum Shown {
     Weight,
     /// In the table of the thesis' statements.
     Statements,
+    /// In the figure of one scene's speed against accuracy.
+    Trade(String),
+    /// In the table of the terms that each condition requires.
+    Ladder,
 }
 
 impl Shown {
@@ -38,6 +42,8 @@ impl Shown {
             Self::Replays(_) => "tables/replay.md",
             Self::Weight => "tables/weight.md",
             Self::Statements => "tables/thesis.md",
+            Self::Trade(_) => "tables/trade_summary.md",
+            Self::Ladder => "tables/ladder.md",
         }
     }
 }
@@ -70,7 +76,12 @@ impl Gallery {
             Shown::Answers => Some("likert".to_owned()),
             Shown::Compared(metric) => Some(format!("compare.{metric}")),
             Shown::Forces => Some("rendering_range".to_owned()),
-            Shown::Conditions | Shown::Metrics | Shown::Weight | Shown::Statements => None,
+            Shown::Trade(scene) => Some(format!("trade.{scene}")),
+            Shown::Conditions
+            | Shown::Metrics
+            | Shown::Weight
+            | Shown::Statements
+            | Shown::Ladder => None,
         }
     }
 }

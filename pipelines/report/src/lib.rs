@@ -20,6 +20,7 @@ mod page;
 mod people;
 mod planned;
 mod pros_cons;
+mod runs;
 mod survey;
 mod thesis;
 mod trials;
@@ -36,6 +37,7 @@ pub use page::{
 };
 pub use planned::Planned;
 pub use pros_cons::pros_cons_table;
+pub use runs::{laddered, traded};
 pub use survey::survey;
 pub use thesis::{Derived, Told, thesis_table, told};
 pub use weight::{is_weighed, weight_table};
@@ -51,6 +53,9 @@ pub const VERSION: u32 = 6;
 
 /// Stands in a cell of the matrix without a mean.
 pub(crate) const NO_MEAN: &str = "–";
+
+/// What is said of runs of the model.
+pub(crate) const RUNS: &str = "What a run of the model requires";
 
 /// What the summary speaks of.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
@@ -77,6 +82,9 @@ pub struct Summary {
     pub statements: String,
     /// Those that are judged.
     pub judged: Vec<Told>,
+    /// What runs of the model show, each with where it can be seen: speed against accuracy, and the terms
+    /// that a condition requires.
+    pub runs: Vec<Made>,
     /// The figures, the one to look at first in front.
     pub figures: Vec<Made>,
     /// The tables, likewise.
@@ -132,6 +140,9 @@ pub fn summary_markdown(summary: &Summary) -> String {
         let sentence = escape(&summary.statements);
         let lines = section("The thesis' statements", &summary.judged, tell_judged, "");
         parts.push(lines.replacen("\n\n", &format!("\n\n{sentence}\n\n"), 1).trim_end().to_owned());
+    }
+    if !summary.runs.is_empty() {
+        parts.push(section(RUNS, &summary.runs, tell, ""));
     }
     parts.extend([
         listed("Figures", &summary.figures, "No figure was made."),
@@ -286,6 +297,10 @@ mod tests {
                 evidence: "Largest angle: 30°.".to_owned(),
                 path: "figures/spring.svg".to_owned(),
             }],
+            runs: vec![Made {
+                path: "figures/trade.spring_active.png".to_owned(),
+                caption: "Spring, active: exact is the cheapest run.".to_owned(),
+            }],
             figures: vec![Made {
                 path: "figures/spring.svg".to_owned(),
                 caption: "Spring: θ, F, θ̇, mean of six".to_owned(),
@@ -321,6 +336,10 @@ Device: lever\\_2. Data: 2 participants, 4 sessions, 142 trials that count.
 Of 2 statements, 1 is supported.
 
 - The lever moves (§5.3): supported. Largest angle: 30°. ([figure](figures/spring.svg))
+
+## What a run of the model requires
+
+- Spring, active: exact is the cheapest run. ([figure](figures/trade.spring_active.png))
 
 ## Figures
 

@@ -32,6 +32,7 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
         part("answers", "Answers beside a metric", trials && asked, answers),
         part("statements", "The thesis’ statements", !summary.statements.is_empty(), statements),
         part("quality", "Quality of the data", true, quality::body),
+        part("runs", crate::RUNS, !summary.runs.is_empty(), runs),
         part("figures", "Figures", !summary.figures.is_empty(), figures),
         part("tables", "Tables", !summary.tables.is_empty(), tables),
         part("provenance", "Where this comes from", true, provenance),
@@ -118,6 +119,13 @@ fn sentence(text: &str, path: &str) -> Markup {
 
 fn findings(page: &Page) -> Markup {
     html! { ol { @for made in &page.summary.shown { li { (sentence(&made.caption, &made.path)) } } } }
+}
+
+fn runs(page: &Page) -> Markup {
+    html! {
+        p { "Of the model, not of what was recorded." }
+        ul { @for made in &page.summary.runs { li { (sentence(&made.caption, &made.path)) } } }
+    }
 }
 
 fn statements(page: &Page) -> Markup {

@@ -1,0 +1,171 @@
+//! Runs of the model in sentences: which is cheap and could not be told from the right one, and which
+//! terms a condition requires.
+
+use crate::Planned;
+use crate::findings::Finding;
+use crate::gallery::Shown;
+use zwidth_dynamics::NAMED_SOLVERS;
+use zwidth_tables::{Table, TableError, quantity};
+
+/// The cheapest run of each scene of a study that a person could not tell from the right one, from the
+/// table `trade_summary`: a sentence a scene. They speak of the model, not of trials.
+///
+/// # Errors
+/// A table that lacks a column.
+pub fn traded(study: &Planned, table: &Table) -> Result<Vec<Finding>, TableError> {
+    let (scenes, solvers) = (table.texts("scene")?, table.texts("solver")?);
+    let (steps, tolerances) = (table.floats("step_s")?, table.floats("tolerance")?);
+    let work = table.integers("work")?;
+    let (cheaper, why) = (table.texts("next_cheaper")?, table.texts("why_not")?);
+    let proofs = table.texts("yardstick")?;
+    let mut found = Vec::new();
+    for (row, scene) in scenes.iter().enumerate() {
+        let Some(scene) = scene else { continue };
+        let text = match (&solvers[row], work[row], &proofs[row]) {
+            (Some(solver), Some(work), _) => {
+                let setting = setting(solver, steps[row], tolerances[row]);
+                let not = cheaper[row].as_ref().zip(why[row].as_ref());
+                let not = not.map(|(next, why)| format!(" The next cheaper, {next}: {why}."));
+                format!(
+                    "{setting} is the cheapest run of the model that a person could not tell from the right one, \
+                     {work} evaluations.{}",
+                    not.unwrap_or_default()
+                )
+            }
+            (.., Some(proof)) if proof.as_str() == UNPROVEN => {
+                "no run of the model is known to be right: two solvers differ.".to_owned()
+            }
+            _ => "a person could tell each run of the model that was tried from the right one."
+                .to_owned(),
+        };
+        let text = format!("{}: {text}", condition(study, scene, '.'));
+        found.push(Finding { text, shown: Shown::Trade(scene.replace('.', "_")) });
+    }
+    Ok(found)
+}
+
+/// Which terms of the model each condition requires, and whether its recordings bear that out, from the
+/// table `ladder`: a sentence a condition.
+///
+/// # Errors
+/// A table that lacks a column.
+pub fn laddered(study: &Planned, table: &Table) -> Result<Vec<Finding>, TableError> {
+    let (conditions, terms) = (table.texts("condition")?, table.texts("terms")?);
+    let (errors, felt) = (table.floats("held_out_rmse_rad")?, table.floats("felt_share")?);
+    let verdicts = table.texts("recordings")?;
+    let mut found = Vec::new();
+    for (row, name) in conditions.iter().enumerate() {
+        let (Some(name), Some(terms)) = (name, &terms[row]) else { continue };
+        let needs = match terms.as_str() {
+            "rigid" => "a rigid lever without further terms is enough".to_owned(),
+            terms => {
+                format!("the model requires {}", terms.replace(' ', ", ").replace('_', " "))
+            }
+        };
+        let missed = errors[row].zip(felt[row]).map(|(rad, share)| {
+            format!(
+                "; trials that it was not fitted to it misses by {}, {} of what is just felt",
+                quantity(rad, "rad", study.coordinate),
+                quantity(share, "1", study.coordinate)
+            )
+        });
+        let borne_out =
+            verdicts[row].as_ref().map(|verdict| format!("; by the recordings: {verdict}"));
+        let text = format!(
+            "{}: {needs}{}{}.",
+            condition(study, name, ' '),
+            missed.unwrap_or_default(),
+            borne_out.unwrap_or_default()
+        );
+        found.push(Finding { text, shown: Shown::Ladder });
+    }
+    Ok(found)
+}
+
+/// What the table of the trade says where two solvers do not agree on the right run.
+const UNPROVEN: &str = "unproven";
+
+/// A solver and its step or tolerance.
+fn setting(solver: &str, step_s: Option<f64>, tolerance: Option<f64>) -> String {
+    let named = NAMED_SOLVERS.iter().find(|named| named.name == solver);
+    let label = named.map_or(solver, |named| named.label);
+    match (step_s, tolerance) {
+        (Some(step_s), _) => format!("{label}, {} ms,", (step_s * 1e6).round() / 1e3),
+        (None, Some(tolerance)) => format!("{label}, tolerance {tolerance:e},"),
+        (None, None) => label.to_owned(),
+    }
+}
+
+/// A condition by its ids, in people's words: `Spring, active`.
+fn condition(study: &Planned, name: &str, between: char) -> String {
+    let of = |environment: &zwidth_study::Environment| {
+        let mode = name.strip_prefix(environment.id.as_str())?.strip_prefix(between)?;
+        let mode = study.modes.iter().find(|m| m.id.as_str() == mode)?;
+        Some(format!("{}, {}", environment.label, mode.label.to_lowercase()))
+    };
+    study.environments.iter().find_map(of).unwrap_or_else(|| name.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_tables::Column;
+
+    fn planned() -> Planned {
+        Planned::of(&zwidth_testing::study())
+    }
+
+    fn text<const N: usize>(name: &'static str, values: [Option<&str>; N]) -> Column {
+        Column::text(name, name, values.map(|value| value.map(str::to_owned)))
+    }
+
+    #[test]
+    fn the_trade_is_told_by_what_is_cheap_and_right_and_what_is_not() {
+        let columns = vec![
+            text("scene", [Some("spring.active"), Some("spring_wall.hybrid"), Some("other")]),
+            text("yardstick", [Some("proven"), Some("unproven"), Some("proven")]),
+            text("solver", [Some("moreau_jean"), None, None]),
+            Column::float("step_s", "s", "", [Some(0.001_024), None, None]),
+            Column::float("tolerance", "1", "", [None, None, None]),
+            Column::integer("work", "1", "", [Some(480), None, None]),
+            text("next_cheaper", [Some("symplectic Euler, 2.048 ms"), None, None]),
+            text("why_not", [Some("it breaks the bound of the angle"), None, None]),
+        ];
+        let table = Table::new("trade_summary", "", columns).unwrap();
+        let found = traded(&planned(), &table).unwrap();
+        let told: Vec<&str> = found.iter().map(|finding| finding.text.as_str()).collect();
+        assert_eq!(
+            told,
+            [
+                "Spring, active: Moreau–Jean, 1.024 ms, is the cheapest run of the model that a person could not \
+                 tell from the right one, 480 evaluations. The next cheaper, symplectic Euler, 2.048 ms: it breaks \
+                 the bound of the angle.",
+                "Spring + wall, hybrid: no run of the model is known to be right: two solvers differ.",
+                "other: a person could tell each run of the model that was tried from the right one.",
+            ]
+        );
+        assert_eq!(found[0].shown, Shown::Trade("spring_active".to_owned()));
+    }
+
+    #[test]
+    fn the_ladder_is_told_by_the_terms_that_a_condition_requires() {
+        let columns = vec![
+            text("condition", [Some("spring active"), Some("spring passive")]),
+            text("terms", [Some("rigid"), Some("friction end_stop")]),
+            Column::float("held_out_rmse_rad", "rad", "", [None, Some(0.01)]),
+            Column::float("felt_share", "1", "", [None, Some(0.25)]),
+            text("recordings", [None, Some("better without weight")]),
+        ];
+        let table = Table::new("ladder", "", columns).unwrap();
+        let found = laddered(&planned(), &table).unwrap();
+        let told: Vec<&str> = found.iter().map(|finding| finding.text.as_str()).collect();
+        assert_eq!(
+            told,
+            [
+                "Spring, active: a rigid lever without further terms is enough.",
+                "Spring, passive: the model requires friction, end stop; trials that it was not fitted to it misses by \
+                 0.573°, 0.250 of what is just felt; by the recordings: better without weight.",
+            ]
+        );
+    }
+}
