@@ -5,7 +5,7 @@ use crate::drawing::{Drawing, STAGE, write_figure};
 use crate::trials::{Known, describe_trials, files, read_all};
 use crate::{
     average, characterise, compare, design, freemotion, ladder, likert_figures, metrics,
-    replay_figures, trade,
+    replay_figures, scenes, trade,
 };
 use serde::Serialize;
 use std::path::PathBuf;
@@ -46,6 +46,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     drawings.extend(likert_figures::all(data));
     drawings.extend(compare::figures(data));
     drawings.extend(trade::figures(data));
+    drawings.extend(scenes::figures(data));
     drawings.extend(design::all(data));
     drawings
 }

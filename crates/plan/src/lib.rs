@@ -30,6 +30,7 @@ mod replay;
 mod replay_figures;
 mod replayable;
 mod report;
+mod scenes;
 mod summary;
 mod tables;
 mod trade;
@@ -63,6 +64,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     jobs.extend(likert::jobs(data));
     jobs.extend(compare::jobs(data));
     jobs.extend(trade::jobs(data));
+    jobs.extend(scenes::jobs(data));
     jobs.extend(report::jobs(data, &figures));
     jobs.extend(tables::jobs(data));
     let summary = summary::job(data, found, &figures);
@@ -74,7 +76,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub const STAGES: [&str; 15] = [
+pub const STAGES: [&str; 16] = [
     "characterise",
     "metrics",
     "average",
@@ -85,6 +87,7 @@ pub const STAGES: [&str; 15] = [
     "likert",
     "compare",
     "trade",
+    "simulate",
     "figures",
     "report",
     "tables",

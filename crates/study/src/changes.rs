@@ -131,7 +131,7 @@ fn affects(key: &str) -> Affects {
         | ["compare", ..]
         | ["perception", ..]
         | ["replay", ..]
-        | ["figures", ..] => Affects::Nothing,
+        | ["figures" | "scenes", ..] => Affects::Nothing,
         ["environments" | "modes", _, "label"]
         | ["questions", _, "group" | "reversed"]
         | ["questions"] => Affects::Nothing,

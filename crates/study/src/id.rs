@@ -152,6 +152,8 @@ ids! {
     MetricId = "metric", unless refused_as_metric;
     /// An actuator or sensor that was characterised, such as `motor`.
     ActuatorId = "actuator", unless refused;
+    /// A figure of scenes, such as `figure_8`.
+    SceneFigureId = "figure of scenes", unless refused;
 }
 
 impl MetricId {

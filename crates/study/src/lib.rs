@@ -24,6 +24,7 @@ mod replay;
 mod sample;
 mod scale;
 mod scene;
+mod scene_figure;
 mod seal;
 mod session;
 mod template;
@@ -39,7 +40,7 @@ pub use figures::{Alignment, Figures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, Schema, TrialForm};
 pub use id::{
     ActuatorId, ChannelId, EnvironmentId, IdError, MetricId, ModeId, ParticipantId, QuestionId,
-    SessionId, StudyId,
+    SceneFigureId, SessionId, StudyId,
 };
 pub use law::{ActuatorKind, ModeLaw};
 pub use locate::{line_of, toml_error};
@@ -53,6 +54,7 @@ pub use replay::ReplayModel;
 pub use sample::{Extra, Flags, MOST_CHANNELS, Sample, Voltages};
 pub use scale::AnswerScale;
 pub use scene::{ForceLaw, Scene, SceneKind, Spring};
+pub use scene_figure::{SceneDrawing, SceneFigure};
 pub use seal::{Seal, SealError};
 pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};
 pub use template::template;

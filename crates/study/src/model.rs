@@ -2,7 +2,7 @@
 
 use crate::{
     ActuatorKind, AnswerScale, Channel, Compare, Control, EnvironmentId, Figures, ModeId, ModeLaw,
-    Perception, QuestionId, ReplayModel, Scene, Schema, StudyId,
+    Perception, QuestionId, ReplayModel, Scene, SceneFigure, Schema, StudyId,
 };
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +41,8 @@ pub struct Study {
     pub replay: ReplayModel,
     /// What figures show.
     pub figures: Figures,
+    /// Figures of scenes of the model, in the order of the file.
+    pub scenes: Vec<SceneFigure>,
     /// Version of the trial files' form.
     pub schema: Schema,
     /// What is recorded per sample besides what every study records, in the order of the file.

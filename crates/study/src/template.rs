@@ -168,6 +168,14 @@ text = "During this test I clearly felt forces I would associate with interactin
 id = "felt_wall"
 text = "During this test I clearly felt forces I would associate with interacting with an infinitely rigid object, such as a wall, in addition to a linear stiffness."
 
+# Figures of runs of the model beside those of the data. Scene files lie in this study's folder (docs/data.md).
+# draw = "runs" (up to three side by side), "inputs" or "bow_tie".
+# [[scenes]]
+# id = "sine"
+# files = ["scenes/sine.toml"]
+# solver = "exact"
+# step_s = 0.001
+
 # What is recorded per sample besides, if the device or a mapping file gives it: a column of each trial file. To be
 # listed before the first trial.
 # [[channels]]

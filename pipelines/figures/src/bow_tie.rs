@@ -1,11 +1,19 @@
 //! Figure 31: the bow tie of two actuators of unequal strength, of a lever whose motion is given.
 
+use crate::about::FigureKind;
 use crate::data::gaps;
 use crate::words::{Words, model_mark, plain};
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, ONE_COLUMN_MM, Panel, Reference};
 use zwidth_study::Coordinate;
 use zwidth_tables::{Table, TableError};
+
+/// The bow tie of a scene of the model.
+pub const SCENE_BOW_TIE: FigureKind = FigureKind {
+    stem: "scenes",
+    shows: "forces of two unequal actuators along the way there and back",
+    drawn_from: "scene",
+};
 
 /// Height of the panel, mm.
 const PANEL_MM: f64 = 60.0;

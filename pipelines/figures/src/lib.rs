@@ -56,7 +56,7 @@ mod work_precision;
 
 pub use about::{About, Caption, FigureKind};
 pub use answers::{ANSWERS_COMPARED, AnswersPage, answers_compared, answers_pages};
-pub use bow_tie::bow_tie;
+pub use bow_tie::{SCENE_BOW_TIE, bow_tie};
 pub use characteristic::{CHARACTERISTIC, Characterised, characteristic};
 pub use chattering::chattering;
 pub use compared::{
@@ -78,7 +78,7 @@ pub use modes::{MODES, modes};
 pub use rendering_range::{RENDERING_RANGE, rendering_range};
 pub use repeats::{REPEATS, repeats};
 pub use replay::{REPLAY, replay};
-pub use simulation::{MOST_SIDE_BY_SIDE, inputs, simulation};
+pub use simulation::{MOST_SIDE_BY_SIDE, SCENE_INPUTS, SCENE_RUNS, inputs, simulation};
 pub use stability::{BoundaryOf, Side, StabilityPanel, boundaries, stability};
 pub use words::{Words, mark};
 pub use work_precision::{WORK_PRECISION, work_precision, work_precision_of};

@@ -1,6 +1,7 @@
 //! Figures 11, 12, 33–35: forces of model runs against angle and time, and their angle. Figure 8:
 //! the inputs.
 
+use crate::about::FigureKind;
 use crate::data::gaps;
 use crate::words::{Words, model_mark, plain, time_axis};
 use zwidth_draw::style::{self, Stroke};
@@ -9,6 +10,19 @@ use zwidth_draw::{
 };
 use zwidth_study::Coordinate;
 use zwidth_tables::{Table, TableError};
+
+/// Runs of scenes of the model, side by side.
+pub const SCENE_RUNS: FigureKind = FigureKind {
+    stem: "scenes",
+    shows: "runs of the model: forces against angle and time, and the angle",
+    drawn_from: "scene",
+};
+/// Their inputs.
+pub const SCENE_INPUTS: FigureKind = FigureKind {
+    stem: "scenes",
+    shows: "external force of runs of the model against time",
+    drawn_from: "scene",
+};
 
 /// Height of a panel of forces against angle, mm.
 const LOOP_MM: f64 = 58.0;

@@ -78,6 +78,38 @@ fn with_the_thesis_method_the_lever_swings_between_10_and_18_degrees() {
     assert!((16.0..19.0).contains(&highest), "{highest}");
 }
 
+/// The angles, °, between which the drive turns from brake to motor and back, and how often it does.
+fn turns(stem: &str, solver: &str) -> (f64, f64, usize) {
+    let table = trajectory_table(&run(scene(stem), solver)).unwrap();
+    let (theta, motor) = (column(&table, "theta_rad"), column(&table, "force_motor_n"));
+    let pulls: Vec<bool> = motor.iter().map(|force| *force != 0.0).collect();
+    let turned = (1..pulls.len()).filter(|i| pulls[*i] != pulls[*i - 1] && theta[*i] > 0.0);
+    let angles: Vec<f64> = turned.map(|i| theta[i].to_degrees()).collect();
+    let (low, high) = angles.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(*x), b.max(*x)));
+    (low, high, angles.len())
+}
+
+#[test]
+fn figure_11_oscillates_between_10_and_17_degrees_by_the_thesis_method_and_not_by_the_exact_one() {
+    let (low, high, count) = turns("figure_11", "rk4_per_step");
+    assert!((low - 10.26).abs() < 0.3 && (high - 17.25).abs() < 0.05, "{low} to {high}");
+    assert!(count > 30, "{count}");
+    let (.., count) = turns("figure_11", "exact");
+    assert!(count <= 3, "{count}");
+}
+
+#[test]
+fn the_study_that_comes_along_has_the_scenes_word_for_word() {
+    let study = folder().join("../raw/thesis-twin/scenes");
+    let files: Vec<PathBuf> =
+        std::fs::read_dir(study).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert_eq!(files.len(), 8);
+    for path in files {
+        let read = |path: &Path| std::fs::read_to_string(path).unwrap();
+        assert_eq!(read(&path), read(&folder().join(path.file_name().unwrap())), "{path:?}");
+    }
+}
+
 #[test]
 fn a_sudden_drop_of_the_force_leaves_no_oscillation() {
     let run = run(scene("step"), "exact");

@@ -6,6 +6,7 @@ mod environment;
 mod figures;
 mod perception;
 mod read;
+mod scenes;
 mod shape;
 mod units;
 mod write;

@@ -50,7 +50,7 @@ impl Study {
 
 impl Check<'_> {
     /// A text that people will read: on one line, and not without end.
-    fn line(&mut self, key: &str, text: &str) {
+    pub(super) fn line(&mut self, key: &str, text: &str) {
         if let Some(c) = text.chars().find(|c| steers(*c)) {
             let problem = format!(
                 "holds {}, which starts a line or turns one; leave it out",
@@ -205,10 +205,11 @@ impl Check<'_> {
             perception: self.perception(file.perception),
             replay: file.replay.model,
             figures,
+            scenes: self.scenes(file.scenes),
         }
     }
 
-    fn unique<'b>(&mut self, list: &str, ids: impl Iterator<Item = &'b str>) {
+    pub(super) fn unique<'b>(&mut self, list: &str, ids: impl Iterator<Item = &'b str>) {
         let mut seen = BTreeSet::new();
         let mut count = 0;
         for (i, id) in ids.enumerate() {
@@ -220,7 +221,7 @@ impl Check<'_> {
             }
         }
         self.at_most_listed(list, count);
-        if count == 0 && !["questions", "channels"].contains(&list) {
+        if count == 0 && !["questions", "channels", "scenes"].contains(&list) {
             self.error(list, "the list is empty; a study needs at least one".to_owned());
         }
     }

@@ -4,7 +4,7 @@ use super::environment::EnvironmentTable;
 use super::perception::PerceptionTable;
 use crate::model::{Analysis, OrderScheme};
 use crate::{AnswerScale, MetricId, ModeId, ModeLaw, QuestionId, StudyId};
-use crate::{Channel, Control, Families, ReplayModel, VelocityFilter};
+use crate::{Channel, Control, Families, ReplayModel, SceneFigure, VelocityFilter};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -35,6 +35,8 @@ pub(super) struct File {
     /// figure's id.
     #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
     pub(super) figures: toml::Table,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) scenes: Vec<SceneFigure>,
     pub(super) environments: Vec<EnvironmentTable>,
     pub(super) modes: Vec<ModeTable>,
     #[serde(default)]

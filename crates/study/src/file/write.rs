@@ -60,6 +60,7 @@ impl From<&Study> for File {
             perception: super::perception::table(&s.perception),
             replay: ReplayTable { model: s.replay },
             figures: super::figures::table(&s.figures),
+            scenes: s.scenes.clone(),
             environments: s
                 .environments
                 .iter()
