@@ -187,6 +187,9 @@ impl Axis {
 pub enum Range {
     /// The data's extent and 4 % on either side.
     Auto,
+    /// The extent of the data and of these two values, and 4 % on either side: so that figures
+    /// which are to be compared have one axis.
+    Holding(f64, f64),
     /// Exactly the data's extent: for time, which starts and ends with the recording.
     Tight,
     /// From the first to the second value; data outside are cut off at the plot's edge.

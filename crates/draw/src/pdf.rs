@@ -128,8 +128,10 @@ fn fill(ink: Colour, opacity: f64) -> Fill {
 }
 
 fn stroke(pen: &style::Stroke) -> Stroke {
-    let dash =
-        |array: [f64; 2]| StrokeDash { array: array.map(|pt| pt as f32).to_vec(), offset: 0.0 };
+    let dash = |pt: Vec<f64>| StrokeDash {
+        array: pt.into_iter().map(|pt| pt as f32).collect(),
+        offset: 0.0,
+    };
     Stroke {
         paint: colour(pen.colour).into(),
         width: pen.width_pt as f32,

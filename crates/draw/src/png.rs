@@ -71,8 +71,8 @@ fn paint(pixmap: &mut Pixmap, shape: &Shape, fonts: &Fonts, scale: f32) {
             pixmap.fill_path(&path, &ink, FillRule::Winding, Transform::identity(), None);
         }
         Ink::Stroke(stroke) => {
-            let dash = |[dash, gap]: [f64; 2]| {
-                StrokeDash::new(vec![dash as f32 * scale, gap as f32 * scale], 0.0)
+            let dash = |pt: Vec<f64>| {
+                StrokeDash::new(pt.into_iter().map(|pt| pt as f32 * scale).collect(), 0.0)
             };
             let pen = tiny_skia::Stroke {
                 width: stroke.width_pt as f32 * scale,

@@ -198,6 +198,9 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
         (_, Range::Fixed(low, high)) => Some((low, high)),
         (Ticks::Powers, _) => covered.map(|ends| two_powers(widen(ends, ROOM))),
         (_, Range::Tight) => covered.map(|ends| widen(ends, 0.0)),
+        (_, Range::Holding(low, high)) => {
+            union(covered, Some((low.min(high), low.max(high)))).map(|ends| widen(ends, ROOM))
+        }
         (_, Range::Auto) => covered.map(|ends| widen(ends, ROOM)),
     };
     let largest = if axis.ticks == Ticks::Powers { LARGEST_POWER } else { LARGEST };

@@ -137,8 +137,23 @@ pub enum Dash {
     Solid,
     /// Dashes.
     Dashed,
-    /// Round dots.
+    /// A dash and a short one in turn.
+    DashDotted,
+    /// Long dashes.
+    LongDashed,
+    /// Round dots: kept for what is commanded, and for what lies at a wall or past it.
     Dotted,
+}
+
+/// The dashes of curves that differ by colour too, so that print in grey tells them apart: of the
+/// study's `index`-th mode, or of whatever else a figure counts. After the fourth they start again.
+pub fn dash(index: usize) -> Dash {
+    [Dash::Solid, Dash::Dashed, Dash::DashDotted, Dash::LongDashed][index % 4]
+}
+
+/// The marker of the `index`-th of what a figure counts, likewise. After the third they start again.
+pub fn marker(index: usize) -> Marker {
+    [Marker::Disc, Marker::Square, Marker::Diamond][index % 3]
 }
 
 /// A pen.
@@ -155,14 +170,17 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    /// Lengths of a dash and of the gap after it, in pt.
-    pub(crate) fn dashes_pt(&self) -> Option<[f64; 2]> {
-        match self.dash {
-            Dash::Solid => None,
-            Dash::Dashed => Some([4.0 * self.width_pt, 2.5 * self.width_pt]),
+    /// Lengths of dashes and gaps in turn, in pt; nothing for a pen that does not break.
+    pub(crate) fn dashes_pt(&self) -> Option<Vec<f64>> {
+        let widths: &[f64] = match self.dash {
+            Dash::Solid => return None,
+            Dash::Dashed => &[4.0, 2.5],
+            Dash::DashDotted => &[6.0, 2.0, 1.5, 2.0],
+            Dash::LongDashed => &[9.0, 2.5],
             // dots: dashes of almost no length under round ends
-            Dash::Dotted => Some([0.01, 2.1 * self.width_pt]),
-        }
+            Dash::Dotted => return Some(vec![0.01, 2.1 * self.width_pt]),
+        };
+        Some(widths.iter().map(|width| width * self.width_pt).collect())
     }
 
     pub(crate) fn round_ends(&self) -> bool {

@@ -179,8 +179,9 @@ fn stroke_style(stroke: &Stroke) -> String {
     if stroke.opacity < 1.0 {
         let _ = write!(style, " stroke-opacity=\"{}\"", number(stroke.opacity));
     }
-    if let Some([dash, gap]) = stroke.dashes_pt() {
-        let _ = write!(style, " stroke-dasharray=\"{} {}\"", number(dash), number(gap));
+    if let Some(dashes) = stroke.dashes_pt() {
+        let dashes: Vec<String> = dashes.into_iter().map(number).collect();
+        let _ = write!(style, " stroke-dasharray=\"{}\"", dashes.join(" "));
     }
     if stroke.round_ends() {
         style.push_str(" stroke-linecap=\"round\"");

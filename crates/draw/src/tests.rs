@@ -346,6 +346,7 @@ fn any_axis() -> impl Strategy<Value = Axis> {
     let range = prop_oneof![
         Just(Range::Auto),
         Just(Range::Tight),
+        (number(), number()).prop_map(|(low, high)| Range::Holding(low, high)),
         (number(), number()).prop_map(|(low, high)| Range::Fixed(low, high))
     ];
     (range, any::<bool>(), "[a-zθ*_^{}\\\\ ]{0,12}", 0..3).prop_map(

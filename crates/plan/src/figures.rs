@@ -8,13 +8,15 @@ use crate::{
     replay_figures, scenes, trade,
 };
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_figures::{
-    About, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, LOOPS, Loaded, MODES, REPEATS,
+    About, Averages, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, LOOPS, Loaded, MODES,
+    REPEATS,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making};
 use zwidth_store::{StudyData, TrialEntry};
-use zwidth_study::{Alignment, Environment, ModeId, Study};
+use zwidth_study::{Alignments, Environment, ModeId, Study};
 use zwidth_tables::Table;
 
 /// Every figure of a study.
@@ -24,7 +26,9 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
         let mut environments: Vec<&Environment> =
             data.study.environments.iter().filter(|e| !session.of(e).is_empty()).collect();
         for environment in &environments {
-            drawings.push(modes(data, &session, environment));
+            let beside = environments.iter().filter(|other| other.id != environment.id);
+            let beside: Vec<&Environment> = beside.copied().collect();
+            drawings.push(modes(data, &session, environment, &beside));
             drawings.extend(repeats(data, &session, environment));
         }
         environments.retain(|e| e.scene.spring().is_some());
@@ -78,7 +82,7 @@ struct Recorded {
     environment: Environment,
     who: String,
     trials: Vec<Known>,
-    alignment: Alignment,
+    alignments: Alignments,
     /// The modes that were averaged, in the order of their tables.
     averaged: Vec<ModeId>,
     /// What decides where the repeats stand behind means aligned by landmarks, and the stage that
@@ -91,27 +95,32 @@ struct Recorded {
 struct Files {
     trials: Vec<PathBuf>,
     metrics: Vec<PathBuf>,
+    /// Against time.
     averages: Vec<PathBuf>,
+    /// Against position; none where they are the same.
+    loops: Vec<PathBuf>,
 }
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        [self.trials.as_slice(), &self.metrics, &self.averages].concat()
+        [self.trials.as_slice(), &self.metrics, &self.averages, &self.loops].concat()
     }
 }
 
-/// One environment of one session, for the figure of that kind, which decides how means are
-/// aligned.
+/// One environment of one session, with its means aligned in these ways.
 fn recorded(
     data: &StudyData,
     session: &Session,
     environment: &Environment,
-    caption: &Caption,
+    alignments: Alignments,
     trials: &[&TrialEntry],
     conditions: &[Repeats],
 ) -> (Recorded, Files) {
-    let alignment = data.study.figures.alignment(&caption.stem());
-    let averages = conditions.iter().map(|r| average::aligned(&data.layout, r, alignment));
+    let Alignments { over_time, over_position } = alignments;
+    let averages = |alignment| {
+        let of = |repeats| average::aligned(&data.layout, repeats, alignment);
+        conditions.iter().map(of).collect::<Vec<PathBuf>>()
+    };
     let parameters =
         zwidth_average::Parameters { analysis: data.study.analysis, scene: environment.scene };
     let recorded = Recorded {
@@ -119,16 +128,23 @@ fn recorded(
         environment: environment.clone(),
         who: session.who(),
         trials: describe_trials(trials),
-        alignment,
+        alignments,
         averaged: conditions.iter().map(|r| r.mode.id.clone()).collect(),
         average: (parameters, zwidth_average::VERSION),
     };
     let files = Files {
         trials: files(trials),
         metrics: conditions.iter().map(|r| metrics::of_condition(&data.layout, r)).collect(),
-        averages: averages.collect(),
+        averages: averages(over_time),
+        loops: if over_time == over_position { Vec::new() } else { averages(over_position) },
     };
     (recorded, files)
+}
+
+/// One environment of one session without means.
+fn without_means((recorded, files): (Recorded, Files)) -> (Recorded, Files) {
+    let files = Files { averages: Vec::new(), loops: Vec::new(), ..files };
+    (Recorded { averaged: Vec::new(), ..recorded }, files)
 }
 
 /// The conditions of one environment of a session, in the order of the modes.
@@ -146,33 +162,69 @@ fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<(Loaded<'r>, Vec<St
     let (trials, problems) = read_all(&files.trials, &recorded.trials, signals);
     let columns = zwidth_figures::average_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-    let (mut metrics, mut averages) = (Vec::new(), Vec::new());
+    let mut metrics = Vec::new();
     for path in &files.metrics {
         metrics.push(Table::columns_from_parquet(path, &zwidth_figures::METRICS_COLUMNS)?);
     }
-    for (mode, path) in recorded.averaged.iter().zip(&files.averages) {
-        averages.push((mode.clone(), Table::columns_from_parquet(path, &columns)?));
-    }
-    let Recorded { about, environment, who, alignment, average: (parameters, _), .. } = recorded;
-    let about = (about, environment, who.as_str(), *alignment);
+    let read = |paths: &[PathBuf]| -> Result<BTreeMap<ModeId, Table>, JobError> {
+        let of_modes = recorded.averaged.iter().zip(paths);
+        let table = |path| Table::columns_from_parquet(path, &columns);
+        of_modes.map(|(mode, path)| Ok((mode.clone(), table(path)?))).collect()
+    };
+    let over_position = (!files.loops.is_empty()).then(|| read(&files.loops)).transpose()?;
+    let averages = Averages { over_time: read(&files.averages)?, over_position };
+    let Recorded { about, environment, who, alignments, average: (parameters, _), .. } = recorded;
+    let about = (about, environment, who.as_str(), *alignments);
     let loaded = Loaded::new(about, trials, &metrics, averages, |trials| {
-        zwidth_average::times_s(trials, parameters, *alignment).ok()
+        zwidth_average::times_s(trials, parameters, alignments.over_time).ok()
     })?;
     Ok((loaded, problems))
 }
 
-fn modes<'a>(data: &'a StudyData, session: &Session<'a>, environment: &'a Environment) -> Drawing {
+/// The figure of one environment, on axes that hold those `beside` it too.
+fn modes<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environment: &'a Environment,
+    beside: &[&'a Environment],
+) -> Drawing {
     let [participant, session_id] = session.ids();
     let subject = [participant, session_id, environment.id.to_string()];
-    let caption = Caption::new(MODES, subject.clone());
-    let (trials, conditions) = (session.of(environment), conditions(data, session, environment));
-    let (recorded, files) = recorded(data, session, environment, &caption, &trials, &conditions);
-    Drawing::new(data, MODES, subject, recorded, files, draw_modes).of(trials.len())
+    let alignments = data.study.figures.alignments(&Caption::new(MODES, subject.clone()).stem());
+    let of = |environment| {
+        let trials = session.of(environment);
+        let conditions = conditions(data, session, environment);
+        recorded(data, session, environment, alignments, &trials, &conditions)
+    };
+    let others = beside.iter().map(|other| without_means(of(other)));
+    let (recorded, files) = [of(environment)].into_iter().chain(others).unzip();
+    let n = session.of(environment).len();
+    Drawing::new(data, MODES, subject, recorded, files, draw_modes).of(n)
 }
 
-fn draw_modes(recorded: &Recorded, files: &Files, making: &Making) -> Result<Made, JobError> {
-    let (loaded, problems) = load(recorded, files)?;
-    write_figure(zwidth_figures::modes(&loaded.scene())?, problems, making)
+fn draw_modes(
+    recorded: &Vec<Recorded>,
+    files: &Vec<Files>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (all, problems) = load_all(recorded, files)?;
+    let scenes: Vec<_> = all.iter().map(Loaded::scene).collect();
+    let (scene, beside) = scenes.split_first().ok_or("there is no environment")?;
+    write_figure(zwidth_figures::modes(scene, beside)?, problems, making)
+}
+
+/// Reads several environments of one session; what had to be left out.
+fn load_all<'r>(
+    recorded: &'r [Recorded],
+    files: &[Files],
+) -> Result<(Vec<Loaded<'r>>, Vec<String>), JobError> {
+    let (mut all, mut problems) = (Vec::new(), Vec::new());
+    for (recorded, files) in recorded.iter().zip(files) {
+        let (loaded, more) = load(recorded, files)?;
+        problems.extend(more);
+        all.push(loaded);
+    }
+    Ok((all, problems))
 }
 
 fn repeats<'a>(
@@ -195,12 +247,10 @@ fn repeats_of<'a>(
     let [participant, session_id] = session.ids();
     let mode = repeats.mode.id.to_string();
     let subject = [participant, session_id, environment.id.to_string(), mode];
-    let (caption, trials) = (Caption::new(REPEATS, subject.clone()), &repeats.trials);
-    let only = std::slice::from_ref(&repeats);
-    let (recorded, files) = recorded(data, session, environment, &caption, trials, only);
-    // Every repeat at its own time: no mean.
-    let recorded = Recorded { averaged: Vec::new(), ..recorded };
-    let files = Files { averages: Vec::new(), ..files };
+    let (trials, only) = (&repeats.trials, std::slice::from_ref(&repeats));
+    let alignments = Alignments::default(); // of no mean: every repeat stands at its own time
+    let (recorded, files) =
+        without_means(recorded(data, session, environment, alignments, trials, only));
     Drawing::new(data, REPEATS, subject, recorded, files, draw_repeats).of(trials.len())
 }
 
@@ -218,11 +268,12 @@ fn loops<'a>(
     session: &Session<'a>,
     environments: &[&'a Environment],
 ) -> Drawing {
-    let caption = Caption::new(LOOPS, session.ids());
+    let chosen = data.study.figures.alignments(&Caption::new(LOOPS, session.ids()).stem());
+    let alignments = Alignments::both(chosen.over_position); // nothing stands against time
     let of_environments = environments.iter().map(|environment| {
         let (trials, conditions) =
             (session.of(environment), conditions(data, session, environment));
-        recorded(data, session, environment, &caption, &trials, &conditions)
+        recorded(data, session, environment, alignments, &trials, &conditions)
     });
     let (recorded, files): (Vec<_>, Vec<_>) = of_environments.unzip();
     let n = recorded.iter().map(|of: &Recorded| of.trials.len()).sum();
@@ -234,12 +285,7 @@ fn draw_loops(
     files: &Vec<Files>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (mut problems, mut all) = (Vec::new(), Vec::new());
-    for (recorded, files) in recorded.iter().zip(files) {
-        let (loaded, more) = load(recorded, files)?;
-        problems.extend(more);
-        all.push(loaded);
-    }
+    let (all, problems) = load_all(recorded, files)?;
     let scenes: Vec<_> = all.iter().map(Loaded::scene).collect();
     let about = &recorded.first().ok_or("there is no environment")?.about;
     write_figure(zwidth_figures::loops(about, &scenes)?, problems, making)

@@ -199,9 +199,9 @@ mod tests {
         check("# Practice trials", "\n# Trials to practise", &[]);
         check("rate_hz = 1000.0\n", "", &[]);
         check(
+            "# [figures]\n# alignment = \"onset\"\n",
             "[figures]\nalignment = \"onset\"\n",
-            "",
-            &[("figures.alignment", "\"onset\"", "absent", Affects::Nothing)],
+            &[("figures.alignment", "absent", "\"onset\"", Affects::Nothing)],
         );
     }
 
@@ -252,10 +252,10 @@ mod tests {
                 "\"Motor\"",
             ),
             (
-                "alignment = \"onset\"",
-                "alignment = \"landmarks\"",
+                "# [figures]\n# alignment = \"onset\"",
+                "[figures]\nalignment = \"landmarks\"",
                 "figures.alignment",
-                "\"onset\"",
+                "absent",
                 "\"landmarks\"",
             ),
             ("motor_g = 88.0", "motor_g = 90.0", "masses.motor_g", "88.0", "90.0"),

@@ -4,11 +4,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// How repeats are made to meet before they are averaged (`zwidth_average` defines both).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Alignment {
     /// At movement onset: t is each repeat's own time since then.
-    #[default]
     Onset,
     /// By landmarks: each repeat's time is warped, piecewise linearly, so that its landmarks
     /// (start, wall contact, reversal, end) meet their mean times. What repeats do at different
@@ -17,7 +16,7 @@ pub enum Alignment {
 }
 
 impl Alignment {
-    /// Both, the default first.
+    /// Both.
     pub const ALL: [Self; 2] = [Self::Onset, Self::Landmarks];
 
     /// The word in files, tables and names.
@@ -26,6 +25,31 @@ impl Alignment {
             Self::Onset => "onset",
             Self::Landmarks => "landmarks",
         }
+    }
+}
+
+/// How the means of one figure are aligned, by what they stand against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Alignments {
+    /// Those against time.
+    pub over_time: Alignment,
+    /// Those against position.
+    pub over_position: Alignment,
+}
+
+impl Alignments {
+    /// Both alike.
+    pub fn both(alignment: Alignment) -> Self {
+        Self { over_time: alignment, over_position: alignment }
+    }
+}
+
+impl Default for Alignments {
+    /// Against time at onset, as the thesis' mean of six; against position by landmarks, because
+    /// repeats that turn at different times have, at one time, a mean force at a mean position that
+    /// no repeat passes.
+    fn default() -> Self {
+        Self { over_time: Alignment::Onset, over_position: Alignment::Landmarks }
     }
 }
 
@@ -42,14 +66,14 @@ impl Figures {
     /// `loops.<participant>.<session>`.
     pub(crate) const WITH_MEANS: [&'static str; 2] = ["modes", "loops"];
 
-    /// How the figure of that id shows its means: by the longest choice that its id begins with,
-    /// else at onset.
-    pub fn alignment(&self, id: &str) -> Alignment {
+    /// How the figure of that id shows its means: all of them by the longest choice that its id
+    /// begins with, else each as is the default for it.
+    pub fn alignments(&self, id: &str) -> Alignments {
         let cuts = id.match_indices('.').map(|(at, _)| &id[..at]);
         let chosen =
             std::iter::once("").chain(cuts).chain([id]).filter_map(|part| self.alignment.get(part));
         // Cuts rise along the id: the last is the longest.
-        chosen.copied().last().unwrap_or_default()
+        chosen.copied().last().map_or_else(Alignments::default, Alignments::both)
     }
 
     /// Whatever was chosen: the beginning of an id, and the choice.
@@ -77,8 +101,9 @@ mod tests {
             ("modes.P010.S01.spring", landmarks),
             ("loops.P01.S01", landmarks),
         ] {
-            assert_eq!(figures.alignment(id), expect, "{id}");
+            assert_eq!(figures.alignments(id), Alignments::both(expect), "{id}");
         }
-        assert_eq!(Figures::default().alignment("modes.P01.S01.spring"), onset);
+        let none = Figures::default().alignments("modes.P01.S01.spring");
+        assert_eq!((none.over_time, none.over_position), (onset, landmarks));
     }
 }

@@ -89,11 +89,12 @@ slope_from_deg = 0.0
 grid_points = 401
 confidence = 0.95
 
-# How figures average repeats; this is the default, the table may be left out. "onset": every repeat's time counts from
-# its movement onset. "landmarks": it is stretched besides, so that start, wall contact, reversal and end meet.
-# [figures.modes], [figures.loops] and [figures.modes.P01.S01.spring] choose for those figures alone.
-[figures]
-alignment = "onset"
+# How figures average repeats. Unless told otherwise, means against time begin with every repeat's movement ("onset"),
+# and force against position is averaged by "landmarks": time is stretched besides, so that start, wall contact, reversal
+# and end meet. A choice governs every panel of all figures, or of those of a kind or of one: [figures.modes],
+# [figures.loops], [figures.modes.P01.S01.spring].
+# [figures]
+# alignment = "onset"
 
 # What is compared, set before the data are taken; these are the defaults, the table may be left out.
 # [compare]

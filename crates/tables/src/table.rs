@@ -151,6 +151,8 @@ pub enum NoteKind {
     General,
     /// How far the numbers reach: no limit of the study, and no fault.
     Extent,
+    /// What the repeats behind its means were aligned by.
+    Alignment,
     /// Something that is not in the table.
     LeftOut,
     /// Something in the table that is to be read with care.
@@ -160,13 +162,15 @@ pub enum NoteKind {
 }
 
 impl NoteKind {
-    const ALL: [Self; 5] = [Self::General, Self::Extent, Self::LeftOut, Self::Care, Self::Limit];
+    const ALL: [Self; 6] =
+        [Self::General, Self::Extent, Self::Alignment, Self::LeftOut, Self::Care, Self::Limit];
 
     /// The word that stands for it in a file.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::General => "general",
             Self::Extent => "extent",
+            Self::Alignment => "alignment",
             Self::LeftOut => "left_out",
             Self::Care => "care",
             Self::Limit => "limit",

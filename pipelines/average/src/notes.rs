@@ -16,8 +16,9 @@ impl Average {
             .iter()
             .map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
         let end = self.end_note(&name).map(|note| (NoteKind::Extent, note));
-        let others = self.landmark_note(&name).into_iter().chain(left_out);
-        end.into_iter().chain(others.map(|note| (NoteKind::General, note))).collect()
+        let landmarks = self.landmark_note(&name).map(|note| (NoteKind::Alignment, note));
+        let left_out = left_out.map(|note| (NoteKind::General, note));
+        end.into_iter().chain(landmarks).chain(left_out).collect()
     }
 
     fn end_note(&self, name: &str) -> Option<String> {

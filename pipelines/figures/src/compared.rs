@@ -131,7 +131,7 @@ pub fn modes_compared(
         }
         let row = panels.len() / 2;
         let modes = Axis::categories(about.modes.iter().map(|mode| plain(&mode.label)));
-        let axis = |label: &str| Axis::new(label, shown.unit.as_str());
+        let axis = |label: &str| Axis::new(label, shown.unit.as_str()).linked(label);
         let title = plain(&environment.label);
         let panel =
             Panel::new(Cell::at(row, 0), modes, axis("mean"), means(about, id, &shown, tables)?);
@@ -414,13 +414,13 @@ pub fn repeats_compared(
             if rows.is_empty() {
                 continue;
             }
-            let colour = style::mode_colour(index);
+            let (colour, marker) = (style::mode_colour(index), style::marker(index));
             let aside = dodge(index, about.modes.len()) / 2.0;
             let at: Vec<f64> = pick(&numbers, &rows).iter().map(|x| x + aside).collect();
             let stems = ["mean", "ci_low", "ci_high"];
             let marks = intervals(tables.repeats, stems, &rows, &shown)?;
             let (name, y) = (Some(plain(&mode.label)), marks.estimate.clone());
-            let stroke = style::single(colour);
+            let stroke = style::single(colour).dashed(style::dash(index));
             layers.push(Layer::Line(Line {
                 x: at.clone(),
                 y,
@@ -428,11 +428,11 @@ pub fn repeats_compared(
                 name: name.clone(),
                 ..Line::default()
             }));
-            layers.push(Layer::Intervals(Intervals { at, colour, name, ..marks }));
+            layers.push(Layer::Intervals(Intervals { at, colour, marker, name, ..marks }));
         }
         if !layers.is_empty() {
             let cell = Cell::at(0, panels.len());
-            let y = Axis::new("mean", shown.unit.as_str());
+            let y = Axis::new("mean", shown.unit.as_str()).linked("mean");
             let panel = Panel::new(cell, Axis::new("repeat", ""), y, layers);
             let panel = panel.titled(plain(&environment.label));
             panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });

@@ -3,7 +3,7 @@
 use crate::About;
 use crate::words::plain;
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Alignment, Environment, Source};
+use zwidth_study::{Alignment, Alignments, Environment, Source};
 use zwidth_tables::{Table, TableError};
 
 /// One trial of a figure, and when its movement began.
@@ -30,16 +30,22 @@ impl ModeData<'_> {
 
     /// How many repeats the mean is of, where most are.
     pub(crate) fn averaged(&self) -> Option<usize> {
-        let n = self.average?.integers("n").ok()?;
-        n.into_iter().flatten().max().and_then(|n| usize::try_from(n).ok())
+        most(self.average?)
     }
 }
 
-/// How many repeats means are of: `n = 6`, `n = 4 to 6`; nothing without a mean.
+/// How many repeats a mean is of, where most are.
+fn most(average: &Table) -> Option<usize> {
+    let n = average.integers("n").ok()?;
+    n.into_iter().flatten().max().and_then(|n| usize::try_from(n).ok())
+}
+
+/// How many repeats the means against position are of: `n = 6`, `n = 4 to 6`; nothing without a
+/// mean.
 pub(crate) fn repeats_averaged<'a>(
     modes: impl Iterator<Item = &'a ModeData<'a>>,
 ) -> Option<String> {
-    let counts: Vec<usize> = modes.filter_map(ModeData::averaged).collect();
+    let counts: Vec<usize> = modes.filter_map(|mode| most(mode.loop_average?)).collect();
     let (least, most) = (counts.iter().min()?, counts.iter().max()?);
     Some(if least == most { format!("n = {most}") } else { format!("n = {least} to {most}") })
 }
@@ -48,7 +54,7 @@ pub(crate) fn repeats_averaged<'a>(
 pub(crate) fn aligned(alignment: Alignment) -> &'static str {
     match alignment {
         Alignment::Onset => "aligned at movement onset",
-        Alignment::Landmarks => "aligned by landmarks",
+        Alignment::Landmarks => "aligned by landmarks (start, wall contact, reversal, end)",
     }
 }
 
@@ -77,8 +83,10 @@ pub struct ModeData<'a> {
     pub label: &'a str,
     /// The repeats.
     pub repeats: Vec<Repeat<'a>>,
-    /// Their mean, as the stage `average` made it.
+    /// Their mean against time, as the stage `average` made it.
     pub average: Option<&'a Table>,
+    /// The mean that force stands against position by.
+    pub loop_average: Option<&'a Table>,
 }
 
 /// One environment of one session, with every mode tried in it.
@@ -93,7 +101,7 @@ pub struct EnvironmentData<'a> {
     /// The modes, in the study's order.
     pub modes: Vec<ModeData<'a>>,
     /// How the means are aligned.
-    pub alignment: Alignment,
+    pub alignments: Alignments,
     /// What is to be said of the means: why there is none, or where it ends.
     pub notes: Vec<String>,
 }
@@ -118,7 +126,7 @@ impl EnvironmentData<'_> {
     /// Label of the time axis. By landmarks it is the scale of their mean times, to which repeats
     /// are stretched too.
     pub(crate) fn time_label(&self) -> &'static str {
-        let by_landmarks = self.alignment == Alignment::Landmarks
+        let by_landmarks = self.alignments.over_time == Alignment::Landmarks
             && self.modes.iter().any(|m| m.average.is_some());
         match (self.aligned(), by_landmarks) {
             (false, _) => "time",

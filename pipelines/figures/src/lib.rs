@@ -34,6 +34,7 @@ mod compared;
 mod data;
 mod environment;
 mod export;
+mod extent;
 mod finding;
 mod freemotion;
 mod impedance;
@@ -72,7 +73,7 @@ pub use impedance::impedance;
 pub use ladder::{LADDER, ladder};
 pub use less::{LESS, less};
 pub use likert::{LIKERT, LIKERT_ITEMS, LikertPage, likert, likert_items, likert_overview};
-pub use loaded::{Loaded, METRICS_COLUMNS};
+pub use loaded::{Averages, Loaded, METRICS_COLUMNS, Of};
 pub use loops::{LOOPS, loops};
 pub use modes::{MODES, modes};
 pub use rendering_range::{RENDERING_RANGE, rendering_range};
@@ -84,4 +85,4 @@ pub use words::{Words, mark};
 pub use work_precision::{WORK_PRECISION, work_precision, work_precision_of};
 
 /// Version of the figures' form: raised when a figure would look different from the same data.
-pub const VERSION: u32 = 8;
+pub const VERSION: u32 = 9;

@@ -3,11 +3,23 @@
 use crate::{About, EnvironmentData, ModeData, Repeat};
 use std::collections::BTreeMap;
 use zwidth_store::Trial;
-use zwidth_study::{Alignment, Environment, ModeId};
+use zwidth_study::{Alignment, Alignments, Environment, ModeId};
 use zwidth_tables::{NoteKind, Table, TableError};
 
 /// The columns that figures read of a table of the stage `metrics`.
 pub const METRICS_COLUMNS: [&str; 2] = ["trial", "onset_s"];
+
+/// What a figure of trials is of: the study, the environment, who, and how means are aligned.
+pub type Of<'a> = (&'a About, &'a Environment, &'a str, Alignments);
+
+/// Tables of the stage `average`, by mode.
+#[derive(Debug, Clone, Default)]
+pub struct Averages {
+    /// Those against time.
+    pub over_time: BTreeMap<ModeId, Table>,
+    /// Those that force stands against position by; none where they are the same.
+    pub over_position: Option<BTreeMap<ModeId, Table>>,
+}
 
 /// Everything read for one environment of one session; figures borrow from it.
 #[derive(Debug, Clone)]
@@ -15,29 +27,28 @@ pub struct Loaded<'a> {
     about: &'a About,
     environment: &'a Environment,
     who: &'a str,
-    alignment: Alignment,
+    alignments: Alignments,
     trials: Vec<Trial>,
     onsets: Vec<Option<f64>>,
     /// Times of the samples on the scale of the mean, s, where that is not since onset.
     warped_s: Vec<Option<Vec<f64>>>,
-    /// By mode; those without a row are none.
-    averages: BTreeMap<ModeId, Table>,
+    averages: Averages,
     notes: Vec<String>,
 }
 
 impl<'a> Loaded<'a> {
-    /// What was read: trials, tables of the stage `metrics` with [`METRICS_COLUMNS`], and by mode
-    /// those of the stage `average`. `warp` gives, for trials of one mode, the times at which
-    /// their samples stand behind a mean aligned by landmarks; a repeat that is in no mean stays at
+    /// What was read: trials, tables of the stage `metrics` with [`METRICS_COLUMNS`], and those of
+    /// the stage `average`. `warp` gives, for trials of one mode, the times at which their samples
+    /// stand behind a mean against time aligned by landmarks; a repeat that is in no mean stays at
     /// its own.
     ///
     /// # Errors
     /// A table that lacks a column.
     pub fn new(
-        (about, environment, who, alignment): (&'a About, &'a Environment, &'a str, Alignment),
+        (about, environment, who, alignments): Of<'a>,
         mut trials: Vec<Trial>,
         metrics: &[Table],
-        averages: Vec<(ModeId, Table)>,
+        averages: Averages,
         warp: impl Fn(&[Trial]) -> Option<Vec<Option<Vec<f64>>>>,
     ) -> Result<Self, TableError> {
         trials.sort_by_key(|t| about.modes.iter().position(|mode| mode.id == t.meta.mode));
@@ -46,33 +57,37 @@ impl<'a> Loaded<'a> {
             onsets.extend(table.integers("trial")?.into_iter().zip(table.floats("onset_s")?));
         }
         let onset = |t: &Trial| onsets.get(&Some(i64::from(t.meta.trial))).copied().flatten();
-        let by_landmarks = alignment == Alignment::Landmarks && !averages.is_empty();
+        let by_landmarks =
+            alignments.over_time == Alignment::Landmarks && !averages.over_time.is_empty();
         let times = |of_mode: &[Trial]| {
             let warped = by_landmarks.then(|| warp(of_mode)).flatten();
             warped.unwrap_or_else(|| vec![None; of_mode.len()])
         };
         let of_modes = trials.chunk_by(|a, b| a.meta.mode == b.meta.mode);
-        let notes = footnotes(averages.iter().map(|(_, table)| table))?;
+        let notes = footnotes(&averages)?;
         Ok(Self {
             about,
             environment,
             who,
-            alignment,
+            alignments,
             onsets: trials.iter().map(onset).collect(),
             warped_s: of_modes.flat_map(times).collect(),
             trials,
-            averages: averages.into_iter().filter(|(_, table)| table.height() > 0).collect(),
+            averages,
             notes,
         })
     }
 
     /// The same, by modes that have a repeat.
     pub fn scene(&self) -> EnvironmentData<'_> {
+        let Averages { over_time, over_position } = &self.averages;
+        let over_position = over_position.as_ref().unwrap_or(over_time);
         let modes = self.about.modes.iter().enumerate().filter_map(|(index, mode)| {
             let mine = (0..self.trials.len()).filter(|i| self.trials[*i].meta.mode == mode.id);
             let repeats: Vec<_> = mine.map(|i| self.repeat(i)).collect();
-            let average = self.averages.get(&mode.id);
-            let data = ModeData { index, label: &mode.label, repeats, average };
+            let [average, loop_average] = [over_time, over_position]
+                .map(|averages| averages.get(&mode.id).filter(|table| table.height() > 0));
+            let data = ModeData { index, label: &mode.label, repeats, average, loop_average };
             (!data.repeats.is_empty()).then_some(data)
         });
         EnvironmentData {
@@ -80,7 +95,7 @@ impl<'a> Loaded<'a> {
             environment: self.environment,
             who: self.who.to_owned(),
             modes: modes.collect(),
-            alignment: self.alignment,
+            alignments: self.alignments,
             notes: self.notes.clone(),
         }
     }
@@ -94,21 +109,20 @@ impl<'a> Loaded<'a> {
     }
 }
 
-/// Why there is no mean, each reason once; and where the earliest mean ends before all of its
-/// repeats do.
-fn footnotes<'t>(
-    averages: impl Iterator<Item = &'t Table> + Clone,
-) -> Result<Vec<String>, TableError> {
-    let without = averages.clone().filter(|t| t.height() == 0);
-    let mut notes: Vec<String> = without.flat_map(|t| t.notes().iter().cloned()).collect();
+/// Why there is no mean, and which repeats are not in one, each once; and where the earliest mean
+/// against time ends before all of its repeats do.
+fn footnotes(averages: &Averages) -> Result<Vec<String>, TableError> {
+    let Averages { over_time, over_position } = averages;
+    let all = over_time.values().chain(over_position.iter().flat_map(BTreeMap::values));
+    let is_said =
+        |(kind, _): &(NoteKind, &str)| !matches!(kind, NoteKind::Extent | NoteKind::Alignment);
+    let said = all.flat_map(Table::notes_by_kind).filter(is_said);
+    let mut notes: Vec<String> = said.map(|(_, note)| note.to_owned()).collect();
     notes.sort();
     notes.dedup();
     let mut ends = Vec::new();
-    for average in averages.filter(|t| t.height() > 0) {
-        let is_extent = |(kind, _): &(NoteKind, &str)| *kind == NoteKind::Extent;
-        let others = average.notes_by_kind().filter(|note| !is_extent(note));
-        notes.extend(others.map(|(_, note)| note.to_owned()));
-        if average.notes_by_kind().any(|note| is_extent(&note)) {
+    for average in over_time.values().filter(|t| t.height() > 0) {
+        if average.notes_by_kind().any(|(kind, _)| kind == NoteKind::Extent) {
             ends.extend(average.floats("t_s")?.into_iter().flatten().max_by(f64::total_cmp));
         }
     }

@@ -2,11 +2,11 @@
 //! discrepancy at a glance.
 
 use crate::data::{EnvironmentData, ModeData, aligned, repeats_averaged};
-use crate::panels::{axis, mean_loop, repeat_loop};
+use crate::panels::{axis, mean_loop, repeat_loop, wall_line};
 use crate::words::{Words, keep_together, mark, plain};
 use crate::{About, FigureKind};
-use zwidth_draw::style::{self, Colour};
-use zwidth_draw::{Cell, Figure, Layer, Line, Panel};
+use zwidth_draw::style::{self, Stroke};
+use zwidth_draw::{Cell, Direction, Figure, Layer, Line, Panel};
 use zwidth_store::Signal;
 use zwidth_tables::TableError;
 
@@ -31,14 +31,18 @@ pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableE
         let mut layers = Vec::new();
         for (i, scene) in scenes.iter().enumerate() {
             let Some(data) = scene.modes.iter().find(|m| m.index == index) else { continue };
-            layers.extend(one(scene, words, data, style::environment_colour(i))?);
+            let wall = wall_line(scene, words, Direction::Vertical);
+            layers.splice(0..0, wall); // behind the data
+            let pen = style::mean(style::environment_colour(i)).dashed(style::dash(i));
+            layers.extend(one(scene, words, data, pen)?);
         }
         if layers.is_empty() {
             continue;
         }
         let cell = Cell::at(0, panels.len());
         let y = axis(words, load).linked("force");
-        let panel = Panel::new(cell, words.position_axis(), y, layers).titled(plain(&mode.label));
+        let x = words.position_axis().linked("position");
+        let panel = Panel::new(cell, x, y, layers).titled(plain(&mode.label));
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
     }
     let footnotes = footnotes(scenes, &panels);
@@ -73,38 +77,43 @@ fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
         } else {
             "mean of the repeats"
         };
-        format!("Lines: {what} ({n}), {}.", aligned(scene.alignment))
+        format!("Lines: {what} ({n}), {}", aligned(scene.alignments.over_position))
     });
     let mut layers = panels.iter().flat_map(|panel| &panel.layers);
     let dotted = layers.any(|l| matches!(l, Layer::Line(line) if line.dotted.contains(&true)));
-    let dots = dotted.then(|| "Dotted: at the wall or past it.".to_owned());
+    let dots = dotted.then(|| "dotted: at the wall or past it".to_owned());
+    let pens: Vec<String> = means.into_iter().chain(dots).collect();
+    let pens = (!pens.is_empty()).then(|| format!("{}.", pens.join("; ")));
     let force = scenes.iter().any(|scene| scene.load() == Signal::ForceEx);
     let whose = force.then(|| WHOSE.to_owned());
-    means.into_iter().chain(dots).chain(whose).collect()
+    pens.into_iter().chain(whose).collect()
 }
 
 /// Whose force it is.
-const WHOSE: &str = "*F*: the user's force. What it differs by between the two ways has inertia, damping and friction \
-    of the device in it; what the actuators differ by stands in the table of metrics.";
+const WHOSE: &str = "*F*: the user's force: between the two ways it differs by inertia, damping and friction too; the \
+    actuators' difference: table of metrics.";
 
 /// The mean loop, or every repeat's where there is no mean.
 fn one(
     scene: &EnvironmentData,
     words: Words,
     mode: &ModeData,
-    colour: Colour,
+    pen: Stroke,
 ) -> Result<Vec<Layer>, TableError> {
     let load = scene.load();
     let name = plain(&scene.environment.label);
     let named = |line: Line| Layer::Line(Line { name: Some(name.clone()), ..line });
     if mode.repeats.len() > 1
-        && let Some(line) = mean_loop(scene, words, mode, load, colour)?
+        && let Some(line) = mean_loop(scene, words, mode, load, pen)?
     {
         return Ok(vec![named(line)]);
     }
     let lines = mode.repeats.iter().filter(|r| r.signal(Signal::Theta).is_some());
     Ok(lines
-        .filter_map(|r| repeat_loop(words, r, load, style::single(colour)))
+        .filter_map(|r| {
+            let single = style::single(pen.colour).dashed(pen.dash);
+            repeat_loop(words, r, load, single)
+        })
         .map(named)
         .collect())
 }

@@ -1,15 +1,18 @@
 //! Figures 28 and 29: position, force and velocity against time, force against position; the mean
-//! of each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall.
+//! of each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall. Where
+//! a mode stays near the wall, a panel shows what it does there.
 
 use crate::FigureKind;
 use crate::data::{EnvironmentData, ModeData, aligned};
+use crate::extent::{at_wall, shared, shared_time};
 use crate::panels::{
     axis, mean_loop, mean_over_time, recorded_word, repeat_loop, repeat_over_time, wall_line,
 };
 use crate::words::{Words, keep_together, mark, plain, time_axis};
-use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, style};
+use zwidth_draw::style::{self, Stroke};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Range};
 use zwidth_store::Signal;
-use zwidth_study::Alignment;
+use zwidth_study::{Alignment, Alignments};
 use zwidth_tables::TableError;
 
 /// The figure [`modes`].
@@ -22,16 +25,30 @@ pub const MODES: FigureKind = FigureKind {
 /// Height of one of the three panels against time, mm.
 const PANEL_MM: f64 = 30.0;
 
-/// The four-panel figure of one environment.
-pub fn modes(scene: &EnvironmentData) -> Result<Figure, TableError> {
+/// The four-panel figure of one environment. Its axes hold what was recorded in the environments
+/// `beside` it too, so that their figures can be compared.
+pub fn modes(scene: &EnvironmentData, beside: &[EnvironmentData]) -> Result<Figure, TableError> {
     let words = Words::new(scene.about.coordinate);
     let load = scene.load();
+    let all: Vec<&EnvironmentData> =
+        [scene].into_iter().chain(beside.iter().filter(|other| other.load() == load)).collect();
     let mut panels = Vec::new();
     for (row, signal) in [Signal::Theta, load, Signal::ThetaDot].into_iter().enumerate() {
-        let time = time_axis(if row == 2 { scene.time_label() } else { "" });
-        panels.push(over_time(scene, words, Cell::at(row, 0), time, signal)?);
+        let label = if row == 2 { scene.time_label() } else { "" };
+        let axes = [
+            time_axis(label).ranged(shared_time(&all)),
+            axis(words, signal).ranged(shared(&all, words, signal)),
+        ];
+        panels.push(over_time(scene, words, Cell::at(row, 0), axes, signal)?);
     }
-    panels.push(loop_panel(scene, words, load)?);
+    let axes = [Signal::Theta, load].map(|s| axis(words, s).ranged(shared(&all, words, s)));
+    let near = at_wall(scene, words).filter(|_| scene.has(load));
+    let cell = Cell::at(0, 1).spanning(if near.is_some() { 2 } else { 3 }, 1);
+    panels.push(loop_panel(scene, words, cell, axes.clone())?);
+    if let Some((from, to)) = near {
+        let [x, y] = axes;
+        panels.push(wall_panel(scene, words, [x.ranged(Range::Fixed(from, to)), y])?);
+    }
     Ok(Figure {
         title: Some(plain(&format!(
             "{}: {} ({})",
@@ -63,8 +80,22 @@ fn describe(scene: &EnvironmentData, words: Words) -> String {
         words.position_word(),
         counts.join(", "),
         thick(scene),
-        aligned(scene.alignment),
+        how_aligned(scene),
         scene.level(),
+    )
+}
+
+/// How the means are aligned, in words: once where all are alike.
+fn how_aligned(scene: &EnvironmentData) -> String {
+    let Alignments { over_time, over_position } = scene.alignments;
+    if over_time == over_position {
+        return aligned(over_time).to_owned();
+    }
+    let position = Words::new(scene.about.coordinate).position_word();
+    format!(
+        "against time {}, against the {position} {}",
+        aligned(over_time),
+        aligned(over_position)
     )
 }
 
@@ -80,18 +111,18 @@ fn thick(scene: &EnvironmentData) -> &'static str {
 fn footnotes(scene: &EnvironmentData) -> Vec<String> {
     let mut legend = String::new();
     if scene.modes.iter().any(|m| m.average.is_some()) {
-        legend += &format!("Thick: {}, {}", thick(scene), aligned(scene.alignment));
+        legend += &format!("Thick: {}, {}", thick(scene), how_aligned(scene));
         if scene.modes.iter().any(|m| m.average.is_some() && m.repeats.len() > 1) {
             legend += &format!(", with its pointwise {} band", scene.level());
         }
-        legend += match scene.alignment {
+        legend += match scene.alignments.over_time {
             Alignment::Onset => "; thin: every repeat",
             Alignment::Landmarks => {
                 "; thin: every repeat, stretched so that its landmarks stand at theirs"
             }
         };
         if scene.environment.scene.wall_rad().is_some() {
-            legend += "; dotted: at the wall or past it";
+            legend += "; dotted: at the wall or past it, but where the wall fills a panel";
         }
         legend += ".";
     }
@@ -103,10 +134,9 @@ fn over_time(
     scene: &EnvironmentData,
     words: Words,
     cell: Cell,
-    time: Axis,
+    [time, y]: [Axis; 2],
     signal: Signal,
 ) -> Result<Panel, TableError> {
-    let y = axis(words, signal);
     if !scene.has(signal) {
         let note = format!("no {} was recorded", recorded_word(words, signal));
         return Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::with_note(cell, time, y, note) });
@@ -116,8 +146,7 @@ fn over_time(
     let mut layers: Vec<Layer> = at_wall.into_iter().collect();
     for mode in &scene.modes {
         let single = mode.average.is_none();
-        let colour = style::mode_colour(mode.index);
-        let stroke = if single { style::single(colour) } else { style::faint(colour) };
+        let stroke = pen(mode, single);
         let lines =
             mode.repeats.iter().filter_map(|r| repeat_over_time(scene, words, r, signal, stroke));
         layers.extend(lines.enumerate().map(|(i, mut line)| {
@@ -131,31 +160,61 @@ fn over_time(
     Ok(Panel { height_mm: Some(PANEL_MM), ..Panel::new(cell, time, y, layers) })
 }
 
-fn loop_panel(scene: &EnvironmentData, words: Words, load: Signal) -> Result<Panel, TableError> {
-    let cell = Cell::at(0, 1).spanning(3, 1);
-    let (x, y) = (words.position_axis(), axis(words, load));
+/// The pen of a mode's repeats: faint behind a mean.
+fn pen(mode: &ModeData, single: bool) -> Stroke {
+    let colour = style::mode_colour(mode.index);
+    if single {
+        style::single(colour).dashed(style::dash(mode.index))
+    } else {
+        style::faint(colour)
+    }
+}
+
+fn loop_panel(
+    scene: &EnvironmentData,
+    words: Words,
+    cell: Cell,
+    [x, y]: [Axis; 2],
+) -> Result<Panel, TableError> {
+    let load = scene.load();
     if !(scene.has(Signal::Theta) && scene.has(load)) {
         let missing = if scene.has(Signal::Theta) { load } else { Signal::Theta };
         let note = format!("no {} was recorded", recorded_word(words, missing));
         return Ok(Panel::with_note(cell, x, y, note));
     }
+    Ok(Panel::new(cell, x, y, loop_layers(scene, words)?))
+}
+
+/// The wall, every repeat, and the means on them.
+fn loop_layers(scene: &EnvironmentData, words: Words) -> Result<Vec<Layer>, TableError> {
+    let load = scene.load();
     // first, so that what lies along the wall is seen on it
     let mut layers: Vec<Layer> = wall_line(scene, words, Direction::Vertical).into_iter().collect();
     for mode in &scene.modes {
-        let colour = style::mode_colour(mode.index);
-        let stroke =
-            if mode.average.is_none() { style::single(colour) } else { style::faint(colour) };
-        layers.extend(
-            mode.repeats
-                .iter()
-                .filter_map(|r| repeat_loop(words, r, load, stroke))
-                .map(Layer::Line),
-        );
+        let stroke = pen(mode, mode.loop_average.is_none());
+        let loops = mode.repeats.iter().filter_map(|r| repeat_loop(words, r, load, stroke));
+        layers.extend(loops.map(Layer::Line));
     }
     for mode in &scene.modes {
-        layers.extend(
-            mean_loop(scene, words, mode, load, style::mode_colour(mode.index))?.map(Layer::Line),
-        );
+        let stroke = style::mean(style::mode_colour(mode.index)).dashed(style::dash(mode.index));
+        layers.extend(mean_loop(scene, words, mode, load, stroke)?.map(Layer::Line));
     }
-    Ok(Panel::new(cell, x, y, layers))
+    Ok(layers)
+}
+
+/// Force against position where the wall begins, in each mode's own dashes: past it everything would
+/// be dotted.
+fn wall_panel(
+    scene: &EnvironmentData,
+    words: Words,
+    [x, y]: [Axis; 2],
+) -> Result<Panel, TableError> {
+    let mut layers = loop_layers(scene, words)?;
+    for layer in &mut layers {
+        if let Layer::Line(line) = layer {
+            line.dotted.clear();
+        }
+    }
+    let panel = Panel::new(Cell::at(2, 1), x, y, layers).titled("at the wall");
+    Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
 }

@@ -2,7 +2,7 @@
 
 use crate::data::{EnvironmentData, ModeData, Repeat, gaps, mean_curve};
 use crate::words::Words;
-use zwidth_draw::style::{self, Colour, Stroke};
+use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Axis, Band, Direction, Layer, Line, Reference};
 use zwidth_store::Signal;
 use zwidth_tables::TableError;
@@ -80,25 +80,21 @@ pub(crate) fn mean_over_time(
         let (low, high) = (shown(&curve.low), shown(&curve.high));
         layers.push(Layer::Band(Band { x: x.clone(), low, high, colour, name: name.clone() }));
     }
-    layers.push(Layer::Line(Line {
-        x,
-        y: shown(&curve.mean),
-        dotted,
-        stroke: style::mean(colour),
-        name,
-    }));
+    let stroke = style::mean(colour).dashed(style::dash(mode.index));
+    layers.push(Layer::Line(Line { x, y: shown(&curve.mean), dotted, stroke, name }));
     Ok(layers)
 }
 
-/// The mean force of a mode's repeats against their mean position; dotted past the wall.
+/// The mean force of a mode's repeats against their mean position, drawn with `stroke`; dotted past
+/// the wall.
 pub(crate) fn mean_loop(
     scene: &EnvironmentData,
     words: Words,
     mode: &ModeData,
     load: Signal,
-    colour: Colour,
+    stroke: Stroke,
 ) -> Result<Option<Line>, TableError> {
-    let Some(average) = mode.average else { return Ok(None) };
+    let Some(average) = mode.loop_average else { return Ok(None) };
     let (Some(theta), Some(force)) =
         (mean_curve(average, Signal::Theta)?, mean_curve(average, load)?)
     else {
@@ -108,7 +104,7 @@ pub(crate) fn mean_loop(
         x: on_axis(words, Signal::Theta, &theta.mean),
         y: force.mean,
         dotted: past_wall(scene, &theta.mean),
-        stroke: style::mean(colour),
+        stroke,
         name: Some(mode.name()),
     }))
 }

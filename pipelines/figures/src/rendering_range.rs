@@ -1,10 +1,11 @@
-//! Figure 25: the forces that each mode can render, compression and decompression apart.
+//! Figure 25: the forces that each mode can render, compression and decompression apart, and the
+//! force that each command gives.
 
 use crate::words::{mark, plain};
 use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Dash};
 use zwidth_draw::{
-    Axis, Band, Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, Range, Reference, Text,
+    Axis, Band, Cell, Direction, Figure, Layer, Line, Panel, Points, Range, Reference, Text,
     TextPlace,
 };
 use zwidth_study::{ActuatorKind, Calibration, Characteristic, Mode, Source};
@@ -17,15 +18,15 @@ pub const RENDERING_RANGE: FigureKind = FigureKind {
 };
 
 /// Height of a panel, mm.
-const PANEL_MM: f64 = 34.0;
-/// Pieces of a curve between no voltage and the highest.
+const PANEL_MM: f64 = 55.0;
+/// Pieces of a curve between the voltage where force begins and the highest.
 const PIECES: usize = 200;
-/// The axis goes this much beyond the highest voltage of any mode.
-const AXIS: f64 = 1.05;
-/// A gap of less than this share of a mode's highest voltage is not named.
+/// A gap of less than this share of an actuator's highest voltage is not named.
 const NAMED_GAP: f64 = 0.02;
-/// Up to this share of the axis an area leaves room for words beside it.
-const BESIDE: f64 = 0.6;
+/// Half the width of a bar, in modes.
+const HALF_BAR: f64 = 0.3;
+/// The axis goes so much beyond the largest force, for the words over its bar.
+const ROOM: f64 = 1.1;
 
 /// Which way the lever moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,10 +45,18 @@ struct Acting<'a> {
     shares: (f64, f64),
 }
 
-/// For each mode a panel a way: the device's force on the lever, positive against a push into the
-/// object, that any command up to the mode's own voltage can make. `calibration` gives forces for
-/// voltages, `footnote` says where it is from, and `sources` where the sweeps behind it are from.
-/// None where no mode has an actuator.
+impl Acting<'_> {
+    /// The least and the largest force on the lever, N.
+    fn range_n(&self) -> (f64, f64) {
+        let most_n = self.curve.force_n(self.max_v);
+        (self.shares.0 * most_n, self.shares.1 * most_n)
+    }
+}
+
+/// The force that each actuator gives for a command, and for each mode and way the range of what
+/// commands up to the mode's own voltage can make: the device's force on the lever, positive against
+/// a push into the object. `calibration` gives forces for voltages, `footnote` says where it is from,
+/// and `sources` where the sweeps behind it are from. None where no mode has an actuator.
 ///
 /// A motor makes either sign on either way. A brake makes a force against the motion alone: against
 /// the push while compressing, against the return while decompressing. A mode of both has the brake
@@ -58,33 +67,24 @@ pub fn rendering_range(
     footnote: &str,
     sources: &[Source],
 ) -> Option<Figure> {
-    let modes: Vec<(usize, &Mode)> = about
-        .modes
-        .iter()
-        .enumerate()
-        .filter(|(_, m)| m.motor_max_v.or(m.brake_max_v).is_some())
-        .collect();
-    let most =
-        |get: fn(&Mode) -> Option<f64>| modes.iter().filter_map(|(_, m)| get(m)).reduce(f64::max);
-    let max_v =
-        most(|m| m.motor_max_v).into_iter().chain(most(|m| m.brake_max_v)).reduce(f64::max)?;
-    let mut panels = Vec::new();
-    for (row, way) in [Way::Compression, Way::Decompression].into_iter().enumerate() {
-        for (column, (index, mode)) in modes.iter().enumerate() {
-            panels.push(panel(Cell::at(row, column), mode, *index, way, calibration, max_v));
-        }
-    }
+    let is_driven = |mode: &&Mode| mode.motor_max_v.or(mode.brake_max_v).is_some();
+    about.modes.iter().find(is_driven)?;
+    let panels = vec![
+        commands(about, calibration),
+        bars(about, Way::Compression, calibration, 1),
+        bars(about, Way::Decompression, calibration, 2),
+    ];
     Some(Figure {
         title: Some(plain(&format!("{}: forces that each mode can render", about.title))),
-        description: "For each mode the device's force on the lever that commands up to its own voltage can make, while \
-                      compressing and while decompressing."
+        description: "The force of motor and brake against their command, and for each mode the device's force on the \
+                      lever that commands up to its own voltage can make, while compressing and while decompressing."
             .to_owned(),
         panels,
-        legend: LegendPlace::Hidden,
+        column_weights: vec![1.2, 1.0, 1.0],
         footnotes: vec![
-            "Area: every force that a command up to this voltage can make, at any angle; above 0 against a push into \
-             the object. The friction of the transmission, which adds to it on the way in and takes from it on the way \
-             back, is left out."
+            "Bar: every force that some command up to the mode's own voltage makes, at any angle; above 0 against a push \
+             into the object. The friction of the transmission, which adds to it on the way in and takes from it on \
+             the way back, is left out."
                 .to_owned(),
             plain(footnote),
         ],
@@ -107,91 +107,112 @@ fn acting<'a>(mode: &Mode, way: Way, calibration: &'a Calibration) -> Option<Act
     Some(Acting { curve, max_v: max_v?, shares })
 }
 
-fn panel(
-    cell: Cell,
-    mode: &Mode,
-    index: usize,
-    way: Way,
-    calibration: &Calibration,
-    max_v: f64,
-) -> Panel {
-    let axis_v = AXIS * max_v;
-    let x = Axis::new("command", "V").ranged(Range::Fixed(0.0, axis_v)).linked("command");
-    let y = Axis::new(
-        if way == Way::Compression { "*F*, compressing" } else { "*F*, decompressing" },
-        "N",
-    );
-    let layers =
-        acting(mode, way, calibration).map(|a| area(&a, index, axis_v)).unwrap_or_default();
-    let panel = Panel::new(cell, x, y.linked(format!("{way:?}")), layers);
-    let title = (way == Way::Compression).then(|| plain(&mode.label));
-    Panel { title, height_mm: Some(PANEL_MM), ..panel }
+/// Force against command, a line an actuator, which begins where force does; a point at each voltage
+/// that modes go up to.
+fn commands(about: &About, calibration: &Calibration) -> Panel {
+    let actuators: [(&str, &Characteristic, fn(&Mode) -> Option<f64>, Dash); 2] = [
+        ("motor", &calibration.motor, |mode| mode.motor_max_v, Dash::Solid),
+        ("brake", &calibration.brake, |mode| mode.brake_max_v, Dash::Dashed),
+    ];
+    let mut layers = vec![reference(Direction::Horizontal, 0.0, None)];
+    for (name, curve, max_v, dash) in actuators {
+        let Some(most_v) = about.modes.iter().filter_map(max_v).reduce(f64::max) else { continue };
+        let gap_v = curve.voltage_v.first().copied().unwrap_or(0.0).min(most_v);
+        if gap_v > NAMED_GAP * most_v {
+            let words = format!("{name}: none below {gap_v:.2} V");
+            layers.push(reference(Direction::Vertical, gap_v, Some(words)));
+        }
+        let place = |i: usize| gap_v + (most_v - gap_v) * i as f64 / PIECES as f64;
+        let x: Vec<f64> = (0..=PIECES).map(place).collect();
+        let y = x.iter().map(|v| curve.force_n(*v)).collect();
+        let (stroke, name) = (style::mean(style::INK).dashed(dash), Some(name.to_owned()));
+        layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
+        layers.extend(ends(about, curve, max_v));
+    }
+    let axes = (Axis::new("command", "V"), Axis::new("*F*", "N"));
+    let panel = Panel::new(Cell::at(0, 0), axes.0, axes.1.linked("force"), layers);
+    Panel { height_mm: Some(PANEL_MM), ..panel }
 }
 
-/// The area, its edges, the extremes in words, and the gap before the force begins.
-fn area(acting: &Acting, index: usize, axis_v: f64) -> Vec<Layer> {
-    let colour = style::mode_colour(index);
-    let gap_v = acting.curve.voltage_v.first().copied().unwrap_or(0.0);
-    let from_v = gap_v.min(acting.max_v);
-    let x: Vec<f64> =
-        (0..=PIECES).map(|i| from_v + (acting.max_v - from_v) * i as f64 / PIECES as f64).collect();
-    let edge =
-        |share: f64| x.iter().map(|v| share * acting.curve.force_n(*v)).collect::<Vec<f64>>();
-    let (low, high) = (edge(acting.shares.0), edge(acting.shares.1));
-    let close = Line {
-        x: vec![acting.max_v; 2],
-        y: vec![low[PIECES], high[PIECES]],
-        stroke: style::mean(colour),
-        ..Line::default()
-    };
-    let outline = |y: &Vec<f64>| {
-        Layer::Line(Line {
-            x: x.clone(),
-            y: y.clone(),
-            stroke: style::mean(colour),
-            ..Line::default()
-        })
-    };
-    let mut layers = vec![
-        reference(Direction::Horizontal, 0.0),
-        Layer::Band(Band {
-            x: x.clone(),
-            low: low.clone(),
-            high: high.clone(),
-            colour,
-            name: None,
-        }),
-        outline(&low),
-        outline(&high),
-        Layer::Line(close),
-    ];
-    let gap_v = Some(gap_v).filter(|gap_v| *gap_v > NAMED_GAP * acting.max_v);
-    layers.extend(gap_v.map(|at| reference(Direction::Vertical, at)));
-    let mut lines = extremes(acting, low[PIECES], high[PIECES]);
-    lines.extend(gap_v.map(|gap_v| format!("dead zone: {gap_v:.2} V")));
-    let beside = acting.max_v < BESIDE * axis_v;
-    let place = match beside {
-        true => TextPlace::Over((acting.max_v + axis_v) / 2.0, (low[PIECES] + high[PIECES]) / 2.0),
-        false => TextPlace::EmptiestCorner,
-    };
-    layers.push(Layer::Text(Text { lines, place }));
+/// A point at each voltage that modes go up to, with their names.
+fn ends(about: &About, curve: &Characteristic, max_v: fn(&Mode) -> Option<f64>) -> Vec<Layer> {
+    let mut voltages: Vec<f64> = about.modes.iter().filter_map(max_v).collect();
+    voltages.sort_by(f64::total_cmp);
+    voltages.dedup();
+    let mut layers = Vec::new();
+    for at in voltages {
+        let force_n = curve.force_n(at);
+        let of = about.modes.iter().filter(|mode| max_v(mode) == Some(at));
+        let names: Vec<String> = of.map(|mode| plain(&mode.label)).collect();
+        layers.push(Layer::Points(Points { x: vec![at], y: vec![force_n], ..Points::default() }));
+        let lines = vec![format!("{} {at} V", names.join(", "))];
+        layers.push(Layer::Text(Text { lines, place: TextPlace::Over(at, force_n) }));
+    }
     layers
 }
 
-fn reference(direction: Direction, at: f64) -> Layer {
-    let stroke = style::reference().dashed(Dash::Dotted);
-    Layer::Reference(Reference { direction, at, label: None, stroke, name: None })
-}
-
-/// What the mode reaches, in words.
-fn extremes(acting: &Acting, low_n: f64, high_n: f64) -> Vec<String> {
-    match (acting.shares.0 < 0.0, acting.shares.1 > 0.0) {
-        (true, true) => vec![format!("motor: ±{high_n:.2} N")],
-        (false, _) => vec![format!("brake: 0 … {high_n:.1} N")],
-        (true, false) => {
-            vec![format!("brake: 0 … −{:.1} N,", -low_n), "against the return".to_owned()]
+/// A bar a mode: what it reaches on that way.
+fn bars(about: &About, way: Way, calibration: &Calibration, column: usize) -> Panel {
+    let title = match way {
+        Way::Compression => "compressing",
+        Way::Decompression => "decompressing",
+    };
+    let modes = || about.modes.iter().enumerate();
+    let x = Axis::categories(about.modes.iter().map(|mode| plain(&mode.label)));
+    let mut layers = vec![reference(Direction::Horizontal, 0.0, None)];
+    let mut most_n: f64 = 0.0;
+    for (index, mode) in modes() {
+        match acting(mode, way, calibration) {
+            Some(acting) => {
+                let (low_n, high_n) = acting.range_n();
+                most_n = most_n.max(high_n).max(-low_n);
+                layers.extend(bar(index, low_n, high_n));
+            }
+            None => layers.push(words(index, 0.0, "none".to_owned())),
         }
     }
+    let y = Axis::new("*F*", "N").linked("force");
+    let cell = Cell::at(0, column);
+    if most_n == 0.0 {
+        return Panel::with_note(cell, x, y, "no actuator on this way").titled(title);
+    }
+    let y = y.ranged(Range::Holding(-ROOM * most_n, ROOM * most_n));
+    Panel { height_mm: Some(PANEL_MM), ..Panel::new(cell, x, y, layers).titled(title) }
+}
+
+/// The bar of a mode, its edge, and its ends in words.
+fn bar(index: usize, low_n: f64, high_n: f64) -> Vec<Layer> {
+    let (colour, at) = (style::mode_colour(index), index as f64);
+    let (left, right) = (at - HALF_BAR, at + HALF_BAR);
+    let area = Band {
+        x: vec![left, right],
+        low: vec![low_n; 2],
+        high: vec![high_n; 2],
+        colour,
+        name: None,
+    };
+    let edge = Line {
+        x: vec![left, right, right, left, left],
+        y: vec![low_n, low_n, high_n, high_n, low_n],
+        stroke: style::mean(colour).dashed(style::dash(index)),
+        ..Line::default()
+    };
+    let says = match (low_n < 0.0, high_n > 0.0) {
+        (true, true) => format!("±{high_n:.2} N"),
+        (false, _) => format!("0…{high_n:.1} N"),
+        (true, false) => format!("0…−{:.1} N", -low_n),
+    };
+    vec![Layer::Band(area), Layer::Line(edge), words(index, high_n, says)]
+}
+
+/// Words over the bar of a mode.
+fn words(index: usize, over_n: f64, says: String) -> Layer {
+    Layer::Text(Text { lines: vec![says], place: TextPlace::Over(index as f64, over_n) })
+}
+
+fn reference(direction: Direction, at: f64, label: Option<String>) -> Layer {
+    let stroke = style::reference().dashed(Dash::Dotted);
+    Layer::Reference(Reference { direction, at, label, stroke, name: None })
 }
 
 #[cfg(test)]
@@ -207,39 +228,63 @@ mod tests {
         rendering_range(&about(), &Calibration::thesis(), "from the thesis", sources).unwrap()
     }
 
-    /// Least and largest force of a panel, and the voltage from which on there is an area.
-    fn check(panel: usize, low_n: f64, high_n: f64, from_v: f64) {
-        let figure = figure(&[]);
-        let band = |layer: &Layer| if let Layer::Band(b) = layer { Some(b.clone()) } else { None };
-        let band = figure.panels[panel].layers.iter().find_map(band).unwrap();
-        let least = band.low.iter().copied().fold(f64::INFINITY, f64::min);
-        let largest = band.high.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        assert!(
-            (least - low_n).abs() < 1e-9 && (largest - high_n).abs() < 1e-9,
-            "{panel}: {least} {largest}"
-        );
-        assert!((band.x[0] - from_v).abs() < 1e-12, "{panel}: from {} V", band.x[0]);
+    fn bands(figure: &Figure, panel: usize) -> Vec<(f64, f64)> {
+        let band = |layer: &Layer| match layer {
+            Layer::Band(band) => Some((band.low[0], band.high[0])),
+            _ => None,
+        };
+        figure.panels[panel].layers.iter().filter_map(band).collect()
     }
 
     /// The thesis' §5.1: 4.16 N at 16 V, 2.08 N at 8 V, 13 N from the brake, which begins at 1 V.
     #[test]
-    fn the_areas_end_at_the_forces_of_the_modes_own_voltages() {
-        check(0, -4.16, 4.16, 0.0);
-        check(1, 0.0, 13.0, 1.0);
-        check(2, 0.0, 13.0, 1.0);
-        check(3, -4.16, 4.16, 0.0);
-        check(4, -13.0, 0.0, 1.0);
-        check(5, -2.08, 2.08, 0.0);
+    fn the_bars_end_at_the_forces_of_the_modes_own_voltages() {
+        let figure = figure(&[]);
+        let expect = [
+            (1, [(-4.16, 4.16), (0.0, 13.0), (0.0, 13.0)]),
+            (2, [(-4.16, 4.16), (-13.0, 0.0), (-2.08, 2.08)]),
+        ];
+        for (panel, bars) in expect {
+            for (found, expect) in bands(&figure, panel).into_iter().zip(bars) {
+                let off = (found.0 - expect.0).abs().max((found.1 - expect.1).abs());
+                assert!(off < 1e-9, "{panel}: {found:?} for {expect:?}");
+            }
+        }
     }
 
     #[test]
-    fn the_gap_of_the_brake_is_named_and_the_motor_has_none() {
-        let named: Vec<bool> = figure(&[])
-            .panels
+    fn a_command_gives_one_force_and_below_the_gap_of_the_brake_none() {
+        let figure = figure(&[]);
+        let curves: Vec<&Line> = figure.panels[0]
+            .layers
             .iter()
-            .map(|p| p.layers.iter().any(|l| matches!(l, Layer::Text(t) if t.lines.iter().any(|line| line.starts_with("dead zone")))))
+            .filter_map(|layer| if let Layer::Line(line) = layer { Some(line) } else { None })
             .collect();
-        assert_eq!(named, [false, true, true, false, true, false]);
+        let [motor, brake] = curves[..] else { panic!("{curves:?}") };
+        assert!((brake.x[0] - 1.0).abs() < 1e-12 && brake.y[0].abs() < 1e-12);
+        assert_eq!((motor.x[0], motor.y[0]), (0.0, 0.0));
+        assert!((motor.y[PIECES] - 4.16).abs() < 1e-9 && (brake.y[PIECES] - 13.0).abs() < 1e-9);
+        let labels: Vec<&str> = figure.panels[0]
+            .layers
+            .iter()
+            .filter_map(|layer| match layer {
+                Layer::Reference(line) => line.label.as_deref(),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(labels, ["brake: none below 1.00 V"], "the motor has no gap");
+        assert!(zwidth_draw::draw(&figure).is_ok());
+    }
+
+    #[test]
+    fn a_mode_without_an_actuator_has_no_bar_and_says_so() {
+        let mut about = about();
+        about.modes[0].motor_max_v = None;
+        let figure = rendering_range(&about, &Calibration::thesis(), "", &[]).unwrap();
+        assert_eq!(bands(&figure, 1).len(), 2);
+        let is_none = |l: &Layer| matches!(l, Layer::Text(t) if t.lines == ["none"]);
+        assert!(figure.panels[1].layers.iter().any(is_none));
+        assert!(zwidth_draw::draw(&figure).is_ok());
     }
 
     #[test]

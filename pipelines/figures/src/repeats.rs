@@ -2,9 +2,12 @@
 
 use crate::FigureKind;
 use crate::data::{EnvironmentData, ModeData, Repeat};
+use crate::extent::{at_wall, without_excess};
 use crate::panels::{axis, on_axis, recorded_word, repeat_loop, repeat_over_time, wall_line};
 use crate::words::{Words, keep_together, mark, plain, time_axis};
-use zwidth_draw::{Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, style};
+use zwidth_draw::{
+    Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, Range, Text, TextPlace, style,
+};
 use zwidth_store::Signal;
 
 /// The figure [`repeats`].
@@ -18,11 +21,25 @@ const PANEL_MM: f64 = 45.0;
 pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
     let words = Words::new(scene.about.coordinate);
     let load = scene.load();
-    let panels = vec![
-        force_panel(scene, words, mode, load),
-        time_panel(scene, words, mode, Cell::at(0, 1), Signal::Theta),
-        time_panel(scene, words, mode, Cell::at(0, 2), Signal::ThetaDot),
+    let alone = EnvironmentData { modes: vec![mode.clone()], ..scene.clone() };
+    let near = at_wall(&alone, words).filter(|_| scene.has(load));
+    // four panels find no room in a row
+    let places = match near {
+        Some(_) => [Cell::at(0, 0), Cell::at(1, 0), Cell::at(1, 1)],
+        None => [Cell::at(0, 0), Cell::at(0, 1), Cell::at(0, 2)],
+    };
+    let mut panels = vec![
+        force_panel(scene, words, mode, load, places[0]),
+        time_panel(scene, words, mode, places[1], Signal::Theta),
+        time_panel(scene, words, mode, places[2], Signal::ThetaDot),
     ];
+    panels.extend(near.map(|(from, to)| {
+        let panel = force_panel(scene, words, mode, load, Cell::at(0, 1)).titled("at the wall");
+        let x = panel.x.clone().ranged(Range::Fixed(from, to));
+        let mut layers = panel.layers.clone();
+        layers.retain(|layer| !matches!(layer, Layer::Text(_)));
+        Panel { x, layers, ..panel }
+    }));
     Figure {
         title: Some(plain(&format!(
             "{}: every repeat, {} ({})",
@@ -50,15 +67,28 @@ pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
 fn strokes(mode: &ModeData) -> Vec<style::Stroke> {
     let colour = style::mode_colour(mode.index);
     let n = mode.repeats.len();
-    (0..n).map(|i| style::single(style::repeat_colour(colour, i, n))).collect()
+    let pen = |i| style::single(style::repeat_colour(colour, i, n)).dashed(style::dash(i % 2));
+    (0..n).map(pen).collect()
 }
 
 fn name(mode: &ModeData, i: usize) -> String {
     format!("repeat {}", mode.repeats[i].trial.meta.repeat)
 }
 
-fn force_panel(scene: &EnvironmentData, words: Words, mode: &ModeData, load: Signal) -> Panel {
-    let (x, y) = (words.position_axis(), axis(words, load));
+/// Force against position. A command far beyond what was felt is cut, and said in words.
+fn force_panel(
+    scene: &EnvironmentData,
+    words: Words,
+    mode: &ModeData,
+    load: Signal,
+    cell: Cell,
+) -> Panel {
+    let (x, y) = (words.position_axis(), axis(words, load).linked("force"));
+    let all = |signal| {
+        let signals = mode.repeats.iter().filter_map(move |repeat| repeat.signal(signal));
+        signals.flat_map(|values| values.iter().copied())
+    };
+    let cut = without_excess(all(load), all(Signal::ForceCmd));
     let mut layers: Vec<Layer> = wall_line(scene, words, Direction::Vertical).into_iter().collect();
     for (i, (repeat, stroke)) in mode.repeats.iter().zip(strokes(mode)).enumerate() {
         if let Some(line) = repeat_loop(words, repeat, load, stroke) {
@@ -66,8 +96,13 @@ fn force_panel(scene: &EnvironmentData, words: Words, mode: &ModeData, load: Sig
         }
     }
     layers.extend(commanded(words, mode));
+    layers.extend(cut.map(|(_, most)| {
+        let lines = vec![format!("commanded: up to {most:.1} N")];
+        Layer::Text(Text { lines, place: TextPlace::EmptiestCorner })
+    }));
+    let y = y.ranged(cut.map_or(Range::Auto, |(range, _)| range));
     let missing = if scene.has(Signal::Theta) { load } else { Signal::Theta };
-    finished(Panel::new(Cell::at(0, 0), x, y, layers), words, missing)
+    finished(Panel::new(cell, x, y, layers), words, missing)
 }
 
 /// The commanded force of the repeat that goes furthest: before it turns it is every repeat's. Of

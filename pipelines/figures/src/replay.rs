@@ -1,10 +1,11 @@
 //! Figure 24, reality against simulation: forces, position and velocity against time of one
 //! recorded trial a mode, and those of the model that was given its external force.
 
+use crate::extent::without_excess;
 use crate::words::{Words, keep_together, mark, plain, time_axis};
 use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Dash, Stroke};
-use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, Panel, Reference};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, Panel, Range, Reference};
 use zwidth_study::{Environment, Mode, Source};
 use zwidth_tables::{Table, TableError};
 
@@ -111,16 +112,18 @@ fn figure(
     notes: &[String],
 ) -> Figure {
     let (words, wall_rad) = (Words::new(about.coordinate), environment.scene.wall_rad());
+    let cut = excess(trials);
     let mut panels = Vec::new();
     for (column, trial) in trials.iter().enumerate() {
-        panels.push(forces(trial, column));
+        panels.push(forces(trial, column, cut));
         panels.push(position(words, wall_rad, trial, column));
         panels.push(velocity(words, trial, column));
     }
     let wall =
         wall_rad.map(|_| format!("Dashed line across the {}: the wall.", words.position_word()));
-    let own = "Feedback: recorded is what was commanded, the model's is what acts, so that a brake that holds \
-               the lever gives no more than it must.";
+    let beyond = cut.map(|(_, most)| format!(" Commanded were up to {most:.1} N."));
+    let own = "Forces: recorded is the user's, which the model is given; a model's is the feedback that acts, so that a \
+               brake that holds the lever gives no more than it must.";
     Figure {
         title: Some(plain(&format!(
             "{}: {}, reality against model ({})",
@@ -135,7 +138,7 @@ fn figure(
             words.position_word(),
         ),
         panels,
-        footnotes: [own.to_owned()]
+        footnotes: [own.to_owned() + &beyond.unwrap_or_default()]
             .into_iter()
             .chain(wall)
             .chain(notes.iter().map(|n| plain(n)))
@@ -147,7 +150,16 @@ fn figure(
 
 /// Broad and pale, so that a model that lies on it is seen.
 const RECORDED: Stroke = Stroke { width_pt: 2.4, opacity: 0.35, ..style::mean(style::INK) };
-const EXTERNAL: Stroke = style::single(style::GREY);
+
+/// The axis of forces where a command goes far beyond what acts, and how far.
+fn excess(trials: &[Replayed]) -> Option<(Range, f64)> {
+    let acting = |trial: &Replayed| -> Vec<f64> {
+        let feedback = models(trial).flat_map(|(motion, _, _)| motion.feedback_n.iter().copied());
+        feedback.chain(trial.recorded.force_ex_n.iter().copied()).collect()
+    };
+    let commanded = trials.iter().flat_map(|trial| trial.recorded.feedback_n.iter().copied());
+    without_excess(trials.iter().flat_map(acting), commanded)
+}
 
 /// The models with their pens and names; what was chosen by eye is dashed.
 fn models(trial: &Replayed) -> impl Iterator<Item = (&Motion, Stroke, &'static str)> {
@@ -157,19 +169,21 @@ fn models(trial: &Replayed) -> impl Iterator<Item = (&Motion, Stroke, &'static s
     [(&trial.by_eye, by_eye, "model, by eye")].into_iter().chain(fitted)
 }
 
-fn forces(trial: &Replayed, column: usize) -> Panel {
+fn forces(trial: &Replayed, column: usize, cut: Option<(Range, f64)>) -> Panel {
     let line = |motion: &Motion, y: &[f64], stroke, name: &str| {
         let (x, y, name) = (motion.t_s.clone(), y.to_vec(), Some(name.to_owned()));
         (!y.is_empty()).then_some(Layer::Line(Line { x, y, stroke, name, ..Line::default() }))
     };
     let recorded = &trial.recorded;
     let mut layers = vec![level(0.0)];
-    layers.extend(line(recorded, &recorded.force_ex_n, EXTERNAL, "external force, recorded"));
+    layers.extend(line(recorded, &recorded.force_ex_n, RECORDED, "recorded"));
     layers.extend(
         models(trial).filter_map(|(motion, pen, name)| line(motion, &motion.feedback_n, pen, name)),
     );
-    layers.extend(line(recorded, &recorded.feedback_n, RECORDED, "recorded"));
+    let commanded = &recorded.feedback_n;
+    layers.extend(line(recorded, commanded, style::commanded(), "feedback commanded"));
     let axis = Axis::new("*F*", "N").linked("force");
+    let axis = axis.ranged(cut.map_or(Range::Auto, |(range, _)| range));
     let panel =
         Panel::new(Cell::at(0, column), time_axis(""), axis, layers).titled(plain(&trial.title));
     Panel { height_mm: Some(PANEL_MM), ..panel }
@@ -250,7 +264,7 @@ mod tests {
             Layer::Line(line) => line.name.as_deref().map(str::to_owned),
             _ => None,
         };
-        let known = ["external force, recorded", "model, fitted", "model, by eye", "recorded"];
+        let known = ["feedback commanded", "model, fitted", "model, by eye", "recorded"];
         let drawn: Vec<String> = panel.layers.iter().filter_map(name).collect();
         known.into_iter().filter(|k| drawn.iter().any(|d| d == k)).collect()
     }

@@ -4,9 +4,9 @@ use crate::{
     About, EnvironmentData, ModeData, Repeat, SIGNALS, average_columns, loops, modes,
     rendering_range, repeats,
 };
-use zwidth_draw::{Axis, Figure, Layer, Line};
+use zwidth_draw::{Axis, Figure, Layer, Line, Range, style};
 use zwidth_store::{Samples, Signal, Trial};
-use zwidth_study::{Alignment, Environment, Source, TrialMeta};
+use zwidth_study::{Alignment, Alignments, Environment, Source, TrialMeta};
 use zwidth_tables::{Column, Table};
 
 /// The template, as figures see it.
@@ -68,8 +68,14 @@ fn scene<'a>(
         about: &study.about,
         environment: &study.environments[1],
         who: "P01 S01".to_owned(),
-        modes: vec![ModeData { index: 0, label: "Active", repeats, average }],
-        alignment: Alignment::Onset,
+        modes: vec![ModeData {
+            index: 0,
+            label: "Active",
+            repeats,
+            average,
+            loop_average: average,
+        }],
+        alignments: Alignments::default(),
         notes: Vec::new(),
     }
 }
@@ -88,7 +94,7 @@ const ALL: [Signal; 3] = [Signal::Theta, Signal::ThetaDot, Signal::ForceEx];
 fn the_mean_is_dotted_exactly_where_it_lies_past_the_wall() {
     let (study, trial) = (study(), trial(Source::Recorded, &ALL));
     let mean = average(&trial);
-    let figure = modes(&scene(&study, &trial, Some(&mean))).unwrap();
+    let figure = modes(&scene(&study, &trial, Some(&mean)), &[]).unwrap();
     let curve = lines(&figure, 0).into_iter().find(|l| !l.dotted.is_empty()).unwrap();
     for (theta_deg, dotted) in curve.y.iter().zip(&curve.dotted) {
         assert_eq!(*dotted, *theta_deg >= 26.6, "{theta_deg}");
@@ -99,7 +105,7 @@ fn the_mean_is_dotted_exactly_where_it_lies_past_the_wall() {
 #[test]
 fn time_counts_from_onset_and_angles_stand_in_degrees() {
     let (study, trial) = (study(), trial(Source::Recorded, &ALL));
-    let figure = modes(&scene(&study, &trial, None)).unwrap();
+    let figure = modes(&scene(&study, &trial, None), &[]).unwrap();
     let curve = lines(&figure, 0)[0];
     assert!((curve.x[0] + 1.0).abs() < 1e-12);
     assert!((curve.y[0] + 45.0).abs() < 1e-12 && (curve.y[80] - 35.0).abs() < 1e-12);
@@ -111,7 +117,7 @@ fn a_repeat_stands_at_the_times_that_it_was_stretched_to() {
     let stretched: Vec<f64> = (0..81).map(f64::from).collect();
     let mut scene = scene(&study, &trial, None);
     scene.modes[0].repeats[0].warped_s = Some(&stretched);
-    assert_eq!(lines(&modes(&scene).unwrap(), 0)[0].x, stretched);
+    assert_eq!(lines(&modes(&scene, &[]).unwrap(), 0)[0].x, stretched);
 }
 
 #[test]
@@ -124,13 +130,14 @@ fn loops_say_what_their_dots_mean() {
     let notes = |scene: &EnvironmentData| {
         loops(&study.about, std::slice::from_ref(scene)).unwrap().footnotes
     };
-    let means = "Lines: the one repeat that could be placed (n = 1), aligned at movement onset.";
-    let dots = "Dotted: at the wall or past it.";
+    let means = "Lines: the one repeat that could be placed (n = 1), aligned by landmarks (start, wall contact, \
+                 reversal, end)";
+    let dots = "; dotted: at the wall or past it";
     let whose = notes(&scene).last().cloned().unwrap();
     assert!(whose.starts_with("*F*: the user's force."), "{whose}");
-    assert_eq!(notes(&scene), [means, dots, &whose]);
+    assert_eq!(notes(&scene), [format!("{means}{dots}."), whose.clone()]);
     scene.environment = &study.environments[0];
-    assert_eq!(notes(&scene), [means, &whose], "no wall, no dots");
+    assert_eq!(notes(&scene), [format!("{means}."), whose], "no wall, no dots");
 }
 
 /// What the command line reads for a figure is less than there is.
@@ -157,7 +164,7 @@ fn figures_of_trials_need_no_more_than_the_signals_and_the_columns_they_name() {
     let of = |trial, average| {
         let scene = scene(&study, trial, Some(average));
         let loops = loops(&study.about, std::slice::from_ref(&scene)).unwrap();
-        [modes(&scene).unwrap(), repeats(&scene, &scene.modes[0]), loops]
+        [modes(&scene, &[]).unwrap(), repeats(&scene, &scene.modes[0]), loops]
     };
     assert_eq!(of(&whole, &all), of(&few, &some));
 }
@@ -170,7 +177,7 @@ fn every_axis_with_a_label_has_a_unit() {
     let scene = scene(&study, &trial, Some(&mean));
     let calibration = zwidth_study::Calibration::thesis();
     let figures = [
-        modes(&scene).unwrap(),
+        modes(&scene, &[]).unwrap(),
         repeats(&scene, &scene.modes[0]),
         loops(&study.about, std::slice::from_ref(&scene)).unwrap(),
         rendering_range(&study.about, &calibration, "", &[]).unwrap(),
@@ -190,7 +197,7 @@ fn the_line_of_the_wall_lies_behind_the_data() {
     let (study, trial) = (study(), trial(Source::Recorded, &ALL));
     let mean = average(&trial);
     let scene = scene(&study, &trial, Some(&mean));
-    for figure in [modes(&scene).unwrap(), repeats(&scene, &scene.modes[0])] {
+    for figure in [modes(&scene, &[]).unwrap(), repeats(&scene, &scene.modes[0])] {
         let of_wall = |l: &Layer| matches!(l, Layer::Reference(_));
         let with_wall: Vec<_> =
             figure.panels.iter().filter(|p| p.layers.iter().any(of_wall)).collect();
@@ -207,10 +214,11 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
         (Alignment::Onset, "aligned at movement onset", "time since movement onset"),
         (Alignment::Landmarks, "aligned by landmarks", "time since onset, by landmarks"),
     ] {
-        let mut scene = EnvironmentData { alignment, ..scene(&study, &trial, Some(&mean)) };
+        let alignments = Alignments::both(alignment);
+        let mut scene = EnvironmentData { alignments, ..scene(&study, &trial, Some(&mean)) };
         let twice = scene.modes[0].repeats[0];
         scene.modes[0].repeats.push(twice);
-        let figure = modes(&scene).unwrap();
+        let figure = modes(&scene, &[]).unwrap();
         assert!(
             figure.footnotes[0].contains(words) && figure.description.contains(words),
             "{figure:?}"
@@ -220,29 +228,91 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
             lines(&figure, 0).into_iter().filter_map(|l| l.name.as_deref()).collect();
         assert_eq!(names, ["Active (n = 1 of 2)"]);
         let loops = loops(&study.about, std::slice::from_ref(&scene)).unwrap();
-        assert_eq!(
-            loops.footnotes[0],
-            format!("Lines: the one repeat that could be placed (n = 1), {words}.")
-        );
+        let begins = format!("Lines: the one repeat that could be placed (n = 1), {words}");
+        assert!(loops.footnotes[0].starts_with(&begins), "{loops:?}");
     }
+    let both = modes(&scene(&study, &trial, Some(&mean)), &[]).unwrap();
+    let words = "against time aligned at movement onset, against the angle aligned by landmarks";
+    assert!(both.footnotes[0].contains(words), "{}", both.footnotes[0]);
+    let alignments = Alignments::both(Alignment::Landmarks);
     let without =
-        modes(&EnvironmentData { alignment: Alignment::Landmarks, ..scene(&study, &trial, None) })
-            .unwrap();
+        modes(&EnvironmentData { alignments, ..scene(&study, &trial, None) }, &[]).unwrap();
     assert_eq!(without.panels[2].x.label, "time since movement onset", "there is no mean");
+}
+
+/// A movement that a wall holds half a degree past it, and one that goes far past.
+#[test]
+fn where_a_mode_stays_near_the_wall_a_panel_shows_what_it_does_there() {
+    let study = study();
+    let up_to = |most_deg: f64| {
+        let mut trial = trial(Source::Recorded, &ALL);
+        let theta: Vec<f64> = trial.samples.get(Signal::Theta).unwrap().to_vec();
+        let held = theta.iter().map(|theta| theta.min(most_deg.to_radians())).collect();
+        trial.samples.set(Signal::Theta, held);
+        trial
+    };
+    let (held, far) = (up_to(27.1), up_to(33.0));
+    let panels = |trial: &Trial| modes(&scene(&study, trial, None), &[]).unwrap().panels;
+    assert_eq!(panels(&far).len(), 4, "what lies far past the wall is read as it is");
+    let near = panels(&held);
+    let Range::Fixed(from, to) = near[4].x.range else { panic!("{:?}", near[4].x) };
+    assert!(from < 26.6 && to > 27.1 && to - from < 1.5, "{from} to {to}");
+    assert_eq!((near[3].cell.rows, near[4].cell.row), (2, 2));
+    assert!(lines(&Figure { panels: near, ..Figure::default() }, 4)[0].dotted.is_empty());
+    let one = scene(&study, &held, None);
+    let figure = repeats(&one, &one.modes[0]);
+    assert_eq!(figure.panels.len(), 4);
+    assert!(zwidth_draw::draw(&figure).is_ok());
+    let mut free = scene(&study, &held, None);
+    free.environment = &study.environments[0];
+    assert_eq!(modes(&free, &[]).unwrap().panels.len(), 4, "no wall");
+}
+
+#[test]
+fn figures_of_environments_that_are_compared_have_the_same_axes() {
+    let (study, mut slow) = (study(), trial(Source::Recorded, &ALL));
+    let fast = trial(Source::Recorded, &ALL);
+    let force = slow.samples.get(Signal::ForceEx).unwrap().iter().map(|f| 2.0 * f).collect();
+    slow.samples.set(Signal::ForceEx, force);
+    let (spring, wall) = (scene(&study, &slow, None), scene(&study, &fast, None));
+    let ranges = |figure: Figure| -> Vec<Range> {
+        figure.panels.iter().take(4).flat_map(|panel| [panel.x.range, panel.y.range]).collect()
+    };
+    let first = ranges(modes(&spring, std::slice::from_ref(&wall)).unwrap());
+    assert_eq!(first, ranges(modes(&wall, std::slice::from_ref(&spring)).unwrap()));
+    assert_eq!(first[3], Range::Holding(3.0, 6.0), "the forces of both");
+}
+
+/// In print without colour the modes are told apart by their dashes.
+#[test]
+fn modes_differ_by_their_dashes_and_environments_of_a_loop_too() {
+    let (study, trial) = (study(), trial(Source::Recorded, &ALL));
+    let mean = average(&trial);
+    let mut scene = scene(&study, &trial, Some(&mean));
+    for index in [1, 2] {
+        scene.modes.push(ModeData { index, ..scene.modes[0].clone() });
+    }
+    let figure = modes(&scene, &[]).unwrap();
+    for panel in 0..4 {
+        let means = lines(&figure, panel).into_iter().filter(|line| line.name.is_some());
+        let mut dashes: Vec<style::Dash> = means.map(|line| line.stroke.dash).collect();
+        dashes.dedup();
+        assert_eq!(dashes.len(), 3, "panel {panel}");
+    }
 }
 
 #[test]
 fn a_mean_without_a_band_draws_none() {
     let (study, trial) = (study(), trial(Source::Recorded, &ALL));
     let mean = average(&trial);
-    let figure = modes(&scene(&study, &trial, Some(&mean))).unwrap();
+    let figure = modes(&scene(&study, &trial, Some(&mean)), &[]).unwrap();
     assert!(!figure.panels.iter().flat_map(|p| &p.layers).any(|l| matches!(l, Layer::Band(_))));
 }
 
 #[test]
 fn a_signal_that_was_not_recorded_leaves_a_panel_that_says_so() {
     let (study, trial) = (study(), trial(Source::Imported, &[Signal::ThetaDot, Signal::TorqueEx]));
-    let figure = modes(&scene(&study, &trial, None)).unwrap();
+    let figure = modes(&scene(&study, &trial, None), &[]).unwrap();
     assert_eq!(figure.panels[0].note.as_deref(), Some("no angle was recorded"));
     assert_eq!(figure.panels[3].note.as_deref(), Some("no angle was recorded"));
     assert_eq!(figure.panels[1].y.unit, "N·m", "torque stays torque");
@@ -257,7 +327,7 @@ fn every_figure_of_a_simulated_trial_says_so_and_none_of_a_measured_one() {
         let trial = trial(source, &ALL);
         let scene = scene(&study, &trial, None);
         let figures = [
-            modes(&scene).unwrap(),
+            modes(&scene, &[]).unwrap(),
             repeats(&scene, &scene.modes[0]),
             loops(&study.about, std::slice::from_ref(&scene)).unwrap(),
         ];
@@ -270,6 +340,6 @@ fn stars_and_underscores_in_names_are_no_markup() {
     let mut study = study();
     study.environments[1].label = "a*b*_c".to_owned();
     let trial = trial(Source::Recorded, &ALL);
-    let figure = modes(&scene(&study, &trial, None)).unwrap();
+    let figure = modes(&scene(&study, &trial, None), &[]).unwrap();
     assert!(zwidth_draw::markup::plain(&figure.title.unwrap()).ends_with("a*b*_c (P01\u{a0}S01)"));
 }

@@ -162,7 +162,7 @@ fn curves(table: &Table) -> Result<Vec<Curve>, TableError> {
         let colour = if number == 0 { style::INK } else { style::mode_colour(number - 1) };
         curves.push(Curve {
             name: named.label.to_owned(),
-            stroke: style::single(colour),
+            stroke: style::single(colour).dashed(style::dash(number)),
             work: rows.iter().map(|i| work[*i]).collect(),
             error_deg: rows.iter().map(degrees).collect(),
             felt: rows.iter().map(|i| most(*i)).collect(),

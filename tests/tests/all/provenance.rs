@@ -71,10 +71,13 @@ fn a_trace_goes_back_to_the_trials_of_the_figure_and_to_nothing_else() {
         "metrics P01 S01 spring active",
         "metrics P01 S01 spring hybrid",
         "metrics P01 S01 spring passive",
+        "metrics P01 S01 spring_wall active",
+        "metrics P01 S01 spring_wall hybrid",
+        "metrics P01 S01 spring_wall passive",
     ];
     assert_eq!(jobs, expect);
     let raw = traced["raw"].as_array().unwrap();
-    assert_eq!(raw.len(), 18, "six repeats of three modes, and no trial of the other environment");
+    assert_eq!(raw.len(), 36, "of both environments, which share their axes; no practice trial");
     for file in raw {
         let path = file["path"].as_str().unwrap();
         assert!(
@@ -87,8 +90,8 @@ fn a_trace_goes_back_to_the_trials_of_the_figure_and_to_nothing_else() {
     let own = traced["jobs"][0]["inputs"].as_object().unwrap();
     assert_eq!(
         own.keys().filter(|path| path.starts_with("raw/")).count(),
-        18,
-        "six repeats of three modes"
+        36,
+        "six repeats of three modes in each environment"
     );
     let from = ["study.toml", "sessions/P01_S01.json", "sessions/P01_S01.events.jsonl"];
     assert_eq!(words(&traced["parameters_from"]), from.map(|f| format!("raw/thesis-twin/{f}")));

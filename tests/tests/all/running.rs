@@ -94,8 +94,7 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
     let toml = root.path().join("raw/thesis-twin/study.toml");
     let text = fs::read_to_string(&toml).unwrap();
     let choose = |choice: &str| {
-        let (before, _) = text.split_once("[figures]").unwrap_or((&text, ""));
-        let (_, after) = text.split_once("# What is rendered.").unwrap();
+        let (before, after) = text.split_once("# What is rendered.").unwrap();
         fs::write(&toml, format!("{before}[figures]\n{choice}\n\n# What is rendered.{after}"))
             .unwrap();
     };
@@ -118,8 +117,13 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
             .filter(|path| path.contains("average/"))
             .all(|p| p.ends_with(".landmarks.parquet"))
     );
+    // One choice governs every panel; without one, force against position is by landmarks.
+    choose("modes.alignment = \"onset\"");
+    zwidth(root.path(), &["run"]).exits(0);
+    assert_ne!(file_blake3(&root.path().join(FIGURE)).unwrap(), before);
+    assert!(!fs::read_to_string(root.path().join(FIGURE)).unwrap().contains("landmarks.parquet"));
     // Back to the default: the same bytes as before.
-    choose("alignment = \"onset\"");
+    choose("");
     zwidth(root.path(), &["run"]).exits(0);
     assert_eq!(file_blake3(&root.path().join(FIGURE)).unwrap(), before);
     // A choice that no figure can follow is an error; one that no figure of the study follows is

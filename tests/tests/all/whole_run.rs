@@ -161,6 +161,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "figure likert",
         "figure loops.P01.S01",
         "figure modes.P01.S01.spring",
+        "figure modes.P01.S01.spring_wall", // its axes hold what was recorded with the spring too
         "figure repeats.P01.S01.spring.hybrid",
         "figure replay.P01.S01.spring",
         "figure replay.P01.S01.spring_wall",

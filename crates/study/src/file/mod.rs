@@ -16,7 +16,8 @@ pub(crate) use write::value_of;
 #[cfg(test)]
 mod tests {
     use crate::{
-        Control, ModeLaw, OrderScheme, Study, StudyError, StudyId, VelocityFilter, template,
+        Alignment, Alignments, Control, ModeLaw, OrderScheme, Study, StudyError, StudyId,
+        VelocityFilter, template,
     };
 
     fn sample() -> String {
@@ -140,14 +141,7 @@ mod tests {
 
     /// The study with `[figures]` and what stands under it.
     fn with_figures(figures: &str) -> Result<Study, Vec<StudyError>> {
-        Study::from_toml(&format!("{}\n[figures]\n{figures}\n", without_figures()))
-    }
-
-    fn without_figures() -> String {
-        let text = sample();
-        let Some((before, rest)) = text.split_once("[figures]\n") else { return text };
-        let (_, after) = rest.split_once('\n').unwrap();
-        format!("{before}{after}")
+        Study::from_toml(&format!("{}\n[figures]\n{figures}\n", sample()))
     }
 
     #[test]
@@ -156,12 +150,13 @@ mod tests {
             "alignment = \"landmarks\"\nloops.alignment = \"onset\"\nmodes.P01.S01.spring = { alignment = \"onset\" }",
         )
         .unwrap();
-        let of = |id| study.figures.alignment(id).as_str();
-        assert_eq!(of("modes.P01.S01.spring_wall"), "landmarks");
-        assert_eq!((of("loops.P01.S01"), of("modes.P01.S01.spring")), ("onset", "onset"));
+        let [onset, landmarks] = Alignment::ALL.map(Alignments::both);
+        let of = |id| study.figures.alignments(id);
+        assert_eq!(of("modes.P01.S01.spring_wall"), landmarks, "in every panel");
+        assert_eq!((of("loops.P01.S01"), of("modes.P01.S01.spring")), (onset, onset));
         assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
-        let none = Study::from_toml(&without_figures()).unwrap();
-        assert_eq!(none.figures.alignment("modes.P01.S01.spring").as_str(), "onset", "the default");
+        let none = Study::from_toml(&sample()).unwrap();
+        assert_eq!(none.figures.alignments("modes.P01.S01.spring"), Alignments::default());
         assert!(!none.to_toml().unwrap().contains("figures"));
     }
 

@@ -1,5 +1,5 @@
 //! Figures 22 and 23: what came of a command, every sweep, with the first-order fit and the chosen
-//! one.
+//! one; below, how far the mean of the sweeps lies off the chosen one.
 
 mod words;
 
@@ -7,7 +7,7 @@ use self::words::{Parameter, about, chosen, parameters, row_of, significant};
 use crate::FigureKind;
 use crate::data::gaps;
 use crate::words::{mark, percent, plain};
-use zwidth_draw::style::{self, Colour};
+use zwidth_draw::style::{self, Colour, Dash};
 use zwidth_draw::{Axis, Band, Cell, Direction, Figure, Layer, Line, Panel, Points, Reference};
 use zwidth_store::{Quantity, Sweep};
 use zwidth_tables::{Table, TableError};
@@ -22,7 +22,11 @@ pub const CHARACTERISTIC: FigureKind = FigureKind {
 /// Width of the figure, mm.
 const WIDTH_MM: f64 = 110.0;
 /// Height of its panel, mm.
-const PANEL_MM: f64 = 65.0;
+const PANEL_MM: f64 = 60.0;
+/// The same in pt, 1/72 inch.
+const PANEL_PT: f64 = PANEL_MM * 72.0 / 25.4;
+/// Height of the panel below, mm.
+const RESIDUALS_MM: f64 = 22.0;
 /// More points than this hide one another: they are drawn smaller and paler.
 const MANY_POINTS: usize = 1000;
 /// More points than this are no more than a blot: each sweep becomes a faint line of step means.
@@ -49,8 +53,8 @@ pub struct Characterised<'a> {
 }
 
 /// The characteristic of one actuator or sensor: all sweeps faint, their mean, the first-order fit
-/// with its R², the chosen fit with the band for a new response, and where it begins and ends to
-/// rise.
+/// with its R², the chosen fit, and where it begins and ends to rise; below, from the chosen fit on,
+/// the band for a new response and the mean. Its coefficients stand in their table.
 pub fn characteristic(
     actuator: &str,
     sweeps: &[Sweep],
@@ -60,10 +64,17 @@ pub fn characteristic(
         |of: fn(&Sweep) -> &Quantity| sweeps.first().map(of).cloned().unwrap_or_else(nothing);
     let (command, response) = (quantity(|s| &s.command), quantity(|s| &s.response));
     let chosen = chosen(of.models)?;
-    let mut layers = samples(sweeps);
+    let mut layers = samples(sweeps, are_seen(of.models, &chosen, sweeps)?);
     layers.extend(curves(of, &chosen, sweeps.len())?);
     layers.extend(corners(of.parameters, &chosen, &command.unit)?);
-    let panel = Panel::new(Cell::at(0, 0), axis(&command), axis(&response), layers);
+    let x = || axis(&command).linked("command");
+    let panel = Panel::new(Cell::at(0, 0), x(), axis(&response), layers);
+    let off = Axis::new("off the fit", plain(&response.unit));
+    let below = residuals(of, sweeps.len())?.map(|layers| Panel {
+        height_mm: Some(RESIDUALS_MM),
+        ..Panel::new(Cell::at(1, 0), x(), off, layers)
+    });
+    let panel = Panel { height_mm: Some(PANEL_MM), ..panel };
     Ok(Figure {
         title: Some(format!("Characteristic: {}", plain(&actuator.replace('_', " ")))),
         description: format!(
@@ -74,8 +85,8 @@ pub fn characteristic(
             sweeps.len()
         ),
         width_mm: WIDTH_MM,
-        panels: vec![Panel { height_mm: Some(PANEL_MM), ..panel }],
-        footnotes: about(of, &chosen, &response.unit)?,
+        panels: [panel].into_iter().chain(below).collect(),
+        footnotes: about(of.models, &chosen, &response.unit, actuator)?,
         mark: mark(sweeps.iter().map(|s| s.source)),
         ..Figure::default()
     })
@@ -89,11 +100,24 @@ fn axis(quantity: &Quantity) -> Axis {
     Axis::new(plain(&quantity.name), plain(&quantity.unit))
 }
 
-/// All samples as points, or each sweep as a faint line where points would be a blot.
-fn samples(sweeps: &[Sweep]) -> Vec<Layer> {
+/// Whether samples stand out from under the fits: not if the chosen one misses them by less than half
+/// its own width in print. What cannot be seen does not stand in the legend.
+fn are_seen(models: &Table, chosen: &str, sweeps: &[Sweep]) -> Result<bool, TableError> {
+    let rms = match row_of(models, chosen)? {
+        Some(row) => models.floats("rms")?[row],
+        None => None,
+    };
+    let all = crate::extent::ends(sweeps.iter().flat_map(|s| &s.response_values).copied());
+    let off_pt = rms.zip(all).map(|(rms, (low, high))| rms / (high - low) * PANEL_PT);
+    Ok(off_pt.is_none_or(|off_pt| off_pt.is_nan() || off_pt > BROAD_PT / 2.0))
+}
+
+/// All samples as points, or each sweep as a faint line where points would be a blot; named where
+/// they are seen.
+fn samples(sweeps: &[Sweep], seen: bool) -> Vec<Layer> {
     let n: usize = sweeps.iter().map(|s| s.command_values.len()).sum();
     if n <= MOST_POINTS {
-        return vec![points(sweeps, n > MANY_POINTS)];
+        return vec![points(sweeps, n > MANY_POINTS, seen)];
     }
     let all = sweeps.iter().flat_map(|s| &s.command_values).copied();
     let (low, high) =
@@ -101,13 +125,13 @@ fn samples(sweeps: &[Sweep]) -> Vec<Layer> {
     let line = |(number, sweep): (usize, &Sweep)| {
         let (x, y) =
             step_means(&sweep.command_values, &sweep.response_values, (high - low) / STEPS);
-        let name = (number == 0).then(|| "sweeps".to_owned());
+        let name = (number == 0 && seen).then(|| "sweeps".to_owned());
         Layer::Line(Line { x, y, stroke: style::faint(style::GREY), name, ..Line::default() })
     };
     sweeps.iter().enumerate().map(line).collect()
 }
 
-fn points(sweeps: &[Sweep], many: bool) -> Layer {
+fn points(sweeps: &[Sweep], many: bool, seen: bool) -> Layer {
     let all = |values: fn(&Sweep) -> &Vec<f64>| sweeps.iter().flat_map(values).copied().collect();
     Layer::Points(Points {
         x: all(|s| &s.command_values),
@@ -115,7 +139,7 @@ fn points(sweeps: &[Sweep], many: bool) -> Layer {
         colour: style::GREY,
         opacity: if many { 0.25 } else { 0.6 },
         diameter_pt: if many { 1.4 } else { style::POINT_PT },
-        name: Some("samples".to_owned()),
+        name: seen.then(|| "samples".to_owned()),
     })
 }
 
@@ -136,6 +160,7 @@ struct Part {
     name: String,
     rows: core::ops::Range<usize>,
     colour: Colour,
+    dash: Dash,
 }
 
 /// The branches in the curve's table: one, or up and down.
@@ -146,44 +171,66 @@ fn parts(curve: &Table) -> Result<Vec<Part>, TableError> {
         let start = parts.last().map_or(0, |p| p.rows.end);
         let name =
             same[0].clone().filter(|n| n != "both").map(|n| format!(", {n}")).unwrap_or_default();
-        let colour = style::mode_colour(parts.len());
-        parts.push(Part { name, rows: start..start + same.len(), colour });
+        let (colour, dash) = (style::mode_colour(parts.len()), style::dash(parts.len()));
+        parts.push(Part { name, rows: start..start + same.len(), colour, dash });
     }
     Ok(parts)
 }
 
-/// Bands, fits, means and the first-order fit, in the order in which they lie over each other: the
-/// mean is thin on the broad chosen fit, so that both are seen where they agree. Where the line was
-/// chosen it is the first-order fit.
+impl Part {
+    /// A column of the branch; null becomes a gap.
+    fn column(&self, curve: &Table, name: &str) -> Result<Vec<f64>, TableError> {
+        Ok(gaps(curve.floats(name)?)[self.rows.clone()].to_vec())
+    }
+}
+
+/// The band for a new response, and the mean of several sweeps, from the chosen fit on; none where
+/// there is neither.
+fn residuals(of: Characterised, sweeps: usize) -> Result<Option<Vec<Layer>>, TableError> {
+    let zero = Reference {
+        direction: Direction::Horizontal,
+        at: 0.0,
+        label: None,
+        stroke: style::zero(),
+        name: None,
+    };
+    let (mut layers, mut any) = (vec![Layer::Reference(zero)], false);
+    for part in parts(of.curve)? {
+        let (x, fit) = (part.column(of.curve, "command")?, part.column(of.curve, "fit")?);
+        let off = |name: &str| -> Result<Vec<f64>, TableError> {
+            let values = part.column(of.curve, name)?;
+            Ok(values.iter().zip(&fit).map(|(value, fit)| value - fit).collect())
+        };
+        let (low, high) = (off("prediction_low")?, off("prediction_high")?);
+        any |= sweeps > 1 || low.iter().any(|v| v.is_finite());
+        let name = Some(format!("{} prediction band{}", percent(of.level), part.name));
+        layers.push(Layer::Band(Band { x: x.clone(), low, high, colour: part.colour, name }));
+        if sweeps > 1 {
+            let stroke = style::single(part.colour).dashed(part.dash);
+            layers.push(Layer::Line(Line { x, y: off("mean")?, stroke, ..Line::default() }));
+        }
+    }
+    Ok(any.then_some(layers))
+}
+
+/// Fits, means and the first-order fit, in the order in which they lie over each other: the mean is
+/// thin on the broad chosen fit, so that both are seen where they agree. Where the line was chosen it
+/// is the first-order fit.
 fn curves(of: Characterised, chosen: &str, sweeps: usize) -> Result<Vec<Layer>, TableError> {
     let parts = parts(of.curve)?;
-    let column = |name: &str, part: &Part| {
-        Ok::<_, TableError>(gaps(of.curve.floats(name)?)[part.rows.clone()].to_vec())
-    };
     let line = |y: &str, part: &Part, stroke, name: String| {
-        let (x, y) = (column("command", part)?, column(y, part)?);
+        let (x, y) = (part.column(of.curve, "command")?, part.column(of.curve, y)?);
         Ok::<_, TableError>(Layer::Line(Line { x, y, stroke, name: Some(name), ..Line::default() }))
     };
     let first_order = format!("first-order fit{}", r_squared(of.models)?);
     let fit =
         if chosen == "line" { format!("{first_order} (chosen)") } else { "chosen fit".to_owned() };
-    let band = format!("{} prediction band", percent(of.level));
-    let (mut layers, mut over) = (Vec::new(), Vec::new());
+    let mut layers = Vec::new();
     for part in &parts {
-        let (low, high) = (column("prediction_low", part)?, column("prediction_high", part)?);
-        let x = column("command", part)?;
-        layers.push(Layer::Band(Band {
-            x,
-            low,
-            high,
-            colour: part.colour,
-            name: Some(format!("{band}{}", part.name)),
-        }));
-        let usual = style::mean(part.colour);
+        let usual = style::mean(part.colour).dashed(part.dash);
         let pen = if sweeps > 1 { style::Stroke { width_pt: BROAD_PT, ..usual } } else { usual };
-        over.push(line("fit", part, pen, format!("{fit}{}", part.name))?);
+        layers.push(line("fit", part, pen, format!("{fit}{}", part.name))?);
     }
-    layers.extend(over);
     for part in parts.iter().filter(|_| sweeps > 1) {
         let thin = style::Stroke { width_pt: THIN_PT, ..style::single(style::INK) };
         layers.push(line("mean", part, thin, "mean of the sweeps".to_owned())?);
@@ -307,7 +354,7 @@ mod tests {
             | &Layer::Points(Points { ref name, .. }) => name.as_deref(),
             _ => None,
         };
-        figure.panels[0].layers.iter().filter_map(name).collect()
+        figure.panels.iter().flat_map(|panel| &panel.layers).filter_map(name).collect()
     }
 
     #[test]
@@ -317,14 +364,12 @@ mod tests {
         let fits = ["chosen fit, up", "chosen fit, down"];
         let rest =
             ["mean of the sweeps", "mean of the sweeps", "first-order fit, *R*^{2} = 0.9877"];
-        assert_eq!(names(&found), [&["samples"][..], &bands, &fits, &rest].concat());
+        assert_eq!(names(&found), [&["samples"][..], &fits, &rest, &bands].concat());
         assert_eq!(
             found.footnotes,
             [
-                "Chosen: hinge, y = a + b max(x − x_{0}, 0), up and down apart; a (up) = 0.00 N; \
-                 b (up) = 2.00 [1.90, 2.10] N/V; x_{0} (up) = 1.00 [0.90, 1.10] V; a (down) = 0.00 N; \
-                 b (down) = 2.00 [1.90, 2.10] N/V; x_{0} (down) = 0.50 [0.40, 0.60] V; RMS 0.100 N.",
-                "First order: y = a + b x; a = −1.00 [−1.10, −0.90] N; b = 1.70 [1.60, 1.80] N/V."
+                "Chosen: hinge, y = a + b max(x − x_{0}, 0), up and down apart; RMS 0.100 N. Coefficients: table \
+              parameters.brake."
             ]
         );
         assert_eq!(found.mark, None);

@@ -187,7 +187,7 @@ fn a_comment_a_label_or_a_figure_in_study_toml_ends_no_session_and_is_noted_once
             "label = \"Motor\"",
             "nothing that is recorded: modes.active.label was \"Active\"",
         ),
-        ("alignment = \"onset\"", "alignment = \"landmarks\"", "figures.alignment was"),
+        ("# [figures]\n# alignment", "[figures]\nalignment", "figures.alignment was"),
     ] {
         let mut desk = begun();
         let drawn = desk.data().sessions[0].record.trials.clone();
