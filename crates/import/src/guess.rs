@@ -177,6 +177,16 @@ fn mapping(path: &Path, table: &Table, format: Option<Format>, written: Option<W
     for column in &columns {
         column.write(&mut text);
     }
+    let has = |signal| columns.iter().any(|column| column.to == Some(signal));
+    if has(Signal::Theta) && !has(Signal::ThetaDot) {
+        let _ = writeln!(
+            text,
+            "\n# no velocity was found; without one there is no onset, and no average over time\n[[column]]\n\
+             to = \"{}\"\nderive = \"derivative of {}\"",
+            Signal::ThetaDot.name(),
+            Signal::Theta.name()
+        );
+    }
     text
 }
 
@@ -371,6 +381,16 @@ mod tests {
                 "to = \"theta_dot_rad_s\"\nfrom = \"theta_dot\"\nunit = \"TODO\"",
             ],
         );
+    }
+
+    #[test]
+    fn a_velocity_that_was_not_recorded_is_derived() {
+        let derived = "to = \"theta_dot_rad_s\"\nderive = \"derivative of theta_rad\"\n";
+        check("a.csv", b"time_ms,angle_deg\n0,1\n1,2\n", &[derived]);
+        let world = World::new();
+        for text in ["t_s,theta_rad,omega\n0,1,2\n1,2,3\n", "t_s,force_n\n0,1\n1,2\n"] {
+            assert!(!guess(&world.file("b.csv", text)).unwrap().contains("derive"), "{text}");
+        }
     }
 
     /// What is guessed imports, once what only a person knows is filled in.
