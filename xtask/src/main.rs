@@ -5,6 +5,7 @@ mod bits;
 mod board;
 mod encodings;
 mod fuzz;
+mod sheet;
 mod soak;
 mod stale;
 mod tried;
@@ -23,6 +24,7 @@ cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage
 cargo xtask bits                       the main job's bytes: one thread, many, other processors (qemu-user), as written down
 cargo xtask bits --without-origin      only their content, without what files say of their making, against what is written down
 cargo xtask bits renew                 writes that content down
+cargo xtask sheet [FOLDER]             every figure at print size, in grey and as without green cones, beside its caption [reports/thesis-twin/figures]
 cargo xtask stale [ONE_IN]             each field of study.toml (or one in so many), a session and each stage's parameters changed: no stale result
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
 cargo xtask soak thesis [SEEDS]        how often the thesis' statements hold for the twin over its ranges; writes docs/twin.md [200]
@@ -64,6 +66,10 @@ fn main() -> anyhow::Result<()> {
                 _ => bail!("the chores are\n{CHORES}"),
             };
             bits::compare(&soak::program()?, &scratch("bits"), how)
+        }
+        ["sheet", rest @ ..] => {
+            let figures = rest.first().copied().unwrap_or("reports/thesis-twin/figures");
+            sheet::write(Path::new(figures), Path::new("reports/sheet"))
         }
         ["stale"] => stale::stale(&soak::program()?, &scratch("stale"), 1),
         ["stale", one_in] => stale::stale(&soak::program()?, &scratch("stale"), one_in.parse()?),

@@ -248,7 +248,7 @@ mod tests {
             .draw(&element)
             .unwrap();
         let head = Head { title: "", description: "", provenance: None };
-        let svg = svg::svg(&sheet.shapes, sheet.fonts, (100.0, 50.0), &head);
+        let svg = svg::svg(&sheet.shapes, sheet.fonts, (100.0, 50.0), &head, svg::Words::Outlines);
         assert!(expect.iter().all(|part| svg.contains(part)), "{expect:?} in {svg}");
     }
 

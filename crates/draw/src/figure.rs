@@ -36,6 +36,9 @@ pub struct Figure {
     /// A stamp at the figure's head, clear of the data: `SYNTHETIC` on figures made from simulated
     /// recordings.
     pub mark: Option<String>,
+    /// Whether heading and small print are left to a caption beside it. The stamp stays, and the
+    /// files keep their title.
+    pub bare: bool,
     /// Where the figure comes from (hashes, parameters, versions), stored in the files and not
     /// shown.
     pub provenance: Option<String>,
@@ -53,6 +56,7 @@ impl Default for Figure {
             legend: LegendPlace::Above,
             footnotes: Vec::new(),
             mark: None,
+            bare: false,
             provenance: None,
         }
     }

@@ -117,7 +117,7 @@ pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Er
 }
 
 fn title(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Vec<Label>, Error> {
-    match &figure.title {
+    match figure.title.as_ref().filter(|_| !figure.bare) {
         Some(title) => fonts.block(&format!("**{title}**"), TITLE_PT, width_pt),
         None => Ok(Vec::new()),
     }
@@ -148,7 +148,7 @@ fn mark(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Option<(Label, 
 
 fn footnotes(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Vec<Label>, Error> {
     let mut lines = Vec::new();
-    for note in &figure.footnotes {
+    for note in figure.footnotes.iter().filter(|_| !figure.bare) {
         lines.extend(fonts.block(note, SMALL_PT, width_pt)?);
     }
     Ok(lines)

@@ -103,7 +103,18 @@ impl Drawing {
     /// # Errors
     /// [`Error::Font`] as [`draw`].
     pub fn svg(&self) -> Result<String, Error> {
-        Ok(svg::svg(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head()))
+        let words = svg::Words::Outlines;
+        Ok(svg::svg(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head(), words))
+    }
+
+    /// The SVG with its words as text, to be edited and searched. It looks as it should where Noto
+    /// Sans is installed; with another font each word is stretched to its length.
+    ///
+    /// # Errors
+    /// [`Error::Font`] as [`draw`].
+    pub fn svg_with_text(&self) -> Result<String, Error> {
+        let words = svg::Words::Text;
+        Ok(svg::svg(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head(), words))
     }
 
     /// An opaque PNG at `dpi` dots an inch ([`DEFAULT_DPI`] for screens), provenance in its

@@ -274,6 +274,51 @@ mod tests {
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
     }
 
+    /// Each channel of a colour, 0 … 1, by a matrix on linear sRGB: Machado, Oliveira & Fernandes 2009
+    /// (doi:10.1109/TVCG.2009.113), deuteranopia of severity 1.
+    fn without_green_cones(colour: Colour) -> [f64; 3] {
+        const MATRIX: [[f64; 3]; 3] = [
+            [0.367_322, 0.860_646, -0.227_968],
+            [0.280_085, 0.672_501, 0.047_413],
+            [-0.011_820, 0.042_940, 0.968_881],
+        ];
+        let linear = |channel: u8| {
+            let c = f64::from(channel) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
+        };
+        let from = [colour.r, colour.g, colour.b].map(linear);
+        MATRIX.map(|row| {
+            let sum: f64 = row.iter().zip(from).map(|(a, c)| a * c).sum();
+            sum.clamp(0.0, 1.0)
+        })
+    }
+
+    /// CIELAB of linear sRGB (white point D65).
+    fn lab([r, g, b]: [f64; 3]) -> [f64; 3] {
+        let x = (0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505;
+        let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        let z = (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089;
+        let [x, y, z] =
+            [x, y, z].map(|t| if t > 0.008856 { libm::cbrt(t) } else { 7.787 * t + 16.0 / 116.0 });
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    }
+
+    /// Ten times what is just seen side by side (CIE76), for the three modes of the thesis.
+    #[test]
+    fn the_first_three_modes_are_told_apart_without_green_cones_and_by_dashes_without_colour() {
+        let seen: Vec<[f64; 3]> =
+            (0..3).map(|i| lab(without_green_cones(mode_colour(i)))).collect();
+        for (i, a) in seen.iter().enumerate() {
+            for b in &seen[..i] {
+                let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
+                let apart = squares.sum::<f64>().sqrt();
+                assert!(apart > 23.0, "{apart}");
+            }
+        }
+        let dashes: Vec<Dash> = (0..4).map(dash).collect();
+        assert!((0..4).all(|i| !dashes[..i].contains(&dashes[i]) && dashes[i] != Dash::Dotted));
+    }
+
     #[test]
     fn text_in_every_likert_box_has_the_contrast_that_wcag_asks_for() {
         for count in 2..=11 {

@@ -1,4 +1,4 @@
-//! Writes a sheet as SVG, words as outlines.
+//! Writes a sheet as SVG, words as outlines or as text.
 //!
 //! Shapes of one style stand in one group, and each glyph's outline is written once, so that files
 //! stay small and can be edited by hand.
@@ -19,14 +19,27 @@ pub(crate) struct Head<'a> {
     pub(crate) provenance: Option<&'a str>,
 }
 
+/// How words are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Words {
+    /// As shapes: every program shows them alike, and needs no font.
+    Outlines,
+    /// As text that can be edited and searched.
+    Text,
+}
+
+/// The font of words that are text, and what comes near it.
+const FAMILY: &str = "'Noto Sans', 'DejaVu Sans', sans-serif";
+
 /// The document.
 pub(crate) fn svg(
     shapes: &[Shape],
     fonts: &Fonts,
     (width_pt, height_pt): (f64, f64),
     head: &Head<'_>,
+    words: Words,
 ) -> String {
-    let mut body = Body { fonts, text: String::new(), open: None, glyphs: BTreeMap::new() };
+    let mut body = Body { fonts, words, text: String::new(), open: None, glyphs: BTreeMap::new() };
     shapes.iter().for_each(|shape| body.put(shape));
     body.close();
     let (w, h) = (number(width_pt), number(height_pt));
@@ -34,8 +47,12 @@ pub(crate) fn svg(
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
-         width=\"{w_mm}mm\" height=\"{h_mm}mm\" viewBox=\"0 0 {w} {h}\" role=\"img\">\n\
+         width=\"{w_mm}mm\" height=\"{h_mm}mm\" viewBox=\"0 0 {w} {h}\"{family} role=\"img\">\n\
          {title}{desc}{metadata}{defs}{body}</svg>\n",
+        family = match words {
+            Words::Outlines => String::new(),
+            Words::Text => format!(" font-family=\"{FAMILY}\""),
+        },
         title = stored("title", head.title),
         desc = stored("desc", head.description),
         metadata = stored("metadata", head.provenance.unwrap_or_default()),
@@ -47,6 +64,7 @@ pub(crate) fn svg(
 /// The shapes, as they are written.
 struct Body<'a> {
     fonts: &'a Fonts,
+    words: Words,
     text: String,
     /// Style of the group that is open.
     open: Option<Ink>,
@@ -84,7 +102,10 @@ impl Body<'_> {
                 }
                 self.text.push_str("/>");
             }
-            Form::Words { piece, start, turned } => self.words(piece, *start, *turned),
+            Form::Words { piece, start, turned } => match self.words {
+                Words::Outlines => self.outlines(piece, *start, *turned),
+                Words::Text => self.as_text(piece, *start, *turned),
+            },
         }
         self.text.push('\n');
     }
@@ -95,7 +116,29 @@ impl Body<'_> {
         }
     }
 
-    fn words(&mut self, piece: &Piece, start: At, turned: bool) {
+    /// Text as long as its outlines, whatever the font.
+    fn as_text(&mut self, piece: &Piece, (x, y): At, turned: bool) {
+        let scale = piece.size_pt / self.fonts.units_per_em(piece.style);
+        let length = number(f64::from(piece.advance) * scale);
+        let (x, y, size) = (number(x), number(y), number(piece.size_pt));
+        let face = match piece.style {
+            Style::Regular => "",
+            Style::Italic => " font-style=\"italic\"",
+            Style::Bold => " font-weight=\"bold\"",
+        };
+        let place = match turned {
+            true => format!("transform=\"translate({x} {y}) rotate(-90)\""),
+            false => format!("x=\"{x}\" y=\"{y}\""),
+        };
+        let words = escape(&piece.text);
+        let _ = write!(
+            self.text,
+            "<text {place} font-size=\"{size}\"{face} textLength=\"{length}\" \
+             lengthAdjust=\"spacingAndGlyphs\" xml:space=\"preserve\">{words}</text>"
+        );
+    }
+
+    fn outlines(&mut self, piece: &Piece, start: At, turned: bool) {
         let fonts = self.fonts;
         let (label, place) = (escape(&piece.text), transform(piece, fonts, start, turned));
         let _ = write!(self.text, "<g aria-label=\"{label}\" transform=\"{place}\">");

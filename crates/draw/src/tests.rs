@@ -324,6 +324,48 @@ fn a_long_recording_makes_a_small_file() {
     assert!(drawing.svg().unwrap().len() < 30_000, "{} bytes", drawing.svg().unwrap().len());
 }
 
+#[test]
+fn words_as_text_can_be_searched_and_every_reader_shows_them() {
+    let figure = Figure { footnotes: vec!["a *note* < 1".into()], ..one_line() };
+    let drawing = draw(&figure).unwrap();
+    let (text, outlines) = (drawing.svg_with_text().unwrap(), drawing.svg().unwrap());
+    for words in [
+        ">note </text>",
+        ">&lt; 1</text>",
+        ">time (s)</text>",
+        "font-style=\"italic\"",
+        "rotate(-90)",
+    ] {
+        assert!(text.contains(words), "{words} is not in {text}");
+    }
+    assert!(!text.contains("<use") && !outlines.contains("<text"));
+    assert!(Tree::from_str(&text, &Options::default()).is_ok());
+}
+
+#[test]
+fn a_bare_figure_leaves_heading_and_small_print_to_its_caption_and_keeps_its_stamp() {
+    let whole = Figure {
+        title: Some("A heading".into()),
+        footnotes: vec!["small print".into()],
+        mark: Some("SYNTHETIC".into()),
+        ..one_line()
+    };
+    let [whole, bare] =
+        [false, true].map(|bare| draw(&Figure { bare, ..whole.clone() }).unwrap().svg().unwrap());
+    let is_drawn = |svg: &str, words: &str| svg.contains(&format!("aria-label=\"{words}"));
+    assert!(is_drawn(&whole, "A heading") && is_drawn(&whole, "small print"));
+    assert!(!is_drawn(&bare, "A heading") && !is_drawn(&bare, "small print"));
+    assert!(is_drawn(&bare, "SYNTHETIC") && bare.contains("<title>A heading</title>"));
+}
+
+/// A figure of one line with names on its axes.
+fn one_line() -> Figure {
+    let line = Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Line::default() };
+    let (x, y) = (Axis::new("time", "s"), Axis::new("force", "N"));
+    let panel = Panel::new(Cell::at(0, 0), x, y, vec![Layer::Line(line)]);
+    Figure { panels: vec![panel], ..Figure::default() }
+}
+
 /// Numbers that have broken plots before, among ordinary ones.
 fn number() -> impl Strategy<Value = f64> {
     let odd = [

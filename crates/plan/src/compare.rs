@@ -1,6 +1,6 @@
 //! Stage `compare`: modes, participants and sessions compared, one job per metric; its figures.
 
-use crate::drawing::{Drawing, write_figure};
+use crate::drawing::{Drawing, Figured};
 use crate::making::{derived, write_tables};
 use crate::preregistered::preregistered;
 use crate::{likert, likert_figures, metrics};
@@ -325,8 +325,8 @@ struct Drawn {
     sources: BTreeSet<Source>,
 }
 
-/// A job's function of a figure.
-type Draw = fn(&Drawn, &Vec<PathBuf>, &Making) -> Result<Made, JobError>;
+/// What describes a figure of a metric.
+type Draw = fn(&Drawn, &Vec<PathBuf>) -> Figured;
 
 /// The figures of every metric.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
@@ -389,11 +389,7 @@ fn answers_figure(data: &StudyData, page: AnswersPage, number: Option<String>) -
     Drawing::new(data, ANSWERS_COMPARED, number, of, files, draw_answers).of(answers.len())
 }
 
-fn draw_answers(
-    of: &AnswersDrawn,
-    files: &Vec<PathBuf>,
-    making: &Making,
-) -> Result<Made, JobError> {
+fn draw_answers(of: &AnswersDrawn, files: &Vec<PathBuf>) -> Figured {
     let [contrasts, participants] = files.as_slice() else {
         return Err("answers compared are two tables".into());
     };
@@ -402,7 +398,7 @@ fn draw_answers(
     let sources: Vec<Source> = of.sources.iter().copied().collect();
     let tables = [&contrasts, &participants];
     let figure = zwidth_figures::answers_compared(&of.about, &of.page, tables, &sources)?;
-    write_figure(figure, Vec::new(), making)
+    Ok((figure, Vec::new()))
 }
 
 /// A metric's tables as figures see them.
@@ -430,20 +426,20 @@ impl Read {
     }
 }
 
-fn draw_modes(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    draw(zwidth_figures::modes_compared, of, files, making)
+fn draw_modes(of: &Drawn, files: &Vec<PathBuf>) -> Figured {
+    draw(zwidth_figures::modes_compared, of, files)
 }
 
-fn draw_participants(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    draw(zwidth_figures::participants_compared, of, files, making)
+fn draw_participants(of: &Drawn, files: &Vec<PathBuf>) -> Figured {
+    draw(zwidth_figures::participants_compared, of, files)
 }
 
-fn draw_sessions(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    draw(zwidth_figures::sessions_compared, of, files, making)
+fn draw_sessions(of: &Drawn, files: &Vec<PathBuf>) -> Figured {
+    draw(zwidth_figures::sessions_compared, of, files)
 }
 
-fn draw_repeats(of: &Drawn, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    draw(zwidth_figures::repeats_compared, of, files, making)
+fn draw_repeats(of: &Drawn, files: &Vec<PathBuf>) -> Figured {
+    draw(zwidth_figures::repeats_compared, of, files)
 }
 
 /// A figure of a metric's tables.
@@ -454,10 +450,10 @@ type Figure = fn(
     ComparedTables,
 ) -> Result<zwidth_draw::Figure, zwidth_tables::TableError>;
 
-fn draw(figure: Figure, of: &Drawn, files: &[PathBuf], making: &Making) -> Result<Made, JobError> {
+fn draw(figure: Figure, of: &Drawn, files: &[PathBuf]) -> Figured {
     let read = Read::of(files)?;
     let sources: Vec<Source> = of.sources.iter().copied().collect();
-    write_figure(figure(&of.about, &of.environments, &sources, read.tables())?, Vec::new(), making)
+    Ok((figure(&of.about, &of.environments, &sources, read.tables())?, Vec::new()))
 }
 
 #[cfg(test)]

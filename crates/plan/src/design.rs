@@ -1,12 +1,12 @@
 //! Figures of what was planned: the environments, and the forces that each mode can render.
 
 use crate::characterise;
-use crate::drawing::{Drawing, write_figure};
+use crate::drawing::{Drawing, Figured};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use zwidth_figures::{About, ENVIRONMENT, Placement, RENDERING_RANGE};
-use zwidth_runner::{JobError, Made, Making};
+use zwidth_runner::JobError;
 use zwidth_store::{MOST_BYTES, StoreError, StudyData, read_regular};
 use zwidth_study::{Basis, Calibration, Source};
 
@@ -70,18 +70,14 @@ fn environment(data: &StudyData, placement: Placement) -> Drawing {
     Drawing::new(data, ENVIRONMENT, [id], placement, (), draw_environment)
 }
 
-fn draw_environment(placement: &Placement, (): &(), making: &Making) -> Result<Made, JobError> {
+fn draw_environment(placement: &Placement, (): &()) -> Figured {
     let figure = zwidth_figures::environment(placement).ok_or("the environment cannot be drawn")?;
-    write_figure(figure, Vec::new(), making)
+    Ok((figure, Vec::new()))
 }
 
-fn draw_range(
-    Range { about, basis, sources }: &Range,
-    calibration: &Option<PathBuf>,
-    making: &Making,
-) -> Result<Made, JobError> {
+fn draw_range(Range { about, basis, sources }: &Range, calibration: &Option<PathBuf>) -> Figured {
     let calibration = Forces::read(calibration.as_deref())?;
     let sources: Vec<Source> = sources.iter().copied().collect();
     let figure = zwidth_figures::rendering_range(about, &calibration, basis.footnote(), &sources);
-    write_figure(figure.ok_or("no mode has an actuator")?, Vec::new(), making)
+    Ok((figure.ok_or("no mode has an actuator")?, Vec::new()))
 }

@@ -1,7 +1,7 @@
 //! Stage `figures`: each figure as SVG, PDF and PNG, with its data beside it.
 
 use crate::conditions::{Repeats, Session, sessions};
-use crate::drawing::{Drawing, STAGE, write_figure};
+use crate::drawing::{Drawing, Figured, STAGE};
 use crate::trials::{Known, describe_trials, files, read_all};
 use crate::{
     average, characterise, compare, design, freemotion, ladder, likert_figures, metrics,
@@ -10,11 +10,12 @@ use crate::{
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use zwidth_draw::Figure;
 use zwidth_figures::{
     About, Averages, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, LOOPS, Loaded, MODES,
     REPEATS,
 };
-use zwidth_runner::{Inputs, Job, JobError, Made, Making};
+use zwidth_runner::{Inputs, Job, JobError};
 use zwidth_store::{StudyData, TrialEntry};
 use zwidth_study::{Alignments, Environment, ModeId, Study};
 use zwidth_tables::Table;
@@ -53,6 +54,18 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     drawings.extend(scenes::figures(data));
     drawings.extend(design::all(data));
     drawings
+}
+
+/// The name of every figure of a study, and what it shows.
+pub fn captions(data: &StudyData) -> Vec<(String, String)> {
+    all(data).into_iter().map(|Drawing { caption, .. }| (caption.stem(), caption.text())).collect()
+}
+
+/// The figure of that name, described from what its job reads, and what had to be left out; none
+/// where the study has no such figure.
+pub fn describe(data: &StudyData, stem: &str) -> Option<Result<(Figure, Vec<String>), JobError>> {
+    let drawing = all(data).into_iter().find(|drawing| drawing.caption.stem() == stem)?;
+    Some((drawing.describe)())
 }
 
 /// The choices of study.toml for figures that the study does not have (of a kind that it lacks is
@@ -202,15 +215,11 @@ fn modes<'a>(
     Drawing::new(data, MODES, subject, recorded, files, draw_modes).of(n)
 }
 
-fn draw_modes(
-    recorded: &Vec<Recorded>,
-    files: &Vec<Files>,
-    making: &Making,
-) -> Result<Made, JobError> {
+fn draw_modes(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
     let (all, problems) = load_all(recorded, files)?;
     let scenes: Vec<_> = all.iter().map(Loaded::scene).collect();
     let (scene, beside) = scenes.split_first().ok_or("there is no environment")?;
-    write_figure(zwidth_figures::modes(scene, beside)?, problems, making)
+    Ok((zwidth_figures::modes(scene, beside)?, problems))
 }
 
 /// Reads several environments of one session; what had to be left out.
@@ -254,13 +263,13 @@ fn repeats_of<'a>(
     Drawing::new(data, REPEATS, subject, recorded, files, draw_repeats).of(trials.len())
 }
 
-fn draw_repeats(recorded: &Recorded, files: &Files, making: &Making) -> Result<Made, JobError> {
+fn draw_repeats(recorded: &Recorded, files: &Files) -> Figured {
     let (loaded, problems) = load(recorded, files)?;
     let scene = loaded.scene();
     let Some(first) = scene.modes.first() else {
         return Err(format!("no trial could be read: {}", problems.join("; ")).into());
     };
-    write_figure(zwidth_figures::repeats(&scene, first), problems, making)
+    Ok((zwidth_figures::repeats(&scene, first), problems))
 }
 
 fn loops<'a>(
@@ -280,30 +289,25 @@ fn loops<'a>(
     Drawing::new(data, LOOPS, session.ids(), recorded, files, draw_loops).of(n)
 }
 
-fn draw_loops(
-    recorded: &Vec<Recorded>,
-    files: &Vec<Files>,
-    making: &Making,
-) -> Result<Made, JobError> {
+fn draw_loops(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
     let (all, problems) = load_all(recorded, files)?;
     let scenes: Vec<_> = all.iter().map(Loaded::scene).collect();
     let about = &recorded.first().ok_or("there is no environment")?.about;
-    write_figure(zwidth_figures::loops(about, &scenes)?, problems, making)
+    Ok((zwidth_figures::loops(about, &scenes)?, problems))
 }
 
 fn characteristic(
     (actuator, level): &(String, f64),
     (sweeps, tables): &(Vec<PathBuf>, [PathBuf; 3]),
-    making: &Making,
-) -> Result<Made, JobError> {
+) -> Figured {
     let (read, problems) = characterise::read_sweeps(sweeps);
     let [models, parameters, curve] = tables.each_ref().map(|file| Table::from_parquet(file));
     let (models, parameters, curve) = (&models?, &parameters?, &curve?);
     let of = Characterised { models, parameters, curve, level: *level };
-    write_figure(zwidth_figures::characteristic(actuator, &read, of)?, problems, making)
+    Ok((zwidth_figures::characteristic(actuator, &read, of)?, problems))
 }
 
-fn free_motion(about: &About, table: &PathBuf, making: &Making) -> Result<Made, JobError> {
+fn free_motion(about: &About, table: &PathBuf) -> Figured {
     let fits = Table::from_parquet(table)?;
-    write_figure(zwidth_figures::free_motion(about, &fits)?, Vec::new(), making)
+    Ok((zwidth_figures::free_motion(about, &fits)?, Vec::new()))
 }

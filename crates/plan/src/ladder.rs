@@ -4,7 +4,7 @@
 //! replay's, the numbers that are compared are the metrics'.
 
 use crate::conditions::{Repeats, repeats};
-use crate::drawing::{Drawing, write_figure};
+use crate::drawing::{Drawing, Figured};
 use crate::making::{derived, read_tables, write_tables};
 use crate::measured::model_trial;
 use crate::replayable::{is_replayable, rendering};
@@ -154,10 +154,10 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     all.iter().map(one).collect()
 }
 
-fn draw(synthetic: &bool, tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+fn draw(synthetic: &bool, tables: &Vec<PathBuf>) -> Figured {
     let tables = read_tables(tables)?;
     let [models, effects, _] = &tables[..] else { return Err("a ladder has three tables".into()) };
-    write_figure(zwidth_figures::ladder(models, effects, *synthetic)?, Vec::new(), making)
+    Ok((zwidth_figures::ladder(models, effects, *synthetic)?, Vec::new()))
 }
 
 /// Models, effects and interactions of each condition of a study that has a recording, with so many

@@ -37,7 +37,7 @@ mod trade;
 mod trials;
 
 pub use compare::{By, answers, compared, comparison, spreads};
-pub use figures::chosen_in_vain;
+pub use figures::{captions, chosen_in_vain, describe};
 pub use ladder::ladders;
 pub use page::{JOB as PAGE, file as page_file};
 pub use preregistered::{analysis, plan_file};

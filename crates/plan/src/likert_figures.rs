@@ -1,12 +1,11 @@
 //! The figures of the stage `likert`, as many panels to a figure as fit on a page.
 
-use crate::drawing::{Drawing, write_figure};
+use crate::drawing::{Drawing, Figured};
 use crate::likert::tally;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_figures::{About, FigureKind, LIKERT, LIKERT_ITEMS, LikertPage};
-use zwidth_runner::{JobError, Made, Making};
 use zwidth_store::StudyData;
 use zwidth_study::{Environment, Question, Source};
 use zwidth_tables::Table;
@@ -71,8 +70,8 @@ pub(crate) fn list_asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)
     asked
 }
 
-fn draw(page: &Page, tally: &PathBuf, making: &Making) -> Result<Made, JobError> {
+fn draw(page: &Page, tally: &PathBuf) -> Figured {
     let tally = Table::from_parquet(tally)?;
     let Page { about, page, sources } = page;
-    write_figure(zwidth_figures::likert(about, page, &tally, sources)?, Vec::new(), making)
+    Ok((zwidth_figures::likert(about, page, &tally, sources)?, Vec::new()))
 }

@@ -3,11 +3,10 @@
 
 use crate::conditions::sessions;
 use crate::courses;
-use crate::drawing::{Drawing, write_figure};
+use crate::drawing::{Drawing, Figured};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_figures::{About, REPLAY};
-use zwidth_runner::{JobError, Made, Making};
 use zwidth_store::StudyData;
 use zwidth_study::Environment;
 use zwidth_tables::Table;
@@ -37,11 +36,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     drawings
 }
 
-fn draw(
-    Against { about, environment, who }: &Against,
-    courses: &PathBuf,
-    making: &Making,
-) -> Result<Made, JobError> {
+fn draw(Against { about, environment, who }: &Against, courses: &PathBuf) -> Figured {
     let courses = Table::from_parquet(courses)?;
-    write_figure(zwidth_figures::replay(about, environment, who, &courses)?, Vec::new(), making)
+    Ok((zwidth_figures::replay(about, environment, who, &courses)?, Vec::new()))
 }

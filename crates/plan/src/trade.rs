@@ -2,7 +2,7 @@
 //! less of a recording does to its metrics; and their figures.
 
 use crate::conditions::Repeats;
-use crate::drawing::{Drawing, write_figure};
+use crate::drawing::{Drawing, Figured};
 use crate::making::{derived, read_tables, split, write_tables};
 use crate::measured::measured;
 use crate::replay::rendered;
@@ -234,13 +234,13 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     scenes.chain(less).collect()
 }
 
-fn draw_less(sources: &Vec<Source>, table: &PathBuf, making: &Making) -> Result<Made, JobError> {
-    write_figure(zwidth_figures::less(&Table::from_parquet(table)?, sources)?, Vec::new(), making)
+fn draw_less(sources: &Vec<Source>, table: &PathBuf) -> Figured {
+    Ok((zwidth_figures::less(&Table::from_parquet(table)?, sources)?, Vec::new()))
 }
 
-fn draw(scene: &String, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+fn draw(scene: &String, files: &Vec<PathBuf>) -> Figured {
     let [settings, summary] = files.as_slice() else { return Err("a trade has two tables".into()) };
     let (settings, summary) = (Table::from_parquet(settings)?, Table::from_parquet(summary)?);
     let figure = zwidth_figures::work_precision_of(scene, &settings, &summary)?;
-    write_figure(figure, Vec::new(), making)
+    Ok((figure, Vec::new()))
 }

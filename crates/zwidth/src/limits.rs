@@ -47,6 +47,16 @@ fn quantity(word: &str) -> Result<Quantity, String> {
     found.ok_or_else(|| format!("{word:?} is no quantity; take one of {}", words.join(", ")))
 }
 
+/// Lengths on paper, mm: from a stamp to ISO A0.
+const PAPER_MM: [f64; 2] = [20.0, 1189.0];
+
+/// A width on paper, or width and height, mm: `85`, `175x120`.
+pub(crate) fn size(text: &str) -> Result<(f64, Option<f64>), String> {
+    let (width, height) = text.split_once('x').map_or((text, None), |(w, h)| (w, Some(h)));
+    let height = height.map(|height| within(height, PAPER_MM)).transpose()?;
+    Ok((within(width, PAPER_MM)?, height))
+}
+
 /// A quantity with its value: `delay=0.0083`.
 pub(crate) fn setting(text: &str) -> Result<(Quantity, f64), String> {
     let (word, value) = text.split_once('=').ok_or("write QUANTITY=VALUE, as delay=0.0083")?;

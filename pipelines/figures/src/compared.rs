@@ -6,7 +6,7 @@ use crate::{About, FigureKind};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::style::{self, Marker, Stroke};
 use zwidth_draw::{
-    Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, dodge,
+    Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, Ticks, dodge,
 };
 use zwidth_study::{Environment, EnvironmentId, Source};
 use zwidth_tables::{Table, TableError, Values, shown_unit};
@@ -238,6 +238,24 @@ fn means(
     Ok(layers)
 }
 
+/// Up to so many repeats are named one by one on their axis.
+const NAMED_REPEATS: f64 = 12.0;
+
+/// The axis of repeats: named places where they are few, because there is none between two.
+fn repeat_axis(numbers: &[f64]) -> Axis {
+    let most = numbers.iter().copied().fold(0.0, f64::max);
+    let axis = match most <= NAMED_REPEATS {
+        true => Axis::categories((1..=most as usize).map(|repeat| repeat.to_string())),
+        false => Axis::new("", ""),
+    };
+    Axis { label: "repeat".to_owned(), ..axis }
+}
+
+/// The number of the repeat that stands at 0 of its axis.
+fn x_of_first(axis: &Axis) -> f64 {
+    if matches!(axis.ticks, Ticks::Categories(_)) { 1.0 } else { 0.0 }
+}
+
 /// How far a mean stands beside what it is the mean of, in categories.
 const ASIDE: f64 = 0.18;
 
@@ -405,6 +423,7 @@ pub fn repeats_compared(
         .into_iter()
         .map(|repeat| repeat.map_or(f64::NAN, |repeat| repeat as f64))
         .collect();
+    let repeat = repeat_axis(&numbers);
     let mut panels = Vec::new();
     for environment in environments {
         let mut layers = Vec::new();
@@ -416,7 +435,8 @@ pub fn repeats_compared(
             }
             let (colour, marker) = (style::mode_colour(index), style::marker(index));
             let aside = dodge(index, about.modes.len()) / 2.0;
-            let at: Vec<f64> = pick(&numbers, &rows).iter().map(|x| x + aside).collect();
+            let at: Vec<f64> =
+                pick(&numbers, &rows).iter().map(|x| x - x_of_first(&repeat) + aside).collect();
             let stems = ["mean", "ci_low", "ci_high"];
             let marks = intervals(tables.repeats, stems, &rows, &shown)?;
             let (name, y) = (Some(plain(&mode.label)), marks.estimate.clone());
@@ -433,7 +453,7 @@ pub fn repeats_compared(
         if !layers.is_empty() {
             let cell = Cell::at(0, panels.len());
             let y = Axis::new("mean", shown.unit.as_str()).linked("mean");
-            let panel = Panel::new(cell, Axis::new("repeat", ""), y, layers);
+            let panel = Panel::new(cell, repeat.clone(), y, layers);
             let panel = panel.titled(plain(&environment.label));
             panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
         }

@@ -28,6 +28,7 @@
 mod about;
 mod answers;
 mod bow_tie;
+mod caption;
 mod characteristic;
 mod chattering;
 mod compared;
@@ -58,6 +59,7 @@ mod work_precision;
 pub use about::{About, Caption, FigureKind};
 pub use answers::{ANSWERS_COMPARED, AnswersPage, answers_compared, answers_pages};
 pub use bow_tie::{SCENE_BOW_TIE, bow_tie};
+pub use caption::caption_text;
 pub use characteristic::{CHARACTERISTIC, Characterised, characteristic};
 pub use chattering::chattering;
 pub use compared::{

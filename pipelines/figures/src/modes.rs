@@ -72,16 +72,12 @@ fn describe(scene: &EnvironmentData, words: Words) -> String {
         .map(|m| format!("{} {}", m.repeats.len(), m.label.to_lowercase()))
         .collect();
     format!(
-        "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}. Thick: {}, \
-         {}, with its pointwise {} band; thin: every repeat.",
+        "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}.",
         scene.who,
         scene.environment.label,
         words.position_word(),
         words.position_word(),
         counts.join(", "),
-        thick(scene),
-        how_aligned(scene),
-        scene.level(),
     )
 }
 

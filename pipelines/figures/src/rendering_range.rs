@@ -107,12 +107,17 @@ fn acting<'a>(mode: &Mode, way: Way, calibration: &'a Calibration) -> Option<Act
     Some(Acting { curve, max_v: max_v?, shares })
 }
 
+/// The voltage that a mode goes up to with one actuator.
+type Voltage = fn(&Mode) -> Option<f64>;
+
 /// Force against command, a line an actuator, which begins where force does; a point at each voltage
 /// that modes go up to.
 fn commands(about: &About, calibration: &Calibration) -> Panel {
-    let actuators: [(&str, &Characteristic, fn(&Mode) -> Option<f64>, Dash); 2] = [
-        ("motor", &calibration.motor, |mode| mode.motor_max_v, Dash::Solid),
-        ("brake", &calibration.brake, |mode| mode.brake_max_v, Dash::Dashed),
+    let of_motor: Voltage = |mode| mode.motor_max_v;
+    let of_brake: Voltage = |mode| mode.brake_max_v;
+    let actuators = [
+        ("motor", &calibration.motor, of_motor, Dash::Solid),
+        ("brake", &calibration.brake, of_brake, Dash::Dashed),
     ];
     let mut layers = vec![reference(Direction::Horizontal, 0.0, None)];
     for (name, curve, max_v, dash) in actuators {
@@ -135,7 +140,7 @@ fn commands(about: &About, calibration: &Calibration) -> Panel {
 }
 
 /// A point at each voltage that modes go up to, with their names.
-fn ends(about: &About, curve: &Characteristic, max_v: fn(&Mode) -> Option<f64>) -> Vec<Layer> {
+fn ends(about: &About, curve: &Characteristic, max_v: Voltage) -> Vec<Layer> {
     let mut voltages: Vec<f64> = about.modes.iter().filter_map(max_v).collect();
     voltages.sort_by(f64::total_cmp);
     voltages.dedup();

@@ -15,7 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Circles that stand: the reason, the crate, the modules (`crate` is `lib.rs` or `main.rs`).
-const KNOWN: [(&str, &str, &[&str]); 14] = [
+const KNOWN: [(&str, &str, &[&str]); 13] = [
     (
         "a job says its provenance, which is read back from records, which are made of jobs",
         "crates/runner",
@@ -109,11 +109,6 @@ const KNOWN: [(&str, &str, &[&str]); 14] = [
             "models::spline",
             "steps",
         ],
-    ),
-    (
-        "the words of a figure are of its data",
-        "pipelines/figures",
-        &["characteristic", "characteristic::words"],
     ),
     (
         "an estimate carries its profile and verdict, which are drawn from its spread",

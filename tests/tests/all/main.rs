@@ -26,6 +26,7 @@ mod page;
 mod provenance;
 mod real;
 mod records;
+mod remade;
 mod resuming;
 #[cfg(unix)]
 mod rig;

@@ -3,7 +3,7 @@
 use crate::devices::{DEVICES, DeviceSpec};
 use crate::limits::{
     MOST_CELLS, MOST_PARTICIPANTS, MOST_SCALE, MOST_SESSIONS, MOST_SWEEPS, MOST_THREADS, positive,
-    rate, setting, span, tolerance,
+    rate, setting, size, span, tolerance,
 };
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
@@ -86,6 +86,8 @@ pub(crate) enum Command {
     Power(Power),
     /// Show a study's page in the browser, or write it as one file
     Open(Open),
+    /// Make one figure of a study again, in another size or form, or list its figures
+    Figure(Figure),
     /// Print a table of a study, or list its tables
     Table(Table),
     /// What a result was last made from, and why a run would make it again
@@ -471,6 +473,56 @@ impl From<By> for zwidth_plan::By {
             By::Session => Self::Session,
             By::Repeat => Self::Repeat,
             By::Answer => Self::Answer,
+        }
+    }
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Figure {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The figure; without it the figures there are get listed
+    pub(crate) name: Option<String>,
+    /// Its width on paper in mm, or its width and height: 85 (one column), 175x120 [default: as a
+    /// run makes it]
+    #[arg(long, value_name = "MM[xMM]", value_parser = size)]
+    pub(crate) size: Option<(f64, Option<f64>)>,
+    /// The forms, apart by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "svg,pdf,png")]
+    pub(crate) format: Vec<FigureFormat>,
+    /// Without heading and small print, which stand in its caption's file; the mark of simulated
+    /// data stays
+    #[arg(long)]
+    pub(crate) bare: bool,
+    /// Words of an SVG as text, to be edited and searched, in place of outlines
+    #[arg(long)]
+    pub(crate) text: bool,
+    /// Dots per inch of a PNG
+    #[arg(long, value_name = "DPI", default_value_t = zwidth_draw::DEFAULT_DPI, value_parser = positive)]
+    pub(crate) dpi: f64,
+    /// Folder to write to [default: reports/STUDY/remade]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// The form of a figure's file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FigureFormat {
+    /// For the web and for editing
+    Svg,
+    /// For print
+    Pdf,
+    /// For screens
+    Png,
+}
+
+impl FigureFormat {
+    /// Of its files' names.
+    pub(crate) fn extension(self) -> &'static str {
+        match self {
+            Self::Svg => "svg",
+            Self::Pdf => "pdf",
+            Self::Png => "png",
         }
     }
 }

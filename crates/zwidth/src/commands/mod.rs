@@ -5,6 +5,7 @@ pub(crate) mod characterise;
 pub(crate) mod check;
 pub(crate) mod compare;
 mod device;
+pub(crate) mod figure;
 mod impedance;
 pub(crate) mod import;
 pub(crate) mod ladder;

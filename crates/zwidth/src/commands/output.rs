@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use zwidth_draw::{DEFAULT_DPI, Figure, draw};
+use zwidth_draw::{DEFAULT_DPI, Drawing, Figure, draw};
 use zwidth_runner::Provenance;
 use zwidth_store::{RealFiles, replace};
 use zwidth_tables::{Table, csv};
@@ -28,11 +28,21 @@ impl<'a> Output<'a> {
 
     /// Writes a figure as SVG, PDF and PNG.
     pub(in crate::commands) fn figure(&mut self, name: &str, figure: Figure) -> anyhow::Result<()> {
-        let provenance = Some(serde_json::to_string(&self.provenance)?);
-        let drawing = draw(&Figure { provenance, ..figure })?;
+        let drawing = self.drawn(figure)?;
         self.write(name, "svg", drawing.svg()?.as_bytes())?;
         self.write(name, "pdf", &drawing.pdf()?)?;
         self.write(name, "png", &drawing.png(DEFAULT_DPI)?)
+    }
+
+    /// A figure drawn, which says in each form what made it.
+    pub(super) fn drawn(&self, figure: Figure) -> anyhow::Result<Drawing> {
+        let provenance = Some(serde_json::to_string(&self.provenance)?);
+        Ok(draw(&Figure { provenance, ..figure })?)
+    }
+
+    /// Writes a figure in one form.
+    pub(super) fn form(&mut self, name: &str, form: &str, bytes: &[u8]) -> anyhow::Result<()> {
+        self.write(name, form, bytes)
     }
 
     /// Writes a table as Parquet and CSV, in SI units and radians.

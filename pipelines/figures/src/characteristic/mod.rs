@@ -1,5 +1,5 @@
 //! Figures 22 and 23: what came of a command, every sweep, with the first-order fit and the chosen
-//! one; below, how far the mean of the sweeps lies off the chosen one.
+//! one; below, how far the samples lie off the chosen one.
 
 mod words;
 
@@ -54,7 +54,7 @@ pub struct Characterised<'a> {
 
 /// The characteristic of one actuator or sensor: all sweeps faint, their mean, the first-order fit
 /// with its R², the chosen fit, and where it begins and ends to rise; below, from the chosen fit on,
-/// the band for a new response and the mean. Its coefficients stand in their table.
+/// the band for a new response and the samples. Its coefficients stand in their table.
 pub fn characteristic(
     actuator: &str,
     sweeps: &[Sweep],
@@ -70,7 +70,7 @@ pub fn characteristic(
     let x = || axis(&command).linked("command");
     let panel = Panel::new(Cell::at(0, 0), x(), axis(&response), layers);
     let off = Axis::new("off the fit", plain(&response.unit));
-    let below = residuals(of, sweeps.len())?.map(|layers| Panel {
+    let below = residuals(of, sweeps)?.map(|layers| Panel {
         height_mm: Some(RESIDUALS_MM),
         ..Panel::new(Cell::at(1, 0), x(), off, layers)
     });
@@ -182,11 +182,45 @@ impl Part {
     fn column(&self, curve: &Table, name: &str) -> Result<Vec<f64>, TableError> {
         Ok(gaps(curve.floats(name)?)[self.rows.clone()].to_vec())
     }
+
+    /// How far a sweep's samples of this branch lie off its fit. Of a sweep that turns more than once
+    /// none: which of its samples are on the way up is the fit's business.
+    fn residuals(&self, sweep: &Sweep, fit: (&[f64], &[f64])) -> Vec<(f64, f64)> {
+        let commands = &sweep.command_values;
+        let mine = match self.name.as_str() {
+            "" => 0..commands.len(),
+            name => match (once_up_and_down(commands), name == ", up") {
+                (Some(turn), true) => 0..turn + 1,
+                (Some(turn), false) => turn + 1..commands.len(),
+                (None, _) => 0..0,
+            },
+        };
+        let off =
+            |i: usize| Some((commands[i], sweep.response_values[i] - value_at(fit, commands[i])?));
+        mine.filter_map(off).collect()
+    }
 }
 
-/// The band for a new response, and the mean of several sweeps, from the chosen fit on; none where
-/// there is neither.
-fn residuals(of: Characterised, sweeps: usize) -> Result<Option<Vec<Layer>>, TableError> {
+/// Where commands turn that go up once and down once, but for steps back of less than a fiftieth of
+/// their span.
+fn once_up_and_down(commands: &[f64]) -> Option<usize> {
+    let (low, high) = crate::extent::ends(commands.iter().copied())?;
+    let turn = (0..commands.len()).max_by(|i, j| commands[*i].total_cmp(&commands[*j]))?;
+    let falls = |way: Vec<f64>| {
+        let highest = way.iter().scan(f64::NEG_INFINITY, |highest, command| {
+            *highest = highest.max(*command);
+            Some(*highest)
+        });
+        way.iter().zip(highest).any(|(command, highest)| highest - command > 0.02 * (high - low))
+    };
+    let (up, down) = commands.split_at(turn + 1);
+    let back = down.iter().rev().copied().collect();
+    (!falls(up.to_vec()) && !falls(back)).then_some(turn)
+}
+
+/// The samples off the chosen fit, and the band for a new response on them; none where there is no
+/// fit.
+fn residuals(of: Characterised, sweeps: &[Sweep]) -> Result<Option<Vec<Layer>>, TableError> {
     let zero = Reference {
         direction: Direction::Horizontal,
         at: 0.0,
@@ -194,7 +228,10 @@ fn residuals(of: Characterised, sweeps: usize) -> Result<Option<Vec<Layer>>, Tab
         stroke: style::zero(),
         name: None,
     };
-    let (mut layers, mut any) = (vec![Layer::Reference(zero)], false);
+    let n: usize = sweeps.iter().map(|s| s.command_values.len()).sum();
+    let stride = n.div_ceil(MOST_POINTS).max(1);
+    let named = (stride > 1).then(|| format!("one sample of {stride}, off the fit"));
+    let (mut layers, mut bands) = (vec![Layer::Reference(zero)], Vec::new());
     for part in parts(of.curve)? {
         let (x, fit) = (part.column(of.curve, "command")?, part.column(of.curve, "fit")?);
         let off = |name: &str| -> Result<Vec<f64>, TableError> {
@@ -202,15 +239,28 @@ fn residuals(of: Characterised, sweeps: usize) -> Result<Option<Vec<Layer>>, Tab
             Ok(values.iter().zip(&fit).map(|(value, fit)| value - fit).collect())
         };
         let (low, high) = (off("prediction_low")?, off("prediction_high")?);
-        any |= sweeps > 1 || low.iter().any(|v| v.is_finite());
         let name = Some(format!("{} prediction band{}", percent(of.level), part.name));
-        layers.push(Layer::Band(Band { x: x.clone(), low, high, colour: part.colour, name }));
-        if sweeps > 1 {
-            let stroke = style::single(part.colour).dashed(part.dash);
-            layers.push(Layer::Line(Line { x, y: off("mean")?, stroke, ..Line::default() }));
-        }
+        let curve = (x.as_slice(), fit.as_slice());
+        let off = sweeps.iter().flat_map(|sweep| part.residuals(sweep, curve));
+        let (at, y) = off.step_by(stride).unzip();
+        let (opacity, diameter_pt) = if n > MANY_POINTS { (0.25, 1.2) } else { (0.6, 2.0) };
+        let colour = part.colour;
+        let points = Points { x: at, y, colour, opacity, diameter_pt, name: named.clone() };
+        layers.push(Layer::Points(points));
+        bands.push(Layer::Band(Band { x, low, high, colour, name }));
     }
+    let any =
+        layers.iter().any(|l| matches!(l, Layer::Points(p) if p.y.iter().any(|y| y.is_finite())));
+    layers.extend(bands);
     Ok(any.then_some(layers))
+}
+
+/// The value of a rising curve at `x`, on the straight line between its points; none outside.
+fn value_at((xs, ys): (&[f64], &[f64]), x: f64) -> Option<f64> {
+    let after = xs.partition_point(|at| *at < x).max(1);
+    let (x0, x1) = (*xs.get(after - 1)?, *xs.get(after)?);
+    let share = (x - x0) / (x1 - x0);
+    (0.0..=1.0).contains(&share).then(|| ys[after - 1] + share * (ys[after] - ys[after - 1]))
 }
 
 /// Fits, means and the first-order fit, in the order in which they lie over each other: the mean is
@@ -374,6 +424,26 @@ mod tests {
         );
         assert_eq!(found.mark, None);
         assert!(figure(&sweeps(1, 50, Source::Twin), "").mark.is_some());
+    }
+
+    #[test]
+    fn samples_off_the_fit_are_those_of_its_own_way_and_of_sweeps_that_turn_once() {
+        let part = |name: &str| Part {
+            name: name.to_owned(),
+            rows: 0..2,
+            colour: style::INK,
+            dash: Dash::Solid,
+        };
+        let mut sweep = sweeps(1, 2, Source::Recorded).remove(0);
+        (sweep.command_values, sweep.response_values) =
+            (vec![0.0, 4.0, 8.0, 4.0, 0.0], vec![0.0, 1.0, 8.0, 7.0, 0.5]);
+        let fit: (&[f64], &[f64]) = (&[0.0, 8.0], &[0.0, 8.0]);
+        assert_eq!(part(", up").residuals(&sweep, fit), [(0.0, 0.0), (4.0, -3.0), (8.0, 0.0)]);
+        assert_eq!(part(", down").residuals(&sweep, fit), [(4.0, 3.0), (0.0, 0.5)]);
+        assert_eq!(part("").residuals(&sweep, fit).len(), 5);
+        sweep.command_values[4] = 8.0; // up again
+        assert!(part(", up").residuals(&sweep, fit).is_empty());
+        assert_eq!(value_at(fit, 9.0), None, "the fit says nothing beyond its data");
     }
 
     #[test]

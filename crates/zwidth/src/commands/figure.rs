@@ -1,0 +1,132 @@
+//! `zwidth figure`: one figure of a study again, in another size or form, in a folder of its own.
+
+use super::near::did_you_mean;
+use super::output::Output;
+use super::{join_findings, study};
+use crate::args::{Figure as Asked, FigureFormat};
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::{anyhow, bail};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use zwidth_acquire::Unsynced;
+use zwidth_draw::Figure;
+use zwidth_figures::caption_text;
+use zwidth_plan as plan;
+use zwidth_runner::{JobEnd, ORIGIN, Options, Report, Results, origins, run as run_jobs};
+use zwidth_store::{Layout, RealFiles, StudyData, findings};
+
+#[derive(Serialize)]
+struct Entry {
+    name: String,
+    shows: String,
+}
+
+pub(crate) fn figure(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
+    let layout = study(root, asked.study.clone())?;
+    let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
+    let captions = plan::captions(&data);
+    let Some(name) = &asked.name else {
+        let entry = |(name, shows)| Entry { name, shows };
+        return list(captions.into_iter().map(entry).collect(), screen);
+    };
+    if !captions.iter().any(|(stem, _)| stem == name) {
+        let names = captions.iter().map(|(stem, _)| stem.as_str());
+        bail!(
+            "{} has no figure '{name}'{} (`zwidth figure {}` lists them)",
+            asked.study,
+            did_you_mean(name, names),
+            asked.study
+        );
+    }
+    let (folder, origin) = (folder(&layout, asked)?, make(&data, name)?);
+    let (figure, problems) = plan::describe(&data, name)
+        .ok_or_else(|| anyhow!("{name} is no figure of the study"))?
+        .map_err(|error| anyhow!("{name} cannot be drawn: {error}"))?;
+    let files = write(name, resized(figure, asked), &folder, origin, asked)?;
+    problems.iter().for_each(|problem| screen.warn(format!("left out: {problem}")));
+    if screen.json {
+        screen.listing(&files)?;
+    } else {
+        files.iter().for_each(|file| screen.result(file.display().to_string()));
+    }
+    Ok(if problems.is_empty() { Exit::Fine } else { Exit::Partly })
+}
+
+fn list(figures: Vec<Entry>, screen: &Screen) -> anyhow::Result<Exit> {
+    if screen.json {
+        screen.listing(&figures)?;
+    } else {
+        let line = |figure: &Entry| screen.result(format!("{:<44} {}", figure.name, figure.shows));
+        figures.iter().for_each(line);
+    }
+    Ok(Exit::Fine)
+}
+
+/// Where the files go, which may not be among recordings nor among what a run makes.
+fn folder(layout: &Layout, asked: &Asked) -> anyhow::Result<PathBuf> {
+    let Some(folder) = &asked.out else { return Ok(layout.reports().join("remade")) };
+    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let own = [layout.raw(), layout.derived(), layout.reports().join("figures")];
+    if let Some(taken) = own.iter().find(|taken| real(folder).starts_with(real(taken))) {
+        bail!("{} lies in {}; choose another folder", folder.display(), taken.display());
+    }
+    Ok(folder.clone())
+}
+
+/// Makes the figure as a run does, with all that it needs, so that nothing stale is drawn; what its
+/// file says of its origin.
+fn make(data: &StudyData, name: &str) -> anyhow::Result<Option<String>> {
+    let jobs = plan::jobs(data, &findings(&RealFiles, data));
+    let of_figure = jobs.iter().find(|job| job.name == format!("figure {name}"));
+    let job = of_figure.ok_or_else(|| anyhow!("{name} is no figure of the study"))?;
+    let options = Options { only: Some(job.name.clone()), ..Options::default() };
+    let results = Results::new(&data.layout, &Unsynced);
+    let done = run_jobs(&jobs, &results, &options, &|_: &Report| {})?;
+    for report in done.reports {
+        if let JobEnd::Failed(why) | JobEnd::Blocked(why) = report.verdict {
+            bail!("{} could not be made: {why}", report.name);
+        }
+    }
+    let svg = std::fs::read(&job.outputs[0])?;
+    Ok(origins(&svg).into_iter().next())
+}
+
+/// The figure as large and as bare as it was asked for.
+fn resized(figure: Figure, asked: &Asked) -> Figure {
+    let (width_mm, height_mm) = match asked.size {
+        Some((width_mm, height_mm)) => (width_mm, height_mm),
+        None => (figure.width_mm, figure.height_mm),
+    };
+    Figure { width_mm, height_mm, bare: asked.bare, ..figure }
+}
+
+fn write(
+    name: &str,
+    figure: Figure,
+    folder: &Path,
+    origin: Option<String>,
+    asked: &Asked,
+) -> anyhow::Result<Vec<PathBuf>> {
+    let source = match &figure.mark {
+        Some(mark) => mark.clone(),
+        None => format!("the study {}", asked.study),
+    };
+    let caption = caption_text(&figure);
+    let made_from =
+        [("job", Some(format!("figure {name}"))), ("source", Some(source)), (ORIGIN, origin)];
+    let made_from = made_from.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));
+    let mut output = Output::new(folder, made_from.collect());
+    output.text(name, "txt", &caption)?;
+    let drawing = output.drawn(figure)?;
+    for format in &asked.format {
+        let bytes = match format {
+            FigureFormat::Svg if asked.text => drawing.svg_with_text()?.into_bytes(),
+            FigureFormat::Svg => drawing.svg()?.into_bytes(),
+            FigureFormat::Pdf => drawing.pdf()?,
+            FigureFormat::Png => drawing.png(asked.dpi)?,
+        };
+        output.form(name, format.extension(), &bytes)?;
+    }
+    Ok(output.files)
+}
