@@ -1,9 +1,10 @@
 //! Stage `simulate`: runs of the scenes that study.toml lists, and their figures. No recording goes
 //! into them.
 
-use crate::drawing::{Drawing, write_figure};
+use crate::drawing::Drawing;
 use crate::making::{derived, read_tables, write_tables};
 use std::path::PathBuf;
+use zwidth_draw::Figure;
 use zwidth_figures::{SCENE_BOW_TIE, SCENE_INPUTS, SCENE_RUNS};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_simulate::{
@@ -72,7 +73,7 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     data.study.scenes.iter().map(drawing).collect()
 }
 
-fn draw(what: &SceneDrawing, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+fn draw(what: &SceneDrawing, files: &Vec<PathBuf>) -> Result<(Figure, Vec<String>), JobError> {
     let tables = read_tables(files)?;
     let tables: Vec<&Table> = tables.iter().collect();
     let figure = match (what, tables.as_slice()) {
@@ -81,5 +82,5 @@ fn draw(what: &SceneDrawing, files: &Vec<PathBuf>, making: &Making) -> Result<Ma
         (SceneDrawing::BowTie, [table]) => zwidth_figures::bow_tie(table)?,
         (SceneDrawing::BowTie, _) => return Err("a bow tie is drawn of one scene".into()),
     };
-    write_figure(figure, Vec::new(), making)
+    Ok((figure, Vec::new()))
 }
