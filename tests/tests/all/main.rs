@@ -35,4 +35,5 @@ mod shipped;
 mod small;
 mod source;
 mod story;
+mod survey;
 mod whole_run;
