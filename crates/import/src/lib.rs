@@ -27,6 +27,7 @@ mod limits;
 mod long;
 mod mapping;
 mod mat;
+mod npy;
 mod once;
 mod parquet;
 mod plain;
