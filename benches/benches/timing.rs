@@ -30,8 +30,13 @@ fn ours(seconds: f64) -> LiveRun {
         Limits { theta_min_rad: -HALF_STROKE_RAD, theta_max_rad: HALF_STROKE_RAD, force_n: 10.0 };
     let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -HALF_STROKE_RAD };
     let scene = Scene::SpringWall { spring, wall_rad: -0.1 };
-    let environment =
-        Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
+    let environment = Environment {
+        id: "e".parse().unwrap(),
+        label: String::new(),
+        scene,
+        question: None,
+        further: Vec::new(),
+    };
     let (motor_max_v, brake_max_v) = (Some(8.0), Some(8.0));
     let mode = Mode {
         id: "m".parse().unwrap(),

@@ -142,6 +142,11 @@ pub fn write() -> Result<(), Any> {
     let data = matrix("data", &[[0.0, 1.0], [0.5, 2.0], [1.0, 3.0]]);
     let vector = matrix("theta", &[[0.0], [0.1], [0.2]]);
     put("mat", "plain", &[mat_header(), data.clone(), vector.clone()].concat())?;
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }\n";
+    let length = u16::try_from(header.len())?.to_le_bytes();
+    let values = [0.0_f64, 0.5].map(f64::to_le_bytes).concat();
+    let array = [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &values].concat();
+    put("npy", "vector", &array)?;
     put("mat", "packed", &[mat_header(), packed(&data)?, packed(&vector)?].concat())?;
     Ok(())
 }

@@ -10,7 +10,7 @@ pub fn left_to_do(data: &StudyData, log: &SessionLog) -> usize {
     if log.record.order.is_none() {
         return 0;
     }
-    let order = log.record.trials.iter().map(|t| (t.clone(), None)).collect();
+    let order = log.record.trials.iter().map(|t| (t.clone(), Vec::new())).collect();
     let (flow, _) = Flow::begin(order, 0.0, &recorded(&data.trials, log), &log.events);
     flow.places().len() - flow.done()
 }

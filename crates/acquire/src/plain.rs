@@ -135,7 +135,7 @@ fn parse(line: &str) -> Result<Input, String> {
         ("answer", n) => {
             n.parse().map(Input::Answer).map_err(|_| format!("'{n}' is no answer: a number"))
         }
-        (n, "") if n.parse::<u8>().is_ok() => Ok(Input::Answer(n.parse().unwrap_or(0))),
+        (n, "") if n.parse::<i16>().is_ok() => Ok(Input::Answer(n.parse().unwrap_or(0))),
         _ => Err(format!(
             "'{line}' is not understood: start, answer NUMBER, skip, repeat, exclude REASON, note TEXT, stop, quit"
         )),
@@ -160,8 +160,11 @@ fn line(view: &View) -> String {
         Phase::Ready => format!("ready {}", trial(view)),
         Phase::Trial { limit_s, .. } => format!("trial {}, at most {limit_s} s", trial(view)),
         Phase::Question { text, scale } => {
-            let [first, last] = [1, scale.points()].map(|a| scale.word(a).unwrap_or_default());
-            format!("question {text} (1 {first} to {} {last})", scale.points())
+            let word =
+                |a: i16| scale.word(a).map(|word| format!("{a} {word}")).unwrap_or(a.to_string());
+            let [first, last] = [scale.lowest(), scale.highest()].map(word);
+            let steps = scale.range().split_once(" in ").map(|(_, steps)| format!(", in {steps}"));
+            format!("question {text} ({first} to {last}{})", steps.unwrap_or_default())
         }
         Phase::Pause { left_s, .. } => format!("pause {left_s:.1} s"),
         Phase::Stopped { why } => format!("stopped {why} (start goes on, quit ends)"),

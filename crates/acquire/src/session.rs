@@ -74,13 +74,14 @@ impl Session {
         }
     }
 
-    /// The order, each trial with the question that follows it.
-    pub(crate) fn order(&self, study: &Study) -> Vec<(PlannedTrial, Option<Question>)> {
-        let question = |t: &PlannedTrial| {
-            let id = study.environment(&t.environment)?.question.as_ref()?;
-            study.question(id).cloned()
+    /// The order, each trial with the questions that follow it.
+    pub(crate) fn order(&self, study: &Study) -> Vec<(PlannedTrial, Vec<Question>)> {
+        let asked = |t: &PlannedTrial| {
+            let environment = study.environment(&t.environment).into_iter();
+            let ids = environment.flat_map(|environment| environment.questions());
+            ids.filter_map(|id| study.question(id).cloned()).collect()
         };
-        self.record.trials.iter().map(|t| (t.clone(), question(t))).collect()
+        self.record.trials.iter().map(|t| (t.clone(), asked(t))).collect()
     }
 
     /// What a trial's file says of it: in a sealed session its code in place of the mode.
@@ -247,15 +248,13 @@ fn found(
 
 /// What was recorded of a session.
 pub(crate) fn recorded(trials: &[TrialEntry], log: &SessionLog) -> Vec<Recorded> {
-    let answered =
-        |n: u32| log.events.iter().any(|e| matches!(e, Event::Answer { trial, .. } if *trial == n));
     let of_session = |t: &&TrialEntry| {
         t.meta.participant == log.record.participant && t.meta.session == log.record.session
     };
     let one = |t: &TrialEntry| Recorded {
         trial: t.meta.trial,
         complete: t.meta.status == Status::Complete,
-        settled: t.meta.likert.is_some() || t.excluded.is_some() || answered(t.meta.trial),
+        settled: t.meta.likert.is_some() || t.excluded.is_some(),
     };
     trials.iter().filter(of_session).map(one).collect()
 }

@@ -428,7 +428,13 @@ mod tests {
         fn new() -> Self {
             let scene = Scene::Spring(Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 });
             let id = "e".parse().unwrap();
-            let environment = Environment { id, label: String::new(), scene, question: None };
+            let environment = Environment {
+                id,
+                label: String::new(),
+                scene,
+                question: None,
+                further: Vec::new(),
+            };
             let (calibration, stop) = (Calibration::thesis(), AtomicBool::default());
             Self { environment, mode: mode(), calibration, stop }
         }

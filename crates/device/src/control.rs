@@ -170,8 +170,13 @@ mod tests {
             brake_max_v,
             law: None,
         };
-        let environment =
-            Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
+        let environment = Environment {
+            id: "e".parse().unwrap(),
+            label: String::new(),
+            scene,
+            question: None,
+            further: Vec::new(),
+        };
         Controller::new(&Control::default(), &environment, &mode, &Calibration::thesis())
     }
 

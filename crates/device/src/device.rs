@@ -106,7 +106,7 @@ pub trait Device: Send {
 
     /// The answer of a device's own participant to the question of the trial that has ended, on
     /// that question's scale.
-    fn answer(&mut self, _on: AnswerScale) -> Option<u8> {
+    fn answer(&mut self, _on: &AnswerScale) -> Option<i16> {
         None
     }
 }

@@ -138,8 +138,13 @@ mod tests {
     fn each_row_stands_until_the_next_and_the_last_one_for_good() {
         let mut playback = playback();
         let scene = Scene::None;
-        let environment =
-            Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
+        let environment = Environment {
+            id: "e".parse().unwrap(),
+            label: String::new(),
+            scene,
+            question: None,
+            further: Vec::new(),
+        };
         for begin_s in [5.0, 7.0] {
             playback.begin(begin_s, &Cue { trial: 1, environment: &environment, limit_s: 4.0 });
             for (t_s, theta_rad, age_s) in

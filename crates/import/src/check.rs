@@ -7,12 +7,10 @@ use super::mapping::{Content, FileForm, Mapping, Who};
 use super::shape::{
     ChannelShape, ColumnShape, FileShape, KindShape, Shape, Split, TimeShape, TrialShape,
 };
-use super::table::ColumnRef;
 use regex::Regex;
-use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::hex_blake3;
-use zwidth_study::{QuestionId, StudyError, line_of, toml_error};
+use zwidth_study::{StudyError, line_of, toml_error};
 
 /// The mapping in `text`, or every problem found in it.
 pub(super) fn check(text: &str, path: &Path) -> Result<Mapping, Vec<StudyError>> {
@@ -72,8 +70,7 @@ impl Check<'_> {
                 self.sweeps(shape.sweep, shape.time, quantities, shape.wide, &groups)
             }
             KindShape::Likert => {
-                let questions = shape.questions.map(|q| q.columns).unwrap_or_default();
-                self.likert(shape.trial, questions, &groups)
+                self.likert(shape.trial, shape.questions.unwrap_or_default(), &groups)
             }
         }?;
         let blake3 = hex_blake3(self.text.as_bytes());
@@ -159,7 +156,7 @@ impl Check<'_> {
         shape.and_then(|shape| self.label(key, shape, groups))
     }
 
-    fn who(&mut self, shape: Option<TrialShape>, groups: &[&str]) -> Option<Who> {
+    pub(super) fn who(&mut self, shape: Option<TrialShape>, groups: &[&str]) -> Option<Who> {
         let shape = self.required("trial", shape)?;
         // All labels before the first `?`, so that every problem is told at once.
         let participant = self.label("trial.participant", shape.participant, groups);
@@ -206,26 +203,6 @@ impl Check<'_> {
             }
         }
         Some(Content::Trials { who: who?, time: time?, columns: known, channels })
-    }
-
-    fn likert(
-        &mut self,
-        trial: Option<TrialShape>,
-        questions: BTreeMap<String, ColumnRef>,
-        groups: &[&str],
-    ) -> Option<Content> {
-        let who = self.who(trial, groups);
-        if who.as_ref().is_some_and(|w| w.likert.is_some()) {
-            self.error("trial.likert", "has no meaning for this kind of mapping; remove it");
-        }
-        let mut checked = BTreeMap::new();
-        for (id, column) in questions {
-            let key = format!("questions.columns.{id}");
-            if let Some(id) = self.keep(&key, QuestionId::new(id).map_err(|e| e.to_string())) {
-                checked.insert(id, column);
-            }
-        }
-        Some(Content::Likert { who: who?, questions: checked })
     }
 }
 

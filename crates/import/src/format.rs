@@ -3,7 +3,7 @@
 use super::csv::Dialect;
 use super::limits::Take;
 use super::table::Table;
-use super::{csv, jsonl, mat, parquet};
+use super::{csv, jsonl, mat, npy, parquet};
 use serde::Deserialize;
 use std::path::Path;
 use zwidth_store::StoreError;
@@ -18,6 +18,8 @@ pub(super) enum Format {
     Jsonl,
     Parquet,
     Mat,
+    Npy,
+    Npz,
 }
 
 /// What a format needs to know besides the bytes.
@@ -25,14 +27,22 @@ pub(super) enum Format {
 pub(super) struct FormatOptions<'a> {
     /// How delimited text is written.
     pub(super) dialect: Dialect,
-    /// The matrix of a MAT file whose columns are meant.
+    /// The matrix of a MAT file, or the array of a NumPy archive, whose columns are meant.
     pub(super) matrix: Option<&'a str>,
 }
 
 impl Format {
     /// Every format.
-    pub(super) const ALL: [Self; 6] =
-        [Self::Csv, Self::Tsv, Self::Txt, Self::Jsonl, Self::Parquet, Self::Mat];
+    pub(super) const ALL: [Self; 8] = [
+        Self::Csv,
+        Self::Tsv,
+        Self::Txt,
+        Self::Jsonl,
+        Self::Parquet,
+        Self::Mat,
+        Self::Npy,
+        Self::Npz,
+    ];
 
     /// The extensions of its files, in small letters; the first is its word in a mapping file.
     pub(super) fn extensions(self) -> &'static [&'static str] {
@@ -43,6 +53,8 @@ impl Format {
             Self::Jsonl => &["jsonl", "ndjson"],
             Self::Parquet => &["parquet"],
             Self::Mat => &["mat"],
+            Self::Npy => &["npy"],
+            Self::Npz => &["npz"],
         }
     }
 
@@ -60,12 +72,14 @@ impl Format {
             Self::Jsonl => "JSON lines",
             Self::Parquet => "a Parquet file",
             Self::Mat => "a MAT file",
+            Self::Npy => "a NumPy array",
+            Self::Npz => "a NumPy archive",
         }
     }
 
     /// Whether a file may unpack to more than its size.
     pub(super) fn is_packed(self) -> bool {
-        matches!(self, Self::Parquet | Self::Mat)
+        matches!(self, Self::Parquet | Self::Mat | Self::Npz)
     }
 
     /// Reads the columns that are taken.
@@ -84,6 +98,8 @@ impl Format {
             Self::Jsonl => jsonl::read(path, &bytes, options.dialect.encoding, take),
             Self::Parquet => parquet::read(path, bytes, take),
             Self::Mat => mat::read(path, &bytes, options.matrix, take),
+            Self::Npy => npy::read(path, &bytes, take),
+            Self::Npz => npy::read_archive(path, &bytes, options.matrix, take),
         }
     }
 }

@@ -23,7 +23,7 @@ pub(super) struct Identity {
     pub(super) kind: Kind,
     pub(super) repeat: Option<u32>,
     pub(super) trial: Option<u32>,
-    pub(super) likert: Option<u8>,
+    pub(super) likert: Option<i16>,
     /// Where it was found, for errors.
     pub(super) file: PathBuf,
 }
@@ -62,7 +62,7 @@ pub(super) fn identity(
         repeat: optional(who.repeat.as_ref(), whole("repeat"))?,
         trial: optional(who.trial.as_ref(), whole("trial"))?,
         likert: optional(who.likert.as_ref(), |l| {
-            l.value("likert", recording, row, |text| answer(text, scale))
+            l.value("likert", recording, row, |text| answer(text, &scale))
         })?,
         file: recording.path.clone(),
     })
@@ -106,15 +106,15 @@ pub(super) fn number(what: &str, text: &str) -> Result<u32, String> {
 /// The scale of what is asked after an environment's trials.
 fn scale_after(study: &Study, environment: &EnvironmentId) -> AnswerScale {
     let id = study.environment(environment).and_then(|e| e.question.as_ref());
-    id.and_then(|id| study.question(id)).map(|q| q.scale).unwrap_or_default()
+    id.and_then(|id| study.question(id)).map(|q| q.scale.clone()).unwrap_or_default()
 }
 
 /// An answer on a scale.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub(super) fn answer(text: &str, scale: AnswerScale) -> Result<u8, String> {
-    let value = whole(text, f64::from(scale.points()));
-    value
-        .map(|v| v as u8)
+pub(super) fn answer(text: &str, scale: &AnswerScale) -> Result<i16, String> {
+    let given = text.parse::<f64>().ok();
+    let found =
+        given.and_then(|given| scale.answers().into_iter().find(|a| f64::from(*a) == given));
+    found
         .ok_or_else(|| format!("the answer '{text}' must be a whole number from {}", scale.range()))
 }
 
@@ -261,12 +261,12 @@ mod tests {
     #[test]
     fn an_answer_is_a_whole_number_from_1_to_5() {
         assert_eq!(
-            (answer("1", AnswerScale::FivePoint), answer("5.0", AnswerScale::FivePoint)),
+            (answer("1", &AnswerScale::FivePoint), answer("5.0", &AnswerScale::FivePoint)),
             (Ok(1), Ok(5))
         );
         for bad in ["0", "6", "2.5", "", "NaN", "agree"] {
             assert!(
-                answer(bad, AnswerScale::FivePoint).unwrap_err().contains("from 1 to 5"),
+                answer(bad, &AnswerScale::FivePoint).unwrap_err().contains("from 1 to 5"),
                 "{bad}"
             );
         }

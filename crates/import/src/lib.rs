@@ -9,11 +9,13 @@
 
 mod batch;
 mod check;
+mod check_likert;
 mod check_samples;
 mod check_sweeps;
 mod convert;
 mod csv;
 mod format;
+mod given;
 mod guess;
 mod identity;
 mod jsonl;
@@ -22,8 +24,10 @@ mod killed;
 mod label;
 mod likert;
 mod limits;
+mod long;
 mod mapping;
 mod mat;
+mod npy;
 mod once;
 mod parquet;
 mod plain;
@@ -112,7 +116,7 @@ fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
             trials::trials(context, (who, time, columns, channels), files)
         }
         Content::Sweeps { labels, form } => sweeps::sweeps(context, (labels, form), files),
-        Content::Likert { who, questions } => likert::likert(context, (who, questions), files),
+        Content::Likert { who, asked } => likert::likert(context, (who, asked), files),
     }
 }
 

@@ -1,38 +1,45 @@
-//! Wide questionnaire tables → trials without samples, and answers as events.
+//! Questionnaire tables → trials without samples, and answers as events. Here: wide ones, a row a
+//! trial; `long` has the others.
 
 use super::batch::Batch;
-use super::identity::{Identity, answer, identity, number_trials};
+use super::given::{Answered, Place, read_given};
+use super::identity::{Identity, identity, number_trials};
 use super::limits::{Budget, Take};
-use super::mapping::{Missing, Who};
+use super::mapping::{Asked, Questionnaire, Who};
 use super::recording::Recording;
 use super::report::FileReport;
 use super::table::ColumnRef;
-use super::{Context, Converted, Errors, all, once};
+use super::{Context, Converted, Errors, all, long, once};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_store::StoreError;
-use zwidth_study::{AnswerScale, Event, PlannedTrial, QuestionId, Study};
+use zwidth_study::{Event, PlannedTrial, QuestionId, Study};
 
-/// One row: a trial without samples, and what was answered.
-struct Answered {
-    identity: Identity,
-    answers: Vec<(QuestionId, u8)>,
-}
+/// A question, the column of its answers, and that of the times that they took.
+type WideColumn = (QuestionId, ColumnRef, Option<ColumnRef>);
 
-/// Reads every file, numbers the rows as trials over all of them, and turns the answers into
-/// events.
+/// Reads every file, numbers the trials over all of them, and turns the answers into events.
 pub(super) fn likert(
     context: &Context,
-    (who, questions): (&Who, &BTreeMap<QuestionId, ColumnRef>),
+    (who, asked): (&Who, &Questionnaire),
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
-    let questions = question_columns(questions, context)?;
     let budget = Budget::default();
-    let columns =
-        who.columns().into_iter().chain(questions.iter().map(|(_, column)| column)).collect();
+    let wide = match &asked.form {
+        Asked::Wide { columns, times } => question_columns(columns, times, context)?,
+        Asked::Long(_) => Vec::new(),
+    };
+    let columns = who.columns().into_iter().chain(asked.columns());
+    let columns = columns.chain(wide.iter().map(|(_, answer, _)| answer)).collect();
     let take = Take { columns, pattern: None, budget: &budget };
-    let converted = context
-        .convert(files, &take, |recording| convert(context, who, &questions, &budget, recording))?;
+    let converted = context.convert(files, &take, |recording| match &asked.form {
+        Asked::Wide { .. } => convert(context, (who, asked), &wide, &budget, recording),
+        Asked::Long(form) => long::convert(context, (who, asked, form), &budget, recording),
+    })?;
+    if matches!(asked.form, Asked::Long(_)) {
+        let found: Vec<&[Answered]> = converted.iter().map(|c| c.made.0.as_slice()).collect();
+        long::apart(&found)?;
+    }
     let mut batch = Batch::default();
     let (mut rows, mut sources) = (Vec::new(), Vec::new());
     for Converted { blake3, made: (found, report), .. } in &converted {
@@ -48,25 +55,36 @@ pub(super) fn likert(
     Ok(batch)
 }
 
-/// The answers of a row as events of its trial.
+/// The answers after a trial as events of it.
 fn events(row: &Answered, PlannedTrial { trial, .. }: &PlannedTrial) -> Vec<Event> {
-    let answers = row.answers.iter().cloned();
-    answers.map(|(question, value)| Event::Answer { trial: *trial, question, value }).collect()
+    let event = |(question, given): &(QuestionId, zwidth_study::Given)| Event::Answer {
+        trial: *trial,
+        question: question.clone(),
+        value: given.value,
+        time_ms: given.time_ms,
+    };
+    row.answers.iter().map(event).collect()
 }
 
 /// The column of every question: as listed in the mapping, or the one whose header is its text.
 fn question_columns(
     listed: &BTreeMap<QuestionId, ColumnRef>,
+    times: &BTreeMap<QuestionId, ColumnRef>,
     context: &Context,
-) -> Result<Vec<(QuestionId, ColumnRef)>, StoreError> {
+) -> Result<Vec<WideColumn>, StoreError> {
     let study = context.study;
     let error = |what: String, remedy: &str| StoreError::new(&context.mapping.path, what, remedy);
     if let Some(id) = listed.keys().find(|id| study.question(id).is_none()) {
         let what = format!("[questions.columns] has '{id}', which is no question of study.toml");
         return Err(error(what, "add it to study.toml, or remove it from the mapping"));
     }
+    if let Some(id) = times.keys().find(|id| study.question(id).is_none()) {
+        let what = format!("[questions.times] has '{id}', which is no question of study.toml");
+        return Err(error(what, "add it to study.toml, or remove it from the mapping"));
+    }
+    let with_time = |id: &QuestionId, column| (id.clone(), column, times.get(id).cloned());
     if !listed.is_empty() {
-        return Ok(listed.iter().map(|(id, column)| (id.clone(), column.clone())).collect());
+        return Ok(listed.iter().map(|(id, column)| with_time(id, column.clone())).collect());
     }
     if study.questions.is_empty() {
         return Err(error(
@@ -81,7 +99,7 @@ fn question_columns(
     Ok(study
         .questions
         .iter()
-        .map(|q| (q.id.clone(), ColumnRef::Name(q.text.trim().to_owned())))
+        .map(|q| with_time(&q.id, ColumnRef::Name(q.text.trim().to_owned())))
         .collect())
 }
 
@@ -93,21 +111,25 @@ fn repeated_text(study: &Study) -> Option<&QuestionId> {
 
 fn convert(
     context: &Context,
-    who: &Who,
-    questions: &[(QuestionId, ColumnRef)],
+    (who, asked): (&Who, &Questionnaire),
+    questions: &[WideColumn],
     budget: &Budget,
     recording: &Recording,
 ) -> Result<(Vec<Answered>, FileReport), Errors> {
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
-    let columns = all(questions.iter().map(|(_, column)| recording.find(column)))?;
+    let columns = all(questions.iter().map(|(_, column, _)| recording.find(column)))?;
+    let times = all(questions
+        .iter()
+        .map(|(.., time)| time.as_ref().map(|column| recording.find(column)).transpose()))?;
     let rows = recording.rows(&context.mapping.file, &[], &labels)?;
     budget.trials(&recording.path, rows.kept.len())?;
     let read = rows.kept.iter().map(|row| {
         let identity = identity(who, recording, *row, context.study)?;
-        let answers = questions.iter().zip(&columns).map(|((id, _), column)| {
-            let scale = context.study.question(id).map(|q| q.scale).unwrap_or_default();
-            let value = read_given(context, recording, scale, *column, *row)?;
-            Ok::<_, StoreError>(value.map(|v| (id.clone(), v)))
+        let places = columns.iter().zip(&times);
+        let places = places.map(|(answer, time)| Place { row: *row, answer: *answer, time: *time });
+        let answers = questions.iter().zip(places).map(|((id, ..), place)| {
+            let given = read_given(context, asked, recording, id, place)?;
+            Ok::<_, Errors>(given.map(|given| (id.clone(), given)))
         });
         Ok::<_, Errors>(Answered {
             identity,
@@ -115,7 +137,8 @@ fn convert(
         })
     });
     let found: Vec<Answered> = all(read)?;
-    let mut report = context.file_report(recording, &rows, &[labels, columns].concat())?;
+    let used = [labels, columns, times.into_iter().flatten().collect()].concat();
+    let mut report = context.file_report(recording, &rows, &used)?;
     let answers: usize = found.iter().map(|r| r.answers.len()).sum();
     report.converted.push(format!("answers, as given, of {} questions", questions.len()));
     let empty = match found.len() * questions.len() - answers {
@@ -124,24 +147,6 @@ fn convert(
     };
     report.made.push(format!("{} trials without samples, {answers} answers{empty}", found.len()));
     Ok((found, report))
-}
-
-/// The answer in a cell; `None` where it is empty and the mapping leaves such cells out.
-fn read_given(
-    context: &Context,
-    recording: &Recording,
-    scale: AnswerScale,
-    column: usize,
-    row: usize,
-) -> Result<Option<u8>, StoreError> {
-    if context.mapping.file.missing == Missing::Drop && recording.number(column, row) == Ok(None) {
-        return Ok(None);
-    }
-    let cell = recording.table.columns[column].cell(row);
-    let remedy = "mend the cell; leave empty ones out with missing = \"drop\" in [file]";
-    answer(&cell.to_string(), scale)
-        .map(Some)
-        .map_err(|what| recording.cell_error(column, row, &what, remedy))
 }
 
 #[cfg(test)]
@@ -189,6 +194,7 @@ trial = { column = \"order\" }
             trial,
             question: question.parse().unwrap(),
             value,
+            time_ms: None,
         };
         assert_eq!(events[..2], [answer(1, "felt_spring", 2), answer(1, "felt_wall", 4)]);
         let data = world.load();

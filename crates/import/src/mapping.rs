@@ -38,7 +38,47 @@ pub struct Mapping {
 pub(super) enum Content {
     Trials { who: Who, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
     Sweeps { labels: SweepLabels, form: SweepForm },
-    Likert { who: Who, questions: BTreeMap<QuestionId, ColumnRef> },
+    Likert { who: Who, asked: Questionnaire },
+}
+
+/// How a questionnaire lies in its files, and what its cells mean.
+#[derive(Debug, Clone)]
+pub(super) struct Questionnaire {
+    pub(super) form: Asked,
+    /// Their word → the number of the scale. What is no such word is a number.
+    pub(super) translate: BTreeMap<String, i16>,
+    /// The unit of the times that answers took.
+    pub(super) time_unit: Option<&'static Unit>,
+}
+
+/// Where answers stand.
+#[derive(Debug, Clone)]
+pub(super) enum Asked {
+    /// A row a trial, a column a question. No column listed: those whose header is a question's text.
+    Wide { columns: BTreeMap<QuestionId, ColumnRef>, times: BTreeMap<QuestionId, ColumnRef> },
+    /// A row an answer.
+    Long(LongForm),
+}
+
+/// The columns of a table with a row an answer.
+#[derive(Debug, Clone)]
+pub(super) struct LongForm {
+    pub(super) question: Label,
+    pub(super) answer: ColumnRef,
+    pub(super) time: Option<ColumnRef>,
+}
+
+impl Questionnaire {
+    /// The columns that the mapping names.
+    pub(super) fn columns(&self) -> Vec<&ColumnRef> {
+        match &self.form {
+            Asked::Wide { columns, times } => columns.values().chain(times.values()).collect(),
+            Asked::Long(form) => {
+                let LongForm { question, answer, time } = form;
+                question.column().into_iter().chain([answer]).chain(time).collect()
+            }
+        }
+    }
 }
 
 /// How the files are written.

@@ -37,8 +37,8 @@ impl FormatReader {
         self.0.is_packed()
     }
 
-    /// Reads a file; the number of rows. Of a MAT file the columns of the matrix `data` are read
-    /// before its vectors.
+    /// Reads a file; the number of rows. Of a MAT file or a NumPy archive the columns of the matrix
+    /// `data` are read before its vectors.
     ///
     /// # Errors
     /// Why it cannot be read.
@@ -59,7 +59,7 @@ impl FormatReader {
             let table = self.0.read(Path::new("input"), bytes.to_vec(), options, &take)?;
             Ok(table.lines.len())
         };
-        if self.0 == Format::Mat {
+        if matches!(self.0, Format::Mat | Format::Npz) {
             let _: Result<usize, StoreError> = read(Some("data"));
         }
         read(None)

@@ -199,4 +199,12 @@ pub(super) struct WideShape {
 pub(super) struct QuestionsShape {
     #[serde(default)]
     pub(super) columns: BTreeMap<String, ColumnRef>,
+    #[serde(default)]
+    pub(super) times: BTreeMap<String, ColumnRef>,
+    pub(super) question: Option<LabelShape>,
+    pub(super) answer: Option<ColumnRef>,
+    pub(super) time: Option<ColumnRef>,
+    pub(super) time_unit: Option<String>,
+    #[serde(default)]
+    pub(super) translate: BTreeMap<String, i16>,
 }

@@ -72,7 +72,7 @@ pub(super) fn trials(
 fn answer(study: &Study, identity: &Identity, trial: u32) -> Option<Event> {
     let question = study.environment(&identity.environment)?.question.clone()?;
     let value = identity.likert.filter(|_| study.schema > Schema::One)?;
-    Some(Event::Answer { trial, question, value })
+    Some(Event::Answer { trial, question, value, time_ms: None })
 }
 
 fn words(piece: &Piece, number: &PlannedTrial) -> String {
@@ -435,7 +435,7 @@ derive = \"integral of theta_dot_rad_s\"
         let meta = world.trial("P01", "S01", 2).meta;
         assert_eq!((meta.likert, meta.repeat, meta.kind), (None, 1, Kind::Trial));
         let question = "felt_spring".parse().unwrap();
-        let answer = Event::Answer { trial: 2, question, value: 5 };
+        let answer = Event::Answer { trial: 2, question, value: 5, time_ms: None };
         assert!(world.events("P01", "S01").contains(&answer));
         assert_eq!(world.trial("P01", "S01", 1).meta.kind, Kind::Familiarisation);
         assert_eq!(world.load().counting().count(), 2, "familiarisation does not count");

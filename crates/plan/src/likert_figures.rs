@@ -1,11 +1,11 @@
 //! The figures of the stage `likert`, as many panels to a figure as fit on a page.
 
 use crate::drawing::{Drawing, Figured};
-use crate::likert::tally;
+use crate::likert::{long, tally};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_figures::{About, FigureKind, LIKERT, LIKERT_ITEMS, LikertPage};
+use zwidth_figures::{About, FigureKind, LIKERT, LIKERT_ITEMS, LikertPage, RATINGS, RatingsPage};
 use zwidth_store::StudyData;
 use zwidth_study::{Environment, Question, Source};
 use zwidth_tables::Table;
@@ -28,6 +28,11 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
         for (number, page) in number_pages(pages.len()).into_iter().zip(pages) {
             drawings.push(draw_page(data, kind, number, page, tally.clone()));
         }
+    }
+    let pages = zwidth_figures::ratings_pages(&asked);
+    for (number, page) in number_pages(pages.len()).into_iter().zip(pages) {
+        let files = [tally.clone()].into_iter().chain(long(data)).collect();
+        drawings.push(draw_ratings(data, number, page, files));
     }
     drawings
 }
@@ -52,6 +57,35 @@ fn draw_page(
     let sources = data.sessions.iter().map(|s| s.record.source).collect();
     let page = Page { about: About::of(&data.study), page, sources };
     Drawing::new(data, kind, number, page, tally, draw).of(answers.len())
+}
+
+/// What a page of answers on scales of many points depends on besides the tables.
+#[derive(Serialize)]
+struct Rated {
+    about: About,
+    page: RatingsPage,
+    sources: Vec<Source>,
+}
+
+fn draw_ratings(
+    data: &StudyData,
+    number: Option<String>,
+    page: RatingsPage,
+    files: Vec<PathBuf>,
+) -> Drawing {
+    let mut answers = data.answers();
+    answers.retain(|a| page.shows(&a.condition.environment, &a.question));
+    let sources = data.sessions.iter().map(|s| s.record.source).collect();
+    let rated = Rated { about: About::of(&data.study), page, sources };
+    Drawing::new(data, RATINGS, number, rated, files, make_ratings).of(answers.len())
+}
+
+fn make_ratings(rated: &Rated, files: &Vec<PathBuf>) -> Figured {
+    let [tally, answers] = files.as_slice() else { return Err("ratings are two tables".into()) };
+    let (tally, answers) = (Table::from_parquet(tally)?, Table::from_parquet(answers)?);
+    let Rated { about, page, sources } = rated;
+    let figure = zwidth_figures::ratings(about, page, [&tally, &answers], sources)?;
+    Ok((figure, Vec::new()))
 }
 
 /// The questions answered in each environment, in the study's order.

@@ -1,10 +1,9 @@
 //! Stage `simulate`: runs of the scenes that study.toml lists, and their figures. No recording goes
 //! into them.
 
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, Figured};
 use crate::making::{derived, read_tables, write_tables};
 use std::path::PathBuf;
-use zwidth_draw::Figure;
 use zwidth_figures::{SCENE_BOW_TIE, SCENE_INPUTS, SCENE_RUNS};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_simulate::{
@@ -73,7 +72,7 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     data.study.scenes.iter().map(drawing).collect()
 }
 
-fn draw(what: &SceneDrawing, files: &Vec<PathBuf>) -> Result<(Figure, Vec<String>), JobError> {
+fn draw(what: &SceneDrawing, files: &Vec<PathBuf>) -> Figured {
     let tables = read_tables(files)?;
     let tables: Vec<&Table> = tables.iter().collect();
     let figure = match (what, tables.as_slice()) {

@@ -39,7 +39,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     journal.end()?;
     let start = Instant::now();
-    journal.finish(&RealFiles, &layout, Some(4), "2026-01-01T00:00:00Z")?;
+    journal.finish(
+        &RealFiles,
+        &layout,
+        Some(zwidth_study::Given { value: 4, time_ms: None }),
+        "2026-01-01T00:00:00Z",
+    )?;
     let finish_ms = start.elapsed().as_secs_f64() * 1e3;
     times_ms.sort_by(f64::total_cmp);
     let at = |share: f64| times_ms[(share * (APPENDS - 1) as f64) as usize];

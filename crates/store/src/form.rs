@@ -70,7 +70,7 @@ mod tests {
         read_trial, verify,
     };
     use std::path::PathBuf;
-    use zwidth_study::{Event, Extra, Sample};
+    use zwidth_study::{Event, Extra, Given, Sample};
 
     fn study(layout: &Layout, from: &str, to: &str) -> Study {
         let text = String::from_utf8(toml(layout)).unwrap();
@@ -84,7 +84,10 @@ mod tests {
             Journal::create(&RealFiles, layout, &meta(1), &TrialFile::new(), protocol).unwrap();
         journal.append(rows).unwrap();
         journal.end().unwrap();
-        journal.finish(&RealFiles, layout, Some(4), UTC).unwrap().unwrap()
+        journal
+            .finish(&RealFiles, layout, Some(Given { value: 4, time_ms: None }), UTC)
+            .unwrap()
+            .unwrap()
     }
 
     #[test]

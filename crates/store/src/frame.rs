@@ -4,8 +4,9 @@
 //! journal = "zwidth journal 2\n" frame*
 //! frame   = length of the payload (u32) · kind (u8) · payload · digest (32 bytes)
 //! kind    = 1 header: JSON of what is known of the trial and of what its file will say of itself
-//!           2 rows · 3 end (empty) · 4 answer: the answer, from 1 on (u8)
+//!           2 rows · 3 end (empty) · 4 answer: the answer (u8)
 //!           5 rows with channels: how many (u8), then the rows, each followed by its channels (f64)
+//!           6 answer: a number that is no u8, or one with the time that it took: i16, ms (u32; the highest: not measured)
 //! row     = which of the optional values are there (u8: 1 device time, 2 force age, 4 count) · t_s · t_device_s ·
 //!           theta_rad · theta_dot_rad_s · force_ex_n · motor_v · brake_v · force_age_s · force_cmd_n (f64) ·
 //!           theta_raw · flags (u16)
@@ -20,7 +21,7 @@
 use crate::{TrialFile, from_json};
 use serde::{Deserialize, Serialize};
 use zwidth_study::{
-    Channel, Extra, Flags, MOST_CHANNELS, QuestionId, Sample, TrialForm, TrialMeta, Voltages,
+    Channel, Extra, Flags, Given, MOST_CHANNELS, QuestionId, Sample, TrialForm, TrialMeta, Voltages,
 };
 
 /// The first bytes of every journal.
@@ -44,6 +45,10 @@ const MOST_SEARCHED: usize = 16;
 const MOST_TRIED: usize = 1 << 30;
 /// Bytes of a row: the bits, nine floats, two counts.
 const ROW: usize = 1 + 9 * 8 + 2 * 2;
+/// Bytes of an answer with the time that it took.
+const TIMED_ANSWER: usize = 2 + 4;
+/// Stands for a time that was not measured.
+const NO_TIME: u32 = u32::MAX;
 /// Bytes of a channel's value.
 const VALUE: usize = 8;
 /// Rows of a frame, whatever they hold.
@@ -55,7 +60,7 @@ pub(crate) enum Frame {
     Header(Header),
     Rows(Vec<Sample>),
     End,
-    Answer(u8),
+    Answer(Given),
 }
 
 /// What is known of a trial when it begins.
@@ -96,7 +101,7 @@ pub(crate) fn encode(frame: &Frame, chain: Chain) -> Result<(Vec<u8>, Chain), se
         Frame::Header(header) => (1, serde_json::to_vec(header)?),
         Frame::Rows(rows) => rows_payload(rows),
         Frame::End => (3, Vec::new()),
-        Frame::Answer(answer) => (4, vec![*answer]),
+        Frame::Answer(given) => answer_payload(given),
     };
     // The journal splits what is longer than `MOST_PAYLOAD`.
     let length = u32::try_from(payload.len()).unwrap_or(u32::MAX);
@@ -182,6 +187,7 @@ fn payload_length(head: &[u8]) -> Option<usize> {
         5 => length > 1 && are_rows(length - 1, head.get(HEAD).copied().unwrap_or_default()),
         3 => length == 0,
         4 => length == 1,
+        6 => length == TIMED_ANSWER,
         _ => false,
     };
     (possible && length <= MOST_PAYLOAD).then_some(length)
@@ -235,7 +241,7 @@ fn mend(span: &[u8], chain: Chain) -> Option<(Frame, Chain)> {
         Some((frame, expected))
     };
     let as_long = [&u32::try_from(length).ok()?.to_le_bytes(), &body[HEAD - 1..]].concat();
-    let mended = [1, 2, 3, 4, 5]
+    let mended = [1, 2, 3, 4, 5, 6]
         .into_iter()
         .find_map(|kind| is_right(&[&as_long[..HEAD - 1], &[kind], &as_long[HEAD..]].concat()));
     let is_short = length.saturating_mul(length) * BITS <= MOST_TRIED;
@@ -264,7 +270,8 @@ fn parse(kind: u8, payload: &[u8]) -> Option<Frame> {
             Some(Frame::Rows(rows.chunks_exact(length).filter_map(row).collect()))
         }
         (3, []) => Some(Frame::End),
-        (4, [answer]) => Some(Frame::Answer(*answer)),
+        (4, [value]) => Some(Frame::Answer(Given { value: i16::from(*value), time_ms: None })),
+        (6, bytes) => timed_answer(bytes).map(Frame::Answer),
         _ => None,
     }
 }
@@ -284,6 +291,24 @@ fn row_length(channels: u8) -> Option<usize> {
 fn are_rows(length: usize, channels: u8) -> bool {
     let fits = |channels| row_length(channels).is_some_and(|row| length.is_multiple_of(row));
     if channels == 0 { (1..=MOST_CHANNELS as u8).any(fits) } else { fits(channels) }
+}
+
+/// Kind and payload of a frame of an answer.
+fn answer_payload(given: &Given) -> (u8, Vec<u8>) {
+    match (u8::try_from(given.value), given.time_ms) {
+        (Ok(value), None) => (4, vec![value]),
+        (_, time_ms) => {
+            let time_ms = time_ms.unwrap_or(NO_TIME).to_le_bytes();
+            (6, [&given.value.to_le_bytes()[..], &time_ms].concat())
+        }
+    }
+}
+
+fn timed_answer(bytes: &[u8]) -> Option<Given> {
+    let (value, time_ms) = bytes.split_first_chunk::<2>()?;
+    let time_ms = u32::from_le_bytes(time_ms.try_into().ok()?);
+    let time_ms = Some(time_ms).filter(|time_ms| *time_ms != NO_TIME);
+    Some(Given { value: i16::from_le_bytes(*value), time_ms })
 }
 
 /// Kind and payload of a frame of rows. All have as many channels as the first: a device gives its
@@ -385,7 +410,10 @@ mod tests {
         more[0].extra = Extra::new(&[0.25, -1e9]);
         more[1].extra = Extra::new(&[f64::MIN_POSITIVE, 0.0]);
         let rows = [rows(0, 2), whole, more].map(Frame::Rows);
-        std::iter::once(header).chain(rows).chain([Frame::End, Frame::Answer(4)]).collect()
+        std::iter::once(header)
+            .chain(rows)
+            .chain([Frame::End, Frame::Answer(Given { value: 4, time_ms: None })])
+            .collect()
     }
 
     /// The frames as bytes, and where each ends.

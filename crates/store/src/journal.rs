@@ -13,7 +13,7 @@ use crate::{
     Append, Files, Layout, MOST_BYTES, Samples, StoreError, Trial, TrialFile, record_trial,
 };
 use std::path::{Path, PathBuf};
-use zwidth_study::{Sample, Status, TrialMeta};
+use zwidth_study::{Given, Sample, Status, TrialMeta};
 
 /// The journal of the trial in progress.
 pub struct Journal {
@@ -134,18 +134,20 @@ impl Journal {
         mut self,
         files: &dyn Files,
         layout: &Layout,
-        likert: Option<u8>,
+        likert: Option<Given>,
         utc: &str,
     ) -> Result<Option<PathBuf>, StoreError> {
-        if let Some(answer) = likert {
-            self.write(&Frame::Answer(answer), &[])?;
+        if let Some(given) = likert {
+            self.write(&Frame::Answer(given), &[])?;
         }
         let Self { path, file, .. } = self;
         drop(file); // before the file is removed: not every system removes an open one
         let read = read_journal(files, &path)?;
         let written = match read.trial() {
             None => None,
-            Some((trial, protocol)) => Some(record_trial(files, layout, utc, &trial, &protocol)?),
+            Some((trial, protocol)) => {
+                Some(record_trial(files, layout, utc, &trial, &protocol, read.time_ms())?)
+            }
         };
         clear(files, &path, &read)?;
         Ok(written)
@@ -232,7 +234,7 @@ pub(crate) struct Journaled {
     pub(crate) header: Option<Header>,
     pub(crate) rows: Vec<Sample>,
     pub(crate) ended: bool,
-    pub(crate) answer: Option<u8>,
+    pub(crate) answer: Option<Given>,
     /// Bytes of which nothing could be made.
     pub(crate) damaged: usize,
     /// Bytes of an append that was never finished.
@@ -248,10 +250,16 @@ impl Journaled {
         let Header { meta, file, protocol } = header;
         let is_whole = self.ended && self.damaged == 0;
         let status = if is_whole { Status::Complete } else { Status::Incomplete };
-        let meta = TrialMeta { status, likert: self.answer, ..meta };
+        let likert = self.answer.map(|given| given.value);
+        let meta = TrialMeta { status, likert, ..meta };
         let samples = Samples::from_rows(&self.rows);
         let samples = samples.with_channels(&self.rows, &protocol.given, &protocol.form);
         Some((Trial { meta, file, samples }, protocol))
+    }
+
+    /// From the question to its answer, ms, where it was measured.
+    pub(crate) fn time_ms(&self) -> Option<u32> {
+        self.answer?.time_ms
     }
 }
 
@@ -288,7 +296,7 @@ fn journaled(decoded: Decoded) -> Journaled {
             Frame::Header(header) => read.header = Some(header),
             Frame::Rows(rows) => read.rows.extend(rows),
             Frame::End => read.ended = true,
-            Frame::Answer(answer) => read.answer = Some(answer),
+            Frame::Answer(given) => read.answer = Some(given),
         }
     }
     read
@@ -319,12 +327,15 @@ mod tests {
         journal.append(&[]).unwrap();
         journal.append(&rows(100, 20)).unwrap();
         journal.end().unwrap();
-        let path = journal.finish(&RealFiles, &layout, Some(5), UTC).unwrap().unwrap();
+        let path = journal
+            .finish(&RealFiles, &layout, Some(Given { value: 5, time_ms: None }), UTC)
+            .unwrap()
+            .unwrap();
         let trial = read_trial(&path, Signal::all()).unwrap();
         assert_eq!(trial.meta, meta(1));
         let log = layout.events(&meta(1).participant, &meta(1).session);
         let question = "felt_spring".parse().unwrap();
-        let answer = zwidth_study::Event::Answer { trial: 1, question, value: 5 };
+        let answer = zwidth_study::Event::Answer { trial: 1, question, value: 5, time_ms: None };
         assert_eq!(crate::read_events(&log).unwrap().last(), Some(&answer));
         assert_eq!(
             trial.samples.get(Signal::Theta),

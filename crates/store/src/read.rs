@@ -441,7 +441,7 @@ fn meta_from(
             text => Some(
                 text.parse()
                     .ok()
-                    .filter(|v| (1..=AnswerScale::most_points()).contains(v))
+                    .filter(|v| (1..=i16::from(AnswerScale::most_points())).contains(v))
                     .ok_or_else(|| bad("likert", text))?,
             ),
         },

@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 use zwidth_study::{Event, Schema, TrialForm, TrialMeta};
 
 /// Writes a trial's file, the event that calls it recorded and, from schema 2 on, the event of the
-/// answer to its question; gives the file's path. `utc` is the time of the events.
+/// answer to its question; gives the file's path. `utc` is the time of the events,
+/// `answer_time_ms` what the answer took, where it was measured.
 ///
 /// What a first attempt has done already is not done again: the file may be there with this very
 /// trial in it, and the event may be there with the file's hash.
@@ -28,6 +29,7 @@ pub fn record_trial(
     utc: &str,
     trial: &Trial,
     protocol: &Protocol,
+    answer_time_ms: Option<u32>,
 ) -> Result<PathBuf, StoreError> {
     let (m, form) = (&trial.meta, &protocol.form);
     let path = layout.trial(&m.participant, &m.session, m.trial);
@@ -45,7 +47,9 @@ pub fn record_trial(
     if !is_recorded(&known, &log, m.trial, &blake3)? {
         events.push(Event::Recorded { trial: m.trial, blake3 });
     }
-    events.extend(answer(trial, protocol).filter(|answer| !is_answered(&known, answer)));
+    events.extend(
+        answer(trial, protocol, answer_time_ms).filter(|answer| !is_answered(&known, answer)),
+    );
     if events.is_empty() {
         sync_file(files, &log).map_err(|e| StoreError::io(&log, "sync", &e))?;
     } else {
@@ -57,10 +61,10 @@ pub fn record_trial(
 
 /// The event of the answer that was given before the trial's file was finished. In schema 1 the file
 /// alone has it.
-fn answer(trial: &Trial, protocol: &Protocol) -> Option<Event> {
+fn answer(trial: &Trial, protocol: &Protocol, time_ms: Option<u32>) -> Option<Event> {
     let (question, value) = (protocol.question.clone()?, trial.meta.likert?);
     let is_event = protocol.form.schema > Schema::One;
-    is_event.then_some(Event::Answer { trial: trial.meta.trial, question, value })
+    is_event.then_some(Event::Answer { trial: trial.meta.trial, question, value, time_ms })
 }
 
 /// Whether a log has an answer to the same question of the same trial.

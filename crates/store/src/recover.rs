@@ -221,7 +221,10 @@ fn trial(
     let Journaled { unfinished, mended, .. } = *read;
     let (rows, cut_bytes) = (trial.samples.len(), unfinished);
     let done = Done::Trial { status: m.status, rows, cut_bytes, mended };
-    Ok(Some(Recovered { path: record_trial(files, layout, utc, &trial, &protocol)?, done }))
+    Ok(Some(Recovered {
+        path: record_trial(files, layout, utc, &trial, &protocol, read.time_ms())?,
+        done,
+    }))
 }
 
 /// Removes the left-overs of unfinished writes.

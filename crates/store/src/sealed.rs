@@ -120,7 +120,14 @@ mod tests {
             .unwrap();
             journal.append(&rows(0, 3)).unwrap();
             journal.end().unwrap();
-            journal.finish(&RealFiles, &self.layout, Some(4), UTC).unwrap();
+            journal
+                .finish(
+                    &RealFiles,
+                    &self.layout,
+                    Some(zwidth_study::Given { value: 4, time_ms: None }),
+                    UTC,
+                )
+                .unwrap();
         }
 
         fn load(&self) -> StudyData {

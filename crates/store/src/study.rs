@@ -18,8 +18,8 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_study::{
-    ActuatorId, Condition, Event, Kind, ParticipantId, PlannedTrial, QuestionId, Seal, SessionId,
-    SessionRecord, Source, Status, Study, TrialForm, TrialMeta,
+    ActuatorId, Condition, Event, Given, Kind, ParticipantId, PlannedTrial, QuestionId, Seal,
+    SessionId, SessionRecord, Source, Status, Study, TrialForm, TrialMeta,
 };
 
 /// Largest `study.toml` that is read, bytes: a hundred times a long one.
@@ -148,8 +148,11 @@ pub struct Answer {
     pub condition: Condition,
     /// The question.
     pub question: QuestionId,
-    /// The answer as given, from 1 on.
-    pub value: u8,
+    /// The answer as given, a number of the question's scale.
+    pub value: i16,
+    /// From the question to its answer, ms, where it was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_ms: Option<u32>,
 }
 
 /// A study as it lies on the disk.
@@ -224,7 +227,8 @@ impl StudyData {
             if let (Some(question), Some(value)) = (question, t.meta.likert) {
                 let m = &t.meta;
                 let who = (m.participant.clone(), m.session.clone(), m.trial);
-                let answer = new_answer(&who, m.condition(), &question, value);
+                let given = Given { value, time_ms: None };
+                let answer = new_answer(&who, m.condition(), &question, given);
                 answers.insert((who, question), answer);
             }
         }
@@ -233,10 +237,11 @@ impl StudyData {
         for log in &self.sessions {
             let conditions = self.counting_conditions(log);
             for event in &log.events {
-                let Event::Answer { trial, question, value } = event else { continue };
+                let Event::Answer { trial, question, value, time_ms } = event else { continue };
                 let Some(condition) = conditions.get(trial) else { continue };
                 let who = (log.record.participant.clone(), log.record.session.clone(), *trial);
-                let answer = new_answer(&who, condition.clone(), question, *value);
+                let given = Given { value: *value, time_ms: *time_ms };
+                let answer = new_answer(&who, condition.clone(), question, given);
                 answers.insert((who, question.clone()), answer);
             }
         }
@@ -270,7 +275,7 @@ fn new_answer(
     (participant, session, trial): &(ParticipantId, SessionId, u32),
     condition: Condition,
     question: &QuestionId,
-    value: u8,
+    Given { value, time_ms }: Given,
 ) -> Answer {
     Answer {
         participant: participant.clone(),
@@ -279,6 +284,7 @@ fn new_answer(
         condition,
         question: question.clone(),
         value,
+        time_ms,
     }
 }
 

@@ -100,7 +100,7 @@ fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry, check: Check) 
 /// An answer in a trial's file that the scale of its question does not have.
 fn off_scale(study: &Study, entry: &TrialEntry) -> Option<StoreError> {
     let question = study.environment(&entry.meta.environment)?.question.as_ref()?;
-    let scale = study.question(question)?.scale;
+    let scale = &study.question(question)?.scale;
     let value = entry.meta.likert.filter(|value| !scale.has(*value))?;
     let what = format!("the answer is {value}; answers to '{question}' are {}", scale.range());
     let remedy = "add an event with the right answer: it takes the place of the file's";
@@ -232,7 +232,7 @@ fn event_finding(
         ));
     }
     match event {
-        Event::Answer { trial, question, value } => match data.study.question(question) {
+        Event::Answer { trial, question, value, .. } => match data.study.question(question) {
             None => finding(format!("question '{question}' is not in study.toml")),
             Some(Question { scale, .. }) if !scale.has(*value) => finding(format!(
                 "the answer to trial {trial} is {value}; answers are {}",

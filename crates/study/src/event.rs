@@ -37,8 +37,12 @@ pub enum Event {
         trial: u32,
         /// Which question.
         question: QuestionId,
-        /// The answer as given (not reversed), from 1 on.
-        value: u8,
+        /// The answer as given (not reversed), a number of the question's scale.
+        value: i16,
+        /// From the question to its answer, ms, where it was measured. Whole, so that what is read is
+        /// what was written, to the last bit.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        time_ms: Option<u32>,
     },
     /// The trial was done again, or is to be; this one no longer counts. The one that takes its
     /// place has its environment, mode, repeat and kind.
@@ -76,6 +80,15 @@ pub enum Event {
         /// BLAKE3 of that `study.toml`, hexadecimal.
         study_blake3: String,
     },
+}
+
+/// An answer as it was given (not reversed).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Given {
+    /// A number of the question's scale.
+    pub value: i16,
+    /// From the question to its answer, ms, where it was measured.
+    pub time_ms: Option<u32>,
 }
 
 /// A trial, and the mode that was sealed.

@@ -2,7 +2,7 @@
 //! study's files are alike and open as one data set, and so that a study keeps the form it began
 //! with.
 
-use crate::{ChannelId, Study};
+use crate::{AnswerScale, ChannelId, Question, Study};
 use serde::{Deserialize, Serialize};
 
 /// A version of the form of trial files: `schema` of `study.toml`.
@@ -92,10 +92,13 @@ impl TrialForm {
 
 impl Study {
     /// The form of this study's trial files. In version 2 there is a column `likert` only where
-    /// the study has one question, so that nobody has to ask which one is meant.
+    /// the study has one question, on a scale that has a name, so that nobody has to ask which one
+    /// is meant.
     pub fn trial_form(&self) -> TrialForm {
         let (schema, channels) = (self.schema, self.channels.clone());
-        let likert = schema == Schema::One || self.questions.len() == 1;
+        let named = |question: &Question| AnswerScale::NAMED.contains(&question.scale);
+        let one = self.questions.len() == 1 && self.questions.iter().all(named);
+        let likert = schema == Schema::One || one;
         TrialForm { schema, likert, channels }
     }
 }
@@ -128,6 +131,9 @@ mod tests {
         assert!(several.questions.len() > 1 && !several.trial_form().likert);
         let one = Study { questions: several.questions[..1].to_vec(), ..several };
         assert!(one.trial_form().likert);
+        let seven = study(&[("[[questions]]", "[[questions]]\npoints = 7")]);
+        let one = Study { questions: seven.questions[..1].to_vec(), ..seven };
+        assert!(!one.trial_form().likert);
     }
 
     #[test]

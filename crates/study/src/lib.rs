@@ -35,7 +35,7 @@ pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{Bound, Compare, Contrast, Families};
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
-pub use event::{Event, SealedTrial};
+pub use event::{Event, Given, SealedTrial};
 pub use figures::{Alignment, Alignments, Figures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, Schema, TrialForm};
 pub use id::{
@@ -52,7 +52,7 @@ pub use perception::{Measured, Perception, VibrationCurve, is_felt};
 pub use printable::{printable, printable_lines};
 pub use replay::ReplayModel;
 pub use sample::{Extra, Flags, MOST_CHANNELS, Sample, Voltages};
-pub use scale::AnswerScale;
+pub use scale::{AnswerScale, NumberScale};
 pub use scene::{ForceLaw, Scene, SceneKind, Spring};
 pub use scene_figure::{SceneDrawing, SceneFigure};
 pub use seal::{Seal, SealError};

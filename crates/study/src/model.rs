@@ -155,8 +155,18 @@ pub struct Environment {
     pub label: String,
     /// What is rendered.
     pub scene: Scene,
-    /// The question asked after each of its trials.
+    /// The question asked first after each of its trials.
     pub question: Option<QuestionId>,
+    /// Those that are asked after it, in this order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub further: Vec<QuestionId>,
+}
+
+impl Environment {
+    /// What is asked after each of its trials, in order.
+    pub fn questions(&self) -> impl Iterator<Item = &QuestionId> {
+        self.question.iter().chain(&self.further)
+    }
 }
 
 /// One mode of the study.

@@ -2,74 +2,181 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A scale of answers: whole numbers from 1 on, from the most unfavourable to the most favourable,
-/// each with its word. It is ordinal, whatever its length.
-#[derive(
-    Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
-)]
+/// A scale of answers: whole numbers at equal distances, from the most unfavourable to the most
+/// favourable, each with its word where it has one.
+#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AnswerScale {
     /// Five points of agreement (thesis §5.2.3).
     #[default]
     FivePoint,
+    /// The study's own: so many points, from a number on (`points`, `from`, `step`, `labels` in
+    /// `study.toml`).
+    #[serde(skip_deserializing)]
+    Numbers(NumberScale),
+}
+
+/// A scale by its numbers: −3 to 3, 0 to 6, 0 to 100 in steps of 5.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub struct NumberScale {
+    /// How many answers there are.
+    pub points: u8,
+    /// The lowest answer.
+    pub from: i16,
+    /// From an answer to the next one.
+    pub step: i16,
+    /// Words: none, one for each end, one for each end and the middle, or one for each answer.
+    pub labels: Vec<String>,
 }
 
 impl AnswerScale {
-    /// Every scale.
-    pub const ALL: [Self; 1] = [Self::FivePoint];
+    /// Every scale that has a name.
+    pub const NAMED: [Self; 1] = [Self::FivePoint];
 
-    /// More points than a scale may have: a key of one digit answers.
-    pub const POINTS_END: u8 = 10;
+    /// The most points of a scale: a visual analogue from 0 to 100.
+    pub const MOST_POINTS: u8 = 101;
+
+    /// The most points of a scale whose answers are counted one by one, and modelled as ordered
+    /// categories (0 to 10). A longer one is summarised by quartiles and means, as a quantity. The
+    /// border is this program's own: nobody reads a bar of more boxes, and few studies have an
+    /// answer for each threshold of a longer model.
+    pub const MOST_CATEGORIES: u8 = 11;
 
     /// Its name in prose, and its answers in words, from 1 on.
-    const fn about(self) -> (&'static str, &'static [&'static str]) {
+    const fn about(&self) -> Option<(&'static str, &'static [&'static str])> {
         match self {
-            Self::FivePoint => (
+            Self::FivePoint => Some((
                 "five-point scale",
                 &["strongly disagree", "disagree", "neutral", "agree", "strongly agree"],
-            ),
+            )),
+            Self::Numbers(_) => None,
         }
     }
 
-    /// Its name in prose: `five-point scale`.
-    pub const fn name(self) -> &'static str {
-        self.about().0
+    /// Its name in prose: `five-point scale`, `scale from -3 to 3`.
+    pub fn name(&self) -> String {
+        match self.about() {
+            Some((name, _)) => name.to_owned(),
+            None => format!("scale from {}", self.range()),
+        }
     }
 
-    /// The answers in words, from 1 on.
-    pub const fn words(self) -> &'static [&'static str] {
-        self.about().1
+    /// How many answers there are.
+    pub fn points(&self) -> u8 {
+        match self {
+            Self::Numbers(scale) => scale.points,
+            // A test holds it below `MOST_POINTS`.
+            named => named.about().map_or(0, |(_, words)| words.len() as u8),
+        }
+    }
+
+    /// The lowest answer, and from an answer to the next one.
+    fn form(&self) -> (i16, i16) {
+        match self {
+            Self::Numbers(scale) => (scale.from, scale.step),
+            _ => (1, 1),
+        }
+    }
+
+    /// From an answer to the next one.
+    pub fn step(&self) -> i16 {
+        self.form().1
+    }
+
+    /// The answer at a place, counted from 1.
+    pub fn answer_at(&self, place: u8) -> i16 {
+        let (from, step) = self.form();
+        from.saturating_add((i16::from(place) - 1).saturating_mul(step))
+    }
+
+    /// The lowest answer.
+    pub fn lowest(&self) -> i16 {
+        self.answer_at(1)
     }
 
     /// The highest answer.
-    pub const fn points(self) -> u8 {
-        // A test holds it below `POINTS_END`.
-        self.words().len() as u8
+    pub fn highest(&self) -> i16 {
+        self.answer_at(self.points())
+    }
+
+    /// Every answer, in rising order.
+    pub fn answers(&self) -> Vec<i16> {
+        (1..=self.points()).map(|place| self.answer_at(place)).collect()
+    }
+
+    /// The place of an answer, counted from 1; none where it is no answer.
+    pub fn place(&self, answer: i16) -> Option<u8> {
+        (1..=self.points()).find(|place| self.answer_at(*place) == answer)
     }
 
     /// Whether this is an answer.
-    pub fn has(self, answer: u8) -> bool {
-        (1..=self.points()).contains(&answer)
+    pub fn has(&self, answer: i16) -> bool {
+        self.place(answer).is_some()
     }
 
-    /// The highest answer on any scale.
+    /// Whether its answers are counted one by one, and modelled as ordered categories
+    /// ([`AnswerScale::MOST_CATEGORIES`]).
+    pub fn is_ordinal(&self) -> bool {
+        self.points() <= Self::MOST_CATEGORIES
+    }
+
+    /// The highest answer on any scale that has a name.
     pub fn most_points() -> u8 {
-        Self::ALL.map(Self::points).into_iter().max().unwrap_or_default()
+        Self::NAMED.iter().map(Self::points).max().unwrap_or_default()
     }
 
-    /// The range of its answers in words: `1 to 5`.
-    pub fn range(self) -> String {
-        format!("1 to {}", self.points())
+    /// The range of its answers in words: `1 to 5`, `0 to 100 in steps of 5`.
+    pub fn range(&self) -> String {
+        let ends = format!("{} to {}", self.lowest(), self.highest());
+        match self.form() {
+            (_, 1) => ends,
+            (_, step) => format!("{ends} in steps of {step}"),
+        }
     }
 
-    /// The word of an answer; none off the scale.
-    pub fn word(self, answer: u8) -> Option<&'static str> {
-        self.words().get(usize::from(answer.checked_sub(1)?)).copied()
+    /// The word of an answer; none off the scale, and none where it has none.
+    pub fn word(&self, answer: i16) -> Option<&str> {
+        let place = usize::from(self.place(answer)?) - 1;
+        match self {
+            Self::Numbers(scale) => scale.word(place),
+            named => named.about().and_then(|(_, words)| words.get(place).copied()),
+        }
     }
 
-    /// The answer as it counts: points + 1 − a where the question is reversed.
-    pub fn score(self, answer: u8, reversed: bool) -> u8 {
-        if reversed { self.points() + 1 - answer } else { answer }
+    /// An answer with its word: `4 (agree)`; the number alone where it has none.
+    pub fn worded(&self, answer: i16) -> String {
+        match self.word(answer) {
+            Some(word) => format!("{answer} ({word})"),
+            None => answer.to_string(),
+        }
+    }
+
+    /// Whether each answer has a word.
+    pub fn has_all_words(&self) -> bool {
+        self.answers().into_iter().all(|answer| self.word(answer).is_some())
+    }
+
+    /// The answer as it counts: lowest + highest − a where the question is reversed.
+    pub fn score(&self, answer: i16, reversed: bool) -> i16 {
+        if reversed { self.ends_together() - answer } else { answer }
+    }
+
+    /// Lowest + highest: what a reversed answer is taken from, and twice the middle.
+    pub fn ends_together(&self) -> i16 {
+        self.lowest() + self.highest()
+    }
+}
+
+impl NumberScale {
+    /// The word at a place, counted from 0.
+    fn word(&self, place: usize) -> Option<&str> {
+        let last = usize::from(self.points) - 1;
+        let at = match self.labels.len() {
+            0 => None,
+            all if all == last + 1 => Some(place),
+            ends => (0..ends).find(|at| at * last == place * (ends - 1)),
+        };
+        at.and_then(|at| self.labels.get(at)).map(String::as_str)
     }
 }
 
@@ -77,30 +184,81 @@ impl AnswerScale {
 mod tests {
     use super::*;
 
+    fn numbers(points: u8, from: i16, step: i16, labels: &[&str]) -> AnswerScale {
+        let labels = labels.iter().map(|label| (*label).to_owned()).collect();
+        AnswerScale::Numbers(NumberScale { points, from, step, labels })
+    }
+
+    fn scales() -> Vec<AnswerScale> {
+        let own = [numbers(7, -3, 1, &[]), numbers(21, 0, 5, &[]), numbers(101, 0, 1, &[])];
+        AnswerScale::NAMED.into_iter().chain(own).collect()
+    }
+
     #[test]
-    fn every_scale_has_a_word_for_each_answer_and_a_key_of_one_digit() {
-        for scale in AnswerScale::ALL {
-            assert!((2..AnswerScale::POINTS_END).contains(&scale.points()), "{scale:?}");
-            assert!((1..=scale.points()).all(|a| scale.has(a) && scale.word(a).is_some()));
-            assert!(!scale.has(0) && !scale.has(scale.points() + 1));
-            assert_eq!((scale.word(0), scale.word(scale.points() + 1)), (None, None));
+    fn every_named_scale_has_a_word_for_each_answer_and_a_key_of_one_digit() {
+        for scale in AnswerScale::NAMED {
+            assert!((2..10).contains(&scale.points()), "{scale:?}");
+            assert!(scale.has_all_words());
         }
+    }
+
+    #[test]
+    fn every_answer_has_its_place_and_what_lies_off_the_scale_or_between_its_steps_has_none() {
+        for scale in scales() {
+            let answers = scale.answers();
+            assert_eq!(answers.len(), usize::from(scale.points()));
+            for (place, answer) in (1..).zip(&answers) {
+                assert_eq!((scale.place(*answer), scale.answer_at(place)), (Some(place), *answer));
+            }
+            assert!(!scale.has(scale.lowest() - 1) && !scale.has(scale.highest() + 1));
+            assert_eq!(scale.word(scale.highest() + 1), None);
+        }
+        assert!(!numbers(21, 0, 5, &[]).has(7));
     }
 
     #[test]
     fn a_reversed_answer_counts_from_the_other_end_and_twice_reversed_as_given() {
-        for scale in AnswerScale::ALL {
-            for answer in 1..=scale.points() {
+        for scale in scales() {
+            for answer in scale.answers() {
                 assert_eq!(scale.score(answer, false), answer);
                 assert_eq!(scale.score(scale.score(answer, true), true), answer);
             }
-            assert_eq!(scale.score(1, true), scale.points());
+            assert_eq!(scale.score(scale.lowest(), true), scale.highest());
         }
+        assert_eq!(numbers(7, -3, 1, &[]).score(2, true), -2);
+        assert_eq!(numbers(21, 0, 5, &[]).score(5, true), 95);
     }
 
     #[test]
-    fn every_scale_has_a_word_in_files_of_its_own() {
-        let words = AnswerScale::ALL.map(|scale| serde_json::to_string(&scale).unwrap());
+    fn words_stand_at_each_answer_or_at_the_ends_and_the_middle() {
+        let words = |scale: AnswerScale| -> Vec<String> {
+            scale.answers().into_iter().map(|answer| scale.worded(answer)).collect()
+        };
+        assert_eq!(
+            words(numbers(3, 0, 1, &["no", "some", "much"])),
+            ["0 (no)", "1 (some)", "2 (much)"]
+        );
+        assert_eq!(words(numbers(3, -1, 1, &["bad", "good"])), ["-1 (bad)", "0", "1 (good)"]);
+        let ends_and_middle = words(numbers(5, -2, 1, &["bad", "neither", "good"]));
+        assert_eq!(ends_and_middle, ["-2 (bad)", "-1", "0 (neither)", "1", "2 (good)"]);
+        assert_eq!(words(numbers(2, 0, 1, &[])), ["0", "1"]);
+    }
+
+    #[test]
+    fn a_scale_is_told_by_its_ends_and_its_step() {
+        assert_eq!(AnswerScale::FivePoint.range(), "1 to 5");
+        assert_eq!(numbers(7, -3, 1, &[]).name(), "scale from -3 to 3");
+        assert_eq!(numbers(21, 0, 5, &[]).name(), "scale from 0 to 100 in steps of 5");
+    }
+
+    #[test]
+    fn up_to_eleven_points_are_categories_and_more_are_a_quantity() {
+        assert!(numbers(11, 0, 1, &[]).is_ordinal() && !numbers(12, 0, 1, &[]).is_ordinal());
+    }
+
+    #[test]
+    fn every_named_scale_has_a_word_in_files_of_its_own() {
+        let words = AnswerScale::NAMED.map(|scale| serde_json::to_string(&scale).unwrap());
         assert_eq!(words.iter().collect::<std::collections::BTreeSet<_>>().len(), words.len());
         assert!(words.contains(&"\"five_point\"".to_owned()));
     }

@@ -72,8 +72,8 @@ pub struct TrialMeta {
     pub environment: EnvironmentId,
     /// The mode (its sealed code until the session is unsealed).
     pub mode: ModeId,
-    /// The answer given before the file was finished, from 1 on.
-    pub likert: Option<u8>,
+    /// The answer given before the file was finished, a number of the question's scale.
+    pub likert: Option<i16>,
     /// Measured, simulated or imported.
     pub source: Source,
 }

@@ -1,16 +1,18 @@
 //! Answers compared: one row per question, environment and contrast.
 //!
-//! Answers are ordinal: no means. The effect is P(A > B) + ½ P(A = B) over each participant's pairs
+//! Answers on a scale of up to eleven points are ordinal: no means. The effect is P(A > B) + ½ P(A = B) over each participant's pairs
 //! of repeats, averaged over participants; the test is that of the cumulative-link mixed model with
-//! participant and participant × mode, the odds ratio for one person beside.
+//! participant and participant × mode, the odds ratio for one person beside. On a longer scale answers
+//! are a quantity: the effect is the same, the test that of the mean difference (`quantity`).
 
 use crate::cells::whole;
+use crate::quantity::{self, Score};
 use crate::{CompareError, columns};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_stats::clmm::{ModeComparison, ModeStudy, OddsRatio, compare_modes};
 use zwidth_stats::superiority::{Repeats, Superiority, superiority};
-use zwidth_stats::{Unestimable, holm};
+use zwidth_stats::{Tested, Unestimable, holm};
 use zwidth_study::{Contrast, EnvironmentId, ModeId, Question};
 use zwidth_tables::{Column, Table};
 
@@ -49,7 +51,10 @@ struct Answers {
     participant: Vec<usize>,
     session: Vec<usize>,
     mode: Vec<usize>,
+    /// As scored: its place on the scale, from 1.
     answer: Vec<u8>,
+    /// As scored: its number.
+    value: Vec<i16>,
 }
 
 /// By question and environment.
@@ -63,10 +68,52 @@ struct Row<'a> {
     /// The participants who answered in either mode, as `effect` has their shares.
     people: Vec<usize>,
     effect: Result<Superiority, Unestimable>,
-    model: Result<OddsRatio, Unestimable>,
+    model: Result<Model, Unestimable>,
     p_adjusted: Option<f64>,
     /// The p value of "no mode differs from another", and whether a bootstrap gave it.
     any: Option<(f64, bool)>,
+}
+
+/// What a contrast of answers is tested by.
+#[derive(Debug, Clone, PartialEq)]
+enum Model {
+    /// The odds of a higher answer, on a scale of few points.
+    Odds(OddsRatio),
+    /// The difference of means, on one of many.
+    Means(Tested),
+}
+
+impl Model {
+    fn p_value(&self) -> f64 {
+        match self {
+            Self::Odds(ratio) => ratio.test.f.p_value,
+            Self::Means(tested) => tested.p_value,
+        }
+    }
+}
+
+impl Row<'_> {
+    fn odds(&self) -> Option<&OddsRatio> {
+        match &self.model {
+            Ok(Model::Odds(ratio)) => Some(ratio),
+            _ => None,
+        }
+    }
+
+    fn means(&self) -> Option<&Tested> {
+        match &self.model {
+            Ok(Model::Means(tested)) => Some(tested),
+            _ => None,
+        }
+    }
+
+    /// Which model the contrast has, or would have.
+    fn model_words(&self) -> String {
+        match self.question.scale.is_ordinal() {
+            true => "cumulative logit".to_owned(),
+            false => format!("means, as for a metric ({} points)", self.question.scale.points()),
+        }
+    }
 }
 
 /// Compares the modes by the answers, which have one row each (`answers` of the stage `likert`).
@@ -116,17 +163,20 @@ fn by_question<'p>(
         let question = parameters.questions.iter().find(|q| is(q.id.as_str(), &questions));
         let environment = parameters.environments.iter().find(|e| is(e.as_str(), &environments));
         let mode = parameters.modes.iter().position(|m| is(m.as_str(), &modes));
-        let value = values[row].and_then(|value| u8::try_from(value).ok());
+        let value = values[row].and_then(|value| i16::try_from(value).ok());
         let (Some(question), Some(environment), Some(mode), Some(value)) =
             (question, environment, mode, value)
         else {
             continue;
         };
+        let scored = question.scale.score(value, question.reversed);
+        let Some(place) = question.scale.place(scored) else { continue };
         let of = found.entry((question.id.as_str(), environment.as_str())).or_default();
         of.participant.push(people[&participants[row]]);
         of.session.push(times[&sessions[row]]);
         of.mode.push(mode);
-        of.answer.push(question.scale.score(value, question.reversed));
+        of.answer.push(place);
+        of.value.push(scored);
     }
     Ok((people.into_keys().map(Option::unwrap_or_default).collect(), found))
 }
@@ -149,12 +199,19 @@ fn of_environment<'a>(
         if ![mode, against].iter().all(|mode| answers.mode.contains(mode)) {
             continue;
         }
-        let model =
-            models.entry(mode).or_insert_with(|| model(answers, question, mode, parameters));
-        let ratio = model.as_ref().map_err(Clone::clone).and_then(|comparison| {
-            let mut ratios = comparison.odds_ratios.iter();
-            ratios.find(|ratio| ratio.mode == against).cloned().ok_or_else(|| none.clone())
-        });
+        let (model, any) = if question.scale.is_ordinal() {
+            let model =
+                models.entry(mode).or_insert_with(|| model(answers, question, mode, parameters));
+            let ratio = model.as_ref().map_err(Clone::clone).and_then(|comparison| {
+                let mut ratios = comparison.odds_ratios.iter();
+                ratios.find(|ratio| ratio.mode == against).cloned().ok_or_else(|| none.clone())
+            });
+            let any = model.as_ref().ok().map(|of| (of.p_value(), of.bootstrap.is_some()));
+            (ratio.map(Model::Odds), any)
+        } else {
+            let tested = quantity::difference(&scores(answers), [mode, against], parameters.level);
+            (tested.map(Model::Means), None)
+        };
         let (people, effect) = effect(answers, [mode, against], parameters.level);
         rows.push(Row {
             question,
@@ -163,12 +220,24 @@ fn of_environment<'a>(
             answers: answers.mode.iter().filter(|m| [mode, against].contains(m)).count(),
             people,
             effect,
-            model: ratio,
+            model,
             p_adjusted: None,
-            any: model.as_ref().ok().map(|of| (of.p_value(), of.bootstrap.is_some())),
+            any,
         });
     }
     rows
+}
+
+/// The answers as numbers.
+fn scores(answers: &Answers) -> Vec<Score> {
+    let rows = 0..answers.value.len();
+    let score = |row: usize| Score {
+        participant: answers.participant[row],
+        session: answers.session[row],
+        mode: answers.mode[row],
+        value: answers.value[row].into(),
+    };
+    rows.map(score).collect()
 }
 
 fn model(
@@ -222,7 +291,7 @@ fn effect(
 
 /// The tests of one question are one family.
 fn adjust(rows: &mut [Row]) -> Result<(), CompareError> {
-    let p = |row: &Row| row.model.as_ref().ok().map(|ratio| ratio.test.f.p_value);
+    let p = |row: &Row| row.model.as_ref().ok().map(Model::p_value);
     let adjusted = holm::adjusted(&rows.iter().filter_map(p).collect::<Vec<_>>())?;
     for (row, p) in rows.iter_mut().filter(|row| row.model.is_ok()).zip(adjusted) {
         row.p_adjusted = Some(p);
@@ -238,7 +307,7 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
         Column::float(name, "1", description, rows.iter().map(of))
     };
     let effect = |row: &Row| row.effect.as_ref().ok().cloned();
-    let all = vec![
+    let mut all = vec![
         texts("question", "the question", |row| Some(row.question.id.to_string())),
         texts("environment", "what was rendered", |row| Some(row.environment.to_string())),
         columns::contrasts(rows.iter().map(|row| row.contrast)),
@@ -270,18 +339,18 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
             rows.iter().map(|row| Some(effect(row)?.interval.ok()?.1)),
         ),
         numbers("odds_ratio", "odds of a higher answer, for one person", |row| {
-            Some(row.model.as_ref().ok()?.estimate)
+            Some(row.odds()?.estimate)
         }),
         numbers(
             "odds_ratio_ci_low",
             "lower end of its profile interval; none: see remark",
-            |row| row.model.as_ref().ok()?.interval.low.value(),
+            |row| row.odds()?.interval.low.value(),
         ),
         numbers("odds_ratio_ci_high", "upper end; none: see remark", |row| {
-            row.model.as_ref().ok()?.interval.high.value()
+            row.odds()?.interval.high.value()
         }),
         numbers("p_value", "p value of an odds ratio of one (likelihood ratio over F)", |row| {
-            Some(row.model.as_ref().ok()?.test.f.p_value)
+            Some(row.model.as_ref().ok()?.p_value())
         }),
         numbers("p_adjusted", "the same, adjusted over the question by Holm", |row| row.p_adjusted),
         numbers("p_any", "p value of no difference between any modes", |row| Some(row.any?.0)),
@@ -290,13 +359,36 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
         }),
         texts("remark", "why there is no model, or an end of its interval is missing", |row| {
             match &row.model {
-                Ok(ratio) => ratio.interval.remark(),
+                Ok(Model::Odds(ratio)) => ratio.interval.remark(),
+                Ok(Model::Means(_)) => None,
                 Err(why) => Some(why.to_string()),
             }
         }),
     ];
+    let is_long = |row: &Row| !row.question.scale.is_ordinal();
+    if rows.iter().any(is_long) {
+        all.extend([
+            texts("model", "what the contrast is tested by", |row| Some(row.model_words())),
+            numbers("difference", "mean difference, points of the scale", |row| {
+                Some(row.means()?.estimate)
+            }),
+            numbers("difference_ci_low", "lower end of its interval", |row| {
+                Some(row.means()?.ci_low)
+            }),
+            numbers("difference_ci_high", "upper end of its interval", |row| {
+                Some(row.means()?.ci_high)
+            }),
+        ]);
+    }
     let title = "Answers compared: effects over participants, odds ratios for one person";
-    let table = Table::new("answers_compared", title, all)?;
+    let mut table = Table::new("answers_compared", title, all)?;
+    if rows.iter().any(is_long) {
+        table = table.with_note(
+            "On a scale of more than 11 points means are compared, as for a metric: the mean over participants \
+             of their differences, sessions averaged with equal weight, by Student's t; p_value is that of a \
+             difference of zero.",
+        );
+    }
     Ok(table.with_note(
         "n counts participants, never answers. Model: cumulative logit with participant and \
          participant × mode (participant alone where nobody answered twice in a mode), sessions \

@@ -34,6 +34,7 @@ mod orders;
 mod parameters;
 mod people;
 mod preregistered;
+mod quantity;
 mod repeats;
 mod sessions;
 #[cfg(test)]

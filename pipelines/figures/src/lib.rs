@@ -13,6 +13,7 @@
 //! | `loops` | 31 | force against angle for every environment |
 //! | `characteristic` | 22, 23 | an actuator's response to its command: sweeps, mean, first-order and chosen fit |
 //! | `likert` | 30 | answers, diverging bars with counts |
+//! | `ratings` | – | answers on scales of many points: each, with median, quartiles and mean |
 //! | `compared` | – | modes, participants and repeats compared, one metric a figure |
 //! | `freemotion` | – | plane-fit coefficients with intervals, by session and mode |
 //! | `simulation` | 11, 12, 33–35; 8 | model runs: forces against angle and time, angle against time; their inputs |
@@ -46,6 +47,7 @@ mod loaded;
 mod loops;
 mod modes;
 mod panels;
+mod ratings;
 mod rendering_range;
 mod repeats;
 mod replay;
@@ -78,6 +80,7 @@ pub use likert::{LIKERT, LIKERT_ITEMS, LikertPage, likert, likert_items, likert_
 pub use loaded::{Averages, Loaded, METRICS_COLUMNS, Of};
 pub use loops::{LOOPS, loops};
 pub use modes::{MODES, modes};
+pub use ratings::{RATINGS, RatingsPage, ratings, ratings_pages};
 pub use rendering_range::{RENDERING_RANGE, rendering_range};
 pub use repeats::{REPEATS, repeats};
 pub use replay::{REPLAY, replay};

@@ -1,4 +1,5 @@
-//! Figure 30: answers as diverging bars, their counts in the boxes.
+//! Figure 30: answers as diverging bars, their counts in the boxes. Scales of many points are in
+//! `ratings`.
 
 use crate::words::{mark, plain};
 use crate::{About, FigureKind};
@@ -50,7 +51,7 @@ struct Wanted {
     /// What was answered.
     scale: AnswerScale,
     /// Whether an answer of it was turned round.
-    reversed: bool,
+    pub(crate) reversed: bool,
     /// The question's wording, where the heading is another.
     wording: Option<String>,
 }
@@ -75,16 +76,28 @@ impl Wanted {
             title: environment.label.clone(),
             environment: environment.id.clone(),
             what: What::Question(question.id.clone()),
-            scale: question.scale,
+            scale: question.scale.clone(),
             reversed: question.reversed,
             wording: Some(question.text.clone()).filter(|text| *text != environment.label),
         }
     }
 
-    fn group(environment: &Environment, group: &str, scale: AnswerScale) -> Self {
-        let (title, what) = (group.to_owned(), What::Group(group.to_owned()));
-        let environment = environment.id.clone();
-        Self { title, environment, what, scale, reversed: true, wording: None }
+    /// The questions of a group together; those that were turned round are counted in its heading.
+    fn group(environment: &Environment, group: &str, items: &[&Question]) -> Self {
+        let (what, environment) = (What::Group(group.to_owned()), environment.id.clone());
+        let scale = items.first().map(|q| q.scale.clone()).unwrap_or_default();
+        let reversed = items.iter().filter(|q| q.reversed).count();
+        let title = match reversed {
+            0 => group.to_owned(),
+            n => format!("{group} ({n} of {} items reversed)", items.len()),
+        };
+        Self { title, environment, what, scale, reversed: reversed > 0, wording: None }
+    }
+
+    /// What a row of it is marked with: a question that was turned round says so at each bar.
+    fn row_mark(&self) -> &'static str {
+        let turned = self.reversed && matches!(self.what, What::Question(_));
+        if turned { " (reversed)" } else { "" }
     }
 }
 
@@ -103,7 +116,8 @@ pub fn likert_items(asked: &[(&Environment, Vec<&Question>)]) -> Vec<LikertPage>
 /// A page has one scale, so that one legend holds for all of it.
 fn pages(wanted: impl Iterator<Item = Wanted>) -> Vec<LikertPage> {
     let mut of_scales: BTreeMap<AnswerScale, Vec<Wanted>> = BTreeMap::new();
-    wanted.for_each(|w| of_scales.entry(w.scale).or_default().push(w));
+    let few = wanted.filter(|w| w.scale.is_ordinal());
+    few.for_each(|w| of_scales.entry(w.scale.clone()).or_default().push(w));
     let pages = of_scales.values().flat_map(|wanted| wanted.chunks(A_PAGE));
     pages.map(|page| LikertPage(page.to_vec())).collect()
 }
@@ -118,7 +132,9 @@ fn overview(environment: &Environment, questions: &[&Question]) -> Vec<Wanted> {
         match question.group.as_deref() {
             None => wanted.push(Wanted::item(environment, question)),
             Some(group) if seen.insert(group) => {
-                wanted.push(Wanted::group(environment, group, question.scale));
+                let is_item = |q: &&&Question| q.group.as_deref() == Some(group);
+                let items: Vec<&Question> = questions.iter().filter(is_item).copied().collect();
+                wanted.push(Wanted::group(environment, group, &items));
             }
             Some(_) => {}
         }
@@ -154,7 +170,7 @@ pub fn likert(
         panels.iter().enumerate().map(|(i, p)| panel(p, Cell::at(i / columns, i % columns), scale));
     Ok(Figure {
         title: Some(plain(title)),
-        description: describe(title, scale_of(wanted)),
+        description: describe(title, &scale_of(wanted)),
         width_mm: if columns == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
         panels: drawn.collect(),
         footnotes: footnotes(wanted).iter().map(|n| plain(n)).collect(),
@@ -165,11 +181,14 @@ pub fn likert(
 
 /// The one scale of a page.
 fn scale_of(page: &[Wanted]) -> AnswerScale {
-    page.first().map(|w| w.scale).unwrap_or_default()
+    page.first().map(|w| w.scale.clone()).unwrap_or_default()
 }
 
-fn describe(title: &str, scale: AnswerScale) -> String {
-    let [first, last] = [1, scale.points()].map(|answer| scale.word(answer).unwrap_or_default());
+fn describe(title: &str, scale: &AnswerScale) -> String {
+    let [first, last] = [scale.lowest(), scale.highest()].map(|answer| match scale {
+        AnswerScale::Numbers(_) => scale.worded(answer),
+        named => named.word(answer).unwrap_or_default().to_owned(),
+    });
     let middle = match scale.points() % 2 {
         0 => "zero lies between the two halves",
         _ => "the neutral answers straddle zero",
@@ -197,10 +216,11 @@ fn count_rows(modes: &[Mode], tally: &Table, wanted: &Wanted) -> Result<Counted,
                 && is_wanted(*row)
         })?;
         let count = |of: &Vec<Option<i64>>| of[found].and_then(|n| n.try_into().ok()).unwrap_or(0);
-        Some((mode.label.clone(), counts.iter().map(count).collect()))
+        let label = format!("{}{}", mode.label, wanted.row_mark());
+        Some((label, counts.iter().map(count).collect()))
     };
     let rows = modes.iter().filter_map(row).collect();
-    Ok(Counted { title: wanted.title.clone(), scale: wanted.scale, rows })
+    Ok(Counted { title: wanted.title.clone(), scale: wanted.scale.clone(), rows })
 }
 
 /// The wording where a panel is named after its environment, and what was reversed.
@@ -210,25 +230,46 @@ fn footnotes(wanted: &[Wanted]) -> Vec<String> {
         worded.map(|(title, wording)| format!("{title}: “{wording}”")).collect();
     if wanted.iter().any(|w| w.reversed) {
         notes.push(format!(
-            "Answers to reversed questions are turned round ({} − a), so that right is favourable.",
-            scale_of(wanted).points() + 1
+            "Reversed: answers are turned round ({} − a), so that right is favourable; what was given is the answer \
+             at the other end.",
+            scale_of(wanted).ends_together()
         ));
     }
     notes
 }
 
 fn panel(p: &Counted, cell: Cell, scale: LikertScale) -> Panel {
-    let (label, unit) = match scale {
-        LikertScale::Counts => ("answers, against ← → in favour", ""),
-        LikertScale::Percent => ("answers, against ← → in favour", "%"),
+    let label = match p.scale {
+        AnswerScale::Numbers(_) => "answers, lower ← → higher",
+        _ => "answers, against ← → in favour",
+    };
+    let unit = match scale {
+        LikertScale::Counts => "",
+        LikertScale::Percent => "%",
     };
     let x = Axis { ticks: Ticks::Magnitudes, ..Axis::new(label, unit) }.linked("answers");
     let y = Axis::categories(p.rows.iter().map(|(label, _)| plain(label)));
     let bars = Likert {
-        answers: p.scale.words().iter().map(|w| (*w).to_owned()).collect(),
+        answers: p.scale.answers().into_iter().map(|a| plain(&legend(&p.scale, a))).collect(),
         rows: p.rows.iter().map(|(_, counts)| counts.clone()).collect(),
         scale,
     };
     let panel = Panel::new(cell, x, y, vec![Layer::Likert(bars)]).titled(plain(&p.title));
     Panel { height_mm: Some(ROW_MM * p.rows.len() as f64), ..panel }
+}
+
+/// An answer in the legend: its word, with its number before it on a scale by numbers; the number
+/// alone where it has no word.
+fn legend(scale: &AnswerScale, answer: i16) -> String {
+    let number = shown(answer);
+    match (scale, scale.word(answer)) {
+        (AnswerScale::Numbers(_), Some(word)) => format!("{number} {word}"),
+        (_, Some(word)) => word.to_owned(),
+        (_, None) => number,
+    }
+}
+
+/// A number as it stands in a figure: with a minus sign, not a hyphen.
+pub(crate) fn shown(answer: i16) -> String {
+    answer.to_string().replace('-', "−")
 }

@@ -1,4 +1,4 @@
-//! Counts of the points of a scale.
+//! Counts of the points of a scale, and what they say of the middle and the spread.
 
 use std::collections::BTreeSet;
 use zwidth_study::{AnswerScale, ParticipantId};
@@ -6,26 +6,36 @@ use zwidth_study::{AnswerScale, ParticipantId};
 /// How often each point was chosen, and by whom.
 #[derive(Debug, Clone)]
 pub(crate) struct Counts {
-    /// Of each point, from 1 on.
+    scale: AnswerScale,
+    /// Of each point, from the lowest on.
     of: Vec<usize>,
     pub(crate) participants: BTreeSet<ParticipantId>,
 }
 
 impl Counts {
     /// No answer yet, on a scale.
-    pub(crate) fn on(scale: AnswerScale) -> Self {
-        Self { of: vec![0; scale.points().into()], participants: BTreeSet::new() }
+    pub(crate) fn on(scale: &AnswerScale) -> Self {
+        let of = vec![0; scale.points().into()];
+        Self { scale: scale.clone(), of, participants: BTreeSet::new() }
     }
 
-    /// How often this point was chosen; none off the scale.
-    pub(crate) fn of_point(&self, point: u8) -> Option<usize> {
-        self.of.get(usize::from(point).checked_sub(1)?).copied()
+    /// The scale of the answers.
+    pub(crate) fn scale(&self) -> &AnswerScale {
+        &self.scale
+    }
+
+    /// How often the answer at this place of the scale was chosen, the lowest being the first; none
+    /// off the scale.
+    pub(crate) fn of_point(&self, place: u8) -> Option<usize> {
+        self.of.get(usize::from(place).checked_sub(1)?).copied()
     }
 
     /// Counts one answer as scored, which is on the scale.
-    pub(crate) fn add(&mut self, scored: u8, participant: &ParticipantId) {
-        self.of[usize::from(scored) - 1] += 1;
-        self.participants.insert(participant.clone());
+    pub(crate) fn add(&mut self, scored: i16, participant: &ParticipantId) {
+        if let Some(place) = self.scale.place(scored) {
+            self.of[usize::from(place) - 1] += 1;
+            self.participants.insert(participant.clone());
+        }
     }
 
     /// Counts all that `other`, of the same scale, counts.
@@ -48,10 +58,38 @@ impl Counts {
     /// The answer at `rank` (from 0) of all answers in rising order.
     fn ranked(&self, rank: usize) -> Option<i64> {
         let mut below = 0;
-        (1..).zip(&self.of).find_map(|(point, count)| {
+        (1..).zip(&self.of).find_map(|(place, count)| {
             below += count;
-            (rank < below).then_some(point)
+            (rank < below).then_some(self.scale.answer_at(place).into())
         })
+    }
+
+    /// The quantile at `share`, between the two answers beside rank (n − 1) · share by how far it
+    /// lies from each (Hyndman & Fan 1996, Am. Stat. 50:361, definition 7: that of R and NumPy).
+    pub(crate) fn quantile(&self, share: f64) -> Option<f64> {
+        let rank = self.n().checked_sub(1)? as f64 * share;
+        let low = self.ranked(rank as usize)? as f64;
+        let high = self.ranked(rank.ceil() as usize)? as f64;
+        Some(low + (high - low) * rank.fract())
+    }
+
+    /// Each answer with how often it was chosen.
+    fn answers(&self) -> impl Iterator<Item = (f64, f64)> {
+        (1..).zip(&self.of).map(|(place, n)| (self.scale.answer_at(place).into(), *n as f64))
+    }
+
+    /// The mean; none without answers.
+    pub(crate) fn mean(&self) -> Option<f64> {
+        let sum: f64 = self.answers().map(|(answer, n)| answer * n).sum();
+        (self.n() > 0).then(|| sum / self.n() as f64)
+    }
+
+    /// The standard deviation (divisor n − 1); none for fewer than two answers.
+    pub(crate) fn sd(&self) -> Option<f64> {
+        let mean = self.mean().filter(|_| self.n() > 1)?;
+        let squares: f64 =
+            self.answers().map(|(answer, n)| n * (answer - mean) * (answer - mean)).sum();
+        Some((squares / (self.n() - 1) as f64).sqrt())
     }
 }
 
@@ -59,8 +97,8 @@ impl Counts {
 mod tests {
     use super::*;
 
-    fn check(answers: &[u8], expect: Option<(i64, i64)>) {
-        let mut counts = Counts::on(AnswerScale::FivePoint);
+    fn check(answers: &[i16], expect: Option<(i64, i64)>) {
+        let mut counts = Counts::on(&AnswerScale::FivePoint);
         for &answer in answers {
             counts.add(answer, &ParticipantId::new("P01").unwrap());
         }
@@ -79,5 +117,22 @@ mod tests {
         check(&[3, 1, 5], Some((3, 3)));
         check(&[5, 5, 2, 1], Some((2, 5)));
         check(&[2, 2, 2, 5, 5], Some((2, 2)));
+    }
+
+    /// NumPy: `np.quantile([-3, -1, 0, 0, 2, 3], [0.25, 0.5, 0.75])`, `np.mean`, `np.std(ddof=1)`.
+    #[test]
+    fn quartiles_mean_and_deviation_are_those_of_numpy() {
+        let labels = Vec::new();
+        let scale = zwidth_study::NumberScale { points: 7, from: -3, step: 1, labels };
+        let mut counts = Counts::on(&AnswerScale::Numbers(scale));
+        assert_eq!((counts.quantile(0.5), counts.mean(), counts.sd()), (None, None, None));
+        for answer in [3, 0, -3, 2, 0, -1] {
+            counts.add(answer, &ParticipantId::new("P01").unwrap());
+        }
+        let quartiles = [0.25, 0.5, 0.75].map(|share| counts.quantile(share).unwrap());
+        assert_eq!(quartiles, [-0.75, 0.0, 1.5]);
+        assert!((counts.mean().unwrap() - 1.0 / 6.0).abs() < 1e-15);
+        assert!((counts.sd().unwrap() - 2.136_976_056_643_281).abs() < 1e-14);
+        assert_eq!(counts.medians(), Some((0, 0)));
     }
 }

@@ -6,7 +6,8 @@ use zwidth_study::AnswerScale;
 use zwidth_tables::{Column, Table, TableError};
 
 /// The answers as they were given (reversed questions too), one row each, in their order. Columns:
-/// `participant`, `session`, `trial`, `environment`, `mode`, `question`, `answer`.
+/// `participant`, `session`, `trial`, `environment`, `mode`, `question`, `answer`, and where one was
+/// measured `answer_time_s`.
 ///
 /// # Errors
 /// None that answers can cause.
@@ -17,9 +18,11 @@ pub fn long(answers: &[Answer], scheme: &Scheme) -> Result<Table, TableError> {
     let trials = answers.iter().map(|answer| Some(answer.trial.into()));
     let values = answers.iter().map(|answer| Some(answer.value.into()));
     let mut answer = Column::integer("answer", "1", "", values);
-    let points = scheme.scales().into_iter().map(AnswerScale::points).max().unwrap_or_default();
-    answer.field.description = format!("the answer as given, 1…{points}").into();
-    let columns = vec![
+    let scales = scheme.scales();
+    let lowest = scales.iter().map(AnswerScale::lowest).min().unwrap_or_default();
+    let highest = scales.iter().map(AnswerScale::highest).max().unwrap_or_default();
+    answer.field.description = format!("the answer as given, {lowest}…{highest}").into();
+    let mut columns = vec![
         text("participant", "who", |a| a.participant.as_str()),
         text("session", "in which session", |a| a.session.as_str()),
         Column::integer("trial", "1", "after which trial of the session", trials),
@@ -28,6 +31,11 @@ pub fn long(answers: &[Answer], scheme: &Scheme) -> Result<Table, TableError> {
         text("question", "the question", |a| a.question.as_str()),
         answer,
     ];
+    if answers.iter().any(|answer| answer.time_ms.is_some()) {
+        let times = answers.iter().map(|answer| answer.time_ms.map(|ms| f64::from(ms) / 1e3));
+        let about = "from the question to its answer; null where it was not measured";
+        columns.push(Column::float("answer_time_s", "s", about, times));
+    }
     Table::new("answers", "Answers as given, one row per answer", columns)
 }
 
@@ -48,6 +56,7 @@ mod tests {
             },
             question: question.parse().unwrap(),
             value,
+            time_ms: None,
         };
         let study = zwidth_testing::study();
         let scheme = Scheme::of(&study);
@@ -57,5 +66,9 @@ mod tests {
         assert_eq!(table.texts("question").unwrap(), questions);
         assert_eq!(table.integers("answer").unwrap(), [Some(4), Some(2)]);
         assert_eq!(table.integers("trial").unwrap(), [Some(3), Some(3)]);
+        assert!(table.column("answer_time_s").is_err());
+        let timed = Answer { time_ms: Some(2500), ..answer("felt", 4) };
+        let table = long(&[timed, answer("liked", 2)], &scheme).unwrap();
+        assert_eq!(table.floats("answer_time_s").unwrap(), [Some(2.5), None]);
     }
 }

@@ -64,6 +64,7 @@ fn answer(row: &[String], value: &str, question: &QuestionId) -> Answer {
         },
         question: question.clone(),
         value: value.parse().unwrap(),
+        time_ms: None,
     }
 }
 

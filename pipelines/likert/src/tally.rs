@@ -24,7 +24,7 @@ pub enum LikertError {
         /// Question.
         question: QuestionId,
         /// The answer.
-        value: u8,
+        value: i16,
         /// The answers there are.
         range: String,
     },
@@ -80,15 +80,20 @@ impl Scheme {
 
     /// The scales in use, each once.
     pub(crate) fn scales(&self) -> Vec<AnswerScale> {
-        let of_questions: BTreeSet<AnswerScale> = self.questions.iter().map(|q| q.scale).collect();
+        let of_questions: BTreeSet<AnswerScale> =
+            self.questions.iter().map(|q| q.scale.clone()).collect();
         of_questions.into_iter().collect()
     }
 }
 
 /// The table of counts, in the order of the study file: for each environment and mode first a row a
 /// question, then a row a group. Columns: `environment`, `mode`, `question` and `reversed` (null in
-/// a pooled row), `group`, `pooled`, `participants`, `n`, `count_1`, `count_2`, … to the longest
-/// scale's last point (as scored; null beyond the last point of the row's own scale), `median_low` and `median_high` (the two middle answers; equal for odd n).
+/// a pooled row), `group`, `pooled`, `participants`, `n`, `count_1`, `count_2`, … from the lowest
+/// answer to the highest of the longest scale that is counted by points (as scored; null beyond the
+/// last point of the row's own scale, and on one that is longer), `median_low` and `median_high` (the
+/// two middle answers; equal for odd n). Where a question has more than
+/// [`AnswerScale::MOST_CATEGORIES`] points also `lowest`, `quartile_1`, `quartile_3`, `highest`,
+/// `mean` and `sd` of its answers.
 ///
 /// # Errors
 /// An answer off the scale; a question, environment or mode that the study does not have.
@@ -108,13 +113,22 @@ pub fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Table, LikertError> 
         }
     }
     let scales = scheme.scales();
-    let names: Vec<&str> = scales.iter().map(|scale| scale.name()).collect();
+    let names: Vec<String> = scales.iter().map(AnswerScale::name).collect();
     let caption = format!(
         "Answers on the {} (reversed questions scored {})",
         names.join(" and the "),
         turned(&scales)
     );
-    Ok(Table::new("likert", &caption, columns(&rows, &scales))?)
+    let table = Table::new("likert", &caption, columns(&rows, &scales))?;
+    Ok(if scales.iter().all(AnswerScale::is_ordinal) {
+        table
+    } else {
+        table.with_note(&format!(
+            "On a scale of more than {} points answers are a quantity: quartiles and mean stand in the place of \
+             counts.",
+            AnswerScale::MOST_CATEGORIES
+        ))
+    })
 }
 
 fn count(answers: &[Answer], scheme: &Scheme) -> Result<ByQuestion, LikertError> {
@@ -123,7 +137,7 @@ fn count(answers: &[Answer], scheme: &Scheme) -> Result<ByQuestion, LikertError>
         let question = check(answer, scheme)?;
         let scored = question.scale.score(answer.value, question.reversed);
         let key = (answer.condition.clone(), answer.question.clone());
-        let counts = counts.entry(key).or_insert_with(|| Counts::on(question.scale));
+        let counts = counts.entry(key).or_insert_with(|| Counts::on(&question.scale));
         counts.add(scored, &answer.participant);
     }
     Ok(counts)
@@ -177,7 +191,7 @@ fn pooled<'s>(questions: &[(&'s Question, &Counts)]) -> Vec<(&'s str, Counts)> {
             continue;
         };
         let at = groups.iter().position(|(g, _)| *g == group).unwrap_or_else(|| {
-            groups.push((group, Counts::on(question.scale)));
+            groups.push((group, Counts::on(&question.scale)));
             groups.len() - 1
         });
         groups[at].1.merge(counts);
@@ -188,18 +202,30 @@ fn pooled<'s>(questions: &[(&'s Question, &Counts)]) -> Vec<(&'s str, Counts)> {
 /// How a reversed answer a is turned round.
 fn turned(scales: &[AnswerScale]) -> String {
     match scales {
-        [only] => format!("{} - a", only.points() + 1),
-        _ => "points + 1 - a".to_owned(),
+        [only] => format!("{} - a", only.ends_together()),
+        _ => "lowest + highest - a".to_owned(),
     }
 }
 
 /// How often a point was chosen; null on a scale without it.
-fn count_column(rows: &[TallyRow], scales: &[AnswerScale], point: u8) -> Column {
-    let words: Vec<&str> = scales.iter().filter_map(|scale| scale.word(point)).collect();
-    let values = rows.iter().map(|r| r.counts.of_point(point).map(|n| n as i64));
+fn count_column(rows: &[TallyRow], scales: &[&AnswerScale], point: u8) -> Column {
+    let here = scales.iter().filter(|scale| point <= scale.points());
+    let numbered = here.clone().all(|scale| scale.answer_at(point) == i16::from(point));
+    let word = |scale: &&AnswerScale| match numbered {
+        true => scale.word(point.into()).map(str::to_owned),
+        false => Some(scale.worded(scale.answer_at(point))),
+    };
+    let words: Vec<String> = here.filter_map(|scale| word(scale)).collect();
+    let counted = |r: &TallyRow| {
+        r.counts.of_point(point).filter(|_| r.counts.scale().is_ordinal()).map(|n| n as i64)
+    };
+    let values = rows.iter().map(counted);
     let mut column = Column::integer("count", "1", "", values);
     column.field.name = format!("count_{point}").into();
-    column.field.description = format!("answers {point} as scored: {}", words.join(", ")).into();
+    let which =
+        if numbered { format!("answers {point}") } else { format!("answers at point {point}") };
+    let colon = if words.is_empty() { "" } else { ": " };
+    column.field.description = format!("{which} as scored{colon}{}", words.join(", ")).into();
     column
 }
 
@@ -217,7 +243,8 @@ fn columns(rows: &[TallyRow], scales: &[AnswerScale]) -> Vec<Column> {
         turned(scales)
     )
     .into();
-    let points = scales.iter().map(|scale| scale.points()).max().unwrap_or_default();
+    let ordinal: Vec<&AnswerScale> = scales.iter().filter(|scale| scale.is_ordinal()).collect();
+    let points = ordinal.iter().map(|scale| scale.points()).max().unwrap_or_default();
     let mut columns = vec![
         text("environment", "what was rendered", |r| Some(r.environment.to_string())),
         text("mode", "how it was rendered", |r| Some(r.mode.to_string())),
@@ -234,7 +261,7 @@ fn columns(rows: &[TallyRow], scales: &[AnswerScale]) -> Vec<Column> {
         number("participants", "people who answered", |r| Some(r.counts.participants.len() as i64)),
         number("n", "answers", |r| Some(r.counts.n() as i64)),
     ];
-    columns.extend((1..=points).map(|point| count_column(rows, scales, point)));
+    columns.extend((1..=points).map(|point| count_column(rows, &ordinal, point)));
     columns.extend([
         number("median_low", "median; for even n the lower of the two middle answers", |r| {
             r.counts.medians().map(|m| m.0)
@@ -243,7 +270,26 @@ fn columns(rows: &[TallyRow], scales: &[AnswerScale]) -> Vec<Column> {
             r.counts.medians().map(|m| m.1)
         }),
     ]);
+    if ordinal.len() < scales.len() {
+        columns.extend(quantity_columns(rows));
+    }
     columns
+}
+
+/// What sums up the answers on a scale of many points.
+fn quantity_columns(rows: &[TallyRow]) -> [Column; 6] {
+    let column = |name, meaning, of: fn(&Counts) -> Option<f64>| {
+        let long = |row: &TallyRow| of(&row.counts).filter(|_| !row.counts.scale().is_ordinal());
+        Column::float(name, "1", meaning, rows.iter().map(long))
+    };
+    [
+        column("lowest", "lowest answer as scored, on a scale of many points", |c| c.quantile(0.0)),
+        column("quartile_1", "first quartile of these answers", |c| c.quantile(0.25)),
+        column("quartile_3", "third quartile of these answers", |c| c.quantile(0.75)),
+        column("highest", "highest of these answers", |c| c.quantile(1.0)),
+        column("mean", "mean of these answers", Counts::mean),
+        column("sd", "standard deviation of these answers", Counts::sd),
+    ]
 }
 
 #[cfg(test)]
@@ -269,7 +315,7 @@ mod tests {
         Scheme::of(&study)
     }
 
-    fn answer(participant: &str, mode: &str, question: &str, value: u8) -> Answer {
+    fn answer(participant: &str, mode: &str, question: &str, value: i16) -> Answer {
         Answer {
             participant: ParticipantId::new(participant).unwrap(),
             session: SessionId::new("S01").unwrap(),
@@ -280,6 +326,7 @@ mod tests {
             },
             question: QuestionId::new(question).unwrap(),
             value,
+            time_ms: None,
         }
     }
 

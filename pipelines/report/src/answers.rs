@@ -18,9 +18,8 @@ pub(crate) struct Median {
 impl Median {
     /// `4 (agree)`, or `3 to 4` where the two middle answers differ.
     pub(crate) fn words(&self) -> String {
-        let word = u8::try_from(self.low).ok().and_then(|answer| self.scale.word(answer));
-        match word {
-            Some(word) if self.low == self.high => format!("{} ({word})", self.low),
+        match i16::try_from(self.low) {
+            Ok(answer) if self.low == self.high => self.scale.worded(answer),
             _ if self.low == self.high => self.low.to_string(),
             _ => format!("{} to {}", self.low, self.high),
         }
@@ -57,8 +56,8 @@ pub(crate) fn median_of(
     Ok(Some(Median { scale: study.scale(question), low, high, answers, participants }))
 }
 
-/// The answers to the environment's question in a mode as they count, by participant, of the long
-/// table of answers.
+/// The answers to the environment's question in a mode as they count, by their places on the scale,
+/// by participant, of the long table of answers.
 pub(crate) fn scored(
     study: &Planned,
     answers: &Table,
@@ -72,10 +71,10 @@ pub(crate) fn scored(
     };
     let (who, given) = (answers.texts("participant")?, answers.integers("answer")?);
     for row in rows(answers, [environment.id.as_str(), mode.id.as_str(), asked.id.as_str()])? {
-        let answer = given[row].and_then(|answer| u8::try_from(answer).ok());
-        let Some(answer) = answer.filter(|answer| asked.scale.has(*answer)) else { continue };
-        let score = asked.scale.score(answer, asked.reversed);
-        people.entry(who[row].clone().unwrap_or_default()).or_default().push(score);
+        let answer = given[row].and_then(|answer| i16::try_from(answer).ok());
+        let place = answer.and_then(|a| asked.scale.place(asked.scale.score(a, asked.reversed)));
+        let Some(place) = place else { continue };
+        people.entry(who[row].clone().unwrap_or_default()).or_default().push(place);
     }
     Ok(people)
 }

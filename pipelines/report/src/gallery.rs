@@ -73,7 +73,10 @@ impl Gallery {
         match shown {
             Shown::Modes(environment) => of_session("modes", environment),
             Shown::Replays(environment) => of_session("replay", environment),
-            Shown::Answers => Some("likert".to_owned()),
+            Shown::Answers => {
+                let drawn = |stem: &&str| self.figures.contains(*stem);
+                ["likert", "ratings"].into_iter().find(drawn).map(str::to_owned)
+            }
             Shown::Compared(metric) => Some(format!("compare.{metric}")),
             Shown::Forces => Some("rendering_range".to_owned()),
             Shown::Trade(scene) => Some(format!("trade.{scene}")),

@@ -45,6 +45,6 @@ impl Planned {
     /// The scale of the question of that id.
     pub(crate) fn scale(&self, question: &QuestionId) -> AnswerScale {
         let found = self.questions.iter().find(|q| q.id == *question);
-        found.map(|q| q.scale).unwrap_or_default()
+        found.map(|q| q.scale.clone()).unwrap_or_default()
     }
 }

@@ -66,7 +66,7 @@ fn medians<'a>(
 
 /// The median of the answers as they were given: the tally turns those to a question that counts the other way round.
 fn as_given(median: Median, question: &Question) -> Median {
-    let turned = i64::from(median.scale.points()) + 1;
+    let turned = i64::from(median.scale.ends_together());
     match question.reversed {
         true => Median { low: turned - median.high, high: turned - median.low, ..median },
         false => median,

@@ -235,7 +235,7 @@ impl Device for Coarse {
         self.twin.begin(now_s, cue);
     }
 
-    fn answer(&mut self, on: AnswerScale) -> Option<u8> {
+    fn answer(&mut self, on: &AnswerScale) -> Option<i16> {
         self.twin.answer(on)
     }
 }

@@ -127,6 +127,7 @@ fn answers_that_make_no_sense_are_findings_with_their_row_and_give_no_tally() {
         trial,
         question: question.parse().unwrap(),
         value,
+        time_ms: None,
     };
     for (event, words) in [
         (answer(1, "felt_spring", 9), "the answer to trial 1 is 9; answers are 1 to 5"),

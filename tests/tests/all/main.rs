@@ -36,4 +36,5 @@ mod shipped;
 mod small;
 mod source;
 mod story;
+mod survey;
 mod whole_run;

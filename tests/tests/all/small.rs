@@ -45,7 +45,7 @@ pub(crate) struct Draft {
     pub(crate) mode: &'static str,
     pub(crate) source: Source,
     /// The answer in the trial's file.
-    pub(crate) likert: Option<u8>,
+    pub(crate) likert: Option<i16>,
     /// A force in place of the spring's, N.
     pub(crate) force_n: Option<f64>,
     /// Whether there is a file of samples.
@@ -138,6 +138,7 @@ impl Study {
                     trial: draft.trial,
                     question,
                     value,
+                    time_ms: None,
                 }));
             }
             events.extend(draft.events.iter().cloned());

@@ -1,7 +1,7 @@
 //! One input at a time: what it changes, and what is to be done.
 
 use super::{Action, EMERGENCY_STOP, End, Flow, Halt, Input, Phase};
-use zwidth_study::{Event, Question};
+use zwidth_study::{Event, Given, Question};
 
 impl Flow {
     /// Takes an input; what is to be done about it, in order.
@@ -47,11 +47,26 @@ impl Flow {
         if self.phase != Phase::Homing {
             return Vec::new();
         }
-        match self.last {
-            Some(place) if self.unanswered => self.phase = Phase::Question { place, late: true },
+        match self.last.zip(self.open) {
+            Some((place, asked)) => self.ask(place, asked, true),
             _ => self.go_on(),
         }
         Vec::new()
+    }
+
+    /// Opens a question of the trial at `place`.
+    fn ask(&mut self, place: usize, asked: usize, late: bool) {
+        self.asked_s = None;
+        self.phase = Phase::Question { place, asked, late };
+    }
+
+    /// After a question: to the trial's next one, or on.
+    fn after(&mut self, place: usize, asked: usize) {
+        self.open = Some(asked + 1).filter(|next| *next < self.places[place].questions.len());
+        match self.open {
+            Some(next) => self.ask(place, next, true),
+            None => self.go_on(),
+        }
     }
 
     /// To the pause, what is left of it; to the next trial; or to the end.
@@ -66,7 +81,7 @@ impl Flow {
     fn failed(&mut self, why: String) -> Vec<Action> {
         match self.phase {
             Phase::Trial { .. } | Phase::Done => self.halt(Halt::Stop),
-            Phase::Question { place, late: false } => {
+            Phase::Question { place, late: false, .. } => {
                 let mut actions = vec![self.finish(place, None)];
                 actions.extend(self.stop(why));
                 actions
@@ -77,6 +92,10 @@ impl Flow {
 
     /// A question is no rest: the pause is what comes after it.
     fn elapsed(&mut self, dt_s: f64) -> Vec<Action> {
+        if matches!(self.phase, Phase::Question { .. }) {
+            // The first time that goes by is the trial's: the question is shown from then on.
+            self.asked_s = Some(self.asked_s.map_or(0.0, |asked_s| asked_s + dt_s.max(0.0)));
+        }
         if !matches!(self.phase, Phase::Trial { .. } | Phase::Question { .. }) {
             // `max` takes the 0 where dt is not a number.
             self.rest_s = (self.rest_s - dt_s.max(0.0)).max(0.0);
@@ -100,8 +119,8 @@ impl Flow {
                 vec![Action::Check]
             }
             (Phase::Pause, _) => refuse(format!("the pause has {:.1} s to go", self.rest_s)),
-            (Phase::Question { place, .. }, _) => {
-                let range = self.asked(*place).map(|q| q.scale.range()).unwrap_or_default();
+            (Phase::Question { place, asked, .. }, _) => {
+                let range = self.asked(*place, *asked).map(|q| q.scale.range()).unwrap_or_default();
                 refuse(format!("the question is open: answer it with {range}, or skip it"))
             }
             (Phase::Done, _) => refuse("every trial is done: quit"),
@@ -118,8 +137,8 @@ impl Flow {
         self.rest_s = self.pause_s;
         match end {
             End::Cut(why) => self.cut(place, why, halted),
-            End::Complete if halted.is_none() && self.places[place].question.is_some() => {
-                self.phase = Phase::Question { place, late: false };
+            End::Complete if halted.is_none() && !self.places[place].questions.is_empty() => {
+                self.ask(place, 0, false);
                 Vec::new()
             }
             End::Complete => {
@@ -145,10 +164,10 @@ impl Flow {
     }
 
     /// The trial at `place` is done: its file can be made.
-    fn finish(&mut self, place: usize, likert: Option<u8>) -> Action {
+    fn finish(&mut self, place: usize, likert: Option<Given>) -> Action {
         let slot = &mut self.places[place];
         slot.done = true;
-        self.unanswered = likert.is_none() && slot.question.is_some();
+        self.open = Some(usize::from(likert.is_some())).filter(|open| *open < slot.questions.len());
         Action::Finish { trial: slot.trial.trial, complete: true, likert }
     }
 
@@ -163,37 +182,42 @@ impl Flow {
         Action::Log(Event::Superseded { trial, by })
     }
 
-    fn answer(&mut self, value: u8) -> Vec<Action> {
-        let Phase::Question { place, late } = self.phase else {
+    fn answer(&mut self, value: i16) -> Vec<Action> {
+        let Phase::Question { place, asked, late } = self.phase else {
             return refuse("no question is open");
         };
-        let Some(question) = self.asked(place) else { return refuse("no question is open") };
+        let Some(question) = self.asked(place, asked) else { return refuse("no question is open") };
         if !question.scale.has(value) {
             return refuse(format!("{value} is no answer: {}", question.scale.range()));
         }
         let action = if late {
             let (trial, question) = (self.places[place].trial.trial, question.id.clone());
-            Action::Log(Event::Answer { trial, question, value })
+            Action::Log(Event::Answer { trial, question, value, time_ms: self.took_ms() })
         } else {
-            self.finish(place, Some(value))
+            let given = Given { value, time_ms: self.took_ms() };
+            self.finish(place, Some(given))
         };
-        self.unanswered = false;
-        self.go_on();
+        self.after(place, asked);
         vec![action]
     }
 
-    /// What is asked after the trial at `place`.
-    fn asked(&self, place: usize) -> Option<&Question> {
-        self.places[place].question.as_ref()
+    /// From the question to now, ms. None where no time goes by, as in a simulated session.
+    fn took_ms(&self) -> Option<u32> {
+        // What is too long for it is held to the highest.
+        self.asked_s.filter(|s| *s > 0.0).map(|s| (s * 1e3).round() as u32)
+    }
+
+    /// A question of the trial at `place`.
+    fn asked(&self, place: usize, asked: usize) -> Option<&Question> {
+        self.places[place].questions.get(asked)
     }
 
     fn skip(&mut self) -> Vec<Action> {
-        let Phase::Question { place, late } = self.phase else {
+        let Phase::Question { place, asked, late } = self.phase else {
             return refuse("no question is open");
         };
         let actions = if late { Vec::new() } else { vec![self.finish(place, None)] };
-        self.unanswered = false;
-        self.go_on();
+        self.after(place, asked);
         actions
     }
 
@@ -213,7 +237,7 @@ impl Flow {
             return refuse(format!("trial {trial} is to be done again already"));
         }
         actions.push(self.supersede(place));
-        self.unanswered = false;
+        self.open = None;
         if matches!(self.phase, Phase::Question { .. } | Phase::Ready | Phase::Done) {
             self.go_on();
         }
@@ -247,7 +271,7 @@ impl Flow {
                 *halted = (*halted).max(Some(halt));
                 vec![Action::Halt]
             }
-            Phase::Question { place, late: false } => {
+            Phase::Question { place, late: false, .. } => {
                 let mut actions = vec![self.finish(place, None)];
                 actions.extend(self.halt_idle(halt));
                 actions

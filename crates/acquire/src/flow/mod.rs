@@ -17,7 +17,7 @@ mod start;
 mod tests;
 
 pub use start::Recorded;
-use zwidth_study::{Event, PlannedTrial, Question};
+use zwidth_study::{Event, Given, PlannedTrial, Question};
 
 /// What a stop by key is called.
 pub const EMERGENCY_STOP: &str = "emergency stop";
@@ -37,8 +37,8 @@ pub enum Input {
     Elapsed(f64),
     /// Begin the next trial; after a stop: go on.
     Start,
-    /// The answer to the question, from 1 on.
-    Answer(u8),
+    /// The answer to the question, a number of its scale.
+    Answer(i16),
     /// The question stays without an answer.
     Skip,
     /// Do the last trial again.
@@ -82,7 +82,7 @@ pub enum Action {
         /// Whether it ran to its end.
         complete: bool,
         /// The answer to its question, where given.
-        likert: Option<u8>,
+        likert: Option<Given>,
     },
     /// Append to the event log.
     Log(Event),
@@ -108,12 +108,14 @@ pub enum Phase {
         /// What was asked for meanwhile.
         halted: Option<Halt>,
     },
-    /// The question of the trial at this place waits for an answer.
+    /// A question of the trial at this place waits for an answer.
     Question {
         /// Index into the order.
         place: usize,
-        /// Its file was finished before (after a stop, or when resumed): the answer becomes an
-        /// event.
+        /// Which of its questions, from 0.
+        asked: usize,
+        /// Its file was finished before (by the answer to its first question, after a stop, or when
+        /// resumed): the answer becomes an event.
         late: bool,
     },
     /// The pause after a trial.
@@ -145,8 +147,8 @@ pub struct Place {
     pub trial: PlannedTrial,
     /// The trial it took the place from.
     pub repeats: Option<u32>,
-    /// What is asked after it.
-    pub question: Option<Question>,
+    /// What is asked after it, in order.
+    pub questions: Vec<Question>,
     /// Whether it ran to its end.
     pub done: bool,
 }
@@ -165,14 +167,16 @@ pub struct Flow {
     places: Vec<Place>,
     /// The place whose trial ended last.
     last: Option<usize>,
-    /// Whether the last trial's question is open although its file is finished.
-    unanswered: bool,
+    /// Which of the last trial's questions is open although its file is finished.
+    open: Option<usize>,
     /// The number of the next repeat.
     next_number: u32,
     /// Shortest pause between trials, s.
     pause_s: f64,
     /// What is left of the pause, s.
     rest_s: f64,
+    /// For how long the open question has been shown, s; none until time went by.
+    asked_s: Option<f64>,
     /// Whether the device passed its check.
     checked: bool,
     /// Whether the lever needs a hand to get to its stop.

@@ -2,7 +2,7 @@
 
 use super::{Action, Flow, Phase, Place};
 use std::collections::BTreeMap;
-use zwidth_study::{Event, PlannedTrial, Question};
+use zwidth_study::{Event, PlannedTrial, Question, QuestionId};
 
 /// A trial of the session that has a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct Recorded {
     pub trial: u32,
     /// Whether it ran to its end.
     pub complete: bool,
-    /// Whether nothing is left to ask about it.
+    /// Whether nothing is left to ask about it, whatever the log says of answers.
     pub settled: bool,
 }
 
@@ -22,7 +22,7 @@ impl Flow {
     /// A place is done if the trial that holds it last is complete. A trial that was cut short
     /// gives its place to a new one, right away.
     pub(crate) fn begin(
-        order: Vec<(PlannedTrial, Option<Question>)>,
+        order: Vec<(PlannedTrial, Vec<Question>)>,
         pause_s: f64,
         recorded: &[Recorded],
         events: &[Event],
@@ -33,30 +33,40 @@ impl Flow {
         let next_number = used.chain(successors.values().copied()).max().unwrap_or(0) + 1;
         let places: Vec<Place> = order
             .into_iter()
-            .map(|(trial, question)| place(trial, question, &successors, &files))
+            .map(|(trial, questions)| place(trial, questions, &successors, &files))
             .collect();
         let mut flow = Self {
             phase: Phase::Check,
             last: places.iter().take_while(|p| p.done).count().checked_sub(1),
             places,
-            unanswered: false,
+            open: None,
             next_number,
             pause_s,
             rest_s: if files.is_empty() { 0.0 } else { pause_s },
+            asked_s: None,
             checked: false,
             by_hand: false,
         };
         let mut actions = flow.replace_cut_trials(&files);
-        flow.unanswered = flow.last.is_some_and(|i| flow.is_fresh(i, &files));
+        flow.open = flow.last.and_then(|i| flow.left_open(i, &files, events));
         actions.push(Action::Check);
         (flow, actions)
     }
 
-    /// Whether the done trial at `place` waits for its answer, and nothing was tried after it.
-    fn is_fresh(&self, place: usize, files: &BTreeMap<u32, Recorded>) -> bool {
-        let Place { trial, question, .. } = &self.places[place];
-        let open = question.is_some() && files.get(&trial.trial).is_some_and(|r| !r.settled);
-        open && self.here().is_none_or(|next| self.places[next].repeats.is_none())
+    /// The first question of the done trial at `place` that waits for its answer, if nothing was tried
+    /// after the trial.
+    fn left_open(
+        &self,
+        place: usize,
+        files: &BTreeMap<u32, Recorded>,
+        events: &[Event],
+    ) -> Option<usize> {
+        let Place { trial, questions, .. } = &self.places[place];
+        files.get(&trial.trial).filter(|recorded| !recorded.settled)?;
+        let is_answer = |event: &Event, id: &QuestionId| matches!(event, Event::Answer { trial: of, question, .. } if *of == trial.trial && question == id);
+        let open =
+            questions.iter().position(|q| !events.iter().any(|event| is_answer(event, &q.id)));
+        open.filter(|_| self.here().is_none_or(|next| self.places[next].repeats.is_none()))
     }
 
     fn replace_cut_trials(&mut self, files: &BTreeMap<u32, Recorded>) -> Vec<Action> {
@@ -77,7 +87,7 @@ fn successors(events: &[Event]) -> BTreeMap<u32, u32> {
 
 fn place(
     mut trial: PlannedTrial,
-    question: Option<Question>,
+    questions: Vec<Question>,
     successors: &BTreeMap<u32, u32>,
     files: &BTreeMap<u32, Recorded>,
 ) -> Place {
@@ -87,5 +97,5 @@ fn place(
         trial.trial = *by;
     }
     let done = files.get(&trial.trial).is_some_and(|r| r.complete);
-    Place { trial, repeats, question, done }
+    Place { trial, repeats, questions, done }
 }

@@ -1,7 +1,7 @@
 use super::{Action, End, Flow, Halt, Input, Phase, Recorded};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
-use zwidth_study::{AnswerScale, Event, Kind, ModeId, PlannedTrial, Question};
+use zwidth_study::{AnswerScale, Event, Given, Kind, ModeId, PlannedTrial, Question};
 
 const PAUSE_S: f64 = 5.0;
 
@@ -15,7 +15,7 @@ fn felt() -> Question {
     }
 }
 
-fn order(n: u32) -> Vec<(PlannedTrial, Option<Question>)> {
+fn order(n: u32) -> Vec<(PlannedTrial, Vec<Question>)> {
     let trial = |trial: u32| PlannedTrial {
         trial,
         repeat: trial.div_ceil(3),
@@ -25,7 +25,7 @@ fn order(n: u32) -> Vec<(PlannedTrial, Option<Question>)> {
         samples: true,
     };
     // Every fourth trial has no question.
-    (1..=n).map(|i| (trial(i), (i % 4 != 0).then(felt))).collect()
+    (1..=n).map(|i| (trial(i), (i % 4 != 0).then(felt).into_iter().collect())).collect()
 }
 
 fn fresh(n: u32) -> Flow {
@@ -51,13 +51,81 @@ fn run_one(flow: &mut Flow) -> Vec<Action> {
 }
 
 #[test]
+fn an_answer_has_the_time_for_which_its_question_was_shown() {
+    let mut flow = ready();
+    let until = [Input::Start, Input::Ended(End::Complete), Input::Elapsed(6.0)];
+    feed(&mut flow, until);
+    let given = |time_ms| {
+        let likert = Some(Given { value: 2, time_ms });
+        [Action::Finish { trial: 1, complete: true, likert }]
+    };
+    // What went by first was the trial's.
+    assert_eq!(flow.clone().step(Input::Answer(2)), given(None));
+    feed(&mut flow, [Input::Elapsed(0.5), Input::Elapsed(0.25)]);
+    assert_eq!(flow.step(Input::Answer(2)), given(Some(750)));
+}
+
+/// One trial with three questions, the second of which goes from −3 to 3.
+fn three() -> Vec<(PlannedTrial, Vec<Question>)> {
+    let labels = Vec::new();
+    let scale = zwidth_study::NumberScale { points: 7, from: -3, step: 1, labels };
+    let mood =
+        Question { id: "mood".parse().unwrap(), scale: AnswerScale::Numbers(scale), ..felt() };
+    let last = Question { id: "last".parse().unwrap(), ..felt() };
+    order(2)
+        .into_iter()
+        .map(|(trial, _)| (trial, vec![felt(), mood.clone(), last.clone()]))
+        .collect()
+}
+
+fn answered(question: &str, value: i16) -> Event {
+    Event::Answer { trial: 1, question: question.parse().unwrap(), value, time_ms: None }
+}
+
+#[test]
+fn several_questions_follow_each_other_and_the_trial_is_safe_from_the_first_answer_on() {
+    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
+    feed(&mut flow, [Input::Checked, Input::Homed, Input::Start, Input::Ended(End::Complete)]);
+    let likert = Some(Given { value: 4, time_ms: None });
+    let finish = Action::Finish { trial: 1, complete: true, likert };
+    assert_eq!(flow.step(Input::Answer(4)), [finish]);
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 1, late: true });
+    assert!(
+        matches!(&flow.step(Input::Answer(4))[..], [Action::Refuse(why)] if why.contains("-3 to 3"))
+    );
+    assert_eq!(flow.step(Input::Answer(-2)), [Action::Log(answered("mood", -2))]);
+    assert_eq!(flow.step(Input::Skip), []);
+    assert_eq!(flow.phase(), &Phase::Pause);
+}
+
+#[test]
+fn a_stop_among_several_questions_comes_back_to_the_one_that_is_open() {
+    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
+    feed(&mut flow, [Input::Checked, Input::Homed, Input::Start, Input::Ended(End::Complete)]);
+    feed(&mut flow, [Input::Answer(4), Input::Stop, Input::Start, Input::Homed]);
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 1, late: true });
+    // So does a session that is resumed, by its log.
+    let recorded = [Recorded { trial: 1, complete: true, settled: false }];
+    let log = [answered("felt", 4), answered("mood", -2)];
+    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &recorded, &log);
+    feed(&mut flow, [Input::Checked, Input::Homed]);
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 2, late: true });
+    assert_eq!(flow.step(Input::Answer(1)), [Action::Log(answered("last", 1))]);
+    assert_eq!(flow.phase(), &Phase::Pause);
+}
+
+#[test]
 fn a_session_goes_from_check_to_done() {
     let mut flow = ready();
     for trial in 1..=3 {
         assert_eq!(flow.phase(), &Phase::Ready);
         assert!(matches!(&flow.step(Input::Start)[..], [Action::Run(t)] if t.trial == trial));
         assert_eq!(flow.step(Input::Ended(End::Complete)), []);
-        let finish = Action::Finish { trial, complete: true, likert: Some(2) };
+        let finish = Action::Finish {
+            trial,
+            complete: true,
+            likert: Some(Given { value: 2, time_ms: None }),
+        };
         assert_eq!(flow.step(Input::Answer(2)), [finish]);
         flow.step(Input::Elapsed(PAUSE_S));
     }
@@ -127,8 +195,9 @@ fn a_question_that_a_stop_left_open_is_asked_again_and_its_answer_is_an_event() 
     let actions = feed(&mut flow, [Input::Start, Input::Ended(End::Complete), Input::Stop]);
     assert_eq!(actions, [Action::Finish { trial: 1, complete: true, likert: None }, Action::Off]);
     feed(&mut flow, [Input::Start, Input::Homed]);
-    assert_eq!(flow.phase(), &Phase::Question { place: 0, late: true });
-    let answer = Event::Answer { trial: 1, question: "felt".parse().unwrap(), value: 5 };
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 0, late: true });
+    let answer =
+        Event::Answer { trial: 1, question: "felt".parse().unwrap(), value: 5, time_ms: None };
     assert_eq!(flow.step(Input::Answer(5)), [Action::Log(answer)]);
 }
 
@@ -140,7 +209,7 @@ fn a_device_that_fails_while_a_question_is_open_is_told_as_what_stopped_the_sess
     assert_eq!(actions, [Action::Finish { trial: 1, complete: true, likert: None }, Action::Off]);
     assert_eq!(flow.phase(), &Phase::Stopped { why: "the turn is lost".into() });
     feed(&mut flow, [Input::Start, Input::Homed]);
-    assert_eq!(flow.phase(), &Phase::Question { place: 0, late: true });
+    assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 0, late: true });
 }
 
 #[test]
@@ -173,7 +242,7 @@ struct World {
     running: Option<PlannedTrial>,
     waiting: Option<PlannedTrial>,
     started: Vec<PlannedTrial>,
-    files: BTreeMap<u32, (PlannedTrial, bool, Option<u8>)>,
+    files: BTreeMap<u32, (PlannedTrial, bool, Option<Given>)>,
     events: Vec<Event>,
     left: bool,
 }
@@ -236,7 +305,7 @@ impl World {
         let answered = |n: u32| {
             self.events.iter().any(|e| matches!(e, Event::Answer { trial, .. } if *trial == n))
         };
-        let one = |(n, (_, complete, likert)): (&u32, &(PlannedTrial, bool, Option<u8>))| {
+        let one = |(n, (_, complete, likert)): (&u32, &(PlannedTrial, bool, Option<Given>))| {
             Recorded { trial: *n, complete: *complete, settled: likert.is_some() || answered(*n) }
         };
         self.files.iter().map(one).collect()
@@ -264,7 +333,7 @@ fn inputs() -> impl Strategy<Value = Vec<Option<Input>>> {
     let one = prop_oneof![
         6 => Just(Some(Input::Checked)), 6 => Just(Some(Input::Homed)), 10 => Just(Some(Input::Start)),
         10 => Just(Some(Input::Ended(End::Complete))), 3 => Just(Some(Input::Ended(End::Cut("cut".into())))),
-        10 => (0_u8..7).prop_map(|a| Some(Input::Answer(a))), 2 => Just(Some(Input::Skip)),
+        10 => (0_i16..7).prop_map(|a| Some(Input::Answer(a))), 2 => Just(Some(Input::Skip)),
         10 => (0.0..9.0_f64).prop_map(|dt| Some(Input::Elapsed(dt))), 2 => Just(Some(Input::Repeat)),
         1 => Just(Some(Input::Exclude("why".into()))), 1 => Just(Some(Input::Note("note".into()))),
         1 => Just(Some(Input::Stop)), 1 => Just(Some(Input::Quit)), 1 => Just(Some(Input::Failed("fault".into()))),

@@ -17,9 +17,7 @@ impl Runner<'_> {
         if self.options.quit.load(Ordering::SeqCst) {
             return Ok(vec![Input::Quit]);
         }
-        if let (Phase::Question { late: false, .. }, Some(answer)) =
-            (self.flow.phase(), self.answer.take())
-        {
+        if let Some(answer) = self.answer_of_participant() {
             return Ok(vec![Input::Answer(answer)]);
         }
         let mut inputs = Vec::new();
@@ -32,6 +30,19 @@ impl Runner<'_> {
         inputs.extend(found.map(|trip| Input::Failed(trip.to_string())));
         inputs.extend(self.front.next(if rests { Duration::ZERO } else { WAIT })?);
         Ok(inputs)
+    }
+
+    /// What the device's participant answers to the open question: the first one as soon as the trial has
+    /// ended, the others one by one.
+    fn answer_of_participant(&mut self) -> Option<i16> {
+        let first = self.answer.take();
+        match *self.flow.phase() {
+            Phase::Question { late: false, .. } => first,
+            Phase::Question { place, asked, .. } if asked > 0 => {
+                self.ask_participant((place, asked))
+            }
+            _ => None,
+        }
     }
 
     /// The pause on a simulated clock, over at once: reads on at 0 V, so that the turn of the shaft

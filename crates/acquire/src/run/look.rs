@@ -75,9 +75,15 @@ fn phase(flow: &Flow, plan: &Plan, view: &View) -> Phase {
             let t_s = if let Phase::Trial { t_s, .. } = view.phase { t_s } else { 0.0 };
             Phase::Trial { t_s, limit_s: plan.study.design.trial_limit_s }
         }
-        flow::Phase::Question { place, .. } => {
-            let question = flow.places()[*place].question.as_ref();
-            let (text, scale) = question.map(|q| (q.text.clone(), q.scale)).unwrap_or_default();
+        flow::Phase::Question { place, asked, .. } => {
+            let questions = &flow.places()[*place].questions;
+            let question = questions.get(*asked);
+            let (text, scale) =
+                question.map(|q| (q.text.clone(), q.scale.clone())).unwrap_or_default();
+            let text = match questions.len() {
+                0 | 1 => text,
+                n => format!("({} of {n}) {text}", asked + 1),
+            };
             Phase::Question { text, scale }
         }
         flow::Phase::Pause => {

@@ -99,7 +99,7 @@ struct Runner<'a> {
     /// The journal of the trial that runs, or that waits for its answer.
     tape: Option<Tape>,
     /// What the device's participant answers to the open question.
-    answer: Option<u8>,
+    answer: Option<i16>,
     view: View,
     timing: Timing,
     /// What stopped the session, while it is stopped.

@@ -15,7 +15,7 @@ use zwidth_device::{
     TrialTask, Trip, watch,
 };
 use zwidth_store::{Files, Journal, Protocol, TrialFile, append_events, check_session};
-use zwidth_study::{Environment, Event, Flags, Mode, PlannedTrial, Sample, Study};
+use zwidth_study::{Environment, Event, Flags, Given, Mode, PlannedTrial, Sample, Study};
 
 /// Why a trial was cut that a signal ended.
 const SIGNAL: &str = "a signal ended the program";
@@ -144,7 +144,8 @@ impl<'a> Runner<'a> {
         };
         if end == End::Complete {
             tape.journal.end()?;
-            self.answer = if self.options.answers { self.ask_participant() } else { None };
+            let here = self.flow.here().map(|place| (place, 0));
+            self.answer = here.and_then(|asked| self.ask_participant(asked));
         }
         self.tape = Some(tape);
         if run.timing.missed > 0 {
@@ -158,11 +159,14 @@ impl<'a> Runner<'a> {
         Ok(end)
     }
 
-    /// What the device's own participant answers.
-    fn ask_participant(&mut self) -> Option<u8> {
-        let question = self.flow.here().and_then(|i| self.flow.places()[i].question.as_ref());
-        let scale = question.map(|q| q.scale).unwrap_or_default();
-        self.attendant.ask(move |station| station.device.answer(scale)).ok().flatten()
+    /// What the device's own participant answers to a question of a place, where it is asked.
+    pub(super) fn ask_participant(&mut self, (place, asked): (usize, usize)) -> Option<i16> {
+        if !self.options.answers {
+            return None;
+        }
+        let question = self.flow.places()[place].questions.get(asked);
+        let scale = question.map(|q| q.scale.clone()).unwrap_or_default();
+        self.attendant.ask(move |station| station.device.answer(&scale)).ok().flatten()
     }
 
     /// Whether the motor may run that no watchdog watches, as was asked for.
@@ -175,7 +179,7 @@ impl<'a> Runner<'a> {
         &mut self,
         trial: u32,
         complete: bool,
-        likert: Option<u8>,
+        likert: Option<Given>,
     ) -> Result<(), AcquireError> {
         let Some(tape) = self.tape.take() else { return Ok(()) };
         let utc = (self.utc)(self.attendant.now_s());

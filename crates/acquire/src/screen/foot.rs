@@ -56,6 +56,7 @@ pub(super) fn keys(view: &View, entry: Option<&Entry>, look: Look) -> Line<'stat
         None => commands(&view.phase),
         Some(Entry::Note(_)) => vec![("Enter".into(), "keep the note"), ("Esc".into(), "drop it")],
         Some(Entry::Exclude(_)) => vec![("Enter".into(), "exclude"), ("Esc".into(), "do not")],
+        Some(Entry::Answer(_)) => vec![("Enter".into(), "answer"), ("Esc".into(), "take it back")],
         Some(Entry::Sure(_)) => vec![("y".into(), "yes"), ("any other key".into(), "no")],
     };
     for (key, meaning) in commands {
@@ -82,6 +83,7 @@ pub(super) fn entry(entry: &Entry, look: Look, width: usize) -> Vec<Line<'static
 fn words(entry: &Entry) -> String {
     match entry {
         Entry::Note(text) => format!("Note: {text}_"),
+        Entry::Answer(text) => format!("Answer: {text}_"),
         Entry::Exclude(text) => format!("The last trial does not count, because: {text}_"),
         Entry::Sure(Ask::Repeat) => {
             "Do the last trial again? It stays, marked as superseded.".into()

@@ -8,9 +8,12 @@
 use crate::{Input, Phase};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use std::borrow::Cow;
+use zwidth_study::AnswerScale;
 
 /// Characters of a remark, at most: three lines of the narrowest screen.
 const LONGEST: usize = 200;
+/// Characters of a number, at most: any answer's.
+const LONGEST_NUMBER: usize = 6;
 
 /// What is typed or asked at the foot of the screen.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,6 +22,8 @@ pub(super) enum Entry {
     Note(String),
     /// The reason why the trial does not count.
     Exclude(String),
+    /// The number of an answer that no single key gives.
+    Answer(String),
     /// Yes or no.
     Sure(Ask),
 }
@@ -49,7 +54,9 @@ pub(super) fn press(
         entry if key.modifiers.contains(KeyModifiers::CONTROL) => (entry, None),
         Some(Entry::Note(text)) => typed(key.code, text, Entry::Note, Input::Note),
         Some(Entry::Exclude(text)) => typed(key.code, text, Entry::Exclude, Input::Exclude),
+        Some(Entry::Answer(_)) if key.code == KeyCode::Esc => (None, None),
         _ if matches!(key.code, KeyCode::Char(' ') | KeyCode::Esc) => (None, Some(Input::Stop)),
+        Some(Entry::Answer(text)) => number(key.code, text),
         Some(Entry::Sure(ask)) => (None, is_yes(key.code).then(|| ask.input())),
         None => command(key.code, phase),
     }
@@ -80,12 +87,28 @@ fn typed(
     (Some(entry(text)), None)
 }
 
+/// Types the number of an answer: digits and a sign, Enter gives it, any other key is passed by. The
+/// space bar stops, as it does where nothing is typed, and Esc takes the number back.
+fn number(code: KeyCode, mut text: String) -> (Option<Entry>, Option<Input>) {
+    match code {
+        // What is no number at all (a sign alone) is taken back.
+        KeyCode::Enter => return (None, text.parse().ok().map(Input::Answer)),
+        KeyCode::Backspace => drop(text.pop()),
+        KeyCode::Char(c) if is_of_number(c) && text.len() < LONGEST_NUMBER => text.push(c),
+        _ => {}
+    }
+    (Some(Entry::Answer(text)), None)
+}
+
 fn command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
     let of = |c| commands(phase).iter().any(|(keys, _)| *keys == c);
     match lower(code) {
         KeyCode::Enter if of("Enter") => (None, Some(Input::Start)),
         KeyCode::Char(c) if answer(c, phase).is_some() => {
             (None, answer(c, phase).map(Input::Answer))
+        }
+        KeyCode::Char(c) if is_of_number(c) && is_typed(phase) => {
+            (Some(Entry::Answer(c.to_string())), None)
         }
         KeyCode::Char('s') if of("s") => (Some(Entry::Sure(Ask::Skip)), None),
         KeyCode::Char('n') if of("n") => (Some(Entry::Note(String::new())), None),
@@ -97,9 +120,27 @@ fn command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
 }
 
 /// The answer that a key gives to the open question, if one is open and has such an answer.
-fn answer(c: char, phase: &Phase) -> Option<u8> {
+fn answer(c: char, phase: &Phase) -> Option<i16> {
     let Phase::Question { scale, .. } = phase else { return None };
-    c.to_digit(10).and_then(|n| u8::try_from(n).ok()).filter(|n| scale.has(*n))
+    if !has_keys(scale) {
+        return None;
+    }
+    c.to_digit(10).and_then(|n| i16::try_from(n).ok()).filter(|n| scale.has(*n))
+}
+
+/// Whether each answer is a digit, whose key gives it; else the number is typed.
+fn has_keys(scale: &AnswerScale) -> bool {
+    scale.lowest() >= 0 && scale.highest() <= 9
+}
+
+/// Whether a question is open whose answer is typed.
+fn is_typed(phase: &Phase) -> bool {
+    matches!(phase, Phase::Question { scale, .. } if !has_keys(scale))
+}
+
+/// What may be typed into a number.
+fn is_of_number(c: char) -> bool {
+    c.is_ascii_digit() || c == '-'
 }
 
 /// Capitals mean the same: the lock may be on.
@@ -126,7 +167,12 @@ pub(super) fn commands(phase: &Phase) -> Vec<(Cow<'static, str>, &'static str)> 
         Phase::Stopped { .. } => &[("Enter", "go on"), NOTE, EXCLUDE, REPEAT, QUIT],
     };
     let answers = match phase {
-        Phase::Question { scale, .. } => Some((format!("1–{}", scale.points()).into(), "answer")),
+        Phase::Question { scale, .. } if has_keys(scale) => {
+            Some((format!("{}–{}", scale.lowest(), scale.highest()).into(), "answer"))
+        }
+        Phase::Question { scale, .. } => {
+            Some((format!("{}, Enter", scale.range()).into(), "answer"))
+        }
         _ => None,
     };
     answers.into_iter().chain(fixed.iter().map(|(key, does)| ((*key).into(), *does))).collect()
@@ -225,6 +271,26 @@ mod tests {
             check("4", &phase, &expect);
         }
         check("06", &question(), &[]);
+    }
+
+    fn asked(points: u8, from: i16) -> Phase {
+        let scale = zwidth_study::NumberScale { points, from, step: 1, labels: Vec::new() };
+        Phase::Question { text: String::new(), scale: AnswerScale::Numbers(scale) }
+    }
+
+    #[test]
+    fn a_digit_answers_where_every_answer_is_one_and_else_the_number_is_typed() {
+        check("0", &asked(7, 0), &[Input::Answer(0)]);
+        check("7", &asked(7, 0), &[]);
+        check("-2\n", &asked(7, -3), &[Input::Answer(-2)]);
+        check("2\n", &asked(7, -3), &[Input::Answer(2)]);
+        check("7\u{8}85\n", &asked(101, 0), &[Input::Answer(85)]);
+        check("-\n", &asked(7, -3), &[]);
+        check("85\u{1b}", &asked(101, 0), &[]);
+        check("8 ", &asked(101, 0), &[Input::Stop]);
+        check("sy", &asked(101, 0), &[Input::Skip]);
+        assert_eq!(commands(&asked(7, -3))[0].0, "-3 to 3, Enter");
+        assert_eq!(commands(&asked(7, 0))[0].0, "0–6");
     }
 
     #[test]

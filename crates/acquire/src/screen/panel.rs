@@ -77,7 +77,7 @@ pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>>
         Phase::Trial { .. } => {
             plain("The trial runs until its time is up. Space stops it at once, at 0 V.")
         }
-        Phase::Question { text, scale } => question(text, *scale, look, limit),
+        Phase::Question { text, scale } => question(text, scale, look, limit),
         Phase::Pause { .. } => then_next(plain("Rest. Both actuators are off.")),
         Phase::Stopped { why } => then_next(stopped(why, look, limit)),
         Phase::Done => plain("Every trial is done and stored; q ends the session."),
@@ -111,16 +111,26 @@ fn stopped(why: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
     lines
 }
 
-/// The question and its scale: in one row where it fits, else one row an answer.
-fn question(text: &str, scale: AnswerScale, look: Look, limit: usize) -> Vec<Line<'static>> {
+/// The question and its scale: in one row where it fits, else one row an answer; of a long scale the
+/// ends and what has a word.
+fn question(text: &str, scale: &AnswerScale, look: Look, limit: usize) -> Vec<Line<'static>> {
     let mut lines = styled(text, Role::Strong, look, limit);
     lines.push(Line::default());
-    let answers: Vec<(String, &str)> =
-        (1..).map(|n: u8| n.to_string()).zip(scale.words().iter().copied()).collect();
-    let row: usize = answers.iter().map(|(n, word)| width(n) + 1 + width(word)).sum();
+    let is_told = |answer: &i16| {
+        let is_end = [scale.lowest(), scale.highest()].contains(answer);
+        scale.is_ordinal() || is_end || scale.word(*answer).is_some()
+    };
+    let told = scale.answers().into_iter().filter(is_told);
+    let word = |answer| scale.word(answer).map(|word| format!(" {word}")).unwrap_or_default();
+    let answers: Vec<(String, String)> = told.map(|a| (a.to_string(), word(a))).collect();
+    if !scale.is_ordinal() {
+        let what = format!("A number from {}, then Enter.", scale.range());
+        lines.extend(styled(&what, Role::Plain, look, limit));
+    }
+    let row: usize = answers.iter().map(|(n, word)| width(n) + width(word)).sum();
     let gaps = answers.len() - 1;
-    let answer = |(n, word): &(String, &str)| {
-        [Span::styled(n.clone(), look.style(Role::Accent)), Span::raw(format!(" {word}"))]
+    let answer = |(n, word): &(String, String)| {
+        [Span::styled(n.clone(), look.style(Role::Accent)), Span::raw(word.clone())]
     };
     if row + 2 * gaps > limit {
         lines.extend(answers.iter().map(|a| Line::from_iter(answer(a))));

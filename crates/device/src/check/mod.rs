@@ -124,8 +124,13 @@ fn look_by_hand(
     guard.home(device, start_s)?;
     if let Ok(id) = "free".parse() {
         // always: the word is a valid id
-        let environment =
-            Environment { id, label: "free motion".to_owned(), scene: Scene::Free, question: None };
+        let environment = Environment {
+            id,
+            label: "free motion".to_owned(),
+            scene: Scene::Free,
+            question: None,
+            further: Vec::new(),
+        };
         device.begin(start_s, &Cue { trial: 0, environment: &environment, limit_s: HAND_S });
     }
     let mut looks = Vec::new();

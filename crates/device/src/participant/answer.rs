@@ -1,7 +1,7 @@
 //! The answer to the question of a trial: a written rule from what was felt, with a bias and noise.
 //!
 //! Qualities go from 0 (nothing like it) to 1 (just like it); the answer is
-//! 1 + (points − 1) · (quality + (bias + noise) / 4), rounded, and held to the scale.
+//! 1 + (points − 1) · (quality + (bias + noise) / 4), rounded, and held to the scale: the place on it.
 //!
 //! | environment | quality |
 //! |---|---|
@@ -58,14 +58,14 @@ fn part(x: f64) -> f64 {
 
 impl Person {
     /// The answer after a trial, on a scale.
-    pub(crate) fn answer(&self, trial: u32, felt: &Felt, scene: &Scene, on: AnswerScale) -> u8 {
+    pub(crate) fn answer(&self, trial: u32, felt: &Felt, scene: &Scene, on: &AnswerScale) -> i16 {
         let points = f64::from(on.points());
         // Bias and noise are in points of five.
         let stretch = (points - 1.0) / 4.0;
         let noise = NOISE * Draw::new(self.seed, Purpose::Answer, u64::from(trial)).moderate();
         let meant =
             1.0 + (points - 1.0) * quality(felt, scene) + stretch * self.bias + stretch * noise;
-        meant.round().clamp(1.0, points) as u8
+        on.answer_at(meant.round().clamp(1.0, points) as u8)
     }
 }
 
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_4;
 
-    const FIVE: AnswerScale = AnswerScale::FivePoint;
+    const FIVE: &AnswerScale = &AnswerScale::FivePoint;
     const WALL: Scene = Scene::SpringWall { spring: SPRING, wall_rad: 0.464 };
 
     fn ideal(theta: f64) -> f64 {
@@ -106,7 +106,7 @@ mod tests {
     fn answers_scatter_about_the_quality_and_stay_on_the_scale() {
         let felt = walk(0.5, false, ideal, |theta| 0.5 * ideal(theta));
         let scene = Scene::Spring(SPRING);
-        let answers: Vec<u8> =
+        let answers: Vec<i16> =
             (1..200).map(|trial| Person::typical(3).answer(trial, &felt, &scene, FIVE)).collect();
         assert!(answers.iter().all(|a| FIVE.has(*a)));
         let mean = answers.iter().map(|a| f64::from(*a)).sum::<f64>() / answers.len() as f64;

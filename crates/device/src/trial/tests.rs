@@ -30,8 +30,13 @@ pub(crate) fn mode() -> Mode {
 pub(crate) fn bench(device: Mock) -> Bench {
     let spring = Spring { stiffness_n_per_rad: 4.0, rest_rad: -FRAC_PI_4 };
     let scene = Scene::Spring(spring);
-    let environment =
-        Environment { id: "e".parse().unwrap(), label: String::new(), scene, question: None };
+    let environment = Environment {
+        id: "e".parse().unwrap(),
+        label: String::new(),
+        scene,
+        question: None,
+        further: Vec::new(),
+    };
     let limits = Limits { theta_min_rad: -FRAC_PI_4, theta_max_rad: FRAC_PI_4, force_n: 10.0 };
     let controller =
         Controller::new(&Control::default(), &environment, &mode(), &Calibration::thesis());

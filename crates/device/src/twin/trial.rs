@@ -84,7 +84,7 @@ impl Trial {
     }
 
     /// The answer to its question, on its scale; none while waiting, or where it is left open.
-    pub(super) fn answer(&self, person: &Person, on: AnswerScale) -> Option<u8> {
+    pub(super) fn answer(&self, person: &Person, on: &AnswerScale) -> Option<i16> {
         let answers = self.number > 0 && !person.is_silent(self.number);
         answers.then(|| person.answer(self.number, &self.felt, &self.scene, on))
     }

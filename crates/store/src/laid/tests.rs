@@ -52,7 +52,9 @@ impl Laid {
                 .unwrap();
         journal.append(&rows(0, 3)).unwrap();
         journal.end().unwrap();
-        journal.finish(&RealFiles, &layout, Some(4), UTC).unwrap();
+        journal
+            .finish(&RealFiles, &layout, Some(zwidth_study::Given { value: 4, time_ms: None }), UTC)
+            .unwrap();
         let laid = Self { _folder: folder, layout, record, path };
         assert_eq!((verify(&laid.layout), laid.counting()), (vec![], 1));
         laid

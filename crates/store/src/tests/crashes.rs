@@ -147,7 +147,7 @@ fn trial(
     }
     journal.end()?;
     promised.ended = true;
-    journal.finish(files, layout, Some(4), UTC)?;
+    journal.finish(files, layout, Some(zwidth_study::Given { value: 4, time_ms: None }), UTC)?;
     promised.finished = true;
     let note = Event::Note { trial: Some(number), text: "a note".into() };
     let m = meta(number);

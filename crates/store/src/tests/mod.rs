@@ -1,4 +1,6 @@
-//! What tests of several files share: folders with recordings cut short, and a disk that fails.
+//! What tests of several files share: folders with recordings cut short, and a disk that fails; and
+//! answers from journal to log.
 
+mod answers;
 pub(crate) mod crashes;
 pub(crate) mod faulty;

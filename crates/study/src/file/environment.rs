@@ -28,6 +28,8 @@ pub(super) struct EnvironmentTable {
     wall_mm: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     question: Option<QuestionId>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    questions: Vec<QuestionId>,
 }
 
 /// How a number is typed.
@@ -90,7 +92,12 @@ impl EnvironmentTable {
             stiffness_n_per_mm: mm(SceneNumber::Stiffness),
             rest_mm: mm(SceneNumber::Rest),
             wall_mm: mm(SceneNumber::Wall),
-            question: e.question.clone(),
+            question: e.question.clone().filter(|_| e.further.is_empty()),
+            questions: if e.further.is_empty() {
+                Vec::new()
+            } else {
+                e.questions().cloned().collect()
+            },
         }
     }
 }
@@ -104,14 +111,7 @@ impl Check<'_> {
         coordinate: Coordinate,
         questions: &BTreeSet<&str>,
     ) -> Environment {
-        if let Some(q) = &e.question
-            && !questions.contains(q.as_str())
-        {
-            self.error(
-                &format!("{at}.question"),
-                format!("'{q}' is not the id of any [[questions]]"),
-            );
-        }
+        let asked = self.asked(at, e, questions);
         let mut values = BTreeMap::new();
         for quantity in e.kind.quantities() {
             values.insert(*quantity, self.quantity(at, e, *quantity, coordinate));
@@ -122,8 +122,33 @@ impl Check<'_> {
             id: e.id.clone(),
             label: e.label.clone(),
             scene: e.kind.scene(value),
-            question: e.question.clone(),
+            question: asked.first().cloned(),
+            further: asked.into_iter().skip(1).collect(),
         }
+    }
+
+    /// What is asked after its trials: one question, or several.
+    fn asked(&mut self, at: &str, e: &EnvironmentTable, known: &BTreeSet<&str>) -> Vec<QuestionId> {
+        if e.question.is_some() && !e.questions.is_empty() {
+            let what = "has no meaning beside questions; put it into that list".to_owned();
+            self.error(&format!("{at}.question"), what);
+        }
+        self.at_most_listed(&format!("{at}.questions"), e.questions.len());
+        let one = e.question.iter().map(|q| (format!("{at}.question"), q));
+        let several = e.questions.iter().enumerate();
+        let several = several.map(|(i, q)| (format!("{at}.questions[{i}]"), q));
+        let mut seen = BTreeSet::new();
+        for (key, q) in one.chain(several) {
+            if !known.contains(q.as_str()) {
+                self.error(&key, format!("'{q}' is not the id of any [[questions]]"));
+            } else if !seen.insert(q.as_str()) {
+                self.error(
+                    &key,
+                    format!("'{q}' stands twice; a question is asked once after a trial"),
+                );
+            }
+        }
+        e.question.iter().chain(&e.questions).cloned().collect()
     }
 
     /// A number that the environment's kind takes, in SI units.

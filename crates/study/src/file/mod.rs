@@ -5,6 +5,7 @@ mod compare;
 mod environment;
 mod figures;
 mod perception;
+mod questions;
 mod read;
 mod scenes;
 mod shape;

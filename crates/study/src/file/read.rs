@@ -4,9 +4,7 @@ use super::check::{Check, FARTHEST_DEG};
 use super::shape::*;
 use super::units::MILLI;
 use crate::form::READ_CHANNELS;
-use crate::model::{
-    Analysis, Coordinate, Design, Device, Masses, Mode, Question, Resistances, Study,
-};
+use crate::model::{Analysis, Coordinate, Design, Device, Masses, Mode, Resistances, Study};
 use crate::{
     ActuatorKind, Channel, Control, MOST_CHANNELS, Schema, StudyError, VelocityFilter, locate,
 };
@@ -159,7 +157,6 @@ impl Check<'_> {
         self.unique("environments", file.environments.iter().map(|e| e.id.as_str()));
         self.unique("modes", file.modes.iter().map(|m| m.id.as_str()));
         self.unique("questions", file.questions.iter().map(|q| q.id.as_str()));
-        self.groups(&file.questions);
         self.unique("channels", file.channels.iter().map(|c| c.id.as_str()));
         let known: BTreeSet<&str> = file.questions.iter().map(|q| q.id.as_str()).collect();
         let ids: Vec<&str> = file.environments.iter().map(|e| e.id.as_str()).collect();
@@ -197,7 +194,7 @@ impl Check<'_> {
             },
             environments,
             modes,
-            questions: file.questions.into_iter().map(question).collect(),
+            questions: self.questions(file.questions, schema),
             schema,
             channels: file.channels,
             analysis,
@@ -231,25 +228,6 @@ impl Check<'_> {
             let problem =
                 format!("the list has {count} entries; at most {MOST_LISTED} are allowed");
             self.error(list, problem);
-        }
-    }
-
-    /// What is pooled must be answered on one scale.
-    fn groups(&mut self, questions: &[QuestionTable]) {
-        for (i, question) in questions.iter().enumerate() {
-            if question.group.is_none() {
-                continue;
-            }
-            // The first of the group, which may be the question itself.
-            let first = questions.iter().find(|q| q.group == question.group).unwrap_or(question);
-            if first.scale != question.scale {
-                let what = format!(
-                    "differs from that of '{}', which is of the same group: answers on different \
-                     scales cannot be counted together",
-                    first.id
-                );
-                self.error(&format!("questions[{i}].scale"), what);
-            }
         }
     }
 
@@ -434,8 +412,4 @@ impl Check<'_> {
 /// Whether a character starts a line, or turns the direction of what follows.
 fn steers(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-}
-
-fn question(q: QuestionTable) -> Question {
-    Question { id: q.id, text: q.text, group: q.group, scale: q.scale, reversed: q.reversed }
 }

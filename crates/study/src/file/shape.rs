@@ -259,8 +259,16 @@ pub(super) struct QuestionTable {
     pub(super) text: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) group: Option<String>,
-    #[serde(default)]
-    pub(super) scale: AnswerScale,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) scale: Option<AnswerScale>,
     #[serde(default)]
     pub(super) reversed: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) points: Option<i64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) from: Option<i64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) step: Option<i64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) labels: Vec<String>,
 }

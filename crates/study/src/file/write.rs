@@ -77,17 +77,7 @@ impl From<&Study> for File {
                     law: m.law,
                 })
                 .collect(),
-            questions: s
-                .questions
-                .iter()
-                .map(|q| QuestionTable {
-                    id: q.id.clone(),
-                    text: q.text.clone(),
-                    group: q.group.clone(),
-                    scale: q.scale,
-                    reversed: q.reversed,
-                })
-                .collect(),
+            questions: s.questions.iter().map(QuestionTable::of).collect(),
             channels: s.channels.clone(),
         }
     }

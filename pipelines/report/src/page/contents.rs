@@ -55,10 +55,14 @@ struct MetricOf {
 struct QuestionOf {
     id: String,
     label: String,
-    lowest: u8,
-    highest: u8,
+    lowest: i16,
+    highest: i16,
+    /// From an answer to the next one, where that is not 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step: Option<i16>,
     reversed: bool,
-    labels: &'static [&'static str],
+    /// The word of each answer, empty where it has none; none of a scale of many points.
+    labels: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -149,13 +153,17 @@ impl MetricOf {
 
 impl QuestionOf {
     fn of(question: &zwidth_study::Question) -> Self {
+        let scale = &question.scale;
+        let answers = if scale.is_ordinal() { scale.answers() } else { Vec::new() };
+        let word = |answer| scale.word(answer).unwrap_or_default().to_owned();
         Self {
             id: question.id.to_string(),
             label: question.text.clone(),
-            lowest: 1,
-            highest: question.scale.points(),
+            lowest: scale.lowest(),
+            highest: scale.highest(),
+            step: Some(scale.step()).filter(|step| *step != 1),
             reversed: question.reversed,
-            labels: question.scale.words(),
+            labels: answers.into_iter().map(word).collect(),
         }
     }
 }

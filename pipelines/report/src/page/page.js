@@ -1283,9 +1283,11 @@
   }
 
   function answerChart(trials, q, index, asks, metric, width, tell) {
-    const levels = Array.from({ length: asks.highest - asks.lowest + 1 }, (_, i) => ({ value: asks.lowest + i, text: `${short(asks.labels?.[i] ?? "", width < 480 ? 12 : 24)} ${asks.lowest + i}`.trim() }));
+    const step = asks.step ?? 1, points = (asks.highest - asks.lowest) / step + 1;
+    const every = step * Math.ceil((points - 1) / 10); // of a long scale at most eleven answers are named
+    const levels = Array.from({ length: Math.floor((asks.highest - asks.lowest) / every) + 1 }, (_, i) => ({ value: asks.lowest + i * every, text: `${short(asks.labels?.[i] ?? "", width < 480 ? 12 : 24)} ${asks.lowest + i * every}`.trim() }));
     const left = 16 + 6.4 * Math.max(...levels.map(({ text }) => text.length));
-    const { svg, box, sy } = chartFrame("Answer", width, 60 + 46 * levels.length + 30, left, [asks.lowest - 0.5, asks.highest + 0.5], levels);
+    const { svg, box, sy } = chartFrame("Answer", width, 60 + 46 * levels.length + 30, left, [asks.lowest - 0.5 * every, asks.highest + 0.5 * every], levels);
     const values = trials.map((trial) => measured(trial, index));
     const range = padded(values.reduce((a, b) => Math.min(a, b), Infinity), values.reduce((a, b) => Math.max(a, b), -Infinity));
     const sx = scale(range, box.left, box.right);
@@ -1295,7 +1297,7 @@
     trials.forEach((trial, i) => {
       const answer = answered(trial, q), place = seen.get(answer) ?? 0;
       seen.set(answer, place + 1);
-      svg.append(point(sx.k * values[i] + sx.c, sy.k * (answer + 0.6 * spread(place)) + sy.c, { mode: modeIndex(trial.mode), words: `${trialWords(trial)}: answered ${answer}${asks.labels?.[answer - asks.lowest] ? ` (${short(asks.labels[answer - asks.lowest])})` : ""}, ${significant(values[i])} ${metric.unit}`, open: () => openTrial(trial) }, trials.length > 400 ? 2.5 : 5, tell));
+      svg.append(point(sx.k * values[i] + sx.c, sy.k * (answer + 0.6 * step * spread(place)) + sy.c, { mode: modeIndex(trial.mode), words: `${trialWords(trial)}: answered ${answer}${asks.labels?.[(answer - asks.lowest) / step] ? ` (${short(asks.labels[(answer - asks.lowest) / step])})` : ""}, ${significant(values[i])} ${metric.unit}`, open: () => openTrial(trial) }, trials.length > 400 ? 2.5 : 5, tell));
     });
     return svg;
   }

@@ -237,7 +237,7 @@ fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<Judged, 
     let none = || Stop::NotMeasured("nobody answered".to_owned());
     let tally = derived.tally.ok_or_else(none)?;
     let found = median(derived.known.study, tally, environment, mode)?.ok_or_else(none)?;
-    let twice_the_middle = i64::from(found.scale.points()) + 1;
+    let twice_the_middle = i64::from(found.scale.ends_together());
     let above = |answer: i64| 2 * answer > twice_the_middle;
     let verdict = match (above(found.low), above(found.high)) {
         (low, high) if low == high => Verdict::of(low == favourable),

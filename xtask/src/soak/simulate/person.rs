@@ -42,7 +42,7 @@ impl<'a> Person<'a> {
             0 if !self.diligent => Input::Stop,
             1 if !self.diligent => Input::Quit,
             2 => Input::Skip,
-            n => Input::Answer(1 + (n % 5) as u8),
+            n => Input::Answer(1 + (n % 5) as i16),
         }
     }
 

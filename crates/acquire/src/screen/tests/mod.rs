@@ -35,10 +35,11 @@ fn words(view: &View, entry: Option<&Entry>) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn entries() -> [Option<Entry>; 4] {
+fn entries() -> [Option<Entry>; 5] {
     [
         None,
         Some(Entry::Note("a note".into())),
+        Some(Entry::Answer("-3".into())),
         Some(Entry::Exclude(String::new())),
         Some(Entry::Sure(Ask::Quit)),
     ]
@@ -110,11 +111,23 @@ fn at_80_by_24_nothing_is_cut() {
 fn a_question_is_asked_whole_with_every_word_of_the_scale() {
     let text = words(&view(asked(), true), None);
     assert!(text.contains(&question()), "{text}");
-    for (n, word) in (1..).zip(AnswerScale::FivePoint.words()) {
-        assert!(text.contains(&format!("{n} {word}")), "{text}");
+    let five = AnswerScale::FivePoint;
+    for n in five.answers() {
+        assert!(text.contains(&format!("{n} {}", five.word(n).unwrap())), "{text}");
     }
     let narrow = rows(&view(asked(), true), None, FULL, (50, 24)).join("\n");
     assert!(narrow.contains(" 4 agree") && narrow.contains(" 5 strongly agree"), "{narrow}");
+}
+
+#[test]
+fn a_long_scale_is_told_by_its_ends_and_how_it_is_answered() {
+    let labels = ["very low", "very high"].map(str::to_owned).to_vec();
+    let scale = zwidth_study::NumberScale { points: 21, from: 0, step: 5, labels };
+    let scale = AnswerScale::Numbers(scale);
+    let text = words(&view(Phase::Question { text: "Effort?".into(), scale }, true), None);
+    assert!(text.contains("A number from 0 to 100 in steps of 5, then Enter."), "{text}");
+    assert!(text.contains("0 very low") && text.contains("100 very high"), "{text}");
+    assert!(!text.contains(" 55 "), "{text}");
 }
 
 #[test]

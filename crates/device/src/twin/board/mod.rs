@@ -215,7 +215,7 @@ impl Device for Twin {
         self.start(now_s, phase);
     }
 
-    fn answer(&mut self, on: AnswerScale) -> Option<u8> {
+    fn answer(&mut self, on: &AnswerScale) -> Option<i16> {
         self.trial.over_s = self.trial.over_s.min(self.now_s);
         self.trial.answer(&self.person, on)
     }

@@ -13,6 +13,7 @@ fn free() -> Environment {
         label: "free".to_owned(),
         scene: Scene::Free,
         question: None,
+        further: Vec::new(),
     }
 }
 
@@ -104,7 +105,7 @@ fn a_trial_depends_on_its_number_and_not_on_those_before() {
         begin(twin, 0.0, trial);
         let readings: Vec<Reading> =
             (1..500).map(|i| twin.read(f64::from(i) * 8.3e-3).unwrap()).collect();
-        (readings, twin.answer(AnswerScale::FivePoint))
+        (readings, twin.answer(&AnswerScale::FivePoint))
     };
     let (mut fresh, mut used) = (twin(), twin());
     run(&mut used, 1);

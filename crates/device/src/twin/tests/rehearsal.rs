@@ -35,7 +35,7 @@ pub(super) struct RehearsedTick {
 pub(super) struct Rehearsal {
     pub(super) rows: Vec<RehearsedTick>,
     pub(super) intent: Intent,
-    pub(super) answer: u8,
+    pub(super) answer: i16,
 }
 
 impl Rehearsal {
@@ -68,7 +68,13 @@ impl Rehearsal {
 }
 
 pub(super) fn environment(scene: Scene) -> Environment {
-    Environment { id: "tested".parse().unwrap(), label: "tested".to_owned(), scene, question: None }
+    Environment {
+        id: "tested".parse().unwrap(),
+        label: "tested".to_owned(),
+        scene,
+        question: None,
+        further: Vec::new(),
+    }
 }
 
 pub(super) fn spring() -> Environment {
@@ -142,7 +148,11 @@ pub(super) fn rehearse(
         .zip(&samples)
         .map(|(&state, &sample)| RehearsedTick { state, sample })
         .collect();
-    Rehearsal { rows, intent: *twin.intent(), answer: twin.answer(AnswerScale::FivePoint).unwrap() }
+    Rehearsal {
+        rows,
+        intent: *twin.intent(),
+        answer: twin.answer(&AnswerScale::FivePoint).unwrap(),
+    }
 }
 
 /// A device drawn from the whole range, every third number from an end of it, and a participant.

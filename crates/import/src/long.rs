@@ -1,0 +1,121 @@
+//! Long questionnaire tables, a row an answer → trials without samples, each with its answers.
+
+use super::given::{Answered, Place, read_given};
+use super::identity::{Identity, identity};
+use super::label::Label;
+use super::limits::Budget;
+use super::mapping::{LongForm, Questionnaire, Who};
+use super::recording::Recording;
+use super::report::FileReport;
+use super::{Context, Errors, all};
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_store::StoreError;
+use zwidth_study::QuestionId;
+
+/// The answers of a file, in the order in which each trial's first one stands. Rows with the same
+/// labels are one trial, wherever they stand.
+pub(super) fn convert(
+    context: &Context,
+    (who, asked, form): (&Who, &Questionnaire, &LongForm),
+    budget: &Budget,
+    recording: &Recording,
+) -> Result<(Vec<Answered>, FileReport), Errors> {
+    let labels = who.columns().into_iter().chain(form.question.column());
+    let labels = all(labels.map(|column| recording.find(column)))?;
+    let answer = recording.find(&form.answer)?;
+    let time = form.time.as_ref().map(|column| recording.find(column)).transpose()?;
+    let rows = recording.rows(&context.mapping.file, &[], &labels)?;
+    let mut found: Vec<Answered> = Vec::new();
+    let mut places: BTreeMap<String, usize> = BTreeMap::new();
+    let mut errors = Vec::new();
+    let mut answers = 0;
+    for row in &rows.kept {
+        let place = Place { row: *row, answer, time };
+        match read_row(context, (who, asked, &form.question), recording, place) {
+            Ok((identity, Some((question, given)))) => {
+                let at = *places.entry(key(&identity)).or_insert_with(|| {
+                    found.push(Answered { identity, answers: Vec::new() });
+                    found.len() - 1
+                });
+                if found[at].answers.iter().any(|(known, _)| *known == question) {
+                    errors.push(twice(recording, answer, *row, &question));
+                }
+                found[at].answers.push((question, given));
+                answers += 1;
+            }
+            Ok((_, None)) => {}
+            Err(Errors(wrong)) => errors.extend(wrong),
+        }
+        if errors.len() >= super::limits::MOST_ERRORS {
+            break;
+        }
+    }
+    if !errors.is_empty() {
+        return Err(Errors(errors));
+    }
+    budget.trials(&recording.path, found.len())?;
+    let used = [labels, vec![answer], time.into_iter().collect()].concat();
+    let mut report = context.file_report(recording, &rows, &used)?;
+    let timed = if time.is_some() { ", with the time that each took" } else { "" };
+    report.converted.push(format!("answers, as given, one row each{timed}"));
+    let empty = match rows.kept.len() - answers {
+        0 => String::new(),
+        n => format!("; {n} empty answers left out"),
+    };
+    report.made.push(format!("{} trials without samples, {answers} answers{empty}", found.len()));
+    Ok((found, report))
+}
+
+type Row = (Identity, Option<(QuestionId, zwidth_study::Given)>);
+
+/// Whose answer a row is, to what, and what it is; no answer where the cell is empty.
+fn read_row(
+    context: &Context,
+    (who, asked, question): (&Who, &Questionnaire, &Label),
+    recording: &Recording,
+    place: Place,
+) -> Result<Row, Errors> {
+    let identity = identity(who, recording, place.row, context.study)?;
+    let question = question.value("question", recording, place.row, |text| {
+        let id: QuestionId = super::identity::id(text)?;
+        if context.study.question(&id).is_some() {
+            return Ok(id);
+        }
+        let known: Vec<&str> = context.study.questions.iter().map(|q| q.id.as_str()).collect();
+        Err(format!("question '{id}' is not in study.toml, which has {}", known.join(", ")))
+    })?;
+    let given = read_given(context, asked, recording, &question, place)?;
+    Ok((identity, given.map(|given| (question, given))))
+}
+
+/// What makes rows one trial: every label.
+fn key(identity: &Identity) -> String {
+    let Identity { participant, session, environment, mode, kind, repeat, trial, .. } = identity;
+    // No id holds a blank.
+    format!("{participant} {session} {environment} {mode} {} {repeat:?} {trial:?}", kind.as_str())
+}
+
+fn twice(recording: &Recording, column: usize, row: usize, question: &QuestionId) -> StoreError {
+    let what = format!("question '{question}' is answered twice after one trial");
+    let remedy =
+        "tell the trials apart by a column: trial or repeat in [trial]; or leave a row out";
+    recording.cell_error(column, row, &what, remedy)
+}
+
+/// Whether no two files have answers to one trial: they would count as two repeats.
+pub(super) fn apart(files: &[&[Answered]]) -> Result<(), Errors> {
+    let mut seen: BTreeMap<String, &Path> = BTreeMap::new();
+    let checked = files.iter().flat_map(|found| found.iter()).map(|answered| {
+        let identity = &answered.identity;
+        let Some(first) = seen.insert(key(identity), &identity.file) else { return Ok(()) };
+        let what = format!(
+            "{} {} {} {} is in {} too",
+            identity.participant, identity.session, identity.environment, identity.mode, first.display()
+        );
+        let remedy = "put the answers to one trial into one file, or tell the trials apart by trial or repeat \
+                      in [trial]";
+        Err(StoreError::new(&identity.file, what, remedy))
+    });
+    all(checked).map(drop)
+}

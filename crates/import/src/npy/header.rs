@@ -1,0 +1,365 @@
+//! What an array says of itself: a Python dictionary of type, order and shape.
+
+use crate::limits::{MOST_COLUMNS, MOST_NAME};
+
+/// The first bytes of every array.
+const MAGIC: &[u8] = b"\x93NUMPY";
+/// Bytes of a header that is read: no array of a few thousand fields needs more.
+const MOST_HEADER: usize = 1 << 20;
+/// Dimensions of an array, the most that NumPy has.
+const MOST_DIMENSIONS: usize = 64;
+/// Values within values of a header.
+const DEEPEST: usize = 8;
+
+/// What an array says of itself.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Header {
+    pub(super) shape: Vec<usize>,
+    /// Whether a matrix lies column by column.
+    pub(super) by_columns: bool,
+    /// Bytes of an item.
+    pub(super) item: usize,
+    /// The one value of an item, without a name, or its fields.
+    pub(super) members: Vec<Member>,
+}
+
+/// A value of an item.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Member {
+    pub(super) name: Option<String>,
+    pub(super) offset: usize,
+    pub(super) size: usize,
+    pub(super) kind: Kind,
+}
+
+/// What a value is; `big`: its first byte is the highest.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Kind {
+    Float {
+        big: bool,
+    },
+    Signed {
+        big: bool,
+    },
+    Unsigned {
+        big: bool,
+    },
+    /// Four bytes a letter.
+    Unicode {
+        big: bool,
+    },
+    /// One byte a letter.
+    Bytes,
+    /// Neither number nor text: why, in words.
+    Other(String),
+}
+
+impl Header {
+    /// How many items; none where it is more than can be counted.
+    pub(super) fn values(&self) -> Option<usize> {
+        self.shape.iter().try_fold(1_usize, |n, size| n.checked_mul(*size))
+    }
+}
+
+/// Reads what stands before the values, and gives the values' bytes.
+pub(super) fn read(bytes: &[u8]) -> Result<(Header, &[u8]), String> {
+    let rest = bytes.strip_prefix(MAGIC).ok_or("it does not begin as an array does")?;
+    let ([major, _minor], rest) = rest.split_first_chunk::<2>().ok_or(CUT)?;
+    let (length, rest) = match major {
+        1 => {
+            let (length, rest) = rest.split_first_chunk::<2>().ok_or(CUT)?;
+            (usize::from(u16::from_le_bytes(*length)), rest)
+        }
+        2 | 3 => {
+            let (length, rest) = rest.split_first_chunk::<4>().ok_or(CUT)?;
+            (u32::from_le_bytes(*length) as usize, rest)
+        }
+        other => return Err(format!("its format has version {other}; 1 to 3 are read")),
+    };
+    if length > MOST_HEADER {
+        return Err(format!(
+            "its header claims {length} bytes, and at most {MOST_HEADER} are read"
+        ));
+    }
+    let (text, data) = rest.split_at_checked(length).ok_or(CUT)?;
+    let text = std::str::from_utf8(text).map_err(|_| "its header is no text".to_owned())?;
+    Ok((header(text)?, data))
+}
+
+const CUT: &str = "it is cut off in its header";
+
+fn header(text: &str) -> Result<Header, String> {
+    let mut reader = Reader { rest: text.trim_end() };
+    let value = reader.value(0).filter(|_| reader.rest.is_empty());
+    let Some(Literal::Dict(entries)) = value else {
+        return Err("its header is no list of type, order and shape".to_owned());
+    };
+    let of = |key: &str| entries.iter().find(|(k, _)| k == key).map(|(_, value)| value);
+    let by_columns = matches!(of("fortran_order"), Some(Literal::Bool(true)));
+    let Some(Literal::List(sizes)) = of("shape") else {
+        return Err("it gives no shape".to_owned());
+    };
+    if sizes.len() > MOST_DIMENSIONS {
+        return Err(format!("it has more than {MOST_DIMENSIONS} dimensions"));
+    }
+    let size = |size: &Literal| match size {
+        Literal::Int(n) => usize::try_from(*n).ok(),
+        _ => None,
+    };
+    let shape = sizes.iter().map(size).collect::<Option<Vec<_>>>();
+    let shape = shape.ok_or("its shape is none")?;
+    let (item, members) = members(of("descr").ok_or("it gives no type")?)?;
+    Ok(Header { shape, by_columns, item, members })
+}
+
+/// The bytes of an item, and its values.
+fn members(descr: &Literal) -> Result<(usize, Vec<Member>), String> {
+    let fields = match descr {
+        Literal::Text(code) => {
+            let (kind, size) = kind(code)?;
+            return Ok((size, vec![Member { name: None, offset: 0, size, kind }]));
+        }
+        Literal::List(fields) => fields,
+        _ => return Err(no_type()),
+    };
+    if fields.is_empty() || fields.len() > MOST_COLUMNS {
+        return Err(format!("it has {} fields, and 1 to {MOST_COLUMNS} are read", fields.len()));
+    }
+    let (mut offset, mut members) = (0_usize, Vec::new());
+    for field in fields {
+        let (name, code, repeats) = field_of(field).ok_or_else(no_type)?;
+        if name.len() > MOST_NAME {
+            return Err(format!("a field's name has more than {MOST_NAME} bytes"));
+        }
+        let (of_one, size) = kind(code)?;
+        let (of_all, size) = match repeats {
+            None => (of_one, Some(size)),
+            Some(n) => {
+                (Kind::Other("it holds an array in each row".to_owned()), size.checked_mul(n))
+            }
+        };
+        let size = size.ok_or_else(no_type)?;
+        // A gap between fields has no name.
+        if !name.is_empty() {
+            members.push(Member { name: Some(name.to_owned()), offset, size, kind: of_all });
+        }
+        offset = offset.checked_add(size).ok_or_else(no_type)?;
+    }
+    Ok((offset, members))
+}
+
+/// Name, type and number of repeats of a field.
+fn field_of(field: &Literal) -> Option<(&str, &str, Option<usize>)> {
+    let Literal::List(parts) = field else { return None };
+    let name = match parts.first()? {
+        Literal::Text(name) => name,
+        // A title beside the name.
+        Literal::List(both) => match both.last()? {
+            Literal::Text(name) => name,
+            _ => return None,
+        },
+        _ => return None,
+    };
+    let Literal::Text(code) = parts.get(1)? else { return None };
+    let repeats = match parts.get(2) {
+        None => None,
+        Some(Literal::List(sizes)) => {
+            let size = |size: &Literal| match size {
+                Literal::Int(n) => usize::try_from(*n).ok(),
+                _ => None,
+            };
+            let sizes = sizes.iter().map(size).collect::<Option<Vec<_>>>()?;
+            Some(sizes.into_iter().try_fold(1_usize, usize::checked_mul)?)
+        }
+        Some(_) => return None,
+    };
+    Some((name, code, repeats))
+}
+
+/// What a type code says, and how many bytes it takes: `<f8`, `|S7`, `<U3`.
+fn kind(code: &str) -> Result<(Kind, usize), String> {
+    let (big, letter, size) = parts(code).ok_or_else(no_type)?;
+    let kind = match (letter, size) {
+        ("f", 4 | 8) => Kind::Float { big },
+        ("i", 1 | 2 | 4 | 8) => Kind::Signed { big },
+        ("u", 1 | 2 | 4 | 8) => Kind::Unsigned { big },
+        ("U", letters) => {
+            let size = letters.checked_mul(4).ok_or_else(no_type)?;
+            return Ok((Kind::Unicode { big }, size));
+        }
+        ("S" | "a", _) => Kind::Bytes,
+        ("O", _) => {
+            let what = "it holds Python objects, which are not read; save numbers or text";
+            return Err(what.to_owned());
+        }
+        (letter, _) => Kind::Other(other(letter).ok_or_else(no_type)?.to_owned()),
+    };
+    Ok((kind, size))
+}
+
+fn no_type() -> String {
+    "its type is none that NumPy writes".to_owned()
+}
+
+/// Whether the first byte is the highest, the letter of the type, and its size.
+fn parts(code: &str) -> Option<(bool, &str, usize)> {
+    let (order, rest) = code.split_at_checked(1)?;
+    let (letter, size) = rest.split_at_checked(1)?;
+    // A date has its unit behind it.
+    let digits = size.split('[').next().unwrap_or_default();
+    let size = if digits.is_empty() { 0 } else { digits.parse().ok()? };
+    Some((order == ">", letter, size))
+}
+
+/// What a type that is not read is, and what to save instead.
+fn other(letter: &str) -> Option<&'static str> {
+    match letter {
+        "b" => Some("it holds yes or no; save it as numbers"),
+        "f" | "g" => Some("it holds numbers of 2 or 16 bytes; save it as float64"),
+        "c" => Some("it is complex; save real and imaginary part"),
+        "M" | "m" => Some("it holds dates; save seconds as float64"),
+        "V" => Some("it holds bytes of no type"),
+        _ => None,
+    }
+}
+
+impl Kind {
+    /// Whether its values are text.
+    pub(super) fn is_text(&self) -> bool {
+        matches!(self, Self::Unicode { .. } | Self::Bytes)
+    }
+
+    /// A value as a number.
+    pub(super) fn number(&self, bytes: &[u8]) -> Option<f64> {
+        let big = match self {
+            Self::Float { big } | Self::Signed { big } | Self::Unsigned { big } => *big,
+            _ => return None,
+        };
+        let mut held = [0_u8; 8];
+        let size = bytes.len();
+        held.get_mut(..size)?.copy_from_slice(bytes);
+        if big {
+            held.get_mut(..size)?.reverse();
+        }
+        let bits = u64::from_le_bytes(held);
+        let unused = 64 - 8 * u32::try_from(size).ok().filter(|size| (1..=8).contains(size))?;
+        match self {
+            Self::Float { .. } if size == 4 => Some(f32::from_bits(bits as u32).into()),
+            Self::Float { .. } => Some(f64::from_bits(bits)),
+            Self::Signed { .. } => Some(((bits << unused) as i64 >> unused) as f64),
+            _ => Some(bits as f64),
+        }
+    }
+
+    /// A value as text, without the zeros behind it.
+    pub(super) fn text(&self, bytes: &[u8]) -> Result<String, String> {
+        let no_text = || "a text in it is none".to_owned();
+        let Self::Unicode { big } = self else {
+            let end = bytes.iter().rposition(|b| *b != 0).map_or(0, |last| last + 1);
+            return String::from_utf8(bytes[..end].to_vec()).map_err(|_| no_text());
+        };
+        let letter = |four: &[u8]| {
+            let four: [u8; 4] = four.try_into().ok()?;
+            char::from_u32(if *big { u32::from_be_bytes(four) } else { u32::from_le_bytes(four) })
+        };
+        let text: Option<String> = bytes.chunks(4).map(letter).collect();
+        Ok(text.ok_or_else(no_text)?.trim_end_matches('\0').to_owned())
+    }
+}
+
+/// A value of a header.
+#[derive(Debug, Clone, PartialEq)]
+enum Literal {
+    Text(String),
+    Int(u64),
+    Bool(bool),
+    /// A list or a tuple.
+    List(Vec<Literal>),
+    Dict(Vec<(String, Literal)>),
+}
+
+/// Reads Python's way to write values.
+struct Reader<'a> {
+    rest: &'a str,
+}
+
+impl Reader<'_> {
+    /// Whether this comes next; it is passed by.
+    fn passes(&mut self, what: &str) -> bool {
+        self.rest = self.rest.trim_start();
+        match self.rest.strip_prefix(what) {
+            Some(rest) => {
+                self.rest = rest.trim_start();
+                true
+            }
+            None => false,
+        }
+    }
+
+    fn value(&mut self, depth: usize) -> Option<Literal> {
+        if depth > DEEPEST {
+            return None;
+        }
+        if self.passes("{") {
+            return self.dict(depth);
+        }
+        for (open, close) in [("(", ")"), ("[", "]")] {
+            if self.passes(open) {
+                return self.list(close, depth);
+            }
+        }
+        if self.passes("True") {
+            return Some(Literal::Bool(true));
+        }
+        if self.passes("False") {
+            return Some(Literal::Bool(false));
+        }
+        match self.rest.chars().next()? {
+            quote @ ('\'' | '"') => self.text(quote).map(Literal::Text),
+            _ => self.int(),
+        }
+    }
+
+    fn list(&mut self, close: &str, depth: usize) -> Option<Literal> {
+        let mut values = Vec::new();
+        while !self.passes(close) {
+            values.push(self.value(depth + 1)?);
+            if !self.passes(",") && !self.rest.starts_with(close) {
+                return None;
+            }
+        }
+        Some(Literal::List(values))
+    }
+
+    fn dict(&mut self, depth: usize) -> Option<Literal> {
+        let mut entries = Vec::new();
+        while !self.passes("}") {
+            let quote = self.rest.chars().next().filter(|c| ['\'', '"'].contains(c))?;
+            let key = self.text(quote)?;
+            if !self.passes(":") {
+                return None;
+            }
+            entries.push((key, self.value(depth + 1)?));
+            if !self.passes(",") && !self.rest.starts_with('}') {
+                return None;
+            }
+        }
+        Some(Literal::Dict(entries))
+    }
+
+    /// A text in quotes; one with a backslash is read by nobody here.
+    fn text(&mut self, quote: char) -> Option<String> {
+        let inside = self.rest.strip_prefix(quote)?;
+        let (text, rest) = inside.split_once(quote)?;
+        self.rest = rest.trim_start();
+        (!text.contains('\\')).then(|| text.to_owned())
+    }
+
+    fn int(&mut self) -> Option<Literal> {
+        let end = self.rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(self.rest.len());
+        let (digits, rest) = self.rest.split_at(end);
+        // Python 2 wrote long ones with an L.
+        self.rest = rest.strip_prefix('L').unwrap_or(rest).trim_start();
+        digits.parse().ok().map(Literal::Int)
+    }
+}

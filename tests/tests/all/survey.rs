@@ -1,0 +1,251 @@
+//! A questionnaire on scales of other lengths than five, from a table to figures: −3 to 3, 0 to 6, 0 to
+//! 100 in steps of 5, and a line from 0 to 100; wide and long.
+
+use crate::binary::zwidth;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use zwidth_store::Layout;
+use zwidth_tables::Table;
+
+const PEOPLE: u32 = 12;
+const MODES: [&str; 3] = ["A", "B", "C"];
+
+const STUDY: &str = r#"
+schema = 2
+[study]
+id = "survey"
+title = "A survey on four scales"
+[design]
+repeats = 1
+trial_limit_s = 60.0
+[device]
+name = "three knobs"
+[[environments]]
+id = "knob"
+label = "Knob"
+kind = "none"
+[[modes]]
+id = "A"
+label = "Knob A"
+[[modes]]
+id = "B"
+label = "Knob B"
+[[modes]]
+id = "C"
+label = "Knob C"
+[[questions]]
+id = "mood"
+text = "How did it feel?"
+points = 7
+from = -3
+labels = ["very unpleasant", "neither", "very pleasant"]
+[[questions]]
+id = "hard"
+text = "It was too complicated."
+points = 7
+from = 0
+reversed = true
+labels = ["not at all", "entirely"]
+[[questions]]
+id = "load"
+text = "How much effort did it take?"
+points = 21
+from = 0
+step = 5
+labels = ["very low", "very high"]
+[[questions]]
+id = "line"
+text = "How real was it?"
+points = 101
+from = 0
+reversed = true
+labels = ["not at all", "entirely"]
+"#;
+
+const WHO: &str = r#"
+kind = "likert"
+[trial]
+participant = { column = "who", prefix = "P", digits = 2 }
+session = "S01"
+environment = "knob"
+mode = { column = "knob" }
+"#;
+
+const QUESTIONS: [&str; 4] = ["mood", "hard", "load", "line"];
+
+/// A person's answers after a mode, scattered by a rule: C is liked best.
+fn answers(person: u32, mode: u32) -> [i32; 4] {
+    let scatter = |step: u32, width: u32| ((person * step + mode * 3) % width) as i32;
+    [
+        (scatter(3, 5) - 3 + mode as i32).clamp(-3, 3),
+        (5 - scatter(7, 4) - mode as i32).clamp(0, 6),
+        (scatter(7, 10) + 3 * mode as i32).clamp(0, 20) * 5,
+        (scatter(37, 60) + 15 * mode as i32).clamp(0, 100),
+    ]
+}
+
+/// The time that an answer took, ms.
+fn time_ms(person: u32, mode: u32, question: usize) -> u32 {
+    1_000 + 100 * person + 10 * mode + question as u32
+}
+
+fn each(mut row: impl FnMut(u32, u32, [i32; 4])) {
+    for person in 1..=PEOPLE {
+        for mode in 0..3 {
+            row(person, mode, answers(person, mode));
+        }
+    }
+}
+
+/// A row a person and mode.
+fn wide() -> String {
+    let mut table = "who,knob,mood,hard,load,line\n".to_owned();
+    each(|person, mode, [a, b, c, d]| {
+        writeln!(table, "{person},{},{a},{b},{c},{d}", MODES[mode as usize]).unwrap();
+    });
+    table
+}
+
+const WIDE: &str =
+    "[questions.columns]\nmood = \"mood\"\nhard = \"hard\"\nload = \"load\"\nline = \"line\"\n";
+
+/// A row an answer, question by question.
+fn long() -> String {
+    let mut table = "who,knob,item,answer,rt\n".to_owned();
+    for (place, question) in QUESTIONS.iter().enumerate() {
+        each(|person, mode, answers| {
+            let (knob, time) = (MODES[mode as usize], time_ms(person, mode, place));
+            writeln!(table, "{person},{knob},{question},{},{time}", answers[place]).unwrap();
+        });
+    }
+    table
+}
+
+const LONG: &str = "[questions]\nquestion = { column = \"item\" }\nanswer = \"answer\"\ntime = \"rt\"\ntime_unit = \"ms\"\n";
+
+/// The study with this table imported.
+fn imported(root: &Path, table: &str, questions: &str) -> (Layout, String) {
+    let layout = Layout::new(root, "survey".parse().unwrap());
+    fs::create_dir_all(layout.raw()).unwrap();
+    fs::write(layout.study_toml(), STUDY).unwrap();
+    let [map, csv] = ["map.toml", "answers.csv"].map(|name| root.join(name));
+    fs::write(&map, format!("{WHO}{questions}")).unwrap();
+    fs::write(&csv, table).unwrap();
+    let [map, csv] = [&map, &csv].map(|path| path.to_str().unwrap());
+    let report = zwidth(root, &["import", "survey", "--map", map, csv]).exits(0).out;
+    (layout, report)
+}
+
+fn derived(layout: &Layout, name: &str) -> Table {
+    Table::from_parquet(&layout.derived().join(name)).unwrap()
+}
+
+/// The row of a question and a mode.
+fn row_of(table: &Table, question: &str, mode: &str) -> usize {
+    let [questions, modes] = ["question", "mode"].map(|name| table.texts(name).unwrap());
+    let is = |row: &usize| {
+        questions[*row].as_deref() == Some(question) && modes[*row].as_deref() == Some(mode)
+    };
+    (0..table.height()).find(is).unwrap()
+}
+
+#[test]
+fn a_wide_and_a_long_table_of_the_same_answers_give_the_same_study() {
+    let [wide, long] = [(wide(), WIDE), (long(), LONG)].map(|(table, questions)| {
+        let root = tempfile::tempdir().unwrap();
+        let (layout, report) = imported(root.path(), &table, questions);
+        assert!(report.contains("36 trials without samples, 144 answers"), "{report}");
+        let found = zwidth(root.path(), &["verify", "survey"]).exits(0).out;
+        assert_eq!(found, "survey: no findings (schema 2)\n");
+        zwidth(root.path(), &["run", "survey", "--only", "likert tallies"]).exits(0);
+        (derived(&layout, "likert.parquet"), derived(&layout, "answers.parquet"))
+    });
+    assert_eq!(wide.0.columns(), long.0.columns());
+    assert_eq!(wide.0.height(), 12);
+    // The long one has the times besides.
+    let times = long.1.floats("answer_time_s").unwrap();
+    assert!(wide.1.column("answer_time_s").is_err());
+    assert!(times.iter().all(|t| t.is_some_and(|t| (1.0..3.0).contains(&t))), "{times:?}");
+    assert_eq!(long.1.integers("answer").unwrap().len(), 144);
+}
+
+#[test]
+fn each_scale_is_tallied_compared_and_drawn_as_what_it_is() {
+    let root = tempfile::tempdir().unwrap();
+    let (layout, _) = imported(root.path(), &long(), LONG);
+    zwidth(root.path(), &["run", "survey"]).exits(0);
+    let tally = derived(&layout, "likert.parquet");
+    for (place, question) in QUESTIONS.iter().enumerate() {
+        for (number, mode) in (0..).zip(MODES) {
+            let mut given: Vec<i32> = (1..=PEOPLE).map(|p| answers(p, number)[place]).collect();
+            if *question == "hard" {
+                given.iter_mut().for_each(|a| *a = 6 - *a);
+            } else if *question == "line" {
+                given.iter_mut().for_each(|a| *a = 100 - *a);
+            }
+            given.sort_unstable();
+            let row = row_of(&tally, question, mode);
+            let cell = |column: &str| tally.integers(column).unwrap()[row];
+            assert_eq!(cell("median_low"), Some(given[5].into()), "{question} {mode}");
+            assert_eq!(cell("median_high"), Some(given[6].into()), "{question} {mode}");
+            let lowest = if *question == "mood" { -3 } else { 0 };
+            for point in 1..=7 {
+                let n = given.iter().filter(|a| **a == lowest + point - 1).count() as i64;
+                let counted = cell(&format!("count_{point}"));
+                assert_eq!(counted, Some(n).filter(|_| place < 2), "{question} {mode} {point}");
+            }
+            let mean = tally.floats("mean").unwrap()[row];
+            let expect = f64::from(given.iter().sum::<i32>()) / f64::from(PEOPLE);
+            assert_eq!(mean.map(|m| (m - expect).abs() < 1e-12), (place > 1).then_some(true));
+        }
+    }
+    let compared = derived(&layout, "compare/answers_compared.parquet");
+    let [questions, models] = ["question", "model"].map(|name| compared.texts(name).unwrap());
+    let [odds, difference, p] =
+        ["odds_ratio", "difference", "p_value"].map(|name| compared.floats(name).unwrap());
+    let remarks = compared.texts("remark").unwrap();
+    for row in 0..compared.height() {
+        let is_long = ["load", "line"].contains(&questions[row].as_deref().unwrap());
+        assert_eq!(
+            (odds[row].is_none(), difference[row].is_some()),
+            (is_long, is_long),
+            "{remarks:?}"
+        );
+        assert!(p[row].is_some());
+        let model = models[row].as_deref().unwrap();
+        assert!(model.starts_with(if is_long { "means, as for a metric" } else { "cumulative" }));
+    }
+    let figures = layout.reports().join("figures");
+    for stem in ["likert", "likert_items", "ratings", "answers"] {
+        let pages = fs::read_dir(&figures)
+            .unwrap()
+            .filter_map(|f| f.unwrap().file_name().into_string().ok());
+        let drawn = pages.filter(|f| f.starts_with(stem) && f.ends_with(".svg")).count();
+        assert!(drawn > 0, "{stem}");
+    }
+    assert!(layout.reports().join("index.html").exists());
+    if let Some(kept) = std::env::var_os("ZWIDTH_KEEP_SURVEY") {
+        fs::rename(layout.reports(), Path::new(&kept)).unwrap();
+    }
+}
+
+#[test]
+fn an_answer_that_its_scale_does_not_have_is_refused_with_its_cell_and_the_scale() {
+    let root = tempfile::tempdir().unwrap();
+    let layout = Layout::new(root.path(), "survey".parse().unwrap());
+    fs::create_dir_all(layout.raw()).unwrap();
+    fs::write(layout.study_toml(), STUDY).unwrap();
+    let [map, csv] = ["map.toml", "answers.csv"].map(|name| root.path().join(name));
+    fs::write(&map, format!("{WHO}{WIDE}")).unwrap();
+    for (row, words) in [
+        ("1,A,4,0,0,0", ["the answer '4' must be a whole number from -3 to 3", "mood"]),
+        ("1,A,0,7,0,0", ["the answer '7' must be a whole number from 0 to 6", "hard"]),
+        ("1,A,0,0,12,0", ["from 0 to 100 in steps of 5", "load"]),
+        ("1,A,0,0,0,100.5", ["the answer '100.5'", "line"]),
+    ] {
+        fs::write(&csv, format!("who,knob,mood,hard,load,line\n{row}\n")).unwrap();
+        let [map, csv] = [&map, &csv].map(|path| path.to_str().unwrap());
+        zwidth(root.path(), &["import", "survey", "--map", map, csv]).exits(1).says(&words);
+    }
+}
