@@ -80,8 +80,9 @@ mod tests {
         let found = difference(&scores, [1, 0], 0.95).unwrap();
         assert!((found.estimate - 80.0 / 3.0).abs() < 1e-12);
         assert!((found.statistic - 2.0485900789263356).abs() < 1e-12, "{found:?}");
-        assert!((found.p_value - 0.1770488002021764).abs() < 1e-12, "{found:?}");
-        assert!((found.ci_low - -29.341320146774347).abs() < 1e-9, "{found:?}");
+        // p values and quantiles are stored to so many digits (`zwidth_stats::rounded`).
+        assert!((found.p_value - 0.1770488002021764).abs() < 1e-8, "{found:?}");
+        assert!((found.ci_low - -29.341320146774347).abs() < 1e-7, "{found:?}");
         assert_eq!(found.df, 2.0);
     }
 
