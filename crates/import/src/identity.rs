@@ -113,7 +113,7 @@ fn scale_after(study: &Study, environment: &EnvironmentId) -> AnswerScale {
 pub(super) fn answer(text: &str, scale: &AnswerScale) -> Result<i16, String> {
     let given = text.parse::<f64>().ok();
     let found =
-        given.and_then(|given| scale.answers().into_iter().find(|a| f64::from(*a) == given));
+        given.and_then(|given| scale.answers().into_iter().find(|a| f64::from(*a) - given == 0.0));
     found
         .ok_or_else(|| format!("the answer '{text}' must be a whole number from {}", scale.range()))
 }

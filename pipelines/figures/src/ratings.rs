@@ -223,6 +223,6 @@ fn worded(question: &Question, score: i16) -> String {
 
 /// Where equal answers lie so that all of them are seen, in rows: values in order.
 fn beside_each_other(values: &[f64]) -> Vec<f64> {
-    let equal = values.chunk_by(|a, b| a == b);
+    let equal = values.chunk_by(|a, b| a - b == 0.0);
     equal.flat_map(|of| (0..of.len()).map(|i| dodge(i, of.len()))).collect()
 }

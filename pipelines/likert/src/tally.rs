@@ -123,7 +123,7 @@ pub fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Table, LikertError> 
     Ok(if scales.iter().all(AnswerScale::is_ordinal) {
         table
     } else {
-        table.with_note(&format!(
+        table.with_note(format!(
             "On a scale of more than {} points answers are a quantity: quartiles and mean stand in the place of \
              counts.",
             AnswerScale::MOST_CATEGORIES
@@ -215,7 +215,7 @@ fn count_column(rows: &[TallyRow], scales: &[&AnswerScale], point: u8) -> Column
         true => scale.word(point.into()).map(str::to_owned),
         false => Some(scale.worded(scale.answer_at(point))),
     };
-    let words: Vec<String> = here.filter_map(|scale| word(scale)).collect();
+    let words: Vec<String> = here.filter_map(word).collect();
     let counted = |r: &TallyRow| {
         r.counts.of_point(point).filter(|_| r.counts.scale().is_ordinal()).map(|n| n as i64)
     };

@@ -90,7 +90,7 @@ impl Check<'_> {
         }
         let n = labels.len();
         let middle = if points % 2 == 1 { ", 3 (both ends and the middle)" } else { "" };
-        if n != 0 && n != 2 && n != points && (n != 3 || points % 2 == 0) {
+        if n != 0 && n != 2 && n != points && (n != 3 || points.is_multiple_of(2)) {
             let what =
                 format!("{n} words for {points} points; give 2 (both ends){middle} or {points}");
             self.error(&format!("{key}.labels"), what);
