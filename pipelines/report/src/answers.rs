@@ -2,7 +2,7 @@
 
 use crate::Planned;
 use std::collections::BTreeMap;
-use zwidth_study::{AnswerScale, Environment, Mode, QuestionId};
+use zwidth_study::{AnswerScale, Environment, Mode, Question, QuestionId};
 use zwidth_tables::{Table, TableError};
 
 /// The median of a mode's answers.
@@ -16,6 +16,16 @@ pub(crate) struct Median {
 }
 
 impl Median {
+    /// The median of the answers as they were given: the tally turns those to a question that counts the other
+    /// way round.
+    pub(crate) fn turned_back(self, question: &Question) -> Self {
+        let turned = i64::from(self.scale.ends_together());
+        match question.reversed {
+            true => Self { low: turned - self.high, high: turned - self.low, ..self },
+            false => self,
+        }
+    }
+
     /// `4 (agree)`, or `3 to 4` where the two middle answers differ.
     pub(crate) fn words(&self) -> String {
         match i16::try_from(self.low) {

@@ -204,8 +204,11 @@ fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Findin
     let mut found = Vec::new();
     for environment in &study.environments {
         let mut list = Vec::new();
+        let asked = study.questions.iter().find(|q| Some(&q.id) == environment.question.as_ref());
+        let Some(asked) = asked else { continue };
         for mode in &study.modes {
             let Some(median) = median(study, tally, environment, mode)? else { continue };
+            let median = median.turned_back(asked);
             let counted = count(usize::try_from(median.answers).unwrap_or_default(), "answer");
             let people = median.participants;
             let whose = (people > 1).then(|| format!(" of {people} participants"));
@@ -324,6 +327,12 @@ mod tests {
             number("median_high", 4),
         ];
         let tally = Table::new("likert", "", columns).unwrap();
+        // The tally turns answers to a reversed question; the sentence has them as they were given.
+        let mut turned = study();
+        turned.questions.iter_mut().for_each(|question| question.reversed = true);
+        let rows = metrics(&[row("spring", "active")]);
+        let told = findings(&turned, &rows, Some(&tally)).unwrap();
+        assert!(told[2].text.contains("answer was 2 (disagree) with active"), "{}", told[2].text);
         let of = |source| {
             texts(&[MetricsRow { source, ..row("spring", "active") }], Some(&tally))[2].clone()
         };

@@ -59,18 +59,9 @@ fn medians<'a>(
     for mode in &study.modes {
         let median =
             median_of(study, tally, [environment.id.as_str(), mode.id.as_str()], &question.id)?;
-        medians.extend(median.map(|median| (mode, as_given(median, question))));
+        medians.extend(median.map(|median| (mode, median.turned_back(question))));
     }
     Ok(medians)
-}
-
-/// The median of the answers as they were given: the tally turns those to a question that counts the other way round.
-fn as_given(median: Median, question: &Question) -> Median {
-    let turned = i64::from(median.scale.ends_together());
-    match question.reversed {
-        true => Median { low: turned - median.high, high: turned - median.low, ..median },
-        false => median,
-    }
 }
 
 /// How far apart the modes' medians lie, in points.
@@ -133,10 +124,10 @@ mod tests {
             ),
             "{found:?}"
         );
-        let as_given = &texts(&turned)[1];
+        let turned_back = &texts(&turned)[1];
         assert!(
-            as_given.ends_with("was 2 (disagree) with Active, 4 (agree) with Passive."),
-            "{as_given}"
+            turned_back.ends_with("was 2 (disagree) with Active, 4 (agree) with Passive."),
+            "{turned_back}"
         );
     }
 }
