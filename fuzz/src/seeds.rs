@@ -1,8 +1,8 @@
 //! Writes `fuzz/seeds`: for each target small files as they should be, from which a fuzzer begins.
 //! An unseeded one finds no magic bytes.
 
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
+use flate2::write::{DeflateEncoder, ZlibEncoder};
+use flate2::{Compression, Crc};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
@@ -147,6 +147,8 @@ pub fn write() -> Result<(), Any> {
     let values = [0.0_f64, 0.5].map(f64::to_le_bytes).concat();
     let array = [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &values].concat();
     put("npy", "vector", &array)?;
+    put("npz", "stored", &archive("theta.npy", &array, &array))?;
+    put("npz", "deflated", &archive("theta.npy", &array, &deflated(&array)?))?;
     put("mat", "packed", &[mat_header(), packed(&data)?, packed(&vector)?].concat())?;
     Ok(())
 }
@@ -227,4 +229,39 @@ fn packed(element: &[u8]) -> Result<Vec<u8>, Any> {
     encoder.write_all(element)?;
     let bytes = encoder.finish()?;
     Ok([15_u32.to_le_bytes().to_vec(), (bytes.len() as u32).to_le_bytes().to_vec(), bytes].concat())
+}
+
+fn deflated(bytes: &[u8]) -> Result<Vec<u8>, Any> {
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes)?;
+    Ok(encoder.finish()?)
+}
+
+/// A ZIP archive of one file, kept as it is or deflated.
+fn archive(name: &str, file: &[u8], kept: &[u8]) -> Vec<u8> {
+    let mut crc = Crc::new();
+    crc.update(file);
+    let method: u16 = if kept == file { 0 } else { 8 };
+    // What the file's own head and its entry in the directory share, from the version needed on.
+    let facts = [
+        &[20, 0, 0, 0][..],
+        &method.to_le_bytes(),
+        &[0; 4],
+        &crc.sum().to_le_bytes(),
+        &(kept.len() as u32).to_le_bytes(),
+        &(file.len() as u32).to_le_bytes(),
+        &(name.len() as u16).to_le_bytes(),
+        &[0; 2],
+    ]
+    .concat();
+    let local = [b"PK\x03\x04", facts.as_slice(), name.as_bytes(), kept].concat();
+    let entry = [b"PK\x01\x02\x14\x00", facts.as_slice(), &[0; 14], name.as_bytes()].concat();
+    let end = [
+        &b"PK\x05\x06\0\0\0\0\x01\0\x01\0"[..],
+        &(entry.len() as u32).to_le_bytes(),
+        &(local.len() as u32).to_le_bytes(),
+        &[0; 2],
+    ]
+    .concat();
+    [local, entry, end].concat()
 }

@@ -75,6 +75,10 @@ pub(crate) fn fuzz(which: &str, runs: Option<u64>) -> anyhow::Result<()> {
         let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
         bail!("'{which}' is no target; there are all, {}", names.join(", "));
     }
+    for kind in &chosen {
+        let seeds = seeds(kind.name);
+        ensure!(seeds.is_dir(), "{} is not there: cargo xtask fuzz seeds", seeds.display());
+    }
     let program = build()?;
     if which == "seeds" {
         let written = Command::new(&program).env("ZWIDTH_FUZZ", "seeds").status()?;
@@ -101,6 +105,11 @@ pub(crate) fn fuzz(which: &str, runs: Option<u64>) -> anyhow::Result<()> {
         "{broken} targets have a finding: mend it, and keep the input below fuzz/seeds"
     );
     Ok(())
+}
+
+/// Where a target's seeds lie.
+fn seeds(target: &str) -> PathBuf {
+    Path::new("fuzz/seeds").join(target)
 }
 
 /// Runs one target, says and notes what came of it; whether it has a finding.
@@ -152,7 +161,7 @@ fn build() -> anyhow::Result<PathBuf> {
 fn one(program: &Path, kind: &Kind, runs: u64) -> anyhow::Result<Option<String>> {
     let corpus = target_folder().join("corpus").join(kind.name);
     std::fs::create_dir_all(&corpus)?;
-    let seeds = Path::new("fuzz/seeds").join(kind.name);
+    let seeds = seeds(kind.name);
     let findings = target_folder().join(format!("finding-{}-", kind.name));
     let output = Command::new(program)
         .env("ZWIDTH_FUZZ", kind.name)
@@ -177,4 +186,19 @@ fn one(program: &Path, kind: &Kind, runs: u64) -> anyhow::Result<Option<String>>
     };
     let lines: Vec<&str> = said.lines().filter(telling).collect();
     Ok(Some(if lines.is_empty() { said } else { lines.join("; ") }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{kinds, seeds};
+    use std::path::Path;
+
+    /// A reader that is added has its target by itself, but not what a fuzzer begins from.
+    #[test]
+    fn every_target_has_seeds() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        for kind in kinds() {
+            assert!(root.join(seeds(kind.name)).is_dir(), "cargo xtask fuzz seeds: {}", kind.name);
+        }
+    }
 }
