@@ -5,6 +5,7 @@ mod bits;
 mod board;
 mod encodings;
 mod fuzz;
+mod pictures;
 mod sheet;
 mod soak;
 mod stale;
@@ -25,6 +26,7 @@ cargo xtask bits                       the main job's bytes: one thread, many, o
 cargo xtask bits --without-origin      only their content, without what files say of their making, against what is written down
 cargo xtask bits renew                 writes that content down
 cargo xtask sheet [FOLDER]             every figure at print size, in grey and as without green cones, beside its caption [reports/thesis-twin/figures]
+cargo xtask pictures [renew]           the figures in README and docs are what the program makes of the study that comes along; or makes them anew
 cargo xtask stale [ONE_IN]             each field of study.toml (or one in so many), a session and each stage's parameters changed: no stale result
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
 cargo xtask soak thesis [SEEDS]        how often the thesis' statements hold for the twin over its ranges; writes docs/twin.md [200]
@@ -71,6 +73,8 @@ fn main() -> anyhow::Result<()> {
             let figures = rest.first().copied().unwrap_or("reports/thesis-twin/figures");
             sheet::write(Path::new(figures), Path::new("reports/sheet"))
         }
+        ["pictures"] => pictures::pictures(&soak::program()?, &scratch("pictures"), false),
+        ["pictures", "renew"] => pictures::pictures(&soak::program()?, &scratch("pictures"), true),
         ["stale"] => stale::stale(&soak::program()?, &scratch("stale"), 1),
         ["stale", one_in] => stale::stale(&soak::program()?, &scratch("stale"), one_in.parse()?),
         ["soak", "coverage", rest @ ..] => soak::coverage::coverage(

@@ -43,7 +43,7 @@ pub use page::{JOB as PAGE, file as page_file};
 pub use preregistered::{analysis, plan_file};
 pub use rehearsed::{Rehearsal, TwinOf, rehearsal, rehearsed, rehearsed_trials};
 pub use report::built_in;
-pub use tables::printed as printed_tables;
+pub use tables::{printed as printed_tables, write as write_table};
 pub use trade::{Traded, scenes as trade_scenes};
 
 use zwidth_runner::Job;

@@ -4,14 +4,16 @@ use crate::{
     characterise, compare, freemotion, identify, ladder, likert, metrics, replay, report, trade,
 };
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use zwidth_metrics::by_mode;
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
-use zwidth_study::{Coordinate, Source};
-use zwidth_tables::{Format, Table};
+use zwidth_study::Source;
+use zwidth_tables::{Format, Table, TableError, Wording};
 
 /// Its version is raised when a table would be written differently from the same data.
-const STAGE: Stage = Stage { name: "tables", version: 6 };
+const STAGE: Stage = Stage { name: "tables", version: 7 };
 
 /// The derived tables that are printed, each with whether simulated data go into it. The trade runs
 /// models, and what modes and device are is written in study.toml.
@@ -81,7 +83,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 /// How a table is printed.
 #[derive(Serialize)]
 struct Printed {
-    coordinate: Coordinate,
+    wording: Wording,
     /// Whether simulated data go into it.
     simulated: bool,
 }
@@ -89,7 +91,7 @@ struct Printed {
 fn job(data: &StudyData, input: PathBuf, simulated: bool) -> Job {
     let stem = stem(&input);
     let outputs = Format::ALL.iter().map(|f| printed_as(&data.layout, &stem, *f)).collect();
-    let how = Printed { coordinate: data.study.coordinate, simulated };
+    let how = Printed { wording: Wording::of(&data.study), simulated };
     Job::new(STAGE, format!("table {stem}"), how, input, outputs, make)
 }
 
@@ -97,5 +99,22 @@ fn make(how: &Printed, input: &PathBuf, making: &Making) -> Result<Made, JobErro
     let table = Table::from_parquet(input)?.with_mark(how.simulated);
     let files = Format::ALL.into_iter().zip(making.outputs.iter().map(PathBuf::as_path));
     let files: Vec<_> = files.collect();
-    Ok(Made { outputs: table.to_bytes(&files, how.coordinate, making.from)?, ..Made::default() })
+    Ok(Made { outputs: write(&table, &files, &how.wording, making.from)?, ..Made::default() })
+}
+
+/// The bytes of a printed table's files. For people the conditions have modes beside each other: a
+/// metric a column would take pages.
+///
+/// # Errors
+/// Those of [`Table::to_bytes`].
+pub fn write(
+    table: &Table,
+    files: &[(Format, &Path)],
+    wording: &Wording,
+    from: &BTreeMap<String, String>,
+) -> Result<Vec<Vec<u8>>, TableError> {
+    let narrow = (table.name() == "conditions").then(|| by_mode(table, &wording.modes));
+    // Where two labels are alike it stays wide.
+    let narrow = narrow.and_then(Result::ok);
+    table.to_bytes(narrow.as_ref().unwrap_or(table), files, wording, from)
 }

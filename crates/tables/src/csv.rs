@@ -1,21 +1,25 @@
 //! CSV, for programs: RFC 4180, every digit, the table's own units.
 
-use crate::{Column, Table, Values};
+use crate::{Column, SYNTHETIC, Table, Values};
 use std::borrow::Cow;
 
 /// The table as CSV (RFC 4180): a line of names, then the rows; commas, CRLF, UTF-8.
 ///
 /// Numbers are the shortest text that reads back as the same `f64`; null is an empty field and an
 /// empty text is `""`; yes and no are `true` and `false`. The title and the notes are left out: RFC
-/// 4180 has no comments, and a reader would take them for rows.
+/// 4180 has no comments, and a reader would take them for rows. Only the mark of simulated data
+/// ([`SYNTHETIC`]) is told all the same, by a last column `synthetic` that is `true` in every row.
 ///
 /// A text that a spreadsheet would run as a formula (it begins with `=`, `+`, `-`, `@`, or their
 /// wide forms, after spaces or not) gets an apostrophe in front, by which spreadsheets know text;
 /// numbers are never touched.
 pub fn csv(table: &Table) -> String {
     let columns = table.columns();
-    let names = columns.iter().map(|c| quoted(&c.field.name)).collect();
-    let rows = (0..table.height()).map(|i| columns.iter().map(|c| field(c, i)).collect());
+    let marked = table.notes().iter().any(|note| note == SYNTHETIC);
+    let mark = |text: &str| marked.then(|| text.to_owned());
+    let names = columns.iter().map(|c| quoted(&c.field.name)).chain(mark("synthetic")).collect();
+    let rows = (0..table.height())
+        .map(|i| columns.iter().map(|c| field(c, i)).chain(mark("true")).collect());
     let lines: Vec<Vec<String>> = std::iter::once(names).chain(rows).collect();
     lines.iter().map(|line| line.join(",") + "\r\n").collect()
 }
@@ -58,6 +62,13 @@ mod tests {
                       a|b & <c>,-3,-4.1234,0.0321,true\r\n\
                       ,12,5.0,,\r\n";
         assert_eq!(csv(&sample()), expect);
+    }
+
+    #[test]
+    fn simulated_data_are_marked_in_a_column_of_their_own() {
+        let table = Table::new("t", "", vec![Column::integer("n", "1", "", [Some(1), None])]);
+        let table = table.unwrap().with_mark(true);
+        assert_eq!(csv(&table), "n,synthetic\r\n1,true\r\n,true\r\n");
     }
 
     #[test]

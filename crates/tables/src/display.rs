@@ -107,7 +107,7 @@ fn renamed(field: Field, conversion: Conversion) -> Field {
     Field { name: (stem + &suffix).into(), unit: conversion.unit.into(), ..field }
 }
 
-fn theta_to_x(stem: &str) -> String {
+pub(crate) fn theta_to_x(stem: &str) -> String {
     stem.split('_')
         .map(|word| if word == "theta" { "x" } else { word })
         .collect::<Vec<_>>()

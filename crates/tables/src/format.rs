@@ -5,10 +5,9 @@ use crate::latex::latex;
 use crate::markdown::markdown;
 use crate::shown::Seen;
 use crate::typst::typst;
-use crate::{Table, TableError, csv, for_people};
+use crate::{Table, TableError, Wording, csv};
 use std::collections::BTreeMap;
 use std::path::Path;
-use zwidth_study::Coordinate;
 
 /// A format a table can be written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -77,21 +76,22 @@ impl Format {
 
 impl Table {
     /// The bytes of the table's files, one a format, with the path of each for errors: CSV and
-    /// Parquet in SI units as the table is, the others [`for_people`] of it, which is rounded
-    /// and laid out once for all.
+    /// Parquet in SI units as the table is, the others [`Wording::tell`] of `narrow`, which is
+    /// rounded and laid out once for all: the table itself, or a form of it that fits a page.
     ///
     /// `provenance` goes into the footer of a Parquet file, its entry `origin` as a comment below
     /// the others that can have one.
     ///
     /// # Errors
-    /// Those of [`for_people`] and [`Table::to_parquet`].
+    /// Those of [`Wording::tell`] and [`Table::to_parquet`].
     pub fn to_bytes(
         &self,
+        narrow: &Self,
         files: &[(Format, &Path)],
-        coordinate: Coordinate,
+        wording: &Wording,
         provenance: &BTreeMap<String, String>,
     ) -> Result<Vec<Vec<u8>>, TableError> {
-        Seen::of(&for_people(self, coordinate)?, |seen| {
+        Seen::of(&wording.tell(narrow)?, |seen| {
             let all = files.iter();
             all.map(|(format, path)| self.in_format(*format, seen, provenance, path)).collect()
         })
@@ -122,6 +122,11 @@ impl Table {
 mod tests {
     use super::*;
     use crate::Column;
+    use zwidth_study::Coordinate;
+
+    fn rotational() -> Wording {
+        Wording::plain(Coordinate::Rotational)
+    }
 
     #[test]
     fn the_origin_is_a_comment_in_every_format_that_has_comments_and_in_the_footer_of_parquet() {
@@ -131,7 +136,7 @@ mod tests {
         for format in Format::ALL {
             let file = [(format, Path::new("t"))];
             let bytes =
-                |from| table.to_bytes(&file, Coordinate::Rotational, from).unwrap().remove(0);
+                |from| table.to_bytes(&table, &file, &rotational(), from).unwrap().remove(0);
             let (with, without) = (bytes(&origin), bytes(&BTreeMap::new()));
             let carries = with.windows(18).any(|w| w == b"zwidth:tables:2:0f");
             let can = format == Format::Parquet || format.comment("origin").is_some();
@@ -150,7 +155,7 @@ mod tests {
         let table = Table::new("t", "T", vec![column]).unwrap();
         let text = |format| {
             let file = [(format, Path::new("t"))];
-            let bytes = table.to_bytes(&file, Coordinate::Rotational, &BTreeMap::new()).unwrap();
+            let bytes = table.to_bytes(&table, &file, &rotational(), &BTreeMap::new()).unwrap();
             String::from_utf8_lossy(&bytes[0]).into_owned()
         };
         assert_eq!(text(Format::Csv), "theta_rad\r\n1.5707963267948966\r\n");

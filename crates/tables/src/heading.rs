@@ -65,23 +65,31 @@ pub(crate) fn words(field: &Field) -> String {
 pub(crate) enum Part {
     Estimate,
     StdError,
+    Sd,
     CiLow,
     CiHigh,
 }
 
+/// What a quantity is called whose columns have no name of its own: `std_error`, `ci_low`.
+const ONLY_QUANTITY: &str = "estimate";
+
 /// The quantity a column belongs to, and its part in it (naming rule: crate docs).
 pub(crate) fn quantity(field: &Field) -> (&str, Part) {
     let (stem, _) = unit::stem(&field.name, &field.unit);
-    for (word, part) in
-        [("std_error", Part::StdError), ("ci_low", Part::CiLow), ("ci_high", Part::CiHigh)]
-    {
+    for (word, part) in [
+        ("std_error", Part::StdError),
+        ("sd", Part::Sd),
+        ("ci_low", Part::CiLow),
+        ("ci_high", Part::CiHigh),
+    ] {
         match stem.strip_suffix(word) {
-            Some("") => return ("estimate", part),
+            Some("") => return (ONLY_QUANTITY, part),
             Some(rest) if rest.ends_with('_') => return (rest.trim_end_matches('_'), part),
             _ => {}
         }
     }
-    (stem, Part::Estimate)
+    // A table of means has one quantity, and the mean is its estimate.
+    (if stem == "mean" { ONLY_QUANTITY } else { stem }, Part::Estimate)
 }
 
 #[cfg(test)]
@@ -118,6 +126,10 @@ mod tests {
             ("exponent_ci_high", "1", ("exponent", Part::CiHigh)),
             ("ci_low", "1", ("estimate", Part::CiLow)),
             ("estimate", "1", ("estimate", Part::Estimate)),
+            ("mean_n", "N", ("estimate", Part::Estimate)),
+            ("sd_n", "N", ("estimate", Part::Sd)),
+            ("stiffness_sd_n_per_rad", "N/rad", ("stiffness", Part::Sd)),
+            ("velocity_sd_ratio", "1", ("velocity_sd_ratio", Part::Estimate)),
         ] {
             assert_eq!(quantity(&field(name, unit)), expect);
         }

@@ -148,6 +148,7 @@ fn set(placed: &Placed, cell: &Cell) -> String {
     match cell {
         Cell::Number(number) => number.ascii(),
         Cell::Text(text) => escape(text),
+        Cell::Joined(text) => format!("{{{}}}", escape(text)),
         Cell::Missing if placed.column.numeric => format!("{{{}}}", escape(MISSING)),
         Cell::Missing => escape(MISSING),
     }
@@ -165,6 +166,9 @@ fn column_type(placed: &Placed) -> String {
     }
     if !placed.column.numeric {
         return "l".to_owned();
+    }
+    if placed.column.cells.iter().any(|cell| matches!(cell, Cell::Joined(_))) {
+        return "r".to_owned();
     }
     let room = placed.column.room;
     let sign = if room.sign { "-" } else { "" };

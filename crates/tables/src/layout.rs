@@ -3,7 +3,7 @@
 //!
 //! Widths are in digits of the size the table is set in ([`crate::width`]).
 
-use crate::shown::{Cell, Shown};
+use crate::shown::{Cell, Shown, WITH_SD};
 use crate::width::width;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -291,13 +291,18 @@ fn blocks<'a>(columns: &[&'a Shown]) -> Vec<Vec<&'a Shown>> {
     for column in columns {
         let block = blocks
             .last_mut()
-            .filter(|block| column.words.starts_with(&format!("{} ", block[0].words)));
+            .filter(|block| column.words.starts_with(&format!("{} ", quantity_of(block[0]))));
         match block {
             Some(block) => block.push(column),
             None => blocks.push(vec![column]),
         }
     }
     blocks
+}
+
+/// The words of a column's quantity alone.
+fn quantity_of(column: &Shown) -> &str {
+    column.words.trim_end_matches(WITH_SD)
 }
 
 /// A block in as many parts as it needs to fit.

@@ -11,6 +11,7 @@
 //! |---|---|---|---|
 //! | the estimate | `slope_n_per_rad` | `exponent` | `estimate` |
 //! | its standard error | `slope_std_error_n_per_rad` | `exponent_std_error` | `std_error` |
+//! | the standard deviation of what it is a mean of | `slope_sd_n_per_rad` | `exponent_sd` | `sd` (beside `mean`) |
 //! | its interval | `slope_ci_low_n_per_rad`, `slope_ci_high_n_per_rad` | `exponent_ci_low`, `exponent_ci_high` | `ci_low`, `ci_high` |
 //!
 //! The unit's suffix is its letters in lower case without `·`, a power as a digit, and `/` as
@@ -19,7 +20,9 @@
 //!
 //! # How a number is rounded for people
 //! Two significant digits of the uncertainty decide the last digit of estimate, standard error and
-//! interval, row by row. The uncertainty is the standard error, or else half the interval. Without
+//! interval, row by row. The uncertainty is the standard error, or else half the interval. A mean with
+//! its standard deviation is one column (`4.052 ± 0.002`, to the place of two digits of the latter), and
+//! so are the ends of an interval (`[3.9, 4.2]`). Without
 //! either, a number has four significant digits (never fewer than its whole part, below a million;
 //! an exact `0.5` stays `0.5`). From 10⁶ on, and where more than seven decimals would be needed,
 //! powers of ten are used. There is no `-0`; null is `–`. CSV keeps every digit: the shortest text
@@ -45,6 +48,7 @@ mod table;
 mod typst;
 mod unit;
 mod width;
+mod wording;
 
 pub use csv::csv;
 pub use display::{UNIT_OF_ROW, for_people};
@@ -57,3 +61,4 @@ pub use quantity::{given, quantity, with_unit};
 pub use rounding::number;
 pub use table::{Column, Field, NoteKind, SYNTHETIC, Table, Type, Values};
 pub use unit::{shown_unit, split_unit};
+pub use wording::Wording;

@@ -4,12 +4,16 @@ use std::collections::BTreeMap;
 
 use crate::heading::{Part, bracketed, quantity, words};
 use crate::layout::{Layout, layout};
-use crate::rounding::{Decimal, rounded};
+use crate::rounding::{Decimal, number, rounded};
 use crate::width::{Room, longest_word, widest_cell};
 use crate::{Column, Field, Table, Values};
 
 /// What stands where there is no value.
 pub(crate) const MISSING: &str = "–";
+/// What follows the words of an estimate that has its standard deviation beside it.
+pub(crate) const WITH_SD: &str = " ± SD";
+/// A space at which no line breaks.
+const NO_BREAK: char = '\u{a0}';
 
 /// One cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,6 +21,8 @@ pub(crate) enum Cell {
     Missing,
     Text(String),
     Number(Decimal),
+    /// Numbers that people read as one: `4.052 ± 0.002`, `[3.9, 4.2]`.
+    Joined(String),
 }
 
 impl Cell {
@@ -24,7 +30,7 @@ impl Cell {
     pub(crate) fn typeset(&self) -> String {
         match self {
             Self::Missing => MISSING.to_owned(),
-            Self::Text(text) => text.clone(),
+            Self::Text(text) | Self::Joined(text) => text.clone(),
             Self::Number(number) => number.typeset(),
         }
     }
@@ -75,9 +81,11 @@ impl Seen<'_> {
     }
 }
 
-/// The columns of a table, rounded.
+/// The columns of a table, rounded; an estimate with its standard deviation is one column, and so
+/// are the ends of an interval.
 pub(crate) fn shown(table: &Table) -> Vec<Shown> {
-    table.columns().iter().map(|c| show(c, table.columns())).collect()
+    let all = table.columns();
+    all.iter().filter_map(|column| show(column, all)).collect()
 }
 
 /// The rows of columns, each cell as `set` writes it, given its column's number: once, where the
@@ -106,28 +114,100 @@ pub(crate) fn one_line(text: &str) -> String {
     spaced.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn show(column: &Column, all: &[Column]) -> Shown {
+/// A column as people see it; none where another column has it in its cells.
+fn show(column: &Column, all: &[Column]) -> Option<Shown> {
     let field = &column.field;
-    let cells = match &column.values {
-        Values::Float(values) => numbers(values, &uncertainties(field, all)),
+    let other = |part| partner(field, part, all);
+    let part = match column.values {
+        Values::Float(_) => quantity(field).1,
+        _ => Part::Estimate,
+    };
+    match part {
+        Part::Sd if other(Part::Estimate).is_some() => None,
+        Part::CiHigh if other(Part::CiLow).is_some() => None,
+        _ => Some(of_cells(column, words_of(part, field, all), cells_of(part, column, all))),
+    }
+}
+
+/// What stands above it: of the ends of an interval what both have in common.
+fn words_of(part: Part, field: &Field, all: &[Column]) -> String {
+    let words = words(field);
+    match part {
+        Part::Estimate if partner(field, Part::Sd, all).is_some() => words + WITH_SD,
+        Part::CiLow if partner(field, Part::CiHigh, all).is_some() => {
+            words.trim_end_matches("low").trim_end().to_owned()
+        }
+        _ => words,
+    }
+}
+
+fn cells_of(part: Part, column: &Column, all: &[Column]) -> Vec<Cell> {
+    let field = &column.field;
+    match &column.values {
+        Values::Float(values) => match part {
+            Part::Estimate => match partner(field, Part::Sd, all) {
+                Some(sds) => with_sd(values, sds),
+                None => numbers(values, &uncertainties(field, all)),
+            },
+            Part::CiLow => match partner(field, Part::CiHigh, all) {
+                Some(highs) => intervals(values, highs, &uncertainties(field, all)),
+                None => numbers(values, &uncertainties(field, all)),
+            },
+            _ => numbers(values, &uncertainties(field, all)),
+        },
         Values::Integer(values) => cells(values, |v| Cell::Number(Decimal::integer(*v))),
         Values::Text(values) => cells(values, |v| Cell::Text(one_line(v))),
         Values::Flag(values) => {
             cells(values, |v| Cell::Text(if *v { "yes" } else { "no" }.to_owned()))
         }
-    };
+    }
+}
+
+fn of_cells(column: &Column, words: String, cells: Vec<Cell>) -> Shown {
+    let field = &column.field;
     let room = Room::of(&cells);
     Shown {
         room,
         widest: widest_cell(&cells, room),
         longest_word: cells.iter().map(|c| longest_word(&c.typeset())).fold(0.0, f64::max),
-        words: words(field),
+        words,
         unit: bracketed(field),
         description: field.description.to_string(),
         numeric: matches!(column.values, Values::Float(_) | Values::Integer(_)),
         fractional: matches!(column.values, Values::Float(_)),
         cells,
     }
+}
+
+/// `4.052 ± 0.002`: both to the place of two digits of the standard deviation.
+fn with_sd(values: &[Option<f64>], sds: &[Option<f64>]) -> Vec<Cell> {
+    let rows = values.iter().zip(sds).map(|(value, sd)| match (value, sd) {
+        (Some(value), Some(sd)) => Cell::Joined(format!(
+            "{}{NO_BREAK}±{NO_BREAK}{}",
+            number(*value, Some(*sd)),
+            number(*sd, Some(*sd))
+        )),
+        (Some(value), None) => Cell::Joined(number(*value, None)),
+        (None, _) => Cell::Missing,
+    });
+    rows.collect()
+}
+
+/// `[3.9, 4.2]`; an end that is not there is `–`.
+fn intervals(
+    lows: &[Option<f64>],
+    highs: &[Option<f64>],
+    uncertainties: &[Option<f64>],
+) -> Vec<Cell> {
+    let end = |end: Option<f64>, row: usize| {
+        let uncertainty = uncertainties.get(row).copied().flatten();
+        end.map_or(MISSING.to_owned(), |end| number(end, uncertainty))
+    };
+    let rows = lows.iter().zip(highs).enumerate().map(|(row, ends)| match ends {
+        (None, None) => Cell::Missing,
+        (low, high) => Cell::Joined(format!("[{},{NO_BREAK}{}]", end(*low, row), end(*high, row))),
+    });
+    rows.collect()
 }
 
 fn cells<T>(values: &[Option<T>], cell: impl Fn(&T) -> Cell) -> Vec<Cell> {
@@ -159,11 +239,16 @@ fn uncertainties(field: &Field, all: &[Column]) -> Vec<Option<f64>> {
 
 /// The column that plays `part` in the quantity of `field`; empty where there is none.
 fn sibling<'a>(field: &Field, part: Part, all: &'a [Column]) -> &'a [Option<f64>] {
+    partner(field, part, all).unwrap_or_default()
+}
+
+/// The column that plays `part` in the quantity of `field`, if there is one.
+fn partner<'a>(field: &Field, part: Part, all: &'a [Column]) -> Option<&'a [Option<f64>]> {
     let wanted = (quantity(field).0, part);
     let found = all.iter().find(|c| c.field.unit == field.unit && quantity(&c.field) == wanted);
     match found.map(|c| &c.values) {
-        Some(Values::Float(values)) => values,
-        _ => &[],
+        Some(Values::Float(values)) => Some(values),
+        _ => None,
     }
 }
 
@@ -204,7 +289,24 @@ pub(crate) mod tests {
             Column::float("ci_high", "1", "", [Some(1.5)]),
         ];
         let table = Table::new("t", "", columns).unwrap();
-        assert_eq!([0, 1, 2].map(|c| texts(&table, c).remove(0)), ["1.23", "1.00", "1.50"]);
+        assert_eq!([0, 1].map(|c| texts(&table, c).remove(0)), ["1.23", "[1.00,\u{a0}1.50]"]);
+    }
+
+    #[test]
+    fn a_mean_with_its_standard_deviation_is_one_column_and_so_is_an_interval() {
+        let n = |name, values| Column::float(name, "N", "", values);
+        let columns = vec![
+            n("mean_n", [Some(4.052_34), Some(3.0), None]),
+            n("sd_n", [Some(0.002_1), None, None]),
+            n("ci_low_n", [Some(4.01), None, None]),
+            n("ci_high_n", [Some(4.09), Some(3.5), None]),
+            n("participant_sd_n", [Some(0.2), Some(0.3), None]),
+        ];
+        let table = Table::new("t", "", columns).unwrap();
+        let headings: Vec<_> = shown(&table).iter().map(Shown::heading).collect();
+        assert_eq!(headings, ["mean ± SD (N)", "CI (N)", "participant SD (N)"]);
+        assert_eq!(texts(&table, 0), ["4.0523\u{a0}±\u{a0}0.0021", "3", "–"]);
+        assert_eq!(texts(&table, 1), ["[4.010,\u{a0}4.090]", "[–,\u{a0}3.5]", "–"]);
     }
 
     #[test]

@@ -125,7 +125,7 @@ fn set(placed: &Placed, hidden: &[String], cell: &Cell) -> String {
         Cell::Missing if placed.column.numeric => {
             format!("table.cell(align: center, {})", expression(&cell.typeset()))
         }
-        Cell::Missing | Cell::Text(_) => expression(&cell.typeset()),
+        Cell::Missing | Cell::Text(_) | Cell::Joined(_) => expression(&cell.typeset()),
     }
 }
 

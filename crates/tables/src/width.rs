@@ -88,7 +88,7 @@ impl Room {
     pub(crate) fn of(cells: &[Cell]) -> Self {
         let numbers = cells.iter().filter_map(|cell| match cell {
             Cell::Number(number) => Some(Self::number(number)),
-            Cell::Missing | Cell::Text(_) => None,
+            Cell::Missing | Cell::Text(_) | Cell::Joined(_) => None,
         });
         numbers.fold(Self::default(), Self::both)
     }

@@ -11,7 +11,7 @@ const REACH: i32 = 3;
 const STEPS: i32 = 2;
 /// Where the curve meets a level is found to this share of the level.
 const TOLERANCE: f64 = 1e-4;
-/// More secants than it takes: the curve's root is nearly a straight line.
+/// More secants than it takes: the curve's root is nearly a straight line, or bends one way.
 const MAX_SECANTS: usize = 20;
 
 /// A refit is done when what a step still promises is below this share of the growth of Σ r², or of
@@ -96,22 +96,17 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
         Some((self.crossing(critical, -1.0)?, self.crossing(critical, 1.0)?))
     }
 
-    /// By secants through the fit: each stretches the distance so that a straight root would meet
-    /// the level.
+    /// Where the root of the curve meets the level on one side, or the bound before.
     fn crossing(&self, critical: f64, side: f64) -> Option<f64> {
-        let mut distance = critical * self.std_error;
-        for _ in 0..MAX_SECANTS {
-            let asked = self.fitted() + side * distance;
-            let (value, Parameter { lower, upper, .. }) =
-                (self.inside(asked), self.problem.parameters[self.j]);
-            let root = self.at(value)?.likelihood_ratio.sqrt();
-            let at_bound = !(lower..=upper).contains(&asked) && root <= critical;
-            if at_bound || (root / critical - 1.0).abs() <= TOLERANCE {
-                return Some(value);
-            }
-            distance = (value - self.fitted()).abs() * critical / root;
-        }
-        None
+        let Parameter { lower, upper, .. } = self.problem.parameters[self.j];
+        let bound = if side < 0.0 { lower } else { upper };
+        let furthest = (bound - self.fitted()).abs();
+        let root = |distance: f64| {
+            let value = self.inside(self.fitted() + side * distance);
+            Some(self.at(value)?.likelihood_ratio.sqrt())
+        };
+        let distance = meet(critical, critical * self.std_error, furthest, root)?;
+        Some(self.inside(self.fitted() + side * distance))
     }
 
     fn at(&self, value: f64) -> Option<Point> {
@@ -161,5 +156,48 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
     fn inside(&self, value: f64) -> f64 {
         let parameter = &self.problem.parameters[self.j];
         value.clamp(parameter.lower, parameter.upper)
+    }
+}
+
+/// The distance from the fit at which `root` meets the level, by secants through the last two points,
+/// the first of which is the fit; `furthest` where it stays below up to there.
+fn meet(level: f64, first: f64, furthest: f64, root: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    let (mut before, mut distance) = ([0.0, 0.0], first);
+    for _ in 0..MAX_SECANTS {
+        let beyond = distance > furthest;
+        let here = distance.min(furthest);
+        let height = root(here)?;
+        if (beyond && height <= level) || (height / level - 1.0).abs() <= TOLERANCE {
+            return Some(here);
+        }
+        let secant = here + (level - height) * (here - before[0]) / (height - before[1]);
+        // Where the curve does not rise between the two, as if it were straight from the fit on.
+        let stretched = here * level / height;
+        distance = if secant.is_finite() && secant > 0.0 { secant } else { stretched };
+        before = [here, height];
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Roots that flatten out or steepen, where stretching from the fit alone takes dozens of steps.
+    #[test]
+    fn the_level_is_met_however_the_curve_bends() {
+        for power in [0.2, 0.3, 0.5, 0.63, 1.0, 1.3, 2.0, 3.0] {
+            let root = |distance: f64| Some(libm::pow(distance / 4.0, power) * 2.98);
+            let met = meet(2.98, 2.98, 1e9, root).unwrap_or(f64::NAN);
+            let off = root(met).unwrap() / 2.98 - 1.0;
+            assert!(off.abs() <= TOLERANCE, "power {power}: {met}");
+        }
+    }
+
+    #[test]
+    fn a_curve_that_stays_below_the_level_ends_at_the_bound() {
+        assert_eq!(meet(2.0, 2.0, 5.0, |distance| Some(distance / 10.0)), Some(5.0));
+        assert_eq!(meet(2.0, 9.0, 5.0, |distance| Some(distance)), Some(2.0));
+        assert_eq!(meet(2.0, 2.0, 5.0, |_| None), None);
     }
 }

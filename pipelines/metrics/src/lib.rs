@@ -27,6 +27,7 @@
 
 mod actuator;
 mod branch;
+mod by_mode;
 mod columns;
 mod compliance;
 mod conditions;
@@ -53,6 +54,7 @@ mod testing;
 mod wall;
 
 pub use actuator::ActuatorDiscrepancy;
+pub use by_mode::by_mode;
 pub use columns::{commanded, is_number, is_possible, renamed};
 pub use compliance::Compliance;
 pub use conditions::{by_condition, join_conditions};

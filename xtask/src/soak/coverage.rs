@@ -113,10 +113,12 @@ fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
         |[parameter, fitted, std_error, low, high, verdict]: [String; 6]| -> anyhow::Result<Coverage> {
             let number =
                 |text: &str| text.parse::<f64>().with_context(|| format!("{parameter}: '{text}'"));
+            // An interval that is not there holds nothing.
+            let end = |text: &str| if text.is_empty() { Ok(f64::NAN) } else { number(text) };
             Ok(Coverage {
                 fitted: number(&fitted)?,
                 std_error: number(&std_error)?,
-                interval: [number(&low)?, number(&high)?],
+                interval: [end(&low)?, end(&high)?],
                 identifiable: verdict == "identifiable",
                 parameter,
             })

@@ -13,7 +13,7 @@ use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
 use zwidth_runner::{JobEnd, Options, Results, run as run_jobs};
 use zwidth_store::{RealFiles, StudyData, findings};
-use zwidth_tables::{Format, Table, TableError, Type};
+use zwidth_tables::{Format, Table, TableError, Type, Wording};
 
 pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
@@ -38,7 +38,8 @@ pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::
     }
     for (file, table) in files.iter().zip(&tables).filter(|(_, table)| table.height() > 0) {
         let wanted = [(Format::Markdown, file.as_path())];
-        for bytes in table.to_bytes(&wanted, data.study.coordinate, &BTreeMap::new())? {
+        for bytes in plan::write_table(table, &wanted, &Wording::of(&data.study), &BTreeMap::new())?
+        {
             screen.file(&String::from_utf8(bytes)?);
         }
     }

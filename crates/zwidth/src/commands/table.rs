@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_store::StudyData;
-use zwidth_tables::Table;
+use zwidth_tables::{Table, Wording};
 
 #[derive(Serialize)]
 struct Entry {
@@ -48,7 +48,7 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
         );
     };
     let wanted = [(asked.format, file.as_path())];
-    for bytes in table.to_bytes(&wanted, data.study.coordinate, &BTreeMap::new())? {
+    for bytes in plan::write_table(table, &wanted, &Wording::of(&data.study), &BTreeMap::new())? {
         screen.file(&String::from_utf8(bytes)?);
     }
     Ok(Exit::Fine)

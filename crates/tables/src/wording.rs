@@ -1,0 +1,215 @@
+//! What ids stand for: the names by which people know them.
+
+use crate::display::theta_to_x;
+use crate::heading::words;
+use crate::unit::split_unit;
+use crate::{Column, Field, Table, TableError, Type, Values, for_people};
+use serde::Serialize;
+use std::borrow::Cow;
+use zwidth_study::{Coordinate, Study};
+
+/// Columns whose texts are names that people gave, or keys that other files refer to.
+const AS_THEY_ARE: [&str; 4] = ["participant", "session", "study", "key"];
+/// Between the two modes of a contrast.
+const LESS: &str = " − ";
+/// Units that a metric's name can end with, those that end with another of them before it.
+const METRIC_UNITS: [&str; 11] =
+    ["N·s/rad", "N/rad", "rad/s", "N·s", "N/W", "rad", "Hz", "J", "N", "m", "s"];
+/// Ids that are names of people or of formulas.
+const PROPER: [(&str, &str); 6] = [
+    ("dormand_prince", "Dormand–Prince"),
+    ("moreau_jean", "Moreau–Jean"),
+    ("rk4_per_stage", "RK4 per stage"),
+    ("rk4_per_step", "RK4 per step"),
+    ("symplectic_euler", "symplectic Euler"),
+    ("tr_bdf2", "TR-BDF2"),
+];
+
+/// How the tables of a study speak to people: in which units, and which names its ids have.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Wording {
+    /// Whether a lever's angle or a slide's way is told.
+    pub coordinate: Coordinate,
+    /// Ids of environments and their labels.
+    pub environments: Vec<(String, String)>,
+    /// Ids of modes and their labels.
+    pub modes: Vec<(String, String)>,
+}
+
+impl Wording {
+    /// That of a study.
+    pub fn of(study: &Study) -> Self {
+        let environments = study.environments.iter();
+        let modes = study.modes.iter();
+        Self {
+            environments: environments.map(|e| (e.id.to_string(), e.label.clone())).collect(),
+            modes: modes.map(|m| (m.id.to_string(), m.label.clone())).collect(),
+            ..Self::plain(study.coordinate)
+        }
+    }
+
+    /// That of a study without labels.
+    pub fn plain(coordinate: Coordinate) -> Self {
+        Self { coordinate, environments: Vec::new(), modes: Vec::new() }
+    }
+
+    /// The table as people read it: in their units, its ids as names and words.
+    ///
+    /// # Errors
+    /// Those of [`for_people`].
+    pub fn tell(&self, table: &Table) -> Result<Table, TableError> {
+        let table = for_people(table, self.coordinate)?;
+        let columns = table.columns().iter().map(|column| self.worded(column.clone()));
+        let columns = with_units(columns.collect());
+        let told = Table::new(table.name(), table.title(), columns)?;
+        Ok(table.notes_by_kind().fold(told, |t, (kind, note)| t.with_note_of(kind, note)))
+    }
+
+    /// The column with its texts in words.
+    fn worded(&self, mut column: Column) -> Column {
+        if let Values::Text(texts) = &mut column.values {
+            for text in texts.iter_mut().flatten() {
+                *text = self.words(&column.field.name, text).into_owned().into();
+            }
+        }
+        column
+    }
+
+    fn words<'a>(&'a self, column: &str, text: &'a str) -> Cow<'a, str> {
+        match column {
+            "environment" => label(&self.environments, text).unwrap_or(text).into(),
+            "mode" => label(&self.modes, text).unwrap_or(text).into(),
+            "metric" => self.metric(text),
+            column if AS_THEY_ARE.contains(&column) => text.into(),
+            _ => self.contrast(text).map_or_else(|| id(text), Cow::from),
+        }
+    }
+
+    /// Two modes as their labels: `hybrid − active`.
+    fn contrast(&self, text: &str) -> Option<String> {
+        let (with, without) = text.split_once(LESS)?;
+        Some([label(&self.modes, with)?, LESS, label(&self.modes, without)?].concat())
+    }
+
+    /// A metric's name in words, without its unit: `wall_past_max_rad` → `wall past max`.
+    fn metric<'a>(&self, name: &'a str) -> Cow<'a, str> {
+        if !is_id(name) {
+            return name.into();
+        }
+        let unit = METRIC_UNITS.iter().find(|unit| !split_unit(name, unit).1.is_empty());
+        let unit = unit.copied().unwrap_or("1");
+        let name = match self.coordinate {
+            Coordinate::Rotational => name.to_owned(),
+            Coordinate::Linear { .. } => theta_to_x(name),
+        };
+        let about = "".into();
+        words(&Field {
+            name: name.into(),
+            unit: unit.into(),
+            description: about,
+            kind: Type::Float,
+        })
+        .into()
+    }
+}
+
+/// Where a column of units stands behind the metrics', both as one: `duration (s)`.
+fn with_units(mut columns: Vec<Column>) -> Vec<Column> {
+    let is = |pair: &[Column]| pair[0].field.name == "metric" && pair[1].field.name == "unit";
+    let Some(at) = columns.windows(2).position(is) else { return columns };
+    if let (Values::Text(units), Values::Text(metrics)) =
+        (columns.remove(at + 1).values, &mut columns[at].values)
+    {
+        for (metric, unit) in metrics.iter_mut().zip(units) {
+            if let (Some(metric), Some(unit)) = (metric, unit.filter(|unit| **unit != *"1")) {
+                *metric = format!("{metric} ({unit})").into();
+            }
+        }
+    }
+    columns
+}
+
+/// The label of an id.
+fn label<'a>(labels: &'a [(String, String)], id: &str) -> Option<&'a str> {
+    labels.iter().find(|(known, _)| known == id).map(|(_, label)| label.as_str())
+}
+
+/// An id of ours in words; other texts as they are.
+fn id(text: &str) -> Cow<'_, str> {
+    if let Some((_, name)) = PROPER.iter().find(|(id, _)| *id == text) {
+        return (*name).into();
+    }
+    match is_id(text) {
+        true => text.replace('_', " ").into(),
+        false => text.into(),
+    }
+}
+
+fn is_id(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_lowercase())
+        && text.chars().all(|c| matches!(c, 'a'..='z' | '0'..='9' | '_'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::UNIT_OF_ROW;
+
+    #[test]
+    fn a_metric_has_its_unit_behind_it_in_the_studys_coordinate() {
+        let texts =
+            |name, values: [&str; 2]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
+        let columns = vec![
+            texts("metric", ["theta_max", "share"]),
+            texts("unit", ["rad", "1"]),
+            Column::float("hybrid", UNIT_OF_ROW, "", [Some(0.5), Some(0.25)]),
+        ];
+        let table = Table::new("t", "", columns).unwrap();
+        let told = |coordinate| {
+            let told = Wording::plain(coordinate).tell(&table).unwrap();
+            assert!(told.texts("unit").is_err());
+            (
+                told.texts("metric").unwrap().remove(0).unwrap(),
+                told.texts("metric").unwrap().remove(1),
+            )
+        };
+        let share = Some("share".to_owned());
+        assert_eq!(told(Coordinate::Rotational), ("θ max (°)".to_owned(), share.clone()));
+        assert_eq!(told(Coordinate::Linear { lever_m: 0.05 }), ("x max (mm)".to_owned(), share));
+    }
+
+    fn wording() -> Wording {
+        let labels = |pairs: [(&str, &str); 2]| {
+            pairs.map(|(id, label)| (id.to_owned(), label.to_owned())).to_vec()
+        };
+        Wording {
+            environments: labels([("spring_wall", "Spring and wall"), ("free", "Free")]),
+            modes: labels([("active", "Motor alone"), ("hybrid", "Hybrid")]),
+            ..Wording::plain(Coordinate::Rotational)
+        }
+    }
+
+    #[test]
+    fn ids_are_told_by_the_studys_labels_and_in_words() {
+        for (column, text, expect) in [
+            ("environment", "spring_wall", "Spring and wall"),
+            ("environment", "unlisted_one", "unlisted_one"),
+            ("mode", "active", "Motor alone"),
+            ("contrast", "hybrid − active", "Hybrid − Motor alone"),
+            ("contrast", "S02 − S01", "S02 − S01"),
+            ("participant", "left_handed", "left_handed"),
+            ("key", "active_passes", "active_passes"),
+            ("causality", "closed_loop", "closed loop"),
+            ("solver", "moreau_jean", "Moreau–Jean"),
+            ("metric", "theta_max_rad", "θ max"),
+            ("metric", "stiffness_n_per_rad", "stiffness"),
+            ("metric", "force_rms_error_n", "force RMS error"),
+            ("metric", "rendered stiffness", "rendered stiffness"),
+            ("formula", "y = a + b max(x - x0, 0)", "y = a + b max(x - x0, 0)"),
+            ("shown", "tables/metrics.md", "tables/metrics.md"),
+            ("parameter", "M_O", "M_O"),
+        ] {
+            assert_eq!(wording().words(column, text), expect, "{column}");
+        }
+    }
+}

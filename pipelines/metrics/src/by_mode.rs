@@ -1,0 +1,165 @@
+//! The metrics by condition as a page has room for them: a row a metric, modes beside each other.
+
+use zwidth_tables::{Column, Field, Table, TableError, Type, UNIT_OF_ROW, Values, split_unit};
+
+/// What the rows of one block share.
+const BLOCK: [&str; 3] = ["participant", "session", "environment"];
+
+/// A metric in the table of conditions.
+struct Metric<'a> {
+    /// Its name without its unit.
+    stem: &'a str,
+    unit: &'a str,
+    means: &'a [Option<f64>],
+    deviations: &'a [Option<f64>],
+}
+
+/// The table of conditions ([`crate::by_condition`]) with a row a participant, session, environment and
+/// metric, and in each mode's columns mean and standard deviation; `modes` are ids and labels, and a
+/// mode that is not among them stands behind them under its id. What an environment has of no mode is
+/// left out. The first row of each block is the number of trials.
+///
+/// # Errors
+/// A table that is not one of conditions, or labels that cannot be names of columns beside each other.
+pub fn by_mode(conditions: &Table, modes: &[(String, String)]) -> Result<Table, TableError> {
+    let blocks = blocks(conditions)?;
+    let of_row = conditions.texts("mode")?;
+    let modes = listed(modes, &of_row);
+    let metrics = metrics(conditions);
+    let counts: Vec<Option<f64>> =
+        conditions.integers("n")?.into_iter().map(|n| n.map(|n| n as f64)).collect();
+    let trials =
+        Metric { stem: "trials", unit: "1", means: &counts, deviations: &vec![None; counts.len()] };
+
+    let mut keys: [Vec<Option<String>>; 5] = Default::default();
+    let mut cells: Vec<[Vec<Option<f64>>; 2]> = vec![Default::default(); modes.len()];
+    for (block, rows) in &blocks {
+        let of_modes: Vec<Option<usize>> = modes
+            .iter()
+            .map(|(id, _)| rows.iter().copied().find(|row| of_row[*row].as_ref() == Some(id)))
+            .collect();
+        for metric in std::iter::once(&trials).chain(&metrics) {
+            let values: Vec<_> =
+                of_modes.iter().map(|row| row.and_then(|r| metric.means[r])).collect();
+            if values.iter().all(Option::is_none) {
+                continue;
+            }
+            let about = [Some(metric.stem.to_owned()), Some(metric.unit.to_owned())];
+            let row = block.iter().cloned().chain(about);
+            keys.iter_mut().zip(row).for_each(|(column, cell)| column.push(cell));
+            for (k, value) in values.into_iter().enumerate() {
+                cells[k][0].push(value);
+                cells[k][1].push(of_modes[k].and_then(|row| metric.deviations[row]));
+            }
+        }
+    }
+    let names = BLOCK.into_iter().chain(["metric", "unit"]);
+    let mut columns: Vec<Column> =
+        names.zip(keys).map(|(name, cells)| Column::text(name, "", cells)).collect();
+    for ((_, label), [means, deviations]) in modes.iter().zip(cells) {
+        columns.push(numbers(label.clone(), "mean of the repeats", means));
+        columns.push(numbers(format!("{label}_sd"), "standard deviation", deviations));
+    }
+    let table = Table::new(conditions.name(), conditions.title(), columns)?;
+    Ok(conditions.notes_by_kind().fold(table, |t, (kind, note)| t.with_note_of(kind, note)))
+}
+
+/// A column whose every row has its own unit.
+fn numbers(name: String, description: &'static str, values: Vec<Option<f64>>) -> Column {
+    let field = Field {
+        name: name.into(),
+        unit: UNIT_OF_ROW.into(),
+        description: description.into(),
+        kind: Type::Float,
+    };
+    Column { field, values: Values::Float(values) }
+}
+
+/// What the rows of a block share, and which rows these are; in the order of the table.
+type Block = ([Option<String>; 3], Vec<usize>);
+
+fn blocks(conditions: &Table) -> Result<Vec<Block>, TableError> {
+    let [people, sessions, environments] =
+        [conditions.texts(BLOCK[0])?, conditions.texts(BLOCK[1])?, conditions.texts(BLOCK[2])?];
+    let mut blocks: Vec<Block> = Vec::new();
+    for row in 0..conditions.height() {
+        let about = [&people, &sessions, &environments].map(|column| column[row].clone());
+        match blocks.iter_mut().find(|(known, _)| *known == about) {
+            Some((_, rows)) => rows.push(row),
+            None => blocks.push((about, vec![row])),
+        }
+    }
+    Ok(blocks)
+}
+
+/// The modes that rows have, with their labels: those that are known, in their order, then others.
+fn listed(known: &[(String, String)], of_row: &[Option<String>]) -> Vec<(String, String)> {
+    let has = |id: &String| of_row.iter().any(|mode| mode.as_ref() == Some(id));
+    let mut modes: Vec<_> = known.iter().filter(|(id, _)| has(id)).cloned().collect();
+    for mode in of_row.iter().flatten() {
+        if !modes.iter().any(|(id, _)| id == mode) {
+            modes.push((mode.clone(), mode.clone()));
+        }
+    }
+    modes
+}
+
+/// The metrics that have a standard deviation beside them.
+fn metrics(conditions: &Table) -> Vec<Metric<'_>> {
+    let floats = |name: &str| match &conditions.column(name).ok()?.values {
+        Values::Float(values) => Some(values.as_slice()),
+        _ => None,
+    };
+    let metric = |field: &Field| {
+        let (stem, suffix) = split_unit(&field.name, &field.unit);
+        let deviations = floats(&format!("{stem}_sd{suffix}"))?;
+        Some((stem.len(), floats(&field.name)?, deviations))
+    };
+    let found = conditions.columns().iter().filter_map(|column| {
+        let field = &column.field;
+        let (stem, means, deviations) = metric(field)?;
+        Some(Metric { stem: &field.name[..stem], unit: &field.unit, means, deviations })
+    });
+    found.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn conditions() -> Table {
+        let texts =
+            |name, values: [&str; 3]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
+        let n = |name, unit, values| Column::float(name, unit, "", values);
+        let columns = vec![
+            texts("participant", ["P01"; 3]),
+            texts("session", ["S01"; 3]),
+            texts("environment", ["spring", "spring", "wall"]),
+            texts("mode", ["hybrid", "active", "odd"]),
+            Column::integer("n", "1", "trials", [Some(6), Some(5), Some(4)]),
+            n("theta_max_rad", "rad", [Some(0.5), Some(0.6), Some(0.7)]),
+            n("theta_max_sd_rad", "rad", [Some(0.01), None, Some(0.03)]),
+            n("wall_dwell_s", "s", [None, None, Some(1.0)]),
+            n("wall_dwell_sd_s", "s", [None, None, Some(0.1)]),
+        ];
+        Table::new("conditions", "By condition", columns).unwrap().with_note("a note")
+    }
+
+    #[test]
+    fn modes_stand_beside_each_other_and_what_no_mode_has_is_left_out() {
+        let modes = [("active", "Motor alone"), ("passive", "Brake"), ("hybrid", "Both")];
+        let table =
+            by_mode(&conditions(), &modes.map(|(id, label)| (id.into(), label.into()))).unwrap();
+        let texts = |name| table.texts(name).unwrap().into_iter().flatten().collect::<Vec<_>>();
+        assert_eq!(texts("environment"), ["spring", "spring", "wall", "wall", "wall"]);
+        assert_eq!(texts("metric"), ["trials", "theta_max", "trials", "theta_max", "wall_dwell"]);
+        assert_eq!(texts("unit"), ["1", "rad", "1", "rad", "s"]);
+        let numbers = |name| table.floats(name).unwrap();
+        assert_eq!(numbers("Motor alone"), [Some(5.0), Some(0.6), None, None, None]);
+        assert_eq!(numbers("Both"), [Some(6.0), Some(0.5), None, None, None]);
+        assert_eq!(numbers("Both_sd"), [None, Some(0.01), None, None, None]);
+        assert_eq!(numbers("odd"), [None, None, Some(4.0), Some(0.7), Some(1.0)]);
+        assert!(table.floats("Brake").is_err(), "no trial in this mode");
+        assert_eq!((table.name(), table.notes()), ("conditions", &["a note".to_owned()][..]));
+    }
+}
