@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn a_curve_that_stays_below_the_level_ends_at_the_bound() {
         assert_eq!(meet(2.0, 2.0, 5.0, |distance| Some(distance / 10.0)), Some(5.0));
-        assert_eq!(meet(2.0, 9.0, 5.0, |distance| Some(distance)), Some(2.0));
+        assert_eq!(meet(2.0, 9.0, 5.0, Some), Some(2.0));
         assert_eq!(meet(2.0, 2.0, 5.0, |_| None), None);
     }
 }
