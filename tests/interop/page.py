@@ -11,6 +11,8 @@ import argparse
 import csv
 import io
 import json
+import math
+import re
 import shutil
 import struct
 import tempfile
@@ -56,6 +58,7 @@ def main():
         brush_and_zoom(visit)
         cells_and_dots_open_trials(visit)
         dots_have_the_tables_intervals(visit)
+        the_model_is_turned(visit)
         address_keeps_the_view(visit)
         saved_plots(visit, given.out)
         printed(visit, given.out)
@@ -374,6 +377,39 @@ def dots_have_the_tables_intervals(visit):
     checks.check(f"{drawn} means and differences were compared", drawn > 0)
     whiskers = visit.page.locator("#dot-plot .whisker").count()
     checks.check("intervals are drawn, and said to be the tables'", whiskers > 0 and "as in the tables" in visit.page.locator("#dot-plot").inner_text())
+
+
+def the_model_is_turned(visit):
+    """Sliders by keyboard alone; the error that is told is that of the run with these parameters in the derived table."""
+    page = visit.page
+    if not page.locator("#model-plot").count():
+        return
+    page.locator("#model-plot").scroll_into_view_if_needed()
+    page.wait_for_selector("#model-plot[data-ready]")
+    folder = visit.report.parent.parent / "derived" / visit.report.name / "runs"
+    of = visit.study["turned"]
+    lever = 180 / math.pi
+    checked, wrong, moved = 0, [], 0
+    options = page.locator("#model-condition option").all()
+    for place, option in enumerate(options):
+        page.select_option("#model-condition", str(place))
+        environment, mode = [(e["id"], m["id"]) for e in visit.study["environments"] for m in visit.study["modes"] if f"{e['label']}, {m['label']}" == option.text_content()][0]
+        rows = parquet.read_table(folder / f"{of['participant']}.{of['session']}.{environment}.parquet").to_pylist()
+        rows = [row for row in rows if row["mode"] == mode and row["mass_kg"] is not None]
+        for key, slider in [("End", 0), ("ArrowLeft", 0), ("Home", 1), ("ArrowRight", 1), ("End", 2), ("Home", 2)]:
+            before = page.locator("#model-plot .model").first.get_attribute("d")
+            page.focus(f"#model-{slider}")
+            page.keyboard.press(key)
+            moved += page.locator("#model-plot .model").first.get_attribute("d") != before
+            at = [float(page.get_attribute(f"#model-{k}", "aria-valuetext").split()[0]) for k in range(3)]
+            is_it = lambda row: all(abs(row[name] - value) <= 5e-4 * max(value, 1e-9) for name, value in zip(("mass_kg", "damping_ns_per_rad", "friction_n"), at))
+            wanted = {row["rmse_rad"] for row in rows if is_it(row)}
+            told = re.search(r"angle: ([0-9.]+)", page.locator("#model-error").text_content())
+            checked += 1
+            if len(wanted) != 1 or not told or abs(float(told[1]) - wanted.pop() * lever) > 5e-4 * float(told[1]):
+                wrong.append((environment, mode, at))
+    checks.equal(f"{checked} errors of {len(options)} turned models are those of the table of runs", wrong, [])
+    checks.check("turning redraws the model", moved > checked / 2, str(moved))
 
 
 def with_its_unit(names, stem):

@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_replay::{Parameters, Rendering};
 use zwidth_runner::{Job, JobError, Made, Making};
-use zwidth_store::{Signal, StudyData};
+use zwidth_store::{Signal, StudyData, Trial};
 use zwidth_study::{Environment, ModeId};
 use zwidth_tables::Table;
 
@@ -26,12 +26,35 @@ pub(crate) fn file(
     is_any.then(|| derived(&data.layout, format!("courses/{key}.parquet")))
 }
 
-/// What the courses depend on besides files.
+/// What depends on typical trials depends on this besides files.
 #[derive(Serialize)]
-struct Typical {
+pub(crate) struct Typical {
     /// In the order of the study, each with how it was rendered.
     modes: Vec<(ModeId, Rendering)>,
-    plant: Parameters,
+    pub(crate) plant: Parameters,
+}
+
+/// The trials of an environment, their conditions' tables of replays, and the identified plant.
+pub(crate) type Files = (Vec<PathBuf>, Vec<PathBuf>, PathBuf);
+
+/// What is asked of typical trials of an environment, and the files that it takes.
+pub(crate) fn asked(
+    data: &StudyData,
+    session: &Session,
+    environment: &Environment,
+) -> (OfTrials<Typical>, Files) {
+    let of_modes = data.study.modes.iter().filter_map(|m| session.repeats(environment, m));
+    let conditions: Vec<Repeats> = of_modes.collect();
+    let mut trials = session.of(environment);
+    trials.retain(|t| is_replayable(data, t));
+    let rendered = conditions.iter().filter_map(|r| {
+        let meta = &r.trials.first()?.meta;
+        Some((r.mode.id.clone(), rendering(data, meta, environment, r.mode)))
+    });
+    let typical = Typical { modes: rendered.collect(), plant: Parameters::BY_EYE };
+    let replays = conditions.iter().map(|r| replay::of_condition(&data.layout, r)).collect();
+    let files = (files(&trials), replays, identify::plant_of(&data.layout));
+    (OfTrials::new(typical, &trials), files)
 }
 
 /// The courses of typical trials of each environment with a spring.
@@ -39,36 +62,23 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let mut jobs = Vec::new();
     for session in sessions(data) {
         for environment in &data.study.environments {
-            let of_modes = data.study.modes.iter().filter_map(|m| session.repeats(environment, m));
-            let conditions: Vec<Repeats> = of_modes.collect();
             let Some(output) = file(data, &session, environment) else { continue };
-            let mut trials = session.of(environment);
-            trials.retain(|t| is_replayable(data, t));
-            let rendered = conditions.iter().filter_map(|r| {
-                let meta = &r.trials.first()?.meta;
-                Some((r.mode.id.clone(), rendering(data, meta, environment, r.mode)))
-            });
-            let modes = rendered.collect();
-            let typical = Typical { modes, plant: Parameters::BY_EYE };
-            let replays: Vec<PathBuf> =
-                conditions.iter().map(|r| replay::of_condition(&data.layout, r)).collect();
-            let inputs = (files(&trials), replays, identify::plant_of(&data.layout));
+            let (of, inputs) = asked(data, &session, environment);
             let name = format!("courses {} {}", session.who(), environment.id);
-            let of = OfTrials::new(typical, &trials);
             jobs.push(Job::new(STAGE, name, of, inputs, vec![output], make));
         }
     }
     jobs
 }
 
-fn make(
-    of: &OfTrials<Typical>,
-    (files, replays, plant): &(Vec<PathBuf>, Vec<PathBuf>, PathBuf),
-    making: &Making,
-) -> Result<Made, JobError> {
+/// The typical trial of each mode that has one, and how it was rendered.
+pub(crate) fn typical_trials<'a>(
+    of: &'a OfTrials<Typical>,
+    files: &[PathBuf],
+    replays: &[PathBuf],
+) -> Result<Vec<(Trial, &'a Rendering)>, JobError> {
     let replays =
         zwidth_replay::join_conditions(&read_tables(replays)?)?.ok_or("there is no trial")?;
-    let fitted = identify::fitted(&Table::from_parquet(plant)?)?;
     let mut trials = Vec::new();
     for (mode, rendering) in &of.stage.modes {
         let Some(number) = zwidth_replay::typical(&replays, mode.as_str())? else { continue };
@@ -77,6 +87,16 @@ fn make(
         let trial = read.into_iter().next().ok_or_else(|| problems.join("; "))?;
         trials.push((trial, rendering));
     }
+    Ok(trials)
+}
+
+fn make(
+    of: &OfTrials<Typical>,
+    (files, replays, plant): &Files,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let fitted = identify::fitted(&Table::from_parquet(plant)?)?;
+    let trials = typical_trials(of, files, replays)?;
     let courses = zwidth_replay::courses(&trials, &of.stage.plant, fitted.as_ref())?;
     if courses.height() == 0 {
         return Err("no trial could be replayed: the table 'replay' says why".into());

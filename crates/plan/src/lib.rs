@@ -30,6 +30,7 @@ mod replay;
 mod replay_figures;
 mod replayable;
 mod report;
+mod runs;
 mod scenes;
 mod summary;
 mod tables;
@@ -61,6 +62,7 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     jobs.extend(replay::jobs(data));
     jobs.extend(identify::jobs(data));
     jobs.extend(courses::jobs(data));
+    jobs.extend(runs::jobs(data));
     jobs.extend(likert::jobs(data));
     jobs.extend(compare::jobs(data));
     jobs.extend(trade::jobs(data));

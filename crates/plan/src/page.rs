@@ -4,18 +4,22 @@
 use crate::conditions::{Repeats, sessions};
 use crate::drawing::Drawing;
 use crate::trials::{OfTrials, files as trial_files, read_all};
-use crate::{average, courses, likert, metrics, summary};
+use crate::{average, courses, identify, likert, metrics, runs, summary};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_average::Alignment;
-use zwidth_report::{Columns, Contents, Course, Event, Page, condition_script, edges, page_html};
+use zwidth_replay::Parameters;
+use zwidth_report::{
+    Columns, Contents, Course, Event, Page, TURNED, condition_script, edges, page_html,
+    turned_script,
+};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage};
 use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
-use zwidth_study::{Flags, ModeId};
+use zwidth_study::{EnvironmentId, Flags, ModeId};
 use zwidth_tables::{Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 2 };
+const STAGE: Stage = Stage { name: "page", version: 3 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -46,8 +50,49 @@ pub(crate) fn jobs(data: &StudyData, found: &Findings, figures: &[Drawing]) -> V
             jobs.extend(conditions.map(|repeats| of_condition(data, &repeats, courses.clone())));
         }
     }
+    jobs.extend(of_turned(data));
     jobs.push(index(data, found, figures));
     jobs
+}
+
+/// What the script of the model's runs depends on besides files.
+#[derive(Serialize)]
+struct Turned {
+    environments: Vec<EnvironmentId>,
+    by_eye: Parameters,
+}
+
+/// The script of the model's runs over its parameters, if there are any.
+fn of_turned(data: &StudyData) -> Option<Job> {
+    let (session, turned) = runs::turned(data)?;
+    let environments = turned.iter().map(|turned| turned.environment.id.clone()).collect();
+    let files: Vec<PathBuf> = turned.into_iter().map(|turned| turned.file).collect();
+    let inputs = (files, identify::plant_of(&data.layout));
+    let of = Turned { environments, by_eye: Parameters::BY_EYE };
+    let output = data.layout.reports().join(format!("report-data/{TURNED}.js"));
+    let name = format!("sliders {}", session.who());
+    Some(Job::new(STAGE, name, of, inputs, vec![output], make_turned))
+}
+
+fn make_turned(
+    of: &Turned,
+    (files, plant): &(Vec<PathBuf>, PathBuf),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let turn = |of: &Parameters| [of.mass_kg, of.damping_ns_per_rad, of.friction_n];
+    let fitted = identify::fitted(&Table::from_parquet(plant)?)?;
+    let tables = of.environments.iter().zip(files);
+    let tables: Vec<(&str, Table)> = tables
+        .map(|(environment, file)| Ok((environment.as_str(), Table::from_parquet(file)?)))
+        .collect::<Result<_, TableError>>()?;
+    let script = turned_script(&tables, turn(&of.by_eye), fitted.as_ref().map(turn))?;
+    Ok(Made { outputs: vec![with_origin(script, making).into_bytes()], ..Made::default() })
+}
+
+/// A script with where it comes from.
+fn with_origin(script: String, making: &Making) -> String {
+    let origin = making.from.get(ORIGIN).map(|origin| format!("// {origin}\n"));
+    script + &origin.unwrap_or_default()
 }
 
 /// What the script of a condition depends on besides files.
@@ -104,8 +149,7 @@ fn make_condition(
     let replays = summary::read(&files.courses)?.map(|table| replays(&table, &of.stage.mode));
     let replays = replays.transpose()?.unwrap_or_default();
     let script = condition_script(&of.stage.key, &courses, &means, &replays)?;
-    let origin = making.from.get(ORIGIN).map(|origin| format!("// {origin}\n"));
-    let text = script + &origin.unwrap_or_default();
+    let text = with_origin(script, making);
     Ok(Made { outputs: vec![text.into_bytes()], problems, ..Made::default() })
 }
 
@@ -199,13 +243,16 @@ struct Index {
     #[serde(flatten)]
     summary: summary::Page,
     study: String,
+    /// Whose trials' model can be turned.
+    turned: Option<[String; 2]>,
     version: &'static str,
 }
 
 fn index(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
     let (summary, files) = summary::asked(data, found, figures);
     let study = data.layout.study().to_string();
-    let of = Index { summary, study, version: env!("CARGO_PKG_VERSION") };
+    let turned = runs::turned(data).map(|(session, _)| session.ids());
+    let of = Index { summary, study, turned, version: env!("CARGO_PKG_VERSION") };
     let files = IndexFiles { summary: files, answers: likert::long(data) };
     Job::new(STAGE, JOB, of, files, vec![file(&data.layout)], make_index).tolerant()
 }
@@ -232,7 +279,8 @@ fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, J
     let contents = metrics.map(|metrics| {
         let (study, compared) =
             ((of.study.as_str(), summary.title.as_str()), of.summary.compared(&compared));
-        Contents::of(study, planned, &metrics, &compared, answers.as_ref())
+        let contents = Contents::of(study, planned, &metrics, &compared, answers.as_ref())?;
+        Ok::<_, TableError>(contents.with_turned(of.turned.clone(), planned.coordinate))
     });
     let contents = contents.transpose()?;
     let html = page_html(&Page {

@@ -31,6 +31,7 @@ mod drive;
 mod error;
 mod lag;
 mod replay;
+mod runs;
 mod scene;
 mod table;
 #[cfg(test)]
@@ -46,6 +47,7 @@ pub use courses::{courses, typical};
 pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};
 pub use replay::{Outcome, TrialReplay, replay, replay_with};
+pub use runs::runs;
 pub use scene::{Parameters, Rendering};
 pub use table::{join_conditions, table};
 pub use which::Which;

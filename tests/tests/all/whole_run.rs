@@ -44,14 +44,14 @@ fn tables() -> BTreeSet<String> {
 }
 
 /// Jobs that make derived tables: characterise 3, metrics 13 (six with the plant), average 6, replay 15 (six
-/// of the fitted model, two of courses), identify 1, likert 1, compare 8 (seven metrics and the answers),
+/// of the fitted model, two of courses), runs 2, identify 1, likert 1, compare 8 (seven metrics and the answers),
 /// trade 8 (of the conditions, of six conditions' recordings, and these joined), simulate 8, report 4.
-const DERIVED: usize = 67;
+const DERIVED: usize = 69;
 
 /// Jobs of the study: a figure or a printed table is one each, and so is the summary.
 fn jobs() -> usize {
-    // Besides: the summary, the page, and its samples.
-    DERIVED + figures().len() + tables().len() + 2 + CONDITIONS.len()
+    // Besides: the summary, the page, its samples and its sliders.
+    DERIVED + figures().len() + tables().len() + 3 + CONDITIONS.len()
 }
 
 /// The stems of the files with this extension.
@@ -175,6 +175,9 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         "pros and cons",
         "replay P01 S01 spring hybrid",
         "replay of the study",
+        "runs P01 S01 spring",
+        "runs P01 S01 spring_wall",
+        "sliders P01 S01",
         "page",
         "summary",
         "table conditions",

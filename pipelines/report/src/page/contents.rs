@@ -1,6 +1,7 @@
 //! What the page's script knows of a study before it loads any sample: its conditions, its metrics
 //! and each trial's row.
 
+use super::TURNED;
 use super::estimates::{Estimate, differences, means};
 use crate::Planned;
 use crate::compared::{ComparedMetric, words};
@@ -24,7 +25,21 @@ pub struct Contents {
     metrics: Vec<MetricOf>,
     questions: Vec<QuestionOf>,
     trials: Vec<TrialOf>,
+    /// The trials whose model can be turned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    turned: Option<TurnedOf>,
     single_file: bool,
+}
+
+/// Where the runs of the model over its parameters lie, and whose trials they are of.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct TurnedOf {
+    data: &'static str,
+    participant: String,
+    session: String,
+    damping_unit: String,
+    /// What a damping in N·s/rad is multiplied by to be in its unit for people.
+    damping_scale: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -80,6 +95,21 @@ pub(super) struct TrialOf {
 }
 
 impl Contents {
+    /// The same with sliders for the model of this session's typical trials.
+    #[must_use]
+    pub fn with_turned(self, session: Option<[String; 2]>, coordinate: Coordinate) -> Self {
+        let of = |[participant, session]: [String; 2]| {
+            let (damping_unit, damping_scale) = shown_unit("N·s/rad", coordinate);
+            TurnedOf { data: TURNED, participant, session, damping_unit, damping_scale }
+        };
+        Self { turned: session.map(of), ..self }
+    }
+
+    /// Whether there are sliders.
+    pub(super) fn has_turned(&self) -> bool {
+        self.turned.is_some()
+    }
+
     /// What is known of a study. `metrics` has one row a trial, `compared` names those to show;
     /// `answers` has one row an answer.
     ///
@@ -111,6 +141,7 @@ impl Contents {
                 .collect::<Result<_, _>>()?,
             questions: planned.questions.iter().map(QuestionOf::of).collect(),
             trials: trials(metrics, &columns, &answered(planned, answers)?)?,
+            turned: None,
             single_file: false,
         })
     }

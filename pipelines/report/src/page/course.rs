@@ -97,7 +97,7 @@ fn packed(columns: &Columns) -> std::io::Result<Packed> {
 /// Numbers as text, without loss: each number's bits XOR those of the number before, the bytes of
 /// one place in the number together, deflate, base 64. What hardly changes from sample to sample
 /// becomes runs of zeros.
-fn pack(values: &[f64]) -> std::io::Result<String> {
+pub(super) fn pack(values: &[f64]) -> std::io::Result<String> {
     let mut before = 0;
     let changes: Vec<[u8; 8]> = values
         .iter()

@@ -12,11 +12,13 @@ mod given;
 mod parts;
 mod quality;
 mod single;
+mod turned;
 
 pub use contents::Contents;
 pub use course::{Columns, Course, Event, condition_script, edges};
 pub use given::Page;
 pub use single::single_file;
+pub use turned::{TURNED, Turn, TurnedError, turned_script};
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use parts::Part;

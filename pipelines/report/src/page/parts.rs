@@ -21,6 +21,7 @@ pub(super) struct Part {
 pub(super) fn all(page: &Page) -> Vec<Part> {
     let Page { summary, .. } = page;
     let (trials, asked) = (page.contents.is_some(), !page.planned.questions.is_empty());
+    let turned = page.contents.is_some_and(super::Contents::has_turned);
     let part = |id, title, is_there: bool, body: fn(&Page) -> Markup| {
         is_there.then(|| Part { id, title, body: body(page) })
     };
@@ -30,6 +31,7 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
         part("trials", "Every trial", trials, trial_browser),
         part("dots", "Trials, participants, means", trials, dots),
         part("answers", "Answers beside a metric", trials && asked, answers),
+        part("model", "The model, turned by hand", turned, model),
         part("statements", "The thesis’ statements", !summary.statements.is_empty(), statements),
         part("quality", "Quality of the data", true, quality::body),
         part("runs", crate::RUNS, !summary.runs.is_empty(), runs),
@@ -161,6 +163,13 @@ fn trial_browser(_: &Page) -> Markup {
 
 fn dots(_: &Page) -> Markup {
     html! { div #dot-plot { noscript { p { (NEEDS_SCRIPT) } } } }
+}
+
+fn model(_: &Page) -> Markup {
+    html! {
+        p { "A typical trial of each mode (the one of median error by eye) and the model that was given the force of its user. Turn the plant's mass, damping and friction, and see the angle's error." }
+        div #model-plot { noscript { p { (NEEDS_SCRIPT) } } }
+    }
 }
 
 fn answers(_: &Page) -> Markup {
