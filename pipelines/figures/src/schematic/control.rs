@@ -71,7 +71,7 @@ fn state(of: &Modelled) -> &'static str {
     }
 }
 
-/// The loop that is solved: the forces hang on the state of the step before, and so does what comes
+/// The loop that is solved: the forces depend on the state of the step before, and so does what comes
 /// out (thesis §2.3).
 pub(crate) fn force_control(of: &Modelled) -> Figure {
     let (forces, equations) = (forces(of, 11.0), equations(43.0));
@@ -110,7 +110,7 @@ pub(crate) fn displacement_control(of: &Modelled) -> Figure {
     layers.push(over("*F*_{ex}", (f64::midpoint(out.0, 83.0) - 0.5, out.1)));
     let panel = panel(Cell::at(0, 0), DISPLACEMENT[0], DISPLACEMENT[1], layers);
     let notes =
-        ["The motion is given: what comes out hangs on nothing else, and there is no step."
+        ["The motion is given: what comes out depends on nothing else, and there is no step."
             .to_owned()];
     let description = "A chain: the given motion goes into the forces of object and finger, these \
                        into the equations of motion, and out comes the user's force.";

@@ -19,8 +19,8 @@ pub(crate) const CONTROL_LOOP: FigureKind = FigureKind {
 
 /// Corners of the drawing, of what the device does in it, and of what the computer does, mm.
 const WHOLE: [Point; 2] = [(0.0, 0.0), (173.5, 75.0)];
-const DEVICE: [Point; 2] = [(30.0, 0.5), (96.0, 74.5)];
-const COMPUTER: [Point; 2] = [(98.5, 0.5), (173.0, 74.5)];
+const DEVICE: [Point; 2] = [(32.2, 0.5), (95.5, 74.5)];
+const COMPUTER: [Point; 2] = [(99.0, 0.5), (173.0, 74.5)];
 /// Height of what a group is called, mm.
 const NAME_MM: f64 = 4.5;
 /// Environments or modes that are listed; of more their number is told.
@@ -161,7 +161,7 @@ fn through_device(b: &Boxes, of: &Setup) -> Vec<Layer> {
 fn through_computer(b: &Boxes, of: &Setup) -> Vec<Layer> {
     let [theta, theta_dot] = symbols(of);
     let mut layers = flow([b.angle.right(), b.velocity.left()]);
-    layers.push(over(theta, (97.0, b.angle.at.1)));
+    layers.push(over(theta, (97.2, b.angle.at.1)));
     layers.extend(flow([b.velocity.right(), b.environment.left()]));
     let gap = f64::midpoint(b.velocity.right().0, b.environment.left().0);
     layers.push(over(format!("{theta}, {theta_dot}"), (gap - 0.4, b.velocity.at.1)));

@@ -76,7 +76,7 @@ impl LeverModel {
         layers.extend(lever.torque(TORQUE));
         layers.push(line([(0.0, 0.0), lever.at(ANGLE + 0.08, 0.0)], style::reference()));
         layers.extend(lever.angle(ANGLE));
-        layers.push(left_of(self.length.lines(), lever.at(0.42, lever.theta_rad)));
+        layers.push(left_of(self.length.lines(), lever.at(0.34, lever.theta_rad)));
         layers.extend(lever.bar());
         layers.extend(self.end());
         layers

@@ -5,8 +5,7 @@ use crate::words::plain;
 use zwidth_draw::style::{self, Colour, Stroke};
 use zwidth_draw::{Figure, LegendPlace, ONE_COLUMN_MM, Panel};
 use zwidth_dynamics::{Demand, DynamicsError, ModelScene, System, Term};
-use zwidth_study::Coordinate;
-use zwidth_tables::given;
+use zwidth_tables::{number, with_unit};
 
 /// A scene of the model, and how a figure of the study runs it.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +41,7 @@ impl Part {
     }
 
     fn new(symbol: &'static str, value: Option<f64>, unit: &str) -> Self {
-        let number = value.map(|value| given(value, unit, Coordinate::Rotational));
+        let number = value.map(|value| with_unit(&number(value, None), unit));
         Self { symbol, number }
     }
 

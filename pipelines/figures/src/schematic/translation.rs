@@ -21,9 +21,9 @@ pub(crate) const TRANSLATION: FigureKind = FigureKind {
 };
 
 /// Corners of the three drawings, mm: one height, and together as wide as the page has room for.
-const OBJECT: [Point; 2] = [(-19.0, -21.0), (24.5, 31.0)];
-const MODEL: [Point; 2] = [(-46.5, -21.0), (27.0, 31.0)];
-const DEVICE: [Point; 2] = [(-23.5, -21.0), (23.5, 31.0)];
+const OBJECT: [Point; 2] = [(-19.0, -21.0), (24.5, 34.5)];
+const MODEL: [Point; 2] = [(-46.5, -21.0), (27.0, 34.5)];
+const DEVICE: [Point; 2] = [(-23.5, -21.0), (23.5, 34.5)];
 /// Length of the lever, mm; the model's, which has more around it, is longer.
 const LEVER_MM: f64 = 22.0;
 const MODEL_MM: f64 = 27.0;
