@@ -32,8 +32,8 @@ struct Boxes {
     lever: Block,
     force: Block,
     angle: Block,
-    motor: Block,
-    brake: Block,
+    motor: Option<Block>,
+    brake: Option<Block>,
     velocity: Block,
     recorded: Block,
     environment: Block,
@@ -56,8 +56,12 @@ impl Boxes {
             lever: Block::new((45.0, 39.0), (22.0, 18.0), lever(of)),
             force: Block::new((80.0, 64.5), (28.0, 9.0), of.force_sensor()).coloured(style::TISSUE),
             angle: Block::new((80.0, 53.5), (28.0, 8.0), [angle]).coloured(style::TISSUE),
-            motor: Block::new((80.0, 25.0), (28.0, 12.0), of.motor()).coloured(style::MOTOR),
-            brake: Block::new((80.0, 9.0), (28.0, 12.0), of.brake()).coloured(style::BRAKE),
+            motor: of
+                .uses(ActuatorKind::Motor)
+                .then(|| Block::new((80.0, 25.0), (28.0, 12.0), of.motor()).coloured(style::MOTOR)),
+            brake: of
+                .uses(ActuatorKind::Brake)
+                .then(|| Block::new((80.0, 9.0), (28.0, 12.0), of.brake()).coloured(style::BRAKE)),
             velocity: Block::new((113.0, 53.5), (25.0, 13.0), velocity(of)),
             recorded: Block::new((113.0, 34.0), (25.0, 12.0), ["recorded:".to_owned(), recorded]),
             environment: Block::new((150.5, 53.5), (36.0, 17.0), environments(of)),
@@ -76,21 +80,25 @@ impl Boxes {
         }
     }
 
-    fn all(&self) -> [&Block; 12] {
-        [
+    /// The actuators that are used.
+    fn actuators(&self) -> impl Iterator<Item = &Block> {
+        self.motor.iter().chain(&self.brake)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Block> {
+        let always = [
             &self.participant,
             &self.lever,
             &self.force,
             &self.angle,
-            &self.motor,
-            &self.brake,
             &self.velocity,
             &self.recorded,
             &self.environment,
             &self.mode,
             &self.voltage,
             &self.safety,
-        ]
+        ];
+        always.into_iter().chain(self.actuators())
     }
 }
 
@@ -100,7 +108,7 @@ pub(crate) fn control_loop(of: &Setup) -> Figure {
     let rate = format!("**control loop**, {} ticks/s", number(of.control.rate_hz, None));
     let mut layers = group(DEVICE, of.name());
     layers.extend(group(COMPUTER, rate));
-    layers.extend(boxes.all().into_iter().flat_map(Block::layers));
+    layers.extend(boxes.all().flat_map(Block::layers));
     layers.extend(through_device(&boxes, of));
     layers.extend(through_computer(&boxes, of));
     Figure {
@@ -150,7 +158,7 @@ fn through_device(b: &Boxes, of: &Setup) -> Vec<Layer> {
     for (x, actuator, symbol) in
         [(bottom.0 + 3.0, &b.motor, "*T*_{m}"), (bottom.0 - 3.0, &b.brake, "*T*_{b}")]
     {
-        let from = actuator.left();
+        let Some(from) = actuator.as_ref().map(Block::left) else { continue };
         layers.extend(flow([from, (x, from.1), (x, bottom.1)]));
         layers.push(over(symbol, (57.0, from.1)));
     }
@@ -175,7 +183,7 @@ fn through_computer(b: &Boxes, of: &Setup) -> Vec<Layer> {
     layers.push(over("*F*_{ex}", (113.0, force.1)));
     let split = (97.2, b.safety.at.1);
     layers.push(line([b.safety.left(), split], style::mean(style::INK)));
-    for actuator in [&b.motor, &b.brake] {
+    for actuator in b.actuators() {
         let to = actuator.right();
         layers.extend(flow([split, (split.0, to.1), to]));
     }

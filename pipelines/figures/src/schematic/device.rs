@@ -10,6 +10,7 @@ use crate::sketch::{
 use std::f64::consts::{FRAC_PI_2, PI};
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};
+use zwidth_study::ActuatorKind;
 
 /// The figure [`device`].
 pub(crate) const DEVICE: FigureKind = FigureKind {
@@ -45,9 +46,9 @@ pub(crate) fn device(of: &Setup) -> Option<Figure> {
         panels: vec![front.titled("**a**  from the front"), side.titled("**b**  from the side")],
         legend: LegendPlace::Hidden,
         footnotes: vec![
-            "Angles are true; lengths are not to scale, and where the sensors sit is not known to the \
-             study. *F*_{ex}: the user's force. *T*_{m}, *T*_{b}: torques of motor and brake on the \
-             shaft."
+            "Built as the thesis' device: the study knows the numbers, and not how its parts lie. Angles \
+             are true, lengths are not to scale. *F*_{ex}: the user's force. *T*_{m}, *T*_{b}: torques of \
+             motor and brake on the shaft."
                 .to_owned(),
         ],
         ..Figure::default()
@@ -63,7 +64,7 @@ pub(crate) fn front(of: &Setup, length_mm: f64, [low, high]: [f64; 2]) -> Vec<La
     layers.extend(lever.bar());
     layers.extend(load_cell(&lever));
     layers.extend(lever.push());
-    layers.extend(torques());
+    layers.extend(torques(of));
     let known = of.device.lever_m.map(|m| zwidth_tables::given(m * 1e3, "mm", of.coordinate));
     layers.extend(known.map(|length| {
         let at = lever.at(0.47, lever.theta_rad);
@@ -94,7 +95,7 @@ fn transmission() -> Vec<Layer> {
 }
 
 /// The torques of motor and brake on the shaft, one to either side.
-fn torques() -> Vec<Layer> {
+fn torques(of: &Setup) -> Vec<Layer> {
     /// Distance of an arrow from the shaft, mm.
     const AROUND: f64 = 5.6;
     /// Half of what it goes round, rad.
@@ -102,8 +103,11 @@ fn torques() -> Vec<Layer> {
     let shaft = (0.0, SHAFT_MM);
     let mut layers = Vec::new();
     // both resist the push, which turns the lever clockwise and the shaft the other way
-    for (side, symbol, colour) in [(-1.0, "*T*_{m}", style::MOTOR), (1.0, "*T*_{b}", style::BRAKE)]
-    {
+    let both = [
+        (ActuatorKind::Motor, -1.0, "*T*_{m}", style::MOTOR),
+        (ActuatorKind::Brake, 1.0, "*T*_{b}", style::BRAKE),
+    ];
+    for (_, side, symbol, colour) in both.into_iter().filter(|(drive, ..)| of.uses(*drive)) {
         let middle = side * FRAC_PI_2;
         let way = Way::arc(shaft, AROUND, middle - HALF_RAD, middle + HALF_RAD);
         layers.extend(arrow(&way, style::mean(colour)));
@@ -129,25 +133,39 @@ fn load_cell(lever: &Lever) -> Vec<Layer> {
 
 /// The shaft with what sits on it, and the wheel and the lever above.
 fn side(of: &Setup) -> Vec<Layer> {
-    let motor = Block::new((-29.0, SHAFT_MM), (21.0, 13.0), of.motor()).coloured(style::MOTOR);
-    let brake = Block::new((23.0, SHAFT_MM), (21.0, 13.0), of.brake()).coloured(style::BRAKE);
+    /// Both ends of the shaft, mm.
+    const SHAFT: [f64; 2] = [-18.5, 38.0];
     let thick = Stroke { width_pt: 2.2, ..style::mean(style::INK) };
-    let plate = Stroke { width_pt: 2.8, ..style::mean(style::BRAKE) };
-    let mut layers = vec![
-        line([motor.right(), (10.0, SHAFT_MM)], thick),
-        line([brake.right(), (38.0, SHAFT_MM)], thick),
-        line([(10.0, SHAFT_MM - 6.0), (10.0, SHAFT_MM + 6.0)], plate),
-        line([(10.0, SHAFT_MM), (12.5, SHAFT_MM)], thick),
-        over("disc", (6.4, SHAFT_MM + 1.2)),
-    ];
-    layers.extend(motor.layers());
-    layers.extend(brake.layers());
+    let mut layers = vec![line(SHAFT.map(|x| (x, SHAFT_MM)), thick)];
+    if of.uses(ActuatorKind::Motor) {
+        let motor = Block::new((-29.0, SHAFT_MM), (21.0, 13.0), of.motor());
+        layers.extend(motor.coloured(style::MOTOR).layers());
+    }
+    if of.uses(ActuatorKind::Brake) {
+        layers.extend(disc_and_brake(of));
+    }
     layers.extend(capstan());
     layers.extend(wheel_and_lever(of));
     let angle = Block::new((39.0, SHAFT_MM), (3.0, 7.0), [""; 0]).coloured(style::TISSUE);
     layers.extend(angle.layers());
     layers.push(left_of(vec!["angle sensor".to_owned()], (41.8, SHAFT_MM + 9.0)));
     layers.push(line([(39.0, SHAFT_MM + 7.4), angle.top()], style::single(style::GREY)));
+    layers
+}
+
+/// The disc on the shaft, and the magnet that holds it: the shaft runs through behind.
+fn disc_and_brake(of: &Setup) -> Vec<Layer> {
+    let plate = Stroke { width_pt: 2.8, ..style::mean(style::BRAKE) };
+    let brake = Block::new((23.0, SHAFT_MM), (21.0, 13.0), of.brake());
+    // what runs through the brake is not seen
+    let hidden = Stroke { width_pt: 4.0, ..style::mean(style::PAPER) };
+    let behind = line([brake.left(), brake.right()], hidden);
+    let mut layers = vec![
+        line([(10.0, SHAFT_MM - 6.0), (10.0, SHAFT_MM + 6.0)], plate),
+        over("disc", (6.4, SHAFT_MM + 1.2)),
+        behind,
+    ];
+    layers.extend(brake.coloured(style::BRAKE).layers());
     layers
 }
 

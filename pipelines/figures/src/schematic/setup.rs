@@ -2,7 +2,9 @@
 
 use crate::words::{Words, plain};
 use serde::Serialize;
-use zwidth_study::{Control, Coordinate, Device, Environment, Masses, Mode, Resistances, Study};
+use zwidth_study::{
+    ActuatorKind, Control, Coordinate, Device, Environment, Masses, Mode, Resistances, Study,
+};
 use zwidth_tables::{number, with_unit};
 
 /// The device, its actuators and its control, as planned.
@@ -76,9 +78,14 @@ impl Setup {
         [Some("force sensor".to_owned()), rate].into_iter().flatten().collect()
     }
 
+    /// Whether a mode uses an actuator.
+    pub(crate) fn uses(&self, drive: ActuatorKind) -> bool {
+        self.modes.iter().any(|mode| mode.has(drive))
+    }
+
     /// The device's name, as text.
     pub(crate) fn name(&self) -> String {
-        plain(&self.device.name)
+        if self.device.name.is_empty() { "Device".to_owned() } else { plain(&self.device.name) }
     }
 }
 

@@ -210,6 +210,20 @@ fn what_the_study_does_not_know_has_no_number() {
 }
 
 #[test]
+fn an_actuator_that_no_mode_uses_is_on_no_drawing() {
+    let mut study = zwidth_testing::study();
+    study.modes.retain(|mode| mode.brake_max_v.is_none());
+    for (name, figure) in of_device(&study) {
+        let is_there = |what: &str| words(&figure).iter().any(|line| line.starts_with(what));
+        assert!(is_there("Tm") && !is_there("Tb") && !is_there("brake"), "{name}");
+    }
+    let mut study = zwidth_testing::study();
+    study.modes.retain(|mode| mode.motor_max_v.is_none());
+    let figures = of_device(&study);
+    assert!(figures.iter().all(|(_, f)| !words(f).iter().any(|l| l == "Tm" || l == "motor")));
+}
+
+#[test]
 fn a_slide_has_its_loop_in_millimetres_and_no_lever() {
     let mut study = zwidth_testing::study();
     study.coordinate = Coordinate::Linear { lever_m: 1.0 };

@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn a_way_goes_round_its_corners_and_straight_on_past_its_ends() {
         let way = Way::through([(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)]);
-        assert_eq!(way.length(), 7.0);
+        assert!((way.length() - 7.0).abs() < 1e-12);
         close(way.at(1.0, 0.0), (1.0, 0.0));
         close(way.at(5.0, 1.0), (2.0, 2.0));
         close(way.at(-1.0, 0.0), (-1.0, 0.0));
@@ -98,6 +98,7 @@ mod tests {
     #[test]
     fn a_way_of_one_point_stays_there() {
         let way = Way::through([(1.0, 2.0), (1.0, 2.0)]);
-        assert_eq!((way.length(), way.at(3.0, 4.0)), (0.0, (1.0, 2.0)));
+        assert!(way.length() < 1e-12);
+        close(way.at(3.0, 4.0), (1.0, 2.0));
     }
 }
