@@ -61,7 +61,7 @@ impl Boxes {
                 .then(|| Block::new((80.0, 25.0), (28.0, 12.0), of.motor()).coloured(style::MOTOR)),
             brake: of
                 .uses(ActuatorKind::Brake)
-                .then(|| Block::new((80.0, 9.0), (28.0, 12.0), of.brake()).coloured(style::BRAKE)),
+                .then(|| Block::new((80.0, 9.5), (28.0, 12.0), of.brake()).coloured(style::BRAKE)),
             velocity: Block::new((113.0, 53.5), (25.0, 13.0), velocity(of)),
             recorded: Block::new((113.0, 34.0), (25.0, 12.0), ["recorded:".to_owned(), recorded]),
             environment: Block::new((150.5, 53.5), (36.0, 17.0), environments(of)),

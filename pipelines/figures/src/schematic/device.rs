@@ -84,11 +84,9 @@ fn transmission() -> Vec<Layer> {
         let capstan = polar(shaft, CAPSTAN_MM, -side * lean);
         line([wheel, capstan], style::single(style::INK))
     });
-    let mut layers = vec![
-        ring((0.0, 0.0), WHEEL_MM, pen),
-        ring(shaft, CAPSTAN_MM, Stroke { width_pt: 1.4, ..pen }),
-        disc(shaft, 2.6, style::INK),
-    ];
+    let mut layers = ring((0.0, 0.0), WHEEL_MM, pen).to_vec();
+    layers.extend(ring(shaft, CAPSTAN_MM, Stroke { width_pt: 1.4, ..pen }));
+    layers.push(disc(shaft, 2.6, style::INK));
     layers.extend(cable);
     layers.push(right_of(vec!["wheel".to_owned()], (WHEEL_MM * 0.85, -6.5)));
     layers
@@ -199,7 +197,7 @@ fn wheel_and_lever(of: &Setup) -> Vec<Layer> {
     layers.push(right_of(vec!["lever".to_owned()], (X + 1.0, 16.0)));
     layers.push(left_of(vec!["wheel".to_owned()], (X - 2.5, 6.0)));
     // away from the reader
-    layers.push(ring((X - 8.0, LEVER_MM - 1.0), 1.7, style::mean(style::INK)));
+    layers.extend(ring((X - 8.0, LEVER_MM - 1.0), 1.7, style::mean(style::INK)));
     for side in [1.0, -1.0] {
         let (x, y, r) = (X - 8.0, LEVER_MM - 1.0, 1.2);
         layers

@@ -1,8 +1,7 @@
 //! Pieces along a way, words at their place, and the panel that holds them.
 
 use super::way::{Point, Way};
-use std::f64::consts::TAU;
-use zwidth_draw::style::{Colour, Stroke};
+use zwidth_draw::style::{self, Colour, Stroke};
 use zwidth_draw::{Axis, Band, Cell, Layer, Line, Panel, Points, Text, TextPlace};
 
 /// Length of an arrow's head, mm, and half its width as a share of that.
@@ -18,6 +17,8 @@ const STRAIGHT: f64 = 0.1;
 const DAMPER: [f64; 3] = [0.3, 0.7, 0.55];
 /// Half the width of a damper's cup and of its piston, mm.
 const CUP_MM: (f64, f64) = (2.2, 1.5);
+/// Points a millimetre.
+const PT_PER_MM: f64 = 72.0 / 25.4;
 /// Distance between two hatches of a ground, and how far each leans and reaches, mm.
 const HATCH_MM: (f64, f64) = (1.3, 1.3);
 
@@ -83,9 +84,12 @@ pub(crate) fn ground(way: &Way, stroke: Stroke) -> Vec<Layer> {
     layers
 }
 
-/// A circle.
-pub(crate) fn ring(centre: Point, radius: f64, stroke: Stroke) -> Layer {
-    line(Way::arc(centre, radius, 0.0, TAU).points().iter().copied(), stroke)
+/// A circle around paper, which hides what was drawn there before: two spots, because the points of
+/// a line are thinned where it stands upright.
+pub(crate) fn ring(centre: Point, radius: f64, stroke: Stroke) -> [Layer; 2] {
+    let diameter_pt = 2.0 * radius * PT_PER_MM;
+    [(stroke.width_pt, stroke.colour), (-stroke.width_pt, style::PAPER)]
+        .map(|(more_pt, colour)| disc(centre, diameter_pt + more_pt, colour))
 }
 
 /// A round spot; its size is in points.
@@ -137,7 +141,6 @@ pub(crate) fn panel(cell: Cell, low: Point, high: Point, layers: Vec<Layer>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_draw::style;
 
     fn points(layer: &Layer) -> Vec<Point> {
         match layer {
