@@ -2,8 +2,8 @@
 //! came to.
 //!
 //! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of
-//! [`findings`]. Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`] (2),
-//! [`model_table`] (3), [`components_table`] and [`device_table`] (4), [`weight_table`] (Appendix A), and its statements,
+//! [`findings`]. Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`],
+//! [`model_table`] (2, 3), [`components_table`] and [`device_table`] (4), [`weight_table`] (Appendix A), and its statements,
 //! [`thesis_table`]. [`page_html`] is the summary as a page with the trials in it. No files and no
 //! clock: data in, text and tables out.
 

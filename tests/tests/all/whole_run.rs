@@ -377,8 +377,9 @@ fn every_figure_of_simulated_data_says_so_on_its_face() {
     for svg in files(&reports, "svg") {
         // A drawing of the plan holds no data, and a model run says that it is one.
         let name = svg.file_name().unwrap().to_str().unwrap();
-        let holds_none =
-            ["environment.", "schematic.", "scenes.", "trade."].iter().any(|begin| name.starts_with(begin));
+        let holds_none = ["environment.", "schematic.", "scenes.", "trade."]
+            .iter()
+            .any(|begin| name.starts_with(begin));
         assert_eq!(is_marked(&svg), !holds_none, "{}", svg.display());
     }
     let summary = fs::read_to_string(reports.join("summary.md")).unwrap();
