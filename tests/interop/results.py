@@ -52,8 +52,8 @@ def figures(label, folder, synthetic):
     for file in files:
         text = " ".join(" ".join(page.extract_text() for page in PdfReader(file).pages).split())
         check(f"{label}: {file.name} has text", len(text) > 100, text)
-        # The environments are drawn from the plan, not from data; trades of solvers and scenes are model runs, and say so.
-        of_data = not file.name.startswith(("environment.", "scenes.", "trade."))
+        # Environments and schematics are drawn from the plan, not from data; trades of solvers and scenes are model runs, and say so.
+        of_data = not file.name.startswith(("environment.", "schematic.", "scenes.", "trade."))
         marked = synthetic and of_data
         what = "bears the mark of simulated data" if marked else "bears no mark of simulated data"
         equal(f"{label}: {file.name} {what}", MARK in text, marked)

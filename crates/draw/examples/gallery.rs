@@ -36,6 +36,7 @@ pub fn figures() -> Vec<(&'static str, Figure)> {
         ("intervals", intervals()),
         ("note", note()),
         ("powers", powers()),
+        ("places", places()),
     ]
 }
 
@@ -351,6 +352,50 @@ fn powers() -> Figure {
     let axis = |label: &str, unit: &str| Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) };
     let panel =
         Panel::new(Cell::at(0, 0), axis("step *h*", "s"), axis("largest error", "rad"), layers);
+    Figure { width_mm: ONE_COLUMN_MM, panels: vec![panel], ..Figure::default() }
+}
+
+/// Words at every kind of place, in a drawing of things.
+fn places() -> Figure {
+    let text = |lines: &[&str], place| {
+        let lines = lines.iter().map(|line| (*line).to_owned()).collect();
+        Layer::Text(Text { lines, place })
+    };
+    let line = |points: [(f64, f64); 2]| {
+        let (x, y) = points.into_iter().unzip();
+        Layer::Line(Line { x, y, ..Line::default() })
+    };
+    let frame = |(left, low): (f64, f64), (right, high): (f64, f64)| {
+        let corners = [(left, low), (right, low), (right, high), (left, high), (left, low)];
+        let edge = |i: usize| line([corners[i], corners[i + 1]]);
+        (0..4).map(edge).collect::<Vec<Layer>>()
+    };
+    let mut layers = vec![
+        line([(30.0, 10.0), (50.0, 10.0)]),
+        text(&["over *x*"], TextPlace::Over(40.0, 10.0)),
+        text(&["left of", "*x*_{1}"], TextPlace::LeftOf(30.0, 10.0)),
+        text(&["right of", "*x*_{2}"], TextPlace::RightOf(50.0, 10.0)),
+        text(&["amid"], TextPlace::Amid(40.0, 5.0)),
+    ];
+    let boxes = [
+        (2.0, &["wide enough"][..]),
+        (29.0, &["words that wrap in the box that they stand in"]),
+        (
+            56.0,
+            &[
+                "cut",
+                "words of which there are more than any box of this size has room for, so \
+                          that their end is not to be seen, and no letter of theirs stands outside",
+            ],
+        ),
+    ];
+    for (left, lines) in boxes {
+        let (low, high) = ((left, 20.0), (left + 24.0, 32.0));
+        layers.extend(frame(low, high));
+        layers.push(text(lines, TextPlace::Within(low, high)));
+    }
+    let panel = Panel::new(Cell::at(0, 0), Axis::bare(0.0, 82.0), Axis::bare(0.0, 34.0), layers);
+    let panel = Panel { height_mm: Some(34.0), ..panel };
     Figure { width_mm: ONE_COLUMN_MM, panels: vec![panel], ..Figure::default() }
 }
 

@@ -340,6 +340,15 @@ pub enum TextPlace {
     EmptiestCorner,
     /// Centred over this point of the data's coordinates.
     Over(f64, f64),
+    /// Centred on this point.
+    Amid(f64, f64),
+    /// Beginning to the right of this point, at its height.
+    RightOf(f64, f64),
+    /// Ending to the left of this point, at its height.
+    LeftOf(f64, f64),
+    /// Centred in the box between these corners, the lower left and the upper right one: wrapped, set
+    /// smaller where they must be, and cut off at `…` where that is not enough.
+    Within((f64, f64), (f64, f64)),
 }
 
 /// Estimates with whiskers from `low` to `high`.

@@ -85,7 +85,7 @@ pub(crate) struct Label {
 impl Label {
     /// Height of a line of this size, without room between lines.
     pub(crate) fn height_pt(&self) -> f64 {
-        (ASCENT_EM + DESCENT_EM) * self.size_pt
+        line_height_pt(self.size_pt)
     }
 
     /// The letters, without markup.
@@ -294,6 +294,11 @@ impl Fonts {
         }
         Err(Error::TextTooLong { text: markup.to_owned(), need_pt: widest, have_pt: width_pt })
     }
+}
+
+/// Height of a line of letters of this size, without room between lines.
+pub(crate) fn line_height_pt(size_pt: f64) -> f64 {
+    (ASCENT_EM + DESCENT_EM) * size_pt
 }
 
 /// Width of the widest line.

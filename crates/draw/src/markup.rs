@@ -43,6 +43,23 @@ pub fn plain(markup: &str) -> String {
     parse(markup).into_iter().map(|run| run.text).collect()
 }
 
+/// The letters as plain text is typed: `F_ex` for what stands below the line, `10⁻³` for raised
+/// figures, `x^k` for other raised letters.
+pub fn typed(markup: &str) -> String {
+    let typed = |run: Run| match run.script {
+        Script::Base => run.text,
+        Script::Sub => format!("_{}", run.text),
+        Script::Super => raised_letters(&run.text).unwrap_or_else(|| format!("^{}", run.text)),
+    };
+    parse(markup).into_iter().map(typed).collect()
+}
+
+/// Letters that have raised ones of their own, as these; none where one has not.
+fn raised_letters(text: &str) -> Option<String> {
+    let raise = |letter: char| RAISED.iter().find(|(_, plain)| *plain == letter).map(|(r, _)| *r);
+    text.chars().map(raise).collect()
+}
+
 /// Splits markup into runs. Total: every text has a reading.
 pub(crate) fn parse(markup: &str) -> Vec<Run> {
     let mut runs = Vec::new();
@@ -140,23 +157,25 @@ fn script_start(rest: &str) -> Option<(Script, &str)> {
         .filter(|(_, tail)| tail.contains('}'))
 }
 
-/// The plain sign behind a raised one; the font has only some of the raised ones.
+/// Raised signs and the plain ones behind them; the font has only some of the raised ones.
+const RAISED: [(char, char); 12] = [
+    ('⁰', '0'),
+    ('¹', '1'),
+    ('²', '2'),
+    ('³', '3'),
+    ('⁴', '4'),
+    ('⁵', '5'),
+    ('⁶', '6'),
+    ('⁷', '7'),
+    ('⁸', '8'),
+    ('⁹', '9'),
+    ('⁻', '−'),
+    ('⁺', '+'),
+];
+
+/// The plain sign behind a raised one.
 fn raised(letter: char) -> Option<char> {
-    Some(match letter {
-        '⁰' => '0',
-        '¹' => '1',
-        '²' => '2',
-        '³' => '3',
-        '⁴' => '4',
-        '⁵' => '5',
-        '⁶' => '6',
-        '⁷' => '7',
-        '⁸' => '8',
-        '⁹' => '9',
-        '⁻' => '−',
-        '⁺' => '+',
-        _ => return None,
-    })
+    RAISED.iter().find(|(raised, _)| *raised == letter).map(|(_, plain)| *plain)
 }
 
 #[cfg(test)]
@@ -192,6 +211,18 @@ mod tests {
     fn raised_digits_are_raised_however_they_are_typed() {
         check("10^{−3} kg", &[":10", "^:−3", ": kg"]);
         check("s⁻²", &[":s", "^:−2"]);
+    }
+
+    #[test]
+    fn markup_is_typed_as_people_type_it() {
+        for (markup, expect) in [
+            ("*F*_{ex} of **a**\\*b", "F_ex of a*b"),
+            ("10^{−3} s⁻²", "10⁻³ s⁻²"),
+            ("x^{k}", "x^k"),
+            ("spring_wall", "spring_wall"),
+        ] {
+            assert_eq!(typed(markup), expect);
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::figure::{Axis, Direction, Figure, Layer, Likert, Panel, Range, Text, TextPlace, Ticks};
+use crate::figure::{Axis, Direction, Figure, Layer, Likert, Panel, Range, TextPlace, Ticks};
 use crate::likert;
 
 /// Ends of an axis: low, high.
@@ -73,9 +73,21 @@ fn check_layer(panel: &Panel, layer: &Layer) -> Result<(), Error> {
             same_length(panel, ("x", line.x.len()), ("dotted", line.dotted.len()))
         }
         Layer::Reference(reference) => place(panel, "a reference line", &[reference.at]),
-        Layer::Text(Text { place: TextPlace::Over(x, y), .. }) => place(panel, "a text", &[*x, *y]),
+        Layer::Text(text) => place(panel, "a text", &coordinates(text.place)),
         Layer::Likert(likert) => check_likert(likert, panel),
         _ => Ok(()),
+    }
+}
+
+/// The numbers that say where words stand.
+fn coordinates(place: TextPlace) -> Vec<f64> {
+    match place {
+        TextPlace::EmptiestCorner => Vec::new(),
+        TextPlace::Over(x, y)
+        | TextPlace::Amid(x, y)
+        | TextPlace::RightOf(x, y)
+        | TextPlace::LeftOf(x, y) => vec![x, y],
+        TextPlace::Within(low, high) => vec![low.0, low.1, high.0, high.1],
     }
 }
 

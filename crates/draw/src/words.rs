@@ -3,38 +3,112 @@
 use crate::curve::{self, Point, Window};
 use crate::error::Error;
 use crate::figure::{Layer, Text, TextPlace};
-use crate::font::{self, Label};
+use crate::font::{self, Fonts, Label};
 use crate::panel::PanelPlan;
 use crate::sheet::{Rect, Sheet, centred, lines};
-use crate::style::{INK, SMALL_PT};
+use crate::style::{INK, LEAST_PT, SMALL_PT};
 
 /// Distance of words from the plot's edges and from the point they name, in pt.
 const OFF_PT: f64 = 3.0;
+/// Room between words and the box that they stand in, in pt.
+const INSIDE_PT: f64 = 1.5;
 
 /// Draws the words of a text layer over everything else in their panel.
 pub(crate) fn draw(sheet: &mut Sheet, text: &Text, plan: &PanelPlan<'_>) -> Result<(), Error> {
     let plot = plan.plot.grown(-OFF_PT);
-    let mut block: Vec<Label> = Vec::new();
-    for line in &text.lines {
-        block.extend(sheet.fonts.block(line, SMALL_PT, plot.width())?);
+    let (x, y) = (plan.x_scale(), plan.y_scale());
+    let page = |(at_x, at_y): Point| Some((x?.pt(at_x), y?.pt(at_y)));
+    if let TextPlace::Within(low, high) = text.place
+        && let (Some((left, bottom)), Some((right, top))) = (page(low), page(high))
+    {
+        let room = Rect { left, top, right, bottom }.grown(-INSIDE_PT);
+        let block = fitted(sheet.fonts, &text.lines, &room)?;
+        let top = (room.top + room.bottom - font::height_pt(&block)) / 2.0;
+        centred(sheet, &block, ((left + right) / 2.0, top), INK);
+        return Ok(());
     }
+    let block = wrapped(sheet.fonts, &text.lines, SMALL_PT, plot.width())?;
     let (width, height) = (font::widest_pt(&block), font::height_pt(&block));
     if height > plot.height() {
         let text = text.lines.join(" / ");
         return Err(Error::TextTooLong { text, need_pt: height, have_pt: plot.height() });
     }
-    match (text.place, plan.x_scale(), plan.y_scale()) {
-        (TextPlace::Over(x, y), Some(x_scale), Some(y_scale)) => {
-            let middle = x_scale.pt(x).min(plot.right - width / 2.0).max(plot.left + width / 2.0);
-            let top = (y_scale.pt(y) - OFF_PT - height).min(plot.bottom - height).max(plot.top);
-            centred(sheet, &block, (middle, top), INK);
+    // how far the upper left corner lies from the point
+    let (at, (dx, dy)) = match text.place {
+        TextPlace::Over(x, y) => ((x, y), (-width / 2.0, -OFF_PT - height)),
+        TextPlace::Amid(x, y) => ((x, y), (-width / 2.0, -height / 2.0)),
+        TextPlace::RightOf(x, y) => ((x, y), (OFF_PT, -height / 2.0)),
+        TextPlace::LeftOf(x, y) => ((x, y), (-OFF_PT - width, -height / 2.0)),
+        TextPlace::EmptiestCorner | TextPlace::Within(..) => ((f64::NAN, f64::NAN), (0.0, 0.0)),
+    };
+    match page(at).filter(|(x, y)| x.is_finite() && y.is_finite()) {
+        Some((x, y)) => {
+            let left = (x + dx).min(plot.right - width).max(plot.left);
+            let top = (y + dy).min(plot.bottom - height).max(plot.top);
+            match text.place {
+                TextPlace::RightOf(..) => lines(sheet, &block, (left, top), INK),
+                _ => centred(sheet, &block, (left + width / 2.0, top), INK),
+            }
         }
-        _ => {
+        None => {
             let corner = emptiest(corners(&plot, width, height), plan);
             lines(sheet, &block, (corner.left, corner.top), INK);
         }
     }
     Ok(())
+}
+
+/// Lines wrapped to a width; a word may be wider, where smaller letters do not help.
+fn wrapped(
+    fonts: &Fonts,
+    lines: &[String],
+    size_pt: f64,
+    width_pt: f64,
+) -> Result<Vec<Label>, Error> {
+    let mut block = Vec::new();
+    for line in lines {
+        block.extend(fonts.block(line, size_pt, width_pt)?);
+    }
+    Ok(block)
+}
+
+/// Lines in a box: wrapped, set smaller where they must be, and cut off where that is not enough.
+fn fitted(fonts: &Fonts, lines: &[String], room: &Rect) -> Result<Vec<Label>, Error> {
+    let in_box = |lines: &[String], size_pt| {
+        let block = wrapped(fonts, lines, size_pt, room.width());
+        match block {
+            Err(Error::TextTooLong { .. }) => Ok(None),
+            Err(error) => Err(error),
+            Ok(block) => Ok(Some(block).filter(|b| font::height_pt(b) <= room.height())),
+        }
+    };
+    for size_pt in [SMALL_PT, (SMALL_PT + LEAST_PT) / 2.0, LEAST_PT] {
+        if let Some(block) = in_box(lines, size_pt)? {
+            return Ok(block);
+        }
+    }
+    let cut = |most: usize| lines.iter().map(|l| shortened(l, most)).collect::<Vec<String>>();
+    let longest = lines.iter().map(|l| l.chars().count()).max().unwrap_or(0);
+    let (mut fits, mut too_long) = (0, longest);
+    while too_long - fits > 1 {
+        let most = usize::midpoint(fits, too_long);
+        match in_box(&cut(most), LEAST_PT)? {
+            Some(_) => fits = most,
+            None => too_long = most,
+        }
+    }
+    in_box(&cut(fits), LEAST_PT)?.ok_or_else(|| {
+        let need_pt = lines.len() as f64 * font::line_height_pt(LEAST_PT);
+        Error::TextTooLong { text: lines.join(" / "), need_pt, have_pt: room.height() }
+    })
+}
+
+/// The first so many signs of a line, and that it goes on.
+fn shortened(line: &str, most: usize) -> String {
+    match line.char_indices().nth(most) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line.to_owned(),
+    }
 }
 
 /// Boxes of the given size in the corners: upper left, upper right, lower right, lower left.
@@ -93,7 +167,6 @@ fn length(points: &[Point], window: &Window) -> f64 {
 mod tests {
     use super::*;
     use crate::figure::{Axis, Cell, Figure, Line, Panel, Range};
-    use crate::font::Fonts;
 
     /// Index of the corner that a diagonal through the panel leaves to the words.
     fn check(y: [f64; 2], expect: usize) {
@@ -104,6 +177,26 @@ mod tests {
         let page = crate::layout::plan(&figure, Fonts::bundled().unwrap()).unwrap();
         let boxes = corners(&page.panels[0].plot, 60.0, 20.0);
         assert_eq!(emptiest(boxes, &page.panels[0]), boxes[expect]);
+    }
+
+    /// Lines set in a box of that size, in pt.
+    fn in_box(lines: &[&str], (width, height): (f64, f64)) -> Vec<Label> {
+        let room = Rect { left: 0.0, top: 0.0, right: width, bottom: height };
+        let lines: Vec<String> = lines.iter().map(|l| (*l).to_owned()).collect();
+        let block = fitted(Fonts::bundled().unwrap(), &lines, &room).unwrap();
+        assert!(font::widest_pt(&block) <= width && font::height_pt(&block) <= height);
+        block
+    }
+
+    #[test]
+    fn words_in_a_box_wrap_then_shrink_then_are_cut_off() {
+        let text = |block: &[Label]| block.iter().map(Label::text).collect::<Vec<_>>();
+        let wide = in_box(&["equations of motion"], (60.0, 30.0));
+        assert_eq!((text(&wide).len(), wide[0].size_pt), (2, SMALL_PT));
+        assert!(in_box(&["equations of motion"], (60.0, 16.0))[0].size_pt < SMALL_PT);
+        let cut = text(&in_box(&["one", &"W".repeat(1000)], (60.0, 30.0)));
+        assert_eq!(cut[0], "one");
+        assert!(cut[1].starts_with("WWW") && cut[1].ends_with('…'), "{cut:?}");
     }
 
     #[test]

@@ -80,6 +80,11 @@ impl Drawing {
         self
     }
 
+    /// Its caption's file.
+    pub(crate) fn words(&self) -> PathBuf {
+        self.job.outputs[4].clone()
+    }
+
     /// Its PNG.
     pub(crate) fn picture(&self) -> PathBuf {
         self.job.outputs[2].clone()

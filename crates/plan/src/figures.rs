@@ -5,7 +5,7 @@ use crate::drawing::{Drawing, Figured, STAGE};
 use crate::trials::{Known, describe_trials, files, read_all};
 use crate::{
     average, characterise, compare, design, freemotion, ladder, likert_figures, metrics,
-    replay_figures, scenes, trade,
+    replay_figures, scenes, schematics, trade,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -53,6 +53,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     drawings.extend(trade::figures(data));
     drawings.extend(scenes::figures(data));
     drawings.extend(design::all(data));
+    drawings.extend(schematics::all(data));
     drawings
 }
 

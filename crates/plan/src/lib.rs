@@ -8,6 +8,7 @@
 #![allow(clippy::ptr_arg)] // a job's function takes what the job holds, not a view of it
 
 mod average;
+mod captions;
 mod characterise;
 mod compare;
 mod conditions;
@@ -32,6 +33,7 @@ mod replayable;
 mod report;
 mod runs;
 mod scenes;
+mod schematics;
 mod summary;
 mod tables;
 mod trade;
@@ -71,7 +73,9 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     jobs.extend(tables::jobs(data));
     let summary = summary::job(data, found, &figures);
     let page = page::jobs(data, found, &figures);
+    let captions = (!figures.is_empty()).then(|| captions::job(data, &figures));
     jobs.extend(figures.into_iter().map(|figure| figure.job));
+    jobs.extend(captions);
     jobs.push(summary);
     jobs.extend(page);
     jobs

@@ -8,8 +8,8 @@ use crate::{likert, metrics, replay};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_report::{
-    Derived, Gallery, Known, Planned, device_table, model_table, modes_table, pros_cons_table,
-    thesis_table, weight_table,
+    Derived, Gallery, Known, Planned, components_table, device_table, model_table, modes_table,
+    pros_cons_table, thesis_table, weight_table,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_simulate::ModelScene;
@@ -43,8 +43,8 @@ pub(crate) fn of_data(data: &StudyData) -> Vec<PathBuf> {
 /// The tables that say what the study is made of.
 pub(crate) fn of_design(data: &StudyData) -> Vec<PathBuf> {
     let names: &[&str] = match is_weighed(data) {
-        true => &["modes", "model", "device", "weight"],
-        false => &["modes", "model", "device"],
+        true => &["modes", "model", "device", "components", "weight"],
+        false => &["modes", "model", "device", "components"],
     };
     of_actuators(data, names)
 }
@@ -177,7 +177,7 @@ fn jobs_of_actuators(data: &StudyData) -> Vec<Job> {
             MODEL_JOB,
             (planned(), MODEL),
             (),
-            outputs(&["model", "device"]),
+            outputs(&["model", "device", "components"]),
             make_planned,
         ),
     ]
@@ -207,12 +207,13 @@ fn make_forces(
     write_tables(&[modes].into_iter().chain(weight).collect::<Vec<_>>(), making, Vec::new())
 }
 
-/// What stands before anything is recorded: the model's parameters and the device.
+/// What stands before anything is recorded: the model's parameters, the device and its components.
 fn make_planned(
     (planned, model): &(Planned, &str),
     (): &(),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let tables = [model_table(&ModelScene::from_toml(model)?)?, device_table(planned)?];
+    let model = model_table(&ModelScene::from_toml(model)?)?;
+    let tables = [model, device_table(planned)?, components_table(planned)?];
     write_tables(&tables, making, Vec::new())
 }

@@ -3,7 +3,8 @@
 
 use crate::drawing::{Drawing, Figured};
 use crate::making::{derived, read_tables, write_tables};
-use std::path::PathBuf;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 use zwidth_figures::{SCENE_BOW_TIE, SCENE_INPUTS, SCENE_RUNS};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_simulate::{
@@ -41,15 +42,22 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 fn make(figure: &SceneFigure, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
     let mut tables = Vec::new();
     for (path, file) in files.iter().zip(&figure.files) {
-        let bytes = read_regular(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
-        tables.push(run(figure, &bytes).map_err(|error| format!("{file}: {error}"))?);
+        let scene = read_scene(path, file)?;
+        tables.push(run(figure, scene).map_err(|error| format!("{file}: {error}"))?);
     }
     write_tables(&tables, making, Vec::new())
 }
 
+/// The scene of a file, which study.toml calls `file`.
+pub(crate) fn read_scene(path: &Path, file: &str) -> Result<ModelScene, JobError> {
+    let bytes = read_regular(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
+    let of_file = |error: &dyn Display| JobError::from(format!("{file}: {error}"));
+    let text = std::str::from_utf8(&bytes).map_err(|error| of_file(&error))?;
+    ModelScene::from_toml(text).map_err(|error| of_file(&error))
+}
+
 /// A scene's run as a table.
-fn run(figure: &SceneFigure, scene: &[u8]) -> Result<Table, JobError> {
-    let mut scene = ModelScene::from_toml(std::str::from_utf8(scene)?)?;
+fn run(figure: &SceneFigure, mut scene: ModelScene) -> Result<Table, JobError> {
     scene.step_s = figure.step_s.unwrap_or(scene.step_s);
     if figure.draw == SceneDrawing::BowTie {
         return Ok(bow_tie_table(&scene)?);

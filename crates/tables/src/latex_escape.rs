@@ -100,7 +100,7 @@ const LEVEL: &str = "0123456789-+";
 /// `[U+4E2D]`.
 ///
 /// What a symbol has below the line (`M_O`) is set there.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let line = one_line(text);
     let set = pieces(&line).into_iter().map(|piece| match piece {
         Piece::Plain(text) => plain(text),

@@ -182,7 +182,7 @@ fn align(placed: &Placed) -> &'static str {
 }
 
 /// `text` as an expression: strings; what stands below a symbol is set there.
-fn expression(text: &str) -> String {
+pub fn expression(text: &str) -> String {
     let mut parts = Vec::new();
     for piece in pieces(&one_line(text)) {
         parts.push(match piece {

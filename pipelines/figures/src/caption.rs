@@ -2,12 +2,12 @@
 
 use zwidth_draw::{Figure, markup};
 
-/// What the figure shows, in plain text: title, what it shows, the notes that stand under it, and
+/// What the figure shows, in plain text (`F_ex` for what stands below the line): title, what it shows, the notes that stand under it, and
 /// the mark of simulated data; a paragraph each. A figure drawn bare leaves title and notes to it.
 pub fn caption_text(figure: &Figure) -> String {
-    let title = figure.title.as_deref().map(markup::plain);
-    let notes = figure.footnotes.iter().map(|note| markup::plain(note));
-    let mark = figure.mark.as_deref().map(markup::plain);
+    let title = figure.title.as_deref().map(markup::typed);
+    let notes = figure.footnotes.iter().map(|note| markup::typed(note));
+    let mark = figure.mark.as_deref().map(markup::typed);
     let parts = title.into_iter().chain([figure.description.clone()]).chain(notes).chain(mark);
     parts
         .map(|part| sentence(&part))
@@ -42,7 +42,7 @@ mod tests {
         };
         assert_eq!(
             caption_text(&figure),
-            "Fex of a*b.\n\nOne force.\n\nDotted: at the wall or past it.\n\n\
+            "F_ex of a*b.\n\nOne force.\n\nDotted: at the wall or past it.\n\n\
              SYNTHETIC: simulated, not measured.\n"
         );
     }

@@ -2,13 +2,11 @@
 //! spring, wall.
 
 use crate::FigureKind;
+use crate::sketch::{Lever, UPRIGHT_MM, ground, over, panel, spring};
 use crate::words::{Words, plain};
 use serde::Serialize;
-use std::f64::consts::TAU;
-use zwidth_draw::style::{self, Dash, Stroke};
-use zwidth_draw::{
-    Axis, Cell, Figure, Layer, LegendPlace, Line, ONE_COLUMN_MM, Panel, Points, Text, TextPlace,
-};
+use zwidth_draw::style::{self, Stroke};
+use zwidth_draw::{Cell, Figure, Layer, LegendPlace, ONE_COLUMN_MM};
 use zwidth_study::{Coordinate, Environment, Spring, Study};
 
 /// The figure [`environment`].
@@ -18,16 +16,9 @@ pub const ENVIRONMENT: FigureKind = FigureKind {
     drawn_from: "trial",
 };
 
-/// Height of the drawing, mm.
-const PANEL_MM: f64 = 50.0;
-/// What the drawing covers, in lengths of the lever: to either side of the axis, below it and above
-/// it.
-const REACH: (f64, f64, f64) = (1.35, -0.3, 1.36);
+/// Corners of the drawing, mm.
+const CORNERS: [(f64, f64); 2] = [(-41.7, -9.0), (41.7, 41.0)];
 // Distances from the axis, in lengths of the lever.
-/// The arc of the work space: just beyond the lever's tip.
-const ARC: f64 = 1.12;
-/// The numbers at the arc.
-const NUMBERS: f64 = 1.2;
 /// The spring.
 const SPRING: f64 = 0.68;
 /// The arrow of θ.
@@ -37,22 +28,7 @@ const TORQUE: f64 = 0.22;
 /// Both ends of what the spring stands against.
 const STOP: (f64, f64) = (0.56, 0.8);
 /// Both ends of the wall: the lever's tip runs into it, the spring does not.
-const WALL: (f64, f64) = (0.8, ARC);
-/// Coils of the spring.
-const COILS: usize = 9;
-/// How far a coil stands out to either side.
-const COIL: f64 = 0.07;
-/// Hatches of a wall.
-const HATCHES: usize = 7;
-/// Length of a hatch.
-const HATCH: f64 = 0.09;
-/// The lever is drawn at this share of its work space: the spring is seen at length, and a wall
-/// ahead.
-const LEVER_AT: f64 = 0.33;
-/// Pieces of an arc over a whole turn.
-const PIECES: f64 = 360.0;
-
-type Point = (f64, f64);
+const WALL: (f64, f64) = (0.8, 1.12);
 
 /// An environment, and the device that renders it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -94,17 +70,11 @@ pub fn environment(placement: &Placement) -> Option<Figure> {
     let spring = environment.scene.spring().filter(|_| *coordinate == Coordinate::Rotational)?;
     let wall = environment.scene.wall_rad();
     let words = Words::new(*coordinate);
-    let lever = low + LEVER_AT * (high - low);
-    let mut layers = work_space(words, low, high);
-    layers.extend(rendered_spring(spring, lever, high));
-    layers.extend(wall.iter().flat_map(|at| rendered_wall(words, *at)));
-    layers.extend(device(lever));
-    let panel = Panel::new(
-        Cell::at(0, 0),
-        Axis::bare(-REACH.0, REACH.0),
-        Axis::bare(REACH.1, REACH.2),
-        layers,
-    );
+    let lever = Lever::between(UPRIGHT_MM, low, high);
+    let mut layers = lever.work_space(words, low, high);
+    layers.extend(rendered_spring(&lever, spring, high));
+    layers.extend(wall.iter().flat_map(|at| rendered_wall(&lever, words, *at)));
+    layers.extend(device(&lever));
     Some(Figure {
         title: Some(plain(&environment.label)),
         description: format!(
@@ -113,7 +83,7 @@ pub fn environment(placement: &Placement) -> Option<Figure> {
             if wall.is_some() { " and the virtual wall" } else { "" }
         ),
         width_mm: ONE_COLUMN_MM,
-        panels: vec![Panel { height_mm: Some(PANEL_MM), ..panel }],
+        panels: vec![panel(Cell::at(0, 0), CORNERS[0], CORNERS[1], layers)],
         legend: LegendPlace::Hidden,
         footnotes: footnotes(placement.lever_m, words, spring, wall, high),
         ..Figure::default()
@@ -157,125 +127,35 @@ fn signed(words: Words, theta_rad: f64) -> String {
     words.place(theta_rad).replace('-', "−")
 }
 
-/// The point at `distance` from the axis and `theta` from upright.
-fn at(distance: f64, theta: f64) -> Point {
-    (distance * libm::sin(theta), distance * libm::cos(theta))
-}
-
-fn line(points: impl IntoIterator<Item = Point>, stroke: Stroke) -> Layer {
-    let (x, y) = points.into_iter().unzip();
-    Layer::Line(Line { x, y, stroke, ..Line::default() })
-}
-
-fn text(words: impl Into<String>, (x, y): Point) -> Layer {
-    Layer::Text(Text { lines: vec![words.into()], place: TextPlace::Over(x, y) })
-}
-
-/// A number centred on its place outside of the arc.
-fn number_at(words: String, theta: f64) -> Layer {
-    /// A line of text stands over its place; this far below, its middle lies there.
-    const HALF_LINE: f64 = 0.06;
-    let (x, y) = at(NUMBERS, theta);
-    text(words, (x, y - HALF_LINE))
-}
-
-fn arc(distance: f64, from: f64, to: f64) -> impl Iterator<Item = Point> {
-    let pieces = ((to - from).abs() / TAU * PIECES).ceil().max(1.0) as usize;
-    (0..=pieces).map(move |i| at(distance, from + (to - from) * i as f64 / pieces as f64))
-}
-
-/// An arc that ends in an arrow's head.
-fn arrow(distance: f64, from: f64, to: f64, stroke: Stroke) -> [Layer; 2] {
-    /// Length of the head and half its width.
-    const HEAD: (f64, f64) = (0.085, 0.035);
-    let back = to - (to - from).signum() * HEAD.0 / distance;
-    let head = [at(distance - HEAD.1, back), at(distance, to), at(distance + HEAD.1, back)];
-    [line(arc(distance, from, to), stroke), line(head, stroke)]
-}
-
-/// The arc between the stops, with numbers at its ends and upright.
-fn work_space(words: Words, low: f64, high: f64) -> Vec<Layer> {
-    let thin = style::single(style::GREY);
-    let mut layers = vec![line(arc(ARC, low, high), thin)];
-    let upright = (low < 0.0 && high > 0.0).then_some(0.0);
-    for theta in [low, high].into_iter().chain(upright) {
-        layers.push(line([at(ARC - 0.03, theta), at(ARC + 0.03, theta)], thin));
-        layers.push(number_at(signed(words, theta), theta));
-    }
-    layers.extend(upright.map(|theta| line([at(0.0, theta), at(ARC, theta)], style::reference())));
-    layers
-}
-
-/// A line from the axis outwards with hatches behind it.
-fn ground(theta: f64, (from, to): (f64, f64), stroke: Stroke) -> Vec<Layer> {
-    let fine = Stroke { width_pt: 0.6, ..stroke };
-    let hatch = |i: usize| {
-        let distance = from + (to - from) * (i as f64 + 0.5) / HATCHES as f64;
-        line([at(distance, theta), at(distance + HATCH / 2.0, theta + HATCH / distance)], fine)
-    };
-    let mut layers: Vec<Layer> = (0..HATCHES).map(hatch).collect();
-    layers.push(line([at(from, theta), at(to, theta)], stroke));
-    layers
-}
-
 /// The spring between the lever and the end of the work space, and where the lever stands when it
 /// rests.
-fn rendered_spring(spring: Spring, lever: f64, high: f64) -> Vec<Layer> {
-    let pen = style::mean(style::TISSUE);
-    let span = high - lever;
-    let turn = |i: usize| {
-        let side = match i {
-            0 => 0.0,
-            i if i == 2 * COILS => 0.0, // it begins and ends on its own line
-            i if i % 2 == 0 => -COIL,
-            _ => COIL,
-        };
-        // The first and the last tenth are straight.
-        at(SPRING + side, lever + span * (0.1 + 0.8 * i as f64 / (2 * COILS) as f64))
-    };
-    let zigzag = (0..=2 * COILS).map(turn);
-    let ends = [at(SPRING, lever), at(SPRING, high)];
-    let mut layers = vec![
-        line([ends[0]].into_iter().chain(zigzag).chain([ends[1]]), pen),
-        text(format!("*K* = {} N/rad", number(spring.stiffness_n_per_rad)), at(0.7, high + 0.48)),
-        line([(0.0, 0.0), at(1.0, spring.rest_rad)], style::reference().dashed(Dash::Dotted)),
-        text("rest", at(0.66, spring.rest_rad - 0.26)),
-    ];
-    layers.extend(ground(high, STOP, style::mean(style::INK)));
+fn rendered_spring(lever: &Lever, of: Spring, high: f64) -> Vec<Layer> {
+    let coils = lever.arc(SPRING, lever.theta_rad, high);
+    let mut layers = vec![spring(&coils, style::mean(style::TISSUE)), stiffness(lever, of, high)];
+    layers.extend(lever.rest(of.rest_rad));
+    layers.extend(ground(&lever.ray(STOP, high), style::mean(style::INK)));
     layers
 }
 
-fn rendered_wall(words: Words, theta: f64) -> Vec<Layer> {
+fn stiffness(lever: &Lever, of: Spring, high: f64) -> Layer {
+    let words = format!("*K* = {} N/rad", number(of.stiffness_n_per_rad));
+    over(words, lever.at(0.7, high + 0.48))
+}
+
+fn rendered_wall(lever: &Lever, words: Words, theta: f64) -> Vec<Layer> {
     let pen = Stroke { width_pt: 1.8, ..style::mean(style::MARK) };
-    let mut layers = ground(theta, WALL, pen);
-    layers.push(text(format!("wall {}", signed(words, theta)), at(NUMBERS + 0.04, theta)));
+    let mut layers = ground(&lever.ray(WALL, theta), pen);
+    layers.push(over(format!("wall {}", signed(words, theta)), lever.at(WALL.1 + 0.12, theta)));
     layers
 }
 
 /// The lever on its axis, the user's push, the device's torque, and the angle.
-fn device(lever: f64) -> Vec<Layer> {
-    let bar = Stroke { width_pt: 3.2, ..style::mean(style::INK) };
-    let force = style::mean(style::INK);
-    let disc = |colour, diameter_pt| {
-        Layer::Points(Points {
-            x: vec![0.0],
-            y: vec![0.0],
-            colour,
-            diameter_pt,
-            ..Points::default()
-        })
-    };
-    let mut layers = vec![line([(0.0, 0.0), at(1.0, lever)], bar)];
-    layers.extend(arrow(0.93, lever - 0.42, lever - 0.04, force));
-    layers.push(text("*F*_{ex}", at(0.97, lever - 0.4)));
-    layers.extend(arrow(TORQUE, lever + 1.1, lever - 1.1, style::mean(style::MOTOR)));
-    layers.push(text("*T*_{O}", at(TORQUE + 0.1, lever + 1.55)));
-    if lever.abs() > 0.05 {
-        layers.extend(arrow(THETA, 0.0, lever - 0.05 * lever.signum(), style::single(style::GREY)));
-        layers.push(text("*θ*", at(THETA + 0.02, lever / 2.0)));
-    }
-    layers.extend([disc(style::INK, 9.0), disc(style::PAPER, 4.0)]);
-    layers.push(text("motor and brake", (0.0, -0.27)));
+fn device(lever: &Lever) -> Vec<Layer> {
+    let mut layers = lever.push();
+    layers.extend(lever.torque(TORQUE));
+    layers.extend(lever.angle(THETA));
+    layers.extend(lever.bar());
+    layers.push(over("motor and brake", (0.0, -8.1)));
     layers
 }
 

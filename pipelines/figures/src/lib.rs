@@ -8,6 +8,7 @@
 //! | `modes` | 28, 29 | four panels: mean of the repeats of each mode, every repeat faint behind |
 //! | `rendering_range` | 25 | forces that each mode can render, by command and way |
 //! | `environment` | 26, 27 | device, spring and wall, at the study's own angles |
+//! | `schematic` | 4–7, 9, 10, 20, 21, 32 | model, device and control loop, from the study's own numbers |
 //! | `replay` | 24 | forces, position and velocity of recorded trials and of the model, by eye and fitted |
 //! | `repeats` | 36–41 | every repeat of one condition, the commanded force dotted |
 //! | `loops` | 31 | force against angle for every environment |
@@ -30,6 +31,7 @@ mod about;
 mod answers;
 mod bow_tie;
 mod caption;
+mod captions;
 mod characteristic;
 mod chattering;
 mod compared;
@@ -51,7 +53,9 @@ mod ratings;
 mod rendering_range;
 mod repeats;
 mod replay;
+mod schematic;
 mod simulation;
+mod sketch;
 mod stability;
 #[cfg(test)]
 mod tests;
@@ -62,6 +66,7 @@ pub use about::{About, Caption, FigureKind};
 pub use answers::{ANSWERS_COMPARED, AnswersPage, answers_compared, answers_pages};
 pub use bow_tie::{SCENE_BOW_TIE, bow_tie};
 pub use caption::caption_text;
+pub use captions::{CAPTION_FORMATS, NamedCaption, captions_text};
 pub use characteristic::{CHARACTERISTIC, Characterised, characteristic};
 pub use chattering::chattering;
 pub use compared::{
@@ -84,10 +89,11 @@ pub use ratings::{RATINGS, RatingsPage, ratings, ratings_pages};
 pub use rendering_range::{RENDERING_RANGE, rendering_range};
 pub use repeats::{REPEATS, repeats};
 pub use replay::{REPLAY, replay};
+pub use schematic::{Modelled, OF_DEVICE, OF_MODEL, OfDevice, OfModel, Setup};
 pub use simulation::{MOST_SIDE_BY_SIDE, SCENE_INPUTS, SCENE_RUNS, inputs, simulation};
 pub use stability::{BoundaryOf, Side, StabilityPanel, boundaries, stability};
 pub use words::{Words, mark};
 pub use work_precision::{WORK_PRECISION, work_precision, work_precision_of};
 
 /// Version of the figures' form: raised when a figure would look different from the same data.
-pub const VERSION: u32 = 9;
+pub const VERSION: u32 = 10;

@@ -2,14 +2,15 @@
 //! came to.
 //!
 //! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of
-//! [`findings`]. Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`] (2),
-//! [`model_table`] (3), [`device_table`] (4), [`weight_table`] (Appendix A), and its statements,
+//! [`findings`]. Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`],
+//! [`model_table`] (2, 3), [`components_table`] and [`device_table`] (4), [`weight_table`] (Appendix A), and its statements,
 //! [`thesis_table`]. [`page_html`] is the summary as a page with the trials in it. No files and no
 //! clock: data in, text and tables out.
 
 mod actuation;
 mod answers;
 mod compared;
+mod components;
 mod design;
 mod evidence;
 mod facts;
@@ -27,6 +28,7 @@ mod trials;
 mod weight;
 
 pub use compared::{ComparedMetric, Matrix, MatrixRow, contrasts, matrix};
+pub use components::components_table;
 pub use design::{device_table, modes_table};
 pub use evidence::Known;
 pub use findings::{Finding, findings};
@@ -50,7 +52,7 @@ use zwidth_study::Source;
 use zwidth_tables::escape_markdown as escape;
 
 /// Version of the tables' form: raised when a table would be another from the same data.
-pub const VERSION: u32 = 7;
+pub const VERSION: u32 = 8;
 
 /// Stands in a cell of the matrix without a mean.
 pub(crate) const NO_MEAN: &str = "–";

@@ -126,6 +126,7 @@ fn a_copy_anywhere_is_traced_by_what_it_says_or_else_by_its_content() {
         ("figures/modes.P01.S01.spring.pdf", "origin", "figure modes.P01.S01.spring"),
         ("figures/modes.P01.S01.spring.png", "origin", "figure modes.P01.S01.spring"),
         ("figures/modes.P01.S01.spring.parquet", "origin", "figure modes.P01.S01.spring"),
+        ("figures/captions.tex", "origin", "captions"),
         ("tables/conditions.tex", "origin", "table conditions"),
         ("tables/conditions.typ", "origin", "table conditions"),
         ("tables/conditions.md", "origin", "table conditions"),

@@ -103,7 +103,7 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
     assert_eq!(
         ran.made(),
-        ["figure modes.P01.S01.spring", "page", "summary"],
+        ["captions", "figure modes.P01.S01.spring", "page", "summary"],
         "only that figure, and the pages that show it"
     );
     let svg = fs::read_to_string(root.path().join(FIGURE)).unwrap();

@@ -50,8 +50,8 @@ const DERIVED: usize = 69;
 
 /// Jobs of the study: a figure or a printed table is one each, and so is the summary.
 fn jobs() -> usize {
-    // Besides: the summary, the page, its samples and its sliders.
-    DERIVED + figures().len() + tables().len() + 3 + CONDITIONS.len()
+    // Besides: the captions, the summary, the page, its samples and its sliders.
+    DERIVED + figures().len() + tables().len() + 4 + CONDITIONS.len()
 }
 
 /// The stems of the files with this extension.
@@ -76,6 +76,37 @@ fn a_run_makes_every_figure_as_svg_png_pdf_and_data() {
         for path in files(&folder, extension) {
             assert!(fs::read(&path).unwrap().starts_with(begins), "{}", path.display());
         }
+    }
+}
+
+/// Schematics are drawn from the plan and from the study's scenes, Table 4 from the plan.
+#[test]
+fn a_run_draws_the_thesis_schematics_and_gathers_every_caption_in_each_format() {
+    let reports = shipped::folder().join("reports/thesis-twin");
+    let made = stems(&reports.join("figures"), "svg");
+    for name in [
+        "control_loop",
+        "device",
+        "displacement_control",
+        "force_control",
+        "lever_model",
+        "lever_model_forces",
+        "model",
+        "model_forces",
+        "translation",
+    ] {
+        assert!(made.contains(&format!("schematic.{name}")), "{name} is not in {made:?}");
+    }
+    let components = fs::read_to_string(reports.join("tables/components.md")).unwrap();
+    assert!(components.contains("| motor | drives and resists | 16 |"), "{components}");
+    let captions = |extension: &str| {
+        fs::read_to_string(reports.join(format!("figures/captions.{extension}"))).unwrap()
+    };
+    let (tex, typ, md) = (captions("tex"), captions("typ"), captions("md"));
+    for name in &made {
+        assert!(tex.contains(&format!("\\@namedef{{zwidth@caption@{name}}}{{")), "{name}");
+        assert_eq!(typ.matches(&format!("\n  \"{name}\": ")).count(), 2, "{name}");
+        assert!(md.contains(&format!("## {}\n\n", name.replace('_', "\\_"))), "{name}");
     }
 }
 
@@ -156,6 +187,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
     // all.
     let mut expect = strings(&[
         "average P01 S01 spring hybrid",
+        "captions",
         "courses P01 S01 spring",
         "courses P01 S01 spring_wall",
         "figure likert",
@@ -226,6 +258,7 @@ fn a_changed_sweep_remakes_its_own_characteristic_and_what_rests_on_its_forces_a
     let ran = zwidth(root.path(), &["run", "--json"]).exits(0);
     let expect = [
         "calibration",
+        "captions",
         "characteristic of motor",
         "figure characteristic.motor",
         "figure rendering_range",
@@ -347,8 +380,9 @@ fn every_figure_of_simulated_data_says_so_on_its_face() {
     for svg in files(&reports, "svg") {
         // A drawing of the plan holds no data, and a model run says that it is one.
         let name = svg.file_name().unwrap().to_str().unwrap();
-        let holds_none =
-            ["environment.", "scenes.", "trade."].iter().any(|begin| name.starts_with(begin));
+        let holds_none = ["environment.", "schematic.", "scenes.", "trade."]
+            .iter()
+            .any(|begin| name.starts_with(begin));
         assert_eq!(is_marked(&svg), !holds_none, "{}", svg.display());
     }
     let summary = fs::read_to_string(reports.join("summary.md")).unwrap();
@@ -361,7 +395,8 @@ fn every_figure_of_simulated_data_says_so_on_its_face() {
 #[test]
 fn every_table_of_simulated_data_says_so_below_it() {
     // What is written in study.toml, and runs of models.
-    const HOLD_NONE: [&str; 6] = ["device", "model", "modes", "trade", "trade_summary", "weight"];
+    const HOLD_NONE: [&str; 7] =
+        ["components", "device", "model", "modes", "trade", "trade_summary", "weight"];
     let folder = shipped::folder().join("reports/thesis-twin/tables");
     for extension in ["md", "html", "tex", "typ"] {
         for table in files(&folder, extension) {
@@ -390,7 +425,7 @@ fn a_figure_is_marked_exactly_where_it_holds_simulated_data() {
     };
     let all = files(&study.layout().reports(), "svg");
     let found: Vec<String> = all.iter().filter_map(marked).collect();
-    assert_eq!(all.len(), 18);
+    assert_eq!(all.len(), 21);
     let simulated = [
         "likert",
         "loops.P02.S01",

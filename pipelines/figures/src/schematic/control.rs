@@ -1,0 +1,118 @@
+//! Figures 6 and 7: what goes into a step of the model and what comes out, with the force given and
+//! with the motion given.
+
+use super::model::Modelled;
+use crate::FigureKind;
+use crate::sketch::{Block, Point, Way, arrow, over, panel, right_of};
+use crate::words::plain;
+use zwidth_draw::style;
+use zwidth_draw::{Cell, Figure, Layer};
+
+/// The figure [`force_control`].
+pub(crate) const FORCE_CONTROL: FigureKind = FigureKind {
+    stem: "schematic.force_control",
+    shows: "a step of the model with the force given",
+    drawn_from: "scene",
+};
+/// The figure [`displacement_control`].
+pub(crate) const DISPLACEMENT_CONTROL: FigureKind = FigureKind {
+    stem: "schematic.displacement_control",
+    shows: "a step of the model with the motion given",
+    drawn_from: "scene",
+};
+
+/// Corners of the drawings, mm.
+const FORCE: [Point; 2] = [(0.0, 0.0), (83.5, 36.0)];
+const DISPLACEMENT: [Point; 2] = [(0.0, 8.0), (83.5, 27.0)];
+/// Height of the boxes' middle, and their height, mm.
+const ROW_MM: f64 = 18.0;
+const HIGH_MM: f64 = 13.0;
+/// Where a step leads back to, mm.
+const BACK_MM: f64 = 5.0;
+
+/// A line that ends in an arrow, from point to point.
+fn flow(points: impl IntoIterator<Item = Point>) -> Vec<Layer> {
+    arrow(&Way::through(points), style::mean(style::INK))
+}
+
+/// A line from one box to the next, with words over it.
+fn between(from: &Block, to: &Block, words: &str) -> Vec<Layer> {
+    let (from, to) = (from.right(), to.left());
+    let mut layers = flow([from, to]);
+    layers.push(over(words, (f64::midpoint(from.0, to.0) - 0.6, from.1)));
+    layers
+}
+
+fn block(x: f64, width: f64, lines: impl IntoIterator<Item = String>) -> Block {
+    Block::new((x, ROW_MM), (width, HIGH_MM), lines)
+}
+
+/// The box of the forces: of the object, and of the finger where the scene has one.
+fn forces(of: &Modelled, x: f64) -> Block {
+    let finger = of.scene.finger.map(|_| "finger: *F*_{F}");
+    let lines = ["object: *F*_{O}"].into_iter().chain(finger).map(str::to_owned);
+    block(x, 20.0, lines).coloured(style::BRAKE)
+}
+
+fn equations(x: f64) -> Block {
+    block(x, 18.0, ["equations of motion".to_owned()])
+}
+
+/// Forces that go into the equations of motion.
+fn both_forces(of: &Modelled) -> &'static str {
+    if of.scene.finger.is_some() { "*F*_{O}, *F*_{F}" } else { "*F*_{O}" }
+}
+
+/// What a state is made of.
+fn state(of: &Modelled) -> &'static str {
+    match of.scene.finger {
+        Some(_) => "*x*_{1}, *ẋ*_{1}, *x*_{2}, *ẋ*_{2}",
+        None => "*x*_{1}, *ẋ*_{1}",
+    }
+}
+
+/// The loop that is solved: the forces depend on the state of the step before, and so does what comes
+/// out (thesis §2.3).
+pub(crate) fn force_control(of: &Modelled) -> Figure {
+    let (forces, equations) = (forces(of, 11.0), equations(43.0));
+    let step = block(66.5, 15.0, ["one step".to_owned(), of.step().line()]);
+    let step = step.coloured(style::TISSUE);
+    let mut layers: Vec<Layer> = [&forces, &equations, &step].map(Block::layers).concat();
+    layers.extend(between(&forces, &equations, both_forces(of)));
+    layers.extend(between(&equations, &step, "*ẍ*"));
+    let (top, out) = (equations.top(), step.right());
+    layers.extend(flow([(top.0, top.1 + 10.0), top]));
+    layers.push(right_of(vec!["*F*_{ex}, given".to_owned()], (top.0, top.1 + 6.5)));
+    let corner = (out.0 + 2.8, out.1);
+    let back = [corner, (corner.0, BACK_MM), (forces.at.0, BACK_MM), forces.bottom()];
+    layers.extend(flow([out, (83.0, out.1)]));
+    layers.extend(flow(back));
+    let words = format!("{} of the step before", state(of));
+    layers.push(over(words, (f64::midpoint(forces.at.0, corner.0), BACK_MM - 0.6)));
+    let panel = panel(Cell::at(0, 0), FORCE[0], FORCE[1], layers);
+    let notes = [format!("Each step by the solver {}; *x*_{{1}} = *L* *θ*.", plain(&of.solver))];
+    let description = "A loop: the forces of object and finger and the given user's force go into \
+                       the equations of motion, these into one step, and its state back into the \
+                       forces.";
+    of.figure("Force control: the force is given", description, vec![panel], notes)
+}
+
+/// Without a loop: where the motion is given, the forces follow from it at once.
+pub(crate) fn displacement_control(of: &Modelled) -> Figure {
+    let (forces, equations) = (forces(of, 31.0), equations(65.0));
+    let mut layers: Vec<Layer> = [&forces, &equations].map(Block::layers).concat();
+    let (from, out) = (forces.left(), equations.right());
+    layers.extend(flow([(1.0, from.1), from]));
+    let given = state(of);
+    layers.push(over(given, (10.0, from.1)));
+    layers.extend(between(&forces, &equations, both_forces(of)));
+    layers.extend(flow([out, (83.0, out.1)]));
+    layers.push(over("*F*_{ex}", (f64::midpoint(out.0, 83.0) - 0.5, out.1)));
+    let panel = panel(Cell::at(0, 0), DISPLACEMENT[0], DISPLACEMENT[1], layers);
+    let notes =
+        ["The motion is given: what comes out depends on nothing else, and there is no step."
+            .to_owned()];
+    let description = "A chain: the given motion goes into the forces of object and finger, these \
+                       into the equations of motion, and out comes the user's force.";
+    of.figure("Displacement control: the motion is given", description, vec![panel], notes)
+}

@@ -1,0 +1,270 @@
+//! Figure 32: what flows from the user's force to the voltages of motor and brake and back again,
+//! tick by tick.
+
+use super::setup::Setup;
+use crate::FigureKind;
+use crate::sketch::{Block, Point, Way, arrow, line, over, panel, right_of, tint, within};
+use crate::words::plain;
+use zwidth_draw::style;
+use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};
+use zwidth_study::{ActuatorKind, Coordinate, Environment, Mode, Scene, VelocityFilter};
+use zwidth_tables::{given, number, with_unit};
+
+/// The figure [`control_loop`].
+pub(crate) const CONTROL_LOOP: FigureKind = FigureKind {
+    stem: "schematic.control_loop",
+    shows: "what flows through device and control loop in a tick",
+    drawn_from: "trial",
+};
+
+/// Corners of the drawing, of what the device does in it, and of what the computer does, mm.
+const WHOLE: [Point; 2] = [(0.0, 0.0), (173.5, 75.0)];
+const DEVICE: [Point; 2] = [(32.2, 0.5), (95.5, 74.5)];
+const COMPUTER: [Point; 2] = [(99.0, 0.5), (173.0, 74.5)];
+/// Height of what a group is called, mm.
+const NAME_MM: f64 = 4.5;
+/// Environments or modes that are listed; of more their number is told.
+const MOST_LISTED: usize = 3;
+
+/// Every box of the drawing.
+struct Boxes {
+    participant: Block,
+    lever: Block,
+    force: Block,
+    angle: Block,
+    motor: Option<Block>,
+    brake: Option<Block>,
+    velocity: Block,
+    recorded: Block,
+    environment: Block,
+    mode: Block,
+    voltage: Block,
+    safety: Block,
+}
+
+impl Boxes {
+    fn of(of: &Setup) -> Self {
+        let [theta, theta_dot] = symbols(of);
+        let limit = with_unit(&number(of.control.force_limit_n, None), "N");
+        let recorded = format!("{theta}, {theta_dot}, *F*_{{ex}}, voltages");
+        let angle = match of.coordinate {
+            Coordinate::Rotational => "angle sensor",
+            Coordinate::Linear { .. } => "position sensor",
+        };
+        Self {
+            participant: Block::new((11.5, 39.0), (22.0, 12.0), ["participant"]),
+            lever: Block::new((45.0, 39.0), (22.0, 18.0), lever(of)),
+            force: Block::new((80.0, 64.5), (28.0, 9.0), of.force_sensor()).coloured(style::TISSUE),
+            angle: Block::new((80.0, 53.5), (28.0, 8.0), [angle]).coloured(style::TISSUE),
+            motor: of
+                .uses(ActuatorKind::Motor)
+                .then(|| Block::new((80.0, 25.0), (28.0, 12.0), of.motor()).coloured(style::MOTOR)),
+            brake: of
+                .uses(ActuatorKind::Brake)
+                .then(|| Block::new((80.0, 9.5), (28.0, 12.0), of.brake()).coloured(style::BRAKE)),
+            velocity: Block::new((113.0, 53.5), (25.0, 13.0), velocity(of)),
+            recorded: Block::new((113.0, 34.0), (25.0, 12.0), ["recorded:".to_owned(), recorded]),
+            environment: Block::new((150.5, 53.5), (36.0, 17.0), environments(of)),
+            mode: Block::new((150.5, 31.5), (36.0, 19.0), modes(of)),
+            voltage: Block::new(
+                (150.5, 9.5),
+                (36.0, 13.0),
+                ["voltage that gives this force", "by the actuator's characteristic"],
+            ),
+            safety: Block::new(
+                (113.0, 9.5),
+                (25.0, 13.0),
+                ["safety:".to_owned(), format!("0 V where *F*_{{ex}} > {limit}")],
+            )
+            .coloured(style::MARK),
+        }
+    }
+
+    /// The actuators that are used.
+    fn actuators(&self) -> impl Iterator<Item = &Block> {
+        self.motor.iter().chain(&self.brake)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Block> {
+        let always = [
+            &self.participant,
+            &self.lever,
+            &self.force,
+            &self.angle,
+            &self.velocity,
+            &self.recorded,
+            &self.environment,
+            &self.mode,
+            &self.voltage,
+            &self.safety,
+        ];
+        always.into_iter().chain(self.actuators())
+    }
+}
+
+/// The way from the user's force through device and computer and back, as the study has it.
+pub(crate) fn control_loop(of: &Setup) -> Figure {
+    let boxes = Boxes::of(of);
+    let rate = format!("**control loop**, {} ticks/s", number(of.control.rate_hz, None));
+    let mut layers = group(DEVICE, of.name());
+    layers.extend(group(COMPUTER, rate));
+    layers.extend(boxes.all().flat_map(Block::layers));
+    layers.extend(through_device(&boxes, of));
+    layers.extend(through_computer(&boxes, of));
+    Figure {
+        title: Some("What flows through device and control loop".to_owned()),
+        description: "A loop: the participant's force moves the lever; force and angle sensor; \
+                      velocity from angles; the environment asks for a force, the mode chooses the \
+                      actuator, its characteristic gives the voltage, safety may take it away; motor \
+                      and brake act on the lever, which the participant feels."
+            .to_owned(),
+        width_mm: TWO_COLUMNS_MM,
+        panels: vec![panel(Cell::at(0, 0), WHOLE[0], WHOLE[1], layers)],
+        legend: LegendPlace::Hidden,
+        footnotes: vec![
+            "Boards, amplifier and supply are not drawn: the study does not know them.".to_owned(),
+        ],
+        ..Figure::default()
+    }
+}
+
+/// A light ground under what belongs together, with its name.
+fn group([low, high]: [Point; 2], name: String) -> Vec<Layer> {
+    let name = within(vec![name], (low.0, high.1 - NAME_MM), high);
+    let corners = [low, (high.0, low.1), high, (low.0, high.1), low];
+    vec![tint(low, high, style::GRID), line(corners, style::reference()), name]
+}
+
+fn flow(points: impl IntoIterator<Item = Point>) -> Vec<Layer> {
+    arrow(&Way::through(points), style::mean(style::INK))
+}
+
+/// From the participant to the sensors, and from the actuators back.
+fn through_device(b: &Boxes, of: &Setup) -> Vec<Layer> {
+    let up = |(x, y): Point, by: f64| (x, y + by);
+    let [theta, _] = symbols(of);
+    let (hand, lever) = (b.participant.right(), b.lever.left());
+    let mut layers = flow([up(hand, 3.0), up(lever, 3.0)]);
+    layers.extend(flow([up(lever, -3.0), up(hand, -3.0)]));
+    let middle = f64::midpoint(hand.0, lever.0);
+    layers.push(over("*F*_{ex}", (middle, hand.1 + 3.0)));
+    layers.push(over("feels", (middle, hand.1 - 8.2)));
+    let (top, bottom) = (b.lever.top(), b.lever.bottom());
+    let to_sensor = |x: f64, sensor: &Block| flow([(x, top.1), (x, sensor.at.1), sensor.left()]);
+    layers.extend(to_sensor(top.0 - 3.0, &b.force));
+    layers.extend(to_sensor(top.0 + 3.0, &b.angle));
+    layers.push(over("*F*_{ex}", (57.0, b.force.at.1)));
+    layers.push(over(theta, (57.0, b.angle.at.1)));
+    for (x, actuator, symbol) in
+        [(bottom.0 + 3.0, &b.motor, "*T*_{m}"), (bottom.0 - 3.0, &b.brake, "*T*_{b}")]
+    {
+        let Some(from) = actuator.as_ref().map(Block::left) else { continue };
+        layers.extend(flow([from, (x, from.1), (x, bottom.1)]));
+        layers.push(over(symbol, (57.0, from.1)));
+    }
+    layers
+}
+
+/// From the sensors through the computer to the actuators.
+fn through_computer(b: &Boxes, of: &Setup) -> Vec<Layer> {
+    let [theta, theta_dot] = symbols(of);
+    let mut layers = flow([b.angle.right(), b.velocity.left()]);
+    layers.push(over(theta, (97.2, b.angle.at.1)));
+    layers.extend(flow([b.velocity.right(), b.environment.left()]));
+    let gap = f64::midpoint(b.velocity.right().0, b.environment.left().0);
+    layers.push(over(format!("{theta}, {theta_dot}"), (gap - 0.4, b.velocity.at.1)));
+    layers.extend(flow([b.velocity.bottom(), b.recorded.top()]));
+    layers.extend(flow([b.environment.bottom(), b.mode.top()]));
+    layers.extend(flow([b.mode.bottom(), b.voltage.top()]));
+    layers.extend(flow([b.voltage.left(), b.safety.right()]));
+    let (force, mode) = (b.force.right(), b.mode.right());
+    let beyond = mode.0 + 3.2;
+    layers.extend(flow([force, (beyond, force.1), (beyond, mode.1), mode]));
+    layers.push(over("*F*_{ex}", (113.0, force.1)));
+    let split = (97.2, b.safety.at.1);
+    layers.push(line([b.safety.left(), split], style::mean(style::INK)));
+    for actuator in b.actuators() {
+        let to = actuator.right();
+        layers.extend(flow([split, (split.0, to.1), to]));
+    }
+    layers.push(right_of(vec!["voltages".to_owned()], (split.0 + 1.5, 20.0)));
+    layers
+}
+
+/// Position and velocity, as axes have them.
+fn symbols(of: &Setup) -> [&'static str; 2] {
+    match of.coordinate {
+        Coordinate::Rotational => ["*θ*", "*θ̇*"],
+        Coordinate::Linear { .. } => ["*x*", "*ẋ*"],
+    }
+}
+
+/// What the user holds, and how far it goes.
+fn lever(of: &Setup) -> Vec<String> {
+    let what = match of.coordinate {
+        Coordinate::Rotational => "lever",
+        Coordinate::Linear { .. } => "slide",
+    };
+    let length = of.device.lever_m.filter(|_| of.coordinate == Coordinate::Rotational);
+    let length = length.map(|m| given(m * 1e3, "mm", of.coordinate));
+    let ends = of.device.theta_min_rad.zip(of.device.theta_max_rad);
+    let ends = ends.map(|(low, high)| format!("{} to {}", place(of, low), place(of, high)));
+    [Some(what.to_owned()), length, ends].into_iter().flatten().collect()
+}
+
+fn place(of: &Setup, theta_rad: f64) -> String {
+    of.words().place(theta_rad).replace('-', "−")
+}
+
+fn velocity(of: &Setup) -> Vec<String> {
+    let how = match of.control.velocity {
+        VelocityFilter::Difference => "difference of the last two".to_owned(),
+        VelocityFilter::SecondOrder { cutoff_hz } => {
+            format!("second-order low-pass, {}", with_unit(&number(cutoff_hz, None), "Hz"))
+        }
+    };
+    vec!["velocity:".to_owned(), how]
+}
+
+/// What each environment asks for.
+fn environments(of: &Setup) -> Vec<String> {
+    let one = |e: &Environment| format!("{}: {}", plain(&e.label), asked(of, &e.scene));
+    listed("force asked for:", "environments", of.environments.iter().map(one).collect())
+}
+
+fn asked(of: &Setup, scene: &Scene) -> String {
+    let spring = scene.spring().map(|spring| {
+        let stiffness = given(spring.stiffness_n_per_rad, "N/rad", of.coordinate);
+        format!("{stiffness} from {}", place(of, spring.rest_rad))
+    });
+    let wall = scene.wall_rad().map(|at| format!("all from {} on", place(of, at)));
+    let parts: Vec<String> = spring.into_iter().chain(wall).collect();
+    if parts.is_empty() { "none".to_owned() } else { parts.join(", ") }
+}
+
+/// Which actuator each mode has in charge.
+fn modes(of: &Setup) -> Vec<String> {
+    let one = |mode: &Mode| Some(format!("{}: {}", plain(&mode.label), in_charge(mode)?));
+    let mut lines =
+        listed("actuator in charge:", "modes", of.modes.iter().filter_map(one).collect());
+    if of.modes.iter().any(|mode| mode.has(ActuatorKind::Brake)) {
+        let let_go = with_unit(&number(of.control.let_go_n, None), "N");
+        lines.push(format!("brake lets go below {let_go}"));
+    }
+    lines
+}
+
+fn in_charge(mode: &Mode) -> Option<String> {
+    let [forward, back] = mode.law()?.drives().map(ActuatorKind::as_str);
+    Some(if forward == back { forward.to_owned() } else { format!("{forward} in, {back} back") })
+}
+
+/// A heading and what it lists, or how many there are.
+fn listed(heading: &str, what: &str, items: Vec<String>) -> Vec<String> {
+    let items = match items.len() {
+        0 => vec!["none".to_owned()],
+        n if n > MOST_LISTED => vec![format!("that of {n} {what}")],
+        _ => items,
+    };
+    [heading.to_owned()].into_iter().chain(items).collect()
+}

@@ -1,0 +1,182 @@
+//! A scene of the model as the schematics name its parts: symbols of the thesis, numbers of the
+//! scene.
+
+use crate::words::plain;
+use zwidth_draw::style::{self, Colour, Stroke};
+use zwidth_draw::{Figure, LegendPlace, ONE_COLUMN_MM, Panel};
+use zwidth_dynamics::{Demand, DynamicsError, ModelScene, System, Term};
+use zwidth_tables::{number, with_unit};
+
+/// A scene of the model, and how a figure of the study runs it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modelled {
+    /// The scene, its step that of the run.
+    pub(crate) scene: ModelScene,
+    /// Its file, as study.toml names it.
+    file: String,
+    /// Name of the solver.
+    pub(crate) solver: String,
+}
+
+/// Pen of the rendered object: spring and damper.
+pub(crate) const OBJECT: Stroke = style::mean(style::BRAKE);
+/// Pen of the finger.
+pub(crate) const FINGER: Stroke = style::mean(style::TISSUE);
+/// Pen of what is acted with.
+pub(crate) const FORCE: Stroke = style::mean(style::INK);
+/// Edge of a mass.
+pub(crate) const MASS: Colour = style::GREY;
+
+/// A part's symbol, with its number where it is known.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Part {
+    symbol: &'static str,
+    number: Option<String>,
+}
+
+impl Part {
+    /// A symbol alone.
+    pub(crate) fn named(symbol: &'static str) -> Self {
+        Self { symbol, number: None }
+    }
+
+    fn new(symbol: &'static str, value: Option<f64>, unit: &str) -> Self {
+        let number = value.map(|value| with_unit(&number(value, None), unit));
+        Self { symbol, number }
+    }
+
+    /// On one line: `K = 4 N/rad`.
+    pub(crate) fn line(&self) -> String {
+        match &self.number {
+            Some(number) => format!("{} = {number}", self.symbol),
+            None => self.symbol.to_owned(),
+        }
+    }
+
+    /// The symbol, and its number below it.
+    pub(crate) fn lines(&self) -> Vec<String> {
+        [Some(self.symbol.to_owned()), self.number.clone()].into_iter().flatten().collect()
+    }
+}
+
+/// Stiffness, damping and mass of the object or of the finger.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Body {
+    pub(crate) stiffness: Part,
+    pub(crate) damping: Part,
+    pub(crate) mass: Part,
+    pub(crate) pen: Stroke,
+}
+
+impl Body {
+    /// The rendered object, by its symbols.
+    pub(crate) fn object() -> Self {
+        let [stiffness, damping, mass] = ["*K*_{O}", "*B*_{O}", "*M*_{O}"].map(Part::named);
+        Self { stiffness, damping, mass, pen: OBJECT }
+    }
+
+    /// The finger, by its symbols.
+    pub(crate) fn finger() -> Self {
+        let [stiffness, damping, mass] = ["*K*_{F}", "*B*_{F}", "*M*_{F}"].map(Part::named);
+        Self { stiffness, damping, mass, pen: FINGER }
+    }
+}
+
+impl Modelled {
+    /// A scene that can be run, with the step of the figure where that has its own.
+    ///
+    /// # Errors
+    /// The first number of the scene that makes no sense.
+    pub fn new(
+        scene: ModelScene,
+        file: &str,
+        solver: &str,
+        step_s: Option<f64>,
+    ) -> Result<Self, DynamicsError> {
+        let step_s = step_s.unwrap_or(scene.step_s);
+        let scene = ModelScene { step_s, ..scene };
+        System::new(scene.clone())?;
+        Ok(Self { scene, file: file.to_owned(), solver: solver.to_owned() })
+    }
+
+    /// The rendered object; K_O and B_O are those of the scene's first spring.
+    pub(crate) fn object(&self) -> Body {
+        let spring = self.scene.environment.zones.iter().find_map(|zone| match zone.demand {
+            Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, .. } => {
+                Some((stiffness_n_per_rad, damping_ns_per_rad))
+            }
+            Demand::Full | Demand::FullUp => None,
+        });
+        Body {
+            stiffness: Part::new("*K*_{O}", spring.map(|s| s.0), "N/rad"),
+            damping: Part::new("*B*_{O}", spring.map(|s| s.1), "N·s/rad"),
+            mass: Part::new("*M*_{O}", Some(self.scene.plant.mass_kg * 1e3), "g"),
+            ..Body::object()
+        }
+    }
+
+    /// The finger, where the scene has one.
+    pub(crate) fn finger(&self) -> Option<Body> {
+        self.scene.finger.map(|finger| Body {
+            stiffness: Part::new("*K*_{F}", Some(finger.stiffness_n_per_m), "N/m"),
+            damping: Part::new("*B*_{F}", Some(finger.damping_ns_per_m), "N·s/m"),
+            mass: Part::new("*M*_{F}", Some(finger.mass_kg * 1e3), "g"),
+            ..Body::finger()
+        })
+    }
+
+    /// Length of the lever.
+    pub(crate) fn lever(&self) -> Part {
+        Part::new("*L*", Some(self.scene.plant.lever_m), "m")
+    }
+
+    /// The step of the run.
+    pub(crate) fn step(&self) -> Part {
+        Part::new("*h*", Some(self.scene.step_s * 1e3), "ms")
+    }
+
+    /// Where the tissue is fully pressed, a sentence with a space before it; nothing where the scene
+    /// does not say.
+    pub(crate) fn pressed(&self) -> String {
+        let length = self.scene.finger.and_then(|finger| finger.length_m);
+        let at = length.map(|m| Part::new("*L*_{F0}", Some(m * 1e3), "mm").line());
+        at.map(|at| format!(" The tissue is fully pressed at {at}.")).unwrap_or_default()
+    }
+
+    /// A figure of the model, one column wide, with these notes and where its numbers are from.
+    pub(crate) fn figure(
+        &self,
+        title: &str,
+        description: &str,
+        panels: Vec<Panel>,
+        notes: impl IntoIterator<Item = String>,
+    ) -> Figure {
+        let mut footnotes: Vec<String> = notes.into_iter().collect();
+        footnotes.push(format!(
+            "Numbers: {} ({}), the first scene that study.toml draws runs of.{}",
+            plain(&self.file),
+            plain(&self.scene.name),
+            self.not_drawn(),
+        ));
+        Figure {
+            title: Some(title.to_owned()),
+            description: description.to_owned(),
+            width_mm: ONE_COLUMN_MM,
+            panels,
+            legend: LegendPlace::Hidden,
+            footnotes,
+            ..Figure::default()
+        }
+    }
+
+    /// What the scene has and the drawings of the model do not, a sentence with a space before it.
+    fn not_drawn(&self) -> String {
+        let friction = self.scene.friction.map(|_| "friction");
+        let terms: Vec<&str> =
+            friction.into_iter().chain(self.scene.terms.iter().map(Term::name)).collect();
+        match terms.is_empty() {
+            true => String::new(),
+            false => format!(" Not drawn: {}.", plain(&terms.join(", "))),
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Figure 21: what is rendered, the model that stands for it, and the device that renders it, side
+//! by side.
+
+use super::device::front;
+use super::lever_model::LeverModel;
+use super::model::{Body, Part};
+use super::setup::Setup;
+use crate::FigureKind;
+use crate::sketch::{Lever, Point, Way, ground, line, panel, polar, right_of};
+use crate::words::plain;
+use zwidth_draw::style::{self, Stroke};
+use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};
+use zwidth_study::{Coordinate, Environment, Spring};
+use zwidth_tables::given;
+
+/// The figure [`translation`].
+pub(crate) const TRANSLATION: FigureKind = FigureKind {
+    stem: "schematic.translation",
+    shows: "the rendered object, its model, and the device",
+    drawn_from: "trial",
+};
+
+/// Corners of the three drawings, mm: one height, and together as wide as the page has room for.
+const OBJECT: [Point; 2] = [(-19.0, -21.0), (24.5, 34.5)];
+const MODEL: [Point; 2] = [(-46.5, -21.0), (27.0, 34.5)];
+const DEVICE: [Point; 2] = [(-23.5, -21.0), (23.5, 34.5)];
+/// Length of the lever, mm; the model's, which has more around it, is longer.
+const LEVER_MM: f64 = 22.0;
+const MODEL_MM: f64 = 27.0;
+/// Turns of the torsion spring, and its inner and outer radius, mm.
+const TURNS: f64 = 2.25;
+const COIL_MM: (f64, f64) = (2.0, 7.5);
+
+/// The study's first environment with a spring, as object, model and device; none without a lever
+/// between stops or without a spring.
+pub(crate) fn translation(of: &Setup) -> Option<Figure> {
+    let stops = of.stops_rad()?;
+    let (environment, rendered) =
+        of.environments.iter().find_map(|e| Some((e, e.scene.spring()?)))?;
+    let lever = Lever::between(LEVER_MM, stops[0], stops[1]);
+    let model = LeverModel {
+        lever: Lever { length_mm: MODEL_MM, ..lever },
+        length: Part::named("*L*"),
+        object: Body::object(),
+        finger: Some(Body::finger()),
+        high_rad: stops[1],
+    };
+    let drawings = [
+        ("**a**  object", OBJECT, object(&lever, rendered)),
+        ("**b**  model", MODEL, model.layers()),
+        ("**c**  device", DEVICE, front(of, LEVER_MM, stops)),
+    ];
+    let panels = drawings.into_iter().enumerate().map(|(column, (title, corners, layers))| {
+        panel(Cell::at(0, column), corners[0], corners[1], layers).titled(title)
+    });
+    Some(Figure {
+        title: Some(format!("{}: object, model and device", plain(&environment.label))),
+        description: described(environment),
+        width_mm: TWO_COLUMNS_MM,
+        column_weights: [OBJECT, MODEL, DEVICE].map(|c| c[1].0 - c[0].0).to_vec(),
+        panels: panels.collect(),
+        legend: LegendPlace::Hidden,
+        footnotes: vec![
+            "The user feels a beam on a torsion spring (a). The model has it as stiffness and damping \
+             about the lever's axis, and the finger as a mass on tissue (b). Motor and brake make its \
+             torque *T*_{O} by way of the shaft (c)."
+                .to_owned(),
+        ],
+        ..Figure::default()
+    })
+}
+
+fn described(environment: &Environment) -> String {
+    format!(
+        "{}: a beam on a torsion spring; the model with the object's spring and damper at a lever's \
+         axis and the finger at its end; the device with wheel and capstan.",
+        environment.label
+    )
+}
+
+/// A beam on a torsion spring, and where it rests.
+fn object(lever: &Lever, rendered: Spring) -> Vec<Layer> {
+    let beam = Stroke { width_pt: 3.2, ..style::mean(style::INK) };
+    let words = given(rendered.stiffness_n_per_rad, "N/rad", Coordinate::Rotational);
+    let mut layers = ground(&Way::through([(-7.0, -9.5), (7.0, -9.5)]), style::mean(style::INK));
+    layers.push(line([(0.0, -9.5), (0.0, -COIL_MM.1)], style::mean(style::BRAKE)));
+    layers.push(coil());
+    layers.push(line([(0.0, 0.0), lever.tip()], beam));
+    layers.extend(lever.rest(rendered.rest_rad));
+    layers.extend(lever.push());
+    layers.push(right_of(vec!["*K*_{O}".to_owned(), words], (COIL_MM.1 + 1.0, 0.0)));
+    layers
+}
+
+/// A spiral about the axis that ends below it.
+fn coil() -> Layer {
+    /// Pieces of a turn.
+    const PIECES: f64 = 90.0;
+    let pieces = (TURNS * PIECES) as usize;
+    let point = |i: usize| {
+        let share = i as f64 / pieces as f64;
+        let turned = std::f64::consts::TAU * (0.5 + TURNS * (share - 1.0));
+        polar((0.0, 0.0), COIL_MM.0 + share * (COIL_MM.1 - COIL_MM.0), turned)
+    };
+    line((0..=pieces).map(point), style::mean(style::BRAKE))
+}

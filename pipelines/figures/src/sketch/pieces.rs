@@ -1,0 +1,178 @@
+//! Pieces along a way, words at their place, and the panel that holds them.
+
+use super::way::{Point, Way};
+use zwidth_draw::style::{self, Colour, Stroke};
+use zwidth_draw::{Axis, Band, Cell, Layer, Line, Panel, Points, Text, TextPlace};
+
+/// Length of an arrow's head, mm, and half its width as a share of that.
+const HEAD_MM: f64 = 2.4;
+const HEAD_WIDE: f64 = 0.42;
+/// The most of a short arrow that is head.
+const HEAD_SHARE: f64 = 0.6;
+/// Length of a coil, and how far it stands out to either side, mm.
+const COIL_MM: (f64, f64) = (1.9, 1.9);
+/// Shares of a spring that are straight, at either end.
+const STRAIGHT: f64 = 0.1;
+/// Where a damper's cup begins and ends and where its piston stands, as shares of its length.
+const DAMPER: [f64; 3] = [0.3, 0.7, 0.55];
+/// Half the width of a damper's cup and of its piston, mm.
+const CUP_MM: (f64, f64) = (2.2, 1.5);
+/// Points a millimetre.
+const PT_PER_MM: f64 = 72.0 / 25.4;
+/// Distance between two hatches of a ground, and how far each leans and reaches, mm.
+const HATCH_MM: (f64, f64) = (1.3, 1.3);
+
+/// A line from point to point.
+pub(crate) fn line(points: impl IntoIterator<Item = Point>, stroke: Stroke) -> Layer {
+    let (x, y) = points.into_iter().unzip();
+    Layer::Line(Line { x, y, stroke, ..Line::default() })
+}
+
+/// A line along a way that ends in an arrow's head.
+pub(crate) fn arrow(way: &Way, stroke: Stroke) -> Vec<Layer> {
+    let end = way.length();
+    let long = HEAD_MM.min(HEAD_SHARE * end);
+    let side = |left: f64| way.at(end - long, left * long);
+    let head = [side(HEAD_WIDE), way.at(end, 0.0), side(-HEAD_WIDE)];
+    vec![line(way.points().iter().copied(), stroke), line(head, stroke)]
+}
+
+/// A spring along a way.
+pub(crate) fn spring(way: &Way, stroke: Stroke) -> Layer {
+    let length = way.length();
+    let (first, last) = (STRAIGHT * length, (1.0 - STRAIGHT) * length);
+    let coils = ((last - first) / COIL_MM.0).round().max(3.0) as usize;
+    let turn = |i: usize| {
+        let left = match i {
+            0 => 0.0,
+            i if i == 2 * coils => 0.0, // it begins and ends on its own line
+            i if i % 2 == 0 => -COIL_MM.1,
+            _ => COIL_MM.1,
+        };
+        way.at(first + (last - first) * i as f64 / (2 * coils) as f64, left)
+    };
+    let ends = [way.at(0.0, 0.0), way.at(length, 0.0)];
+    line([ends[0]].into_iter().chain((0..=2 * coils).map(turn)).chain([ends[1]]), stroke)
+}
+
+/// A damper along a way: a piston in a cup that is open towards the way's beginning.
+pub(crate) fn damper(way: &Way, stroke: Stroke) -> Vec<Layer> {
+    let [open, bottom, piston] = DAMPER.map(|share| share * way.length());
+    let at = |along: f64, left: f64| way.at(along, left);
+    let between =
+        |from: f64, to: f64| [from, (from + to) / 2.0, to].map(|along| at(along, 0.0)).to_vec();
+    let (cup, disc) = CUP_MM;
+    vec![
+        line(between(0.0, piston), stroke),
+        line([at(piston, disc), at(piston, -disc)], stroke),
+        line([at(open, cup), at(bottom, cup), at(bottom, -cup), at(open, -cup)], stroke),
+        line(between(bottom, way.length()), stroke),
+    ]
+}
+
+/// Something that does not move: a line along a straight way, hatched on its right.
+pub(crate) fn ground(way: &Way, stroke: Stroke) -> Vec<Layer> {
+    let fine = Stroke { width_pt: 0.6, ..stroke };
+    let (apart, reach) = HATCH_MM;
+    let hatches = (way.length() / apart).floor().max(1.0);
+    let hatch = |i: usize| {
+        let along = way.length() * (i as f64 + 0.5) / hatches;
+        line([way.at(along, 0.0), way.at(along + reach, -reach)], fine)
+    };
+    let mut layers: Vec<Layer> = (0..hatches as usize).map(hatch).collect();
+    layers.push(line(way.points().iter().copied(), stroke));
+    layers
+}
+
+/// A circle around paper, which hides what was drawn there before: two spots, because the points of
+/// a line are thinned where it stands upright.
+pub(crate) fn ring(centre: Point, radius: f64, stroke: Stroke) -> [Layer; 2] {
+    let diameter_pt = 2.0 * radius * PT_PER_MM;
+    [(stroke.width_pt, stroke.colour), (-stroke.width_pt, style::PAPER)]
+        .map(|(more_pt, colour)| disc(centre, diameter_pt + more_pt, colour))
+}
+
+/// A round spot; its size is in points.
+pub(crate) fn disc((x, y): Point, diameter_pt: f64, colour: Colour) -> Layer {
+    Layer::Points(Points { x: vec![x], y: vec![y], colour, diameter_pt, ..Points::default() })
+}
+
+/// A light ground between two corners.
+pub(crate) fn tint(low: Point, high: Point, colour: Colour) -> Layer {
+    let (x, low, high) = (vec![low.0, high.0], vec![low.1; 2], vec![high.1; 2]);
+    Layer::Band(Band { x, low, high, colour, name: None })
+}
+
+/// Words centred over a point.
+pub(crate) fn over(words: impl Into<String>, (x, y): Point) -> Layer {
+    text(vec![words.into()], TextPlace::Over(x, y))
+}
+
+/// Lines centred on a point.
+pub(crate) fn amid(lines: Vec<String>, (x, y): Point) -> Layer {
+    text(lines, TextPlace::Amid(x, y))
+}
+
+/// Lines to the right of a point.
+pub(crate) fn right_of(lines: Vec<String>, (x, y): Point) -> Layer {
+    text(lines, TextPlace::RightOf(x, y))
+}
+
+/// Lines to the left of a point.
+pub(crate) fn left_of(lines: Vec<String>, (x, y): Point) -> Layer {
+    text(lines, TextPlace::LeftOf(x, y))
+}
+
+/// Lines in the box between two corners.
+pub(crate) fn within(lines: Vec<String>, low: Point, high: Point) -> Layer {
+    text(lines, TextPlace::Within(low, high))
+}
+
+fn text(lines: Vec<String>, place: TextPlace) -> Layer {
+    Layer::Text(Text { lines, place })
+}
+
+/// A panel that shows what lies between two corners, true to scale.
+pub(crate) fn panel(cell: Cell, low: Point, high: Point, layers: Vec<Layer>) -> Panel {
+    let (x, y) = (Axis::bare(low.0, high.0), Axis::bare(low.1, high.1));
+    Panel { height_mm: Some(high.1 - low.1), ..Panel::new(cell, x, y, layers) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(layer: &Layer) -> Vec<Point> {
+        match layer {
+            Layer::Line(l) => l.x.iter().copied().zip(l.y.iter().copied()).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_spring_and_a_damper_run_from_one_end_of_their_way_to_the_other() {
+        let way = Way::through([(2.0, 1.0), (20.0, 1.0)]);
+        let pen = style::mean(style::INK);
+        let coils = points(&spring(&way, pen));
+        assert_eq!((coils[0], coils[coils.len() - 1]), ((2.0, 1.0), (20.0, 1.0)));
+        assert!(coils.iter().all(|(_, y)| (y - 1.0).abs() <= COIL_MM.1));
+        let parts = damper(&way, pen);
+        assert_eq!((points(&parts[0])[0], points(&parts[3])[2]), ((2.0, 1.0), (20.0, 1.0)));
+    }
+
+    #[test]
+    fn an_arrow_s_tip_is_the_end_of_its_way() {
+        let way = Way::through([(0.0, 0.0), (9.0, 0.0), (9.0, 5.0)]);
+        let parts = arrow(&way, style::mean(style::INK));
+        let head = points(&parts[1]);
+        assert_eq!(head[1], (9.0, 5.0));
+        assert!(head[0].0 < 9.0 && head[2].0 > 9.0 && head[0].1 < 5.0);
+    }
+
+    #[test]
+    fn a_ground_is_hatched_on_its_right() {
+        let hatches = ground(&Way::through([(0.0, 0.0), (0.0, 10.0)]), style::mean(style::INK));
+        assert!(hatches.len() > 5);
+        assert!(hatches.iter().flat_map(points).all(|(x, _)| x >= 0.0));
+    }
+}
