@@ -14,6 +14,7 @@ mod check_samples;
 mod check_sweeps;
 mod convert;
 mod csv;
+mod feather;
 mod format;
 mod given;
 mod guess;
@@ -44,8 +45,12 @@ mod text;
 mod trials;
 mod unit;
 mod wide;
+mod workbook;
 #[cfg(test)]
 mod world;
+mod xdf;
+mod xml;
+mod zip;
 
 pub use guess::guess;
 pub use mapping::Mapping;
