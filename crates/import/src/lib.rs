@@ -28,6 +28,8 @@ mod limits;
 mod long;
 mod mapping;
 mod mat;
+#[cfg(test)]
+mod mistakes;
 mod npy;
 mod once;
 mod parquet;
