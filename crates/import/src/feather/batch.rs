@@ -1,6 +1,6 @@
 //! A batch: which of its bytes belong to which column.
 
-use super::super::limits::MOST_UNPACKED;
+use super::super::limits::MOST_TEXT;
 use arrow_ipc::{
     Block, CompressionType, Field, Message, RecordBatch, Type, UnionMode, root_as_message,
 };
@@ -18,26 +18,75 @@ pub(super) struct Batch<'a> {
     /// How many runs of text each column of views has.
     views: Vec<i64>,
     packed: Option<CompressionType>,
-    /// Bytes that may still be unpacked.
-    room: Cell<u64>,
+    pub(super) room: &'a Room,
 }
 
+/// What may still be taken of a file: over all its batches, for one may be packed to a few bytes.
+#[derive(Debug)]
+pub(super) struct Room {
+    /// Bytes to unpack.
+    packed: Cell<u64>,
+    /// Bytes of texts.
+    text: Cell<usize>,
+    /// Words of dictionaries.
+    words: Cell<usize>,
+}
+
+impl Room {
+    pub(super) fn new() -> Self {
+        let packed = Cell::new(MOST_PACKED);
+        Self { packed, text: Cell::new(MOST_TEXT), words: Cell::new(MOST_ROWS) }
+    }
+
+    fn unpack(&self, bytes: u64) -> Result<(), String> {
+        let left = self.packed.get().checked_sub(bytes);
+        self.packed.set(left.ok_or_else(|| {
+            format!("its mapped columns unpack to more than {MOST_PACKED} bytes")
+        })?);
+        Ok(())
+    }
+
+    /// Takes room for a text.
+    pub(super) fn text(&self, text: Option<&str>) -> Result<(), String> {
+        let left = self.text.get().checked_sub(text.map_or(0, str::len));
+        self.text.set(left.ok_or_else(|| {
+            format!("the texts in mapped columns have more than {MOST_TEXT} bytes")
+        })?);
+        Ok(())
+    }
+
+    /// Takes room for a word.
+    pub(super) fn word(&self, word: Option<&str>) -> Result<(), String> {
+        let left = self.words.get().checked_sub(1);
+        self.words.set(left.ok_or_else(|| format!("it has more than {MOST_ROWS} words"))?);
+        self.text(word)
+    }
+}
+
+/// Bytes that the mapped columns unpack to, over all batches (1 GiB); of them one column of one batch is held at a time.
+const MOST_PACKED: u64 = 1 << 30;
+
 /// A batch of rows of a file.
-pub(super) fn batch_of<'a>(bytes: &'a [u8], block: &Block) -> Result<Batch<'a>, String> {
+pub(super) fn batch_of<'a>(
+    bytes: &'a [u8],
+    block: &Block,
+    room: &'a Room,
+) -> Result<Batch<'a>, String> {
     let (message, body) = message(bytes, block)?;
     let batch = message.header_as_record_batch().ok_or_else(other)?;
-    batch_in(&batch, body)
+    batch_in(&batch, body, room)
 }
 
 /// A batch of words: the dictionary's number, and whether they come behind those before.
 pub(super) fn dictionary_of<'a>(
     bytes: &'a [u8],
     block: &Block,
+    room: &'a Room,
 ) -> Result<(i64, bool, Batch<'a>), String> {
     let (message, body) = message(bytes, block)?;
     let words = message.header_as_dictionary_batch().ok_or_else(other)?;
     let batch = words.data().ok_or_else(other)?;
-    Ok((words.id(), words.isDelta(), batch_in(&batch, body)?))
+    Ok((words.id(), words.isDelta(), batch_in(&batch, body, room)?))
 }
 
 fn other() -> String {
@@ -59,7 +108,7 @@ fn message<'a>(bytes: &'a [u8], block: &Block) -> Result<(Message<'a>, &'a [u8])
     Ok((message, body))
 }
 
-fn batch_in<'a>(batch: &RecordBatch, body: &'a [u8]) -> Result<Batch<'a>, String> {
+fn batch_in<'a>(batch: &RecordBatch, body: &'a [u8], room: &'a Room) -> Result<Batch<'a>, String> {
     let rows = usize::try_from(batch.length()).ok().filter(|rows| *rows <= MOST_ROWS);
     let buffers = batch.buffers().into_iter().flatten().map(|b| (b.offset(), b.length()));
     Ok(Batch {
@@ -68,23 +117,21 @@ fn batch_in<'a>(batch: &RecordBatch, body: &'a [u8]) -> Result<Batch<'a>, String
         buffers: buffers.collect(),
         views: batch.variadicBufferCounts().into_iter().flatten().collect(),
         packed: batch.compression().map(|packed| packed.codec()),
-        room: Cell::new(MOST_UNPACKED),
+        room,
     })
 }
 
 impl<'a> Batch<'a> {
     /// A batch of one run, for tests of how it is packed.
     #[cfg(test)]
-    pub(super) fn of_one(rows: usize, body: &'a [u8], packed: CompressionType) -> Self {
+    pub(super) fn of_one(
+        rows: usize,
+        body: &'a [u8],
+        packed: CompressionType,
+        room: &'a Room,
+    ) -> Self {
         let buffers = vec![(0, i64::try_from(body.len()).unwrap_or_default())];
-        Self {
-            rows,
-            body,
-            buffers,
-            views: Vec::new(),
-            packed: Some(packed),
-            room: Cell::new(MOST_UNPACKED),
-        }
+        Self { rows, body, buffers, views: Vec::new(), packed: Some(packed), room }
     }
 
     /// The bytes of a run, unpacked; at most `most` of them are needed.
@@ -104,8 +151,7 @@ impl<'a> Batch<'a> {
             claimed => u64::try_from(claimed).map_err(|_| cut())?,
         };
         let wanted = claimed.min(most as u64);
-        let room = self.room.get().checked_sub(wanted);
-        self.room.set(room.ok_or("its mapped columns unpack to more than is read of a batch")?);
+        self.room.unpack(wanted)?;
         let mut unpacked = Vec::new();
         let read = match codec {
             CompressionType::LZ4_FRAME => {

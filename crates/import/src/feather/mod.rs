@@ -13,7 +13,7 @@ use super::limits::{
 };
 use super::table::{Cells, Table};
 use arrow_ipc::{Block, Endianness, Field, Footer, root_as_footer};
-use batch::{Batch, Layout, batch_of, dictionary_of};
+use batch::{Batch, Layout, Room, batch_of, dictionary_of};
 use std::collections::BTreeMap;
 use std::path::Path;
 use values::{Growing, Kind, Words};
@@ -43,7 +43,8 @@ pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, Stor
     let taken: Vec<usize> = (0..fields.len())
         .filter(|place| kinds[*place].is_ok() && take.wants(*place, Some(&names[*place])))
         .collect();
-    let words = words(bytes, &footer, &taken, &fields, &kinds).map_err(unreadable)?;
+    let room = Room::new();
+    let words = words(bytes, &footer, &room, &taken, &fields, &kinds).map_err(unreadable)?;
     let mut columns: Vec<Growing> = taken
         .iter()
         .filter_map(|place| kinds[*place].as_ref().ok())
@@ -52,7 +53,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, Stor
     let layouts: Vec<Layout> = fields.iter().map(batch::layout).collect();
     let mut rows = 0_usize;
     for block in blocks(footer.recordBatches()).map_err(unreadable)? {
-        let batch = batch_of(bytes, block).map_err(unreadable)?;
+        let batch = batch_of(bytes, block, &room).map_err(unreadable)?;
         rows = rows.saturating_add(batch.rows);
         if rows > MOST_ROWS {
             return Err(too_many_rows(path, &format!("more than {MOST_ROWS}")));
@@ -144,6 +145,7 @@ fn blocks<'a>(list: Option<impl IntoIterator<Item = &'a Block>>) -> Result<Vec<&
 fn words(
     bytes: &[u8],
     footer: &Footer,
+    room: &Room,
     taken: &[usize],
     fields: &[Field],
     kinds: &[Result<Kind, String>],
@@ -159,14 +161,14 @@ fn words(
         .collect();
     let mut all: BTreeMap<i64, Words> = BTreeMap::new();
     for block in blocks(footer.dictionaries())? {
-        let (id, is_delta, batch) = dictionary_of(bytes, block)?;
+        let (id, is_delta, batch) = dictionary_of(bytes, block, room)?;
         let Some(Kind::Text(form)) = wanted.get(&id) else { continue };
         let words = values::words(&batch, *form)?;
         let known = all.entry(id).or_default();
         if !is_delta {
             *known = Words::default();
         }
-        known.add(words)?;
+        known.add(words);
     }
     Ok(all)
 }

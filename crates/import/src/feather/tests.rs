@@ -81,7 +81,8 @@ fn packed_columns_unpack_to_no_more_than_they_need() {
     let values = [0.5_f64, 1.5].map(f64::to_le_bytes).concat();
     let check = |codec, claimed: i64, packed: &[u8], most: usize| {
         let body = [&claimed.to_le_bytes()[..], packed].concat();
-        let batch = Batch::of_one(2, &body, codec);
+        let room = Room::new();
+        let batch = Batch::of_one(2, &body, codec, &room);
         batch.buffer(0, most).map(Cow::into_owned)
     };
     use std::borrow::Cow;

@@ -2,7 +2,7 @@
 
 use super::super::limits::MOST_TEXT;
 use super::super::table::Cells;
-use super::batch::{Batch, Place};
+use super::batch::{Batch, Place, Room};
 use arrow::array::{Float64Builder, LargeStringBuilder};
 use arrow_ipc::{Field, Precision, Type};
 use std::borrow::Cow;
@@ -169,10 +169,13 @@ fn texts(batch: &Batch, at: Place, form: Text, add: Add<str>) -> Result<(), Stri
         }
         Text::Views => {
             let views = batch.buffer(at.buffers + 1, batch.rows * 16)?;
-            let runs: Result<Vec<_>, String> = (0..batch.views(at.views)?)
-                .map(|run| batch.buffer(at.buffers + 2 + run, MOST_TEXT + 1))
-                .collect();
-            let runs = runs?;
+            let (mut runs, mut room) = (Vec::new(), MOST_TEXT);
+            for run in 0..batch.views(at.views)? {
+                let run = batch.buffer(at.buffers + 2 + run, MOST_TEXT + 1)?;
+                room =
+                    room.checked_sub(run.len()).ok_or("its texts have more bytes than are read")?;
+                runs.push(run);
+            }
             (0..batch.rows).try_for_each(|row| {
                 let view = views.get(16 * row..16 * row + 16);
                 give(row, view.and_then(|view| viewed(view, &runs)))
@@ -201,24 +204,17 @@ pub(super) struct Words(Vec<Option<String>>);
 
 impl Words {
     /// Adds more words behind those that are there.
-    pub(super) fn add(&mut self, more: Self) -> Result<(), String> {
+    pub(super) fn add(&mut self, more: Self) {
         self.0.extend(more.0);
-        let bytes = self.0.iter().flatten().map(String::len).sum::<usize>();
-        if bytes > MOST_TEXT { Err(too_long()) } else { Ok(()) }
     }
-}
-
-fn too_long() -> String {
-    format!("the texts in mapped columns have more than {MOST_TEXT} bytes")
 }
 
 /// The words of a batch of a dictionary.
 pub(super) fn words(batch: &Batch, form: Text) -> Result<Words, String> {
-    let (mut words, mut length) = (Vec::new(), 0);
+    let mut words = Vec::new();
     texts(batch, Place::default(), form, &mut |word| {
-        length += word.map_or(0, str::len);
         words.push(word.map(str::to_owned));
-        if length > MOST_TEXT { Err(too_long()) } else { Ok(()) }
+        batch.room.word(word)
     })?;
     Ok(Words(words))
 }
@@ -227,8 +223,6 @@ pub(super) fn words(batch: &Batch, form: Text) -> Result<Words, String> {
 pub(super) struct Growing {
     kind: Kind,
     built: Built,
-    /// Bytes of its texts.
-    length: usize,
 }
 
 enum Built {
@@ -242,7 +236,7 @@ impl Growing {
             Kind::Number(_) => Built::Numbers(Float64Builder::new()),
             _ => Built::Texts(LargeStringBuilder::new()),
         };
-        Self { kind, built, length: 0 }
+        Self { kind, built }
     }
 
     /// Adds the rows of a batch.
@@ -252,7 +246,7 @@ impl Growing {
         at: Place,
         words: &BTreeMap<i64, Words>,
     ) -> Result<(), String> {
-        let length = &mut self.length;
+        let room = batch.room;
         match (&mut self.built, self.kind) {
             (Built::Numbers(built), Kind::Number(number)) => {
                 numbers(batch, at.buffers, number, &mut |value| {
@@ -261,17 +255,17 @@ impl Growing {
                 })
             }
             (Built::Texts(built), Kind::Text(form)) => {
-                texts(batch, at, form, &mut |text| append(built, length, text))
+                texts(batch, at, form, &mut |text| append(built, room, text))
             }
             (Built::Texts(built), Kind::Word { dictionary, number, .. }) => {
                 let words = words.get(&dictionary).ok_or("a dictionary is missing")?;
                 numbers(batch, at.buffers, number, &mut |value| {
-                    let Some(value) = value else { return append(built, length, None) };
+                    let Some(value) = value else { return append(built, room, None) };
                     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
                     // Below 2⁵³, and what is negative becomes 0 or saturates: looked up all the same.
                     let place = Some(number.read(value)).filter(|n| *n >= 0.0).map(|n| n as usize);
                     let word = place.and_then(|place| words.0.get(place));
-                    append(built, length, word.ok_or("a word is missing")?.as_deref())
+                    append(built, room, word.ok_or("a word is missing")?.as_deref())
                 })
             }
             _ => Ok(()),
@@ -286,15 +280,8 @@ impl Growing {
     }
 }
 
-fn append(
-    built: &mut LargeStringBuilder,
-    length: &mut usize,
-    text: Option<&str>,
-) -> Result<(), String> {
-    *length += text.map_or(0, str::len);
-    if *length > MOST_TEXT {
-        return Err(too_long());
-    }
+fn append(built: &mut LargeStringBuilder, room: &Room, text: Option<&str>) -> Result<(), String> {
+    room.text(text)?;
     built.append_option(text);
     Ok(())
 }

@@ -1,9 +1,7 @@
 //! The cells of a sheet, row by row, as a table.
 
 use super::super::csv::Dialect;
-use super::super::limits::{
-    MOST_COLUMNS, MOST_TEXT, Take, check_columns, check_name, too_many_rows, too_much,
-};
+use super::super::limits::{MOST_TEXT, Take, check_columns, check_name, too_many_rows, too_much};
 use super::super::table::{Cells, Table};
 use arrow::array::{Float64Array, LargeStringBuilder};
 use std::borrow::Cow;
@@ -33,6 +31,8 @@ pub(super) struct Sheet<'a> {
     take: &'a Take<'a>,
     names: Option<Vec<String>>,
     columns: Vec<Column>,
+    /// The places of those that are read.
+    read: Vec<usize>,
     /// The row in the sheet of each of ours, from 1.
     lines: Vec<u64>,
     /// Bytes of all texts.
@@ -75,7 +75,16 @@ impl Column {
 
 impl<'a> Sheet<'a> {
     pub(super) fn new(path: &'a Path, dialect: Dialect, take: &'a Take<'a>) -> Self {
-        Self { path, dialect, take, names: None, columns: Vec::new(), lines: Vec::new(), text: 0 }
+        Self {
+            path,
+            dialect,
+            take,
+            names: None,
+            columns: Vec::new(),
+            read: Vec::new(),
+            lines: Vec::new(),
+            text: 0,
+        }
     }
 
     /// Adds the row `line` (from 1) of the sheet, and as many more like it as it is repeated. Cells stand in the order of their
@@ -101,14 +110,11 @@ impl<'a> Sheet<'a> {
         }
         self.widen(last + 1);
         self.check(repeated, &cells)?;
-        for more in 0..repeated {
-            let mut rest = cells.iter().peekable();
-            for (place, column) in self.columns.iter_mut().enumerate() {
-                let here = rest.next_if(|(at, _)| *at == place);
-                column.push(here.map(|(_, value)| value));
-            }
-            self.lines.push(line.saturating_add(more as u64));
+        for place in &self.read {
+            let here = cells.binary_search_by_key(place, |(at, _)| *at).ok().map(|i| &cells[i].1);
+            (0..repeated).for_each(|_| self.columns[*place].push(here));
         }
+        self.lines.extend((line..).take(repeated));
         Ok(())
     }
 
@@ -131,10 +137,12 @@ impl<'a> Sheet<'a> {
                 names.push(String::new());
             }
             let name = self.names.as_ref().map(|names| names[place].as_str());
-            self.columns.push(match self.take.wants(place, name) {
-                true => Column::Numbers(vec![None; self.lines.len()]),
-                false => Column::Unread,
-            });
+            if self.take.wants(place, name) {
+                self.read.push(place);
+                self.columns.push(Column::Numbers(vec![None; self.lines.len()]));
+            } else {
+                self.columns.push(Column::Unread);
+            }
         }
     }
 
@@ -144,12 +152,7 @@ impl<'a> Sheet<'a> {
             return Err(too_many_rows(self.path, &format!("more than {MOST_ROWS}")));
         }
         let is_read = |place: usize| !matches!(self.columns[place], Column::Unread);
-        let read = (0..self.columns.len()).filter(|place| is_read(*place)).count();
-        if !self.take.budget.cells(read.saturating_mul(repeated)) {
-            return Err(too_much(self.path));
-        }
-        // Unread columns cost time all the same.
-        if self.columns.len().saturating_mul(repeated) > MOST_COLUMNS * MOST_COLUMNS {
+        if !self.take.budget.cells(self.read.len().saturating_mul(repeated)) {
             return Err(too_much(self.path));
         }
         let texts =
