@@ -13,6 +13,7 @@ import numpy as np
 import openpyxl
 import pandas as pd
 import polars as pl
+import pyarrow as pa
 import pyxdf
 
 from checks import check, equal, run
@@ -74,6 +75,15 @@ class World:
         given = [self.zwidth, "--root", self.root, "import", "foreign", "--map", mapping, path]
         done = subprocess.run([str(part) for part in given], capture_output=True, text=True, check=False)
         return done.returncode, done.stderr
+
+    def convert(self, what, path, extension):
+        """Converts a file that is refused by the line that is printed."""
+        code, said = self.refused(path)
+        line = said[said.find("python -c") :].splitlines()[0] if "python -c" in said else ""
+        check(f"{what} is refused with a line", code == 1 and line.endswith(f"IN OUT.{extension}"), said)
+        converted = self.root / f"converted.{extension}"
+        subprocess.run([sys.executable, *shlex.split(line)[1:-2], path, converted], check=True)
+        return converted
 
 
 def same(what, found, expect):
@@ -174,12 +184,13 @@ def workbooks(world):
     same("xlsx of pandas: times", t, frame["t"])
     same("xlsx of pandas: values", f, frame["f"])
     book = openpyxl.load_workbook(path)
+    book["data"]["C2"] = 0.125
     book.create_sheet("notes")["B2"] = "by hand"
     book.save(world.root / "b.xlsx")
     code, said = world.refused(world.root / "b.xlsx")
     check("xlsx of two sheets is refused by their names", code == 1 and "data, notes" in said, said)
     _, f, _ = world.bring(world.root / "b.xlsx", 'sheet = "data"')
-    same("xlsx of openpyxl, a sheet by its name: values", f, frame["f"] + 0)
+    same("xlsx of openpyxl, a sheet by its name: values", f, [0.125, *frame["f"][1:]])
     cell = '<table:table-cell office:value-type="float" office:value="{}"/>'
     rows = "".join(f"<table:table-row>{cell.format(t)}{cell.format(f)}</table:table-row>" for t, f in zip(frame["t"], frame["f"]))
     head = "".join(f'<table:table-cell office:value-type="string"><text:p>{name}</text:p></table:table-cell>' for name in "tf")
@@ -209,6 +220,13 @@ def arrow(world):
         same(f"arrow, {name}: times", t, frame["t"])
         same(f"arrow, {name}: values", f, frame["f"])
         frame["f"] += 0.25
+    path = world.root / "stream.arrow"
+    whole = pa.Table.from_pandas(frame)
+    with pa.ipc.new_stream(path, whole.schema) as writer:
+        writer.write_table(whole)
+    converted = world.convert("an arrow stream", path, "arrow")
+    _, f, _ = world.bring(converted)
+    same("an arrow stream, converted by that line: values", f, frame["f"])
 
 
 def hdf5(world):
@@ -220,12 +238,7 @@ def hdf5(world):
         # As MATLAB writes a column.
         file.create_group("rig")["f"] = frame["f"].to_numpy()[None, :]
         file["name"] = "rig 2"
-    code, said = world.refused(path)
-    line = said[said.find("python -c") :].splitlines()[0] if "python -c" in said else ""
-    check("hdf5 is refused with a line", code == 1 and line.endswith("IN OUT.npz"), said)
-    words = shlex.split(line)
-    converted = world.root / "converted.npz"
-    subprocess.run([sys.executable, *words[1:-2], path, converted], check=True)
+    converted = world.convert("hdf5", path, "npz")
     t, f, _ = world.bring(converted, "", "t", "rig.f")
     same("hdf5, converted by that line: times", t, frame["t"])
     same("hdf5, converted by that line: values", f, frame["f"])
