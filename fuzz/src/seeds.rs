@@ -147,8 +147,18 @@ pub fn write() -> Result<(), Any> {
     let values = [0.0_f64, 0.5].map(f64::to_le_bytes).concat();
     let array = [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &values].concat();
     put("npy", "vector", &array)?;
-    put("npz", "stored", &archive("theta.npy", &array, &array))?;
-    put("npz", "deflated", &archive("theta.npy", &array, &deflated(&array)?))?;
+    put("npz", "stored", &archive(&[("theta.npy", &array, &array)]))?;
+    put("npz", "deflated", &archive(&[("theta.npy", &array, &deflated(&array)?)]))?;
+    let stored = |parts: &[(&str, &str)]| {
+        let parts = parts.iter().map(|(name, text)| (*name, text.as_bytes(), text.as_bytes()));
+        archive(&parts.collect::<Vec<_>>())
+    };
+    put("xlsx", "two_rows", &stored(&XLSX))?;
+    put("ods", "two_rows", &stored(&ODS))?;
+    // pyarrow.feather.write_feather of numbers, texts and a dictionary, as it is and packed with LZ4.
+    put("arrow", "plain", include_bytes!("plain.arrow"))?;
+    put("arrow", "packed", include_bytes!("packed.arrow"))?;
+    put("xdf", "two_streams", &two_streams())?;
     put("mat", "packed", &[mat_header(), packed(&data)?, packed(&vector)?].concat())?;
     Ok(())
 }
@@ -190,6 +200,63 @@ fn row(i: u32) -> Sample {
         extra: Extra::new(&[0.5]),
     }
 }
+
+/// An XDF file of a stream of two numbers with a comparison of clocks, and one of texts; a boundary parts its samples.
+fn two_streams() -> Vec<u8> {
+    let chunk = |tag: u16, stream: Option<u32>, content: &[u8]| {
+        let stream = stream.map(|stream| stream.to_le_bytes().to_vec()).unwrap_or_default();
+        let inner = [&tag.to_le_bytes()[..], &stream, content].concat();
+        [&[4][..], &(inner.len() as u32).to_le_bytes(), &inner].concat()
+    };
+    let header = |name: &str, channels: u32, rate: u32, format: &str, desc: &str| {
+        format!(
+            "<info><name>{name}</name><channel_count>{channels}</channel_count><nominal_srate>{rate}</nominal_srate>\
+             <channel_format>{format}</channel_format><desc>{desc}</desc></info>"
+        )
+    };
+    let labels = "<channels><channel><label>F</label></channel><channel/></channels>";
+    let stamped = [&[1, 2, 8][..], &10.0_f64.to_le_bytes(), &[1, 2, 0, 3, 4]].concat();
+    let marker = [&[1, 1, 8][..], &10.5_f64.to_le_bytes(), &[1, 2], b"go"].concat();
+    let offset = [10.0_f64, 100.0].map(f64::to_le_bytes).concat();
+    let boundary = b"\x43\xa5\x46\xdc\xcb\xf5\x41\x0f\xb3\x0e\xd5\x46\x73\x83\xcb\xe4";
+    [
+        b"XDF:".to_vec(),
+        chunk(1, None, b"<info><version>1.0</version></info>"),
+        chunk(2, Some(1), header("rig", 2, 100, "int8", labels).as_bytes()),
+        chunk(2, Some(2), header("marks", 1, 0, "string", "").as_bytes()),
+        chunk(3, Some(1), &stamped),
+        chunk(3, Some(2), &marker),
+        chunk(5, None, boundary),
+        chunk(3, Some(1), &stamped),
+        chunk(4, Some(1), &offset),
+        chunk(6, Some(1), b"<info><sample_count>4</sample_count></info>"),
+    ]
+    .concat()
+}
+
+/// The parts of an Excel workbook: a sheet with a text, a number and a date.
+const XLSX: [(&str, &str); 5] = [
+    ("xl/workbook.xml", r#"<workbook><sheets><sheet name="a" r:id="r1"/></sheets></workbook>"#),
+    (
+        "xl/_rels/workbook.xml.rels",
+        r#"<Relationships><Relationship Id="r1" Target="worksheets/sheet1.xml"/></Relationships>"#,
+    ),
+    ("xl/sharedStrings.xml", r#"<sst uniqueCount="1"><si><t>t &amp; x</t></si></sst>"#),
+    (
+        "xl/styles.xml",
+        r#"<styleSheet><cellXfs><xf numFmtId="0"/><xf numFmtId="14"/></cellXfs></styleSheet>"#,
+    ),
+    (
+        "xl/worksheets/sheet1.xml",
+        r#"<worksheet><sheetData><row r="1"><c r="A1" t="s"><v>0</v></c><c t="inlineStr"><is><t>F</t></is></c></row><row r="2"><c r="A2"><v>0.5</v></c><c r="B2" s="1"><v>45351</v></c></row></sheetData></worksheet>"#,
+    ),
+];
+
+/// The part of an OpenDocument workbook: a text, and numbers that are repeated.
+const ODS: [(&str, &str); 1] = [(
+    "content.xml",
+    r#"<a><table:table table:name="a"><table:table-row><table:table-cell office:value-type="string"><text:p>t</text:p></table:table-cell></table:table-row><table:table-row table:number-rows-repeated="2"><table:table-cell table:number-columns-repeated="2" office:value-type="float" office:value="1.5"/></table:table-row></table:table></a>"#,
+)];
 
 const RECORDS: &str = r#"{"metrics P01 S01":{"stage":"metrics","version":1,"parameters":"{}",
 "inputs":{"raw/demo/study.toml":"00"},"outputs":{"derived/demo/metrics.parquet":"11"},"problems":[],"origin":"22"}}"#;
@@ -237,31 +304,39 @@ fn deflated(bytes: &[u8]) -> Result<Vec<u8>, Any> {
     Ok(encoder.finish()?)
 }
 
-/// A ZIP archive of one file, kept as it is or deflated.
-fn archive(name: &str, file: &[u8], kept: &[u8]) -> Vec<u8> {
-    let mut crc = Crc::new();
-    crc.update(file);
-    let method: u16 = if kept == file { 0 } else { 8 };
-    // What the file's own head and its entry in the directory share, from the version needed on.
-    let facts = [
-        &[20, 0, 0, 0][..],
-        &method.to_le_bytes(),
-        &[0; 4],
-        &crc.sum().to_le_bytes(),
-        &(kept.len() as u32).to_le_bytes(),
-        &(file.len() as u32).to_le_bytes(),
-        &(name.len() as u16).to_le_bytes(),
-        &[0; 2],
-    ]
-    .concat();
-    let local = [b"PK\x03\x04", facts.as_slice(), name.as_bytes(), kept].concat();
-    let entry = [b"PK\x01\x02\x14\x00", facts.as_slice(), &[0; 14], name.as_bytes()].concat();
+/// A ZIP archive of files: name, content, and how it is kept, as it is or deflated.
+fn archive(files: &[(&str, &[u8], &[u8])]) -> Vec<u8> {
+    let (mut local, mut directory) = (Vec::new(), Vec::new());
+    for (name, file, kept) in files {
+        let mut crc = Crc::new();
+        crc.update(file);
+        let method: u16 = if kept == file { 0 } else { 8 };
+        // What the file's own head and its entry in the directory share, from the version needed on.
+        let facts = [
+            &[20, 0, 0, 0][..],
+            &method.to_le_bytes(),
+            &[0; 4],
+            &crc.sum().to_le_bytes(),
+            &(kept.len() as u32).to_le_bytes(),
+            &(file.len() as u32).to_le_bytes(),
+            &(name.len() as u16).to_le_bytes(),
+            &[0; 2],
+        ]
+        .concat();
+        let at = (local.len() as u32).to_le_bytes();
+        let entry = [b"PK\x01\x02\x14\x00", facts.as_slice(), &[0; 10], &at, name.as_bytes()];
+        directory.extend(entry.concat());
+        local.extend([b"PK\x03\x04", facts.as_slice(), name.as_bytes(), kept].concat());
+    }
+    let count = (files.len() as u16).to_le_bytes();
     let end = [
-        &b"PK\x05\x06\0\0\0\0\x01\0\x01\0"[..],
-        &(entry.len() as u32).to_le_bytes(),
+        &b"PK\x05\x06\0\0\0\0"[..],
+        &count,
+        &count,
+        &(directory.len() as u32).to_le_bytes(),
         &(local.len() as u32).to_le_bytes(),
         &[0; 2],
     ]
     .concat();
-    [local, entry, end].concat()
+    [local, directory, end].concat()
 }

@@ -14,6 +14,7 @@ from pathlib import Path
 import checks
 import compared
 import folders
+import foreign
 import mixed
 import recordings
 import results
@@ -33,6 +34,7 @@ def main():
     results.figures("thesis-twin", root / "reports/thesis-twin/figures", synthetic=True)
     mixed.check(zwidth)
     compared.study(zwidth)
+    foreign.check_all(zwidth)
     real = os.environ.get("ZWIDTH_REAL_DATA")
     if real:
         recordings.all_sets(zwidth, Path(real), WORKSPACE / "studies")

@@ -131,7 +131,7 @@ impl Check<'_> {
             skip: f.skip,
             rows: f.rows,
             missing: f.missing,
-            matrix: f.matrix.clone(),
+            part: f.matrix.clone(),
             encoding: f.encoding,
             bad_lines: f.bad_lines,
             splits_at_time: f.split == Some(Split::Time),

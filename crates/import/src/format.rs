@@ -1,9 +1,9 @@
 //! The formats of other people's files: the one list.
 
 use super::csv::Dialect;
-use super::limits::Take;
+use super::limits::{Take, shown};
 use super::table::Table;
-use super::{csv, jsonl, mat, npy, parquet};
+use super::{csv, feather, jsonl, mat, npy, parquet, workbook, xdf};
 use serde::Deserialize;
 use std::path::Path;
 use zwidth_store::StoreError;
@@ -17,9 +17,13 @@ pub(super) enum Format {
     Txt,
     Jsonl,
     Parquet,
+    Arrow,
     Mat,
     Npy,
     Npz,
+    Xdf,
+    Xlsx,
+    Ods,
 }
 
 /// What a format needs to know besides the bytes.
@@ -27,21 +31,25 @@ pub(super) enum Format {
 pub(super) struct FormatOptions<'a> {
     /// How delimited text is written.
     pub(super) dialect: Dialect,
-    /// The matrix of a MAT file, or the array of a NumPy archive, whose columns are meant.
-    pub(super) matrix: Option<&'a str>,
+    /// The part of the file whose columns are meant: a matrix of a MAT file, an array of a NumPy archive, a stream, a sheet.
+    pub(super) part: Option<&'a str>,
 }
 
 impl Format {
     /// Every format.
-    pub(super) const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 12] = [
         Self::Csv,
         Self::Tsv,
         Self::Txt,
         Self::Jsonl,
         Self::Parquet,
+        Self::Arrow,
         Self::Mat,
         Self::Npy,
         Self::Npz,
+        Self::Xdf,
+        Self::Xlsx,
+        Self::Ods,
     ];
 
     /// The extensions of its files, in small letters; the first is its word in a mapping file.
@@ -52,9 +60,13 @@ impl Format {
             Self::Txt => &["txt", "dat", "asc"],
             Self::Jsonl => &["jsonl", "ndjson"],
             Self::Parquet => &["parquet"],
+            Self::Arrow => &["arrow", "feather", "ipc"],
             Self::Mat => &["mat"],
             Self::Npy => &["npy"],
             Self::Npz => &["npz"],
+            Self::Xdf => &["xdf"],
+            Self::Xlsx => &["xlsx", "xlsm"],
+            Self::Ods => &["ods"],
         }
     }
 
@@ -71,15 +83,29 @@ impl Format {
             Self::Txt => "columns of text",
             Self::Jsonl => "JSON lines",
             Self::Parquet => "a Parquet file",
+            Self::Arrow => "an Arrow file",
             Self::Mat => "a MAT file",
             Self::Npy => "a NumPy array",
             Self::Npz => "a NumPy archive",
+            Self::Xdf => "an XDF file",
+            Self::Xlsx => "an Excel workbook",
+            Self::Ods => "an OpenDocument workbook",
         }
     }
 
     /// Whether a file may unpack to more than its size.
     pub(super) fn is_packed(self) -> bool {
-        matches!(self, Self::Parquet | Self::Mat | Self::Npz)
+        matches!(self, Self::Parquet | Self::Arrow | Self::Mat | Self::Npz | Self::Xlsx | Self::Ods)
+    }
+
+    /// What the key is called that names a part of a file; `None` where a file has but one.
+    fn part_key(self) -> Option<&'static str> {
+        match self {
+            Self::Mat | Self::Npz => Some("matrix"),
+            Self::Xdf => Some("stream"),
+            Self::Xlsx | Self::Ods => Some("sheet"),
+            _ => None,
+        }
     }
 
     /// Reads the columns that are taken.
@@ -93,13 +119,21 @@ impl Format {
         options: FormatOptions,
         take: &Take,
     ) -> Result<Table, StoreError> {
+        if let Some(part) = options.part.filter(|_| self.part_key().is_none()) {
+            let what = format!("'{}' is named, and {} has no parts", shown(part), self.name());
+            return Err(StoreError::new(path, what, "remove matrix, sheet or stream from [file]"));
+        }
         match self {
             Self::Csv | Self::Tsv | Self::Txt => csv::read(path, &bytes, options.dialect, take),
             Self::Jsonl => jsonl::read(path, &bytes, options.dialect.encoding, take),
             Self::Parquet => parquet::read(path, bytes, take),
-            Self::Mat => mat::read(path, &bytes, options.matrix, take),
+            Self::Arrow => feather::read(path, &bytes, take),
+            Self::Mat => mat::read(path, &bytes, options.part, take),
             Self::Npy => npy::read(path, &bytes, take),
-            Self::Npz => npy::read_archive(path, &bytes, options.matrix, take),
+            Self::Npz => npy::read_archive(path, &bytes, options.part, take),
+            Self::Xdf => xdf::read(path, &bytes, options.part, take),
+            Self::Xlsx => workbook::read_xlsx(path, &bytes, options, take),
+            Self::Ods => workbook::read_ods(path, &bytes, options, take),
         }
     }
 }

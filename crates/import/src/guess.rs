@@ -9,7 +9,7 @@ use super::limits::{Budget, MOST_FILE, Take};
 use super::plain::is_labchart;
 use super::recording::number;
 use super::table::{Cell, Cells, ColumnRef, Table};
-use super::text::{Encoding, decode};
+use super::text::{Encoding, check_readable, decode};
 use super::unit::{find, may_become};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -54,6 +54,7 @@ struct Written {
 /// A file that cannot be read.
 pub fn guess(path: &Path) -> Result<String, StoreError> {
     let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
+    check_readable(path, &bytes)?;
     let extension =
         path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let named = Format::ALL.into_iter().find(|f| f.extensions().contains(&extension.as_str()));
@@ -75,7 +76,7 @@ pub fn guess(path: &Path) -> Result<String, StoreError> {
     let columns: Vec<ColumnRef> = (1..=MOST_GUESSED).map(ColumnRef::Position).collect();
     let budget = Budget::default();
     let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
-    let table = format.read(path, bytes, FormatOptions { dialect, matrix: None }, &take)?;
+    let table = format.read(path, bytes, FormatOptions { dialect, part: None }, &take)?;
     Ok(mapping(path, &table, (named.is_none()).then_some(format), is_delimited.then_some(written)))
 }
 

@@ -14,6 +14,7 @@ mod check_samples;
 mod check_sweeps;
 mod convert;
 mod csv;
+mod feather;
 mod format;
 mod given;
 mod guess;
@@ -27,6 +28,8 @@ mod limits;
 mod long;
 mod mapping;
 mod mat;
+#[cfg(test)]
+mod mistakes;
 mod npy;
 mod once;
 mod parquet;
@@ -44,8 +47,12 @@ mod text;
 mod trials;
 mod unit;
 mod wide;
+mod workbook;
 #[cfg(test)]
 mod world;
+mod xdf;
+mod xml;
+mod zip;
 
 pub use guess::guess;
 pub use mapping::Mapping;

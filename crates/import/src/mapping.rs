@@ -92,7 +92,7 @@ pub(super) struct FileForm {
     pub(super) skip: usize,
     pub(super) rows: Option<usize>,
     pub(super) missing: Missing,
-    pub(super) matrix: Option<String>,
+    pub(super) part: Option<String>,
     pub(super) encoding: Encoding,
     /// How many rows that cannot be read are passed by.
     pub(super) bad_lines: usize,

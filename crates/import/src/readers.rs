@@ -52,10 +52,10 @@ impl FormatReader {
             encoding: Encoding::Utf8,
             bad_lines: 1,
         };
-        let read = |matrix| {
+        let read = |part| {
             let budget = Budget::default();
             let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
-            let options = FormatOptions { dialect, matrix };
+            let options = FormatOptions { dialect, part };
             let table = self.0.read(Path::new("input"), bytes.to_vec(), options, &take)?;
             Ok(table.lines.len())
         };

@@ -5,6 +5,7 @@ use super::format::FormatOptions;
 use super::limits::{MOST_FILE, Take, shown, too_many_rows};
 use super::mapping::{FileForm, Missing};
 use super::table::{Cell, Cells, ColumnRef, Table};
+use super::text::check_readable;
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -45,11 +46,11 @@ impl Recording {
         take: &Take,
     ) -> Result<Self, StoreError> {
         let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
+        check_readable(path, &bytes)?;
         let blake3 = hex_blake3(&bytes);
         let groups = name.map_or_else(|| Ok(BTreeMap::new()), |pattern| groups(path, pattern))?;
         let format = form.format_of(path)?;
-        let options =
-            FormatOptions { dialect: form.dialect(format), matrix: form.matrix.as_deref() };
+        let options = FormatOptions { dialect: form.dialect(format), part: form.part.as_deref() };
         let table = format.read(path, bytes, options, take)?;
         Ok(Self { path: path.to_owned(), table, blake3, decimal_comma: form.decimal_comma, groups })
     }

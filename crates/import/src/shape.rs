@@ -57,6 +57,7 @@ pub(super) struct FileShape {
     pub(super) skip: usize,
     pub(super) rows: Option<usize>,
     pub(super) missing: Missing,
+    #[serde(alias = "sheet", alias = "stream")]
     pub(super) matrix: Option<String>,
     pub(super) encoding: Encoding,
     pub(super) bad_lines: usize,

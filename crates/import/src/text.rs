@@ -20,19 +20,54 @@ pub(super) enum Encoding {
     Latin1,
 }
 
-/// What other files begin with, and what to do about one that is given for text.
-const FOREIGN: [(&[u8], &str, &str); 6] = [
+/// What files begin with that nothing here reads, and what to do about one.
+const UNREAD: [(&[u8], &str, &str); 9] = [
+    (b"\x89HDF\r\n", "an HDF5 file", HDF5),
+    (b"MATLAB 7.3", "a MAT file of version 7.3, which is HDF5", HDF5),
+    (
+        b"\xd0\xcf\x11\xe0",
+        "an old Excel workbook (.xls), or one that a password locks",
+        "save it as .xlsx without a password, or its sheet as CSV (UTF-8)",
+    ),
+    (b"\x1f\x8b", "compressed with gzip", "unpack it with gunzip"),
+    (b"\x80\x03", PICKLED, PICKLE),
+    (b"\x80\x04", PICKLED, PICKLE),
+    (b"\x80\x05", PICKLED, PICKLE),
+    (b"SQLite format 3", "an SQLite database", "write its table as CSV"),
+    (b"%PDF", "a PDF", "ask for the numbers themselves"),
+];
+/// The line that converts an HDF5 file: its numbers by their path, as arrays of an archive. `tests/interop/foreign.py` tries it.
+const HDF5: &str = "save it from MATLAB with -v7, or convert it: python -c \"import sys, h5py, numpy as np; d = {}; \
+     h5py.File(sys.argv[1]).visititems(lambda n, o: d.update({n.replace('/', '.'): np.squeeze(o).astype(float)}) \
+     if hasattr(o, 'dtype') and o.dtype.kind in 'iuf' else None); np.savez(sys.argv[2], **d)\" IN OUT.npz";
+const PICKLED: &str = "a Python pickle";
+/// A pickle may run any program when it is opened.
+const PICKLE: &str = "where it was made, write it as CSV: frame.to_csv(\"OUT.csv\", index=False)";
+
+/// What files begin with that other readers read, and how to ask for them.
+const OTHER: [(&[u8], &str, &str); 6] = [
     (
         b"PK\x03\x04",
         "a packed file: an .xlsx or .ods workbook, or a ZIP",
-        "save its sheet as CSV (UTF-8), or unpack it",
+        "set format = \"xlsx\" or \"ods\" in [file], or unpack it",
     ),
-    (b"\xd0\xcf\x11\xe0", "an old Excel workbook (.xls)", "save its sheet as CSV (UTF-8)"),
-    (b"\x89HDF\r\n", "an HDF5 file", "write it as CSV or Parquet, or from MATLAB with -v7"),
     (b"MATLAB 5.0", "a MAT file", "set format = \"mat\" in [file]"),
     (b"PAR1", "a Parquet file", "set format = \"parquet\" in [file]"),
-    (b"\x1f\x8b", "compressed with gzip", "unpack it with gunzip"),
+    (b"ARROW1", "an Arrow file", "set format = \"arrow\" in [file]"),
+    (b"XDF:", "an XDF file", "set format = \"xdf\" in [file]"),
+    (b"\x93NUMPY", "a NumPy array", "set format = \"npy\" in [file]"),
 ];
+
+/// Whether a file may be one that is read, by what it begins with.
+///
+/// # Errors
+/// It is one that nothing here reads; the remedy says how to convert it.
+pub(super) fn check_readable(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    match UNREAD.iter().find(|(begins, ..)| bytes.starts_with(begins)) {
+        Some((_, what, remedy)) => Err(StoreError::new(path, format!("this is {what}"), *remedy)),
+        None => Ok(()),
+    }
+}
 
 /// The text of a file, without a byte-order mark.
 ///
@@ -43,7 +78,8 @@ pub(super) fn decode<'a>(
     bytes: &'a [u8],
     encoding: Encoding,
 ) -> Result<Cow<'a, str>, StoreError> {
-    if let Some((_, what, remedy)) = FOREIGN.iter().find(|(begins, ..)| bytes.starts_with(begins)) {
+    check_readable(path, bytes)?;
+    if let Some((_, what, remedy)) = OTHER.iter().find(|(begins, ..)| bytes.starts_with(begins)) {
         return Err(StoreError::new(path, format!("this is not a text but {what}"), *remedy));
     }
     let text = match bytes {
@@ -108,8 +144,11 @@ mod tests {
 
     #[test]
     fn a_workbook_and_other_files_that_are_no_text_are_called_by_their_name() {
-        check(b"PK\x03\x04rest", "an .xlsx or .ods workbook, or a ZIP; save its sheet as CSV");
-        check(b"\x89HDF\r\n\x1a\n", "an HDF5 file");
+        check(b"PK\x03\x04rest", "an .xlsx or .ods workbook, or a ZIP; set format = \"xlsx\"");
+        check(
+            b"\x89HDF\r\n\x1a\n",
+            "this is an HDF5 file; save it from MATLAB with -v7, or convert it: python",
+        );
     }
 
     #[test]

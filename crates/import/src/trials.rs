@@ -95,7 +95,10 @@ fn with_care(study: &Study, piece: &Piece, number: &PlannedTrial) -> Vec<String>
     };
     let line =
         |e: &StoreError| format!("trial {}, {}: {}; {}", number.trial, place(e), e.what, e.remedy);
-    found.iter().map(line).collect()
+    let alone = (piece.samples.len() == 1).then(|| {
+        format!("trial {}: it has one sample: nothing can be computed from it", number.trial)
+    });
+    found.iter().map(line).chain(alone).collect()
 }
 
 /// One file's trials: consecutive rows with equal labels are one trial.

@@ -5,10 +5,10 @@
 mod header;
 #[cfg(test)]
 mod tests;
-mod zip;
 
 use super::limits::{MOST_TEXT, Take, check_columns, shown, too_many_rows, too_much};
 use super::table::{Cells, Table};
+use super::zip;
 use arrow::array::{Float64Array, LargeStringBuilder};
 use header::{Header, Kind, Member};
 use std::path::Path;

@@ -9,6 +9,10 @@ use zwidth_study::{Coordinate, Scene};
 const FARTHEST_RAD: f64 = 4.0 * core::f64::consts::PI;
 /// No slide goes farther, m; a few millimetres read as metres do.
 const FARTHEST_M: f64 = 2.0;
+/// Half a turn: no lever goes farther from one sample to the next.
+const WRAPPED_RAD: f64 = core::f64::consts::PI;
+/// No hand pushes harder, N: it is more than a person weighs.
+const STRONGEST_N: f64 = 1000.0;
 /// A hand's movement recorded with a longer interval than this, s, is not recorded.
 const LONGEST_INTERVAL_S: f64 = 0.5;
 /// No rig records a hand at shorter intervals, s.
@@ -35,7 +39,14 @@ pub(super) fn doubts(asked: &Asked, samples: &Samples) -> Vec<Doubt> {
     let at_the_end = [Signal::ForceEx, Signal::TorqueEx]
         .into_iter()
         .filter_map(|signal| at_the_end(samples, signal));
-    let single = [interval(samples), jump(samples), clocks(samples), too_far(asked, samples)];
+    let single = [
+        interval(samples),
+        jump(samples),
+        clocks(samples),
+        too_far(asked, samples),
+        wrapped(asked, samples),
+        too_strong(samples),
+    ];
     single.into_iter().flatten().chain(stopped).chain(at_the_end).collect()
 }
 
@@ -106,6 +117,33 @@ fn too_far(asked: &Asked, samples: &Samples) -> Option<Doubt> {
     };
     let remedy = "mend unit or scale of the column in the mapping, and import again";
     Some(Doubt { row: Some(row), ..Doubt::new(Signal::Theta, what, remedy) })
+}
+
+/// An angle that starts over at a full turn.
+fn wrapped(asked: &Asked, samples: &Samples) -> Option<Doubt> {
+    let theta =
+        samples.get(Signal::Theta).filter(|_| asked.coordinate == Coordinate::Rotational)?;
+    let row = (1..theta.len()).find(|i| (theta[*i] - theta[*i - 1]).abs() > WRAPPED_RAD)?;
+    let what = format!(
+        "the angle goes from {:.0}° to {:.0}° within a sample: one that starts over at a full turn?",
+        theta[row - 1].to_degrees(),
+        theta[row].to_degrees()
+    );
+    let remedy =
+        "unwrap the angle before the import (numpy.unwrap), or mend its unit in the mapping";
+    Some(Doubt { row: Some(row), ..Doubt::new(Signal::Theta, what, remedy) })
+}
+
+/// A force that no hand has.
+fn too_strong(samples: &Samples) -> Option<Doubt> {
+    let force = samples.get(Signal::ForceEx)?;
+    let row = force.iter().position(|value| value.abs() > STRONGEST_N)?;
+    let what = format!(
+        "{:e} N is more than a person weighs: mN taken for N, counts for a force, or a number that stands for a missing value?",
+        force[row]
+    );
+    let remedy = "mend unit or scale of the column in the mapping, or leave such rows empty with missing = \"drop\"";
+    Some(Doubt { row: Some(row), ..Doubt::new(Signal::ForceEx, what, remedy) })
 }
 
 /// A signal that holds one value: throughout, or for a second in which the lever moves on.

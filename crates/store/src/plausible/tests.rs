@@ -117,6 +117,31 @@ fn an_angle_of_a_thousand_degrees_is_none() {
 }
 
 #[test]
+fn an_angle_that_starts_over_at_a_full_turn_is_found_where_it_does() {
+    let mut samples = recording();
+    let wrapped = |v: &f64| if *v < 0.0 { v + TAU } else { *v };
+    let theta = samples.get(Signal::Theta).unwrap().iter().map(wrapped).collect();
+    samples.set(Signal::Theta, theta);
+    let found = implausible(&asked(), Path::new("a"), &samples);
+    let words = "goes from 360° to 0° within a sample";
+    assert!(found[0].what.contains(words) && found[0].row.is_some(), "{found:#?}");
+    let linear = Asked { coordinate: Coordinate::Linear { lever_m: 1e-3 }, ..asked() };
+    let found = implausible(&linear, Path::new("a"), &samples);
+    assert!(found.iter().all(|f| !f.what.contains("full turn")), "{found:#?}");
+}
+
+#[test]
+fn a_force_that_no_hand_has_is_found() {
+    let mut samples = recording();
+    let mut force = samples.get(Signal::ForceEx).unwrap().to_vec();
+    force[20] = -9999.0;
+    samples.set(Signal::ForceEx, force);
+    let found = implausible(&asked(), Path::new("a"), &samples);
+    assert!(found[0].what.starts_with("-9.999e3 N is more than a person weighs"), "{found:#?}");
+    assert_eq!(found[0].row, Some(21));
+}
+
+#[test]
 fn a_signal_that_stops_is_found_and_no_force_in_free_motion_is_none() {
     check(Signal::ForceEx, |_, _| 0.0, &[(Signal::ForceEx, "it is 0 throughout, while theta_rad")]);
     check(
@@ -173,6 +198,13 @@ fn a_torque_taken_for_a_force_is_a_lever_too_small() {
         |_, v| v / 0.075,
         &[(Signal::ForceEx, "a force in N taken for a torque")],
     );
-    check(Signal::ForceEx, |_, v| 1e3 * v, &[(Signal::ForceEx, "mN taken for N")]);
+    check(
+        Signal::ForceEx,
+        |_, v| 1e3 * v,
+        &[
+            (Signal::ForceEx, "a person weighs: mN taken for N"),
+            (Signal::ForceEx, "mN taken for N"),
+        ],
+    );
     check(Signal::ForceEx, |_, v| 0.5 * v, &[]);
 }

@@ -1,9 +1,9 @@
-//! The archive that `numpy.savez` writes: ZIP, stored or deflated.
+//! ZIP archives, stored or deflated: what `numpy.savez` writes, and workbooks.
 //!
 //! Source of the format: PKWARE, APPNOTE.TXT 6.3.10. What is read of an entry stands in the central
 //! directory at the end of the file; nothing that it claims is more than is there.
 
-use crate::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED};
+use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED};
 use flate2::Crc;
 use flate2::read::DeflateDecoder;
 use std::io::Read as _;
@@ -56,7 +56,7 @@ pub(super) fn entries(bytes: &[u8]) -> Result<Vec<Entry>, String> {
     let count = usize::from(u16_at(bytes, end + 10).ok_or_else(cut)?);
     let mut at = u32_at(bytes, end + 16).ok_or_else(cut)?;
     if count > MOST_COLUMNS {
-        return Err(format!("it has {count} arrays, and at most {MOST_COLUMNS} are read"));
+        return Err(format!("it has {count} parts, and at most {MOST_COLUMNS} are read"));
     }
     let mut entries = Vec::new();
     for _ in 0..count {
@@ -106,13 +106,15 @@ pub(super) fn unpack(bytes: &[u8], entry: &Entry, unpacked: &mut u64) -> Result<
         STORED => data.take(room + 1).read_to_end(&mut content),
         DEFLATED => DeflateDecoder::new(data).take(room + 1).read_to_end(&mut content),
         other => {
-            return Err(format!("'{name}' is packed by method {other}; save it with numpy.savez"));
+            return Err(format!(
+                "'{name}' is packed by method {other}, and only stored and deflated ones are read"
+            ));
         }
     };
     read.map_err(|_| damaged())?;
     *unpacked += content.len() as u64;
     if *unpacked > MOST_UNPACKED {
-        return Err(format!("its mapped arrays unpack to more than {MOST_UNPACKED} bytes"));
+        return Err(format!("its parts that are read unpack to more than {MOST_UNPACKED} bytes"));
     }
     let mut crc = Crc::new();
     crc.update(&content);

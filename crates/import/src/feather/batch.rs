@@ -1,0 +1,226 @@
+//! A batch: which of its bytes belong to which column.
+
+use super::super::limits::MOST_TEXT;
+use arrow_ipc::{
+    Block, CompressionType, Field, Message, RecordBatch, Type, UnionMode, root_as_message,
+};
+use std::borrow::Cow;
+use std::cell::Cell;
+use std::io::Read as _;
+use zwidth_store::MOST_ROWS;
+
+/// A batch of rows, its values not unpacked yet.
+pub(super) struct Batch<'a> {
+    pub(super) rows: usize,
+    body: &'a [u8],
+    /// Where each run of bytes begins in the body, and its length.
+    buffers: Vec<(i64, i64)>,
+    /// How many runs of text each column of views has.
+    views: Vec<i64>,
+    packed: Option<CompressionType>,
+    pub(super) room: &'a Room,
+}
+
+/// What may still be taken of a file: over all its batches, for one may be packed to a few bytes.
+#[derive(Debug)]
+pub(super) struct Room {
+    /// Bytes to unpack.
+    packed: Cell<u64>,
+    /// Bytes of texts.
+    text: Cell<usize>,
+    /// Words of dictionaries.
+    words: Cell<usize>,
+}
+
+impl Room {
+    pub(super) fn new() -> Self {
+        let packed = Cell::new(MOST_PACKED);
+        Self { packed, text: Cell::new(MOST_TEXT), words: Cell::new(MOST_ROWS) }
+    }
+
+    fn unpack(&self, bytes: u64) -> Result<(), String> {
+        let left = self.packed.get().checked_sub(bytes);
+        self.packed.set(left.ok_or_else(|| {
+            format!("its mapped columns unpack to more than {MOST_PACKED} bytes")
+        })?);
+        Ok(())
+    }
+
+    /// Takes room for a text.
+    pub(super) fn text(&self, text: Option<&str>) -> Result<(), String> {
+        let left = self.text.get().checked_sub(text.map_or(0, str::len));
+        self.text.set(left.ok_or_else(|| {
+            format!("the texts in mapped columns have more than {MOST_TEXT} bytes")
+        })?);
+        Ok(())
+    }
+
+    /// Takes room for a word.
+    pub(super) fn word(&self, word: Option<&str>) -> Result<(), String> {
+        let left = self.words.get().checked_sub(1);
+        self.words.set(left.ok_or_else(|| format!("it has more than {MOST_ROWS} words"))?);
+        self.text(word)
+    }
+}
+
+/// Bytes that the mapped columns unpack to, over all batches (1 GiB); of them one column of one batch is held at a time.
+const MOST_PACKED: u64 = 1 << 30;
+
+/// A batch of rows of a file.
+pub(super) fn batch_of<'a>(
+    bytes: &'a [u8],
+    block: &Block,
+    room: &'a Room,
+) -> Result<Batch<'a>, String> {
+    let (message, body) = message(bytes, block)?;
+    let batch = message.header_as_record_batch().ok_or_else(other)?;
+    batch_in(&batch, body, room)
+}
+
+/// A batch of words: the dictionary's number, and whether they come behind those before.
+pub(super) fn dictionary_of<'a>(
+    bytes: &'a [u8],
+    block: &Block,
+    room: &'a Room,
+) -> Result<(i64, bool, Batch<'a>), String> {
+    let (message, body) = message(bytes, block)?;
+    let words = message.header_as_dictionary_batch().ok_or_else(other)?;
+    let batch = words.data().ok_or_else(other)?;
+    Ok((words.id(), words.isDelta(), batch_in(&batch, body, room)?))
+}
+
+fn other() -> String {
+    "where a batch is said to be stands something else".to_owned()
+}
+
+fn message<'a>(bytes: &'a [u8], block: &Block) -> Result<(Message<'a>, &'a [u8]), String> {
+    let cut = || "a batch is cut off".to_owned();
+    let place = |n: i64| usize::try_from(n).map_err(|_| cut());
+    let (from, head) = (place(block.offset())?, place(block.metaDataLength().into())?);
+    let body = place(block.bodyLength())?;
+    let rest = bytes.get(from..).ok_or_else(cut)?;
+    let (head, rest) = rest.split_at_checked(head).ok_or_else(cut)?;
+    let body = rest.get(..body).ok_or_else(cut)?;
+    // Before the message stands its length, and since 2019 a mark before that.
+    let head = head.strip_prefix(&[0xff; 4]).unwrap_or(head);
+    let message = head.get(4..).ok_or_else(cut)?;
+    let message = root_as_message(message).map_err(|e| format!("a batch is damaged ({e})"))?;
+    Ok((message, body))
+}
+
+fn batch_in<'a>(batch: &RecordBatch, body: &'a [u8], room: &'a Room) -> Result<Batch<'a>, String> {
+    let rows = usize::try_from(batch.length()).ok().filter(|rows| *rows <= MOST_ROWS);
+    let buffers = batch.buffers().into_iter().flatten().map(|b| (b.offset(), b.length()));
+    Ok(Batch {
+        rows: rows.ok_or_else(|| format!("a batch claims {} rows", batch.length()))?,
+        body,
+        buffers: buffers.collect(),
+        views: batch.variadicBufferCounts().into_iter().flatten().collect(),
+        packed: batch.compression().map(|packed| packed.codec()),
+        room,
+    })
+}
+
+impl<'a> Batch<'a> {
+    /// A batch of one run, for tests of how it is packed.
+    #[cfg(test)]
+    pub(super) fn of_one(
+        rows: usize,
+        body: &'a [u8],
+        packed: CompressionType,
+        room: &'a Room,
+    ) -> Self {
+        let buffers = vec![(0, i64::try_from(body.len()).unwrap_or_default())];
+        Self { rows, body, buffers, views: Vec::new(), packed: Some(packed), room }
+    }
+
+    /// The bytes of a run, unpacked; at most `most` of them are needed.
+    pub(super) fn buffer(&self, number: usize, most: usize) -> Result<Cow<'a, [u8]>, String> {
+        let cut = || "a column is cut off".to_owned();
+        let (from, length) = *self.buffers.get(number).ok_or_else(cut)?;
+        let (from, length) =
+            usize::try_from(from).ok().zip(usize::try_from(length).ok()).ok_or_else(cut)?;
+        let bytes = self.body.get(from..).and_then(|rest| rest.get(..length)).ok_or_else(cut)?;
+        let Some(codec) = self.packed.filter(|_| !bytes.is_empty()) else {
+            return Ok(Cow::Borrowed(bytes));
+        };
+        let (claimed, packed) = bytes.split_first_chunk::<8>().ok_or_else(cut)?;
+        // What would not have become smaller stands as it is.
+        let claimed = match i64::from_le_bytes(*claimed) {
+            -1 => return Ok(Cow::Borrowed(packed)),
+            claimed => u64::try_from(claimed).map_err(|_| cut())?,
+        };
+        let wanted = claimed.min(most as u64);
+        self.room.unpack(wanted)?;
+        let mut unpacked = Vec::new();
+        let read = match codec {
+            CompressionType::LZ4_FRAME => {
+                lz4_flex::frame::FrameDecoder::new(packed).take(wanted).read_to_end(&mut unpacked)
+            }
+            CompressionType::ZSTD => zstd::stream::read::Decoder::with_buffer(packed)
+                .and_then(|decoder| decoder.take(wanted).read_to_end(&mut unpacked)),
+            _ => return Err("its columns are packed in a way that is not known".to_owned()),
+        };
+        let read = read.map_err(|e| format!("a column cannot be unpacked ({e})"))?;
+        if read as u64 == wanted { Ok(Cow::Owned(unpacked)) } else { Err(cut()) }
+    }
+
+    /// How many runs of text the column of views has that is the `number`th.
+    pub(super) fn views(&self, number: usize) -> Result<usize, String> {
+        let count = self.views.get(number).and_then(|count| usize::try_from(*count).ok());
+        count
+            .filter(|count| *count <= self.buffers.len())
+            .ok_or_else(|| "a column is cut off".to_owned())
+    }
+}
+
+/// Where a column begins in a batch.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Place {
+    /// Runs of bytes before it, and columns of views.
+    pub(super) buffers: usize,
+    pub(super) views: usize,
+}
+
+/// What a column takes in each batch.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Layout {
+    buffers: usize,
+    /// Columns of views in it, each with more runs.
+    views: usize,
+}
+
+impl Place {
+    /// Where the next column begins.
+    pub(super) fn after(self, layout: &Layout, batch: &Batch) -> Result<Self, String> {
+        let mut buffers = self.buffers + layout.buffers;
+        for view in self.views..self.views + layout.views {
+            buffers += batch.views(view)?;
+        }
+        Ok(Self { buffers, views: self.views + layout.views })
+    }
+}
+
+/// What a column takes: its own runs, and those of what it is made of.
+pub(super) fn layout(field: &Field) -> Layout {
+    if field.dictionary().is_some() {
+        return Layout { buffers: 2, views: 0 };
+    }
+    let buffers = match field.type_type() {
+        Type::Null | Type::RunEndEncoded => 0,
+        Type::Struct_ | Type::FixedSizeList => 1,
+        Type::Utf8 | Type::LargeUtf8 | Type::Binary | Type::LargeBinary => 3,
+        Type::ListView | Type::LargeListView => 3,
+        Type::Union => {
+            let is_dense = field.type_as_union().is_some_and(|u| u.mode() == UnionMode::Dense);
+            if is_dense { 2 } else { 1 }
+        }
+        _ => 2,
+    };
+    let views = usize::from(matches!(field.type_type(), Type::Utf8View | Type::BinaryView));
+    let children = field.children().into_iter().flatten().map(|child| layout(&child));
+    children.fold(Layout { buffers, views }, |sum, child| Layout {
+        buffers: sum.buffers + child.buffers,
+        views: sum.views + child.views,
+    })
+}

@@ -1,0 +1,136 @@
+//! Recordings of a movement spoilt on purpose, and answers.
+
+use super::super::world::{ONE, trials_map};
+use super::Becomes::{Flagged, Read, Refused};
+use super::{Row, mapped};
+use std::fmt::Write as _;
+
+/// There and back on the template's spring in 2 s, 500 samples a second, with every column but one as it should be.
+fn motion(what: &'static str, said: &'static str, change: fn(usize, [f64; 5]) -> [f64; 5]) -> Row {
+    let mut text = String::from("t,x,v,f,d\n");
+    for i in 0..1000_u32 {
+        let t = f64::from(i) * 2e-3;
+        let (sin, cos) = libm::sincos(core::f64::consts::PI * t);
+        let size = 77_f64.to_radians();
+        let out = size * (1.0 - cos) / 2.0;
+        let noise = f64::from(i.wrapping_mul(2_654_435_761) >> 20) * 1e-5;
+        let x = out - core::f64::consts::FRAC_PI_4;
+        let v = size * core::f64::consts::PI * sin / 2.0;
+        let [t, x, v, f, d] = change(i as usize, [t, x, v, 4.0 * out + noise, t]);
+        let _ = writeln!(text, "{t},{x},{v},{f},{d}");
+    }
+    let column = |to: &str, from: &str, unit: &str| {
+        format!("[[column]]\nto = \"{to}\"\nfrom = \"{from}\"\nunit = \"{unit}\"\n")
+    };
+    let columns = [
+        column("theta_rad", "x", "rad"),
+        column("theta_dot_rad_s", "v", "rad/s"),
+        column("force_ex_n", "f", "N"),
+        column("t_device_s", "d", "s"),
+    ];
+    let time = "[time]\nfrom = \"t\"\nunit = \"s\"\n";
+    let map = trials_map(&[ONE, time, &columns.concat()]);
+    mapped(what, (if said.is_empty() { Read } else { Flagged }, said), map, "a.csv", text)
+}
+
+/// What cannot be what it says.
+pub(super) fn units() -> Vec<Row> {
+    vec![
+        motion("a recording as it should be", "", |_, row| row),
+        motion("degrees taken for radians", "degrees taken for radians", |_, [t, x, v, f, d]| {
+            [t, x.to_degrees(), v, f, d]
+        }),
+        motion(
+            "degrees per second taken for radians",
+            "deg/s taken for rad/s",
+            |_, [t, x, v, f, d]| [t, x, v.to_degrees(), f, d],
+        ),
+        motion(
+            "revolutions per minute taken for radians per second",
+            "rpm taken for rad/s",
+            |_, [t, x, v, f, d]| [t, x, v * 60.0 / core::f64::consts::TAU, f, d],
+        ),
+        motion("a velocity of the wrong sign", "with the opposite sign", |_, [t, x, v, f, d]| {
+            [t, x, -v, f, d]
+        }),
+        motion(
+            "milliseconds taken for seconds",
+            "milliseconds taken for seconds",
+            |_, [t, x, v, f, d]| [1e3 * t, x, v, f, 1e3 * d],
+        ),
+        motion(
+            "seconds taken for milliseconds",
+            "seconds taken for milliseconds",
+            |_, [t, x, v, f, d]| [1e-3 * t, x, v, f, 1e-3 * d],
+        ),
+        motion(
+            "a rate ten times too high",
+            "the velocity is 0.1 times the angle's derivative",
+            |_, [t, x, v, f, d]| [0.1 * t, x, v, f, 0.1 * d],
+        ),
+        motion(
+            "a device's clock in another unit",
+            "one of them has another unit",
+            |_, [t, x, v, f, d]| [t, x, v, f, 1e3 * d],
+        ),
+        motion("a clock that jumps", "the clock jumps by 5.002 s", |i, [t, x, v, f, d]| {
+            if i < 700 { [t, x, v, f, d] } else { [t + 5.0, x, v, f, d + 5.0] }
+        }),
+        motion(
+            "an angle that starts over at 360°",
+            "goes from 360° to 0° within a sample: one that starts over at a full turn?",
+            |_, [t, x, v, f, d]| [t, if x < 0.0 { x + core::f64::consts::TAU } else { x }, v, f, d],
+        ),
+        motion("a force of the wrong sign", "set sign = -1", |_, [t, x, v, f, d]| [t, x, v, -f, d]),
+        motion("N·m taken for N", "a torque in N·m taken", |_, [t, x, v, f, d]| {
+            [t, x, v, 0.045 * f, d]
+        }),
+        motion("mN taken for N", "mN taken for N", |_, [t, x, v, f, d]| [t, x, v, 1e3 * f, d]),
+        motion(
+            "a sensor that is not plugged in",
+            "it is 0.125 throughout, while theta_rad changes",
+            |_, [t, x, v, _, d]| [t, x, v, 0.125, d],
+        ),
+        motion(
+            "a sensor that stops",
+            "it holds 3.25 for 1.40 s while the lever moves on",
+            |i, [t, x, v, f, d]| [t, x, v, if i < 300 { f } else { 3.25 }, d],
+        ),
+        motion(
+            "a sensor at the end of its range",
+            "it stands at its largest value",
+            |_, [t, x, v, f, d]| [t, x, v, f.min(4.5), d],
+        ),
+    ]
+}
+
+/// Answers to questions.
+pub(super) fn answers() -> Vec<Row> {
+    let map = "kind = \"likert\"\n[trial]\nparticipant = { column = \"who\" }\nsession = \"S01\"\nenvironment = \"spring\"\n\
+               mode = { column = \"mode\" }\n[questions.columns]\nfelt_spring = \"q\"\n";
+    let likert = |what, becomes, said, answers: &str| {
+        mapped(what, (becomes, said), map.to_owned(), "a.csv", format!("who,mode,q\n{answers}"))
+    };
+    vec![
+        likert("answers on the scale", Read, "", "P01,active,5\nP01,passive,1\n"),
+        likert(
+            "an answer off the scale",
+            Refused,
+            "the answer '6' must be a whole number from 1 to 5",
+            "P01,active,6\n",
+        ),
+        likert(
+            "words for answers",
+            Refused,
+            "the answer 'agree' must be a whole number from 1 to 5",
+            "P01,active,agree\n",
+        ),
+        likert(
+            "half an answer",
+            Refused,
+            "the answer '2.5' must be a whole number",
+            "P01,active,2.5\n",
+        ),
+        likert("no answer", Refused, "the answer '' must be a whole number", "P01,active,\n"),
+    ]
+}

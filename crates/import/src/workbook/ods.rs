@@ -1,0 +1,116 @@
+//! `.ods`: all sheets in one part, equal cells and rows side by side written once.
+
+use super::super::limits::MOST_COLUMNS;
+use super::super::xml::{Attributes, Event, Xml};
+use super::Fault;
+use super::sheet::{Sheet, Value};
+use std::borrow::Cow;
+
+/// A sheet, before its cells are read.
+pub(super) struct Named {
+    pub(super) name: String,
+    pub(super) has_values: bool,
+}
+
+/// The sheets.
+pub(super) fn sheets(xml: &str) -> Result<Vec<Named>, String> {
+    let mut sheets: Vec<Named> = Vec::new();
+    let mut reader = Xml::new(xml);
+    while let Some(event) = reader.next()? {
+        match event {
+            Event::Begin { name: "table", attributes } => {
+                let name = attributes.get("name").unwrap_or_default().into_owned();
+                sheets.push(Named { name, has_values: false });
+            }
+            Event::Begin { name: "table-cell", attributes } if is_filled(attributes) => {
+                sheets.iter_mut().next_back().into_iter().for_each(|sheet| sheet.has_values = true);
+            }
+            _ => {}
+        }
+        if sheets.len() > MOST_COLUMNS {
+            return Err(format!("it has more than {MOST_COLUMNS} sheets"));
+        }
+    }
+    Ok(sheets)
+}
+
+fn is_filled(attributes: Attributes) -> bool {
+    attributes.get("value-type").is_some()
+}
+
+/// Gives the rows of the sheet at a place.
+pub(super) fn cells<'a>(xml: &'a str, wanted: usize, sheet: &mut Sheet) -> Result<(), Fault> {
+    let mut reader = Xml::new(xml);
+    let (mut tables, mut line) = (0_usize, 1_u64);
+    while let Some(event) = reader.next()? {
+        match event {
+            Event::Begin { name: "table", .. } => tables += 1,
+            Event::Begin { name: "table-row", attributes } if tables == wanted + 1 => {
+                let repeated = attributes.number("number-rows-repeated").unwrap_or(1);
+                let cells: Vec<(usize, Value<'a>)> = row(&mut reader)?;
+                sheet.row(line, repeated, &cells)?;
+                line = line.saturating_add(repeated as u64);
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// The cells of the row that began, up to its end.
+fn row<'a>(reader: &mut Xml<'a>) -> Result<Vec<(usize, Value<'a>)>, String> {
+    let (mut place, mut cells) = (0_usize, Vec::new());
+    loop {
+        match reader.next()?.ok_or("its XML is cut off")? {
+            Event::End("table-row") => return Ok(cells),
+            Event::Begin { name: name @ ("table-cell" | "covered-table-cell"), attributes } => {
+                let repeated = attributes.number("number-columns-repeated").unwrap_or(1);
+                let value = value(attributes, texts(reader, name)?);
+                if let Some(value) = value {
+                    // One more than is read: what there is too much of is told by the sheet.
+                    let room = (MOST_COLUMNS + 1).saturating_sub(place);
+                    cells.extend((place..).take(repeated.min(room)).map(|at| (at, value.clone())));
+                }
+                place = place.saturating_add(repeated);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The paragraphs of the cell that began, up to its end; those of remarks are passed by.
+fn texts<'a>(reader: &mut Xml<'a>, cell: &str) -> Result<Option<Cow<'a, str>>, String> {
+    let (mut all, mut remarks): (Option<Cow<str>>, usize) = (None, 0);
+    let mut paragraphs = 0_usize;
+    loop {
+        match reader.next()?.ok_or("its XML is cut off")? {
+            Event::End(name) if name == cell => return Ok(all),
+            Event::Begin { name: "annotation", .. } => remarks += 1,
+            Event::End("annotation") => remarks = remarks.saturating_sub(1),
+            Event::Begin { name: "p", .. } if remarks == 0 => paragraphs += 1,
+            // Between blanks stand those that the text repeats, and a tab is an element.
+            Event::Begin { name: "s" | "tab" | "line-break", .. } if remarks == 0 => {
+                all.get_or_insert_default().to_mut().push(' ');
+            }
+            Event::Text(text) if remarks == 0 && paragraphs > 0 => match &mut all {
+                Some(all) => all.to_mut().push_str(&text),
+                None => all = Some(text),
+            },
+            _ => {}
+        }
+    }
+}
+
+/// What stands in a cell: numbers and dates in its attributes, texts in its paragraphs.
+fn value<'a>(attributes: Attributes<'a>, text: Option<Cow<'a, str>>) -> Option<Value<'a>> {
+    let number = || attributes.get("value")?.trim().parse::<f64>().ok().filter(|n| n.is_finite());
+    match attributes.get("value-type")?.as_ref() {
+        "float" | "percentage" | "currency" => {
+            number().map(Value::Number).or_else(|| text.map(Value::Text))
+        }
+        "date" => attributes.get("date-value").or(text).map(Value::Text),
+        "time" => attributes.get("time-value").or(text).map(Value::Text),
+        "boolean" => attributes.get("boolean-value").or(text).map(Value::Text),
+        _ => text.or_else(|| attributes.get("string-value")).map(Value::Text),
+    }
+}

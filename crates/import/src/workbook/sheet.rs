@@ -1,0 +1,183 @@
+//! The cells of a sheet, row by row, as a table.
+
+use super::super::csv::Dialect;
+use super::super::limits::{MOST_TEXT, Take, check_columns, check_name, too_many_rows, too_much};
+use super::super::table::{Cells, Table};
+use arrow::array::{Float64Array, LargeStringBuilder};
+use std::borrow::Cow;
+use std::path::Path;
+use zwidth_store::{MOST_ROWS, StoreError};
+
+/// What stands in a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Value<'a> {
+    Number(f64),
+    Text(Cow<'a, str>),
+}
+
+impl Value<'_> {
+    fn text(&self) -> String {
+        match self {
+            Self::Number(value) => value.to_string(),
+            Self::Text(text) => text.trim().to_owned(),
+        }
+    }
+}
+
+/// A sheet, as far as its rows were given.
+pub(super) struct Sheet<'a> {
+    path: &'a Path,
+    dialect: Dialect,
+    take: &'a Take<'a>,
+    names: Option<Vec<String>>,
+    columns: Vec<Column>,
+    /// The places of those that are read.
+    read: Vec<usize>,
+    /// The row in the sheet of each of ours, from 1.
+    lines: Vec<u64>,
+    /// Bytes of all texts.
+    text: usize,
+}
+
+/// A column that grows; numbers until a text comes.
+enum Column {
+    Unread,
+    Numbers(Vec<Option<f64>>),
+    Texts(Vec<Option<String>>),
+}
+
+impl Column {
+    fn push(&mut self, value: Option<&Value>) {
+        if let (Self::Numbers(numbers), Some(Value::Text(_))) = (&*self, value) {
+            let texts = numbers.iter().map(|number| number.map(|number| number.to_string()));
+            *self = Self::Texts(texts.collect());
+        }
+        match (self, value) {
+            (Self::Unread, _) => {}
+            (Self::Numbers(numbers), Some(Value::Number(number))) => numbers.push(Some(*number)),
+            (Self::Numbers(numbers), _) => numbers.push(None),
+            (Self::Texts(texts), value) => texts.push(value.map(Value::text)),
+        }
+    }
+
+    fn cells(self) -> Cells {
+        match self {
+            Self::Unread => Cells::Unread,
+            Self::Numbers(numbers) => Cells::Numbers(Float64Array::from(numbers)),
+            Self::Texts(texts) => {
+                let mut built = LargeStringBuilder::new();
+                texts.iter().for_each(|text| built.append_option(text.as_deref()));
+                Cells::Text(built.finish())
+            }
+        }
+    }
+}
+
+impl<'a> Sheet<'a> {
+    pub(super) fn new(path: &'a Path, dialect: Dialect, take: &'a Take<'a>) -> Self {
+        Self {
+            path,
+            dialect,
+            take,
+            names: None,
+            columns: Vec::new(),
+            read: Vec::new(),
+            lines: Vec::new(),
+            text: 0,
+        }
+    }
+
+    /// Adds the row `line` (from 1) of the sheet, and as many more like it as it is repeated. Cells stand in the order of their
+    /// places, from 0; a row without any is passed by.
+    ///
+    /// # Errors
+    /// More than is read.
+    pub(super) fn row(
+        &mut self,
+        line: u64,
+        repeated: usize,
+        cells: &[(usize, Value)],
+    ) -> Result<(), StoreError> {
+        let is_blank = |value: &Value| matches!(value, Value::Text(text) if text.trim().is_empty());
+        let cells: Vec<&(usize, Value)> = cells.iter().filter(|(_, v)| !is_blank(v)).collect();
+        let Some((last, _)) = cells.last() else { return Ok(()) };
+        if line <= self.dialect.skip as u64 {
+            return Ok(());
+        }
+        check_columns(self.path, last + 1)?;
+        if self.dialect.header && self.names.is_none() {
+            return self.header(last + 1, &cells);
+        }
+        self.widen(last + 1);
+        self.check(repeated, &cells)?;
+        for place in &self.read {
+            let here = cells.binary_search_by_key(place, |(at, _)| *at).ok().map(|i| &cells[i].1);
+            (0..repeated).for_each(|_| self.columns[*place].push(here));
+        }
+        self.lines.extend((line..).take(repeated));
+        Ok(())
+    }
+
+    fn header(&mut self, width: usize, cells: &[&(usize, Value)]) -> Result<(), StoreError> {
+        let mut names = vec![String::new(); width];
+        for (place, value) in cells {
+            let name = value.text();
+            check_name(self.path, &name)?;
+            names[*place] = name;
+        }
+        self.names = Some(names);
+        self.widen(width);
+        Ok(())
+    }
+
+    /// Adds columns up to `width`, as if they had been there, without names.
+    fn widen(&mut self, width: usize) {
+        for place in self.columns.len()..width {
+            if let Some(names) = self.names.as_mut().filter(|names| names.len() == place) {
+                names.push(String::new());
+            }
+            let name = self.names.as_ref().map(|names| names[place].as_str());
+            if self.take.wants(place, name) {
+                self.read.push(place);
+                self.columns.push(Column::Numbers(vec![None; self.lines.len()]));
+            } else {
+                self.columns.push(Column::Unread);
+            }
+        }
+    }
+
+    /// Whether so many more rows of these cells are read.
+    fn check(&mut self, repeated: usize, cells: &[&(usize, Value)]) -> Result<(), StoreError> {
+        if self.lines.len().saturating_add(repeated) > MOST_ROWS {
+            return Err(too_many_rows(self.path, &format!("more than {MOST_ROWS}")));
+        }
+        let is_read = |place: usize| !matches!(self.columns[place], Column::Unread);
+        if !self.take.budget.cells(self.read.len().saturating_mul(repeated)) {
+            return Err(too_much(self.path));
+        }
+        let texts =
+            cells.iter().filter(|(place, _)| is_read(*place)).map(|(_, value)| match value {
+                Value::Number(_) => 0,
+                Value::Text(text) => text.len(),
+            });
+        self.text = self.text.saturating_add(texts.sum::<usize>().saturating_mul(repeated));
+        if self.text > MOST_TEXT {
+            let what = format!("the texts in mapped columns have more than {MOST_TEXT} bytes");
+            return Err(StoreError::new(self.path, what, "split the file"));
+        }
+        Ok(())
+    }
+
+    /// The table.
+    ///
+    /// # Errors
+    /// No row has a value.
+    pub(super) fn table(self) -> Result<Table, StoreError> {
+        if self.columns.is_empty() {
+            let what = "the sheet has no values";
+            return Err(StoreError::new(self.path, what, "leave the file out of the import"));
+        }
+        let columns = self.columns.into_iter().map(Column::cells).collect();
+        Ok(Table { names: self.names, columns, lines: self.lines, ..Table::default() })
+    }
+}

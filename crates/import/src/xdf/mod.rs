@@ -1,0 +1,210 @@
+//! XDF, the files of LabStreamingLayer's recorder: streams of samples, each with a clock of its own.
+//!
+//! Source of the format: XDF 1.0 (github.com/sccn/xdf/wiki/Specifications). A damaged file is read as far as it goes, and what is
+//! lost is told; `xdf` 0.1 passes by a chunk that is cut off without a word.
+
+mod chunks;
+mod clock;
+mod header;
+mod samples;
+#[cfg(test)]
+pub(super) mod tests;
+
+use super::limits::{MOST_COLUMNS, Take, shown};
+use super::table::{Cells, Table};
+use arrow::array::Float64Array;
+use chunks::{Bytes, Lost, MAGIC, Tag, walk};
+use clock::{Offset, remove_jitter, synchronise};
+use header::{Header, sample_count};
+use samples::Samples;
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_store::StoreError;
+
+const REMEDY: &str = "copy the file again, or record with LabRecorder";
+/// The column of times, before those of the channels.
+const TIME: &str = "time_s";
+/// Comparisons of clocks that are read of a stream: LabRecorder makes one in five seconds, so that these are of four days.
+const MOST_OFFSETS: usize = 1 << 16;
+/// How far, as a part, the samples' rate may lie from the one that the stream names before it is told.
+const RATE_OFF: f64 = 0.1;
+
+/// What is read of a stream before its samples.
+struct Stream {
+    header: Result<Header, String>,
+    offsets: Vec<Offset>,
+    /// The samples that its footer counts.
+    counted: Option<u64>,
+    has_samples: bool,
+}
+
+/// Reads a stream: its times, then its channels. `wanted` names it, by its name or its number.
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    wanted: Option<&str>,
+    take: &Take,
+) -> Result<Table, StoreError> {
+    if !bytes.starts_with(MAGIC) {
+        let what = match bytes.starts_with(b"\x1f\x8b") {
+            true => "not an XDF file: it is compressed with gzip (.xdfz)",
+            false => "not an XDF file: it does not begin with 'XDF:'",
+        };
+        return Err(StoreError::new(path, what, "unpack it with gunzip, or set format in [file]"));
+    }
+    let streams = streams(bytes).map_err(|why| StoreError::new(path, why, REMEDY))?;
+    let number = choose(path, &streams, wanted)?;
+    let stream = &streams[&number];
+    let header = stream.header.as_ref().map_err(|why| {
+        let what = format!("the header of stream {number} cannot be read: {why}");
+        StoreError::new(path, what, REMEDY)
+    })?;
+    let mut samples = Samples::new(header, take);
+    let lost = walk(bytes, &mut |chunk| {
+        chunk.tag != Tag::Samples || chunk.stream != number || samples.add(header, chunk.content)
+    });
+    let mut table = Table { told: damage(&lost).into_iter().collect(), ..Table::default() };
+    samples.check(path)?;
+    table.told.extend(samples.told(stream.counted));
+    let mut times = std::mem::take(&mut samples.times);
+    table.told.extend(on_our_clock(&mut times, stream, header));
+    let named = header.labels.iter().enumerate().map(|(i, label)| match label.as_str() {
+        "" => format!("channel_{}", i + 1),
+        label => label.to_owned(),
+    });
+    table.names = Some(std::iter::once(TIME.to_owned()).chain(named).collect());
+    let time = if take.wants(0, Some(TIME)) {
+        Cells::Numbers(Float64Array::from(times))
+    } else {
+        Cells::Unread
+    };
+    table.columns = std::iter::once(time).chain(samples.cells()).collect();
+    Ok(table)
+}
+
+/// What is said of bytes that hold no whole chunk.
+fn damage(lost: &Lost) -> Option<String> {
+    let Lost { stretches, bytes, first, at_end } = *lost;
+    let from = first + 1;
+    let place = match (stretches, at_end) {
+        (0, _) => return None,
+        (1, true) => format!("cut off or damaged: its last {bytes} bytes hold"),
+        (1, false) => {
+            format!("damaged: {bytes} bytes from byte {from} up to the next boundary hold")
+        }
+        (n, _) => format!("damaged in {n} places: {bytes} bytes, the first at byte {from}, hold"),
+    };
+    Some(format!("the file is {place} no whole chunk; their samples are read as far as they go"))
+}
+
+/// Every stream of the file, by its number.
+fn streams(bytes: &[u8]) -> Result<BTreeMap<u32, Stream>, String> {
+    let mut streams: BTreeMap<u32, Stream> = BTreeMap::new();
+    let mut too_many = None;
+    walk(bytes, &mut |chunk| {
+        if chunk.tag == Tag::StreamHeader {
+            let xml = String::from_utf8_lossy(chunk.content);
+            let header = header::header(&xml);
+            if streams.len() == MOST_COLUMNS {
+                too_many = Some(format!("the file has more than {MOST_COLUMNS} streams"));
+            } else {
+                let new = Stream { header, offsets: Vec::new(), counted: None, has_samples: false };
+                streams.entry(chunk.stream).or_insert(new);
+            }
+            return true;
+        }
+        let Some(stream) = streams.get_mut(&chunk.stream) else { return true };
+        match chunk.tag {
+            Tag::Samples => stream.has_samples = true,
+            Tag::ClockOffset => {
+                let mut content = Bytes(chunk.content);
+                let Some(offset) = content.f64().zip(content.f64()) else { return false };
+                if stream.offsets.len() == MOST_OFFSETS {
+                    too_many = Some(format!("a stream has more than {MOST_OFFSETS} clock offsets"));
+                } else {
+                    stream.offsets.push(offset);
+                }
+            }
+            Tag::StreamFooter => {
+                stream.counted = sample_count(&String::from_utf8_lossy(chunk.content));
+            }
+            _ => {}
+        }
+        true
+    });
+    too_many.map_or(Ok(streams), Err)
+}
+
+/// The stream of that name or number; without one the only stream with samples.
+fn choose(
+    path: &Path,
+    streams: &BTreeMap<u32, Stream>,
+    wanted: Option<&str>,
+) -> Result<u32, StoreError> {
+    let name = |stream: &Stream| match &stream.header {
+        Ok(header) => header.name.clone(),
+        Err(_) => String::new(),
+    };
+    let is_meant = |number: u32, stream: &Stream| match wanted {
+        Some(wanted) => name(stream) == wanted || number.to_string() == wanted,
+        None => stream.has_samples,
+    };
+    let meant: Vec<u32> =
+        streams.iter().filter(|(n, s)| is_meant(**n, s)).map(|(number, _)| *number).collect();
+    if let [number] = meant[..] {
+        return Ok(number);
+    }
+    let list: Vec<String> = streams
+        .iter()
+        .take(MOST_LISTED)
+        .map(|(number, stream)| format!("{number} '{}'", shown(&name(stream))))
+        .collect();
+    let more = if streams.len() > MOST_LISTED { ", …" } else { "" };
+    let (list, n) = (list.join(", ") + more, meant.len());
+    let what = match (wanted, n) {
+        (_, _) if streams.is_empty() => "the file has no stream".to_owned(),
+        (Some(wanted), 0) => {
+            format!("there is no stream '{}'; the file has {list}", shown(wanted))
+        }
+        (Some(wanted), _) => {
+            format!("{n} streams are called '{}'; the file has {list}", shown(wanted))
+        }
+        (None, 0) => format!("no stream has samples; the file has {list}"),
+        (None, _) => format!("{n} streams have samples: {list}"),
+    };
+    let remedy = "set stream in [file] to a stream's name or number";
+    Err(StoreError::new(path, what, if streams.is_empty() { REMEDY } else { remedy }))
+}
+
+/// Streams that an error lists.
+const MOST_LISTED: usize = 20;
+
+/// Puts times on the recorder's clock and, where samples come at a rate, on a line; what there is to be told.
+fn on_our_clock(times: &mut [f64], stream: &Stream, header: &Header) -> Vec<String> {
+    let mut told = Vec::new();
+    if stream.offsets.is_empty() {
+        told.push("no clock offsets were recorded: times are on the stream's own clock");
+    }
+    if !synchronise(times, &stream.offsets) {
+        told.push(
+            "clock offsets of one and the same time are of no use: times are on the stream's own clock",
+        );
+    }
+    let mut told: Vec<String> = told.into_iter().map(str::to_owned).collect();
+    if header.rate_hz > 0.0 && !header.may_drop {
+        remove_jitter(times, header.rate_hz);
+        told.extend(other_rate(times, header.rate_hz));
+    }
+    told
+}
+
+/// What is said of a rate that is not the one which the stream names.
+fn other_rate(times: &[f64], rate_hz: f64) -> Option<String> {
+    let [first, .., last] = times else { return None };
+    #[allow(clippy::cast_precision_loss)] // Rows are fewer than 2⁵³.
+    let found_hz = (times.len() - 1) as f64 / (last - first);
+    let is_off = (found_hz - rate_hz).abs() > RATE_OFF * rate_hz;
+    is_off.then(|| {
+        format!("the stream says {rate_hz} Hz, and {found_hz:.1} samples a second were recorded")
+    })
+}

@@ -1,0 +1,192 @@
+use super::super::limits::tests::everything;
+use super::super::table::Cell;
+use super::chunks::BOUNDARY;
+use super::*;
+
+fn length(n: usize) -> Vec<u8> {
+    let n = u32::try_from(n).unwrap();
+    [&[4][..], &n.to_le_bytes()].concat()
+}
+
+fn chunk(tag: u16, stream: Option<u32>, content: &[u8]) -> Vec<u8> {
+    let stream = stream.map(|stream| stream.to_le_bytes().to_vec()).unwrap_or_default();
+    let inner = [&tag.to_le_bytes()[..], &stream, content].concat();
+    [length(inner.len()), inner].concat()
+}
+
+fn boundary() -> Vec<u8> {
+    chunk(5, None, &BOUNDARY)
+}
+
+fn header(
+    number: u32,
+    name: &str,
+    channels: usize,
+    rate: f64,
+    format: &str,
+    desc: &str,
+) -> Vec<u8> {
+    let xml = format!(
+        "<?xml version=\"1.0\"?>\n<info>\n <name>{name}</name><type>EEG</type>\n <channel_count>{channels}</channel_count>\n\
+         <nominal_srate>{rate}</nominal_srate><channel_format>{format}</channel_format><desc>{desc}</desc>\n</info>"
+    );
+    chunk(2, Some(number), xml.as_bytes())
+}
+
+/// Samples of `f32`, with a time where one is given.
+fn samples(number: u32, rows: &[(Option<f64>, &[f32])]) -> Vec<u8> {
+    let mut content = length(rows.len());
+    for (time, values) in rows {
+        match time {
+            Some(t) => content.extend([&[8][..], &t.to_le_bytes()].concat()),
+            None => content.push(0),
+        }
+        content.extend(values.iter().flat_map(|v| v.to_le_bytes()));
+    }
+    chunk(3, Some(number), &content)
+}
+
+fn offset(number: u32, t: f64, value: f64) -> Vec<u8> {
+    chunk(4, Some(number), &[t.to_le_bytes(), value.to_le_bytes()].concat())
+}
+
+const LABELS: &str =
+    "<channels><channel><label>F &amp; x</label><unit>N</unit></channel><channel/></channels>";
+
+/// A stream of two channels without a rate, in two chunks with a boundary between, and one of markers.
+pub(in super::super) fn parts() -> Vec<Vec<u8>> {
+    let marker = [&length(1)[..], &[8], &10.5_f64.to_le_bytes(), &[1, 4], b"go\xc3\xa4"].concat();
+    vec![
+        b"XDF:".to_vec(),
+        chunk(1, None, b"<info><version>1.0</version></info>"),
+        header(1, "rig", 2, 0.0, "float32", LABELS),
+        header(7, "marks", 1, 0.0, "string", ""),
+        samples(1, &[(Some(10.0), &[0.5, 1.0]), (Some(10.5), &[1.5, 2.0])]),
+        chunk(3, Some(7), &marker),
+        boundary(),
+        samples(1, &[(Some(11.0), &[2.5, 3.0])]),
+        offset(1, 10.0, 100.0),
+        chunk(6, Some(1), b"<info><sample_count>3</sample_count></info>"),
+    ]
+}
+
+fn try_read(bytes: &[u8], stream: Option<&str>) -> Result<Table, StoreError> {
+    everything(|take| super::read(Path::new("a.xdf"), bytes, stream, take))
+}
+
+fn rig(parts: &[Vec<u8>]) -> Table {
+    try_read(&parts.concat(), Some("rig")).unwrap()
+}
+
+fn column(table: &Table, place: usize) -> Vec<f64> {
+    let cells = &table.columns[place];
+    let number = |row| match cells.cell(row) {
+        Cell::Number(value) => value,
+        other => panic!("{other:?}"),
+    };
+    (0..cells.len()).map(number).collect()
+}
+
+#[test]
+fn a_stream_is_its_times_on_the_recorders_clock_and_its_channels_by_label() {
+    let table = rig(&parts());
+    assert_eq!(table.names.as_ref().unwrap()[..], ["time_s", "F & x", "channel_2"]);
+    assert_eq!(column(&table, 0), [110.0, 110.5, 111.0]);
+    assert_eq!((column(&table, 1), column(&table, 2)), (vec![0.5, 1.5, 2.5], vec![1.0, 2.0, 3.0]));
+    assert_eq!(table.told, Vec::<String>::new());
+    let marks = try_read(&parts().concat(), Some("7")).unwrap();
+    assert_eq!(marks.columns[1].cell(0), Cell::Text("goä"));
+    assert_eq!(marks.told, ["no clock offsets were recorded: times are on the stream's own clock"]);
+}
+
+#[test]
+fn a_regular_stream_whose_samples_have_no_times_goes_by_its_rate() {
+    let parts = [
+        b"XDF:".to_vec(),
+        header(3, "rig", 1, 4.0, "float32", ""),
+        samples(3, &[(Some(2.0), &[0.0]), (None, &[0.0]), (None, &[0.0])]),
+    ];
+    let table = try_read(&parts.concat(), None).unwrap();
+    assert_eq!(column(&table, 0), [2.0, 2.25, 2.5]);
+}
+
+#[test]
+fn which_stream_is_meant_must_be_plain() {
+    let check = |bytes: &[u8], stream, words: &str| {
+        let error = try_read(bytes, stream).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    };
+    let whole = parts().concat();
+    check(&whole, None, "2 streams have samples: 1 'rig', 7 'marks'; set stream in [file]");
+    check(&whole, Some("x"), "there is no stream 'x'; the file has 1 'rig', 7 'marks'");
+    check(b"XDF:", None, "the file has no stream");
+    check(b"t,f\n", None, "does not begin with 'XDF:'");
+    check(b"\x1f\x8b\x08", None, "compressed with gzip (.xdfz); unpack it");
+}
+
+#[test]
+fn a_file_cut_anywhere_is_read_as_far_as_it_goes_and_says_so() {
+    let parts = parts();
+    let whole = parts.concat();
+    let from = parts[..4].concat().len();
+    let ends: Vec<usize> = (0..=parts.len()).map(|n| parts[..n].concat().len()).collect();
+    for cut in from..whole.len() {
+        let table = try_read(&whole[..cut], Some("rig")).unwrap();
+        assert_eq!(ends.contains(&cut), !table.told.iter().any(|told| told.contains("cut off")));
+        let times = column(&table, 0);
+        assert!(times.len() <= 3 && times.len() == column(&table, 1).len());
+    }
+    // Its second sample lacks its last byte.
+    let cut = parts[..5].concat().len() - 1;
+    let table = try_read(&whole[..cut], Some("rig")).unwrap();
+    assert_eq!(column(&table, 1), [0.5]);
+    assert!(table.told.contains(&"1 samples of damaged chunks are lost, 1 are read".to_owned()));
+}
+
+#[test]
+fn what_is_damaged_is_passed_by_up_to_the_next_boundary() {
+    let mut parts = parts();
+    // A length that is none, in the first chunk of samples.
+    parts[4][0] = 3;
+    let bytes = parts[4..7].concat().len();
+    let table = rig(&parts);
+    assert_eq!(column(&table, 1), [2.5]);
+    let told = table.told.join("\n");
+    assert!(told.contains(&format!("damaged: {bytes} bytes from byte")), "{told}");
+    assert!(told.contains("footer counts 3 samples, and 1 are read"), "{told}");
+}
+
+#[test]
+fn no_claim_takes_memory_or_time() {
+    let mut long = length(0);
+    long[1..].copy_from_slice(&u32::MAX.to_le_bytes());
+    let claims = chunk(3, Some(1), &long);
+    let parts = [b"XDF:".to_vec(), header(1, "rig", 1, 0.0, "int8", ""), claims];
+    let table = try_read(&parts.concat(), Some("rig")).unwrap();
+    assert!(
+        table
+            .told
+            .contains(&"4294967295 samples of damaged chunks are lost, 0 are read".to_owned())
+    );
+    for (channels, rate, format) in
+        [(0, "1", "int8"), (1, "x", "int8"), (1, "1", "cf64"), (1 << 20, "1", "int8")]
+    {
+        let xml = format!(
+            "<info><channel_count>{channels}</channel_count><nominal_srate>{rate}</nominal_srate><channel_format>{format}</channel_format></info>"
+        );
+        let parts = [b"XDF:".to_vec(), chunk(2, Some(1), xml.as_bytes())];
+        let error = try_read(&parts.concat(), Some("1")).unwrap_err().to_string();
+        assert!(error.contains("the header of stream 1 cannot be read: its "), "{error}");
+    }
+}
+
+#[test]
+fn a_flipped_bit_never_ends_the_program() {
+    let whole = parts().concat();
+    for i in 0..whole.len() {
+        let mut bad = whole.clone();
+        bad[i] ^= 1 << (i % 8);
+        let _ = try_read(&bad, Some("rig"));
+        let _ = try_read(&bad, None);
+    }
+}

@@ -1,0 +1,245 @@
+"""Recordings in other programs' formats, made here by their own libraries: what zwidth reads of them, against those libraries."""
+
+import shlex
+import struct
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+import h5py
+import numpy as np
+import openpyxl
+import pandas as pd
+import polars as pl
+import pyarrow as pa
+import pyxdf
+
+from checks import check, equal, run
+
+MAP = """
+kind = "trials"
+{file}
+[trial]
+participant = "P01"
+session = "{session}"
+environment = "spring"
+mode = "active"
+[time]
+from = "{time}"
+unit = "s"
+[[column]]
+to = "force_ex_n"
+from = "{force}"
+unit = "N"
+"""
+# To what times and values agree, s and N.
+AGREEMENT = 1e-9
+BOUNDARY = bytes.fromhex("43a546dccbf5410fb30ed5467383cbe4")
+
+
+def check_all(zwidth):
+    """Makes, imports and compares every format."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        run(zwidth, "--root", root, "new", "foreign")
+        world = World(zwidth, root)
+        xdf(world)
+        workbooks(world)
+        arrow(world)
+        hdf5(world)
+
+
+class World:
+    """A study, and how files come into it: each as a session of its own."""
+
+    def __init__(self, zwidth, root):
+        self.zwidth, self.root, self.sessions = zwidth, root, 0
+
+    def bring(self, path, file="", time="t", force="f"):
+        """Imports one file; its times and forces, and what was printed."""
+        self.sessions += 1
+        session = f"S{self.sessions:02}"
+        mapping = self.root / "map.toml"
+        mapping.write_text(MAP.format(file=f"[file]\n{file}\n", session=session, time=time, force=force))
+        said = run(self.zwidth, "--root", self.root, "import", "foreign", "--map", mapping, path)
+        frame = pd.read_parquet(self.root / "raw/foreign/trials")
+        frame = frame[frame["session"].astype(str) == session].sort_values("t_s")
+        return frame["t_s"].to_numpy(), frame["force_ex_n"].to_numpy(), said
+
+    def refused(self, path):
+        """What is said of a file that is not read."""
+        mapping = self.root / "map.toml"
+        mapping.write_text(MAP.format(file="", session="S99", time="t", force="f"))
+        given = [self.zwidth, "--root", self.root, "import", "foreign", "--map", mapping, path]
+        done = subprocess.run([str(part) for part in given], capture_output=True, text=True, check=False)
+        return done.returncode, done.stderr
+
+    def convert(self, what, path, extension):
+        """Converts a file that is refused by the line that is printed."""
+        code, said = self.refused(path)
+        line = said[said.find("python -c") :].splitlines()[0] if "python -c" in said else ""
+        check(f"{what} is refused with a line", code == 1 and line.endswith(f"IN OUT.{extension}"), said)
+        converted = self.root / f"converted.{extension}"
+        subprocess.run([sys.executable, *shlex.split(line)[1:-2], path, converted], check=True)
+        return converted
+
+
+def same(what, found, expect):
+    """Checks that two series agree."""
+    found, expect = np.asarray(found, float), np.asarray(expect, float)
+    off = np.abs(found - expect).max() if found.shape == expect.shape else np.inf
+    check(what, off <= AGREEMENT, f"{found.shape} against {expect.shape}, off by {off}")
+
+
+def chunk(tag, stream, content):
+    """A chunk of an XDF file."""
+    inner = struct.pack("<H", tag) + (b"" if stream is None else struct.pack("<I", stream)) + content
+    return b"\x04" + struct.pack("<I", len(inner)) + inner
+
+
+def stream_header(number, name, form, rate, labels):
+    """The header of a stream."""
+    channels = "".join(f"<channel><label>{label}</label></channel>" for label in labels)
+    xml = (
+        f'<?xml version="1.0"?><info><name>{name}</name><type>Force</type><channel_count>{len(labels)}</channel_count>'
+        f"<nominal_srate>{rate}</nominal_srate><channel_format>{form}</channel_format>"
+        f"<desc><channels>{channels}</channels></desc></info>"
+    )
+    return chunk(2, number, xml.encode())
+
+
+def stream_samples(number, kind, times, rows):
+    """A chunk of samples; a time of None is left to the rate."""
+    content = b"\x04" + struct.pack("<I", len(rows))
+    for time, row in zip(times, rows, strict=True):
+        content += b"\0" if time is None else b"\x08" + struct.pack("<d", time)
+        content += row if kind is None else struct.pack(f"<{len(row)}{kind}", *row)
+    return chunk(3, number, content)
+
+
+def recorded(seed, rate, kind, form, reset=False, given=1.0):
+    """An XDF file of a stream of two channels whose clock drifts against the recorder's, one of markers, and boundaries between."""
+    draw = np.random.default_rng(seed)
+    n = 3000
+    steady = 1234.5 + np.arange(n) / (rate or 50.0)
+    own = steady * (1 + 2e-5) - 777.0 + draw.normal(0, 4e-4, n)
+    if reset:
+        own[n // 2 :] -= 900.0
+    values = np.round(draw.normal(0, 50, (n, 2)))
+    parts = [b"XDF:", chunk(1, None, b"<info><version>1.0</version></info>")]
+    parts += [stream_header(1, "rig", form, rate, ["f", "x &amp; y"]), stream_header(2, "marks", "string", 0, ["m"])]
+    parts.append(stream_samples(2, None, [1234.5], [b"\x01\x02go"]))
+    for i, begin in enumerate(range(0, n, 100)):
+        here = slice(begin, begin + 100)
+        stamps = [t if rate == 0 or draw.random() < given else None for t in own[here]]
+        parts.append(stream_samples(1, kind, stamps, values[here].astype(int if kind in "hb" else float)))
+        offset = steady[begin] - own[begin] + draw.normal(0, 2e-5) + (0.05 if i == 7 else 0.0)
+        parts.append(chunk(4, 1, struct.pack("<dd", own[begin], offset)))
+        if i % 5 == 4:
+            parts.append(chunk(5, None, BOUNDARY))
+    parts.append(chunk(6, 1, f"<info><sample_count>{n}</sample_count></info>".encode()))
+    return b"".join(parts)
+
+
+def xdf(world):
+    """Streams against pyxdf with its usual settings; files that are cut or damaged."""
+    for name, content in [
+        ("regular, drifting", recorded(1, 100.0, "f", "float32")),
+        ("a clock set anew", recorded(2, 100.0, "d", "double64", reset=True)),
+        ("irregular", recorded(3, 0, "h", "int16")),
+        ("times left to the rate", recorded(4, 100.0, "f", "float32", given=0.3)),
+    ]:
+        path = world.root / f"{name}.xdf"
+        path.write_bytes(content)
+        theirs = next(s for s in pyxdf.load_xdf(path)[0] if s["info"]["name"][0] == "rig")
+        stamps, values = theirs["time_stamps"], theirs["time_series"][:, 0]
+        t, f, _ = world.bring(path, 'stream = "rig"', "time_s", "f")
+        same(f"xdf, {name}: times as pyxdf has them", t, stamps)
+        same(f"xdf, {name}: values", f, values)
+    whole = recorded(1, 100.0, "f", "float32")
+    path = world.root / "cut.xdf"
+    path.write_bytes(whole[: len(whole) * 2 // 3])
+    t, f, said = world.bring(path, 'stream = "rig"', "time_s", "f")
+    theirs = next(s for s in pyxdf.load_xdf(path)[0] if s["info"]["name"][0] == "rig")
+    values = theirs["time_series"][:, 0]
+    check("xdf, cut off: all that pyxdf reads, and more", len(f) >= len(values) > 0, f"{len(f)}, {len(values)}")
+    same("xdf, cut off: values", f[: len(values)], values)
+    check("xdf, cut off: it is told", "cut off" in said and "samples of damaged chunks are lost" in said, said)
+
+
+def table():
+    """Times, forces and labels."""
+    t = np.arange(200) / 100
+    return pd.DataFrame({"t": t, "who": ["P01"] * 200, "f": np.sin(3 * t) / 3})
+
+
+def workbooks(world):
+    """Workbooks as openpyxl, pandas, and LibreOffice's format have them."""
+    frame = table()
+    path = world.root / "a.xlsx"
+    frame.to_excel(path, sheet_name="data", index=False)
+    t, f, _ = world.bring(path)
+    same("xlsx of pandas: times", t, frame["t"])
+    same("xlsx of pandas: values", f, frame["f"])
+    book = openpyxl.load_workbook(path)
+    book["data"]["C2"] = 0.125
+    book.create_sheet("notes")["B2"] = "by hand"
+    book.save(world.root / "b.xlsx")
+    code, said = world.refused(world.root / "b.xlsx")
+    check("xlsx of two sheets is refused by their names", code == 1 and "data, notes" in said, said)
+    _, f, _ = world.bring(world.root / "b.xlsx", 'sheet = "data"')
+    same("xlsx of openpyxl, a sheet by its name: values", f, [0.125, *frame["f"][1:]])
+    cell = '<table:table-cell office:value-type="float" office:value="{}"/>'
+    rows = "".join(f"<table:table-row>{cell.format(t)}{cell.format(f)}</table:table-row>" for t, f in zip(frame["t"], frame["f"]))
+    head = "".join(f'<table:table-cell office:value-type="string"><text:p>{name}</text:p></table:table-cell>' for name in "tf")
+    content = f'<office:body><table:table table:name="a"><table:table-row>{head}</table:table-row>{rows}</table:table></office:body>'
+    with zipfile.ZipFile(world.root / "a.ods", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("mimetype", "application/vnd.oasis.opendocument.spreadsheet")
+        archive.writestr("content.xml", content)
+    t, f, _ = world.bring(world.root / "a.ods")
+    same("ods: times", t, frame["t"])
+    same("ods: values", f, frame["f"])
+
+
+def arrow(world):
+    """Arrow files as pandas and polars write them unasked, and packed."""
+    frame = table()
+    frame["who"] = frame["who"].astype("category")
+    for name, write in [
+        ("pandas, as it likes", lambda path: frame.to_feather(path)),
+        ("pandas, zstd", lambda path: frame.to_feather(path, compression="zstd")),
+        ("polars, as it likes", lambda path: pl.from_pandas(frame).write_ipc(path)),
+        ("polars, lz4", lambda path: pl.from_pandas(frame).write_ipc(path, compression="lz4")),
+    ]:
+        path = world.root / f"{world.sessions}.feather"
+        write(path)
+        # The same values in each would be the same trial.
+        t, f, _ = world.bring(path)
+        same(f"arrow, {name}: times", t, frame["t"])
+        same(f"arrow, {name}: values", f, frame["f"])
+        frame["f"] += 0.25
+    path = world.root / "stream.arrow"
+    whole = pa.Table.from_pandas(frame)
+    with pa.ipc.new_stream(path, whole.schema) as writer:
+        writer.write_table(whole)
+    converted = world.convert("an arrow stream", path, "arrow")
+    _, f, _ = world.bring(converted)
+    same("an arrow stream, converted by that line: values", f, frame["f"])
+
+
+def hdf5(world):
+    """HDF5 is not read: the line that is printed converts it."""
+    frame = table()
+    path = world.root / "a.h5"
+    with h5py.File(path, "w") as file:
+        file["t"] = frame["t"].to_numpy()
+        # As MATLAB writes a column.
+        file.create_group("rig")["f"] = frame["f"].to_numpy()[None, :]
+        file["name"] = "rig 2"
+    converted = world.convert("hdf5", path, "npz")
+    t, f, _ = world.bring(converted, "", "t", "rig.f")
+    same("hdf5, converted by that line: times", t, frame["t"])
+    same("hdf5, converted by that line: values", f, frame["f"])
+    equal("hdf5, converted by that line: what is no number is left out", sorted(np.load(converted)), ["rig.f", "t"])
