@@ -132,8 +132,8 @@ impl Format {
             Self::Npy => npy::read(path, &bytes, take),
             Self::Npz => npy::read_archive(path, &bytes, options.part, take),
             Self::Xdf => xdf::read(path, &bytes, options.part, take),
-            Self::Xlsx => workbook::read_xlsx(path, &bytes, options, take),
-            Self::Ods => workbook::read_ods(path, &bytes, options, take),
+            Self::Xlsx => workbook::read_xlsx(path, &bytes, options.dialect, options.part, take),
+            Self::Ods => workbook::read_ods(path, &bytes, options.dialect, options.part, take),
         }
     }
 }

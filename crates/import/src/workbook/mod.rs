@@ -6,37 +6,37 @@
 
 mod dates;
 mod ods;
+mod parts;
 mod sheet;
 #[cfg(test)]
 pub(super) mod tests;
 mod xlsx;
 
-use super::format::FormatOptions;
+use super::csv::Dialect;
 use super::limits::{Take, shown};
 use super::table::Table;
-use super::zip;
+use parts::{Parts, unreadable};
 use sheet::Sheet;
 use std::path::Path;
 use zwidth_store::StoreError;
-
-const REMEDY: &str = "the file may be cut off or damaged; open it and save it again, or save its sheet as CSV (UTF-8)";
 
 /// Reads the sheet named, or the only one with values, of an `.xlsx` workbook.
 pub(super) fn read_xlsx(
     path: &Path,
     bytes: &[u8],
-    options: FormatOptions,
+    dialect: Dialect,
+    part: Option<&str>,
     take: &Take,
 ) -> Result<Table, StoreError> {
     let mut parts = Parts::of(path, bytes)?;
     let book = xlsx::Book::read(&mut parts).map_err(|why| unreadable(path, &why))?;
     let names: Vec<&str> = book.sheets.iter().map(|sheet| sheet.name.as_str()).collect();
-    let place = choose(path, &names, options.part, |place| {
+    let place = choose(path, &names, part, |place| {
         let content = parts.text(&book.sheets[place].part)?;
         xlsx::has_values(&content)
     })?;
     let content = parts.text(&book.sheets[place].part).map_err(|why| unreadable(path, &why))?;
-    let mut sheet = Sheet::new(path, options.dialect, take);
+    let mut sheet = Sheet::new(path, dialect, take);
     book.cells(&content, &mut sheet).map_err(|error| error.about(path))?;
     sheet.table()
 }
@@ -45,48 +45,18 @@ pub(super) fn read_xlsx(
 pub(super) fn read_ods(
     path: &Path,
     bytes: &[u8],
-    options: FormatOptions,
+    dialect: Dialect,
+    part: Option<&str>,
     take: &Take,
 ) -> Result<Table, StoreError> {
     let mut parts = Parts::of(path, bytes)?;
     let content = parts.text("content.xml").map_err(|why| unreadable(path, &why))?;
     let sheets = ods::sheets(&content).map_err(|why| unreadable(path, &why))?;
     let names: Vec<&str> = sheets.iter().map(|sheet| sheet.name.as_str()).collect();
-    let place = choose(path, &names, options.part, |place| Ok(sheets[place].has_values))?;
-    let mut sheet = Sheet::new(path, options.dialect, take);
+    let place = choose(path, &names, part, |place| Ok(sheets[place].has_values))?;
+    let mut sheet = Sheet::new(path, dialect, take);
     ods::cells(&content, place, &mut sheet).map_err(|error| error.about(path))?;
     sheet.table()
-}
-
-/// Why a sheet cannot be read: what its file lacks, or more than is read.
-enum Fault {
-    Unreadable(String),
-    Refused(StoreError),
-}
-
-impl From<String> for Fault {
-    fn from(why: String) -> Self {
-        Self::Unreadable(why)
-    }
-}
-
-impl From<StoreError> for Fault {
-    fn from(error: StoreError) -> Self {
-        Self::Refused(error)
-    }
-}
-
-impl Fault {
-    fn about(self, path: &Path) -> StoreError {
-        match self {
-            Self::Unreadable(why) => unreadable(path, &why),
-            Self::Refused(error) => error,
-        }
-    }
-}
-
-fn unreadable(path: &Path, why: &str) -> StoreError {
-    StoreError::new(path, format!("not a readable workbook: {why}"), REMEDY)
 }
 
 /// The sheet named, or the only one with values.
@@ -127,44 +97,3 @@ fn choose(
 
 /// Sheets that an error lists.
 const MOST_LISTED: usize = 20;
-
-/// The parts of a workbook's archive.
-struct Parts<'a> {
-    bytes: &'a [u8],
-    entries: Vec<zip::Entry>,
-    /// Bytes of all that was unpacked.
-    unpacked: u64,
-}
-
-impl<'a> Parts<'a> {
-    fn of(path: &Path, bytes: &'a [u8]) -> Result<Self, StoreError> {
-        if !bytes.starts_with(b"PK") {
-            let (what, remedy) = match bytes {
-                [] => ("the file is empty", "leave it out of the import"),
-                [0xd0, 0xcf, 0x11, 0xe0, ..] => (
-                    "not a workbook that is read: an old one (.xls), or one that a password locks",
-                    "save it as .xlsx without a password, or its sheet as CSV (UTF-8)",
-                ),
-                _ => (
-                    "not a workbook: it does not begin as an .xlsx or .ods does",
-                    "if it is a text, set format = \"csv\" in [file]",
-                ),
-            };
-            return Err(StoreError::new(path, what, remedy));
-        }
-        let entries = zip::entries(bytes).map_err(|why| unreadable(path, &why))?;
-        Ok(Self { bytes, entries, unpacked: 0 })
-    }
-
-    fn has(&self, name: &str) -> bool {
-        self.entries.iter().any(|entry| entry.name == name)
-    }
-
-    /// The text of a part.
-    fn text(&mut self, name: &str) -> Result<String, String> {
-        let entry = self.entries.iter().find(|entry| entry.name == name);
-        let entry = entry.ok_or_else(|| format!("it has no '{}'", shown(name)))?;
-        let bytes = zip::unpack(self.bytes, entry, &mut self.unpacked)?;
-        String::from_utf8(bytes).map_err(|_| format!("'{}' is not UTF-8 text", shown(name)))
-    }
-}

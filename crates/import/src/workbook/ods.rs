@@ -2,7 +2,7 @@
 
 use super::super::limits::MOST_COLUMNS;
 use super::super::xml::{Attributes, Event, Xml};
-use super::Fault;
+use super::parts::Fault;
 use super::sheet::{Sheet, Value};
 use std::borrow::Cow;
 

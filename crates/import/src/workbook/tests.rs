@@ -92,9 +92,8 @@ fn with(bytes: &[u8], is_ods: bool, part: Option<&str>, skip: usize) -> Result<T
         encoding: Encoding::Utf8,
         bad_lines: 0,
     };
-    let options = FormatOptions { dialect, part };
     let read = if is_ods { read_ods } else { read_xlsx };
-    everything(|take| read(Path::new("a"), bytes, options, take))
+    everything(|take| read(Path::new("a"), bytes, dialect, part, take))
 }
 
 fn try_xlsx(bytes: &[u8]) -> Result<Table, StoreError> {

@@ -3,8 +3,8 @@
 use super::super::limits::MOST_COLUMNS;
 use super::super::xml::{Attributes, Event, Xml};
 use super::dates::{is_date, is_date_number, iso};
+use super::parts::{Fault, Parts};
 use super::sheet::{Sheet, Value};
-use super::{Fault, Parts};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 

@@ -1,0 +1,80 @@
+//! The parts of a workbook's archive, and what can be wrong with them.
+
+use super::super::limits::shown;
+use super::super::zip;
+use std::path::Path;
+use zwidth_store::StoreError;
+
+const REMEDY: &str = "the file may be cut off or damaged; open it and save it again, or save its sheet as CSV (UTF-8)";
+
+/// Why a sheet cannot be read: what its file lacks, or more than is read.
+pub(super) enum Fault {
+    Unreadable(String),
+    Refused(StoreError),
+}
+
+impl From<String> for Fault {
+    fn from(why: String) -> Self {
+        Self::Unreadable(why)
+    }
+}
+
+impl From<StoreError> for Fault {
+    fn from(error: StoreError) -> Self {
+        Self::Refused(error)
+    }
+}
+
+impl Fault {
+    pub(super) fn about(self, path: &Path) -> StoreError {
+        match self {
+            Self::Unreadable(why) => unreadable(path, &why),
+            Self::Refused(error) => error,
+        }
+    }
+}
+
+pub(super) fn unreadable(path: &Path, why: &str) -> StoreError {
+    StoreError::new(path, format!("not a readable workbook: {why}"), REMEDY)
+}
+
+/// The parts of a workbook's archive.
+pub(super) struct Parts<'a> {
+    bytes: &'a [u8],
+    entries: Vec<zip::Entry>,
+    /// Bytes of all that was unpacked.
+    unpacked: u64,
+}
+
+impl<'a> Parts<'a> {
+    pub(super) fn of(path: &Path, bytes: &'a [u8]) -> Result<Self, StoreError> {
+        if !bytes.starts_with(b"PK") {
+            let (what, remedy) = match bytes {
+                [] => ("the file is empty", "leave it out of the import"),
+                [0xd0, 0xcf, 0x11, 0xe0, ..] => (
+                    "not a workbook that is read: an old one (.xls), or one that a password locks",
+                    "save it as .xlsx without a password, or its sheet as CSV (UTF-8)",
+                ),
+                _ => (
+                    "not a workbook: it does not begin as an .xlsx or .ods does",
+                    "if it is a text, set format = \"csv\" in [file]",
+                ),
+            };
+            return Err(StoreError::new(path, what, remedy));
+        }
+        let entries = zip::entries(bytes).map_err(|why| unreadable(path, &why))?;
+        Ok(Self { bytes, entries, unpacked: 0 })
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.entries.iter().any(|entry| entry.name == name)
+    }
+
+    /// The text of a part.
+    pub(super) fn text(&mut self, name: &str) -> Result<String, String> {
+        let entry = self.entries.iter().find(|entry| entry.name == name);
+        let entry = entry.ok_or_else(|| format!("it has no '{}'", shown(name)))?;
+        let bytes = zip::unpack(self.bytes, entry, &mut self.unpacked)?;
+        String::from_utf8(bytes).map_err(|_| format!("'{}' is not UTF-8 text", shown(name)))
+    }
+}
