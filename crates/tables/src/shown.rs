@@ -117,49 +117,39 @@ pub(crate) fn one_line(text: &str) -> String {
 /// A column as people see it; none where another column has it in its cells.
 fn show(column: &Column, all: &[Column]) -> Option<Shown> {
     let field = &column.field;
-    let other = |part| partner(field, part, all);
-    let part = match column.values {
-        Values::Float(_) => quantity(field).1,
-        _ => Part::Estimate,
-    };
-    match part {
-        Part::Sd if other(Part::Estimate).is_some() => None,
-        Part::CiHigh if other(Part::CiLow).is_some() => None,
-        _ => Some(of_cells(column, words_of(part, field, all), cells_of(part, column, all))),
-    }
-}
-
-/// What stands above it: of the ends of an interval what both have in common.
-fn words_of(part: Part, field: &Field, all: &[Column]) -> String {
     let words = words(field);
-    match part {
-        Part::Estimate if partner(field, Part::Sd, all).is_some() => words + WITH_SD,
-        Part::CiLow if partner(field, Part::CiHigh, all).is_some() => {
-            words.trim_end_matches("low").trim_end().to_owned()
+    let values = match &column.values {
+        Values::Float(values) => values,
+        Values::Integer(values) => {
+            let whole = cells(values, |v| Cell::Number(Decimal::integer(*v)));
+            return Some(of_cells(column, words, whole));
         }
-        _ => words,
-    }
-}
-
-fn cells_of(part: Part, column: &Column, all: &[Column]) -> Vec<Cell> {
-    let field = &column.field;
-    match &column.values {
-        Values::Float(values) => match part {
-            Part::Estimate => match partner(field, Part::Sd, all) {
-                Some(sds) => with_sd(values, sds),
-                None => numbers(values, &uncertainties(field, all)),
-            },
-            Part::CiLow => match partner(field, Part::CiHigh, all) {
-                Some(highs) => intervals(values, highs, &uncertainties(field, all)),
-                None => numbers(values, &uncertainties(field, all)),
-            },
-            _ => numbers(values, &uncertainties(field, all)),
-        },
-        Values::Integer(values) => cells(values, |v| Cell::Number(Decimal::integer(*v))),
-        Values::Text(values) => cells(values, |v| Cell::Text(one_line(v))),
+        Values::Text(values) => {
+            return Some(of_cells(column, words, cells(values, |v| Cell::Text(one_line(v)))));
+        }
         Values::Flag(values) => {
-            cells(values, |v| Cell::Text(if *v { "yes" } else { "no" }.to_owned()))
+            let said = |v: &bool| Cell::Text(if *v { "yes" } else { "no" }.to_owned());
+            return Some(of_cells(column, words, cells(values, said)));
         }
+    };
+    let part = quantity(field).1;
+    let beside = match part {
+        Part::Estimate => Some(Part::Sd),
+        Part::Sd => Some(Part::Estimate),
+        Part::CiLow => Some(Part::CiHigh),
+        Part::CiHigh => Some(Part::CiLow),
+        Part::StdError => None,
+    };
+    match (part, beside.and_then(|part| partner(field, part, all))) {
+        (Part::Sd | Part::CiHigh, Some(_)) => None,
+        (Part::Estimate, Some(sds)) => {
+            Some(of_cells(column, words + WITH_SD, with_sd(values, sds)))
+        }
+        (Part::CiLow, Some(highs)) => {
+            let common = words.trim_end_matches("low").trim_end().to_owned();
+            Some(of_cells(column, common, intervals(values, highs, &uncertainties(field, all))))
+        }
+        _ => Some(of_cells(column, words, numbers(values, &uncertainties(field, all)))),
     }
 }
 
