@@ -27,6 +27,7 @@ mod scene;
 mod scene_figure;
 mod seal;
 mod session;
+mod setup;
 mod template;
 mod trial;
 
@@ -57,6 +58,7 @@ pub use scene::{ForceLaw, Scene, SceneKind, Spring};
 pub use scene_figure::{SceneDrawing, SceneFigure};
 pub use seal::{Seal, SealError};
 pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};
+pub use setup::Setup;
 pub use template::template;
 pub use trial::{Kind, Source, Status, TrialMeta};
 

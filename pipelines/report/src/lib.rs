@@ -19,7 +19,6 @@ mod gallery;
 mod model;
 mod page;
 mod people;
-mod planned;
 mod pros_cons;
 mod runs;
 mod survey;
@@ -38,7 +37,6 @@ pub use page::{
     Columns, Contents, Course, Event, Page, TURNED, Turn, TurnedError, condition_script, edges,
     page_html, single_file, turned_script,
 };
-pub use planned::Planned;
 pub use pros_cons::pros_cons_table;
 pub use runs::{laddered, traded};
 pub use survey::survey;
