@@ -34,8 +34,8 @@ pub use findings::{Finding, findings};
 pub use gallery::{Gallery, Shown};
 pub use model::model_table;
 pub use page::{
-    Columns, Contents, Course, Event, Page, TURNED, Turn, TurnedError, condition_script, edges,
-    page_html, single_file, turned_script,
+    Columns, Contents, Course, Event, Page, TURNED, Turn, TurnedError, condition_script, page_html,
+    single_file, turned_script,
 };
 pub use pros_cons::pros_cons_table;
 pub use runs::{laddered, traded};
