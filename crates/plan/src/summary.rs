@@ -18,7 +18,7 @@ use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 10 };
+const STAGE: Stage = Stage { name: "summary", version: 11 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -286,6 +286,7 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
         sessions: sessions.len(),
         trials: trials.len(),
         sweeps: data.sweeps.len(),
+        undrawn: crate::figures::without_own(data),
         sources,
         left_out: left_out(data, found),
         care: found.with_care.iter().map(|finding| remark(data, finding)).collect(),

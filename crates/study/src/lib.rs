@@ -37,7 +37,7 @@ pub use compare::{Bound, Compare, Contrast, Families};
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
 pub use event::{Event, Given, SealedTrial};
-pub use figures::{Alignment, Alignments, Figures};
+pub use figures::{Alignment, Alignments, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, Schema, TrialForm};
 pub use id::{
     ActuatorId, ChannelId, EnvironmentId, IdError, MetricId, ModeId, ParticipantId, QuestionId,

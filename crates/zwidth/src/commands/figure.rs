@@ -78,7 +78,10 @@ fn folder(layout: &Layout, asked: &Asked) -> anyhow::Result<PathBuf> {
 /// Makes the figure as a run does, with all that it needs, so that nothing stale is drawn; what its
 /// file says of its origin.
 fn make(data: &StudyData, name: &str) -> anyhow::Result<Option<String>> {
-    let jobs = plan::jobs(data, &findings(&RealFiles, data));
+    let mut jobs = plan::jobs(data, &findings(&RealFiles, data));
+    if !jobs.iter().any(|job| job.is_called(name)) {
+        jobs.extend(plan::on_demand(data, name)); // of a session whose figures no run makes
+    }
     let of_figure = jobs.iter().find(|job| job.name == format!("figure {name}"));
     let job = of_figure.ok_or_else(|| anyhow!("{name} is no figure of the study"))?;
     let options = Options { only: Some(job.name.clone()), ..Options::default() };

@@ -91,8 +91,12 @@ fn found_copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Ve
 fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
     let layout = &asked.layout;
     let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
-    let jobs = plan::jobs(&data, &findings(&RealFiles, &data));
+    let mut jobs = plan::jobs(&data, &findings(&RealFiles, &data));
     let file = root.join(&asked.path);
+    if !jobs.iter().any(|job| job.outputs.contains(&file)) {
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        jobs.extend(plan::on_demand(&data, &stem));
+    }
     let makes = |outputs: &[PathBuf]| outputs.contains(&file);
     let job = jobs.iter().find(|job| {
         asked.job.as_ref().is_some_and(|name| job.name == *name) || makes(&job.outputs)
