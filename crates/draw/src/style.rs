@@ -155,16 +155,16 @@ pub enum Dash {
 const DOT: f64 = 2.1;
 /// Dots after which the rhythms begin again, all on one beat: where curves lie on each other along the
 /// page, dots in twos, in threes and far apart stand beside each other.
-const BEAT: usize = 7;
+const BEAT: usize = 6;
 
 impl Dash {
     /// Which dots of a beat are drawn; none for what has dashes.
     fn dots(self) -> &'static [usize] {
         match self {
-            Self::Dotted => &[0, 1, 2, 3, 4, 5, 6],
+            Self::Dotted => &[0, 1, 2, 3, 4, 5],
             Self::InTwos => &[0, 1],
-            Self::InThrees => &[3, 4, 5],
-            Self::FarApart => &[2, 6],
+            Self::InThrees => &[2, 3, 4],
+            Self::FarApart => &[5],
             _ => &[],
         }
     }
