@@ -57,7 +57,7 @@ fn a_figure_is_remade_in_another_size_and_form_and_is_traced_like_its_own() {
 fn what_is_remade_without_a_folder_says_what_it_was_made_from_and_in_which_form() {
     let root = shipped::finished();
     let out = root.path().join("reports/thesis-twin/remade");
-    let form = ["--size", "85", "--format", "svg,pdf,png", "--bare"];
+    let form = ["--size", "120", "--format", "svg,pdf,png", "--bare"];
     zwidth(root.path(), &[&["figure", "thesis-twin", NAME][..], &form].concat()).exits(0);
     for extension in ["svg", "pdf", "png", "txt"] {
         let file = format!("reports/thesis-twin/remade/{NAME}.{extension}");
@@ -66,7 +66,7 @@ fn what_is_remade_without_a_folder_says_what_it_was_made_from_and_in_which_form(
             assert!(told.out.contains(&format!("figure {NAME}")), "{command} {file}: {}", told.out);
         }
     }
-    assert!(text(&out.join(format!("{NAME}.svg"))).contains("85 mm wide, bare"));
+    assert!(text(&out.join(format!("{NAME}.svg"))).contains("120 mm wide, bare"));
     fs::write(out.join("own.svg"), "<svg/>").unwrap();
     let own = zwidth(root.path(), &["trace", "reports/thesis-twin/remade/own.svg"]);
     own.exits(1).one_error();
