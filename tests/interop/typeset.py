@@ -12,7 +12,6 @@ what LaTeX, Typst, TOML and browsers take for their own: its tables and captions
 """
 
 import argparse
-import json
 import os
 import re
 import shutil
@@ -112,30 +111,6 @@ def typeset_typst(page, start, margin, files, folder):
     words(what, read(document.with_suffix(".pdf")), files)
 
 
-# What nobody should be able to set into a document, in every text of a study: specials of LaTeX and Typst, quotes, markup, control
-# signs, and a text as long as a study may have.
-HOSTILE = [
-    r"\input{/etc/passwd} \end{document} \undefined $x^2$ 50 % & # ~ ^ {open close} \\ ^^41",
-    r"""#eval("1") #panic() @nobody <label> *bold* _it_ `raw` = no heading $ x $ // none /* none */ https://example.org [b] -- ---""",
-    "</script><script>alert('x')</script> \"quoted\" 'single' &amp; <!-- -->",
-    "bell \a escape \x1b[2J tab \t break \n delete \x7f zero \u200b back \u202e end",
-    "{}\\#$%&_~^ " * 80 + "wordwithoutanyspace" * 4,
-]
-
-
-def hostile_study(zwidth, root):
-    """A study with such texts everywhere, simulated and run; its reports."""
-    checks.run(zwidth, "--root", root, "new", "hostile")
-    toml = root / "raw" / "hostile" / "study.toml"
-    text, texts = toml.read_text(), iter(HOSTILE * 4)
-    text = text.replace("\nrepeats = 6\n", "\nrepeats = 2\n").replace("\nrate_hz = 1000.0\n", "\nrate_hz = 120.0\n")
-    given = lambda found: f"{found.group(1)} = {json.dumps(next(texts)).replace(chr(127), chr(92) + 'u007f')}"
-    toml.write_text(re.sub(r"^(title|name|label|text) = .*$", given, text, flags=re.MULTILINE))
-    checks.run(zwidth, "--root", root, "twin", "hostile", "--participants", "1", "--sessions", "1")
-    checks.run(zwidth, "--root", root, "--quiet", "run", "hostile")
-    return root / "reports" / "hostile"
-
-
 def captions_latex(engine, what, figures, folder, names):
     """A document with a figure for each caption, by LaTeX."""
     one = lambda name: rf"\begin{{figure}}[p]\centering\rule{{1cm}}{{1cm}}\caption[\zwidthtitle{{{name}}}]{{\zwidthcaption{{{name}}}}}\end{{figure}}\clearpage"
@@ -189,23 +164,6 @@ def captions(engine, what, reports, folder):
             text = (figures / f"{name}.txt").read_text().split("zwidth:")[0]
             lost += [f"{name}: {word}" for word in re.findall(r"[A-Za-z]{3,}|[0-9]+\.[0-9]{2,}", text) if word not in there]
         checks.check(f"{maker}: every word of the captions of {what} is there", not lost, lost[:5])
-
-
-def hostile_tables(engine, reports, folder):
-    """Tables of the hostile study compile; how they look is nobody's business."""
-    tables = (reports / "tables").resolve()
-    tex, typ = sorted(tables.glob("*.tex")), sorted(tables.glob("*.typ"))
-    (folder / "hostile.tex").write_text(latex_document("10pt", "", tex))
-    command = [engine, "-interaction=nonstopmode", "-halt-on-error", "hostile.tex"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, check=False)
-    told = [line for line in done.stdout.decode(errors="replace").splitlines() if line.startswith("!")]
-    checks.check(f"{engine}: {len(tex)} tables of the hostile study compile", done.returncode == 0, told[:3])
-    (folder / "hostile.typ").write_text("\n".join(f'#include "{os.path.relpath(file, folder)}"' for file in typ))
-    try:
-        typst.compile(str(folder / "hostile.typ"), root="/", ignore_system_fonts=True)
-        checks.check(f"Typst: {len(typ)} tables of the hostile study compile", True)
-    except typst.TypstError as error:
-        checks.check(f"Typst: {len(typ)} tables of the hostile study compile", False, error)
 
 
 def glyphs_of_typst(files):
@@ -318,11 +276,6 @@ def main():
             typeset_typst(page, start, margin, typ, folder)
         glyphs_of_typst(typ)
         captions(given.engine, STUDY, tables.parent, folder)
-        root = folder / "root"
-        shutil.rmtree(root, ignore_errors=True)
-        hostile = hostile_study(given.zwidth.resolve(), root)
-        captions(given.engine, "a hostile study", hostile, folder)
-        hostile_tables(given.engine, hostile, folder)
         if given.keep:
             images(folder)
     same_by_command(given.zwidth.resolve(), given.root.resolve(), tex)
