@@ -33,12 +33,27 @@ fn a_map_a_table_of_limits_and_the_textbook_that_is_unsafe() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let told = text(&output.stdout);
     assert!(told.contains("UNSAFE") && told.contains("KB, measured by others: K(0) 4"), "{told}");
+    assert!(told.contains("(their units), 50.0 % of the rectangle"), "{told}");
     let reports = root.join("reports/stability");
     for name in ["twin.svg", "twin.limits.csv", "twin.curves.parquet", "measured_by_others.png"] {
         assert!(reports.join(name).exists(), "{name}");
     }
     let cells = std::fs::read_to_string(reports.join("twin.wall_damping_stiffness.csv")).unwrap();
     assert_eq!(cells.lines().filter(|line| !line.starts_with('#')).count(), 1 + 81);
+}
+
+#[test]
+fn a_boundary_of_known_units_is_a_line_on_the_map() {
+    let root = fresh("stability_beside");
+    let beside = root.join("lab.csv");
+    std::fs::write(&beside, "K_n_per_m,B_ns_per_m\n700,0\n500,2\n0,5\n").unwrap();
+    let pair = ["--x", "wall_damping=0..6", "--y", "stiffness", "--cells", "5"];
+    let asked = [&["stability"][..], &pair, &["--beside", beside.to_str().unwrap()]].concat();
+    let output = zwidth(&root, &asked);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("(N/m and N s/m)"), "{}", text(&output.stdout));
+    let curves = std::fs::read_to_string(root.join("reports/stability/twin.curves.csv")).unwrap();
+    assert_eq!(curves.lines().filter(|line| line.contains(",lab,others,")).count(), 2);
 }
 
 #[test]
