@@ -89,3 +89,30 @@ fn a_z_width_test_that_was_cut_short_goes_on_where_it_was_left_with_the_same_res
     let verified = zwidth(&root, &["verify", "lab"]);
     assert_eq!(verified.status.code(), Some(0), "{}", text(&verified.stderr));
 }
+
+#[test]
+fn a_study_s_trials_are_asked_whether_what_swings_in_them_was_real() {
+    let root = fresh("stability_recorded");
+    let twin = ["twin", "lab", "--participants", "1", "--sessions", "1", "--seed", "2"];
+    assert_eq!(zwidth(&root, &twin).status.code(), Some(0));
+    let all = zwidth(&root, &["stability", "--study", "lab"]);
+    assert_eq!(all.status.code(), Some(0), "{}", text(&all.stderr));
+    let told = text(&all.stdout);
+    assert!(
+        told.contains(" no oscillation") && told.contains("plant is the thesis', by eye"),
+        "{told}"
+    );
+    let table =
+        std::fs::read_to_string(root.join("reports/lab/stability/oscillations.csv")).unwrap();
+    let rows = table.lines().filter(|line| line.starts_with("P01,S01,")).count();
+    assert!(told.contains(&format!("{rows} trials: ")) && rows > 10, "{told}");
+    let one = ["stability", "--study", "lab", "-p", "P01", "-s", "S01", "--trial", "3", "--json"];
+    let one = zwidth(&root, &one);
+    assert!(text(&one.stdout).contains("\"trial\": 3"), "{}", text(&one.stdout));
+    let none = ["stability", "--study", "lab", "-p", "P01", "-s", "S01", "--trial", "999"];
+    let none = zwidth(&root, &none);
+    assert_eq!(none.status.code(), Some(1));
+    assert!(text(&none.stderr).contains("no trial that counts: P01 S01 trial 999"));
+    let alone = zwidth(&root, &["stability", "--trial", "3"]);
+    assert_eq!(alone.status.code(), Some(2));
+}

@@ -48,6 +48,7 @@ mod likert;
 mod loaded;
 mod loops;
 mod modes;
+mod oscillation;
 mod panels;
 mod ratings;
 mod rendering_range;
@@ -85,6 +86,7 @@ pub use likert::{LIKERT, LIKERT_ITEMS, LikertPage, likert, likert_items, likert_
 pub use loaded::{Averages, Loaded, METRICS_COLUMNS, Of};
 pub use loops::{LOOPS, loops};
 pub use modes::{MODES, modes};
+pub use oscillation::oscillation;
 pub use ratings::{RATINGS, RatingsPage, ratings, ratings_pages};
 pub use rendering_range::{RENDERING_RANGE, rendering_range};
 pub use repeats::{REPEATS, repeats};

@@ -1,6 +1,8 @@
-//! `zwidth stability`: which virtual walls a device bears, each limit by itself.
+//! `zwidth stability`: which virtual walls a device bears, each limit by itself; of a study whether what
+//! swung in its trials was the device's own.
 
 mod point;
+mod recorded;
 mod words;
 
 use super::output::Output;
@@ -48,6 +50,9 @@ struct Outcome {
 }
 
 pub(crate) fn stability(root: &Path, command: &Command, screen: &Screen) -> anyhow::Result<Exit> {
+    if let Some(study) = &command.study {
+        return recorded::recorded(root, study, command, screen);
+    }
     let (name, point) = point::of(command)?;
     let boundaries = boundaries(&command.beside, point.lever_m)?;
     let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("stability"));
