@@ -32,6 +32,7 @@ mod replay;
 mod replay_figures;
 mod replayable;
 mod report;
+mod responses;
 mod runs;
 mod scenes;
 mod schematics;
@@ -48,6 +49,7 @@ pub use page::{JOB as PAGE, file as page_file};
 pub use preregistered::{analysis, plan_file};
 pub use rehearsed::{Rehearsal, TwinOf, rehearsal, rehearsed, rehearsed_trials};
 pub use report::built_in;
+pub use responses::{Responses, responses};
 pub use tables::{printed as printed_tables, write as write_table};
 pub use trade::{Traded, scenes as trade_scenes};
 
