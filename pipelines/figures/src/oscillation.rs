@@ -57,7 +57,7 @@ mod tests {
     fn what_lies_about_the_swings_is_drawn_with_its_name() {
         let t: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.01).collect();
         let y: Vec<f64> = t.iter().map(|t| libm::sin(50.0 * t)).collect();
-        let figure = oscillation(&[(&t, &y); 3], [1.0, 2.0], 0.125, &[], None);
+        let figure = oscillation(&[(&t[..], &y[..]); 3], [1.0, 2.0], 0.125, &[], None);
         let lines = figure.panels[0].layers.iter().map(|layer| match layer {
             Layer::Line(line) => (line.name.clone().unwrap_or_default(), line.x.len()),
             _ => (String::new(), 0),
