@@ -18,6 +18,7 @@ import foreign
 import mixed
 import recordings
 import results
+import walls
 
 WORKSPACE = Path(__file__).resolve().parents[2]
 
@@ -35,9 +36,11 @@ def main():
     mixed.check(zwidth)
     compared.study(zwidth)
     foreign.check_all(zwidth)
+    walls.frequencies(zwidth)
     real = os.environ.get("ZWIDTH_REAL_DATA")
     if real:
         recordings.all_sets(zwidth, Path(real), WORKSPACE / "studies")
+        walls.boundaries(zwidth, Path(real))
     else:
         print("skipped: ZWIDTH_REAL_DATA is not set")
     checks.end()

@@ -61,7 +61,8 @@ pub use system::transition::EventKind;
 pub use system::{RestRule, System};
 pub use trajectory::{Event, Forces, Trajectory, WorkCounts};
 pub use verdict::{
-    Controller, ExistingSwings, Felt, FeltDifference, FeltMotion, FeltReference, Judgement, Model,
-    Motions, Reference, RunVerdict, SampledLoop, Swings, VibrationThreshold, felt, judge,
+    Controller, ExistingSwings, FEWEST_SWINGS, Felt, FeltDifference, FeltMotion, FeltReference,
+    HeldForces, Judgement, Model, Motions, Reference, RunVerdict, SampledLoop, Swings,
+    TickController, TickedLoop, VibrationThreshold, felt, judge,
 };
 pub use wall::{DryLimits, Pushed, PushedWall, RidingFinger, SampledWall, Textbook};

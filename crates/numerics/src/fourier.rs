@@ -100,13 +100,13 @@ fn folded(grid: &[f64], part: usize, length: usize) -> Vec<[f64; 2]> {
 }
 
 /// e^(−2πij/n) for the first half of a turn, `n` a power of two.
-fn turns(n: usize) -> Vec<[f64; 2]> {
+pub(crate) fn turns(n: usize) -> Vec<[f64; 2]> {
     let turn = |j: usize| libm::sincos(-TAU * (j as f64 / n as f64));
     (0..n / 2).map(turn).map(|(sin, cos)| [cos, sin]).collect()
 }
 
 /// Σ zⱼ e^(−2πijk/n) for each k: Cooley & Tukey's transform (1965, Math. Comp. 19:297) of a power of two of numbers, in place.
-fn transform(mut z: Vec<[f64; 2]>, turns: &[[f64; 2]]) -> Vec<[f64; 2]> {
+pub(crate) fn transform(mut z: Vec<[f64; 2]>, turns: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let n = z.len();
     reverse_bits(&mut z);
     let mut half = 1;

@@ -22,6 +22,7 @@ pub mod sobol;
 pub mod spectrum;
 pub mod tableau;
 pub mod updates;
+pub mod welch;
 pub mod zigzag;
 
 pub use error::NumericsError;

@@ -33,12 +33,27 @@ fn a_map_a_table_of_limits_and_the_textbook_that_is_unsafe() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let told = text(&output.stdout);
     assert!(told.contains("UNSAFE") && told.contains("KB, measured by others: K(0) 4"), "{told}");
+    assert!(told.contains("(their units), 50.0 % of the rectangle"), "{told}");
     let reports = root.join("reports/stability");
     for name in ["twin.svg", "twin.limits.csv", "twin.curves.parquet", "measured_by_others.png"] {
         assert!(reports.join(name).exists(), "{name}");
     }
     let cells = std::fs::read_to_string(reports.join("twin.wall_damping_stiffness.csv")).unwrap();
     assert_eq!(cells.lines().filter(|line| !line.starts_with('#')).count(), 1 + 81);
+}
+
+#[test]
+fn a_boundary_of_known_units_is_a_line_on_the_map() {
+    let root = fresh("stability_beside");
+    let beside = root.join("lab.csv");
+    std::fs::write(&beside, "K_n_per_m,B_ns_per_m\n700,0\n500,2\n0,5\n").unwrap();
+    let pair = ["--x", "wall_damping=0..6", "--y", "stiffness", "--cells", "5"];
+    let asked = [&["stability"][..], &pair, &["--beside", beside.to_str().unwrap()]].concat();
+    let output = zwidth(&root, &asked);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("(N/m and N s/m)"), "{}", text(&output.stdout));
+    let curves = std::fs::read_to_string(root.join("reports/stability/twin.curves.csv")).unwrap();
+    assert_eq!(curves.lines().filter(|line| line.contains(",lab,others,")).count(), 2);
 }
 
 #[test]
@@ -73,4 +88,31 @@ fn a_z_width_test_that_was_cut_short_goes_on_where_it_was_left_with_the_same_res
     assert!(std::fs::read_dir(&sweeps).unwrap().count() >= 48);
     let verified = zwidth(&root, &["verify", "lab"]);
     assert_eq!(verified.status.code(), Some(0), "{}", text(&verified.stderr));
+}
+
+#[test]
+fn a_study_s_trials_are_asked_whether_what_swings_in_them_was_real() {
+    let root = fresh("stability_recorded");
+    let twin = ["twin", "lab", "--participants", "1", "--sessions", "1", "--seed", "2"];
+    assert_eq!(zwidth(&root, &twin).status.code(), Some(0));
+    let all = zwidth(&root, &["stability", "--study", "lab"]);
+    assert_eq!(all.status.code(), Some(0), "{}", text(&all.stderr));
+    let told = text(&all.stdout);
+    assert!(
+        told.contains(" no oscillation") && told.contains("plant is the thesis', by eye"),
+        "{told}"
+    );
+    let table =
+        std::fs::read_to_string(root.join("reports/lab/stability/oscillations.csv")).unwrap();
+    let rows = table.lines().filter(|line| line.starts_with("P01,S01,")).count();
+    assert!(told.contains(&format!("{rows} trials: ")) && rows > 10, "{told}");
+    let one = ["stability", "--study", "lab", "-p", "P01", "-s", "S01", "--trial", "3", "--json"];
+    let one = zwidth(&root, &one);
+    assert!(text(&one.stdout).contains("\"trial\": 3"), "{}", text(&one.stdout));
+    let none = ["stability", "--study", "lab", "-p", "P01", "-s", "S01", "--trial", "999"];
+    let none = zwidth(&root, &none);
+    assert_eq!(none.status.code(), Some(1));
+    assert!(text(&none.stderr).contains("no trial that counts: P01 S01 trial 999"));
+    let alone = zwidth(&root, &["stability", "--trial", "3"]);
+    assert_eq!(alone.status.code(), Some(2));
 }

@@ -51,7 +51,7 @@ impl Side {
 /// One limit of a panel.
 struct Limit {
     kind: String,
-    label: &'static str,
+    label: String,
     x: Vec<f64>,
     y: Vec<f64>,
 }
@@ -135,7 +135,8 @@ fn limits(curves: &Table, sides: &StabilityPanel) -> Result<Vec<Limit>, TableErr
         let (Some(word), Some(kind), Some(x), Some(y)) = (&words[i], &kinds[i], x[i], y[i]) else {
             continue;
         };
-        let Some(label) = label(word) else { continue };
+        let of_others = (kind == "others").then(|| plain(word));
+        let Some(label) = of_others.or_else(|| label(word).map(str::to_owned)) else { continue };
         if limits.last().is_none_or(|last| last.0 != *word) {
             let limit = Limit { kind: kind.clone(), label, x: Vec::new(), y: Vec::new() };
             limits.push((word.clone(), pieces[i], limit));
@@ -153,7 +154,7 @@ fn limits(curves: &Table, sides: &StabilityPanel) -> Result<Vec<Limit>, TableErr
 }
 
 fn layer(limit: &Limit) -> Layer {
-    let (x, y, name) = (limit.x.clone(), limit.y.clone(), Some(limit.label.to_owned()));
+    let (x, y, name) = (limit.x.clone(), limit.y.clone(), Some(limit.label.clone()));
     if limit.kind == "measured" {
         return Layer::Points(Points { x, y, name, diameter_pt: 4.0, ..Points::default() });
     }
@@ -163,9 +164,10 @@ fn layer(limit: &Limit) -> Layer {
 fn stroke(limit: &Limit) -> Stroke {
     let book = |index: usize| style::single(style::mode_colour(index)).dashed(Dash::Dashed);
     let method = style::single(style::mode_colour(4));
-    match (limit.kind.as_str(), limit.label) {
+    match (limit.kind.as_str(), limit.label.as_str()) {
         ("exact", _) => style::mean(style::INK),
         ("passivity", _) => style::mean(style::mode_colour(0)),
+        ("others", _) => style::mean(style::mode_colour(5)),
         ("method", SYMPLECTIC_EULER) => method.dashed(Dash::Dotted),
         ("method", _) => method,
         (_, ABBOTT_OKAMURA) => book(2),
@@ -174,12 +176,25 @@ fn stroke(limit: &Limit) -> Stroke {
     }
 }
 
-/// A boundary of stiffness over damping: its name, points (B, K).
-pub type BoundaryOf = (String, Vec<[f64; 2]>);
+/// A boundary of stiffness over damping that others measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundaryOf {
+    /// Its name.
+    pub name: String,
+    /// (B, K) in the units that it has.
+    pub points: Vec<[f64; 2]>,
+    /// The same in shares of the largest B and of K(0), where both were measured.
+    pub shares: Option<Vec<[f64; 2]>>,
+}
 
-/// Boundaries that others measured, on axes of damping and stiffness in the units that they have.
-pub fn boundaries(boundaries: &[BoundaryOf], notes: &[String]) -> Figure {
-    let line = |(i, (name, points)): (usize, &BoundaryOf)| {
+/// Boundaries that others measured: on axes of damping and stiffness in the units that they have, and in
+/// shares of their own ends, which need none, beside `linear`, the lifted map's in the same shares.
+pub fn boundaries(
+    boundaries: &[BoundaryOf],
+    linear: Option<&[[f64; 2]]>,
+    notes: &[String],
+) -> Figure {
+    let curve = |i: usize, name: &str, points: &[[f64; 2]]| {
         let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|p| (p[0], p[1])).unzip();
         let colour = style::mode_colour(i);
         [
@@ -193,19 +208,42 @@ pub fn boundaries(boundaries: &[BoundaryOf], notes: &[String]) -> Figure {
             Layer::Points(Points { x, y, colour, diameter_pt: 4.0, ..Points::default() }),
         ]
     };
-    let layers = boundaries.iter().enumerate().flat_map(line).collect();
+    let own = boundaries.iter().enumerate().flat_map(|(i, b)| curve(i, &b.name, &b.points));
     let (x, y) = (
         Axis::new("wall damping *B*", "as measured"),
         Axis::new("wall stiffness *K*", "as measured"),
     );
-    let panel = Panel::new(Cell::at(0, 0), x, y, layers);
+    let own = Panel::new(Cell::at(0, 0), x, y, own.collect());
+    let map = linear.map(|points| {
+        let (x, y) = points.iter().map(|p| (p[0], p[1])).unzip();
+        let name = Some("this device, exact (lifted map)".to_owned());
+        Layer::Line(Line { x, y, name, stroke: style::mean(style::INK), ..Line::default() })
+    });
+    let shares =
+        boundaries.iter().enumerate().filter_map(|(i, b)| Some((i, b, b.shares.as_ref()?)));
+    let shares: Vec<Layer> =
+        map.into_iter().chain(shares.flat_map(|(i, b, s)| curve(i, &b.name, s))).collect();
+    let (x, y) = (
+        Axis::new("damping over its largest *B*/*B*_{end}", ""),
+        Axis::new("stiffness over the undamped *K*/*K*(0)", ""),
+    );
+    let shares = if shares.is_empty() {
+        Panel::with_note(Cell::at(0, 1), x, y, "no boundary has both ends")
+    } else {
+        Panel::new(Cell::at(0, 1), x, y, shares)
+    };
+    let panels =
+        [own.titled("**a**  as measured"), shares.titled("**b**  in shares of their own ends")];
     Figure {
         title: Some("Stiffest walls, measured by others".to_owned()),
         description:
             "The stiffest wall without sustained oscillation against the wall's damping, as others \
-                      measured it."
+                      measured it, and in shares of its own ends beside the exact one of this device."
                 .to_owned(),
-        panels: vec![Panel { height_mm: Some(PANEL_MM), ..panel }],
+        panels: panels
+            .into_iter()
+            .map(|panel| Panel { height_mm: Some(PANEL_MM), ..panel })
+            .collect(),
         footnotes: notes.iter().map(|note| plain(note)).collect(),
         ..Figure::default()
     }
@@ -268,8 +306,19 @@ mod tests {
 
     #[test]
     fn boundaries_of_others_are_drawn_as_they_are() {
-        let figure = boundaries(&[("on".to_owned(), vec![[0.0, 4.0], [0.1, 0.0]])], &[]);
+        let measured = BoundaryOf {
+            name: "on".to_owned(),
+            points: vec![[0.0, 4.0], [0.1, 0.0]],
+            shares: Some(vec![[0.0, 1.0], [1.0, 0.0]]),
+        };
+        let figure =
+            boundaries(std::slice::from_ref(&measured), Some(&[[0.0, 1.0], [1.0, 0.0]]), &[]);
         assert!(figure.mark.is_none());
+        assert_eq!(figure.panels.iter().map(|p| p.layers.len()).collect::<Vec<_>>(), [2, 3]);
+        draw(&figure).unwrap();
+        let half = BoundaryOf { shares: None, ..measured };
+        let figure = boundaries(&[half], None, &[]);
+        assert!(figure.panels[1].note.is_some());
         draw(&figure).unwrap();
     }
 }

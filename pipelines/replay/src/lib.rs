@@ -19,6 +19,8 @@
 //! The user's force counts at the times at which its sensor gave new values, with straight lines
 //! between them, where the recording tells their age (`force_age_s`); else at the samples' times.
 //!
+//! [`oscillation`] asks of one trial whether what swings in it is the device's own.
+//!
 //! Errors are model less recording: above 0 the model's peak is higher, its time later.
 
 mod agreement;
@@ -30,6 +32,7 @@ mod courses;
 mod drive;
 mod error;
 mod lag;
+mod oscillation;
 mod replay;
 mod runs;
 mod scene;
@@ -46,6 +49,9 @@ pub use compare::{Comparison, VelocityError};
 pub use courses::{courses, typical};
 pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};
+pub use oscillation::{
+    Origin, Oscillation, RecordedSwings, SwingAnswer, SwingCourse, oscillation, oscillations_table,
+};
 pub use replay::{Outcome, TrialReplay, replay, replay_with};
 pub use runs::runs;
 pub use scene::{Parameters, Rendering};

@@ -12,8 +12,8 @@ const ONE: f64 = 1.0 + 1e-6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// Its word in tables.
-    pub limit: &'static str,
-    /// `exact`, `passivity`, `method`, `textbook`, `measured`.
+    pub limit: String,
+    /// `exact`, `passivity`, `method`, `textbook`, `measured`, `others`.
     pub kind: &'static str,
     /// What stands at it in a figure.
     pub label: String,
@@ -76,7 +76,7 @@ pub fn curves(map: &Map) -> Vec<Curve> {
             };
             let si = |share: &[f64; 2]| [map.x.at(share[0]), map.y.at(share[1])];
             let pieces = field.lines().iter().map(|line| line.iter().map(si).collect()).collect();
-            Curve { limit: word, kind, label, pieces }
+            Curve { limit: word.to_owned(), kind, label, pieces }
         })
         .collect();
     made.into_iter().filter(|curve| !curve.pieces.is_empty()).collect()

@@ -34,7 +34,7 @@ pub enum StabilityError {
     },
     /// A line of a file of stiffness and damping that is none.
     #[error(
-        "line {line} of the boundary: {what}; give the columns K and B with a number in each, not below 0"
+        "line {line} of the boundary: {what}; give the columns K and B (or K_n_per_m and B_ns_per_m) with a number in each, not below 0"
     )]
     Boundary {
         /// The line, from 1.

@@ -20,7 +20,7 @@ pub fn measured(map: &Map) -> Option<Curve> {
     let points: Vec<[f64; 2]> =
         crossings.into_par_iter().filter_map(|(i, j)| point(map, i, j)).collect();
     (!points.is_empty()).then(|| Curve {
-        limit: "measured",
+        limit: "measured".to_owned(),
         kind: "measured",
         label: "measured (simulated loop)".to_owned(),
         pieces: vec![points],

@@ -1,6 +1,8 @@
-//! A boundary of stiffness and damping that someone measured: its extent.
+//! A boundary of stiffness and damping that someone measured: its extent, and what it has in common with
+//! others.
 
 use crate::error::StabilityError;
+use zwidth_dynamics::SampledWall;
 
 /// The stiffest wall without sustained oscillation for each damping, in the units it was measured
 /// in, damping rising.
@@ -8,7 +10,14 @@ use crate::error::StabilityError;
 pub struct Boundary {
     /// (B, K), B rising.
     pub points: Vec<[f64; 2]>,
+    /// Whether they are N s/m and N/m at the lever's end; else nothing is known of their units.
+    pub is_si: bool,
 }
+
+/// Heads of the columns of stiffness and damping, and what they are of: as measured, at the lever's
+/// end, about its axis.
+const HEADS: [[&str; 2]; 3] =
+    [["K", "B"], ["K_n_per_m", "B_ns_per_m"], ["K_nm_per_rad", "B_nms_per_rad"]];
 
 /// What a boundary comes to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,8 +34,17 @@ pub struct Extent {
     pub area: f64,
 }
 
+impl Extent {
+    /// The area over that of the rectangle K(0) × the largest B: a number without a unit. None where
+    /// the wall without damping was not measured.
+    pub fn fullness(&self) -> Option<f64> {
+        let rectangle = self.undamped? * (self.damping[1] - self.damping[0]);
+        (rectangle > 0.0).then(|| self.area / rectangle)
+    }
+}
+
 impl Boundary {
-    /// Sorts and checks points (B, K).
+    /// Sorts and checks points (B, K) of unknown units.
     ///
     /// # Errors
     /// A number that is negative or none; fewer than two; one damping twice.
@@ -44,19 +62,23 @@ impl Boundary {
         if let Some(i) = points.windows(2).position(|pair| pair[0][0] >= pair[1][0]) {
             return wrong(i + 3, format!("B = {} stands there twice", points[i][0]));
         }
-        Ok(Self { points })
+        Ok(Self { points, is_si: false })
     }
 
-    /// Reads a CSV with the columns K and B, in any order.
+    /// Reads a CSV with the columns K and B, in any order, whose units are not known; or
+    /// `K_n_per_m` and `B_ns_per_m`, or `K_nm_per_rad` and `B_nms_per_rad`, which a lever of length L
+    /// feels as K/L² and B/L² at its end.
     ///
     /// # Errors
     /// A column that is missing, or as [`Boundary::new`].
-    pub fn from_csv(text: &str) -> Result<Self, StabilityError> {
+    pub fn from_csv(text: &str, lever_m: f64) -> Result<Self, StabilityError> {
         let text = text.trim_start_matches('\u{feff}');
         let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
         let head = lines.next().map_or("", |(_, line)| line);
         let column = |name: &str| head.split(',').position(|head| head.trim() == name);
-        let (Some(k), Some(b)) = (column("K"), column("B")) else {
+        let found = HEADS.map(|[k, b]| column(k).zip(column(b)));
+        let Some((form, (k, b))) = found.iter().enumerate().find_map(|(i, at)| Some((i, (*at)?)))
+        else {
             return Err(StabilityError::Boundary { line: 1, what: format!("{head:?}") });
         };
         let read = |(i, line): (usize, &str)| {
@@ -66,7 +88,60 @@ impl Boundary {
                 .map(|(b, k)| [b, k])
                 .ok_or_else(|| StabilityError::Boundary { line: i + 1, what: format!("{line:?}") })
         };
-        Self::new(lines.map(read).collect::<Result<_, _>>()?)
+        let per_m = if form == 2 { 1.0 / (lever_m * lever_m) } else { 1.0 };
+        let points: Vec<[f64; 2]> = lines.map(read).collect::<Result<_, _>>()?;
+        let read = Self::new(points.iter().map(|p| p.map(|value| per_m * value)).collect())?;
+        Ok(Self { is_si: form > 0, ..read })
+    }
+
+    /// Where the lifted map of a wall has its limit, from no damping to that at which no wall is
+    /// stable; none for a device that bears any wall.
+    ///
+    /// # Errors
+    /// A wall that makes no sense.
+    pub fn of_lifted_map(wall: &SampledWall) -> Result<Option<Self>, StabilityError> {
+        /// Points, and halvings of the interval in which the last one lies.
+        const POINTS: usize = 40;
+        const HALVINGS: u32 = 40;
+        /// A wall of this share of the undamped one is none.
+        const NONE: f64 = 1e-3;
+        let at = |b: f64| SampledWall { wall_damping_ns_per_m: b, ..*wall }.stiffest_stable();
+        let Some(undamped) = at(0.0)?.filter(|k| *k > 0.0) else { return Ok(None) };
+        let bears = |b: f64| -> Result<bool, StabilityError> {
+            Ok(at(b)?.is_none_or(|k| k > NONE * undamped))
+        };
+        // What a period's damping of the mass would take away.
+        let mut high = wall.mass_kg / wall.period_s;
+        let mut low = 0.0;
+        while bears(high)? {
+            (low, high) = (high, 2.0 * high);
+            if !high.is_finite() {
+                return Ok(None);
+            }
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if bears(middle)? {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let mut points = Vec::new();
+        for i in 0..POINTS {
+            let b = low * i as f64 / POINTS as f64;
+            points.extend(at(b)?.map(|k| [b, k]));
+        }
+        points.push([high, 0.0]);
+        Ok(Some(Self { is_si: true, ..Self::new(points)? }))
+    }
+
+    /// The same in shares of the wall without damping and of the largest damping, which need no units:
+    /// none where either was not measured, or is 0.
+    pub fn shares(&self) -> Option<Vec<[f64; 2]>> {
+        let (undamped, [_, most]) = (self.extent().undamped?, self.extent().damping);
+        let share = |p: &[f64; 2]| [p[0] / most, p[1] / undamped];
+        (undamped > 0.0 && most > 0.0).then(|| self.points.iter().map(share).collect())
     }
 
     /// Its extent.
@@ -91,19 +166,54 @@ mod tests {
 
     #[test]
     fn a_triangle_has_half_its_rectangle() {
-        let boundary = Boundary::from_csv("K,B\n4.0,0.0\n2.0,0.5\n0.0,1.0\n").unwrap();
+        let boundary = Boundary::from_csv("K,B\n4.0,0.0\n2.0,0.5\n0.0,1.0\n", 1.0).unwrap();
         let extent = boundary.extent();
         assert!((extent.area - 2.0).abs() < 1e-15);
         assert_eq!(extent.undamped, Some(4.0));
         assert!(extent.largest_at.abs() < 1e-300);
+        assert_eq!(extent.fullness(), Some(0.5));
+        assert_eq!(boundary.shares().unwrap(), [[0.0, 1.0], [0.5, 0.5], [1.0, 0.0]]);
+        assert!(!boundary.is_si);
+    }
+
+    #[test]
+    fn units_that_the_head_states_are_those_of_the_levers_end() {
+        let of =
+            |head: &str| Boundary::from_csv(&format!("{head}\n4.0,0.0\n0.0,1.0\n"), 0.5).unwrap();
+        assert_eq!(of("K_n_per_m,B_ns_per_m").points, [[0.0, 4.0], [1.0, 0.0]]);
+        let about = of("K_nm_per_rad,B_nms_per_rad");
+        assert_eq!((about.is_si, about.points), (true, vec![[0.0, 16.0], [4.0, 0.0]]));
+        assert_eq!(Boundary::new(vec![[0.5, 1.0], [1.0, 0.0]]).unwrap().shares(), None);
+    }
+
+    /// The undamped end is the lifted map's own limit; the other one is checked by simulating the loop.
+    #[test]
+    fn the_lifted_maps_boundary_runs_from_its_stiffest_wall_to_the_damper_that_flips() {
+        let wall = SampledWall::bare(0.0972, 2.6, 8.3e-3);
+        let boundary = Boundary::of_lifted_map(&wall).unwrap().unwrap();
+        let extent = boundary.extent();
+        assert!((extent.undamped.unwrap() - 650.6).abs() < 0.1, "{extent:?}");
+        let end = extent.damping[1];
+        let grows = |b: f64| {
+            let wall = SampledWall { wall_damping_ns_per_m: b, ..wall };
+            wall.with_stiffness(1.0).simulated_growth(6000).unwrap()
+        };
+        assert!(grows(0.98 * end) < 1.0 && grows(1.02 * end) > 1.0, "{end}");
+        assert!(boundary.shares().unwrap().iter().all(|p| (0.0..=1.0).contains(&p[0])));
+        let free = SampledWall::bare(0.0972, 0.0, 8.3e-3);
+        assert_eq!(Boundary::of_lifted_map(&free).unwrap(), None, "no wall is stable");
     }
 
     #[test]
     fn what_is_no_number_is_named_with_its_line() {
-        let error = Boundary::from_csv("K,B\n4.0,0.0\nx,0.5\n").unwrap_err().to_string();
+        let error = Boundary::from_csv("K,B\n4.0,0.0\nx,0.5\n", 1.0).unwrap_err().to_string();
         assert!(error.starts_with("line 3"), "{error}");
-        assert!(Boundary::from_csv("B\n1\n").unwrap_err().to_string().contains("columns K and B"));
-        assert!(Boundary::from_csv("K,B\n1,0\n2,0\n").unwrap_err().to_string().contains("twice"));
-        assert!(Boundary::from_csv("K,B\n1,NaN\n2,1\n").is_err());
+        assert!(
+            Boundary::from_csv("B\n1\n", 1.0).unwrap_err().to_string().contains("columns K and B")
+        );
+        assert!(
+            Boundary::from_csv("K,B\n1,0\n2,0\n", 1.0).unwrap_err().to_string().contains("twice")
+        );
+        assert!(Boundary::from_csv("K,B\n1,NaN\n2,1\n", 1.0).is_err());
     }
 }

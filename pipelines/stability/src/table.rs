@@ -76,8 +76,12 @@ pub fn curves_table(name: &str, maps: &[(&Map, Vec<Curve>)]) -> Result<Table, St
     let columns = vec![
         text("x_quantity", "what runs along x", |r| r.0.x.quantity.as_str().to_owned()),
         text("y_quantity", "what runs along y", |r| r.0.y.quantity.as_str().to_owned()),
-        text("limit", "the limit", |r| r.1.limit.to_owned()),
-        text("kind", "exact, passivity, method, textbook or measured", |r| r.1.kind.to_owned()),
+        text("limit", "the limit", |r| r.1.limit.clone()),
+        text(
+            "kind",
+            "exact, passivity, method, textbook, measured or others (their measurement)",
+            |r| r.1.kind.to_owned(),
+        ),
         Column::integer(
             "piece",
             "1",
@@ -135,23 +139,39 @@ pub fn limits_table(name: &str, limits: &[Limit]) -> Result<Table, StabilityErro
     Ok(table.with_note(MODEL).with_note("Formulas of textbooks are approximations."))
 }
 
-/// A row a boundary that others measured.
+/// A row a boundary that others measured: its name, whether its units are SI, its extent.
 ///
 /// # Errors
 /// None that extents can cause.
-pub fn extents_table(name: &str, extents: &[(String, Extent)]) -> Result<Table, StabilityError> {
+pub fn extents_table(
+    name: &str,
+    extents: &[(String, bool, Extent)],
+) -> Result<Table, StabilityError> {
     let float = |name, about, get: fn(&Extent) -> Option<f64>| {
-        Column::float(name, "as measured", about, extents.iter().map(|(_, extent)| get(extent)))
+        Column::float(name, "as measured", about, extents.iter().map(|(_, _, extent)| get(extent)))
     };
     let columns = vec![
-        Column::text("boundary", "the file", extents.iter().map(|(name, _)| Some(name.clone()))),
+        Column::text("boundary", "the file", extents.iter().map(|(name, ..)| Some(name.clone()))),
         float("stiffness_undamped", "largest stiffness at no damping", |e| e.undamped),
         float("stiffness_largest", "largest stiffness", |e| Some(e.largest)),
         float("damping_of_largest", "its damping", |e| Some(e.largest_at)),
         float("damping_from", "least damping", |e| Some(e.damping[0])),
         float("damping_to", "most damping", |e| Some(e.damping[1])),
         float("area", "integral of stiffness over damping, by trapezia", |e| Some(e.area)),
+        float(
+            "fullness",
+            "area over that of the rectangle of undamped stiffness and most damping",
+            |e| e.fullness(),
+        ),
+        Column::flag(
+            "is_si",
+            "whether units are N/m and N s/m",
+            extents.iter().map(|(_, is_si, _)| Some(*is_si)),
+        ),
     ];
     let table = Table::new(name, "Boundaries measured by others", columns)?;
-    Ok(table.with_note("Measured by others; their files state no units."))
+    Ok(table.with_note(
+        "Measured by others. Where is_si says so, in N/m and N s/m at the lever's end; else their files state no \
+         units.",
+    ))
 }

@@ -26,7 +26,7 @@ fn the_line_of_the_lifted_map_goes_through_the_stiffest_wall_at_each_delay() {
         let stiffest = wall.stiffest_stable().unwrap().unwrap();
         assert!((k / stiffest - 1.0).abs() < 2e-3, "{delay_s}: {k}, not {stiffest}");
     }
-    let words: Vec<&str> = curves.iter().map(|curve| curve.limit).collect();
+    let words: Vec<&str> = curves.iter().map(|curve| curve.limit.as_str()).collect();
     assert!(words.contains(&"diolaiti") && words.contains(&"hulin"), "{words:?}");
 }
 

@@ -34,6 +34,7 @@ mod stability;
 mod swings;
 #[cfg(test)]
 mod tests;
+mod ticked;
 
 pub use felt::{Felt, VibrationThreshold, felt};
 pub use model::Model;
@@ -41,7 +42,8 @@ pub use perceived::{FeltDifference, FeltMotion, FeltReference};
 pub use reference::Reference;
 pub use run_verdict::RunVerdict;
 pub use sampled::{Controller, SampledLoop};
-pub use swings::Swings;
+pub use swings::{FEW as FEWEST_SWINGS, Swings};
+pub use ticked::{HeldForces, TickController, TickedLoop};
 
 use path::Path;
 use reference::Known;

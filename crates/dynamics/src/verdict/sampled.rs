@@ -129,7 +129,7 @@ impl Model for SampledLoop {
 }
 
 /// Steps of `step_s` from one time to another, the last one shorter where it must be.
-fn inside(from_s: f64, to_s: f64, step_s: f64) -> Vec<f64> {
+pub(super) fn inside(from_s: f64, to_s: f64, step_s: f64) -> Vec<f64> {
     let steps = Grid::filling(to_s - from_s, step_s);
     let mut times: Vec<f64> = (0..steps.samples()).map(|i| from_s + steps.time(i)).collect();
     times.pop();
@@ -138,7 +138,7 @@ fn inside(from_s: f64, to_s: f64, step_s: f64) -> Vec<f64> {
 }
 
 /// Adds the run of a tick, whose last sample is the next one's first.
-fn append(out: &mut Trajectory, run: &Trajectory, whole: bool) {
+pub(super) fn append(out: &mut Trajectory, run: &Trajectory, whole: bool) {
     let samples = run.len() - usize::from(!whole);
     for i in 0..samples {
         let number = out.region_number(&run.regions[usize::from(run.region[i])]);
@@ -179,7 +179,7 @@ impl Term for Held {
     }
 }
 
-fn held(mut scene: ModelScene, force_n: f64) -> ModelScene {
+pub(super) fn held(mut scene: ModelScene, force_n: f64) -> ModelScene {
     scene.terms.set(Held { force_n });
     scene
 }

@@ -8,7 +8,7 @@ use crate::system::{OMEGA, THETA};
 use crate::trajectory::{Event, Trajectory};
 
 /// Fewer swings are an impact, or a movement there and back, and no oscillation: three cycles.
-pub(super) const FEW: usize = 6;
+pub const FEW: usize = 6;
 
 /// The way of the lever from one end of a motion to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]

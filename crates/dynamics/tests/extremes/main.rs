@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use zwidth_dynamics::{
     DormandPrince, DynamicsError, Exact, Grid, Input, ModelScene, MoreauJean, NAMED_SOLVERS,
-    Reference, Rk4, Solver, Switching, SymplecticEuler, System, Tolerances, TrBdf2, table3,
+    Reference, Rk4, Series, Solver, Switching, SymplecticEuler, System, Tolerances, TrBdf2, table3,
 };
 
 /// The seed of every run.
@@ -141,17 +141,71 @@ fn write_the_page() {
     std::fs::write(path(), page(scenes, &ends, &verdicts, &long)).unwrap();
 }
 
-/// Runs of so many samples: how each ended, with its largest angle, °.
-fn long_runs(samples: usize) -> Vec<(String, f64)> {
-    let mut scene = table3::scene(zwidth_dynamics::DriveMode::Hybrid, Input::sine(2.15));
-    scene.duration_s = 1e-4 * samples as f64;
-    let system = System::new(scene).unwrap();
-    let grid = Grid::Even { step_s: 1e-4, steps: samples };
+/// Time between two samples of a long run, s.
+const SAMPLE_S: f64 = 1e-4;
+
+/// Table 3's hybrid drive under an input for so many samples.
+fn long_scene(input: Input, samples: usize) -> System {
+    let mut scene = table3::scene(zwidth_dynamics::DriveMode::Hybrid, input);
+    scene.duration_s = SAMPLE_S * samples as f64;
+    System::new(scene).unwrap()
+}
+
+/// A recorded force: a value a millisecond in single precision, every seventh of them as small as that
+/// has, or smaller.
+fn single_precision(samples: usize) -> Series {
+    let values = samples / 10 + 2;
+    let value = |i: usize| match i % 7 {
+        0 => f64::from(f32::from_bits(1 + (i % 1000) as u32)),
+        3 => 5e-324,
+        _ => f64::from((2.15 * (1.0 + libm::sin(1.6e-3 * i as f64))) as f32),
+    };
+    let time = |i: usize| if i == 0 { 0.0 } else { f64::from((i as f32) * 1e-3_f32) };
+    // Beyond some hours neighbours in single precision are one: two equal times are a jump.
+    let t_s = (0..values).map(time).collect();
+    Series { t_s, value: (0..values).map(value).collect() }
+}
+
+/// Runs of so many samples: what each was, and how it ended.
+fn long_runs(samples: usize) -> Vec<(String, String)> {
+    let sine = || long_scene(Input::sine(2.15), samples);
+    let mut rows = vec![visited("sine", &sine(), samples)];
+    let recorded = long_scene(Input::Series(single_precision(samples)), samples);
+    rows.push(visited("recorded force in single precision, with denormals", &recorded, samples));
+    let tolerances = Tolerances { most_steps: u64::MAX, ..Tolerances::of(1e-6) };
+    let whole: [Box<dyn Solver>; 5] = [
+        Box::new(MoreauJean::default()),
+        Box::new(SymplecticEuler),
+        Box::new(Rk4 { switching: Switching::PerStep }),
+        Box::new(DormandPrince { tolerances }),
+        Box::new(TrBdf2 { tolerances }),
+    ];
+    let grid = Grid::Even { step_s: SAMPLE_S, steps: samples };
+    for solver in whole {
+        let run = solver.run(&sine(), &grid).unwrap();
+        let finite = run.states.iter().filter(|x| x.is_finite()).count();
+        assert_eq!((run.len(), finite), (samples + 1, run.states.len()), "{}", solver.name());
+        let highest = run.theta_rad().fold(f64::MIN, f64::max);
+        rows.push((format!("`{}`, sine", solver.name()), largest(highest)));
+    }
+    let most_events = samples as u64 / 50_000;
+    let bounded = Exact { most_events, most_pieces: u64::MAX, energy: false };
+    let error = bounded
+        .prepare(&sine(), &grid)
+        .and_then(|mut run| run.visit(&grid, &mut |_, _| {}))
+        .unwrap_err();
+    assert!(matches!(error, DynamicsError::TooMuchWork { .. }), "{error}");
+    rows.push((format!("`exact`, sine, at most {most_events} events"), format!("{error}")));
+    rows
+}
+
+/// The exact solver, sample by sample, of which nothing is kept.
+fn visited(what: &str, system: &System, samples: usize) -> (String, String) {
+    let grid = Grid::Even { step_s: SAMPLE_S, steps: samples };
     let exact = Exact { most_events: u64::MAX, most_pieces: u64::MAX, energy: false };
-    let mut highest = f64::MIN;
-    let mut finite = 0_usize;
+    let (mut highest, mut finite) = (f64::MIN, 0_usize);
     exact
-        .prepare(&system, &grid)
+        .prepare(system, &grid)
         .and_then(|mut run| {
             run.visit(&grid, &mut |_, state| {
                 finite += usize::from(state.iter().all(|x| x.is_finite()));
@@ -159,20 +213,33 @@ fn long_runs(samples: usize) -> Vec<(String, f64)> {
             })
         })
         .unwrap();
-    assert_eq!(finite, samples + 1);
-    vec![(format!("`exact`, {samples} samples of Table 3's sine, hybrid"), highest.to_degrees())]
+    assert_eq!(finite, samples + 1, "{what}");
+    (format!("`exact`, {what}"), largest(highest))
 }
 
-fn page(scenes: u64, ends: &Counts, verdicts: &Counts, long: &[(String, f64)]) -> String {
+fn largest(theta_rad: f64) -> String {
+    format!("result, largest θ {:.5}°", theta_rad.to_degrees())
+}
+
+/// The long runs of the page, a hundredth as long.
+#[test]
+fn long_runs_of_every_method_end_in_numbers_and_a_bound_on_events_in_its_error() {
+    let rows = long_runs(100_000);
+    assert_eq!(rows.len(), 8);
+    assert!(rows[7].1.starts_with("more than 2 events"), "{:?}", rows[7]);
+}
+
+fn page(scenes: u64, ends: &Counts, verdicts: &Counts, long: &[(String, String)]) -> String {
     let mut text = include_str!("page.md").to_owned();
     let _ = writeln!(text, "\n## {scenes} scenes, seed {SEED}\n");
     text += &table(ends);
     let judged: u64 = verdicts.values().sum();
     let _ = writeln!(text, "\n## Verdicts on {judged} of them that can be run\n");
     text += &table(verdicts);
-    text += "\n## Long runs\n\n| run | largest θ |\n|---|--:|\n";
-    for (what, highest) in long {
-        let _ = writeln!(text, "| {what} | {highest:.5}° |");
+    text += "\n## Runs of 10,000,000 samples\n\nTable 3, hybrid, a sample every 0.1 ms, each state of each looked at.\n\n";
+    text += "| run | ends in |\n|---|---|\n";
+    for (what, end) in long {
+        let _ = writeln!(text, "| {what} | {end} |");
     }
     text
 }

@@ -78,7 +78,8 @@ pub(crate) enum Command {
     Trade(Trade),
     /// Which terms of the model a scene needs: all sets of eight against the fullest
     Ladder(Ladder),
-    /// Which virtual walls a device bears: limits of a sampled wall, kept apart, over pairs of quantities
+    /// Which virtual walls a device bears: limits of a sampled wall, kept apart, over pairs of
+    /// quantities; whether what swung in a recorded trial was real
     Stability(Stability),
     /// Modes, participants, sessions or repeats of a study compared, one metric at a time
     Compare(Compare),
@@ -381,7 +382,20 @@ pub(crate) struct Stability {
     /// Boundaries that others measured, drawn too: files with the columns K and B
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) beside: Vec<PathBuf>,
-    /// Folder to write to [default: reports/stability]
+    /// Instead of maps: was what swings in this study's recorded trials real? Each trial's loop is run
+    /// again
+    #[arg(long, value_name = "STUDY", conflicts_with_all = ["scene", "at", "x", "y", "beside"])]
+    pub(crate) study: Option<StudyId>,
+    /// Of this participant's trials alone
+    #[arg(long, short, value_name = "P01", requires = "study")]
+    pub(crate) participant: Option<ParticipantId>,
+    /// Of this session's trials alone
+    #[arg(long, short, value_name = "S01", requires = "study")]
+    pub(crate) session: Option<SessionId>,
+    /// Of this trial alone
+    #[arg(long, value_name = "N", requires_all = ["participant", "session"])]
+    pub(crate) trial: Option<u32>,
+    /// Folder to write to [default: reports/stability; of a study reports/STUDY/stability]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 }

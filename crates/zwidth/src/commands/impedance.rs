@@ -14,11 +14,11 @@ use std::path::Path;
 use zwidth_device::{COUNTS_PER_TURN, SHAFT_PER_LEVER, TwinParameters};
 use zwidth_dynamics::{DriveMode, PushedWall, SampledWall};
 use zwidth_stability::impedance::{
-    ACTUATOR, Bound, Ending, Found, Probe, Region, Tried, bounds_table, probes, regions,
-    regions_table, search,
+    ACTUATOR, Bound, Ending, Found, Probe, Region, Response, Tried, bounds_table, probes, regions,
+    regions_table, responses_table, search,
 };
 use zwidth_store::{
-    Quantity, Raw, Sweep, hex_blake3, log_sweeps, read_sweep, sweep_bytes, write_new,
+    Quantity, Raw, StudyData, Sweep, hex_blake3, log_sweeps, read_sweep, sweep_bytes, write_new,
 };
 use zwidth_study::{ActuatorId, ActuatorKind, Mode, Source, Study};
 
@@ -226,13 +226,57 @@ fn written(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> a
     output.figure("impedance", zwidth_figures::impedance(&bounds, &linear, &notes, true)?)?;
     output.table("impedance", &bounds)?;
     output.table("zwidth", &regions_table("zwidth", regions)?)?;
+    let frequencies = frequency(bench, &mut output, screen)?;
     if screen.json {
         return screen.listing(&regions.iter().map(told).collect::<Vec<_>>());
     }
     regions.iter().for_each(|region| screen.result(told(region)));
+    frequencies.iter().for_each(|line| screen.result(line));
     let pictures = output.files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
     pictures.for_each(|path| screen.result(path.display().to_string()));
     Ok(())
+}
+
+/// Impedance against frequency, where the study's recorded trials say anything of it; a line a condition.
+fn frequency(bench: &Bench, output: &mut Output, screen: &Screen) -> anyhow::Result<Vec<String>> {
+    let data = StudyData::load(&bench.layout).map_err(|found| super::join_findings(&found))?;
+    let found = zwidth_plan::responses(&data).map_err(|e| anyhow!("{e}"))?;
+    found.problems.iter().for_each(|problem| screen.warn(problem));
+    if found.responses.is_empty() {
+        return Ok(Vec::new());
+    }
+    let table = responses_table("frequency", &found.responses)?;
+    let notes = [
+        "Force over velocity at the lever's end, H1; Hann windows that overlap by half, all trials that count. Bands: \
+         intervals. Dotted: coherence that chance alone stays below; |Z| and phase are drawn where it is exceeded. A \
+         mass has +90°, a damper 0°, a spring −90°. Friction, counts and brakes are not linear."
+            .to_owned(),
+    ];
+    let mark = zwidth_figures::mark(found.sources);
+    output.figure("frequency", zwidth_figures::impedance_frequency(&table, &notes, mark)?)?;
+    output.table("frequency", &table)?;
+    Ok(found.responses.iter().map(|([environment, mode], r)| heard(environment, mode, r)).collect())
+}
+
+fn heard(environment: &str, mode: &str, response: &Response) -> String {
+    let above: Vec<f64> = response
+        .points
+        .iter()
+        .filter(|point| point.coherence > response.chance)
+        .map(|point| point.frequency_hz)
+        .collect();
+    let range = match (above.first(), above.last()) {
+        (Some(first), Some(last)) => format!(
+            "coherent at {} of {} frequencies from {first:.1} to {last:.1} Hz",
+            above.len(),
+            response.points.len()
+        ),
+        _ => "nowhere coherent".to_owned(),
+    };
+    format!(
+        "{environment}, {mode}: impedance against frequency, {} segments: {range}",
+        response.segments
+    )
 }
 
 /// The boundary of the lifted map, (B, K): the limit of large pushes.

@@ -5,7 +5,9 @@
 //! lever keeps swinging after a push, or an actuator saturates, and closes in on the boundary;
 //! [`regions`] joins the repeats of all probes to boundaries with intervals, and sums them up. Colgate
 //! & Brown 1994 call an impedance achievable if it is passive; here it is one without oscillation.
+//! [`response`] has beside it what recordings say of impedance against frequency.
 
+mod frequency;
 mod region;
 mod search;
 mod tables;
@@ -16,6 +18,7 @@ mod tests;
 /// characteristic is fitted to them.
 pub const ACTUATOR: &str = "impedance";
 
+pub use frequency::{Recording, Response, ResponsePoint, response};
 pub use region::{Bound, Region, regions};
 pub use search::{Ending, Found, Probe, Tried, probes, search};
-pub use tables::{bounds_table, regions_table};
+pub use tables::{bounds_table, regions_table, responses_table};

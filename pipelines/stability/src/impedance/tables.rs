@@ -1,5 +1,6 @@
 //! The Z-width as tables.
 
+use super::frequency::{Response, ResponsePoint};
 use super::region::{Bound, Region};
 use zwidth_tables::{Column, Table, TableError};
 
@@ -90,4 +91,80 @@ pub fn regions_table(name: &str, regions: &[Region]) -> Result<Table, TableError
         "Walls without oscillation that goes on; Colgate & Brown (1994) ask for passive ones. Areas compare over the \
          same dampings and push alone.",
     ))
+}
+
+/// A row a condition (environment, mode) and frequency: the impedance with its interval, and
+/// coherence.
+///
+/// # Errors
+/// None that responses can cause.
+pub fn responses_table(
+    name: &str,
+    responses: &[([String; 2], Response)],
+) -> Result<Table, TableError> {
+    type Row<'a> = (&'a [String; 2], &'a Response, &'a ResponsePoint);
+    let rows: Vec<Row> = responses
+        .iter()
+        .flat_map(|(of, all)| all.points.iter().map(move |point| (of, all, point)))
+        .collect();
+    let text = |name, about, at: usize| {
+        Column::text(name, about, rows.iter().map(|row| Some(row.0[at].clone())))
+    };
+    let float = |name, unit, about, get: &dyn Fn(&Row) -> Option<f64>| {
+        Column::float(name, unit, about, rows.iter().map(get))
+    };
+    let columns = vec![
+        text("environment", "what was rendered", 0),
+        text("mode", "how it was rendered", 1),
+        float("frequency_hz", "Hz", "frequency", &|r| Some(r.2.frequency_hz)),
+        float("magnitude_ns_per_m", "N s/m", "size of the impedance F/v", &|r| {
+            Some(r.2.magnitude())
+        }),
+        float("ci_low", "N s/m", "lower end of its interval", &|r| r.2.interval().map(|i| i[0])),
+        float("ci_high", "N s/m", "upper end", &|r| r.2.interval().map(|i| i[1])),
+        float(
+            "phase_rad",
+            "rad",
+            "its phase: a mass has a quarter turn, a spring minus that",
+            &|r| Some(r.2.phase_rad()),
+        ),
+        float("phase_half_interval_rad", "rad", "half of the phase's interval", &|r| {
+            r.2.half_interval
+        }),
+        float("real_ns_per_m", "N s/m", "real part: damping", &|r| Some(r.2.impedance_ns_per_m[0])),
+        float("imaginary_ns_per_m", "N s/m", "imaginary part: mass less stiffness", &|r| {
+            Some(r.2.impedance_ns_per_m[1])
+        }),
+        float(
+            "coherence",
+            "1",
+            "share of the force that follows linearly from the velocity",
+            &|r| Some(r.2.coherence),
+        ),
+        float(
+            "chance",
+            "1",
+            "coherence that chance alone stays below, at the intervals' level",
+            &|r| Some(r.1.chance),
+        ),
+        float("velocity_density", "(m/s)²/Hz", "spectral density of the velocity", &|r| {
+            Some(r.2.velocity_density)
+        }),
+        float("force_density", "N²/Hz", "of the force", &|r| Some(r.2.force_density)),
+        float("averages", "1", "independent segments", &|r| Some(r.1.averages)),
+        Column::integer(
+            "segments",
+            "1",
+            "segments, which overlap by half",
+            rows.iter().map(|r| Some(r.1.segments as i64)),
+        ),
+        Column::integer(
+            "segment_samples",
+            "1",
+            "samples of a segment",
+            rows.iter().map(|r| Some(r.1.length as i64)),
+        ),
+        float("rate_hz", "Hz", "rate of the samples: the force sensor's", &|r| Some(r.1.rate_hz)),
+    ];
+    Table::new(name, "Impedance against frequency", columns)
 }

@@ -118,3 +118,22 @@ fn brackets_hold_the_boundary_in_93_percent_of_a_thousand_seeds() {
     let held = held(1000);
     assert!(held >= 930, "{held}");
 }
+
+#[test]
+fn a_response_has_a_row_a_frequency_and_no_interval_where_nothing_is_coherent() {
+    let t_s: Vec<f64> = (0..3000).map(|i| f64::from(i) / 80.0).collect();
+    let theta: Vec<f64> = t_s.iter().map(|t| libm::sin(t * t)).collect();
+    let of = |force: &[f64]| {
+        let recording =
+            Recording { t_s: &t_s, theta_rad: &theta, force_n: force, force_age_s: None };
+        response(&[recording], 0.045, 0.95).unwrap().unwrap()
+    };
+    let (spring, none) = (of(&theta), of(&vec![0.0; t_s.len()]));
+    let rows = spring.points.len();
+    let names = |mode: &str| ["spring".to_owned(), mode.to_owned()];
+    let both = [(names("active"), spring), (names("passive"), none)];
+    let table = responses_table("frequency", &both).unwrap();
+    assert_eq!(table.height(), 2 * rows);
+    let high = table.floats("ci_high").unwrap();
+    assert!(high[0].is_some() && high[rows].is_none(), "{high:?}");
+}

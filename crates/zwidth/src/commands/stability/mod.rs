@@ -1,6 +1,8 @@
-//! `zwidth stability`: which virtual walls a device bears, each limit by itself.
+//! `zwidth stability`: which virtual walls a device bears, each limit by itself; of a study whether what
+//! swung in its trials was the device's own.
 
 mod point;
+mod recorded;
 mod words;
 
 use super::output::Output;
@@ -13,7 +15,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::{BoundaryOf, Side, StabilityPanel};
 use zwidth_stability::{
-    Boundary, Extent, Limit, Map, Point, Quantity, Span, VERSION, cells_table, curves,
+    Boundary, Curve, Extent, Limit, Map, Point, Quantity, Span, VERSION, cells_table, curves,
     curves_table, extents_table, limits, limits_table, map, measured,
 };
 
@@ -48,8 +50,11 @@ struct Outcome {
 }
 
 pub(crate) fn stability(root: &Path, command: &Command, screen: &Screen) -> anyhow::Result<Exit> {
+    if let Some(study) = &command.study {
+        return recorded::recorded(root, study, command, screen);
+    }
     let (name, point) = point::of(command)?;
-    let boundaries = boundaries(&command.beside)?;
+    let boundaries = boundaries(&command.beside, point.lever_m)?;
     let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("stability"));
     let mut output = Output::new(&folder, made_from(command, &point));
     let limits = limits(&point)?;
@@ -63,8 +68,8 @@ pub(crate) fn stability(root: &Path, command: &Command, screen: &Screen) -> anyh
     }
     bar.finish_and_clear();
     let told = words::of(&point, &limits);
-    write(&name, &point, &maps, &limits, &mut output)?;
-    write_boundaries(&boundaries, &mut output)?;
+    write(&name, &point, (&maps, &boundaries), &limits, &mut output)?;
+    write_boundaries(&boundaries, &point, &mut output)?;
     let outcome = Outcome {
         name,
         maps: maps.iter().map(pair).collect(),
@@ -95,14 +100,12 @@ fn spans(command: &Command) -> Vec<[Span; 2]> {
 fn write(
     name: &str,
     point: &Point,
-    maps: &[Map],
+    (maps, boundaries): (&[Map], &[(String, Boundary)]),
     limits: &[Limit],
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let with_curves: Vec<_> = maps
-        .iter()
-        .map(|map| (map, curves(map).into_iter().chain(measured(map)).collect()))
-        .collect();
+    let all = |map| curves(map).into_iter().chain(measured(map)).chain(of_others(map, boundaries));
+    let with_curves: Vec<_> = maps.iter().map(|map| (map, all(map).collect())).collect();
     let curves = curves_table("stability", &with_curves)?;
     let panels: Vec<StabilityPanel> =
         maps.iter().map(|map| StabilityPanel { x: side(map.x), y: side(map.y) }).collect();
@@ -115,6 +118,20 @@ fn write(
         output.table(&format!("{name}.{}", pair(map)), &table)?;
     }
     Ok(())
+}
+
+/// Boundaries whose units are known, on a map of stiffness against the wall's damping.
+fn of_others(map: &Map, boundaries: &[(String, Boundary)]) -> Vec<Curve> {
+    let is_map = (map.x.quantity, map.y.quantity) == (Quantity::WallDamping, Quantity::Stiffness);
+    let known = boundaries.iter().filter(|(_, boundary)| is_map && boundary.is_si);
+    let curve = |(name, boundary): &(String, Boundary)| Curve {
+        limit: name.clone(),
+        kind: "others",
+        label: name.clone(),
+        // A logarithmic axis has no place for a wall of no stiffness.
+        pieces: vec![boundary.points.iter().copied().filter(|p| p[1] > 0.0).collect()],
+    };
+    known.map(curve).collect()
 }
 
 fn pair(map: &Map) -> String {
@@ -134,11 +151,11 @@ fn side(span: Span) -> Side {
 }
 
 /// The boundaries that others measured, by the stems of their files.
-fn boundaries(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, Boundary)>> {
+fn boundaries(paths: &[PathBuf], lever_m: f64) -> anyhow::Result<Vec<(String, Boundary)>> {
     let read = |path: &PathBuf| {
         let text = crate::text::scene(path)?;
-        let boundary =
-            Boundary::from_csv(&text).with_context(|| format!("cannot use {}", path.display()))?;
+        let boundary = Boundary::from_csv(&text, lever_m)
+            .with_context(|| format!("cannot use {}", path.display()))?;
         Ok((super::simulate::stem(path), boundary))
     };
     let read: Vec<(String, Boundary)> = paths.iter().map(read).collect::<anyhow::Result<_>>()?;
@@ -149,20 +166,31 @@ fn boundaries(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, Boundary)>> {
     Ok(read)
 }
 
-fn write_boundaries(boundaries: &[(String, Boundary)], output: &mut Output) -> anyhow::Result<()> {
+fn write_boundaries(
+    boundaries: &[(String, Boundary)],
+    point: &Point,
+    output: &mut Output,
+) -> anyhow::Result<()> {
     if boundaries.is_empty() {
         return Ok(());
     }
-    let drawn: Vec<BoundaryOf> =
-        boundaries.iter().map(|(name, b)| (name.clone(), b.points.clone())).collect();
-    let notes = [
-        "Measured by others, without oscillation that goes on; their files state no units, so that these stand on axes \
-         of their own."
-            .to_owned(),
-    ];
-    output.figure("measured_by_others", zwidth_figures::boundaries(&drawn, &notes))?;
-    let extents: Vec<(String, Extent)> =
-        boundaries.iter().map(|(name, b)| (name.clone(), b.extent())).collect();
+    let drawn: Vec<BoundaryOf> = boundaries
+        .iter()
+        .map(|(name, boundary)| BoundaryOf {
+            name: name.clone(),
+            points: boundary.points.clone(),
+            shares: boundary.shares(),
+        })
+        .collect();
+    let linear = Boundary::of_lifted_map(&point.wall)?.and_then(|boundary| boundary.shares());
+    let notes =
+        [words::of_others(boundaries.iter().all(|(_, boundary)| boundary.is_si)).to_owned()];
+    let figure = zwidth_figures::boundaries(&drawn, linear.as_deref(), &notes);
+    output.figure("measured_by_others", figure)?;
+    let extents: Vec<(String, bool, Extent)> = boundaries
+        .iter()
+        .map(|(name, boundary)| (name.clone(), boundary.is_si, boundary.extent()))
+        .collect();
     output.table("measured_by_others", &extents_table("measured_by_others", &extents)?)
 }
 

@@ -48,12 +48,26 @@ fn line(limit: &Limit) -> String {
     format!("  {:<17} {stiffness:8.1} N/m{error}{warning}  ({})", limit.limit, limit.equation)
 }
 
+/// What stands under the figure of boundaries that others measured.
+pub(super) fn of_others(are_si: bool) -> &'static str {
+    if are_si {
+        "Measured by others, without oscillation that goes on; N/m and N s/m at the lever's end."
+    } else {
+        "Measured by others, without oscillation that goes on. A file states no units: they stand on axes of their own, \
+         and beside this device in shares of their ends, which need none."
+    }
+}
+
 /// The extent of a boundary that others measured.
 pub(super) fn extent((name, boundary): &(String, Boundary)) -> String {
     let extent = boundary.extent();
     let undamped = extent.undamped.map_or(String::new(), |k| format!("K(0) {k}, "));
+    let fullness = extent.fullness().map_or(String::new(), |share| {
+        format!(", {:.1} % of the rectangle of K(0) and B", 100.0 * share)
+    });
+    let units = if boundary.is_si { "N/m and N s/m" } else { "their units" };
     format!(
-        "{name}, measured by others: {undamped}largest K {} at B = {}, area {:.4} over B from {} to {} (their units)",
+        "{name}, measured by others: {undamped}largest K {} at B = {}, area {:.4} over B from {} to {} ({units}){fullness}",
         extent.largest, extent.largest_at, extent.area, extent.damping[0], extent.damping[1]
     )
 }

@@ -1,0 +1,59 @@
+//! Impedance against frequency of every condition of a study, from its recorded trials: `zwidth
+//! characterise STUDY impedance` puts it beside the Z-width.
+
+use crate::trials::{describe_trials, files, read_all};
+use zwidth_runner::JobError;
+use zwidth_stability::impedance::{Recording, Response, response};
+use zwidth_store::{Signal, StudyData, Trial, TrialEntry};
+use zwidth_study::{Scene, Source};
+
+/// What the trials of a study say of impedance.
+#[derive(Debug)]
+pub struct Responses {
+    /// By environment and mode, as the study calls them.
+    pub responses: Vec<([String; 2], Response)>,
+    /// Where the trials come from.
+    pub sources: Vec<Source>,
+    /// Trials that could not be read, and why.
+    pub problems: Vec<String>,
+}
+
+/// Impedance against frequency by condition, over all participants: what they feel is the device's. A
+/// condition that was recorded for too short a time is left out; without a lever's length there is
+/// none.
+///
+/// # Errors
+/// None that trials can cause.
+pub fn responses(data: &StudyData) -> Result<Responses, JobError> {
+    let mut all = Responses { responses: Vec::new(), sources: Vec::new(), problems: Vec::new() };
+    let Some(lever_m) = data.study.device.lever_m else { return Ok(all) };
+    for environment in data.study.environments.iter().filter(|e| e.scene != Scene::None) {
+        for mode in &data.study.modes {
+            let is_of =
+                |t: &&TrialEntry| t.meta.environment == environment.id && t.meta.mode == mode.id;
+            let entries: Vec<&TrialEntry> = data.counting().filter(is_of).collect();
+            let signals = [Signal::Time, Signal::Theta, Signal::ForceEx, Signal::ForceAge];
+            let (trials, problems) =
+                read_all(&files(&entries), &describe_trials(&entries), signals.into_iter());
+            all.problems.extend(problems);
+            let recordings: Vec<Recording> = trials.iter().filter_map(recording).collect();
+            if let Some(found) = response(&recordings, lever_m, data.study.analysis.confidence)? {
+                all.responses.push(([environment.label.clone(), mode.label.clone()], found));
+                all.sources.extend(trials.iter().map(|trial| trial.meta.source));
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// Angle and force of a trial; none where one was not recorded, or a column is of another length.
+fn recording(trial: &Trial) -> Option<Recording<'_>> {
+    let t_s = trial.samples.get(Signal::Time)?;
+    let column = |signal| trial.samples.get(signal).filter(|values| values.len() == t_s.len());
+    Some(Recording {
+        t_s,
+        theta_rad: column(Signal::Theta)?,
+        force_n: column(Signal::ForceEx)?,
+        force_age_s: column(Signal::ForceAge),
+    })
+}

@@ -1,0 +1,186 @@
+//! `zwidth stability --study`: whether what swings in recorded trials is the device's own.
+
+use super::super::output::Output;
+use crate::args::Stability as Command;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use anyhow::{anyhow, bail};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_plan::{Oscillations, oscillations};
+use zwidth_replay::{Oscillation, RecordedSwings, SwingAnswer, VERSION, oscillations_table};
+use zwidth_store::StudyData;
+use zwidth_study::{StudyId, TrialMeta};
+
+/// What `--json` prints of a trial.
+#[derive(Serialize)]
+struct Told<'a> {
+    participant: &'a str,
+    session: &'a str,
+    trial: u32,
+    answer: &'static str,
+    why: String,
+    frequency_hz: Option<f64>,
+    amplitude_rad: Option<f64>,
+    power_factor: Option<f64>,
+}
+
+/// Asks of one trial, of a session's, or of all that count.
+pub(super) fn recorded(
+    root: &Path,
+    study: &StudyId,
+    command: &Command,
+    screen: &Screen,
+) -> anyhow::Result<Exit> {
+    let layout = super::super::study(root, study.clone())?;
+    let data = StudyData::load(&layout).map_err(|found| super::super::join_findings(&found))?;
+    let wanted = |meta: &TrialMeta| {
+        command.participant.as_ref().is_none_or(|participant| *participant == meta.participant)
+            && command.session.as_ref().is_none_or(|session| *session == meta.session)
+            && command.trial.is_none_or(|trial| trial == meta.trial)
+    };
+    let count = data.counting().filter(|trial| wanted(&trial.meta)).count();
+    if count == 0 {
+        bail!("{} of {study}; `zwidth list {study}` shows which count", words::nothing(command));
+    }
+    let bar = screen.bar(count);
+    let found = oscillations(&data, &wanted, &|| bar.inc(1)).map_err(|e| anyhow!("{e}"))?;
+    bar.finish_and_clear();
+    found.problems.iter().for_each(|problem| screen.warn(problem));
+    let files = write(root, &data, command, &found)?;
+    if screen.json {
+        screen.listing(&found.trials.iter().map(told).collect::<Vec<_>>())?;
+    } else {
+        tell(&found, &files, screen);
+    }
+    Ok(if found.problems.is_empty() { Exit::Fine } else { Exit::Partly })
+}
+
+fn write(
+    root: &Path,
+    data: &StudyData,
+    command: &Command,
+    found: &Oscillations,
+) -> anyhow::Result<Vec<PathBuf>> {
+    let study = data.layout.study();
+    let usual = root.join("reports").join(study.as_str()).join("stability");
+    let folder = command.out.clone().unwrap_or(usual);
+    let mut made_from = BTreeMap::from([
+        ("study".to_owned(), study.to_string()),
+        ("plant".to_owned(), words::plant(found.is_fitted).to_owned()),
+        ("version".to_owned(), VERSION.to_string()),
+    ]);
+    let sources = found.trials.iter().map(|(meta, _)| meta.source);
+    let mark = zwidth_figures::mark(sources);
+    let said = mark.clone().unwrap_or_else(|| "recorded, and model runs beside it".to_owned());
+    made_from.insert("source".to_owned(), said);
+    let mut output = Output::new(&folder, made_from);
+    output.table("oscillations", &oscillations_table("oscillations", &found.trials)?)?;
+    if let [(meta, one)] = &found.trials[..]
+        && let Some(swings) = one.recorded.filter(|_| !one.courses.is_empty())
+    {
+        let name = format!("oscillation.{}.{}.{}", meta.participant, meta.session, meta.trial);
+        let notes = [words::of(meta, one), words::plant(found.is_fitted).to_owned()];
+        let courses: Vec<_> =
+            one.courses.iter().map(|course| (&course.t_s[..], &course.theta_rad[..])).collect();
+        let within_s = [swings.from_s, swings.to_s];
+        let figure =
+            zwidth_figures::oscillation(&courses, within_s, swings.period_s(), &notes, mark);
+        output.figure(&name, figure)?;
+    }
+    Ok(output.files)
+}
+
+fn told((meta, one): &(TrialMeta, Oscillation)) -> Told<'_> {
+    Told {
+        participant: meta.participant.as_str(),
+        session: meta.session.as_str(),
+        trial: meta.trial,
+        answer: one.origin.answer().as_str(),
+        why: one.origin.why(),
+        frequency_hz: one.recorded.map(|swings| swings.frequency_hz),
+        amplitude_rad: one.recorded.map(|swings| swings.amplitude_rad),
+        power_factor: one.power_factor,
+    }
+}
+
+fn tell(found: &Oscillations, files: &[PathBuf], screen: &Screen) {
+    /// Trials of which each has a line; of more only what is not calm.
+    const FEW: usize = 12;
+    let is_few = found.trials.len() <= FEW;
+    let lines = found.trials.iter().filter(|row| is_few || row.1.recorded.is_some());
+    lines.for_each(|(meta, one)| screen.result(words::of(meta, one)));
+    let count = |answer| found.trials.iter().filter(|t| t.1.origin.answer() == answer).count();
+    if found.trials.len() > 1 {
+        let answers =
+            [SwingAnswer::Calm, SwingAnswer::Real, SwingAnswer::Forced, SwingAnswer::CannotTell];
+        let parts = answers.map(|answer| format!("{} {}", count(answer), answer.as_str()));
+        screen.result(format!("{} trials: {}", found.trials.len(), parts.join(", ")));
+    }
+    screen.result(words::plant(found.is_fitted));
+    let shown = files.iter().filter(|path| {
+        path.extension().is_some_and(|extension| extension == "png" || extension == "csv")
+    });
+    shown.for_each(|path| screen.result(path.display().to_string()));
+}
+
+mod words {
+    use super::{Command, Oscillation, RecordedSwings, TrialMeta};
+
+    pub(super) fn nothing(command: &Command) -> String {
+        let parts = [
+            command.participant.as_ref().map(ToString::to_string),
+            command.session.as_ref().map(ToString::to_string),
+            command.trial.map(|trial| format!("trial {trial}")),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        format!("no trial that counts: {}", parts.join(" "))
+    }
+
+    pub(super) fn plant(is_fitted: bool) -> &'static str {
+        if is_fitted {
+            "The model's plant is the study's, as fitted."
+        } else {
+            "The model's plant is the thesis', by eye: `zwidth run STUDY` fits the study's own."
+        }
+    }
+
+    /// `P01 S01 trial 7 (spring, active): real: 24 swings, ±0.35° at 12.4 Hz, 1.20 to 3.30 s: …`
+    pub(super) fn of(meta: &TrialMeta, one: &Oscillation) -> String {
+        let TrialMeta { participant, session, trial, environment, mode, .. } = meta;
+        let answer = one.origin.answer().as_str();
+        let who = format!("{participant} {session} trial {trial} ({environment}, {mode})");
+        let Some(swings) = &one.recorded else {
+            return format!("{who}: {answer}: {}", one.origin.why());
+        };
+        let seen = format!(
+            "{} swings of ±{:.3}° at {:.1} Hz, {:.2} to {:.2} s",
+            swings.swings,
+            swings.amplitude_rad.to_degrees(),
+            swings.frequency_hz,
+            swings.from_s,
+            swings.to_s
+        );
+        let model = |name: &str, swings: &Option<RecordedSwings>| match swings {
+            None => format!("{name} no swing"),
+            Some(s) => {
+                let degrees = s.amplitude_rad.to_degrees();
+                format!("{name} ±{degrees:.3}° at {:.1} Hz", s.frequency_hz)
+            }
+        };
+        let beside = if one.courses.is_empty() {
+            String::new()
+        } else {
+            let steps = one.stepped_rad.map(|rad| format!("{:.3}", rad.to_degrees()));
+            let cos = one.power_factor.map_or(String::new(), |cos| format!("; cos φ {cos:+.2}"));
+            format!(
+                " ({}; {}, by steps halved twice ±{}°{cos})",
+                model("model with the user's force", &one.with_force),
+                model("with its slow part", &one.alone),
+                steps.join(", "),
+            )
+        };
+        format!("{who}: {answer}: {seen}: {}{beside}", one.origin.why())
+    }
+}
