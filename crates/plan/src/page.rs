@@ -3,7 +3,7 @@
 
 use crate::conditions::{Repeats, sessions};
 use crate::drawing::Drawing;
-use crate::trials::{OfTrials, files as trial_files, read_all};
+use crate::trials::{OfTrials, files as trial_files, read_drawn};
 use crate::{average, courses, identify, likert, metrics, runs, summary};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -137,7 +137,7 @@ fn make_condition(
     files: &Files,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, problems) = read_all(&files.trials, &of.trials, SIGNALS.into_iter());
+    let (trials, problems, _) = read_drawn(&files.trials, &of.trials, SIGNALS.into_iter());
     let metrics = summary::read(&Some(files.metrics.clone()))?;
     let courses: Vec<Course> =
         trials.iter().map(|trial| course(trial, metrics.as_ref())).collect::<Result<_, _>>()?;

@@ -150,7 +150,7 @@ fn spread(
         plan::spreads(&data.layout, metric).map(|file| Table::from_parquet(&file));
     let (contrasts, models) = (contrasts?, models?);
     let widest = widest(&contrasts, &models, f64::from(data.study.design.repeats))?;
-    let simulated = data.counting().any(|trial| trial.meta.source == Source::Twin);
+    let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
     let mark = if simulated { " (SYNTHETIC: simulated data)" } else { "" };
     let widest = widest.with_context(|| {
         format!(
