@@ -1,4 +1,4 @@
-"""Do the tables compile with the real LaTeX and Typst, and fit their pages?
+"""Do tables and captions compile with the real LaTeX and Typst, and fit their pages?
 
     python typeset.py --zwidth PROGRAM --root FOLDER [--engine pdflatex] [--keep FOLDER]
 
@@ -6,9 +6,13 @@ FOLDER holds raw/thesis-twin and reports/ after `zwidth run thesis-twin`. All ta
 of page: every error, overfull box, missing glyph and reference to nowhere that the compilers tell counts, and so do
 glyphs that stand outside of the text block or on top of each other in the PDF. --keep leaves the documents there, with
 every page as an image. The tables' own first line says what a document must load; these load no more.
+
+The captions of all figures are set as captions of figures, by their names. Then a second study is simulated whose every text holds
+what LaTeX, Typst, TOML and browsers take for their own: its tables and captions must compile, and show these texts as text.
 """
 
 import argparse
+import json
 import os
 import re
 import shutil
@@ -106,6 +110,102 @@ def typeset_typst(page, start, margin, files, folder):
     document.with_suffix(".pdf").write_bytes(pdf)
     look(what, document.with_suffix(".pdf"), margin, 595.28 - margin)
     words(what, read(document.with_suffix(".pdf")), files)
+
+
+# What nobody should be able to set into a document, in every text of a study: specials of LaTeX and Typst, quotes, markup, control
+# signs, and a text as long as a study may have.
+HOSTILE = [
+    r"\input{/etc/passwd} \end{document} \undefined $x^2$ 50 % & # ~ ^ {open close} \\ ^^41",
+    r"""#eval("1") #panic() @nobody <label> *bold* _it_ `raw` = no heading $ x $ // none /* none */ https://example.org [b] -- ---""",
+    "</script><script>alert('x')</script> \"quoted\" 'single' &amp; <!-- -->",
+    "bell \a escape \x1b[2J tab \t break \n delete \x7f zero \u200b back \u202e end",
+    "{}\\#$%&_~^ " * 80 + "wordwithoutanyspace" * 4,
+]
+
+
+def hostile_study(zwidth, root):
+    """A study with such texts everywhere, simulated and run; its reports."""
+    checks.run(zwidth, "--root", root, "new", "hostile")
+    toml = root / "raw" / "hostile" / "study.toml"
+    text, texts = toml.read_text(), iter(HOSTILE * 4)
+    text = text.replace("\nrepeats = 6\n", "\nrepeats = 2\n").replace("\nrate_hz = 1000.0\n", "\nrate_hz = 120.0\n")
+    given = lambda found: f"{found.group(1)} = {json.dumps(next(texts)).replace(chr(127), chr(92) + 'u007f')}"
+    toml.write_text(re.sub(r"^(title|name|label|text) = .*$", given, text, flags=re.MULTILINE))
+    checks.run(zwidth, "--root", root, "twin", "hostile", "--participants", "1", "--sessions", "1")
+    checks.run(zwidth, "--root", root, "--quiet", "run", "hostile")
+    return root / "reports" / "hostile"
+
+
+def captions_latex(engine, what, figures, folder, names):
+    """A document with a figure for each caption, by LaTeX."""
+    one = lambda name: rf"\begin{{figure}}[p]\centering\rule{{1cm}}{{1cm}}\caption[\zwidthtitle{{{name}}}]{{\zwidthcaption{{{name}}}}}\end{{figure}}\clearpage"
+    document = folder / f"latex-captions-{what.replace(' ', '-')}.tex"
+    document.write_text("\n".join([
+        r"\documentclass{article}\usepackage[T1]{fontenc}\usepackage{lmodern}", rf"\input{{{figures / 'captions'}}}", r"\begin{document}",
+        r"\typeout{block \the\dimexpr1in+\oddsidemargin\relax\space\the\textwidth}", r"\listoffigures\clearpage", *map(one, names), r"\end{document}"]))
+    command = [engine, "-interaction=nonstopmode", "-halt-on-error", document.name]
+    wide = {**os.environ, "max_print_line": "10000"}
+    for _ in range(2):
+        code = subprocess.run(command, cwd=folder, env=wide, capture_output=True, check=False).returncode
+    log = document.with_suffix(".log").read_text(errors="replace")
+    told = [line for line in log.splitlines() if line.startswith("!") or "Missing character" in line or "undefined" in line]
+    checks.check(f"{engine}: {len(names)} captions of {what} compile without a complaint", code == 0 and not told, told[:3])
+    return document.with_suffix(".pdf") if code == 0 else None
+
+
+def captions_typst(what, figures, folder, names):
+    """The same by Typst."""
+    document = folder / f"typst-captions-{what.replace(' ', '-')}.typ"
+    document.write_text(f"""#import "{os.path.relpath(figures / 'captions.typ', folder)}": captions, titles
+#set page(paper: "a4")
+#outline(target: figure.where(kind: image))
+#for name in captions.keys() [
+  #pagebreak()
+  #figure(rect(width: 1cm, height: 1cm), kind: image, supplement: [Figure], caption: captions.at(name))
+  #titles.at(name)
+]
+""")
+    try:
+        pdf, warnings = typst.compile_with_warnings(str(document), root="/", ignore_system_fonts=True)
+    except typst.TypstError as error:
+        checks.check(f"Typst: {len(names)} captions of {what} compile", False, error)
+        return None
+    checks.check(f"Typst: {len(names)} captions of {what} compile without a warning", not warnings, [str(w) for w in warnings][:3])
+    document.with_suffix(".pdf").write_bytes(pdf)
+    return document.with_suffix(".pdf")
+
+
+def captions(engine, what, reports, folder):
+    """Every caption of a study's figures, by both; every word of them is in the document."""
+    figures = (reports / "figures").resolve()
+    names = sorted(file.stem for file in figures.glob("*.svg"))
+    defined = re.findall(r"@namedef\{zwidth@caption@(.*?)\}", (figures / "captions.tex").read_text())
+    checks.equal(f"{what}: each figure has its caption by name", sorted(defined), names)
+    for maker, pdf in (("LaTeX", captions_latex(engine, what, figures, folder, names)), ("Typst", captions_typst(what, figures, folder, names))):
+        if pdf is None:
+            continue
+        there, lost = squeezed(read(pdf)), []
+        for name in names:
+            text = (figures / f"{name}.txt").read_text().split("zwidth:")[0]
+            lost += [f"{name}: {word}" for word in re.findall(r"[A-Za-z]{3,}|[0-9]+\.[0-9]{2,}", text) if word not in there]
+        checks.check(f"{maker}: every word of the captions of {what} is there", not lost, lost[:5])
+
+
+def hostile_tables(engine, reports, folder):
+    """Tables of the hostile study compile; how they look is nobody's business."""
+    tables = (reports / "tables").resolve()
+    tex, typ = sorted(tables.glob("*.tex")), sorted(tables.glob("*.typ"))
+    (folder / "hostile.tex").write_text(latex_document("10pt", "", tex))
+    command = [engine, "-interaction=nonstopmode", "-halt-on-error", "hostile.tex"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, check=False)
+    told = [line for line in done.stdout.decode(errors="replace").splitlines() if line.startswith("!")]
+    checks.check(f"{engine}: {len(tex)} tables of the hostile study compile", done.returncode == 0, told[:3])
+    (folder / "hostile.typ").write_text("\n".join(f'#include "{os.path.relpath(file, folder)}"' for file in typ))
+    try:
+        typst.compile(str(folder / "hostile.typ"), root="/", ignore_system_fonts=True)
+        checks.check(f"Typst: {len(typ)} tables of the hostile study compile", True)
+    except typst.TypstError as error:
+        checks.check(f"Typst: {len(typ)} tables of the hostile study compile", False, error)
 
 
 def glyphs_of_typst(files):
@@ -217,6 +317,12 @@ def main():
         for page, (start, margin) in PAGES.items():
             typeset_typst(page, start, margin, typ, folder)
         glyphs_of_typst(typ)
+        captions(given.engine, STUDY, tables.parent, folder)
+        root = folder / "root"
+        shutil.rmtree(root, ignore_errors=True)
+        hostile = hostile_study(given.zwidth.resolve(), root)
+        captions(given.engine, "a hostile study", hostile, folder)
+        hostile_tables(given.engine, hostile, folder)
         if given.keep:
             images(folder)
     same_by_command(given.zwidth.resolve(), given.root.resolve(), tex)

@@ -162,7 +162,7 @@ def saturates_at(u, f):
     whole = np.polynomial.polynomial.polyfit(u, f, 1)
     whole_rss = np.sum((f - whole[0] - whole[1] * u) ** 2)
     top = np.polynomial.polynomial.polyfit(u[at:], f[at:], 1)[1]
-    is_plateau = u[-1] - meets >= 0.05 * (u[-1] - u[0]) and abs(top) < 0.25 * slope and rss <= 0.5 * whole_rss
+    is_plateau = u[-1] - meets >= 0.05 * (u[-1] - u[0]) and top < 0.25 * slope and slope > 0 and rss <= 0.5 * whole_rss
     return meets if is_plateau else None
 
 

@@ -45,7 +45,7 @@ fn colour(color: BackendColor) -> (Colour, f64) {
 fn stroke<S: BackendStyle>(style: &S) -> Stroke {
     let (colour, opacity) = colour(style.color());
     let width_pt = f64::from(style.stroke_width()) / UNITS_PER_PT;
-    Stroke { colour, opacity, width_pt, dash: Dash::Solid }
+    Stroke { colour, opacity, width_pt, dash: Dash::Solid, from_pt: 0.0 }
 }
 
 impl DrawingBackend for Pen<'_> {

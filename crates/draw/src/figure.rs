@@ -254,8 +254,8 @@ pub struct Line {
     pub x: Vec<f64>,
     /// Vertical positions, as many; NaN breaks the curve.
     pub y: Vec<f64>,
-    /// Where `true` at both ends of a piece, the piece is dotted (past the wall, say). Empty:
-    /// nowhere.
+    /// Where `true` at both ends of a piece, the piece is dotted in the rhythm of the pen's dashes (past
+    /// the wall, say). Empty: nowhere.
     pub dotted: Vec<bool>,
     /// Pen.
     pub stroke: Stroke,

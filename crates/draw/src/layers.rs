@@ -17,7 +17,7 @@ use crate::likert::{self, Segment};
 use crate::panel::PanelPlan;
 use crate::scale::{Ends, Scale};
 use crate::sheet::Sheet;
-use crate::style::{self, BAND_OPACITY, Colour, Dash, LEAST_PT, SMALL_PT, Stroke};
+use crate::style::{self, BAND_OPACITY, Colour, LEAST_PT, SMALL_PT, Stroke};
 
 /// A panel's plot area as plotters sees it.
 struct Plot<'s> {
@@ -78,12 +78,14 @@ impl Plot<'_> {
         let points: Vec<Point> = line.x.iter().copied().zip(line.y.iter().copied()).collect();
         let dotted = |i: usize| line.dotted.get(i).copied().unwrap_or(false);
         for (dotted, stretch) in curve::stretches(&points, dotted) {
-            let dash = if dotted { Dash::Dotted } else { line.stroke.dash };
+            let dash = if dotted { line.stroke.dash.dotted() } else { line.stroke.dash };
             let stroke = line.stroke.dashed(dash);
             if let [lone] = stretch[..] {
                 self.lone_point(lone, &stroke)?;
             }
             for part in curve::cut_line(&stretch, &self.window) {
+                let begins = part.first().filter(|_| dotted).map(|from| self.x.pt(from.0));
+                let stroke = begins.map_or(stroke, |x_pt| stroke.on_beat(x_pt));
                 self.curve(self.thinned(part), stroke)?;
             }
         }

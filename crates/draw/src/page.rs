@@ -83,7 +83,8 @@ fn grid_lines(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
     if !plan.note.is_empty() {
         return; // lines would run through the words
     }
-    let pen = Stroke { colour: GRID, width_pt: GRID_PT, opacity: 1.0, dash: Dash::Solid };
+    let pen =
+        Stroke { colour: GRID, width_pt: GRID_PT, opacity: 1.0, dash: Dash::Solid, from_pt: 0.0 };
     let Rect { left, top, right, bottom } = plan.plot;
     for (_, x) in
         places(&plan.x.ticks, plan.x_scale()).filter(|(tick, _)| !plan.x.named && !tick.minor)

@@ -130,7 +130,7 @@ fn fill(ink: Colour, opacity: f64) -> Fill {
 fn stroke(pen: &style::Stroke) -> Stroke {
     let dash = |pt: Vec<f64>| StrokeDash {
         array: pt.into_iter().map(|pt| pt as f32).collect(),
-        offset: 0.0,
+        offset: pen.from_pt as f32,
     };
     Stroke {
         paint: colour(pen.colour).into(),

@@ -72,7 +72,8 @@ fn paint(pixmap: &mut Pixmap, shape: &Shape, fonts: &Fonts, scale: f32) {
         }
         Ink::Stroke(stroke) => {
             let dash = |pt: Vec<f64>| {
-                StrokeDash::new(pt.into_iter().map(|pt| pt as f32 * scale).collect(), 0.0)
+                let dashes = pt.into_iter().map(|pt| pt as f32 * scale).collect();
+                StrokeDash::new(dashes, stroke.from_pt as f32 * scale)
             };
             let pen = tiny_skia::Stroke {
                 width: stroke.width_pt as f32 * scale,

@@ -143,6 +143,41 @@ pub enum Dash {
     LongDashed,
     /// Round dots: kept for what is commanded, and for what lies at a wall or past it.
     Dotted,
+    /// Round dots in twos.
+    InTwos,
+    /// Round dots in threes.
+    InThrees,
+    /// Round dots far apart.
+    FarApart,
+}
+
+/// Distance of dots, in widths of the pen.
+const DOT: f64 = 2.1;
+/// Dots after which the rhythms begin again, all on one beat: where curves lie on each other along the
+/// page, dots in twos, in threes and far apart stand beside each other.
+const BEAT: usize = 6;
+
+impl Dash {
+    /// Which dots of a beat are drawn; none for what has dashes.
+    fn dots(self) -> &'static [usize] {
+        match self {
+            Self::Dotted => &[0, 1, 2, 3, 4, 5],
+            Self::InTwos => &[0, 1],
+            Self::InThrees => &[2, 3, 4],
+            Self::FarApart => &[5],
+            _ => &[],
+        }
+    }
+
+    /// The dots of a curve with these dashes, so that curves stay apart where all are dotted.
+    pub fn dotted(self) -> Self {
+        match self {
+            Self::Dashed => Self::InTwos,
+            Self::DashDotted => Self::InThrees,
+            Self::LongDashed => Self::FarApart,
+            _ => Self::Dotted,
+        }
+    }
 }
 
 /// The dashes of curves that differ by colour too, so that print in grey tells them apart: of the
@@ -167,6 +202,8 @@ pub struct Stroke {
     pub opacity: f64,
     /// Solid, dashed or dotted.
     pub dash: Dash,
+    /// How far into its dashes the pen begins, pt.
+    pub from_pt: f64,
 }
 
 impl Stroke {
@@ -177,14 +214,33 @@ impl Stroke {
             Dash::Dashed => &[4.0, 2.5],
             Dash::DashDotted => &[6.0, 2.0, 1.5, 2.0],
             Dash::LongDashed => &[9.0, 2.5],
-            // dots: dashes of almost no length under round ends
-            Dash::Dotted => return Some(vec![0.01, 2.1 * self.width_pt]),
+            dotted => return Some(self.gaps_pt(dotted.dots())),
         };
         Some(widths.iter().map(|width| width * self.width_pt).collect())
     }
 
+    /// Dots at these places of a beat, from the first of them on: dashes of almost no length under
+    /// round ends.
+    fn gaps_pt(&self, dots: &[usize]) -> Vec<f64> {
+        const LENGTH_PT: f64 = 0.01;
+        let next = |i: usize| dots.get(i + 1).copied().unwrap_or(dots[0] + BEAT);
+        // Every dot of a beat alike: one dash and one gap say it.
+        let shown = if dots.len() == BEAT { 1 } else { dots.len() };
+        let gap = |i: usize| (next(i) - dots[i]) as f64 * DOT * self.width_pt - LENGTH_PT;
+        (0..shown).flat_map(|i| [LENGTH_PT, gap(i)]).collect()
+    }
+
     pub(crate) fn round_ends(&self) -> bool {
-        self.dash == Dash::Dotted
+        !self.dash.dots().is_empty()
+    }
+
+    /// The same pen for a curve that begins at `x_pt` of the page: dots along the page stand where those of
+    /// any other curve with a pen of this width do.
+    pub(crate) fn on_beat(self, x_pt: f64) -> Self {
+        let Some(first) = self.dash.dots().first() else { return self };
+        let dot_pt = DOT * self.width_pt;
+        let from_pt = (x_pt - *first as f64 * dot_pt).rem_euclid(BEAT as f64 * dot_pt);
+        Self { from_pt, ..self }
     }
 
     /// The same pen with other dashes.
@@ -213,32 +269,32 @@ pub enum Marker {
 
 /// Pen of a mean, a fit, or any curve that carries the message.
 pub const fn mean(colour: Colour) -> Stroke {
-    Stroke { colour, width_pt: 1.1, opacity: 1.0, dash: Dash::Solid }
+    Stroke { colour, width_pt: 1.1, opacity: 1.0, dash: Dash::Solid, from_pt: 0.0 }
 }
 
 /// Pen of one repeat behind the mean of all.
 pub const fn faint(colour: Colour) -> Stroke {
-    Stroke { colour, width_pt: 0.5, opacity: 0.32, dash: Dash::Solid }
+    Stroke { colour, width_pt: 0.5, opacity: 0.32, dash: Dash::Solid, from_pt: 0.0 }
 }
 
 /// Pen of one repeat where the repeats are the message.
 pub const fn single(colour: Colour) -> Stroke {
-    Stroke { colour, width_pt: 0.8, opacity: 1.0, dash: Dash::Solid }
+    Stroke { colour, width_pt: 0.8, opacity: 1.0, dash: Dash::Solid, from_pt: 0.0 }
 }
 
 /// Pen of what was commanded, beside what was measured.
 pub const fn commanded() -> Stroke {
-    Stroke { colour: INK, width_pt: 0.9, opacity: 1.0, dash: Dash::Dotted }
+    Stroke { colour: INK, width_pt: 0.9, opacity: 1.0, dash: Dash::Dotted, from_pt: 0.0 }
 }
 
 /// Pen of a reference line.
 pub const fn reference() -> Stroke {
-    Stroke { colour: GREY, width_pt: 0.6, opacity: 1.0, dash: Dash::Dashed }
+    Stroke { colour: GREY, width_pt: 0.6, opacity: 1.0, dash: Dash::Dashed, from_pt: 0.0 }
 }
 
 /// Pen of the line that marks zero.
 pub const fn zero() -> Stroke {
-    Stroke { colour: INK, width_pt: AXIS_PT, opacity: 1.0, dash: Dash::Solid }
+    Stroke { colour: INK, width_pt: AXIS_PT, opacity: 1.0, dash: Dash::Solid, from_pt: 0.0 }
 }
 
 /// Opacity of a band: three that overlap are still told apart.
@@ -317,6 +373,38 @@ mod tests {
         }
         let dashes: Vec<Dash> = (0..4).map(dash).collect();
         assert!((0..4).all(|i| !dashes[..i].contains(&dashes[i]) && dashes[i] != Dash::Dotted));
+    }
+
+    #[test]
+    fn dots_of_curves_that_lie_on_each_other_stand_beside_each_other() {
+        let pen = mean(INK);
+        let along = |dash: Dash, x_pt: f64| -> Vec<f64> {
+            let pen = pen.dashed(dash.dotted()).on_beat(x_pt);
+            let steps = pen.dashes_pt().unwrap();
+            let mut at = x_pt - pen.from_pt;
+            let mut dots = Vec::new();
+            for (i, step) in steps.iter().cycle().take(40 * steps.len()).enumerate() {
+                if i % 2 == 0 && at >= x_pt {
+                    dots.push(at);
+                }
+                at += step;
+            }
+            dots
+        };
+        let (twos, threes) = (along(Dash::Dashed, 31.7), along(Dash::DashDotted, 12.3));
+        let few = along(Dash::LongDashed, 100.0);
+        assert!(twos.len() > 20 && threes.len() > 20 && few.len() > 20);
+        let all = [&twos, &threes, &few];
+        for (i, a) in all.iter().enumerate() {
+            for b in &all[..i] {
+                let apart = |x: &f64| b.iter().map(|y| (x - y).abs()).fold(f64::MAX, f64::min);
+                let least = a.iter().map(apart).fold(f64::MAX, f64::min);
+                assert!(least > 0.99 * DOT * pen.width_pt, "{least}");
+            }
+        }
+        let every = along(Dash::Solid, 0.0);
+        assert!((every[9] - every[8] - DOT * pen.width_pt).abs() < 1e-9);
+        assert_eq!(mean(INK).on_beat(5.0).from_pt, 0.0, "a pen that does not break has no beat");
     }
 
     #[test]

@@ -225,6 +225,9 @@ fn stroke_style(stroke: &Stroke) -> String {
     if let Some(dashes) = stroke.dashes_pt() {
         let dashes: Vec<String> = dashes.into_iter().map(number).collect();
         let _ = write!(style, " stroke-dasharray=\"{}\"", dashes.join(" "));
+        if stroke.from_pt > 0.0 {
+            let _ = write!(style, " stroke-dashoffset=\"{}\"", number(stroke.from_pt));
+        }
     }
     if stroke.round_ends() {
         style.push_str(" stroke-linecap=\"round\"");

@@ -48,7 +48,7 @@ pub use solve::dormand_prince::DormandPrince;
 pub use solve::exact::held::{HeldCommand, HeldRun, HeldScene};
 pub use solve::exact::{Exact, Prepared};
 pub use solve::moreau_jean::MoreauJean;
-pub use solve::named::{NAMED_SOLVERS, NamedSolver};
+pub use solve::named::{NAMED_SOLVERS, NamedSolver, solver_label};
 pub use solve::rk4::Rk4;
 pub use solve::symplectic_euler::SymplecticEuler;
 pub use solve::tr_bdf2::TrBdf2;

@@ -5,6 +5,7 @@
 //! input, in plain loops, so that a result has the same bits on every machine.
 
 pub mod activity;
+pub mod branch;
 pub mod cubic;
 mod error;
 pub mod expm;

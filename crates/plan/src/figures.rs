@@ -1,7 +1,7 @@
 //! Stage `figures`: each figure as SVG, PDF and PNG, with its data beside it.
 
 use crate::conditions::{Repeats, Session, sessions};
-use crate::drawing::{Drawing, Figured, STAGE};
+use crate::drawing::{Drawing, Figured};
 use crate::trials::{Known, MOST_DRAWN, describe_trials, files, read_drawn};
 use crate::{
     average, characterise, compare, design, freemotion, ladder, likert_figures, metrics,
@@ -17,24 +17,47 @@ use zwidth_figures::{
 };
 use zwidth_runner::{Inputs, Job, JobError};
 use zwidth_store::{Asked, StoreError, StudyData, TrialEntry, check_trial};
-use zwidth_study::{Alignments, Environment, ModeId, Study};
+use zwidth_study::{Alignments, Environment, ModeId, OwnFigures};
 use zwidth_tables::Table;
 
-/// Every figure of a study.
-pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
+/// Every figure that a run makes.
+pub(crate) fn made(data: &StudyData) -> Vec<Drawing> {
+    let sessions = sessions(data);
+    let n = sessions.len();
+    of(data, sessions.into_iter().filter(|s| data.study.figures.has_own(&s.ids(), n)).collect())
+}
+
+/// How many sessions have figures that are made on demand alone.
+pub(crate) fn without_own(data: &StudyData) -> usize {
+    let all = sessions(data);
+    all.iter().filter(|s| !data.study.figures.has_own(&s.ids(), all.len())).count()
+}
+
+/// Every figure that can be made, on demand or by a run.
+fn all(data: &StudyData) -> Vec<Drawing> {
+    of(data, sessions(data))
+}
+
+/// The job of a figure that is made on demand.
+pub fn on_demand(data: &StudyData, stem: &str) -> Option<Job> {
+    all(data).into_iter().find(|drawing| drawing.caption.stem() == stem).map(|drawing| drawing.job)
+}
+
+/// Every figure of these sessions and of the study as a whole.
+fn of(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
     let mut drawings = Vec::new();
-    for session in sessions(data) {
+    for session in &sessions {
         let mut environments: Vec<&Environment> =
             data.study.environments.iter().filter(|e| !session.of(e).is_empty()).collect();
         for environment in &environments {
             let beside = environments.iter().filter(|other| other.id != environment.id);
             let beside: Vec<&Environment> = beside.copied().collect();
-            drawings.push(modes(data, &session, environment, &beside));
-            drawings.extend(repeats(data, &session, environment));
+            drawings.push(modes(data, session, environment, &beside));
+            drawings.extend(repeats(data, session, environment));
         }
         environments.retain(|e| e.scene.spring().is_some());
         if !environments.is_empty() {
-            drawings.push(loops(data, &session, &environments));
+            drawings.push(loops(data, session, &environments));
         }
     }
     drawings.extend(characterise::actuators(data).into_iter().map(|(actuator, sweeps)| {
@@ -46,7 +69,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     drawings.extend(freemotion::planes(data).map(|table| {
         Drawing::new(data, FREE_MOTION, [""; 0], About::of(&data.study), table, free_motion)
     }));
-    drawings.extend(replay_figures::all(data));
+    drawings.extend(sessions.iter().flat_map(|session| replay_figures::of(data, session)));
     drawings.extend(ladder::figures(data));
     drawings.extend(likert_figures::all(data));
     drawings.extend(compare::figures(data));
@@ -70,18 +93,30 @@ pub fn describe(data: &StudyData, stem: &str) -> Option<Result<(Figure, Vec<Stri
 }
 
 /// The choices of study.toml for figures that the study does not have (of a kind that it lacks is
-/// no mistake), and for metrics that there are not.
-pub fn chosen_in_vain(study: &Study, planned: &[Job]) -> Vec<String> {
-    let names: Vec<&str> =
-        planned.iter().filter(|j| j.stage == STAGE).filter_map(Job::stem).collect();
-    let vain = study
-        .figures
-        .choices()
-        .filter(|(id, _)| id.contains('.') && !names.iter().any(|name| is_of(name, id)));
-    let vain = vain.map(|(id, _)| {
-        format!("the choice figures.{id} of study.toml: the study has no such figure")
-    });
-    vain.chain(compare::asked_in_vain(study)).collect()
+/// no mistake), for sessions, and for metrics that there are not.
+pub fn chosen_in_vain(data: &StudyData) -> Vec<String> {
+    let study = &data.study;
+    let chosen: Vec<&str> =
+        study.figures.choices().map(|(id, _)| id).filter(|id| id.contains('.')).collect();
+    let names: Vec<String> = match chosen.is_empty() {
+        true => Vec::new(),
+        false => captions(data).into_iter().map(|(name, _)| name).collect(),
+    };
+    let vain = chosen.into_iter().filter(|id| !names.iter().any(|name| is_of(name, id)));
+    let vain = vain
+        .map(|id| format!("the choice figures.{id} of study.toml: the study has no such figure"));
+    vain.chain(sessions_in_vain(data)).chain(compare::asked_in_vain(study)).collect()
+}
+
+/// The sessions that are to have figures of their own, and have no trial that counts.
+fn sessions_in_vain(data: &StudyData) -> Vec<String> {
+    let OwnFigures::Of(named) = &data.study.figures.own else { return Vec::new() };
+    let known: Vec<[String; 2]> = sessions(data).iter().map(Session::ids).collect();
+    let vain = named.iter().filter(|ids| !known.contains(ids));
+    let told = |ids: &[String; 2]| {
+        format!("figures.sessions of study.toml: {} has no trial that counts", ids.join("."))
+    };
+    vain.map(told).collect()
 }
 
 /// Whether a figure is the one of an id, or one of those whose id begins with it.

@@ -40,7 +40,7 @@ mod trade;
 mod trials;
 
 pub use compare::{By, answers, compared, comparison, spreads};
-pub use figures::{captions, chosen_in_vain, describe};
+pub use figures::{captions, chosen_in_vain, describe, on_demand};
 pub use ladder::ladders;
 pub use page::{JOB as PAGE, file as page_file};
 pub use preregistered::{analysis, plan_file};
@@ -54,7 +54,7 @@ use zwidth_store::{Findings, StudyData};
 
 /// Every job of a study, of which this was found.
 pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
-    let figures = figures::all(data);
+    let figures = figures::made(data);
     let mut jobs = Vec::new();
     jobs.extend(characterise::jobs(data));
     jobs.extend(metrics::jobs(data));

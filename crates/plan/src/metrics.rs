@@ -23,6 +23,11 @@ pub(crate) fn of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
     derived(layout, format!("metrics/{}.parquet", repeats.key))
 }
 
+/// What happened in a condition's trials, `metrics/P01.S01.spring.hybrid.events.parquet`.
+pub(crate) fn events_of(layout: &Layout, repeats: &Repeats) -> PathBuf {
+    derived(layout, format!("metrics/{}.events.parquet", repeats.key))
+}
+
 /// Those that rest on the plant, `metrics/P01.S01.spring.hybrid.plant.parquet`.
 fn with_plant(layout: &Layout, repeats: &Repeats) -> PathBuf {
     derived(layout, format!("metrics/{}.plant.parquet", repeats.key))
@@ -63,7 +68,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     jobs
 }
 
-/// The metrics of a condition's trials that need nothing but the trials.
+/// The metrics and events of a condition's trials that need nothing but the trials.
 fn condition_job(data: &StudyData, repeats: &Repeats) -> Job {
     let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
     Job::new(
@@ -74,7 +79,7 @@ fn condition_job(data: &StudyData, repeats: &Repeats) -> Job {
             &repeats.trials,
         ),
         files(&repeats.trials),
-        vec![of_condition(&data.layout, repeats)],
+        vec![of_condition(&data.layout, repeats), events_of(&data.layout, repeats)],
         make_condition,
     )
 }
@@ -136,7 +141,9 @@ fn make_condition(
     let notes = left_out.chain(care.iter().map(|note| (NoteKind::Care, note.clone())));
     let table = zwidth_metrics::table(&rows)?;
     let table = notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note));
-    Ok(Made { care, ..write_tables(&[table], making, problems)? })
+    let events: Vec<_> = rows.iter().map(|row| (&row.meta, row.events.as_slice())).collect();
+    let events = zwidth_metrics::events_table(&events)?;
+    Ok(Made { care, ..write_tables(&[table, events], making, problems)? })
 }
 
 fn make_study(

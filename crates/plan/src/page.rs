@@ -3,23 +3,22 @@
 
 use crate::conditions::{Repeats, sessions};
 use crate::drawing::Drawing;
-use crate::trials::{OfTrials, files as trial_files, read_drawn};
+use crate::trials::{OfTrials, files as trial_files, read_all};
 use crate::{average, courses, identify, likert, metrics, runs, summary};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_average::Alignment;
 use zwidth_replay::Parameters;
 use zwidth_report::{
-    Columns, Contents, Course, Event, Page, TURNED, condition_script, edges, page_html,
-    turned_script,
+    Columns, Contents, Course, Event, Page, TURNED, condition_script, page_html, turned_script,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage};
 use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
-use zwidth_study::{EnvironmentId, Flags, ModeId};
+use zwidth_study::{EnvironmentId, ModeId};
 use zwidth_tables::{Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 3 };
+const STAGE: Stage = Stage { name: "page", version: 4 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -105,7 +104,8 @@ struct Condition {
 /// The files of one condition.
 struct Files {
     trials: Vec<PathBuf>,
-    metrics: PathBuf,
+    /// What happened in them, and when.
+    events: PathBuf,
     averages: Vec<PathBuf>,
     /// The models' runs of a typical trial of each mode, where one could be replayed.
     courses: Option<PathBuf>,
@@ -113,7 +113,7 @@ struct Files {
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let one = [self.metrics.clone()].into_iter().chain(self.courses.clone());
+        let one = [self.events.clone()].into_iter().chain(self.courses.clone());
         self.trials.iter().chain(&self.averages).cloned().chain(one).collect()
     }
 }
@@ -121,7 +121,7 @@ impl Inputs for Files {
 fn of_condition(data: &StudyData, repeats: &Repeats, courses: Option<PathBuf>) -> Job {
     let files = Files {
         trials: trial_files(&repeats.trials),
-        metrics: metrics::of_condition(&data.layout, repeats),
+        events: metrics::events_of(&data.layout, repeats),
         averages: Alignment::ALL.map(|a| average::aligned(&data.layout, repeats, a)).to_vec(),
         courses,
     };
@@ -137,46 +137,45 @@ fn make_condition(
     files: &Files,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, problems, _) = read_drawn(&files.trials, &of.trials, SIGNALS.into_iter());
-    let metrics = summary::read(&Some(files.metrics.clone()))?;
+    let (trials, problems) = read_all(&files.trials, &of.trials, SIGNALS.into_iter());
+    let events = summary::read(&Some(files.events.clone()))?;
     let courses: Vec<Course> =
-        trials.iter().map(|trial| course(trial, metrics.as_ref())).collect::<Result<_, _>>()?;
+        trials.iter().map(|trial| course(trial, events.as_ref())).collect::<Result<_, _>>()?;
     let mut means = Vec::new();
     for (name, file) in ["onset", "landmarks"].into_iter().zip(&files.averages) {
         let table = summary::read(&Some(file.clone()))?;
         means.extend(table.filter(|t| t.height() > 0).map(|t| (name, mean_columns(&t))));
     }
     let replays = summary::read(&files.courses)?.map(|table| replays(&table, &of.stage.mode));
-    let replays = replays.transpose()?.unwrap_or_default();
+    let mut replays = replays.transpose()?.unwrap_or_default();
+    replays.iter_mut().for_each(|(_, number, columns)| in_time_of(&trials, *number, columns));
     let script = condition_script(&of.stage.key, &courses, &means, &replays)?;
     let text = with_origin(script, making);
     Ok(Made { outputs: vec![text.into_bytes()], problems, ..Made::default() })
 }
 
 /// A trial's samples and what happened in it.
-fn course(trial: &Trial, metrics: Option<&Table>) -> Result<Course, TableError> {
+fn course(trial: &Trial, events: Option<&Table>) -> Result<Course, TableError> {
     let samples = &trial.samples;
     let columns = SIGNALS
         .into_iter()
         .filter_map(|signal| Some((name(signal)?, samples.get(signal)?.to_vec())))
         .collect();
-    let at =
-        |kind: &'static str, times: Vec<f64>| times.into_iter().map(move |t_s| Event { kind, t_s });
-    let mut events = Vec::new();
-    if let (Some(t_s), Some(bits)) = (samples.get(Signal::Time), samples.get(Signal::StateBits)) {
-        events.extend(at("contact", edges(t_s, bits, Flags::PAST_WALL.0, false)));
-        events.extend(at("let_go", edges(t_s, bits, Flags::BRAKE_ON.0, true)));
-    }
-    if let Some(table) = metrics {
-        let row =
-            table.integers("trial")?.iter().position(|n| *n == Some(i64::from(trial.meta.trial)));
-        for (kind, column) in [("onset", "onset_s"), ("reversal", "reversal_s"), ("end", "end_s")] {
-            let time = row.map(|row| table.floats(column).map(|times| times[row])).transpose()?;
-            events.extend(at(kind, time.flatten().into_iter().collect()));
-        }
-    }
-    events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
-    Ok(Course { trial: trial.meta.trial, repeat: trial.meta.repeat, columns, events })
+    let events = events.map(|table| events_of(table, trial.meta.trial)).transpose()?;
+    Ok(Course {
+        trial: trial.meta.trial,
+        repeat: trial.meta.repeat,
+        columns,
+        events: events.unwrap_or_default(),
+    })
+}
+
+/// What happened in the trial of that number.
+fn events_of(table: &Table, trial: u32) -> Result<Vec<Event>, TableError> {
+    let rows = table.integers("trial")?.into_iter().zip(table.texts("event")?);
+    let rows = rows.zip(table.floats("t_s")?);
+    let of_trial = rows.filter(|((number, _), _)| *number == Some(i64::from(trial)));
+    Ok(of_trial.filter_map(|((_, kind), t_s)| Some(Event { kind: kind?, t_s: t_s? })).collect())
 }
 
 /// What the page calls a signal.
@@ -237,6 +236,15 @@ fn replays(table: &Table, mode: &ModeId) -> Result<Vec<(&'static str, u32, Colum
     Ok(found)
 }
 
+/// A model's time counts from its trial's first sample, the trial's own from the trial's start: moved
+/// to that.
+fn in_time_of(trials: &[Trial], number: u32, columns: &mut Columns) {
+    let of = trials.iter().find(|trial| trial.meta.trial == number);
+    let begins_s = of.and_then(|t| t.samples.get(Signal::Time)?.first().copied()).unwrap_or(0.0);
+    let times = columns.iter_mut().filter(|(name, _)| *name == "t_s").flat_map(|(_, t_s)| t_s);
+    times.for_each(|t_s| *t_s += begins_s);
+}
+
 /// What the page depends on besides files.
 #[derive(Serialize)]
 struct Index {
@@ -292,4 +300,30 @@ fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, J
         version: of.version,
     })?;
     Ok(Made { outputs: vec![html.into_bytes()], ..Made::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_store::{Samples, TrialFile};
+
+    #[test]
+    fn a_models_run_stands_at_its_own_trials_time() {
+        let trial = |number, begins_s: f64| {
+            let mut samples = Samples::default();
+            samples.set(Signal::Time, vec![begins_s, begins_s + 1.0]);
+            let meta = zwidth_testing::meta(number, "hybrid");
+            Trial { meta, file: TrialFile::new(), samples }
+        };
+        let trials = [trial(3, 0.0), trial(7, 11e-6)];
+        let run = || vec![("t_s", vec![0.0, 1.0]), ("theta_rad", vec![0.5, 0.6])];
+        let moved = |number| {
+            let mut columns = run();
+            in_time_of(&trials, number, &mut columns);
+            columns
+        };
+        assert_eq!((moved(3), moved(9)), (run(), run()), "of a trial that is not there: as it was");
+        let expect = vec![("t_s", vec![11e-6, 1.0 + 11e-6]), ("theta_rad", vec![0.5, 0.6])];
+        assert_eq!(moved(7), expect);
+    }
 }

@@ -1,7 +1,7 @@
-//! Figure 24: for each session and environment with a spring, one trial a mode beside the model
+//! Figure 24: for a session and each environment with a spring, one trial a mode beside the model
 //! that is given its external force, by eye and fitted: what the stage `replay` derived.
 
-use crate::conditions::sessions;
+use crate::conditions::Session;
 use crate::courses;
 use crate::drawing::{Drawing, Figured};
 use serde::Serialize;
@@ -19,21 +19,16 @@ struct Against {
     who: String,
 }
 
-pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
-    let mut drawings = Vec::new();
-    for session in sessions(data) {
-        for environment in &data.study.environments {
-            let courses = courses::file(data, &session, environment);
-            drawings.extend(courses.map(|courses| {
-                let [participant, session_id] = session.ids();
-                let subject = [participant, session_id, environment.id.to_string()];
-                let (about, environment) = (About::of(&data.study), environment.clone());
-                let against = Against { about, environment, who: session.who() };
-                Drawing::new(data, REPLAY, subject, against, courses, draw)
-            }));
-        }
-    }
-    drawings
+pub(crate) fn of(data: &StudyData, session: &Session) -> Vec<Drawing> {
+    let of_environment = |environment: &Environment| {
+        let courses = courses::file(data, session, environment)?;
+        let [participant, session_id] = session.ids();
+        let subject = [participant, session_id, environment.id.to_string()];
+        let (about, environment) = (About::of(&data.study), environment.clone());
+        let against = Against { about, environment, who: session.who() };
+        Some(Drawing::new(data, REPLAY, subject, against, courses, draw))
+    };
+    data.study.environments.iter().filter_map(of_environment).collect()
 }
 
 fn draw(Against { about, environment, who }: &Against, courses: &PathBuf) -> Figured {

@@ -8,13 +8,13 @@ use crate::{likert, metrics, replay};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_report::{
-    Derived, Gallery, Known, Planned, components_table, device_table, model_table, modes_table,
+    Derived, Gallery, Known, components_table, device_table, model_table, modes_table,
     pros_cons_table, thesis_table, weight_table,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_simulate::ModelScene;
 use zwidth_store::{Layout, StudyData};
-use zwidth_study::Basis;
+use zwidth_study::{Basis, Setup};
 use zwidth_tables::{Table, TableError};
 
 const STAGE: Stage = Stage { name: "report", version: zwidth_report::VERSION };
@@ -51,7 +51,7 @@ pub(crate) fn of_design(data: &StudyData) -> Vec<PathBuf> {
 
 /// Whether masses and modes allow a table of weights.
 fn is_weighed(data: &StudyData) -> bool {
-    zwidth_report::is_weighed(&Planned::of(&data.study))
+    zwidth_report::is_weighed(&Setup::of(&data.study))
 }
 
 /// The table of the thesis' statements, where there is a trial, an answer or an actuator.
@@ -70,7 +70,7 @@ fn of_actuators(data: &StudyData, names: &[&str]) -> Vec<PathBuf> {
 /// What was planned, and where its forces come from.
 #[derive(Serialize)]
 struct Forced {
-    planned: Planned,
+    planned: Setup,
     basis: Basis,
 }
 
@@ -119,7 +119,7 @@ impl Inputs for Files {
 fn job_of_statements(data: &StudyData, figures: &[Drawing], output: PathBuf) -> Job {
     let Forces { basis, calibration, .. } = forces(data);
     let asked = Asked {
-        forced: Forced { planned: Planned::of(&data.study), basis },
+        forced: Forced { planned: Setup::of(&data.study), basis },
         gallery: gallery(data, figures),
         level: data.study.analysis.confidence,
     };
@@ -158,7 +158,7 @@ fn jobs_of_actuators(data: &StudyData) -> Vec<Job> {
         return Vec::new();
     }
     let Forces { basis, calibration, .. } = forces(data);
-    let planned = || Planned::of(&data.study);
+    let planned = || Setup::of(&data.study);
     let forced = || Forced { planned: planned(), basis };
     let outputs = |names: &[&str]| names.iter().map(|n| table_of(&data.layout, n)).collect();
     let weighed: &[&str] = if is_weighed(data) { &["modes", "weight"] } else { &["modes"] };
@@ -209,7 +209,7 @@ fn make_forces(
 
 /// What stands before anything is recorded: the model's parameters, the device and its components.
 fn make_planned(
-    (planned, model): &(Planned, &str),
+    (planned, model): &(Setup, &str),
     (): &(),
     making: &Making,
 ) -> Result<Made, JobError> {

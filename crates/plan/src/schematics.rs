@@ -6,10 +6,10 @@ use crate::drawing::{Drawing, Figured};
 use crate::scenes::read_scene;
 use serde::Serialize;
 use std::path::PathBuf;
-use zwidth_figures::{FigureKind, Modelled, OF_DEVICE, OF_MODEL, Setup};
+use zwidth_figures::{FigureKind, Modelled, OF_DEVICE, OF_MODEL};
 use zwidth_simulate::DEFAULT_SOLVER;
 use zwidth_store::StudyData;
-use zwidth_study::{SceneDrawing, SceneFigure};
+use zwidth_study::{SceneDrawing, SceneFigure, Setup};
 
 pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     let mut drawings = of_model(data);
@@ -50,7 +50,7 @@ fn of_device(data: &StudyData) -> Vec<Drawing> {
         return Vec::new();
     }
     let drawn = |(kind, draw): &(FigureKind, zwidth_figures::OfDevice)| {
-        let one = One { kind: *kind, of: Setup::of(&data.study) };
+        let one = One { kind: *kind, of: Setup::of(&data.study).without_questions() };
         draw(&one.of)?;
         Some(Drawing::new(data, *kind, [""; 0], one, (), draw_device))
     };

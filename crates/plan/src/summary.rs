@@ -9,16 +9,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
-    ComparedMetric, Gallery, Made as Listed, Planned, Remark, Shown, Summary, Told, findings,
-    laddered, summary_markdown, survey, traded,
+    ComparedMetric, Gallery, Made as Listed, Remark, Shown, Summary, Told, findings, laddered,
+    summary_markdown, survey, traded,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
-use zwidth_study::{Kind, Scene};
+use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 10 };
+const STAGE: Stage = Stage { name: "summary", version: 11 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -29,7 +29,7 @@ fn file(data: &StudyData) -> PathBuf {
 #[derive(Serialize)]
 pub(crate) struct Page {
     facts: Summary,
-    pub(crate) planned: Planned,
+    pub(crate) planned: Setup,
     /// The figures' captions, in the order of their files.
     captions: Vec<Caption>,
     /// The metrics that are compared, in the order of their files.
@@ -114,7 +114,7 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
     };
     let page = Page {
         facts: facts(data, found),
-        planned: Planned::of(&data.study),
+        planned: Setup::of(&data.study),
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
         compared,
         primary: data.study.compare.primary.to_string(),
@@ -286,6 +286,7 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
         sessions: sessions.len(),
         trials: trials.len(),
         sweeps: data.sweeps.len(),
+        undrawn: crate::figures::without_own(data),
         sources,
         left_out: left_out(data, found),
         care: found.with_care.iter().map(|finding| remark(data, finding)).collect(),

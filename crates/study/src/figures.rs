@@ -53,9 +53,24 @@ impl Default for Alignments {
     }
 }
 
+/// Which sessions have figures of their own.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum OwnFigures {
+    /// All of a small study; none of one with more than [`Figures::MOST_SESSIONS`], whose figures fill a
+    /// disk and are looked at by nobody.
+    #[default]
+    OfSmallStudies,
+    /// All, however many.
+    All,
+    /// Those named: participant and session.
+    Of(Vec<[String; 2]>),
+}
+
 /// Choices for figures: for all of them, for those of a kind, or for one.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Figures {
+    /// Which sessions have figures of their own.
+    pub own: OwnFigures,
     /// By the beginning of a figure's id, cut at a dot; the empty text stands for every figure.
     pub(crate) alignment: BTreeMap<String, Alignment>,
 }
@@ -65,6 +80,19 @@ impl Figures {
     /// called `modes.<participant>.<session>.<environment>` and
     /// `loops.<participant>.<session>`.
     pub(crate) const WITH_MEANS: [&'static str; 2] = ["modes", "loops"];
+
+    /// A study of more sessions has no figures of each unless it asks for them (24 sessions of 36 trials:
+    /// 270 MB).
+    pub const MOST_SESSIONS: usize = 24;
+
+    /// Whether a session of a study of so many has figures of its own.
+    pub fn has_own(&self, [participant, session]: &[String; 2], sessions: usize) -> bool {
+        match &self.own {
+            OwnFigures::All => true,
+            OwnFigures::OfSmallStudies => sessions <= Self::MOST_SESSIONS,
+            OwnFigures::Of(named) => named.iter().any(|[p, s]| p == participant && s == session),
+        }
+    }
 
     /// How the figure of that id shows its means: all of them by the longest choice that its id
     /// begins with, else each as is the default for it.
@@ -87,9 +115,23 @@ mod tests {
     use super::*;
 
     #[test]
+    fn sessions_of_a_large_study_have_figures_of_their_own_where_it_asks_for_them() {
+        let ids = |p: &str, s: &str| [p.to_owned(), s.to_owned()];
+        let has = |own: &OwnFigures, id: [String; 2], sessions| {
+            Figures { own: own.clone(), ..Figures::default() }.has_own(&id, sessions)
+        };
+        let usual = OwnFigures::default();
+        assert!(has(&usual, ids("P01", "S01"), 24) && !has(&usual, ids("P01", "S01"), 25));
+        assert!(has(&OwnFigures::All, ids("P900", "S01"), 1000));
+        let named = OwnFigures::Of(vec![ids("P02", "S01")]);
+        assert!(has(&named, ids("P02", "S01"), 1000) && !has(&named, ids("P02", "S02"), 2));
+    }
+
+    #[test]
     fn the_choice_nearest_to_a_figure_counts() {
         let chosen = |choices: &[(&str, Alignment)]| Figures {
             alignment: choices.iter().map(|(id, a)| ((*id).to_owned(), *a)).collect(),
+            ..Figures::default()
         };
         let [onset, landmarks] = Alignment::ALL;
         let figures =

@@ -27,6 +27,7 @@ mod scene;
 mod scene_figure;
 mod seal;
 mod session;
+mod setup;
 mod template;
 mod trial;
 
@@ -36,7 +37,7 @@ pub use compare::{Bound, Compare, Contrast, Families};
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
 pub use event::{Event, Given, SealedTrial};
-pub use figures::{Alignment, Alignments, Figures};
+pub use figures::{Alignment, Alignments, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, Schema, TrialForm};
 pub use id::{
     ActuatorId, ChannelId, EnvironmentId, IdError, MetricId, ModeId, ParticipantId, QuestionId,
@@ -57,6 +58,7 @@ pub use scene::{ForceLaw, Scene, SceneKind, Spring};
 pub use scene_figure::{SceneDrawing, SceneFigure};
 pub use seal::{Seal, SealError};
 pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};
+pub use setup::Setup;
 pub use template::template;
 pub use trial::{Kind, Source, Status, TrialMeta};
 

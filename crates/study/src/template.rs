@@ -95,6 +95,9 @@ confidence = 0.95
 # [figures.loops], [figures.modes.P01.S01.spring].
 # [figures]
 # alignment = "onset"
+# Sessions that have figures of their own: "all" or a list. Unless told otherwise all of a study of up to 24 sessions, and
+# none of a larger one: `zwidth figure @ID@ NAME` makes one of them.
+# sessions = ["P01.S01"]
 
 # What is compared, set before the data are taken; these are the defaults, the table may be left out.
 # [compare]

@@ -1,8 +1,8 @@
 //! The calibration: the chosen curves of motor and brake as knots, read forward and backward.
 
-use crate::branch::Branch;
 use crate::error::CharacteriseError;
 use crate::models::{Model, Quantity};
+use zwidth_numerics::branch::Branch;
 use zwidth_study::Characteristic;
 
 /// Places at which a curve is looked at, evenly over its voltages; breaks and plateaus come on top.

@@ -203,7 +203,7 @@ fn edge_note(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::branch::branches;
+    use zwidth_numerics::branch::branches;
 
     /// At 95 % one of the many intervals below would miss its truth.
     fn settings() -> Settings {

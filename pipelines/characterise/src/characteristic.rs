@@ -1,8 +1,8 @@
 //! What is found: plain data, ready for a table.
 
-use crate::branch::Branch;
 use crate::models::Quantity;
 use crate::verdict::CandidateVerdict;
+use zwidth_numerics::branch::Branch;
 use zwidth_stats::StatsError;
 use zwidth_stats::bootstrap::{expanded_level, percentile_interval};
 

@@ -1,10 +1,10 @@
 //! A fitted curve on a grid, with its bands: what a figure draws.
 
-use crate::branch::{Branch, branches};
 use crate::characteristic::Candidate;
 use crate::error::CharacteriseError;
 use crate::models;
 use crate::samples::Sweep;
+use zwidth_numerics::branch::{Branch, branches};
 use zwidth_stats::student_t::critical_value;
 
 /// A curve with the pointwise band of its mean and the band for one new response. All columns have

@@ -43,7 +43,6 @@
 //! [`calibrated`] turns the chosen curves of motor and brake into the knots of a
 //! [`zwidth_study::Calibration`].
 
-mod branch;
 mod calibrate;
 mod characterise;
 mod characteristic;
@@ -61,7 +60,6 @@ mod table;
 mod uncertainty;
 mod verdict;
 
-pub use branch::{Branch, branches};
 pub use calibrate::{Chosen, calibrated};
 pub use characterise::characterise;
 pub use characteristic::{Candidate, Characteristic, Grouping, Parameter, Quality, Settings};
@@ -71,6 +69,7 @@ pub use first_order::{FirstOrder, first_order};
 pub use samples::Sweep;
 pub use table::{StageError, Subject, chosen_from, curve_table, models_table, parameters_table};
 pub use verdict::CandidateVerdict;
+pub use zwidth_numerics::branch::{Branch, branches};
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 5;

@@ -1,9 +1,9 @@
 //! The sweeps laid end to end, checked once.
 
-use crate::branch::{Branch, branches};
 use crate::error::{CharacteriseError, MIN_COMMANDS, MIN_POINTS};
 use crate::steps::{Cell, Gathered, Steps};
 use core::ops::Range;
+use zwidth_numerics::branch::{Branch, branches};
 
 /// One ramp of an actuator (or of a load on a sensor), in the order of recording. Units are the
 /// caller's.

@@ -1,8 +1,8 @@
 //! Samples gathered by step of the command: what a fit needs of them, a hundred times shorter.
 
-use crate::branch::Branch;
 use crate::models::{Point, Points};
 use core::ops::Range;
+use zwidth_numerics::branch::Branch;
 
 /// More different commands than this are gathered in as many steps of equal width.
 ///

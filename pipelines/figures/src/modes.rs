@@ -9,7 +9,7 @@ use crate::panels::{
     axis, mean_loop, mean_over_time, recorded_word, repeat_loop, repeat_over_time, wall_line,
 };
 use crate::words::{Words, keep_together, mark, plain, time_axis};
-use zwidth_draw::style::{self, Stroke};
+use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Range};
 use zwidth_store::Signal;
 use zwidth_study::{Alignment, Alignments};
@@ -118,12 +118,29 @@ fn footnotes(scene: &EnvironmentData) -> Vec<String> {
             }
         };
         if scene.environment.scene.wall_rad().is_some() {
-            legend += "; dotted: at the wall or past it, but where the wall fills a panel";
+            let past = rhythms(scene);
+            legend += &format!(
+                "; dotted{past}: at the wall or past it, but where the wall fills a panel"
+            );
         }
         legend += ".";
     }
     let legend = (!legend.is_empty()).then_some(legend);
     legend.into_iter().chain(scene.notes.iter().map(|n| plain(n))).collect()
+}
+
+/// How the dots of each mode stand, where there are several: ` (active dot by dot, hybrid in threes)`.
+fn rhythms(scene: &EnvironmentData) -> String {
+    let averaged: Vec<&ModeData> = scene.modes.iter().filter(|m| m.average.is_some()).collect();
+    let dots = |mode: &ModeData| match style::dash(mode.index).dotted() {
+        Dash::InTwos => "in twos",
+        Dash::InThrees => "in threes",
+        Dash::FarApart => "far apart",
+        _ => "dot by dot",
+    };
+    let one = |m: &&ModeData| format!("{} {}", plain(&m.label.to_lowercase()), dots(m));
+    let all: Vec<String> = averaged.iter().map(one).collect();
+    if all.len() < 2 { String::new() } else { format!(" ({})", all.join(", ")) }
 }
 
 fn over_time(
@@ -198,8 +215,8 @@ fn loop_layers(scene: &EnvironmentData, words: Words) -> Result<Vec<Layer>, Tabl
     Ok(layers)
 }
 
-/// Force against position where the wall begins, in each mode's own dashes: past it everything would
-/// be dotted.
+/// Force against position where the wall begins, in each mode's own dashes, for all of it is at the
+/// wall.
 fn wall_panel(
     scene: &EnvironmentData,
     words: Words,

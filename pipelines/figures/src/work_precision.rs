@@ -7,7 +7,7 @@ use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Layer, Line, Panel, Points, Reference, TWO_COLUMNS_MM, Ticks,
 };
-use zwidth_dynamics::NAMED_SOLVERS;
+use zwidth_dynamics::{NAMED_SOLVERS, solver_label};
 use zwidth_tables::{Table, TableError};
 
 /// A scene's errors and work.
@@ -109,16 +109,12 @@ pub fn work_precision_of(
     notes.push(match chosen {
         Some((solver, work)) => format!(
             "Cheapest that passes: {}, {work} evaluations; not tried on neighbours of the scene (zwidth trade does).",
-            label(solver)
+            solver_label(solver)
         ),
         None => "Nothing is recommended.".to_owned(),
     });
     let figure = work_precision(&own, chosen, &notes)?;
     Ok(Figure { title: Some(plain(&title)), ..figure })
-}
-
-fn label(solver: &str) -> &str {
-    NAMED_SOLVERS.into_iter().find(|named| named.name == solver).map_or(solver, |n| n.label)
 }
 
 fn error_of(curve: &Curve) -> &Vec<f64> {

@@ -1,7 +1,7 @@
 //! Stage: the metrics of a trial, one row a trial.
 //!
 //! [`trial_metrics`] turns one trial into a [`TrialMetrics`], and [`plant_metrics`] into
-//! [`PlantMetrics`], once the plant is known; [`table`] and [`plant_table`] put rows together,
+//! [`PlantMetrics`], once the plant is known; [`table`] and [`plant_table`] put rows together, [`events_table`] what happened when,
 //! [`join_plant`] both. Nothing here
 //! reads a file or a clock, and sums run in the order of the samples, so the same trial gives the
 //! same bits anywhere. Only trials that count may come in (`StudyData::counting`): the caller
@@ -36,6 +36,7 @@ mod electricity;
 mod energy;
 mod error;
 mod estimates;
+mod events;
 mod gap;
 mod movement;
 mod oscillation;
@@ -62,6 +63,7 @@ pub use discrepancy::Discrepancy;
 pub use electricity::ElectricalEnergy;
 pub use energy::EnergyObserver;
 pub use error::MetricsError;
+pub use events::{EventKind, TrialEvent, events_table};
 pub use movement::Movement;
 pub use oscillation::{RecordedStability, Swings};
 pub use parameters::{Parameters, Plant};
@@ -76,7 +78,7 @@ use zwidth_store::Trial;
 use zwidth_study::TrialMeta;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 8;
+pub const VERSION: u32 = 9;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,6 +100,8 @@ pub struct TrialMetrics {
     pub electricity: ElectricalEnergy,
     /// Whether the trial was what the protocol asks for.
     pub compliance: Compliance,
+    /// What happened when.
+    pub events: Vec<TrialEvent>,
 }
 
 /// The metrics of `trial`.
@@ -113,9 +117,11 @@ pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<TrialMetr
     let rendering =
         spring.map(|spring| spring::spring_rendering(&signals, spring, wall_rad, analysis));
     let wall = wall_rad.map(|wall| wall::wall_contact(&signals, wall, analysis));
+    let movement = movement::movement(&signals, parameters)?;
     Ok(TrialMetrics {
         meta: trial.meta.clone(),
-        movement: movement::movement(&signals, parameters)?,
+        events: events::trial_events(&signals, &movement, wall_rad),
+        movement,
         discrepancy: discrepancy.transpose()?.unwrap_or_default(),
         spring: rendering.transpose()?.unwrap_or_default(),
         wall: wall.transpose()?.unwrap_or_default(),

@@ -8,7 +8,8 @@ const LEAST_SAMPLES: usize = 10;
 /// The plateau spans at least this share of the angles fitted: a shorter one is how a press ends,
 /// not saturation.
 const LEAST_SPAN: f64 = 0.05;
-/// The plateau is flat: its own slope is less than this share of the line's.
+/// The force grows no further: the plateau's own slope is less than this share of the line's. It may
+/// fall, as the force of a user does whose lever, once it is past the line, slows down.
 const FLAT: f64 = 0.25;
 /// The plateau matters: with it the residual sum of squares is at most this share of the straight
 /// line's.
@@ -20,9 +21,9 @@ const BETTER: f64 = 0.5;
 /// 61:1097).
 ///
 /// `None` where the force did not saturate as far as the samples show: no division with at least 10
-/// samples a side, or the best has a plateau that is short (under 5 % of the angles), not flat (its
-/// own slope at least a quarter of the line's), or no better than the straight line (more than half
-/// of its residual sum of squares).
+/// samples a side, or the best has a line that does not rise, a plateau that is short (under 5 % of
+/// the angles) or on which the force grows on (its own slope at least a quarter of the line's), or is
+/// no better than the straight line (more than half of its residual sum of squares).
 pub(crate) fn plateau(u: &[f64], f: &[f64]) -> Result<Option<f64>, MetricsError> {
     let mut points: Vec<(f64, f64)> = u.iter().copied().zip(f.iter().copied()).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -33,7 +34,8 @@ pub(crate) fn plateau(u: &[f64], f: &[f64]) -> Result<Option<f64>, MetricsError>
     };
     let (first, last) = (points[0].0, points[points.len() - 1].0);
     let is_long = last - u_s >= LEAST_SPAN * (last - first);
-    let is_flat = top.coefficients[1].abs() < FLAT * line.coefficients[1];
+    let (rise, on) = (line.coefficients[1], top.coefficients[1]);
+    let is_flat = rise > 0.0 && on < FLAT * rise;
     let is_better = rss <= BETTER * whole.rss;
     Ok((is_long && is_flat && is_better).then_some(u_s))
 }
@@ -164,6 +166,23 @@ mod tests {
     }
 
     const NUMPY_U: f64 = 0.7497014493464199;
+
+    /// A user whose lever of mass m slows down by a on the plateau presses by m a less. That the mean
+    /// of a falling force lies below its first value moves the meeting by a few hundredths.
+    #[test]
+    fn a_plateau_on_which_the_force_falls_is_one() {
+        for falls in [0.0, 0.9, 1.1] {
+            let slows = |u: f64| (4.0 * u).min(4.16) - falls * (u - 1.04).max(0.0);
+            let found = of(&even(200, 1.3), slows).unwrap();
+            assert!((found - 1.04).abs() < 0.04, "{falls}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_force_that_only_falls_has_no_plateau() {
+        assert_eq!(of(&even(200, 1.3), |u| (-4.0 * u).max(-3.0)), None);
+        assert_eq!(of(&even(200, 1.3), |u| -(2.0 * u).min(1.0) - 6.0 * (u - 0.5).max(0.0)), None);
+    }
 
     #[test]
     fn springs_that_soften_end_slowly_or_go_on_have_no_plateau() {

@@ -1,7 +1,6 @@
 //! Which actuator of a mode acts on which way.
 
-use crate::Planned;
-use zwidth_study::{ActuatorKind, Calibration, Mode, ModeLaw};
+use zwidth_study::{ActuatorKind, Calibration, Mode, ModeLaw, Setup};
 
 /// What acts while compressing and while decompressing, with its highest voltage, V: a mode of both
 /// has the brake on the way in and the motor on the way back (thesis §2.2).
@@ -28,21 +27,21 @@ pub(crate) fn force_n(
 }
 
 /// The study's first mode with a motor alone: the thesis' active one.
-pub(crate) fn active(study: &Planned) -> Option<&Mode> {
+pub(crate) fn active(study: &Setup) -> Option<&Mode> {
     with_law(study, ModeLaw::Active)
 }
 
 /// The study's first mode with a brake alone: the thesis' passive one.
-pub(crate) fn passive(study: &Planned) -> Option<&Mode> {
+pub(crate) fn passive(study: &Setup) -> Option<&Mode> {
     with_law(study, ModeLaw::Passive)
 }
 
 /// The study's first mode in which the motor takes over from the brake: the thesis' hybrid one.
-pub(crate) fn hybrid(study: &Planned) -> Option<&Mode> {
+pub(crate) fn hybrid(study: &Setup) -> Option<&Mode> {
     with_law(study, ModeLaw::Hybrid)
 }
 
 /// The study's first mode of that law.
-pub(crate) fn with_law(study: &Planned, law: ModeLaw) -> Option<&Mode> {
+pub(crate) fn with_law(study: &Setup, law: ModeLaw) -> Option<&Mode> {
     study.modes.iter().find(|mode| mode.law() == Some(law))
 }

@@ -1,8 +1,7 @@
 //! The answers to an environment's question: their median, and one mode's against another's.
 
-use crate::Planned;
 use std::collections::BTreeMap;
-use zwidth_study::{AnswerScale, Environment, Mode, Question, QuestionId};
+use zwidth_study::{AnswerScale, Environment, Mode, Question, QuestionId, Setup};
 use zwidth_tables::{Table, TableError};
 
 /// The median of a mode's answers.
@@ -39,7 +38,7 @@ impl Median {
 /// The median answer to the environment's question in a mode, by the tally; none without a question
 /// or an answer.
 pub(crate) fn median(
-    study: &Planned,
+    study: &Setup,
     tally: &Table,
     environment: &Environment,
     mode: &Mode,
@@ -50,7 +49,7 @@ pub(crate) fn median(
 
 /// The median answer to any question in an environment and a mode; none without an answer.
 pub(crate) fn median_of(
-    study: &Planned,
+    study: &Setup,
     tally: &Table,
     [environment, mode]: [&str; 2],
     question: &QuestionId,
@@ -69,7 +68,7 @@ pub(crate) fn median_of(
 /// The answers to the environment's question in a mode as they count, by their places on the scale,
 /// by participant, of the long table of answers.
 pub(crate) fn scored(
-    study: &Planned,
+    study: &Setup,
     answers: &Table,
     environment: &Environment,
     mode: &Mode,

@@ -2,9 +2,8 @@
 
 use crate::findings::Finding;
 use crate::gallery::Shown;
-use crate::planned::Planned;
 use serde::Serialize;
-use zwidth_study::{EnvironmentId, ModeId};
+use zwidth_study::{EnvironmentId, ModeId, Setup};
 use zwidth_tables::{Table, TableError, Values, for_people, number, with_unit};
 
 /// A metric's tables of the stage `compare`.
@@ -62,7 +61,7 @@ pub(crate) fn words(table: &Table) -> &str {
 ///
 /// # Errors
 /// Tables that are not of the stage `compare`.
-pub fn matrix(study: &Planned, metrics: &[ComparedMetric]) -> Result<Matrix, TableError> {
+pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Result<Matrix, TableError> {
     let mut matrix = Matrix {
         modes: study.modes.iter().map(|mode| (mode.id.clone(), mode.label.clone())).collect(),
         ..Matrix::default()
@@ -123,7 +122,7 @@ fn caption(unit: &str) -> String {
 ///
 /// # Errors
 /// Tables that are not of the stage `compare`.
-pub fn contrasts(study: &Planned, metrics: &[ComparedMetric]) -> Result<Vec<Finding>, TableError> {
+pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Result<Vec<Finding>, TableError> {
     let Some((first, others)) = metrics.split_first() else { return Ok(Vec::new()) };
     let table = for_people(first.contrasts, study.coordinate)?;
     let sentences = sentences(study, &table)?;
@@ -181,7 +180,7 @@ fn smallest_p(table: &Table) -> Option<f64> {
 }
 
 /// Each contrast in a sentence.
-fn sentences(study: &Planned, table: &Table) -> Result<Vec<String>, TableError> {
+fn sentences(study: &Setup, table: &Table) -> Result<Vec<String>, TableError> {
     let unit = table.column_of("difference")?.field.unit.to_string();
     let (environments, contrasts) = (table.texts("environment")?, table.texts("contrast")?);
     let verdicts = table.texts("verdict")?;
@@ -225,8 +224,8 @@ mod tests {
     use super::*;
     use zwidth_tables::Column;
 
-    fn study() -> Planned {
-        Planned::of(&zwidth_testing::study())
+    fn study() -> Setup {
+        Setup::of(&zwidth_testing::study())
     }
 
     fn text(name: &'static str, values: &[&str]) -> Column {

@@ -1,7 +1,6 @@
 //! The thesis' Table 4: what the device is made of, as far as the study knows it.
 
-use crate::Planned;
-use zwidth_study::{Coordinate, Mode};
+use zwidth_study::{Coordinate, Mode, Setup};
 use zwidth_tables::{Column, Table, TableError, Values};
 
 /// One component and what is known of it.
@@ -20,7 +19,7 @@ struct Component {
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn components_table(study: &Planned) -> Result<Table, TableError> {
+pub fn components_table(study: &Setup) -> Result<Table, TableError> {
     let rows = components(study);
     let text = |name, about, get: fn(&Component) -> &'static str| {
         Column::text(name, about, rows.iter().map(|row| Some(get(row))))
@@ -48,7 +47,7 @@ pub fn components_table(study: &Planned) -> Result<Table, TableError> {
     ))
 }
 
-fn components(study: &Planned) -> Vec<Component> {
+fn components(study: &Setup) -> Vec<Component> {
     let most = |of: fn(&Mode) -> Option<f64>| study.modes.iter().filter_map(of).reduce(f64::max);
     let motor = most(|mode| mode.motor_max_v).map(|volts| Component {
         name: "motor",
@@ -69,7 +68,7 @@ fn components(study: &Planned) -> Vec<Component> {
     motor.into_iter().chain(brake).chain(sensors(study)).collect()
 }
 
-fn sensors(study: &Planned) -> [Component; 3] {
+fn sensors(study: &Setup) -> [Component; 3] {
     let position = match study.coordinate {
         Coordinate::Rotational => ("angle sensor", "measures the lever's angle"),
         Coordinate::Linear { .. } => ("position sensor", "measures where the slide is"),
@@ -93,7 +92,7 @@ mod tests {
 
     #[test]
     fn every_component_has_what_the_study_knows_of_it() {
-        let mut study = Planned::of(&zwidth_testing::study());
+        let mut study = Setup::of(&zwidth_testing::study());
         study.resistances = Resistances { motor_ohm: Some(30.4), brake_ohm: None };
         let table = components_table(&study).unwrap();
         let names = table.texts("component").unwrap();
@@ -108,7 +107,7 @@ mod tests {
 
     #[test]
     fn what_is_known_of_no_component_has_no_column_and_what_no_mode_uses_no_row() {
-        let mut study = Planned::of(&zwidth_testing::study());
+        let mut study = Setup::of(&zwidth_testing::study());
         (study.masses, study.resistances) = (None, Resistances::default());
         for mode in &mut study.modes {
             mode.brake_max_v = None;

@@ -1,9 +1,10 @@
 //! Tables of what was planned: the modes as used, the device.
 
-use crate::Planned;
 use crate::actuation::{acting, force_n};
 use crate::facts::{self, Fact};
-use zwidth_study::{ActuatorKind, Calibration, Coordinate, Mode, Resistances, VelocityFilter};
+use zwidth_study::{
+    ActuatorKind, Calibration, Coordinate, Mode, Resistances, Setup, VelocityFilter,
+};
 use zwidth_tables::{Column, Table, TableError, shown_unit};
 
 /// Motor and brake as each mode uses them, one row a mode: highest voltages, what acts while
@@ -13,7 +14,7 @@ use zwidth_tables::{Column, Table, TableError, shown_unit};
 /// # Errors
 /// A force that is not finite.
 pub fn modes_table(
-    study: &Planned,
+    study: &Setup,
     calibration: &Calibration,
     footnote: &str,
 ) -> Result<Table, TableError> {
@@ -53,7 +54,7 @@ fn on_way(drive: ActuatorKind, way: usize) -> &'static str {
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn device_table(study: &Planned) -> Result<Table, TableError> {
+pub fn device_table(study: &Setup) -> Result<Table, TableError> {
     let (device, control) = (&study.device, &study.control);
     let factor = shown_unit("rad", study.coordinate).1;
     let unit = match study.coordinate {
@@ -98,8 +99,8 @@ fn velocity(filter: VelocityFilter) -> Fact {
 mod tests {
     use super::*;
 
-    fn study() -> Planned {
-        Planned::of(&zwidth_testing::study())
+    fn study() -> Setup {
+        Setup::of(&zwidth_testing::study())
     }
 
     /// §5.1 and §5.2.2: 4.16 N at 16 V, 2.08 N at 8 V, 13 N of the brake at 8 V.

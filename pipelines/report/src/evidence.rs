@@ -1,8 +1,7 @@
 //! What speaks for or against a claim of the thesis: shared by its Table 1 and its statements.
 
-use crate::Planned;
 use crate::people::simulated;
-use zwidth_study::{Calibration, Environment};
+use zwidth_study::{Calibration, Environment, Setup};
 use zwidth_tables::{Table, TableError};
 
 /// Up to this share returned energy counts as none: a released lever moves on a little.
@@ -12,7 +11,7 @@ pub(crate) const NOTHING_RETURNED: f64 = 0.01;
 #[derive(Debug, Clone, Copy)]
 pub struct Known<'a> {
     /// The study.
-    pub study: &'a Planned,
+    pub study: &'a Setup,
     /// Forces for voltages.
     pub calibration: &'a Calibration,
     /// The metrics, one row a trial; none where there is no trial.

@@ -1,12 +1,11 @@
 //! The experiment's results in sentences, made from the numbers (thesis §5.3.3).
 
-use crate::Planned;
 use crate::answers::median;
 use crate::evidence::NOTHING_RETURNED;
 use crate::gallery::Shown;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
-use zwidth_study::{Coordinate, Environment, Mode};
+use zwidth_study::{Coordinate, Environment, Mode, Setup};
 use zwidth_tables::{Table, TableError, given, quantity};
 
 /// One sentence.
@@ -26,7 +25,7 @@ pub struct Finding {
 /// # Errors
 /// A table that lacks a column.
 pub fn findings(
-    study: &Planned,
+    study: &Setup,
     metrics: &Table,
     tally: Option<&Table>,
 ) -> Result<Vec<Finding>, TableError> {
@@ -149,7 +148,7 @@ fn rigidity(trials: &Trials, coordinate: Coordinate) -> Result<String, TableErro
 
 /// Of the modes that gave work back, the one that let the lever least far past a wall: what the
 /// thesis' §5.3.3 asks of a mode is both. None unless at least two modes met a wall.
-fn both(study: &Planned, metrics: &Table) -> Result<Option<Finding>, TableError> {
+fn both(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableError> {
     let mut past = Vec::new();
     let mut gave = Vec::new();
     for mode in &study.modes {
@@ -175,7 +174,7 @@ fn both(study: &Planned, metrics: &Table) -> Result<Option<Finding>, TableError>
 }
 
 /// Whether any mode swung.
-fn steadiness(study: &Planned, metrics: &Table) -> Result<Option<Finding>, TableError> {
+fn steadiness(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableError> {
     let (mut smooth, mut all, mut swung) = (0, 0, Vec::new());
     for mode in &study.modes {
         let (still, n) =
@@ -200,7 +199,7 @@ fn steadiness(study: &Planned, metrics: &Table) -> Result<Option<Finding>, Table
 }
 
 /// The median answer of each mode, an environment a sentence.
-fn answers(study: &Planned, tally: &Table, simulated: bool) -> Result<Vec<Finding>, TableError> {
+fn answers(study: &Setup, tally: &Table, simulated: bool) -> Result<Vec<Finding>, TableError> {
     let mut found = Vec::new();
     for environment in &study.environments {
         let mut list = Vec::new();
@@ -235,8 +234,8 @@ mod tests {
     use crate::trials::testing::{MetricsRow, metrics, row};
     use zwidth_tables::Column;
 
-    fn study() -> Planned {
-        Planned::of(&zwidth_testing::study())
+    fn study() -> Setup {
+        Setup::of(&zwidth_testing::study())
     }
 
     fn texts(rows: &[MetricsRow], tally: Option<&Table>) -> Vec<String> {

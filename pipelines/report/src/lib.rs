@@ -19,7 +19,6 @@ mod gallery;
 mod model;
 mod page;
 mod people;
-mod planned;
 mod pros_cons;
 mod runs;
 mod survey;
@@ -35,10 +34,9 @@ pub use findings::{Finding, findings};
 pub use gallery::{Gallery, Shown};
 pub use model::model_table;
 pub use page::{
-    Columns, Contents, Course, Event, Page, TURNED, Turn, TurnedError, condition_script, edges,
-    page_html, single_file, turned_script,
+    Columns, Contents, Course, Event, Page, TURNED, Turn, TurnedError, condition_script, page_html,
+    single_file, turned_script,
 };
-pub use planned::Planned;
 pub use pros_cons::pros_cons_table;
 pub use runs::{laddered, traded};
 pub use survey::survey;
@@ -90,6 +88,8 @@ pub struct Summary {
     pub runs: Vec<Made>,
     /// The figures, the one to look at first in front.
     pub figures: Vec<Made>,
+    /// Sessions whose own figures are made on demand alone.
+    pub undrawn: usize,
     /// The tables, likewise.
     pub tables: Vec<Made>,
     /// What was recorded and is in no figure or table.
@@ -148,7 +148,8 @@ pub fn summary_markdown(summary: &Summary) -> String {
         parts.push(section(RUNS, &summary.runs, tell, ""));
     }
     parts.extend([
-        listed("Figures", &summary.figures, "No figure was made."),
+        listed("Figures", &summary.figures, "No figure was made.")
+            + &on_demand(summary.undrawn).map(|told| format!("\n\n{told}")).unwrap_or_default(),
         listed("Tables", &summary.tables, "No table was made."),
         section("Left out", &summary.left_out, remark, nothing(summary)),
     ]);
@@ -164,6 +165,17 @@ pub fn summary_markdown(summary: &Summary) -> String {
         ));
     }
     parts.join("\n\n") + "\n"
+}
+
+/// Where figures of single sessions are, where no run makes them.
+pub(crate) fn on_demand(undrawn: usize) -> Option<String> {
+    let of = count(undrawn, "session");
+    (undrawn > 0).then(|| {
+        format!(
+            "Figures of single sessions (modes, loops, repeats, replay) are made on demand, of {of}: `zwidth figure \
+             STUDY` lists them, and a run makes those of the sessions that `sessions` in `[figures]` of study.toml names."
+        )
+    })
 }
 
 /// Device, participants, sessions, trials and sweeps, as far as there are any.
@@ -308,6 +320,7 @@ mod tests {
                 path: "figures/spring.svg".to_owned(),
                 caption: "Spring: θ, F, θ̇, mean of six".to_owned(),
             }],
+            undrawn: 0,
             tables: vec![Made {
                 path: "tables/metrics.md".to_owned(),
                 caption: "Metrics, a row a trial".to_owned(),

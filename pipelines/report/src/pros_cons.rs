@@ -349,12 +349,11 @@ fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Planned;
     use crate::trials::testing::{MetricsRow, metrics, row};
-    use zwidth_study::Calibration;
+    use zwidth_study::{Calibration, Setup};
 
-    fn study() -> Planned {
-        Planned::of(&zwidth_testing::study())
+    fn study() -> Setup {
+        Setup::of(&zwidth_testing::study())
     }
 
     fn verdicts(metrics: Option<&Table>) -> Vec<String> {
@@ -385,7 +384,7 @@ mod tests {
     fn the_brake_gives_more_for_its_power_where_its_resistance_is_high_enough() {
         let of = |motor_ohm, brake_ohm| {
             let resistances = Resistances { motor_ohm, brake_ohm };
-            let (study, calibration) = (Planned { resistances, ..study() }, Calibration::thesis());
+            let (study, calibration) = (Setup { resistances, ..study() }, Calibration::thesis());
             let known = Known { study: &study, calibration: &calibration, metrics: None };
             let table = pros_cons_table(known).unwrap();
             let verdicts: Vec<_> = table.texts("verdict").unwrap().into_iter().flatten().collect();
@@ -413,7 +412,7 @@ mod tests {
             MetricsRow { recorded: brake, ..row("spring", "passive") },
         ]);
         let resistances = Resistances { motor_ohm: Some(30.4), brake_ohm: Some(20.0) };
-        let (study, calibration) = (Planned { resistances, ..study() }, Calibration::thesis());
+        let (study, calibration) = (Setup { resistances, ..study() }, Calibration::thesis());
         let known = Known { study: &study, calibration: &calibration, metrics: Some(&metrics) };
         let table = pros_cons_table(known).unwrap();
         let text = |name: &str, i: usize| table.texts(name).unwrap()[i].clone().unwrap();

@@ -1,10 +1,10 @@
 //! Runs of the model in sentences: which is cheap and could not be told from the right one, and which
 //! terms a condition requires.
 
-use crate::Planned;
 use crate::findings::Finding;
 use crate::gallery::Shown;
-use zwidth_dynamics::NAMED_SOLVERS;
+use zwidth_dynamics::solver_label;
+use zwidth_study::Setup;
 use zwidth_tables::{Table, TableError, quantity};
 
 /// The cheapest run of each scene of a study that a person could not tell from the right one, from the
@@ -12,7 +12,7 @@ use zwidth_tables::{Table, TableError, quantity};
 ///
 /// # Errors
 /// A table that lacks a column.
-pub fn traded(study: &Planned, table: &Table) -> Result<Vec<Finding>, TableError> {
+pub fn traded(study: &Setup, table: &Table) -> Result<Vec<Finding>, TableError> {
     let (scenes, solvers) = (table.texts("scene")?, table.texts("solver")?);
     let (steps, tolerances) = (table.floats("step_s")?, table.floats("tolerance")?);
     let work = table.integers("work")?;
@@ -49,7 +49,7 @@ pub fn traded(study: &Planned, table: &Table) -> Result<Vec<Finding>, TableError
 ///
 /// # Errors
 /// A table that lacks a column.
-pub fn laddered(study: &Planned, table: &Table) -> Result<Vec<Finding>, TableError> {
+pub fn laddered(study: &Setup, table: &Table) -> Result<Vec<Finding>, TableError> {
     let (conditions, terms) = (table.texts("condition")?, table.texts("terms")?);
     let (errors, felt) = (table.floats("held_out_rmse_rad")?, table.floats("felt_share")?);
     let verdicts = table.texts("recordings")?;
@@ -87,8 +87,7 @@ const UNPROVEN: &str = "unproven";
 
 /// A solver and its step or tolerance.
 fn setting(solver: &str, step_s: Option<f64>, tolerance: Option<f64>) -> String {
-    let named = NAMED_SOLVERS.iter().find(|named| named.name == solver);
-    let label = named.map_or(solver, |named| named.label);
+    let label = solver_label(solver);
     match (step_s, tolerance) {
         (Some(step_s), _) => format!("{label}, {} ms,", (step_s * 1e6).round() / 1e3),
         (None, Some(tolerance)) => format!("{label}, tolerance {tolerance:e},"),
@@ -97,7 +96,7 @@ fn setting(solver: &str, step_s: Option<f64>, tolerance: Option<f64>) -> String 
 }
 
 /// A condition by its ids, in people's words: `Spring, active`.
-fn condition(study: &Planned, name: &str, between: char) -> String {
+fn condition(study: &Setup, name: &str, between: char) -> String {
     let of = |environment: &zwidth_study::Environment| {
         let mode = name.strip_prefix(environment.id.as_str())?.strip_prefix(between)?;
         let mode = study.modes.iter().find(|m| m.id.as_str() == mode)?;
@@ -111,8 +110,8 @@ mod tests {
     use super::*;
     use zwidth_tables::Column;
 
-    fn planned() -> Planned {
-        Planned::of(&zwidth_testing::study())
+    fn planned() -> Setup {
+        Setup::of(&zwidth_testing::study())
     }
 
     fn text<const N: usize>(name: &'static str, values: [Option<&str>; N]) -> Column {

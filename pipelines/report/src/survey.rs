@@ -1,11 +1,10 @@
 //! A questionnaire without recordings in sentences.
 
-use crate::Planned;
 use crate::answers::{Median, median_of};
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use crate::people::count;
-use zwidth_study::{Environment, Mode, Question};
+use zwidth_study::{Environment, Mode, Question, Setup};
 use zwidth_tables::{Table, TableError};
 
 /// Questions that are told one by one, those whose medians lie farthest apart.
@@ -16,7 +15,7 @@ const TOLD: usize = 3;
 ///
 /// # Errors
 /// A table that is not a tally.
-pub fn survey(study: &Planned, tally: &Table) -> Result<Vec<Finding>, TableError> {
+pub fn survey(study: &Setup, tally: &Table) -> Result<Vec<Finding>, TableError> {
     let mut found = Vec::new();
     for environment in &study.environments {
         let mut asked = Vec::new();
@@ -50,7 +49,7 @@ type Medians<'a> = Vec<(&'a Mode, Median)>;
 
 /// The medians of the modes that have answers.
 fn medians<'a>(
-    study: &'a Planned,
+    study: &'a Setup,
     tally: &Table,
     environment: &Environment,
     question: &Question,
@@ -94,7 +93,7 @@ mod tests {
 
     #[test]
     fn a_survey_is_told_by_its_size_and_by_where_the_modes_lie_apart() {
-        let study = Planned::of(&zwidth_testing::study());
+        let study = Setup::of(&zwidth_testing::study());
         let question = study.questions[0].clone();
         let mut turned = study.clone();
         turned.questions[0].reversed = true;
@@ -112,7 +111,7 @@ mod tests {
             number("median_high", [4, 2]),
         ];
         let tally = Table::new("likert", "", columns).unwrap();
-        let texts = |study: &Planned| -> Vec<String> {
+        let texts = |study: &Setup| -> Vec<String> {
             survey(study, &tally).unwrap().into_iter().map(|f| f.text).collect()
         };
         let found = texts(&study);

@@ -1,9 +1,8 @@
 //! The weight calculation of the thesis' Appendix A, with the study's own masses.
 
-use crate::Planned;
 use crate::actuation::hybrid;
 use crate::facts::{self, Fact};
-use zwidth_study::Calibration;
+use zwidth_study::{Calibration, Setup};
 use zwidth_tables::{Table, TableError};
 
 /// Rated voltage of the thesis' motor, V: Faulhaber 2342S048C (§2.1). A study's file does not hold
@@ -20,23 +19,20 @@ pub(crate) const RATED_V: f64 = 48.0;
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn weight_table(
-    study: &Planned,
-    calibration: &Calibration,
-) -> Option<Result<Table, TableError>> {
+pub fn weight_table(study: &Setup, calibration: &Calibration) -> Option<Result<Table, TableError>> {
     let masses = study.masses?;
     let used_v = hybrid(study)?.motor_max_v?;
     Some(table(masses.motor_kg * 1e3, masses.brake_kg * 1e3, used_v, calibration))
 }
 
 /// Whether masses and modes allow a table of weights.
-pub fn is_weighed(study: &Planned) -> bool {
+pub fn is_weighed(study: &Setup) -> bool {
     study.masses.is_some() && hybrid(study).is_some_and(|mode| mode.motor_max_v.is_some())
 }
 
 /// Masses, g: of brake and a motor as large as the hybrid mode needs it, and of the motor. None
 /// without masses or without a mode of both actuators.
-pub(crate) fn masses_g(study: &Planned) -> Option<[f64; 2]> {
+pub(crate) fn masses_g(study: &Setup) -> Option<[f64; 2]> {
     let masses = study.masses?;
     let share = hybrid(study)?.motor_max_v? / RATED_V;
     Some([(masses.motor_kg * share + masses.brake_kg) * 1e3, masses.motor_kg * 1e3])
@@ -89,8 +85,8 @@ fn table(
 mod tests {
     use super::*;
 
-    fn study() -> Planned {
-        Planned::of(&zwidth_testing::study())
+    fn study() -> Setup {
+        Setup::of(&zwidth_testing::study())
     }
 
     #[test]

@@ -54,6 +54,48 @@ fn a_figure_is_remade_in_another_size_and_form_and_is_traced_like_its_own() {
 }
 
 #[test]
+fn what_is_remade_without_a_folder_says_what_it_was_made_from_and_in_which_form() {
+    let root = shipped::finished();
+    let out = root.path().join("reports/thesis-twin/remade");
+    let form = ["--size", "85", "--format", "svg,pdf,png", "--bare"];
+    zwidth(root.path(), &[&["figure", "thesis-twin", NAME][..], &form].concat()).exits(0);
+    for extension in ["svg", "pdf", "png", "txt"] {
+        let file = format!("reports/thesis-twin/remade/{NAME}.{extension}");
+        for command in ["trace", "why"] {
+            let told = zwidth(root.path(), &[command, &file]).exits(0);
+            assert!(told.out.contains(&format!("figure {NAME}")), "{command} {file}: {}", told.out);
+        }
+    }
+    assert!(text(&out.join(format!("{NAME}.svg"))).contains("85 mm wide, bare"));
+    fs::write(out.join("own.svg"), "<svg/>").unwrap();
+    let own = zwidth(root.path(), &["trace", "reports/thesis-twin/remade/own.svg"]);
+    own.exits(1).one_error();
+    fs::remove_dir_all(&out).unwrap();
+}
+
+#[test]
+fn figures_of_sessions_that_study_toml_does_not_name_are_made_on_demand() {
+    let root = shipped::finished();
+    let study = root.path().join("raw/thesis-twin/study.toml");
+    fs::write(&study, text(&study) + "\n[figures]\nsessions = []\n").unwrap();
+    zwidth(root.path(), &["run", "thesis-twin"]);
+    let reports = root.path().join("reports/thesis-twin");
+    let own = |kind: &str| {
+        let names = files(&reports.join("figures"), "svg").into_iter();
+        names.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with(kind)).count()
+    };
+    assert_eq!(["modes.", "loops.", "repeats.", "replay."].map(own), [0; 4]);
+    assert!(own("compare.") > 0 && own("schematic.") > 0, "those of the whole study stay");
+    for page in ["summary.md", "index.html"] {
+        assert!(text(&reports.join(page)).contains("are made on demand, of 1 session"), "{page}");
+    }
+    let listed = zwidth(root.path(), &["figure", "thesis-twin"]).exits(0);
+    assert!(listed.out.contains(NAME), "{listed:#?}");
+    zwidth(root.path(), &["figure", "thesis-twin", NAME]).exits(0);
+    assert!(text(&reports.join(format!("remade/{NAME}.svg"))).contains("zwidth:figures:"));
+}
+
+#[test]
 fn a_figure_that_is_not_there_a_size_that_is_none_and_a_folder_of_recordings_are_told() {
     let root = shipped::finished();
     let ask = |more: &[&str]| zwidth(root.path(), &[&["figure", "thesis-twin"][..], more].concat());

@@ -59,9 +59,20 @@ pub const NAMED_SOLVERS: [NamedSolver; 7] = [
     },
 ];
 
+/// What people call the solver of that name; the name itself where there is no such solver.
+pub fn solver_label(name: &str) -> &str {
+    NAMED_SOLVERS.iter().find(|named| named.name == name).map_or(name, |named| named.label)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_solver_has_words_and_a_name_that_none_has_stays_itself() {
+        assert_eq!(solver_label("rk4_per_step"), "RK4, switched per step");
+        assert_eq!(solver_label("other"), "other");
+    }
 
     #[test]
     fn every_solver_goes_by_the_name_that_it_gives_itself() {

@@ -1,18 +1,42 @@
 //! `[figures]` of a `study.toml`: tables within tables along the dots of a figure's id.
 
 use super::check::Check;
-use crate::{Alignment, Figures};
+use crate::{Alignment, Figures, OwnFigures, ParticipantId, SessionId};
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
-/// The one key of these tables that holds a choice.
+/// The key of these tables that holds a choice for means.
 const ALIGNMENT: &str = "alignment";
+/// The key, of all figures alone, that says which sessions have figures of their own.
+const SESSIONS: &str = "sessions";
+/// Its word for all of them.
+const ALL: &str = "all";
 
 impl Check<'_> {
     pub(super) fn figures(&mut self, table: &Table, environments: &[&str]) -> Figures {
         let mut figures = Figures::default();
-        self.choices(table, "", environments, &mut figures.alignment);
+        let mut table = table.clone();
+        if let Some(value) = table.remove(SESSIONS) {
+            figures.own = self.own(&value);
+        }
+        self.choices(&table, "", environments, &mut figures.alignment);
         figures
+    }
+
+    fn own(&mut self, value: &Value) -> OwnFigures {
+        let found = match value {
+            Value::String(word) if word == ALL => Some(OwnFigures::All),
+            Value::Array(names) => {
+                names.iter().map(named).collect::<Option<Vec<_>>>().map(OwnFigures::Of)
+            }
+            _ => None,
+        };
+        found.unwrap_or_else(|| {
+            let key = format!("figures.{SESSIONS}");
+            let what = format!("must be \"{ALL}\" or a list such as [\"P01.S01\"]");
+            self.error(&key, format!("{value} {what}"));
+            OwnFigures::default()
+        })
     }
 
     /// The choices of `table`, which is for figures whose id begins with `id`.
@@ -40,6 +64,13 @@ impl Check<'_> {
             }
         }
     }
+}
+
+/// Participant and session of `P01.S01`.
+fn named(value: &Value) -> Option<[String; 2]> {
+    let (participant, session) = value.as_str()?.split_once('.')?;
+    let ids = (ParticipantId::new(participant).ok()?, SessionId::new(session).ok()?);
+    Some([ids.0.to_string(), ids.1.to_string()])
 }
 
 fn alignment(value: &Value) -> Option<Alignment> {
@@ -73,6 +104,14 @@ fn unknown(id: &str, environments: &[&str]) -> Option<String> {
 /// Back to the tables of the file.
 pub(super) fn table(figures: &Figures) -> Table {
     let mut all = Table::new();
+    match &figures.own {
+        OwnFigures::OfSmallStudies => {}
+        OwnFigures::All => _ = all.insert(SESSIONS.to_owned(), Value::String(ALL.to_owned())),
+        OwnFigures::Of(named) => {
+            let names = named.iter().map(|[p, s]| Value::String(format!("{p}.{s}")));
+            all.insert(SESSIONS.to_owned(), Value::Array(names.collect()));
+        }
+    }
     for (id, alignment) in figures.choices() {
         let mut here = &mut all;
         for part in id.split('.').filter(|part| !part.is_empty()) {

@@ -17,8 +17,8 @@ pub(crate) use write::value_of;
 #[cfg(test)]
 mod tests {
     use crate::{
-        Alignment, Alignments, Control, ModeLaw, OrderScheme, Study, StudyError, StudyId,
-        VelocityFilter, template,
+        Alignment, Alignments, Control, ModeLaw, OrderScheme, OwnFigures, Study, StudyError,
+        StudyId, VelocityFilter, template,
     };
 
     fn sample() -> String {
@@ -159,6 +159,25 @@ mod tests {
         let none = Study::from_toml(&sample()).unwrap();
         assert_eq!(none.figures.alignments("modes.P01.S01.spring"), Alignments::default());
         assert!(!none.to_toml().unwrap().contains("figures"));
+    }
+
+    #[test]
+    fn a_study_chooses_which_sessions_have_figures_of_their_own() {
+        let own = |text: &str| with_figures(text).unwrap();
+        let all = own("sessions = \"all\"\nmodes.alignment = \"onset\"");
+        assert_eq!(all.figures.own, OwnFigures::All);
+        let named = own("sessions = [\"P01.S01\", \"P30.S02\"]");
+        let ids = |p: &str, s: &str| [p.to_owned(), s.to_owned()];
+        assert_eq!(named.figures.own, OwnFigures::Of(vec![ids("P01", "S01"), ids("P30", "S02")]));
+        for study in [all, named] {
+            assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+        }
+        for wrong in
+            ["sessions = 3", "sessions = [\"P01\"]", "sessions = \"some\"", "sessions = [1]"]
+        {
+            let errors = with_figures(wrong).unwrap_err();
+            assert_eq!((errors.len(), errors[0].key.as_str()), (1, "figures.sessions"), "{wrong}");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! `zwidth figure`: one figure of a study again, in another size or form, in a folder of its own.
 
+use super::locate::REMADE;
 use super::near::did_you_mean;
 use super::output::Output;
 use super::{join_findings, study};
@@ -65,7 +66,7 @@ fn list(figures: Vec<Entry>, screen: &Screen) -> anyhow::Result<Exit> {
 
 /// Where the files go, which may not be among recordings nor among what a run makes.
 fn folder(layout: &Layout, asked: &Asked) -> anyhow::Result<PathBuf> {
-    let Some(folder) = &asked.out else { return Ok(layout.reports().join("remade")) };
+    let Some(folder) = &asked.out else { return Ok(layout.reports().join(REMADE)) };
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let own = [layout.raw(), layout.derived(), layout.reports().join("figures")];
     if let Some(taken) = own.iter().find(|taken| real(folder).starts_with(real(taken))) {
@@ -77,7 +78,10 @@ fn folder(layout: &Layout, asked: &Asked) -> anyhow::Result<PathBuf> {
 /// Makes the figure as a run does, with all that it needs, so that nothing stale is drawn; what its
 /// file says of its origin.
 fn make(data: &StudyData, name: &str) -> anyhow::Result<Option<String>> {
-    let jobs = plan::jobs(data, &findings(&RealFiles, data));
+    let mut jobs = plan::jobs(data, &findings(&RealFiles, data));
+    if !jobs.iter().any(|job| job.is_called(name)) {
+        jobs.extend(plan::on_demand(data, name)); // of a session whose figures no run makes
+    }
     let of_figure = jobs.iter().find(|job| job.name == format!("figure {name}"));
     let job = of_figure.ok_or_else(|| anyhow!("{name} is no figure of the study"))?;
     let options = Options { only: Some(job.name.clone()), ..Options::default() };
@@ -112,9 +116,20 @@ fn write(
         Some(mark) => mark.clone(),
         None => format!("the study {}", asked.study),
     };
-    let caption = caption_text(&figure);
-    let made_from =
-        [("job", Some(format!("figure {name}"))), ("source", Some(source)), (ORIGIN, origin)];
+    let told = origin.iter().map(|origin| format!("\n{origin}\n"));
+    let caption = caption_text(&figure) + &told.collect::<String>();
+    let size = match figure.height_mm {
+        Some(height_mm) => format!("{} x {height_mm} mm", figure.width_mm),
+        None => format!("{} mm wide", figure.width_mm),
+    };
+    // Its own form beside the job's origin: with both the same file can be made again.
+    let form = if figure.bare { format!("{size}, bare") } else { size };
+    let made_from = [
+        ("job", Some(format!("figure {name}"))),
+        ("form", Some(form)),
+        ("source", Some(source)),
+        (ORIGIN, origin),
+    ];
     let made_from = made_from.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));
     let mut output = Output::new(folder, made_from.collect());
     output.text(name, "txt", &caption)?;

@@ -22,6 +22,9 @@ pub(super) enum FoundBy {
     Content,
 }
 
+/// The folder of a study's reports that figures are remade into.
+pub(super) const REMADE: &str = "remade";
+
 /// Where a typed path leads.
 pub(super) enum Place {
     /// Into the results of a study: relative to the root, with `/`.
@@ -72,6 +75,13 @@ fn real(path: &Path) -> PathBuf {
         (Err(_), Some(parent), Some(name)) => real(parent).join(name),
         _ => path,
     }
+}
+
+/// Whether a file among the results is one that `zwidth figure` remade: no job's own, but it says
+/// which job's figure it is.
+pub(super) fn is_a_copy(root: &Path, path: &str) -> bool {
+    let folder = path.split('/').nth(2);
+    path.starts_with("reports/") && folder == Some(REMADE) && root.join(path).is_file()
 }
 
 /// A job that made a file, as its study's records have it.
@@ -152,8 +162,8 @@ fn unknown(root: &Path, typed: &Path, origins: &[String]) -> String {
              of their inputs themselves (docs/data.md)"
         ),
         None => format!(
-            "{file} is not under derived/ or reports/ of {root}, and neither says where it is from nor is the same as \
-             anything made there; choose the folder of the data with --root"
+            "no job made {file}: it neither says where it is from nor is the same as anything made under derived/ or \
+             reports/ of {root}; choose the folder of the data with --root"
         ),
     }
 }

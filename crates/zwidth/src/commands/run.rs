@@ -72,7 +72,8 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let start = Instant::now();
     let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
     let found = findings(&RealFiles, &data);
-    let jobs = plan::jobs(&data, &found);
+    let mut jobs = plan::jobs(&data, &found);
+    jobs.extend(on_demand(&data, &jobs, command));
     check_only(&jobs, command)?;
     let trials = data.trials.iter().map(|t| (t.path.clone(), t.blake3.clone()));
     let sweeps = data.sweeps.iter().map(|s| (s.path.clone(), s.blake3.clone()));
@@ -90,7 +91,7 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let done = run_jobs(&jobs, &Results::new(layout, &Unsynced), &options, &done);
     bars.clear();
     let Done { reports, remarks } = done?;
-    let left_out = words(&found.left_out).chain(plan::chosen_in_vain(&data.study, &jobs));
+    let left_out = words(&found.left_out).chain(plan::chosen_in_vain(&data));
     let with_care = words(&found.with_care).chain(words(&remarks));
     let outcome = Outcome {
         left_out: sorted(left_out.chain(reports.iter().flat_map(|r| r.problems.iter().cloned()))),
@@ -112,6 +113,13 @@ fn lengths(jobs: &[Job], only: Option<&str>) -> Vec<(&'static str, usize)> {
         jobs.iter().zip(&wanted).filter(|(job, wanted)| **wanted && job.stage.name == stage).count()
     };
     plan::STAGES.into_iter().map(|stage| (stage, of(stage))).filter(|(_, n)| *n > 0).collect()
+}
+
+/// The figure that `--only` asks for, where a run makes it on demand alone.
+fn on_demand(data: &StudyData, jobs: &[Job], command: &Run) -> Option<Job> {
+    let only = command.only.as_deref()?;
+    let is_there = plan::STAGES.contains(&only) || jobs.iter().any(|job| job.is_called(only));
+    if is_there { None } else { plan::on_demand(data, only) }
 }
 
 /// `--only` must name something there is.

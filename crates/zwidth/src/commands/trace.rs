@@ -1,7 +1,7 @@
 //! `zwidth trace`: the raw files behind a result, and the jobs between, as the records of the last
 //! run have them.
 
-use super::locate::{FoundBy, Made, Place, copies, is_raw, no_job, place, records};
+use super::locate::{FoundBy, Made, Place, copies, is_a_copy, is_raw, no_job, place, records};
 use super::study;
 use super::why::short;
 use crate::args::Traced;
@@ -87,6 +87,9 @@ fn find_made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<M
     if let Some((job, _)) = records.maker(&path) {
         let job = job.to_owned();
         return Ok(vec![Made { layout, records, job, by: FoundBy::Path, path }]);
+    }
+    if is_a_copy(root, &path) {
+        return copies(root, &root.join(&path), screen);
     }
     let id = layout.study();
     let outputs: Vec<&str> =

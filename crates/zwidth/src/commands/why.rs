@@ -1,6 +1,6 @@
 //! `zwidth why`: what a result was last made from, and whether and why a run would make it again.
 
-use super::locate::{FoundBy, Place, copies, is_raw, no_job, place, records};
+use super::locate::{FoundBy, Made, Place, copies, is_a_copy, is_raw, no_job, place, records};
 use super::{join_findings, study};
 use crate::args::Traced;
 use crate::exit::Exit;
@@ -71,23 +71,32 @@ fn find_asked(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<
         Place::Results(id, path) if path.starts_with("reports/simulate/") => {
             bail!(no_job(&path, &id, &[]))
         }
+        Place::Results(_, path) if is_a_copy(root, &path) => {
+            found_copies(root, &root.join(path), screen)
+        }
         Place::Results(id, path) => {
             Ok(vec![Asked { layout: study(root, id)?, path, job: None, by: FoundBy::Path }])
         }
-        Place::Outside => {
-            let made = copies(root, typed, screen)?.into_iter();
-            Ok(made
-                .map(|m| Asked { layout: m.layout, path: m.path, job: Some(m.job), by: m.by })
-                .collect())
-        }
+        Place::Outside => found_copies(root, typed, screen),
     }
+}
+
+/// The jobs behind a copy.
+fn found_copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Asked>> {
+    let made = copies(root, typed, screen)?.into_iter();
+    let asked = |m: Made| Asked { layout: m.layout, path: m.path, job: Some(m.job), by: m.by };
+    Ok(made.map(asked).collect())
 }
 
 fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
     let layout = &asked.layout;
     let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
-    let jobs = plan::jobs(&data, &findings(&RealFiles, &data));
+    let mut jobs = plan::jobs(&data, &findings(&RealFiles, &data));
     let file = root.join(&asked.path);
+    if !jobs.iter().any(|job| job.outputs.contains(&file)) {
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        jobs.extend(plan::on_demand(&data, &stem));
+    }
     let makes = |outputs: &[PathBuf]| outputs.contains(&file);
     let job = jobs.iter().find(|job| {
         asked.job.as_ref().is_some_and(|name| job.name == *name) || makes(&job.outputs)

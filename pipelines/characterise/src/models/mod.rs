@@ -9,13 +9,13 @@ mod power_law;
 mod saturation;
 mod spline;
 
-use crate::branch::Branch;
 use crate::steps::Gathered;
 pub use hinge::Hinge;
 pub use line::Line;
 pub use power_law::PowerLaw;
 pub use saturation::Saturation;
 pub use spline::Spline;
+use zwidth_numerics::branch::Branch;
 
 /// The candidates, by number of free parameters.
 pub const ALL: [Model; 10] = [

@@ -9,6 +9,7 @@ use crate::data::gaps;
 use crate::words::{mark, percent, plain};
 use zwidth_draw::style::{self, Colour, Dash};
 use zwidth_draw::{Axis, Band, Cell, Direction, Figure, Layer, Line, Panel, Points, Reference};
+use zwidth_numerics::branch::{Branch, branches};
 use zwidth_store::{Quantity, Sweep};
 use zwidth_tables::{Table, TableError};
 
@@ -157,7 +158,10 @@ fn step_means(x: &[f64], y: &[f64], step: f64) -> (Vec<f64>, Vec<f64>) {
 
 /// One branch of the chosen curve: a part of the curve's table.
 struct Part {
+    /// `, up`; nothing of the only one.
     name: String,
+    /// Which way of the command it is; none: both.
+    way: Option<Branch>,
     rows: core::ops::Range<usize>,
     colour: Colour,
     dash: Dash,
@@ -169,10 +173,10 @@ fn parts(curve: &Table) -> Result<Vec<Part>, TableError> {
     let mut parts: Vec<Part> = Vec::new();
     for same in names.chunk_by(|a, b| a == b) {
         let start = parts.last().map_or(0, |p| p.rows.end);
-        let name =
-            same[0].clone().filter(|n| n != "both").map(|n| format!(", {n}")).unwrap_or_default();
+        let way = Branch::ALL.into_iter().find(|way| same[0].as_deref() == Some(way.name()));
+        let name = way.map(|way| format!(", {}", way.name())).unwrap_or_default();
         let (colour, dash) = (style::mode_colour(parts.len()), style::dash(parts.len()));
-        parts.push(Part { name, rows: start..start + same.len(), colour, dash });
+        parts.push(Part { name, way, rows: start..start + same.len(), colour, dash });
     }
     Ok(parts)
 }
@@ -183,39 +187,16 @@ impl Part {
         Ok(gaps(curve.floats(name)?)[self.rows.clone()].to_vec())
     }
 
-    /// How far a sweep's samples of this branch lie off its fit. Of a sweep that turns more than once
-    /// none: which of its samples are on the way up is the fit's business.
+    /// How far a sweep's samples of this branch lie off its fit; which these are is told by the rule that
+    /// the fit went by.
     fn residuals(&self, sweep: &Sweep, fit: (&[f64], &[f64])) -> Vec<(f64, f64)> {
         let commands = &sweep.command_values;
-        let mine = match self.name.as_str() {
-            "" => 0..commands.len(),
-            name => match (once_up_and_down(commands), name == ", up") {
-                (Some(turn), true) => 0..turn + 1,
-                (Some(turn), false) => turn + 1..commands.len(),
-                (None, _) => 0..0,
-            },
-        };
+        let ways = self.way.map(|way| (way, branches(commands)));
+        let mine = |i: &usize| ways.as_ref().is_none_or(|(way, ways)| ways[*i] == *way);
         let off =
             |i: usize| Some((commands[i], sweep.response_values[i] - value_at(fit, commands[i])?));
-        mine.filter_map(off).collect()
+        (0..commands.len()).filter(mine).filter_map(off).collect()
     }
-}
-
-/// Where commands turn that go up once and down once, but for steps back of less than a fiftieth of
-/// their span.
-fn once_up_and_down(commands: &[f64]) -> Option<usize> {
-    let (low, high) = crate::extent::ends(commands.iter().copied())?;
-    let turn = (0..commands.len()).max_by(|i, j| commands[*i].total_cmp(&commands[*j]))?;
-    let falls = |way: Vec<f64>| {
-        let highest = way.iter().scan(f64::NEG_INFINITY, |highest, command| {
-            *highest = highest.max(*command);
-            Some(*highest)
-        });
-        way.iter().zip(highest).any(|(command, highest)| highest - command > 0.02 * (high - low))
-    };
-    let (up, down) = commands.split_at(turn + 1);
-    let back = down.iter().rev().copied().collect();
-    (!falls(up.to_vec()) && !falls(back)).then_some(turn)
 }
 
 /// The samples off the chosen fit, and the band for a new response on them; none where there is no
@@ -427,22 +408,27 @@ mod tests {
     }
 
     #[test]
-    fn samples_off_the_fit_are_those_of_its_own_way_and_of_sweeps_that_turn_once() {
-        let part = |name: &str| Part {
-            name: name.to_owned(),
+    fn samples_off_the_fit_are_those_of_its_own_way_however_often_a_sweep_turns() {
+        let part = |way: Option<Branch>| Part {
+            name: String::new(),
+            way,
             rows: 0..2,
             colour: style::INK,
             dash: Dash::Solid,
         };
+        let (up, down, both) = (part(Some(Branch::Up)), part(Some(Branch::Down)), part(None));
         let mut sweep = sweeps(1, 2, Source::Recorded).remove(0);
         (sweep.command_values, sweep.response_values) =
             (vec![0.0, 4.0, 8.0, 4.0, 0.0], vec![0.0, 1.0, 8.0, 7.0, 0.5]);
         let fit: (&[f64], &[f64]) = (&[0.0, 8.0], &[0.0, 8.0]);
-        assert_eq!(part(", up").residuals(&sweep, fit), [(0.0, 0.0), (4.0, -3.0), (8.0, 0.0)]);
-        assert_eq!(part(", down").residuals(&sweep, fit), [(4.0, 3.0), (0.0, 0.5)]);
-        assert_eq!(part("").residuals(&sweep, fit).len(), 5);
-        sweep.command_values[4] = 8.0; // up again
-        assert!(part(", up").residuals(&sweep, fit).is_empty());
+        assert_eq!(up.residuals(&sweep, fit), [(0.0, 0.0), (4.0, -3.0), (8.0, 0.0)]);
+        assert_eq!(down.residuals(&sweep, fit), [(4.0, 3.0), (0.0, 0.5)]);
+        assert_eq!(both.residuals(&sweep, fit).len(), 5);
+        sweep.command_values.extend([5.0, 2.0]); // up again, and down
+        sweep.response_values.extend([5.5, 4.0]);
+        let ways = [&up, &down].map(|part| part.residuals(&sweep, fit));
+        assert_eq!(ways[0][3..], [(5.0, 0.5)]);
+        assert_eq!(ways[1], [(4.0, 3.0), (0.0, 0.5), (2.0, 2.0)]);
         assert_eq!(value_at(fit, 9.0), None, "the fit says nothing beyond its data");
     }
 

@@ -7,6 +7,7 @@ use crate::sketch::{Block, Point, Way, arrow, over, panel, right_of};
 use crate::words::plain;
 use zwidth_draw::style;
 use zwidth_draw::{Cell, Figure, Layer};
+use zwidth_dynamics::solver_label;
 
 /// The figure [`force_control`].
 pub(crate) const FORCE_CONTROL: FigureKind = FigureKind {
@@ -90,7 +91,7 @@ pub(crate) fn force_control(of: &Modelled) -> Figure {
     let words = format!("{} of the step before", state(of));
     layers.push(over(words, (f64::midpoint(forces.at.0, corner.0), BACK_MM - 0.6)));
     let panel = panel(Cell::at(0, 0), FORCE[0], FORCE[1], layers);
-    let notes = [format!("Each step by the solver {}; *x*_{{1}} = *L* *θ*.", plain(&of.solver))];
+    let notes = [format!("Solver: {}. *x*_{{1}} = *L* *θ*.", plain(solver_label(&of.solver)))];
     let description = "A loop: the forces of object and finger and the given user's force go into \
                        the equations of motion, these into one step, and its state back into the \
                        forces.";

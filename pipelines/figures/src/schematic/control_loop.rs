@@ -1,13 +1,13 @@
 //! Figure 32: what flows from the user's force to the voltages of motor and brake and back again,
 //! tick by tick.
 
-use super::setup::Setup;
+use super::setup::{brake, force_sensor, motor, name, words};
 use crate::FigureKind;
 use crate::sketch::{Block, Point, Way, arrow, line, over, panel, right_of, tint, within};
 use crate::words::plain;
 use zwidth_draw::style;
 use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};
-use zwidth_study::{ActuatorKind, Coordinate, Environment, Mode, Scene, VelocityFilter};
+use zwidth_study::{ActuatorKind, Coordinate, Environment, Mode, Scene, Setup, VelocityFilter};
 use zwidth_tables::{given, number, with_unit};
 
 /// The figure [`control_loop`].
@@ -54,14 +54,14 @@ impl Boxes {
         Self {
             participant: Block::new((11.5, 39.0), (22.0, 12.0), ["participant"]),
             lever: Block::new((45.0, 39.0), (22.0, 18.0), lever(of)),
-            force: Block::new((80.0, 64.5), (28.0, 9.0), of.force_sensor()).coloured(style::TISSUE),
+            force: Block::new((80.0, 64.5), (28.0, 9.0), force_sensor(of)).coloured(style::TISSUE),
             angle: Block::new((80.0, 53.5), (28.0, 8.0), [angle]).coloured(style::TISSUE),
             motor: of
                 .uses(ActuatorKind::Motor)
-                .then(|| Block::new((80.0, 25.0), (28.0, 12.0), of.motor()).coloured(style::MOTOR)),
+                .then(|| Block::new((80.0, 25.0), (28.0, 12.0), motor(of)).coloured(style::MOTOR)),
             brake: of
                 .uses(ActuatorKind::Brake)
-                .then(|| Block::new((80.0, 9.5), (28.0, 12.0), of.brake()).coloured(style::BRAKE)),
+                .then(|| Block::new((80.0, 9.5), (28.0, 12.0), brake(of)).coloured(style::BRAKE)),
             velocity: Block::new((113.0, 53.5), (25.0, 13.0), velocity(of)),
             recorded: Block::new((113.0, 34.0), (25.0, 12.0), ["recorded:".to_owned(), recorded]),
             environment: Block::new((150.5, 53.5), (36.0, 17.0), environments(of)),
@@ -106,7 +106,7 @@ impl Boxes {
 pub(crate) fn control_loop(of: &Setup) -> Figure {
     let boxes = Boxes::of(of);
     let rate = format!("**control loop**, {} ticks/s", number(of.control.rate_hz, None));
-    let mut layers = group(DEVICE, of.name());
+    let mut layers = group(DEVICE, name(of));
     layers.extend(group(COMPUTER, rate));
     layers.extend(boxes.all().flat_map(Block::layers));
     layers.extend(through_device(&boxes, of));
@@ -213,7 +213,7 @@ fn lever(of: &Setup) -> Vec<String> {
 }
 
 fn place(of: &Setup, theta_rad: f64) -> String {
-    of.words().place(theta_rad).replace('-', "−")
+    words(of).place(theta_rad).replace('-', "−")
 }
 
 fn velocity(of: &Setup) -> Vec<String> {

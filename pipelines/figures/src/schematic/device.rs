@@ -1,7 +1,7 @@
 //! Figure 20: the device from the front and from the side: a lever on a wheel, which a capstan on
 //! the shaft of motor and brake drives.
 
-use super::setup::Setup;
+use super::setup::{brake, force_sensor, motor, name, words};
 use crate::FigureKind;
 use crate::sketch::{
     Block, Lever, Point, Way, amid, arrow, disc, ground, left_of, line, over, panel, polar,
@@ -10,7 +10,7 @@ use crate::sketch::{
 use std::f64::consts::{FRAC_PI_2, PI};
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};
-use zwidth_study::ActuatorKind;
+use zwidth_study::{ActuatorKind, Setup};
 
 /// The figure [`device`].
 pub(crate) const DEVICE: FigureKind = FigureKind {
@@ -37,7 +37,7 @@ pub(crate) fn device(of: &Setup) -> Option<Figure> {
     let front = panel(Cell::at(0, 0), FRONT[0], FRONT[1], front(of, LEVER_MM, [low, high]));
     let side = panel(Cell::at(0, 1), SIDE[0], SIDE[1], side(of));
     Some(Figure {
-        title: Some(of.name()),
+        title: Some(name(of)),
         description: "From the front: the lever on its wheel, the user's force at its end, and below \
                       it the capstan on the shaft with the torques of motor and brake. From the side: \
                       the shaft with motor, capstan, brake and angle sensor, above it wheel and lever."
@@ -59,7 +59,7 @@ pub(crate) fn device(of: &Setup) -> Option<Figure> {
 pub(crate) fn front(of: &Setup, length_mm: f64, [low, high]: [f64; 2]) -> Vec<Layer> {
     let lever = Lever::between(length_mm, low, high);
     let mut layers = transmission();
-    layers.extend(lever.work_space(of.words(), low, high));
+    layers.extend(lever.work_space(words(of), low, high));
     layers.extend(lever.angle(0.68));
     layers.extend(lever.bar());
     layers.extend(load_cell(&lever));
@@ -136,7 +136,7 @@ fn side(of: &Setup) -> Vec<Layer> {
     let thick = Stroke { width_pt: 2.2, ..style::mean(style::INK) };
     let mut layers = vec![line(SHAFT.map(|x| (x, SHAFT_MM)), thick)];
     if of.uses(ActuatorKind::Motor) {
-        let motor = Block::new((-29.0, SHAFT_MM), (21.0, 13.0), of.motor());
+        let motor = Block::new((-29.0, SHAFT_MM), (21.0, 13.0), motor(of));
         layers.extend(motor.coloured(style::MOTOR).layers());
     }
     if of.uses(ActuatorKind::Brake) {
@@ -154,7 +154,7 @@ fn side(of: &Setup) -> Vec<Layer> {
 /// The disc on the shaft, and the magnet that holds it: the shaft runs through behind.
 fn disc_and_brake(of: &Setup) -> Vec<Layer> {
     let plate = Stroke { width_pt: 2.8, ..style::mean(style::BRAKE) };
-    let brake = Block::new((23.0, SHAFT_MM), (21.0, 13.0), of.brake());
+    let brake = Block::new((23.0, SHAFT_MM), (21.0, 13.0), brake(of));
     // what runs through the brake is not seen
     let hidden = Stroke { width_pt: 4.0, ..style::mean(style::PAPER) };
     let behind = line([brake.left(), brake.right()], hidden);
@@ -193,7 +193,7 @@ fn wheel_and_lever(of: &Setup) -> Vec<Layer> {
     ));
     layers.push(line([(X, 0.0), cell.bottom()], bar));
     layers.extend(cell.layers());
-    layers.push(right_of(of.force_sensor(), (X + 2.5, LEVER_MM - 1.0)));
+    layers.push(right_of(force_sensor(of), (X + 2.5, LEVER_MM - 1.0)));
     layers.push(right_of(vec!["lever".to_owned()], (X + 1.0, 16.0)));
     layers.push(left_of(vec!["wheel".to_owned()], (X - 2.5, 6.0)));
     // away from the reader

@@ -20,10 +20,10 @@ use lever_model::{LEVER_MODEL, LEVER_MODEL_FORCES, lever_model, lever_model_forc
 use translation::{TRANSLATION, translation};
 
 pub use model::Modelled;
-pub use setup::Setup;
 
 use crate::FigureKind;
 use zwidth_draw::Figure;
+use zwidth_study::Setup;
 
 /// A schematic of the model.
 pub type OfModel = fn(&Modelled) -> Figure;

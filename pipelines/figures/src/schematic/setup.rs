@@ -1,92 +1,34 @@
-//! What the schematics of the device take from a study.
+//! What the schematics of the device say of what a study plans.
 
 use crate::words::{Words, plain};
-use serde::Serialize;
-use zwidth_study::{
-    ActuatorKind, Control, Coordinate, Device, Environment, Masses, Mode, Resistances, Study,
-};
+use zwidth_study::Setup;
 use zwidth_tables::{number, with_unit};
 
-/// The device, its actuators and its control, as planned.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Setup {
-    /// The device.
-    pub device: Device,
-    /// What the coordinate is called.
-    pub coordinate: Coordinate,
-    /// Numbers of the control loop.
-    pub control: Control,
-    /// Actuator masses.
-    pub masses: Option<Masses>,
-    /// Resistances of the actuators' windings.
-    pub resistances: Resistances,
-    /// What is rendered.
-    pub environments: Vec<Environment>,
-    /// How it is rendered.
-    pub modes: Vec<Mode>,
+pub(super) fn words(of: &Setup) -> Words {
+    Words::new(of.coordinate)
 }
 
-impl Setup {
-    /// That of a study.
-    pub fn of(study: &Study) -> Self {
-        Self {
-            device: study.device.clone(),
-            coordinate: study.coordinate,
-            control: study.control,
-            masses: study.masses,
-            resistances: study.resistances,
-            environments: study.environments.clone(),
-            modes: study.modes.clone(),
-        }
-    }
+/// What is known of the motor: voltage, mass, resistance.
+pub(super) fn motor(of: &Setup) -> Vec<String> {
+    let kg = of.masses.map(|masses| masses.motor_kg);
+    actuator("motor", [of.motor_max_v(), kg, of.resistances.motor_ohm])
+}
 
-    pub(crate) fn words(&self) -> Words {
-        Words::new(self.coordinate)
-    }
+/// What is known of the brake, likewise.
+pub(super) fn brake(of: &Setup) -> Vec<String> {
+    let kg = of.masses.map(|masses| masses.brake_kg);
+    actuator("brake", [of.brake_max_v(), kg, of.resistances.brake_ohm])
+}
 
-    /// The work space of a lever, rad; none of a slide, or where it is not known.
-    pub(crate) fn stops_rad(&self) -> Option<[f64; 2]> {
-        let stops = [self.device.theta_min_rad?, self.device.theta_max_rad?];
-        (self.coordinate == Coordinate::Rotational).then_some(stops)
-    }
+/// What is known of the force sensor.
+pub(super) fn force_sensor(of: &Setup) -> Vec<String> {
+    let rate = of.device.force_rate_hz.map(|hz| format!("{} values/s", number(hz, None)));
+    [Some("force sensor".to_owned()), rate].into_iter().flatten().collect()
+}
 
-    /// Highest voltage of any mode, V.
-    pub(crate) fn motor_max_v(&self) -> Option<f64> {
-        self.modes.iter().filter_map(|mode| mode.motor_max_v).reduce(f64::max)
-    }
-
-    /// Highest voltage of any mode, V.
-    pub(crate) fn brake_max_v(&self) -> Option<f64> {
-        self.modes.iter().filter_map(|mode| mode.brake_max_v).reduce(f64::max)
-    }
-
-    /// What is known of the motor: voltage, mass, resistance.
-    pub(crate) fn motor(&self) -> Vec<String> {
-        let kg = self.masses.map(|masses| masses.motor_kg);
-        actuator("motor", [self.motor_max_v(), kg, self.resistances.motor_ohm])
-    }
-
-    /// What is known of the brake, likewise.
-    pub(crate) fn brake(&self) -> Vec<String> {
-        let kg = self.masses.map(|masses| masses.brake_kg);
-        actuator("brake", [self.brake_max_v(), kg, self.resistances.brake_ohm])
-    }
-
-    /// What is known of the force sensor.
-    pub(crate) fn force_sensor(&self) -> Vec<String> {
-        let rate = self.device.force_rate_hz.map(|hz| format!("{} values/s", number(hz, None)));
-        [Some("force sensor".to_owned()), rate].into_iter().flatten().collect()
-    }
-
-    /// Whether a mode uses an actuator.
-    pub(crate) fn uses(&self, drive: ActuatorKind) -> bool {
-        self.modes.iter().any(|mode| mode.has(drive))
-    }
-
-    /// The device's name, as text.
-    pub(crate) fn name(&self) -> String {
-        if self.device.name.is_empty() { "Device".to_owned() } else { plain(&self.device.name) }
-    }
+/// The device's name, as text.
+pub(super) fn name(of: &Setup) -> String {
+    if of.device.name.is_empty() { "Device".to_owned() } else { plain(&of.device.name) }
 }
 
 fn actuator(what: &str, [max_v, kg, ohm]: [Option<f64>; 3]) -> Vec<String> {

@@ -239,6 +239,17 @@ fn a_slide_has_its_loop_in_millimetres_and_no_lever() {
 
 /// Names are text whatever they hold, and drawn however long they are.
 #[test]
+fn the_solver_is_told_in_words_and_not_by_its_name_in_files() {
+    let (_, figure) = of_model(scene(FINGER))
+        .into_iter()
+        .find(|(stem, _)| stem.ends_with("force_control"))
+        .unwrap();
+    let notes = figure.footnotes.join(" ");
+    assert!(notes.contains("Solver: RK4, switched per step."), "{notes}");
+    assert!(!notes.contains("per_step"), "{notes}");
+}
+
+#[test]
 fn a_hostile_name_is_shown_as_text() {
     const NAME: &str = "<script>alert('x')</script> *a* _{b} ^{c} \\frac{1}{2} #eval $x$ %";
     let mut study = zwidth_testing::study();

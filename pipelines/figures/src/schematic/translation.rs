@@ -4,13 +4,12 @@
 use super::device::front;
 use super::lever_model::LeverModel;
 use super::model::{Body, Part};
-use super::setup::Setup;
 use crate::FigureKind;
 use crate::sketch::{Lever, Point, Way, ground, line, panel, polar, right_of};
 use crate::words::plain;
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};
-use zwidth_study::{Coordinate, Environment, Spring};
+use zwidth_study::{Coordinate, Environment, Setup, Spring};
 use zwidth_tables::given;
 
 /// The figure [`translation`].

@@ -3,11 +3,10 @@
 
 use super::TURNED;
 use super::estimates::{Estimate, differences, means};
-use crate::Planned;
 use crate::compared::{ComparedMetric, words};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use zwidth_study::Coordinate;
+use zwidth_study::{Coordinate, Setup};
 use zwidth_tables::{Column, Table, TableError, Values, shown_unit};
 
 /// A study, as the page's script knows it.
@@ -117,7 +116,7 @@ impl Contents {
     /// A table that lacks a column.
     pub fn of(
         (study, title): (&str, &str),
-        planned: &Planned,
+        planned: &Setup,
         metrics: &Table,
         compared: &[ComparedMetric],
         answers: Option<&Table>,
@@ -204,7 +203,7 @@ type Key = (String, String, i64);
 
 /// Each trial's answers, in the order of the questions.
 fn answered(
-    planned: &Planned,
+    planned: &Setup,
     answers: Option<&Table>,
 ) -> Result<BTreeMap<Key, Vec<Option<i64>>>, TableError> {
     let mut found: BTreeMap<Key, Vec<Option<i64>>> = BTreeMap::new();

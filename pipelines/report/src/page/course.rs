@@ -16,8 +16,8 @@ pub type Columns = Vec<(&'static str, Vec<f64>)>;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Event {
     /// `onset`, `reversal`, `end`, `contact` with the wall, `let_go` of the brake.
-    pub kind: &'static str,
-    /// When, s since the trial's start.
+    pub kind: String,
+    /// When, as the trial's samples count time, s.
     pub t_s: f64,
 }
 
@@ -112,14 +112,6 @@ pub(super) fn pack(values: &[f64]) -> std::io::Result<String> {
     Ok(STANDARD.encode(encoder.finish()?))
 }
 
-/// The times at which a bit of the samples' states is set, or, with `falling`, no longer set.
-pub fn edges(t_s: &[f64], state_bits: &[f64], bit: u16, falling: bool) -> Vec<f64> {
-    let set = |state: f64| (state as u16) & bit != 0;
-    let pairs = t_s.iter().skip(1).zip(state_bits.windows(2));
-    let changed = pairs.filter(|(_, pair)| set(pair[0]) == falling && set(pair[1]) != falling);
-    changed.map(|(t, _)| *t).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -156,7 +148,7 @@ mod tests {
     #[test]
     fn a_script_is_one_call_with_the_condition_and_what_it_has() {
         let columns = vec![("t_s", vec![0.0, 0.5])];
-        let events = vec![Event { kind: "onset", t_s: 0.5 }];
+        let events = vec![Event { kind: "onset".to_owned(), t_s: 0.5 }];
         let course = Course { trial: 4, repeat: 1, columns: columns.clone(), events };
         let text =
             condition_script("P01.S01.spring", &[course], &[("onset", columns)], &[]).unwrap();
@@ -169,13 +161,5 @@ mod tests {
         assert_eq!(trial["events"][0]["kind"], "onset");
         assert_eq!(said["means"]["onset"]["n"], 2);
         assert_eq!(said["replay"], serde_json::json!({}));
-    }
-
-    #[test]
-    fn edges_are_where_a_bit_comes_and_where_it_goes() {
-        let (t, bits) = ([0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 33.0, 32.0, 1.0, 32.0]);
-        assert_eq!(edges(&t, &bits, 32, false), [1.0, 4.0]);
-        assert_eq!(edges(&t, &bits, 32, true), [3.0]);
-        assert_eq!(edges(&t, &[], 32, true), [0.0; 0]);
     }
 }

@@ -1,7 +1,8 @@
 //! What a page is made from.
 
 use super::contents::Contents;
-use crate::{Planned, Summary};
+use crate::Summary;
+use zwidth_study::Setup;
 
 /// What the page shows.
 #[derive(Debug, Clone, Copy)]
@@ -9,7 +10,7 @@ pub struct Page<'a> {
     /// The summary.
     pub summary: &'a Summary,
     /// What was planned.
-    pub planned: &'a Planned,
+    pub planned: &'a Setup,
     /// The study's id.
     pub study: &'a str,
     /// The trials, where there are any.

@@ -1,7 +1,7 @@
 //! The page: the summary for a browser, with every trial to look at.
 //!
 //! All that is text stands in the page as it is, so that it reads and prints without its script;
-//! the script (`page.js`, ours, no library) adds the browser of trials and what can be clicked.
+//! the script (`script/`, ours, no library) adds the browser of trials and what can be clicked.
 //! Nothing leaves the page: style and script stand in it, samples in scripts beside it
 //! ([`condition_script`]) that are loaded when somebody asks for them.
 
@@ -15,7 +15,7 @@ mod single;
 mod turned;
 
 pub use contents::Contents;
-pub use course::{Columns, Course, Event, condition_script, edges};
+pub use course::{Columns, Course, Event, condition_script};
 pub use given::Page;
 pub use single::single_file;
 pub use turned::{TURNED, Turn, TurnedError, turned_script};
@@ -24,7 +24,28 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use parts::Part;
 
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+/// One classic script, because a page opened from disk may load neither modules nor anything by fetch:
+/// its parts share one scope, and stand in the order in which they need each other's constants. Text from
+/// the study is only ever set as text in it, never as markup.
+const SCRIPT: &str = concat!(
+    "\"use strict\";\n(() => {\n",
+    include_str!("script/words.js"),
+    include_str!("script/data.js"),
+    include_str!("script/pens.js"),
+    include_str!("script/scales.js"),
+    include_str!("script/view.js"),
+    include_str!("script/curves.js"),
+    include_str!("script/panels.js"),
+    include_str!("script/browser.js"),
+    include_str!("script/screen.js"),
+    include_str!("script/cursor.js"),
+    include_str!("script/exports.js"),
+    include_str!("script/dots.js"),
+    include_str!("script/answers.js"),
+    include_str!("script/sliders.js"),
+    include_str!("script/page.js"),
+    "})();\n",
+);
 
 /// The page in HTML. Texts are shown as they stand, whatever is in them.
 ///

@@ -3,7 +3,7 @@
 use super::given::Page;
 use super::quality;
 use crate::people::{participants, sources};
-use crate::{Made, NO_MEAN, Summary, what_it_is};
+use crate::{Made, NO_MEAN, Summary, on_demand, what_it_is};
 use maud::{Markup, html};
 
 /// More figures than this stand in groups that are closed at first.
@@ -192,6 +192,7 @@ fn groups(figures: &[Made]) -> Vec<(&str, Vec<&Made>)> {
 fn figures(page: &Page) -> Markup {
     let open = page.summary.figures.len() <= MOST_OPEN;
     html! {
+        @if let Some(told) = on_demand(page.summary.undrawn) { p.caption { (told.replace('`', "")) } }
         @for (kind, group) in groups(&page.summary.figures) {
             details open[open] {
                 summary { (kind) " " span.count { (group.len()) } }

@@ -1,15 +1,15 @@
 use super::*;
+use crate::Summary;
 use crate::{ComparedMetric, Made, Matrix, MatrixRow, Remark, Told};
-use crate::{Planned, Summary};
 use std::collections::BTreeMap;
-use zwidth_study::Source;
+use zwidth_study::{Setup, Source};
 use zwidth_tables::{Column, Table};
 
 /// What nobody should be able to put into a page.
 const HOSTILE: &str = "</script><script>alert('x')</script>\"'&\u{7}\\ {{}} <!-- %";
 
-fn planned() -> Planned {
-    Planned::of(&zwidth_testing::study())
+fn planned() -> Setup {
+    Setup::of(&zwidth_testing::study())
 }
 
 fn made(path: &str, caption: &str) -> Made {
@@ -79,7 +79,7 @@ fn estimated(of: &'static str, which: &str, [value, low, high]: [&'static str; 3
     Table::new("means", "Means by condition: largest angle", columns).unwrap()
 }
 
-fn contents(planned: &Planned, title: &str) -> Contents {
+fn contents(planned: &Setup, title: &str) -> Contents {
     let means = estimated("mode", "active", ["mean_rad", "ci_low_rad", "ci_high_rad"]);
     let columns = ["difference_rad", "difference_ci_low_rad", "difference_ci_high_rad"];
     let contrasts = estimated("contrast", "hybrid − active", columns);

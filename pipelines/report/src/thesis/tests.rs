@@ -3,9 +3,8 @@
 use super::{Derived, thesis_table, told};
 use crate::evidence::Known;
 use crate::gallery::Gallery;
-use crate::planned::Planned;
 use std::collections::BTreeSet;
-use zwidth_study::{Basis, Calibration, Coordinate};
+use zwidth_study::{Basis, Calibration, Coordinate, Setup};
 use zwidth_tables::{Column, Table};
 
 /// A trial: participant, environment, mode, and its numbers by column.
@@ -63,11 +62,11 @@ fn trials(of: &[Trial], source: &str) -> Table {
     Table::new("metrics", "", columns).unwrap()
 }
 
-fn study() -> Planned {
-    Planned::of(&zwidth_testing::study())
+fn study() -> Setup {
+    Setup::of(&zwidth_testing::study())
 }
 
-fn judged(study: &Planned, metrics: Option<&Table>, answers: Option<&Table>) -> Table {
+fn judged(study: &Setup, metrics: Option<&Table>, answers: Option<&Table>) -> Table {
     let gallery = Gallery {
         figures: BTreeSet::from(["modes.P01.S01.spring".to_owned()]),
         only_session: Some(["P01", "S01"].map(str::to_owned)),

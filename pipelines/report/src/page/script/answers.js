@@ -1,0 +1,48 @@
+// Answers beside a metric.
+
+const answered = (trial, question) => trial.answers?.[question] ?? NaN;
+
+function buildAnswers(host) {
+  const asked = study.questions.map((_, q) => q).filter((q) => study.trials.some((trial) => Number.isFinite(answered(trial, q))));
+  const usable = study.metrics.map((_, i) => i).filter((i) => study.trials.some((trial) => Number.isFinite(measured(trial, i))));
+  if (!asked.length || !usable.length) return;
+  const people = [...sessionsOf.keys()];
+  const [who, pickWho] = field("Participant", "answers-participant", draw), [what, pickWhat] = field("Question", "answers-question", draw), [which, pickMetric] = field("Metric", "answers-metric", draw);
+  pickWho.replaceChildren(...(people.length > 1 ? [option("", "all", people.length <= MANY)] : []), ...people.map((id, i) => option(id, id, people.length > MANY && i === 0)));
+  pickWhat.replaceChildren(...asked.map((q) => option(q, study.questions[q].label, false)));
+  pickMetric.replaceChildren(...usable.map((i) => option(i, metricTitle(study.metrics[i]), false)));
+  const legend = make("ul", { class: "legend" }, ...study.modes.map((mode, m) => make("li", {}, makeSvg("svg", { width: 16, height: 16, viewBox: "-8 -8 16 16", "aria-hidden": "true" }, makeSvg("path", { d: SHAPES[m % SHAPES.length](5), style: `--own: var(--mode-${m % 6})` })), short(mode.label, 40))));
+  const question = make("p", { class: "question" }), charts = make("div", { class: "charts one" }), tip = make("p", { class: "tip" });
+  const tell = (words) => { tip.textContent = words; };
+  host.replaceChildren(make("div", { class: "controls" }, who, what, which), question, legend, charts, tip);
+  function draw() {
+    const q = Number(pickWhat.value), index = Number(pickMetric.value), asks = study.questions[q], metric = study.metrics[index];
+    const trials = study.trials.filter((trial) => (!pickWho.value || trial.participant === pickWho.value) && Number.isFinite(answered(trial, q)) && Number.isFinite(measured(trial, index)));
+    question.textContent = `“${short(asks.label, 400)}”${asks.reversed ? " (agreement speaks against)" : ""}`;
+    tip.textContent = trials.length ? "Point at a mark for its trial; Enter or a click opens it." : "No trial has both an answer to this question and this metric.";
+    charts.replaceChildren(answerChart(trials, q, index, asks, metric, printing ? PAPER : Math.max(280, charts.clientWidth), tell));
+    rove(charts.firstChild);
+  }
+  draw();
+  onWidth(charts, draw);
+}
+
+function answerChart(trials, q, index, asks, metric, width, tell) {
+  const step = asks.step ?? 1, points = (asks.highest - asks.lowest) / step + 1;
+  const every = step * Math.ceil((points - 1) / 10); // of a long scale at most eleven answers are named
+  const levels = Array.from({ length: Math.floor((asks.highest - asks.lowest) / every) + 1 }, (_, i) => ({ value: asks.lowest + i * every, text: `${short(asks.labels?.[i] ?? "", width < 480 ? 12 : 24)} ${asks.lowest + i * every}`.trim() }));
+  const left = 16 + 6.4 * Math.max(...levels.map(({ text }) => text.length));
+  const { svg, box, sy } = chartFrame("Answer", width, 60 + 46 * levels.length + 30, left, [asks.lowest - 0.5 * every, asks.highest + 0.5 * every], levels);
+  const values = trials.map((trial) => measured(trial, index));
+  const range = padded(values.reduce((a, b) => Math.min(a, b), Infinity), values.reduce((a, b) => Math.max(a, b), -Infinity));
+  const sx = scale(range, box.left, box.right);
+  for (const { value, text } of ticks(...range, (box.right - box.left) / 70)) svg.append(makeSvg("line", { x1: sx.k * value + sx.c, x2: sx.k * value + sx.c, y1: box.top, y2: box.bottom, class: "grid" }), svgText(text, sx.k * value + sx.c, box.bottom + 16, { "text-anchor": "middle" }));
+  svg.append(svgText(short(metricTitle(metric), Math.floor(width / 7)), box.right, box.bottom + 34, { "text-anchor": "end", class: "group" }));
+  const seen = new Map(); // dots of one answer are spread over its band, the same way every time
+  trials.forEach((trial, i) => {
+    const answer = answered(trial, q), place = seen.get(answer) ?? 0;
+    seen.set(answer, place + 1);
+    svg.append(point(sx.k * values[i] + sx.c, sy.k * (answer + 0.6 * step * spread(place)) + sy.c, { mode: modeIndex(trial.mode), words: `${trialWords(trial)}: answered ${answer}${asks.labels?.[(answer - asks.lowest) / step] ? ` (${short(asks.labels[(answer - asks.lowest) / step])})` : ""}, ${significant(values[i])} ${metric.unit}`, open: () => openTrial(trial) }, trials.length > 400 ? 2.5 : 5, tell));
+  });
+  return svg;
+}

@@ -1,0 +1,58 @@
+// Trials' samples: loaded when asked for, decoded bit for bit.
+
+const MOST_KEPT = 48; // conditions kept decoded; older ones are loaded again
+const kept = new Map();
+const awaited = new Map();
+window.zwidthData = (key, content) => awaited.get(key)?.(content);
+
+/** The condition's object as it stands in the page (one file) or beside it. */
+function fetchCondition(key) {
+  if (study.single_file) {
+    const block = [...document.querySelectorAll("script.trial-data")].find((element) => element.dataset.key === key);
+    return block ? Promise.resolve(JSON.parse(block.textContent)) : Promise.reject(new Error(`this page holds no data of ${short(key, 80)}`));
+  }
+  return new Promise((resolve, reject) => {
+    const script = make("script", { src: `report-data/${encodeURIComponent(key)}.js` });
+    const finish = (end, result) => { awaited.delete(key); script.remove(); end(result); };
+    awaited.set(key, (content) => finish(resolve, content));
+    const missing = () => awaited.has(key) && finish(reject, new Error(`the data of ${short(key, 80)} could not be read: the folder report-data must lie beside this page`));
+    script.addEventListener("error", missing);
+    script.addEventListener("load", missing); // it ran and gave nothing
+    document.head.append(script);
+  });
+}
+
+/** A column: base64, deflate, bytes in planes, each value XORed with the one before. Little-endian, as every browser's machine is. */
+async function decodeColumn(text, n) {
+  const packed = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+  const planes = new Uint8Array(await new Response(stream).arrayBuffer());
+  if (planes.length !== 8 * n) throw new Error(`a column holds ${planes.length} bytes where ${n} samples take ${8 * n}`);
+  const bytes = new Uint8Array(8 * n);
+  for (let plane = 0; plane < 8; plane++) for (let i = 0; i < n; i++) bytes[8 * i + plane] = planes[plane * n + i];
+  const words = new Uint32Array(bytes.buffer);
+  for (let i = 2; i < words.length; i++) words[i] ^= words[i - 2];
+  return new Float64Array(bytes.buffer);
+}
+
+async function decodeTable(table) {
+  const names = Object.keys(table.columns);
+  const columns = await Promise.all(names.map((name) => decodeColumn(table.columns[name], table.n)));
+  return { ...table, columns: Object.fromEntries(names.map((name, i) => [name, columns[i]])) };
+}
+
+async function decodeGroup(group = {}) {
+  return Object.fromEntries(await Promise.all(Object.entries(group).map(async ([name, table]) => [name, await decodeTable(table)])));
+}
+
+/** The decoded condition; what was used last stays in memory. */
+function condition(key) {
+  const found = kept.get(key) ?? fetchCondition(key).then(async (content) => ({
+    trials: await Promise.all((content.trials ?? []).map(decodeTable)), means: await decodeGroup(content.means), replay: await decodeGroup(content.replay),
+  }));
+  kept.delete(key);
+  kept.set(key, found);
+  if (kept.size > MOST_KEPT) kept.delete(kept.keys().next().value);
+  found.catch(() => kept.delete(key));
+  return found;
+}

@@ -1,0 +1,54 @@
+// What the trial browser shows, and its address.
+
+const SHOW = { repeats: "repeats", mean: "mean", replay: "replay", command: "commanded force", states: "actuators", events: "events" };
+const ALIGN = { onset: "onset", landmarks: "landmarks (mean only)", none: "none" };
+const trialsBy = new Map(); // "participant/session/environment/mode" → its trials
+const pathOf = (...ids) => ids.join("/");
+for (const trial of study.trials) {
+  const path = pathOf(trial.participant, trial.session, trial.environment, trial.mode);
+  if (!trialsBy.has(path)) trialsBy.set(path, []);
+  trialsBy.get(path).push(trial);
+}
+const sessionsOf = new Map();
+for (const { participant, session } of study.trials) sessionsOf.set(participant, (sessionsOf.get(participant) ?? new Set()).add(session));
+
+const view = { p: null, s: null, e: null, m: [], r: "all", a: "onset", show: new Set(["repeats", "mean", "states"]), zoom: null, wall: false, brush: [null, null] };
+
+const wallOf = (id) => environmentOf(id)?.wall_rad ?? null;
+const shownTrials = () => view.m.flatMap((mode) => trialsBy.get(pathOf(view.p, view.s, view.e, mode)) ?? []);
+
+/** Chooses something that is there wherever the wish is not. */
+function settle() {
+  if (!sessionsOf.has(view.p)) view.p = study.trials[0].participant;
+  if (!sessionsOf.get(view.p).has(view.s)) view.s = [...sessionsOf.get(view.p)][0];
+  const mine = (environment) => study.modes.some((mode) => trialsBy.has(pathOf(view.p, view.s, environment, mode.id)));
+  if (!mine(view.e)) view.e = study.environments.find((environment) => mine(environment.id))?.id ?? null;
+  view.m = study.modes.map((mode) => mode.id).filter((mode) => view.m.includes(mode));
+  if (!shownTrials().length) view.m = study.modes.map((mode) => mode.id).filter((mode) => trialsBy.has(pathOf(view.p, view.s, view.e, mode)));
+  if (!shownTrials().some((trial) => trial.repeat === view.r)) view.r = "all";
+  if (view.wall && wallOf(view.e) === null) view.wall = false;
+}
+
+function writeHash() {
+  const query = new URLSearchParams({ p: view.p, s: view.s, e: view.e, m: view.m.join(","), r: view.r, a: view.a, show: [...view.show].join(",") });
+  if (view.zoom) query.set("t", view.zoom.map(exact).join(","));
+  if (view.wall) query.set("wall", "1");
+  if (view.brush.every(Number.isFinite)) query.set("b", view.brush.map(exact).join(","));
+  return `#trials?${query}`;
+}
+
+const span = (text) => {
+  const numbers = (text ?? "").split(",").map(Number);
+  return text && numbers.length === 2 && numbers.every(Number.isFinite) && numbers[0] < numbers[1] ? numbers : null;
+};
+
+/** Takes the view from an address; whether it named one. */
+function readHash() {
+  if (!location.hash.startsWith("#trials?")) return false;
+  const query = new URLSearchParams(location.hash.slice("#trials?".length));
+  Object.assign(view, { p: query.get("p"), s: query.get("s"), e: query.get("e"), m: (query.get("m") ?? "").split(","), r: Number(query.get("r")) || "all", a: Object.hasOwn(ALIGN, query.get("a")) ? query.get("a") : "onset" });
+  if (query.has("show")) view.show = new Set(query.get("show").split(",").filter((name) => Object.hasOwn(SHOW, name)));
+  Object.assign(view, { zoom: span(query.get("t")), wall: query.get("wall") === "1", brush: span(query.get("b")) ?? [null, null] });
+  settle();
+  return true;
+}
