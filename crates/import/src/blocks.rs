@@ -1,8 +1,8 @@
 //! A long text block by block: each of whole records, with the header before them, so that it is read as a file of its own.
 
-use super::csv::{Dialect, whole_records};
+use super::csv::{Dialect, record_ends, whole_records};
 use super::format::Format;
-use super::limits::{LONGEST_FILE, MOST_LINE};
+use super::limits::{LONGEST_FILE, MOST_LINE, long_line};
 use super::mapping::FileForm;
 use super::plain::LABCHART;
 use super::text::{Encoding, check_readable};
@@ -28,14 +28,16 @@ pub(super) fn is_long(path: &Path, form: &FileForm) -> bool {
 
 fn opened(path: &Path, form: &FileForm) -> io::Result<bool> {
     let mut file = open_named(path)?;
-    let mut begins = [0; LABCHART.len()];
     let long = file.metadata()?.len() > form.long_from;
     if !long {
         return Ok(false);
     }
-    file.read_exact(&mut begins)?;
+    let mut begins = Vec::new();
+    (&mut file).take(MOST_LINE as u64).read_to_end(&mut begins)?;
     let utf_16 = begins.starts_with(b"\xff\xfe") || begins.starts_with(b"\xfe\xff");
-    Ok(!utf_16 && begins != LABCHART.as_bytes())
+    // Its heads may lie behind skipped lines, and lines of old end in a carriage return alone.
+    let labchart = begins.windows(LABCHART.len()).any(|part| part == LABCHART.as_bytes());
+    Ok(!utf_16 && !labchart && begins.contains(&b'\n'))
 }
 
 /// A long text on its way.
@@ -100,6 +102,8 @@ impl Blocks {
             blocks.take(end + 1);
         }
         let end = header_end(&blocks.rest, blocks.dialect);
+        let end = end.or(blocks.ended.then_some(blocks.rest.len()));
+        let end = end.ok_or_else(|| long_line(path, 1 + blocks.lines))?;
         blocks.header = blocks.take(end);
         Ok(blocks)
     }
@@ -114,9 +118,11 @@ impl Blocks {
             self.fill(wanted)?;
             let end =
                 if self.ended { self.rest.len() } else { whole_records(&self.rest, self.dialect) };
-            // A record that is longer than any is given as it is, to be refused.
-            if end > 0 || self.ended || self.rest.len() > BLOCK + 2 * MOST_LINE {
-                break if end > 0 { end } else { self.rest.len() };
+            if end > 0 || self.ended {
+                break end;
+            }
+            if self.rest.len() > BLOCK + MOST_LINE {
+                return Err(long_line(&self.path, 1 + self.lines));
             }
             wanted += BLOCK;
         };
@@ -161,24 +167,18 @@ fn count_lines(text: &[u8]) -> u64 {
     text.iter().filter(|b| **b == b'\n').count() as u64
 }
 
-/// Where the first record ends that is no comment.
-fn header_end(text: &[u8], dialect: Dialect) -> usize {
-    let mut at = 0;
-    while at < text.len() {
-        let line = text[at..].iter().position(|b| *b == b'\n').map_or(text.len(), |i| at + i + 1);
-        let is_passed_by = text[at..line].trim_ascii().is_empty()
-            || (dialect.comment.is_some() && text.get(at).copied() == dialect.comment);
-        if !is_passed_by {
-            // A name in quotes may hold a line break.
-            let ends = text[at..].iter().enumerate().filter(|(_, b)| **b == b'\n');
-            let whole = ends.map(|(i, _)| i + 1).find(|i| {
-                text[at..at + i].iter().filter(|b| **b == b'"').count().is_multiple_of(2)
-            });
-            return whole.map_or(text.len(), |i| at + i);
+/// Where the first record ends that is neither empty nor a comment, if it does.
+fn header_end(text: &[u8], dialect: Dialect) -> Option<usize> {
+    let mut begins = 0;
+    for ends in record_ends(text, dialect) {
+        let record = &text[begins..ends];
+        let is_comment = dialect.comment.is_some() && record.first().copied() == dialect.comment;
+        if !is_comment && !record.trim_ascii().is_empty() {
+            return Some(ends);
         }
-        at = line;
+        begins = ends;
     }
-    text.len()
+    None
 }
 
 /// BLAKE3 of a recording, hexadecimal.

@@ -182,14 +182,18 @@ pub(super) fn whole_records(text: &[u8], dialect: Dialect) -> usize {
     if !text.contains(&b'"') {
         return text.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
     }
-    let (mut at, mut whole) = (At::Record, 0);
-    for (i, byte) in text.iter().enumerate() {
-        at = at.after(*byte, dialect);
-        if at == At::Record && *byte == b'\n' {
-            whole = i + 1;
-        }
-    }
-    whole
+    record_ends(text, dialect).last().unwrap_or(0)
+}
+
+/// Where the lines end that end a record of a text that begins with one: after each.
+pub(super) fn record_ends(text: &[u8], dialect: Dialect) -> impl Iterator<Item = usize> {
+    let mut at = At::Record;
+    text.iter().enumerate().filter_map(move |(i, byte)| {
+        // Of blanks it is not known yet whether they are tabs.
+        let is_blank = dialect.delimiter == WHITE_SPACE && *byte == b'\t';
+        at = at.after(if is_blank { WHITE_SPACE } else { *byte }, dialect);
+        (at == At::Record && *byte == b'\n').then_some(i + 1)
+    })
 }
 
 /// Where the walk through a record stands.

@@ -178,7 +178,8 @@ fn all<T, E: Into<Errors>>(
 
 /// The bytes of those files that are read block by block: what progress is told of.
 pub fn long_bytes(mapping: &Mapping, files: &[PathBuf]) -> u64 {
-    let long = files.iter().filter(|path| blocks::is_long(path, &mapping.file));
+    let of_samples = matches!(mapping.content, Content::Trials { .. });
+    let long = files.iter().filter(|path| of_samples && blocks::is_long(path, &mapping.file));
     long.filter_map(|path| std::fs::metadata(path).ok()).map(|found| found.len()).sum()
 }
 

@@ -130,6 +130,12 @@ pub(super) fn too_many_rows(path: &Path, rows: &str) -> StoreError {
     )
 }
 
+/// The error of a line, or a record, that is longer than any is read.
+pub(super) fn long_line(path: &Path, line: u64) -> StoreError {
+    let what = format!("line {line} has more than {MOST_LINE} bytes, and no more are read");
+    StoreError::new(path, what, "check the quotes of the line, and how lines end")
+}
+
 /// The error of a long text with more rows than a trial may have.
 pub(super) fn too_many_for_a_trial(path: &Path) -> StoreError {
     let what = format!("the file has more than {MOST_ROWS} rows, and no more are read");

@@ -60,6 +60,9 @@ pub(super) struct Stretch<'a> {
 /// The labels' cells of the row before, and its time where that parts trials.
 type Last = Option<(Vec<String>, Option<f64>)>;
 
+/// The names of a text's columns, and how many there are.
+type Shape = (Option<Vec<String>>, usize);
+
 /// What was read of a text.
 #[derive(Debug, Default)]
 pub(super) struct Walked {
@@ -67,6 +70,8 @@ pub(super) struct Walked {
     /// How many were kept.
     pub(super) kept: usize,
     pub(super) blake3: String,
+    /// The columns as the first block has them.
+    shape: Option<Shape>,
 }
 
 impl<'a> Source<'a> {
@@ -164,6 +169,15 @@ impl<'a> Source<'a> {
         each: &mut (dyn FnMut(&Stretch) -> Result<bool, Errors> + Send),
     ) -> Result<bool, Errors> {
         let before = walked.rows.read;
+        // A header that is a cell short of its first record is mended: of every block or of none.
+        let table = &parsed.recording.table;
+        let shape = (table.names.clone(), table.columns.len());
+        let has_rows = parsed.rows.read > 0;
+        if has_rows && *walked.shape.get_or_insert_with(|| shape.clone()) != shape {
+            let what = "it has another number of cells than the rows before it";
+            let error = StoreError::new(self.path, what, "mend the row, or remove it");
+            return Err(error.row0(before).into());
+        }
         walked.rows.read += parsed.rows.read;
         walked.rows.missing += parsed.rows.missing;
         walked.kept += parsed.rows.kept.len();
@@ -515,6 +529,18 @@ to = \"force_ex_n\"
 from = \"f\"
 unit = \"N\"
 ";
+    const INTEGRATED: &str = "
+[time]
+from = \"t\"
+unit = \"ms\"
+[[column]]
+to = \"theta_dot_rad_s\"
+from = \"x\"
+unit = \"deg/s\"
+[[column]]
+to = \"theta_rad\"
+derive = \"integral of theta_dot_rad_s\"
+";
 
     /// A text of `rows` rows; `row` gives what stands behind time, angle and force.
     fn text(header: &str, rows: usize, row: impl Fn(usize) -> String) -> String {
@@ -578,6 +604,7 @@ unit = \"N\"
         let rated =
             MOVED.replace("from = \"t\"\nunit = \"ms\"\nzero = \"first\"", "rate_hz = 500.0");
         alike(&trials_map(&[ONE, &rated]), &text("t,x,f", 2100, |_| String::new()), 1);
+        alike(&trials_map(&[ONE, INTEGRATED]), &text("t,x,f", 2100, |_| String::new()), 1);
         let spaced = text("t,x,f", 900, |_| String::new()).replace(',', "   ");
         let map = trials_map(&["[file]\nformat = \"txt\"\n", ONE, MOVED]);
         alike(&map, &spaced, 1);
@@ -649,6 +676,29 @@ mode = { column = \"m\" }
             };
             assert_eq!(words(whole), words(found));
             assert_eq!(streamed.written(), ["study.toml"]);
+        }
+    }
+
+    #[test]
+    fn a_header_that_is_a_cell_short_or_has_a_lone_quote_is_read_as_in_a_short_text() {
+        let map = trials_map(&["[file]\ncomment = \"#\"\n", ONE, MOVED]);
+        alike(&map, &text("t,x,f", 1500, |_| ",".to_owned()), 1);
+        alike(&map, &text("t,x,f,wheel of 5\"", 1500, |_| ",1".to_owned()), 1);
+        let remarks = "# a remark\n".repeat(1000);
+        alike(&map, &(text("t,x,f", 1500, |_| ",".to_owned()) + &remarks), 1);
+        let old = text("t,x,f", 1500, |_| String::new()).replace('\n', "\r");
+        alike(&trials_map(&[ONE, MOVED]), &old, 1);
+    }
+
+    #[test]
+    fn a_last_row_with_a_cell_too_many_is_refused_wherever_blocks_end() {
+        let map = trials_map(&[ONE, MOVED]);
+        // Of some length the row is a block of its own.
+        for rows in 400..520 {
+            let content = text("t,x,f", rows, |_| String::new()) + "9999,1,1,1\n";
+            let world = World::new();
+            let errors = world.import_streamed(&map, &[world.file("a.csv", content)]).unwrap_err();
+            assert!(errors[0].what.contains("cells"), "{errors:?}");
         }
     }
 

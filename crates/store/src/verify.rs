@@ -20,7 +20,7 @@ use zwidth_study::{Coordinate, Event, Question, Study};
 const WORK_SPACE_SLACK_RAD: f64 = 0.034_906_585_039_886_59;
 
 /// Samples from which on a trial is checked column by column, so that no more than two are in memory.
-const LONG: usize = 1 << 20;
+pub(crate) const LONG: usize = 1 << 20;
 
 /// Checks a whole study: `study.toml`, every file byte by byte, every event. An empty list is a
 /// clean study.

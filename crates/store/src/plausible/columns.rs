@@ -2,6 +2,7 @@
 
 use super::asked::Asked;
 use super::doubt::{Doubt, LEAST_SAMPLES, range};
+use crate::verify::LONG;
 use crate::{Columns, Signal};
 use zwidth_study::{Coordinate, Scene};
 
@@ -53,7 +54,15 @@ pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
 /// The usual interval of the clock, s: the middle one.
 fn usual_interval_s(t: &[f64]) -> Option<f64> {
     let steps = || t.windows(2).map(|t| t[1] - t[0]);
-    (t.len() >= LEAST_SAMPLES).then(|| ranked(steps, (t.len() - 1) / 2))
+    if t.len() < LEAST_SAMPLES {
+        return None;
+    }
+    let middle = (t.len() - 1) / 2;
+    if t.len() > LONG {
+        return Some(ranked(steps, middle));
+    }
+    let mut copy: Vec<f64> = steps().collect();
+    Some(*copy.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 fn interval(samples: &dyn Columns) -> Option<Doubt> {
