@@ -12,7 +12,6 @@ use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_stats::power::{self, Plan, PlannedTest, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
-use zwidth_study::Source;
 use zwidth_tables::Table;
 
 /// The power that a study is planned with.
