@@ -15,6 +15,7 @@ import checks
 import compared
 import folders
 import foreign
+import made
 import mixed
 import recordings
 import results
@@ -37,6 +38,7 @@ def main():
     compared.study(zwidth)
     foreign.check_all(zwidth)
     walls.frequencies(zwidth)
+    made.check_all(zwidth)
     real = os.environ.get("ZWIDTH_REAL_DATA")
     if real:
         recordings.all_sets(zwidth, Path(real), WORKSPACE / "studies")

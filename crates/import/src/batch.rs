@@ -7,15 +7,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_store::started::{Started, TakenBack, end};
 use zwidth_store::{
-    Files, Layout, StoreError, laid_down, log_sweeps, new_log, record_bytes, write_new,
+    Files, Layout, Staged, StoreError, hex_blake3, laid_down, log_sweeps, new_log, record_bytes,
+    write_new,
 };
-use zwidth_study::{ActuatorId, Event, PlannedTrial, SessionRecord, Source};
+use zwidth_study::{ActuatorId, Event, PlannedTrial, SessionRecord};
 
 /// What an import is about to write.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
     /// New files, whole.
-    pub(super) outputs: Vec<(PathBuf, Vec<u8>)>,
+    pub(super) outputs: Vec<(PathBuf, Output)>,
     /// New event logs.
     pub(super) logs: Vec<(PathBuf, Vec<Event>)>,
     /// What the log of the study's sweeps is to say of new ones.
@@ -24,7 +25,47 @@ pub(super) struct Batch {
     pub(super) files: Vec<FileReport>,
 }
 
+/// A new file.
+#[derive(Debug)]
+pub(super) enum Output {
+    Bytes(Vec<u8>),
+    /// Written beside its place.
+    Staged(Staged),
+}
+
+impl From<Vec<u8>> for Output {
+    fn from(bytes: Vec<u8>) -> Self {
+        Self::Bytes(bytes)
+    }
+}
+
+impl Output {
+    /// BLAKE3 of the file, hexadecimal.
+    pub(super) fn blake3(&self) -> String {
+        match self {
+            Self::Bytes(bytes) => hex_blake3(bytes),
+            Self::Staged(staged) => staged.blake3.clone(),
+        }
+    }
+
+    fn write(&self, disk: &dyn Files, path: &Path) -> Result<(), StoreError> {
+        match self {
+            Self::Bytes(bytes) => write_new(disk, path, bytes),
+            Self::Staged(staged) => staged.publish(disk, path),
+        }
+    }
+}
+
 impl Batch {
+    /// Removes what was written beside its place and is not published.
+    pub(super) fn discard(&self, disk: &dyn Files) {
+        for (_, output) in &self.outputs {
+            if let Output::Staged(staged) = output {
+                staged.discard(disk);
+            }
+        }
+    }
+
     /// Adds a session record and an event log for every session among `trials`, which stand in the
     /// order of `identities`; `events` are those of each trial, and `sources`, where the trials
     /// have no files to say so, the hashes of what they were imported from.
@@ -55,7 +96,7 @@ impl Batch {
                 ..SessionRecord::new(
                     participant.clone(),
                     session.clone(),
-                    Source::Imported,
+                    context.mapping.source(),
                     context.software,
                     context.study_blake3.clone(),
                     trials.iter().map(|(t, _)| (*t).clone()).collect(),
@@ -66,9 +107,9 @@ impl Batch {
             let laid_down = laid_down(&json);
             self.outputs.push((
                 context.layout.study_copy(participant, session),
-                context.study_toml.clone(),
+                context.study_toml.clone().into(),
             ));
-            self.outputs.push((path, json));
+            self.outputs.push((path, json.into()));
             let events = trials.into_iter().flat_map(|(_, events)| events);
             let events = std::iter::once(laid_down).chain(events).collect();
             self.logs.push((context.layout.events(participant, session), events));
@@ -98,24 +139,26 @@ impl Batch {
     /// # Errors
     /// The write that failed, saying what was removed, and any file that could not be removed.
     pub(super) fn write(&self, disk: &dyn Files, layout: &Layout, utc: &str) -> Result<(), Errors> {
-        let mut logs = Vec::new();
+        let mut logs: Vec<(PathBuf, Output)> = Vec::new();
         for (path, events) in &self.logs {
-            logs.extend(new_log(path, utc, events)?);
+            logs.extend(new_log(path, utc, events)?.into_iter().map(|(p, b)| (p, b.into())));
         }
-        let files: Vec<(&Path, &[u8])> = self
-            .outputs
-            .iter()
-            .chain(&logs)
-            .map(|(path, bytes)| (path.as_path(), bytes.as_slice()))
-            .collect();
+        let files: Vec<(&Path, &Output)> =
+            self.outputs.iter().chain(&logs).map(|(path, out)| (path.as_path(), out)).collect();
         // Before the first is written: what is taken back must be the import's own.
         if let Some((path, _)) = files.iter().find(|(path, _)| disk.kind(path).is_some()) {
+            self.discard(disk);
             let what = "it exists already; nothing was imported";
             return Err(StoreError::new(path, what, "finished files never change").into());
         }
-        let started = Started::of(disk, layout, &files);
+        let hashes: Vec<(&Path, String)> =
+            files.iter().map(|(path, output)| (*path, output.blake3())).collect();
+        let started = Started::of(disk, layout, &hashes);
         let written = self.write_files(disk, layout, utc, &started, &files);
-        written.map_err(|error| undone(&started, disk, layout, error))
+        written.map_err(|error| {
+            self.discard(disk);
+            undone(&started, disk, layout, error)
+        })
     }
 
     /// Writes the list, each file, and what the log of the sweeps is to say; then the list goes.
@@ -125,10 +168,10 @@ impl Batch {
         layout: &Layout,
         utc: &str,
         started: &Started,
-        files: &[(&Path, &[u8])],
+        files: &[(&Path, &Output)],
     ) -> Result<(), StoreError> {
         started.begin(disk, layout)?;
-        files.iter().try_for_each(|(path, bytes)| write_new(disk, path, bytes))?;
+        files.iter().try_for_each(|(path, output)| output.write(disk, path))?;
         // Last, because it is the one file of theirs that others have lines in.
         log_sweeps(disk, layout, utc, &self.sweeps)?;
         end(disk, layout)

@@ -2,7 +2,7 @@
 //! line.
 
 use super::label::{Label, LabelShape};
-use super::limits::MOST_ERRORS;
+use super::limits::{LONG_FROM, MOST_ERRORS};
 use super::mapping::{Content, FileForm, Mapping, Who};
 use super::shape::{
     ChannelShape, ColumnShape, FileShape, KindShape, Shape, Split, TimeShape, TrialShape,
@@ -74,7 +74,8 @@ impl Check<'_> {
             }
         }?;
         let blake3 = hex_blake3(self.text.as_bytes());
-        Some(Mapping { path: path.to_owned(), blake3, file, drop: shape.drop, content, name })
+        let (drop, simulated) = (shape.drop, shape.simulated);
+        Some(Mapping { path: path.to_owned(), blake3, file, simulated, drop, content, name })
     }
 
     /// A table that the kind gives no meaning to is a mistake.
@@ -135,6 +136,7 @@ impl Check<'_> {
             encoding: f.encoding,
             bad_lines: f.bad_lines,
             splits_at_time: f.split == Some(Split::Time),
+            long_from: LONG_FROM,
         }
     }
 

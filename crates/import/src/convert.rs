@@ -20,7 +20,13 @@ impl Linear {
 
     /// Converts `values`, and multiplies them by `factor` (that of the unit).
     pub(super) fn apply(&self, values: &mut [f64], factor: f64) {
-        let first = if self.zero_first { values.first().copied().unwrap_or(0.0) } else { 0.0 };
+        let first = values.first().copied().unwrap_or(0.0);
+        self.apply_from(values, factor, first);
+    }
+
+    /// [`Linear::apply`] to a part of a column whose first value is `first`.
+    pub(super) fn apply_from(&self, values: &mut [f64], factor: f64, first: f64) {
+        let first = if self.zero_first { first } else { 0.0 };
         for x in values {
             *x = self.sign * (self.scale * (*x - first) + self.offset) * factor;
         }

@@ -1,13 +1,15 @@
 //! Delimited text: CSV, TSV and their relatives.
 
-use super::limits::{MOST_COLUMNS, MOST_LINE, Take, check_name, shown, too_many_rows, too_much};
+use super::limits::{
+    MOST_COLUMNS, MOST_LINE, MOST_WHOLE_ROWS, Take, check_name, shown, too_many_rows, too_much,
+};
 use super::plain::{is_labchart, labchart, spaced};
 use super::table::{Cells, Table};
-use super::text::{Encoding, decode};
+use super::text::{Encoding, decode_from};
 use arrow::array::LargeStringBuilder;
 use std::collections::BTreeMap;
 use std::path::Path;
-use zwidth_store::{MOST_ROWS, StoreError};
+use zwidth_store::StoreError;
 
 /// How a delimited file is written.
 #[derive(Debug, Clone, Copy)]
@@ -23,6 +25,8 @@ pub(super) struct Dialect {
     pub(super) encoding: Encoding,
     /// How many lines of another number of cells are passed by.
     pub(super) bad_lines: usize,
+    /// Lines of the file before the text, where that is a part of it.
+    pub(super) before: u64,
 }
 
 /// The delimiter that stands for any white space.
@@ -35,13 +39,13 @@ pub(super) fn read(
     dialect: Dialect,
     take: &Take,
 ) -> Result<Table, StoreError> {
-    let decoded = decode(path, bytes, dialect.encoding)?;
+    let decoded = decode_from(path, bytes, dialect.encoding, dialect.before)?;
     let text = after_lines(path, &decoded, dialect.skip)?;
     let (written, dialect, mut told) = as_delimited(text, dialect);
     let text = written.as_deref().unwrap_or(text);
     check_records(path, text, dialect)?;
     let mut counter =
-        Lines { rest: text, byte: 0, line: 1 + dialect.skip as u64, comment: dialect.comment };
+        Lines { rest: text, byte: 0, line: 1 + first_line(dialect), comment: dialect.comment };
     let mut reader = ::csv::ReaderBuilder::new()
         .delimiter(dialect.delimiter)
         .has_headers(dialect.header)
@@ -80,8 +84,8 @@ pub(super) fn read(
             bad.push((lines.len(), what));
             record = ::csv::StringRecord::from(vec![""; width]);
         }
-        if lines.len() == MOST_ROWS {
-            return Err(too_many_rows(path, &format!("more than {MOST_ROWS}")));
+        if lines.len() == MOST_WHOLE_ROWS {
+            return Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}")));
         }
         // Row by row: how many will come is known at the end alone.
         if !take.budget.cells(columns.iter().flatten().count()) {
@@ -168,6 +172,30 @@ fn check_names(path: &Path, names: &[String]) -> Result<(), StoreError> {
     Ok(())
 }
 
+/// Lines of the file before the text that is read.
+fn first_line(dialect: Dialect) -> u64 {
+    dialect.before + dialect.skip as u64
+}
+
+/// How many bytes of a text that begins with a record are whole records.
+pub(super) fn whole_records(text: &[u8], dialect: Dialect) -> usize {
+    if !text.contains(&b'"') {
+        return text.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    }
+    record_ends(text, dialect).last().unwrap_or(0)
+}
+
+/// Where the lines end that end a record of a text that begins with one: after each.
+pub(super) fn record_ends(text: &[u8], dialect: Dialect) -> impl Iterator<Item = usize> {
+    let mut at = At::Record;
+    text.iter().enumerate().filter_map(move |(i, byte)| {
+        // Of blanks it is not known yet whether they are tabs.
+        let is_blank = dialect.delimiter == WHITE_SPACE && *byte == b'\t';
+        at = at.after(if is_blank { WHITE_SPACE } else { *byte }, dialect);
+        (at == At::Record && *byte == b'\n').then_some(i + 1)
+    })
+}
+
 /// Where the walk through a record stands.
 #[derive(Clone, Copy, PartialEq)]
 enum At {
@@ -180,13 +208,11 @@ enum At {
     Quote,
 }
 
-/// Checks that no record has more cells or bytes than are read, before the reader takes memory for
-/// it. It goes through the text as the reader does: a quote has a meaning only where a cell begins.
-fn check_records(path: &Path, text: &str, dialect: Dialect) -> Result<(), StoreError> {
-    let (mut at, mut start, mut cells) = (At::Record, 0, 1);
-    for (i, byte) in text.bytes().enumerate() {
+impl At {
+    /// Where it stands behind this byte; in [`At::Cell`] where that begins another cell.
+    fn after(self, byte: u8, dialect: Dialect) -> Self {
         let ends = byte == b'\n' || byte == b'\r';
-        at = match at {
+        match self {
             At::Record if ends => At::Record,
             At::Record if Some(byte) == dialect.comment => At::Comment,
             At::Comment if byte == b'\n' => At::Record,
@@ -194,18 +220,25 @@ fn check_records(path: &Path, text: &str, dialect: Dialect) -> Result<(), StoreE
             At::Quoted if byte == b'"' => At::Quote,
             At::Quoted => At::Quoted,
             At::Record | At::Cell | At::Quote if byte == b'"' => At::Quoted,
-            _ if byte == dialect.delimiter => {
-                cells += 1;
-                At::Cell
-            }
+            _ if byte == dialect.delimiter => At::Cell,
             _ if ends => At::Record,
             _ => At::InCell,
-        };
+        }
+    }
+}
+
+/// Checks that no record has more cells or bytes than are read, before the reader takes memory for
+/// it. It goes through the text as the reader does: a quote has a meaning only where a cell begins.
+fn check_records(path: &Path, text: &str, dialect: Dialect) -> Result<(), StoreError> {
+    let (mut at, mut start, mut cells) = (At::Record, 0, 1);
+    for (i, byte) in text.bytes().enumerate() {
+        at = at.after(byte, dialect);
+        cells += usize::from(at == At::Cell);
         if at == At::Record {
             (start, cells) = (i + 1, 1);
         } else if cells > MOST_COLUMNS || i - start >= MOST_LINE {
-            let line =
-                1 + dialect.skip + text.as_bytes()[..start].iter().filter(|b| **b == b'\n').count();
+            let lines = text.as_bytes()[..start].iter().filter(|b| **b == b'\n').count() as u64;
+            let line = 1 + first_line(dialect) + lines;
             let (what, most) =
                 if cells > MOST_COLUMNS { ("columns", MOST_COLUMNS) } else { ("bytes", MOST_LINE) };
             let what = format!("line {line} has more than {most} {what}, and no more are read");
@@ -271,6 +304,7 @@ mod tests {
         skip: 0,
         encoding: Encoding::Utf8,
         bad_lines: 0,
+        before: 0,
     };
 
     fn cells(text: &str, dialect: Dialect) -> Vec<Vec<String>> {

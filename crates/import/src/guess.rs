@@ -72,6 +72,7 @@ pub fn guess(path: &Path) -> Result<String, StoreError> {
         skip: written.skip,
         encoding,
         bad_lines: usize::MAX,
+        before: 0,
     };
     let columns: Vec<ColumnRef> = (1..=MOST_GUESSED).map(ColumnRef::Position).collect();
     let budget = Budget::default();

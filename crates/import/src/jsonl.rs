@@ -1,6 +1,8 @@
 //! JSON lines: one object a line, keys are columns.
 
-use super::limits::{MOST_LINE, Take, check_columns, check_name, shown, too_many_rows, too_much};
+use super::limits::{
+    MOST_LINE, MOST_WHOLE_ROWS, Take, check_columns, check_name, shown, too_many_rows, too_much,
+};
 use super::table::{Cells, Table};
 use super::text::{Encoding, decode};
 use arrow::array::{ArrayBuilder as _, LargeStringBuilder};
@@ -10,7 +12,7 @@ use serde_json::value::RawValue;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::path::Path;
-use zwidth_store::{MOST_ROWS, StoreError};
+use zwidth_store::StoreError;
 
 /// Reads JSON lines. Numbers keep the text they were written with, strings lose their quotes,
 /// `null` and a missing key are empty cells.
@@ -68,8 +70,8 @@ fn keys(path: &Path, text: &str) -> Result<(Vec<String>, Vec<u64>), StoreError> 
                 "write one object a line, without what is not needed",
             ));
         }
-        if lines.len() == MOST_ROWS {
-            return Err(too_many_rows(path, &format!("more than {MOST_ROWS}")));
+        if lines.len() == MOST_WHOLE_ROWS {
+            return Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}")));
         }
         let walked = walk(line, &mut |key, _| {
             names.insert(key);

@@ -93,7 +93,7 @@ impl Case {
         files: &[PathBuf],
     ) -> Result<Report, Vec<StoreError>> {
         let study = Study::from_toml(&template(layout.study())).unwrap();
-        import(layout, &study, &self.mapping, files, UTC, "zwidth test", disk)
+        import(layout, &study, &self.mapping, files, (UTC, "zwidth test"), disk, &|_| {})
     }
 
     /// The import, killed at step `n`, and what then stands on the disk; whether the kill came
@@ -159,6 +159,21 @@ fn an_import_that_is_killed_at_any_step_goes_through_the_next_time_and_each_reco
     every_step(&Case::first_sweep(), 22, &ENDS[..2]);
     every_step(&Case::trials(), 62, &ENDS[..2]);
     every_step(&Case::likert(), 40, &ENDS[..2]);
+}
+
+#[test]
+fn an_import_of_a_long_text_that_is_killed_at_any_step_goes_through_the_next_time_too() {
+    let mut case = Case::one();
+    case.mapping.file.long_from = 0;
+    for end in ENDS {
+        let step = |n: &u64| {
+            case.killed(*n, end, |disk, layout| {
+                case.goes_through(disk, layout, &format!("long, step {n}, {end:?} survives"));
+            })
+        };
+        let steps = (0..1000).take_while(step).count();
+        assert!((30..1000).contains(&steps), "{steps}");
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@
 //! `trials`, `sweeps` or `likert` (labels resolved, units converted) → `batch` (bytes, written).
 
 mod batch;
+mod blocks;
 mod check;
 mod check_likert;
 mod check_samples;
@@ -41,6 +42,7 @@ mod real;
 mod recording;
 mod report;
 mod shape;
+mod stream;
 mod sweeps;
 mod table;
 mod text;
@@ -74,8 +76,9 @@ use zwidth_study::{Study, printable};
 ///
 /// `study` is the content of the study's `study.toml`; `utc` is the time in RFC 3339, for the event
 /// log; `software` is the program with its version, for the session records; `disk` holds the
-/// study. The caller holds the study's lock. What an import before this one left because it was
-/// killed is removed first.
+/// study; `progress` is told the bytes of long texts as they are read, from any thread. The caller
+/// holds the study's lock. What an import before this one left because it was killed is removed
+/// first.
 ///
 /// # Errors
 /// Everything found wrong, each with file, column and row; then nothing was written. When writing
@@ -85,17 +88,25 @@ pub fn import(
     study: &Study,
     mapping: &Mapping,
     files: &[PathBuf],
-    utc: &str,
-    software: &str,
+    (utc, software): (&str, &str),
     disk: &dyn Files,
+    progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Report, Vec<StoreError>> {
     // What the last import left would stand in the way of what this one writes.
     let made = all(settle(disk, layout)).and_then(|_| {
         let read = disk.read(&layout.study_toml(), MOST_STUDY);
         let study_toml = read.map_err(|e| StoreError::io(&layout.study_toml(), "read", &e))?;
         let study_blake3 = hex_blake3(&study_toml);
-        let context =
-            Context { layout, study, mapping, software, study_toml, study_blake3, files: disk };
+        let context = Context {
+            layout,
+            study,
+            mapping,
+            software,
+            study_toml,
+            study_blake3,
+            files: disk,
+            progress,
+        };
         let batch = batch(&context, files)?;
         batch.write(disk, layout, utc)?;
         Ok(batch)
@@ -126,6 +137,9 @@ fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
         Content::Likert { who, asked } => likert::likert(context, (who, asked), files),
     }
 }
+
+/// Why rows are left out where the mapping drops those without a value.
+const MISSING: &str = "a mapped cell is empty or NaN (missing = \"drop\")";
 
 /// A file, and what was made of it.
 struct Converted<T> {
@@ -162,6 +176,13 @@ fn all<T, E: Into<Errors>>(
     if errors.is_empty() { Ok(values) } else { Err(Errors(errors)) }
 }
 
+/// The bytes of those files that are read block by block: what progress is told of.
+pub fn long_bytes(mapping: &Mapping, files: &[PathBuf]) -> u64 {
+    let of_samples = matches!(mapping.content, Content::Trials { .. });
+    let long = files.iter().filter(|path| of_samples && blocks::is_long(path, &mapping.file));
+    long.filter_map(|path| std::fs::metadata(path).ok()).map(|found| found.len()).sum()
+}
+
 /// What every file of an import is converted with.
 struct Context<'a> {
     layout: &'a Layout,
@@ -173,6 +194,8 @@ struct Context<'a> {
     study_blake3: String,
     /// Where the study lies.
     files: &'a dyn Files,
+    /// Is told the bytes of long texts.
+    progress: &'a (dyn Fn(u64) + Sync),
 }
 
 impl Context<'_> {
@@ -242,7 +265,8 @@ impl Context<'_> {
         footer
     }
 
-    /// The report on a file as far as all kinds share it; `used` are the columns that were taken.
+    /// The report on a file as far as all kinds share it, of whose rows so many were kept; `used`
+    /// are the columns that were taken.
     ///
     /// # Errors
     /// A column that the mapping drops by name but the file does not have, or one that it also
@@ -250,7 +274,7 @@ impl Context<'_> {
     fn file_report(
         &self,
         recording: &Recording,
-        rows: &Rows,
+        (rows, kept): (&Rows, usize),
         used: &[usize],
     ) -> Result<FileReport, StoreError> {
         let names: Vec<_> =
@@ -268,14 +292,14 @@ impl Context<'_> {
         };
         let limit = self.mapping.file.rows.unwrap_or(rows.read);
         let dropped = [
-            (rows.missing, "a mapped cell is empty or NaN (missing = \"drop\")".to_owned()),
+            (rows.missing, MISSING.to_owned()),
             (rows.past_limit, format!("after the first {limit} (rows = {limit})")),
         ];
         let bad = rows.bad.iter().map(|why| (1, format!("{why} (bad_lines)")));
         Ok(FileReport {
             file: printable(&recording.path.to_string_lossy()).into_owned(),
             rows_read: rows.read,
-            rows_kept: rows.kept.len(),
+            rows_kept: kept,
             rows_dropped: dropped
                 .into_iter()
                 .chain(bad)

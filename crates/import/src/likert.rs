@@ -138,7 +138,7 @@ fn convert(
     });
     let found: Vec<Answered> = all(read)?;
     let used = [labels, columns, times.into_iter().flatten().collect()].concat();
-    let mut report = context.file_report(recording, &rows, &used)?;
+    let mut report = context.file_report(recording, (&rows, rows.kept.len()), &used)?;
     let answers: usize = found.iter().map(|r| r.answers.len()).sum();
     report.converted.push(format!("answers, as given, of {} questions", questions.len()));
     let empty = match found.len() * questions.len() - answers {

@@ -10,6 +10,12 @@ use zwidth_store::{MOST_ROWS, Samples, Signal, StoreError};
 
 /// Bytes of one recording (256 MiB); files are read side by side up to as many together.
 pub(super) const MOST_FILE: u64 = 1 << 28;
+/// Bytes of a long text, which is read block by block (8 GiB).
+pub(super) const LONGEST_FILE: u64 = 1 << 33;
+/// Texts of more bytes are read block by block (32 MiB).
+pub(super) const LONG_FROM: u64 = 1 << 25;
+/// Rows of a recording that is read whole: with every signal in memory twice, 0.9 GB.
+pub(super) const MOST_WHOLE_ROWS: usize = 1 << 22;
 /// Bytes of a mapping file (256 KiB).
 pub(super) const MOST_MAPPING: u64 = 1 << 18;
 /// Errors that are told: nobody reads more, and one a cell would fill memory.
@@ -119,9 +125,21 @@ pub(super) fn too_much(path: &Path) -> StoreError {
 pub(super) fn too_many_rows(path: &Path, rows: &str) -> StoreError {
     StoreError::new(
         path,
-        format!("the file has {rows} rows, and at most {MOST_ROWS} are read"),
-        "split it",
+        format!("the file has {rows} rows, and at most {MOST_WHOLE_ROWS} are read"),
+        "split it, or write it as CSV: a long text is read part by part",
     )
+}
+
+/// The error of a line, or a record, that is longer than any is read.
+pub(super) fn long_line(path: &Path, line: u64) -> StoreError {
+    let what = format!("line {line} has more than {MOST_LINE} bytes, and no more are read");
+    StoreError::new(path, what, "check the quotes of the line, and how lines end")
+}
+
+/// The error of a long text with more rows than a trial may have.
+pub(super) fn too_many_for_a_trial(path: &Path) -> StoreError {
+    let what = format!("the file has more than {MOST_ROWS} rows, and no more are read");
+    StoreError::new(path, what, "split it")
 }
 
 /// Whether so many columns are read.

@@ -56,7 +56,7 @@ pub(super) fn convert(
     }
     budget.trials(&recording.path, found.len())?;
     let used = [labels, vec![answer], time.into_iter().collect()].concat();
-    let mut report = context.file_report(recording, &rows, &used)?;
+    let mut report = context.file_report(recording, (&rows, rows.kept.len()), &used)?;
     let timed = if time.is_some() { ", with the time that each took" } else { "" };
     report.converted.push(format!("answers, as given, one row each{timed}"));
     let empty = match rows.kept.len() - answers {

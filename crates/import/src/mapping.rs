@@ -16,7 +16,7 @@ use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Quantity, Signal, StoreError, read_named};
-use zwidth_study::{ChannelId, QuestionId};
+use zwidth_study::{ChannelId, QuestionId, Source};
 
 /// A mapping file, checked.
 #[derive(Debug, Clone)]
@@ -26,6 +26,8 @@ pub struct Mapping {
     /// BLAKE3 of its text, hexadecimal.
     pub(super) blake3: String,
     pub(super) file: FileForm,
+    /// Whether the recordings were computed, not measured.
+    pub(super) simulated: bool,
     /// Pattern on the path of every file.
     pub(super) name: Option<Regex>,
     /// Columns left out on purpose, and why.
@@ -98,6 +100,8 @@ pub(super) struct FileForm {
     pub(super) bad_lines: usize,
     /// Whether a time that starts over begins another trial.
     pub(super) splits_at_time: bool,
+    /// Texts of more bytes are read block by block.
+    pub(super) long_from: u64,
 }
 
 impl FileForm {
@@ -133,6 +137,7 @@ impl FileForm {
             skip: self.skip,
             encoding: self.encoding,
             bad_lines: self.bad_lines,
+            before: 0,
         }
     }
 }
@@ -239,6 +244,11 @@ pub(super) struct QuantityFrom {
 }
 
 impl Mapping {
+    /// Where the numbers of what is imported come from.
+    pub(super) fn source(&self) -> Source {
+        if self.simulated { Source::Simulated } else { Source::Imported }
+    }
+
     /// Reads and checks a mapping file that a person named; nothing but a regular file will do.
     ///
     /// # Errors

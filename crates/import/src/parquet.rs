@@ -1,7 +1,7 @@
 //! Anybody's Parquet file.
 
 use super::limits::{
-    MOST_TEXT, MOST_UNPACKED, Take, check_columns, shown, too_many_rows, too_much,
+    MOST_TEXT, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, shown, too_many_rows, too_much,
 };
 use super::table::{Cells, Table};
 use ::parquet::arrow::ProjectionMask;
@@ -16,8 +16,8 @@ use arrow::datatypes::{DataType, FieldRef, Fields, Int32Type, Schema};
 use bytes::Bytes;
 use std::path::Path;
 use std::sync::Arc;
+use zwidth_store::StoreError;
 use zwidth_store::claims::{check_codecs, check_footer, check_pages, guarded};
-use zwidth_store::{MOST_ROWS, StoreError};
 
 const REMEDY: &str = "the file may be cut off or damaged; copy or export it again";
 
@@ -62,7 +62,7 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>, take: &Take) -> Result<Table, St
 fn rows(path: &Path, metadata: &ArrowReaderMetadata, columns: usize) -> Result<usize, StoreError> {
     let file = metadata.metadata().file_metadata();
     check_columns(path, columns.max(file.schema_descr().num_columns()))?;
-    let rows = usize::try_from(file.num_rows()).ok().filter(|rows| *rows <= MOST_ROWS);
+    let rows = usize::try_from(file.num_rows()).ok().filter(|rows| *rows <= MOST_WHOLE_ROWS);
     let rows = rows.ok_or_else(|| too_many_rows(path, &file.num_rows().to_string()))?;
     // The decoder goes by the groups, and a run of one value takes a few bytes whatever its length.
     let left =
@@ -336,7 +336,7 @@ pub(super) mod tests {
         let bytes = sample();
         let metadata =
             ParquetMetaDataReader::new().parse_and_finish(&Bytes::from(bytes.clone())).unwrap();
-        for rows in [MOST_ROWS as i64 + 1, 1_000_000_000_000, i64::MAX] {
+        for rows in [MOST_WHOLE_ROWS as i64 + 1, 1_000_000_000_000, i64::MAX] {
             let old = metadata.file_metadata();
             let claims = FileMetaData::new(
                 old.version(),

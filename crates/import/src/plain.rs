@@ -3,7 +3,7 @@
 
 /// What LabChart's text export begins its blocks with (ADInstruments, "How can channel titles, ranges, intervals, etc. for a
 /// text file be imported into LabChart?").
-const LABCHART: &str = "Interval=";
+pub(super) const LABCHART: &str = "Interval=";
 /// The line of a block that names its channels.
 const TITLES: &str = "ChannelTitle=";
 /// What begins the comment at the end of a line.

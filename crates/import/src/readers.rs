@@ -51,6 +51,7 @@ impl FormatReader {
             skip: 0,
             encoding: Encoding::Utf8,
             bad_lines: 1,
+            before: 0,
         };
         let read = |part| {
             let budget = Budget::default();

@@ -2,14 +2,14 @@
 
 use super::convert::Linear;
 use super::format::FormatOptions;
-use super::limits::{MOST_FILE, Take, shown, too_many_rows};
+use super::limits::{MOST_FILE, MOST_WHOLE_ROWS, Take, shown, too_many_rows};
 use super::mapping::{FileForm, Missing};
 use super::table::{Cell, Cells, ColumnRef, Table};
 use super::text::check_readable;
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use zwidth_store::{MOST_ROWS, StoreError, hex_blake3, read_named};
+use zwidth_store::{StoreError, hex_blake3, read_named};
 
 /// One file, read.
 pub(super) struct Recording {
@@ -23,7 +23,7 @@ pub(super) struct Recording {
 }
 
 /// The rows of a file that an import takes, and how many it leaves.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Rows {
     /// Rows in the file.
     pub(super) read: usize,
@@ -53,6 +53,16 @@ impl Recording {
         let options = FormatOptions { dialect: form.dialect(format), part: form.part.as_deref() };
         let table = format.read(path, bytes, options, take)?;
         Ok(Self { path: path.to_owned(), table, blake3, decimal_comma: form.decimal_comma, groups })
+    }
+
+    /// A part of a recording, read.
+    pub(super) fn part(
+        path: &Path,
+        table: Table,
+        decimal_comma: bool,
+        groups: BTreeMap<String, String>,
+    ) -> Self {
+        Self { path: path.to_owned(), table, blake3: String::new(), decimal_comma, groups }
     }
 
     /// An error about the file.
@@ -161,8 +171,27 @@ impl Recording {
         numeric: &[usize],
         text: &[usize],
     ) -> Result<Rows, StoreError> {
+        let rows = self.rows_in(form, numeric, text)?;
+        if rows.kept.is_empty() {
+            let what =
+                if rows.read == 0 { "the file has 0 rows" } else { "no row has all mapped values" };
+            return Err(self.error(what, "leave the file out of the import"));
+        }
+        Ok(rows)
+    }
+
+    /// The same of a part of a recording, which may have none.
+    ///
+    /// # Errors
+    /// Columns of different lengths, or a missing value where they are not dropped.
+    pub(super) fn rows_in(
+        &self,
+        form: &FileForm,
+        numeric: &[usize],
+        text: &[usize],
+    ) -> Result<Rows, StoreError> {
         let read = self.height(numeric, text)?;
-        if read > MOST_ROWS {
+        if read > MOST_WHOLE_ROWS {
             return Err(too_many_rows(&self.path, &read.to_string()));
         }
         let limit = form.rows.unwrap_or(read).min(read);
@@ -172,11 +201,6 @@ impl Recording {
             Missing::Error => readable.collect(),
             Missing::Drop => readable.filter(|row| self.is_full(*row, numeric, text)).collect(),
         };
-        if kept.is_empty() {
-            let what =
-                if read == 0 { "the file has 0 rows" } else { "no row has all mapped values" };
-            return Err(self.error(what, "leave the file out of the import"));
-        }
         let missing = limit - kept.len() - bad.len();
         Ok(Rows { read, missing, past_limit: read - limit, kept, bad: bad.into_values().collect() })
     }
@@ -254,7 +278,8 @@ impl Recording {
     }
 }
 
-fn groups(path: &Path, pattern: &Regex) -> Result<BTreeMap<String, String>, StoreError> {
+/// The named groups of a pattern on a path.
+pub(super) fn groups(path: &Path, pattern: &Regex) -> Result<BTreeMap<String, String>, StoreError> {
     // So that one pattern does on every system.
     let text = path.to_string_lossy().replace('\\', "/");
     let captures = pattern.captures(&text).ok_or_else(|| {

@@ -20,6 +20,8 @@ pub(super) enum KindShape {
 pub(super) struct Shape {
     pub(super) kind: KindShape,
     #[serde(default)]
+    pub(super) simulated: bool,
+    #[serde(default)]
     pub(super) file: FileShape,
     pub(super) name: Option<NameShape>,
     #[serde(default)]

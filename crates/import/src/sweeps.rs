@@ -51,6 +51,7 @@ pub(super) fn sweeps(
     let mut cases = once::actuators_there(context)?;
     for Converted { path: file, blake3, made: (pieces, mut report) } in converted {
         let footer = context.footer(blake3, &report.computed);
+        let source = context.mapping.source();
         for piece in pieces {
             let number = identity::next(&mut last, piece.actuator.clone(), piece.number);
             report.made.push(format!(
@@ -63,12 +64,12 @@ pub(super) fn sweeps(
             let free = taken.insert(path.clone()) && context.files.kind(&path).is_none();
             let bytes = match cases.add("", actuator.as_str()) {
                 Some(other) => Err(twin(&actuator, &other, &file)),
-                None if free => encode(form, piece, number, &footer, &file),
+                None if free => encode(form, piece, (number, source), &footer, &file),
                 None => Err(duplicate(context, &path, &file)),
             };
             results.push(bytes.map(|bytes| {
                 batch.sweeps.push((actuator, number, hex_blake3(&bytes)));
-                (path, bytes)
+                (path, bytes.into())
             }));
         }
         batch.files.push(report);
@@ -91,7 +92,7 @@ fn twin(actuator: &ActuatorId, other: &str, file: &Path) -> StoreError {
 fn encode(
     form: &SweepForm,
     piece: Piece,
-    number: u32,
+    (number, source): (u32, Source),
     footer: &BTreeMap<String, String>,
     from: &Path,
 ) -> Result<Vec<u8>, StoreError> {
@@ -99,7 +100,7 @@ fn encode(
     let sweep = Sweep {
         actuator: piece.actuator,
         sweep: number,
-        source: Source::Imported,
+        source,
         command: command.quantity.clone(),
         response: response.quantity.clone(),
         t_s: piece.t_s,
@@ -144,8 +145,11 @@ fn pairs(
     budget.trials(&recording.path, recording.pieces(&rows.kept, &label_columns).count())?;
     let stretches = recording.pieces(&rows.kept, &label_columns);
     let pieces = all(stretches.map(|rows| piece(labels, form, recording, &numeric, rows)))?;
-    let mut report =
-        context.file_report(recording, &rows, &[numeric.as_slice(), &label_columns].concat())?;
+    let mut report = context.file_report(
+        recording,
+        (&rows, rows.kept.len()),
+        &[numeric.as_slice(), &label_columns].concat(),
+    )?;
     match form.time {
         Some(Time::Rate { rate_hz }) => report.computed.push(rate_words(rate_hz)),
         Some(Time::Column { line, .. }) => {

@@ -78,6 +78,19 @@ pub(super) fn decode<'a>(
     bytes: &'a [u8],
     encoding: Encoding,
 ) -> Result<Cow<'a, str>, StoreError> {
+    decode_from(path, bytes, encoding, 0)
+}
+
+/// [`decode`] of a part of a file, before which so many lines lie.
+///
+/// # Errors
+/// Those of [`decode`].
+pub(super) fn decode_from<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+    encoding: Encoding,
+    before: u64,
+) -> Result<Cow<'a, str>, StoreError> {
     check_readable(path, bytes)?;
     if let Some((_, what, remedy)) = OTHER.iter().find(|(begins, ..)| bytes.starts_with(begins)) {
         return Err(StoreError::new(path, format!("this is not a text but {what}"), *remedy));
@@ -85,9 +98,9 @@ pub(super) fn decode<'a>(
     let text = match bytes {
         [0xff, 0xfe, rest @ ..] => Cow::Owned(utf_16(path, rest, u16::from_le_bytes)?),
         [0xfe, 0xff, rest @ ..] => Cow::Owned(utf_16(path, rest, u16::from_be_bytes)?),
-        [0xef, 0xbb, 0xbf, rest @ ..] => Cow::Borrowed(utf_8(path, rest)?),
+        [0xef, 0xbb, 0xbf, rest @ ..] => Cow::Borrowed(utf_8(path, rest, before)?),
         bytes => match encoding {
-            Encoding::Utf8 => Cow::Borrowed(utf_8(path, bytes)?),
+            Encoding::Utf8 => Cow::Borrowed(utf_8(path, bytes, before)?),
             Encoding::Utf16 => Cow::Owned(utf_16(path, bytes, u16::from_le_bytes)?),
             Encoding::Latin1 => Cow::Owned(bytes.iter().map(|b| char::from(*b)).collect()),
         },
@@ -98,9 +111,10 @@ pub(super) fn decode<'a>(
     Ok(text)
 }
 
-fn utf_8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, StoreError> {
+fn utf_8<'a>(path: &Path, bytes: &'a [u8], before: u64) -> Result<&'a str, StoreError> {
     std::str::from_utf8(bytes).map_err(|e| {
-        let line = 1 + bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        let lines = bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count() as u64;
+        let line = 1 + before + lines;
         let what = format!("line {line} is not UTF-8 text");
         let remedy =
             "set encoding = \"latin-1\" or \"utf-16\" in [file], or save the file as UTF-8";

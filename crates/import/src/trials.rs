@@ -1,18 +1,20 @@
 //! Files of samples → trials.
 
-use super::batch::Batch;
+use super::batch::{Batch, Output};
+use super::blocks::{blake3_of, is_long};
 use super::convert::{derivative, integral};
 use super::identity::{Identity, identity, number_trials};
 use super::limits::{Budget, Take, check_sizes};
 use super::mapping::{ChannelFrom, Rule, SignalFrom, Time, Who};
 use super::plan::{Plan, Taken, plan, rate_times};
-use super::recording::Recording;
-use super::report::{FileReport, null_columns};
-use super::{Context, Converted, Errors, all, once};
+use super::recording::{Recording, Rows};
+use super::report::{FileReport, RowsDropped, null_columns};
+use super::stream::{Growing, Source as LongText};
+use super::{Context, Converted, Errors, MISSING, all, once};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_store::{
-    Asked, Samples, Signal, StoreError, Trial, TrialFile, check_form, check_samples, hex_blake3,
+    Asked, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter, check_form, check_samples,
     trial_bytes,
 };
 use zwidth_study::{Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
@@ -20,7 +22,17 @@ use zwidth_study::{Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta
 /// One trial of a file.
 struct Piece {
     identity: Identity,
+    /// None of a long text: they are read once more when they are written.
     samples: Samples,
+}
+
+/// A trial's file.
+struct Encoded {
+    path: PathBuf,
+    output: Output,
+    /// The trial in words, for the report.
+    words: String,
+    care: Vec<String>,
 }
 
 /// Converts every file, numbers the trials over all of them, and encodes them.
@@ -33,39 +45,225 @@ pub(super) fn trials(
     check_form(context.files, context.layout, context.study)?;
     let plan = plan(context, time, columns, channels)?;
     let budget = Budget::default();
-    let taken = plan.columns().chain(who.columns()).collect();
-    let take = Take { columns: taken, pattern: None, budget: &budget };
-    let converted = context
-        .convert(files, &take, |recording| convert(context, who, &plan, &budget, recording))?;
+    let converted = converted(context, (who, &plan), &budget, files)?;
     let identities: Vec<Identity> =
         converted.iter().flat_map(|c| c.made.0.iter().map(|p| p.identity.clone())).collect();
     let planned = number_trials(context, &identities, true)?;
     once::trials(context, &converted)?;
     let mut batch = Batch::default();
     let mut numbers = planned.iter();
-    let mut made = Vec::new();
-    for Converted { blake3, made: (pieces, mut report), .. } in converted {
-        for (piece, number) in pieces.into_iter().zip(&mut numbers) {
-            report.made.push(words(&piece, number));
-            report.care.extend(with_care(context.study, &piece, number));
-            made.push((piece, number, blake3.clone()));
+    let mut done = Vec::new();
+    for Converted { path, blake3, made: (pieces, report) } in converted {
+        let numbered: Vec<_> = pieces.into_iter().map(|piece| (piece, numbers.next())).collect();
+        let numbered: Vec<(Piece, &PlannedTrial)> =
+            numbered.into_iter().filter_map(|(piece, number)| Some((piece, number?))).collect();
+        let encoded = match report {
+            Some(report) => all(numbered
+                .into_par_iter()
+                .map(|(piece, number)| encode(context, &plan, piece, number, &blake3))
+                .collect::<Vec<_>>())
+            .map(|encoded| (encoded, report)),
+            None => streamed(context, (who, &plan), &path, numbered, &blake3),
+        };
+        done.push(encoded);
+        if done.last().is_some_and(Result::is_err) {
+            break;
         }
-        batch.files.push(report);
     }
-    let encoded: Vec<_> = made
-        .into_par_iter()
-        .map(|(piece, number, blake3)| encode(context, &plan, piece, number, blake3))
-        .collect();
-    batch.outputs = all(encoded)?;
+    let mut failed = None;
+    for encoded in done {
+        match encoded {
+            Ok((encoded, mut report)) => {
+                for Encoded { path, output, words, care } in encoded {
+                    report.made.push(words);
+                    report.care.extend(care);
+                    batch.outputs.push((path, output));
+                }
+                batch.files.push(report);
+            }
+            Err(errors) => failed = Some(errors),
+        }
+    }
+    if let Some(errors) = failed {
+        batch.discard(context.files);
+        return Err(errors);
+    }
     let mut events = Vec::new();
-    for ((number, (_, bytes)), identity) in planned.iter().zip(&batch.outputs).zip(&identities) {
-        let recorded = Event::Recorded { trial: number.trial, blake3: hex_blake3(bytes) };
+    for ((number, (_, output)), identity) in planned.iter().zip(&batch.outputs).zip(&identities) {
+        let recorded = Event::Recorded { trial: number.trial, blake3: output.blake3() };
         let answer = answer(context.study, identity, number.trial);
         events.push(std::iter::once(recorded).chain(answer).collect());
     }
     // The trials' own footers say what they were imported from.
     batch.add_sessions(context, &identities, &planned, events, &[])?;
     Ok(batch)
+}
+
+/// What became of the files, in their order: of a long text whose its trials are, and no report yet.
+fn converted(
+    context: &Context,
+    (who, plan): (&Who, &Plan),
+    budget: &Budget,
+    files: &[PathBuf],
+) -> Result<Vec<Converted<(Vec<Piece>, Option<FileReport>)>>, Errors> {
+    let long = |path: &PathBuf| is_long(path, &context.mapping.file);
+    let (long, short): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(long);
+    let taken = plan.columns().chain(who.columns()).collect();
+    let take = Take { columns: taken, pattern: None, budget };
+    let convert = |recording: &Recording| {
+        let (pieces, report) = convert(context, who, plan, budget, recording)?;
+        Ok((pieces, Some(report)))
+    };
+    let mut short = match short.is_empty() {
+        true => Vec::new(),
+        false => context.convert(&short, &take, convert)?,
+    };
+    if long.is_empty() {
+        return Ok(short);
+    }
+    let scanned = |path: &PathBuf| {
+        let blake3 = blake3_of(path)?;
+        let Some(source) = LongText::of(context, (who, plan), path)? else {
+            let what = "it was long when the import began, and is not now";
+            return Err(StoreError::new(path, what, "import it again").into());
+        };
+        let piece = |identity| Piece { identity, samples: Samples::default() };
+        let pieces = source.identities(budget)?.into_iter().map(piece).collect();
+        Ok::<_, Errors>(Converted { path: path.clone(), blake3, made: (pieces, None) })
+    };
+    let mut long = all(long.iter().map(scanned))?;
+    let mut in_order = Vec::new();
+    for path in files {
+        let of = |list: &mut Vec<Converted<_>>| {
+            list.iter().position(|c| c.path == *path).map(|at| list.remove(at))
+        };
+        in_order.extend(of(&mut short).or_else(|| of(&mut long)));
+    }
+    once::given_once(&in_order)?;
+    Ok(in_order)
+}
+
+/// The trials of a long text, written beside their places, and the report on it.
+fn streamed(
+    context: &Context,
+    (who, plan): (&Who, &Plan),
+    path: &Path,
+    pieces: Vec<(Piece, &PlannedTrial)>,
+    blake3: &str,
+) -> Result<(Vec<Encoded>, FileReport), Errors> {
+    let changed = || -> Errors {
+        let what = "the file changed while it was read";
+        StoreError::new(path, what, "import it again when nothing writes to it").into()
+    };
+    let source = LongText::of(context, (who, plan), path)?.ok_or_else(changed)?;
+    let mut pieces = pieces.into_iter();
+    let mut encoded: Vec<Encoded> = Vec::new();
+    let mut open: Option<Open> = None;
+    let mut report = None;
+    let walked = source.walk(context.progress, &mut |stretch| {
+        if stretch.begins {
+            encoded.extend(open.take().map(|open| open.end(context)).transpose()?);
+            let (piece, number) = pieces.next().ok_or_else(changed)?;
+            open = Some(Open::begin(context, plan, path, piece, number, blake3)?);
+        }
+        if report.is_none() {
+            let (recording, used) = stretch.recording();
+            report = Some(context.file_report(recording, (&Rows::default(), 0), &used)?);
+        }
+        if let Some(Open { growing, writer, .. }) = &mut open {
+            growing.add(stretch, writer)?;
+        }
+        Ok(true)
+    });
+    let ended = walked.and_then(|walked| {
+        encoded.extend(open.take().map(|open| open.end(context)).transpose()?);
+        let report = report.take().ok_or_else(changed)?;
+        if walked.blake3 != blake3 || pieces.next().is_some() {
+            return Err(changed());
+        }
+        Ok((walked, report))
+    });
+    match ended {
+        Ok((walked, report)) => {
+            let missing = (walked.rows.missing > 0)
+                .then(|| RowsDropped { rows: walked.rows.missing, why: MISSING.to_owned() });
+            let signals = plan.taken.iter().map(|taken| taken.to);
+            let made: Vec<Signal> = signals
+                .chain(plan.derived.iter().map(|(to, _)| *to))
+                .chain([Signal::Time])
+                .collect();
+            let report = FileReport {
+                rows_read: walked.rows.read,
+                rows_kept: walked.kept,
+                rows_dropped: missing.into_iter().collect(),
+                converted: plan.converted.clone(),
+                computed: plan.computed.clone(),
+                null: null_columns(&made),
+                ..report
+            };
+            Ok((encoded, report))
+        }
+        Err(errors) => {
+            if let Some(Open { writer, .. }) = open {
+                writer.discard(context.files);
+            }
+            let staged = Batch {
+                outputs: encoded.into_iter().map(|e| (e.path, e.output)).collect(),
+                ..Batch::default()
+            };
+            staged.discard(context.files);
+            Err(errors)
+        }
+    }
+}
+
+/// A trial of a long text that is being written.
+struct Open<'a> {
+    growing: Growing<'a>,
+    writer: TrialWriter,
+    path: PathBuf,
+    identity: Identity,
+    number: &'a PlannedTrial,
+}
+
+impl<'a> Open<'a> {
+    fn begin(
+        context: &Context,
+        plan: &'a Plan<'a>,
+        from: &Path,
+        piece: Piece,
+        number: &'a PlannedTrial,
+        blake3: &str,
+    ) -> Result<Self, StoreError> {
+        let identity = piece.identity;
+        let path = context.layout.trial(&identity.participant, &identity.session, number.trial);
+        // In the study's own folder, which is there.
+        let name =
+            format!("{}_{}_trial-{}.parquet", identity.participant, identity.session, number.trial);
+        let near = context.layout.raw().join(name);
+        let of = (meta(&identity, number, context.mapping.source()), file(context, plan, blake3));
+        let form = context.study.trial_form();
+        let writer = TrialWriter::begin(context.files, (&near, &path), of, &form)?;
+        Ok(Self { growing: Growing::new(plan, from), writer, path, identity, number })
+    }
+
+    fn end(mut self, context: &Context) -> Result<Encoded, Errors> {
+        if let Err(errors) = self.growing.end(&mut self.writer) {
+            self.writer.discard(context.files);
+            return Err(errors);
+        }
+        let staged = self.writer.end()?;
+        let asked = Asked::of(context.study, &self.number.environment);
+        let found = staged.check(context.files, &asked);
+        let found = found.inspect_err(|_| staged.discard(context.files))?;
+        let samples = self.growing.rows;
+        Ok(Encoded {
+            words: words(&self.identity, self.number, samples),
+            care: care(&found, self.number, samples),
+            path: self.path,
+            output: Output::Staged(staged),
+        })
+    }
 }
 
 /// The event of an answer that stands beside the samples. In schema 1 the trial's file has it.
@@ -75,27 +273,23 @@ fn answer(study: &Study, identity: &Identity, trial: u32) -> Option<Event> {
     Some(Event::Answer { trial, question, value, time_ms: None })
 }
 
-fn words(piece: &Piece, number: &PlannedTrial) -> String {
-    let i = &piece.identity;
+fn words(i: &Identity, number: &PlannedTrial, samples: usize) -> String {
     let PlannedTrial { trial, repeat, environment, mode, .. } = number;
-    let n = piece.samples.len();
     format!(
-        "{} {} trial {trial}: {environment}, {mode}, repeat {repeat}, {n} samples",
+        "{} {} trial {trial}: {environment}, {mode}, repeat {repeat}, {samples} samples",
         i.participant, i.session
     )
 }
 
-/// What the samples of a trial say against it, as `verify` and a run will say too.
-fn with_care(study: &Study, piece: &Piece, number: &PlannedTrial) -> Vec<String> {
-    let asked = Asked::of(study, &number.environment);
-    let found = check_samples(&asked, Path::new(""), &piece.samples);
+/// What the samples of a trial say against it, in words, as `verify` and a run will say too.
+fn care(found: &[StoreError], number: &PlannedTrial, samples: usize) -> Vec<String> {
     let place = |error: &StoreError| {
         let row = error.row.map(|row| format!(", row {row}")).unwrap_or_default();
         format!("{}{row}", error.column.as_deref().unwrap_or_default())
     };
     let line =
         |e: &StoreError| format!("trial {}, {}: {}; {}", number.trial, place(e), e.what, e.remedy);
-    let alone = (piece.samples.len() == 1).then(|| {
+    let alone = (samples == 1).then(|| {
         format!("trial {}: it has one sample: nothing can be computed from it", number.trial)
     });
     found.iter().map(line).chain(alone).collect()
@@ -132,7 +326,7 @@ fn convert(
         converted: plan.converted.clone(),
         computed: plan.computed.clone(),
         null: null_columns(&made),
-        ..context.file_report(recording, &rows, &[numeric, labels].concat())?
+        ..context.file_report(recording, (&rows, rows.kept.len()), &[numeric, labels].concat())?
     };
     Ok((pieces, report))
 }
@@ -209,12 +403,25 @@ fn in_their_words(
 fn encode(
     context: &Context,
     plan: &Plan,
-    Piece { identity: i, samples }: Piece,
+    Piece { identity, samples }: Piece,
     number: &PlannedTrial,
-    blake3: String,
-) -> Result<(PathBuf, Vec<u8>), StoreError> {
-    let path = context.layout.trial(&i.participant, &i.session, number.trial);
-    let meta = TrialMeta {
+    blake3: &str,
+) -> Result<Encoded, StoreError> {
+    let path = context.layout.trial(&identity.participant, &identity.session, number.trial);
+    let asked = Asked::of(context.study, &number.environment);
+    let found = check_samples(&asked, Path::new(""), &samples);
+    let (words, care) =
+        (words(&identity, number, samples.len()), care(&found, number, samples.len()));
+    let meta = meta(&identity, number, context.mapping.source());
+    let trial = Trial { meta, file: file(context, plan, blake3), samples };
+    let bytes = trial_bytes(&trial, &context.study.trial_form(), &path)?;
+    Ok(Encoded { path, output: bytes.into(), words, care })
+}
+
+/// What is known of an imported trial.
+fn meta(identity: &Identity, number: &PlannedTrial, source: Source) -> TrialMeta {
+    let i = identity.clone();
+    TrialMeta {
         participant: i.participant,
         session: i.session,
         trial: number.trial,
@@ -224,19 +431,22 @@ fn encode(
         environment: i.environment,
         mode: i.mode,
         likert: i.likert,
-        source: Source::Imported,
-    };
-    let mut file: TrialFile = context.footer(blake3, &plan.computed);
+        source,
+    }
+}
+
+/// What an imported trial's file says of itself.
+fn file(context: &Context, plan: &Plan, blake3: &str) -> TrialFile {
+    let mut file: TrialFile = context.footer(blake3.to_owned(), &plan.computed);
     file.extend(plan.lever_m.map(|l| ("lever_m".to_owned(), l.to_string())));
-    let bytes = trial_bytes(&Trial { meta, file, samples }, &context.study.trial_form(), &path)?;
-    Ok((path, bytes))
+    file
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::world::{COLUMNS, FORCE, ONE, World, close, trials_map};
     use zwidth_store::{Signal, file_blake3, read_channels};
-    use zwidth_study::{Event, Kind};
+    use zwidth_study::{Event, Kind, Source};
 
     #[test]
     fn a_time_that_starts_over_begins_another_trial_where_the_mapping_says_so() {
@@ -354,6 +564,21 @@ mod tests {
         let samples = read_channels(&path, std::slice::from_ref(&grip)).unwrap().samples;
         assert_eq!(samples.channel(&grip), Some([-1.5, 2.0].as_slice()));
         world.load();
+    }
+
+    #[test]
+    fn a_recording_that_the_mapping_calls_simulated_says_so_and_can_be_taken_back() {
+        let world = World::new();
+        let map = trials_map(&["simulated = true\n", ONE, FORCE]);
+        let text = "t,f\n0,1\n1,2\n";
+        world.import(&map, &[world.file("a.csv", text)]).unwrap();
+        assert_eq!(world.trial("P01", "S01", 1).meta.source, Source::Simulated);
+        let data = world.load();
+        assert_eq!(data.sessions[0].record.source, Source::Simulated);
+        assert!(data.trials.iter().all(|trial| trial.meta.source.is_simulated()));
+        let streamed = World::new();
+        streamed.import_streamed(&map, &[streamed.file("a.csv", text)]).unwrap();
+        assert_eq!(streamed.trial("P01", "S01", 1).meta.source, Source::Simulated);
     }
 
     #[test]

@@ -41,7 +41,11 @@ pub(super) fn wide(
         Ok::<_, StoreError>(cells.into_iter().map(|cell| (*value, cell)).collect::<Vec<_>>())
     }))?;
     let (headers, cells): (Vec<f64>, Vec<f64>) = samples.into_iter().flatten().unzip();
-    let mut report = context.file_report(recording, &rows, &[places, label_columns].concat())?;
+    let mut report = context.file_report(
+        recording,
+        (&rows, rows.kept.len()),
+        &[places, label_columns].concat(),
+    )?;
     report.null.push("t_s".to_owned());
     let (cells_are, mut command, mut response) = match form.header {
         Side::Command => ("response", headers, cells),

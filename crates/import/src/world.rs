@@ -81,7 +81,19 @@ impl World {
         disk: &dyn Files,
     ) -> Result<Report, Vec<StoreError>> {
         let mapping = Mapping::from_toml(map, Path::new("map.toml"))?;
-        import(&self.layout, &self.study, &mapping, files, UTC, "zwidth test", disk)
+        import(&self.layout, &self.study, &mapping, files, (UTC, "zwidth test"), disk, &|_| {})
+    }
+
+    /// The same with every text read block by block.
+    pub(super) fn import_streamed(
+        &self,
+        map: &str,
+        files: &[PathBuf],
+    ) -> Result<Report, Vec<StoreError>> {
+        let mut mapping = Mapping::from_toml(map, Path::new("map.toml"))?;
+        mapping.file.long_from = 0;
+        let (said, disk) = ((UTC, "zwidth test"), &RealFiles);
+        import(&self.layout, &self.study, &mapping, files, said, disk, &|_| {})
     }
 
     pub(super) fn import(&self, map: &str, files: &[PathBuf]) -> Result<Report, Vec<StoreError>> {

@@ -211,7 +211,7 @@ fn parameters(data: &StudyData, metric: &str) -> Parameters {
         metric: metric.to_owned(),
         primary,
         preregistered: preregistered(data).filter(|_| primary),
-        simulated: data.counting().any(|trial| trial.meta.source == Source::Twin),
+        simulated: data.counting().any(|trial| trial.meta.source.is_simulated()),
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         bounds: study.environments.iter().map(bound).collect(),
         modes: study.modes.iter().map(|m| m.id.clone()).collect(),
@@ -275,7 +275,7 @@ fn tables_of(layout: &Layout, metric: &str) -> Vec<PathBuf> {
 fn answers_job(data: &StudyData) -> Job {
     let study = &data.study;
     let parameters = AnswerParameters {
-        simulated: data.sessions.iter().any(|session| session.record.source == Source::Twin),
+        simulated: data.sessions.iter().any(|session| session.record.source.is_simulated()),
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         modes: study.modes.iter().map(|m| m.id.clone()).collect(),
         questions: study.questions.clone(),

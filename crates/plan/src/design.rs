@@ -34,7 +34,7 @@ pub(crate) fn forces(data: &StudyData) -> Forces {
         return Forces { basis: Basis::Thesis, sources: BTreeSet::new(), calibration: None };
     };
     let sources: BTreeSet<Source> = data.sweeps.iter().map(|s| s.source).collect();
-    let simulated = sources.contains(&Source::Twin);
+    let simulated = sources.iter().any(|source| source.is_simulated());
     let basis = if simulated { Basis::Simulated } else { Basis::Swept };
     Forces { basis, sources, calibration: Some(calibration) }
 }

@@ -2,7 +2,7 @@
 
 use crate::conditions::{Repeats, Session, sessions};
 use crate::drawing::{Drawing, Figured};
-use crate::trials::{Known, describe_trials, files, read_all};
+use crate::trials::{Known, MOST_DRAWN, describe_trials, files, read_drawn};
 use crate::{
     average, characterise, compare, design, freemotion, ladder, likert_figures, metrics,
     replay_figures, scenes, schematics, trade,
@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_draw::Figure;
 use zwidth_figures::{
-    About, Averages, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, LOOPS, Loaded, MODES,
-    REPEATS,
+    About, Averages, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, Found, LOOPS, Loaded,
+    MODES, REPEATS, with_care, with_thinned,
 };
 use zwidth_runner::{Inputs, Job, JobError};
-use zwidth_store::{StudyData, TrialEntry};
+use zwidth_store::{Asked, StoreError, StudyData, TrialEntry, check_trial};
 use zwidth_study::{Alignments, Environment, ModeId, OwnFigures};
 use zwidth_tables::Table;
 
@@ -137,6 +137,8 @@ struct Recorded {
     /// What decides where the repeats stand behind means aligned by landmarks, and the stage that
     /// says so.
     average: (zwidth_average::Parameters, u32),
+    /// What is asked of the trials, by which they are to be read with care.
+    asked: Asked,
 }
 
 /// The files of one environment of one session.
@@ -180,6 +182,7 @@ fn recorded(
         alignments,
         averaged: conditions.iter().map(|r| r.mode.id.clone()).collect(),
         average: (parameters, zwidth_average::VERSION),
+        asked: Asked::of(&data.study, &environment.id),
     };
     let files = Files {
         trials: files(trials),
@@ -205,10 +208,43 @@ fn conditions<'a>(
     data.study.modes.iter().filter_map(|m| session.repeats(environment, m)).collect()
 }
 
-/// Reads one environment of one session; what had to be left out.
-fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<(Loaded<'r>, Vec<String>), JobError> {
+/// One environment of one session, read.
+struct Read<'r> {
+    loaded: Loaded<'r>,
+    /// What had to be left out.
+    problems: Vec<String>,
+    /// What was found in trials that are in the figure all the same.
+    found: Vec<Found>,
+    /// How many trials are drawn with fewer samples than they have.
+    thinned: usize,
+}
+
+/// The figure with what is to be said of the trials in it.
+fn noted(figure: Figure, reads: &[&Read]) -> Figure {
+    let found: Vec<Found> = reads.iter().flat_map(|read| read.found.clone()).collect();
+    let thinned = reads.iter().map(|read| read.thinned).sum();
+    with_care(with_thinned(figure, thinned, MOST_DRAWN), &found)
+}
+
+/// What is to be read with care. A trial that cannot be read is told where it is left out.
+fn found(files: &Files, recorded: &Recorded) -> Vec<Found> {
+    let of = files.trials.iter().zip(&recorded.trials).filter_map(|(file, known)| {
+        let found = check_trial(file, &recorded.asked).ok()?.into_iter();
+        let named = |e: StoreError| Found {
+            trial: known.trial,
+            column: e.column.unwrap_or_default(),
+            what: e.what,
+        };
+        Some(found.map(named).collect::<Vec<_>>())
+    });
+    of.flatten().collect()
+}
+
+/// Reads one environment of one session.
+fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError> {
     let signals = zwidth_figures::SIGNALS.into_iter();
-    let (trials, problems) = read_all(&files.trials, &recorded.trials, signals);
+    let (trials, problems, thinned) = read_drawn(&files.trials, &recorded.trials, signals);
+    let found = found(files, recorded);
     let columns = zwidth_figures::average_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     let mut metrics = Vec::new();
@@ -227,7 +263,7 @@ fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<(Loaded<'r>, Vec<St
     let loaded = Loaded::new(about, trials, &metrics, averages, |trials| {
         zwidth_average::times_s(trials, parameters, alignments.over_time).ok()
     })?;
-    Ok((loaded, problems))
+    Ok(Read { loaded, problems, found, thinned })
 }
 
 /// The figure of one environment, on axes that hold those `beside` it too.
@@ -253,21 +289,23 @@ fn modes<'a>(
 
 fn draw_modes(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
     let (all, problems) = load_all(recorded, files)?;
-    let scenes: Vec<_> = all.iter().map(Loaded::scene).collect();
+    let scenes: Vec<_> = all.iter().map(|read| read.loaded.scene()).collect();
     let (scene, beside) = scenes.split_first().ok_or("there is no environment")?;
-    Ok((zwidth_figures::modes(scene, beside)?, problems))
+    // The others only widen the axes.
+    let own: Vec<&Read> = all.iter().take(1).collect();
+    Ok((noted(zwidth_figures::modes(scene, beside)?, &own), problems))
 }
 
 /// Reads several environments of one session; what had to be left out.
 fn load_all<'r>(
     recorded: &'r [Recorded],
     files: &[Files],
-) -> Result<(Vec<Loaded<'r>>, Vec<String>), JobError> {
+) -> Result<(Vec<Read<'r>>, Vec<String>), JobError> {
     let (mut all, mut problems) = (Vec::new(), Vec::new());
     for (recorded, files) in recorded.iter().zip(files) {
-        let (loaded, more) = load(recorded, files)?;
-        problems.extend(more);
-        all.push(loaded);
+        let mut read = load(recorded, files)?;
+        problems.append(&mut read.problems);
+        all.push(read);
     }
     Ok((all, problems))
 }
@@ -300,12 +338,12 @@ fn repeats_of<'a>(
 }
 
 fn draw_repeats(recorded: &Recorded, files: &Files) -> Figured {
-    let (loaded, problems) = load(recorded, files)?;
-    let scene = loaded.scene();
+    let read = load(recorded, files)?;
+    let (scene, problems) = (read.loaded.scene(), read.problems.clone());
     let Some(first) = scene.modes.first() else {
         return Err(format!("no trial could be read: {}", problems.join("; ")).into());
     };
-    Ok((zwidth_figures::repeats(&scene, first), problems))
+    Ok((noted(zwidth_figures::repeats(&scene, first), &[&read]), problems))
 }
 
 fn loops<'a>(
@@ -327,9 +365,10 @@ fn loops<'a>(
 
 fn draw_loops(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
     let (all, problems) = load_all(recorded, files)?;
-    let scenes: Vec<_> = all.iter().map(Loaded::scene).collect();
+    let scenes: Vec<_> = all.iter().map(|read| read.loaded.scene()).collect();
+    let reads: Vec<&Read> = all.iter().collect();
     let about = &recorded.first().ok_or("there is no environment")?.about;
-    Ok((zwidth_figures::loops(about, &scenes)?, problems))
+    Ok((noted(zwidth_figures::loops(about, &scenes)?, &reads), problems))
 }
 
 fn characteristic(

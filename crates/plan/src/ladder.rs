@@ -18,7 +18,7 @@ use zwidth_replay::{Drive, Rendering, Which};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Samples, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{
-    Analysis, Control, Environment, Measured, Mode, Perception, ReplayModel, Source, Study,
+    Analysis, Control, Environment, Measured, Mode, Perception, ReplayModel, Study,
 };
 use zwidth_tables::Table;
 
@@ -64,7 +64,7 @@ impl Condition<'_> {
             control: study.control,
             perception: study.perception.clone(),
             points,
-            synthetic: self.trials.iter().any(|t| t.meta.source == Source::Twin),
+            synthetic: self.trials.iter().any(|t| t.meta.source.is_simulated()),
         }
     }
 }
@@ -148,7 +148,7 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let all = if is_asked(&data.study) { conditions(data) } else { Vec::new() };
     let one = |condition: &Condition| {
         let subject = [condition.environment.id.to_string(), condition.mode.id.to_string()];
-        let synthetic = condition.trials.iter().any(|t| t.meta.source == Source::Twin);
+        let synthetic = condition.trials.iter().any(|t| t.meta.source.is_simulated());
         Drawing::new(data, LADDER, subject, synthetic, tables_of(data, condition), draw).of(1)
     };
     all.iter().map(one).collect()

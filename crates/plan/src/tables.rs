@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use zwidth_metrics::by_mode;
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
-use zwidth_study::Source;
 use zwidth_tables::{Format, Table, TableError, Wording};
 
 /// Its version is raised when a table would be written differently from the same data.
@@ -18,9 +17,9 @@ const STAGE: Stage = Stage { name: "tables", version: 7 };
 /// The derived tables that are printed, each with whether simulated data go into it. The trade runs
 /// models, and what modes and device are is written in study.toml.
 pub fn printed(data: &StudyData) -> Vec<(PathBuf, bool)> {
-    let trials = data.counting().any(|trial| trial.meta.source == Source::Twin);
-    let answers = data.sessions.iter().any(|session| session.record.source == Source::Twin);
-    let sweeps = data.sweeps.iter().any(|sweep| sweep.source == Source::Twin);
+    let trials = data.counting().any(|trial| trial.meta.source.is_simulated());
+    let answers = data.sessions.iter().any(|session| session.record.source.is_simulated());
+    let sweeps = data.sweeps.iter().any(|sweep| sweep.source.is_simulated());
     let any = trials || answers || sweeps;
     let kinds = [
         (of_trials(data), trials),

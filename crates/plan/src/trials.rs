@@ -4,7 +4,7 @@ use crate::making::split;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use zwidth_store::{Signal, Trial, TrialEntry, read_trial_and_channels};
+use zwidth_store::{Signal, Trial, TrialEntry, read_thinned, read_trial_and_channels};
 use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, ModeId, TrialMeta};
 
 /// What the session knows of a trial beside its file: of an unsealed one, whose file has a code,
@@ -39,6 +39,12 @@ impl Known {
     fn of(meta: &TrialMeta) -> Self {
         Self { trial: meta.trial, mode: meta.mode.clone(), repeat: meta.repeat }
     }
+
+    /// A trial with what is known of it.
+    fn names(&self, trial: Trial) -> Trial {
+        let meta = TrialMeta { mode: self.mode.clone(), repeat: self.repeat, ..trial.meta };
+        Trial { meta, ..trial }
+    }
 }
 
 /// The files of trials.
@@ -54,6 +60,24 @@ pub(crate) fn read_all(
 ) -> (Vec<Trial>, Vec<String>) {
     let trials = files.par_iter().zip(known);
     split(trials.map(|(file, known)| read_one(file, known, signals.clone(), &[])).collect())
+}
+
+/// Samples of a trial from which on it is drawn with fewer: what is on paper or a screen has a few thousand places.
+pub(crate) const MOST_DRAWN: usize = 1 << 18;
+
+/// The same to be drawn: a long trial with fewer samples, and how many such there are.
+pub(crate) fn read_drawn(
+    files: &[PathBuf],
+    known: &[Known],
+    signals: impl Iterator<Item = Signal> + Clone + Sync,
+) -> (Vec<Trial>, Vec<String>, usize) {
+    let read = files.par_iter().zip(known).map(|(file, known)| {
+        let (trial, thinned) = read_thinned(file, signals.clone(), MOST_DRAWN)?;
+        Ok::<_, zwidth_store::StoreError>((known.names(trial), thinned))
+    });
+    let (read, problems) = split(read.collect());
+    let thinned = read.iter().filter(|(_, thinned)| *thinned).count();
+    (read.into_iter().map(|(trial, _)| trial).collect(), problems, thinned)
 }
 
 /// The same with every signal, and the actuators' currents where the files have them.
@@ -72,9 +96,7 @@ fn read_one(
     signals: impl Iterator<Item = Signal>,
     channels: &[ChannelId],
 ) -> Result<Trial, zwidth_store::StoreError> {
-    let trial = read_trial_and_channels(file, signals, channels)?;
-    let meta = TrialMeta { mode: known.mode.clone(), repeat: known.repeat, ..trial.meta };
-    Ok(Trial { meta, ..trial })
+    Ok(known.names(read_trial_and_channels(file, signals, channels)?))
 }
 
 /// A trial's name in a message: `P01 S01 trial 2`.

@@ -4,8 +4,9 @@
 //! cut that drops what was not synced).
 
 use crate::StoreError;
+use crate::content::Content;
 use crate::held::{Held, hold};
-use crate::regular::{open_as, read_regular};
+use crate::regular::{open_as, open_content, read_regular};
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -37,6 +38,10 @@ pub trait Files: Sync {
     /// Reads a regular file of at most `most` bytes whole.
     fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
         read_regular(path, most)
+    }
+    /// What a regular file of at most `most` bytes holds, to be read part by part.
+    fn open(&self, path: &Path, most: u64) -> io::Result<Content> {
+        self.read(path, most).map(Content::of)
     }
     /// Holds a folder open, so that it is known again wherever it goes.
     fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {
@@ -74,6 +79,10 @@ pub trait Append: Send {
 pub struct RealFiles;
 
 impl Files for RealFiles {
+    fn open(&self, path: &Path, most: u64) -> io::Result<Content> {
+        open_content(path, most)
+    }
+
     fn create_folder(&self, path: &Path) -> io::Result<()> {
         match fs::create_dir(path) {
             // Another process may have made it in between.
@@ -291,7 +300,7 @@ fn place(
 
 /// The name beside `path` under which it is written: hidden, so that readers of the folder pass it
 /// by.
-fn temporary(path: &Path) -> PathBuf {
+pub(crate) fn temporary(path: &Path) -> PathBuf {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     path.with_file_name(format!(".{name}.{}.tmp", std::process::id()))
 }

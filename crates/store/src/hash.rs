@@ -1,6 +1,6 @@
 //! Content hashes: BLAKE3, in hexadecimal.
 
-use crate::{Files, MOST_BYTES, RealFiles, StoreError};
+use crate::{Files, MOST_RECORDING, RealFiles, StoreError};
 use std::path::Path;
 
 /// BLAKE3 of some bytes, hexadecimal.
@@ -14,6 +14,6 @@ pub fn file_blake3(path: &Path) -> Result<String, StoreError> {
 }
 
 pub(crate) fn blake3_of(files: &dyn Files, path: &Path) -> Result<String, StoreError> {
-    let bytes = files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
-    Ok(hex_blake3(&bytes))
+    let hash = files.open(path, MOST_RECORDING).and_then(|content| content.blake3());
+    hash.map_err(|e| StoreError::io(path, "read", &e))
 }

@@ -6,6 +6,7 @@
 //! a command holds the study's lock, or makes the study.
 
 use crate::atomic::is_unfinished;
+use crate::content::Content;
 use crate::{Append, Entry, Files, Held, Layout, StudyLock};
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -111,6 +112,10 @@ impl Files for Raw<'_> {
 
     fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
         self.files.read(path, most)
+    }
+
+    fn open(&self, path: &Path, most: u64) -> io::Result<Content> {
+        self.files.open(path, most)
     }
 
     fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {

@@ -1,25 +1,31 @@
 //! Reading strictly: a file that is not exactly what it should be is one clear error.
 
-use crate::bounds::{check_footer, check_pages, check_size};
+use crate::bounds::{
+    MOST_COLUMN_BYTES, MOST_RECORDED_BYTES, MOST_VALUES, check_footer_in, check_pages_in,
+    check_size,
+};
 use crate::codec::check_codecs;
-use crate::hash::hex_blake3;
+use crate::columns::Columns;
+use crate::content::Content;
+use crate::digest::ColumnDigest;
 use crate::json::from_json;
+use crate::trial::{check_column, check_time};
 use crate::write::{
-    CHANNELS, DIGEST, FOOTER_DIGEST, VERSION, channel_field, column_digest, described,
-    footer_digest,
+    CHANNELS, DIGEST, FOOTER_DIGEST, VERSION, channel_field, described, footer_digest,
 };
 use crate::{
-    Column, Files, MOST_BYTES, RealFiles, Samples, Signal, Storage, StoreError, Trial, TrialFile,
+    Column, Files, MOST_RECORDING, RealFiles, Samples, Signal, Storage, StoreError, Trial,
+    TrialFile,
 };
 use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
 use arrow::compute::concat_batches;
 use arrow::datatypes::{DataType, Field, Float32Type, Float64Type, SchemaRef, UInt16Type};
-use bytes::Bytes;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
 };
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -65,7 +71,7 @@ pub(crate) fn read_footer_from(files: &dyn Files, path: &Path) -> Result<TrialFo
         opened.footer.contains_key(&format!("{DIGEST}{}", signal.column().name_in(form.schema)))
     });
     let signals = signals.collect();
-    let (rows, blake3) = (opened.rows, hex_blake3(&opened.bytes));
+    let (rows, blake3) = (opened.rows, opened.blake3()?);
     Ok(TrialFooter { meta, file, form, signals, rows, blake3 })
 }
 
@@ -128,35 +134,121 @@ fn read_some(
     wanted: Vec<Signal>,
     is_wanted: &dyn Fn(&Channel) -> bool,
 ) -> Result<Trial, StoreError> {
-    let file = ParquetFile::open_recording(files, path)?;
-    let form = form_of(path, &file.footer)?;
-    let (meta, rest) = meta_from(path, file.footer.clone(), &form)?;
-    let channels: Vec<&Channel> = form.channels.iter().filter(|c| is_wanted(c)).collect();
-    let name = |signal: &Signal| signal.column().name_in(form.schema);
-    let names: Vec<&str> =
-        wanted.iter().map(name).chain(channels.iter().map(|c| c.id.as_str())).collect();
-    let columns = file.columns()?;
-    for signal in &wanted {
-        check_field(path, columns.schema(), signal.column(), form.schema)?;
+    let trial = OpenColumns::open(files, path)?;
+    let (meta, said) = trial.said()?;
+    let channels: Vec<&Channel> = trial.form.channels.iter().filter(|c| is_wanted(c)).collect();
+    let recorded = wanted.iter().filter(|signal| trial.has(**signal)).count() + channels.len();
+    if trial.file.rows.saturating_mul(recorded) > MOST_VALUES {
+        let rows = trial.file.rows;
+        let what = format!(
+            "{rows} rows of {recorded} columns are more numbers than the {MOST_VALUES} that are read at once"
+        );
+        return Err(StoreError::new(path, what, "split the recording"));
     }
-    for channel in &channels {
-        check_described(path, columns.schema(), &channel_field(channel))?;
-    }
-    let batch = file.read(columns, &names)?;
-    let values = |name: &str, storage| column_values(path, &batch, name, storage, &file.footer);
     let mut samples = Samples::default();
     for signal in wanted {
-        if let Some(values) = values(name(&signal), signal.column().storage)? {
+        if let Some(values) = trial.signal(signal)? {
             samples.set(signal, values);
         }
     }
     for channel in channels {
-        if let Some(values) = values(channel.id.as_str(), Storage::F64)? {
+        if let Some(values) = trial.channel(channel)? {
             samples.set_channel(channel.id.clone(), values);
         }
     }
     samples.check(path)?;
-    Ok(Trial { meta, file: rest, samples })
+    Ok(Trial { meta, file: said, samples })
+}
+
+/// A trial's file, opened: its columns are read one by one.
+pub(crate) struct OpenColumns {
+    form: TrialForm,
+    file: ParquetFile,
+    columns: ArrowReaderMetadata,
+}
+
+impl OpenColumns {
+    pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
+        let file = ParquetFile::open_recording(files, path)?;
+        let form = form_of(path, &file.footer)?;
+        let columns = file.columns()?;
+        Ok(Self { form, file, columns })
+    }
+
+    /// How many samples.
+    pub(crate) fn rows(&self) -> usize {
+        self.file.rows
+    }
+
+    /// What is known of the trial, and what the file says of itself besides.
+    pub(crate) fn said(&self) -> Result<(TrialMeta, TrialFile), StoreError> {
+        meta_from(&self.file.path, self.file.footer.clone(), &self.form)
+    }
+
+    /// Checks what [`read_whole_trial`] checks, a column at a time.
+    ///
+    /// # Errors
+    /// Those of [`read_trial`].
+    pub(crate) fn check(&self) -> Result<(), StoreError> {
+        let (path, rows) = (&self.file.path, self.file.rows);
+        self.said()?;
+        for signal in Signal::all() {
+            let column = signal.column();
+            match self.decoded(signal)? {
+                Some(values) => {
+                    check_column(path, column.name, column.storage, (&values, rows))?;
+                    if signal == Signal::Time {
+                        check_time(path, &values)?;
+                    }
+                }
+                None if signal == Signal::Time => Samples::default().check(path)?,
+                None => {}
+            }
+        }
+        for channel in &self.form.channels {
+            if let Some(values) = self.channel(channel)? {
+                check_column(path, channel.id.as_str(), Storage::F64, (&values, rows))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The values of a signal; `None` where the column is null throughout. Of one without a digest whose statistics say that
+    /// it is, nothing is decoded.
+    pub(crate) fn signal(&self, signal: Signal) -> Result<Option<Vec<f64>>, StoreError> {
+        let column = signal.column();
+        check_field(&self.file.path, self.columns.schema(), column, self.form.schema)?;
+        let name = column.name_in(self.form.schema);
+        if !self.has(signal) && self.file.is_said_to_be_null(name) {
+            return Ok(None);
+        }
+        column_values(&self.file, &self.columns, name, column.storage)
+    }
+
+    /// [`OpenColumns::signal`], decoded whatever the statistics say.
+    fn decoded(&self, signal: Signal) -> Result<Option<Vec<f64>>, StoreError> {
+        let column = signal.column();
+        check_field(&self.file.path, self.columns.schema(), column, self.form.schema)?;
+        column_values(&self.file, &self.columns, column.name_in(self.form.schema), column.storage)
+    }
+
+    /// The values of a channel of the study's own.
+    pub(crate) fn channel(&self, channel: &Channel) -> Result<Option<Vec<f64>>, StoreError> {
+        check_described(&self.file.path, self.columns.schema(), &channel_field(channel))?;
+        column_values(&self.file, &self.columns, channel.id.as_str(), Storage::F64)
+    }
+}
+
+impl Columns for OpenColumns {
+    /// What cannot be read is not there: whoever asks has checked the columns before.
+    fn column(&self, signal: Signal) -> Option<Cow<'_, [f64]>> {
+        self.signal(signal).ok().flatten().map(Cow::Owned)
+    }
+
+    fn has(&self, signal: Signal) -> bool {
+        let name = signal.column().name_in(self.form.schema);
+        self.file.footer.contains_key(&format!("{DIGEST}{name}"))
+    }
 }
 
 /// Reads any Parquet file that [`crate::write_parquet`] or [`crate::write_table`] wrote, whole: its
@@ -189,7 +281,7 @@ pub fn read_entries(path: &Path) -> Result<BTreeMap<String, String>, StoreError>
 /// An opened Parquet file of ours: footer checked, columns not read yet.
 pub(crate) struct ParquetFile {
     path: std::path::PathBuf,
-    pub(crate) bytes: Bytes,
+    content: Content,
     metadata: Arc<ParquetMetaData>,
     pub(crate) footer: BTreeMap<String, String>,
     pub(crate) rows: usize,
@@ -198,14 +290,14 @@ pub(crate) struct ParquetFile {
 impl ParquetFile {
     /// Opens `path`, checks what it claims, its version and its footer's digest.
     pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
-        let bytes = files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
-        if bytes.is_empty() {
+        let content = files.open(path, MOST_RECORDING);
+        let content = content.map_err(|e| StoreError::io(path, "read", &e))?;
+        if content.length() == 0 {
             return Err(StoreError::new(path, "the file is empty", DAMAGED));
         }
-        check_footer(&bytes).map_err(|why| unreadable(path, DAMAGED, &why))?;
-        let bytes = Bytes::from(bytes);
+        check_footer_in(&content).map_err(|why| unreadable(path, DAMAGED, &why))?;
         let metadata =
-            guarded(path, DAMAGED, || ParquetMetaDataReader::new().parse_and_finish(&bytes))?;
+            guarded(path, DAMAGED, || ParquetMetaDataReader::new().parse_and_finish(&content))?;
         let file_metadata = metadata.file_metadata();
         let footer: BTreeMap<String, String> = file_metadata
             .key_value_metadata()
@@ -223,7 +315,7 @@ impl ParquetFile {
             let what = "the file is damaged: its footer does not match its digest";
             return Err(StoreError::new(path, what, DAMAGED));
         }
-        Ok(Self { path: path.to_owned(), bytes, metadata: Arc::new(metadata), footer, rows })
+        Ok(Self { path: path.to_owned(), content, metadata: Arc::new(metadata), footer, rows })
     }
 
     /// Opens a recording: a file without rows is none.
@@ -243,24 +335,55 @@ impl ParquetFile {
         })
     }
 
+    /// BLAKE3 of the whole file, hexadecimal.
+    pub(crate) fn blake3(&self) -> Result<String, StoreError> {
+        self.content.blake3().map_err(|e| StoreError::io(&self.path, "read", &e))
+    }
+
     /// Those of these names, as one batch.
     pub(crate) fn read(
         &self,
         columns: ArrowReaderMetadata,
         names: &[&str],
     ) -> Result<RecordBatch, StoreError> {
+        let mut batches = Vec::new();
+        let most = MOST_COLUMN_BYTES;
+        let schema = self.each_batch(columns, (names, most), |batch| batches.push(batch))?;
+        guarded(&self.path, DAMAGED, || Ok(concat_batches(&schema, &batches)?))
+    }
+
+    /// Whether the statistics of a column say that it is null throughout.
+    fn is_said_to_be_null(&self, name: &str) -> bool {
+        let nulls = |group: &parquet::file::metadata::RowGroupMetaData| {
+            let column = group.columns().iter().find(|c| c.column_path().string() == name)?;
+            let nulls = column.statistics()?.null_count_opt()?;
+            Some(i64::try_from(nulls).ok()? == group.num_rows())
+        };
+        self.metadata.row_groups().iter().all(|group| nulls(group) == Some(true))
+    }
+
+    /// Decodes the columns of these names, so many rows at a time; none may unpack to more than `most`
+    /// bytes.
+    fn each_batch(
+        &self,
+        columns: ArrowReaderMetadata,
+        (names, most): (&[&str], u64),
+        mut take: impl FnMut(RecordBatch),
+    ) -> Result<SchemaRef, StoreError> {
         let schema = self.metadata.file_metadata().schema_descr();
         let mask = ProjectionMask::columns(schema, names.iter().copied());
-        check_pages(&self.bytes, &self.metadata, |place| mask.leaf_included(place))
+        check_pages_in(&self.content, &self.metadata, most, |place| mask.leaf_included(place))
             .map_err(|why| unreadable(&self.path, DAMAGED, &why))?;
         guarded(&self.path, DAMAGED, || {
             let builder =
-                ParquetRecordBatchReaderBuilder::new_with_metadata(self.bytes.clone(), columns);
+                ParquetRecordBatchReaderBuilder::new_with_metadata(self.content.clone(), columns);
             let rows = self.rows.clamp(1, BATCH_ROWS);
             let reader = builder.with_projection(mask).with_batch_size(rows).build()?;
             let schema = arrow::array::RecordBatchReader::schema(&reader);
-            let batches = reader.collect::<Result<Vec<_>, _>>()?;
-            Ok(concat_batches(&schema, &batches)?)
+            for batch in reader {
+                take(batch?);
+            }
+            Ok(schema)
         })
     }
 }
@@ -358,28 +481,44 @@ pub(crate) fn check_described(
 
 /// The values of one column of a trial; `None` where the column is null throughout.
 fn column_values(
-    path: &Path,
-    batch: &RecordBatch,
+    file: &ParquetFile,
+    columns: &ArrowReaderMetadata,
     name: &str,
     storage: Storage,
-    footer: &BTreeMap<String, String>,
 ) -> Result<Option<Vec<f64>>, StoreError> {
-    let Some(array) = batch.column_by_name(name) else {
-        return Err(StoreError::new(path, "the column is missing", DAMAGED).column(name));
-    };
-    let digest = footer.get(&format!("{DIGEST}{name}"));
+    let error = |what: &str| StoreError::new(&file.path, what, DAMAGED).column(name);
+    let digest = file.footer.get(&format!("{DIGEST}{name}"));
+    // Without a digest it has no value, or is damaged: no room is taken for it.
+    let mut values = Vec::with_capacity(if digest.is_some() { file.rows } else { 0 });
+    let (mut found, mut row, mut nulls, mut first_null) = (true, 0, 0, None);
+    let mut digest_now = ColumnDigest::new(storage);
+    file.each_batch(columns.clone(), (&[name], MOST_RECORDED_BYTES), |batch| {
+        let Some(array) = batch.column_by_name(name) else {
+            found = false;
+            return;
+        };
+        if array.null_count() > 0 && first_null.is_none() {
+            first_null = (0..array.len()).find(|i| array.is_null(*i)).map(|i| row + i);
+        }
+        (row, nulls) = (row + array.len(), nulls + array.null_count());
+        if digest.is_some() && first_null.is_none() {
+            let from = values.len();
+            values.extend(floats(array));
+            digest_now.add(&values[from..]);
+        }
+    })?;
+    if !found {
+        return Err(error("the column is missing"));
+    }
     // With a digest it had values once.
-    if array.null_count() == array.len() && digest.is_none() {
+    if nulls == row && digest.is_none() {
         return Ok(None);
     }
-    if let Some(row) = (0..array.len()).find(|i| array.is_null(*i)) {
-        let what = "the value is null in a column that has others";
-        return Err(StoreError::new(path, what, DAMAGED).column(name).row0(row));
+    if let Some(row) = first_null {
+        return Err(error("the value is null in a column that has others").row0(row));
     }
-    let values = floats(array);
-    if digest != Some(&column_digest(&values, storage)) {
-        let what = "the column is damaged: its values do not match their digest";
-        return Err(StoreError::new(path, what, DAMAGED).column(name));
+    if digest != Some(&digest_now.end()) {
+        return Err(error("the column is damaged: its values do not match their digest"));
     }
     Ok(Some(values))
 }

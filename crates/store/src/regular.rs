@@ -1,6 +1,7 @@
 //! Opening what others may have laid there: regular files only. A pipe or a device could hang
 //! whoever reads it, and a link leads out of the data.
 
+use crate::content::{Content, WHOLE};
 use crate::{Files, StoreError};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read as _};
@@ -8,6 +9,9 @@ use std::path::Path;
 
 /// The largest file that is read whole into memory, bytes (1 GiB).
 pub const MOST_BYTES: u64 = 1 << 30;
+
+/// The largest recording of ours, bytes (4 GiB): it is read part by part.
+pub const MOST_RECORDING: u64 = 1 << 32;
 
 /// Opens a regular file for reading. A link is refused, not followed; a pipe or a device does not
 /// block.
@@ -43,6 +47,24 @@ pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// Those of [`read_regular`].
 pub fn read_named(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     whole(open_named(path)?, most)
+}
+
+/// What a regular file holds ([`open_regular`]); a large one is left on the disk.
+///
+/// # Errors
+/// Those of [`read_regular`].
+pub(crate) fn open_content(path: &Path, most: u64) -> io::Result<Content> {
+    let file = open_regular(path)?;
+    let length = file.metadata()?.len();
+    if length <= WHOLE.min(most) {
+        return whole(file, most).map(Content::of);
+    }
+    if length > most { Err(too_large(length, most)) } else { Ok(Content::on_disk(file, length)) }
+}
+
+fn too_large(length: u64, most: u64) -> io::Error {
+    let what = format!("it has {length} bytes, and at most {most} are read");
+    io::Error::new(io::ErrorKind::FileTooLarge, what)
 }
 
 /// A regular file's text.
@@ -87,18 +109,14 @@ fn refuse(path: &Path, found: &Metadata) -> io::Result<()> {
 
 fn whole(file: File, most: u64) -> io::Result<Vec<u8>> {
     let length = file.metadata()?.len();
-    let too_large = |length: u64| {
-        let what = format!("it has {length} bytes, and at most {most} are read");
-        io::Error::new(io::ErrorKind::FileTooLarge, what)
-    };
     if length > most {
-        return Err(too_large(length));
+        return Err(too_large(length, most));
     }
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     // It may grow while it is read.
     file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        return Err(too_large(bytes.len() as u64));
+        return Err(too_large(bytes.len() as u64, most));
     }
     Ok(bytes)
 }

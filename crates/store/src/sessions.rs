@@ -13,7 +13,7 @@ use crate::{Entry, Files, Layout, SessionLog, Signal, StoreError, TrialEntry};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use zwidth_study::{Event, RECORD_VERSION, SessionRecord, Source};
+use zwidth_study::{Event, RECORD_VERSION, SessionRecord};
 
 /// Largest session record that is read, bytes: a hundred thousand trials.
 pub(crate) const MOST_RECORD: u64 = 1 << 25;
@@ -265,7 +265,7 @@ pub(crate) fn lost(
         events.iter().filter(|e| matches!(e, Event::Recorded { .. })).filter_map(Event::trial);
     // A session that is being recorded has trials still to come; an imported one was whole when it
     // was laid down.
-    let imported = record.source == Source::Imported;
+    let imported = record.source.is_imported();
     let planned = record.trials.iter().filter(|t| imported && t.samples).map(|t| t.trial);
     let trials: BTreeSet<u32> = recorded.chain(planned).collect();
     let mut lost = Vec::new();

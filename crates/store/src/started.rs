@@ -7,12 +7,13 @@
 
 use crate::atomic::folder_of;
 use crate::events::{mend_log, take_back_events};
+use crate::hash::blake3_of;
 use crate::json::from_json;
 use crate::read::{ParquetFile, read_footer_from};
 use crate::recover::{Done, Recovered, sweep_unfinished};
 use crate::regular::text;
 use crate::sessions::{MOST_RECORD, record_from};
-use crate::{Entry, Files, Layout, StoreError, hex_blake3, replace};
+use crate::{Entry, Files, Layout, StoreError, replace};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
@@ -49,8 +50,8 @@ pub struct TakenBack {
 }
 
 impl Started {
-    /// The list of these files.
-    pub fn of(disk: &dyn Files, layout: &Layout, files: &[(&Path, &[u8])]) -> Self {
+    /// The list of these files, each with its BLAKE3, hexadecimal.
+    pub fn of(disk: &dyn Files, layout: &Layout, files: &[(&Path, String)]) -> Self {
         let raw = layout.raw();
         let shown = |path: &Path| {
             let below = path.strip_prefix(&raw).unwrap_or(path);
@@ -62,7 +63,7 @@ impl Started {
             folders.extend(parents.filter(|parent| disk.kind(parent).is_none()));
         }
         let files =
-            files.iter().map(|(path, bytes)| New { path: shown(path), blake3: hex_blake3(bytes) });
+            files.iter().map(|(path, blake3)| New { path: shown(path), blake3: blake3.clone() });
         Self { files: files.collect(), folders: folders.into_iter().map(shown).collect() }
     }
 
@@ -113,9 +114,7 @@ impl Started {
         if disk.kind(&path).is_none() {
             return Ok(false);
         }
-        let bytes =
-            disk.read(&path, crate::MOST_BYTES).map_err(|e| StoreError::io(&path, "read", &e))?;
-        if hex_blake3(&bytes) != new.blake3 || !is_imported(disk, &path) {
+        if blake3_of(disk, &path)? != new.blake3 || !is_imported(disk, &path) {
             let what = "an import that was cut short lists it, but did not write it as it is now";
             let remedy = format!("look at it; if it is to stay, remove {}", list.display());
             return Err(StoreError::new(&path, what, remedy));
@@ -164,7 +163,7 @@ fn below(layout: &Layout, listed: &str) -> Option<PathBuf> {
 /// to remove.
 fn is_imported(disk: &dyn Files, path: &Path) -> bool {
     if path.extension().is_some_and(|e| e == "parquet") {
-        return source_of(disk, path) == Some(Source::Imported);
+        return source_of(disk, path).is_some_and(Source::is_imported);
     }
     // `P01_S01.json`, `.study.toml`, `.events.jsonl`, `.events.head`: the record tells for all of
     // them. Log and head are written after it and removed before it; the copy of study.toml may
@@ -176,7 +175,7 @@ fn is_imported(disk: &dyn Files, path: &Path) -> bool {
         return kind == "study.toml";
     }
     let record = text(disk, &record, MOST_RECORD).and_then(|text| record_from(&record, &text));
-    record.is_ok_and(|record| record.source == Source::Imported)
+    record.is_ok_and(|record| record.source.is_imported())
 }
 
 /// Where a recording comes from, a trial or else a sweep.

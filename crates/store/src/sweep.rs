@@ -1,8 +1,9 @@
 //! Sweeps: what an actuator or sensor did while its command was varied.
 
+use crate::digest::column_digest;
 use crate::read::{ParquetFile, check_described, floats, from_path};
-use crate::write::{DIGEST, column_digest, described};
-use crate::{Files, Layout, RealFiles, Storage, StoreError, SweepEntry, hex_blake3, write_parquet};
+use crate::write::{DIGEST, described};
+use crate::{Files, Layout, RealFiles, Storage, StoreError, SweepEntry, write_parquet};
 use arrow::array::{ArrayRef, Float64Array, RecordBatch, new_null_array};
 use arrow::datatypes::{DataType, Field, Schema};
 use std::collections::BTreeMap;
@@ -154,14 +155,15 @@ pub(crate) fn entry(
 ) -> Result<SweepEntry, StoreError> {
     let file = ParquetFile::open_recording(files, &path)?;
     file.columns()?; // no log holds a sweep's hash that would tell of damage there
-    let ParquetFile { footer, bytes, .. } = file;
+    let blake3 = file.blake3()?;
+    let footer = file.footer;
     let says = |key: &str| footer.get(key).map(String::as_str).unwrap_or_default();
     let number = says("sweep").parse::<u32>().ok();
     if says("actuator") == actuator.as_str()
         && number.is_some_and(|n| layout.sweep(&actuator, n) == path)
     {
         let source = Source::from_word(says("source")).ok_or_else(|| bad_key(&path, "source"))?;
-        return Ok(SweepEntry { path, actuator, source, blake3: hex_blake3(&bytes) });
+        return Ok(SweepEntry { path, actuator, source, blake3 });
     }
     let what = format!(
         "the file is sweep {} of '{}' by its footer, but not by its name",

@@ -95,48 +95,48 @@ impl Samples {
         }
         for (spec, column) in COLUMNS.iter().zip(&self.columns) {
             if let Some(values) = column {
-                self.check_column(path, spec.name, spec.storage, values)?;
+                check_column(path, spec.name, spec.storage, (values, self.len()))?;
             }
         }
         for (id, values) in &self.channels {
-            self.check_column(path, id.as_str(), Storage::F64, values)?;
+            check_column(path, id.as_str(), Storage::F64, (values, self.len()))?;
         }
-        self.check_time(path)
+        check_time(path, self.get(Signal::Time).unwrap_or_default())
     }
+}
 
-    fn check_column(
-        &self,
-        path: &Path,
-        name: &str,
-        storage: Storage,
-        values: &[f64],
-    ) -> Result<(), StoreError> {
-        if values.len() != self.len() {
-            let what = format!("it has {} values where others have {}", values.len(), self.len());
-            let remedy = "columns must be equally long";
-            return Err(StoreError::new(path, what, remedy).column(name));
-        }
-        if let Some(row) = values.iter().position(|v| !fits(*v, storage)) {
-            let what = format!("{} is not a number this column can hold", values[row]);
-            let remedy = "mend or drop the row; a gap is a null column, never a NaN";
-            return Err(StoreError::new(path, what, remedy).column(name).row0(row));
-        }
-        Ok(())
+/// Whether a column has as many values as belong there, all of which it can hold.
+pub(crate) fn check_column(
+    path: &Path,
+    name: &str,
+    storage: Storage,
+    (values, length): (&[f64], usize),
+) -> Result<(), StoreError> {
+    if values.len() != length {
+        let what = format!("it has {} values where others have {length}", values.len());
+        let remedy = "columns must be equally long";
+        return Err(StoreError::new(path, what, remedy).column(name));
     }
+    if let Some(row) = values.iter().position(|v| !fits(*v, storage)) {
+        let what = format!("{} is not a number this column can hold", values[row]);
+        let remedy = "mend or drop the row; a gap is a null column, never a NaN";
+        return Err(StoreError::new(path, what, remedy).column(name).row0(row));
+    }
+    Ok(())
+}
 
-    fn check_time(&self, path: &Path) -> Result<(), StoreError> {
-        let t = self.get(Signal::Time).unwrap_or_default();
-        match t.windows(2).position(|w| w[1] <= w[0]) {
-            None => Ok(()),
-            Some(i) => {
-                let what =
-                    format!("time runs backwards or stands still: {} s after {} s", t[i + 1], t[i]);
-                Err(StoreError::new(path, what, "sort or mend the recording")
-                    .column("t_s")
-                    .row0(i + 1))
-            }
-        }
+/// Whether time runs forward.
+pub(crate) fn check_time(path: &Path, t: &[f64]) -> Result<(), StoreError> {
+    match t.windows(2).position(|w| w[1] <= w[0]) {
+        None => Ok(()),
+        Some(i) => Err(backwards(path, t[i], t[i + 1]).row0(i + 1)),
     }
+}
+
+/// The error of a time that does not come after the one before it.
+pub(crate) fn backwards(path: &Path, before: f64, after: f64) -> StoreError {
+    let what = format!("time runs backwards or stands still: {after} s after {before} s");
+    StoreError::new(path, what, "sort or mend the recording").column("t_s")
 }
 
 /// A row's value of a signal, where it has one.

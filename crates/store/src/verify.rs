@@ -2,13 +2,13 @@
 
 use crate::journal::DAMAGED;
 use crate::plausible::{Asked, implausible};
-use crate::read::read_whole_trial;
+use crate::read::{OpenColumns, read_whole_trial};
 use crate::recover::unfinished;
 use crate::study::check_folders;
 use crate::sweep::read_sweep_from;
 use crate::walk::files_below;
 use crate::{
-    Files, Layout, RealFiles, Samples, SessionLog, Signal, StoreError, StudyData, TrialEntry,
+    Columns, Files, Layout, RealFiles, SessionLog, Signal, StoreError, StudyData, TrialEntry,
 };
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,6 +18,9 @@ use zwidth_study::{Coordinate, Event, Question, Study};
 /// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit
 /// at which the safety layer cuts the voltage).
 const WORK_SPACE_SLACK_RAD: f64 = 0.034_906_585_039_886_59;
+
+/// Samples from which on a trial is checked column by column, so that no more than two are in memory.
+pub(crate) const LONG: usize = 1 << 20;
 
 /// Checks a whole study: `study.toml`, every file byte by byte, every event. An empty list is a
 /// clean study.
@@ -37,7 +40,7 @@ pub fn verify_kept(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
 }
 
 /// What samples say against their trial, of which it is known what was asked for.
-type Check = fn(&Asked, &Path, &Samples) -> Vec<StoreError>;
+type Check = fn(&Asked, &Path, &dyn Columns) -> Vec<StoreError>;
 
 fn verify_by(files: &dyn Files, layout: &Layout, check: Check) -> Vec<StoreError> {
     let mut all = match StudyData::load_from(files, layout) {
@@ -84,15 +87,20 @@ pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
 
 fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry, check: Check) -> Vec<StoreError> {
     // Whether it fits study.toml and its session's log was told when the study was loaded.
-    match read_whole_trial(files, &entry.path) {
-        Ok(trial) => {
-            let asked = Asked::of(&data.study, &entry.meta.environment);
-            // A trial cut short may well hold a lever that never left its stop, and what is in no result
-            // misleads nobody: excluding a trial settles what was found in it.
-            let check = if entry.counts() { check } else { within_limits };
-            let samples = check(&asked, &entry.path, &trial.samples);
-            samples.into_iter().chain(off_scale(&data.study, entry)).collect()
-        }
+    let asked = Asked::of(&data.study, &entry.meta.environment);
+    // A trial cut short may well hold a lever that never left its stop, and what is in no result
+    // misleads nobody: excluding a trial settles what was found in it.
+    let check = if entry.counts() { check } else { within_limits };
+    let found = match entry.rows <= LONG {
+        true => read_whole_trial(files, &entry.path)
+            .map(|trial| check(&asked, &entry.path, &trial.samples)),
+        false => OpenColumns::open(files, &entry.path).and_then(|trial| {
+            trial.check()?;
+            Ok(check(&asked, &entry.path, &trial))
+        }),
+    };
+    match found {
+        Ok(found) => found.into_iter().chain(off_scale(&data.study, entry)).collect(),
         Err(error) => vec![error],
     }
 }
@@ -109,19 +117,19 @@ fn off_scale(study: &Study, entry: &TrialEntry) -> Option<StoreError> {
 
 /// What the samples of a trial, which are whole, say against it: it counts, and is to be read with
 /// care.
-pub fn check_samples(asked: &Asked, path: &Path, samples: &Samples) -> Vec<StoreError> {
+pub fn check_samples(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
     [within_limits(asked, path, samples), implausible(asked, path, samples)].concat()
 }
 
 /// Whether samples keep to what study.toml plans.
-fn within_limits(asked: &Asked, path: &Path, samples: &Samples) -> Vec<StoreError> {
+fn within_limits(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
     let found = [work_space(asked, path, samples), too_long(asked, path, samples)];
     found.into_iter().flatten().collect()
 }
 
 /// A trial longer than the design allows: usually milliseconds taken for seconds.
-fn too_long(asked: &Asked, path: &Path, samples: &Samples) -> Option<StoreError> {
-    let t = samples.get(Signal::Time)?;
+fn too_long(asked: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreError> {
+    let t = samples.column(Signal::Time)?;
     let (length, limit) = (t.last()? - t.first()?, asked.trial_limit_s);
     let what = format!("it lasts {length} s, longer than design.trial_limit_s = {limit} s");
     let remedy = "check the unit of its time, or raise the limit in study.toml";
@@ -151,8 +159,8 @@ fn doubled(data: &StudyData) -> Vec<StoreError> {
     findings
 }
 
-fn work_space(asked: &Asked, path: &Path, samples: &Samples) -> Option<StoreError> {
-    let theta = samples.get(Signal::Theta)?;
+fn work_space(asked: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreError> {
+    let theta = samples.column(Signal::Theta)?;
     let low = asked.theta_min_rad.unwrap_or(f64::NEG_INFINITY) - WORK_SPACE_SLACK_RAD;
     let high = asked.theta_max_rad.unwrap_or(f64::INFINITY) + WORK_SPACE_SLACK_RAD;
     let row = theta.iter().position(|v| !(low..=high).contains(v))?;

@@ -1,8 +1,9 @@
 //! From a trial (or any record batch) to the bytes of a Parquet file.
 
+use crate::digest::column_digest;
 use crate::encode::{GROUP_ROWS, derived, recorded};
 use crate::hash::hex_blake3;
-use crate::{COLUMNS, Column, Samples, Storage, StoreError, Trial};
+use crate::{COLUMNS, Column, Samples, Storage, StoreError, Trial, TrialFile};
 use arrow::array::{
     ArrayRef, DictionaryArray, Float32Array, Float64Array, Int32Array, RecordBatch, StringArray,
     UInt16Array, new_null_array,
@@ -15,7 +16,7 @@ use parquet::file::properties::WriterProperties;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_study::{AnswerScale, Channel, Schema, TrialForm};
+use zwidth_study::{AnswerScale, Channel, Schema, TrialForm, TrialMeta};
 
 /// Prefix of the footer keys that carry a column's digest.
 pub(crate) const DIGEST: &str = "blake3:";
@@ -43,19 +44,40 @@ pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u
         let what = "the study's trial files have no such channel";
         return Err(StoreError::new(path, what, "leave it out").column(id.as_str()));
     }
-    let mut columns: Vec<(Field, ArrayRef)> =
-        COLUMNS.iter().map(|c| signal_column(c, form.schema, &trial.samples)).collect();
-    columns.extend(form.channels.iter().map(|c| channel_column(c, &trial.samples)));
-    columns.extend(constant_columns(trial, form));
-    let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
-    let batch = RecordBatch::try_new(Arc::new(ArrowSchema::new(fields)), arrays).map_err(|e| {
-        StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
-    })?;
-    let entries = entries(&batch, footer(trial, form));
+    let batch = trial_batch(&trial.meta, &trial.samples, form, path)?;
+    let mut footer = footer(&trial.meta, &trial.file, form);
+    for c in &COLUMNS {
+        if let Some(values) = trial.samples.get(c.signal) {
+            let key = format!("{DIGEST}{}", c.name_in(form.schema));
+            footer.insert(key, column_digest(values, c.storage));
+        }
+    }
+    for (id, values) in trial.samples.channels() {
+        let key = format!("{DIGEST}{}", id.as_str());
+        footer.insert(key, column_digest(values, Storage::F64));
+    }
+    let entries = entries(&batch.schema(), footer);
     let rows = (form.schema > Schema::One).then_some(GROUP_ROWS);
     let properties =
         recorded(&batch.schema(), entries, rows).map_err(|e| cannot_encode(path, &e))?;
     write(&batch, properties, path)
+}
+
+/// The rows of a trial, or some of them, as its file of this form has them.
+pub(crate) fn trial_batch(
+    meta: &TrialMeta,
+    samples: &Samples,
+    form: &TrialForm,
+    path: &Path,
+) -> Result<RecordBatch, StoreError> {
+    let mut columns: Vec<(Field, ArrayRef)> =
+        COLUMNS.iter().map(|c| signal_column(c, form.schema, samples)).collect();
+    columns.extend(form.channels.iter().map(|c| channel_column(c, samples)));
+    columns.extend(constant_columns(meta, samples.len(), form));
+    let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
+    RecordBatch::try_new(Arc::new(ArrowSchema::new(fields)), arrays).map_err(|e| {
+        StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
+    })
 }
 
 /// The bytes of a sweep's Parquet file with one row group, our encodings, and `footer` as its
@@ -66,7 +88,7 @@ pub fn write_parquet(
     footer: BTreeMap<String, String>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
-    let entries = entries(batch, footer);
+    let entries = entries(&batch.schema(), footer);
     let properties =
         recorded(&batch.schema(), entries, None).map_err(|e| cannot_encode(path, &e))?;
     write(batch, properties, path)
@@ -80,13 +102,14 @@ pub fn write_table(
     footer: BTreeMap<String, String>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
-    let properties = derived(&batch.schema(), entries(batch, footer));
+    let properties = derived(&batch.schema(), entries(&batch.schema(), footer));
     write(batch, properties, path)
 }
 
-fn entries(batch: &RecordBatch, mut footer: BTreeMap<String, String>) -> Vec<KeyValue> {
+/// What a file says in its footer, with the units, and the digest of it all.
+pub(crate) fn entries(schema: &ArrowSchema, mut footer: BTreeMap<String, String>) -> Vec<KeyValue> {
     footer.entry(VERSION.to_owned()).or_insert_with(|| TABLE_VERSION.to_string());
-    footer.insert(UNITS.to_owned(), units(batch));
+    footer.insert(UNITS.to_owned(), units(schema));
     // Last, for it is of all the others.
     footer.insert(FOOTER_DIGEST.to_owned(), footer_digest(&footer));
     footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect()
@@ -107,7 +130,7 @@ fn write(
     bytes.map_err(|e| cannot_encode(path, &e))
 }
 
-fn cannot_encode(path: &Path, e: &ParquetError) -> StoreError {
+pub(crate) fn cannot_encode(path: &Path, e: &ParquetError) -> StoreError {
     StoreError::new(
         path,
         format!("cannot encode: {e}"),
@@ -168,9 +191,7 @@ fn channel_column(channel: &Channel, samples: &Samples) -> (Field, ArrayRef) {
 }
 
 /// The values that are constant in a file, as columns, so that any reader can group by them.
-fn constant_columns(trial: &Trial, form: &TrialForm) -> Vec<(Field, ArrayRef)> {
-    let n = trial.samples.len();
-    let meta = &trial.meta;
+fn constant_columns(meta: &TrialMeta, n: usize, form: &TrialForm) -> Vec<(Field, ArrayRef)> {
     let integer = |name: &str, value: Option<i32>, about: &str| {
         let array: ArrayRef = Arc::new(Int32Array::from(vec![value; n]));
         // An answer is given in one file and not in the next, and both open as one data set.
@@ -197,9 +218,13 @@ fn constant_columns(trial: &Trial, form: &TrialForm) -> Vec<(Field, ArrayRef)> {
     columns
 }
 
-fn footer(trial: &Trial, form: &TrialForm) -> BTreeMap<String, String> {
-    let meta = &trial.meta;
-    let mut footer = trial.file.clone();
+/// What a trial's file says of itself, but for the digests of its columns.
+pub(crate) fn footer(
+    meta: &TrialMeta,
+    file: &TrialFile,
+    form: &TrialForm,
+) -> BTreeMap<String, String> {
+    let mut footer = file.clone();
     for (key, value) in [
         ("trial", meta.trial.to_string()),
         ("repeat", meta.repeat.to_string()),
@@ -216,16 +241,6 @@ fn footer(trial: &Trial, form: &TrialForm) -> BTreeMap<String, String> {
         let answer = meta.likert.map(|v| v.to_string()).unwrap_or_default();
         footer.insert("likert".to_owned(), answer);
     }
-    for c in &COLUMNS {
-        if let Some(values) = trial.samples.get(c.signal) {
-            let key = format!("{DIGEST}{}", c.name_in(form.schema));
-            footer.insert(key, column_digest(values, c.storage));
-        }
-    }
-    for (id, values) in trial.samples.channels() {
-        let key = format!("{DIGEST}{}", id.as_str());
-        footer.insert(key, column_digest(values, Storage::F64));
-    }
     if !form.channels.is_empty() {
         let channels = serde_json::to_string(&form.channels).unwrap_or_default();
         footer.insert(CHANNELS.to_owned(), channels);
@@ -233,25 +248,13 @@ fn footer(trial: &Trial, form: &TrialForm) -> BTreeMap<String, String> {
     footer
 }
 
-fn units(batch: &RecordBatch) -> String {
-    let units: BTreeMap<_, _> = batch
-        .schema()
+fn units(schema: &ArrowSchema) -> String {
+    let units: BTreeMap<_, _> = schema
         .fields()
         .iter()
         .filter_map(|f| f.metadata().get("unit").map(|u| (f.name().clone(), u.clone())))
         .collect();
     serde_json::to_string(&units).unwrap_or_default()
-}
-
-/// Digest of a column's values as they come back from the file.
-#[allow(clippy::cast_possible_truncation)]
-pub(crate) fn column_digest(values: &[f64], storage: Storage) -> String {
-    let mut bytes = Vec::with_capacity(values.len() * 8);
-    for value in values {
-        let stored = if storage == Storage::F32 { f64::from(*value as f32) } else { *value };
-        bytes.extend_from_slice(&stored.to_le_bytes());
-    }
-    hex_blake3(&bytes)
 }
 
 /// Digest of all footer keys but the digest itself.

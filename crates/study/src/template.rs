@@ -163,7 +163,8 @@ label = "Hybrid"
 motor_max_v = 8.0
 brake_max_v = 8.0
 
-# What is asked after each trial, on a five-point scale. reversed = true: agreement speaks against.
+# What is asked after each trial: on a five-point scale of agreement, or on one of your own (points, from, step and labels).
+# reversed = true: agreement speaks against.
 [[questions]]
 id = "felt_spring"
 text = "During this test I clearly felt forces I would associate with interacting with a linear stiffness."

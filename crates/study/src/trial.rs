@@ -41,7 +41,7 @@ words! {
         Incomplete = "incomplete",
     }
 
-    /// Where the numbers come from. A figure made from `twin` data says so on its face.
+    /// Where the numbers come from. A figure made from `twin` or `simulated` data says so on its face.
     Source {
         /// Measured by this software on a device.
         Recorded = "recorded",
@@ -49,6 +49,20 @@ words! {
         Twin = "twin",
         /// Measured by others, converted by `import`.
         Imported = "imported",
+        /// Computed by somebody else's simulation, converted by `import`.
+        Simulated = "simulated",
+    }
+}
+
+impl Source {
+    /// Whether nothing was measured.
+    pub fn is_simulated(self) -> bool {
+        matches!(self, Self::Twin | Self::Simulated)
+    }
+
+    /// Whether `import` made it.
+    pub fn is_imported(self) -> bool {
+        matches!(self, Self::Imported | Self::Simulated)
     }
 }
 

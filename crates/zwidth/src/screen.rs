@@ -78,6 +78,13 @@ impl Screen {
         bar.with_style(style("{bar:30} {pos}/{len} {msg}"))
     }
 
+    /// A progress bar over bytes; none where there are none, or nobody looks.
+    pub(crate) fn bytes(&self, length: u64) -> ProgressBar {
+        let target = if length > 0 { self.target() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(length), target);
+        bar.with_style(style("{bar:30} {bytes}/{total_bytes} {eta}"))
+    }
+
     /// A progress bar a stage, one below the other, in the order given; none where nobody looks.
     pub(crate) fn bars(&self, stages: impl IntoIterator<Item = (&'static str, usize)>) -> Bars {
         Bars::new(stages, self.target())

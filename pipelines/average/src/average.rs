@@ -63,7 +63,7 @@ pub struct Average {
     pub session: SessionId,
     /// The condition.
     pub condition: Condition,
-    /// Where the numbers come from: `twin` if any repeat does, else as the first.
+    /// Where the numbers come from: simulated if any repeat is, else as the first.
     pub source: Source,
     /// How the repeats were made to meet.
     pub alignment: Alignment,
@@ -105,12 +105,12 @@ pub fn average(
     }
     let t_s = grid(average_length_s(aligned.iter().map(Aligned::length_s).collect()), points);
     let count = |t: &f64| aligned.iter().filter(|a| a.length_s() >= *t).count();
-    let twin = trials.iter().any(|t| t.meta.source == Source::Twin);
+    let simulated = trials.iter().map(|t| t.meta.source).find(|source| source.is_simulated());
     Ok(Average {
         participant: first.meta.participant.clone(),
         session: first.meta.session.clone(),
         condition: first.meta.condition(),
-        source: if twin { Source::Twin } else { first.meta.source },
+        source: simulated.unwrap_or(first.meta.source),
         n: t_s.iter().map(count).collect(),
         courses: courses(&aligned, &t_s, parameters.analysis.confidence)?,
         repeats: aligned.iter().map(repeat).collect(),

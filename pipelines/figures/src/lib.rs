@@ -32,6 +32,7 @@ mod answers;
 mod bow_tie;
 mod caption;
 mod captions;
+mod care;
 mod characteristic;
 mod chattering;
 mod compared;
@@ -69,6 +70,7 @@ pub use answers::{ANSWERS_COMPARED, AnswersPage, answers_compared, answers_pages
 pub use bow_tie::{SCENE_BOW_TIE, bow_tie};
 pub use caption::caption_text;
 pub use captions::{CAPTION_FORMATS, NamedCaption, captions_text};
+pub use care::{Found, with_care, with_thinned};
 pub use characteristic::{CHARACTERISTIC, Characterised, characteristic};
 pub use chattering::chattering;
 pub use compared::{
@@ -100,4 +102,4 @@ pub use words::{Words, mark};
 pub use work_precision::{WORK_PRECISION, work_precision, work_precision_of};
 
 /// Version of the figures' form: raised when a figure would look different from the same data.
-pub const VERSION: u32 = 11;
+pub const VERSION: u32 = 12;

@@ -6,7 +6,7 @@ use zwidth_tables::{shown_unit, with_unit};
 
 /// The stamp of a figure made from simulated data; none otherwise.
 pub fn mark(sources: impl IntoIterator<Item = Source>) -> Option<String> {
-    let simulated = sources.into_iter().any(|s| s == Source::Twin);
+    let simulated = sources.into_iter().any(Source::is_simulated);
     simulated.then(|| "SYNTHETIC: simulated, not measured".to_owned())
 }
 
@@ -108,6 +108,7 @@ mod tests {
     #[test]
     fn one_simulated_trial_marks_the_whole_figure() {
         assert!(mark([Source::Imported, Source::Twin]).is_some());
+        assert!(mark([Source::Imported, Source::Simulated]).is_some());
         assert!(mark([Source::Imported, Source::Recorded]).is_none());
     }
 }

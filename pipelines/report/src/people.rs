@@ -33,7 +33,7 @@ pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<Origins> {
         sources.iter().map(|(s, n)| (*s, *n)).filter(|(_, n)| *n > 0).collect();
     match present.as_slice() {
         [] => None,
-        [(Source::Twin, _)] => {
+        [(source, _)] if source.is_simulated() => {
             let mark = Some("All data are simulated: nothing here was measured.");
             Some(Origins { mark, text: String::new() })
         }
@@ -46,14 +46,16 @@ pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<Origins> {
 
 /// Whether any trial of the table of metrics is simulated.
 pub(crate) fn simulated(metrics: &Table) -> Result<bool, TableError> {
-    Ok(metrics.texts("source")?.iter().any(|s| s.as_deref() == Some(Source::Twin.as_str())))
+    let sources = metrics.texts("source")?;
+    let mut known = sources.iter().flatten().filter_map(|source| Source::from_word(source));
+    Ok(known.any(Source::is_simulated))
 }
 
 fn mixed(several: &[(Source, usize)]) -> Origins {
     let total: usize = several.iter().map(|(_, n)| n).sum();
     let parts: Vec<String> = several.iter().map(|(s, n)| format!("{n} {}", origin(*s))).collect();
     let text = format!("Of {total} trials and sweeps: {}.", parts.join(", "));
-    let simulated = several.iter().any(|(s, _)| *s == Source::Twin);
+    let simulated = several.iter().any(|(s, _)| s.is_simulated());
     Origins { mark: simulated.then_some("Some data are simulated."), text }
 }
 
@@ -62,6 +64,7 @@ fn origin(source: Source) -> &'static str {
         Source::Recorded => "recorded on the device",
         Source::Twin => "simulated",
         Source::Imported => "measured by others and imported",
+        Source::Simulated => "simulated by others and imported",
     }
 }
 

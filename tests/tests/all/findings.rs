@@ -166,6 +166,12 @@ fn whether_a_recording_can_be_is_asked_of_trials_that_count() {
     };
     let complete = kept(held(Status::Complete, Vec::new()));
     check(&complete, "Read with care", &["it is 3 throughout, while theta_rad changes"]);
+    for figure in ["modes.P01.S01.spring", "loops.P01.S01"] {
+        let caption = complete.layout().reports().join(format!("figures/{figure}.txt"));
+        let caption = fs::read_to_string(caption).unwrap();
+        let note = "(force_ex_n): it is 3 throughout, while theta_rad changes";
+        assert!(caption.contains("Read with care trial") && caption.contains(note), "{caption}");
+    }
 
     let excluded = Event::Excluded { trial: 1, reason: "a loose plug".to_owned() };
     for (status, events) in [(Status::Incomplete, Vec::new()), (Status::Complete, vec![excluded])] {

@@ -1,13 +1,12 @@
 //! A batch: which of its bytes belong to which column.
 
-use super::super::limits::MOST_TEXT;
+use super::super::limits::{MOST_TEXT, MOST_WHOLE_ROWS};
 use arrow_ipc::{
     Block, CompressionType, Field, Message, RecordBatch, Type, UnionMode, root_as_message,
 };
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::io::Read as _;
-use zwidth_store::MOST_ROWS;
 
 /// A batch of rows, its values not unpacked yet.
 pub(super) struct Batch<'a> {
@@ -35,7 +34,7 @@ pub(super) struct Room {
 impl Room {
     pub(super) fn new() -> Self {
         let packed = Cell::new(MOST_PACKED);
-        Self { packed, text: Cell::new(MOST_TEXT), words: Cell::new(MOST_ROWS) }
+        Self { packed, text: Cell::new(MOST_TEXT), words: Cell::new(MOST_WHOLE_ROWS) }
     }
 
     fn unpack(&self, bytes: u64) -> Result<(), String> {
@@ -58,7 +57,7 @@ impl Room {
     /// Takes room for a word.
     pub(super) fn word(&self, word: Option<&str>) -> Result<(), String> {
         let left = self.words.get().checked_sub(1);
-        self.words.set(left.ok_or_else(|| format!("it has more than {MOST_ROWS} words"))?);
+        self.words.set(left.ok_or_else(|| format!("it has more than {MOST_WHOLE_ROWS} words"))?);
         self.text(word)
     }
 }
@@ -109,7 +108,7 @@ fn message<'a>(bytes: &'a [u8], block: &Block) -> Result<(Message<'a>, &'a [u8])
 }
 
 fn batch_in<'a>(batch: &RecordBatch, body: &'a [u8], room: &'a Room) -> Result<Batch<'a>, String> {
-    let rows = usize::try_from(batch.length()).ok().filter(|rows| *rows <= MOST_ROWS);
+    let rows = usize::try_from(batch.length()).ok().filter(|rows| *rows <= MOST_WHOLE_ROWS);
     let buffers = batch.buffers().into_iter().flatten().map(|b| (b.offset(), b.length()));
     Ok(Batch {
         rows: rows.ok_or_else(|| format!("a batch claims {} rows", batch.length()))?,

@@ -9,7 +9,7 @@ pub(super) mod tests;
 mod values;
 
 use super::limits::{
-    MOST_COLUMNS, Take, check_columns, check_name, shown, too_many_rows, too_much,
+    MOST_COLUMNS, MOST_WHOLE_ROWS, Take, check_columns, check_name, shown, too_many_rows, too_much,
 };
 use super::table::{Cells, Table};
 use arrow_ipc::{Block, Endianness, Field, Footer, root_as_footer};
@@ -17,7 +17,7 @@ use batch::{Batch, Layout, Room, batch_of, dictionary_of};
 use std::collections::BTreeMap;
 use std::path::Path;
 use values::{Growing, Kind, Words};
-use zwidth_store::{MOST_ROWS, StoreError};
+use zwidth_store::StoreError;
 
 const MAGIC: &[u8] = b"ARROW1";
 const REMEDY: &str = "the file may be cut off or damaged; copy or export it again";
@@ -55,8 +55,8 @@ pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, Stor
     for block in blocks(footer.recordBatches()).map_err(unreadable)? {
         let batch = batch_of(bytes, block, &room).map_err(unreadable)?;
         rows = rows.saturating_add(batch.rows);
-        if rows > MOST_ROWS {
-            return Err(too_many_rows(path, &format!("more than {MOST_ROWS}")));
+        if rows > MOST_WHOLE_ROWS {
+            return Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}")));
         }
         if !take.budget.cells(batch.rows.saturating_mul(taken.len())) {
             return Err(too_much(path));

@@ -6,13 +6,15 @@ mod header;
 #[cfg(test)]
 mod tests;
 
-use super::limits::{MOST_TEXT, Take, check_columns, shown, too_many_rows, too_much};
+use super::limits::{
+    MOST_TEXT, MOST_WHOLE_ROWS, Take, check_columns, shown, too_many_rows, too_much,
+};
 use super::table::{Cells, Table};
 use super::zip;
 use arrow::array::{Float64Array, LargeStringBuilder};
 use header::{Header, Kind, Member};
 use std::path::Path;
-use zwidth_store::{MOST_ROWS, StoreError};
+use zwidth_store::StoreError;
 
 const REMEDY: &str =
     "the file may be cut off or damaged; save it again with numpy.save or numpy.savez";
@@ -143,7 +145,7 @@ impl<'a> Array<'a> {
         at: impl Fn(usize) -> usize,
         take: &Take,
     ) -> Result<Cells, StoreError> {
-        if rows > MOST_ROWS {
+        if rows > MOST_WHOLE_ROWS {
             return Err(too_many_rows(path, &rows.to_string()));
         }
         if let Kind::Other(what) = &member.kind {

@@ -2,6 +2,7 @@
 
 use super::super::limits::shown;
 use super::super::zip;
+use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::StoreError;
 
@@ -42,8 +43,10 @@ pub(super) fn unreadable(path: &Path, why: &str) -> StoreError {
 pub(super) struct Parts<'a> {
     bytes: &'a [u8],
     entries: Vec<zip::Entry>,
-    /// Bytes of all that was unpacked.
+    /// Bytes of all that was unpacked, each part once.
     unpacked: u64,
+    /// Of each part: which sheet has values is found out before that one is read.
+    of_parts: BTreeMap<String, u64>,
 }
 
 impl<'a> Parts<'a> {
@@ -63,7 +66,7 @@ impl<'a> Parts<'a> {
             return Err(StoreError::new(path, what, remedy));
         }
         let entries = zip::entries(bytes).map_err(|why| unreadable(path, &why))?;
-        Ok(Self { bytes, entries, unpacked: 0 })
+        Ok(Self { bytes, entries, unpacked: 0, of_parts: BTreeMap::new() })
     }
 
     pub(super) fn has(&self, name: &str) -> bool {
@@ -74,7 +77,25 @@ impl<'a> Parts<'a> {
     pub(super) fn text(&mut self, name: &str) -> Result<String, String> {
         let entry = self.entries.iter().find(|entry| entry.name == name);
         let entry = entry.ok_or_else(|| format!("it has no '{}'", shown(name)))?;
+        self.unpacked -= self.of_parts.remove(name).unwrap_or(0);
         let bytes = zip::unpack(self.bytes, entry, &mut self.unpacked)?;
+        self.of_parts.insert(name.to_owned(), bytes.len() as u64);
         String::from_utf8(bytes).map_err(|_| format!("'{}' is not UTF-8 text", shown(name)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::archive;
+    use super::*;
+
+    #[test]
+    fn a_part_that_is_read_twice_counts_once() {
+        let bytes = archive(&[("a", "four"), ("b", "seven77")]);
+        let mut parts = Parts::of(Path::new("x.xlsx"), &bytes).unwrap();
+        for name in ["a", "b", "a", "b", "b"] {
+            parts.text(name).unwrap();
+        }
+        assert_eq!(parts.unpacked, 4 + 7);
     }
 }

@@ -1,12 +1,14 @@
 //! The cells of a sheet, row by row, as a table.
 
 use super::super::csv::Dialect;
-use super::super::limits::{MOST_TEXT, Take, check_columns, check_name, too_many_rows, too_much};
+use super::super::limits::{
+    MOST_TEXT, MOST_WHOLE_ROWS, Take, check_columns, check_name, too_many_rows, too_much,
+};
 use super::super::table::{Cells, Table};
 use arrow::array::{Float64Array, LargeStringBuilder};
 use std::borrow::Cow;
 use std::path::Path;
-use zwidth_store::{MOST_ROWS, StoreError};
+use zwidth_store::StoreError;
 
 /// What stands in a cell.
 #[derive(Debug, Clone, PartialEq)]
@@ -148,8 +150,8 @@ impl<'a> Sheet<'a> {
 
     /// Whether so many more rows of these cells are read.
     fn check(&mut self, repeated: usize, cells: &[&(usize, Value)]) -> Result<(), StoreError> {
-        if self.lines.len().saturating_add(repeated) > MOST_ROWS {
-            return Err(too_many_rows(self.path, &format!("more than {MOST_ROWS}")));
+        if self.lines.len().saturating_add(repeated) > MOST_WHOLE_ROWS {
+            return Err(too_many_rows(self.path, &format!("more than {MOST_WHOLE_ROWS}")));
         }
         let is_read = |place: usize| !matches!(self.columns[place], Column::Unread);
         if !self.take.budget.cells(self.read.len().saturating_mul(repeated)) {

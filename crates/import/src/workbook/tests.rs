@@ -91,6 +91,7 @@ fn with(bytes: &[u8], is_ods: bool, part: Option<&str>, skip: usize) -> Result<T
         skip,
         encoding: Encoding::Utf8,
         bad_lines: 0,
+        before: 0,
     };
     let read = if is_ods { read_ods } else { read_xlsx };
     everything(|take| read(Path::new("a"), bytes, dialect, part, take))

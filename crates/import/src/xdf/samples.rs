@@ -1,12 +1,12 @@
 //! The samples of a stream, of the channels asked for alone.
 
-use super::super::limits::{MOST_TEXT, Take, too_many_rows, too_much};
+use super::super::limits::{MOST_TEXT, MOST_WHOLE_ROWS, Take, too_many_rows, too_much};
 use super::super::table::Cells;
 use super::chunks::Bytes;
 use super::header::{Header, Written};
 use arrow::array::{Float64Array, LargeStringBuilder};
 use std::path::Path;
-use zwidth_store::{MOST_ROWS, StoreError};
+use zwidth_store::StoreError;
 
 /// The samples read so far.
 pub(super) struct Samples<'a> {
@@ -107,7 +107,7 @@ impl<'a> Samples<'a> {
     /// Counts a sample against what is read at most.
     fn count(&mut self) {
         let read = self.channels.iter().filter(|c| !matches!(c, Channel::Unread)).count();
-        if self.times.len() > MOST_ROWS {
+        if self.times.len() > MOST_WHOLE_ROWS {
             self.over = Some(Over::Rows);
         } else if self.text > MOST_TEXT {
             self.over = Some(Over::Text);
@@ -123,7 +123,7 @@ impl<'a> Samples<'a> {
     pub(super) fn check(&self, path: &Path) -> Result<(), StoreError> {
         match self.over {
             None => Ok(()),
-            Some(Over::Rows) => Err(too_many_rows(path, &format!("more than {MOST_ROWS}"))),
+            Some(Over::Rows) => Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}"))),
             Some(Over::Cells) => Err(too_much(path)),
             Some(Over::Text) => {
                 let what = format!("the texts in mapped columns have more than {MOST_TEXT} bytes");

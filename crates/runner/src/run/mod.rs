@@ -1,4 +1,5 @@
-//! Runs a plan: each job as soon as what it reads is there, as many at a time as there are cores.
+//! Runs a plan: each job as soon as what it reads is there, as many at a time as there are cores; of those that read much, one
+//! at a time, so that what a run holds in memory does not grow with the number of cores.
 
 use crate::change::{Change, first_change};
 use crate::hashes::{Hashes, show_path};
@@ -6,7 +7,7 @@ use crate::plan::{needs, wanted};
 use crate::provenance::provenance;
 use crate::record::Record;
 use crate::{Job, Made, Making, Provenance, Records, Results};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -115,6 +116,15 @@ pub fn run(
 /// How often records are saved while jobs end, s: a run that is killed makes again what came after.
 const SAVED_EVERY_S: f64 = 1.0;
 
+/// Bytes of input files from which on a job reads much (64 MiB): as numbers in memory some five times as many.
+const MUCH: u64 = 1 << 26;
+
+/// Whether a job reads much, as far as its inputs are there.
+fn reads_much(job: &Job) -> bool {
+    let bytes = |path: &PathBuf| std::fs::metadata(path).map_or(0, |found| found.len());
+    job.inputs.iter().map(bytes).sum::<u64>() > MUCH
+}
+
 /// How a run stands.
 struct Board<'j> {
     records: Records,
@@ -129,6 +139,12 @@ struct Board<'j> {
     /// For each job how many others it waits for; `None` once it was begun, or if nobody asked for
     /// it.
     waits: Vec<Option<usize>>,
+    /// Which jobs read much.
+    large: Vec<bool>,
+    /// Whether one of these runs.
+    large_runs: bool,
+    /// Those of them that are ready and wait for it to end.
+    held: VecDeque<usize>,
     /// Outputs of failed jobs that could not be removed.
     stayed: Vec<StoreError>,
     /// The first output or record that could not be written.
@@ -155,9 +171,37 @@ impl Board<'_> {
                 .zip(wanted)
                 .map(|(needs, wanted)| wanted.then_some(needs.len()))
                 .collect(),
+            large: jobs.iter().map(reads_much).collect(),
+            large_runs: false,
+            held: VecDeque::new(),
             stayed: Vec::new(),
             disk: None,
         }
+    }
+
+    /// Those of these jobs that may run now; others that read much wait for the one that runs.
+    fn admitted(&mut self, ready: Vec<usize>) -> Vec<usize> {
+        let mut now = Vec::new();
+        for i in ready {
+            if self.large[i] && self.large_runs {
+                self.held.push_back(i);
+            } else {
+                self.large_runs |= self.large[i];
+                now.push(i);
+            }
+        }
+        now
+    }
+
+    /// Jobs that may run once this one has ended.
+    fn after(&mut self, i: usize) -> Vec<usize> {
+        let mut next = Vec::new();
+        if self.large[i] {
+            self.large_runs = false;
+            next.extend(self.held.pop_front().filter(|_| self.disk.is_none()));
+        }
+        next.extend(self.freed_by(i));
+        self.admitted(next)
     }
 
     /// Jobs that wait for nothing, from now on begun.
@@ -175,7 +219,7 @@ impl Board<'_> {
         let found: Vec<usize> =
             (0..self.waits.len()).filter(|i| self.waits[*i].is_some_and(&which)).collect();
         found.iter().for_each(|i| self.waits[*i] = None);
-        found
+        self.admitted(found)
     }
 
     /// The first of a job's inputs that could not be made.
@@ -231,9 +275,9 @@ impl<'j> Run<'j> {
             if let Err(error) = result.and_then(|result| self.note(&mut board, i, result)) {
                 board.disk.get_or_insert(error);
             }
-            let freed = board.freed_by(i);
+            let next = board.after(i);
             drop(board);
-            freed.into_iter().for_each(|next| self.spawn(scope, next));
+            next.into_iter().for_each(|next| self.spawn(scope, next));
         });
     }
 

@@ -368,3 +368,38 @@ fn an_output_that_a_job_no_longer_makes_goes() {
     verdicts(folder.path(), &job(&["modes"]), &one);
     assert!(there("modes"));
 }
+
+#[test]
+fn of_jobs_that_read_much_one_runs_at_a_time_and_all_are_made() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    static RUNNING: AtomicUsize = AtomicUsize::new(0);
+    static MOST: AtomicUsize = AtomicUsize::new(0);
+    let folder = folder();
+    let large = folder.path().join("large.txt");
+    // Of its bytes none is on the disk.
+    fs::File::create(&large).unwrap().set_len(MUCH + 1).unwrap();
+    let job = |i: usize, input: &Path| {
+        let stage = Stage { name: "large", version: 1 };
+        let output = folder.path().join(format!("L{i}.txt"));
+        let inputs = vec![input.to_owned()];
+        Job::new(stage, format!("large {i}"), i, inputs, vec![output], |i, inputs, _| {
+            let much = inputs[0].ends_with("large.txt");
+            let running = if much { RUNNING.fetch_add(1, Ordering::SeqCst) + 1 } else { 0 };
+            MOST.fetch_max(running, Ordering::SeqCst);
+            for _ in 0..1000 {
+                std::thread::yield_now();
+            }
+            if much {
+                RUNNING.fetch_sub(1, Ordering::SeqCst);
+            }
+            Ok(Made { outputs: vec![i.to_string().into_bytes()], ..Made::default() })
+        })
+    };
+    let small = folder.path().join("a.txt");
+    let jobs: Vec<Job> =
+        (0..12).map(|i| job(i, if i % 3 == 0 { &small } else { &large })).collect();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+    let made = pool.install(|| verdicts(folder.path(), &jobs, &Options::default()));
+    assert!(made.iter().all(|verdict| matches!(verdict, JobEnd::Made(_))) && made.len() == 12);
+    assert_eq!(MOST.load(Ordering::SeqCst), 1);
+}

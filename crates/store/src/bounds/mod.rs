@@ -7,16 +7,22 @@
 //! without keeping anything of them.
 
 use crate::StoreError;
+use crate::content::Content;
 use parquet::file::metadata::ParquetMetaData;
+use std::borrow::Cow;
 use std::path::Path;
 
-/// Rows of one file: 70 minutes at 1 kHz; with every signal in memory twice, 0.9 GB.
-pub const MOST_ROWS: usize = 1 << 22;
+/// Rows of one file: nine hours at 1 kHz; a column in memory takes 256 MiB.
+pub const MOST_ROWS: usize = 1 << 25;
+/// Numbers that are read of one recording at once: 1 GiB.
+pub(crate) const MOST_VALUES: usize = 1 << 27;
 /// Columns of one file: forty times those of a trial.
 pub const MOST_COLUMNS: usize = 1 << 10;
-/// Bytes of a column once unpacked: [`MOST_ROWS`] numbers and as much for their levels and
-/// dictionary.
+/// Bytes of a column once unpacked, of a file that is decoded whole: four million numbers and as much
+/// for their levels and dictionary.
 pub const MOST_COLUMN_BYTES: u64 = 1 << 26;
+/// Bytes of a column of a recording of ours, which is decoded part by part: [`MOST_ROWS`] numbers and as much again.
+pub(crate) const MOST_RECORDED_BYTES: u64 = 1 << 29;
 /// Bytes of a footer: a thousand times a trial's.
 const MOST_FOOTER: usize = 1 << 24;
 /// Row groups: their numbers are 16 bits wide.
@@ -33,14 +39,39 @@ const TAIL: usize = 8;
 /// # Errors
 /// Why the file cannot be read, in words.
 pub fn check_footer(bytes: &[u8]) -> Result<(), String> {
-    let footer =
-        footer_of(bytes).ok_or("it has no footer: it was cut short, or is no Parquet file")?;
-    if footer.len() > MOST_FOOTER {
-        return Err(format!(
-            "its footer has {} bytes, and at most {MOST_FOOTER} are read",
-            footer.len()
-        ));
+    claims_of(footer_of(bytes).ok_or(NO_FOOTER)?)
+}
+
+/// [`check_footer`] of a file of which no more is read than that.
+///
+/// # Errors
+/// Those of [`check_footer`]; the disk's.
+pub(crate) fn check_footer_in(content: &Content) -> Result<(), String> {
+    let read = |from: u64, length: usize| content.range(from, length).map_err(|e| e.to_string());
+    let end = content.length().checked_sub(TAIL as u64).ok_or(NO_FOOTER)?;
+    let tail = read(end, TAIL)?;
+    let (length, magic) = tail.split_first_chunk::<4>().ok_or(NO_FOOTER)?;
+    let length = u32::from_le_bytes(*length) as usize;
+    if magic != MAGIC || read(0, MAGIC.len())?.as_ref() != MAGIC {
+        return Err(NO_FOOTER.to_owned());
     }
+    let from = end.checked_sub(length as u64).ok_or(NO_FOOTER)?;
+    // Before it is read.
+    check_length(length)?;
+    claims_of(&read(from, length)?)
+}
+
+const NO_FOOTER: &str = "it has no footer: it was cut short, or is no Parquet file";
+
+fn check_length(bytes: usize) -> Result<(), String> {
+    match bytes > MOST_FOOTER {
+        true => Err(format!("its footer has {bytes} bytes, and at most {MOST_FOOTER} are read")),
+        false => Ok(()),
+    }
+}
+
+fn claims_of(footer: &[u8]) -> Result<(), String> {
+    check_length(footer.len())?;
     let mut claims = Claims::default();
     // In `FileMetaData` field 2 is the schema, and 4 the row groups.
     Walk { bytes: footer, at: 0 }
@@ -105,6 +136,38 @@ pub fn check_pages(
     metadata: &ParquetMetaData,
     wanted: impl Fn(usize) -> bool,
 ) -> Result<u64, String> {
+    let pages = |from: u64, length: usize| {
+        let from = usize::try_from(from).ok()?;
+        Some(Cow::Borrowed(bytes.get(from..from.checked_add(length)?)?))
+    };
+    check_each_chunk(&pages, metadata, MOST_COLUMN_BYTES, wanted)
+}
+
+/// [`check_pages`] of a file of which one column chunk is read at a time; a column may unpack to
+/// `most` bytes.
+///
+/// # Errors
+/// Those of [`check_pages`].
+pub(crate) fn check_pages_in(
+    content: &Content,
+    metadata: &ParquetMetaData,
+    most: u64,
+    wanted: impl Fn(usize) -> bool,
+) -> Result<u64, String> {
+    let pages =
+        |from: u64, length: usize| Some(Cow::Owned(content.range(from, length).ok()?.to_vec()));
+    check_each_chunk(&pages, metadata, most, wanted)
+}
+
+/// The bytes of a file from a place on, so many of them, if it has them.
+type Pages<'a> = &'a dyn Fn(u64, usize) -> Option<Cow<'a, [u8]>>;
+
+fn check_each_chunk(
+    pages_at: Pages,
+    metadata: &ParquetMetaData,
+    most: u64,
+    wanted: impl Fn(usize) -> bool,
+) -> Result<u64, String> {
     let mut unpacked = vec![0_u64; metadata.file_metadata().schema_descr().num_columns()];
     for group in metadata.row_groups() {
         for (place, column) in
@@ -115,16 +178,13 @@ pub fn check_pages(
             // A dictionary, where there is one, lies before the data.
             let first =
                 column.dictionary_page_offset().unwrap_or(i64::MAX).min(column.data_page_offset());
-            let from = usize::try_from(first).map_err(|_| damaged())?;
+            let from = u64::try_from(first).map_err(|_| damaged())?;
             let length = usize::try_from(column.compressed_size()).map_err(|_| damaged())?;
-            let pages =
-                from.checked_add(length).and_then(|to| bytes.get(from..to)).ok_or_else(damaged)?;
+            let pages = pages_at(from, length).ok_or_else(damaged)?;
             unpacked[place] =
-                unpacked[place].saturating_add(unpacked_length(pages).ok_or_else(damaged)?);
-            if unpacked[place] > MOST_COLUMN_BYTES {
-                return Err(format!(
-                    "column {name} unpacks to more than {MOST_COLUMN_BYTES} bytes"
-                ));
+                unpacked[place].saturating_add(unpacked_length(&pages).ok_or_else(damaged)?);
+            if unpacked[place] > most {
+                return Err(format!("column {name} unpacks to more than {most} bytes"));
             }
         }
     }

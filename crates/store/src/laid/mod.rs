@@ -12,7 +12,7 @@ use crate::{
     write_new,
 };
 use std::path::Path;
-use zwidth_study::{Affects, Event, SessionRecord, Source, Study, study_changes};
+use zwidth_study::{Affects, Event, SessionRecord, Study, study_changes};
 
 /// Lays a session down. `study_toml` is the text of the `study.toml` in force. What an earlier
 /// attempt that was killed has done is done again.
@@ -77,7 +77,7 @@ pub(crate) fn mend_laid_down(
     // not stand alone, but has lost its log. The trials of an import come first.
     let alone = files.kind(&log).is_none()
         && files.kind(&head_of(&log)).is_none()
-        && (record.source == Source::Imported || !has_samples(files, layout, participant, session));
+        && (record.source.is_imported() || !has_samples(files, layout, participant, session));
     if alone {
         append_events(files, &log, utc, &[laid_down(bytes)])?;
     }

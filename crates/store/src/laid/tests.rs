@@ -5,7 +5,7 @@ use crate::tests::crashes::{UTC, meta, planned, record, rows, study_alone, toml}
 use crate::{Journal, RealFiles, StudyData, TrialFile, verify};
 use std::fs;
 use std::path::PathBuf;
-use zwidth_study::{Calibration, Event, TrialMeta};
+use zwidth_study::{Calibration, Event, Source, TrialMeta};
 
 /// A simulated session of one trial, with everything that a record can say.
 struct Laid {

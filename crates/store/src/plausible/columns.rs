@@ -2,7 +2,8 @@
 
 use super::asked::Asked;
 use super::doubt::{Doubt, LEAST_SAMPLES, range};
-use crate::{Samples, Signal};
+use crate::verify::LONG;
+use crate::{Columns, Signal};
 use zwidth_study::{Coordinate, Scene};
 
 /// Two turns: no lever goes farther, and 13° read as radians do.
@@ -32,7 +33,7 @@ const AT_THE_END: f64 = 0.05;
 /// … and so much longer than it holds a value otherwise.
 const LONGER: f64 = 5.0;
 
-pub(super) fn doubts(asked: &Asked, samples: &Samples) -> Vec<Doubt> {
+pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
     let stopped = [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx]
         .into_iter()
         .filter_map(|signal| stopped(asked, samples, signal));
@@ -50,15 +51,22 @@ pub(super) fn doubts(asked: &Asked, samples: &Samples) -> Vec<Doubt> {
     single.into_iter().flatten().chain(stopped).chain(at_the_end).collect()
 }
 
-/// The usual interval of the clock, s.
+/// The usual interval of the clock, s: the middle one.
 fn usual_interval_s(t: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> = t.windows(2).map(|t| t[1] - t[0]).collect();
-    let middle = steps.len() / 2;
-    (t.len() >= LEAST_SAMPLES).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
+    let steps = || t.windows(2).map(|t| t[1] - t[0]);
+    if t.len() < LEAST_SAMPLES {
+        return None;
+    }
+    let middle = (t.len() - 1) / 2;
+    if t.len() > LONG {
+        return Some(ranked(steps, middle));
+    }
+    let mut copy: Vec<f64> = steps().collect();
+    Some(*copy.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-fn interval(samples: &Samples) -> Option<Doubt> {
-    let interval_s = usual_interval_s(samples.get(Signal::Time)?)?;
+fn interval(samples: &dyn Columns) -> Option<Doubt> {
+    let interval_s = usual_interval_s(&samples.column(Signal::Time)?)?;
     let so = if interval_s > LONGEST_INTERVAL_S {
         "no movement of a hand can be read from that: milliseconds taken for seconds?"
     } else if interval_s < SHORTEST_INTERVAL_S {
@@ -71,24 +79,25 @@ fn interval(samples: &Samples) -> Option<Doubt> {
     Some(Doubt::new(Signal::Time, what, remedy))
 }
 
-fn jump(samples: &Samples) -> Option<Doubt> {
-    let t = samples.get(Signal::Time)?;
-    let least_s = (JUMP * usual_interval_s(t)?).max(LEAST_JUMP_S);
+fn jump(samples: &dyn Columns) -> Option<Doubt> {
+    let t = samples.column(Signal::Time)?;
+    let usual_s = usual_interval_s(&t)?;
+    let least_s = (JUMP * usual_s).max(LEAST_JUMP_S);
     let row = (1..t.len()).find(|i| t[*i] - t[*i - 1] > least_s)?;
     let what = format!(
         "the clock jumps by {:.3} s from the sample before; the usual interval is {:.6} s: samples are missing, or two \
          recordings lie in one file",
         t[row] - t[row - 1],
-        usual_interval_s(t)?
+        usual_s
     );
     let remedy = "split the recording there, or exclude the trial: what happened between is drawn as a straight line";
     Some(Doubt { row: Some(row), ..Doubt::new(Signal::Time, what, remedy) })
 }
 
-fn clocks(samples: &Samples) -> Option<Doubt> {
+fn clocks(samples: &dyn Columns) -> Option<Doubt> {
     let length = |t: &[f64]| Some(t.last()? - t.first()?);
-    let t = samples.get(Signal::Time)?;
-    let (host_s, device_s) = (length(t)?, length(samples.get(Signal::DeviceTime)?)?);
+    let t = samples.column(Signal::Time)?;
+    let (host_s, device_s) = (length(&t)?, length(&samples.column(Signal::DeviceTime)?)?);
     let differ = (device_s / host_s - 1.0).abs() > CLOCKS_DIFFER;
     let what = format!(
         "the device's clock runs for {device_s} s while t_s runs for {host_s} s: one of them has another unit, or the \
@@ -98,8 +107,8 @@ fn clocks(samples: &Samples) -> Option<Doubt> {
     (t.len() >= LEAST_SAMPLES && differ).then(|| Doubt::new(Signal::DeviceTime, what, remedy))
 }
 
-fn too_far(asked: &Asked, samples: &Samples) -> Option<Doubt> {
-    let theta = samples.get(Signal::Theta)?;
+fn too_far(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
+    let theta = samples.column(Signal::Theta)?;
     let size = |value: f64| match asked.coordinate {
         Coordinate::Rotational => value.abs() / FARTHEST_RAD,
         Coordinate::Linear { lever_m } => value.abs() * lever_m / FARTHEST_M,
@@ -120,9 +129,9 @@ fn too_far(asked: &Asked, samples: &Samples) -> Option<Doubt> {
 }
 
 /// An angle that starts over at a full turn.
-fn wrapped(asked: &Asked, samples: &Samples) -> Option<Doubt> {
+fn wrapped(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let theta =
-        samples.get(Signal::Theta).filter(|_| asked.coordinate == Coordinate::Rotational)?;
+        samples.column(Signal::Theta).filter(|_| asked.coordinate == Coordinate::Rotational)?;
     let row = (1..theta.len()).find(|i| (theta[*i] - theta[*i - 1]).abs() > WRAPPED_RAD)?;
     let what = format!(
         "the angle goes from {:.0}° to {:.0}° within a sample: one that starts over at a full turn?",
@@ -135,8 +144,8 @@ fn wrapped(asked: &Asked, samples: &Samples) -> Option<Doubt> {
 }
 
 /// A force that no hand has.
-fn too_strong(samples: &Samples) -> Option<Doubt> {
-    let force = samples.get(Signal::ForceEx)?;
+fn too_strong(samples: &dyn Columns) -> Option<Doubt> {
+    let force = samples.column(Signal::ForceEx)?;
     let row = force.iter().position(|value| value.abs() > STRONGEST_N)?;
     let what = format!(
         "{:e} N is more than a person weighs: mN taken for N, counts for a force, or a number that stands for a missing value?",
@@ -146,51 +155,89 @@ fn too_strong(samples: &Samples) -> Option<Doubt> {
     Some(Doubt { row: Some(row), ..Doubt::new(Signal::ForceEx, what, remedy) })
 }
 
-/// A signal that holds one value: throughout, or for a second in which the lever moves on.
-fn stopped(asked: &Asked, samples: &Samples, signal: Signal) -> Option<Doubt> {
-    let (t, values) = (samples.get(Signal::Time)?, samples.get(signal)?);
+/// A signal that holds one value: throughout, or for a second in which the lever moves on. No more than one column is there at
+/// a time.
+fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
+    let values = samples.column(signal)?;
     if values.len() < LEAST_SAMPLES {
         return None;
     }
     let remedy = "look at the sensor and its cable, and at `from` in the mapping; exclude the trial if the signal was lost";
-    let (from, to) = longest_hold(values);
-    if to - from == values.len() {
+    let (from, to) = longest_hold(&values);
+    let (held, is_whole) = (values[from], to - from == values.len());
+    drop(values);
+    if is_whole {
         let others = [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx];
-        let moves = |other: &Signal| samples.get(*other).is_some_and(|v| !is_constant(v));
+        let moves = |other: &Signal| samples.column(*other).is_some_and(|v| !is_constant(&v));
         let other = others.iter().find(|other| moves(other))?;
         // Nobody pushes against nothing: no force is what is to be measured there.
-        let nothing = values[0] == 0.0 && matches!(asked.scene, Scene::Free | Scene::None);
-        let what = format!("it is {} throughout, while {} changes", values[0], other.name());
+        let nothing = held == 0.0 && matches!(asked.scene, Scene::Free | Scene::None);
+        let what = format!("it is {held} throughout, while {} changes", other.name());
         return (!nothing).then(|| Doubt::new(signal, what, remedy));
     }
-    let theta = samples.get(Signal::Theta)?;
-    let length_s = t[to - 1] - t[from];
-    let moved = range(&theta[from..to]) > MOVED * range(theta);
-    let what = format!("it holds {} for {length_s:.2} s while the lever moves on", values[from]);
-    (signal != Signal::Theta && length_s > HELD_S && moved && values[from] != 0.0)
-        .then(|| Doubt { row: Some(from), ..Doubt::new(signal, what, remedy) })
+    if signal == Signal::Theta || held == 0.0 {
+        return None;
+    }
+    let length_s = {
+        let t = samples.column(Signal::Time)?;
+        t[to - 1] - t[from]
+    };
+    if length_s <= HELD_S {
+        return None;
+    }
+    let theta = samples.column(Signal::Theta)?;
+    let moved = range(&theta[from..to]) > MOVED * range(&theta);
+    let what = format!("it holds {held} for {length_s:.2} s while the lever moves on");
+    moved.then(|| Doubt { row: Some(from), ..Doubt::new(signal, what, remedy) })
 }
 
 /// A signal that stands at its largest value: its sensor, or what read it, goes no farther.
-fn at_the_end(samples: &Samples, signal: Signal) -> Option<Doubt> {
-    let values = samples.get(signal)?;
+fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
+    let values = samples.column(signal)?;
     let end = values.iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
     let is_there = |value: &f64| value.to_bits() == end.to_bits();
-    let there: Vec<usize> = (0..values.len()).filter(|i| is_there(&values[*i])).collect();
-    let (n, count) = (values.len() as f64, there.len() as f64);
+    let there = values.iter().filter(|value| is_there(value)).count();
+    let (n, count) = (values.len() as f64, there as f64);
     let changes = values.windows(2).filter(|w| w[0].to_bits() != w[1].to_bits()).count();
     let usual = n / (changes + 1) as f64;
-    let stands = there.len() >= LEAST_SAMPLES
-        && count >= AT_THE_END * n
-        && count >= LONGER * usual
-        && changes > 0;
+    let stands =
+        there >= LEAST_SAMPLES && count >= AT_THE_END * n && count >= LONGER * usual && changes > 0;
     let what = format!(
         "it stands at its largest value, {end}, in {:.0} % of the samples: the sensor or its converter is at the end of \
          its range",
         100.0 * count / n
     );
     let remedy = "what was larger is lost: exclude the trial, or say so; check scale and range of the sensor";
-    stands.then(|| Doubt { row: there.first().copied(), ..Doubt::new(signal, what, remedy) })
+    let first = values.iter().position(is_there);
+    stands.then(|| Doubt { row: first, ..Doubt::new(signal, what, remedy) })
+}
+
+/// The value that `rank` others of `values` come before, in the order of [`f64::total_cmp`]. By counting, sixteen bits at a time:
+/// of a long recording no copy is made.
+fn ranked<I: Iterator<Item = f64>>(values: impl Fn() -> I, mut rank: usize) -> f64 {
+    const BITS: u32 = 16;
+    let mut prefix = 0_u64;
+    for place in (0..u64::BITS / BITS).rev().map(|i| i * BITS) {
+        const COUNTS: usize = 1 << BITS;
+        let mut counts = vec![0_usize; COUNTS];
+        let above = |key: u64| key.checked_shr(place + BITS).unwrap_or(0);
+        for key in values().map(ordered).filter(|key| above(*key) == above(prefix)) {
+            counts[(key >> place) as usize & (COUNTS - 1)] += 1;
+        }
+        let mut at = 0;
+        while at + 1 < COUNTS && counts[at] <= rank {
+            rank -= counts[at];
+            at += 1;
+        }
+        prefix |= (at as u64) << place;
+    }
+    f64::from_bits(if prefix >> 63 == 1 { prefix ^ (1 << 63) } else { !prefix })
+}
+
+/// A number whose order is that of [`f64::total_cmp`].
+fn ordered(value: f64) -> u64 {
+    let bits = value.to_bits();
+    if bits >> 63 == 1 { !bits } else { bits | (1 << 63) }
 }
 
 fn is_constant(values: &[f64]) -> bool {
@@ -209,4 +256,22 @@ fn longest_hold(values: &[f64]) -> (usize, usize) {
         }
     }
     longest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ranked_value_is_that_of_a_sorted_copy() {
+        let mut values: Vec<f64> =
+            (0..1000).map(|i| libm::sin(f64::from(i) * 7.3) * 1e-3).collect();
+        values.extend([0.0, -0.0, 1e300, -1e300, 1e-321, 5.0, 5.0, 5.0]);
+        let mut sorted = values.clone();
+        sorted.sort_by(f64::total_cmp);
+        for (rank, value) in sorted.iter().enumerate() {
+            let found = ranked(|| values.iter().copied(), rank);
+            assert_eq!(found.to_bits(), value.to_bits(), "{rank}");
+        }
+    }
 }

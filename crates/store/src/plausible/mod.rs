@@ -13,11 +13,11 @@ mod tests;
 
 pub use asked::Asked;
 
-use crate::{Samples, StoreError};
+use crate::{Columns, StoreError};
 use std::path::Path;
 
 /// What the samples of a trial say against its units, signs, clock and sensors: one finding a cause, with its remedy.
-pub(crate) fn implausible(asked: &Asked, path: &Path, samples: &Samples) -> Vec<StoreError> {
+pub(crate) fn implausible(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
     let doubts =
         columns::doubts(asked, samples).into_iter().chain(relations::doubts(asked, samples));
     doubts.map(|doubt| doubt.at(path)).collect()

@@ -2,8 +2,9 @@
 
 use super::asked::Asked;
 use super::doubt::{Doubt, LEAST_SAMPLES, range};
-use crate::{Samples, Signal};
+use crate::{Columns, Signal};
 use core::f64::consts::TAU;
+use std::borrow::Cow;
 
 /// A trial is looked at in this many stretches, each long against noise and delay of a velocity.
 const STRETCHES: usize = 200;
@@ -20,7 +21,7 @@ const LEAST_MOVED_RAD: f64 = 0.017_453_292_519_943_295;
 /// The user's work on the way out is of the wrong sign where it is below −this share of ∫ |F dθ|.
 const AGAINST: f64 = 0.5;
 
-pub(super) fn doubts(asked: &Asked, samples: &Samples) -> Vec<Doubt> {
+pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
     [velocity(samples), sign_of_force(asked, samples), size_of_force(asked, samples)]
         .into_iter()
         .flatten()
@@ -40,18 +41,24 @@ const VELOCITIES: [(f64, &str); 8] = [
 ];
 
 /// θ̇ against θ: how far the one says that the lever went, in each stretch, over how far the other does.
-fn velocity(samples: &Samples) -> Option<Doubt> {
-    let [t, theta, theta_dot] =
-        [Signal::Time, Signal::Theta, Signal::ThetaDot].map(|signal| samples.get(signal));
-    let (t, theta, theta_dot) = (t?, theta?, theta_dot?);
-    if t.len() < LEAST_SAMPLES {
+fn velocity(samples: &dyn Columns) -> Option<Doubt> {
+    if !(samples.has(Signal::Theta) && samples.has(Signal::ThetaDot)) {
         return None;
     }
-    let length = (t.len() / STRETCHES).max(LEAST_STRETCH);
-    let moved = ends(t.len(), length).map(|(from, to)| theta[to] - theta[from]);
-    let said =
-        ends(t.len(), length).map(|(from, to)| integral(&t[from..=to], &theta_dot[from..=to]));
-    let (ratio, correlation) = ratio(moved, said)?;
+    // Two columns at a time.
+    let (length, said): (usize, Vec<f64>) = {
+        let (t, theta_dot) = (samples.column(Signal::Time)?, samples.column(Signal::ThetaDot)?);
+        if t.len() < LEAST_SAMPLES {
+            return None;
+        }
+        let length = (t.len() / STRETCHES).max(LEAST_STRETCH);
+        let said =
+            ends(t.len(), length).map(|(from, to)| integral(&t[from..=to], &theta_dot[from..=to]));
+        (length, said.collect())
+    };
+    let theta = samples.column(Signal::Theta)?;
+    let moved = ends(theta.len(), length).map(|(from, to)| theta[to] - theta[from]);
+    let (ratio, correlation) = ratio(moved, said.into_iter())?;
     if correlation < ALIKE || (1.0 / NEAR..NEAR).contains(&ratio) {
         return None;
     }
@@ -94,8 +101,8 @@ fn digits(ratio: f64) -> String {
 }
 
 /// The way out: from the first sample to that farthest from it. With angle and force; `None` without much of a movement.
-fn way_out(samples: &Samples, force: Signal) -> Option<(&[f64], &[f64])> {
-    let (theta, force) = (samples.get(Signal::Theta)?, samples.get(force)?);
+fn way_out(samples: &dyn Columns, force: Signal) -> Option<(Cow<'_, [f64]>, Cow<'_, [f64]>)> {
+    let (mut theta, mut force) = (samples.column(Signal::Theta)?, samples.column(force)?);
     let first = *theta.first()?;
     let farther =
         |best: usize, i: usize| match (theta[i] - first).abs() > (theta[best] - first).abs() {
@@ -104,11 +111,20 @@ fn way_out(samples: &Samples, force: Signal) -> Option<(&[f64], &[f64])> {
         };
     let turn = (0..theta.len()).fold(0, farther);
     let moved = range(&theta[..=turn]) > LEAST_MOVED_RAD && turn >= LEAST_STRETCH;
-    (moved && theta.len() >= LEAST_SAMPLES).then(|| (&theta[..=turn], &force[..=turn]))
+    if !moved || theta.len() < LEAST_SAMPLES {
+        return None;
+    }
+    for column in [&mut theta, &mut force] {
+        match column {
+            Cow::Borrowed(values) => *values = &values[..=turn],
+            Cow::Owned(values) => values.truncate(turn + 1),
+        }
+    }
+    Some((theta, force))
 }
 
 /// A hand that moves a spring away from rest works on it: ∫ F dθ > 0 on the way out.
-fn sign_of_force(asked: &Asked, samples: &Samples) -> Option<Doubt> {
+fn sign_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     asked.scene.spring()?;
     let signal = recorded(samples)?;
     let (theta, force) = way_out(samples, signal)?;
@@ -124,17 +140,17 @@ fn sign_of_force(asked: &Asked, samples: &Samples) -> Option<Doubt> {
     (work < -AGAINST * all).then(|| Doubt::new(signal, what, remedy))
 }
 
-fn recorded(samples: &Samples) -> Option<Signal> {
-    [Signal::ForceEx, Signal::TorqueEx].into_iter().find(|signal| samples.get(*signal).is_some())
+fn recorded(samples: &dyn Columns) -> Option<Signal> {
+    [Signal::ForceEx, Signal::TorqueEx].into_iter().find(|signal| samples.has(*signal))
 }
 
 /// The stiffness that the way out shows, over the one asked for: a unit that is wrong is off by a known factor.
-fn size_of_force(asked: &Asked, samples: &Samples) -> Option<Doubt> {
+fn size_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let spring = asked.scene.spring()?;
     let (theta, force) = way_out(samples, Signal::ForceEx)?;
     // The slope alone: where the angle's 0 lies may be wrong too.
-    let asked_for = from_mean(theta).map(|x| x * spring.stiffness_n_per_rad);
-    let (ratio, correlation) = ratio(asked_for, from_mean(force))?;
+    let asked_for = from_mean(&theta).map(|x| x * spring.stiffness_n_per_rad);
+    let (ratio, correlation) = ratio(asked_for, from_mean(&force))?;
     if correlation < ALIKE || ratio <= 0.0 {
         return None;
     }

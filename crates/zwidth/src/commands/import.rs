@@ -8,7 +8,7 @@ use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
 use std::path::Path;
-use zwidth_import::{Mapping, guess, import as import_files};
+use zwidth_import::{Mapping, guess, import as import_files, long_bytes};
 use zwidth_store::started::settle;
 use zwidth_store::{Raw, RealFiles, read_study};
 
@@ -46,8 +46,13 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
     }
     let utc = jiff::Timestamp::now().to_string();
     let software = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
-    let report = import_files(&layout, &study, &mapping, &command.files, &utc, software, &raw)
-        .map_err(|findings| join_findings(&findings))?;
+    // Long texts alone take long enough to be looked at.
+    let bar = screen.bytes(long_bytes(&mapping, &command.files));
+    let progress = |bytes: u64| bar.inc(bytes);
+    let files = &command.files;
+    let report = import_files(&layout, &study, &mapping, files, (&utc, software), &raw, &progress);
+    bar.finish_and_clear();
+    let report = report.map_err(|findings| join_findings(&findings))?;
     if screen.json {
         screen.listing(&report)?;
     } else {

@@ -12,7 +12,6 @@ use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_stats::power::{self, Plan, PlannedTest, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
-use zwidth_study::Source;
 use zwidth_tables::Table;
 
 /// The power that a study is planned with.
@@ -150,7 +149,7 @@ fn spread(
         plan::spreads(&data.layout, metric).map(|file| Table::from_parquet(&file));
     let (contrasts, models) = (contrasts?, models?);
     let widest = widest(&contrasts, &models, f64::from(data.study.design.repeats))?;
-    let simulated = data.counting().any(|trial| trial.meta.source == Source::Twin);
+    let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
     let mark = if simulated { " (SYNTHETIC: simulated data)" } else { "" };
     let widest = widest.with_context(|| {
         format!(

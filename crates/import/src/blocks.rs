@@ -1,0 +1,199 @@
+//! A long text block by block: each of whole records, with the header before them, so that it is read as a file of its own.
+
+use super::csv::{Dialect, record_ends, whole_records};
+use super::format::Format;
+use super::limits::{LONGEST_FILE, MOST_LINE, long_line};
+use super::mapping::FileForm;
+use super::plain::LABCHART;
+use super::text::{Encoding, check_readable};
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+use zwidth_store::{StoreError, open_named};
+
+/// Bytes that are read at a time (2 MiB): as texts and numbers some ten times as many. Tests have many blocks in little text.
+const BLOCK: usize = if cfg!(test) { 1 << 12 } else { 1 << 21 };
+
+/// Whether a recording is read block by block: a text with a header that is longer than most. What a mapping asks for that looks
+/// at rows from the file's beginning to its end keeps it whole.
+pub(super) fn is_long(path: &Path, form: &FileForm) -> bool {
+    let text = matches!(form.format_of(path), Ok(Format::Csv | Format::Tsv | Format::Txt));
+    let plain = text
+        && form.header
+        && form.bad_lines == 0
+        && form.rows.is_none()
+        && form.encoding != Encoding::Utf16;
+    plain && opened(path, form).unwrap_or(false)
+}
+
+fn opened(path: &Path, form: &FileForm) -> io::Result<bool> {
+    let mut file = open_named(path)?;
+    let long = file.metadata()?.len() > form.long_from;
+    if !long {
+        return Ok(false);
+    }
+    let mut begins = Vec::new();
+    (&mut file).take(MOST_LINE as u64).read_to_end(&mut begins)?;
+    let utf_16 = begins.starts_with(b"\xff\xfe") || begins.starts_with(b"\xfe\xff");
+    // Its heads may lie behind skipped lines, and lines of old end in a carriage return alone.
+    let labchart = begins.windows(LABCHART.len()).any(|part| part == LABCHART.as_bytes());
+    Ok(!utf_16 && !labchart && begins.contains(&b'\n'))
+}
+
+/// A long text on its way.
+pub(super) struct Blocks {
+    path: PathBuf,
+    file: File,
+    dialect: Dialect,
+    hasher: blake3::Hasher,
+    /// The header, with what stands before it but skipped lines.
+    header: Vec<u8>,
+    /// What was read and not given yet; it begins with a record.
+    rest: Vec<u8>,
+    /// Lines of the file before `rest`.
+    lines: u64,
+    ended: bool,
+}
+
+/// Whole records of a text, behind its header.
+pub(super) struct Block {
+    pub(super) text: Vec<u8>,
+    /// How its lines are counted, too.
+    pub(super) dialect: Dialect,
+}
+
+impl Blocks {
+    /// Opens a text and reads its header.
+    ///
+    /// # Errors
+    /// What `csv::read` says of a whole file that is none.
+    pub(super) fn open(path: &Path, dialect: Dialect) -> Result<Self, StoreError> {
+        let failed = |e: io::Error| StoreError::io(path, "read", &e);
+        let file = open_named(path).map_err(failed)?;
+        let length = file.metadata().map_err(failed)?.len();
+        if length > LONGEST_FILE {
+            let what = format!("it has {length} bytes, and at most {LONGEST_FILE} are read");
+            return Err(StoreError::new(path, what, "split it"));
+        }
+        let mut blocks = Self {
+            path: path.to_owned(),
+            file,
+            dialect: Dialect { skip: 0, ..dialect },
+            hasher: blake3::Hasher::new(),
+            header: Vec::new(),
+            rest: Vec::new(),
+            lines: 0,
+            ended: false,
+        };
+        blocks.fill(BLOCK)?;
+        check_readable(path, &blocks.rest)?;
+        if blocks.rest.starts_with(b"\xef\xbb\xbf") {
+            blocks.rest.drain(..3);
+            blocks.dialect.encoding = Encoding::Utf8;
+        }
+        for passed in 0..dialect.skip {
+            let Some(end) = blocks.rest.iter().position(|b| *b == b'\n') else {
+                let skip = dialect.skip;
+                let what = format!(
+                    "skip = {skip} passes more by than the file's first {BLOCK} bytes: {passed} lines"
+                );
+                return Err(StoreError::new(path, what, "mend skip in [file]"));
+            };
+            blocks.take(end + 1);
+        }
+        let end = header_end(&blocks.rest, blocks.dialect);
+        let end = end.or(blocks.ended.then_some(blocks.rest.len()));
+        let end = end.ok_or_else(|| long_line(path, 1 + blocks.lines))?;
+        blocks.header = blocks.take(end);
+        Ok(blocks)
+    }
+
+    /// The next block, if there is one.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub(super) fn next(&mut self) -> Result<Option<Block>, StoreError> {
+        let mut wanted = BLOCK;
+        let end = loop {
+            self.fill(wanted)?;
+            let end =
+                if self.ended { self.rest.len() } else { whole_records(&self.rest, self.dialect) };
+            if end > 0 || self.ended {
+                break end;
+            }
+            if self.rest.len() > BLOCK + MOST_LINE {
+                return Err(long_line(&self.path, 1 + self.lines));
+            }
+            wanted += BLOCK;
+        };
+        if end == 0 {
+            return Ok(None);
+        }
+        let header_lines = count_lines(&self.header);
+        let dialect = Dialect { before: self.lines - header_lines, ..self.dialect };
+        let records = self.take(end);
+        Ok(Some(Block { text: [&self.header, records.as_slice()].concat(), dialect }))
+    }
+
+    /// BLAKE3 of all that was read, hexadecimal.
+    pub(super) fn blake3(&self) -> String {
+        self.hasher.finalize().to_hex().to_string()
+    }
+
+    /// Reads on until so many bytes are there, or the file ends.
+    fn fill(&mut self, wanted: usize) -> Result<(), StoreError> {
+        let missing = wanted.saturating_sub(self.rest.len());
+        if self.ended || missing == 0 {
+            return Ok(());
+        }
+        let from = self.rest.len();
+        let read = (&mut self.file).take(missing as u64).read_to_end(&mut self.rest);
+        let read = read.map_err(|e| StoreError::io(&self.path, "read", &e))?;
+        self.hasher.update(&self.rest[from..]);
+        self.ended = read < missing;
+        Ok(())
+    }
+
+    /// Takes the first bytes of what is there, and counts their lines.
+    fn take(&mut self, length: usize) -> Vec<u8> {
+        let rest = self.rest.split_off(length);
+        let taken = std::mem::replace(&mut self.rest, rest);
+        self.lines += count_lines(&taken);
+        taken
+    }
+}
+
+fn count_lines(text: &[u8]) -> u64 {
+    text.iter().filter(|b| **b == b'\n').count() as u64
+}
+
+/// Where the first record ends that is neither empty nor a comment, if it does.
+fn header_end(text: &[u8], dialect: Dialect) -> Option<usize> {
+    let mut begins = 0;
+    for ends in record_ends(text, dialect) {
+        let record = &text[begins..ends];
+        let is_comment = dialect.comment.is_some() && record.first().copied() == dialect.comment;
+        if !is_comment && !record.trim_ascii().is_empty() {
+            return Some(ends);
+        }
+        begins = ends;
+    }
+    None
+}
+
+/// BLAKE3 of a recording, hexadecimal.
+///
+/// # Errors
+/// It cannot be read.
+pub(super) fn blake3_of(path: &Path) -> Result<String, StoreError> {
+    let failed = |e: io::Error| StoreError::io(path, "read", &e);
+    let mut file = open_named(path).map_err(failed)?;
+    let mut hasher = blake3::Hasher::new();
+    let mut bytes = vec![0; BLOCK];
+    loop {
+        match file.read(&mut bytes).map_err(failed)? {
+            0 => return Ok(hasher.finalize().to_hex().to_string()),
+            n => hasher.update(&bytes[..n]),
+        };
+    }
+}

@@ -1,0 +1,717 @@
+//! The trials of a long text: read block by block, as many at a time as there are cores, and written as they are read, so that
+//! neither the text nor its columns are ever in memory whole. What they become is what a short recording becomes.
+
+use super::blocks::{Block, Blocks, is_long};
+use super::convert::Linear;
+use super::identity::{Identity, identity};
+use super::limits::{Budget, Take, check_sizes, check_time, too_many_for_a_trial};
+use super::mapping::{FileForm, Rule, Who};
+use super::plan::{Plan, Taken};
+use super::recording::{Recording, Rows, groups};
+use super::table::{Cell, ColumnRef};
+use super::{Context, Errors, all, csv};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use zwidth_store::{MOST_ROWS, Samples, Signal, StoreError, TrialWriter};
+use zwidth_study::ChannelId;
+
+/// Rows that are written at a time. Tests have many groups in few rows.
+const GROUP: usize = if cfg!(test) { 700 } else { TrialWriter::GROUP };
+
+/// A long text, and what is taken from it.
+pub(super) struct Source<'a> {
+    pub(super) path: &'a Path,
+    context: &'a Context<'a>,
+    who: &'a Who,
+    plan: &'a Plan<'a>,
+    form: FileForm,
+    groups: BTreeMap<String, String>,
+}
+
+/// A block, read.
+struct Parsed {
+    recording: Recording,
+    rows: Rows,
+    numeric: Vec<usize>,
+    labels: Vec<usize>,
+    /// Numbers in the kept rows, a column each.
+    values: Vec<Vec<f64>>,
+    /// Stretches of the kept rows that may be trials of their own, and whose they are.
+    stretches: Vec<(Range<usize>, Identity)>,
+    /// The labels' cells of the first and of the last kept row.
+    ends: [Vec<String>; 2],
+    /// Of the text.
+    bytes: u64,
+}
+
+/// Rows of one trial that follow each other in a block.
+pub(super) struct Stretch<'a> {
+    /// Whether they are the first of their trial.
+    pub(super) begins: bool,
+    pub(super) identity: &'a Identity,
+    parsed: &'a Parsed,
+    range: Range<usize>,
+    /// Rows of the file before the block.
+    before: usize,
+}
+
+/// The labels' cells of the row before, and its time where that parts trials.
+type Last = Option<(Vec<String>, Option<f64>)>;
+
+/// The names of a text's columns, and how many there are.
+type Shape = (Option<Vec<String>>, usize);
+
+/// What was read of a text.
+#[derive(Debug, Default)]
+pub(super) struct Walked {
+    pub(super) rows: Rows,
+    /// How many were kept.
+    pub(super) kept: usize,
+    pub(super) blake3: String,
+    /// The columns as the first block has them.
+    shape: Option<Shape>,
+}
+
+impl<'a> Source<'a> {
+    /// The text at `path`, if it is long.
+    ///
+    /// # Errors
+    /// A path that the pattern of the mapping does not match.
+    pub(super) fn of(
+        context: &'a Context<'a>,
+        (who, plan): (&'a Who, &'a Plan<'a>),
+        path: &'a Path,
+    ) -> Result<Option<Self>, StoreError> {
+        let form = &context.mapping.file;
+        if !is_long(path, form) {
+            return Ok(None);
+        }
+        let pattern = context.mapping.name.as_ref();
+        let groups =
+            pattern.map_or_else(|| Ok(BTreeMap::new()), |pattern| groups(path, pattern))?;
+        Ok(Some(Self { path, context, who, plan, form: form.clone(), groups }))
+    }
+
+    /// Whose the trials in it are, in order. Where no label comes from a column, and time does not part trials, it is one trial,
+    /// and the first rows tell.
+    ///
+    /// # Errors
+    /// What is wrong with the file, as far as it was read.
+    pub(super) fn identities(&self, budget: &Budget) -> Result<Vec<Identity>, Errors> {
+        let one = self.who.columns().is_empty() && !self.form.splits_at_time;
+        let mut found: Vec<Identity> = Vec::new();
+        let walked = self.walk(&|_| {}, &mut |stretch| {
+            if stretch.begins {
+                budget.trials(self.path, 1)?;
+                found.push(stretch.identity.clone());
+            }
+            Ok(!one)
+        })?;
+        if found.is_empty() {
+            return Err(self.empty(walked.rows.read).into());
+        }
+        Ok(found)
+    }
+
+    fn empty(&self, read: usize) -> StoreError {
+        let what = if read == 0 { "the file has 0 rows" } else { "no row has all mapped values" };
+        StoreError::new(self.path, what, "leave the file out of the import")
+    }
+
+    /// Goes through the text; `each` gets every stretch in order, and says whether to go on, `progress` how many bytes were read.
+    ///
+    /// # Errors
+    /// What is wrong with the first block in which anything is; what `each` says.
+    pub(super) fn walk(
+        &self,
+        progress: &(dyn Fn(u64) + Sync),
+        each: &mut (dyn FnMut(&Stretch) -> Result<bool, Errors> + Send),
+    ) -> Result<Walked, Errors> {
+        let dialect = self.form.dialect(self.form.format_of(self.path)?);
+        let mut blocks = Blocks::open(self.path, dialect)?;
+        let mut walked = Walked::default();
+        let mut last: Last = None;
+        let mut parsed = self.parse_some(&mut blocks);
+        while !parsed.is_empty() {
+            let mut go_on = true;
+            let (next, done) = rayon::join(
+                || self.parse_some(&mut blocks),
+                || -> Result<(), Errors> {
+                    for block in parsed {
+                        let block = block.map_err(|errors| later(errors, walked.rows.read))?;
+                        let state = (&mut walked, &mut last);
+                        go_on = go_on && self.pass(&block, state, progress, each)?;
+                    }
+                    Ok(())
+                },
+            );
+            done?;
+            if !go_on {
+                return Ok(walked);
+            }
+            parsed = next;
+        }
+        walked.blake3 = blocks.blake3();
+        if walked.kept == 0 {
+            return Err(self.empty(walked.rows.read).into());
+        }
+        Ok(walked)
+    }
+
+    /// Passes a block on; whether to go on.
+    fn pass(
+        &self,
+        parsed: &Parsed,
+        (walked, last): (&mut Walked, &mut Last),
+        progress: &(dyn Fn(u64) + Sync),
+        each: &mut (dyn FnMut(&Stretch) -> Result<bool, Errors> + Send),
+    ) -> Result<bool, Errors> {
+        let before = walked.rows.read;
+        // A header that is a cell short of its first record is mended: of every block or of none.
+        let table = &parsed.recording.table;
+        let shape = (table.names.clone(), table.columns.len());
+        let has_rows = parsed.rows.read > 0;
+        if has_rows && *walked.shape.get_or_insert_with(|| shape.clone()) != shape {
+            let what = "it has another number of cells than the rows before it";
+            let error = StoreError::new(self.path, what, "mend the row, or remove it");
+            return Err(error.row0(before).into());
+        }
+        walked.rows.read += parsed.rows.read;
+        walked.rows.missing += parsed.rows.missing;
+        walked.kept += parsed.rows.kept.len();
+        if walked.rows.read > MOST_ROWS {
+            return Err(too_many_for_a_trial(self.path).into());
+        }
+        progress(parsed.bytes);
+        let time = |row: Option<usize>| {
+            let times = parsed.values.first().filter(|_| self.form.splits_at_time)?;
+            times.get(row?).copied()
+        };
+        for (i, (range, identity)) in parsed.stretches.iter().enumerate() {
+            let continues = i == 0
+                && last.as_ref().is_some_and(|(labels, last_time)| {
+                    let falls = time(Some(range.start)).zip(*last_time).is_some_and(|(b, a)| b < a);
+                    *labels == parsed.ends[0] && !falls
+                });
+            let range = range.clone();
+            if !each(&Stretch { begins: !continues, identity, parsed, range, before })? {
+                return Ok(false);
+            }
+        }
+        if !parsed.rows.kept.is_empty() {
+            *last = Some((parsed.ends[1].clone(), time(parsed.rows.kept.len().checked_sub(1))));
+        }
+        Ok(true)
+    }
+
+    /// The next blocks, as many as there are cores.
+    fn parse_some(&self, blocks: &mut Blocks) -> Vec<Result<Parsed, Errors>> {
+        let mut read = Vec::new();
+        for _ in 0..rayon::current_num_threads().clamp(1, 8) {
+            match blocks.next() {
+                Ok(Some(block)) => read.push(Ok(block)),
+                Ok(None) => break,
+                Err(error) => {
+                    read.push(Err(Errors::from(error)));
+                    break;
+                }
+            }
+        }
+        read.into_par_iter().map(|block| self.parse(&block?)).collect()
+    }
+
+    fn parse(&self, block: &Block) -> Result<Parsed, Errors> {
+        let columns: Vec<&ColumnRef> = self.plan.columns().chain(self.who.columns()).collect();
+        let budget = Budget::default();
+        let take = Take { columns, pattern: None, budget: &budget };
+        let table = csv::read(self.path, &block.text, block.dialect, &take)?;
+        let recording =
+            Recording::part(self.path, table, self.form.decimal_comma, self.groups.clone());
+        let numeric = all(self.plan.columns().map(|column| recording.find(column)))?;
+        let labels = all(self.who.columns().into_iter().map(|c| recording.find(c)))?;
+        let rows = recording.rows_in(&self.form, &numeric, &labels)?;
+        let values = all(numeric.iter().map(|column| recording.numbers(*column, &rows.kept)))?;
+        let mut stretches = Vec::new();
+        let mut at = 0;
+        let time = numeric.first().copied().filter(|_| self.form.splits_at_time);
+        for stretch in recording.pieces(&rows.kept, &labels) {
+            let parts: Vec<&[usize]> = match time {
+                Some(time) => recording.restarts(stretch, time).collect(),
+                None => vec![stretch],
+            };
+            for part in parts {
+                let whose = identity(self.who, &recording, part[0], self.context.study)?;
+                stretches.push((at..at + part.len(), whose));
+                at += part.len();
+            }
+        }
+        let cells = |row: Option<&usize>| -> Vec<String> {
+            let cell = |row: usize, column: &usize| recording.table.columns[*column].cell(row);
+            // An empty cell and an empty text are not the same.
+            let text = |cell: Cell| format!("{}{cell}", u8::from(cell != Cell::Empty));
+            row.map_or_else(Vec::new, |row| labels.iter().map(|c| text(cell(*row, c))).collect())
+        };
+        let ends = [cells(rows.kept.first()), cells(rows.kept.last())];
+        let bytes = block.text.len() as u64;
+        Ok(Parsed { numeric, labels, values, stretches, ends, rows, recording, bytes })
+    }
+}
+
+impl Stretch<'_> {
+    /// What the report on the file is made from.
+    pub(super) fn recording(&self) -> (&Recording, Vec<usize>) {
+        (&self.parsed.recording, [&self.parsed.numeric[..], &self.parsed.labels].concat())
+    }
+}
+
+/// Errors whose rows are counted from the file's beginning.
+fn later(Errors(errors): Errors, rows: usize) -> Errors {
+    let later = |error: StoreError| StoreError { row: error.row.map(|row| row + rows), ..error };
+    Errors(errors.into_iter().map(later).collect())
+}
+
+/// Where a column of a trial goes.
+#[derive(Debug, Clone, PartialEq)]
+enum To {
+    Signal(Signal),
+    Channel(ChannelId),
+}
+
+/// A trial on its way from the blocks of a text to its file.
+pub(super) struct Growing<'a> {
+    plan: &'a Plan<'a>,
+    path: PathBuf,
+    /// Columns in the order of the plan, then the time from a rate, then those that are computed.
+    columns: Vec<(To, Vec<f64>)>,
+    /// The first raw value of each taken column.
+    firsts: Vec<f64>,
+    first_row: usize,
+    /// First and last time, s.
+    times: Option<[f64; 2]>,
+    /// Rows that were given to the writer and are kept because the next row's derivative needs them: the last one.
+    given: usize,
+    /// Rows given to the writer.
+    pub(super) rows: usize,
+}
+
+impl<'a> Growing<'a> {
+    pub(super) fn new(plan: &'a Plan<'a>, path: &Path) -> Self {
+        let signals = plan.taken.iter().map(|taken| To::Signal(taken.to));
+        let channels = plan.channels.iter().map(|channel| To::Channel(channel.to.clone()));
+        let rate = plan.rate_hz.map(|_| To::Signal(Signal::Time));
+        let derived = plan.derived.iter().map(|(to, _)| To::Signal(*to));
+        let all = signals.chain(channels).chain(rate).chain(derived);
+        Self {
+            plan,
+            path: path.to_owned(),
+            columns: all.map(|to| (to, Vec::new())).collect(),
+            firsts: Vec::new(),
+            first_row: 0,
+            times: None,
+            given: 0,
+            rows: 0,
+        }
+    }
+
+    /// Takes the next rows, and writes what is whole.
+    ///
+    /// # Errors
+    /// Numbers that no file of ours holds, by their column, row and line in the text; the disk's.
+    pub(super) fn add(
+        &mut self,
+        stretch: &Stretch,
+        writer: &mut TrialWriter,
+    ) -> Result<(), Errors> {
+        let raw = |i: usize| &stretch.parsed.values[i][stretch.range.clone()];
+        let rows = &stretch.parsed.rows.kept[stretch.range.clone()];
+        if self.firsts.is_empty() {
+            self.firsts = (0..stretch.parsed.values.len()).map(|i| raw(i)[0]).collect();
+            self.first_row = stretch.before + rows[0];
+        }
+        let lines = self.plan.taken.iter().map(|Taken { line, factor, .. }| (line, *factor));
+        let lines: Vec<(&Linear, f64)> =
+            lines.chain(self.plan.channels.iter().map(|c| (&c.line, 1.0))).collect();
+        let mut part = Samples::default();
+        for (i, (line, factor)) in lines.into_iter().enumerate() {
+            let mut values = raw(i).to_vec();
+            line.apply_from(&mut values, factor, self.firsts[i]);
+            set(&mut part, &self.columns[i].0, values);
+        }
+        if let Some(rate_hz) = self.plan.rate_hz {
+            #[allow(clippy::cast_precision_loss)] // a file has fewer than 2⁵³ rows
+            let time = |row: &usize| (stretch.before + row - self.first_row) as f64 / rate_hz;
+            part.set(Signal::Time, rows.iter().map(time).collect());
+        }
+        self.check(&part).map_err(|e| self.in_their_words(e, stretch))?;
+        let t = part.get(Signal::Time).unwrap_or_default();
+        let ends = |t: &[f64]| Some([*t.first()?, *t.last()?]);
+        self.times = match (self.times, ends(t)) {
+            (Some([first, _]), Some([_, last])) => Some([first, last]),
+            (None, ends) => ends,
+            (times, None) => times,
+        };
+        for (to, values) in &mut self.columns {
+            let new = match to {
+                To::Signal(signal) => part.get(*signal),
+                To::Channel(id) => part.channel(id),
+            };
+            values.extend_from_slice(new.unwrap_or_default());
+        }
+        self.write(writer, false)
+    }
+
+    /// Writes what is left.
+    ///
+    /// # Errors
+    /// Those of [`Growing::add`]; a derivative of one sample.
+    pub(super) fn end(&mut self, writer: &mut TrialWriter) -> Result<(), Errors> {
+        let derives = |(_, rule): &(Signal, Rule)| matches!(rule, Rule::DerivativeOf(_));
+        let held = self.column(Signal::Time).len();
+        if self.plan.derived.iter().any(derives) && self.rows == 0 && held < 2 {
+            let what = "a derivative needs at least 2 samples in a trial";
+            let remedy = "leave the file out, or remove derive from the mapping";
+            return Err(StoreError::new(&self.path, what, remedy).into());
+        }
+        self.write(writer, true)
+    }
+
+    /// Whether the next rows can be the trial's.
+    fn check(&self, part: &Samples) -> Result<(), StoreError> {
+        part.check(&self.path)?;
+        check_sizes(&self.path, part)?;
+        let (Some([first, last]), Some(t)) = (self.times, part.get(Signal::Time)) else {
+            return Ok(());
+        };
+        let error = |what: String, remedy: &str, row: usize| {
+            Err(StoreError::new(&self.path, what, remedy).column(Signal::Time.name()).row0(row))
+        };
+        if t.first().is_some_and(|t| *t <= last) {
+            let what = format!("time runs backwards or stands still: {} s after {last} s", t[0]);
+            return error(what, "sort or mend the recording", 0);
+        }
+        let with_first: Vec<f64> = std::iter::once(first).chain(t.iter().copied()).collect();
+        match check_time(&with_first) {
+            Ok(()) => Ok(()),
+            Err((row, what)) => {
+                error(what, "check the unit of the time, or leave the row out", row.max(1) - 1)
+            }
+        }
+    }
+
+    /// An error about our column and the row of a stretch, as one about their column, row and line.
+    fn in_their_words(&self, error: StoreError, stretch: &Stretch) -> StoreError {
+        let name = |to: &To| match to {
+            To::Signal(signal) => signal.name().to_owned(),
+            To::Channel(id) => id.as_str().to_owned(),
+        };
+        let parsed = stretch.parsed;
+        let ours = self.columns.iter().take(parsed.numeric.len());
+        let place = ours.map(|c| name(&c.0)).position(|n| Some(&n) == error.column.as_ref());
+        match (place, error.row) {
+            (Some(i), Some(row)) => {
+                // An error counts rows from 1.
+                let row = parsed.rows.kept[stretch.range.start + row - 1];
+                let error =
+                    parsed.recording.cell_error(parsed.numeric[i], row, &error.what, &error.remedy);
+                StoreError { row: error.row.map(|row| row + stretch.before), ..error }
+            }
+            _ => error,
+        }
+    }
+
+    fn column(&self, signal: Signal) -> &[f64] {
+        let found = self.columns.iter().find(|(to, _)| *to == To::Signal(signal));
+        found.map_or(&[], |(_, values)| values)
+    }
+
+    /// Computes what the rows at hand allow, and gives whole row groups to the writer; at the end all.
+    fn write(&mut self, writer: &mut TrialWriter, end: bool) -> Result<(), Errors> {
+        for (to, rule) in &self.plan.derived {
+            let more = self.derived(*to, *rule, end);
+            if let Some((_, values)) = self.columns.iter_mut().find(|c| c.0 == To::Signal(*to)) {
+                values.extend(more);
+            }
+        }
+        let ready = self.columns.iter().map(|(_, values)| values.len()).min().unwrap_or(0);
+        let mut from = self.given;
+        while ready - from >= GROUP || (end && ready > from) {
+            let to = ready.min(from + GROUP);
+            let mut group = Samples::default();
+            for (column, values) in &self.columns {
+                set(&mut group, column, values[from..to].to_vec());
+            }
+            check_sizes(&self.path, &group)?;
+            writer.add(&group)?;
+            self.rows += to - from;
+            from = to;
+        }
+        // The last row given stays: the next one's derivative looks back to it.
+        let gone = from.saturating_sub(1);
+        if from > self.given {
+            self.columns.iter_mut().for_each(|(_, values)| drop(values.drain(..gone)));
+            self.given = from - gone;
+        }
+        Ok(())
+    }
+
+    /// The next values of a computed column, with the arithmetic of `convert::derivative` and `convert::integral`.
+    fn derived(&self, to: Signal, rule: Rule, end: bool) -> Vec<f64> {
+        let (Rule::DerivativeOf(of) | Rule::IntegralOf(of)) = rule;
+        let (t, x, have) = (self.column(Signal::Time), self.column(of), self.column(to));
+        let n = t.len().min(x.len());
+        // Whether the first row at hand is the trial's first.
+        let from_start = self.rows == self.given;
+        let step = |i: usize| (x[i + 1] - x[i]) / (t[i + 1] - t[i]);
+        match rule {
+            Rule::DerivativeOf(_) => {
+                let until = if end { n } else { n.saturating_sub(1) };
+                let value = |i: usize| match i {
+                    0 if from_start => step(0),
+                    _ if i + 1 == n => step(i - 1),
+                    _ => {
+                        let (h, k) = (t[i] - t[i - 1], t[i + 1] - t[i]);
+                        (h * h * x[i + 1] + (k * k - h * h) * x[i] - k * k * x[i - 1])
+                            / (h * k * (h + k))
+                    }
+                };
+                (have.len()..until).map(value).collect()
+            }
+            Rule::IntegralOf(_) => {
+                let mut sum = have.last().copied().unwrap_or(0.0);
+                let mut next = |i: usize| {
+                    if i > 0 {
+                        sum += 0.5 * (x[i] + x[i - 1]) * (t[i] - t[i - 1]);
+                    }
+                    sum
+                };
+                (have.len()..n).map(&mut next).collect()
+            }
+        }
+    }
+}
+
+fn set(samples: &mut Samples, to: &To, values: Vec<f64>) {
+    match to {
+        To::Signal(signal) => samples.set(*signal, values),
+        To::Channel(id) => samples.set_channel(id.clone(), values),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::{ONE, World, trials_map};
+    use super::super::{FileReport, Report};
+    use std::fmt::Write as _;
+    use std::path::PathBuf;
+    use zwidth_store::{StoreError, StudyData, Trial, read_channels};
+
+    const MOVED: &str = "
+[time]
+from = \"t\"
+unit = \"ms\"
+zero = \"first\"
+[[column]]
+to = \"theta_rad\"
+from = \"x\"
+unit = \"deg\"
+sign = -1
+zero = \"first\"
+[[column]]
+to = \"theta_dot_rad_s\"
+derive = \"derivative of theta_rad\"
+[[column]]
+to = \"theta_ddot_rad_s2\"
+derive = \"derivative of theta_dot_rad_s\"
+[[column]]
+to = \"force_ex_n\"
+from = \"f\"
+unit = \"N\"
+";
+    const INTEGRATED: &str = "
+[time]
+from = \"t\"
+unit = \"ms\"
+[[column]]
+to = \"theta_dot_rad_s\"
+from = \"x\"
+unit = \"deg/s\"
+[[column]]
+to = \"theta_rad\"
+derive = \"integral of theta_dot_rad_s\"
+";
+
+    /// A text of `rows` rows; `row` gives what stands behind time, angle and force.
+    fn text(header: &str, rows: usize, row: impl Fn(usize) -> String) -> String {
+        let mut text = format!("{header}\n");
+        for i in 0..rows {
+            #[allow(clippy::cast_precision_loss)]
+            let t = i as f64;
+            let (x, f) = (20.0 * libm::sin(t * 0.011), libm::cos(t * 0.013));
+            let _ = writeln!(text, "{},{x},{f}{}", 100.0 + t, row(i));
+        }
+        text
+    }
+
+    type Imported = Result<Report, Vec<StoreError>>;
+
+    /// The same import whole and block by block, each into a study of its own.
+    fn both(map: &str, content: &str) -> [(World, Imported); 2] {
+        [false, true].map(|streamed| {
+            let world = World::new();
+            let files = [world.file("a.csv", content)];
+            let imported = match streamed {
+                true => world.import_streamed(map, &files),
+                false => world.import(map, &files),
+            };
+            (world, imported)
+        })
+    }
+
+    fn trials(world: &World) -> Vec<Trial> {
+        // `verify` has something to say of such a recording, of both ways the same.
+        let data = StudyData::load(&world.layout).unwrap();
+        let channels: Vec<_> = data.study.channels.iter().map(|c| c.id.clone()).collect();
+        let read = |path: &PathBuf| {
+            let mut trial = zwidth_store::read_trial(path, zwidth_store::Signal::all()).unwrap();
+            for (id, values) in read_channels(path, &channels).unwrap().samples.channels() {
+                trial.samples.set_channel(id.clone(), values.to_vec());
+            }
+            trial
+        };
+        data.trials.iter().map(|entry| read(&entry.path)).collect()
+    }
+
+    /// Both ways give the same trials, bit for bit, and the same report.
+    #[track_caller]
+    fn alike(map: &str, content: &str, trials_made: usize) {
+        let [(whole, of_whole), (streamed, of_streamed)] = both(map, content);
+        let report = |imported: Imported| -> Vec<FileReport> {
+            let files = imported.unwrap().files.into_iter();
+            files.map(|file| FileReport { file: String::new(), ..file }).collect()
+        };
+        assert_eq!(report(of_whole), report(of_streamed));
+        let (expect, found) = (trials(&whole), trials(&streamed));
+        assert_eq!(expect.len(), trials_made);
+        // Formatted numbers tell -0 from 0, and what a file says of itself is compared too.
+        assert_eq!(format!("{expect:?}"), format!("{found:?}"));
+    }
+
+    #[test]
+    fn a_long_text_becomes_the_same_trial_as_one_that_is_read_whole() {
+        alike(&trials_map(&[ONE, MOVED]), &text("t,x,f", 3000, |_| String::new()), 1);
+        let rated =
+            MOVED.replace("from = \"t\"\nunit = \"ms\"\nzero = \"first\"", "rate_hz = 500.0");
+        alike(&trials_map(&[ONE, &rated]), &text("t,x,f", 2100, |_| String::new()), 1);
+        alike(&trials_map(&[ONE, INTEGRATED]), &text("t,x,f", 2100, |_| String::new()), 1);
+        let spaced = text("t,x,f", 900, |_| String::new()).replace(',', "   ");
+        let map = trials_map(&["[file]\nformat = \"txt\"\n", ONE, MOVED]);
+        alike(&map, &spaced, 1);
+    }
+
+    #[test]
+    fn labels_restarts_and_dropped_rows_part_a_long_text_as_a_short_one() {
+        let labels = "
+[trial]
+participant = \"P01\"
+session = \"S01\"
+environment = \"spring\"
+mode = { column = \"m\" }
+";
+        let modes = ["active", "passive", "hybrid"];
+        let mode = |i: usize| format!(",{}", modes[i / 1000]);
+        let map = trials_map(&["[file]\nmissing = \"drop\"\n", labels, MOVED]);
+        let content = text("t,x,f,m", 2500, mode);
+        let mut lines: Vec<&str> = content.lines().collect();
+        for (line, without_angle) in
+            [(1, "100,,1,active"), (1000, "1099,,1,active"), (2001, "2100,nan,1,hybrid")]
+        {
+            lines[line] = without_angle;
+        }
+        alike(&map, &lines.join("\n"), 3);
+        let restarts = text("t,x,f", 1300, |_| String::new());
+        let again = restarts.split_once('\n').unwrap().1;
+        let map = trials_map(&["[file]\nsplit = \"time\"\n", ONE, MOVED]);
+        alike(&map, &format!("{restarts}{again}{again}"), 3);
+    }
+
+    #[test]
+    fn a_header_after_skipped_lines_quotes_and_another_encoding_are_read_block_by_block_too() {
+        let content = text("\"t\",\"x\",f,n\u{f6}te", 1500, |i| format!(",\"a, {i}\n\u{e9}\""));
+        let map = trials_map(&[
+            "[file]\nskip = 2\nencoding = \"latin-1\"\ncomment = \"#\"\n",
+            ONE,
+            MOVED,
+        ]);
+        let latin: Vec<u8> =
+            format!("rig\nof 2026\n# a remark\n{content}").chars().map(|c| c as u8).collect();
+        let world = World::new();
+        let files = [world.file("a.csv", &latin)];
+        world.import_streamed(&map, &files).unwrap();
+        let other = World::new();
+        other.import(&map, &[other.file("a.csv", &latin)]).unwrap();
+        assert_eq!(format!("{:?}", trials(&world)), format!("{:?}", trials(&other)));
+    }
+
+    #[test]
+    fn what_is_wrong_far_down_a_long_text_is_told_as_in_a_short_one_and_nothing_stays() {
+        let map = trials_map(&[ONE, MOVED]);
+        let good = text("t,x,f", 3000, |_| String::new());
+        let cell = |line: usize, to: &str| {
+            let mut lines: Vec<String> = good.lines().map(str::to_owned).collect();
+            lines[line] = to.to_owned();
+            lines.join("\n") + "\n"
+        };
+        for bad in [
+            cell(2500, "2599,x,1"),
+            cell(2500, "2599,1"),
+            cell(2500, "1,1,1"),
+            cell(2500, "2599,,1"),
+            cell(2700, "2799,9e9,1"),
+        ] {
+            let [(_, whole), (streamed, found)] = both(&map, &bad);
+            let words = |imported: Imported| -> Vec<(Option<String>, Option<usize>, String)> {
+                imported.unwrap_err().into_iter().map(|e| (e.column, e.row, e.what)).collect()
+            };
+            assert_eq!(words(whole), words(found));
+            assert_eq!(streamed.written(), ["study.toml"]);
+        }
+    }
+
+    #[test]
+    fn a_header_that_is_a_cell_short_or_has_a_lone_quote_is_read_as_in_a_short_text() {
+        let map = trials_map(&["[file]\ncomment = \"#\"\n", ONE, MOVED]);
+        alike(&map, &text("t,x,f", 1500, |_| ",".to_owned()), 1);
+        alike(&map, &text("t,x,f,wheel of 5\"", 1500, |_| ",1".to_owned()), 1);
+        let remarks = "# a remark\n".repeat(1000);
+        alike(&map, &(text("t,x,f", 1500, |_| ",".to_owned()) + &remarks), 1);
+        let old = text("t,x,f", 1500, |_| String::new()).replace('\n', "\r");
+        alike(&trials_map(&[ONE, MOVED]), &old, 1);
+    }
+
+    #[test]
+    fn a_last_row_with_a_cell_too_many_is_refused_wherever_blocks_end() {
+        let map = trials_map(&[ONE, MOVED]);
+        // Of some length the row is a block of its own.
+        for rows in 400..520 {
+            let content = text("t,x,f", rows, |_| String::new()) + "9999,1,1,1\n";
+            let world = World::new();
+            let errors = world.import_streamed(&map, &[world.file("a.csv", content)]).unwrap_err();
+            assert!(errors[0].what.contains("cells"), "{errors:?}");
+        }
+    }
+
+    #[test]
+    fn a_long_text_that_is_there_already_is_refused() {
+        let world = World::new();
+        let map = trials_map(&[ONE, MOVED]);
+        let file = world.file("a.csv", text("t,x,f", 800, |_| String::new()));
+        world.import_streamed(&map, std::slice::from_ref(&file)).unwrap();
+        let before = world.written();
+        let other = map.replace("S01", "S02");
+        let errors = world.import_streamed(&other, &[file]).unwrap_err();
+        assert!(errors[0].what.contains("imported before"), "{errors:?}");
+        assert_eq!(world.written(), before);
+    }
+}

@@ -1,0 +1,146 @@
+//! What a file holds: in memory where it is small, else on the disk, of which a part is read where it is asked for. So a long
+//! recording is never in memory whole.
+
+use bytes::Bytes;
+use parquet::errors::ParquetError;
+use parquet::file::reader::{ChunkReader, Length};
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek as _, SeekFrom};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Files of up to so many bytes are read whole (16 MiB): most trials are far smaller.
+pub(crate) const WHOLE: u64 = 1 << 24;
+/// Bytes that are read at a time to hash a file.
+const HASHED_AT_ONCE: usize = 1 << 20;
+
+/// What a file holds.
+#[derive(Debug, Clone)]
+pub struct Content(Kept);
+
+#[derive(Debug, Clone)]
+enum Kept {
+    Memory(Bytes),
+    Disk { file: Arc<Mutex<File>>, length: u64 },
+}
+
+impl Content {
+    /// What was read already.
+    pub fn of(bytes: Vec<u8>) -> Self {
+        Self(Kept::Memory(Bytes::from(bytes)))
+    }
+
+    /// An open file of `length` bytes, of which none is read yet.
+    pub(crate) fn on_disk(file: File, length: u64) -> Self {
+        Self(Kept::Disk { file: Arc::new(Mutex::new(file)), length })
+    }
+
+    /// How many bytes.
+    pub(crate) fn length(&self) -> u64 {
+        match &self.0 {
+            Kept::Memory(bytes) => bytes.len() as u64,
+            Kept::Disk { length, .. } => *length,
+        }
+    }
+
+    /// The bytes from `from` on, `length` of them.
+    ///
+    /// # Errors
+    /// There are fewer, or they cannot be read.
+    pub(crate) fn range(&self, from: u64, length: usize) -> io::Result<Bytes> {
+        let within = from.checked_add(length as u64).is_some_and(|to| to <= self.length());
+        if !within {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        match &self.0 {
+            Kept::Memory(bytes) => {
+                let from = usize::try_from(from).map_err(|_| io::ErrorKind::UnexpectedEof)?;
+                Ok(bytes.slice(from..from + length))
+            }
+            Kept::Disk { file, .. } => {
+                // Its length was looked at: what is claimed beyond it takes no memory.
+                let mut bytes = vec![0; length];
+                let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
+                file.seek(SeekFrom::Start(from))?;
+                file.read_exact(&mut bytes)?;
+                Ok(Bytes::from(bytes))
+            }
+        }
+    }
+
+    /// BLAKE3 of all, hexadecimal.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub(crate) fn blake3(&self) -> io::Result<String> {
+        let mut hasher = blake3::Hasher::new();
+        let mut at = 0;
+        while at < self.length() {
+            let left = usize::try_from(self.length() - at).unwrap_or(usize::MAX);
+            let bytes = self.range(at, left.min(HASHED_AT_ONCE))?;
+            hasher.update(&bytes);
+            at += bytes.len() as u64;
+        }
+        Ok(hasher.finalize().to_hex().to_string())
+    }
+}
+
+impl Length for Content {
+    fn len(&self) -> u64 {
+        self.length()
+    }
+}
+
+impl ChunkReader for Content {
+    type T = BufReader<Part>;
+
+    fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
+        Ok(BufReader::new(Part { content: self.clone(), at: start }))
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
+        Ok(self.range(start, length)?)
+    }
+}
+
+/// What follows a place in a file.
+#[derive(Debug)]
+pub struct Part {
+    content: Content,
+    at: u64,
+}
+
+impl Read for Part {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let left = self.content.length().saturating_sub(self.at);
+        let length = usize::try_from(left).unwrap_or(usize::MAX).min(buffer.len());
+        buffer[..length].copy_from_slice(&self.content.range(self.at, length)?);
+        self.at += length as u64;
+        Ok(length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_on_the_disk_gives_the_same_bytes_and_hash_as_one_in_memory() {
+        let bytes: Vec<u8> = (0..3_000_000_u32).map(|i| (i % 251) as u8).collect();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x");
+        std::fs::write(&path, &bytes).unwrap();
+        let disk = Content::on_disk(File::open(&path).unwrap(), bytes.len() as u64);
+        let memory = Content::of(bytes.clone());
+        assert_eq!(disk.blake3().unwrap(), memory.blake3().unwrap());
+        assert_eq!(disk.blake3().unwrap(), crate::hex_blake3(&bytes));
+        for (from, length) in [(0, 10), (2_999_990, 10), (1_234_567, 0)] {
+            assert_eq!(disk.range(from, length).unwrap(), memory.range(from, length).unwrap());
+        }
+        for content in [&disk, &memory] {
+            assert!(content.range(2_999_990, 11).is_err() && content.range(u64::MAX, 2).is_err());
+            let mut read = Vec::new();
+            content.get_read(2_000_000).unwrap().read_to_end(&mut read).unwrap();
+            assert_eq!(read, bytes[2_000_000..]);
+        }
+    }
+}

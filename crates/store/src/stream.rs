@@ -1,0 +1,306 @@
+//! A long trial, written row group by row group beside its place, so that it is never in memory whole; published whole, or not at
+//! all.
+
+use crate::atomic::{create_folders, folder_of, temporary};
+use crate::digest::ColumnDigest;
+use crate::encode::{GROUP_ROWS, recorded};
+use crate::read::OpenColumns;
+use crate::trial::backwards;
+use crate::write::{DIGEST, cannot_encode, entries, footer, trial_batch};
+use crate::{Append, Asked, Files, Samples, Signal, Storage, StoreError, TrialFile, check_samples};
+use parquet::arrow::ArrowWriter;
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use zwidth_study::{Schema, TrialForm, TrialMeta};
+
+/// Bytes that are synced at a time.
+const SYNCED_AT_ONCE: usize = 1 << 23;
+
+/// Writes a trial's file of a form, a row group at a time.
+pub struct TrialWriter {
+    /// Where it will lie, for errors.
+    path: PathBuf,
+    beside: PathBuf,
+    writer: ArrowWriter<Out>,
+    meta: TrialMeta,
+    file: TrialFile,
+    form: TrialForm,
+    /// Of each column that the trial has: all row groups have the same ones.
+    digests: BTreeMap<String, ColumnDigest>,
+    rows: usize,
+    last_s: Option<f64>,
+}
+
+/// A trial that is written and synced, under a name that readers pass by.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Staged {
+    beside: PathBuf,
+    /// BLAKE3 of the file, hexadecimal.
+    pub blake3: String,
+}
+
+impl TrialWriter {
+    /// Rows of each group but the last.
+    pub const GROUP: usize = GROUP_ROWS;
+
+    /// Begins the file of a trial that will lie at `path`; `near` names a file in a folder of the same disk that is there, beside
+    /// which it is written.
+    ///
+    /// # Errors
+    /// A form of the first schema, which has one row group a file; the disk's.
+    pub fn begin(
+        files: &dyn Files,
+        (near, path): (&Path, &Path),
+        (meta, file): (TrialMeta, TrialFile),
+        form: &TrialForm,
+    ) -> Result<Self, StoreError> {
+        if form.schema == Schema::One {
+            let what = "a study of schema 1 holds no recording of that length";
+            let remedy = "begin a new study, of schema 2";
+            return Err(StoreError::new(path, what, remedy));
+        }
+        let beside = temporary(near);
+        let batch = trial_batch(&meta, &Samples::default(), form, path)?;
+        let properties = recorded(&batch.schema(), Vec::new(), Some(GROUP_ROWS))
+            .map_err(|e| cannot_encode(path, &e))?;
+        if files.kind(&beside).is_some() {
+            files.remove(&beside).map_err(|e| StoreError::io(&beside, "remove", &e))?;
+        }
+        let file_out = files.open_append(&beside).map_err(|e| StoreError::io(path, "write", &e))?;
+        let writer = ArrowWriter::try_new(Out::new(file_out), batch.schema(), Some(properties))
+            .map_err(|e| cannot_encode(path, &e))?;
+        Ok(Self {
+            path: path.to_owned(),
+            beside,
+            writer,
+            meta,
+            file,
+            form: form.clone(),
+            digests: BTreeMap::new(),
+            rows: 0,
+            last_s: None,
+        })
+    }
+
+    /// Adds the next rows: [`TrialWriter::GROUP`] of them, or what is left.
+    ///
+    /// # Errors
+    /// Samples that break a promise of the schema, with column and row of the whole trial; columns that the rows before did not have;
+    /// the disk's.
+    pub fn add(&mut self, samples: &Samples) -> Result<(), StoreError> {
+        let before = self.rows;
+        samples.check(&self.path).map_err(|error| later(error, before))?;
+        let t = samples.get(Signal::Time).unwrap_or_default();
+        if let (Some(last_s), Some(first_s)) = (self.last_s, t.first().filter(|_| before > 0))
+            && *first_s <= last_s
+        {
+            return Err(backwards(&self.path, last_s, *first_s).row0(before));
+        }
+        self.last_s = t.last().copied();
+        let known = |name: &str| self.digests.contains_key(&format!("{DIGEST}{name}"));
+        let same = named(samples, &self.form).all(|(name, ..)| known(name))
+            && named(samples, &self.form).count() == self.digests.len();
+        if before > 0 && !same {
+            let what = "some of its rows have other columns than the rest";
+            return Err(StoreError::new(&self.path, what, "leave that column out"));
+        }
+        for (name, storage, values) in named(samples, &self.form) {
+            let new = || ColumnDigest::new(storage);
+            self.digests.entry(format!("{DIGEST}{name}")).or_insert_with(new).add(values);
+        }
+        let batch = trial_batch(&self.meta, samples, &self.form, &self.path)?;
+        self.rows += samples.len();
+        let written = self.writer.write(&batch);
+        written.map_err(|e| self.writer.inner_mut().error(&self.path, &e))
+    }
+
+    /// Removes what was written; what cannot be removed, the next import sweeps up.
+    pub fn discard(self, files: &dyn Files) {
+        // The file is closed first: an open one stays on some systems.
+        let beside = self.beside.clone();
+        drop(self);
+        let _ = files.remove(&beside);
+    }
+
+    /// Ends the file: it is whole and synced, and not in its place yet.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn end(mut self) -> Result<Staged, StoreError> {
+        let mut footer = footer(&self.meta, &self.file, &self.form);
+        footer.extend(self.digests.iter().map(|(key, digest)| (key.clone(), digest.end())));
+        let empty = trial_batch(&self.meta, &Samples::default(), &self.form, &self.path)?;
+        for entry in entries(&empty.schema(), footer) {
+            self.writer.append_key_value_metadata(entry);
+        }
+        let written = self.writer.finish().map(drop);
+        written.map_err(|e| self.writer.inner_mut().error(&self.path, &e))?;
+        let out = self.writer.inner_mut();
+        out.sync().map_err(|e| StoreError::io(&self.path, "write", &e))?;
+        Ok(Staged { beside: self.beside, blake3: out.hasher.finalize().to_hex().to_string() })
+    }
+}
+
+impl Staged {
+    /// What its samples say against their trial, as [`crate::check_samples`] finds it; no more than two columns are in memory at a
+    /// time.
+    ///
+    /// # Errors
+    /// It cannot be read again.
+    pub fn check(&self, files: &dyn Files, asked: &Asked) -> Result<Vec<StoreError>, StoreError> {
+        let columns = OpenColumns::open(files, &self.beside)?;
+        Ok(check_samples(asked, Path::new(""), &columns))
+    }
+
+    /// Gives the trial its place.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn publish(&self, files: &dyn Files, path: &Path) -> Result<(), StoreError> {
+        let folder = folder_of(path);
+        create_folders(files, folder)
+            .map_err(|e| StoreError::io(folder, "create the folder", &e))?;
+        files
+            .rename(&self.beside, path)
+            .and_then(|()| files.sync_folder(folder))
+            .map_err(|e| StoreError::io(path, "write", &e))
+    }
+
+    /// Removes what was written, where it is not in its place; what cannot be removed, the next import sweeps up.
+    pub fn discard(&self, files: &dyn Files) {
+        if files.kind(&self.beside).is_some() {
+            let _ = files.remove(&self.beside);
+        }
+    }
+}
+
+/// An error whose row is counted from the trial's beginning.
+fn later(error: StoreError, rows: usize) -> StoreError {
+    StoreError { row: error.row.map(|row| row + rows), ..error }
+}
+
+/// The columns that samples have, by the names and storage that they have in a file of this form.
+fn named<'a>(
+    samples: &'a Samples,
+    form: &'a TrialForm,
+) -> impl Iterator<Item = (&'a str, Storage, &'a [f64])> {
+    let signals = Signal::all().filter_map(|signal| {
+        let column = signal.column();
+        Some((column.name_in(form.schema), column.storage, samples.get(signal)?))
+    });
+    signals.chain(samples.channels().map(|(id, values)| (id.as_str(), Storage::F64, values)))
+}
+
+/// A file that is written and hashed as it grows.
+struct Out {
+    file: Box<dyn Append>,
+    pending: Vec<u8>,
+    hasher: blake3::Hasher,
+    /// Why it could not be written, once it could not.
+    failed: Option<io::Error>,
+}
+
+impl Out {
+    fn new(file: Box<dyn Append>) -> Self {
+        Self { file, pending: Vec::new(), hasher: blake3::Hasher::new(), failed: None }
+    }
+
+    fn sync(&mut self) -> io::Result<()> {
+        self.file.append_synced(&self.pending)?;
+        self.hasher.update(&self.pending);
+        self.pending.clear();
+        Ok(())
+    }
+
+    /// The disk's error where that was it, else the encoder's.
+    fn error(&mut self, path: &Path, encoder: &parquet::errors::ParquetError) -> StoreError {
+        match self.failed.take() {
+            Some(disk) => StoreError::io(path, "write", &disk),
+            None => cannot_encode(path, encoder),
+        }
+    }
+}
+
+impl Write for Out {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.pending.extend_from_slice(bytes);
+        if self.pending.len() >= SYNCED_AT_ONCE
+            && let Err(error) = self.sync()
+        {
+            let kind = error.kind();
+            self.failed = Some(error);
+            return Err(kind.into());
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read::tests::{sample_trial, written};
+    use crate::{Layout, RealFiles, Trial, read_footer, read_trial};
+
+    fn part(trial: &Trial, rows: std::ops::Range<usize>) -> Samples {
+        let mut part = Samples::default();
+        for signal in Signal::all() {
+            if let Some(values) = trial.samples.get(signal) {
+                part.set(signal, values[rows.clone()].to_vec());
+            }
+        }
+        part
+    }
+
+    fn begun(folder: &Path, trial: &Trial) -> (TrialWriter, PathBuf) {
+        let layout = Layout::new(folder, "demo".parse().unwrap());
+        std::fs::create_dir_all(layout.raw()).unwrap();
+        let path = layout.trial(&trial.meta.participant, &trial.meta.session, trial.meta.trial);
+        let form = TrialForm { likert: true, ..TrialForm::default() };
+        let near = layout.raw().join("trial.parquet");
+        let of = (trial.meta.clone(), trial.file.clone());
+        (TrialWriter::begin(&RealFiles, (&near, &path), of, &form).unwrap(), path)
+    }
+
+    #[test]
+    fn a_trial_written_in_parts_is_the_trial_written_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let trial = sample_trial();
+        let (mut writer, path) = begun(folder.path(), &trial);
+        writer.add(&part(&trial, 0..150)).unwrap();
+        writer.add(&part(&trial, 150..200)).unwrap();
+        let staged = writer.end().unwrap();
+        assert!(!path.exists() && crate::is_unfinished(&staged.beside));
+        assert_eq!(crate::file_blake3(&staged.beside).unwrap(), staged.blake3);
+        staged.publish(&RealFiles, &path).unwrap();
+        // As it comes back from a file: some columns are stored in 32 bits.
+        let other = tempfile::tempdir().unwrap();
+        let (_, whole) = written(other.path());
+        let [found, expect] =
+            [path.as_path(), &whole].map(|p| read_trial(p, Signal::all()).unwrap());
+        assert_eq!(found, expect);
+        let footer = read_footer(&path).unwrap();
+        assert_eq!((footer.rows, footer.blake3), (200, staged.blake3));
+    }
+
+    #[test]
+    fn what_breaks_a_promise_is_told_with_the_row_of_the_whole_trial_and_can_be_taken_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let trial = sample_trial();
+        let (mut writer, _) = begun(folder.path(), &trial);
+        writer.add(&part(&trial, 0..150)).unwrap();
+        let error = writer.add(&part(&trial, 100..200)).unwrap_err();
+        assert!(error.row == Some(151) && error.what.contains("runs backwards"), "{error}");
+        let mut bad = part(&trial, 150..200);
+        bad.set(Signal::Theta, vec![f64::NAN; 50]);
+        let error = writer.add(&bad).unwrap_err();
+        assert!(error.row == Some(151) && error.column.as_deref() == Some("theta_rad"), "{error}");
+        let mut fewer = Samples::default();
+        fewer.set(Signal::Time, vec![1e3]);
+        assert!(writer.add(&fewer).unwrap_err().what.contains("other columns"));
+    }
+}

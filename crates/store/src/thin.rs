@@ -1,0 +1,106 @@
+//! A long trial as it is drawn: with fewer samples, among them the extremes of every stretch, so that it looks as it does with
+//! all. No more than one of its columns is in memory at a time.
+
+use crate::read::{OpenColumns, read_trial};
+use crate::verify::{LONG, check_samples};
+use crate::{Asked, RealFiles, Samples, Signal, StoreError, Trial};
+use std::path::Path;
+
+/// Reads a trial with these signals and its time; one of more than `most` samples with at most so many of them: the first and
+/// last of all, and of each of equally long stretches the first and, of each signal, the smallest and the largest. With it whether samples were left out.
+///
+/// # Errors
+/// Those of [`read_trial`].
+pub fn read_thinned(
+    path: &Path,
+    signals: impl IntoIterator<Item = Signal>,
+    most: usize,
+) -> Result<(Trial, bool), StoreError> {
+    let open = OpenColumns::open(&RealFiles, path)?;
+    let mut signals: Vec<Signal> = signals.into_iter().filter(|s| *s != Signal::Time).collect();
+    signals.sort();
+    signals.dedup();
+    if open.rows() <= most {
+        return Ok((read_trial(path, signals)?, false));
+    }
+    let (meta, file) = open.said()?;
+    let rows = thinned(open.rows(), &signals, most, |signal| open.signal(signal))?;
+    let mut samples = Samples::default();
+    for signal in signals.into_iter().chain([Signal::Time]) {
+        if let Some(values) = open.signal(signal)? {
+            samples.set(signal, rows.iter().map(|row| values[*row]).collect());
+        }
+    }
+    samples.check(path)?;
+    Ok((Trial { meta, file, samples }, true))
+}
+
+/// What the samples of the trial at `path` say against it, as [`check_samples`] finds it; of a long one no more than two columns
+/// are in memory at a time.
+///
+/// # Errors
+/// A file that cannot be opened.
+pub fn check_trial(path: &Path, asked: &Asked) -> Result<Vec<StoreError>, StoreError> {
+    let open = OpenColumns::open(&RealFiles, path)?;
+    // Of a short one each column is decoded once.
+    if open.rows() <= LONG {
+        return Ok(check_samples(asked, Path::new(""), &read_trial(path, Signal::all())?.samples));
+    }
+    Ok(check_samples(asked, Path::new(""), &open))
+}
+
+/// The samples that stand for all of `rows`, in order.
+fn thinned(
+    rows: usize,
+    signals: &[Signal],
+    most: usize,
+    column: impl Fn(Signal) -> Result<Option<Vec<f64>>, StoreError>,
+) -> Result<Vec<usize>, StoreError> {
+    let of_each = 1 + 2 * signals.len();
+    let stretches = (most.saturating_sub(1) / of_each).max(1);
+    let length = rows.div_ceil(stretches);
+    let mut kept: Vec<usize> = (0..rows).step_by(length).chain(rows.checked_sub(1)).collect();
+    for signal in signals {
+        let Some(values) = column(*signal)? else { continue };
+        for (i, stretch) in values.chunks(length).enumerate() {
+            let at = |better: fn(f64, f64) -> bool| {
+                let best = |best: usize, j: usize| {
+                    if better(stretch[j], stretch[best]) { j } else { best }
+                };
+                i * length + (0..stretch.len()).fold(0, best)
+            };
+            kept.extend([at(|a, b| a < b), at(|a, b| a > b)]);
+        }
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    Ok(kept)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read::tests::written;
+
+    #[test]
+    fn a_trial_that_is_not_long_is_read_as_it_is_and_a_long_one_keeps_its_extremes() {
+        let folder = tempfile::tempdir().unwrap();
+        let (trial, path) = written(folder.path());
+        let signals = [Signal::Theta, Signal::StateBits];
+        let whole = (read_trial(&path, signals).unwrap(), false);
+        assert_eq!(read_thinned(&path, signals, 200).unwrap(), whole);
+        let (few, thinned) = read_thinned(&path, signals, 60).unwrap();
+        assert!(thinned);
+        let of = |trial: &Trial, signal| trial.samples.get(signal).unwrap().to_vec();
+        let (all, kept) = (of(&trial, Signal::Theta), of(&few, Signal::Theta));
+        // Of 11 stretches the first sample and the angle's other extreme, in one the first with the bit; in the last these are its
+        // ends, of which one is the trial's.
+        assert_eq!(few.samples.len(), 23);
+        let most = |v: &[f64]| v.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        assert_eq!(most(&all).to_bits(), most(&kept).to_bits());
+        let t = of(&few, Signal::Time);
+        assert_eq!((t.first(), t.last()), (Some(&0.0), Some(&(199.0 * 0.0083))));
+        let row = of(&trial, Signal::Time).iter().position(|at| *at == t[7]).unwrap();
+        assert_eq!(kept[7].to_bits(), all[row].to_bits(), "each sample is one that was recorded");
+    }
+}
