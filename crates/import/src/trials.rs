@@ -99,13 +99,16 @@ pub(super) fn trials(
     Ok(batch)
 }
 
-/// What became of the files, in their order: of a long text whose its trials are, and no report yet.
+/// The trials of a file, and the report on it; of a long text whose its trials are, and no report yet.
+type FileTrials = (Vec<Piece>, Option<FileReport>);
+
+/// What became of the files, in their order.
 fn converted(
     context: &Context,
     (who, plan): (&Who, &Plan),
     budget: &Budget,
     files: &[PathBuf],
-) -> Result<Vec<Converted<(Vec<Piece>, Option<FileReport>)>>, Errors> {
+) -> Result<Vec<Converted<FileTrials>>, Errors> {
     let long = |path: &PathBuf| is_long(path, &context.mapping.file);
     let (long, short): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(long);
     let taken = plan.columns().chain(who.columns()).collect();

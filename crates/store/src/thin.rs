@@ -100,7 +100,8 @@ mod tests {
         assert_eq!(most(&all).to_bits(), most(&kept).to_bits());
         let t = of(&few, Signal::Time);
         assert_eq!((t.first(), t.last()), (Some(&0.0), Some(&(199.0 * 0.0083))));
-        let row = of(&trial, Signal::Time).iter().position(|at| *at == t[7]).unwrap();
+        let row =
+            of(&trial, Signal::Time).iter().position(|at| at.to_bits() == t[7].to_bits()).unwrap();
         assert_eq!(kept[7].to_bits(), all[row].to_bits(), "each sample is one that was recorded");
     }
 }

@@ -101,7 +101,7 @@ fn digits(ratio: f64) -> String {
 }
 
 /// The way out: from the first sample to that farthest from it. With angle and force; `None` without much of a movement.
-fn way_out(samples: &dyn Columns, force: Signal) -> Option<(Cow<'_, [f64]>, Cow<'_, [f64]>)> {
+fn way_out(samples: &dyn Columns, force: Signal) -> Option<[Cow<'_, [f64]>; 2]> {
     let (mut theta, mut force) = (samples.column(Signal::Theta)?, samples.column(force)?);
     let first = *theta.first()?;
     let farther =
@@ -120,14 +120,14 @@ fn way_out(samples: &dyn Columns, force: Signal) -> Option<(Cow<'_, [f64]>, Cow<
             Cow::Owned(values) => values.truncate(turn + 1),
         }
     }
-    Some((theta, force))
+    Some([theta, force])
 }
 
 /// A hand that moves a spring away from rest works on it: ∫ F dθ > 0 on the way out.
 fn sign_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     asked.scene.spring()?;
     let signal = recorded(samples)?;
-    let (theta, force) = way_out(samples, signal)?;
+    let [theta, force] = way_out(samples, signal)?;
     let steps =
         || theta.windows(2).zip(force.windows(2)).map(|(x, f)| (x[1] - x[0]) * (f[0] + f[1]) / 2.0);
     let (work, all) = (steps().sum::<f64>(), steps().map(f64::abs).sum::<f64>());
@@ -147,7 +147,7 @@ fn recorded(samples: &dyn Columns) -> Option<Signal> {
 /// The stiffness that the way out shows, over the one asked for: a unit that is wrong is off by a known factor.
 fn size_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let spring = asked.scene.spring()?;
-    let (theta, force) = way_out(samples, Signal::ForceEx)?;
+    let [theta, force] = way_out(samples, Signal::ForceEx)?;
     // The slope alone: where the angle's 0 lies may be wrong too.
     let asked_for = from_mean(&theta).map(|x| x * spring.stiffness_n_per_rad);
     let (ratio, correlation) = ratio(asked_for, from_mean(&force))?;

@@ -167,7 +167,7 @@ fn two_ticks_in_a_cycle_may_be_a_faster_swing_and_without_a_calibration_there_is
     assert_eq!(found.origin, Origin::NoModel(WhyNot::NoCalibration));
     let theta = trial.samples.get(Signal::Theta).unwrap();
     let flip = |i: usize| {
-        if i > 100 && i % 2 == 0 { 0.01 } else { COUNT_RAD * f64::from(u8::from(i > 9)) }
+        if i > 100 && i.is_multiple_of(2) { 0.01 } else { COUNT_RAD * f64::from(u8::from(i > 9)) }
     };
     let flips = (0..theta.len()).map(flip).collect();
     trial.samples.set(Signal::Theta, flips);

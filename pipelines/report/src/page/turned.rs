@@ -114,10 +114,10 @@ fn of_environment<'a>(
             by_eye,
             fitted,
             times,
-            t_s: pack(&at(&t_s))?,
-            recorded_rad: pack(&at(&theta))?,
-            rmse_rad: pack(&errors)?,
-            theta_rad: pack(&angles)?,
+            t_s: pack([&*at(&t_s)])?,
+            recorded_rad: pack([&*at(&theta)])?,
+            rmse_rad: pack([&*errors])?,
+            theta_rad: pack([&*angles])?,
         });
     }
     Ok(turned)
@@ -172,7 +172,7 @@ mod tests {
         let [one] = found.as_slice() else { panic!("{} modes", found.len()) };
         assert_eq!(one.values, [vec![0.1, 0.2], vec![0.0, 1.0], vec![0.0]]);
         assert_eq!((one.times, one.trial, one.mode.as_str()), (2, 4, "hybrid"));
-        assert_eq!(one.rmse_rad, pack(&[0.3, 0.4, 0.5, none]).unwrap());
-        assert_eq!(one.theta_rad, pack(&[0.5, 1.0, 1.5, 2.0, 2.5, 3.0, none, none]).unwrap());
+        assert_eq!(one.rmse_rad, pack([&[0.3, 0.4, 0.5, none][..]]).unwrap());
+        assert_eq!(one.theta_rad, pack([&[0.5, 1.0, 1.5, 2.0, 2.5, 3.0, none, none][..]]).unwrap());
     }
 }

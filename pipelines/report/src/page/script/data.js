@@ -22,12 +22,19 @@ function fetchCondition(key) {
   });
 }
 
-/** A column: base64, deflate, bytes in planes, each value XORed with the one before. Little-endian, as every browser's machine is. */
-async function decodeColumn(text, n) {
-  const packed = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-  const planes = new Uint8Array(await new Response(stream).arrayBuffer());
-  if (planes.length !== 8 * n) throw new Error(`a column holds ${planes.length} bytes where ${n} samples take ${8 * n}`);
+/** Columns of n numbers, one after the other: base64, deflate, bytes in planes, each value XORed with the one before. Little-endian, as every browser's machine is. */
+async function decodeColumns(text, n, count) {
+  const binary = atob(text), packed = new Uint8Array(binary.length);
+  for (let i = 0; i < packed.length; i++) packed[i] = binary.charCodeAt(i);
+  // Not by a Blob's stream: it goes through another process, some milliseconds each.
+  const inflate = new DecompressionStream("deflate-raw"), input = inflate.writable.getWriter();
+  const written = input.write(packed).then(() => input.close());
+  const [buffer] = await Promise.all([new Response(inflate.readable).arrayBuffer(), written]);
+  if (buffer.byteLength !== 8 * n * count) throw new Error(`${count} columns hold ${buffer.byteLength} bytes where ${n} samples take ${8 * n * count}`);
+  return Array.from({ length: count }, (_, column) => numbersOf(new Uint8Array(buffer, 8 * n * column, 8 * n), n));
+}
+
+function numbersOf(planes, n) {
   const bytes = new Uint8Array(8 * n);
   for (let plane = 0; plane < 8; plane++) for (let i = 0; i < n; i++) bytes[8 * i + plane] = planes[plane * n + i];
   const words = new Uint32Array(bytes.buffer);
@@ -35,9 +42,8 @@ async function decodeColumn(text, n) {
   return new Float64Array(bytes.buffer);
 }
 
-async function decodeTable(table) {
-  const names = Object.keys(table.columns);
-  const columns = await Promise.all(names.map((name) => decodeColumn(table.columns[name], table.n)));
+async function decodeTable({ samples, columns: names, ...table }) {
+  const columns = await decodeColumns(samples, table.n, names.length);
   return { ...table, columns: Object.fromEntries(names.map((name, i) => [name, columns[i]])) };
 }
 

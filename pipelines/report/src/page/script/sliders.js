@@ -5,7 +5,7 @@ const TURNS = [["Mass", "kg", 1], ["Damping", study.turned?.damping_unit, study.
 async function decodeTurned(turned) {
   const counts = turned.values.map((values) => values.length);
   const combinations = counts.reduce((product, count) => product * count, 1);
-  const [t, recorded, errors, angles] = await Promise.all([decodeColumn(turned.t_s, turned.times), decodeColumn(turned.recorded_rad, turned.times), decodeColumn(turned.rmse_rad, combinations), decodeColumn(turned.theta_rad, combinations * turned.times)]);
+  const [[t], [recorded], [errors], [angles]] = await Promise.all([decodeColumns(turned.t_s, turned.times, 1), decodeColumns(turned.recorded_rad, turned.times, 1), decodeColumns(turned.rmse_rad, combinations, 1), decodeColumns(turned.theta_rad, combinations * turned.times, 1)]);
   return { ...turned, counts, t, recorded, errors, angles };
 }
 
