@@ -1,10 +1,11 @@
 """Does a study's page do in a browser what it promises, and show what was recorded?
 
-    python page.py --report reports/thesis-twin --raw raw/thesis-twin --out FOLDER [--axe axe.min.js] [--chromium PROGRAM]
+    python page.py --zwidth PROGRAM --report reports/thesis-twin --raw raw/thesis-twin --out FOLDER [--axe axe.min.js] [--chromium PROGRAM]
 
 Drives Chromium without a window and without a network, by mouse and by keyboard alone. Values that the page shows are
 compared with the Parquet files of raw/ bit for bit. Screenshots, the printed page and the saved plots are written to --out, for
-people to look at. Times are printed, not judged. One line a check; the exit code is 1 where one failed.
+people to look at. At last a study is simulated whose every text is a script or a tag: they are shown, not run. Times are printed, not judged.
+One line a check; the exit code is 1 where one failed.
 """
 
 import argparse
@@ -23,6 +24,7 @@ import pyarrow.parquet as parquet
 from playwright.sync_api import TimeoutError, sync_playwright
 
 import checks
+import hostile
 
 # Parts that every page has; the others only where the study has something to put there.
 PARTS = ["top", "contents", "matrix", "findings", "trials", "dots", "figures", "tables", "provenance"]
@@ -39,6 +41,7 @@ def bits(value):
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--zwidth", type=Path, required=True, help="the program")
     arguments.add_argument("--report", type=Path, required=True, help="folder with index.html")
     arguments.add_argument("--raw", type=Path, help="raw/<study>, to compare values with")
     arguments.add_argument("--out", type=Path, required=True, help="where screenshots and saved plots go")
@@ -65,6 +68,7 @@ def main():
         screens(browser, visit.report, given)
         says_what_is_missing(browser, visit.report)
         nothing_left_the_page(visit)
+        texts_are_shown_and_not_run(browser, given.zwidth.resolve())
         browser.close()
     checks.end()
 
@@ -491,6 +495,23 @@ def says_what_is_missing(browser, report):
             visit.page.wait_for_selector(".status.bad")
             text = visit.page.locator(".status").text_content()
             checks.check("missing data are named, with what to do", "report-data" in text, text)
+        visit.context.close()
+
+
+def texts_are_shown_and_not_run(browser, zwidth):
+    """The page of a study whose texts are scripts, tags and quotes."""
+    with tempfile.TemporaryDirectory() as root:
+        report, texts = hostile.made(zwidth, Path(root))
+        visit = Visit(browser, report).ready()
+        scroll_through(visit.page)
+        visit.page.evaluate("for (const details of document.querySelectorAll('details')) details.open = true")
+        text = visit.page.evaluate("document.body.textContent")
+        checks.equal("hostile texts stand in the page as they were written", hostile.shown(texts, text), [])
+        checks.check("no text was run as a script", visit.page.evaluate("window.pwned") is None)
+        scripts = visit.page.locator("script:not([type='application/json'])").count()
+        checks.equal("no text is a script of the page", scripts, 1)
+        checks.equal("hostile texts: no complaint", visit.complaints(), [])
+        nothing_left_the_page(visit)
         visit.context.close()
 
 

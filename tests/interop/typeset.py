@@ -21,6 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import checks
+import hostile
 import numpy as np
 import pypdfium2 as pdfium
 import typst
@@ -246,6 +247,33 @@ def same_by_command(zwidth, root, files):
         checks.check(f"zwidth table --format {form} prints what zwidth run wrote", not other, other)
 
 
+def hostile_tables(engine, reports, folder):
+    """The tables of a study of hostile texts, by both; how they lie on the page is not judged."""
+    files = sorted((reports / "tables").glob("*.tex"))
+    name = "latex-hostile-tables"
+    (folder / f"{name}.tex").write_text(latex_document("10pt", "", files))
+    command = [engine, "-interaction=nonstopmode", "-halt-on-error", f"{name}.tex"]
+    for _ in range(PASSES):
+        done = subprocess.run(command, cwd=folder, capture_output=True, check=False)
+    log = (folder / f"{name}.log").read_text(errors="replace")
+    told = [line for line in log.splitlines() if line.startswith("!") or "Missing character" in line]
+    checks.check(f"{engine}: {len(files)} tables of hostile texts compile", done.returncode == 0 and not told, told[:3])
+    if done.returncode == 0:
+        words(f"{engine}, hostile texts", read(folder / f"{name}.pdf"), files)
+    files = sorted((reports / "tables").glob("*.typ"))
+    document = folder / "typst-hostile-tables.typ"
+    tables = "\n".join(f'#include "{os.path.relpath(file, folder)}"\n#pagebreak(weak: true)' for file in files)
+    document.write_text(f'#set page(paper: "a4")\n{tables}\n')
+    try:
+        pdf, warnings = typst.compile_with_warnings(str(document), root="/", ignore_system_fonts=True)
+    except typst.TypstError as error:
+        checks.check(f"Typst: {len(files)} tables of hostile texts compile", False, error)
+        return
+    checks.check(f"Typst: {len(files)} tables of hostile texts compile without a warning", not warnings, [str(w) for w in warnings][:3])
+    document.with_suffix(".pdf").write_bytes(pdf)
+    words("Typst, hostile texts", read(document.with_suffix(".pdf")), files)
+
+
 def images(folder):
     """Every page as a PNG beside its document."""
     for file in sorted(folder.glob("*.pdf")):
@@ -276,6 +304,10 @@ def main():
             typeset_typst(page, start, margin, typ, folder)
         glyphs_of_typst(typ)
         captions(given.engine, STUDY, tables.parent, folder)
+        with tempfile.TemporaryDirectory() as other:
+            reports, _ = hostile.made(given.zwidth.resolve(), Path(other))
+            captions(given.engine, "hostile texts", reports, folder)
+            hostile_tables(given.engine, reports, folder)
         if given.keep:
             images(folder)
     same_by_command(given.zwidth.resolve(), given.root.resolve(), tex)

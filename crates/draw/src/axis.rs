@@ -115,7 +115,7 @@ pub(crate) fn plan(
         }
     }
     if numbered {
-        plan.label = fonts.block(&label(axis, exponent), LABEL_PT, length_pt)?;
+        plan.label = fonts.parted(&label(axis, exponent), LABEL_PT, length_pt)?;
     } else {
         plan.ticks.iter_mut().for_each(|tick| tick.lines.clear());
     }
@@ -173,37 +173,40 @@ fn categories(
     direction: Direction,
     length_pt: f64,
 ) -> Result<(Vec<PlannedTick>, bool), Error> {
-    let set = |width_pt: f64| -> Result<Vec<PlannedTick>, Error> {
+    let set = |width_pt: f64, lines: SetLines| -> Result<Vec<PlannedTick>, Error> {
         let tick = |(i, name): (usize, &String)| {
-            Ok(PlannedTick {
-                at: i as f64,
-                lines: fonts.block(name, SMALL_PT, width_pt)?,
-                minor: false,
-            })
+            let lines = lines(fonts, name, SMALL_PT, width_pt)?;
+            Ok(PlannedTick { at: i as f64, lines, minor: false })
         };
         names.iter().enumerate().map(tick).collect()
     };
     let slot_pt = length_pt / (ends.1 - ends.0);
-    if direction == Direction::Vertical {
-        let mut highest_pt = 0.0;
-        for width_pt in NAME_PT {
-            let ticks = set(width_pt)?;
-            highest_pt = ticks.iter().map(|tick| font::height_pt(&tick.lines)).fold(0.0, f64::max);
-            if highest_pt <= slot_pt {
-                return Ok((ticks, false));
-            }
+    if direction == Direction::Horizontal {
+        return match set(SLOT_SHARE * slot_pt, Fonts::block) {
+            Err(Error::TextTooLong { .. }) => Ok((set(TURNED_PT, Fonts::parted)?, true)),
+            upright => Ok((upright?, false)),
+        };
+    }
+    let height_pt = |ticks: &[PlannedTick]| {
+        ticks.iter().map(|tick| font::height_pt(&tick.lines)).fold(0.0, f64::max)
+    };
+    for width_pt in NAME_PT {
+        match set(width_pt, Fonts::block) {
+            Err(Error::TextTooLong { .. }) => {}
+            Ok(ticks) if height_pt(&ticks) > slot_pt => {}
+            ticks => return Ok((ticks?, false)),
         }
-        return Err(Error::TextTooLong {
-            text: names.join(" / "),
-            need_pt: highest_pt,
-            have_pt: slot_pt,
-        });
     }
-    match set(SLOT_SHARE * slot_pt) {
-        Err(Error::TextTooLong { .. }) => Ok((set(TURNED_PT)?, true)),
-        upright => Ok((upright?, false)),
+    let ticks = set(NAME_PT[NAME_PT.len() - 1], Fonts::parted)?;
+    let (need_pt, have_pt) = (height_pt(&ticks), slot_pt);
+    if need_pt > have_pt {
+        return Err(Error::TextTooLong { text: names.join(" / "), need_pt, have_pt });
     }
+    Ok((ticks, false))
 }
+
+/// How a text becomes lines of a size within a width.
+type SetLines = fn(&Fonts, &str, f64, f64) -> Result<Vec<Label>, Error>;
 
 #[cfg(test)]
 mod tests {

@@ -215,7 +215,7 @@ impl Fonts {
             };
             let letter = text.get(start..).and_then(|rest| rest.chars().next());
             match &base {
-                Some(base) if letter.is_some_and(is_mark) => {
+                Some(base) if letter.is_some_and(markup::is_mark) => {
                     glyphs.push(self.over(base, glyph, style))
                 }
                 _ => {
@@ -294,6 +294,55 @@ impl Fonts {
         }
         Err(Error::TextTooLong { text: markup.to_owned(), need_pt: widest, have_pt: width_pt })
     }
+
+    /// Sets markup as [`block`](Self::block) does; where a word is too long even in the smallest letters, it is parted between two
+    /// of them. Somebody's text is never the reason why there is no figure.
+    pub(crate) fn parted(
+        &self,
+        markup: &str,
+        size_pt: f64,
+        width_pt: f64,
+    ) -> Result<Vec<Label>, Error> {
+        match self.block(markup, size_pt, width_pt) {
+            Err(Error::TextTooLong { .. }) => {}
+            set => return set,
+        }
+        let mut lines: Vec<(Vec<Run>, Label)> = Vec::new();
+        for word in markup::words(markup) {
+            let fits = |runs: &[Run]| -> Result<Option<Label>, Error> {
+                let set = self.line(runs, LEAST_PT, markup)?;
+                Ok((set.width_pt <= width_pt).then_some(set))
+            };
+            let mut parts: Vec<(Vec<Run>, Label)> = Vec::new();
+            for letter in markup::letters(&word) {
+                let longer = parts.last().map(|(part, _)| markup::append(part, &letter));
+                let set = longer.as_deref().map(fits).transpose()?.flatten();
+                match (parts.last_mut(), longer, set) {
+                    (Some(part), Some(longer), Some(set)) => *part = (longer, set),
+                    _ => {
+                        let set = self.line(&letter, LEAST_PT, markup)?;
+                        parts.push((letter, set));
+                    }
+                }
+            }
+            let whole = parts.len() == 1;
+            for (part, set) in parts {
+                let longer = lines.last().map(|(line, _)| markup::join(line, &part));
+                let joined = longer.as_deref().map(fits).transpose()?.flatten();
+                match (lines.last_mut(), longer, joined) {
+                    (Some(line), Some(longer), Some(joined)) if whole => *line = (longer, joined),
+                    _ => lines.push((part, set)),
+                }
+            }
+        }
+        let lines: Vec<Label> = lines.into_iter().map(|(_, label)| label).collect();
+        let widest = widest_pt(&lines);
+        if widest > width_pt {
+            let text = markup.to_owned();
+            return Err(Error::TextTooLong { text, need_pt: widest, have_pt: width_pt });
+        }
+        Ok(lines)
+    }
 }
 
 /// Height of a line of letters of this size, without room between lines.
@@ -309,11 +358,6 @@ pub(crate) fn widest_pt(lines: &[Label]) -> f64 {
 /// Height of lines set one under the other.
 pub(crate) fn height_pt(lines: &[Label]) -> f64 {
     lines.iter().map(Label::height_pt).sum()
-}
-
-/// Accents and dots that stand over the letter before them.
-pub(crate) fn is_mark(letter: char) -> bool {
-    ('\u{300}'..='\u{315}').contains(&letter)
 }
 
 #[cfg(test)]
@@ -390,5 +434,14 @@ mod tests {
         let fonts = Fonts::bundled().unwrap();
         assert!(fonts.block("short", 8.0, 100.0).is_ok());
         assert!(matches!(fonts.block("interminable", 8.0, 20.0), Err(Error::TextTooLong { .. })));
+        let text = |width_pt: f64| {
+            let lines = fonts.parted("an *interminable* \\*θ̇* end", 8.0, width_pt).unwrap();
+            assert!(widest_pt(&lines) <= width_pt);
+            lines.iter().map(Label::text).collect::<Vec<_>>().join("/")
+        };
+        assert_eq!(text(20.0).replace('/', ""), "aninterminable*θ̇*end");
+        assert!(text(20.0).starts_with("an/inter"), "{}", text(20.0));
+        assert_eq!(text(200.0), "an interminable *θ̇* end");
+        assert!(matches!(fonts.parted("in", 8.0, 1.0), Err(Error::TextTooLong { .. })));
     }
 }

@@ -32,16 +32,11 @@ pub(crate) const MARK_PAD_PT: (f64, f64) = (4.0, 2.2);
 pub(crate) struct Plan<'a> {
     pub(crate) width_pt: f64,
     pub(crate) height_pt: f64,
-    pub(crate) title: Vec<Label>,
+    pub(crate) title: (Vec<Label>, At),
     pub(crate) mark: Option<(Label, Rect)>,
     pub(crate) legend: (Legend, At),
     pub(crate) panels: Vec<PanelPlan<'a>>,
     pub(crate) footnotes: (Vec<Label>, f64),
-}
-
-/// Where heading text starts, in pt from the page's top left.
-pub(crate) fn title_at() -> At {
-    (PAGE_MARGIN_PT, PAGE_MARGIN_PT)
 }
 
 /// The most that a page may measure, in mm: ISO A0.
@@ -82,9 +77,12 @@ pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Er
     let width_pt = figure.width_mm * PT_PER_MM;
     let inner_pt = width_pt - 2.0 * PAGE_MARGIN_PT;
     let mark = mark(figure, fonts, width_pt)?;
-    let (mark_width, mark_height) = mark
-        .as_ref()
-        .map_or((0.0, 0.0), |(_, frame)| (frame.width() + BLOCK_GAP_PT, frame.height()));
+    // A stamp that takes more than half of a narrow page stands above the heading, another beside it.
+    let above = mark.as_ref().filter(|(label, _)| label.width_pt > width_pt / 2.0);
+    let head = PAGE_MARGIN_PT + above.map_or(0.0, |(_, frame)| frame.height() + BLOCK_GAP_PT);
+    let beside = mark.as_ref().filter(|_| above.is_none());
+    let (mark_width, mark_height) =
+        beside.map_or((0.0, 0.0), |(_, frame)| (frame.width() + BLOCK_GAP_PT, frame.height()));
     let beside_mark_pt = inner_pt - mark_width;
     let title = title(figure, fonts, beside_mark_pt)?;
     let title_pt = if title.is_empty() { 0.0 } else { font::height_pt(&title) + TITLE_GAP_PT };
@@ -97,18 +95,18 @@ pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Er
 
     let (above_pt, below_pt) =
         if below { (0.0, spaced(legend.height_pt())) } else { (legend.height_pt(), 0.0) };
-    let top = PAGE_MARGIN_PT + spaced((title_pt + above_pt).max(mark_height));
+    let top = head + spaced((title_pt + above_pt).max(mark_height));
     let foot_pt = below_pt + spaced(font::height_pt(&footnotes)) + PAGE_MARGIN_PT;
     let grid_pt = figure.height_mm.map(|mm| mm * PT_PER_MM - top - foot_pt);
     let (panels, bottom) = solve(figure, fonts, top, grid_pt)?;
 
     let plots_left = panels.iter().map(|panel| panel.plot.left).fold(width_pt, f64::min);
     let last_left = PAGE_MARGIN_PT + legend_room_pt - legend.width_pt();
-    let legend_top = if below { bottom + BLOCK_GAP_PT } else { PAGE_MARGIN_PT + title_pt };
+    let legend_top = if below { bottom + BLOCK_GAP_PT } else { head + title_pt };
     Ok(Plan {
         width_pt,
         height_pt: bottom + foot_pt,
-        title,
+        title: (title, (PAGE_MARGIN_PT, head)),
         mark,
         legend: (legend, (plots_left.min(last_left).max(PAGE_MARGIN_PT), legend_top)),
         panels,
@@ -118,7 +116,7 @@ pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Er
 
 fn title(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Vec<Label>, Error> {
     match figure.title.as_ref().filter(|_| !figure.bare) {
-        Some(title) => fonts.block(&format!("**{title}**"), TITLE_PT, width_pt),
+        Some(title) => fonts.parted(&format!("**{title}**"), TITLE_PT, width_pt),
         None => Ok(Vec::new()),
     }
 }
@@ -132,7 +130,7 @@ fn spaced(height_pt: f64) -> f64 {
 fn mark(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Option<(Label, Rect)>, Error> {
     let Some(mark) = &figure.mark else { return Ok(None) };
     let label = fonts.label(&format!("**{mark}**"), SMALL_PT)?;
-    let room_pt = width_pt / 2.0;
+    let room_pt = width_pt - 2.0 * (PAGE_MARGIN_PT + MARK_PAD_PT.0);
     if label.width_pt > room_pt {
         return Err(Error::TextTooLong {
             text: mark.clone(),
@@ -149,7 +147,7 @@ fn mark(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Option<(Label, 
 fn footnotes(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Vec<Label>, Error> {
     let mut lines = Vec::new();
     for note in figure.footnotes.iter().filter(|_| !figure.bare) {
-        lines.extend(fonts.block(note, SMALL_PT, width_pt)?);
+        lines.extend(fonts.parted(note, SMALL_PT, width_pt)?);
     }
     Ok(lines)
 }

@@ -126,6 +126,31 @@ pub(crate) fn join(left: &[Run], right: &[Run]) -> Vec<Run> {
     if let Some(last) = runs.last_mut() {
         last.text.push(' ');
     }
+    append(&runs, right)
+}
+
+/// Accents and dots that stand over the letter before them.
+pub(crate) fn is_mark(letter: char) -> bool {
+    ('\u{300}'..='\u{315}').contains(&letter)
+}
+
+/// The letters of a word, each with the accents that stand over it.
+pub(crate) fn letters(word: &[Run]) -> Vec<Vec<Run>> {
+    let mut letters: Vec<Vec<Run>> = Vec::new();
+    for run in word {
+        for letter in run.text.chars() {
+            match letters.last_mut().and_then(|runs| runs.last_mut()) {
+                Some(before) if is_mark(letter) => before.text.push(letter),
+                _ => letters.push(vec![Run { text: letter.to_string(), ..*run }]),
+            }
+        }
+    }
+    letters
+}
+
+/// Two parts of a word, one after the other.
+pub(crate) fn append(left: &[Run], right: &[Run]) -> Vec<Run> {
+    let mut runs = left.to_vec();
     right.iter().for_each(|run| push(&mut runs, run.clone()));
     runs
 }

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::figure::{Direction, Layer};
 use crate::font::{self, ASCENT_EM, CAP_EM, Label};
 use crate::layers;
-use crate::layout::{MARK_PAD_PT, Plan, title_at};
+use crate::layout::{MARK_PAD_PT, Plan};
 use crate::legend;
 use crate::panel::PanelPlan;
 use crate::scale::Scale;
@@ -19,7 +19,7 @@ use crate::words;
 pub(crate) fn draw(sheet: &mut Sheet, plan: &Plan<'_>) -> Result<(), Error> {
     let page = Rect { left: 0.0, top: 0.0, right: plan.width_pt, bottom: plan.height_pt };
     sheet.rect(&page, PAPER, 1.0);
-    lines(sheet, &plan.title, title_at(), INK);
+    lines(sheet, &plan.title.0, plan.title.1, INK);
     if let Some((label, frame)) = &plan.mark {
         stamp(sheet, label, frame);
     }
@@ -27,7 +27,7 @@ pub(crate) fn draw(sheet: &mut Sheet, plan: &Plan<'_>) -> Result<(), Error> {
     for panel in &plan.panels {
         draw_panel(sheet, panel, (plan.width_pt, plan.height_pt))?;
     }
-    lines(sheet, &plan.footnotes.0, (title_at().0, plan.footnotes.1), GREY);
+    lines(sheet, &plan.footnotes.0, (plan.title.1.0, plan.footnotes.1), GREY);
     Ok(())
 }
 

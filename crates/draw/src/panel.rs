@@ -68,7 +68,7 @@ pub(crate) fn plan<'a>(
     let x = axis::plan(fonts, &panel.x, ends[0], Direction::Horizontal, plot.width(), x_numbered)?;
     let y = axis::plan(fonts, &panel.y, ends[1], Direction::Vertical, plot.height(), y_numbered)?;
     let block = |markup: &Option<String>, size_pt, width_pt| match markup {
-        Some(markup) => fonts.block(markup, size_pt, width_pt),
+        Some(markup) => fonts.parted(markup, size_pt, width_pt),
         None => Ok(Vec::new()),
     };
     let title = block(&panel.title, LABEL_PT, plot.width())?;

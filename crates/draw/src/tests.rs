@@ -358,6 +358,30 @@ fn a_bare_figure_leaves_heading_and_small_print_to_its_caption_and_keeps_its_sta
     assert!(is_drawn(&bare, "SYNTHETIC") && bare.contains("<title>A heading</title>"));
 }
 
+#[test]
+fn a_stamp_that_takes_more_than_half_of_a_narrow_figure_stands_above_its_heading() {
+    let fonts = Fonts::bundled().unwrap();
+    let figure = Figure {
+        title: Some("A heading that takes more than half of the figure's width".into()),
+        mark: Some("SYNTHETIC: simulated, not measured".into()),
+        width_mm: ONE_COLUMN_MM,
+        ..one_line()
+    };
+    let placed = |width_mm: f64| {
+        let figure = Figure { width_mm, ..figure.clone() };
+        let plan = layout::plan(&figure, fonts).unwrap();
+        let (_, stamp) = plan.mark.unwrap();
+        assert!(stamp.left > 0.0 && stamp.right < plan.width_pt);
+        assert!(stamp.bottom < plan.panels[0].plot.top);
+        (stamp, plan.title.1.1)
+    };
+    let (narrow, wide) = (placed(ONE_COLUMN_MM), placed(2.0 * ONE_COLUMN_MM));
+    assert!(narrow.0.bottom < narrow.1 && wide.0.bottom > wide.1);
+    let too_narrow = Figure { width_mm: 40.0, ..figure };
+    let refused = layout::plan(&too_narrow, fonts).unwrap_err();
+    assert!(matches!(refused, Error::TextTooLong { .. }), "{refused}");
+}
+
 /// A figure of one line with names on its axes.
 fn one_line() -> Figure {
     let line = Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Line::default() };

@@ -4,6 +4,9 @@
 use crate::{Samples, Signal};
 use std::borrow::Cow;
 
+/// Samples from which on a trial is checked column by column, so that no more than two are in memory.
+pub(crate) const LONG: usize = 1 << 20;
+
 /// The signals of a trial.
 pub trait Columns {
     /// The values of `signal`, where the recording has it.

@@ -1,8 +1,9 @@
 //! A long trial as it is drawn: with fewer samples, among them the extremes of every stretch, so that it looks as it does with
 //! all. No more than one of its columns is in memory at a time.
 
+use crate::columns::LONG;
 use crate::read::{OpenColumns, read_trial};
-use crate::verify::{LONG, check_samples};
+use crate::verify::check_samples;
 use crate::{Asked, RealFiles, Samples, Signal, StoreError, Trial};
 use std::path::Path;
 

@@ -1,5 +1,6 @@
 //! `verify`: every finding in a study, not only the first.
 
+use crate::columns::LONG;
 use crate::journal::DAMAGED;
 use crate::plausible::{Asked, implausible};
 use crate::read::{OpenColumns, read_whole_trial};
@@ -18,9 +19,6 @@ use zwidth_study::{Coordinate, Event, Question, Study};
 /// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit
 /// at which the safety layer cuts the voltage).
 const WORK_SPACE_SLACK_RAD: f64 = 0.034_906_585_039_886_59;
-
-/// Samples from which on a trial is checked column by column, so that no more than two are in memory.
-pub(crate) const LONG: usize = 1 << 20;
 
 /// Checks a whole study: `study.toml`, every file byte by byte, every event. An empty list is a
 /// clean study.

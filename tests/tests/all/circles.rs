@@ -58,6 +58,7 @@ const KNOWN: [(&str, &str, &[&str]); 13] = [
         &[
             "crate",
             "batch",
+            "blocks",
             "check",
             "given",
             "identity",
@@ -69,6 +70,7 @@ const KNOWN: [(&str, &str, &[&str]); 13] = [
             "plan",
             "recording",
             "shape",
+            "stream",
             "sweeps",
             "trials",
             "wide",

@@ -2,7 +2,7 @@
 
 use super::asked::Asked;
 use super::doubt::{Doubt, LEAST_SAMPLES, range};
-use crate::verify::LONG;
+use crate::columns::LONG;
 use crate::{Columns, Signal};
 use zwidth_study::{Coordinate, Scene};
 

@@ -9,7 +9,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_plan::{Oscillations, oscillations};
-use zwidth_replay::{Oscillation, RecordedSwings, SwingAnswer, VERSION, oscillations_table};
+use zwidth_replay::{Oscillation, SwingAnswer, VERSION, oscillations_table};
 use zwidth_store::StudyData;
 use zwidth_study::{StudyId, TrialMeta};
 
@@ -126,7 +126,9 @@ fn tell(found: &Oscillations, files: &[PathBuf], screen: &Screen) {
 }
 
 mod words {
-    use super::{Command, Oscillation, RecordedSwings, TrialMeta};
+    use crate::args::Stability as Command;
+    use zwidth_replay::{Oscillation, RecordedSwings};
+    use zwidth_study::TrialMeta;
 
     pub(super) fn nothing(command: &Command) -> String {
         let parts = [
