@@ -120,7 +120,7 @@ impl Sheet {
     }
 }
 
-/// From 0 to 1; what is no number hides nothing.
+/// An opacity from 0 to 1; NaN counts as 1.
 fn share(opacity: f64) -> f64 {
     if opacity.is_nan() { 1.0 } else { opacity.clamp(0.0, 1.0) }
 }

@@ -1,4 +1,4 @@
-//! Stage `average`: two tables a condition of a session, one for each alignment; without a mean
+//! Stage `average`: each condition of a session has two tables, one for each alignment. If there is no mean,
 //! they are empty and their note says why.
 
 use crate::conditions::{Repeats, repeats};

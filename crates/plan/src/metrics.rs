@@ -1,7 +1,7 @@
-//! Stage `metrics`: a table a condition of a session, then one of the whole study. A changed trial
+//! Stage `metrics`: one table for each condition of a session, then one for the whole study. A changed trial
 //! leaves the tables of the other conditions as they are, and so the figures that take their onsets
-//! from there. What rests on the identified plant is a second table a condition, for `identify`
-//! depends on every trial; the one of the study has both.
+//! from them. Metrics that need the identified plant are in a second table for each condition, because `identify`
+//! depends on every trial. The study's table has both kinds.
 
 use crate::conditions::{Repeats, repeats};
 use crate::identify::{known_plant, plant_with_spread};

@@ -17,8 +17,8 @@ use zwidth_store::{Layout, Samples, Signal, StudyData, Trial, TrialEntry, TrialF
 use zwidth_study::{Calibration, Kind, Measured, Perception, Source, Status, TrialMeta};
 use zwidth_tables::Table;
 use zwidth_trade::{
-    Bounds, Course, Less, Metrics, ModelScene, Parameters, Trade, TradeError, condition_scene,
-    data_table, lessened, settings_table, summary_table, trade,
+    Bounds, Course, LONGEST, Less, Metrics, ModelScene, Parameters, Trade, TradeError,
+    condition_scene, data_table, lessened, settings_table, summary_table, trade,
 };
 
 const STAGE: Stage = Stage { name: "trade", version: zwidth_trade::VERSION };
@@ -125,9 +125,18 @@ pub(crate) fn measured_conditions(data: &StudyData) -> impl Iterator<Item = Repe
     rendered(data).filter(move |repeats| repeats.trials.iter().any(|t| has(t)))
 }
 
+/// The conditions of which less is taken, with the trials that are not too long for that: each of them is measured a dozen times.
+fn lessened_conditions(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
+    let of_short = measured_conditions(data).map(|mut repeats| {
+        repeats.trials.retain(|trial| trial.rows <= LONGEST);
+        repeats
+    });
+    of_short.filter(|repeats| !repeats.trials.is_empty())
+}
+
 /// What less of the recordings does, where there are any.
 fn data_table_of(data: &StudyData) -> Option<PathBuf> {
-    measured_conditions(data).next().is_some().then(|| derived(&data.layout, "trade_data.parquet"))
+    lessened_conditions(data).next().is_some().then(|| derived(&data.layout, "trade_data.parquet"))
 }
 
 /// What the trade of a study depends on: no recording.
@@ -147,7 +156,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 /// What less of a condition's recordings does, and all of them joined.
 fn data_jobs(data: &StudyData) -> Vec<Job> {
-    let conditions: Vec<Repeats> = measured_conditions(data).collect();
+    let conditions: Vec<Repeats> = lessened_conditions(data).collect();
     let table = |r: &Repeats| derived(&data.layout, format!("trade/{}.parquet", r.key));
     let one = |r: &Repeats| {
         let metrics = zwidth_metrics::Parameters::of(&data.study, r.environment, r.mode);
@@ -229,7 +238,8 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let less = data_table_of(data).map(|table| {
         let sources: BTreeSet<Source> = data.counting().map(|t| t.meta.source).collect();
         let sources: Vec<Source> = sources.into_iter().collect();
-        Drawing::new(data, LESS, [""; 0], sources, table, draw_less).of(data.counting().count())
+        let trials = data.counting().filter(|t| t.rows <= LONGEST).count();
+        Drawing::new(data, LESS, [""; 0], sources, table, draw_less).of(trials)
     });
     scenes.chain(less).collect()
 }

@@ -227,7 +227,7 @@ pub struct Question {
 pub struct Condition {
     /// What is rendered.
     pub environment: EnvironmentId,
-    /// How.
+    /// How it is rendered.
     pub mode: ModeId,
 }
 

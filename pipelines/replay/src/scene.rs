@@ -55,12 +55,12 @@ impl Parameters {
         }
     }
 
-    /// The motor's lag as a term: no lag is no term.
+    /// The motor's lag, s, if the model has one.
     pub(crate) fn motor_lag_s(&self) -> Option<f64> {
         Some(self.motor_lag_s).filter(|lag| *lag >= LEAST_LAG_S)
     }
 
-    /// The brake's lags likewise; one of two that is none becomes the shortest there is.
+    /// The brake's two lags, s, if the model has any. If only one of them is 0, the model takes the shortest lag instead.
     pub(crate) fn brake_lag_on_off_s(&self) -> Option<[f64; 2]> {
         let lags = [self.brake_on_s, self.brake_off_s];
         lags.iter().any(|lag| *lag >= LEAST_LAG_S).then(|| lags.map(|lag| lag.max(LEAST_LAG_S)))

@@ -9,6 +9,9 @@ use zwidth_store::{Samples, Signal, Trial};
 /// of the shaft.
 const SHAFT_TURNS: f64 = 75.0 / 11.0;
 
+/// Samples of the longest recording of which less is taken: 17 minutes at 1 kHz.
+pub const LONGEST: usize = 1 << 20;
+
 /// What is taken from a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -41,7 +41,7 @@ pub use choice::{Choice, WhyNot};
 pub use condition::condition_scene;
 pub use course::courses_table;
 pub use data::{Bounds, data_table, join_conditions, join_twin, twin_table};
-pub use degrade::{Less, lessened};
+pub use degrade::{LONGEST, Less, lessened};
 pub use error::TradeError;
 pub use errors::{Errors, Size};
 pub use measured::{Course, Measure, MetricChange, Metrics};

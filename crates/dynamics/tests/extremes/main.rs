@@ -19,8 +19,8 @@ use zwidth_dynamics::{
 const SEED: u64 = 16;
 /// Scenes of a test.
 const SCENES: u64 = 10_000;
-/// Every so many scenes one is judged too: a verdict takes some hundred runs.
-const JUDGED: u64 = 500;
+/// Every so many scenes one is judged too: a verdict takes some hundred runs, and its reference up to three million steps a run.
+const JUDGED: u64 = 10_000;
 /// Length of a run and its samples, s.
 const RUN: (f64, f64) = (0.2, 0.008);
 

@@ -14,7 +14,7 @@ const SLOPE: f64 = 1e-10;
 const SLOPE_LEFT: f64 = 1e-6;
 /// Criteria within this share of the rows (and of themselves) are one.
 const SAME: f64 = 1e-12;
-/// A residual variance below this share of the response's is none: the repeats do not differ.
+/// A residual variance below this share of the response's counts as 0: the repeats do not differ.
 const NO_VARIANCE: f64 = 1e-10;
 
 /// The best θ found.

@@ -168,7 +168,7 @@ pub(crate) struct Acquire {
     /// The screen in ASCII alone
     #[arg(long)]
     pub(crate) ascii: bool,
-    /// Nobody sits before it: trials start by themselves, the simulated participant answers
+    /// Run without an experimenter: trials start by themselves, the simulated participant answers
     #[arg(long)]
     pub(crate) auto: bool,
     /// Rate of the control loop, Hz [default: the study's]
