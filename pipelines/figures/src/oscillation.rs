@@ -1,5 +1,6 @@
 //! A recorded oscillation beside that of its loop run again.
 
+use crate::replay::RECORDED;
 use crate::words::plain;
 use zwidth_draw::style;
 use zwidth_draw::{Axis, Cell, Figure, Layer, Line, Panel, Range};
@@ -26,10 +27,10 @@ pub fn oscillation(
         let inside = t_s.iter().zip(*theta_rad).filter(|(t, _)| (from_s..=to_s).contains(*t));
         let (x, y) = inside.map(|(t, theta)| (*t, theta.to_degrees())).unzip();
         let name = NAMES.get(i).map(|name| (*name).to_owned());
-        let stroke = if i == 0 {
-            style::single(style::INK)
-        } else {
-            style::single(style::mode_colour(i - 1))
+        // Broad and pale below what is run again, which must be told apart where it lies on it.
+        let stroke = match i {
+            0 => RECORDED,
+            _ => style::single(style::mode_colour(i - 1)).dashed(style::dash(i - 1)),
         };
         Layer::Line(Line { x, y, name, stroke, ..Line::default() })
     };
@@ -65,6 +66,12 @@ mod tests {
         let lines: Vec<_> = lines.collect();
         assert_eq!(lines[0], ("recorded".to_owned(), 251), "{lines:?}");
         assert_eq!(lines.len(), 3);
+        let dashes = figure.panels[0].layers.iter().filter_map(|layer| match layer {
+            Layer::Line(line) => Some(line.stroke.dash),
+            _ => None,
+        });
+        let dashes: Vec<_> = dashes.collect();
+        assert!(dashes[1] != dashes[2], "told apart without colour: {dashes:?}");
         draw(&figure).unwrap();
     }
 }

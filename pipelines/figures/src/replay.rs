@@ -149,7 +149,8 @@ fn figure(
 }
 
 /// Broad and pale, so that a model that lies on it is seen.
-const RECORDED: Stroke = Stroke { width_pt: 2.4, opacity: 0.35, ..style::mean(style::INK) };
+pub(crate) const RECORDED: Stroke =
+    Stroke { width_pt: 2.4, opacity: 0.35, ..style::mean(style::INK) };
 
 /// The axis of forces where a command goes far beyond what acts, and how far.
 fn excess(trials: &[Replayed]) -> Option<(Range, f64)> {
