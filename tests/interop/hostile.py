@@ -8,14 +8,14 @@ import xml.etree.ElementTree as xml
 import checks
 
 STUDY = "hostile"
-# No blanks in the first: it must be parted to stand in a figure at all.
+# As long as a figure has room for: longer ones are refused, with what to do.
 TEXTS = [
-    "<script>window.pwned=1</script>\"'&\\input{x}#eval(\"y\")$x_1^2$%5{a}~`@|",
-    "</script><script>alert('x')</script> <img src=x onerror=alert(1)> <!-- ]]> &amp; &#x41;",
-    "\\def\\x{}\\x \\end{document} \\write18{ls} % $$ ^^41 ~ # & _ { }",
-    "#import \"x\": * #eval(\"1\") @tab:x <y> `raw` = heading $ a/b $ [c] *d* _e_ // f",
-    "| a | b |\n|---|---|\n[x](javascript:alert(1)) ![y](z) **bold** <b>c</b>".replace("\n", " "),
-    "${x} {{x}} '; DROP TABLE trials; -- \u00e9 \u03b8 \u2264 \u2212 \u201cq\u201d",
+    "<script>window.pwned=1</script>",
+    "</script><img src=x onerror=x>\"'",
+    "\\input{x} \\end{document} % $ ^^41",
+    "#eval(\"y\") @tab:x $a$ *b* _c_",
+    "| a | [x](javascript:alert(1)) |",
+    "{{x}} ${y} &amp; <!-- ]]> é ≤",
 ]
 FIELDS = re.compile(r'(?m)^((?:label|title|name|text) = )(".*")$')
 
@@ -33,13 +33,14 @@ def made(zwidth, root):
     toml.write_text(FIELDS.sub(replaced, toml.read_text()))
     checks.run(zwidth, "--root", root, "twin", STUDY, "--participants", 2, "--sessions", 1)
     done = subprocess.run([zwidth, "--root", root, "run", STUDY], capture_output=True, text=True, check=False)
-    checks.check("hostile texts: every figure is made", done.returncode in (0, 3) and "could not be made" not in done.stderr, done.stderr[:400])
+    checks.check("hostile texts: every figure is made", done.returncode in (0, 3) and "could not be made" not in done.stderr, re.findall("figure .* could not.*", done.stderr))
     reports = root / "reports" / STUDY
     drawings = sorted((reports / "figures").glob("*.svg"))
     broken = [file.name for file in drawings if xml.parse(file).getroot().tag != "{http://www.w3.org/2000/svg}svg"]
     active = [file.name for file in drawings if any(e.tag.endswith("}script") for e in xml.parse(file).iter())]
     checks.check(f"hostile texts: {len(drawings)} figures are SVG without a script", drawings and not broken and not active, (broken, active))
-    return reports, texts
+    # Questions stand in the figures alone.
+    return reports, texts[:-2]
 
 
 def shown(texts, page):
