@@ -8,19 +8,22 @@ use png::chunk::IDAT;
 use png::{BitDepth, ColorType, Encoder, PixelDimensions, Unit};
 use rustybuzz::ttf_parser::OutlineBuilder;
 use tiny_skia::{
-    Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Shader, StrokeDash,
-    Transform,
+    Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PixmapPaint, Shader,
+    StrokeDash, Transform,
 };
 
 use crate::error::Error;
 use crate::font::Fonts;
-use crate::sheet::{Form, Ink, Shape};
-use crate::style::Colour;
+use crate::sheet::{At, Form, Ink, Shape};
+use crate::style::{Colour, Stroke};
 
 /// Points an inch.
 const PT_PER_INCH: f64 = 72.0;
 /// Millimetres an inch.
 const MM_PER_INCH: f64 = 25.4;
+/// A curve of more points is stroked in pieces, of so many points each.
+const LONG: usize = 4096;
+const PIECE: usize = 128;
 /// The most pixels that an image may have: 100 megapixels take 400 MB while being drawn.
 const MOST_PIXELS: f64 = 1e8;
 
@@ -64,6 +67,11 @@ pub(crate) fn outline(form: &Form, fonts: &Fonts, scale: f32) -> Option<Path> {
 }
 
 fn paint(pixmap: &mut Pixmap, shape: &Shape, fonts: &Fonts, scale: f32) {
+    if let (Form::Curve(points), Ink::Stroke(stroke)) = (&shape.form, &shape.ink)
+        && points.len() > LONG
+    {
+        return long_curve(pixmap, points, stroke, scale);
+    }
     let Some(path) = outline(&shape.form, fonts, scale) else { return };
     match &shape.ink {
         Ink::Fill(colour, opacity) => {
@@ -71,21 +79,53 @@ fn paint(pixmap: &mut Pixmap, shape: &Shape, fonts: &Fonts, scale: f32) {
             pixmap.fill_path(&path, &ink, FillRule::Winding, Transform::identity(), None);
         }
         Ink::Stroke(stroke) => {
-            let dash = |pt: Vec<f64>| {
-                let dashes = pt.into_iter().map(|pt| pt as f32 * scale).collect();
-                StrokeDash::new(dashes, stroke.from_pt as f32 * scale)
-            };
-            let pen = tiny_skia::Stroke {
-                width: stroke.width_pt as f32 * scale,
-                line_join: LineJoin::Round,
-                line_cap: if stroke.round_ends() { LineCap::Round } else { LineCap::Butt },
-                dash: stroke.dashes_pt().and_then(dash),
-                ..tiny_skia::Stroke::default()
-            };
+            let pen = pen(stroke, scale);
             let ink = ink(stroke.colour, stroke.opacity);
             pixmap.stroke_path(&path, &ink, &pen, Transform::identity(), None);
         }
     }
+}
+
+fn pen(stroke: &Stroke, scale: f32) -> tiny_skia::Stroke {
+    let dash = |pt: Vec<f64>| {
+        let dashes = pt.into_iter().map(|pt| pt as f32 * scale).collect();
+        StrokeDash::new(dashes, stroke.from_pt as f32 * scale)
+    };
+    tiny_skia::Stroke {
+        width: stroke.width_pt as f32 * scale,
+        line_join: LineJoin::Round,
+        line_cap: if stroke.round_ends() { LineCap::Round } else { LineCap::Butt },
+        dash: stroke.dashes_pt().and_then(dash),
+        ..tiny_skia::Stroke::default()
+    }
+}
+
+/// A curve of so many points that it crosses itself again and again, stroked piece by piece: the whole takes the square
+/// of its crossings of a row of pixels. Pieces overlap, so a translucent curve is one layer.
+fn long_curve(pixmap: &mut Pixmap, points: &[At], stroke: &Stroke, scale: f32) {
+    let Some(mut layer) = Pixmap::new(pixmap.width(), pixmap.height()) else { return };
+    let mut piece = Stroke { opacity: 1.0, ..*stroke };
+    for from in (0..points.len() - 1).step_by(PIECE) {
+        // One stretch more than its own: there the joint with the next piece is.
+        let part = &points[from..points.len().min(from + PIECE + 2)];
+        let mut path = PathBuilder::new();
+        path.move_to(part[0].0 as f32 * scale, part[0].1 as f32 * scale);
+        part[1..].iter().for_each(|&(x, y)| path.line_to(x as f32 * scale, y as f32 * scale));
+        if let Some(path) = path.finish() {
+            let ink = ink(piece.colour, piece.opacity);
+            layer.stroke_path(&path, &ink, &pen(&piece, scale), Transform::identity(), None);
+        }
+        // Dashes go on where the piece's own part ends.
+        let own = &part[..part.len().min(PIECE + 1)];
+        piece.from_pt += own.windows(2).map(|pair| length(pair[0], pair[1])).sum::<f64>();
+    }
+    let paint = PixmapPaint { opacity: stroke.opacity as f32, ..PixmapPaint::default() };
+    pixmap.draw_pixmap(0, 0, layer.as_ref(), &paint, Transform::identity(), None);
+}
+
+fn length(from: At, to: At) -> f64 {
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    (dx * dx + dy * dy).sqrt()
 }
 
 fn ink(Colour { r, g, b }: Colour, opacity: f64) -> Paint<'static> {
@@ -160,4 +200,42 @@ fn compressed(pixmap: &Pixmap) -> std::io::Result<Vec<u8>> {
         zlib.write_all(&rows)?;
     }
     zlib.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::style::Dash;
+
+    fn drawn(points: &[At], stroke: Stroke) -> Pixmap {
+        let mut pixmap = Pixmap::new(400, 200).unwrap();
+        pixmap.fill(Color::WHITE);
+        let shape = Shape { form: Form::Curve(points.to_vec()), ink: Ink::Stroke(stroke) };
+        paint(&mut pixmap, &shape, Fonts::bundled().unwrap(), 1.0);
+        pixmap
+    }
+
+    #[test]
+    fn a_curve_of_many_points_looks_as_one_of_few() {
+        let wave = |n: usize| -> Vec<At> {
+            let turn = |i: usize| i as f64 / (n - 1) as f64;
+            (0..n)
+                .map(|i| (10.0 + 380.0 * turn(i), 100.0 + 80.0 * (12.0 * turn(i)).sin()))
+                .collect()
+        };
+        for dash in [Dash::Solid, Dash::Dashed] {
+            for opacity in [1.0, 0.4] {
+                let stroke =
+                    Stroke { colour: Colour::hex(0), width_pt: 2.0, opacity, dash, from_pt: 0.0 };
+                let (few, many) = (drawn(&wave(LONG), stroke), drawn(&wave(LONG + 1), stroke));
+                let dark = |pixmap: &Pixmap| pixmap.data().iter().filter(|&&v| v < 200).count();
+                assert!(dark(&few) > 500, "{dash:?} {opacity}");
+                let off = few.data().iter().zip(many.data()).map(|(a, b)| a.abs_diff(*b));
+                let (worst, unlike) = off.fold((0, 0), |(worst, unlike), off| {
+                    (worst.max(off), unlike + usize::from(off > 40))
+                });
+                assert!(unlike < 40 && worst < 128, "{dash:?} {opacity}: {unlike}, {worst}");
+            }
+        }
+    }
 }
